@@ -1,0 +1,425 @@
+//! The caller's elements: checked once, then trusted by every engine.
+
+use crate::error::Error;
+use crate::real::Real;
+
+/// A view of N elements: centres with one radius, with a radius each, or axis-aligned boxes.
+///
+/// The view borrows the caller's arrays and copies nothing. Its constructors check every number, so that whatever
+/// searches the elements afterwards can trust them.
+///
+/// # When do two elements touch?
+/// Touching counts: the comparison is closed. It is defined by the floating-point operations below, in the type
+/// `T` of the input, each rounded once, without fused multiply-add; every engine takes this same decision.
+/// - Spheres (discs, hyperspheres): `s = (r_i + r_j) + tolerance`; `d = x_i - x_j` per axis;
+///   `((d_0 * d_0) + d_1 * d_1) + …  <=  s * s`, the axes in ascending order.
+/// - Boxes: `min_i <= max_j + tolerance` and `min_j <= max_i + tolerance` on every axis.
+///
+/// Both are symmetric in i and j to the last bit. Differences so small that their squares underflow
+/// (below about 1e-154 in `f64`, 1e-19 in `f32`) count as zero.
+///
+/// # Shapes
+/// `centres`, `min`, `max`: `[n]` points `[T; D]`, for `D` of at least 1; `radii`: `[n]`.
+///
+/// # Units
+/// One length unit for all. `tolerance` is the gap that still counts as contact, 0 by default.
+///
+/// # Cost
+/// Construction reads every number once. A radius of zero is a point, which touches what covers it.
+///
+/// # Example
+/// ```
+/// use fdem_contact::Elements;
+///
+/// let centres = [[0.0, 0.0], [2.0, 0.0], [9.0, 9.0]];
+/// let elements = Elements::spheres_with_radii(&centres, &[1.0, 1.0, 0.5])?;
+/// assert!(elements.touch(0, 1)); // exactly touching counts
+/// assert!(!elements.touch(0, 2));
+/// # Ok::<(), fdem_contact::Error>(())
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct Elements<'a, T, const D: usize> {
+    pub(crate) shape: Shape<'a, T, D>,
+    tolerance: T,
+    bounds: Bounds<D>,
+    /// Largest box edge (diameter) of all elements.
+    largest: f64,
+}
+
+/// One kind of element and its contact test.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Shape<'a, T, const D: usize> {
+    Equal(EqualSpheres<'a, T, D>),
+    Spheres(Spheres<'a, T, D>),
+    Boxes(Boxes<'a, T, D>),
+}
+
+/// Extremes of the anchor points, axis by axis.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Bounds<const D: usize> {
+    pub(crate) min: [f64; D],
+    pub(crate) max: [f64; D],
+}
+
+/// What an engine needs of a set of elements, resolved once per search and not once per couple.
+pub(crate) trait Geometry: Copy {
+    /// Number of elements.
+    fn len(self) -> usize;
+
+    /// The coordinate by which an element is mapped to a cell: of its centre, or of the minimum corner of its box.
+    fn anchor(self, index: usize, axis: usize) -> f64;
+
+    /// The closed comparison that [`Elements`] documents.
+    fn touch(self, i: usize, j: usize) -> bool;
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct EqualSpheres<'a, T, const D: usize> {
+    centres: &'a [[T; D]],
+    radius: T,
+    reach_squared: T,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Spheres<'a, T, const D: usize> {
+    centres: &'a [[T; D]],
+    radii: &'a [T],
+    tolerance: T,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Boxes<'a, T, const D: usize> {
+    min: &'a [[T; D]],
+    max: &'a [[T; D]],
+    tolerance: T,
+}
+
+/// Ids are `u32`, and the largest value is the end of a list.
+pub(crate) const MAX_ELEMENTS: usize = u32::MAX as usize - 1;
+
+impl<'a, T: Real, const D: usize> Elements<'a, T, D> {
+    /// Spheres (discs in 2D) of one radius.
+    ///
+    /// # Errors
+    /// [`Error::TooManyElements`], [`Error::InvalidRadius`], [`Error::NonFiniteCoordinate`],
+    /// [`Error::CoordinateTooLarge`].
+    pub fn spheres(centres: &'a [[T; D]], radius: T) -> Result<Self, Error> {
+        check_count(centres.len())?;
+        check_radius(radius, None)?;
+        let bounds = check_points(centres)?;
+        let reach = (radius + radius) + T::ZERO;
+        let shape = Shape::Equal(EqualSpheres { centres, radius, reach_squared: reach * reach });
+        Ok(Self { shape, tolerance: T::ZERO, bounds, largest: 2.0 * radius.to_f64() })
+    }
+
+    /// Points that touch when they are at most `cutoff` apart: spheres of radius `cutoff / 2`.
+    ///
+    /// # Errors
+    /// As [`Elements::spheres`].
+    #[doc(alias = "neighbour list")]
+    pub fn points(centres: &'a [[T; D]], cutoff: T) -> Result<Self, Error> {
+        Self::spheres(centres, cutoff * T::HALF)
+    }
+
+    /// Spheres (discs in 2D), each with its own radius.
+    ///
+    /// # Errors
+    /// [`Error::LengthMismatch`], and as [`Elements::spheres`].
+    pub fn spheres_with_radii(centres: &'a [[T; D]], radii: &'a [T]) -> Result<Self, Error> {
+        check_count(centres.len())?;
+        check_lengths("radii", centres.len(), radii.len())?;
+        let mut largest = T::ZERO;
+        for (index, &radius) in radii.iter().enumerate() {
+            check_radius(radius, Some(index))?;
+            if radius > largest {
+                largest = radius;
+            }
+        }
+        let bounds = check_points(centres)?;
+        let shape = Shape::Spheres(Spheres { centres, radii, tolerance: T::ZERO });
+        Ok(Self { shape, tolerance: T::ZERO, bounds, largest: 2.0 * largest.to_f64() })
+    }
+
+    /// Axis-aligned boxes from their minimum and maximum corners; an edge may be zero.
+    ///
+    /// # Errors
+    /// [`Error::LengthMismatch`], [`Error::InvertedBox`], and as [`Elements::spheres`].
+    #[doc(alias = "aabb")]
+    pub fn boxes(min: &'a [[T; D]], max: &'a [[T; D]]) -> Result<Self, Error> {
+        check_count(min.len())?;
+        check_lengths("maximum corners", min.len(), max.len())?;
+        let bounds = check_points(min)?;
+        check_points(max)?;
+        let mut largest = 0.0_f64;
+        for (index, (low, high)) in min.iter().zip(max).enumerate() {
+            for axis in 0..D {
+                let (low, high) = (low[axis].to_f64(), high[axis].to_f64());
+                if low > high {
+                    return Err(Error::InvertedBox { index, axis, min: low, max: high });
+                }
+                largest = largest.max(high - low);
+            }
+        }
+        let shape = Shape::Boxes(Boxes { min, max, tolerance: T::ZERO });
+        Ok(Self { shape, tolerance: T::ZERO, bounds, largest })
+    }
+
+    /// The same elements, with a gap up to `tolerance` still counted as contact.
+    ///
+    /// # Errors
+    /// [`Error::InvalidTolerance`].
+    #[doc(alias = "buffer")]
+    #[doc(alias = "skin")]
+    pub fn with_tolerance(mut self, tolerance: T) -> Result<Self, Error> {
+        if !(tolerance >= T::ZERO && tolerance <= T::MAX_MAGNITUDE) {
+            let limit = T::MAX_MAGNITUDE.to_f64();
+            return Err(Error::InvalidTolerance { value: tolerance.to_f64(), limit });
+        }
+        self.tolerance = tolerance;
+        match &mut self.shape {
+            Shape::Equal(equal) => {
+                let reach = (equal.radius + equal.radius) + tolerance;
+                equal.reach_squared = reach * reach;
+            }
+            Shape::Spheres(spheres) => spheres.tolerance = tolerance,
+            Shape::Boxes(boxes) => boxes.tolerance = tolerance,
+        }
+        Ok(self)
+    }
+
+    /// Number of elements.
+    pub fn len(&self) -> usize {
+        match self.shape {
+            Shape::Equal(equal) => equal.len(),
+            Shape::Spheres(spheres) => spheres.len(),
+            Shape::Boxes(boxes) => boxes.len(),
+        }
+    }
+
+    /// Whether there are no elements.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The gap that still counts as contact.
+    pub fn tolerance(&self) -> T {
+        self.tolerance
+    }
+
+    /// Number of points: elements whose radius, or whose longest box edge, is exactly zero.
+    pub fn points_among(&self) -> usize {
+        match self.shape {
+            Shape::Equal(equal) if equal.radius == T::ZERO => equal.len(),
+            Shape::Equal(_) => 0,
+            Shape::Spheres(spheres) => spheres.radii.iter().filter(|&&radius| radius == T::ZERO).count(),
+            Shape::Boxes(boxes) => boxes.min.iter().zip(boxes.max).filter(|(min, max)| min == max).count(),
+        }
+    }
+
+    /// Whether elements `i` and `j` touch, by the comparison documented at [`Elements`].
+    ///
+    /// # Panics
+    /// When `i` or `j` is not below [`Elements::len`].
+    pub fn touch(&self, i: usize, j: usize) -> bool {
+        match self.shape {
+            Shape::Equal(equal) => equal.touch(i, j),
+            Shape::Spheres(spheres) => spheres.touch(i, j),
+            Shape::Boxes(boxes) => boxes.touch(i, j),
+        }
+    }
+
+    pub(crate) fn anchor(&self, index: usize, axis: usize) -> f64 {
+        match self.shape {
+            Shape::Equal(equal) => equal.anchor(index, axis),
+            Shape::Spheres(spheres) => spheres.anchor(index, axis),
+            Shape::Boxes(boxes) => boxes.anchor(index, axis),
+        }
+    }
+
+    pub(crate) fn bounds(&self) -> Bounds<D> {
+        self.bounds
+    }
+
+    /// An upper bound on the distance, along any axis, between the anchors of two elements that touch.
+    ///
+    /// The nominal bound is the largest diameter (edge) plus the tolerance. The comparison of [`Elements`] rounds,
+    /// so it may accept a couple that is farther apart by some units in the last place: `D + 8` of them cover the
+    /// roundings of one sum of `D` squares, one sum of radii and one square. Boxes compare coordinates with
+    /// `max + tolerance`, whose rounding grows with the coordinate and not with the box.
+    pub(crate) fn reach(&self) -> f64 {
+        let tolerance = self.tolerance.to_f64();
+        let nominal = self.largest + tolerance;
+        let rounding = match self.shape {
+            Shape::Boxes(_) if tolerance > 0.0 => {
+                let magnitude = (0..D).fold(self.largest, |sum, axis| {
+                    sum + self.bounds.min[axis].abs().max(self.bounds.max[axis].abs())
+                });
+                T::EPSILON * (magnitude + tolerance)
+            }
+            _ => 0.0,
+        };
+        nominal * (1.0 + (D + 8) as f64 * T::EPSILON) + rounding
+    }
+}
+
+impl<T: Real, const D: usize> EqualSpheres<'_, T, D> {
+    fn distance_squared(self, i: usize, j: usize) -> T {
+        distance_squared(&self.centres[i], &self.centres[j])
+    }
+}
+
+impl<T: Real, const D: usize> Geometry for EqualSpheres<'_, T, D> {
+    fn len(self) -> usize {
+        self.centres.len()
+    }
+
+    #[inline]
+    fn anchor(self, index: usize, axis: usize) -> f64 {
+        self.centres[index][axis].to_f64()
+    }
+
+    #[inline]
+    fn touch(self, i: usize, j: usize) -> bool {
+        self.distance_squared(i, j) <= self.reach_squared
+    }
+}
+
+impl<T: Real, const D: usize> Geometry for Spheres<'_, T, D> {
+    fn len(self) -> usize {
+        self.centres.len()
+    }
+
+    #[inline]
+    fn anchor(self, index: usize, axis: usize) -> f64 {
+        self.centres[index][axis].to_f64()
+    }
+
+    #[inline]
+    fn touch(self, i: usize, j: usize) -> bool {
+        let reach = (self.radii[i] + self.radii[j]) + self.tolerance;
+        distance_squared(&self.centres[i], &self.centres[j]) <= reach * reach
+    }
+}
+
+impl<T: Real, const D: usize> Geometry for Boxes<'_, T, D> {
+    fn len(self) -> usize {
+        self.min.len()
+    }
+
+    #[inline]
+    fn anchor(self, index: usize, axis: usize) -> f64 {
+        self.min[index][axis].to_f64()
+    }
+
+    #[inline]
+    fn touch(self, i: usize, j: usize) -> bool {
+        (0..D).all(|axis| {
+            self.min[i][axis] <= self.max[j][axis] + self.tolerance
+                && self.min[j][axis] <= self.max[i][axis] + self.tolerance
+        })
+    }
+}
+
+#[inline]
+fn distance_squared<T: Real, const D: usize>(a: &[T; D], b: &[T; D]) -> T {
+    let mut sum = T::ZERO;
+    for axis in 0..D {
+        let difference = a[axis] - b[axis];
+        sum = sum + difference * difference;
+    }
+    sum
+}
+
+fn check_count(elements: usize) -> Result<(), Error> {
+    if elements > MAX_ELEMENTS {
+        return Err(Error::TooManyElements { elements, limit: MAX_ELEMENTS });
+    }
+    Ok(())
+}
+
+fn check_lengths(what: &'static str, expected: usize, found: usize) -> Result<(), Error> {
+    if expected != found {
+        return Err(Error::LengthMismatch { what, expected, found });
+    }
+    Ok(())
+}
+
+fn check_radius<T: Real>(radius: T, index: Option<usize>) -> Result<(), Error> {
+    if radius >= T::ZERO && radius <= T::MAX_MAGNITUDE {
+        return Ok(());
+    }
+    Err(Error::InvalidRadius { index, value: radius.to_f64(), limit: T::MAX_MAGNITUDE.to_f64() })
+}
+
+/// Checks every coordinate and returns the extremes; those of no points at all are zero.
+fn check_points<T: Real, const D: usize>(points: &[[T; D]]) -> Result<Bounds<D>, Error> {
+    const { assert!(D > 0, "elements need at least one dimension") };
+    let limit = T::MAX_MAGNITUDE;
+    let first = points.first().copied().unwrap_or([T::ZERO; D]);
+    let (mut min, mut max) = (first, first);
+    for (index, point) in points.iter().enumerate() {
+        for axis in 0..D {
+            let x = point[axis];
+            // Written so that NaN fails too.
+            if !(x <= limit && x >= T::ZERO - limit) {
+                let value = x.to_f64();
+                return Err(if x.is_finite() {
+                    Error::CoordinateTooLarge { index, axis, value, limit: limit.to_f64() }
+                } else {
+                    Error::NonFiniteCoordinate { index, axis, value }
+                });
+            }
+            if x < min[axis] {
+                min[axis] = x;
+            }
+            if x > max[axis] {
+                max[axis] = x;
+            }
+        }
+    }
+    Ok(Bounds { min: min.map(T::to_f64), max: max.map(T::to_f64) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn more_elements_than_u32_can_number_are_refused() {
+        assert_eq!(check_count(MAX_ELEMENTS), Ok(()));
+        let elements = MAX_ELEMENTS + 1;
+        assert_eq!(check_count(elements), Err(Error::TooManyElements { elements, limit: MAX_ELEMENTS }));
+    }
+
+    #[test]
+    fn tolerance_is_added_once_per_couple() {
+        let centres = [[0.0], [2.5]];
+        let elements = Elements::spheres(&centres, 1.0).unwrap();
+        assert!(!elements.touch(0, 1));
+        assert!(elements.with_tolerance(0.5).unwrap().touch(0, 1));
+        assert!(!elements.with_tolerance(0.499).unwrap().touch(0, 1));
+        let elements = Elements::spheres_with_radii(&centres, &[1.0, 1.0]).unwrap();
+        assert!(elements.with_tolerance(0.5).unwrap().touch(0, 1));
+        assert!(!elements.with_tolerance(0.499).unwrap().touch(0, 1));
+        let elements = Elements::boxes(&[[0.0], [2.5]], &[[2.0], [3.0]]).unwrap();
+        assert!(elements.with_tolerance(0.5).unwrap().touch(0, 1));
+        assert!(!elements.with_tolerance(0.499).unwrap().touch(0, 1));
+    }
+
+    #[test]
+    fn a_cutoff_is_closed() {
+        let points = [[0.1_f32, 0.0], [0.4, 0.0]];
+        let distance = points[1][0] - points[0][0];
+        assert!(Elements::points(&points, distance).unwrap().touch(0, 1));
+        assert!(!Elements::points(&points, distance.next_down()).unwrap().touch(0, 1));
+    }
+
+    #[test]
+    fn points_are_counted() {
+        let centres = [[0.0], [1.0], [2.0]];
+        assert_eq!(Elements::spheres(&centres, 0.0).unwrap().points_among(), 3);
+        assert_eq!(Elements::spheres(&centres, 0.5).unwrap().points_among(), 0);
+        assert_eq!(Elements::spheres_with_radii(&centres, &[0.0, 1.0, 0.0]).unwrap().points_among(), 2);
+        assert_eq!(Elements::boxes(&centres, &[[0.0], [1.5], [2.0]]).unwrap().points_among(), 2);
+    }
+}

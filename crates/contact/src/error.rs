@@ -1,0 +1,181 @@
+//! What can be wrong with the input. Every variant says what, where and the limit.
+
+use std::fmt;
+
+/// Why a set of elements, or a search over it, was refused before anything was computed.
+///
+/// No input is ever clamped, dropped or capped in silence: either the answer is exact, or it is one of these.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Error {
+    /// A coordinate of a centre or of a box corner is NaN or infinite.
+    NonFiniteCoordinate {
+        /// Zero-based number of the element.
+        index: usize,
+        /// Zero-based axis: 0 is x.
+        axis: usize,
+        /// The offending value.
+        value: f64,
+    },
+    /// A coordinate is so large that squared distances overflow ([`Real::MAX_MAGNITUDE`](crate::Real::MAX_MAGNITUDE)).
+    CoordinateTooLarge {
+        /// Zero-based number of the element.
+        index: usize,
+        /// Zero-based axis: 0 is x.
+        axis: usize,
+        /// The offending value.
+        value: f64,
+        /// Largest magnitude that is accepted.
+        limit: f64,
+    },
+    /// A radius is negative, NaN, infinite or larger than [`Real::MAX_MAGNITUDE`](crate::Real::MAX_MAGNITUDE).
+    InvalidRadius {
+        /// Zero-based number of the element, or `None` for the one radius or cut-off of all.
+        index: Option<usize>,
+        /// The offending value.
+        value: f64,
+        /// Largest radius that is accepted.
+        limit: f64,
+    },
+    /// The tolerance is negative, NaN, infinite or larger than [`Real::MAX_MAGNITUDE`](crate::Real::MAX_MAGNITUDE).
+    InvalidTolerance {
+        /// The offending value.
+        value: f64,
+        /// Largest tolerance that is accepted.
+        limit: f64,
+    },
+    /// A box has its minimum above its maximum.
+    InvertedBox {
+        /// Zero-based number of the element.
+        index: usize,
+        /// Zero-based axis: 0 is x.
+        axis: usize,
+        /// The minimum corner on that axis.
+        min: f64,
+        /// The maximum corner on that axis.
+        max: f64,
+    },
+    /// Two arrays that describe the same elements differ in length.
+    LengthMismatch {
+        /// What the second array holds: `"radii"` or `"maximum corners"`.
+        what: &'static str,
+        /// Length of the first array, the centres or minimum corners.
+        expected: usize,
+        /// Length of the second.
+        found: usize,
+    },
+    /// More elements than the integers of an engine can number.
+    TooManyElements {
+        /// Number of elements asked for.
+        elements: usize,
+        /// Largest number that is accepted.
+        limit: usize,
+    },
+    /// The domain is so wide, in cells, that the list heads alone would exceed the bound of the engine.
+    DomainTooWide {
+        /// Zero-based axis that needs the most cells.
+        axis: usize,
+        /// Width of the domain along that axis, in the unit of the coordinates.
+        width: f64,
+        /// Edge of a cell, in the same unit.
+        cell_size: f64,
+        /// Integers that the heads of all axes would take (a float: it may be beyond any integer).
+        heads: f64,
+        /// Bound on that number.
+        limit: usize,
+        /// The element that stretches the domain: of the two at the ends of the axis, the one farther from the
+        /// mean of all.
+        element: usize,
+        /// Its coordinate on that axis.
+        position: f64,
+    },
+    /// An element lies outside the domain that the caller set.
+    OutsideDomain {
+        /// Zero-based number of the element.
+        index: usize,
+        /// Zero-based axis: 0 is x.
+        axis: usize,
+        /// The offending coordinate.
+        value: f64,
+        /// The domain on that axis.
+        domain: [f64; 2],
+    },
+    /// The domain that the caller set is not a finite, non-empty box, or the cell edge is not positive.
+    InvalidDomain {
+        /// Zero-based axis: 0 is x.
+        axis: usize,
+        /// Its bounds on that axis.
+        domain: [f64; 2],
+    },
+    /// The system has no memory left for the lists.
+    OutOfMemory {
+        /// Bytes that were asked for.
+        bytes: usize,
+    },
+}
+
+const AXIS_NAMES: [&str; 4] = ["x", "y", "z", "w"];
+
+/// `x`, `y`, `z`, `w`, then `axis 4` and so on.
+pub(crate) fn axis_name(axis: usize) -> String {
+    AXIS_NAMES.get(axis).map_or_else(|| format!("axis {axis}"), |name| (*name).to_owned())
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NonFiniteCoordinate { index, axis, value } => {
+                write!(
+                    out,
+                    "element {index}: coordinate {} is {value}, not a finite number",
+                    axis_name(*axis)
+                )
+            }
+            Self::CoordinateTooLarge { index, axis, value, limit } => write!(
+                out,
+                "element {index}: coordinate {} is {value:e}; magnitudes above {limit:e} overflow when squared",
+                axis_name(*axis)
+            ),
+            Self::InvalidRadius { index: Some(index), value, limit } => {
+                write!(out, "element {index}: radius {value} is not a number from 0 to {limit:e}")
+            }
+            Self::InvalidRadius { index: None, value, limit } => {
+                write!(out, "radius or cut-off {value} is not a number from 0 to {limit:e}")
+            }
+            Self::InvalidTolerance { value, limit } => {
+                write!(out, "tolerance {value} is not a number from 0 to {limit:e}")
+            }
+            Self::InvertedBox { index, axis, min, max } => write!(
+                out,
+                "element {index}: its box is inverted along {}: minimum {min} above maximum {max}",
+                axis_name(*axis)
+            ),
+            Self::LengthMismatch { what, expected, found } => {
+                write!(out, "{expected} elements but {found} {what}")
+            }
+            Self::TooManyElements { elements, limit } => {
+                write!(out, "{elements} elements; this engine numbers at most {limit}")
+            }
+            Self::DomainTooWide { axis, width, cell_size, heads, limit, element, position } => write!(
+                out,
+                "the domain is {width:e} wide along {name}, {cells:.3e} cells of {cell_size:e}: the list heads would \
+                 take {heads:.3e} integers, the bound is {limit}. Element {element} at {name} = {position:e} \
+                 stretches it. Remove it, raise the bound (`Nbs::with_max_heads`), or use an engine whose memory does not \
+                 depend on the domain (`Engine::Direct`)",
+                name = axis_name(*axis),
+                cells = width / cell_size,
+            ),
+            Self::OutsideDomain { index, axis, value, domain: [min, max] } => write!(
+                out,
+                "element {index}: coordinate {} is {value}, outside the domain [{min}, {max}]",
+                axis_name(*axis)
+            ),
+            Self::InvalidDomain { axis, domain: [min, max] } => {
+                write!(out, "the domain [{min}, {max}] along {} is not a finite interval", axis_name(*axis))
+            }
+            Self::OutOfMemory { bytes } => write!(out, "no memory for {bytes} bytes of lists"),
+        }
+    }
+}
+
+impl std::error::Error for Error {}

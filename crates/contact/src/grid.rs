@@ -1,0 +1,230 @@
+//! The cells: which cell an element belongs to, and how many there are along each axis.
+
+use crate::elements::Elements;
+use crate::error::Error;
+use crate::real::Real;
+
+/// Square (cubic, …) cells over the domain; points are mapped to integer coordinates axis by axis.
+///
+/// Cell `i` of an axis holds the points with `Int((x - x_min) / d) = i`, counted from 0: equations (3.59) to (3.62)
+/// of the book, pp. 104-107. The edge `d` is the largest element plus the tolerance, widened so that elements that
+/// touch are never two cells apart, whatever the rounding of this division.
+///
+/// # Why touching elements are at most one cell apart
+/// Let `R` bound the distance of the anchors of touching elements along an axis, rounding of the contact test
+/// included (`Elements::reach`). The subtraction, the inverse and the product below each round once, so
+/// `q = (x - x_min)/d * (1 + e)` with `|e| <= 3.1 * 2^-53`. With less than `2^31` cells on the axis two such
+/// quotients differ from the exact ones by less than `2^32 * 3.1 * 2^-53 < 2^-19` together. With `d = R * (1 + 2^-18)` the
+/// exact ones differ by at most `1 - 2^-18 + 2^-36`, so the computed ones differ by less than 1, and their integer parts by
+/// at most 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Grid<const D: usize> {
+    origin: [f64; D],
+    cell_size: f64,
+    inverse: f64,
+    cells: [u32; D],
+}
+
+/// More cells along one axis would break the bound on rounding above.
+const MAX_CELLS_PER_AXIS: f64 = 2_147_483_648.0;
+
+/// The rounding step by which a cell is wider than the largest element.
+const WIDENING: f64 = 1.0 + 1.0 / 262_144.0;
+
+impl<const D: usize> Grid<D> {
+    /// Cells that cover the elements, or the `domain` if there is one.
+    ///
+    /// `max_heads` bounds the integers that list heads over this grid take: one set on the last axis, two on the others.
+    ///
+    /// # Errors
+    /// [`Error::DomainTooWide`], [`Error::InvalidDomain`], [`Error::OutsideDomain`].
+    pub(crate) fn fit<T: Real>(
+        elements: &Elements<'_, T, D>,
+        domain: Option<[[f64; 2]; D]>,
+        max_heads: usize,
+    ) -> Result<Self, Error> {
+        let bounds = elements.bounds();
+        let (mut min, mut max) = (bounds.min, bounds.max);
+        if let Some(domain) = domain {
+            check_domain(elements, &domain)?;
+            min = domain.map(|[low, _]| low);
+            max = domain.map(|[_, high]| high);
+        }
+        let cell_size = cell_size(elements, &min, &max);
+        let mut grid = Self { origin: min, cell_size, inverse: 1.0 / cell_size, cells: [0; D] };
+
+        let counts: [f64; D] = std::array::from_fn(|axis| grid.quotient(axis, max[axis]).floor() + 1.0);
+        let heads =
+            counts.iter().enumerate().map(|(axis, n)| if axis + 1 == D { *n } else { 2.0 * n }).sum::<f64>();
+        let countable = counts.iter().all(|&n| n < MAX_CELLS_PER_AXIS);
+        if !(countable && heads <= max_heads as f64) {
+            return Err(grid.too_wide(elements, &counts, heads, max_heads));
+        }
+        grid.cells = counts.map(|n| n as u32);
+        Ok(grid)
+    }
+
+    /// Edge of a cell, in the unit of the coordinates.
+    pub fn cell_size(&self) -> f64 {
+        self.cell_size
+    }
+
+    /// Number of cells along each axis: `n_x`, `n_y`, … of (3.55) and (3.56).
+    pub fn cells(&self) -> [u32; D] {
+        self.cells
+    }
+
+    /// Zero-based cell of coordinate `x` along `axis`: (3.59) to (3.62).
+    #[inline]
+    pub(crate) fn cell(&self, axis: usize, x: f64) -> u32 {
+        self.quotient(axis, x) as u32
+    }
+
+    #[inline]
+    fn quotient(&self, axis: usize, x: f64) -> f64 {
+        (x - self.origin[axis]) * self.inverse
+    }
+
+    #[cold]
+    fn too_wide<T: Real>(
+        &self,
+        elements: &Elements<'_, T, D>,
+        counts: &[f64; D],
+        heads: f64,
+        max_heads: usize,
+    ) -> Error {
+        let axis = (0..D).fold(0, |widest, axis| if counts[axis] > counts[widest] { axis } else { widest });
+        let positions = || (0..elements.len()).map(|index| elements.anchor(index, axis));
+        let n = elements.len() as f64;
+        let mean = positions().map(|x| x / n).sum::<f64>();
+        let (element, position) = positions().enumerate().fold((0, mean), |farthest, (index, x)| {
+            if (x - mean).abs() > (farthest.1 - mean).abs() { (index, x) } else { farthest }
+        });
+        Error::DomainTooWide {
+            axis,
+            width: (counts[axis] - 1.0) * self.cell_size,
+            cell_size: self.cell_size,
+            heads,
+            limit: max_heads,
+            element,
+            position,
+        }
+    }
+}
+
+/// Every element must lie in a domain that is a finite box.
+fn check_domain<T: Real, const D: usize>(
+    elements: &Elements<'_, T, D>,
+    domain: &[[f64; 2]; D],
+) -> Result<(), Error> {
+    let limit = T::MAX_MAGNITUDE.to_f64();
+    for (axis, &[low, high]) in domain.iter().enumerate() {
+        if !(low <= high && low >= -limit && high <= limit) {
+            return Err(Error::InvalidDomain { axis, domain: [low, high] });
+        }
+        let bounds = elements.bounds();
+        if !elements.is_empty() && (bounds.min[axis] < low || bounds.max[axis] > high) {
+            let outside = |&index: &usize| {
+                let x = elements.anchor(index, axis);
+                x < low || x > high
+            };
+            let index =
+                (0..elements.len()).find(outside).expect("a bound outside the domain belongs to an element");
+            let value = elements.anchor(index, axis);
+            return Err(Error::OutsideDomain { index, axis, value, domain: [low, high] });
+        }
+    }
+    Ok(())
+}
+
+/// The largest element plus tolerance, widened. Elements that have no size at all get about one cell each.
+fn cell_size<T: Real, const D: usize>(elements: &Elements<'_, T, D>, min: &[f64; D], max: &[f64; D]) -> f64 {
+    let mut reach = elements.reach();
+    if reach == 0.0 {
+        let widest = (0..D).map(|axis| max[axis] - min[axis]).fold(0.0, f64::max);
+        reach = widest / integer_root(elements.len(), D) as f64;
+        if reach == 0.0 {
+            reach = 1.0;
+        }
+    }
+    reach.max(T::MIN_RESOLVED) * WIDENING
+}
+
+/// The smallest integer of at least 1 whose `power`-th power is at least `n`; integers only, so the same everywhere.
+fn integer_root(n: usize, power: usize) -> usize {
+    let reaches = |root: usize| {
+        (0..power).try_fold(1_usize, |product, _| product.checked_mul(root)).is_none_or(|p| p >= n)
+    };
+    let mut high = 1;
+    while !reaches(high) {
+        high *= 2;
+    }
+    let mut low = high / 2;
+    while low + 1 < high {
+        let middle = usize::midpoint(low, high);
+        if reaches(middle) { high = middle } else { low = middle }
+    }
+    high
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const UNBOUNDED: usize = usize::MAX;
+
+    #[test]
+    fn roots_are_exact() {
+        for (n, power, root) in
+            [(0, 2, 1), (1, 3, 1), (8, 3, 2), (9, 3, 3), (100, 2, 10), (101, 2, 11), (7, 1, 7)]
+        {
+            assert_eq!(integer_root(n, power), root, "{n} {power}");
+        }
+    }
+
+    /// A lattice whose spacing is exactly the diameter: neighbours touch, and must be at most one cell apart.
+    #[test]
+    fn touching_neighbours_on_a_long_lattice_are_adjacent() {
+        for spacing in [1.0, 0.1, 1.0 / 3.0, 1e-9, 1e12] {
+            let centres: Vec<[f64; 1]> = (0..100_000).map(|k| [f64::from(k) * spacing]).collect();
+            let diameter = (1..centres.len()).map(|k| centres[k][0] - centres[k - 1][0]).fold(0.0, f64::max);
+            let elements = Elements::points(&centres, diameter).unwrap();
+            let grid = Grid::fit(&elements, None, UNBOUNDED).unwrap();
+            for k in 1..centres.len() {
+                let step = grid.cell(0, centres[k][0]) - grid.cell(0, centres[k - 1][0]);
+                assert!(step <= 1, "spacing {spacing}, element {k}: {step} cells apart");
+            }
+        }
+    }
+
+    #[test]
+    fn the_last_element_is_in_the_last_cell() {
+        let centres = [[-7.5, 1e6], [0.0, -1e6], [3.25, 4.0]];
+        let grid = Grid::fit(&Elements::points(&centres, 0.7).unwrap(), None, UNBOUNDED).unwrap();
+        assert_eq!(grid.cell(0, 3.25) + 1, grid.cells()[0]);
+        assert_eq!(grid.cell(1, 1e6) + 1, grid.cells()[1]);
+        assert_eq!(grid.cell(0, -7.5), 0);
+    }
+
+    #[test]
+    fn a_wide_domain_names_the_element_that_stretches_it() {
+        let centres = [[0.0, 0.0], [1.0, -3e9], [2.0, 1.0], [3.0, 0.5]];
+        let error = Grid::fit(&Elements::points(&centres, 1.0).unwrap(), None, 1_000_000).unwrap_err();
+        let Error::DomainTooWide { axis: 1, element: 1, position, .. } = error else { panic!("{error:?}") };
+        assert_eq!(position, -3e9);
+    }
+
+    #[test]
+    fn cells_beyond_any_integer_are_refused() {
+        let centres = [[0.0], [1e140]];
+        let error = Grid::fit(&Elements::points(&centres, 1e-10).unwrap(), None, UNBOUNDED).unwrap_err();
+        assert!(matches!(error, Error::DomainTooWide { element: 0 | 1, .. }), "{error:?}");
+    }
+
+    #[test]
+    fn coincident_points_without_size_share_one_cell() {
+        let centres = [[5.0, 5.0]; 3];
+        let grid = Grid::fit(&Elements::points(&centres, 0.0).unwrap(), None, UNBOUNDED).unwrap();
+        assert_eq!(grid.cells(), [1, 1]);
+    }
+}

@@ -1,0 +1,117 @@
+//! Contact detection: which of N elements touch, in time and memory proportional to N whatever the packing.
+//!
+//! ```
+//! let centres = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [5.0, 5.0, 5.0]];
+//! let radii = [0.5, 0.6, 0.5];
+//! let couples = fdem_contact::couples(&centres, &radii)?; // touching counts, i < j, each couple once
+//! assert_eq!(couples, [fdem_contact::Couple::new(0, 1)]);
+//! # Ok::<(), fdem_contact::Error>(())
+//! ```
+//!
+//! That is [`couples`], and [`couples_within`] for points with a cut-off. Beyond it:
+//!
+//! | you want | use |
+//! |---|---|
+//! | axis-aligned boxes, one radius for all, a gap that still counts | [`Elements`] |
+//! | to search again and again in the same memory, without a list, or to count only | [`Detector`] and its [`Search`] methods |
+//! | to know beforehand what will run, and why | [`Detector::plan`] |
+//! | Munjiza-NBS as the book has it, its memory law, its figures | [`Nbs`], [`Observer`] |
+//! | the oracle | [`Direct`] |
+//! | to check a couple list by sampled brute force | [`verify()`] |
+//!
+//! # What is guaranteed
+//! - **Exact or an error.** Every couple that touches is reported, once; there is no cap and no silent loss. What touches
+//!   is defined to the last bit ([`Elements`]), and every engine takes the same decision.
+//! - **Deterministic.** The order of the couples is a function of the input alone.
+//! - **Checked.** NaN, infinity, a negative radius, lengths that differ, a domain too wide: an [`Error`] that names
+//!   the element, before anything is computed.
+//! - **Any dimension.** `[T; D]` for every `D` of at least 1, in `f32` and `f64`.
+//!
+//! There is no file, no physics and no printing in this crate, and no dependency.
+//!
+//! # Data flow
+//! [`Elements`] → [`Grid`] (cells) → [`Lists`] → [`CONTACT_MASK`] → [`Search`] ([`Direct`], [`Nbs`]) → [`Couple`].
+
+// In the order in which data flows.
+mod real;
+mod elements;
+mod grid;
+mod lists;
+mod mask;
+mod search;
+mod engine;
+mod couple;
+mod verify;
+mod error;
+
+pub use couple::Couple;
+pub use elements::Elements;
+pub use engine::{Detector, Engine, Plan};
+pub use error::Error;
+pub use grid::Grid;
+pub use lists::{Lists, NONE};
+pub use mask::{CONTACT_MASK, Set, mask_cells};
+pub use real::Real;
+pub use search::Search;
+pub use search::direct::Direct;
+pub use search::nbs::{DEFAULT_MAX_HEADS, Nbs, Observer};
+pub use verify::{Mismatch, verify};
+
+/// All couples among spheres (discs in 2D) that touch, in ascending order.
+///
+/// The engine is chosen from the elements; a [`Detector`] reuses its memory and says which engine and why.
+///
+/// # Shapes
+/// `centres` `[n]` points `[T; D]`, `radii` `[n]`; result: `m` couples, `i < j`, each once, sorted by `i`, then `j`.
+///
+/// # Units
+/// One length unit for both.
+///
+/// # Cost
+/// Time proportional to `n` while sizes are similar, plus the sorting of the couples.
+///
+/// # Errors
+/// Those of [`Elements::spheres_with_radii`] and of [`Search::for_each`].
+///
+/// # Example
+/// ```
+/// let discs = [[0.0, 0.0], [3.0, 0.0], [3.0, 4.0]];
+/// let couples = fdem_contact::couples(&discs, &[1.0, 2.0, 2.0])?;
+/// assert_eq!(couples.len(), 2);
+/// # Ok::<(), fdem_contact::Error>(())
+/// ```
+pub fn couples<T: Real, const D: usize>(centres: &[[T; D]], radii: &[T]) -> Result<Vec<Couple>, Error> {
+    sorted(&Elements::spheres_with_radii(centres, radii)?)
+}
+
+/// All couples of points that are at most `cutoff` apart, in ascending order.
+///
+/// # Shapes
+/// `points` `[n]` points `[T; D]`; result: `m` couples, `i < j`, each once, sorted by `i`, then `j`.
+///
+/// # Units
+/// One length unit for both.
+///
+/// # Cost
+/// Time proportional to `n` plus the number of couples, and their sorting.
+///
+/// # Errors
+/// Those of [`Elements::points`] and of [`Search::for_each`].
+///
+/// # Example
+/// ```
+/// let points = [[0.0_f32, 0.0], [1.0, 0.0], [5.0, 5.0]];
+/// assert_eq!(fdem_contact::couples_within(&points, 1.0)?.len(), 1);
+/// # Ok::<(), fdem_contact::Error>(())
+/// ```
+#[doc(alias = "neighbour list")]
+pub fn couples_within<T: Real, const D: usize>(points: &[[T; D]], cutoff: T) -> Result<Vec<Couple>, Error> {
+    sorted(&Elements::points(points, cutoff)?)
+}
+
+fn sorted<T: Real, const D: usize>(elements: &Elements<'_, T, D>) -> Result<Vec<Couple>, Error> {
+    let mut couples = Vec::new();
+    Detector::new(Engine::Auto).couples(elements, &mut couples)?;
+    couples.sort_unstable();
+    Ok(couples)
+}

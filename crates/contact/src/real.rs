@@ -1,0 +1,101 @@
+//! The two float types of the library.
+
+use std::fmt::{Debug, Display};
+use std::ops::{Add, Mul, Sub};
+
+mod sealed {
+    pub trait Sealed {}
+    impl Sealed for f32 {}
+    impl Sealed for f64 {}
+}
+
+/// A coordinate type: `f32` or `f64`, and no other.
+///
+/// Contact is decided in the type of the input; cells are counted in `f64` for both, so that `f32`
+/// coordinates are mapped without a rounding of their own.
+pub trait Real:
+    sealed::Sealed
+    + Copy
+    + PartialOrd
+    + Debug
+    + Display
+    + Send
+    + Sync
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + 'static
+{
+    /// Zero.
+    const ZERO: Self;
+
+    /// One half: a point with cut-off `c` is a sphere of radius `c / 2`.
+    const HALF: Self;
+
+    /// Largest magnitude of a coordinate, radius or tolerance: `2^500` for `f64`, `2^60` for `f32`.
+    ///
+    /// Beyond it the squares of the contact test overflow, and a couple could be lost in silence.
+    const MAX_MAGNITUDE: Self;
+
+    /// A length below which squares underflow to zero, so that two elements count as coincident:
+    /// `2^-500` for `f64`, `2^-60` for `f32`, with room to spare. Cells are never smaller.
+    const MIN_RESOLVED: f64;
+
+    /// The distance from 1 to the next larger number of this type.
+    const EPSILON: f64;
+
+    /// The same value as `f64`: exact.
+    fn to_f64(self) -> f64;
+
+    /// Neither NaN nor infinite.
+    fn is_finite(self) -> bool;
+}
+
+macro_rules! impl_real {
+    ($type:ty, $exponent:literal) => {
+        impl Real for $type {
+            const ZERO: Self = 0.0;
+            const HALF: Self = 0.5;
+            const MAX_MAGNITUDE: Self = power_of_two($exponent) as $type;
+            const MIN_RESOLVED: f64 = 1.0 / power_of_two($exponent);
+            const EPSILON: f64 = <$type>::EPSILON as f64;
+
+            fn to_f64(self) -> f64 {
+                f64::from(self)
+            }
+
+            fn is_finite(self) -> bool {
+                <$type>::is_finite(self)
+            }
+        }
+    };
+}
+
+impl_real!(f32, 60);
+impl_real!(f64, 500);
+
+const fn power_of_two(exponent: u64) -> f64 {
+    f64::from_bits((1023 + exponent) << 52)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn magnitudes_are_the_documented_powers() {
+        assert_eq!(f64::MAX_MAGNITUDE, 2.0_f64.powi(500));
+        assert_eq!(f32::MAX_MAGNITUDE, 2.0_f32.powi(60));
+        assert_eq!(f64::MIN_RESOLVED, 2.0_f64.powi(-500));
+        assert_eq!(f32::MIN_RESOLVED, 2.0_f64.powi(-60));
+    }
+
+    /// The sum of `D` squared differences and the squared contact distance stay finite at the limit.
+    #[test]
+    fn squares_at_the_limit_are_finite() {
+        let difference = 2.0 * f32::MAX_MAGNITUDE;
+        let reach = 3.0 * f32::MAX_MAGNITUDE;
+        assert!((0..16).fold(0.0, |sum, _| sum + difference * difference).is_finite());
+        assert!((reach * reach).is_finite());
+    }
+}

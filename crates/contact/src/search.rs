@@ -1,0 +1,66 @@
+//! A search: elements in, couples out.
+
+pub(crate) mod direct;
+pub(crate) mod nbs;
+
+use crate::couple::Couple;
+use crate::elements::Elements;
+use crate::error::Error;
+use crate::real::Real;
+
+/// Finds every couple of elements that touch, each once.
+///
+/// All implementations return the same set of couples for the same elements; each has an order of its own, which is a
+/// function of the input alone. A search owns its working memory and reuses it from call to call.
+///
+/// # Example
+/// ```
+/// use fdem_contact::{Couple, Elements, Nbs, Search};
+///
+/// let centres = [[0.0, 0.0], [1.0, 0.0], [5.0, 5.0]];
+/// let elements = Elements::points(&centres, 1.0)?;
+/// let mut nbs = Nbs::new();
+///
+/// nbs.for_each(&elements, |couple| println!("{} touches {}", couple.i, couple.j))?;
+/// assert_eq!(nbs.count(&elements)?, 1);
+///
+/// let mut couples = Vec::new();
+/// nbs.couples(&elements, &mut couples)?;
+/// assert_eq!(couples, [Couple::new(0, 1)]);
+/// # Ok::<(), fdem_contact::Error>(())
+/// ```
+pub trait Search<const D: usize> {
+    /// Calls `visit` with every couple that touches; nothing is stored.
+    ///
+    /// # Errors
+    /// What the engine cannot hold: [`Error::TooManyElements`], [`Error::DomainTooWide`], [`Error::OutOfMemory`].
+    /// `visit` has not been called then.
+    fn for_each<T: Real>(
+        &mut self,
+        elements: &Elements<'_, T, D>,
+        visit: impl FnMut(Couple),
+    ) -> Result<(), Error>;
+
+    /// Writes the couples into `couples`, cleared first, in the order of the engine; the caller's memory is reused.
+    ///
+    /// # Errors
+    /// As [`Search::for_each`].
+    fn couples<T: Real>(
+        &mut self,
+        elements: &Elements<'_, T, D>,
+        couples: &mut Vec<Couple>,
+    ) -> Result<(), Error> {
+        couples.clear();
+        self.for_each(elements, |couple| couples.push(couple))
+    }
+
+    /// The number of couples; nothing is stored.
+    ///
+    /// # Errors
+    /// As [`Search::for_each`].
+    fn count<T: Real>(&mut self, elements: &Elements<'_, T, D>) -> Result<u64, Error> {
+        let mut count = 0;
+        self.for_each(elements, |_| count += 1)?;
+        Ok(count)
+    }
+}

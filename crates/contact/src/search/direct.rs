@@ -1,0 +1,46 @@
+//! Direct checking: all against all.
+
+use crate::couple::Couple;
+use crate::elements::{Elements, Geometry, Shape};
+use crate::error::Error;
+use crate::real::Real;
+use crate::search::Search;
+
+/// Direct checking: every element is tested against every other, in any dimension.
+///
+/// The oracle of every test, and the fastest engine for a few dozen elements. Couples come in ascending order.
+///
+/// # Cost
+/// `(N² - N)/2` tests; no memory.
+///
+/// # Source
+/// A. Munjiza, "The Combined Finite-Discrete Element Method", Wiley 2004, pp. 77-80, (3.9) and (3.69).
+/// Departure: the comparison is closed (`<=`), by the book's own definition of contact as "touch or overlap".
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Direct;
+
+impl<const D: usize> Search<D> for Direct {
+    fn for_each<T: Real>(
+        &mut self,
+        elements: &Elements<'_, T, D>,
+        visit: impl FnMut(Couple),
+    ) -> Result<(), Error> {
+        match elements.shape {
+            Shape::Equal(equal) => all_against_all(equal, visit),
+            Shape::Spheres(spheres) => all_against_all(spheres, visit),
+            Shape::Boxes(boxes) => all_against_all(boxes, visit),
+        }
+        Ok(())
+    }
+}
+
+fn all_against_all(geometry: impl Geometry, mut visit: impl FnMut(Couple)) {
+    let n = geometry.len();
+    for i in 0..n {
+        for j in i + 1..n {
+            if geometry.touch(i, j) {
+                visit(Couple { i: i as u32, j: j as u32 });
+            }
+        }
+    }
+}

@@ -1,0 +1,83 @@
+//! The memory law: what Munjiza-NBS allocates is exactly (3.65), (3.80) and their extension to D dimensions.
+//!
+//! A program of its own, because it replaces the allocator by one that counts.
+
+#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
+
+use fdem_contact::{Couple, Elements, Nbs, Search};
+
+#[global_allocator]
+static ALLOCATOR: dhat::Alloc = dhat::Alloc;
+
+/// What is allocated from here on: bytes in total, even if freed again at once.
+struct Meter {
+    total: u64,
+    live: usize,
+}
+
+impl Meter {
+    fn start() -> Self {
+        let stats = dhat::HeapStats::get();
+        Self { total: stats.total_bytes, live: stats.curr_bytes }
+    }
+
+    fn total(&self) -> u64 {
+        dhat::HeapStats::get().total_bytes - self.total
+    }
+
+    fn live(&self) -> usize {
+        dhat::HeapStats::get().curr_bytes - self.live
+    }
+}
+
+/// `n` elements in a slanted row, `spacing` diameters apart along every axis: all axes get wide.
+fn row<const D: usize>(n: usize, spacing: f64) -> Vec<[f64; D]> {
+    (0..n).map(|k| std::array::from_fn(|axis| k as f64 * spacing * (1.0 + axis as f64))).collect()
+}
+
+fn obeys_the_law<const D: usize>(n: usize, spacing: f64) {
+    let centres = row::<D>(n, spacing);
+    let mut nbs = Nbs::<D>::new();
+
+    let meter = Meter::start();
+    let elements = Elements::points(&centres, 1.0).unwrap();
+    nbs.count(&elements).unwrap();
+
+    let cells = nbs.grid().unwrap().cells().map(|cells| cells as usize);
+    let others: usize = cells[..D - 1].iter().sum();
+    let law = D * n + cells[D - 1] + 2 * others;
+    assert_eq!(nbs.integers(), law, "D = {D}, n = {n}, spacing {spacing}: {cells:?}");
+    assert_eq!(meter.live(), 4 * law, "held after a search: D = {D}, n = {n}, spacing {spacing}");
+    assert_eq!(meter.total(), 4 * law as u64, "allocated at any time: D = {D}, n = {n}, spacing {spacing}");
+
+    // A second search, into a list that has room, allocates nothing at all.
+    let mut couples: Vec<Couple> = Vec::with_capacity(20 * n);
+    let meter = Meter::start();
+    nbs.couples(&elements, &mut couples).unwrap();
+    assert_eq!(meter.total(), 0, "a second search: D = {D}, n = {n}, spacing {spacing}");
+}
+
+#[test]
+fn nbs_allocates_what_the_book_says_and_nothing_else() {
+    let _profiler = dhat::Profiler::builder().testing().build();
+    for (n, spacing) in [(10, 1.0), (1000, 0.1), (1000, 1.0), (1000, 7.0), (10_000, 0.5), (10_000, 30.0)] {
+        obeys_the_law::<1>(n, spacing);
+        obeys_the_law::<2>(n, spacing);
+        obeys_the_law::<3>(n, spacing);
+        obeys_the_law::<4>(n, spacing);
+        obeys_the_law::<6>(n, spacing);
+    }
+
+    // In the letters of the book.
+    let centres = row::<2>(500, 3.0);
+    let mut nbs = Nbs::new();
+    nbs.count(&Elements::points(&centres, 1.0).unwrap()).unwrap();
+    let [nx, ny] = nbs.grid().unwrap().cells().map(|cells| cells as usize);
+    assert_eq!(nbs.integers(), ny + 2 * nx + 2 * 500, "(3.65)");
+
+    let centres = row::<3>(500, 3.0);
+    let mut nbs = Nbs::new();
+    nbs.count(&Elements::points(&centres, 1.0).unwrap()).unwrap();
+    let [nx, ny, nz] = nbs.grid().unwrap().cells().map(|cells| cells as usize);
+    assert_eq!(nbs.integers(), 3 * 500 + nz + 2 * nx + 2 * ny, "(3.80)");
+}

@@ -1,0 +1,28 @@
+//! Tests of the library from outside, by hazard.
+//!
+//! - `oracle`: every search equals all-against-all, for every dimension, float, shape and scene.
+//! - `degenerate`: nothing, one, all in one place, far away, NaN, infinity, lengths that differ, domains too wide.
+//! - `properties`: laws that hold for any input (proptest): renumbering, mirroring, translation, tolerance, no repeats.
+//! - `golden`: the numbers printed in the book.
+//! - `../memory.rs`, a program of its own because it counts allocations: the memory law.
+
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a failed unwrap is a failed test")]
+
+mod degenerate;
+mod golden;
+mod oracle;
+mod properties;
+
+use fdem_contact::{Couple, Elements, Real, Search};
+
+/// The couples of a search in ascending order; a couple found twice shows twice.
+fn ascending<T: Real, const D: usize>(
+    mut search: impl Search<D>,
+    elements: &Elements<'_, T, D>,
+) -> Vec<Couple> {
+    let mut couples = Vec::new();
+    search.couples(elements, &mut couples).unwrap();
+    assert_eq!(search.count(elements).unwrap(), couples.len() as u64, "a second search finds the same");
+    couples.sort_unstable();
+    couples
+}

@@ -1,0 +1,47 @@
+//! The command line: the only place that knows paths, the terminal and exit codes.
+//!
+//! Exit code 0: done; 1: a check that was asked for failed; 2: bad input, bad usage, or an output that cannot be
+//! written. On 1 and 2 no output file is left behind, not even a part of one.
+
+mod args;
+mod contacts;
+mod detect;
+mod failure;
+mod generate;
+mod output;
+mod picture;
+mod progress;
+mod summary;
+
+use std::ffi::OsString;
+use std::io::Write;
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use args::{Arguments, Task};
+use failure::Failure;
+
+/// Runs the command with `arguments`, the first of which is the program's name, and returns its exit code.
+pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+    let arguments = match Arguments::try_parse_from(arguments) {
+        Ok(arguments) => arguments,
+        // Help and version are "errors" of the parser too: it knows which stream and code each needs.
+        Err(error) => {
+            let _ = error.print();
+            return ExitCode::from(error.exit_code() as u8);
+        }
+    };
+    let done = output::remove_partial_output_when_interrupted().and_then(|()| match arguments.task {
+        Task::Contacts(arguments) => contacts::run(&arguments),
+        Task::Generate(arguments) => generate::run(&arguments),
+    });
+    match done {
+        Ok(()) | Err(Failure::ReaderLeft) => ExitCode::SUCCESS,
+        Err(failure) => {
+            // Nothing is left to do if even the error cannot be printed.
+            let _ = writeln!(std::io::stderr(), "error: {failure}");
+            failure.exit_code()
+        }
+    }
+}

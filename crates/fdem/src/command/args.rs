@@ -1,0 +1,302 @@
+//! The options, each defined once: parsing, help and their texts.
+
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use fdem_contact::Engine;
+use fdem_io::Columns;
+use fdem_scenes::Sizes;
+
+/// Contact detection and the combined finite-discrete element method.
+#[derive(Debug, Parser)]
+#[command(name = "fdem", version, max_term_width = 100)]
+pub(crate) struct Arguments {
+    #[command(subcommand)]
+    pub(crate) task: Task,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Task {
+    Contacts(ContactsArguments),
+    Generate(GenerateArguments),
+}
+
+/// Find which elements of a packing touch.
+///
+/// Reads circles or spheres from FILE and writes every couple that touches, once, as `i,j,distance,overlap`, in ascending
+/// order. Touching counts. The elements go by the ids in the file, or by their row number from 0.
+///
+/// Text: columns separated by commas, semicolons, tabs or blanks; `#` starts a comment; a header names the columns
+/// (x, PosX[m], X (mm), radius, diameter, d, id, …). Without a header 2 columns are x y, 3 are x y z, 4 are x y z radius. NumPy
+/// .npy arrays of floats: the same columns. Without z the packing is 2D.
+#[derive(Debug, Args)]
+#[command(after_help = "Example: fdem contacts packing.csv --output couples.csv --json summary.json")]
+#[allow(clippy::struct_excessive_bools, reason = "each is a switch of its own on the command line")]
+pub(crate) struct ContactsArguments {
+    /// Packing to read; `-` reads standard input.
+    pub(crate) file: PathBuf,
+
+    /// What the columns are: in order (`radius,x,y,z`; `_` skips one) or by name (`x=PosX[m],y=PosY[m],radius=R`).
+    #[arg(long, value_name = "LIST")]
+    pub(crate) columns: Option<Columns>,
+
+    /// One radius for all elements, in place of the file's.
+    #[arg(long, value_name = "R", value_parser = length, conflicts_with = "cutoff")]
+    pub(crate) radius: Option<f64>,
+
+    /// The elements are points; couples are at most D apart.
+    #[arg(long, value_name = "D", value_parser = length)]
+    pub(crate) cutoff: Option<f64>,
+
+    /// Gap that still counts as contact, in the unit of the file.
+    #[arg(long, value_name = "T", value_parser = length, default_value_t = 0.0)]
+    pub(crate) tolerance: f64,
+
+    /// How to search; all engines give the same couples.
+    #[arg(long, value_enum, default_value_t = EngineName::Auto)]
+    pub(crate) engine: EngineName,
+
+    /// Leave lines that cannot be read out, and report them, instead of stopping at the first.
+    #[arg(long)]
+    pub(crate) skip_bad_lines: bool,
+
+    /// Number the elements by row even if the file has an id column.
+    #[arg(long)]
+    pub(crate) ignore_ids: bool,
+
+    /// Write the couples to FILE.csv or FILE.npy instead of standard output.
+    #[arg(long, short, value_name = "FILE")]
+    pub(crate) output: Option<PathBuf>,
+
+    /// Print the number of couples only; stores none.
+    #[arg(long, conflicts_with = "output")]
+    pub(crate) count: bool,
+
+    /// Write the summary as JSON.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) json: Option<PathBuf>,
+
+    /// Draw the elements and their contacts (up to 100,000 elements).
+    #[arg(long, value_name = "FILE.svg")]
+    pub(crate) picture: Option<PathBuf>,
+
+    /// Check the couples of K random elements against all others by brute force; exit code 1 if any differ.
+    #[arg(long, value_name = "K")]
+    pub(crate) verify: Option<usize>,
+
+    /// Print no summary and no progress.
+    #[arg(long, short)]
+    pub(crate) quiet: bool,
+}
+
+/// The engines by the names of the command line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum EngineName {
+    /// Chosen from the elements; the summary says which, and why.
+    Auto,
+    /// All against all.
+    Direct,
+    /// Munjiza-NBS as published: linear in the number of elements, for similar sizes.
+    Nbs,
+}
+
+impl From<EngineName> for Engine {
+    fn from(name: EngineName) -> Self {
+        match name {
+            EngineName::Auto => Self::Auto,
+            EngineName::Direct => Self::Direct,
+            EngineName::Nbs => Self::Nbs,
+        }
+    }
+}
+
+/// Make a packing: the same seed gives the same file on every platform.
+#[derive(Debug, Args)]
+#[command(after_help = "Example: fdem generate gas -n 100000 --neighbours 12 --output gas.csv")]
+pub(crate) struct GenerateArguments {
+    #[command(subcommand)]
+    pub(crate) kind: Kind,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Kind {
+    /// Uniformly random centres.
+    Gas {
+        #[command(flatten)]
+        common: Common,
+        #[command(flatten)]
+        seed: Seed,
+        #[command(flatten)]
+        sizes: SizesArgument,
+        /// Mean number of contacts of an element.
+        #[arg(long, value_name = "Z", default_value_t = 6.0, value_parser = positive)]
+        neighbours: f64,
+    },
+    /// A square (cubic) lattice, filled row by row.
+    Lattice {
+        #[command(flatten)]
+        common: Common,
+        /// Radius of every element.
+        #[arg(long, value_name = "R", default_value_t = 0.5, value_parser = positive)]
+        radius: f64,
+        /// Spacing, in diameters; at 1 neighbours touch exactly.
+        #[arg(long, value_name = "S", default_value_t = 1.0, value_parser = positive)]
+        spacing: f64,
+    },
+    /// A lattice whose elements are moved at random.
+    Jittered {
+        #[command(flatten)]
+        common: Common,
+        #[command(flatten)]
+        seed: Seed,
+        #[command(flatten)]
+        sizes: SizesArgument,
+        /// Spacing of the lattice, in mean diameters.
+        #[arg(long, value_name = "S", default_value_t = 1.0, value_parser = positive)]
+        spacing: f64,
+        /// Largest displacement along each axis, in spacings.
+        #[arg(long, value_name = "J", default_value_t = 0.2, value_parser = length)]
+        jitter: f64,
+    },
+    /// Small gases scattered in a huge empty domain.
+    Clusters {
+        #[command(flatten)]
+        common: Common,
+        #[command(flatten)]
+        seed: Seed,
+        #[command(flatten)]
+        sizes: SizesArgument,
+        /// Elements per cluster.
+        #[arg(long, value_name = "M", default_value_t = 1000)]
+        per_cluster: usize,
+        /// Edge of the domain, in mean diameters.
+        #[arg(long, value_name = "W", default_value_t = 1e5, value_parser = positive)]
+        domain: f64,
+        /// Mean number of contacts of an element inside a cluster.
+        #[arg(long, value_name = "Z", default_value_t = 1.0, value_parser = positive)]
+        neighbours: f64,
+    },
+    /// 2D discs dropped one by one into a box, each rolling to rest on those before it.
+    Deposit {
+        #[command(flatten)]
+        common: Common,
+        #[command(flatten)]
+        seed: Seed,
+        #[command(flatten)]
+        sizes: SizesArgument,
+        /// Width of the box, in the unit of the radii.
+        #[arg(long, value_name = "W", default_value_t = 30.0, value_parser = positive)]
+        width: f64,
+        /// Shrinks the coordinates by this fraction, so that resting discs overlap as under load.
+        #[arg(long, value_name = "C", default_value_t = 1e-3, value_parser = length)]
+        compression: f64,
+    },
+    /// A packing of the book's examples, diameter 1: A dense; B spaced in x; C in all axes; D pairs spaced in x.
+    Book {
+        #[command(flatten)]
+        common: Common,
+        /// Which packing.
+        #[arg(long, value_enum)]
+        packing: BookPacking,
+        /// Spacing, in diameters; packing A has none.
+        #[arg(long, value_name = "S", default_value_t = 2.0, value_parser = positive)]
+        spacing: f64,
+    },
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Common {
+    /// Number of elements.
+    #[arg(long, short = 'n', value_name = "N", default_value_t = 1000)]
+    pub(crate) elements: usize,
+    /// 2 for discs, 3 for spheres; the default is 3, and 2 for a deposit.
+    #[arg(long, value_name = "D", value_parser = clap::value_parser!(u8).range(2..=3))]
+    pub(crate) dims: Option<u8>,
+    /// Write to FILE.csv or FILE.npy instead of standard output.
+    #[arg(long, short, value_name = "FILE")]
+    pub(crate) output: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Seed {
+    /// Seed of the random numbers.
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    pub(crate) seed: u64,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct SizesArgument {
+    /// Radii: `equal:R`, `power:MIN:MAX:EXPONENT` or `lognormal:MEDIAN:SIGMA`.
+    #[arg(long, value_name = "LAW", default_value = "equal:0.5", value_parser = sizes)]
+    pub(crate) sizes: Sizes,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum BookPacking {
+    A,
+    B,
+    C,
+    D,
+}
+
+/// A finite number of at least zero.
+fn length(text: &str) -> Result<f64, String> {
+    let value = number(text)?;
+    if value < 0.0 { Err(format!("{text} is negative")) } else { Ok(value) }
+}
+
+/// A finite number above zero.
+fn positive(text: &str) -> Result<f64, String> {
+    let value = number(text)?;
+    if value > 0.0 { Ok(value) } else { Err(format!("{text} is not above zero")) }
+}
+
+fn number(text: &str) -> Result<f64, String> {
+    match f64::from_str(text) {
+        Ok(value) if value.is_finite() => Ok(value),
+        Ok(_) => Err(format!("{text} is not a finite number")),
+        Err(_) if text.contains(',') => Err(format!("{text} has a decimal comma: use a point")),
+        Err(_) => Err(format!("{text} is not a number")),
+    }
+}
+
+fn sizes(text: &str) -> Result<Sizes, String> {
+    let (law, parameters) = text.split_once(':').unwrap_or((text, ""));
+    let parameters = parameters.split(':').map(number).collect::<Result<Vec<_>, _>>();
+    match (law, parameters?.as_slice()) {
+        ("equal", &[radius]) => Ok(Sizes::Equal { radius }),
+        ("power", &[min, max, exponent]) => Ok(Sizes::PowerLaw { min, max, exponent }),
+        ("lognormal", &[median, sigma]) => Ok(Sizes::Lognormal { median, sigma }),
+        _ => Err("expected equal:R, power:MIN:MAX:EXPONENT or lognormal:MEDIAN:SIGMA".to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_options_are_consistent() {
+        use clap::CommandFactory;
+        Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn numbers_say_what_is_wrong() {
+        assert_eq!(length("0"), Ok(0.0));
+        assert_eq!(length("-1"), Err("-1 is negative".to_owned()));
+        assert_eq!(positive("0"), Err("0 is not above zero".to_owned()));
+        assert_eq!(length("nan"), Err("nan is not a finite number".to_owned()));
+        assert_eq!(length("0,5"), Err("0,5 has a decimal comma: use a point".to_owned()));
+    }
+
+    #[test]
+    fn size_laws_are_read() {
+        assert_eq!(sizes("power:1:50:-2.5"), Ok(Sizes::PowerLaw { min: 1.0, max: 50.0, exponent: -2.5 }));
+        assert_eq!(sizes("lognormal:0.5:0.25"), Ok(Sizes::Lognormal { median: 0.5, sigma: 0.25 }));
+        for bad in ["", "equal", "equal:1:2", "power:1:2", "uniform:1:2", "equal:x"] {
+            assert!(sizes(bad).is_err(), "{bad}");
+        }
+    }
+}

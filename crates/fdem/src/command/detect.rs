@@ -1,0 +1,184 @@
+//! One detection: elements in, couples and what they say about the packing out.
+
+use std::sync::atomic::Ordering;
+
+use fdem_contact::{Couple, Detector, Elements, Engine, Error, Mismatch, Plan, Search, verify};
+
+use crate::command::progress::Position;
+
+/// The sizes of the elements, as file and options give them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Sizes<'a> {
+    Each(&'a [f64]),
+    All(f64),
+    Cutoff(f64),
+}
+
+impl Sizes<'_> {
+    /// Distance at which two elements touch, rounded as the library rounds it.
+    pub(crate) fn contact_distance(&self, couple: Couple) -> f64 {
+        match *self {
+            Self::Each(radii) => radii[couple.i as usize] + radii[couple.j as usize],
+            Self::All(radius) => radius + radius,
+            Self::Cutoff(cutoff) => cutoff,
+        }
+    }
+
+    /// Radius of one element.
+    pub(crate) fn radius(&self, index: usize) -> f64 {
+        match *self {
+            Self::Each(radii) => radii[index],
+            Self::All(radius) => radius,
+            Self::Cutoff(cutoff) => cutoff / 2.0,
+        }
+    }
+}
+
+/// What to find.
+pub(crate) struct Request<'a> {
+    pub(crate) sizes: Sizes<'a>,
+    pub(crate) tolerance: f64,
+    pub(crate) engine: Engine,
+    /// Keep the couples; otherwise only the statistics.
+    pub(crate) keep: bool,
+    /// Check that many elements by brute force.
+    pub(crate) verify: Option<usize>,
+}
+
+/// What was found.
+pub(crate) struct Found<const D: usize> {
+    /// In ascending order; empty unless they were to be kept.
+    pub(crate) couples: Vec<Couple>,
+    pub(crate) plan: Plan<D>,
+    pub(crate) statistics: Statistics,
+    /// Elements checked by brute force.
+    pub(crate) verified: Option<usize>,
+}
+
+/// Sums over the couples that do not depend on their order.
+#[derive(Debug, PartialEq)]
+pub(crate) struct Statistics {
+    pub(crate) couples: u64,
+    /// Elements with at least one contact are marked.
+    touched: Vec<bool>,
+    /// Of equally large overlaps the first couple counts.
+    pub(crate) max_overlap: Option<(f64, Couple)>,
+}
+
+impl Statistics {
+    fn new(elements: usize) -> Self {
+        Self { couples: 0, touched: vec![false; elements], max_overlap: None }
+    }
+
+    fn add(&mut self, couple: Couple, overlap: f64) {
+        self.couples += 1;
+        self.touched[couple.i as usize] = true;
+        self.touched[couple.j as usize] = true;
+        let larger =
+            |&(largest, first): &(f64, Couple)| overlap > largest || (overlap == largest && couple < first);
+        if self.max_overlap.as_ref().is_none_or(larger) {
+            self.max_overlap = Some((overlap, couple));
+        }
+    }
+
+    /// Elements without any contact.
+    pub(crate) fn rattlers(&self) -> u64 {
+        self.touched.iter().filter(|&&touched| !touched).count() as u64
+    }
+
+    /// Mean number of contacts of an element: two per couple.
+    pub(crate) fn mean_coordination(&self) -> f64 {
+        if self.touched.is_empty() { 0.0 } else { 2.0 * self.couples as f64 / self.touched.len() as f64 }
+    }
+}
+
+/// Why there is no result.
+pub(crate) enum Refusal {
+    /// The elements or the engine are at fault.
+    Elements(Error),
+    /// Brute force found another answer.
+    Mismatch(Mismatch),
+}
+
+impl From<Error> for Refusal {
+    fn from(error: Error) -> Self {
+        Self::Elements(error)
+    }
+}
+
+/// Finds the couples. `position` counts them for whoever watches.
+pub(crate) fn detect<const D: usize>(
+    centres: &[[f64; D]],
+    request: &Request<'_>,
+    position: &Position,
+) -> Result<Found<D>, Refusal> {
+    let elements = match request.sizes {
+        Sizes::Each(radii) => Elements::spheres_with_radii(centres, radii),
+        Sizes::All(radius) => Elements::spheres(centres, radius),
+        Sizes::Cutoff(cutoff) => Elements::points(centres, cutoff),
+    }?
+    .with_tolerance(request.tolerance)?;
+    let mut detector = Detector::new(request.engine);
+    let plan = detector.plan(&elements)?;
+
+    let mut couples = Vec::new();
+    let mut statistics = Statistics::new(elements.len());
+    let keep = request.keep || request.verify.is_some();
+    detector.for_each(&elements, |couple| {
+        let overlap = request.sizes.contact_distance(couple) - distance(centres, couple);
+        statistics.add(couple, overlap);
+        position.store(statistics.couples, Ordering::Relaxed);
+        if keep {
+            couples.push(couple);
+        }
+    })?;
+    couples.sort_unstable();
+
+    // The sample is the same at every run: an error found once can be found again.
+    let check = |sample| verify(&elements, &couples, sample, 0).map_err(Refusal::Mismatch);
+    let verified = request.verify.map(check).transpose()?;
+    Ok(Found { couples, plan, statistics, verified })
+}
+
+/// Distance of the centres of a couple, summed in the order in which the library sums it.
+pub(crate) fn distance<const D: usize>(centres: &[[f64; D]], couple: Couple) -> f64 {
+    let (a, b) = (&centres[couple.i as usize], &centres[couple.j as usize]);
+    a.iter().zip(b).fold(0.0, |sum, (a, b)| sum + (a - b) * (a - b)).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The largest overlap does not depend on the order of the couples.
+    #[test]
+    fn statistics_do_not_depend_on_order() {
+        let couples = [(0, 1, 0.5), (1, 2, 0.75), (3, 4, 0.75), (0, 4, 0.25)];
+        let mut forward = Statistics::new(6);
+        let mut backward = Statistics::new(6);
+        for &(i, j, overlap) in &couples {
+            forward.add(Couple { i, j }, overlap);
+        }
+        for &(i, j, overlap) in couples.iter().rev() {
+            backward.add(Couple { i, j }, overlap);
+        }
+        assert_eq!(forward, backward);
+        assert_eq!(forward.max_overlap, Some((0.75, Couple { i: 1, j: 2 })));
+        assert_eq!(forward.rattlers(), 1);
+        assert_eq!(forward.mean_coordination(), 8.0 / 6.0);
+    }
+
+    /// Elements that touch by the library's comparison never have a negative overlap.
+    #[test]
+    fn touching_couples_overlap_by_at_least_zero() {
+        let radii: Vec<f64> = (1..2000).map(|k| 0.1 + 1.0 / f64::from(k)).collect();
+        for pair in radii.windows(2) {
+            let reach = pair[0] + pair[1];
+            let centres = [[0.0, 0.0], [reach * 0.6, reach * 0.8]];
+            let couple = Couple::new(0, 1);
+            if Elements::spheres_with_radii(&centres, pair).unwrap().touch(0, 1) {
+                assert!(reach - distance(&centres, couple) >= 0.0, "{pair:?}");
+            }
+        }
+    }
+}

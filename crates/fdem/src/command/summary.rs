@@ -1,0 +1,205 @@
+//! What a person, or a script, wants to know of a detection.
+
+use std::fmt;
+
+use fdem_io::Packing;
+use serde::Serialize;
+
+use crate::command::detect::{Found, Sizes};
+
+/// Written as JSON by `--json`, and as text to standard error.
+#[derive(Debug, Serialize)]
+pub(crate) struct Summary {
+    file: String,
+    format: String,
+    /// Columns that were read, as `role=name`.
+    columns: Vec<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    unit: Option<String>,
+    skipped_lines: u64,
+    elements: usize,
+    dimensions: usize,
+    /// Elements of radius zero.
+    points: usize,
+    /// Smallest and largest radius; absent without elements.
+    radius: Option<[f64; 2]>,
+    /// The box around all elements, `[min, max]` per axis; empty without elements.
+    domain: Vec<[f64; 2]>,
+    tolerance: f64,
+    engine: &'static str,
+    reason: String,
+    cell_size: Option<f64>,
+    cells: Option<Vec<u32>>,
+    couples: u64,
+    mean_coordination: f64,
+    /// Elements without contact.
+    rattlers: u64,
+    max_overlap: Option<f64>,
+    /// The two elements that overlap most.
+    max_overlap_couple: Option<[i64; 2]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    verified: Option<usize>,
+    seconds: Seconds,
+    peak_bytes: Option<u64>,
+}
+
+/// Wall-clock time of each phase.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub(crate) struct Seconds {
+    pub(crate) read: f64,
+    pub(crate) detect: f64,
+    pub(crate) write: f64,
+}
+
+impl Summary {
+    pub(crate) fn new<const D: usize>(
+        file: &str,
+        packing: &Packing,
+        centres: &[[f64; D]],
+        sizes: Sizes<'_>,
+        tolerance: f64,
+        found: &Found<D>,
+        seconds: Seconds,
+    ) -> Self {
+        let mut radius: Option<[f64; 2]> = None;
+        let mut domain = Vec::new();
+        for (index, centre) in centres.iter().enumerate() {
+            let r = sizes.radius(index);
+            radius = Some(radius.map_or([r, r], |[min, max]| [min.min(r), max.max(r)]));
+            domain.resize(D, [f64::INFINITY, f64::NEG_INFINITY]);
+            for (side, x) in domain.iter_mut().zip(centre) {
+                *side = [side[0].min(x - r), side[1].max(x + r)];
+            }
+        }
+        let overlap = found.max_overlap_ids(packing);
+        let columns = packing.source.columns.iter();
+        Self {
+            file: file.to_owned(),
+            format: packing.source.format.to_string(),
+            columns: columns.filter_map(|column| Some(format!("{}={}", column.role?, column.name))).collect(),
+            unit: packing.source.unit.clone(),
+            skipped_lines: packing.source.skipped.count,
+            elements: centres.len(),
+            dimensions: D,
+            points: (0..centres.len()).filter(|&index| sizes.radius(index) == 0.0).count(),
+            radius,
+            domain,
+            tolerance,
+            engine: found.plan.engine.name(),
+            reason: found.plan.reason.clone(),
+            cell_size: found.plan.cell_size,
+            cells: found.plan.cells.map(|cells| cells.to_vec()),
+            couples: found.statistics.couples,
+            mean_coordination: found.statistics.mean_coordination(),
+            rattlers: found.statistics.rattlers(),
+            max_overlap: overlap.map(|(overlap, _)| overlap),
+            max_overlap_couple: overlap.map(|(_, couple)| couple),
+            verified: found.verified,
+            seconds,
+            peak_bytes: None,
+        }
+    }
+
+    /// Notes the largest memory the process has had so far.
+    pub(crate) fn measure_peak(&mut self) {
+        self.peak_bytes = peak_bytes();
+    }
+}
+
+impl fmt::Display for Summary {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut line = |label: &str, text: String| writeln!(out, "{label:<16} {text}");
+        let unit = self.unit.as_deref().map(|unit| format!(" {unit}")).unwrap_or_default();
+        let shape = if self.dimensions == 2 { "discs in 2D" } else { "spheres in 3D" };
+
+        line("file", format!("{}, {}: {}", self.file, self.format, self.columns.join(" ")))?;
+        let radius = match self.radius {
+            None => String::new(),
+            Some([min, max]) if min == max => format!(", radius {min}{unit}"),
+            Some([min, max]) => format!(", radius {min} to {max}{unit}"),
+        };
+        line("elements", format!("{} {shape}{radius}", grouped(self.elements as u64)))?;
+        if self.points > 0 {
+            line("", format!("{} of radius zero: points", grouped(self.points as u64)))?;
+        }
+        if self.skipped_lines > 0 {
+            line("skipped lines", grouped(self.skipped_lines))?;
+        }
+        if !self.domain.is_empty() {
+            let sides: Vec<_> =
+                self.domain.iter().map(|[min, max]| format!("[{min:.6}, {max:.6}]")).collect();
+            line("domain", format!("{}{unit}", sides.join(" x ")))?;
+        }
+        if self.tolerance > 0.0 {
+            line("tolerance", format!("{}{unit}", self.tolerance))?;
+        }
+        line("engine", format!("{}: {}", self.engine, self.reason))?;
+        if let (Some(size), Some(cells)) = (self.cell_size, &self.cells) {
+            let cells: Vec<_> = cells.iter().map(|&n| grouped(n.into())).collect();
+            line("cell edge", format!("{size:.6e}{unit}, {} cells", cells.join(" x ")))?;
+        }
+        line("couples", grouped(self.couples))?;
+        line("coordination", format!("{:.4} contacts per element", self.mean_coordination))?;
+        line("without contact", grouped(self.rattlers))?;
+        if let (Some(overlap), Some([i, j])) = (self.max_overlap, self.max_overlap_couple) {
+            line("largest overlap", format!("{overlap:.4e}{unit}, of {i} and {j}"))?;
+        }
+        if let Some(verified) = self.verified {
+            line("verified", format!("{} elements by brute force: no difference", grouped(verified as u64)))?;
+        }
+        let Seconds { read, detect, write } = self.seconds;
+        line("time", format!("read {read:.3} s, detect {detect:.3} s, write {write:.3} s"))?;
+        if let Some(bytes) = self.peak_bytes {
+            line("peak memory", format!("{:.1} MB", bytes as f64 / 1e6))?;
+        }
+        Ok(())
+    }
+}
+
+/// `1234567` as `1,234,567`.
+fn grouped(number: u64) -> String {
+    let digits = number.to_string();
+    let mut text = String::new();
+    for (k, digit) in digits.chars().enumerate() {
+        if k > 0 && (digits.len() - k).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+/// The largest resident memory of this process, where the system tells.
+#[cfg(unix)]
+fn peak_bytes() -> Option<u64> {
+    use nix::sys::resource::{UsageWho, getrusage};
+    let usage = getrusage(UsageWho::RUSAGE_SELF).ok()?;
+    // Linux counts kilobytes, macOS bytes.
+    let unit = if cfg!(target_os = "macos") { 1 } else { 1024 };
+    u64::try_from(usage.max_rss()).ok().map(|peak| peak * unit)
+}
+
+#[cfg(not(unix))]
+fn peak_bytes() -> Option<u64> {
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn thousands_are_grouped() {
+        for (number, text) in [(0, "0"), (999, "999"), (1000, "1,000"), (1_234_567, "1,234,567")] {
+            assert_eq!(grouped(number), text);
+        }
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn peak_memory_is_in_bytes() {
+        let ballast = std::hint::black_box(vec![1_u8; 64 << 20]);
+        let peak = peak_bytes().unwrap();
+        assert!(peak > ballast.len() as u64 && peak < 64 << 30, "{peak}");
+    }
+}

@@ -1,0 +1,14 @@
+//! fdem: contact detection and the combined finite-discrete element method.
+//!
+//! This crate holds the `fdem` command, as a library; what it does is in the crates below:
+//! - [`contact`]: which of N elements touch (package `fdem-contact`);
+//! - [`io`]: packings in, couples out, in the field's formats (package `fdem-io`);
+//! - [`scenes`]: seeded packings (package `fdem-scenes`).
+//!
+//! A program of yours that needs couples depends on `fdem-contact` alone, which has no dependencies.
+
+pub mod command;
+
+pub use fdem_contact as contact;
+pub use fdem_io as io;
+pub use fdem_scenes as scenes;

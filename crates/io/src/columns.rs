@@ -1,0 +1,475 @@
+//! Which column is what: roles, the names they go by, and the choice made with `--columns`.
+
+use std::fmt;
+use std::str::FromStr;
+
+use thiserror::Error;
+
+use crate::error::ReadError;
+
+/// What a column of a packing is read as.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Role {
+    /// First coordinate of the centre.
+    X,
+    /// Second coordinate of the centre.
+    Y,
+    /// Third coordinate of the centre; without it the packing is 2D.
+    Z,
+    /// Radius.
+    Radius,
+    /// Diameter, halved into the radius.
+    Diameter,
+    /// Id, a whole number.
+    Id,
+}
+
+impl Role {
+    const ALL: [Self; 6] = [Self::X, Self::Y, Self::Z, Self::Radius, Self::Diameter, Self::Id];
+
+    /// The role a name stands for, if any: `X (mm)`, `PosX[m]`, `Points:0` and `pos_x` are all x.
+    pub(crate) fn of(name: &str) -> Option<Self> {
+        let plain = Name::new(name).plain;
+        Self::ALL.into_iter().find(|role| role.goes_by(&plain))
+    }
+
+    /// Whether a name without unit, blanks and capitals stands for this role.
+    fn goes_by(self, plain: &str) -> bool {
+        /// What an axis goes by: `@` is its letter, `#` its number.
+        const AXIS: [&str; 26] = [
+            "@",
+            "pos@",
+            "p@",
+            "@pos",
+            "position@",
+            "@position",
+            "coord@",
+            "@coord",
+            "coordinate@",
+            "@coordinate",
+            "coordinates@",
+            "c@",
+            "@c",
+            "center@",
+            "@center",
+            "centre@",
+            "@centre",
+            "points:#",
+            "points#",
+            "position:#",
+            "positions:#",
+            "pos:#",
+            "coordinates:#",
+            "center:#",
+            "centre:#",
+            "centroid@",
+        ];
+        let axis = |letter: &str, number: &str| {
+            AXIS.iter().any(|pattern| match pattern.split_once(['@', '#']) {
+                Some((before, after)) => {
+                    let middle = if pattern.contains('@') { letter } else { number };
+                    plain.strip_prefix(before).and_then(|rest| rest.strip_suffix(after)) == Some(middle)
+                }
+                None => false,
+            })
+        };
+        match self {
+            Self::X => axis("x", "0"),
+            Self::Y => axis("y", "1"),
+            Self::Z => axis("z", "2"),
+            Self::Radius => matches!(plain, "radius" | "r" | "rad" | "radii" | "particleradius"),
+            Self::Diameter => matches!(plain, "diameter" | "d" | "dia" | "diam" | "particlediameter"),
+            Self::Id => matches!(plain, "id" | "ids" | "index" | "particleid" | "number" | "no"),
+        }
+    }
+
+    /// Whether two columns cannot have these roles in one file.
+    fn clashes(self, other: Self) -> bool {
+        let size = |role| matches!(role, Self::Radius | Self::Diameter);
+        self == other || (size(self) && size(other))
+    }
+}
+
+impl fmt::Display for Role {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::X => "x",
+            Self::Y => "y",
+            Self::Z => "z",
+            Self::Radius => "radius",
+            Self::Diameter => "diameter",
+            Self::Id => "id",
+        })
+    }
+}
+
+/// The name of a column, taken apart.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Name {
+    /// As the file spells it.
+    pub(crate) written: String,
+    /// Without quotes, unit, blanks, `_`, `-` and capitals.
+    plain: String,
+    /// What stood in brackets.
+    unit: Option<String>,
+}
+
+impl Name {
+    pub(crate) fn new(written: &str) -> Self {
+        let written = written.trim_matches(|c: char| c.is_whitespace() || c == '"' || c == '\'');
+        let (mut rest, mut unit) = (written.to_owned(), None);
+        if let Some(open) = written.find(['[', '(']).filter(|&at| at > 0) {
+            let inside = &written[open + 1..];
+            let close = inside.find([']', ')']).unwrap_or(inside.len());
+            unit = Some(inside[..close].trim().to_owned()).filter(|unit| !matches!(unit.as_str(), "" | "-"));
+            rest = written[..open].to_owned() + inside.get(close + 1..).unwrap_or("");
+        }
+        rest.retain(|c| !(c.is_whitespace() || matches!(c, '_' | '-' | '"' | '\'')));
+        Self { written: written.to_owned(), plain: rest.to_lowercase(), unit }
+    }
+}
+
+/// The columns of a file as chosen by hand, for files whose header is missing or misleading.
+///
+/// Two spellings are understood, both with the roles `x y z radius diameter id` and the names a header may
+/// use for them:
+/// - by place, `radius,x,y,z`: one entry for every column; `_` or `-` skips a column;
+/// - by name, `x=PosX[m],y=PosY[m],radius=3`: a column's name in the header, or its number counted from 1.
+///
+/// # Errors
+/// Parsing gives [`ColumnsError`].
+///
+/// # Example
+/// ```
+/// use fdem_io::{Columns, ColumnsError, Role};
+///
+/// let by_place: Columns = "_,radius,x,y".parse()?;
+/// let by_name: Columns = "x=3,y=4,radius=Rad [mm]".parse()?;
+/// assert_ne!(by_place, by_name);
+/// assert_eq!("x,y,x".parse::<Columns>(), Err(ColumnsError::Duplicate { role: Role::X }));
+/// # Ok::<(), ColumnsError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Columns(Choice);
+
+#[derive(Debug, Clone, PartialEq, Eq)]
+enum Choice {
+    Places(Vec<Option<Role>>),
+    Names(Vec<(Role, String)>),
+}
+
+/// Why a choice of columns makes no sense by itself, before any file is looked at.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum ColumnsError {
+    /// An entry names no role.
+    #[error("'{entry}' is not one of x, y, z, radius, diameter, id (or _ to skip a column)")]
+    UnknownRole {
+        /// The entry.
+        entry: String,
+    },
+    /// A role is given no column, as in `x=`.
+    #[error("'{entry}' names no column: expected {role}=NAME or {role}=NUMBER")]
+    NoName {
+        /// The entry.
+        entry: String,
+        /// Its role.
+        role: Role,
+    },
+    /// Some entries go by place and others by name.
+    #[error("'{entry}' does not fit the entries before it: use either x,y,... or x=NAME,y=NAME,...")]
+    Mixed {
+        /// The first entry unlike the others.
+        entry: String,
+    },
+    /// A role is given twice.
+    #[error("{role} is given twice")]
+    Duplicate {
+        /// The role.
+        role: Role,
+    },
+    /// Both radius and diameter are given.
+    #[error("both radius and diameter are given: one follows from the other")]
+    RadiusAndDiameter,
+    /// x or y is not given.
+    #[error("{role} is missing: x and y are needed at least")]
+    Missing {
+        /// The role.
+        role: Role,
+    },
+}
+
+impl FromStr for Columns {
+    type Err = ColumnsError;
+
+    fn from_str(text: &str) -> Result<Self, ColumnsError> {
+        let by_name = text.split(',').next().is_some_and(|entry| entry.contains('='));
+        let (mut places, mut names) = (Vec::new(), Vec::new());
+        for entry in text.split(',').map(str::trim) {
+            let unknown = || ColumnsError::UnknownRole { entry: entry.to_owned() };
+            match entry.split_once('=') {
+                Some((role, name)) if by_name => {
+                    let role = Role::of(role).ok_or_else(unknown)?;
+                    let name = name.trim().trim_matches('"');
+                    if name.is_empty() {
+                        return Err(ColumnsError::NoName { entry: entry.to_owned(), role });
+                    }
+                    names.push((role, name.to_owned()));
+                }
+                None if !by_name => places.push(match entry {
+                    "_" | "-" => None,
+                    _ => Some(Role::of(entry).ok_or_else(unknown)?),
+                }),
+                _ => return Err(ColumnsError::Mixed { entry: entry.to_owned() }),
+            }
+        }
+        let choice = if by_name { Choice::Names(names) } else { Choice::Places(places) };
+        check_roles(&choice)?;
+        Ok(Self(choice))
+    }
+}
+
+fn check_roles(choice: &Choice) -> Result<(), ColumnsError> {
+    let mut roles: Vec<Role> = match choice {
+        Choice::Places(places) => places.iter().flatten().copied().collect(),
+        Choice::Names(names) => names.iter().map(|(role, _)| *role).collect(),
+    };
+    roles.sort_unstable();
+    if let Some(twice) = roles.windows(2).find(|pair| pair[0] == pair[1]) {
+        return Err(ColumnsError::Duplicate { role: twice[0] });
+    }
+    if roles.contains(&Role::Radius) && roles.contains(&Role::Diameter) {
+        return Err(ColumnsError::RadiusAndDiameter);
+    }
+    match [Role::X, Role::Y].into_iter().find(|role| !roles.contains(role)) {
+        Some(role) => Err(ColumnsError::Missing { role }),
+        None => Ok(()),
+    }
+}
+
+impl Columns {
+    /// Whether these columns are found without looking at names.
+    pub(crate) fn by_number(&self) -> bool {
+        match &self.0 {
+            Choice::Places(_) => true,
+            Choice::Names(names) => names.iter().all(|(_, name)| name.parse::<usize>().is_ok()),
+        }
+    }
+
+    /// Whether the column at this place, counted from 0, gets a role by its number.
+    pub(crate) fn takes(&self, place: usize) -> bool {
+        match &self.0 {
+            Choice::Places(places) => places.get(place).is_some_and(Option::is_some),
+            Choice::Names(names) => names.iter().any(|(_, name)| name.parse() == Ok(place + 1)),
+        }
+    }
+}
+
+/// The columns of one file before roles are given out.
+pub(crate) struct Table<'a> {
+    /// The names of the header, or the numbers of the columns counted from 1.
+    pub(crate) names: &'a [Name],
+    /// Whether `names` come from a header.
+    pub(crate) header: bool,
+    /// Where the names stand, for errors.
+    pub(crate) line: Option<u64>,
+    /// The first row, for errors.
+    pub(crate) row: &'a str,
+}
+
+impl Table<'_> {
+    /// Gives every column its role, by choice, by name or by number, in this order of preference.
+    pub(crate) fn roles(&self, columns: Option<&Columns>) -> Result<Vec<Option<Role>>, ReadError> {
+        match columns {
+            Some(Columns(Choice::Places(places))) if places.len() == self.names.len() => Ok(places.clone()),
+            Some(Columns(Choice::Places(places))) => Err(ReadError::ColumnCount {
+                line: self.line,
+                listed: places.len(),
+                found: self.names.len(),
+                text: self.row.to_owned(),
+            }),
+            Some(Columns(Choice::Names(names))) => self.roles_by_choice(names),
+            None if self.header => self.roles_by_name(),
+            None => self.roles_by_number(),
+        }
+    }
+
+    fn roles_by_choice(&self, chosen: &[(Role, String)]) -> Result<Vec<Option<Role>>, ReadError> {
+        let mut roles = vec![None; self.names.len()];
+        for (role, wanted) in chosen {
+            let place = self.place_of(wanted)?;
+            if let Some(taken) = roles[place] {
+                return Err(self.clash((place, taken), (place, *role)));
+            }
+            roles[place] = Some(*role);
+        }
+        Ok(roles)
+    }
+
+    /// The column of a name as the header spells it, or else of a number, or else of a name but for its unit
+    /// and capitals.
+    fn place_of(&self, wanted: &str) -> Result<usize, ReadError> {
+        let plain = Name::new(wanted).plain;
+        let places = |fits: &dyn Fn(&Name) -> bool| -> Vec<usize> {
+            (0..self.names.len()).filter(|&place| fits(&self.names[place])).collect()
+        };
+        let mut found = places(&|name| name.written == wanted);
+        if found.is_empty() {
+            found.extend(
+                wanted.parse().ok().filter(|number| (1..=self.names.len()).contains(number)).map(|n| n - 1),
+            );
+        }
+        if found.is_empty() {
+            found = places(&|name| !plain.is_empty() && name.plain == plain);
+        }
+        match found[..] {
+            [place] => Ok(place),
+            [] => Err(ReadError::UnknownColumn {
+                line: self.line,
+                wanted: wanted.to_owned(),
+                present: self.present(),
+            }),
+            _ => Err(ReadError::AmbiguousColumn {
+                line: self.line,
+                wanted: wanted.to_owned(),
+                matches: found
+                    .iter()
+                    .map(|&place| format!("{} ({})", self.names[place].written, place + 1))
+                    .collect(),
+            }),
+        }
+    }
+
+    fn roles_by_name(&self) -> Result<Vec<Option<Role>>, ReadError> {
+        let roles: Vec<_> = self.names.iter().map(|name| Role::of(&name.written)).collect();
+        for (second, role) in roles.iter().enumerate() {
+            let Some(role) = *role else { continue };
+            for (first, earlier) in roles[..second].iter().enumerate() {
+                if let Some(earlier) = earlier.filter(|earlier| role.clashes(*earlier)) {
+                    return Err(self.clash((first, earlier), (second, role)));
+                }
+            }
+        }
+        match [Role::X, Role::Y].into_iter().find(|role| !roles.contains(&Some(*role))) {
+            Some(role) => Err(ReadError::MissingColumn { line: self.line, role, present: self.present() }),
+            None => Ok(roles),
+        }
+    }
+
+    fn roles_by_number(&self) -> Result<Vec<Option<Role>>, ReadError> {
+        let usual = [Role::X, Role::Y, Role::Z, Role::Radius].map(Some);
+        match self.names.len() {
+            found @ 2..=4 => Ok(usual[..found].to_vec()),
+            found => Err(ReadError::UnnamedColumns { line: self.line, found, text: self.row.to_owned() }),
+        }
+    }
+
+    /// The one unit of the columns that hold lengths, `None` if the header gives none.
+    pub(crate) fn unit(&self, roles: &[Option<Role>]) -> Result<Option<String>, ReadError> {
+        let mut lengths = self
+            .names
+            .iter()
+            .zip(roles)
+            .filter(|(_, role)| role.is_some_and(|role| role != Role::Id))
+            .filter_map(|(name, _)| name.unit.as_ref().map(|unit| (&name.written, unit)));
+        let Some((first, first_unit)) = lengths.next() else { return Ok(None) };
+        match lengths.find(|(_, unit)| *unit != first_unit) {
+            Some((second, second_unit)) => Err(ReadError::MixedUnits {
+                line: self.line,
+                first: first.clone(),
+                first_unit: first_unit.clone(),
+                second: second.clone(),
+                second_unit: second_unit.clone(),
+            }),
+            None => Ok(Some(first_unit.clone())),
+        }
+    }
+
+    fn present(&self) -> Vec<String> {
+        /// Columns listed in a message: a table may have hundreds.
+        const SHOWN: usize = 20;
+        let mut present: Vec<_> = self.names.iter().take(SHOWN).map(|name| name.written.clone()).collect();
+        if self.names.len() > SHOWN {
+            present.push(format!("… ({} in all)", self.names.len()));
+        }
+        present
+    }
+
+    fn clash(&self, first: (usize, Role), second: (usize, Role)) -> ReadError {
+        ReadError::ClashingColumns {
+            line: self.line,
+            first: self.names[first.0].written.clone(),
+            first_role: first.1,
+            second: self.names[second.0].written.clone(),
+            second_role: second.1,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_the_field_are_known() {
+        for (role, names) in [
+            (
+                Role::X,
+                "x|X|PosX[m]|px|position X|x_pos|CoordX|x_coordinate|cx|xc|center_x|Points:0|Points_0|X (mm)",
+            ),
+            (Role::Y, "y|posy[mm]|y-pos|Y_Coord|centrey|points:1|position:1|\"Y\""),
+            (Role::Z, "z|PosZ|zc|Points:2"),
+            (Role::Radius, "radius|R|Rad|radii|Particle_Radius|radius[m]"),
+            (Role::Diameter, "d|D|dia|diam|Diameter(mm)"),
+            (Role::Id, "id|IDs|index|ParticleID|particle_id|number|No"),
+        ] {
+            for name in names.split('|') {
+                assert_eq!(Role::of(name), Some(role), "{name}");
+            }
+        }
+        for name in ["", "vx", "xx", "w", "points:3", "mass", "(x)", "x0", "r2", "points:", "density"] {
+            assert_eq!(Role::of(name), None, "{name}");
+        }
+    }
+
+    #[test]
+    fn a_unit_is_what_stands_in_brackets() {
+        let unit = |name: &str| Name::new(name).unit;
+        assert_eq!(unit("PosX[m]").as_deref(), Some("m"));
+        assert_eq!(unit("X ( mm )").as_deref(), Some("mm"));
+        assert_eq!(unit("X [mm").as_deref(), Some("mm"), "a bracket left open ends with the name");
+        assert_eq!(unit("X[-]"), None);
+        assert_eq!(unit("X[]"), None);
+        assert_eq!(unit("(m)"), None, "a bracket alone is a name");
+    }
+
+    #[test]
+    fn choices_that_make_no_sense_are_refused() {
+        let parse = |text: &str| text.parse::<Columns>();
+        assert_eq!(parse("x,y,X"), Err(ColumnsError::Duplicate { role: Role::X }));
+        assert_eq!(parse("x=1,y=2,x=3"), Err(ColumnsError::Duplicate { role: Role::X }));
+        assert_eq!(parse("x,y,d,r"), Err(ColumnsError::RadiusAndDiameter));
+        assert_eq!(parse("x,z"), Err(ColumnsError::Missing { role: Role::Y }));
+        assert_eq!(parse("y=2"), Err(ColumnsError::Missing { role: Role::X }));
+        assert_eq!(parse("x,y,mass"), Err(ColumnsError::UnknownRole { entry: "mass".into() }));
+        assert_eq!(parse(""), Err(ColumnsError::UnknownRole { entry: String::new() }));
+        assert_eq!(parse("x,y,"), Err(ColumnsError::UnknownRole { entry: String::new() }));
+        assert_eq!(parse("x=1,y"), Err(ColumnsError::Mixed { entry: "y".into() }));
+        assert_eq!(parse("x,y=2"), Err(ColumnsError::Mixed { entry: "y=2".into() }));
+        assert_eq!(parse("x=1,y="), Err(ColumnsError::NoName { entry: "y=".into(), role: Role::Y }));
+        assert!(parse(" Radius , PosX ,_,-, y").is_ok());
+    }
+
+    #[test]
+    fn a_number_is_a_column_unless_a_column_has_that_name() {
+        let names = [Name::new("2"), Name::new("PosX[m]"), Name::new("PosX[mm]"), Name::new("b")];
+        let table = Table { names: &names, header: true, line: Some(1), row: "" };
+        assert_eq!(table.place_of("2"), Ok(0));
+        assert_eq!(table.place_of("3"), Ok(2));
+        assert_eq!(table.place_of("PosX[mm]"), Ok(2));
+        assert_eq!(table.place_of("B"), Ok(3));
+        assert!(matches!(table.place_of("posx"), Err(ReadError::AmbiguousColumn { .. })));
+        assert!(matches!(table.place_of("5"), Err(ReadError::UnknownColumn { .. })));
+        assert!(matches!(table.place_of("0"), Err(ReadError::UnknownColumn { .. })));
+    }
+}

@@ -1,0 +1,113 @@
+//! Elements gathered row by row, from text or from an array.
+
+use crate::columns::Role;
+use crate::packing::{BadLine, Centres, Skipped};
+use crate::row::{Row, SIZE};
+
+/// A packing in the making.
+#[derive(Debug)]
+pub(crate) struct Elements {
+    pub(crate) centres: Centres,
+    pub(crate) radii: Option<Vec<f64>>,
+    pub(crate) ids: Option<Vec<i64>>,
+    pub(crate) skipped: Skipped,
+    /// Line or row of every element, kept while there are ids to compare.
+    places: Vec<u64>,
+    /// Radius over size column: 1, or 1/2 for diameters.
+    scale: f64,
+}
+
+/// An id on two rows: the id and the places of both.
+#[derive(Debug, PartialEq, Eq)]
+pub(crate) struct Duplicate {
+    pub(crate) id: i64,
+    pub(crate) first: u64,
+    pub(crate) second: u64,
+}
+
+impl Elements {
+    /// Room for elements with these columns.
+    pub(crate) fn new(roles: &[Option<Role>], capacity: usize) -> Self {
+        let has = |role| roles.contains(&Some(role));
+        let sized = has(Role::Radius) || has(Role::Diameter);
+        let room = |wanted: bool| if wanted { capacity } else { 0 };
+        Self {
+            centres: if has(Role::Z) {
+                Centres::Three(Vec::with_capacity(capacity))
+            } else {
+                Centres::Two(Vec::with_capacity(capacity))
+            },
+            radii: sized.then(|| Vec::with_capacity(capacity)),
+            ids: has(Role::Id).then(|| Vec::with_capacity(capacity)),
+            skipped: Skipped::default(),
+            places: Vec::with_capacity(room(has(Role::Id))),
+            scale: if has(Role::Diameter) { 0.5 } else { 1.0 },
+        }
+    }
+
+    #[inline]
+    pub(crate) fn push(&mut self, row: &Row, place: u64) {
+        let [x, y, z, size] = row.values;
+        match &mut self.centres {
+            Centres::Two(centres) => centres.push([x, y]),
+            Centres::Three(centres) => centres.push([x, y, z]),
+        }
+        if let Some(radii) = &mut self.radii {
+            radii.push(size * self.scale);
+        }
+        if let Some(ids) = &mut self.ids {
+            ids.push(row.id);
+            self.places.push(place);
+        }
+    }
+
+    /// The first bad row, when there is no good one.
+    pub(crate) fn all_bad(&self) -> Option<&BadLine> {
+        self.skipped.first.first().filter(|_| self.centres.is_empty())
+    }
+
+    /// The first row, in the order of the file, whose id an earlier row has.
+    pub(crate) fn duplicate(&self) -> Option<Duplicate> {
+        let ids = self.ids.as_ref()?;
+        if ids.is_sorted_by(|a, b| a < b) {
+            return None;
+        }
+        let mut order: Vec<(i64, u64)> = ids.iter().copied().zip(self.places.iter().copied()).collect();
+        order.sort_unstable();
+        let twice = order.windows(2).filter(|pair| pair[0].0 == pair[1].0);
+        let pair = twice.min_by_key(|pair| pair[1].1)?;
+        Some(Duplicate { id: pair[0].0, first: pair[0].1, second: pair[1].1 })
+    }
+}
+
+const _: () = assert!(SIZE == 3, "`push` takes the size from the last value");
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn with_ids(ids: &[i64]) -> Elements {
+        let mut elements = Elements::new(&[Some(Role::X), Some(Role::Y), Some(Role::Id)], 0);
+        for (place, id) in ids.iter().enumerate() {
+            elements.push(&Row { id: *id, ..Row::default() }, place as u64 + 10);
+        }
+        elements
+    }
+
+    #[test]
+    fn the_earliest_repetition_is_reported() {
+        assert_eq!(with_ids(&[1, 2, 3]).duplicate(), None);
+        assert_eq!(with_ids(&[3, -1, 2]).duplicate(), None);
+        assert_eq!(with_ids(&[9, 5, 9, 5, 9]).duplicate(), Some(Duplicate { id: 9, first: 10, second: 12 }));
+        assert_eq!(with_ids(&[1, 1]).duplicate(), Some(Duplicate { id: 1, first: 10, second: 11 }));
+    }
+
+    #[test]
+    fn diameters_are_halved() {
+        let mut elements = Elements::new(&[Some(Role::X), Some(Role::Y), Some(Role::Diameter)], 1);
+        elements.push(&Row { values: [1.0, 2.0, 0.0, 3.0], id: 0 }, 1);
+        assert_eq!(elements.radii, Some(vec![1.5]));
+        assert_eq!(elements.centres, Centres::Two(vec![[1.0, 2.0]]));
+        assert_eq!(elements.ids, None);
+    }
+}

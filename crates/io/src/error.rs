@@ -1,0 +1,247 @@
+//! Everything that can be wrong with a file.
+
+use thiserror::Error;
+
+use crate::columns::Role;
+
+/// Why a file could not be read: what is wrong, where, and what would be right.
+///
+/// The text carries neither the file's name nor the line's number: who opened the file prints
+/// `file:line: text`, with the line from [`ReadError::line`].
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum ReadError {
+    /// The file has no bytes.
+    #[error("the file is empty: expected one element per row")]
+    Empty,
+    /// The file has no line other than comments and blank lines.
+    #[error("only comments and blank lines ({lines} of them): expected one element per row")]
+    NoRows {
+        /// How many lines there are.
+        lines: u64,
+    },
+    /// The first bytes are those of some other format.
+    #[error("this is {format}, not a table of elements: {advice}")]
+    Foreign {
+        /// The format's name.
+        format: &'static str,
+        /// What to do about it.
+        advice: &'static str,
+    },
+    /// The file holds bytes that no text holds.
+    #[error("not a text file: {found} at byte {offset}")]
+    NotText {
+        /// Line of the first such byte, counted from 1.
+        line: u64,
+        /// Its offset in the file, counted from 0.
+        offset: u64,
+        /// What was found there.
+        found: String,
+    },
+    /// A row cannot be read.
+    #[error("{problem}: {text}")]
+    Malformed {
+        /// Line, counted from 1.
+        line: u64,
+        /// The line, cut to about 80 characters, control characters escaped.
+        text: String,
+        /// What is wrong with it.
+        problem: String,
+    },
+    /// Bad lines may be skipped, but there is no good one.
+    #[error("none of the {count} rows can be read; the first: {problem}: {text}")]
+    AllBad {
+        /// How many rows there are.
+        count: u64,
+        /// Line of the first, counted from 1; `None` in an array.
+        line: Option<u64>,
+        /// The first row.
+        text: String,
+        /// What is wrong with it.
+        problem: String,
+    },
+    /// The header names no x, or no y.
+    #[error("no column for {role}; the columns are: {}. Say which it is with --columns", present.join(", "))]
+    MissingColumn {
+        /// Line of the header, counted from 1; `None` in an array.
+        line: Option<u64>,
+        /// What is missing.
+        role: Role,
+        /// The columns that are there.
+        present: Vec<String>,
+    },
+    /// The chosen columns name one that is not there.
+    #[error("no column '{wanted}'; the columns are: {}", present.join(", "))]
+    UnknownColumn {
+        /// Line of the header, or of the first row without one; `None` in an array.
+        line: Option<u64>,
+        /// The name or number asked for.
+        wanted: String,
+        /// The columns that are there.
+        present: Vec<String>,
+    },
+    /// The chosen columns name one that several columns could be.
+    #[error("'{wanted}' could be any of the columns {}: give its number", matches.join(", "))]
+    AmbiguousColumn {
+        /// Line of the header; `None` in an array.
+        line: Option<u64>,
+        /// The name asked for.
+        wanted: String,
+        /// The columns it fits.
+        matches: Vec<String>,
+    },
+    /// Two columns have the same role, or one is a radius and another a diameter.
+    #[error("columns {first} ({first_role}) and {second} ({second_role}) clash: choose one with --columns")]
+    ClashingColumns {
+        /// Line of the header; `None` in an array.
+        line: Option<u64>,
+        /// Name of the first column.
+        first: String,
+        /// Its role.
+        first_role: Role,
+        /// Name of the second column.
+        second: String,
+        /// Its role.
+        second_role: Role,
+    },
+    /// Two columns are in different units.
+    #[error("column {first} is in {first_unit}, column {second} in {second_unit}: convert to one unit first")]
+    MixedUnits {
+        /// Line of the header; `None` in an array.
+        line: Option<u64>,
+        /// Name of the first column.
+        first: String,
+        /// Its unit.
+        first_unit: String,
+        /// Name of the second column.
+        second: String,
+        /// Its unit.
+        second_unit: String,
+    },
+    /// There is no header and the number of columns does not say what they are.
+    #[error(
+        "{found} columns and no header (2 would be x y, 3 x y z, 4 x y z radius): \
+         say what they are with --columns, for example --columns x,y,z,_,radius. First row: {text}"
+    )]
+    UnnamedColumns {
+        /// Line of the first row, counted from 1; `None` in an array.
+        line: Option<u64>,
+        /// How many columns there are.
+        found: usize,
+        /// The first row; the shape of an array.
+        text: String,
+    },
+    /// `--columns` lists more or fewer columns than the file has.
+    #[error("--columns lists {listed} columns, found {found}: use _ for columns to skip. First row: {text}")]
+    ColumnCount {
+        /// Line of the first row, counted from 1; `None` in an array.
+        line: Option<u64>,
+        /// Columns listed.
+        listed: usize,
+        /// Columns in the file.
+        found: usize,
+        /// The first row; the shape of an array.
+        text: String,
+    },
+    /// Two rows of a text file have the same id.
+    #[error(
+        "id {id} is on line {first} and again on line {second}: use row numbers instead with --ignore-ids"
+    )]
+    DuplicateId {
+        /// The id.
+        id: i64,
+        /// Line of its first row.
+        first: u64,
+        /// Line of its second row.
+        second: u64,
+    },
+    /// Two rows of an array have the same id.
+    #[error("id {id} is in row {first} and again in row {second}: use row numbers instead with --ignore-ids")]
+    DuplicateIdRow {
+        /// The id.
+        id: i64,
+        /// Its first row, counted from 0.
+        first: u64,
+        /// Its second row, counted from 0.
+        second: u64,
+    },
+    /// The header of a NumPy file cannot be read.
+    #[error("damaged NumPy header: {problem}")]
+    NpyHeader {
+        /// What is wrong with it.
+        problem: String,
+    },
+    /// A NumPy array holds something other than floats.
+    #[error("{what} of shape {shape} is {dtype}: expected {wanted}")]
+    NpyDtype {
+        /// `the array`, or the field.
+        what: String,
+        /// The dtype as the file spells it.
+        dtype: String,
+        /// The shape as Python prints it.
+        shape: String,
+        /// What can be read there.
+        wanted: &'static str,
+    },
+    /// A NumPy array does not have one row per element.
+    #[error(
+        "the array has shape {shape}, dtype {dtype}: expected (n, 2), (n, 3) or (n, 4) floats, \
+         or (n,) of a dtype with the fields x, y, z, radius"
+    )]
+    NpyShape {
+        /// The shape as Python prints it.
+        shape: String,
+        /// The dtype as the file spells it.
+        dtype: String,
+    },
+    /// A NumPy file does not have the size its header claims.
+    #[error(
+        "the array should take {expected} bytes (shape {shape}), found {found}: the file is cut off or damaged"
+    )]
+    NpySize {
+        /// Bytes that shape and dtype ask for.
+        expected: u128,
+        /// Bytes after the header.
+        found: u64,
+        /// The shape as Python prints it.
+        shape: String,
+    },
+    /// A row of an array cannot be read.
+    #[error("{problem}: {text}")]
+    BadRow {
+        /// Row, counted from 0.
+        row: u64,
+        /// The values of the row.
+        text: String,
+        /// What is wrong with them; names the row and the column.
+        problem: String,
+    },
+}
+
+impl ReadError {
+    /// The line the error is about, counted from 1; `None` for the file as a whole and for arrays.
+    pub fn line(&self) -> Option<u64> {
+        match self {
+            Self::NotText { line, .. }
+            | Self::Malformed { line, .. }
+            | Self::DuplicateId { second: line, .. } => Some(*line),
+            Self::AllBad { line, .. }
+            | Self::MissingColumn { line, .. }
+            | Self::UnknownColumn { line, .. }
+            | Self::AmbiguousColumn { line, .. }
+            | Self::ClashingColumns { line, .. }
+            | Self::MixedUnits { line, .. }
+            | Self::UnnamedColumns { line, .. }
+            | Self::ColumnCount { line, .. } => *line,
+            Self::Empty
+            | Self::NoRows { .. }
+            | Self::Foreign { .. }
+            | Self::DuplicateIdRow { .. }
+            | Self::NpyHeader { .. }
+            | Self::NpyDtype { .. }
+            | Self::NpyShape { .. }
+            | Self::NpySize { .. }
+            | Self::BadRow { .. } => None,
+        }
+    }
+}

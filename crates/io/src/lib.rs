@@ -1,0 +1,45 @@
+//! Packings in and contact couples out, in the formats of the discrete element field.
+//!
+//! The crate knows bytes, not paths: [`read`] turns the content of a file into a [`Packing`], and
+//! [`write_csv`], [`write_npy`], [`write_packing_csv`] and [`write_packing_npy`] send results to any
+//! [`std::io::Write`]. Who opens the file adds its name to the errors.
+//!
+//! ```text
+//! bytes ── read ──┬─ delimited text ─┬─> Packing ── (contact detection) ──> couples ── write_csv, write_npy
+//!                 └─ NumPy array ────┘
+//! ```
+//!
+//! # Example
+//! ```
+//! use std::sync::atomic::AtomicU64;
+//! use fdem_io::{Centres, ReadOptions, read};
+//!
+//! let text = b"Radius[m] PosX[m] PosY[m]\n 0.5 0 0\n 0.5 1 0\n";
+//! let packing = read(text, &ReadOptions::default(), &AtomicU64::new(0))?;
+//! assert_eq!(packing.centres, Centres::Two(vec![[0.0, 0.0], [1.0, 0.0]]));
+//! assert_eq!(packing.radii, Some(vec![0.5, 0.5]));
+//! assert_eq!(packing.source.unit.as_deref(), Some("m"));
+//! # Ok::<(), fdem_io::ReadError>(())
+//! ```
+
+mod packing;
+mod read;
+
+mod columns;
+mod elements;
+mod npy;
+mod npy_header;
+mod row;
+mod text;
+
+mod couples;
+mod error;
+mod excerpt;
+mod write_packing;
+
+pub use columns::{Columns, ColumnsError, Role};
+pub use couples::{CoupleRow, write_csv, write_npy};
+pub use error::ReadError;
+pub use packing::{BadLine, Centres, Column, Delimiter, Format, Packing, Skipped, Source};
+pub use read::{ReadOptions, read};
+pub use write_packing::{write_packing_csv, write_packing_npy};

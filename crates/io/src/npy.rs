@@ -1,0 +1,346 @@
+//! Packings in NumPy arrays.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use crate::columns::{Name, Role, Table};
+use crate::elements::Elements;
+use crate::error::ReadError;
+use crate::npy_header::{Dtype, Header, Scalar};
+use crate::packing::{BadLine, Column, Format, Packing, Source};
+use crate::read::ReadOptions;
+use crate::row::{Row, SIZE, check_size, whole};
+
+/// Rows between two reports of progress.
+const ROWS_PER_REPORT: usize = 4096;
+/// More columns are no table of elements, and a name for each might not fit in memory.
+const MOST_COLUMNS: u64 = 10_000;
+/// A field that is an array counts as columns `name:0`, `name:1`, … up to this many; more is no vector.
+const LONGEST_VECTOR: u64 = 16;
+
+pub(crate) fn read_npy(
+    bytes: &[u8],
+    options: &ReadOptions,
+    progress: &AtomicU64,
+) -> Result<Packing, ReadError> {
+    let header = Header::parse(bytes).map_err(|problem| ReadError::NpyHeader { problem })?;
+    let array = Array::new(&header, &bytes[header.data..])?;
+    let (mut roles, unit) = array.roles(options)?;
+    if options.ignore_ids {
+        roles.iter_mut().filter(|role| **role == Some(Role::Id)).for_each(|role| *role = None);
+    }
+    let chosen = array.chosen(&roles, &header)?;
+    array.check_size(&header)?;
+
+    let mut elements = Elements::new(&roles, array.rows);
+    for at in 0..array.rows {
+        if at % ROWS_PER_REPORT == 0 {
+            progress.store((header.data + at * (array.data.len() / array.rows)) as u64, Ordering::Relaxed);
+        }
+        match array.row(at, &chosen) {
+            Ok(row) => elements.push(&row, at as u64),
+            Err(problem) => {
+                let (row, text) = (at as u64, array.shown(at, &chosen));
+                let problem = format!("row {row} (counted from 0): {problem}");
+                if !options.skip_bad_lines {
+                    return Err(ReadError::BadRow { row, text, problem });
+                }
+                elements.skipped.push(BadLine { line: row, text, problem });
+            }
+        }
+    }
+    if let Some(bad) = elements.all_bad() {
+        let (text, problem) = (bad.text.clone(), bad.problem.clone());
+        return Err(ReadError::AllBad { count: elements.skipped.count, line: None, text, problem });
+    }
+    if let Some(twice) = elements.duplicate() {
+        return Err(ReadError::DuplicateIdRow { id: twice.id, first: twice.first, second: twice.second });
+    }
+    let columns = array.columns.iter().zip(&roles);
+    Ok(Packing {
+        centres: elements.centres,
+        radii: elements.radii,
+        ids: elements.ids,
+        source: Source {
+            columns: columns
+                .map(|(column, role)| Column { role: *role, name: column.name.written.clone() })
+                .collect(),
+            format: Format::Npy { dtype: header.descr },
+            unit,
+            lines: array.rows as u64,
+            skipped: elements.skipped,
+        },
+    })
+}
+
+/// The data of an array, seen as a table.
+#[derive(Debug)]
+struct Array<'a> {
+    data: &'a [u8],
+    rows: usize,
+    /// Bytes from one row to the next.
+    stride: usize,
+    columns: Vec<ArrayColumn>,
+    /// Whether the columns have names of their own, the fields of the dtype.
+    named: bool,
+    /// The shape as Python prints it.
+    shape: String,
+}
+
+#[derive(Debug)]
+struct ArrayColumn {
+    name: Name,
+    scalar: Scalar,
+    /// Where the column's value stands in row 0.
+    offset: usize,
+    /// Whether a role can be given to it: a vector that is too long is only stepped over.
+    readable: bool,
+}
+
+/// A column that is read, with its role.
+type Chosen<'a> = (&'a ArrayColumn, Role);
+
+impl<'a> Array<'a> {
+    fn new(header: &Header, data: &'a [u8]) -> Result<Self, ReadError> {
+        let wrong_shape = || ReadError::NpyShape {
+            shape: header.shown_shape(),
+            dtype: crate::excerpt::line(header.descr.as_bytes()),
+        };
+        let too_large = || ReadError::NpySize {
+            expected: u128::MAX,
+            found: data.len() as u64,
+            shape: header.shown_shape(),
+        };
+        let (columns, rows, stride) = match (&header.dtype, &header.shape[..]) {
+            (Dtype::Plain(scalar), &[rows, width @ 1..=MOST_COLUMNS]) => {
+                let rows = usize::try_from(rows).map_err(|_| too_large())?;
+                let width = width as usize;
+                let (step, stride) = if header.fortran_order {
+                    (scalar.size.checked_mul(rows), Some(scalar.size))
+                } else {
+                    (Some(scalar.size), scalar.size.checked_mul(width))
+                };
+                let (step, stride) = (step.ok_or_else(too_large)?, stride.ok_or_else(too_large)?);
+                let column = |place: usize| {
+                    let name = Name::new(&(place + 1).to_string());
+                    let offset = place.checked_mul(step).ok_or_else(too_large)?;
+                    Ok(ArrayColumn { name, scalar: scalar.clone(), offset, readable: true })
+                };
+                ((0..width).map(column).collect::<Result<Vec<_>, ReadError>>()?, rows, stride)
+            }
+            (Dtype::Record(_), &[rows]) => {
+                let (columns, stride) = record_columns(header).ok_or_else(too_large)?;
+                (columns, usize::try_from(rows).map_err(|_| too_large())?, stride)
+            }
+            _ => return Err(wrong_shape()),
+        };
+        let named = matches!(header.dtype, Dtype::Record(_));
+        Ok(Self { data, rows, stride, columns, named, shape: header.shown_shape() })
+    }
+
+    fn roles(&self, options: &ReadOptions) -> Result<(Vec<Option<Role>>, Option<String>), ReadError> {
+        let names: Vec<Name> = self.columns.iter().map(|column| column.name.clone()).collect();
+        let row = format!("array of shape {}", self.shape);
+        let table = Table { names: &names, header: self.named, line: None, row: &row };
+        let roles = table.roles(options.columns.as_ref())?;
+        let unit = table.unit(&roles)?;
+        Ok((roles, unit))
+    }
+
+    /// The columns with a role, once their dtypes are known to fit it.
+    fn chosen(&self, roles: &[Option<Role>], header: &Header) -> Result<Vec<Chosen<'_>>, ReadError> {
+        let chosen =
+            self.columns.iter().zip(roles).filter_map(|(column, role)| role.map(|role| (column, role)));
+        let checked = chosen.map(|(column, role)| {
+            let Scalar { kind, size, .. } = &column.scalar;
+            let float = matches!((kind, size), ('f', 4 | 8));
+            let whole = role == Role::Id && matches!((kind, size), ('i' | 'u', 1 | 2 | 4 | 8));
+            if column.readable && (float || whole) {
+                return Ok((column, role));
+            }
+            Err(ReadError::NpyDtype {
+                what: if self.named {
+                    format!("field {} of the array", column.name.written)
+                } else {
+                    "the array".into()
+                },
+                dtype: column.scalar.descr.clone(),
+                shape: header.shown_shape(),
+                wanted: if role == Role::Id {
+                    "float32, float64 or a whole number"
+                } else {
+                    "float32 or float64"
+                },
+            })
+        });
+        checked.collect()
+    }
+
+    /// Compares what the shape claims with what is there, before anything is allocated for it.
+    fn check_size(&self, header: &Header) -> Result<(), ReadError> {
+        let row: u128 = if self.named {
+            self.stride as u128
+        } else {
+            self.columns.iter().map(|column| column.scalar.size as u128).sum()
+        };
+        let expected = row.saturating_mul(self.rows as u128);
+        let found = self.data.len() as u64;
+        if expected == u128::from(found) {
+            return Ok(());
+        }
+        Err(ReadError::NpySize { expected, found, shape: header.shown_shape() })
+    }
+
+    #[inline]
+    fn bytes_of(&self, column: &ArrayColumn, row: usize) -> &[u8] {
+        let at = column.offset + row * self.stride;
+        &self.data[at..at + column.scalar.size]
+    }
+
+    #[inline]
+    fn row(&self, at: usize, chosen: &[Chosen<'_>]) -> Result<Row, String> {
+        let mut row = Row::default();
+        for (column, role) in chosen {
+            let bytes = self.bytes_of(column, at);
+            let label = &column.name.written;
+            if *role == Role::Id {
+                row.id = id(bytes, &column.scalar)
+                    .map_err(|problem| format!("the id in column {label} {problem}"))?;
+                continue;
+            }
+            let value = float(bytes, column.scalar.big_endian);
+            if !value.is_finite() {
+                return Err(format!("{role} (column {label}) is {value}, not a finite number"));
+            }
+            row.values[match role {
+                Role::X => 0,
+                Role::Y => 1,
+                Role::Z => 2,
+                _ => SIZE,
+            }] = value;
+            if matches!(role, Role::Radius | Role::Diameter) {
+                check_size(value, *role, label)?;
+            }
+        }
+        Ok(row)
+    }
+
+    /// The values of a row for a message.
+    fn shown(&self, at: usize, chosen: &[Chosen<'_>]) -> String {
+        let value = |(column, role): &Chosen<'_>| {
+            let bytes = self.bytes_of(column, at);
+            match column.scalar.kind {
+                'f' => format!("{role} {}", float(bytes, column.scalar.big_endian)),
+                _ => format!("{role} {}", integer(bytes, &column.scalar)),
+            }
+        };
+        crate::excerpt::line(chosen.iter().map(value).collect::<Vec<_>>().join(", ").as_bytes())
+    }
+}
+
+/// The fields of a structured dtype as columns, and the bytes of a row; `None` if those exceed any memory.
+fn record_columns(header: &Header) -> Option<(Vec<ArrayColumn>, usize)> {
+    let Dtype::Record(fields) = &header.dtype else { return None };
+    let mut columns = Vec::new();
+    let mut offset = 0_usize;
+    for field in fields {
+        let scalar = &field.scalar;
+        let size = field
+            .shape
+            .iter()
+            .try_fold(scalar.size, |size, &n| size.checked_mul(usize::try_from(n).ok()?))?;
+        let mut column = |name: &str, offset, readable| {
+            columns.push(ArrayColumn { name: Name::new(name), scalar: scalar.clone(), offset, readable });
+        };
+        match field.shape[..] {
+            // A field without a name pads the row.
+            [] if field.name.is_empty() => {}
+            [] => column(&field.name, offset, true),
+            [length @ 1..=LONGEST_VECTOR] => {
+                for place in 0..length as usize {
+                    column(
+                        &format!("{}:{place}", field.name),
+                        offset.checked_add(place * scalar.size)?,
+                        true,
+                    );
+                }
+            }
+            _ => column(&field.name, offset, false),
+        }
+        offset = offset.checked_add(size)?;
+    }
+    Some((columns, offset))
+}
+
+/// The bytes of a number as 8 bytes in little-endian order; what is missing is 0.
+#[inline]
+fn little_endian(bytes: &[u8], big_endian: bool) -> [u8; 8] {
+    let mut ordered = [0; 8];
+    for (to, from) in ordered.iter_mut().zip(0..bytes.len()) {
+        *to = bytes[if big_endian { bytes.len() - 1 - from } else { from }];
+    }
+    ordered
+}
+
+#[inline]
+fn float(bytes: &[u8], big_endian: bool) -> f64 {
+    match (<[u8; 8]>::try_from(bytes), <[u8; 4]>::try_from(bytes)) {
+        (Ok(bytes), _) if big_endian => f64::from_be_bytes(bytes),
+        (Ok(bytes), _) => f64::from_le_bytes(bytes),
+        (_, Ok(bytes)) if big_endian => f64::from(f32::from_be_bytes(bytes)),
+        (_, Ok(bytes)) => f64::from(f32::from_le_bytes(bytes)),
+        _ => f64::NAN,
+    }
+}
+
+/// A whole number of 1, 2, 4 or 8 bytes; wide enough for both signs.
+fn integer(bytes: &[u8], scalar: &Scalar) -> i128 {
+    let value = u64::from_le_bytes(little_endian(bytes, scalar.big_endian));
+    let unused = 64 - 8 * scalar.size.clamp(1, 8);
+    match scalar.kind {
+        'i' => i128::from((value << unused).cast_signed() >> unused),
+        _ => i128::from(value),
+    }
+}
+
+fn id(bytes: &[u8], scalar: &Scalar) -> Result<i64, String> {
+    if scalar.kind == 'f' {
+        let value = float(bytes, scalar.big_endian);
+        return whole(value).ok_or_else(|| format!("is {value}, not a whole number up to 2^53"));
+    }
+    let value = integer(bytes, scalar);
+    i64::try_from(value).map_err(|_| format!("is {value}, which does not fit 64 bits with a sign"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn scalar(descr: &str) -> Scalar {
+        let big_endian = descr.starts_with('>');
+        Scalar {
+            kind: descr.chars().nth(1).unwrap(),
+            size: descr[2..].parse().unwrap(),
+            big_endian,
+            descr: descr.into(),
+        }
+    }
+
+    #[test]
+    fn whole_numbers_keep_sign_and_order() {
+        assert_eq!(integer(&[0xfe], &scalar("|i1")), -2);
+        assert_eq!(integer(&[0xfe], &scalar("|u1")), 254);
+        assert_eq!(integer(&[0xff, 0xfe], &scalar(">i2")), -2);
+        assert_eq!(integer(&[1, 0, 0, 0], &scalar("<u4")), 1);
+        assert_eq!(integer(&[0, 0, 0, 1], &scalar(">u4")), 1);
+        assert_eq!(id(&i64::MIN.to_le_bytes(), &scalar("<i8")), Ok(i64::MIN));
+        assert!(id(&u64::MAX.to_le_bytes(), &scalar("<u8")).unwrap_err().contains("18446744073709551615"));
+    }
+
+    #[test]
+    fn floats_are_widened_exactly() {
+        assert_eq!(float(&0.1_f32.to_be_bytes(), true), f64::from(0.1_f32));
+        assert_eq!(float(&0.1_f64.to_le_bytes(), false), 0.1);
+        assert!(id(&0.5_f64.to_le_bytes(), &scalar("<f8")).unwrap_err().contains("0.5"));
+        assert_eq!(id(&7_f32.to_le_bytes(), &scalar("<f4")), Ok(7));
+    }
+}

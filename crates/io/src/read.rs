@@ -1,0 +1,105 @@
+//! The one door for reading: looks at the first bytes and picks the format.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use crate::columns::Columns;
+use crate::error::ReadError;
+use crate::npy::read_npy;
+use crate::packing::Packing;
+use crate::text::read_text;
+
+/// Choices of the person who asks for a file.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct ReadOptions {
+    /// Which column is what; `None` takes it from the header, or from the number of columns.
+    pub columns: Option<Columns>,
+    /// Leaves lines that cannot be read out of the packing, and lists them in
+    /// [`Source::skipped`](crate::Source), instead of stopping at the first.
+    pub skip_bad_lines: bool,
+    /// Leaves an id column unread, so elements go by their row number.
+    pub ignore_ids: bool,
+}
+
+/// Reads a packing from the content of a file.
+///
+/// The format is told from the content, never from a name. A file that starts with `\x93NUMPY` is a NumPy
+/// array (`<f4`, `<f8`, either byte order, C or Fortran order, or a structured array with named fields);
+/// anything else must be text, one element per row:
+///
+/// - Fields are separated by commas, semicolons, or runs of blanks and tabs, as the first line that is not
+///   a comment shows. `#` starts a comment; blank lines, CRLF line ends and a byte order mark are fine.
+/// - A header line names the columns: `x`, `PosX[m]`, `X (mm)`, `Points:0`; `radius`, `r`, `diameter`, `d`,
+///   `id` and their like, in any case. Other columns are ignored. A `#` line just above the first row
+///   serves as well if it fits. Without a header, 2 columns are x y, 3 are x y z, 4 are x y z radius.
+/// - Without z the packing is 2D. Diameters are halved.
+///
+/// # Shapes
+/// `bytes`: a whole file. `progress`: set to the number of bytes parsed so far, now and then, for another
+/// thread to show; `bytes.len()` on success.
+///
+/// # Units
+/// Those of the file; columns with different units are an error.
+///
+/// # Cost
+/// Time proportional to the bytes, one thread; memory: the packing, 8 bytes a row more while reading ids,
+/// and 16 bytes a row if they are not already in increasing order.
+///
+/// # Errors
+/// [`ReadError`]: the file is no table of elements, a column is missing or named twice, a line cannot be
+/// read (unless [`ReadOptions::skip_bad_lines`]; all lines bad is an error even then), or ids repeat.
+///
+/// # Example
+/// ```
+/// use std::sync::atomic::AtomicU64;
+/// use fdem_io::{ReadError, ReadOptions, read};
+///
+/// let error = read(b"x,y\n0,0\n1,abc\n", &ReadOptions::default(), &AtomicU64::new(0)).unwrap_err();
+/// assert_eq!(error.line(), Some(3));
+/// assert_eq!(error.to_string(), "cannot read 'abc' as a number in column y: 1,abc");
+/// ```
+pub fn read(bytes: &[u8], options: &ReadOptions, progress: &AtomicU64) -> Result<Packing, ReadError> {
+    progress.store(0, Ordering::Relaxed);
+    if bytes.is_empty() {
+        return Err(ReadError::Empty);
+    }
+    if let Some((_, format, advice)) = FOREIGN.iter().find(|(magic, ..)| bytes.starts_with(magic)) {
+        return Err(ReadError::Foreign { format, advice });
+    }
+    let packing = if bytes.starts_with(b"\x93NUMPY") {
+        read_npy(bytes, options, progress)
+    } else {
+        read_text(bytes, options, progress)
+    }?;
+    progress.store(bytes.len() as u64, Ordering::Relaxed);
+    Ok(packing)
+}
+
+const UNPACK: &str = "unpack it first";
+const AS_UTF_8: &str = "save it as UTF-8";
+const AS_TABLE: &str = "export the elements as a CSV table with columns x, y, z and radius";
+
+/// Formats that people hand over by mistake: first bytes, name, what to do.
+const FOREIGN: [(&[u8], &str, &str); 14] = [
+    (b"\x1f\x8b", "gzip-compressed data", UNPACK),
+    (b"\x28\xb5\x2f\xfd", "zstd-compressed data", UNPACK),
+    (b"\xfd7zXZ\x00", "xz-compressed data", UNPACK),
+    (b"BZh", "bzip2-compressed data", UNPACK),
+    (
+        b"PK\x03\x04",
+        "a zip archive (perhaps .npz or .xlsx)",
+        "save one array with numpy.save, or a CSV table",
+    ),
+    (b"%PDF", "a PDF document", AS_TABLE),
+    (b"\x89HDF", "an HDF5 file", AS_TABLE),
+    (b"# vtk DataFile", "a VTK file", AS_TABLE),
+    (b"<VTKFile", "a VTK file", AS_TABLE),
+    (b"<?xml", "an XML file", AS_TABLE),
+    (
+        b"ITEM: TIMESTEP",
+        "a LAMMPS dump",
+        "keep the rows of one time step, under a line with the column names",
+    ),
+    (b"\xff\xfe", "UTF-16 text", AS_UTF_8),
+    (b"\xfe\xff", "UTF-16 text", AS_UTF_8),
+    (b"\x00\x00\xfe\xff", "UTF-32 text", AS_UTF_8),
+];

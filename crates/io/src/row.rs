@@ -1,0 +1,382 @@
+//! One row of text: a fast way for the clean ones, and a careful way that says what is wrong.
+
+use std::borrow::Cow;
+
+use crate::columns::Role;
+use crate::excerpt;
+use crate::packing::Delimiter;
+
+/// Largest whole number up to which every whole number is an `f64`: 2^53.
+const WHOLE_FLOATS: f64 = 9_007_199_254_740_992.0;
+
+/// What is done with a field.
+#[derive(Debug, Clone, Copy)]
+enum Slot {
+    Skip,
+    Id,
+    /// Index into [`Row::values`].
+    Value(usize),
+}
+
+/// The values of one row.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct Row {
+    /// x, y, z, and radius or diameter; 0 for columns that the file lacks.
+    pub(crate) values: [f64; 4],
+    /// 0 where the file has no ids.
+    pub(crate) id: i64,
+}
+
+/// Where radius or diameter stand in [`Row::values`].
+pub(crate) const SIZE: usize = 3;
+
+/// Reads rows that all have the same columns.
+#[derive(Debug)]
+pub(crate) struct RowReader {
+    delimiter: Delimiter,
+    slots: Vec<Slot>,
+    /// For messages: the names of the header, the roles without one.
+    labels: Vec<String>,
+    /// Role of the column that must not be negative.
+    size: Role,
+}
+
+impl RowReader {
+    pub(crate) fn new(delimiter: Delimiter, roles: &[Option<Role>], labels: Vec<String>) -> Self {
+        let slot = |role: &Option<Role>| match role {
+            None => Slot::Skip,
+            Some(Role::Id) => Slot::Id,
+            Some(Role::X) => Slot::Value(0),
+            Some(Role::Y) => Slot::Value(1),
+            Some(Role::Z) => Slot::Value(2),
+            Some(Role::Radius | Role::Diameter) => Slot::Value(SIZE),
+        };
+        let size = if roles.contains(&Some(Role::Diameter)) { Role::Diameter } else { Role::Radius };
+        Self { delimiter, slots: roles.iter().map(slot).collect(), labels, size }
+    }
+
+    /// The fields one after another, without looking back. `None` for whatever is not plain numbers and
+    /// delimiters: quotes, comments, ids such as `7.0`, mistakes. Those take [`Self::read`].
+    #[inline]
+    pub(crate) fn read_clean(&self, line: &[u8]) -> Option<Row> {
+        let mut row = Row::default();
+        let mut at = 0;
+        let separator = separator(self.delimiter);
+        for (place, slot) in self.slots.iter().enumerate() {
+            let between = at;
+            at = self.after_blanks(line, at);
+            if place > 0 {
+                match separator {
+                    None if at == between => return None,
+                    None => {}
+                    Some(separator) if line.get(at) == Some(&separator) => {
+                        at = self.after_blanks(line, at + 1);
+                    }
+                    Some(_) => return None,
+                }
+            }
+            let rest = &line[at..];
+            match *slot {
+                Slot::Value(index) => {
+                    let (value, length) = fast_float2::parse_partial::<f64, _>(rest).ok()?;
+                    row.values[index] = value;
+                    at += length;
+                }
+                Slot::Id => {
+                    let (id, length) = leading_id(rest)?;
+                    row.id = id;
+                    at += length;
+                }
+                Slot::Skip => {
+                    let ends = |byte: u8| Some(byte) == separator || self.is_blank(byte) || byte == b'\r';
+                    let length = rest.iter().position(|&byte| ends(byte)).unwrap_or(rest.len());
+                    if (length == 0 && separator.is_none())
+                        || rest[..length].iter().any(|byte| matches!(byte, b'"' | b'#'))
+                    {
+                        return None;
+                    }
+                    at += length;
+                }
+            }
+        }
+        let ended = line[at..].iter().all(|&byte| self.is_blank(byte) || byte == b'\r');
+        let good = row.values.iter().all(|value| value.is_finite()) && row.values[SIZE] >= 0.0;
+        (ended && good).then_some(row)
+    }
+
+    /// The same row with everything a line may hold; `Ok(None)` for a blank line or a comment.
+    pub(crate) fn read(&self, line: &[u8]) -> Result<Option<Row>, String> {
+        let line = content(line);
+        if line.is_empty() {
+            return Ok(None);
+        }
+        let fields = split(line, self.delimiter);
+        if fields.len() != self.slots.len() {
+            return Err(self.wrong_count(&fields));
+        }
+        let mut row = Row::default();
+        for ((field, slot), label) in fields.iter().zip(&self.slots).zip(&self.labels) {
+            match *slot {
+                Slot::Value(index) => row.values[index] = self.value(field, label)?,
+                Slot::Id => row.id = id(field, label)?,
+                Slot::Skip => {}
+            }
+            if matches!(slot, Slot::Value(SIZE)) {
+                check_size(row.values[SIZE], self.size, label)?;
+            }
+        }
+        Ok(Some(row))
+    }
+
+    fn wrong_count(&self, fields: &[&[u8]]) -> String {
+        let (expected, found) = (self.slots.len(), fields.len());
+        let digits = |field: &&[u8]| {
+            !field.is_empty() && field.iter().all(|byte| byte.is_ascii_digit() || *byte == b'-')
+        };
+        let hint = if fields.iter().any(|field| has_decimal_comma(field, self.delimiter))
+            || (self.delimiter == Delimiter::Comma && found == 2 * expected && fields.iter().all(digits))
+        {
+            format!(" ({DECIMAL_COMMA})")
+        } else {
+            String::new()
+        };
+        format!("expected {expected} fields, found {found}{hint}")
+    }
+
+    fn value(&self, field: &[u8], label: &str) -> Result<f64, String> {
+        let shown = || excerpt::field(field);
+        match fast_float2::parse::<f64, _>(field) {
+            Ok(value) if value.is_finite() => Ok(value),
+            Ok(_) if field.iter().any(u8::is_ascii_digit) => {
+                Err(format!("'{}' in column {label} is too large for a 64-bit float", shown()))
+            }
+            Ok(_) => Err(format!("'{}' in column {label} is not a finite number", shown())),
+            Err(_) if field.is_empty() => Err(format!("column {label} is empty")),
+            Err(_) if has_decimal_comma(field, self.delimiter) => {
+                Err(format!("'{}' in column {label} {DECIMAL_COMMA}", shown()))
+            }
+            Err(_) => Err(format!("cannot read '{}' as a number in column {label}", shown())),
+        }
+    }
+
+    fn is_blank(&self, byte: u8) -> bool {
+        byte == b' ' || (byte == b'\t' && self.delimiter != Delimiter::Tab)
+    }
+
+    #[inline]
+    fn after_blanks(&self, line: &[u8], mut at: usize) -> usize {
+        while line.get(at).is_some_and(|&byte| self.is_blank(byte)) {
+            at += 1;
+        }
+        at
+    }
+}
+
+const DECIMAL_COMMA: &str = "looks like a decimal comma: use a point";
+
+/// Whether a field is `0,5`; in a comma-separated file, whether the comma fell between `0` and `5 0`.
+pub(crate) fn has_decimal_comma(field: &[u8], delimiter: Delimiter) -> bool {
+    let (sign, mark): (&[u8], _) = match delimiter {
+        Delimiter::Comma => (b"+-", [b' ', b'\t']),
+        _ => (b"", [b',', b',']),
+    };
+    memchr::memchr2_iter(mark[0], mark[1], field).any(|at| {
+        let after = field[at..].iter().find(|byte| !mark.contains(byte) && !sign.contains(byte));
+        at > 0 && field[at - 1].is_ascii_digit() && after.is_some_and(u8::is_ascii_digit)
+    }) && field.iter().all(|byte| byte.is_ascii_digit() || b"+-eE, \t".contains(byte))
+}
+
+/// Says so when a radius or diameter is negative.
+pub(crate) fn check_size(value: f64, role: Role, label: &str) -> Result<(), String> {
+    if value < 0.0 {
+        let column = if label == role.to_string() { String::new() } else { format!(" in column {label}") };
+        return Err(format!("the {role} {value}{column} is negative"));
+    }
+    Ok(())
+}
+
+/// A whole number given as a float, if it is one and no other whole number rounds to it.
+pub(crate) fn whole(value: f64) -> Option<i64> {
+    (value.fract() == 0.0 && value.abs() <= WHOLE_FLOATS).then_some(value as i64)
+}
+
+fn id(field: &[u8], label: &str) -> Result<i64, String> {
+    let digits = field.strip_prefix(b"-").or(field.strip_prefix(b"+")).unwrap_or(field);
+    let shown = || excerpt::field(field);
+    if !digits.is_empty() && digits.iter().all(u8::is_ascii_digit) {
+        let number = std::str::from_utf8(field).ok().and_then(|field| field.parse().ok());
+        return number.ok_or_else(|| format!("the id {} in column {label} does not fit 64 bits", shown()));
+    }
+    match fast_float2::parse::<f64, _>(field) {
+        Ok(value) if value.is_finite() && value.fract() == 0.0 => whole(value).ok_or_else(|| {
+            format!(
+                "the id {} in column {label} is beyond 2^53: write it without point and exponent",
+                shown()
+            )
+        }),
+        _ => Err(format!("the id '{}' in column {label} is not a whole number", shown())),
+    }
+}
+
+/// A run of digits with perhaps a minus, and its length; short enough not to overflow.
+#[inline]
+fn leading_id(bytes: &[u8]) -> Option<(i64, usize)> {
+    let sign = usize::from(bytes.first() == Some(&b'-'));
+    let (mut id, mut length) = (0, sign);
+    while let Some(digit) = bytes.get(length).filter(|byte| byte.is_ascii_digit()) {
+        id = id * 10 + i64::from(digit - b'0');
+        length += 1;
+        if length > 18 {
+            return None;
+        }
+    }
+    (length > sign).then_some((if sign == 1 { -id } else { id }, length))
+}
+
+fn separator(delimiter: Delimiter) -> Option<u8> {
+    match delimiter {
+        Delimiter::Blank => None,
+        Delimiter::Tab => Some(b'\t'),
+        Delimiter::Comma => Some(b','),
+        Delimiter::Semicolon => Some(b';'),
+    }
+}
+
+/// The line without its comment. Blanks and line end go too, but not tabs, which may separate empty fields.
+pub(crate) fn content(line: &[u8]) -> &[u8] {
+    let mut quoted = false;
+    let comment = |byte: &u8| {
+        quoted ^= *byte == b'"';
+        *byte == b'#' && !quoted
+    };
+    let end = match memchr::memchr(b'#', line) {
+        Some(_) => line.iter().position(comment).unwrap_or(line.len()),
+        None => line.len(),
+    };
+    let line = &line[..end];
+    if line.trim_ascii().is_empty() { b"" } else { line.strip_suffix(b"\r").unwrap_or(line) }
+}
+
+/// The fields of a line, trimmed and without quotes. Empty fields count, except between blanks.
+pub(crate) fn split(line: &[u8], delimiter: Delimiter) -> Vec<&[u8]> {
+    let mut quoted = false;
+    let separator = separator(delimiter);
+    let fields = line.split(|&byte| {
+        quoted ^= byte == b'"';
+        !quoted && separator.map_or(byte.is_ascii_whitespace(), |separator| byte == separator)
+    });
+    let fields = fields.map(|field| unquote(field.trim_ascii()));
+    if separator.is_none() { fields.filter(|field| !field.is_empty()).collect() } else { fields.collect() }
+}
+
+fn unquote(field: &[u8]) -> &[u8] {
+    match field {
+        [b'"', inside @ .., b'"'] => inside.trim_ascii(),
+        _ => field,
+    }
+}
+
+/// Text for names: the input is checked to be UTF-8, so nothing is lost.
+pub(crate) fn text(bytes: &[u8]) -> Cow<'_, str> {
+    String::from_utf8_lossy(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn reader(delimiter: Delimiter, roles: &[Option<Role>]) -> RowReader {
+        let labels = roles.iter().map(|role| role.map_or("other".into(), |role| role.to_string())).collect();
+        RowReader::new(delimiter, roles, labels)
+    }
+
+    fn xyr(delimiter: Delimiter) -> RowReader {
+        reader(delimiter, &[Some(Role::X), Some(Role::Y), Some(Role::Radius)])
+    }
+
+    #[test]
+    fn clean_rows_take_the_fast_way() {
+        let expected = Row { values: [1.0, -2.5, 0.0, 3.0], id: 0 };
+        for (delimiter, line) in [
+            (Delimiter::Blank, " 1 \t-2.5  3e0 \r"),
+            (Delimiter::Comma, "1 ,\t-2.5,3"),
+            (Delimiter::Semicolon, "1;-2.5; 3\r"),
+            (Delimiter::Tab, "1\t -2.5 \t3"),
+        ] {
+            assert_eq!(xyr(delimiter).read_clean(line.as_bytes()), Some(expected), "{line:?}");
+            assert_eq!(xyr(delimiter).read(line.as_bytes()), Ok(Some(expected)), "{line:?}");
+        }
+    }
+
+    #[test]
+    fn the_fast_way_refuses_what_needs_care() {
+        for line in
+            ["1,2", "1,2,3,", "1,2,3 4", "1,2,nan", "1,2,-3", "1,2,1e400", "1,2,3#", "\"1\",2,3", "1 2 3", ""]
+        {
+            assert_eq!(xyr(Delimiter::Comma).read_clean(line.as_bytes()), None, "{line:?}");
+        }
+        for line in ["1 2", "1 2 3 4", "1 2 3x", "1-2 3", "# 1 2 3"] {
+            assert_eq!(xyr(Delimiter::Blank).read_clean(line.as_bytes()), None, "{line:?}");
+        }
+    }
+
+    #[test]
+    fn ids_are_whole_and_exact() {
+        for (field, expected) in [
+            ("7", 7),
+            ("-7", -7),
+            ("+7", 7),
+            ("7.0", 7),
+            ("7.000000e+00", 7),
+            ("1e3", 1000),
+            ("007", 7),
+            ("9223372036854775807", i64::MAX),
+            ("-9223372036854775808", i64::MIN),
+            ("9007199254740993", 9_007_199_254_740_993),
+            ("9007199254740992.0", 9_007_199_254_740_992),
+        ] {
+            assert_eq!(id(field.as_bytes(), "id"), Ok(expected), "{field}");
+        }
+        for (field, problem) in [
+            ("9223372036854775808", "does not fit"),
+            ("1e16", "beyond 2^53"),
+            ("7.5", "not a whole"),
+            ("", "not a whole"),
+            ("nan", "not a whole"),
+            ("1e400", "not a whole"),
+            ("x7", "not a whole"),
+            ("-", "not a whole"),
+        ] {
+            let error = id(field.as_bytes(), "id").unwrap_err();
+            assert!(error.contains(problem), "{field}: {error}");
+        }
+        assert_eq!(leading_id(b"-12 "), Some((-12, 3)));
+        assert_eq!(leading_id(b"999999999999999999999"), None, "left to the careful way");
+        assert_eq!(leading_id(b"-"), None);
+    }
+
+    #[test]
+    fn quotes_hide_delimiters_and_comments() {
+        assert_eq!(split(b"\"a,b\" , c", Delimiter::Comma), [b"a,b".as_slice(), b"c"]);
+        assert_eq!(split(b" \"Pos X\"  b ", Delimiter::Blank), [b"Pos X".as_slice(), b"b"]);
+        assert_eq!(split(b"1,,2,", Delimiter::Comma), [b"1".as_slice(), b"", b"2", b""]);
+        assert_eq!(split(b"1\t\t2", Delimiter::Tab).len(), 3);
+        assert_eq!(split(b"1\t\t2", Delimiter::Blank).len(), 2);
+        assert_eq!(content(b"\"#\",1 # x\r"), b"\"#\",1 ");
+        assert_eq!(content(b" \t # x"), b"");
+        assert_eq!(content(b" 1\r"), b" 1");
+    }
+
+    #[test]
+    fn decimal_commas_are_recognised_and_nothing_else_is() {
+        assert!(has_decimal_comma(b"0,5", Delimiter::Blank));
+        assert!(has_decimal_comma(b"-1,5e-3", Delimiter::Semicolon));
+        assert!(has_decimal_comma(b"5 -0", Delimiter::Comma));
+        for field in ["0.5", "a,b", "0,", ",5", "1,x", "5 0"] {
+            assert!(!has_decimal_comma(field.as_bytes(), Delimiter::Blank), "{field}");
+        }
+        for field in ["5", "5 a", " 5", "0.5 0.2"] {
+            assert!(!has_decimal_comma(field.as_bytes(), Delimiter::Comma), "{field}");
+        }
+    }
+}

@@ -1,0 +1,365 @@
+//! Packings in delimited text: from the first bytes to the last row.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use crate::columns::{Columns, Name, Role, Table};
+use crate::elements::Elements;
+use crate::error::ReadError;
+use crate::excerpt;
+use crate::packing::{BadLine, Column, Delimiter, Format, Packing, Source};
+use crate::read::ReadOptions;
+use crate::row::{RowReader, content, has_decimal_comma, split, text};
+
+/// Lines between two reports of progress: some microseconds' work, so a reader of it never waits.
+const LINES_PER_REPORT: u64 = 1024;
+
+/// Bytes at the start that show what kind of file it is.
+const HEAD: usize = 4096;
+/// Control characters that are an accident; more of them, and more than a tenth of the start, are no text.
+const STRAY: usize = 8;
+
+pub(crate) fn read_text(
+    bytes: &[u8],
+    options: &ReadOptions,
+    progress: &AtomicU64,
+) -> Result<Packing, ReadError> {
+    check_text(bytes)?;
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let (opening, mut lines) = Opening::read(bytes, options)?;
+
+    // A row takes two bytes for every column at least: a bound that a file of blank lines cannot blow up.
+    let rows = memchr::memchr_iter(b'\n', lines.rest()).count() + 1;
+    let rows = rows.min(lines.rest().len() / (2 * opening.roles.len().max(1)) + 1);
+    let mut elements = Elements::new(&opening.roles, rows);
+    while let Some((number, line)) = lines.next() {
+        if number % LINES_PER_REPORT == 0 {
+            progress.store(lines.at as u64, Ordering::Relaxed);
+        }
+        let row = match opening.rows.read_clean(line) {
+            Some(row) => Ok(Some(row)),
+            None => opening.rows.read(line),
+        };
+        match row {
+            Ok(Some(row)) => elements.push(&row, number),
+            Ok(None) => {}
+            Err(problem) => {
+                let text = excerpt::line(line);
+                if !options.skip_bad_lines {
+                    return Err(ReadError::Malformed { line: number, text, problem });
+                }
+                elements.skipped.push(BadLine { line: number, text, problem });
+            }
+        }
+    }
+    if let Some(bad) = elements.all_bad() {
+        return Err(ReadError::AllBad {
+            count: elements.skipped.count,
+            line: Some(bad.line),
+            text: bad.text.clone(),
+            problem: bad.problem.clone(),
+        });
+    }
+    if let Some(twice) = elements.duplicate() {
+        return Err(ReadError::DuplicateId { id: twice.id, first: twice.first, second: twice.second });
+    }
+    Ok(Packing {
+        centres: elements.centres,
+        radii: elements.radii,
+        ids: elements.ids,
+        source: Source {
+            format: Format::Text { delimiter: opening.delimiter },
+            columns: opening.columns,
+            unit: opening.unit,
+            lines: lines.number,
+            skipped: elements.skipped,
+        },
+    })
+}
+
+/// Refuses bytes that no text file holds.
+fn check_text(bytes: &[u8]) -> Result<(), ReadError> {
+    let not_text = |offset: usize, found: String| ReadError::NotText {
+        line: memchr::memchr_iter(b'\n', &bytes[..offset]).count() as u64 + 1,
+        offset: offset as u64,
+        found,
+    };
+    let checked = std::str::from_utf8(bytes);
+    let valid = checked.map_or_else(|error| error.valid_up_to(), str::len);
+    if let Some(offset) = memchr::memchr(0, &bytes[..valid]) {
+        return Err(not_text(offset, "a NUL byte".into()));
+    }
+    if valid < bytes.len() {
+        return Err(not_text(valid, format!("0x{:02X}, which is not UTF-8,", bytes[valid])));
+    }
+    let head = &bytes[..bytes.len().min(HEAD)];
+    let control = |byte: &u8| byte.is_ascii_control() && !byte.is_ascii_whitespace();
+    let controls = head.iter().filter(|byte| control(byte)).count();
+    if controls > STRAY.max(head.len() / 10) {
+        let offset = head.iter().position(control).unwrap_or(0);
+        return Err(not_text(
+            offset,
+            format!("{controls} control characters in {} bytes, the first", head.len()),
+        ));
+    }
+    if memchr::memchr(b'\n', bytes).is_none() && bytes.trim_ascii().contains(&b'\r') {
+        return Err(ReadError::Foreign {
+            format: "text with lone carriage returns as line ends",
+            advice: "convert the line ends to LF or CRLF",
+        });
+    }
+    Ok(())
+}
+
+/// The lines of a text with their numbers, counted from 1.
+#[derive(Debug, Clone)]
+struct Lines<'a> {
+    bytes: &'a [u8],
+    at: usize,
+    number: u64,
+}
+
+impl<'a> Lines<'a> {
+    fn rest(&self) -> &'a [u8] {
+        &self.bytes[self.at..]
+    }
+
+    /// The next line that is neither blank nor a comment, without its comment.
+    fn next_content(&mut self) -> Option<(u64, &'a [u8])> {
+        self.by_ref().map(|(number, line)| (number, content(line))).find(|(_, line)| !line.is_empty())
+    }
+}
+
+impl<'a> Iterator for Lines<'a> {
+    type Item = (u64, &'a [u8]);
+
+    #[inline]
+    fn next(&mut self) -> Option<Self::Item> {
+        let rest = self.rest();
+        if rest.is_empty() {
+            return None;
+        }
+        let end = memchr::memchr(b'\n', rest);
+        let line = &rest[..end.unwrap_or(rest.len())];
+        self.at += end.map_or(rest.len(), |end| end + 1);
+        self.number += 1;
+        Some((self.number, line))
+    }
+}
+
+/// What the lines before the first row, and that row, say about the file.
+#[derive(Debug)]
+struct Opening {
+    delimiter: Delimiter,
+    roles: Vec<Option<Role>>,
+    columns: Vec<Column>,
+    unit: Option<String>,
+    rows: RowReader,
+}
+
+impl Opening {
+    /// Reads up to the first row, and gives the lines from there on.
+    fn read<'a>(bytes: &'a [u8], options: &ReadOptions) -> Result<(Self, Lines<'a>), ReadError> {
+        let mut lines = Lines { bytes, at: 0, number: 0 };
+        let mut comment = None;
+        let (mut rows, number, first) = loop {
+            let before = lines.clone();
+            let Some((number, line)) = lines.next() else {
+                return Err(ReadError::NoRows { lines: lines.number });
+            };
+            let trimmed = content(line);
+            if !trimmed.is_empty() {
+                break (before, number, trimmed);
+            }
+            if let Some(text) = line.trim_ascii_start().strip_prefix(b"#") {
+                comment = Some((number, text));
+            }
+        };
+        let mut delimiter = delimiter_of(first);
+        let fields = split(first, delimiter);
+        let choice = options.columns.as_ref();
+        let (names, header, line) = if is_header(&fields, delimiter, choice) {
+            rows = lines.clone();
+            let (names, chosen) = header_names(first, delimiter, lines.next_content().map(|(_, row)| row));
+            delimiter = chosen;
+            (names, true, number)
+        } else if let Some((names, line)) = comment_names(comment, delimiter, fields.len(), choice) {
+            (names, true, line)
+        } else {
+            if choice.is_none()
+                && let Some(field) = fields.iter().find(|field| has_decimal_comma(field, delimiter))
+            {
+                let problem = format!("'{}' looks like a decimal comma: use a point", excerpt::field(field));
+                return Err(ReadError::Malformed { line: number, text: excerpt::line(first), problem });
+            }
+            ((1..=fields.len()).map(|place| Name::new(&place.to_string())).collect(), false, number)
+        };
+
+        let table = Table { names: &names, header, line: Some(line), row: &excerpt::line(first) };
+        let mut roles = table.roles(choice)?;
+        let unit = table.unit(&roles)?;
+        if options.ignore_ids {
+            roles.iter_mut().filter(|role| **role == Some(Role::Id)).for_each(|role| *role = None);
+        }
+        let label = |(name, role): (&Name, &Option<Role>)| match role {
+            Some(role) if !header => role.to_string(),
+            _ => name.written.clone(),
+        };
+        let labels = names.iter().zip(&roles).map(label).collect();
+        let columns =
+            names.iter().zip(&roles).map(|(name, role)| Column { role: *role, name: name.written.clone() });
+        let columns = columns.collect();
+        let rows_from = rows;
+        let rows = RowReader::new(delimiter, &roles, labels);
+        Ok((Self { delimiter, roles, columns, unit, rows }, rows_from))
+    }
+}
+
+/// A semicolon separates where there is one, since `0,5;0,2` is no pair of columns; then a comma.
+fn delimiter_of(line: &[u8]) -> Delimiter {
+    let mut quoted = false;
+    let mut found = Delimiter::Blank;
+    for byte in line {
+        quoted ^= *byte == b'"';
+        match byte {
+            b';' if !quoted => return Delimiter::Semicolon,
+            b',' if !quoted => found = Delimiter::Comma,
+            _ => {}
+        }
+    }
+    found
+}
+
+/// Whether the first line names the columns, and is not a row with a slip in it.
+fn is_header(fields: &[&[u8]], delimiter: Delimiter, choice: Option<&Columns>) -> bool {
+    if let Some(columns) = choice.filter(|columns| columns.by_number()) {
+        let mut chosen = fields.iter().enumerate().filter(|(place, _)| columns.takes(*place)).peekable();
+        return chosen.peek().is_some() && !chosen.any(|(_, field)| looks_numeric(field));
+    }
+    if !fields.iter().any(|field| looks_numeric(field)) {
+        return true;
+    }
+    fits(&names_of(fields, delimiter), choice)
+}
+
+/// Whether these names hold every column that is needed.
+fn fits(names: &[Name], choice: Option<&Columns>) -> bool {
+    match choice {
+        Some(columns) if !columns.by_number() => {
+            Table { names, header: true, line: None, row: "" }.roles(choice).is_ok()
+        }
+        _ => [Role::X, Role::Y]
+            .iter()
+            .all(|role| names.iter().any(|name| Role::of(&name.written).as_ref() == Some(role))),
+    }
+}
+
+/// A number, or what was meant as one: `0,5`, `1.2.3`, `nan`, `0.5O`.
+fn looks_numeric(field: &[u8]) -> bool {
+    let digits = field.trim_ascii_start().iter().find(|byte| !b"+-.,".contains(byte));
+    digits.is_some_and(u8::is_ascii_digit) || fast_float2::parse::<f64, _>(field).is_ok()
+}
+
+/// The names of a header line, and the delimiter under which they agree with the row below it.
+fn header_names(line: &[u8], delimiter: Delimiter, row: Option<&[u8]>) -> (Vec<Name>, Delimiter) {
+    let names = names_of(&split(line, delimiter), delimiter);
+    if let (Delimiter::Blank, Some(row)) = (delimiter, row)
+        && split(row, Delimiter::Blank).len() != names.len()
+    {
+        let by_tab = split(line, Delimiter::Tab);
+        if by_tab.len() > 1 && by_tab.len() == split(row, Delimiter::Tab).len() {
+            return (names_of(&by_tab, Delimiter::Tab), Delimiter::Tab);
+        }
+    }
+    (names, delimiter)
+}
+
+/// The names in a comment just above the first row, if they fit it.
+fn comment_names(
+    comment: Option<(u64, &[u8])>,
+    delimiter: Delimiter,
+    columns: usize,
+    choice: Option<&Columns>,
+) -> Option<(Vec<Name>, u64)> {
+    let (number, line) = comment?;
+    let line = line.trim_ascii_start();
+    [delimiter, delimiter_of(line)].into_iter().find_map(|delimiter| {
+        let names = names_of(&split(line, delimiter), delimiter);
+        (names.len() == columns && fits(&names, choice)).then_some((names, number))
+    })
+}
+
+/// Between blanks, what starts with a bracket belongs to the name before it, up to the closing bracket.
+fn names_of(fields: &[&[u8]], delimiter: Delimiter) -> Vec<Name> {
+    let mut names: Vec<String> = Vec::new();
+    let mut open = false;
+    for field in fields {
+        let field = text(field);
+        let joins = delimiter == Delimiter::Blank && (open || field.starts_with(['(', '[']));
+        match names.last_mut() {
+            Some(name) if joins => {
+                name.push(' ');
+                name.push_str(&field);
+            }
+            _ => names.push(field.clone().into_owned()),
+        }
+        let bracket = field.rfind(['(', '[', ')', ']']).map(|at| field.as_bytes()[at]);
+        open = bracket.map_or(open, |bracket| matches!(bracket, b'(' | b'['));
+    }
+    names.iter().map(|name| Name::new(name)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(line: &str) -> Vec<String> {
+        names_of(&split(line.as_bytes(), Delimiter::Blank), Delimiter::Blank)
+            .into_iter()
+            .map(|name| name.written)
+            .collect()
+    }
+
+    #[test]
+    fn brackets_join_the_name_before_them() {
+        assert_eq!(names("Radius[m]\tPosX[m] PosY[m]"), ["Radius[m]", "PosX[m]", "PosY[m]"]);
+        assert_eq!(names("X (mm) Y ( mm ) r"), ["X (mm)", "Y ( mm )", "r"]);
+        assert_eq!(names("(a) b"), ["(a)", "b"]);
+    }
+
+    #[test]
+    fn a_row_with_a_slip_is_no_header() {
+        let header =
+            |line: &str| is_header(&split(line.as_bytes(), Delimiter::Blank), Delimiter::Blank, None);
+        assert!(header("x y z"));
+        assert!(header("a b c"));
+        assert!(header("x y 2ndradius"));
+        for row in ["1 2 3", "1 2 O.5", "1 2 0.5O", "0,5 0,2", "nan nan nan", "-1 a b", "glass 1 2"] {
+            assert!(!header(row), "{row}");
+        }
+    }
+
+    #[test]
+    fn chosen_places_decide_what_a_header_is() {
+        let header = |line: &str, choice: &str| {
+            is_header(
+                &split(line.as_bytes(), Delimiter::Blank),
+                Delimiter::Blank,
+                choice.parse().ok().as_ref(),
+            )
+        };
+        assert!(!header("glass 1 2", "_,x,y"), "text in a column that is skipped");
+        assert!(header("1st a b", "_,x,y"));
+        assert!(!header("1 2", "x=PosX,y=PosY"), "rows without names");
+        assert!(header("1 PosX PosY", "x=PosX,y=PosY"));
+    }
+
+    #[test]
+    fn lines_count_from_one_and_the_last_needs_no_newline() {
+        let mut lines = Lines { bytes: b"a\n\nb", at: 0, number: 0 };
+        assert_eq!(lines.next(), Some((1, b"a".as_slice())));
+        assert_eq!(lines.next(), Some((2, b"".as_slice())));
+        assert_eq!(lines.next(), Some((3, b"b".as_slice())));
+        assert_eq!(lines.next(), None);
+        assert_eq!(Lines { bytes: b"a\n", at: 0, number: 0 }.count(), 1);
+    }
+}
