@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use thiserror::Error;
 
-use crate::error::ReadError;
+use crate::excerpt;
 
 /// What a column of a packing is read as.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -26,12 +26,6 @@ pub enum Role {
 
 impl Role {
     const ALL: [Self; 6] = [Self::X, Self::Y, Self::Z, Self::Radius, Self::Diameter, Self::Id];
-
-    /// The role a name stands for, if any: `X (mm)`, `PosX[m]`, `Points:0` and `pos_x` are all x.
-    pub(crate) fn of(name: &str) -> Option<Self> {
-        let plain = Name::new(name).plain;
-        Self::ALL.into_iter().find(|role| role.goes_by(&plain))
-    }
 
     /// Whether a name without unit, blanks and capitals stands for this role.
     fn goes_by(self, plain: &str) -> bool {
@@ -84,7 +78,7 @@ impl Role {
     }
 
     /// Whether two columns cannot have these roles in one file.
-    fn clashes(self, other: Self) -> bool {
+    pub(crate) fn clashes(self, other: Self) -> bool {
         let size = |role| matches!(role, Self::Radius | Self::Diameter);
         self == other || (size(self) && size(other))
     }
@@ -109,9 +103,9 @@ pub(crate) struct Name {
     /// As the file spells it.
     pub(crate) written: String,
     /// Without quotes, unit, blanks, `_`, `-` and capitals.
-    plain: String,
+    pub(crate) plain: String,
     /// What stood in brackets.
-    unit: Option<String>,
+    pub(crate) unit: Option<String>,
 }
 
 impl Name {
@@ -126,6 +120,16 @@ impl Name {
         }
         rest.retain(|c| !(c.is_whitespace() || matches!(c, '_' | '-' | '"' | '\'')));
         Self { written: written.to_owned(), plain: rest.to_lowercase(), unit }
+    }
+
+    /// The name for a message: a file may hold anything, and a terminal obeys control characters.
+    pub(crate) fn shown(&self) -> String {
+        if self.written.is_empty() { "(no name)".into() } else { excerpt::field(self.written.as_bytes()) }
+    }
+
+    /// The role it stands for, if any: `X (mm)`, `PosX[m]`, `Points:0` and `pos_x` are all x.
+    pub(crate) fn role(&self) -> Option<Role> {
+        Role::ALL.into_iter().find(|role| role.goes_by(&self.plain))
     }
 }
 
@@ -150,11 +154,13 @@ impl Name {
 /// # Ok::<(), ColumnsError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Columns(Choice);
+pub struct Columns(pub(crate) Choice);
 
 #[derive(Debug, Clone, PartialEq, Eq)]
-enum Choice {
+pub(crate) enum Choice {
+    /// A role, or none, for every column.
     Places(Vec<Option<Role>>),
+    /// The name or number of the column for every role.
     Names(Vec<(Role, String)>),
 }
 
@@ -209,7 +215,7 @@ impl FromStr for Columns {
             let unknown = || ColumnsError::UnknownRole { entry: entry.to_owned() };
             match entry.split_once('=') {
                 Some((role, name)) if by_name => {
-                    let role = Role::of(role).ok_or_else(unknown)?;
+                    let role = Name::new(role).role().ok_or_else(unknown)?;
                     let name = name.trim().trim_matches('"');
                     if name.is_empty() {
                         return Err(ColumnsError::NoName { entry: entry.to_owned(), role });
@@ -218,7 +224,7 @@ impl FromStr for Columns {
                 }
                 None if !by_name => places.push(match entry {
                     "_" | "-" => None,
-                    _ => Some(Role::of(entry).ok_or_else(unknown)?),
+                    _ => Some(Name::new(entry).role().ok_or_else(unknown)?),
                 }),
                 _ => return Err(ColumnsError::Mixed { entry: entry.to_owned() }),
             }
@@ -265,147 +271,6 @@ impl Columns {
     }
 }
 
-/// The columns of one file before roles are given out.
-pub(crate) struct Table<'a> {
-    /// The names of the header, or the numbers of the columns counted from 1.
-    pub(crate) names: &'a [Name],
-    /// Whether `names` come from a header.
-    pub(crate) header: bool,
-    /// Where the names stand, for errors.
-    pub(crate) line: Option<u64>,
-    /// The first row, for errors.
-    pub(crate) row: &'a str,
-}
-
-impl Table<'_> {
-    /// Gives every column its role, by choice, by name or by number, in this order of preference.
-    pub(crate) fn roles(&self, columns: Option<&Columns>) -> Result<Vec<Option<Role>>, ReadError> {
-        match columns {
-            Some(Columns(Choice::Places(places))) if places.len() == self.names.len() => Ok(places.clone()),
-            Some(Columns(Choice::Places(places))) => Err(ReadError::ColumnCount {
-                line: self.line,
-                listed: places.len(),
-                found: self.names.len(),
-                text: self.row.to_owned(),
-            }),
-            Some(Columns(Choice::Names(names))) => self.roles_by_choice(names),
-            None if self.header => self.roles_by_name(),
-            None => self.roles_by_number(),
-        }
-    }
-
-    fn roles_by_choice(&self, chosen: &[(Role, String)]) -> Result<Vec<Option<Role>>, ReadError> {
-        let mut roles = vec![None; self.names.len()];
-        for (role, wanted) in chosen {
-            let place = self.place_of(wanted)?;
-            if let Some(taken) = roles[place] {
-                return Err(self.clash((place, taken), (place, *role)));
-            }
-            roles[place] = Some(*role);
-        }
-        Ok(roles)
-    }
-
-    /// The column of a name as the header spells it, or else of a number, or else of a name but for its unit
-    /// and capitals.
-    fn place_of(&self, wanted: &str) -> Result<usize, ReadError> {
-        let plain = Name::new(wanted).plain;
-        let places = |fits: &dyn Fn(&Name) -> bool| -> Vec<usize> {
-            (0..self.names.len()).filter(|&place| fits(&self.names[place])).collect()
-        };
-        let mut found = places(&|name| name.written == wanted);
-        if found.is_empty() {
-            found.extend(
-                wanted.parse().ok().filter(|number| (1..=self.names.len()).contains(number)).map(|n| n - 1),
-            );
-        }
-        if found.is_empty() {
-            found = places(&|name| !plain.is_empty() && name.plain == plain);
-        }
-        match found[..] {
-            [place] => Ok(place),
-            [] => Err(ReadError::UnknownColumn {
-                line: self.line,
-                wanted: wanted.to_owned(),
-                present: self.present(),
-            }),
-            _ => Err(ReadError::AmbiguousColumn {
-                line: self.line,
-                wanted: wanted.to_owned(),
-                matches: found
-                    .iter()
-                    .map(|&place| format!("{} ({})", self.names[place].written, place + 1))
-                    .collect(),
-            }),
-        }
-    }
-
-    fn roles_by_name(&self) -> Result<Vec<Option<Role>>, ReadError> {
-        let roles: Vec<_> = self.names.iter().map(|name| Role::of(&name.written)).collect();
-        for (second, role) in roles.iter().enumerate() {
-            let Some(role) = *role else { continue };
-            for (first, earlier) in roles[..second].iter().enumerate() {
-                if let Some(earlier) = earlier.filter(|earlier| role.clashes(*earlier)) {
-                    return Err(self.clash((first, earlier), (second, role)));
-                }
-            }
-        }
-        match [Role::X, Role::Y].into_iter().find(|role| !roles.contains(&Some(*role))) {
-            Some(role) => Err(ReadError::MissingColumn { line: self.line, role, present: self.present() }),
-            None => Ok(roles),
-        }
-    }
-
-    fn roles_by_number(&self) -> Result<Vec<Option<Role>>, ReadError> {
-        let usual = [Role::X, Role::Y, Role::Z, Role::Radius].map(Some);
-        match self.names.len() {
-            found @ 2..=4 => Ok(usual[..found].to_vec()),
-            found => Err(ReadError::UnnamedColumns { line: self.line, found, text: self.row.to_owned() }),
-        }
-    }
-
-    /// The one unit of the columns that hold lengths, `None` if the header gives none.
-    pub(crate) fn unit(&self, roles: &[Option<Role>]) -> Result<Option<String>, ReadError> {
-        let mut lengths = self
-            .names
-            .iter()
-            .zip(roles)
-            .filter(|(_, role)| role.is_some_and(|role| role != Role::Id))
-            .filter_map(|(name, _)| name.unit.as_ref().map(|unit| (&name.written, unit)));
-        let Some((first, first_unit)) = lengths.next() else { return Ok(None) };
-        match lengths.find(|(_, unit)| *unit != first_unit) {
-            Some((second, second_unit)) => Err(ReadError::MixedUnits {
-                line: self.line,
-                first: first.clone(),
-                first_unit: first_unit.clone(),
-                second: second.clone(),
-                second_unit: second_unit.clone(),
-            }),
-            None => Ok(Some(first_unit.clone())),
-        }
-    }
-
-    fn present(&self) -> Vec<String> {
-        /// Columns listed in a message: a table may have hundreds.
-        const SHOWN: usize = 20;
-        let mut present: Vec<_> = self.names.iter().take(SHOWN).map(|name| name.written.clone()).collect();
-        if self.names.len() > SHOWN {
-            present.push(format!("… ({} in all)", self.names.len()));
-        }
-        present
-    }
-
-    fn clash(&self, first: (usize, Role), second: (usize, Role)) -> ReadError {
-        ReadError::ClashingColumns {
-            line: self.line,
-            first: self.names[first.0].written.clone(),
-            first_role: first.1,
-            second: self.names[second.0].written.clone(),
-            second_role: second.1,
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -424,11 +289,11 @@ mod tests {
             (Role::Id, "id|IDs|index|ParticleID|particle_id|number|No"),
         ] {
             for name in names.split('|') {
-                assert_eq!(Role::of(name), Some(role), "{name}");
+                assert_eq!(Name::new(name).role(), Some(role), "{name}");
             }
         }
         for name in ["", "vx", "xx", "w", "points:3", "mass", "(x)", "x0", "r2", "points:", "density"] {
-            assert_eq!(Role::of(name), None, "{name}");
+            assert_eq!(Name::new(name).role(), None, "{name}");
         }
     }
 
@@ -458,18 +323,5 @@ mod tests {
         assert_eq!(parse("x,y=2"), Err(ColumnsError::Mixed { entry: "y=2".into() }));
         assert_eq!(parse("x=1,y="), Err(ColumnsError::NoName { entry: "y=".into(), role: Role::Y }));
         assert!(parse(" Radius , PosX ,_,-, y").is_ok());
-    }
-
-    #[test]
-    fn a_number_is_a_column_unless_a_column_has_that_name() {
-        let names = [Name::new("2"), Name::new("PosX[m]"), Name::new("PosX[mm]"), Name::new("b")];
-        let table = Table { names: &names, header: true, line: Some(1), row: "" };
-        assert_eq!(table.place_of("2"), Ok(0));
-        assert_eq!(table.place_of("3"), Ok(2));
-        assert_eq!(table.place_of("PosX[mm]"), Ok(2));
-        assert_eq!(table.place_of("B"), Ok(3));
-        assert!(matches!(table.place_of("posx"), Err(ReadError::AmbiguousColumn { .. })));
-        assert!(matches!(table.place_of("5"), Err(ReadError::UnknownColumn { .. })));
-        assert!(matches!(table.place_of("0"), Err(ReadError::UnknownColumn { .. })));
     }
 }

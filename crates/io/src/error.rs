@@ -166,7 +166,7 @@ pub enum ReadError {
         second: u64,
     },
     /// The header of a NumPy file cannot be read.
-    #[error("damaged NumPy header: {problem}")]
+    #[error("NumPy header: {problem}")]
     NpyHeader {
         /// What is wrong with it.
         problem: String,

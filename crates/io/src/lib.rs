@@ -30,6 +30,7 @@ mod elements;
 mod npy;
 mod npy_header;
 mod row;
+mod table;
 mod text;
 
 mod couples;

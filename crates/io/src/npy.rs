@@ -2,13 +2,14 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use crate::columns::{Name, Role, Table};
+use crate::columns::{Name, Role};
 use crate::elements::Elements;
 use crate::error::ReadError;
 use crate::npy_header::{Dtype, Header, Scalar};
 use crate::packing::{BadLine, Column, Format, Packing, Source};
 use crate::read::ReadOptions;
 use crate::row::{Row, SIZE, check_size, whole};
+use crate::table::Table;
 
 /// Rows between two reports of progress.
 const ROWS_PER_REPORT: usize = 4096;
@@ -62,7 +63,7 @@ pub(crate) fn read_npy(
         ids: elements.ids,
         source: Source {
             columns: columns
-                .map(|(column, role)| Column { role: *role, name: column.name.written.clone() })
+                .map(|(column, role)| Column { role: *role, name: column.name.shown() })
                 .collect(),
             format: Format::Npy { dtype: header.descr },
             unit,
@@ -101,10 +102,7 @@ type Chosen<'a> = (&'a ArrayColumn, Role);
 
 impl<'a> Array<'a> {
     fn new(header: &Header, data: &'a [u8]) -> Result<Self, ReadError> {
-        let wrong_shape = || ReadError::NpyShape {
-            shape: header.shown_shape(),
-            dtype: crate::excerpt::line(header.descr.as_bytes()),
-        };
+        let wrong_shape = || ReadError::NpyShape { shape: header.shown_shape(), dtype: header.descr.clone() };
         let too_large = || ReadError::NpySize {
             expected: u128::MAX,
             found: data.len() as u64,
@@ -159,7 +157,7 @@ impl<'a> Array<'a> {
             }
             Err(ReadError::NpyDtype {
                 what: if self.named {
-                    format!("field {} of the array", column.name.written)
+                    format!("field {} of the array", column.name.shown())
                 } else {
                     "the array".into()
                 },
@@ -201,15 +199,15 @@ impl<'a> Array<'a> {
         let mut row = Row::default();
         for (column, role) in chosen {
             let bytes = self.bytes_of(column, at);
-            let label = &column.name.written;
+            let label = || column.name.shown();
             if *role == Role::Id {
                 row.id = id(bytes, &column.scalar)
-                    .map_err(|problem| format!("the id in column {label} {problem}"))?;
+                    .map_err(|problem| format!("the id in column {} {problem}", label()))?;
                 continue;
             }
             let value = float(bytes, column.scalar.big_endian);
             if !value.is_finite() {
-                return Err(format!("{role} (column {label}) is {value}, not a finite number"));
+                return Err(format!("{role} (column {}) is {value}, not a finite number", label()));
             }
             row.values[match role {
                 Role::X => 0,
@@ -217,8 +215,8 @@ impl<'a> Array<'a> {
                 Role::Z => 2,
                 _ => SIZE,
             }] = value;
-            if matches!(role, Role::Radius | Role::Diameter) {
-                check_size(value, *role, label)?;
+            if value < 0.0 && matches!(role, Role::Radius | Role::Diameter) {
+                check_size(value, *role, &label())?;
             }
         }
         Ok(row)

@@ -7,11 +7,13 @@
 //! NumPy Enhancement Proposal 1, "A Simple File Format for NumPy Arrays", and `numpy.lib.format`, versions 1.0
 //! to 3.0.
 
+use crate::excerpt;
+
 /// A header, taken apart.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Header {
     pub(crate) dtype: Dtype,
-    /// The dtype as the file spells it, without quotes.
+    /// The dtype as the file spells it, without quotes; a long list is cut, and controls are escaped.
     pub(crate) descr: String,
     pub(crate) fortran_order: bool,
     pub(crate) shape: Vec<u64>,
@@ -83,7 +85,7 @@ impl Header {
         };
         Ok(Self {
             dtype: dtype(descr)?,
-            descr: spelled.trim_matches(['\'', '"']).to_owned(),
+            descr: excerpt::line(spelled.trim_matches(['\'', '"']).as_bytes()),
             fortran_order: *fortran_order,
             shape: shape(&entry("shape")?.1)?,
             data,
@@ -143,7 +145,10 @@ fn dtype(descr: &Literal) -> Result<Dtype, String> {
             _ => return Err("a field of 'descr' has no name".into()),
         };
         let Literal::Text(kind) = kind else {
-            return Err(format!("the field '{name}' has fields of its own, which are not read"));
+            return Err(format!(
+                "the field '{}' has fields of its own, which are not read",
+                excerpt::field(name.as_bytes())
+            ));
         };
         Ok(Field { name: name.clone(), scalar: scalar(kind)?, shape: lengths })
     };
@@ -152,19 +157,25 @@ fn dtype(descr: &Literal) -> Result<Dtype, String> {
 
 /// A dtype such as `<f8`, `|S10`, `<M8[ns]`.
 fn scalar(descr: &str) -> Result<Scalar, String> {
-    let bad = || format!("'{}' is not a dtype that is read", crate::excerpt::field(descr.as_bytes()));
+    let bad = || format!("'{}' is not a dtype that is read", excerpt::field(descr.as_bytes()));
     let (order, rest) = match descr.chars().next().ok_or_else(bad)? {
         order @ ('<' | '>' | '|' | '=') => (order, &descr[1..]),
         _ => ('=', descr),
     };
     let kind = rest.chars().next().filter(char::is_ascii_alphabetic).ok_or_else(bad)?;
+    if kind == 'O' {
+        return Err(format!(
+            "the dtype '{}' holds Python objects, which are not read",
+            excerpt::field(descr.as_bytes())
+        ));
+    }
     let digits = &rest[1..];
     let digits = &digits[..digits.find(|c: char| !c.is_ascii_digit()).unwrap_or(digits.len())];
     let size = digits.parse::<usize>().map_err(|_| bad())?;
     // The size of text is in characters of 4 bytes.
     let size = if kind == 'U' { size.checked_mul(4) } else { Some(size) };
     let big_endian = order == '>' || (order == '=' && cfg!(target_endian = "big"));
-    Ok(Scalar { kind, size: size.ok_or_else(bad)?, big_endian, descr: descr.to_owned() })
+    Ok(Scalar { kind, size: size.ok_or_else(bad)?, big_endian, descr: excerpt::field(descr.as_bytes()) })
 }
 
 fn shape(literal: &Literal) -> Result<Vec<u64>, String> {
@@ -360,7 +371,7 @@ mod tests {
             ("{'descr': '<f8', 'fortran_order': False}", "'shape' is missing"),
             ("{'descr': '<f8', 'fortran_order': 0, 'shape': (5,)}", "neither True nor False"),
             ("{'descr': 'float', 'fortran_order': False, 'shape': (5,)}", "'float' is not a dtype"),
-            ("{'descr': '|O', 'fortran_order': False, 'shape': (5,)}", "'|O' is not a dtype"),
+            ("{'descr': '|O', 'fortran_order': False, 'shape': (5,)}", "'|O' holds Python objects"),
             ("{'descr': '<f8', 'fortran_order': False, 'shape': (-5,)}", "expected text"),
             ("{'descr': '<f8', 'fortran_order': False, 'shape': (99999999999999999999,)}", "exceeds 64 bits"),
             (

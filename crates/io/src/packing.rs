@@ -86,7 +86,7 @@ pub enum Format {
     },
     /// A NumPy array as `numpy.save` writes it.
     Npy {
-        /// The dtype as the file spells it, such as `<f8`.
+        /// The dtype as the file spells it, such as `<f8`; a long one is cut.
         dtype: String,
     },
 }
@@ -129,7 +129,8 @@ impl fmt::Display for Delimiter {
 pub struct Column {
     /// What the column was read as; `None` when it was ignored.
     pub role: Option<Role>,
-    /// Its name as the header spells it, or its number counted from 1 where there is no header.
+    /// Its name as the header spells it, cut to 40 characters and with control characters escaped; its number,
+    /// counted from 1, where there is no header.
     pub name: String,
 }
 

@@ -224,11 +224,11 @@ fn leading_id(bytes: &[u8]) -> Option<(i64, usize)> {
     let sign = usize::from(bytes.first() == Some(&b'-'));
     let (mut id, mut length) = (0, sign);
     while let Some(digit) = bytes.get(length).filter(|byte| byte.is_ascii_digit()) {
-        id = id * 10 + i64::from(digit - b'0');
-        length += 1;
-        if length > 18 {
+        if length == 18 {
             return None;
         }
+        id = id * 10 + i64::from(digit - b'0');
+        length += 1;
     }
     (length > sign).then_some((if sign == 1 { -id } else { id }, length))
 }

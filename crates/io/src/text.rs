@@ -2,13 +2,14 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use crate::columns::{Columns, Name, Role, Table};
+use crate::columns::{Columns, Name, Role};
 use crate::elements::Elements;
 use crate::error::ReadError;
 use crate::excerpt;
 use crate::packing::{BadLine, Column, Delimiter, Format, Packing, Source};
 use crate::read::ReadOptions;
 use crate::row::{RowReader, content, has_decimal_comma, split, text};
+use crate::table::Table;
 
 /// Lines between two reports of progress: some microseconds' work, so a reader of it never waits.
 const LINES_PER_REPORT: u64 = 1024;
@@ -177,11 +178,20 @@ impl Opening {
         let mut delimiter = delimiter_of(first);
         let fields = split(first, delimiter);
         let choice = options.columns.as_ref();
+        let mut shown = first;
         let (names, header, line) = if is_header(&fields, delimiter, choice) {
             rows = lines.clone();
-            let (names, chosen) = header_names(first, delimiter, lines.next_content().map(|(_, row)| row));
+            let row = lines.next_content();
+            let (names, chosen) = header_names(first, delimiter, row.map(|(_, row)| row));
             delimiter = chosen;
-            (names, true, number)
+            match row.map(|row| (row, split(row.1, delimiter).len())) {
+                // A header with blanks in its names does not count the columns; a choice by place needs no names.
+                Some((row, columns)) if columns != names.len() && choice.is_some_and(Columns::by_number) => {
+                    shown = row.1;
+                    (numbered(columns), false, row.0)
+                }
+                _ => (names, true, number),
+            }
         } else if let Some((names, line)) = comment_names(comment, delimiter, fields.len(), choice) {
             (names, true, line)
         } else {
@@ -191,10 +201,10 @@ impl Opening {
                 let problem = format!("'{}' looks like a decimal comma: use a point", excerpt::field(field));
                 return Err(ReadError::Malformed { line: number, text: excerpt::line(first), problem });
             }
-            ((1..=fields.len()).map(|place| Name::new(&place.to_string())).collect(), false, number)
+            (numbered(fields.len()), false, number)
         };
 
-        let table = Table { names: &names, header, line: Some(line), row: &excerpt::line(first) };
+        let table = Table { names: &names, header, line: Some(line), row: &excerpt::line(shown) };
         let mut roles = table.roles(choice)?;
         let unit = table.unit(&roles)?;
         if options.ignore_ids {
@@ -202,16 +212,20 @@ impl Opening {
         }
         let label = |(name, role): (&Name, &Option<Role>)| match role {
             Some(role) if !header => role.to_string(),
-            _ => name.written.clone(),
+            _ => name.shown(),
         };
         let labels = names.iter().zip(&roles).map(label).collect();
-        let columns =
-            names.iter().zip(&roles).map(|(name, role)| Column { role: *role, name: name.written.clone() });
+        let columns = names.iter().zip(&roles).map(|(name, role)| Column { role: *role, name: name.shown() });
         let columns = columns.collect();
         let rows_from = rows;
         let rows = RowReader::new(delimiter, &roles, labels);
         Ok((Self { delimiter, roles, columns, unit, rows }, rows_from))
     }
+}
+
+/// Columns without names go by their numbers, counted from 1.
+fn numbered(columns: usize) -> Vec<Name> {
+    (1..=columns).map(|place| Name::new(&place.to_string())).collect()
 }
 
 /// A semicolon separates where there is one, since `0,5;0,2` is no pair of columns; then a comma.
@@ -247,9 +261,9 @@ fn fits(names: &[Name], choice: Option<&Columns>) -> bool {
         Some(columns) if !columns.by_number() => {
             Table { names, header: true, line: None, row: "" }.roles(choice).is_ok()
         }
-        _ => [Role::X, Role::Y]
-            .iter()
-            .all(|role| names.iter().any(|name| Role::of(&name.written).as_ref() == Some(role))),
+        _ => {
+            [Role::X, Role::Y].iter().all(|role| names.iter().any(|name| name.role().as_ref() == Some(role)))
+        }
     }
 }
 
@@ -260,17 +274,22 @@ fn looks_numeric(field: &[u8]) -> bool {
 }
 
 /// The names of a header line, and the delimiter under which they agree with the row below it.
+///
+/// Names with blanks in them may be separated by tabs, and some write the header with other delimiters than
+/// the rows.
 fn header_names(line: &[u8], delimiter: Delimiter, row: Option<&[u8]>) -> (Vec<Name>, Delimiter) {
     let names = names_of(&split(line, delimiter), delimiter);
-    if let (Delimiter::Blank, Some(row)) = (delimiter, row)
-        && split(row, Delimiter::Blank).len() != names.len()
-    {
-        let by_tab = split(line, Delimiter::Tab);
-        if by_tab.len() > 1 && by_tab.len() == split(row, Delimiter::Tab).len() {
-            return (names_of(&by_tab, Delimiter::Tab), Delimiter::Tab);
-        }
+    let columns = |delimiter| row.map_or(names.len(), |row| split(row, delimiter).len());
+    if columns(delimiter) == names.len() {
+        return (names, delimiter);
     }
-    (names, delimiter)
+    let by_tab = split(line, Delimiter::Tab);
+    if delimiter == Delimiter::Blank && by_tab.len() > 1 && by_tab.len() == columns(Delimiter::Tab) {
+        return (names_of(&by_tab, Delimiter::Tab), Delimiter::Tab);
+    }
+    let others = [Delimiter::Semicolon, Delimiter::Comma, Delimiter::Blank];
+    let agrees = others.into_iter().find(|other| columns(*other) == names.len());
+    (names, agrees.unwrap_or(delimiter))
 }
 
 /// The names in a comment just above the first row, if they fit it.

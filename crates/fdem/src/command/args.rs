@@ -42,15 +42,15 @@ pub(crate) struct ContactsArguments {
     pub(crate) columns: Option<Columns>,
 
     /// One radius for all elements, in place of the file's.
-    #[arg(long, value_name = "R", value_parser = length, conflicts_with = "cutoff")]
+    #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = length, conflicts_with = "cutoff")]
     pub(crate) radius: Option<f64>,
 
     /// The elements are points; couples are at most D apart.
-    #[arg(long, value_name = "D", value_parser = length)]
+    #[arg(long, value_name = "D", allow_negative_numbers = true, value_parser = length)]
     pub(crate) cutoff: Option<f64>,
 
     /// Gap that still counts as contact, in the unit of the file.
-    #[arg(long, value_name = "T", value_parser = length, default_value_t = 0.0)]
+    #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = length, default_value_t = 0.0)]
     pub(crate) tolerance: f64,
 
     /// How to search; all engines give the same couples.
@@ -82,7 +82,7 @@ pub(crate) struct ContactsArguments {
     pub(crate) picture: Option<PathBuf>,
 
     /// Check the couples of K random elements against all others by brute force; exit code 1 if any differ.
-    #[arg(long, value_name = "K")]
+    #[arg(long, value_name = "K", allow_negative_numbers = true)]
     pub(crate) verify: Option<usize>,
 
     /// Print no summary and no progress.
@@ -130,7 +130,7 @@ pub(crate) enum Kind {
         #[command(flatten)]
         sizes: SizesArgument,
         /// Mean number of contacts of an element.
-        #[arg(long, value_name = "Z", default_value_t = 6.0, value_parser = positive)]
+        #[arg(long, value_name = "Z", default_value_t = 6.0, allow_negative_numbers = true, value_parser = positive)]
         neighbours: f64,
     },
     /// A square (cubic) lattice, filled row by row.
@@ -138,10 +138,10 @@ pub(crate) enum Kind {
         #[command(flatten)]
         common: Common,
         /// Radius of every element.
-        #[arg(long, value_name = "R", default_value_t = 0.5, value_parser = positive)]
+        #[arg(long, value_name = "R", default_value_t = 0.5, allow_negative_numbers = true, value_parser = positive)]
         radius: f64,
         /// Spacing, in diameters; at 1 neighbours touch exactly.
-        #[arg(long, value_name = "S", default_value_t = 1.0, value_parser = positive)]
+        #[arg(long, value_name = "S", default_value_t = 1.0, allow_negative_numbers = true, value_parser = positive)]
         spacing: f64,
     },
     /// A lattice whose elements are moved at random.
@@ -153,10 +153,10 @@ pub(crate) enum Kind {
         #[command(flatten)]
         sizes: SizesArgument,
         /// Spacing of the lattice, in mean diameters.
-        #[arg(long, value_name = "S", default_value_t = 1.0, value_parser = positive)]
+        #[arg(long, value_name = "S", default_value_t = 1.0, allow_negative_numbers = true, value_parser = positive)]
         spacing: f64,
         /// Largest displacement along each axis, in spacings.
-        #[arg(long, value_name = "J", default_value_t = 0.2, value_parser = length)]
+        #[arg(long, value_name = "J", default_value_t = 0.2, allow_negative_numbers = true, value_parser = length)]
         jitter: f64,
     },
     /// Small gases scattered in a huge empty domain.
@@ -171,10 +171,10 @@ pub(crate) enum Kind {
         #[arg(long, value_name = "M", default_value_t = 1000)]
         per_cluster: usize,
         /// Edge of the domain, in mean diameters.
-        #[arg(long, value_name = "W", default_value_t = 1e5, value_parser = positive)]
+        #[arg(long, value_name = "W", default_value_t = 1e5, allow_negative_numbers = true, value_parser = positive)]
         domain: f64,
         /// Mean number of contacts of an element inside a cluster.
-        #[arg(long, value_name = "Z", default_value_t = 1.0, value_parser = positive)]
+        #[arg(long, value_name = "Z", default_value_t = 1.0, allow_negative_numbers = true, value_parser = positive)]
         neighbours: f64,
     },
     /// 2D discs dropped one by one into a box, each rolling to rest on those before it.
@@ -186,10 +186,10 @@ pub(crate) enum Kind {
         #[command(flatten)]
         sizes: SizesArgument,
         /// Width of the box, in the unit of the radii.
-        #[arg(long, value_name = "W", default_value_t = 30.0, value_parser = positive)]
+        #[arg(long, value_name = "W", default_value_t = 30.0, allow_negative_numbers = true, value_parser = positive)]
         width: f64,
         /// Shrinks the coordinates by this fraction, so that resting discs overlap as under load.
-        #[arg(long, value_name = "C", default_value_t = 1e-3, value_parser = length)]
+        #[arg(long, value_name = "C", default_value_t = 1e-3, allow_negative_numbers = true, value_parser = length)]
         compression: f64,
     },
     /// A packing of the book's examples, diameter 1: A dense; B spaced in x; C in all axes; D pairs spaced in x.
@@ -200,7 +200,7 @@ pub(crate) enum Kind {
         #[arg(long, value_enum)]
         packing: BookPacking,
         /// Spacing, in diameters; packing A has none.
-        #[arg(long, value_name = "S", default_value_t = 2.0, value_parser = positive)]
+        #[arg(long, value_name = "S", default_value_t = 2.0, allow_negative_numbers = true, value_parser = positive)]
         spacing: f64,
     },
 }

@@ -24,8 +24,8 @@ impl Table {
         match path.extension().map(OsStr::to_ascii_lowercase) {
             Some(extension) if extension == "csv" => Ok(Self::Csv),
             Some(extension) if extension == "npy" => Ok(Self::Npy),
-            // A device has no extension and no format of its own.
-            _ if is_device(path) => Ok(Self::Csv),
+            // A device has no extension and no format of its own; what is wrong with a folder is not its name.
+            _ if is_device(path) || path.is_dir() => Ok(Self::Csv),
             _ => Err(Failure::Unusable(format!(
                 "cannot tell the format of {} from its name: end it in .csv or .npy",
                 path.display()

@@ -115,8 +115,8 @@ impl fmt::Display for Summary {
         line("file", format!("{}, {}: {}", self.file, self.format, self.columns.join(" ")))?;
         let radius = match self.radius {
             None => String::new(),
-            Some([min, max]) if min == max => format!(", radius {min}{unit}"),
-            Some([min, max]) => format!(", radius {min} to {max}{unit}"),
+            Some([min, max]) if min == max => format!(", radius {}{unit}", brief(min)),
+            Some([min, max]) => format!(", radius {} to {}{unit}", brief(min), brief(max)),
         };
         line("elements", format!("{} {shape}{radius}", grouped(self.elements as u64)))?;
         if self.points > 0 {
@@ -127,7 +127,7 @@ impl fmt::Display for Summary {
         }
         if !self.domain.is_empty() {
             let sides: Vec<_> =
-                self.domain.iter().map(|[min, max]| format!("[{min:.6}, {max:.6}]")).collect();
+                self.domain.iter().map(|[min, max]| format!("[{}, {}]", brief(*min), brief(*max))).collect();
             line("domain", format!("{}{unit}", sides.join(" x ")))?;
         }
         if self.tolerance > 0.0 {
@@ -136,13 +136,13 @@ impl fmt::Display for Summary {
         line("engine", format!("{}: {}", self.engine, self.reason))?;
         if let (Some(size), Some(cells)) = (self.cell_size, &self.cells) {
             let cells: Vec<_> = cells.iter().map(|&n| grouped(n.into())).collect();
-            line("cell edge", format!("{size:.6e}{unit}, {} cells", cells.join(" x ")))?;
+            line("cell edge", format!("{}{unit}, {} cells", brief(size), cells.join(" x ")))?;
         }
         line("couples", grouped(self.couples))?;
         line("coordination", format!("{:.4} contacts per element", self.mean_coordination))?;
         line("without contact", grouped(self.rattlers))?;
         if let (Some(overlap), Some([i, j])) = (self.max_overlap, self.max_overlap_couple) {
-            line("largest overlap", format!("{overlap:.4e}{unit}, of {i} and {j}"))?;
+            line("largest overlap", format!("{}{unit}, of {i} and {j}", brief(overlap)))?;
         }
         if let Some(verified) = self.verified {
             line("verified", format!("{} elements by brute force: no difference", grouped(verified as u64)))?;
@@ -153,6 +153,16 @@ impl fmt::Display for Summary {
             line("peak memory", format!("{:.1} MB", bytes as f64 / 1e6))?;
         }
         Ok(())
+    }
+}
+
+/// Six digits, without trailing zeros; JSON has all of them.
+fn brief(x: f64) -> String {
+    let rounded = format!("{x:.5e}").parse().unwrap_or(x);
+    if rounded == 0.0 || (1e-4..1e6).contains(&f64::abs(rounded)) {
+        rounded.to_string()
+    } else {
+        format!("{rounded:e}")
     }
 }
 
@@ -192,6 +202,21 @@ mod tests {
     fn thousands_are_grouped() {
         for (number, text) in [(0, "0"), (999, "999"), (1000, "1,000"), (1_234_567, "1,234,567")] {
             assert_eq!(grouped(number), text);
+        }
+    }
+
+    #[test]
+    fn numbers_are_brief() {
+        for (x, text) in [
+            (0.0, "0"),
+            (0.001, "0.001"),
+            (-0.049_000_316, "-0.0490003"),
+            (1.198_942_518_9, "1.19894"),
+            (9.011_707_7e-7, "9.01171e-7"),
+            (1e12, "1e12"),
+            (25_000.0, "25000"),
+        ] {
+            assert_eq!(brief(x), text);
         }
     }
 

@@ -1,0 +1,157 @@
+//! Files, options and outputs that are refused: exit code 2, a message that says what and where, nothing left behind.
+
+use crate::Bench;
+
+const GOOD: &str = "x,y,radius\n0,0,1\n1,0,1\n";
+
+/// Runs on `content` with outputs that must not appear.
+#[track_caller]
+fn refused(content: &[u8], options: &[&str], parts: &[&str]) {
+    let bench = Bench::new();
+    bench.write("in.txt", content);
+    bench
+        .run(&[&["contacts", "in.txt", "-o", "out.csv", "--json", "out.json"], options].concat())
+        .is_refused_with(parts);
+    assert_eq!(bench.files(), ["in.txt"]);
+}
+
+#[test]
+fn a_malformed_line_is_named_with_its_text() {
+    refused(b"x,y,radius\n0,0,1\n5 0.01 0 0\n", &[], &["in.txt:3:", "5 0.01 0 0"]);
+    refused(b"x y radius\n0 0 1\n1 abc 1\n", &[], &["in.txt:3:", "'abc'", "column y"]);
+    refused(b"x y radius\n0 0 1\n1 0\n", &[], &["in.txt:3:", "expected 3 fields, found 2"]);
+    refused(b"x y radius\n0 0 1\n\n# fine\n1 nan 1\n", &[], &["in.txt:5:", "nan"]);
+    refused(b"x y radius\n0 0 1\n1 1e999 1\n", &[], &["in.txt:3:", "1e999"]);
+    refused(b"x y radius\n0 0 1\n1 0 -1\n", &[], &["in.txt:3:", "-1"]);
+    refused(b"id x y radius\n1 0 0 1\n1.5 0 0 1\n", &[], &["in.txt:3:", "1.5"]);
+}
+
+#[test]
+fn a_decimal_comma_gets_its_hint() {
+    refused(b"x;y;radius\n0,5;0;1\n", &[], &["in.txt:2:", "decimal comma"]);
+    refused(b"x y radius\n0,5 0 1\n", &[], &["in.txt:2:", "decimal comma"]);
+}
+
+#[test]
+fn what_is_no_table_is_refused() {
+    refused(b"", &[], &["in.txt", "empty"]);
+    refused(b"# nothing\n\n", &[], &["in.txt", "comments"]);
+    refused(b"\x7fELF\x02\x01\x01\x00\x00\x00\x00rubbish\x00\xff\xfe", &[], &["in.txt", "not a text file"]);
+    refused(b"\x1f\x8b\x08\x00rubbish", &[], &["in.txt", "gzip"]);
+    refused(b"\x93NUMPY\x01\x00", &[], &["in.txt", "NumPy"]);
+    refused(b"x,y,radius\nfoo,bar,baz\n", &["--skip-bad-lines"], &["in.txt", "none of the"]);
+}
+
+#[test]
+fn a_column_that_is_not_there_lists_those_that_are() {
+    refused(b"a,b,c\n0,0,1\n", &[], &["in.txt:1:", "no column for x", "a, b, c"]);
+    refused(
+        GOOD.as_bytes(),
+        &["--columns", "x=x,y=y,radius=size"],
+        &["in.txt", "no column 'size'", "x, y, radius"],
+    );
+    refused(GOOD.as_bytes(), &["--columns", "x,y"], &["in.txt", "--columns lists 2", "3"]);
+    refused(b"1 2 3 4 5\n", &[], &["in.txt", "--columns"]);
+    refused(b"x [mm],y [mm],radius [m]\n0,0,1\n", &[], &["in.txt:1:", "mm", "convert"]);
+    refused(b"id,x,y,r\n4,0,0,1\n5,1,0,1\n4,2,0,1\n", &[], &["in.txt:4:", "id 4", "line 2", "--ignore-ids"]);
+}
+
+#[test]
+fn a_domain_too_wide_for_the_engine_names_the_element_and_what_instead() {
+    let mut text = "id,x,y,radius\n".to_owned();
+    for k in 0..50 {
+        text += &format!("{},{k},0,0.5\n", 100 + k);
+    }
+    text += "777,0,1e12,0.5\n";
+    refused(text.as_bytes(), &["--engine", "nbs"], &["element 777 at y = 1e12", "--engine direct"]);
+    let bench = Bench::new();
+    bench.write("in.txt", &text);
+    let run = bench.run(&["contacts", "in.txt"]).succeeds();
+    assert_eq!(run.rows().len(), 49);
+    assert!(run.stderr.contains("direct: the domain"), "{}", run.stderr);
+    refused(b"x,y,radius\n0,0,1\n1e200,0,1\n", &[], &["in.txt", "element 1", "overflow"]);
+}
+
+#[test]
+fn options_that_make_no_sense_are_refused() {
+    let options: [(&[&str], &str); 9] = [
+        (&["--radius", "-1"], "negative"),
+        (&["--radius", "nan"], "not a finite number"),
+        (&["--radius", "0,5"], "decimal comma"),
+        (&["--tolerance", "inf"], "not a finite number"),
+        (&["--engine", "rowz"], "possible values"),
+        (&["--radius", "1", "--cutoff", "1"], "cannot be used with"),
+        (&["--verify", "-3"], "--verify"),
+        (&["--columns", "x,x"], "--columns"),
+        (&["--count"], "cannot be used with"),
+    ];
+    for (option, part) in options {
+        refused(GOOD.as_bytes(), option, &[part]);
+    }
+}
+
+#[test]
+fn an_input_that_cannot_be_opened_is_named() {
+    let bench = Bench::new();
+    bench.run(&["contacts", "nowhere.csv", "-o", "out.csv"]).is_refused_with(&["nowhere.csv"]);
+    bench.run(&["contacts", ".", "-o", "out.csv"]).is_refused_with(&["it is a directory"]);
+    bench.run(&["contacts"]).is_refused_with(&["<FILE>"]);
+    assert!(bench.files().is_empty());
+}
+
+#[test]
+fn an_output_that_cannot_be_written_is_named() {
+    let bench = Bench::new();
+    bench.write("in.csv", GOOD);
+    let refused = |options: &[&str], parts: &[&str]| {
+        bench.run(&[&["contacts", "in.csv"], options].concat()).is_refused_with(parts);
+        assert_eq!(bench.files(), ["in.csv"]);
+    };
+    refused(&["-o", "nowhere/out.csv"], &["nowhere/out.csv", "no folder"]);
+    refused(&["-o", "out.xlsx"], &["out.xlsx", ".csv or .npy"]);
+    refused(&["-o", "."], &["directory"]);
+    refused(&["-o", "in.csv"], &["--output in.csv is the input too"]);
+    refused(&["-o", "./in.csv"], &["is the input too"]);
+    refused(&["-o", "a.csv", "--json", "a.csv"], &["--json a.csv is --output too"]);
+    refused(&["-o", "a.csv", "--json", "nowhere/a.json"], &["nowhere/a.json"]);
+    assert_eq!(bench.read("in.csv"), GOOD);
+}
+
+/// A full disk, on systems that have one to offer.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_is_an_error() {
+    let bench = Bench::new();
+    bench.write("in.csv", GOOD);
+    let run = bench.run(&["contacts", "in.csv", "-o", "/dev/full", "--json", "s.json"]);
+    run.is_refused_with(&["cannot write /dev/full", "No space left"]);
+    assert_eq!(bench.files(), ["in.csv"]);
+
+    let full = std::fs::File::options().write(true).open("/dev/full").unwrap();
+    let output = bench.command(&["contacts", "in.csv", "--json", "s.json"]).stdout(full).output().unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    assert_eq!(bench.files(), ["in.csv"]);
+}
+
+/// An interrupt while the couples are written removes what was written aside.
+#[cfg(unix)]
+#[test]
+fn an_interrupt_leaves_nothing_behind() {
+    use std::io::Write;
+    use std::process::Stdio;
+    let bench = Bench::new();
+    // The program has opened its output, and waits for an input that never ends.
+    let mut command = bench.command(&["contacts", "-", "-o", "out.csv"]);
+    let mut child = command.stdin(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut stdin = child.stdin.take().unwrap();
+    stdin.write_all(GOOD.as_bytes()).unwrap();
+    let started = std::time::Instant::now();
+    while bench.files().is_empty() {
+        assert!(started.elapsed().as_secs() < 60, "the output was never opened");
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    let kill = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert!(kill.success());
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert!(bench.files().is_empty(), "{:?}", bench.files());
+}

@@ -1,0 +1,48 @@
+//! Packings that this project did not make. Skipped, with a word on standard error, where the data is not there.
+
+use crate::{Bench, foreign_data};
+
+/// 25,000 equal spheres of the DEM round robin (Dosta et al., Comput. Phys. Commun. 296 (2024) 109066).
+#[test]
+fn bed_of_25_000_spheres() {
+    let Some(bed) = foreign_data("roundrobin/penetration/25KParticles.txt") else { return };
+    let bed = bed.to_str().unwrap();
+    let bench = Bench::new();
+    bench
+        .run(&["contacts", bed, "-o", "out.csv"])
+        .is_refused_with(&["25KParticles.txt:25002:", "5 0.01 0.01 0 0 0.06"]);
+    assert!(bench.files().is_empty());
+
+    for engine in ["nbs", "direct"] {
+        let (couples, summary) = (format!("{engine}.csv"), format!("{engine}.json"));
+        let options =
+            ["--skip-bad-lines", "--engine", engine, "-o", &couples, "--json", &summary, "--verify", "25"];
+        let run = bench.run(&[&["contacts", bed], &options[..]].concat()).succeeds();
+        assert!(run.stderr.contains("25KParticles.txt:25002:"), "{}", run.stderr);
+        let summary = bench.json(&summary);
+        assert_eq!(summary["elements"], 25_000);
+        assert_eq!(summary["skipped_lines"], 1);
+        assert_eq!(summary["couples"], 53_876);
+        assert_eq!(format!("{:.4}", summary["mean_coordination"].as_f64().unwrap()), "4.3101");
+        assert_eq!(format!("{:.4e}", summary["max_overlap"].as_f64().unwrap()), "9.0117e-7");
+        assert_eq!(summary["engine"], engine);
+    }
+    assert_eq!(bench.read("nbs.csv").lines().count(), 53_877);
+    assert!(bench.read("nbs.csv") == bench.read("direct.csv"), "both engines write identical files");
+}
+
+/// 38,000 spheres of two sizes at rest in a drum, same source.
+#[test]
+fn drum_with_two_sizes() {
+    let Some(drum) = foreign_data("roundrobin/drum/PartCoordinates.txt") else { return };
+    let bench = Bench::new();
+    let mut couples = Vec::new();
+    for engine in ["nbs", "direct"] {
+        let run =
+            bench.run(&["contacts", drum.to_str().unwrap(), "--engine", engine, "--verify", "50"]).succeeds();
+        assert!(run.stderr.contains("38,000 spheres in 3D, radius 0.001 to 0.002 m"), "{}", run.stderr);
+        couples.push(run.stdout);
+    }
+    assert!(couples[0] == couples[1], "both engines write identical couples");
+    assert!(couples[0].lines().count() > 38_000);
+}

@@ -1,0 +1,124 @@
+//! The `fdem` program, run as a user runs it: exit codes, messages, and that nothing partial is left behind.
+//!
+//! - `contacts`: good packings of every form and what is written for them.
+//! - `bad_input`: files, options and outputs that must be refused.
+//! - `generate`: packings from seeds.
+//! - `beds`: a real bed that this project did not make.
+
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a failed unwrap is a failed test")]
+
+mod bad_input;
+mod beds;
+mod contacts;
+mod generate;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use tempfile::TempDir;
+
+/// An empty folder and the program run in it.
+struct Bench {
+    folder: TempDir,
+}
+
+impl Bench {
+    fn new() -> Self {
+        Self { folder: tempfile::tempdir().unwrap() }
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    fn write(&self, name: &str, content: impl AsRef<[u8]>) {
+        fs::write(self.path(name), content).unwrap();
+    }
+
+    fn read(&self, name: &str) -> String {
+        fs::read_to_string(self.path(name)).unwrap()
+    }
+
+    fn json(&self, name: &str) -> serde_json::Value {
+        serde_json::from_str(&self.read(name)).unwrap()
+    }
+
+    /// Names of all files in the folder, hidden ones too.
+    fn files(&self) -> Vec<String> {
+        let names = fs::read_dir(self.folder.path()).unwrap();
+        let mut names: Vec<_> =
+            names.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+
+    fn command(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(assert_cmd::cargo::cargo_bin!("fdem"));
+        command.args(arguments).current_dir(self.folder.path());
+        command
+    }
+
+    fn run(&self, arguments: &[&str]) -> Run {
+        Run::of(self.command(arguments).output().unwrap(), arguments)
+    }
+
+    /// As [`Bench::run`], with `input` on standard input.
+    fn run_with(&self, arguments: &[&str], input: &[u8]) -> Run {
+        let mut command = assert_cmd::Command::from_std(self.command(arguments));
+        Run::of(command.write_stdin(input).output().unwrap(), arguments)
+    }
+}
+
+/// What the program said.
+struct Run {
+    code: Option<i32>,
+    stdout: String,
+    stderr: String,
+    line: String,
+}
+
+impl Run {
+    fn of(output: Output, arguments: &[&str]) -> Self {
+        Self {
+            code: output.status.code(),
+            stdout: String::from_utf8(output.stdout).unwrap(),
+            stderr: String::from_utf8(output.stderr).unwrap(),
+            line: arguments.join(" "),
+        }
+    }
+
+    #[track_caller]
+    fn succeeds(self) -> Self {
+        assert_eq!(self.code, Some(0), "fdem {}\n{}", self.line, self.stderr);
+        self
+    }
+
+    /// Exit code 2, nothing on standard output, and a message with all of `parts`.
+    #[track_caller]
+    fn is_refused_with(self, parts: &[&str]) -> Self {
+        assert_eq!(self.code, Some(2), "fdem {}\n{}", self.line, self.stderr);
+        assert_eq!(self.stdout, "", "fdem {}", self.line);
+        for part in parts {
+            assert!(self.stderr.contains(part), "fdem {}: {part:?} is not in\n{}", self.line, self.stderr);
+        }
+        self
+    }
+
+    /// The data rows of the CSV on standard output.
+    fn rows(&self) -> Vec<&str> {
+        let mut lines = self.stdout.lines();
+        assert_eq!(lines.next(), Some("i,j,distance,overlap"));
+        lines.collect()
+    }
+}
+
+/// The folder of data that this project did not make, if it is there.
+fn foreign_data(name: &str) -> Option<PathBuf> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data").join(name);
+    if path.exists() {
+        return Some(path);
+    }
+    eprintln!("SKIPPED: {} is not there", path.display());
+    None
+}

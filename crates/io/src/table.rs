@@ -1,0 +1,164 @@
+//! The columns of one file get their roles.
+
+use crate::columns::{Choice, Columns, Name, Role};
+use crate::error::ReadError;
+use crate::excerpt;
+
+/// The columns of one file before roles are given out.
+pub(crate) struct Table<'a> {
+    /// The names of the header, or the numbers of the columns counted from 1.
+    pub(crate) names: &'a [Name],
+    /// Whether `names` come from a header.
+    pub(crate) header: bool,
+    /// Where the names stand, for errors.
+    pub(crate) line: Option<u64>,
+    /// The first row, for errors.
+    pub(crate) row: &'a str,
+}
+
+impl Table<'_> {
+    /// Gives every column its role, by choice, by name or by number, in this order of preference.
+    pub(crate) fn roles(&self, columns: Option<&Columns>) -> Result<Vec<Option<Role>>, ReadError> {
+        match columns {
+            Some(Columns(Choice::Places(places))) if places.len() == self.names.len() => Ok(places.clone()),
+            Some(Columns(Choice::Places(places))) => Err(ReadError::ColumnCount {
+                line: self.line,
+                listed: places.len(),
+                found: self.names.len(),
+                text: self.row.to_owned(),
+            }),
+            Some(Columns(Choice::Names(names))) => self.roles_by_choice(names),
+            None if self.header => self.roles_by_name(),
+            None => self.roles_by_number(),
+        }
+    }
+
+    fn roles_by_choice(&self, chosen: &[(Role, String)]) -> Result<Vec<Option<Role>>, ReadError> {
+        let mut roles = vec![None; self.names.len()];
+        for (role, wanted) in chosen {
+            let place = self.place_of(wanted)?;
+            if let Some(taken) = roles[place] {
+                return Err(self.clash((place, taken), (place, *role)));
+            }
+            roles[place] = Some(*role);
+        }
+        Ok(roles)
+    }
+
+    /// The column of a name as the header spells it, or else of a number, or else of a name but for its unit
+    /// and capitals.
+    fn place_of(&self, wanted: &str) -> Result<usize, ReadError> {
+        let plain = Name::new(wanted).plain;
+        let places = |fits: &dyn Fn(&Name) -> bool| -> Vec<usize> {
+            (0..self.names.len()).filter(|&place| fits(&self.names[place])).collect()
+        };
+        let mut found = places(&|name| name.written == wanted);
+        if found.is_empty() {
+            found.extend(
+                wanted.parse().ok().filter(|number| (1..=self.names.len()).contains(number)).map(|n| n - 1),
+            );
+        }
+        if found.is_empty() {
+            found = places(&|name| !plain.is_empty() && name.plain == plain);
+        }
+        match found[..] {
+            [place] => Ok(place),
+            [] => Err(ReadError::UnknownColumn {
+                line: self.line,
+                wanted: excerpt::field(wanted.as_bytes()),
+                present: self.present(),
+            }),
+            _ => Err(ReadError::AmbiguousColumn {
+                line: self.line,
+                wanted: excerpt::field(wanted.as_bytes()),
+                matches: found
+                    .iter()
+                    .map(|&place| format!("{} ({})", self.names[place].shown(), place + 1))
+                    .collect(),
+            }),
+        }
+    }
+
+    fn roles_by_name(&self) -> Result<Vec<Option<Role>>, ReadError> {
+        let roles: Vec<_> = self.names.iter().map(Name::role).collect();
+        for (second, role) in roles.iter().enumerate() {
+            let Some(role) = *role else { continue };
+            for (first, earlier) in roles[..second].iter().enumerate() {
+                if let Some(earlier) = earlier.filter(|earlier| role.clashes(*earlier)) {
+                    return Err(self.clash((first, earlier), (second, role)));
+                }
+            }
+        }
+        match [Role::X, Role::Y].into_iter().find(|role| !roles.contains(&Some(*role))) {
+            Some(role) => Err(ReadError::MissingColumn { line: self.line, role, present: self.present() }),
+            None => Ok(roles),
+        }
+    }
+
+    fn roles_by_number(&self) -> Result<Vec<Option<Role>>, ReadError> {
+        let usual = [Role::X, Role::Y, Role::Z, Role::Radius].map(Some);
+        match self.names.len() {
+            found @ 2..=4 => Ok(usual[..found].to_vec()),
+            found => Err(ReadError::UnnamedColumns { line: self.line, found, text: self.row.to_owned() }),
+        }
+    }
+
+    /// The one unit of the columns that hold lengths, `None` if the header gives none.
+    pub(crate) fn unit(&self, roles: &[Option<Role>]) -> Result<Option<String>, ReadError> {
+        let mut lengths = self
+            .names
+            .iter()
+            .zip(roles)
+            .filter(|(_, role)| role.is_some_and(|role| role != Role::Id))
+            .filter_map(|(name, _)| name.unit.as_ref().map(|unit| (name, unit)));
+        let Some((first, first_unit)) = lengths.next() else { return Ok(None) };
+        match lengths.find(|(_, unit)| *unit != first_unit) {
+            Some((second, second_unit)) => Err(ReadError::MixedUnits {
+                line: self.line,
+                first: first.shown(),
+                first_unit: excerpt::field(first_unit.as_bytes()),
+                second: second.shown(),
+                second_unit: excerpt::field(second_unit.as_bytes()),
+            }),
+            None => Ok(Some(excerpt::field(first_unit.as_bytes()))),
+        }
+    }
+
+    fn present(&self) -> Vec<String> {
+        /// Columns listed in a message: a table may have hundreds.
+        const SHOWN: usize = 20;
+        let mut present: Vec<_> = self.names.iter().take(SHOWN).map(Name::shown).collect();
+        if self.names.len() > SHOWN {
+            present.push(format!("… ({} in all)", self.names.len()));
+        }
+        present
+    }
+
+    fn clash(&self, first: (usize, Role), second: (usize, Role)) -> ReadError {
+        ReadError::ClashingColumns {
+            line: self.line,
+            first: self.names[first.0].shown(),
+            first_role: first.1,
+            second: self.names[second.0].shown(),
+            second_role: second.1,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_number_is_a_column_unless_a_column_has_that_name() {
+        let names = [Name::new("2"), Name::new("PosX[m]"), Name::new("PosX[mm]"), Name::new("b")];
+        let table = Table { names: &names, header: true, line: Some(1), row: "" };
+        assert_eq!(table.place_of("2"), Ok(0));
+        assert_eq!(table.place_of("3"), Ok(2));
+        assert_eq!(table.place_of("PosX[mm]"), Ok(2));
+        assert_eq!(table.place_of("B"), Ok(3));
+        assert!(matches!(table.place_of("posx"), Err(ReadError::AmbiguousColumn { .. })));
+        assert!(matches!(table.place_of("5"), Err(ReadError::UnknownColumn { .. })));
+        assert!(matches!(table.place_of("0"), Err(ReadError::UnknownColumn { .. })));
+    }
+}
