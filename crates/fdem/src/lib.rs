@@ -12,3 +12,8 @@ pub mod command;
 pub use fdem_contact as contact;
 pub use fdem_io as io;
 pub use fdem_scenes as scenes;
+
+/// The Rust code in the README compiles and runs.
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+pub struct ReadmeDoctests;

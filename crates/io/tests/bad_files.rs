@@ -45,6 +45,8 @@ fn rows_that_cannot_be_read() {
         ("x,y\n0,5,0,2\n", 2, "expected 2 fields, found 4 (looks like a decimal comma"),
         ("x y\n1 2\n1 2 \u{1b}[31m\n", 3, "found 3: 1 2 \\u{1b}[31m"),
         ("x,y\n0,5 0,2\n", 2, "'0,5' in column x looks like a decimal comma"),
+        ("x y note\n1 2 #c\n", 2, "expected 3 fields, found 2"),
+        ("note x y\n\"5 6 7\n", 2, "expected 3 fields, found 1"),
         ("x,y\n\"1,2\n", 2, "expected 2 fields, found 1"),
     ] {
         let error = error(text);

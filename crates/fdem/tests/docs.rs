@@ -1,0 +1,74 @@
+//! What the documents promise: paths exist, commands run, the version is one.
+
+#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+fn read(name: &str) -> String {
+    fs::read_to_string(root().join(name)).unwrap()
+}
+
+/// Every `path/like/this` in backticks and every link between our own files.
+#[test]
+fn every_path_that_a_document_names_exists() {
+    let mut checked = 0;
+    for document in ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md"] {
+        let text = read(document);
+        let quoted = text.split('`').skip(1).step_by(2).filter(|quoted| is_path(quoted));
+        let linked = text.split("](").skip(1).filter_map(|rest| rest.split(')').next());
+        for path in quoted.chain(linked.filter(|link| !link.contains("://"))) {
+            assert!(root().join(path).exists(), "{document} names {path}, which does not exist");
+            checked += 1;
+        }
+    }
+    assert!(checked > 40, "only {checked} paths were found: has the format of the documents changed?");
+}
+
+fn is_path(quoted: &str) -> bool {
+    let starts = ["crates/", "scenes/", "bench/", "examples/", "docs/"];
+    starts.iter().any(|start| quoted.starts_with(start)) && !quoted.contains(' ')
+}
+
+/// The commands of the README run as they are printed, one after the other, and say what is printed below them.
+#[test]
+fn the_commands_of_the_readme_run() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::create_dir(folder.path().join("examples")).unwrap();
+    let example = "examples/packing.csv";
+    fs::copy(root().join(example), folder.path().join(example)).unwrap();
+    let mut ran = 0;
+    for block in read("README.md").split("```console\n").skip(1).map(|rest| rest.split("```").next().unwrap()) {
+        for command in block.split("$ ").skip(1) {
+            let (line, printed) = command.split_once('\n').unwrap();
+            let line = line.replace("cargo run --release --", "fdem");
+            let Some(arguments) = line.strip_prefix("fdem ") else { continue };
+            let output = Command::new(assert_cmd::cargo::cargo_bin!("fdem"))
+                .args(arguments.split_whitespace())
+                .current_dir(folder.path())
+                .output()
+                .unwrap();
+            let said = String::from_utf8(output.stderr).unwrap();
+            assert!(output.status.success(), "{line}\n{said}");
+            // Times and memory differ from run to run.
+            for printed in printed.lines().filter(|line| !line.starts_with("time") && !line.starts_with("peak")) {
+                assert!(said.contains(printed), "{line} does not say\n{printed}\nbut\n{said}");
+            }
+            ran += 1;
+        }
+    }
+    assert!(ran >= 5, "only {ran} commands were found: has the format of the README changed?");
+    let picture = fs::read_to_string(folder.path().join("packing.svg")).unwrap();
+    assert_eq!(picture, read("docs/packing.svg"), "the picture in the README is the one that its command draws");
+}
+
+#[test]
+fn the_version_is_the_same_everywhere() {
+    let version = format!("version: {}\n", env!("CARGO_PKG_VERSION"));
+    assert!(read("CITATION.cff").contains(&version), "CITATION.cff does not have {version}");
+}

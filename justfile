@@ -1,0 +1,22 @@
+# All that CI runs.
+check:
+    bash .ci/run
+
+test:
+    cargo test --workspace
+
+# Every line of the book's ten-body example.
+figures:
+    cargo run -p fdem-contact --example ten_bodies
+
+# The paper's experiments; rewrites the curves in docs/.
+bench:
+    cargo run --release -p fdem-bench --bin paper
+
+# The example packing and its picture, from nothing.
+example:
+    cargo run --release -- generate deposit -n 600 --seed 1 --sizes lognormal:0.5:0.3 --width 30 --output examples/packing.csv
+    cargo run --release -- contacts examples/packing.csv --count --picture docs/packing.svg
+
+deny:
+    cargo deny check
