@@ -43,7 +43,8 @@ fn the_commands_of_the_readme_run() {
     let example = "examples/packing.csv";
     fs::copy(root().join(example), folder.path().join(example)).unwrap();
     let mut ran = 0;
-    for block in read("README.md").split("```console\n").skip(1).map(|rest| rest.split("```").next().unwrap()) {
+    for block in read("README.md").split("```console\n").skip(1).map(|rest| rest.split("```").next().unwrap())
+    {
         for command in block.split("$ ").skip(1) {
             let (line, printed) = command.split_once('\n').unwrap();
             let line = line.replace("cargo run --release --", "fdem");
@@ -56,7 +57,9 @@ fn the_commands_of_the_readme_run() {
             let said = String::from_utf8(output.stderr).unwrap();
             assert!(output.status.success(), "{line}\n{said}");
             // Times and memory differ from run to run.
-            for printed in printed.lines().filter(|line| !line.starts_with("time") && !line.starts_with("peak")) {
+            for printed in
+                printed.lines().filter(|line| !line.starts_with("time") && !line.starts_with("peak"))
+            {
                 assert!(said.contains(printed), "{line} does not say\n{printed}\nbut\n{said}");
             }
             ran += 1;
@@ -64,7 +67,11 @@ fn the_commands_of_the_readme_run() {
     }
     assert!(ran >= 5, "only {ran} commands were found: has the format of the README changed?");
     let picture = fs::read_to_string(folder.path().join("packing.svg")).unwrap();
-    assert_eq!(picture, read("docs/packing.svg"), "the picture in the README is the one that its command draws");
+    assert_eq!(
+        picture,
+        read("docs/packing.svg"),
+        "the picture in the README is the one that its command draws"
+    );
 }
 
 #[test]

@@ -11,7 +11,7 @@ fn refused(content: &[u8], options: &[&str], parts: &[&str]) {
     bench.write("in.txt", content);
     bench
         .run(&[&["contacts", "in.txt", "-o", "out.csv", "--json", "out.json"], options].concat())
-        .is_refused_with(parts);
+        .refused_with(parts);
     assert_eq!(bench.files(), ["in.txt"]);
 }
 
@@ -58,11 +58,8 @@ fn a_column_that_is_not_there_lists_those_that_are() {
 
 #[test]
 fn a_domain_too_wide_for_the_engine_names_the_element_and_what_instead() {
-    let mut text = "id,x,y,radius\n".to_owned();
-    for k in 0..50 {
-        text += &format!("{},{k},0,0.5\n", 100 + k);
-    }
-    text += "777,0,1e12,0.5\n";
+    let row = (0..50).map(|k| format!("{},{k},0,0.5\n", 100 + k));
+    let text = format!("id,x,y,radius\n{}777,0,1e12,0.5\n", row.collect::<String>());
     refused(text.as_bytes(), &["--engine", "nbs"], &["element 777 at y = 1e12", "--engine direct"]);
     let bench = Bench::new();
     bench.write("in.txt", &text);
@@ -93,9 +90,9 @@ fn options_that_make_no_sense_are_refused() {
 #[test]
 fn an_input_that_cannot_be_opened_is_named() {
     let bench = Bench::new();
-    bench.run(&["contacts", "nowhere.csv", "-o", "out.csv"]).is_refused_with(&["nowhere.csv"]);
-    bench.run(&["contacts", ".", "-o", "out.csv"]).is_refused_with(&["it is a directory"]);
-    bench.run(&["contacts"]).is_refused_with(&["<FILE>"]);
+    bench.run(&["contacts", "nowhere.csv", "-o", "out.csv"]).refused_with(&["nowhere.csv"]);
+    bench.run(&["contacts", ".", "-o", "out.csv"]).refused_with(&["it is a directory"]);
+    bench.run(&["contacts"]).refused_with(&["<FILE>"]);
     assert!(bench.files().is_empty());
 }
 
@@ -104,7 +101,7 @@ fn an_output_that_cannot_be_written_is_named() {
     let bench = Bench::new();
     bench.write("in.csv", GOOD);
     let refused = |options: &[&str], parts: &[&str]| {
-        bench.run(&[&["contacts", "in.csv"], options].concat()).is_refused_with(parts);
+        bench.run(&[&["contacts", "in.csv"], options].concat()).refused_with(parts);
         assert_eq!(bench.files(), ["in.csv"]);
     };
     refused(&["-o", "nowhere/out.csv"], &["nowhere/out.csv", "no folder"]);
@@ -124,7 +121,7 @@ fn a_full_disk_is_an_error() {
     let bench = Bench::new();
     bench.write("in.csv", GOOD);
     let run = bench.run(&["contacts", "in.csv", "-o", "/dev/full", "--json", "s.json"]);
-    run.is_refused_with(&["cannot write /dev/full", "No space left"]);
+    run.refused_with(&["cannot write /dev/full", "No space left"]);
     assert_eq!(bench.files(), ["in.csv"]);
 
     let full = std::fs::File::options().write(true).open("/dev/full").unwrap();

@@ -10,7 +10,7 @@ fn bed_of_25_000_spheres() {
     let bench = Bench::new();
     bench
         .run(&["contacts", bed, "-o", "out.csv"])
-        .is_refused_with(&["25KParticles.txt:25002:", "5 0.01 0.01 0 0 0.06"]);
+        .refused_with(&["25KParticles.txt:25002:", "5 0.01 0.01 0 0 0.06"]);
     assert!(bench.files().is_empty());
 
     for engine in ["nbs", "direct"] {

@@ -70,7 +70,7 @@ fn points_need_a_cutoff_and_take_one_radius() {
     bench.write("row.csv", ROW);
     assert_eq!(bench.run(&["contacts", "row.csv", "--radius", "0.5"]).succeeds().rows().len(), 0);
     assert_eq!(bench.run(&["contacts", "row.csv", "--cutoff", "4.25"]).succeeds().rows().len(), 3);
-    bench.run(&["contacts", "points.txt"]).is_refused_with(&[
+    bench.run(&["contacts", "points.txt"]).refused_with(&[
         "points.txt: no column for radius",
         "--radius",
         "--cutoff",

@@ -70,10 +70,10 @@ fn parameters_that_make_no_packing_are_refused() {
         (&["book"], "--packing"),
     ];
     for (kind, part) in refused {
-        bench.run(&[&["generate"], kind, &["-o", "out.csv"]].concat()).is_refused_with(&[part]);
+        bench.run(&[&["generate"], kind, &["-o", "out.csv"]].concat()).refused_with(&[part]);
         assert!(bench.files().is_empty(), "{kind:?}");
     }
-    bench.run(&["generate", "gas", "-o", "out.txt"]).is_refused_with(&[".csv or .npy"]);
+    bench.run(&["generate", "gas", "-o", "out.txt"]).refused_with(&[".csv or .npy"]);
 }
 
 /// The packing in `examples/` is what its command makes, on this platform too.

@@ -96,7 +96,7 @@ impl Run {
 
     /// Exit code 2, nothing on standard output, and a message with all of `parts`.
     #[track_caller]
-    fn is_refused_with(self, parts: &[&str]) -> Self {
+    fn refused_with(self, parts: &[&str]) -> Self {
         assert_eq!(self.code, Some(2), "fdem {}\n{}", self.line, self.stderr);
         assert_eq!(self.stdout, "", "fdem {}", self.line);
         for part in parts {
