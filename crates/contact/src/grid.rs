@@ -197,6 +197,35 @@ mod tests {
         }
     }
 
+    /// Elements on either side of a cell face, far from the first element, where the quotients round most: without
+    /// the widening some of them would be two cells apart.
+    #[test]
+    fn rounding_at_distant_cell_faces_is_covered() {
+        let mut steps = [0; 3];
+        for k in 1..200 {
+            let reach = 0.1 + f64::from(k) / 1000.0;
+            let first = -0.7 / f64::from(k);
+            let far = [[first], [reach * 2e9]];
+            let grid = Grid::fit(&Elements::points(&far, reach).unwrap(), None, UNBOUNDED).unwrap();
+            for face in (10..31).map(|exponent| 2.0_f64.powi(exponent)) {
+                let mut left = first + face * grid.cell_size();
+                for _ in 0..12 {
+                    left = left.next_down();
+                }
+                for _ in 0..24 {
+                    let mut right = left + reach;
+                    while right - left > reach {
+                        right = right.next_down();
+                    }
+                    steps[(grid.cell(0, right) - grid.cell(0, left)) as usize] += 1;
+                    left = left.next_up();
+                }
+            }
+        }
+        assert!(steps[1] > 0, "the faces were not met");
+        assert_eq!(steps[2], 0, "touching elements two cells apart: {steps:?}");
+    }
+
     #[test]
     fn the_last_element_is_in_the_last_cell() {
         let centres = [[-7.5, 1e6], [0.0, -1e6], [3.25, 4.0]];
