@@ -1,1 +1,37 @@
-//! placeholder
+//! Shared by the benchmarks: a timer, a table, the machine, the packings and the pictures.
+
+mod packing;
+pub mod picture;
+mod table;
+mod timer;
+
+pub use packing::Packing;
+pub use table::{Table, grouped, significant};
+pub use timer::{Rounds, Task, Times, times};
+
+/// Processor, cores, compiler and version of this package in one line; what is not known is left out.
+pub fn machine() -> String {
+    let mut facts = vec![format!("fdem {}", env!("CARGO_PKG_VERSION")), processor()];
+    if let Ok(cores) = std::thread::available_parallelism() {
+        facts.push(format!("{cores} cores, 1 thread used"));
+    }
+    if let Some(version) = compiler() {
+        facts.push(version);
+    }
+    if cfg!(debug_assertions) {
+        facts.push("DEBUG BUILD: these times mean nothing".to_owned());
+    }
+    facts.join("; ")
+}
+
+fn processor() -> String {
+    let described = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let named = described.lines().find_map(|line| line.strip_prefix("model name")?.split_once(": "));
+    named.map_or(std::env::consts::ARCH, |(_, name)| name).to_owned()
+}
+
+fn compiler() -> Option<String> {
+    let output = std::process::Command::new("rustc").arg("--version").output().ok()?;
+    let version = String::from_utf8(output.stdout).ok()?;
+    output.status.success().then(|| version.trim().to_owned())
+}
