@@ -262,9 +262,34 @@ impl<'a, T: Real, const D: usize> Elements<'a, T, D> {
     }
 }
 
-impl<T: Real, const D: usize> EqualSpheres<'_, T, D> {
+impl<'a, T: Real, const D: usize> EqualSpheres<'a, T, D> {
+    pub(crate) fn points(self) -> &'a [[T; D]] {
+        self.centres
+    }
+
+    pub(crate) fn reach_squared(self) -> T {
+        self.reach_squared
+    }
+
     fn distance_squared(self, i: usize, j: usize) -> T {
         distance_squared(&self.centres[i], &self.centres[j])
+    }
+}
+
+impl<'a, T: Real, const D: usize> Spheres<'a, T, D> {
+    pub(crate) fn points(self) -> &'a [[T; D]] {
+        self.centres
+    }
+
+    pub(crate) fn radii(self) -> &'a [T] {
+        self.radii
+    }
+}
+
+impl<'a, T: Real, const D: usize> Boxes<'a, T, D> {
+    /// The corners by which boxes are mapped to cells.
+    pub(crate) fn points(self) -> &'a [[T; D]] {
+        self.min
     }
 }
 

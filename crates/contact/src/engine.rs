@@ -9,6 +9,7 @@ use crate::real::Real;
 use crate::search::Search;
 use crate::search::direct::Direct;
 use crate::search::nbs::Nbs;
+use crate::search::rows::Rows;
 
 /// Which search to run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -21,6 +22,8 @@ pub enum Engine {
     Direct,
     /// [`Nbs`]: Munjiza-NBS as published.
     Nbs,
+    /// [`Rows`]: its decomposition on sorted rows.
+    Rows,
 }
 
 impl Engine {
@@ -30,6 +33,7 @@ impl Engine {
             Self::Auto => "auto",
             Self::Direct => "direct",
             Self::Nbs => "nbs",
+            Self::Rows => "rows",
         }
     }
 }
@@ -50,14 +54,11 @@ pub struct Plan<const D: usize> {
     /// Edge of a cell, in the unit of the coordinates; `None` where there are no cells.
     pub cell_size: Option<f64>,
     /// Cells along each axis; `None` where there are none.
-    pub cells: Option<[u32; D]>,
+    pub cells: Option<[u64; D]>,
 }
 
 /// Below this number of elements all-against-all beats any structure.
 const FEW_ELEMENTS: usize = 32;
-
-/// Up to this number of elements, where NBS cannot hold the domain, all-against-all takes some seconds at most.
-const MANY_ELEMENTS: usize = 100_000;
 
 /// The engine that fits, with the memory of all of them kept between calls.
 ///
@@ -72,60 +73,67 @@ const MANY_ELEMENTS: usize = 100_000;
 /// assert_eq!(detector.count(&elements)?, 99);
 /// # Ok::<(), fdem_contact::Error>(())
 /// ```
-#[derive(Clone, Debug, Default)]
-pub struct Detector<const D: usize> {
+#[derive(Clone, Debug)]
+pub struct Detector<T, const D: usize> {
     engine: Engine,
     nbs: Nbs<D>,
+    rows: Rows<T, D>,
 }
 
-impl<const D: usize> Detector<D> {
+impl<T: Real, const D: usize> Detector<T, D> {
     /// A detector that holds no memory yet.
     pub fn new(engine: Engine) -> Self {
-        Self { engine, nbs: Nbs::new() }
+        Self { engine, nbs: Nbs::new(), rows: Rows::new() }
     }
 
     /// What a search over `elements` will do.
     ///
     /// # Errors
     /// Those of [`Search::for_each`] that need no memory to be found.
-    pub fn plan<T: Real>(&self, elements: &Elements<'_, T, D>) -> Result<Plan<D>, Error> {
-        let n = elements.len();
-        let direct = |reason| Plan { engine: Engine::Direct, reason, cell_size: None, cells: None };
-        let nbs = |reason: &str| {
-            let grid = self.nbs.plan(elements)?;
-            let reason = reason.to_owned();
-            Ok(Plan {
-                engine: Engine::Nbs,
-                reason,
-                cell_size: Some(grid.cell_size()),
-                cells: Some(grid.cells()),
-            })
-        };
-        match self.engine {
-            Engine::Direct => Ok(direct("asked for".to_owned())),
-            Engine::Nbs => nbs("asked for"),
-            Engine::Auto if n <= FEW_ELEMENTS => {
-                Ok(direct(format!("all against all is quickest for at most {FEW_ELEMENTS} elements")))
+    pub fn plan(&self, elements: &Elements<'_, T, D>) -> Result<Plan<D>, Error> {
+        let (engine, reason) = match self.engine {
+            Engine::Auto if elements.len() <= FEW_ELEMENTS => {
+                (Engine::Direct, format!("all against all is quickest for at most {FEW_ELEMENTS} elements"))
             }
-            Engine::Auto => match nbs("linear in N whatever the packing") {
-                Err(Error::DomainTooWide { element, .. }) if n <= MANY_ELEMENTS => Ok(direct(format!(
-                    "the domain, stretched by element {element}, is too wide for the list heads of NBS"
-                ))),
-                plan => plan,
-            },
-        }
+            Engine::Auto => (Engine::Rows, "linear in N whatever the packing and the domain".to_owned()),
+            engine => (engine, "asked for".to_owned()),
+        };
+        let grid = match engine {
+            Engine::Direct => None,
+            Engine::Nbs => Some(self.nbs.plan(elements)?),
+            Engine::Rows | Engine::Auto => Some(self.rows.plan(elements)),
+        };
+        Ok(Plan {
+            engine,
+            reason,
+            cell_size: grid.map(|grid| grid.cell_size()),
+            cells: grid.map(|grid| grid.cells()),
+        })
     }
 }
 
-impl<const D: usize> Search<D> for Detector<D> {
-    fn for_each<T: Real>(
-        &mut self,
-        elements: &Elements<'_, T, D>,
-        visit: impl FnMut(Couple),
-    ) -> Result<(), Error> {
+impl<T: Real, const D: usize> Search<T, D> for Detector<T, D> {
+    fn for_each(&mut self, elements: &Elements<'_, T, D>, visit: impl FnMut(Couple)) -> Result<(), Error> {
         match self.plan(elements)?.engine {
             Engine::Direct => Direct.for_each(elements, visit),
-            Engine::Auto | Engine::Nbs => self.nbs.for_each(elements, visit),
+            Engine::Nbs => self.nbs.for_each(elements, visit),
+            Engine::Rows | Engine::Auto => self.rows.for_each(elements, visit),
+        }
+    }
+
+    fn couples(&mut self, elements: &Elements<'_, T, D>, couples: &mut Vec<Couple>) -> Result<(), Error> {
+        match self.plan(elements)?.engine {
+            Engine::Direct => Direct.couples(elements, couples),
+            Engine::Nbs => self.nbs.couples(elements, couples),
+            Engine::Rows | Engine::Auto => self.rows.couples(elements, couples),
+        }
+    }
+
+    fn count(&mut self, elements: &Elements<'_, T, D>) -> Result<u64, Error> {
+        match self.plan(elements)?.engine {
+            Engine::Direct => Direct.count(elements),
+            Engine::Nbs => self.nbs.count(elements),
+            Engine::Rows | Engine::Auto => self.rows.count(elements),
         }
     }
 }

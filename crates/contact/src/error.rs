@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::simd::Simd;
+
 /// Why a set of elements, or a search over it, was refused before anything was computed.
 ///
 /// No input is ever clamped, dropped or capped in silence: either the answer is exact, or it is one of these.
@@ -107,7 +109,12 @@ pub enum Error {
         /// Its bounds on that axis.
         domain: [f64; 2],
     },
-    /// The system has no memory left for the lists.
+    /// This processor lacks the vector instructions that were asked for.
+    SimdUnavailable {
+        /// What was asked for.
+        simd: Simd,
+    },
+    /// The system has no memory left for the arrays of an engine.
     OutOfMemory {
         /// Bytes that were asked for.
         bytes: usize,
@@ -161,7 +168,7 @@ impl fmt::Display for Error {
                 "the domain is {width:e} wide along {name}, {cells:.3e} cells of {cell_size:e}: the list heads would \
                  take {heads:.3e} integers, the bound is {limit}. Element {element} at {name} = {position:e} \
                  stretches it. Remove it, raise the bound (`Nbs::with_max_heads`), or use an engine whose memory does not \
-                 depend on the domain (`Engine::Direct`)",
+                 depend on the domain (`Engine::Rows`)",
                 name = axis_name(*axis),
                 cells = width / cell_size,
             ),
@@ -173,7 +180,8 @@ impl fmt::Display for Error {
             Self::InvalidDomain { axis, domain: [min, max] } => {
                 write!(out, "the domain [{min}, {max}] along {} is not a finite interval", axis_name(*axis))
             }
-            Self::OutOfMemory { bytes } => write!(out, "no memory for {bytes} bytes of lists"),
+            Self::SimdUnavailable { simd } => write!(out, "this processor has no {simd}"),
+            Self::OutOfMemory { bytes } => write!(out, "no memory for {bytes} bytes"),
         }
     }
 }

@@ -17,16 +17,22 @@ use crate::real::Real;
 /// quotients differ from the exact ones by less than `2^32 * 3.1 * 2^-53 < 2^-19` together. With `d = R * (1 + 2^-18)` the
 /// exact ones differ by at most `1 - 2^-18 + 2^-36`, so the computed ones differ by less than 1, and their integer parts by
 /// at most 1.
+///
+/// A grid without list heads ([`Grid::unbounded`]) may have up to `2^46` cells on an axis: the quotients are then off by less
+/// than `2^47 * 3.1 * 2^-53 < 0.05` together, and the edge is at least `R * (1 + 1/8)`, by the same argument.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grid<const D: usize> {
     origin: [f64; D],
     cell_size: f64,
     inverse: f64,
-    cells: [u32; D],
+    cells: [u64; D],
 }
 
 /// More cells along one axis would break the bound on rounding above.
 const MAX_CELLS_PER_AXIS: f64 = 2_147_483_648.0;
+
+/// The same without list heads, where the edge grows by an eighth instead.
+const MAX_UNBOUNDED_CELLS: f64 = 70_368_744_177_664.0;
 
 /// The rounding step by which a cell is wider than the largest element.
 const WIDENING: f64 = 1.0 + 1.0 / 262_144.0;
@@ -60,8 +66,26 @@ impl<const D: usize> Grid<D> {
         if !(countable && heads <= max_heads as f64) {
             return Err(grid.too_wide(elements, &counts, heads, max_heads));
         }
-        grid.cells = counts.map(|n| n as u32);
+        grid.cells = counts.map(|n| n as u64);
         Ok(grid)
+    }
+
+    /// No cells at all.
+    pub(crate) fn empty() -> Self {
+        Self { origin: [0.0; D], cell_size: 1.0, inverse: 1.0, cells: [0; D] }
+    }
+
+    /// Cells that cover the elements, however wide their domain is: for searches that keep nothing per cell.
+    pub(crate) fn unbounded<T: Real>(elements: &Elements<'_, T, D>) -> Self {
+        let bounds = elements.bounds();
+        let mut cell_size = cell_size(elements, &bounds.min, &bounds.max);
+        let widest = (0..D).map(|axis| bounds.max[axis] - bounds.min[axis]).fold(0.0, f64::max);
+        if widest / cell_size >= MAX_CELLS_PER_AXIS / 2.0 {
+            cell_size = (cell_size * 1.125).max(widest / MAX_UNBOUNDED_CELLS);
+        }
+        let mut grid = Self { origin: bounds.min, cell_size, inverse: 1.0 / cell_size, cells: [0; D] };
+        grid.cells = std::array::from_fn(|axis| grid.wide_cell(axis, bounds.max[axis]) + 1);
+        grid
     }
 
     /// Edge of a cell, in the unit of the coordinates.
@@ -70,7 +94,7 @@ impl<const D: usize> Grid<D> {
     }
 
     /// Number of cells along each axis: `n_x`, `n_y`, … of (3.55) and (3.56).
-    pub fn cells(&self) -> [u32; D] {
+    pub fn cells(&self) -> [u64; D] {
         self.cells
     }
 
@@ -78,6 +102,12 @@ impl<const D: usize> Grid<D> {
     #[inline]
     pub(crate) fn cell(&self, axis: usize, x: f64) -> u32 {
         self.quotient(axis, x) as u32
+    }
+
+    /// As [`Grid::cell`], for grids with more cells than `u32` can number.
+    #[inline]
+    pub(crate) fn wide_cell(&self, axis: usize, x: f64) -> u64 {
+        self.quotient(axis, x) as u64
     }
 
     #[inline]
@@ -230,8 +260,8 @@ mod tests {
     fn the_last_element_is_in_the_last_cell() {
         let centres = [[-7.5, 1e6], [0.0, -1e6], [3.25, 4.0]];
         let grid = Grid::fit(&Elements::points(&centres, 0.7).unwrap(), None, UNBOUNDED).unwrap();
-        assert_eq!(grid.cell(0, 3.25) + 1, grid.cells()[0]);
-        assert_eq!(grid.cell(1, 1e6) + 1, grid.cells()[1]);
+        assert_eq!(u64::from(grid.cell(0, 3.25)) + 1, grid.cells()[0]);
+        assert_eq!(u64::from(grid.cell(1, 1e6)) + 1, grid.cells()[1]);
         assert_eq!(grid.cell(0, -7.5), 0);
     }
 

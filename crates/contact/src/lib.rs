@@ -15,6 +15,7 @@
 //! | axis-aligned boxes, one radius for all, a gap that still counts | [`Elements`] |
 //! | to search again and again in the same memory, without a list, or to count only | [`Detector`] and its [`Search`] methods |
 //! | to know beforehand what will run, and why | [`Detector::plan`] |
+//! | the fastest search, and nothing else | [`Rows`] |
 //! | Munjiza-NBS as the book has it, its memory law, its figures | [`Nbs`], [`Observer`] |
 //! | the oracle | [`Direct`] |
 //! | to check a couple list by sampled brute force | [`verify()`] |
@@ -30,7 +31,7 @@
 //! There is no file, no physics and no printing in this crate, and no dependency.
 //!
 //! # Data flow
-//! [`Elements`] → [`Grid`] (cells) → [`Lists`] → [`CONTACT_MASK`] → [`Search`] ([`Direct`], [`Nbs`]) → [`Couple`].
+//! [`Elements`] → [`Grid`] (cells) → [`Lists`] → [`CONTACT_MASK`] → [`Search`] ([`Direct`], [`Nbs`], [`Rows`]) → [`Couple`].
 
 // In the order in which data flows.
 mod real;
@@ -39,6 +40,7 @@ mod grid;
 mod lists;
 mod mask;
 mod search;
+mod simd;
 mod engine;
 mod couple;
 mod verify;
@@ -55,6 +57,8 @@ pub use real::Real;
 pub use search::Search;
 pub use search::direct::Direct;
 pub use search::nbs::{DEFAULT_MAX_HEADS, Nbs, Observer};
+pub use search::rows::Rows;
+pub use simd::Simd;
 pub use verify::{Mismatch, verify};
 
 /// All couples among spheres (discs in 2D) that touch, in ascending order.

@@ -3,18 +3,14 @@
 use std::fmt::{Debug, Display};
 use std::ops::{Add, Mul, Sub};
 
-mod sealed {
-    pub trait Sealed {}
-    impl Sealed for f32 {}
-    impl Sealed for f64 {}
-}
+use crate::simd::Kernels;
 
 /// A coordinate type: `f32` or `f64`, and no other.
 ///
 /// Contact is decided in the type of the input; cells are counted in `f64` for both, so that `f32`
 /// coordinates are mapped without a rounding of their own.
 pub trait Real:
-    sealed::Sealed
+    Kernels
     + Copy
     + PartialOrd
     + Debug
@@ -47,6 +43,9 @@ pub trait Real:
     /// The same value as `f64`: exact.
     fn to_f64(self) -> f64;
 
+    /// The smallest value of this type that is at least `x`, which must be at most [`Real::MAX_MAGNITUDE`] times some.
+    fn at_least(x: f64) -> Self;
+
     /// Neither NaN nor infinite.
     fn is_finite(self) -> bool;
 }
@@ -62,6 +61,11 @@ macro_rules! impl_real {
 
             fn to_f64(self) -> f64 {
                 f64::from(self)
+            }
+
+            fn at_least(x: f64) -> Self {
+                let rounded = x as $type;
+                if rounded.to_f64() < x { rounded.next_up() } else { rounded }
             }
 
             fn is_finite(self) -> bool {
@@ -88,6 +92,13 @@ mod tests {
         assert_eq!(f32::MAX_MAGNITUDE, 2.0_f32.powi(60));
         assert_eq!(f64::MIN_RESOLVED, 2.0_f64.powi(-500));
         assert_eq!(f32::MIN_RESOLVED, 2.0_f64.powi(-60));
+    }
+
+    #[test]
+    fn at_least_rounds_up() {
+        assert_eq!(f32::at_least(0.1), 0.1_f32, "0.1 is below its nearest f32");
+        assert_eq!(f32::at_least(0.3_f32.to_f64() + 1e-12), 0.3_f32.next_up());
+        assert_eq!(f64::at_least(0.1), 0.1);
     }
 
     /// The sum of `D` squared differences and the squared contact distance stay finite at the limit.

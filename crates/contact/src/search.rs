@@ -2,6 +2,7 @@
 
 pub(crate) mod direct;
 pub(crate) mod nbs;
+pub(crate) mod rows;
 
 use crate::couple::Couple;
 use crate::elements::Elements;
@@ -29,27 +30,19 @@ use crate::real::Real;
 /// assert_eq!(couples, [Couple::new(0, 1)]);
 /// # Ok::<(), fdem_contact::Error>(())
 /// ```
-pub trait Search<const D: usize> {
+pub trait Search<T: Real, const D: usize> {
     /// Calls `visit` with every couple that touches; nothing is stored.
     ///
     /// # Errors
     /// What the engine cannot hold: [`Error::TooManyElements`], [`Error::DomainTooWide`], [`Error::OutOfMemory`].
     /// `visit` has not been called then.
-    fn for_each<T: Real>(
-        &mut self,
-        elements: &Elements<'_, T, D>,
-        visit: impl FnMut(Couple),
-    ) -> Result<(), Error>;
+    fn for_each(&mut self, elements: &Elements<'_, T, D>, visit: impl FnMut(Couple)) -> Result<(), Error>;
 
     /// Writes the couples into `couples`, cleared first, in the order of the engine; the caller's memory is reused.
     ///
     /// # Errors
     /// As [`Search::for_each`].
-    fn couples<T: Real>(
-        &mut self,
-        elements: &Elements<'_, T, D>,
-        couples: &mut Vec<Couple>,
-    ) -> Result<(), Error> {
+    fn couples(&mut self, elements: &Elements<'_, T, D>, couples: &mut Vec<Couple>) -> Result<(), Error> {
         couples.clear();
         self.for_each(elements, |couple| couples.push(couple))
     }
@@ -58,7 +51,7 @@ pub trait Search<const D: usize> {
     ///
     /// # Errors
     /// As [`Search::for_each`].
-    fn count<T: Real>(&mut self, elements: &Elements<'_, T, D>) -> Result<u64, Error> {
+    fn count(&mut self, elements: &Elements<'_, T, D>) -> Result<u64, Error> {
         let mut count = 0;
         self.for_each(elements, |_| count += 1)?;
         Ok(count)

@@ -19,12 +19,8 @@ use crate::search::Search;
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Direct;
 
-impl<const D: usize> Search<D> for Direct {
-    fn for_each<T: Real>(
-        &mut self,
-        elements: &Elements<'_, T, D>,
-        visit: impl FnMut(Couple),
-    ) -> Result<(), Error> {
+impl<T: Real, const D: usize> Search<T, D> for Direct {
+    fn for_each(&mut self, elements: &Elements<'_, T, D>, visit: impl FnMut(Couple)) -> Result<(), Error> {
         match elements.shape {
             Shape::Equal(equal) => all_against_all(equal, visit),
             Shape::Spheres(spheres) => all_against_all(spheres, visit),

@@ -166,6 +166,7 @@ impl<const D: usize> Nbs<D> {
     ) -> Result<(), Error> {
         let grid = self.plan(elements)?;
         for (axis, (lists, cells)) in self.lists.iter_mut().zip(grid.cells()).enumerate() {
+            let cells = u32::try_from(cells).expect("the bound on heads keeps cells below u32");
             let neighbours = if axis + 1 == D { 0 } else { cells };
             lists.prepare(elements.len(), [cells, neighbours], self.interrupted)?;
         }
@@ -184,12 +185,8 @@ impl<const D: usize> Nbs<D> {
     }
 }
 
-impl<const D: usize> Search<D> for Nbs<D> {
-    fn for_each<T: Real>(
-        &mut self,
-        elements: &Elements<'_, T, D>,
-        visit: impl FnMut(Couple),
-    ) -> Result<(), Error> {
+impl<T: Real, const D: usize> Search<T, D> for Nbs<D> {
+    fn for_each(&mut self, elements: &Elements<'_, T, D>, visit: impl FnMut(Couple)) -> Result<(), Error> {
         self.observe(elements, &mut Unobserved, visit)
     }
 }

@@ -17,7 +17,7 @@ use fdem_contact::{Couple, Elements, Real, Search};
 
 /// The couples of a search in ascending order; a couple found twice shows twice.
 fn ascending<T: Real, const D: usize>(
-    mut search: impl Search<D>,
+    mut search: impl Search<T, D>,
     elements: &Elements<'_, T, D>,
 ) -> Vec<Couple> {
     let mut couples = Vec::new();

@@ -1,6 +1,6 @@
 //! Every search equals `Direct`: dimensions 1 to 6, both floats, all shapes, with and without tolerance.
 
-use fdem_contact::{Detector, Direct, Elements, Engine, Nbs, Real};
+use fdem_contact::{Detector, Direct, Elements, Engine, Nbs, Real, Rows, Simd};
 use fdem_scenes::{Cloud, Sizes, clusters, gas, jittered_lattice, lattice};
 
 use crate::ascending;
@@ -56,6 +56,10 @@ fn compare<T: FromF64, const D: usize>(scene: &str, cloud: &Cloud<D>) -> usize {
             let context =
                 || format!("{scene}, {shape}, D = {D}, n = {}, tolerance {tolerance}", centres.len());
             assert!(ascending(Nbs::new(), &elements) == expected, "nbs: {}", context());
+            for simd in Simd::available() {
+                let rows = Rows::new().with_simd(simd).unwrap();
+                assert!(ascending(rows, &elements) == expected, "rows, {simd}: {}", context());
+            }
             assert!(ascending(Detector::new(Engine::Auto), &elements) == expected, "auto: {}", context());
             couples += expected.len();
         }

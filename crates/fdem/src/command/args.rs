@@ -99,6 +99,8 @@ pub(crate) enum EngineName {
     Direct,
     /// Munjiza-NBS as published: linear in the number of elements, for similar sizes.
     Nbs,
+    /// Its decomposition on sorted rows with vector instructions: the same, many times faster, in any domain.
+    Rows,
 }
 
 impl From<EngineName> for Engine {
@@ -107,6 +109,7 @@ impl From<EngineName> for Engine {
             EngineName::Auto => Self::Auto,
             EngineName::Direct => Self::Direct,
             EngineName::Nbs => Self::Nbs,
+            EngineName::Rows => Self::Rows,
         }
     }
 }

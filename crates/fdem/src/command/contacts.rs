@@ -250,7 +250,7 @@ fn refused(name: &str, packing: &Packing, refusal: &Refusal) -> Failure {
             Failure::Unusable(format!(
                 "{name}: the domain is {width:e} wide along {axis}, {cells:.1e} cells of {cell_size:e}: too many for \
                  the lists of this engine. It is stretched by {element} at {axis} = {position:e}. Remove that element, \
-                 or take --engine direct, whose time grows with the square of the number of elements",
+                 or take --engine rows, whose memory does not depend on the domain",
                 cells = width / cell_size,
                 element = element(*index),
             ))

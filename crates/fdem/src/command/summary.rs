@@ -29,7 +29,7 @@ pub(crate) struct Summary {
     engine: &'static str,
     reason: String,
     cell_size: Option<f64>,
-    cells: Option<Vec<u32>>,
+    cells: Option<Vec<u64>>,
     couples: u64,
     mean_coordination: f64,
     /// Elements without contact.
@@ -135,7 +135,7 @@ impl fmt::Display for Summary {
         }
         line("engine", format!("{}: {}", self.engine, self.reason))?;
         if let (Some(size), Some(cells)) = (self.cell_size, &self.cells) {
-            let cells: Vec<_> = cells.iter().map(|&n| grouped(n.into())).collect();
+            let cells: Vec<_> = cells.iter().map(|&n| grouped(n)).collect();
             line("cell edge", format!("{}{unit}, {} cells", brief(size), cells.join(" x ")))?;
         }
         line("couples", grouped(self.couples))?;

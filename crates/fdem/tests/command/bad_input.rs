@@ -60,12 +60,12 @@ fn a_column_that_is_not_there_lists_those_that_are() {
 fn a_domain_too_wide_for_the_engine_names_the_element_and_what_instead() {
     let row = (0..50).map(|k| format!("{},{k},0,0.5\n", 100 + k));
     let text = format!("id,x,y,radius\n{}777,0,1e12,0.5\n", row.collect::<String>());
-    refused(text.as_bytes(), &["--engine", "nbs"], &["element 777 at y = 1e12", "--engine direct"]);
+    refused(text.as_bytes(), &["--engine", "nbs"], &["element 777 at y = 1e12", "--engine rows"]);
     let bench = Bench::new();
     bench.write("in.txt", &text);
     let run = bench.run(&["contacts", "in.txt"]).succeeds();
     assert_eq!(run.rows().len(), 49);
-    assert!(run.stderr.contains("direct: the domain"), "{}", run.stderr);
+    assert!(run.stderr.contains("rows: linear"), "{}", run.stderr);
     refused(b"x,y,radius\n0,0,1\n1e200,0,1\n", &[], &["in.txt", "element 1", "overflow"]);
 }
 

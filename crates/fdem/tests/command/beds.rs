@@ -13,7 +13,7 @@ fn bed_of_25_000_spheres() {
         .refused_with(&["25KParticles.txt:25002:", "5 0.01 0.01 0 0 0.06"]);
     assert!(bench.files().is_empty());
 
-    for engine in ["nbs", "direct"] {
+    for engine in ["nbs", "direct", "rows"] {
         let (couples, summary) = (format!("{engine}.csv"), format!("{engine}.json"));
         let options =
             ["--skip-bad-lines", "--engine", engine, "-o", &couples, "--json", &summary, "--verify", "25"];
@@ -28,7 +28,8 @@ fn bed_of_25_000_spheres() {
         assert_eq!(summary["engine"], engine);
     }
     assert_eq!(bench.read("nbs.csv").lines().count(), 53_877);
-    assert!(bench.read("nbs.csv") == bench.read("direct.csv"), "both engines write identical files");
+    assert!(bench.read("nbs.csv") == bench.read("direct.csv"), "all engines write identical files");
+    assert!(bench.read("rows.csv") == bench.read("direct.csv"), "all engines write identical files");
 }
 
 /// 38,000 spheres of two sizes at rest in a drum, same source.
@@ -37,12 +38,12 @@ fn drum_with_two_sizes() {
     let Some(drum) = foreign_data("roundrobin/drum/PartCoordinates.txt") else { return };
     let bench = Bench::new();
     let mut couples = Vec::new();
-    for engine in ["nbs", "direct"] {
+    for engine in ["nbs", "direct", "rows"] {
         let run =
             bench.run(&["contacts", drum.to_str().unwrap(), "--engine", engine, "--verify", "50"]).succeeds();
         assert!(run.stderr.contains("38,000 spheres in 3D, radius 0.001 to 0.002 m"), "{}", run.stderr);
         couples.push(run.stdout);
     }
-    assert!(couples[0] == couples[1], "both engines write identical couples");
+    assert!(couples[0] == couples[1] && couples[0] == couples[2], "all engines write identical couples");
     assert!(couples[0].lines().count() > 38_000);
 }

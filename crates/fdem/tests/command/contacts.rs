@@ -89,7 +89,7 @@ fn a_tolerance_adds_couples_across_a_gap() {
 fn all_engines_write_identical_files() {
     let bench = Bench::new();
     bench.run(&["generate", "gas", "-n", "3000", "--sizes", "lognormal:0.5:0.2", "-o", "gas.csv"]).succeeds();
-    for engine in ["auto", "direct", "nbs"] {
+    for engine in ["auto", "direct", "nbs", "rows"] {
         let output = format!("{engine}.csv");
         let run = bench
             .run(&["contacts", "gas.csv", "--engine", engine, "-o", &output, "--verify", "50"])
@@ -100,6 +100,7 @@ fn all_engines_write_identical_files() {
     let direct = bench.read("direct.csv");
     assert!(direct.lines().count() > 5000);
     assert_eq!(bench.read("nbs.csv"), direct);
+    assert_eq!(bench.read("rows.csv"), direct);
     assert_eq!(bench.read("auto.csv"), direct);
 }
 

@@ -1,0 +1,161 @@
+//! Which vector instructions a search uses: chosen at run time, so that a stock build is fast everywhere.
+//!
+//! The kernel is written once, in `kernel`, over the few operations of [`Vector`]; each file below implements these for one
+//! instruction set, and instantiates the kernel inside a function compiled for it. `portable` is plain Rust and the definition: all others give the
+//! same couples in the same order. To add one, write its file, add it to [`Simd`] and to the macro below; the tests pick
+//! it up from [`Simd::available`].
+
+#![allow(unsafe_code, reason = "vector instructions and pointers; the only unsafe code of the crate")]
+#![allow(
+    clippy::inline_always,
+    reason = "instructions must end up in the function that is compiled for them"
+)]
+#![allow(clippy::wildcard_imports, reason = "std::arch is a flat list of instructions")]
+
+/// The operations of `Vector` that are one instruction each: splat, load, add, sub, mul.
+#[allow(unused_macros, reason = "only processors with a file of their own use it")]
+macro_rules! one_instruction {
+    ($scalar:ty: $splat:ident, $load:ident, $add:ident, $sub:ident, $mul:ident) => {
+        #[inline(always)]
+        unsafe fn splat(x: $scalar) -> Self {
+            // SAFETY: the contract of `Vector`.
+            Self(unsafe { $splat(x) })
+        }
+
+        #[inline(always)]
+        unsafe fn load(from: *const $scalar) -> Self {
+            // SAFETY: the contract of `Vector`.
+            Self(unsafe { $load(from) })
+        }
+
+        #[inline(always)]
+        unsafe fn add(self, other: Self) -> Self {
+            // SAFETY: the contract of `Vector`.
+            Self(unsafe { $add(self.0, other.0) })
+        }
+
+        #[inline(always)]
+        unsafe fn sub(self, other: Self) -> Self {
+            // SAFETY: the contract of `Vector`.
+            Self(unsafe { $sub(self.0, other.0) })
+        }
+
+        #[inline(always)]
+        unsafe fn mul(self, other: Self) -> Self {
+            // SAFETY: the contract of `Vector`.
+            Self(unsafe { $mul(self.0, other.0) })
+        }
+    };
+}
+
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+#[cfg(target_arch = "x86_64")]
+mod avx512;
+pub(crate) mod kernel;
+#[cfg(target_arch = "aarch64")]
+mod neon;
+pub(crate) mod portable;
+
+use std::fmt;
+
+use kernel::{Output, Task};
+
+/// A set of vector instructions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Simd {
+    /// None: plain Rust.
+    Portable,
+    /// NEON on 64-bit ARM: 2 lanes of `f64`, 4 of `f32`.
+    Neon,
+    /// AVX2: 4 lanes of `f64`, 8 of `f32`.
+    Avx2,
+    /// AVX-512 F, VL and VBMI2-free: 8 lanes of `f64`, 16 of `f32`.
+    Avx512,
+}
+
+impl Simd {
+    /// Every level that this processor has, the fastest last.
+    pub fn available() -> Vec<Self> {
+        [Self::Portable, Self::Neon, Self::Avx2, Self::Avx512]
+            .into_iter()
+            .filter(|level| level.is_available())
+            .collect()
+    }
+
+    /// The fastest level that this processor has.
+    pub fn best() -> Self {
+        Self::available().pop().unwrap_or(Self::Portable)
+    }
+
+    /// Whether this processor has the level.
+    pub fn is_available(self) -> bool {
+        match self {
+            Self::Portable => true,
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => {
+                is_x86_feature_detected!("avx2")
+                    && is_x86_feature_detected!("bmi2")
+                    && is_x86_feature_detected!("popcnt")
+            }
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512 => {
+                Self::Avx2.is_available()
+                    && is_x86_feature_detected!("avx512f")
+                    && is_x86_feature_detected!("avx512vl")
+            }
+            #[cfg(target_arch = "aarch64")]
+            Self::Neon => std::arch::is_aarch64_feature_detected!("neon"),
+            #[allow(unreachable_patterns, reason = "which levels are left depends on the processor")]
+            _ => false,
+        }
+    }
+
+    /// Lower-case name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Portable => "portable",
+            Self::Neon => "neon",
+            Self::Avx2 => "avx2",
+            Self::Avx512 => "avx512",
+        }
+    }
+}
+
+impl fmt::Display for Simd {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.write_str(self.name())
+    }
+}
+
+/// The kernels of one float type; the sealed half of [`Real`](crate::Real).
+pub trait Kernels: Copy {
+    /// Searches one stretch of a row. `level` must be available.
+    #[doc(hidden)]
+    fn search<const D: usize>(level: Simd, task: &mut Task<'_, Self, D>, out: &mut Output<'_>);
+}
+
+macro_rules! kernels {
+    ($type:ty, $name:ident) => {
+        impl Kernels for $type {
+            fn search<const D: usize>(level: Simd, task: &mut Task<'_, Self, D>, out: &mut Output<'_>) {
+                match level {
+                    #[cfg(target_arch = "x86_64")]
+                    // SAFETY: the caller has chosen a level that this processor has.
+                    Simd::Avx512 => unsafe { avx512::$name(task, out) },
+                    #[cfg(target_arch = "x86_64")]
+                    // SAFETY: as above.
+                    Simd::Avx2 => unsafe { avx2::$name(task, out) },
+                    #[cfg(target_arch = "aarch64")]
+                    // SAFETY: as above.
+                    Simd::Neon => unsafe { neon::$name(task, out) },
+                    _ => portable::search(task, out),
+                }
+            }
+        }
+    };
+}
+
+kernels!(f32, search_f32);
+kernels!(f64, search_f64);

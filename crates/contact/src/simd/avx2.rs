@@ -1,0 +1,113 @@
+//! AVX2: 4 lanes of `f64`, 8 of `f32`.
+
+use std::arch::x86_64::*;
+
+use crate::couple::Couple;
+use crate::simd::kernel::{self, Output, Task, Vector};
+
+/// # Safety
+/// The processor has the features, and `task` is as its fields say.
+#[target_feature(enable = "avx2,bmi2,popcnt")]
+pub(crate) unsafe fn search_f64<const D: usize>(task: &mut Task<'_, f64, D>, out: &mut Output<'_>) {
+    // SAFETY: the contract of this function.
+    unsafe { kernel::search::<f64, F64x4, D>(task, out) }
+}
+
+/// # Safety
+/// The processor has the features, and `task` is as its fields say.
+#[target_feature(enable = "avx2,bmi2,popcnt")]
+pub(crate) unsafe fn search_f32<const D: usize>(task: &mut Task<'_, f32, D>, out: &mut Output<'_>) {
+    // SAFETY: the contract of this function.
+    unsafe { kernel::search::<f32, F32x8, D>(task, out) }
+}
+
+/// For each mask of 8 lanes the lanes that are set, in order: what AVX-512 calls compress.
+static COMPRESS: [[u32; 8]; 256] = {
+    let mut table = [[0; 8]; 256];
+    let mut mask = 0;
+    while mask < 256 {
+        let (mut lane, mut place) = (0, 0);
+        while lane < 8 {
+            if mask >> lane & 1 == 1 {
+                table[mask][place] = lane as u32;
+                place += 1;
+            }
+            lane += 1;
+        }
+        mask += 1;
+    }
+    table
+};
+
+#[derive(Clone, Copy)]
+struct F64x4(__m256d);
+
+impl Vector<f64> for F64x4 {
+    const LANES: usize = 4;
+
+    one_instruction!(f64: _mm256_set1_pd, _mm256_loadu_pd, _mm256_add_pd, _mm256_sub_pd, _mm256_mul_pd);
+
+    #[inline(always)]
+    unsafe fn at_most(self, other: Self) -> u32 {
+        // SAFETY: the contract of `Vector`.
+        unsafe { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LE_OQ>(self.0, other.0)).cast_unsigned() }
+    }
+
+    #[inline(always)]
+    unsafe fn below(self, other: Self) -> u32 {
+        // SAFETY: the contract of `Vector`.
+        unsafe { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LT_OQ>(self.0, other.0)).cast_unsigned() }
+    }
+
+    #[inline(always)]
+    unsafe fn store(id: u32, ids: *const u32, hits: u32, to: *mut Couple) {
+        // SAFETY: the contract of `Vector`; a couple is two u32, and four lanes have 16 masks, below 256.
+        unsafe {
+            let lanes = _mm_loadu_si128(COMPRESS.as_ptr().add(hits as usize).cast());
+            let ids =
+                _mm_castps_si128(_mm_permutevar_ps(_mm_castsi128_ps(_mm_loadu_si128(ids.cast())), lanes));
+            let id = _mm_set1_epi32(id.cast_signed());
+            let (low, high) = (_mm_min_epu32(ids, id), _mm_max_epu32(ids, id));
+            let to: *mut __m128i = to.cast();
+            _mm_storeu_si128(to, _mm_unpacklo_epi32(low, high));
+            _mm_storeu_si128(to.add(1), _mm_unpackhi_epi32(low, high));
+        }
+    }
+}
+
+#[derive(Clone, Copy)]
+struct F32x8(__m256);
+
+impl Vector<f32> for F32x8 {
+    const LANES: usize = 8;
+
+    one_instruction!(f32: _mm256_set1_ps, _mm256_loadu_ps, _mm256_add_ps, _mm256_sub_ps, _mm256_mul_ps);
+
+    #[inline(always)]
+    unsafe fn at_most(self, other: Self) -> u32 {
+        // SAFETY: the contract of `Vector`.
+        unsafe { _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(self.0, other.0)).cast_unsigned() }
+    }
+
+    #[inline(always)]
+    unsafe fn below(self, other: Self) -> u32 {
+        // SAFETY: the contract of `Vector`.
+        unsafe { _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(self.0, other.0)).cast_unsigned() }
+    }
+
+    #[inline(always)]
+    unsafe fn store(id: u32, ids: *const u32, hits: u32, to: *mut Couple) {
+        // SAFETY: the contract of `Vector`; a couple is two u32, and eight lanes have 256 masks.
+        unsafe {
+            let lanes = _mm256_loadu_si256(COMPRESS.as_ptr().add(hits as usize).cast());
+            let ids = _mm256_permutevar8x32_epi32(_mm256_loadu_si256(ids.cast()), lanes);
+            let id = _mm256_set1_epi32(id.cast_signed());
+            let (low, high) = (_mm256_min_epu32(ids, id), _mm256_max_epu32(ids, id));
+            // Unpacking works on halves of 128 bits: 0 1 | 4 5 and 2 3 | 6 7.
+            let (even, odd) = (_mm256_unpacklo_epi32(low, high), _mm256_unpackhi_epi32(low, high));
+            let to: *mut __m256i = to.cast();
+            _mm256_storeu_si256(to, _mm256_permute2x128_si256::<0x20>(even, odd));
+            _mm256_storeu_si256(to.add(1), _mm256_permute2x128_si256::<0x31>(even, odd));
+        }
+    }
+}

@@ -1,0 +1,113 @@
+//! NEON: 2 lanes of `f64`, 4 of `f32`.
+
+use std::arch::aarch64::*;
+
+use crate::couple::Couple;
+use crate::simd::kernel::{self, Output, Task, Vector};
+
+/// # Safety
+/// The processor has the features, and `task` is as its fields say.
+#[target_feature(enable = "neon")]
+pub(crate) unsafe fn search_f64<const D: usize>(task: &mut Task<'_, f64, D>, out: &mut Output<'_>) {
+    // SAFETY: the contract of this function.
+    unsafe { kernel::search::<f64, F64x2, D>(task, out) }
+}
+
+/// # Safety
+/// The processor has the features, and `task` is as its fields say.
+#[target_feature(enable = "neon")]
+pub(crate) unsafe fn search_f32<const D: usize>(task: &mut Task<'_, f32, D>, out: &mut Output<'_>) {
+    // SAFETY: the contract of this function.
+    unsafe { kernel::search::<f32, F32x4, D>(task, out) }
+}
+
+/// Stores the couples whose bit is set one by one; there is no compress, and few lanes.
+///
+/// # Safety
+/// `ids` and `to` are good for `LANES` entries.
+#[inline(always)]
+unsafe fn store<const LANES: usize>(id: u32, ids: *const u32, hits: u32, to: *mut Couple) {
+    let mut place = 0;
+    for lane in 0..LANES {
+        // SAFETY: `place <= lane < LANES`.
+        unsafe {
+            let other = *ids.add(lane);
+            // A couple that is no hit is overwritten by the next, or not counted.
+            *to.add(place) = Couple { i: id.min(other), j: id.max(other) };
+        }
+        place += (hits >> lane & 1) as usize;
+    }
+}
+
+#[derive(Clone, Copy)]
+struct F64x2(float64x2_t);
+
+impl F64x2 {
+    /// A bit for each lane that is all ones.
+    #[inline(always)]
+    unsafe fn bits(lanes: uint64x2_t) -> u32 {
+        // SAFETY: the instructions are there.
+        unsafe { (vgetq_lane_u64::<0>(lanes) & 1 | vgetq_lane_u64::<1>(lanes) & 2) as u32 }
+    }
+}
+
+impl Vector<f64> for F64x2 {
+    const LANES: usize = 2;
+
+    one_instruction!(f64: vdupq_n_f64, vld1q_f64, vaddq_f64, vsubq_f64, vmulq_f64);
+
+    #[inline(always)]
+    unsafe fn at_most(self, other: Self) -> u32 {
+        // SAFETY: the contract of `Vector`.
+        unsafe { Self::bits(vcleq_f64(self.0, other.0)) }
+    }
+
+    #[inline(always)]
+    unsafe fn below(self, other: Self) -> u32 {
+        // SAFETY: the contract of `Vector`.
+        unsafe { Self::bits(vcltq_f64(self.0, other.0)) }
+    }
+
+    #[inline(always)]
+    unsafe fn store(id: u32, ids: *const u32, hits: u32, to: *mut Couple) {
+        // SAFETY: the contract of `Vector`.
+        unsafe { store::<2>(id, ids, hits, to) }
+    }
+}
+
+#[derive(Clone, Copy)]
+struct F32x4(float32x4_t);
+
+impl F32x4 {
+    /// A bit for each lane that is all ones.
+    #[inline(always)]
+    unsafe fn bits(lanes: uint32x4_t) -> u32 {
+        const BIT_OF_LANE: [u32; 4] = [1, 2, 4, 8];
+        // SAFETY: the instructions are there, and four lanes are loaded from four numbers.
+        unsafe { vaddvq_u32(vandq_u32(lanes, vld1q_u32(BIT_OF_LANE.as_ptr()))) }
+    }
+}
+
+impl Vector<f32> for F32x4 {
+    const LANES: usize = 4;
+
+    one_instruction!(f32: vdupq_n_f32, vld1q_f32, vaddq_f32, vsubq_f32, vmulq_f32);
+
+    #[inline(always)]
+    unsafe fn at_most(self, other: Self) -> u32 {
+        // SAFETY: the contract of `Vector`.
+        unsafe { Self::bits(vcleq_f32(self.0, other.0)) }
+    }
+
+    #[inline(always)]
+    unsafe fn below(self, other: Self) -> u32 {
+        // SAFETY: the contract of `Vector`.
+        unsafe { Self::bits(vcltq_f32(self.0, other.0)) }
+    }
+
+    #[inline(always)]
+    unsafe fn store(id: u32, ids: *const u32, hits: u32, to: *mut Couple) {
+        // SAFETY: the contract of `Vector`.
+        unsafe { store::<4>(id, ids, hits, to) }
+    }
+}
