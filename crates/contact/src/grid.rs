@@ -18,7 +18,7 @@ use crate::real::Real;
 /// exact ones differ by at most `1 - 2^-18 + 2^-36`, so the computed ones differ by less than 1, and their integer parts by
 /// at most 1.
 ///
-/// A grid without list heads ([`Grid::unbounded`]) may have up to `2^46` cells on an axis: the quotients are then off by less
+/// A grid without list heads (`Grid::unbounded`) may have up to `2^46` cells on an axis: the quotients are then off by less
 /// than `2^47 * 3.1 * 2^-53 < 0.05` together, and the edge is at least `R * (1 + 1/8)`, by the same argument.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grid<const D: usize> {
