@@ -133,13 +133,13 @@ impl fmt::Display for Simd {
 pub trait Kernels: Copy {
     /// Searches one stretch of a row. `level` must be available.
     #[doc(hidden)]
-    fn search<const D: usize>(level: Simd, task: &mut Task<'_, Self, D>, out: &mut Output<'_>);
+    fn search<const D: usize>(level: Simd, task: &Task<'_, Self, D>, out: &mut Output<'_>);
 }
 
 macro_rules! kernels {
     ($type:ty, $name:ident) => {
         impl Kernels for $type {
-            fn search<const D: usize>(level: Simd, task: &mut Task<'_, Self, D>, out: &mut Output<'_>) {
+            fn search<const D: usize>(level: Simd, task: &Task<'_, Self, D>, out: &mut Output<'_>) {
                 match level {
                     #[cfg(target_arch = "x86_64")]
                     // SAFETY: the caller has chosen a level that this processor has.

@@ -170,7 +170,7 @@ impl<T: Real> Scan<T> {
         &self,
         layout: &Layout<T, D>,
         out: &mut Output<'_>,
-        search: impl Fn(&mut Task<'_, T, D>, &mut Output<'_>),
+        search: impl Fn(&Task<'_, T, D>, &mut Output<'_>),
     ) {
         let span = |row: usize| {
             let row = layout.row(row);
@@ -188,20 +188,20 @@ impl<T: Real> Scan<T> {
                 }
             }
             let row = span(row);
-            let mut task = Task {
+            let task = Task {
                 coordinates: &layout.coordinates,
                 radii: &layout.radii,
                 ids: &layout.ids,
                 row,
                 from: 0,
                 to: row.len,
-                neighbours: &mut neighbours,
+                neighbours: &neighbours,
                 long: layout.axes[0],
                 reach: self.reach,
                 reach_squared: self.reach_squared,
                 tolerance: self.tolerance,
             };
-            search(&mut task, out);
+            search(&task, out);
         }
     }
 }

@@ -11,7 +11,7 @@ pub(crate) struct Span {
     pub(crate) len: usize,
 }
 
-/// A neighbour row and how far the search has come in it.
+/// A neighbour row and where the search in it starts.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Neighbour {
     pub(crate) row: Span,
@@ -33,7 +33,7 @@ pub struct Task<'a, T, const D: usize> {
     /// The stretch of the row whose couples are wanted, as first elements of couples.
     pub(crate) from: usize,
     pub(crate) to: usize,
-    pub(crate) neighbours: &'a mut [Neighbour],
+    pub(crate) neighbours: &'a [Neighbour],
     /// The axis along which rows are sorted.
     pub(crate) long: usize,
     /// No two elements touch that are farther apart along an axis.
@@ -87,10 +87,56 @@ pub(crate) trait Vector<T>: Copy {
     unsafe fn store(id: u32, ids: *const u32, hits: u32, to: *mut Couple);
 }
 
-/// The lanes before `count`; all of them for a `count` of 32 or more.
+/// The lanes before `count`: up to 31, which is more than any vector has.
 #[inline(always)]
 fn first_lanes(count: usize) -> u32 {
-    if count >= 32 { u32::MAX } else { (1 << count) - 1 }
+    (1 << count.min(31)) - 1
+}
+
+/// The place for the next couples, in registers.
+#[derive(Clone, Copy)]
+struct Writer {
+    to: *mut Couple,
+    /// From here on there is no room for a vector of couples.
+    full: *mut Couple,
+    /// Found and not written.
+    count: u64,
+}
+
+impl Writer {
+    #[inline(always)]
+    fn new(out: &mut Output<'_>) -> Self {
+        let (len, capacity) = (out.couples.len(), out.couples.capacity());
+        let start = out.couples.as_mut_ptr();
+        // Wrapping, because without any room `full` would lie before `start`; it is only compared.
+        let full = start.wrapping_add(if capacity - len < ROOM { len } else { capacity - ROOM + 1 });
+        Self { to: start.wrapping_add(len), full, count: 0 }
+    }
+
+    /// Hands the couples over.
+    ///
+    /// # Safety
+    /// All couples before `to` have been written, to the vector that the writer was made from.
+    #[inline(always)]
+    unsafe fn close(self, out: &mut Output<'_>) {
+        // SAFETY: `to` points into the vector, behind what was written.
+        unsafe {
+            let len = self.to.offset_from_unsigned(out.couples.as_ptr());
+            out.count += self.count + (len - out.couples.len()) as u64;
+            out.couples.set_len(len);
+        }
+    }
+
+    /// # Safety
+    /// As [`Writer::close`].
+    #[cold]
+    #[inline(never)]
+    unsafe fn make_room(self, out: &mut Output<'_>) -> Self {
+        // SAFETY: the contract of this function.
+        unsafe { self.close(out) };
+        (out.make_room)(out.couples);
+        Self::new(out)
+    }
 }
 
 /// Compares every element of the stretch with those behind it in its row and with the neighbour rows.
@@ -101,7 +147,7 @@ fn first_lanes(count: usize) -> u32 {
 /// The instructions of `V` are there, and `task` is as its fields say: rows inside the arrays, and `V::LANES` readable entries
 /// after the last element of each.
 #[inline(always)]
-pub(crate) unsafe fn search<T, V, const D: usize>(task: &mut Task<'_, T, D>, out: &mut Output<'_>)
+pub(crate) unsafe fn search<T, V, const D: usize>(task: &Task<'_, T, D>, out: &mut Output<'_>)
 where
     T: crate::real::Real,
     V: Vector<T>,
@@ -123,133 +169,167 @@ where
 }
 
 /// One element, spread over all lanes.
-struct Element<V, const D: usize> {
+struct Element<T, V, const D: usize> {
     centre: [V; D],
     radius: V,
     id: u32,
+    /// Elements beyond this coordinate do not touch it.
+    high: T,
 }
 
-#[inline(always)]
-unsafe fn stretch<T, V, const D: usize, const RADII: bool, const COUNT: bool>(
-    task: &mut Task<'_, T, D>,
-    out: &mut Output<'_>,
-) where
-    T: crate::real::Real,
-    V: Vector<T>,
-{
-    let row = task.row;
-    debug_assert!(task.from <= task.to && task.to <= row.len);
-    debug_assert!(D * (row.start + row.len) + V::LANES <= task.coordinates.len());
-    debug_assert!(row.start + row.len + V::LANES <= task.ids.len());
-    // SAFETY: `k` is an element of the row, and so are all starts of vectors below: `j < row.len`, or `j == row.len` with no lane valid.
-    // A vector from there on ends at most LANES entries behind the row's last element.
-    unsafe {
-        let Task { coordinates, radii, ids, long, reach, .. } = *task;
-        let [mut reach_squared, tolerance] = [task.reach_squared, task.tolerance].map(|x| V::splat(x));
-        let along = coordinates.as_ptr().add(D * row.start + long * row.len);
-        for k in task.from..task.to {
-            let x = *along.add(k);
-            let (low, high) = (x - reach, x + reach);
-            let mut centre = [reach_squared; D];
-            for (axis, x) in centre.iter_mut().enumerate() {
-                *x = V::splat(*coordinates.get_unchecked(D * row.start + axis * row.len + k));
-            }
-            let mut element =
-                Element { centre, radius: reach_squared, id: *ids.get_unchecked(row.start + k) };
-            if RADII {
-                element.radius = V::splat(*radii.get_unchecked(row.start + k));
-            }
-            window::<T, V, D, RADII, COUNT>(
-                task,
-                row,
-                k + 1,
-                &element,
-                high,
-                &mut reach_squared,
-                tolerance,
-                out,
-            );
+/// The arrays of one row, by address, so that the inner loop has nothing to compute.
+#[derive(Clone, Copy)]
+struct Row<T, const D: usize> {
+    axes: [*const T; D],
+    /// The axis along which the row is sorted.
+    along: *const T,
+    radii: *const T,
+    ids: *const u32,
+    len: usize,
+}
 
-            let lows = V::splat(low);
-            for n in 0..task.neighbours.len() {
-                let Neighbour { row, low: mut first } = *task.neighbours.get_unchecked(n);
-                let along = coordinates.as_ptr().add(D * row.start + long * row.len);
-                loop {
-                    let valid = first_lanes(row.len - first);
-                    let passed = (V::load(along.add(first)).below(lows) & valid).trailing_ones() as usize;
-                    first += passed;
-                    if passed < V::LANES {
-                        break;
-                    }
-                }
-                task.neighbours.get_unchecked_mut(n).low = first;
-                window::<T, V, D, RADII, COUNT>(
-                    task,
-                    row,
-                    first,
-                    &element,
-                    high,
-                    &mut reach_squared,
-                    tolerance,
-                    out,
-                );
-            }
+impl<T, const D: usize> Row<T, D> {
+    #[inline(always)]
+    fn new(task: &Task<'_, T, D>, span: Span) -> Self {
+        let Span { start, len } = span;
+        let axis = |axis: usize| task.coordinates.as_ptr().wrapping_add(D * start + axis * len);
+        Self {
+            axes: std::array::from_fn(axis),
+            along: axis(task.long),
+            radii: task.radii.as_ptr().wrapping_add(start),
+            ids: task.ids.as_ptr().wrapping_add(start),
+            len,
         }
     }
 }
 
-/// One element against those of `row` from `first` on, up to the coordinate `high`.
 #[inline(always)]
-#[allow(clippy::too_many_arguments, reason = "always inlined: these are the registers of the loop")]
-unsafe fn window<T, V, const D: usize, const RADII: bool, const COUNT: bool>(
+unsafe fn stretch<T, V, const D: usize, const RADII: bool, const COUNT: bool>(
     task: &Task<'_, T, D>,
-    row: Span,
-    first: usize,
-    element: &Element<V, D>,
-    high: T,
-    reach_squared: &mut V,
-    tolerance: V,
     out: &mut Output<'_>,
 ) where
     T: crate::real::Real,
     V: Vector<T>,
 {
-    let Task { coordinates, radii, ids, long, .. } = *task;
+    for row in task.neighbours.iter().map(|neighbour| neighbour.row).chain([task.row]) {
+        assert!(D * (row.start + row.len) + V::LANES <= task.coordinates.len());
+        assert!(row.start + row.len + V::LANES <= task.ids.len());
+        assert!(!RADII || row.start + row.len + V::LANES <= task.radii.len());
+    }
+    assert!(task.from <= task.to && task.to <= task.row.len);
+    let own = Row::new(task, task.row);
+    // Up to 3D there are at most four neighbour rows, and nothing is allocated.
+    let mut few = [(own, 0); 4];
+    let mut many = Vec::new();
+    let neighbours = task.neighbours.iter().map(|&Neighbour { row, low }| (Row::new(task, row), low));
+    let windows = if task.neighbours.len() <= few.len() {
+        few.iter_mut().zip(neighbours).for_each(|(window, neighbour)| *window = neighbour);
+        &mut few[..task.neighbours.len()]
+    } else {
+        many.extend(neighbours);
+        &mut many[..]
+    };
+    let mut writer = Writer::new(out);
+    // SAFETY: the instructions are there by the contract of this function. Rows are inside the arrays, as has been asserted. `k` is an
+    // element of its row; a vector starts at an element of a row, or behind its last one with no lane counted, and so ends at most LANES
+    // entries behind the row, where the arrays still are.
+    unsafe {
+        let (reach_squared, tolerance) = (V::splat(task.reach_squared), V::splat(task.tolerance));
+        for k in task.from..task.to {
+            let x = *own.along.add(k);
+            let mut centre = [reach_squared; D];
+            for (x, axis) in centre.iter_mut().zip(own.axes) {
+                *x = V::splat(*axis.add(k));
+            }
+            let radius = if RADII { V::splat(*own.radii.add(k)) } else { tolerance };
+            let element = Element { centre, radius, id: *own.ids.add(k), high: x + task.reach };
+            window::<T, V, D, RADII, COUNT>(
+                &own,
+                k + 1,
+                &element,
+                reach_squared,
+                tolerance,
+                &mut writer,
+                out,
+            );
+
+            let lows = V::splat(x - task.reach);
+            for (row, low) in &mut *windows {
+                let mut first = *low;
+                loop {
+                    let passed = V::load(row.along.add(first)).below(lows).trailing_ones() as usize;
+                    first += passed;
+                    if passed < V::LANES || first >= row.len {
+                        break;
+                    }
+                }
+                // Lanes behind the row count for nothing.
+                first = first.min(row.len);
+                *low = first;
+                window::<T, V, D, RADII, COUNT>(
+                    row,
+                    first,
+                    &element,
+                    reach_squared,
+                    tolerance,
+                    &mut writer,
+                    out,
+                );
+            }
+        }
+        writer.close(out);
+    }
+}
+
+/// One element against those of `row` from `first` on.
+///
+/// # Safety
+/// As [`search`]; `first` is at most the length of the row.
+#[inline(always)]
+unsafe fn window<T, V, const D: usize, const RADII: bool, const COUNT: bool>(
+    row: &Row<T, D>,
+    first: usize,
+    element: &Element<T, V, D>,
+    reach_squared: V,
+    tolerance: V,
+    writer: &mut Writer,
+    out: &mut Output<'_>,
+) where
+    T: crate::real::Real,
+    V: Vector<T>,
+{
     let mut j = first;
     // SAFETY: see `stretch`; room for LANES couples is made before they are stored.
     unsafe {
-        let block = coordinates.as_ptr().add(D * row.start);
         loop {
-            let mut sum = *reach_squared;
-            for axis in 0..D {
-                let difference = element.centre[axis].sub(V::load(block.add(axis * row.len + j)));
+            // The sum starts from zero by definition, and zero plus a square is the square.
+            let mut sum = reach_squared;
+            for (axis, x) in element.centre.iter().enumerate() {
+                let difference = x.sub(V::load(row.axes[axis].add(j)));
                 let square = difference.mul(difference);
-                // The sum starts from zero by definition, and zero plus a square is the square.
                 sum = if axis == 0 { square } else { sum.add(square) };
             }
-            let mut limit = *reach_squared;
+            let mut limit = reach_squared;
             if RADII {
-                let reach = element.radius.add(V::load(radii.as_ptr().add(row.start + j))).add(tolerance);
+                let reach = element.radius.add(V::load(row.radii.add(j))).add(tolerance);
                 limit = reach.mul(reach);
             }
-            let hits = sum.at_most(limit) & first_lanes(row.len - j);
+            let mut hits = sum.at_most(limit);
+            if j + V::LANES > row.len {
+                hits &= first_lanes(row.len - j);
+            }
             let found = hits.count_ones() as usize;
-            out.count += found as u64;
-            if !COUNT {
-                if out.couples.capacity() - out.couples.len() < ROOM {
-                    (out.make_room)(out.couples);
+            if COUNT {
+                writer.count += found as u64;
+            } else {
+                if writer.to >= writer.full {
+                    *writer = writer.make_room(out);
                 }
-                let len = out.couples.len();
-                V::store(
-                    element.id,
-                    ids.as_ptr().add(row.start + j),
-                    hits,
-                    out.couples.as_mut_ptr().add(len),
-                );
-                out.couples.set_len(len + found);
+                V::store(element.id, row.ids.add(j), hits, writer.to);
+                writer.to = writer.to.add(found);
             }
             j += V::LANES;
-            if j >= row.len || *block.add(long * row.len + j) > high {
+            if j >= row.len || *row.along.add(j) > element.high {
                 return;
             }
         }

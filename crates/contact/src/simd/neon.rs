@@ -8,7 +8,7 @@ use crate::simd::kernel::{self, Output, Task, Vector};
 /// # Safety
 /// The processor has the features, and `task` is as its fields say.
 #[target_feature(enable = "neon")]
-pub(crate) unsafe fn search_f64<const D: usize>(task: &mut Task<'_, f64, D>, out: &mut Output<'_>) {
+pub(crate) unsafe fn search_f64<const D: usize>(task: &Task<'_, f64, D>, out: &mut Output<'_>) {
     // SAFETY: the contract of this function.
     unsafe { kernel::search::<f64, F64x2, D>(task, out) }
 }
@@ -16,7 +16,7 @@ pub(crate) unsafe fn search_f64<const D: usize>(task: &mut Task<'_, f64, D>, out
 /// # Safety
 /// The processor has the features, and `task` is as its fields say.
 #[target_feature(enable = "neon")]
-pub(crate) unsafe fn search_f32<const D: usize>(task: &mut Task<'_, f32, D>, out: &mut Output<'_>) {
+pub(crate) unsafe fn search_f32<const D: usize>(task: &Task<'_, f32, D>, out: &mut Output<'_>) {
     // SAFETY: the contract of this function.
     unsafe { kernel::search::<f32, F32x4, D>(task, out) }
 }

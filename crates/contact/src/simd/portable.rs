@@ -4,7 +4,7 @@ use crate::couple::Couple;
 use crate::real::Real;
 use crate::simd::kernel::{Output, ROOM, Span, Task};
 
-pub(crate) fn search<T: Real, const D: usize>(task: &mut Task<'_, T, D>, out: &mut Output<'_>) {
+pub(crate) fn search<T: Real, const D: usize>(task: &Task<'_, T, D>, out: &mut Output<'_>) {
     let Task { coordinates, radii, reach_squared, tolerance, .. } = *task;
     scan(task, out, |row, k, other, j| {
         let mut sum = T::ZERO;
@@ -26,12 +26,13 @@ pub(crate) fn search<T: Real, const D: usize>(task: &mut Task<'_, T, D>, out: &m
 
 /// The same with any test: `touch(row, k, other, j)` for element `k` of one row and `j` of another, or of the same.
 pub(crate) fn scan<T: Real, const D: usize>(
-    task: &mut Task<'_, T, D>,
+    task: &Task<'_, T, D>,
     out: &mut Output<'_>,
     touch: impl Fn(Span, usize, Span, usize) -> bool,
 ) {
     let Task { coordinates, ids, row, long, reach, .. } = *task;
     let along = |row: Span| &coordinates[D * row.start + long * row.len..][..row.len];
+    let mut neighbours = task.neighbours.to_vec();
     for k in task.from..task.to {
         let x = along(row)[k];
         let (low, high) = (x - reach, x + reach);
@@ -48,7 +49,7 @@ pub(crate) fn scan<T: Real, const D: usize>(
             }
         };
         window(row, k + 1);
-        for neighbour in task.neighbours.iter_mut() {
+        for neighbour in &mut neighbours {
             let passed = along(neighbour.row)[neighbour.low..].iter().take_while(|&&x| x < low).count();
             neighbour.low += passed;
             window(neighbour.row, neighbour.low);
