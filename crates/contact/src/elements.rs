@@ -15,8 +15,8 @@ use crate::real::Real;
 ///   `((d_0 * d_0) + d_1 * d_1) + …  <=  s * s`, the axes in ascending order.
 /// - Boxes: `min_i <= max_j + tolerance` and `min_j <= max_i + tolerance` on every axis.
 ///
-/// Both are symmetric in i and j to the last bit. Differences so small that their squares underflow
-/// (below about 1e-154 in `f64`, 1e-19 in `f32`) count as zero.
+/// Both are symmetric in i and j to the last bit. Squares lose precision when differences or radii are below about 1e-154 in `f64`
+/// (1e-19 in `f32`), and vanish below 1.6e-162 (2.6e-23): such elements count as coincident.
 ///
 /// # Shapes
 /// `centres`, `min`, `max`: `[n]` points `[T; D]`, for `D` of at least 1; `radii`: `[n]`.
@@ -115,9 +115,13 @@ impl<'a, T: Real, const D: usize> Elements<'a, T, D> {
     /// Points that touch when they are at most `cutoff` apart: spheres of radius `cutoff / 2`.
     ///
     /// # Errors
-    /// As [`Elements::spheres`].
+    /// [`Error::InvalidCutoff`], and as [`Elements::spheres`].
     #[doc(alias = "neighbour list")]
     pub fn points(centres: &'a [[T; D]], cutoff: T) -> Result<Self, Error> {
+        if !(cutoff >= T::ZERO && cutoff <= T::MAX_MAGNITUDE) {
+            let limit = T::MAX_MAGNITUDE.to_f64();
+            return Err(Error::InvalidCutoff { value: cutoff.to_f64(), limit });
+        }
         Self::spheres(centres, cutoff * T::HALF)
     }
 

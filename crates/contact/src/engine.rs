@@ -95,7 +95,7 @@ impl<T: Real, const D: usize> Detector<T, D> {
             Engine::Auto if elements.len() <= FEW_ELEMENTS => {
                 (Engine::Direct, format!("all against all is quickest for at most {FEW_ELEMENTS} elements"))
             }
-            Engine::Auto => (Engine::Rows, "linear in N whatever the packing and the domain".to_owned()),
+            Engine::Auto => (Engine::Rows, "linear in N for similar sizes, in any domain".to_owned()),
             engine => (engine, "asked for".to_owned()),
         };
         let grid = match engine {

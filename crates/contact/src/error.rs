@@ -30,9 +30,16 @@ pub enum Error {
         /// Largest magnitude that is accepted.
         limit: f64,
     },
+    /// The cut-off is negative, NaN, infinite or larger than [`Real::MAX_MAGNITUDE`](crate::Real::MAX_MAGNITUDE).
+    InvalidCutoff {
+        /// The offending value.
+        value: f64,
+        /// Largest cut-off that is accepted.
+        limit: f64,
+    },
     /// A radius is negative, NaN, infinite or larger than [`Real::MAX_MAGNITUDE`](crate::Real::MAX_MAGNITUDE).
     InvalidRadius {
-        /// Zero-based number of the element, or `None` for the one radius or cut-off of all.
+        /// Zero-based number of the element, or `None` for the one radius of all.
         index: Option<usize>,
         /// The offending value.
         value: f64,
@@ -85,11 +92,9 @@ pub enum Error {
         heads: f64,
         /// Bound on that number.
         limit: usize,
-        /// The element that stretches the domain: of the two at the ends of the axis, the one farther from the
-        /// mean of all.
-        element: usize,
-        /// Its coordinate on that axis.
-        position: f64,
+        /// The element that stretches the domain, the one farthest from the mean of all along that axis, and its coordinate;
+        /// `None` if the caller set the domain.
+        stretched_by: Option<(usize, f64)>,
     },
     /// An element lies outside the domain that the caller set.
     OutsideDomain {
@@ -143,15 +148,12 @@ impl fmt::Display for Error {
                 "element {index}: coordinate {} is {value:e}; magnitudes above {limit:e} overflow when squared",
                 axis_name(*axis)
             ),
+            Self::InvalidCutoff { value, limit } => not_in_range(out, "cut-off", *value, *limit),
             Self::InvalidRadius { index: Some(index), value, limit } => {
-                write!(out, "element {index}: radius {value} is not a number from 0 to {limit:e}")
+                not_in_range(out, &format!("element {index}: radius"), *value, *limit)
             }
-            Self::InvalidRadius { index: None, value, limit } => {
-                write!(out, "radius or cut-off {value} is not a number from 0 to {limit:e}")
-            }
-            Self::InvalidTolerance { value, limit } => {
-                write!(out, "tolerance {value} is not a number from 0 to {limit:e}")
-            }
+            Self::InvalidRadius { index: None, value, limit } => not_in_range(out, "radius", *value, *limit),
+            Self::InvalidTolerance { value, limit } => not_in_range(out, "tolerance", *value, *limit),
             Self::InvertedBox { index, axis, min, max } => write!(
                 out,
                 "element {index}: its box is inverted along {}: minimum {min} above maximum {max}",
@@ -163,15 +165,25 @@ impl fmt::Display for Error {
             Self::TooManyElements { elements, limit } => {
                 write!(out, "{elements} elements; this engine numbers at most {limit}")
             }
-            Self::DomainTooWide { axis, width, cell_size, heads, limit, element, position } => write!(
-                out,
-                "the domain is {width:e} wide along {name}, {cells:.3e} cells of {cell_size:e}: the list heads would \
-                 take {heads:.3e} integers, the bound is {limit}. Element {element} at {name} = {position:e} \
-                 stretches it. Remove it, raise the bound (`Nbs::with_max_heads`), or use an engine whose memory does not \
-                 depend on the domain (`Engine::Rows`)",
-                name = axis_name(*axis),
-                cells = width / cell_size,
-            ),
+            Self::DomainTooWide { axis, width, cell_size, heads, limit, stretched_by } => {
+                let (name, cells) = (axis_name(*axis), width / cell_size);
+                write!(
+                    out,
+                    "the domain is {width:e} wide along {name}, {cells:.3e} cells of {cell_size:e}: the list heads would \
+                     take {heads:.3e} integers, the bound is {limit}. "
+                )?;
+                if let Some((element, position)) = stretched_by {
+                    write!(
+                        out,
+                        "Element {element} at {name} = {position:e} stretches it; without it the domain may do. "
+                    )?;
+                }
+                write!(
+                    out,
+                    "An engine whose memory does not depend on the domain (`Engine::Rows`) or a higher bound \
+                     (`Nbs::with_max_heads`) will do"
+                )
+            }
             Self::OutsideDomain { index, axis, value, domain: [min, max] } => write!(
                 out,
                 "element {index}: coordinate {} is {value}, outside the domain [{min}, {max}]",
@@ -182,6 +194,27 @@ impl fmt::Display for Error {
             }
             Self::SimdUnavailable { simd } => write!(out, "this processor has no {simd}"),
             Self::OutOfMemory { bytes } => write!(out, "no memory for {bytes} bytes"),
+        }
+    }
+}
+
+fn not_in_range(out: &mut fmt::Formatter<'_>, what: &str, value: f64, limit: f64) -> fmt::Result {
+    // Hundreds of digits help nobody.
+    let value = if value.abs() < 1e9 { value.to_string() } else { format!("{value:e}") };
+    write!(out, "{what} {value} is not a number from 0 to {limit:e}")
+}
+
+impl Error {
+    /// The element that the error is about, by its zero-based number, if it is about one.
+    pub fn element(&self) -> Option<usize> {
+        match self {
+            Self::NonFiniteCoordinate { index, .. }
+            | Self::CoordinateTooLarge { index, .. }
+            | Self::InvertedBox { index, .. }
+            | Self::OutsideDomain { index, .. } => Some(*index),
+            Self::InvalidRadius { index, .. } => *index,
+            Self::DomainTooWide { stretched_by, .. } => stretched_by.map(|(element, _)| element),
+            _ => None,
         }
     }
 }

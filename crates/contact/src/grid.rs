@@ -64,7 +64,7 @@ impl<const D: usize> Grid<D> {
             counts.iter().enumerate().map(|(axis, n)| if axis + 1 == D { *n } else { 2.0 * n }).sum::<f64>();
         let countable = counts.iter().all(|&n| n < MAX_CELLS_PER_AXIS);
         if !(countable && heads <= max_heads as f64) {
-            return Err(grid.too_wide(elements, &counts, heads, max_heads));
+            return Err(grid.too_wide(elements, domain.is_some(), &counts, heads, max_heads));
         }
         grid.cells = counts.map(|n| n as u64);
         Ok(grid)
@@ -104,10 +104,13 @@ impl<const D: usize> Grid<D> {
         self.quotient(axis, x) as u32
     }
 
-    /// As [`Grid::cell`], for grids with more cells than `u32` can number.
+    /// As [`Grid::cell`], for grids with more cells than `u32` can number, and rounded to the nearest integer instead of down.
+    ///
+    /// Which integer does not matter to the argument above, only that the quotient is rounded to one. This one is
+    /// had by two instructions: a sum beyond `2^52` has no room for a fraction, and its last bits are the integer.
     #[inline]
     pub(crate) fn wide_cell(&self, axis: usize, x: f64) -> u64 {
-        self.quotient(axis, x) as u64
+        nearest_integer(self.quotient(axis, x))
     }
 
     #[inline]
@@ -119,6 +122,7 @@ impl<const D: usize> Grid<D> {
     fn too_wide<T: Real>(
         &self,
         elements: &Elements<'_, T, D>,
+        domain_is_set: bool,
         counts: &[f64; D],
         heads: f64,
         max_heads: usize,
@@ -127,7 +131,7 @@ impl<const D: usize> Grid<D> {
         let positions = || (0..elements.len()).map(|index| elements.anchor(index, axis));
         let n = elements.len() as f64;
         let mean = positions().map(|x| x / n).sum::<f64>();
-        let (element, position) = positions().enumerate().fold((0, mean), |farthest, (index, x)| {
+        let farthest = positions().enumerate().fold((0, mean), |farthest, (index, x)| {
             if (x - mean).abs() > (farthest.1 - mean).abs() { (index, x) } else { farthest }
         });
         Error::DomainTooWide {
@@ -136,10 +140,16 @@ impl<const D: usize> Grid<D> {
             cell_size: self.cell_size,
             heads,
             limit: max_heads,
-            element,
-            position,
+            stretched_by: (!domain_is_set).then_some(farthest),
         }
     }
+}
+
+/// The nearest integer of `x`, from 0 to `2^51`; anything otherwise.
+#[inline]
+pub(crate) fn nearest_integer(x: f64) -> u64 {
+    const NO_FRACTION: f64 = 4_503_599_627_370_496.0;
+    (x + NO_FRACTION).to_bits() & ((1 << 52) - 1)
 }
 
 /// Every element must lie in a domain that is a finite box.
@@ -202,6 +212,15 @@ mod tests {
     use super::*;
 
     const UNBOUNDED: usize = usize::MAX;
+
+    #[test]
+    fn integers_are_the_nearest() {
+        for (x, nearest) in
+            [(0.0, 0), (0.4, 0), (0.6, 1), (1.0, 1), (12_345.49, 12_345), (2.0_f64.powi(46), 1 << 46)]
+        {
+            assert_eq!(nearest_integer(x), nearest, "{x}");
+        }
+    }
 
     #[test]
     fn roots_are_exact() {
@@ -269,15 +288,15 @@ mod tests {
     fn a_wide_domain_names_the_element_that_stretches_it() {
         let centres = [[0.0, 0.0], [1.0, -3e9], [2.0, 1.0], [3.0, 0.5]];
         let error = Grid::fit(&Elements::points(&centres, 1.0).unwrap(), None, 1_000_000).unwrap_err();
-        let Error::DomainTooWide { axis: 1, element: 1, position, .. } = error else { panic!("{error:?}") };
-        assert_eq!(position, -3e9);
+        let Error::DomainTooWide { axis: 1, stretched_by, .. } = error else { panic!("{error:?}") };
+        assert_eq!(stretched_by, Some((1, -3e9)));
     }
 
     #[test]
     fn cells_beyond_any_integer_are_refused() {
         let centres = [[0.0], [1e140]];
         let error = Grid::fit(&Elements::points(&centres, 1e-10).unwrap(), None, UNBOUNDED).unwrap_err();
-        assert!(matches!(error, Error::DomainTooWide { element: 0 | 1, .. }), "{error:?}");
+        assert!(matches!(error, Error::DomainTooWide { stretched_by: Some((0 | 1, _)), .. }), "{error:?}");
     }
 
     #[test]

@@ -41,10 +41,19 @@ pub trait Search<T: Real, const D: usize> {
     /// Writes the couples into `couples`, cleared first, in the order of the engine; the caller's memory is reused.
     ///
     /// # Errors
-    /// As [`Search::for_each`].
+    /// As [`Search::for_each`]; [`Error::OutOfMemory`] also if the couples themselves do not fit; `couples` is empty then.
     fn couples(&mut self, elements: &Elements<'_, T, D>, couples: &mut Vec<Couple>) -> Result<(), Error> {
         couples.clear();
-        self.for_each(elements, |couple| couples.push(couple))
+        let mut room = Ok(());
+        self.for_each(elements, |couple| {
+            if couples.len() == couples.capacity() && room.is_ok() {
+                room = make_room(couples);
+            }
+            if room.is_ok() {
+                couples.push(couple);
+            }
+        })?;
+        room.inspect_err(|_| couples.clear())
     }
 
     /// The number of couples; nothing is stored.
@@ -56,4 +65,11 @@ pub trait Search<T: Real, const D: usize> {
         self.for_each(elements, |_| count += 1)?;
         Ok(count)
     }
+}
+
+/// Doubles the capacity, or says that there is no memory for it.
+pub(crate) fn make_room(couples: &mut Vec<Couple>) -> Result<(), Error> {
+    let more = couples.capacity().max(1024);
+    let bytes = (couples.capacity() + more).saturating_mul(size_of::<Couple>());
+    couples.try_reserve_exact(more).map_err(|_| Error::OutOfMemory { bytes })
 }

@@ -1,7 +1,7 @@
 //! The command line: the only place that knows paths, the terminal and exit codes.
 //!
 //! Exit code 0: done; 1: a check that was asked for failed; 2: bad input, bad usage, or an output that cannot be
-//! written. On 1 and 2 no output file is left behind, not even a part of one.
+//! written; 128 and the number of the signal: interrupted. Unless it is 0 no output file is left behind, not even a part of one.
 
 mod args;
 mod contacts;
@@ -20,7 +20,6 @@ use std::process::ExitCode;
 use clap::Parser;
 
 use args::{Arguments, Task};
-use failure::Failure;
 
 /// Runs the command with `arguments`, the first of which is the program's name, and returns its exit code.
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
@@ -37,7 +36,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Task::Generate(arguments) => generate::run(&arguments),
     });
     match done {
-        Ok(()) | Err(Failure::ReaderLeft) => ExitCode::SUCCESS,
+        Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             // Nothing is left to do if even the error cannot be printed.
             let _ = writeln!(std::io::stderr(), "error: {failure}");

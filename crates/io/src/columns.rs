@@ -104,12 +104,50 @@ pub(crate) struct Name {
     pub(crate) written: String,
     /// Without quotes, unit, blanks, `_`, `-` and capitals.
     pub(crate) plain: String,
-    /// What stood in brackets.
+    /// What stood in brackets, or one of [`SUFFIXES`] after `_` or a blank.
     pub(crate) unit: Option<String>,
 }
 
+/// Units that are known without brackets, as in `x_mm` and `x mm`; the second µ is the Greek letter.
+const SUFFIXES: [&str; 10] = ["m", "mm", "cm", "um", "\u{b5}m", "\u{3bc}m", "km", "nm", "in", "ft"];
+
 impl Name {
+    /// All the names of one file.
+    ///
+    /// `r_in` is more often an inner radius than one in inches, so that needs a coordinate in inches.
+    pub(crate) fn all<'a>(written: impl IntoIterator<Item = &'a str>) -> Vec<Self> {
+        let mut names: Vec<Self> = written.into_iter().map(Self::new).collect();
+        let inches = |name: &Self| name.unit.as_deref() == Some("in");
+        let coordinate = |name: &Self| matches!(name.role(), Some(Role::X | Role::Y | Role::Z));
+        if !names.iter().any(|name| inches(name) && coordinate(name)) {
+            for name in names.iter_mut().filter(|name| inches(name)) {
+                *name = Self::unsuffixed(&name.written);
+            }
+        }
+        names
+    }
+
     pub(crate) fn new(written: &str) -> Self {
+        let name = Self::unsuffixed(written);
+        if name.unit.is_some() || name.role().is_some() {
+            return name;
+        }
+        let Some((stem, unit)) = name.written.rsplit_once(|c: char| c == '_' || c.is_whitespace()) else {
+            return name;
+        };
+        let Some(unit) = SUFFIXES.into_iter().find(|known| *known == unit.to_lowercase()) else {
+            return name;
+        };
+        let plain = Self::unsuffixed(stem).plain;
+        // An id has no unit: `no_in` is no id.
+        if plain.is_empty() || Role::Id.goes_by(&plain) {
+            return name;
+        }
+        Self { plain, unit: Some(unit.to_owned()), written: name.written }
+    }
+
+    /// The name with a unit in brackets only.
+    pub(crate) fn unsuffixed(written: &str) -> Self {
         let written = written.trim_matches(|c: char| c.is_whitespace() || c == '"' || c == '\'');
         let (mut rest, mut unit) = (written.to_owned(), None);
         if let Some(open) = written.find(['[', '(']).filter(|&at| at > 0) {
@@ -127,7 +165,7 @@ impl Name {
         if self.written.is_empty() { "(no name)".into() } else { excerpt::field(self.written.as_bytes()) }
     }
 
-    /// The role it stands for, if any: `X (mm)`, `PosX[m]`, `Points:0` and `pos_x` are all x.
+    /// The role it stands for, if any: `X (mm)`, `PosX[m]`, `x_mm`, `Points:0` and `pos_x` are all x.
     pub(crate) fn role(&self) -> Option<Role> {
         Role::ALL.into_iter().find(|role| role.goes_by(&self.plain))
     }
@@ -194,6 +232,16 @@ pub enum ColumnsError {
         /// The role.
         role: Role,
     },
+    /// Two roles are given the same column.
+    #[error("column '{column}' is given as {first} and again as {second}")]
+    TwoRoles {
+        /// The column's name or number.
+        column: String,
+        /// The role given first.
+        first: Role,
+        /// The role given second.
+        second: Role,
+    },
     /// Both radius and diameter are given.
     #[error("both radius and diameter are given: one follows from the other")]
     RadiusAndDiameter,
@@ -247,10 +295,16 @@ fn check_roles(choice: &Choice) -> Result<(), ColumnsError> {
     if roles.contains(&Role::Radius) && roles.contains(&Role::Diameter) {
         return Err(ColumnsError::RadiusAndDiameter);
     }
-    match [Role::X, Role::Y].into_iter().find(|role| !roles.contains(role)) {
-        Some(role) => Err(ColumnsError::Missing { role }),
-        None => Ok(()),
+    if let Some(role) = [Role::X, Role::Y].into_iter().find(|role| !roles.contains(role)) {
+        return Err(ColumnsError::Missing { role });
     }
+    let Choice::Names(names) = choice else { return Ok(()) };
+    for (place, (second, column)) in names.iter().enumerate() {
+        if let Some((first, _)) = names[..place].iter().find(|(_, earlier)| earlier == column) {
+            return Err(ColumnsError::TwoRoles { column: column.clone(), first: *first, second: *second });
+        }
+    }
+    Ok(())
 }
 
 impl Columns {
@@ -309,6 +363,33 @@ mod tests {
     }
 
     #[test]
+    fn a_unit_may_follow_the_name() {
+        for (name, role, unit) in [
+            ("x_mm", Role::X, "mm"),
+            ("X mm", Role::X, "mm"),
+            ("pos_x_M", Role::X, "m"),
+            ("center y cm", Role::Y, "cm"),
+            ("radius_\u{b5}m", Role::Radius, "\u{b5}m"),
+            ("radius_\u{3bc}m", Role::Radius, "\u{3bc}m"),
+            ("d_um", Role::Diameter, "um"),
+            ("\"z_km\"", Role::Z, "km"),
+            ("r nm", Role::Radius, "nm"),
+            ("x_ft", Role::X, "ft"),
+        ] {
+            let name = Name::new(name);
+            assert_eq!((name.role(), name.unit.as_deref()), (Some(role), Some(unit)), "{}", name.written);
+        }
+        for name in ["xmm", "x_s", "x_kg", "x_dm", "mm", "_mm", "no_in", "id_m", "x_mm_s"] {
+            let name = Name::new(name);
+            assert_eq!((name.role(), name.unit.as_deref()), (None, None), "{}", name.written);
+        }
+        let inches =
+            |names: [&str; 3]| Name::all(names).into_iter().map(|name| name.role()).collect::<Vec<_>>();
+        assert_eq!(inches(["x_in", "y_in", "r_in"]), [Role::X, Role::Y, Role::Radius].map(Some));
+        assert_eq!(inches(["x", "y", "r_in"]), [Some(Role::X), Some(Role::Y), None], "an inner radius");
+    }
+
+    #[test]
     fn choices_that_make_no_sense_are_refused() {
         let parse = |text: &str| text.parse::<Columns>();
         assert_eq!(parse("x,y,X"), Err(ColumnsError::Duplicate { role: Role::X }));
@@ -322,6 +403,10 @@ mod tests {
         assert_eq!(parse("x=1,y"), Err(ColumnsError::Mixed { entry: "y".into() }));
         assert_eq!(parse("x,y=2"), Err(ColumnsError::Mixed { entry: "y=2".into() }));
         assert_eq!(parse("x=1,y="), Err(ColumnsError::NoName { entry: "y=".into(), role: Role::Y }));
+        let twice = ColumnsError::TwoRoles { column: "x".into(), first: Role::X, second: Role::Y };
+        assert_eq!(parse("x=x, y=x"), Err(twice.clone()));
+        assert_eq!(twice.to_string(), "column 'x' is given as x and again as y");
+        assert!(parse("x=a,y=A").is_ok(), "two columns may differ by case");
         assert!(parse(" Radius , PosX ,_,-, y").is_ok());
     }
 }

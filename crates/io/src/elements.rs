@@ -11,6 +11,8 @@ pub(crate) struct Elements {
     pub(crate) radii: Option<Vec<f64>>,
     pub(crate) ids: Option<Vec<i64>>,
     pub(crate) skipped: Skipped,
+    /// See [`Packing::row_numbers`](crate::Packing::row_numbers).
+    pub(crate) row_numbers: Option<Vec<u64>>,
     /// Line or row of every element, kept while there are ids to compare.
     places: Vec<u64>,
     /// Radius over size column: 1, or 1/2 for diameters.
@@ -40,6 +42,7 @@ impl Elements {
             radii: sized.then(|| Vec::with_capacity(capacity)),
             ids: has(Role::Id).then(|| Vec::with_capacity(capacity)),
             skipped: Skipped::default(),
+            row_numbers: None,
             places: Vec::with_capacity(room(has(Role::Id))),
             scale: if has(Role::Diameter) { 0.5 } else { 1.0 },
         }
@@ -47,6 +50,9 @@ impl Elements {
 
     #[inline]
     pub(crate) fn push(&mut self, row: &Row, place: u64) {
+        if let Some(numbers) = &mut self.row_numbers {
+            numbers.push(self.centres.len() as u64 + self.skipped.count);
+        }
         let [x, y, z, size] = row.values;
         match &mut self.centres {
             Centres::Two(centres) => centres.push([x, y]),
@@ -59,6 +65,12 @@ impl Elements {
             ids.push(row.id);
             self.places.push(place);
         }
+    }
+
+    /// Leaves a row out.
+    pub(crate) fn skip(&mut self, bad: BadLine) {
+        self.row_numbers.get_or_insert_with(|| (0..self.centres.len() as u64).collect());
+        self.skipped.push(bad);
     }
 
     /// The first bad row, when there is no good one.
@@ -100,6 +112,18 @@ mod tests {
         assert_eq!(with_ids(&[3, -1, 2]).duplicate(), None);
         assert_eq!(with_ids(&[9, 5, 9, 5, 9]).duplicate(), Some(Duplicate { id: 9, first: 10, second: 12 }));
         assert_eq!(with_ids(&[1, 1]).duplicate(), Some(Duplicate { id: 1, first: 10, second: 11 }));
+    }
+
+    #[test]
+    fn rows_are_numbered_once_one_is_skipped() {
+        let mut elements = with_ids(&[1, 2]);
+        assert_eq!(elements.row_numbers, None);
+        for _ in 0..2 {
+            elements.skip(BadLine { line: 1, text: String::new(), problem: String::new() });
+        }
+        elements.push(&Row::default(), 1);
+        elements.push(&Row::default(), 2);
+        assert_eq!(elements.row_numbers, Some(vec![0, 1, 4, 5]));
     }
 
     #[test]

@@ -3,6 +3,8 @@
 use thiserror::Error;
 
 use crate::columns::Role;
+use crate::excerpt;
+use crate::table::MOST_COLUMNS;
 
 /// Why a file could not be read: what is wrong, where, and what would be right.
 ///
@@ -15,7 +17,7 @@ pub enum ReadError {
     #[error("the file is empty: expected one element per row")]
     Empty,
     /// The file has no line other than comments and blank lines.
-    #[error("only comments and blank lines ({lines} of them): expected one element per row")]
+    #[error("only comments and blank lines ({}): expected one element per row", excerpt::count(*lines, "line"))]
     NoRows {
         /// How many lines there are.
         lines: u64,
@@ -29,7 +31,7 @@ pub enum ReadError {
         advice: &'static str,
     },
     /// The file holds bytes that no text holds.
-    #[error("not a text file: {found} at byte {offset}")]
+    #[error("not a text file: {found} at byte {offset}{advice}")]
     NotText {
         /// Line of the first such byte, counted from 1.
         line: u64,
@@ -37,6 +39,8 @@ pub enum ReadError {
         offset: u64,
         /// What was found there.
         found: String,
+        /// What to do about it, after a colon; empty where nothing helps.
+        advice: &'static str,
     },
     /// A row cannot be read.
     #[error("{problem}: {text}")]
@@ -48,8 +52,14 @@ pub enum ReadError {
         /// What is wrong with it.
         problem: String,
     },
+    /// The first row has more columns than any table of elements.
+    #[error("more than {MOST_COLUMNS} columns: expected one element per row, such as x, y, z, radius")]
+    TooManyColumns {
+        /// Line, counted from 1; `None` in an array.
+        line: Option<u64>,
+    },
     /// Bad lines may be skipped, but there is no good one.
-    #[error("none of the {count} rows can be read; the first: {problem}: {text}")]
+    #[error("{}: {problem}: {text}", all_bad(*count))]
     AllBad {
         /// How many rows there are.
         count: u64,
@@ -61,7 +71,11 @@ pub enum ReadError {
         problem: String,
     },
     /// The header names no x, or no y.
-    #[error("no column for {role}; the columns are: {}. Say which it is with --columns", present.join(", "))]
+    #[error(
+        "no column for {role}; the columns are: {}. Say which it is with --columns{}",
+        present.join(", "),
+        if *title { "; or is this line a title? remove it or put # before it" } else { "" }
+    )]
     MissingColumn {
         /// Line of the header, counted from 1; `None` in an array.
         line: Option<u64>,
@@ -69,6 +83,8 @@ pub enum ReadError {
         role: Role,
         /// The columns that are there.
         present: Vec<String>,
+        /// Whether no column at all has a role, so that the line may be a title above the header.
+        title: bool,
     },
     /// The chosen columns name one that is not there.
     #[error("no column '{wanted}'; the columns are: {}", present.join(", "))]
@@ -104,6 +120,18 @@ pub enum ReadError {
         /// Its role.
         second_role: Role,
     },
+    /// `--columns` gives one column two roles, under its name and its number or in two spellings.
+    #[error("--columns makes column {column} both {first_role} and {second_role}: give one of them another")]
+    TwoRoles {
+        /// Line of the header, or of the first row without one; `None` in an array.
+        line: Option<u64>,
+        /// Name of the column.
+        column: String,
+        /// The role given first.
+        first_role: Role,
+        /// The role given second.
+        second_role: Role,
+    },
     /// Two columns are in different units.
     #[error("column {first} is in {first_unit}, column {second} in {second_unit}: convert to one unit first")]
     MixedUnits {
@@ -120,8 +148,13 @@ pub enum ReadError {
     },
     /// There is no header and the number of columns does not say what they are.
     #[error(
-        "{found} columns and no header (2 would be x y, 3 x y z, 4 x y z radius): \
-         say what they are with --columns, for example --columns x,y,z,_,radius. First row: {text}"
+        "{} and no header (2 would be x y, 3 x y z, 4 x y z radius): {}. First row: {text}",
+        excerpt::count(*found as u64, "column"),
+        if *found < 2 {
+            "expected x and y at least, separated by commas, semicolons, tabs or blanks"
+        } else {
+            "say what they are with --columns, for example --columns x,y,z,_,radius"
+        }
     )]
     UnnamedColumns {
         /// Line of the first row, counted from 1; `None` in an array.
@@ -132,7 +165,10 @@ pub enum ReadError {
         text: String,
     },
     /// `--columns` lists more or fewer columns than the file has.
-    #[error("--columns lists {listed} columns, found {found}: use _ for columns to skip. First row: {text}")]
+    #[error(
+        "--columns lists {}, found {found}: use _ for columns to skip. First row: {text}",
+        excerpt::count(*listed as u64, "column")
+    )]
     ColumnCount {
         /// Line of the first row, counted from 1; `None` in an array.
         line: Option<u64>,
@@ -171,7 +207,7 @@ pub enum ReadError {
         /// What is wrong with it.
         problem: String,
     },
-    /// A NumPy array holds something other than floats.
+    /// A NumPy array holds something other than numbers.
     #[error("{what} of shape {shape} is {dtype}: expected {wanted}")]
     NpyDtype {
         /// `the array`, or the field.
@@ -185,7 +221,7 @@ pub enum ReadError {
     },
     /// A NumPy array does not have one row per element.
     #[error(
-        "the array has shape {shape}, dtype {dtype}: expected (n, 2), (n, 3) or (n, 4) floats, \
+        "the array has shape {shape}, dtype {dtype}: expected (n, 2), (n, 3) or (n, 4) numbers, \
          or (n,) of a dtype with the fields x, y, z, radius"
     )]
     NpyShape {
@@ -196,7 +232,13 @@ pub enum ReadError {
     },
     /// A NumPy file does not have the size its header claims.
     #[error(
-        "the array should take {expected} bytes (shape {shape}), found {found}: the file is cut off or damaged"
+        "the array should take {} (shape {shape}), found {found}: {}",
+        excerpt::count(*expected, "byte"),
+        if u128::from(*found) < *expected {
+            "the file is cut off or damaged"
+        } else {
+            "the file goes on after the array, perhaps with another one, or is damaged"
+        }
     )]
     NpySize {
         /// Bytes that shape and dtype ask for.
@@ -226,10 +268,12 @@ impl ReadError {
             | Self::Malformed { line, .. }
             | Self::DuplicateId { second: line, .. } => Some(*line),
             Self::AllBad { line, .. }
+            | Self::TooManyColumns { line }
             | Self::MissingColumn { line, .. }
             | Self::UnknownColumn { line, .. }
             | Self::AmbiguousColumn { line, .. }
             | Self::ClashingColumns { line, .. }
+            | Self::TwoRoles { line, .. }
             | Self::MixedUnits { line, .. }
             | Self::UnnamedColumns { line, .. }
             | Self::ColumnCount { line, .. } => *line,
@@ -243,5 +287,12 @@ impl ReadError {
             | Self::NpySize { .. }
             | Self::BadRow { .. } => None,
         }
+    }
+}
+
+fn all_bad(count: u64) -> String {
+    match count {
+        1 => "none of the rows can be read; the only one".into(),
+        count => format!("none of the {count} rows can be read; the first"),
     }
 }

@@ -15,6 +15,12 @@ pub(crate) fn field(bytes: &[u8]) -> String {
     shorten(bytes, FIELD)
 }
 
+/// `1 row`, `2 rows`.
+pub(crate) fn count(number: impl Into<u128>, noun: &str) -> String {
+    let number = number.into();
+    format!("{number} {noun}{}", if number == 1 { "" } else { "s" })
+}
+
 fn shorten(bytes: &[u8], limit: usize) -> String {
     let bytes = bytes.trim_ascii();
     // A character is at most 4 bytes, so this prefix holds `limit` characters of a line of any length.
@@ -37,6 +43,11 @@ fn shorten(bytes: &[u8], limit: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn one_is_singular() {
+        assert_eq!([0_u64, 1, 2].map(|n| count(n, "row")), ["0 rows", "1 row", "2 rows"]);
+    }
 
     #[test]
     fn controls_are_escaped_and_length_is_bounded() {

@@ -9,12 +9,10 @@ use crate::npy_header::{Dtype, Header, Scalar};
 use crate::packing::{BadLine, Column, Format, Packing, Source};
 use crate::read::ReadOptions;
 use crate::row::{Row, SIZE, check_size, whole};
-use crate::table::Table;
+use crate::table::{MOST_COLUMNS, Table};
 
 /// Rows between two reports of progress.
 const ROWS_PER_REPORT: usize = 4096;
-/// More columns are no table of elements, and a name for each might not fit in memory.
-const MOST_COLUMNS: u64 = 10_000;
 /// A field that is an array counts as columns `name:0`, `name:1`, … up to this many; more is no vector.
 const LONGEST_VECTOR: u64 = 16;
 
@@ -45,7 +43,7 @@ pub(crate) fn read_npy(
                 if !options.skip_bad_lines {
                     return Err(ReadError::BadRow { row, text, problem });
                 }
-                elements.skipped.push(BadLine { line: row, text, problem });
+                elements.skip(BadLine { line: row, text, problem });
             }
         }
     }
@@ -56,15 +54,14 @@ pub(crate) fn read_npy(
     if let Some(twice) = elements.duplicate() {
         return Err(ReadError::DuplicateIdRow { id: twice.id, first: twice.first, second: twice.second });
     }
-    let columns = array.columns.iter().zip(&roles);
+    let names: Vec<Name> = array.columns.iter().map(|column| column.name.clone()).collect();
     Ok(Packing {
         centres: elements.centres,
         radii: elements.radii,
         ids: elements.ids,
+        row_numbers: elements.row_numbers,
         source: Source {
-            columns: columns
-                .map(|(column, role)| Column { role: *role, name: column.name.shown() })
-                .collect(),
+            columns: Column::all(&names, &roles, array.named),
             format: Format::Npy { dtype: header.descr },
             unit,
             lines: array.rows as u64,
@@ -102,6 +99,7 @@ type Chosen<'a> = (&'a ArrayColumn, Role);
 
 impl<'a> Array<'a> {
     fn new(header: &Header, data: &'a [u8]) -> Result<Self, ReadError> {
+        const MOST: u64 = MOST_COLUMNS as u64;
         let wrong_shape = || ReadError::NpyShape { shape: header.shown_shape(), dtype: header.descr.clone() };
         let too_large = || ReadError::NpySize {
             expected: u128::MAX,
@@ -109,7 +107,7 @@ impl<'a> Array<'a> {
             shape: header.shown_shape(),
         };
         let (columns, rows, stride) = match (&header.dtype, &header.shape[..]) {
-            (Dtype::Plain(scalar), &[rows, width @ 1..=MOST_COLUMNS]) => {
+            (Dtype::Plain(scalar), &[rows, width @ 1..=MOST]) => {
                 let rows = usize::try_from(rows).map_err(|_| too_large())?;
                 let width = width as usize;
                 let (step, stride) = if header.fortran_order {
@@ -127,6 +125,12 @@ impl<'a> Array<'a> {
             }
             (Dtype::Record(_), &[rows]) => {
                 let (columns, stride) = record_columns(header).ok_or_else(too_large)?;
+                if columns.is_empty() {
+                    return Err(ReadError::NpyHeader { problem: "the dtype has no named fields".into() });
+                }
+                if columns.len() > MOST_COLUMNS {
+                    return Err(ReadError::TooManyColumns { line: None });
+                }
                 (columns, usize::try_from(rows).map_err(|_| too_large())?, stride)
             }
             _ => return Err(wrong_shape()),
@@ -150,9 +154,8 @@ impl<'a> Array<'a> {
             self.columns.iter().zip(roles).filter_map(|(column, role)| role.map(|role| (column, role)));
         let checked = chosen.map(|(column, role)| {
             let Scalar { kind, size, .. } = &column.scalar;
-            let float = matches!((kind, size), ('f', 4 | 8));
-            let whole = role == Role::Id && matches!((kind, size), ('i' | 'u', 1 | 2 | 4 | 8));
-            if column.readable && (float || whole) {
+            let number = matches!((kind, size), ('f', 4 | 8) | ('i' | 'u', 1 | 2 | 4 | 8));
+            if column.readable && number {
                 return Ok((column, role));
             }
             Err(ReadError::NpyDtype {
@@ -163,11 +166,7 @@ impl<'a> Array<'a> {
                 },
                 dtype: column.scalar.descr.clone(),
                 shape: header.shown_shape(),
-                wanted: if role == Role::Id {
-                    "float32, float64 or a whole number"
-                } else {
-                    "float32 or float64"
-                },
+                wanted: "float32, float64 or an integer of at most 64 bits",
             })
         });
         checked.collect()
@@ -205,7 +204,8 @@ impl<'a> Array<'a> {
                     .map_err(|problem| format!("the id in column {} {problem}", label()))?;
                 continue;
             }
-            let value = float(bytes, column.scalar.big_endian);
+            let value = number(bytes, &column.scalar)
+                .map_err(|problem| format!("{role} (column {}) {problem}", label()))?;
             if !value.is_finite() {
                 return Err(format!("{role} (column {}) is {value}, not a finite number", label()));
             }
@@ -266,6 +266,8 @@ fn record_columns(header: &Header) -> Option<(Vec<ArrayColumn>, usize)> {
         }
         offset = offset.checked_add(size)?;
     }
+    let names = Name::all(columns.iter().map(|column| column.name.written.as_str()));
+    columns.iter_mut().zip(names).for_each(|(column, name)| column.name = name);
     Some((columns, offset))
 }
 
@@ -287,6 +289,22 @@ fn float(bytes: &[u8], big_endian: bool) -> f64 {
         (_, Ok(bytes)) if big_endian => f64::from(f32::from_be_bytes(bytes)),
         (_, Ok(bytes)) => f64::from(f32::from_le_bytes(bytes)),
         _ => f64::NAN,
+    }
+}
+
+/// Any number as a float, which must be exact.
+#[inline]
+fn number(bytes: &[u8], scalar: &Scalar) -> Result<f64, String> {
+    if scalar.kind == 'f' {
+        return Ok(float(bytes, scalar.big_endian));
+    }
+    let whole = integer(bytes, scalar);
+    let value = whole as f64;
+    // Of at most 64 bits, so back from the float it fits again.
+    if value as i128 == whole {
+        Ok(value)
+    } else {
+        Err(format!("is {whole}, which a 64-bit float cannot hold exactly"))
     }
 }
 
@@ -332,6 +350,20 @@ mod tests {
         assert_eq!(integer(&[0, 0, 0, 1], &scalar(">u4")), 1);
         assert_eq!(id(&i64::MIN.to_le_bytes(), &scalar("<i8")), Ok(i64::MIN));
         assert!(id(&u64::MAX.to_le_bytes(), &scalar("<u8")).unwrap_err().contains("18446744073709551615"));
+    }
+
+    #[test]
+    fn integers_become_floats_only_exactly() {
+        assert_eq!(number(&[0xfe], &scalar("|i1")), Ok(-2.0));
+        assert_eq!(number(&(1_i64 << 53).to_be_bytes(), &scalar(">i8")), Ok(9_007_199_254_740_992.0));
+        assert_eq!(number(&i64::MIN.to_le_bytes(), &scalar("<i8")), Ok(-9_223_372_036_854_775_808.0));
+        for (bytes, descr) in [
+            (((1_i64 << 53) + 1).to_le_bytes(), "<i8"),
+            (i64::MAX.to_le_bytes(), "<i8"),
+            (u64::MAX.to_le_bytes(), "<u8"),
+        ] {
+            assert!(number(&bytes, &scalar(descr)).unwrap_err().contains("cannot hold exactly"));
+        }
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::columns::Role;
+use crate::columns::{Name, Role};
 
 /// Centres of the elements, in 2D or 3D.
 ///
@@ -45,7 +45,7 @@ impl Centres {
 /// The elements of one file.
 ///
 /// # Shapes
-/// `centres`: `n`. `radii` and `ids`: `n` each where present, in the same order.
+/// `centres`: `n`. `radii`, `ids` and `row_numbers`: `n` each where present, in the same order.
 ///
 /// # Units
 /// `centres` and `radii` share one length unit, the file's own; nothing is converted.
@@ -57,6 +57,12 @@ pub struct Packing {
     pub radii: Option<Vec<f64>>,
     /// Ids from the file, no two alike. `None` without an id column or when ids are ignored.
     pub ids: Option<Vec<i64>>,
+    /// The number of the row that each element stands on, increasing; `None` unless rows were skipped, for
+    /// then element `i` is row `i`.
+    ///
+    /// Rows are counted from 0. Skipped rows count; the header, comments and blank lines do not. So an element
+    /// without id keeps the number it has in the whole file.
+    pub row_numbers: Option<Vec<u64>>,
     /// How the file was understood.
     pub source: Source,
 }
@@ -89,6 +95,19 @@ pub enum Format {
         /// The dtype as the file spells it, such as `<f8`; a long one is cut.
         dtype: String,
     },
+}
+
+impl Format {
+    /// What a place in such a file is called, for messages: `line` or `lines` of text, `row` or `rows` of an
+    /// array. Lines are counted from 1, rows from 0; see [`BadLine::line`].
+    pub fn noun(&self, count: u64) -> &'static str {
+        match (self, count) {
+            (Self::Text { .. }, 1) => "line",
+            (Self::Text { .. }, _) => "lines",
+            (Self::Npy { .. }, 1) => "row",
+            (Self::Npy { .. }, _) => "rows",
+        }
+    }
 }
 
 impl fmt::Display for Format {
@@ -129,9 +148,17 @@ impl fmt::Display for Delimiter {
 pub struct Column {
     /// What the column was read as; `None` when it was ignored.
     pub role: Option<Role>,
-    /// Its name as the header spells it, cut to 40 characters and with control characters escaped; its number,
-    /// counted from 1, where there is no header.
+    /// Its name as the header spells it, cut to 40 characters and with control characters escaped;
+    /// `column 1`, `column 2`, … where there is no header.
     pub name: String,
+}
+
+impl Column {
+    /// The columns of a file, named by its header or else by their numbers.
+    pub(crate) fn all(names: &[Name], roles: &[Option<Role>], header: bool) -> Vec<Self> {
+        let name = |place: usize| if header { names[place].shown() } else { format!("column {}", place + 1) };
+        roles.iter().enumerate().map(|(place, role)| Self { role: *role, name: name(place) }).collect()
+    }
 }
 
 /// The lines left out of a packing.
@@ -158,11 +185,11 @@ impl Skipped {
 /// A line that could not be read, and why.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct BadLine {
-    /// Line counted from 1; in an array, row counted from 0 as in NumPy.
+    /// Line counted from 1; in an array, row counted from 0 as in NumPy. [`Format::noun`] tells which.
     pub line: u64,
     /// The line, cut to about 80 characters, control characters escaped; in an array, the row's values.
     pub text: String,
-    /// What is wrong with it, with the column's name.
+    /// What is wrong with it, with the column's name; in an array, with the row's number as well.
     pub problem: String,
 }
 

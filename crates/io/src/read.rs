@@ -14,7 +14,8 @@ pub struct ReadOptions {
     /// Which column is what; `None` takes it from the header, or from the number of columns.
     pub columns: Option<Columns>,
     /// Leaves lines that cannot be read out of the packing, and lists them in
-    /// [`Source::skipped`](crate::Source), instead of stopping at the first.
+    /// [`Source::skipped`](crate::Source), instead of stopping at the first. The elements keep the numbers of
+    /// their rows in [`Packing::row_numbers`].
     pub skip_bad_lines: bool,
     /// Leaves an id column unread, so elements go by their row number.
     pub ignore_ids: bool,
@@ -23,13 +24,14 @@ pub struct ReadOptions {
 /// Reads a packing from the content of a file.
 ///
 /// The format is told from the content, never from a name. A file that starts with `\x93NUMPY` is a NumPy
-/// array (`<f4`, `<f8`, either byte order, C or Fortran order, or a structured array with named fields);
-/// anything else must be text, one element per row:
+/// array (floats of 32 or 64 bits, integers, either byte order, C or Fortran order, or a structured array with
+/// named fields); anything else must be text, one element per row:
 ///
 /// - Fields are separated by commas, semicolons, or runs of blanks and tabs, as the first line that is not
-///   a comment shows. `#` starts a comment; blank lines, CRLF line ends and a byte order mark are fine.
-/// - A header line names the columns: `x`, `PosX[m]`, `X (mm)`, `Points:0`; `radius`, `r`, `diameter`, `d`,
-///   `id` and their like, in any case. Other columns are ignored. A `#` line just above the first row
+///   a comment shows, or as a first line `sep=;` says. `#` starts a comment, and so does `%` at the start of a
+///   line; blank lines, CRLF line ends and a byte order mark are fine.
+/// - A header line names the columns: `x`, `PosX[m]`, `X (mm)`, `x_mm`, `Points:0`; `radius`, `r`, `diameter`,
+///   `d`, `id` and their like, in any case. Other columns are ignored. A comment line just above the first row
 ///   serves as well if it fits. Without a header, 2 columns are x y, 3 are x y z, 4 are x y z radius.
 /// - Without z the packing is 2D. Diameters are halved.
 ///
@@ -42,7 +44,7 @@ pub struct ReadOptions {
 ///
 /// # Cost
 /// Time proportional to the bytes, one thread; memory: the packing, 8 bytes a row more while reading ids,
-/// and 16 bytes a row if they are not already in increasing order.
+/// and 16 bytes a row if they are not already in increasing order. More than 10 000 columns are refused.
 ///
 /// # Errors
 /// [`ReadError`]: the file is no table of elements, a column is missing or named twice, a line cannot be
@@ -59,7 +61,7 @@ pub struct ReadOptions {
 /// ```
 pub fn read(bytes: &[u8], options: &ReadOptions, progress: &AtomicU64) -> Result<Packing, ReadError> {
     progress.store(0, Ordering::Relaxed);
-    if bytes.is_empty() {
+    if bytes.is_empty() || bytes == BYTE_ORDER_MARK {
         return Err(ReadError::Empty);
     }
     if let Some((_, format, advice)) = FOREIGN.iter().find(|(magic, ..)| bytes.starts_with(magic)) {
@@ -74,12 +76,15 @@ pub fn read(bytes: &[u8], options: &ReadOptions, progress: &AtomicU64) -> Result
     Ok(packing)
 }
 
+/// What some programs write before text in UTF-8.
+pub(crate) const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
+
 const UNPACK: &str = "unpack it first";
 const AS_UTF_8: &str = "save it as UTF-8";
 const AS_TABLE: &str = "export the elements as a CSV table with columns x, y, z and radius";
 
-/// Formats that people hand over by mistake: first bytes, name, what to do.
-const FOREIGN: [(&[u8], &str, &str); 14] = [
+/// Formats that people hand over by mistake: first bytes, name, what to do. The first that fits counts.
+const FOREIGN: [(&[u8], &str, &str); 15] = [
     (b"\x1f\x8b", "gzip-compressed data", UNPACK),
     (b"\x28\xb5\x2f\xfd", "zstd-compressed data", UNPACK),
     (b"\xfd7zXZ\x00", "xz-compressed data", UNPACK),
@@ -99,6 +104,8 @@ const FOREIGN: [(&[u8], &str, &str); 14] = [
         "a LAMMPS dump",
         "keep the rows of one time step, under a line with the column names",
     ),
+    // Before UTF-16, whose mark it starts with.
+    (b"\xff\xfe\x00\x00", "UTF-32 text", AS_UTF_8),
     (b"\xff\xfe", "UTF-16 text", AS_UTF_8),
     (b"\xfe\xff", "UTF-16 text", AS_UTF_8),
     (b"\x00\x00\xfe\xff", "UTF-32 text", AS_UTF_8),

@@ -1,10 +1,12 @@
 //! One row of text: a fast way for the clean ones, and a careful way that says what is wrong.
 
 use std::borrow::Cow;
+use std::fmt;
 
 use crate::columns::Role;
 use crate::excerpt;
 use crate::packing::Delimiter;
+use crate::table::MOST_COLUMNS;
 
 /// Largest whole number up to which every whole number is an `f64`: 2^53.
 const WHOLE_FLOATS: f64 = 9_007_199_254_740_992.0;
@@ -91,7 +93,7 @@ impl RowReader {
                     let ends = |byte: u8| Some(byte) == separator || self.is_blank(byte) || byte == b'\r';
                     let length = rest.iter().position(|&byte| ends(byte)).unwrap_or(rest.len());
                     if (length == 0 && separator.is_none())
-                        || rest[..length].iter().any(|byte| matches!(byte, b'"' | b'#'))
+                        || rest[..length].iter().any(|byte| matches!(byte, b'"' | b'#' | b'%'))
                     {
                         return None;
                     }
@@ -106,14 +108,26 @@ impl RowReader {
 
     /// The same row with everything a line may hold; `Ok(None)` for a blank line or a comment.
     pub(crate) fn read(&self, line: &[u8]) -> Result<Option<Row>, String> {
+        if is_torn(line) {
+            return Err(TORN.into());
+        }
         let line = content(line);
         if line.is_empty() {
             return Ok(None);
         }
         let fields = split(line, self.delimiter);
-        if fields.len() != self.slots.len() {
-            return Err(self.wrong_count(&fields));
-        }
+        let row = if fields.len() == self.slots.len() {
+            self.values(&fields)
+        } else {
+            Err(self.wrong_count(line, &fields))
+        };
+        row.map(Some).map_err(|problem| match self.other_delimiter(line) {
+            Some(other) => format!("{problem} ({other})"),
+            None => problem,
+        })
+    }
+
+    fn values(&self, fields: &[&[u8]]) -> Result<Row, String> {
         let mut row = Row::default();
         for ((field, slot), label) in fields.iter().zip(&self.slots).zip(&self.labels) {
             match *slot {
@@ -125,22 +139,56 @@ impl RowReader {
                 check_size(row.values[SIZE], self.size, label)?;
             }
         }
-        Ok(Some(row))
+        Ok(row)
     }
 
-    fn wrong_count(&self, fields: &[&[u8]]) -> String {
-        let (expected, found) = (self.slots.len(), fields.len());
+    fn wrong_count(&self, line: &[u8], split: &[&[u8]]) -> String {
+        let (expected, found) = (self.slots.len(), fields(line, self.delimiter).count());
         let digits = |field: &&[u8]| {
             !field.is_empty() && field.iter().all(|byte| byte.is_ascii_digit() || *byte == b'-')
         };
-        let hint = if fields.iter().any(|field| has_decimal_comma(field, self.delimiter))
-            || (self.delimiter == Delimiter::Comma && found == 2 * expected && fields.iter().all(digits))
-        {
-            format!(" ({DECIMAL_COMMA})")
-        } else {
-            String::new()
+        let halves = || found == 2 * expected && split.iter().all(digits);
+        let decimal = self.delimiter == Delimiter::Comma
+            && (halves()
+                || [Delimiter::Semicolon, Delimiter::Blank].into_iter().any(|other| {
+                    self.fits(line, other, has_decimal_comma) && !self.fits(line, other, |_, _| false)
+                }));
+        let hint = if decimal { format!(" ({})", Slip::Decimal) } else { String::new() };
+        format!("expected {}, found {found}{hint}", excerpt::count(expected as u64, "field"))
+    }
+
+    /// Says so when a row is bad only because its fields are separated otherwise than in the rows before.
+    fn other_delimiter(&self, line: &[u8]) -> Option<String> {
+        // Beside commas, a number with a comma is no number but two fields.
+        let number = |field: &[u8], delimiter: Delimiter| {
+            ![self.delimiter, delimiter].contains(&Delimiter::Comma) && has_decimal_comma(field, delimiter)
         };
-        format!("expected {expected} fields, found {found}{hint}")
+        let mut others = [Delimiter::Semicolon, Delimiter::Comma, Delimiter::Blank].into_iter();
+        let other = others.find(|&other| other != self.delimiter && self.fits(line, other, number))?;
+        let has = |blank: u8| line.trim_ascii().contains(&blank);
+        let plural = |delimiter| match delimiter {
+            Delimiter::Blank => "blanks or tabs",
+            Delimiter::Tab => "tabs",
+            Delimiter::Comma => "commas",
+            Delimiter::Semicolon => "semicolons",
+        };
+        let shown = match (other, has(b' '), has(b'\t')) {
+            (Delimiter::Blank, false, _) => "tabs",
+            (Delimiter::Blank, _, false) => "blanks",
+            _ => plural(other),
+        };
+        Some(format!("separated by {shown}, the lines before by {}", plural(self.delimiter)))
+    }
+
+    /// Whether a row has the right columns with another delimiter, `number` being what else counts as one.
+    fn fits(&self, line: &[u8], other: Delimiter, number: impl Fn(&[u8], Delimiter) -> bool) -> bool {
+        let fields = split(line, other);
+        fields.len() == self.slots.len()
+            && fields.iter().zip(&self.slots).all(|(field, slot)| {
+                matches!(slot, Slot::Skip)
+                    || fast_float2::parse::<f64, _>(field).is_ok()
+                    || number(field, other)
+            })
     }
 
     fn value(&self, field: &[u8], label: &str) -> Result<f64, String> {
@@ -152,10 +200,10 @@ impl RowReader {
             }
             Ok(_) => Err(format!("'{}' in column {label} is not a finite number", shown())),
             Err(_) if field.is_empty() => Err(format!("column {label} is empty")),
-            Err(_) if has_decimal_comma(field, self.delimiter) => {
-                Err(format!("'{}' in column {label} {DECIMAL_COMMA}", shown()))
-            }
-            Err(_) => Err(format!("cannot read '{}' as a number in column {label}", shown())),
+            Err(_) => Err(match slip(field, self.delimiter) {
+                Some(slip) => format!("'{}' in column {label} {slip}", shown()),
+                None => format!("cannot read '{}' as a number in column {label}", shown()),
+            }),
         }
     }
 
@@ -172,18 +220,82 @@ impl RowReader {
     }
 }
 
-const DECIMAL_COMMA: &str = "looks like a decimal comma: use a point";
+/// What a field that is no number was probably meant as.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Slip {
+    /// `0,5`; in a comma-separated file `5 0`, the end of `0,5` and the start of `0,2`.
+    Decimal,
+    /// `1,000,000`; in a comma-separated file `1 000`.
+    Thousands,
+    /// `1,000` may be either.
+    Either,
+}
 
-/// Whether a field is `0,5`; in a comma-separated file, whether the comma fell between `0` and `5 0`.
-pub(crate) fn has_decimal_comma(field: &[u8], delimiter: Delimiter) -> bool {
-    let (sign, mark): (&[u8], _) = match delimiter {
-        Delimiter::Comma => (b"+-", [b' ', b'\t']),
-        _ => (b"", [b',', b',']),
-    };
-    memchr::memchr2_iter(mark[0], mark[1], field).any(|at| {
-        let after = field[at..].iter().find(|byte| !mark.contains(byte) && !sign.contains(byte));
-        at > 0 && field[at - 1].is_ascii_digit() && after.is_some_and(u8::is_ascii_digit)
-    }) && field.iter().all(|byte| byte.is_ascii_digit() || b"+-eE, \t".contains(byte))
+impl fmt::Display for Slip {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Decimal => "looks like a decimal comma: use a point",
+            Self::Thousands => "looks like a thousands separator: write the digits without it",
+            Self::Either => {
+                "looks like a decimal comma or thousands separator: use a point before decimals, and nothing \
+                 between thousands"
+            }
+        })
+    }
+}
+
+/// The slip that a field shows, if any.
+pub(crate) fn slip(field: &[u8], delimiter: Delimiter) -> Option<Slip> {
+    let beside_commas = delimiter == Delimiter::Comma;
+    let is_mark = |byte: &u8| if beside_commas { matches!(byte, b' ' | b'\t') } else { *byte == b',' };
+    let unsigned = |number: &'_ [u8]| usize::from(matches!(number, [b'+' | b'-', ..]));
+    let field = &field[unsigned(field)..];
+    // A run of blanks is one mark, but `1,,000` is no number.
+    let groups = field.split(is_mark).filter(|group| !(beside_commas && group.is_empty()));
+    let groups: Vec<&[u8]> = groups.take(LONGEST_NUMBER).collect();
+    let [first, rest @ .., last] = &groups[..] else { return None };
+
+    let digits = |group: &[u8]| group.iter().all(u8::is_ascii_digit);
+    let (whole, fraction) = last.split_at(last.iter().position(|byte| *byte == b'.').unwrap_or(last.len()));
+    let grouped = |group: &[u8]| group.len() == 3 && digits(group);
+    let thousands = (1..=3).contains(&first.len())
+        && digits(first)
+        && first[0] != b'0'
+        && rest.iter().all(|group| grouped(group))
+        && grouped(whole)
+        && digits(fraction.strip_prefix(b".").unwrap_or_default());
+
+    let after = if beside_commas { &last[unsigned(last)..] } else { last };
+    let plain = |group: &[u8]| group.iter().all(|byte| byte.is_ascii_digit() || b"+-eE".contains(byte));
+    // The start of a number is `0` or `12`, not `012`.
+    let decimal = rest.is_empty()
+        && first.last().is_some_and(u8::is_ascii_digit)
+        && after.first().is_some_and(u8::is_ascii_digit)
+        && plain(first)
+        && plain(after)
+        && !(beside_commas && after.len() > 1 && after[0] == b'0');
+    match (decimal, thousands) {
+        (true, true) => Some(Slip::Either),
+        (true, false) => Some(Slip::Decimal),
+        (false, true) => Some(Slip::Thousands),
+        (false, false) => None,
+    }
+}
+
+/// Groups looked at in a number: that of the largest `f64` has 103 of three digits.
+const LONGEST_NUMBER: usize = 128;
+
+fn has_decimal_comma(field: &[u8], delimiter: Delimiter) -> bool {
+    matches!(slip(field, delimiter), Some(Slip::Decimal | Slip::Either))
+}
+
+/// What is wrong with a line that [`is_torn`].
+pub(crate) const TORN: &str =
+    "a carriage return without line feed inside the line: two lines may have run together";
+
+/// Whether anything follows a carriage return in a line: `1 0\r1` is not `1 0 1`.
+pub(crate) fn is_torn(line: &[u8]) -> bool {
+    memchr::memchr(b'\r', line).is_some_and(|at| !line[at..].trim_ascii_start().is_empty())
 }
 
 /// Says so when a radius or diameter is negative.
@@ -242,8 +354,11 @@ fn separator(delimiter: Delimiter) -> Option<u8> {
     }
 }
 
-/// The line without its comment. Blanks and line end go too, but not tabs, which may separate empty fields.
+/// The line without its comment: from `#` on, or all of it if it starts with `%`. Blanks and line end go too, but not tabs, which may separate empty fields.
 pub(crate) fn content(line: &[u8]) -> &[u8] {
+    if line.trim_ascii_start().starts_with(b"%") {
+        return b"";
+    }
     let mut quoted = false;
     let comment = |byte: &u8| {
         quoted ^= *byte == b'"';
@@ -257,16 +372,21 @@ pub(crate) fn content(line: &[u8]) -> &[u8] {
     if line.trim_ascii().is_empty() { b"" } else { line.strip_suffix(b"\r").unwrap_or(line) }
 }
 
-/// The fields of a line, trimmed and without quotes. Empty fields count, except between blanks.
+/// The fields of a line up to one more than any table has, so that a line of millions takes no memory.
 pub(crate) fn split(line: &[u8], delimiter: Delimiter) -> Vec<&[u8]> {
+    fields(line, delimiter).take(MOST_COLUMNS + 1).collect()
+}
+
+/// The fields of a line, trimmed and without quotes. Empty fields count, except between blanks.
+fn fields(line: &[u8], delimiter: Delimiter) -> impl Iterator<Item = &[u8]> {
     let mut quoted = false;
     let separator = separator(delimiter);
-    let fields = line.split(|&byte| {
+    let fields = line.split(move |&byte| {
         quoted ^= byte == b'"';
         !quoted && separator.map_or(byte.is_ascii_whitespace(), |separator| byte == separator)
     });
     let fields = fields.map(|field| unquote(field.trim_ascii()));
-    if separator.is_none() { fields.filter(|field| !field.is_empty()).collect() } else { fields.collect() }
+    fields.filter(move |field| separator.is_some() || !field.is_empty())
 }
 
 fn unquote(field: &[u8]) -> &[u8] {
@@ -378,5 +498,59 @@ mod tests {
         for field in ["5", "5 a", " 5", "0.5 0.2"] {
             assert!(!has_decimal_comma(field.as_bytes(), Delimiter::Comma), "{field}");
         }
+    }
+
+    #[test]
+    fn thousands_are_told_from_decimals() {
+        use Slip::{Decimal, Either, Thousands};
+        for (field, expected) in [
+            ("1,000", Some(Either)),
+            ("-12,345", Some(Either)),
+            ("0,125", Some(Decimal)),
+            ("1,00", Some(Decimal)),
+            ("1234,567", Some(Decimal)),
+            ("1,000,000", Some(Thousands)),
+            ("1,000.5", Some(Thousands)),
+            ("1,0,1", None),
+            ("1,,000", None),
+            ("1", None),
+            (",", None),
+            ("", None),
+        ] {
+            assert_eq!(slip(field.as_bytes(), Delimiter::Semicolon), expected, "{field}");
+            assert_eq!(slip(field.as_bytes(), Delimiter::Blank), expected, "{field}");
+        }
+        for (field, expected) in [
+            ("1 000", Some(Thousands)),
+            ("2 500", Some(Either)),
+            ("1 000 000", Some(Thousands)),
+            ("5 -0", Some(Decimal)),
+            ("5e-3\t 0", Some(Decimal)),
+            ("1 2 3", None),
+            ("5 a", None),
+        ] {
+            assert_eq!(slip(field.as_bytes(), Delimiter::Comma), expected, "{field}");
+        }
+        assert_eq!(slip("1,000".repeat(1_000_000).as_bytes(), Delimiter::Blank), None);
+    }
+
+    #[test]
+    fn a_torn_line_is_no_row() {
+        assert!(is_torn(b"1 0\r1"));
+        assert!(is_torn(b"# c\r1 0"), "a comment must not hide a row");
+        assert!(!is_torn(b"1 0\r"));
+        assert!(!is_torn(b"1 0 \r\r "));
+        for line in [b"1 0\r1".as_slice(), b"# c\r1 0 1", b"1 0 1\r\r1"] {
+            assert_eq!(xyr(Delimiter::Blank).read_clean(line), None);
+            assert_eq!(xyr(Delimiter::Blank).read(line), Err(TORN.into()));
+        }
+    }
+
+    #[test]
+    fn a_percent_sign_starts_a_comment_at_the_start_only() {
+        let skip = reader(Delimiter::Blank, &[None, Some(Role::X), Some(Role::Y)]);
+        assert_eq!(skip.read_clean(b"% 1 2"), None);
+        assert_eq!(skip.read(b" % 1 2"), Ok(None));
+        assert_eq!(skip.read(b"5% 1 2"), Ok(Some(Row { values: [1.0, 2.0, 0.0, 0.0], id: 0 })));
     }
 }

@@ -4,6 +4,9 @@ use crate::columns::{Choice, Columns, Name, Role};
 use crate::error::ReadError;
 use crate::excerpt;
 
+/// More columns are no table of elements, and a name for each might not fit in memory.
+pub(crate) const MOST_COLUMNS: usize = 10_000;
+
 /// The columns of one file before roles are given out.
 pub(crate) struct Table<'a> {
     /// The names of the header, or the numbers of the columns counted from 1.
@@ -38,7 +41,12 @@ impl Table<'_> {
         for (role, wanted) in chosen {
             let place = self.place_of(wanted)?;
             if let Some(taken) = roles[place] {
-                return Err(self.clash((place, taken), (place, *role)));
+                return Err(ReadError::TwoRoles {
+                    line: self.line,
+                    column: self.names[place].shown(),
+                    first_role: taken,
+                    second_role: *role,
+                });
             }
             roles[place] = Some(*role);
         }
@@ -48,7 +56,7 @@ impl Table<'_> {
     /// The column of a name as the header spells it, or else of a number, or else of a name but for its unit
     /// and capitals.
     fn place_of(&self, wanted: &str) -> Result<usize, ReadError> {
-        let plain = Name::new(wanted).plain;
+        let plain = [Name::new(wanted).plain, Name::unsuffixed(wanted).plain];
         let places = |fits: &dyn Fn(&Name) -> bool| -> Vec<usize> {
             (0..self.names.len()).filter(|&place| fits(&self.names[place])).collect()
         };
@@ -59,7 +67,7 @@ impl Table<'_> {
             );
         }
         if found.is_empty() {
-            found = places(&|name| !plain.is_empty() && name.plain == plain);
+            found = places(&|name| !name.plain.is_empty() && plain.contains(&name.plain));
         }
         match found[..] {
             [place] => Ok(place),
@@ -90,7 +98,12 @@ impl Table<'_> {
             }
         }
         match [Role::X, Role::Y].into_iter().find(|role| !roles.contains(&Some(*role))) {
-            Some(role) => Err(ReadError::MissingColumn { line: self.line, role, present: self.present() }),
+            Some(role) => Err(ReadError::MissingColumn {
+                line: self.line,
+                role,
+                present: self.present(),
+                title: self.line.is_some() && roles.iter().all(Option::is_none),
+            }),
             None => Ok(roles),
         }
     }

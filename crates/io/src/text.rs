@@ -7,9 +7,9 @@ use crate::elements::Elements;
 use crate::error::ReadError;
 use crate::excerpt;
 use crate::packing::{BadLine, Column, Delimiter, Format, Packing, Source};
-use crate::read::ReadOptions;
-use crate::row::{RowReader, content, has_decimal_comma, split, text};
-use crate::table::Table;
+use crate::read::{BYTE_ORDER_MARK, ReadOptions};
+use crate::row::{RowReader, TORN, content, is_torn, slip, split, text};
+use crate::table::{MOST_COLUMNS, Table};
 
 /// Lines between two reports of progress: some microseconds' work, so a reader of it never waits.
 const LINES_PER_REPORT: u64 = 1024;
@@ -25,7 +25,7 @@ pub(crate) fn read_text(
     progress: &AtomicU64,
 ) -> Result<Packing, ReadError> {
     check_text(bytes)?;
-    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let bytes = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes);
     let (opening, mut lines) = Opening::read(bytes, options)?;
 
     // A row takes two bytes for every column at least: a bound that a file of blank lines cannot blow up.
@@ -48,7 +48,7 @@ pub(crate) fn read_text(
                 if !options.skip_bad_lines {
                     return Err(ReadError::Malformed { line: number, text, problem });
                 }
-                elements.skipped.push(BadLine { line: number, text, problem });
+                elements.skip(BadLine { line: number, text, problem });
             }
         }
     }
@@ -67,6 +67,7 @@ pub(crate) fn read_text(
         centres: elements.centres,
         radii: elements.radii,
         ids: elements.ids,
+        row_numbers: elements.row_numbers,
         source: Source {
             format: Format::Text { delimiter: opening.delimiter },
             columns: opening.columns,
@@ -79,18 +80,22 @@ pub(crate) fn read_text(
 
 /// Refuses bytes that no text file holds.
 fn check_text(bytes: &[u8]) -> Result<(), ReadError> {
-    let not_text = |offset: usize, found: String| ReadError::NotText {
+    let not_text = |offset: usize, found: String, advice: &'static str| ReadError::NotText {
         line: memchr::memchr_iter(b'\n', &bytes[..offset]).count() as u64 + 1,
         offset: offset as u64,
         found,
+        advice,
     };
     let checked = std::str::from_utf8(bytes);
     let valid = checked.map_or_else(|error| error.valid_up_to(), str::len);
     if let Some(offset) = memchr::memchr(0, &bytes[..valid]) {
-        return Err(not_text(offset, "a NUL byte".into()));
+        return Err(not_text(offset, "a NUL byte".into(), ""));
     }
     if valid < bytes.len() {
-        return Err(not_text(valid, format!("0x{:02X}, which is not UTF-8,", bytes[valid])));
+        // Latin-1 has no NUL, other formats do.
+        let is_text = memchr::memchr(0, &bytes[valid..]).is_none();
+        let advice = if is_text { ": if it is text in another encoding, save it as UTF-8" } else { "" };
+        return Err(not_text(valid, format!("0x{:02X}, which is not UTF-8,", bytes[valid]), advice));
     }
     let head = &bytes[..bytes.len().min(HEAD)];
     let control = |byte: &u8| byte.is_ascii_control() && !byte.is_ascii_whitespace();
@@ -100,9 +105,13 @@ fn check_text(bytes: &[u8]) -> Result<(), ReadError> {
         return Err(not_text(
             offset,
             format!("{controls} control characters in {} bytes, the first", head.len()),
+            "",
         ));
     }
-    if memchr::memchr(b'\n', bytes).is_none() && bytes.trim_ascii().contains(&b'\r') {
+    // One that something else than a line feed follows ends a line of an old Mac, or is an accident.
+    let lone = |at: &usize| bytes.get(at + 1).is_some_and(|next| !b"\r\n".contains(next));
+    let lone = memchr::memchr_iter(b'\r', bytes.trim_ascii()).filter(lone).count();
+    if lone > 0 && lone > memchr::memchr_iter(b'\n', bytes).count() {
         return Err(ReadError::Foreign {
             format: "text with lone carriage returns as line ends",
             advice: "convert the line ends to LF or CRLF",
@@ -162,21 +171,41 @@ impl Opening {
     fn read<'a>(bytes: &'a [u8], options: &ReadOptions) -> Result<(Self, Lines<'a>), ReadError> {
         let mut lines = Lines { bytes, at: 0, number: 0 };
         let mut comment = None;
+        let mut separated = None;
         let (mut rows, number, first) = loop {
             let before = lines.clone();
             let Some((number, line)) = lines.next() else {
                 return Err(ReadError::NoRows { lines: lines.number });
             };
+            let malformed = |problem: String| {
+                Err(ReadError::Malformed { line: number, text: excerpt::line(line), problem })
+            };
+            if is_torn(line) {
+                return malformed(TORN.into());
+            }
             let trimmed = content(line);
+            if number == 1
+                && let Some(separator) = separator_line(trimmed)
+            {
+                match separator {
+                    Ok(delimiter) => separated = delimiter,
+                    Err(problem) => return malformed(problem),
+                }
+                continue;
+            }
             if !trimmed.is_empty() {
                 break (before, number, trimmed);
             }
-            if let Some(text) = line.trim_ascii_start().strip_prefix(b"#") {
-                comment = Some((number, text));
+            let comments = line.trim_ascii_start();
+            if comments.starts_with(b"#") || comments.starts_with(b"%") {
+                comment = Some((number, without_marks(comments)));
             }
         };
-        let mut delimiter = delimiter_of(first);
+        let mut delimiter = separated.unwrap_or_else(|| delimiter_of(first));
         let fields = split(first, delimiter);
+        if fields.len() > MOST_COLUMNS {
+            return Err(ReadError::TooManyColumns { line: Some(number) });
+        }
         let choice = options.columns.as_ref();
         let mut shown = first;
         let (names, header, line) = if is_header(&fields, delimiter, choice) {
@@ -196,9 +225,10 @@ impl Opening {
             (names, true, line)
         } else {
             if choice.is_none()
-                && let Some(field) = fields.iter().find(|field| has_decimal_comma(field, delimiter))
+                && let Some((field, slip)) =
+                    fields.iter().find_map(|field| Some((field, slip(field, delimiter)?)))
             {
-                let problem = format!("'{}' looks like a decimal comma: use a point", excerpt::field(field));
+                let problem = format!("'{}' {slip}", excerpt::field(field));
                 return Err(ReadError::Malformed { line: number, text: excerpt::line(first), problem });
             }
             (numbered(fields.len()), false, number)
@@ -215,8 +245,7 @@ impl Opening {
             _ => name.shown(),
         };
         let labels = names.iter().zip(&roles).map(label).collect();
-        let columns = names.iter().zip(&roles).map(|(name, role)| Column { role: *role, name: name.shown() });
-        let columns = columns.collect();
+        let columns = Column::all(&names, &roles, header);
         let rows_from = rows;
         let rows = RowReader::new(delimiter, &roles, labels);
         Ok((Self { delimiter, roles, columns, unit, rows }, rows_from))
@@ -226,6 +255,27 @@ impl Opening {
 /// Columns without names go by their numbers, counted from 1.
 fn numbered(columns: usize) -> Vec<Name> {
     (1..=columns).map(|place| Name::new(&place.to_string())).collect()
+}
+
+/// What a first line such as `sep=;` says, which Excel takes and some programs write: `None` for any other line,
+/// no delimiter if nothing follows.
+fn separator_line(line: &[u8]) -> Option<Result<Option<Delimiter>, String>> {
+    let line = line.strip_prefix(b"\"").map_or(line, |inside| inside.strip_suffix(b"\"").unwrap_or(inside));
+    let (key, separator) = line.split_at_checked(4)?;
+    if !key.eq_ignore_ascii_case(b"sep=") {
+        return None;
+    }
+    let separator = text(separator);
+    let mut characters = separator.chars();
+    let first = characters.next();
+    characters.next().is_none().then(|| match first {
+        None => Ok(None),
+        Some(',') => Ok(Some(Delimiter::Comma)),
+        Some(';') => Ok(Some(Delimiter::Semicolon)),
+        Some('\t') => Ok(Some(Delimiter::Tab)),
+        Some(' ') => Ok(Some(Delimiter::Blank)),
+        Some(_) => Err("this separator is not read: use commas, semicolons, tabs or blanks".into()),
+    })
 }
 
 /// A semicolon separates where there is one, since `0,5;0,2` is no pair of columns; then a comma.
@@ -292,6 +342,12 @@ fn header_names(line: &[u8], delimiter: Delimiter, row: Option<&[u8]>) -> (Vec<N
     (names, agrees.unwrap_or(delimiter))
 }
 
+/// A comment without the marks that start it.
+fn without_marks(comment: &[u8]) -> &[u8] {
+    let marks = comment.iter().take_while(|byte| b"#%".contains(byte)).count();
+    &comment[marks..]
+}
+
 /// The names in a comment just above the first row, if they fit it.
 fn comment_names(
     comment: Option<(u64, &[u8])>,
@@ -324,7 +380,7 @@ fn names_of(fields: &[&[u8]], delimiter: Delimiter) -> Vec<Name> {
         let bracket = field.rfind(['(', '[', ')', ']']).map(|at| field.as_bytes()[at]);
         open = bracket.map_or(open, |bracket| matches!(bracket, b'(' | b'['));
     }
-    names.iter().map(|name| Name::new(name)).collect()
+    Name::all(names.iter().map(String::as_str))
 }
 
 #[cfg(test)]

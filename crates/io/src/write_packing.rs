@@ -87,7 +87,7 @@ fn write_rows<W: Write>(
     mut write: impl FnMut(&mut Vec<u8>, Values<'_>),
 ) -> io::Result<()> {
     if let Some(radii) = radii.filter(|radii| radii.len() != centres.len()) {
-        let problem = format!("expected {} radii, one for each centre, found {}", centres.len(), radii.len());
+        let problem = format!("expected as many radii as centres, {}, found {}", centres.len(), radii.len());
         return Err(io::Error::new(io::ErrorKind::InvalidInput, problem));
     }
     let mut chunk = head;

@@ -48,12 +48,94 @@ fn rows_that_cannot_be_read() {
         ("x y note\n1 2 #c\n", 2, "expected 3 fields, found 2"),
         ("note x y\n\"5 6 7\n", 2, "expected 3 fields, found 1"),
         ("x,y\n\"1,2\n", 2, "expected 2 fields, found 1"),
+        ("x,y\n1\n2\n", 2, "expected 2 fields, found 1: 1"),
+        ("sep=|\nx|y\n", 1, "this separator is not read"),
     ] {
         let error = error(text);
         assert!(matches!(error, ReadError::Malformed { .. }), "{text:?}: {error:?}");
         assert_eq!(error.line(), Some(line), "{text:?}: {error}");
         assert!(error.to_string().contains(message), "{text:?}: {error}");
     }
+}
+
+#[test]
+fn rows_with_another_separator() {
+    for (text, line, message) in [
+        ("x,y,r\n0,0,1\n1\t0\t1\n", 3, "found 1 (separated by tabs, the lines before by commas): 1\\t0\\t1"),
+        ("x,y,r\n0,0,1\n1 0 1\n", 3, "found 1 (separated by blanks, the lines before by commas): 1 0 1"),
+        ("x,y,r\n0,0,1\n1;0;1\n", 3, "found 1 (separated by semicolons, the lines before by commas)"),
+        ("x y r\n0 0 1\n1,0,1\n", 3, "found 1 (separated by commas, the lines before by blanks or tabs)"),
+        ("x y r\n0 0 1\n1, 0, 1\n", 3, "column x (separated by commas, the lines before by blanks or tabs)"),
+        ("x;y;r\n0;0;1\n1,0,1\n", 3, "found 1 (separated by commas, the lines before by semicolons)"),
+        (
+            "x y r\n0 0 1\n0,5;0;1\n",
+            3,
+            "found 1 (separated by semicolons, the lines before by blanks or tabs)",
+        ),
+    ] {
+        let error = error(text);
+        assert_eq!(error.line(), Some(line), "{text:?}: {error}");
+        assert!(error.to_string().contains(message), "{text:?}: {error}");
+        assert!(!error.to_string().contains("decimal"), "{text:?}: {error}");
+    }
+}
+
+#[test]
+fn commas_and_blanks_in_numbers() {
+    let decimal = "looks like a decimal comma: use a point";
+    let either = "looks like a decimal comma or thousands separator: use a point before decimals";
+    let thousands = "looks like a thousands separator: write the digits without it";
+    for (text, message) in [
+        ("x,y,r\n1 000,2 000,1\n", format!("'1 000' in column x {thousands}")),
+        ("1 000,2 000,1\n", format!("'1 000' {thousands}")),
+        ("x,y,r\n1 500,2 500,1\n", format!("'1 500' in column x {either}")),
+        ("x;y;r\n1,000;2,000;1\n", format!("'1,000' in column x {either}")),
+        ("1,000;2,000;1\n", format!("'1,000' {either}")),
+        ("x;y;r\n0;1,000,000;1\n", format!("'1,000,000' in column y {thousands}")),
+        ("x;y;r\n0;1,25;1\n", format!("'1,25' in column y {decimal}")),
+        ("x,y,r\n0,0,1\n0,5 0,2 0,1\n", format!("expected 3 fields, found 4 ({decimal})")),
+        ("x,y,r\n0,0,1\n0,5;0,2;0,1\n", format!("expected 3 fields, found 4 ({decimal})")),
+        ("x y r\n0 0 1\n1,0,1 2\n", "expected 3 fields, found 2: 1,0,1 2".into()),
+    ] {
+        let error = error(text).to_string();
+        assert!(error.contains(&message), "{text:?}: {error}");
+    }
+}
+
+#[test]
+fn lone_carriage_returns_do_not_join_lines() {
+    for (text, line) in [
+        ("x y r\n1 2 3\n1 0\r1\n4 5 6\n", 3),
+        ("x y r\n# c\r1 0 1\n1 2 3\n", 2),
+        ("# c\r1 0 1\n1 2 3\n", 1),
+        ("x y\r1 2\n3 4\n5 6\n", 1),
+    ] {
+        let error = error(text);
+        assert!(matches!(error, ReadError::Malformed { .. }), "{text:?}: {error:?}");
+        assert_eq!(error.line(), Some(line), "{text:?}: {error}");
+        assert!(error.to_string().contains("carriage return without line feed"), "{text:?}: {error}");
+    }
+    for text in ["x y\r1 2\r3 4\r\n", "x y\r1 2\r3 4\n"] {
+        assert!(matches!(error(text), ReadError::Foreign { .. }), "{text:?}");
+    }
+    let skip = ReadOptions { skip_bad_lines: true, ..ReadOptions::default() };
+    let packing = read(b"x y r\n1 2 3\n1 0\r1\n4 5 6\r\r\n", &skip, &AtomicU64::new(0)).unwrap();
+    assert_eq!((packing.centres.len(), packing.source.skipped.count), (2, 1));
+}
+
+#[test]
+fn millions_of_columns_are_no_table() {
+    let wide = "1,".repeat(3_000_000);
+    for text in [wide.clone(), format!("# c\n{wide}\n{wide}\n"), "x ".repeat(10_001)] {
+        let error = error(&text);
+        assert!(matches!(error, ReadError::TooManyColumns { .. }), "{error:?}");
+        assert!(error.to_string().contains("more than 10000 columns"), "{error}");
+    }
+    assert_eq!(error(&format!("# c\n{wide}\n")).line(), Some(2));
+    let error = error(&format!("x,y\n0,0\n{wide}\n"));
+    assert!(error.to_string().contains("expected 2 fields, found 3000001"), "{error}");
+    let widest = format!("x,y{}\n0,0{}\n", ",v".repeat(9_998), ",1".repeat(9_998));
+    assert!(read(widest.as_bytes(), &ReadOptions::default(), &AtomicU64::new(0)).is_ok());
 }
 
 #[test]
@@ -74,7 +156,12 @@ fn headers_that_do_not_serve() {
         ("x[mm],y[mm],radius[m]\n1,2,3\n", 1, "column x[mm] is in mm, column radius[m] in m: convert"),
         ("# x(mm) y(m)\n1 2\n", 1, "convert to one unit"),
         ("a\u{1b}[31m,b\n", 1, "the columns are: a\\u{1b}[31m, b"),
-        ("1\n2\n", 1, "1 columns and no header"),
+        ("1\n2\n", 1, "1 column and no header"),
+        (
+            "My packing\nx,y,r\n1,2,3\n",
+            1,
+            "the columns are: My, packing. Say which it is with --columns; or is this line a title? remove it or put # before it",
+        ),
         ("1 2 3 4 5\n", 1, "First row: 1 2 3 4 5"),
         ("glass 1 2 3 0.5\n", 1, "5 columns and no header"),
     ] {
@@ -82,13 +169,14 @@ fn headers_that_do_not_serve() {
         assert_eq!(error.line(), Some(line), "{text:?}: {error}");
         assert!(error.to_string().contains(message), "{text:?}: {error}");
     }
+    assert!(!error("a,z\n1,2\n").to_string().contains("title"), "z is known: the line is a header");
     let columns =
         |columns: &str| ReadOptions { columns: Some(columns.parse().unwrap()), ..ReadOptions::default() };
     for (text, chosen, message) in [
         ("x,y,r\n1,2,3\n", "x=PosX,y=y", "no column 'PosX'; the columns are: x, y, r"),
         ("1 2 3\n", "x=PosX,y=2", "no column 'PosX'; the columns are: 1, 2, 3"),
         ("1 2 3\n", "x=1,y=4", "no column '4'"),
-        ("a,b\n1,2\n", "x=a,y=1", "columns a (x) and a (y) clash"),
+        ("a,b\n1,2\n", "x=a,y=1", "--columns makes column a both x and y: give one of them another"),
         ("1 2 3\n", "x,y", "--columns lists 2 columns, found 3: use _"),
         ("a[m],A[mm],b\n1,2,3\n", "x=a,y=b", "'a' could be any of the columns a[m] (1), A[mm] (2)"),
     ] {
@@ -111,9 +199,18 @@ fn nothing_to_read() {
     assert_eq!(error(""), ReadError::Empty);
     assert_eq!(error("# a\n\n  \n# b"), ReadError::NoRows { lines: 4 });
     assert_eq!(error("\u{feff}\n"), ReadError::NoRows { lines: 1 });
+    assert_eq!(
+        error("\n").to_string(),
+        "only comments and blank lines (1 line): expected one element per row"
+    );
+    assert_eq!(error("\u{feff}"), ReadError::Empty);
+    assert_eq!(error("%\n% x y\n"), ReadError::NoRows { lines: 2 });
     let skip = ReadOptions { skip_bad_lines: true, ..ReadOptions::default() };
     let error = fails("x,y\n1,a\n2\n", &skip);
     assert!(matches!(error, ReadError::AllBad { count: 2, line: Some(2), .. }), "{error:?}");
+    assert!(error.to_string().starts_with("none of the 2 rows can be read; the first: cannot"), "{error}");
+    let error = fails("x,y\n1,a\n", &skip).to_string();
+    assert!(error.starts_with("none of the rows can be read; the only one: cannot"), "{error}");
 }
 
 #[test]
@@ -125,6 +222,8 @@ fn files_that_are_no_text() {
         (b"%PDF-1.7\n", "PDF"),
         (b"\xff\xfex\x00", "UTF-16"),
         (b"\xfe\xff\x00x", "UTF-16"),
+        (b"\xff\xfe\x00\x00x\x00\x00\x00", "UTF-32"),
+        (b"\x00\x00\xfe\xff\x00\x00\x00x", "UTF-32"),
         (b"\x89HDF\r\n", "HDF5"),
         (b"# vtk DataFile Version 3.0\n", "VTK"),
         (b"ITEM: TIMESTEP\n0\n", "LAMMPS"),
@@ -145,6 +244,11 @@ fn files_that_are_no_text() {
             error => panic!("{error:?}"),
         }
     }
+    let error = fails(b"x[\xb5m],y\n1,2\n", &ReadOptions::default()).to_string();
+    assert!(error.contains("0xB5, which is not UTF-8, at byte 2: "), "{error}");
+    assert!(error.contains("save it as UTF-8"), "{error}");
+    let error = fails(b"ab\xb5\x00", &ReadOptions::default()).to_string();
+    assert!(!error.contains("save"), "{error}");
 }
 
 /// A NumPy file with this header.
@@ -164,12 +268,12 @@ fn floats(values: &[f64]) -> Vec<u8> {
 #[test]
 fn arrays_that_do_not_serve() {
     let huge = "(18446744073709551615, 4)";
-    let cases: [(Vec<u8>, &str); 17] = [
+    let cases: [(Vec<u8>, &str); 20] = [
         (b"\x93NUMPY".to_vec(), "NumPy header: the file ends inside the header"),
         (npy("'<f8'", "None", "(1, 2)", &floats(&[0.0; 2])), "NumPy header"),
         (
-            npy("'<i8'", "False", "(1, 2)", &floats(&[0.0; 2])),
-            "the array of shape (1, 2) is <i8: expected float32",
+            npy("'<c8'", "False", "(1, 2)", &floats(&[0.0; 2])),
+            "the array of shape (1, 2) is <c8: expected float32, float64 or an integer",
         ),
         (npy("'<f2'", "False", "(1, 2)", &[0; 4]), "is <f2"),
         (npy("'<f8'", "False", "(2,)", &floats(&[0.0; 2])), "shape (2,), dtype <f8: expected (n, 2)"),
@@ -183,8 +287,11 @@ fn arrays_that_do_not_serve() {
         ),
         (
             npy("'<f8'", "False", "(1, 2)", &floats(&[0.0; 3])),
-            "should take 16 bytes (shape (1, 2)), found 24",
+            "should take 16 bytes (shape (1, 2)), found 24: the file goes on after the array",
         ),
+        (npy("'|u1'", "False", "(1, 1)", &[]), "1 column and no header"),
+        (npy("[]", "False", "(0,)", &[]), "the dtype has no named fields"),
+        (npy("[('', '|V8')]", "False", "(0,)", &[]), "the dtype has no named fields"),
         (npy("'<f8'", "False", huge, &floats(&[0.0; 4])), "cut off"),
         (npy("'<f8'", "True", huge, &floats(&[0.0; 4])), "cut off"),
         (npy("[('x', '<f8'), ('y', '<f8')]", "False", "(1, 1)", &floats(&[0.0; 2])), "shape (1, 1)"),
@@ -193,8 +300,8 @@ fn arrays_that_do_not_serve() {
             "no column for y; the columns are: x, v",
         ),
         (
-            npy("[('x', '<f8'), ('y', '<i8')]", "False", "(1,)", &floats(&[0.0; 2])),
-            "field y of the array of shape (1,) is <i8",
+            npy("[('x', '<f8'), ('y', '<M8')]", "False", "(1,)", &floats(&[0.0; 2])),
+            "field y of the array of shape (1,) is <M8",
         ),
         (npy("[('x', '<f8'), ('y', '<f8', (99,))]", "False", "(0,)", &[]), "field y"),
     ];
@@ -218,6 +325,11 @@ fn rows_of_an_array_that_cannot_be_read() {
     let error = fails(&bytes, &ReadOptions { skip_bad_lines: true, ..ReadOptions::default() });
     assert!(matches!(error, ReadError::AllBad { count: 1, line: None, .. }), "{error:?}");
 
+    let data: Vec<u8> = [0, (1_i64 << 53) + 1].iter().flat_map(|value| value.to_le_bytes()).collect();
+    let error = fails(npy("'<i8'", "False", "(1, 2)", &data), &ReadOptions::default());
+    let message = "y (column 2) is 9007199254740993, which a 64-bit float cannot hold exactly";
+    assert!(error.to_string().contains(message), "{error}");
+
     let row = floats(&[0.0, 0.0]);
     let data: Vec<u8> =
         [5_i64, 6, 5].iter().flat_map(|id| [id.to_le_bytes().to_vec(), row.clone()].concat()).collect();
@@ -228,7 +340,10 @@ fn rows_of_an_array_that_cannot_be_read() {
 
 #[test]
 fn a_missing_role_is_carried_by_the_error() {
-    let ReadError::MissingColumn { role, present, .. } = error("a,y\n1,2\n") else { panic!("not missing") };
+    let ReadError::MissingColumn { role, present, title, .. } = error("a,y\n1,2\n") else {
+        panic!("not missing")
+    };
     assert_eq!(role, Role::X);
+    assert!(!title);
     assert_eq!(present, ["a", "y"]);
 }

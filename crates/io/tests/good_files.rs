@@ -97,7 +97,57 @@ fn units_and_columns_are_reported() {
     assert_eq!(names, ["id", "mass[kg]", "PosX[mm]", "y (mm)", "Radius"]);
     assert_eq!(plain("x,y\n0,0\n").source.unit, None);
     let names: Vec<_> = plain("0 0\n").source.columns.into_iter().map(|column| column.name).collect();
-    assert_eq!(names, ["1", "2"]);
+    assert_eq!(names, ["column 1", "column 2"]);
+    let array = with(&npy("<f8", &[1, 2], npyz::Order::C, &[0.0, 0.0]), &ReadOptions::default());
+    let names: Vec<_> = array.source.columns.into_iter().map(|column| column.name).collect();
+    assert_eq!(names, ["column 1", "column 2"]);
+}
+
+#[test]
+fn units_need_no_brackets() {
+    for text in [
+        "x_mm,y_mm,radius_mm\n0,1,2\n",
+        "X mm;Y mm;radius mm\n0;1;2\n",
+        "x mm\ty mm\td mm\n0\t1\t4\n",
+        "# pos_x_mm y_mm r_mm\n0 1 2\n",
+    ] {
+        let packing = plain(text);
+        assert_eq!(packing.source.unit.as_deref(), Some("mm"), "{text:?}");
+        assert_eq!(packing.centres, Centres::Two(vec![[0.0, 1.0]]), "{text:?}");
+        assert_eq!(packing.radii, Some(vec![2.0]), "{text:?}");
+    }
+    let packing = plain("x,y,r_in,r_out\n0,0,1,2\n");
+    assert_eq!((packing.radii, packing.source.unit), (None, None), "an inner radius is not one in inches");
+    let packing = chosen("left_mm,top_mm,x\n1,2,3\n", "x=left,y=TOP_MM");
+    assert_eq!(packing.centres, Centres::Two(vec![[1.0, 2.0]]));
+    assert_eq!(packing.source.unit.as_deref(), Some("mm"));
+}
+
+#[test]
+fn percent_signs_start_comments() {
+    for text in ["% x y r\n1 2 3\n", "%% made by hand\n  % c\nx,y,r\n% c\n1,2,3\n%", "%radius,y,x\n3,2,1\n"] {
+        let packing = plain(text);
+        assert_eq!(packing.centres, Centres::Two(vec![[1.0, 2.0]]), "{text:?}");
+        assert_eq!(packing.radii, Some(vec![3.0]), "{text:?}");
+    }
+}
+
+#[test]
+fn a_first_line_may_name_the_separator() {
+    for (text, expected) in [
+        ("sep=;\nx;y;r\n1;2;3\n", Delimiter::Semicolon),
+        ("\u{feff}SEP=,\r\nx,y,r\r\n1,2,3\r\n", Delimiter::Comma),
+        ("\"sep=;\"\nx;y;r\n1;2;3\n", Delimiter::Semicolon),
+        ("sep=\t\nx\ty\tnote\tr\n1\t2\t\t3\n", Delimiter::Tab),
+        ("sep= \nx y r\n1 2 3\n", Delimiter::Blank),
+        ("sep=\nx y r\n1 2 3\n", Delimiter::Blank),
+    ] {
+        let packing = plain(text);
+        assert_eq!(delimiter(&packing), expected, "{text:?}");
+        assert_eq!(packing.centres, Centres::Two(vec![[1.0, 2.0]]), "{text:?}");
+        assert_eq!(packing.radii, Some(vec![3.0]), "{text:?}");
+        assert_eq!(packing.source.lines, 3, "{text:?}");
+    }
 }
 
 #[test]
@@ -157,6 +207,17 @@ fn bad_lines_are_left_out_when_asked() {
     assert_eq!(packing.source.skipped.first[1].line, 5);
     assert_eq!(packing.source.skipped.first[1].text, "1,oops,1");
     assert!(packing.source.skipped.first[1].problem.contains("'oops'"));
+    assert_eq!(packing.source.format.noun(packing.source.skipped.count), "lines");
+}
+
+#[test]
+fn elements_keep_the_numbers_of_their_rows() {
+    let skip = ReadOptions { skip_bad_lines: true, ..ReadOptions::default() };
+    let text = b"x y\n# c\n0 0\noops 0\n\n1 0\n2\n3 0\n";
+    assert_eq!(with(text, &skip).row_numbers, Some(vec![0, 2, 4]));
+    assert_eq!(with(b"x y\n0 0\n1 0\n", &skip).row_numbers, None, "nothing was skipped");
+    let array = npy("<f8", &[3, 2], npyz::Order::C, &[f64::NAN, 0.0, 1.0, 1.0, 2.0, 2.0]);
+    assert_eq!(with(&array, &skip).row_numbers, Some(vec![1, 2]));
 }
 
 #[test]
@@ -254,6 +315,21 @@ fn bad_rows_of_an_array_are_left_out_when_asked() {
     assert_eq!(packing.centres, Centres::Two(vec![[0.0, 0.0], [2.0, 2.0]]));
     assert_eq!(packing.source.skipped.count, 1);
     assert_eq!(packing.source.skipped.first[0].line, 1);
+    assert_eq!(packing.source.format.noun(1), "row");
+}
+
+#[test]
+fn arrays_of_integers() {
+    let bytes = npy("<i4", &[2, 3], npyz::Order::C, &[1_i32, 2, 3, -4, 5, 6]);
+    let packing = with(&bytes, &ReadOptions::default());
+    assert_eq!(packing.centres, Centres::Three(vec![[1.0, 2.0, 3.0], [-4.0, 5.0, 6.0]]));
+    let bytes = npy("<i8", &[1, 2], npyz::Order::Fortran, &[1_i64 << 60, -7]);
+    let packing = with(&bytes, &ReadOptions::default());
+    assert_eq!(packing.centres, Centres::Two(vec![[1_152_921_504_606_846_976.0, -7.0]]));
+    let packing =
+        with(&record("[('x_mm', '|u1'), ('y_mm', '>i2')]", 1, &[200, 255, 254]), &ReadOptions::default());
+    assert_eq!(packing.centres, Centres::Two(vec![[200.0, -2.0]]));
+    assert_eq!(packing.source.unit.as_deref(), Some("mm"));
 }
 
 /// A file of the round robin data, or `None` with a note where the data are not at hand.

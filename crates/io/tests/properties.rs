@@ -59,6 +59,12 @@ fn check(packing: &Packing, options: &ReadOptions) {
         assert!(!options.ignore_ids);
     }
     assert!(options.skip_bad_lines || packing.source.skipped.count == 0);
+    assert_eq!(packing.row_numbers.is_some(), packing.source.skipped.count > 0);
+    if let Some(numbers) = &packing.row_numbers {
+        assert_eq!(numbers.len(), n);
+        assert!(numbers.is_sorted_by(|a, b| a < b));
+        assert!(numbers.last().is_none_or(|last| *last < n as u64 + packing.source.skipped.count));
+    }
     assert!(packing.source.lines >= n as u64 + packing.source.skipped.count);
 }
 
@@ -85,7 +91,9 @@ fn bits(centres: &Centres) -> Vec<u64> {
     }
 }
 
-const GOOD: [&[u8]; 7] = [
+const GOOD: [&[u8]; 9] = [
+    b"sep=;\nx_mm;y mm;r_in\n1;2;3\n",
+    b"\x93NUMPY\x01\x00\x4e\x00{'descr': [('x','>i4'),('y','|u1')], 'fortran_order': True, 'shape': (1,)}   \n\0\0\0\0\0",
     b"Radius[m]\tPosX[m] PosY[m] PosZ[m]\r\n 0.001 -0.039 0.008 -0.080\r\n 0.002 1e-3 2 3\r\n\r\n",
     b"id,PosX[m],\"y\",z,d\n1,0.5,0.25,1,2\n7.0,1,1,1,.5 # c\n",
     b"# a\n# x y z r\n1 2 3 4\n5 6 7 8\n",
@@ -114,7 +122,7 @@ proptest! {
 
     /// Bytes that mean something, so that more of the reader is met than the check for text.
     #[test]
-    fn arbitrary_text_does_not_panic(text in "[-+0-9.eExyzrid#\", \t;\\[\\](=_\r\n]{0,120}") {
+    fn arbitrary_text_does_not_panic(text in "[-+0-9.eExyzrid#%\", \t;\\[\\](=_\r\n]{0,120}") {
         read_every_way(text.as_bytes());
     }
 

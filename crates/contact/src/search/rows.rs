@@ -10,7 +10,7 @@ use crate::elements::{Elements, Geometry, Shape};
 use crate::error::Error;
 use crate::grid::Grid;
 use crate::real::Real;
-use crate::search::Search;
+use crate::search::{Search, make_room};
 use crate::simd::kernel::{Neighbour, Output, Span, Task};
 use crate::simd::{Simd, portable};
 
@@ -145,8 +145,19 @@ impl<T: Real, const D: usize> Search<T, D> for Rows<T, D> {
 
     fn couples(&mut self, elements: &Elements<'_, T, D>, couples: &mut Vec<Couple>) -> Result<(), Error> {
         couples.clear();
-        let mut grow = |found: &mut Vec<Couple>| found.reserve(found.len().max(VISITED_AT_ONCE));
-        self.search(elements, &mut Output { couples, count: 0, count_only: false, make_room: &mut grow })
+        layout::reserve(couples, VISITED_AT_ONCE)?;
+        let mut room = Ok(());
+        let mut grow = |found: &mut Vec<Couple>| {
+            if room.is_ok() {
+                room = make_room(found);
+            }
+            if room.is_err() {
+                // The search goes on into memory that it has, and its result is refused.
+                found.clear();
+            }
+        };
+        self.search(elements, &mut Output { couples, count: 0, count_only: false, make_room: &mut grow })?;
+        room.inspect_err(|_| couples.clear())
     }
 
     fn count(&mut self, elements: &Elements<'_, T, D>) -> Result<u64, Error> {

@@ -48,6 +48,24 @@ fn bad_radii_name_the_element() {
 }
 
 #[test]
+fn a_bad_cutoff_is_named_as_it_was_given() {
+    for (value, text) in [(-3.0, "-3"), (1e300, "1e300"), (f64::NAN, "NaN")] {
+        let error = Elements::points(&[[0.0]], value).unwrap_err();
+        assert!(matches!(error, Error::InvalidCutoff { .. }), "{error:?}");
+        assert!(error.to_string().starts_with(&format!("cut-off {text} is not")), "{error}");
+    }
+}
+
+/// The caller's domain is at fault, and no element.
+#[test]
+fn a_domain_that_is_set_too_wide_blames_no_element() {
+    let elements = Elements::points(&[[0.0], [1.0]], 1.0).unwrap();
+    let error = Nbs::new().with_domain([[0.0, 1e12]]).count(&elements).unwrap_err();
+    assert!(matches!(error, Error::DomainTooWide { stretched_by: None, .. }), "{error:?}");
+    assert_eq!(error.element(), None);
+}
+
+#[test]
 fn lengths_that_differ_and_inverted_boxes_are_refused() {
     let centres = [[0.0, 0.0]; 3];
     let error = Elements::spheres_with_radii(&centres, &[1.0; 2]).unwrap_err();
@@ -87,8 +105,9 @@ fn a_domain_too_wide_says_how_wide_who_and_what_instead() {
     let mut visited = 0;
     let error = Nbs::new().for_each(&elements, |_| visited += 1).unwrap_err();
     assert_eq!(visited, 0);
-    let Error::DomainTooWide { axis: 2, element: 77, position, .. } = error else { panic!("{error:?}") };
-    assert_eq!(position, 1e12);
+    let Error::DomainTooWide { axis: 2, stretched_by, .. } = error else { panic!("{error:?}") };
+    assert_eq!(stretched_by, Some((77, 1e12)));
+    assert_eq!(error.element(), Some(77));
     let message = error.to_string();
     for part in ["along z", "Element 77", "1e12", "134217728", "Engine::Rows", "with_max_heads"] {
         assert!(message.contains(part), "{part:?} is not in: {message}");

@@ -24,8 +24,9 @@ pub(crate) enum Task {
 
 /// Find which elements of a packing touch.
 ///
-/// Reads circles or spheres from FILE and writes every couple that touches, once, as `i,j,distance,overlap`, in ascending
-/// order. Touching counts. The elements go by the ids in the file, or by their row number from 0.
+/// Reads circles or spheres from FILE and writes every couple that touches, once, as `i,j,distance,overlap`. Touching
+/// counts. Elements go by the ids in the file, or by the number of their data row from 0; couples come in the order of
+/// the rows.
 ///
 /// Text: columns separated by commas, semicolons, tabs or blanks; `#` starts a comment; a header names the columns
 /// (x, PosX[m], X (mm), radius, diameter, d, id, …). Without a header 2 columns are x y, 3 are x y z, 4 are x y z radius. NumPy
@@ -61,7 +62,7 @@ pub(crate) struct ContactsArguments {
     #[arg(long)]
     pub(crate) skip_bad_lines: bool,
 
-    /// Number the elements by row even if the file has an id column.
+    /// Number the elements by data row even if the file has an id column. (`--columns` without `id` does so too.)
     #[arg(long)]
     pub(crate) ignore_ids: bool,
 
@@ -78,11 +79,11 @@ pub(crate) struct ContactsArguments {
     pub(crate) json: Option<PathBuf>,
 
     /// Draw the elements and their contacts (up to 100,000 elements).
-    #[arg(long, value_name = "FILE.svg")]
+    #[arg(long, value_name = "FILE.svg", value_parser = svg)]
     pub(crate) picture: Option<PathBuf>,
 
     /// Check the couples of K random elements against all others by brute force; exit code 1 if any differ.
-    #[arg(long, value_name = "K", allow_negative_numbers = true)]
+    #[arg(long, value_name = "K", allow_negative_numbers = true, value_parser = at_least_one)]
     pub(crate) verify: Option<usize>,
 
     /// Print no summary and no progress.
@@ -129,6 +130,8 @@ pub(crate) enum Kind {
         #[command(flatten)]
         common: Common,
         #[command(flatten)]
+        dims: Dims,
+        #[command(flatten)]
         seed: Seed,
         #[command(flatten)]
         sizes: SizesArgument,
@@ -140,6 +143,8 @@ pub(crate) enum Kind {
     Lattice {
         #[command(flatten)]
         common: Common,
+        #[command(flatten)]
+        dims: Dims,
         /// Radius of every element.
         #[arg(long, value_name = "R", default_value_t = 0.5, allow_negative_numbers = true, value_parser = positive)]
         radius: f64,
@@ -151,6 +156,8 @@ pub(crate) enum Kind {
     Jittered {
         #[command(flatten)]
         common: Common,
+        #[command(flatten)]
+        dims: Dims,
         #[command(flatten)]
         seed: Seed,
         #[command(flatten)]
@@ -166,6 +173,8 @@ pub(crate) enum Kind {
     Clusters {
         #[command(flatten)]
         common: Common,
+        #[command(flatten)]
+        dims: Dims,
         #[command(flatten)]
         seed: Seed,
         #[command(flatten)]
@@ -199,23 +208,22 @@ pub(crate) enum Kind {
     Book {
         #[command(flatten)]
         common: Common,
+        #[command(flatten)]
+        dims: Dims,
         /// Which packing.
         #[arg(long, value_enum)]
         packing: BookPacking,
-        /// Spacing, in diameters; packing A has none.
-        #[arg(long, value_name = "S", default_value_t = 2.0, allow_negative_numbers = true, value_parser = positive)]
-        spacing: f64,
+        /// Spacing of packings B, C and D, in diameters [default: 2].
+        #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = positive)]
+        spacing: Option<f64>,
     },
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct Common {
     /// Number of elements.
-    #[arg(long, short = 'n', value_name = "N", default_value_t = 1000)]
+    #[arg(long, short = 'n', value_name = "N", default_value_t = 1000, allow_negative_numbers = true, value_parser = whole::<usize>)]
     pub(crate) elements: usize,
-    /// 2 for discs, 3 for spheres; the default is 3, and 2 for a deposit.
-    #[arg(long, value_name = "D", value_parser = clap::value_parser!(u8).range(2..=3))]
-    pub(crate) dims: Option<u8>,
     /// Write to FILE.csv or FILE.npy instead of standard output.
     #[arg(long, short, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
@@ -224,8 +232,15 @@ pub(crate) struct Common {
 #[derive(Debug, Args)]
 pub(crate) struct Seed {
     /// Seed of the random numbers.
-    #[arg(long, value_name = "S", default_value_t = 1)]
+    #[arg(long, value_name = "S", default_value_t = 1, allow_negative_numbers = true, value_parser = whole::<u64>)]
     pub(crate) seed: u64,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Dims {
+    /// 2 for discs, 3 for spheres.
+    #[arg(long, value_name = "D", default_value_t = 3, value_parser = clap::value_parser!(u8).range(2..=3))]
+    pub(crate) dims: u8,
 }
 
 #[derive(Debug, Args)]
@@ -246,31 +261,52 @@ pub(crate) enum BookPacking {
 /// A finite number of at least zero.
 fn length(text: &str) -> Result<f64, String> {
     let value = number(text)?;
-    if value < 0.0 { Err(format!("{text} is negative")) } else { Ok(value) }
+    if value < 0.0 { Err(format!("'{text}' is negative")) } else { Ok(value) }
 }
 
 /// A finite number above zero.
 fn positive(text: &str) -> Result<f64, String> {
     let value = number(text)?;
-    if value > 0.0 { Ok(value) } else { Err(format!("{text} is not above zero")) }
+    if value > 0.0 { Ok(value) } else { Err(format!("'{text}' is not above zero")) }
 }
 
 fn number(text: &str) -> Result<f64, String> {
     match f64::from_str(text) {
         Ok(value) if value.is_finite() => Ok(value),
-        Ok(_) => Err(format!("{text} is not a finite number")),
-        Err(_) if text.contains(',') => Err(format!("{text} has a decimal comma: use a point")),
-        Err(_) => Err(format!("{text} is not a number")),
+        Ok(_) => Err(format!("'{text}' is not a finite number")),
+        Err(_) if text.contains(',') => Err(format!("'{text}' has a decimal comma: use a point")),
+        Err(_) => Err(format!("'{text}' is not a number")),
     }
+}
+
+fn whole<N: FromStr>(text: &str) -> Result<N, String> {
+    text.parse().map_err(|_| format!("'{text}' is not a whole number of at least 0, or is too large"))
+}
+
+fn at_least_one(text: &str) -> Result<usize, String> {
+    whole(text).and_then(|value| {
+        if value == 0 { Err("checking 0 elements checks nothing".to_owned()) } else { Ok(value) }
+    })
+}
+
+/// The only format of pictures.
+fn svg(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    let is_svg = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("svg"));
+    if is_svg { Ok(path) } else { Err(format!("'{text}' does not end in .svg, the one format of pictures")) }
 }
 
 fn sizes(text: &str) -> Result<Sizes, String> {
     let (law, parameters) = text.split_once(':').unwrap_or((text, ""));
-    let parameters = parameters.split(':').map(number).collect::<Result<Vec<_>, _>>();
-    match (law, parameters?.as_slice()) {
-        ("equal", &[radius]) => Ok(Sizes::Equal { radius }),
-        ("power", &[min, max, exponent]) => Ok(Sizes::PowerLaw { min, max, exponent }),
-        ("lognormal", &[median, sigma]) => Ok(Sizes::Lognormal { median, sigma }),
+    let parameters: Vec<&str> = parameters.split(':').collect();
+    match (law, parameters.as_slice()) {
+        ("equal", &[radius]) => Ok(Sizes::Equal { radius: number(radius)? }),
+        ("power", &[min, max, exponent]) => {
+            Ok(Sizes::PowerLaw { min: number(min)?, max: number(max)?, exponent: number(exponent)? })
+        }
+        ("lognormal", &[median, sigma]) => {
+            Ok(Sizes::Lognormal { median: number(median)?, sigma: number(sigma)? })
+        }
         _ => Err("expected equal:R, power:MIN:MAX:EXPONENT or lognormal:MEDIAN:SIGMA".to_owned()),
     }
 }
@@ -288,10 +324,10 @@ mod tests {
     #[test]
     fn numbers_say_what_is_wrong() {
         assert_eq!(length("0"), Ok(0.0));
-        assert_eq!(length("-1"), Err("-1 is negative".to_owned()));
-        assert_eq!(positive("0"), Err("0 is not above zero".to_owned()));
-        assert_eq!(length("nan"), Err("nan is not a finite number".to_owned()));
-        assert_eq!(length("0,5"), Err("0,5 has a decimal comma: use a point".to_owned()));
+        assert_eq!(length("-1"), Err("'-1' is negative".to_owned()));
+        assert_eq!(positive("0"), Err("'0' is not above zero".to_owned()));
+        assert_eq!(length("nan"), Err("'nan' is not a finite number".to_owned()));
+        assert_eq!(length("0,5"), Err("'0,5' has a decimal comma: use a point".to_owned()));
     }
 
     #[test]

@@ -5,15 +5,15 @@ use std::io::{self, Read, Write};
 use std::path::Path;
 use std::sync::atomic::Ordering;
 
-use fdem_contact::{Couple, Error};
-use fdem_io::{Centres, CoupleRow, Packing, ReadError, ReadOptions};
+use fdem_contact::{Couple, Error, Mismatch};
+use fdem_io::{Centres, CoupleRow, Format, Packing, ReadError, ReadOptions};
 
 use crate::command::args::ContactsArguments;
-use crate::command::detect::{Found, Refusal, Request, Sizes, detect, distance};
-use crate::command::failure::Failure;
-use crate::command::output::{Output, Table};
+use crate::command::detect::{Request, Sizes, check, detect, distance};
+use crate::command::failure::{Failure, display_name};
+use crate::command::output::{Output, Table, is_stdout, same_file};
 use crate::command::picture;
-use crate::command::progress::Progress;
+use crate::command::progress::{Position, Progress};
 use crate::command::summary::{Seconds, Summary};
 
 pub(crate) fn run(arguments: &ContactsArguments) -> Result<(), Failure> {
@@ -21,22 +21,27 @@ pub(crate) fn run(arguments: &ContactsArguments) -> Result<(), Failure> {
     let progress = Progress::new(arguments.quiet);
     let mut outputs = Outputs::open(arguments)?;
 
-    let name = display_name(&arguments.file);
-    let (packing, read) = progress.step("opening", None, |_| read_bytes(&arguments.file));
-    let bytes = packing?;
+    let name =
+        if is_stdout(&arguments.file) { "standard input".to_owned() } else { display_name(&arguments.file) };
+    let (bytes, opening) =
+        progress.step("opening, bytes", None, |position| read_bytes(&arguments.file, &name, position));
+    let bytes = bytes?;
     let options = ReadOptions {
         columns: arguments.columns.clone(),
         skip_bad_lines: arguments.skip_bad_lines,
         ignore_ids: arguments.ignore_ids,
     };
-    let (packing, parse) = progress.step("reading", Some(bytes.len() as u64), |position| {
+    let (packing, reading) = progress.step("reading", Some(bytes.len() as u64), |position| {
         fdem_io::read(&bytes, &options, position).map_err(|error| unreadable(&name, &error))
     });
     drop(bytes);
     let packing = packing?;
     report_skipped(&name, &packing);
+    if arguments.picture.is_some() {
+        picture::check(packing.centres.len(), &name)?;
+    }
 
-    let seconds = Seconds { read: read + parse, ..Seconds::default() };
+    let seconds = Seconds { read: opening + reading, ..Seconds::default() };
     let mut summary = match &packing.centres {
         Centres::Two(centres) => find(arguments, &progress, &name, &packing, centres, &mut outputs, seconds),
         Centres::Three(centres) => {
@@ -75,13 +80,20 @@ fn find<const D: usize>(
         sizes,
         tolerance: arguments.tolerance,
         engine: arguments.engine.into(),
-        keep: !arguments.count || arguments.picture.is_some(),
-        verify: arguments.verify,
+        keep: !arguments.count || arguments.picture.is_some() || arguments.verify.is_some(),
     };
     let (found, detection) =
         progress.step("detecting, couples", None, |position| detect(centres, &request, position));
     seconds.detect = detection;
-    let found = found.map_err(|refusal| refused(name, packing, &refusal))?;
+    let found = found.map_err(|error| refused(name, packing, &error))?;
+
+    let mut verified = None;
+    if let Some(sample) = arguments.verify {
+        let (checked, verification) =
+            progress.step("verifying", None, |_| check(centres, &request, &found.couples, sample));
+        seconds.verify = Some(verification);
+        verified = Some(checked.map_err(|mismatch| wrong(name, &mismatch))?);
+    }
 
     let total = found.couples.len() as u64;
     let (written, writing) = progress.step("writing", Some(total), |position| {
@@ -100,10 +112,9 @@ fn find<const D: usize>(
     written?;
     seconds.write = writing;
     if let Some(picture) = &mut outputs.picture {
-        picture::check(centres.len(), &arguments.file)?;
         picture.write(|out| picture::draw(out, centres, sizes, &found.couples))?;
     }
-    Ok(Summary::new(name, packing, centres, sizes, arguments.tolerance, &found, seconds))
+    Ok(Summary::new(name, packing, centres, &request, &found, verified, seconds))
 }
 
 fn row<const D: usize>(
@@ -112,13 +123,17 @@ fn row<const D: usize>(
     sizes: Sizes<'_>,
     couple: Couple,
 ) -> CoupleRow {
-    let id = |element: u32| packing.ids.as_ref().map_or(i64::from(element), |ids| ids[element as usize]);
     let distance = distance(centres, couple);
-    CoupleRow {
-        i: id(couple.i),
-        j: id(couple.j),
-        distance,
-        overlap: sizes.contact_distance(couple) - distance,
+    let overlap = sizes.contact_distance(couple) - distance;
+    CoupleRow { i: id(packing, couple.i as usize), j: id(packing, couple.j as usize), distance, overlap }
+}
+
+/// What an element is called: its id in the file, or the number of its data row, the first being 0.
+pub(crate) fn id(packing: &Packing, index: usize) -> i64 {
+    match (&packing.ids, &packing.row_numbers) {
+        (Some(ids), _) => ids[index],
+        (None, Some(rows)) => rows[index].cast_signed(),
+        (None, None) => index.cast_signed() as i64,
     }
 }
 
@@ -160,37 +175,40 @@ fn refuse_to_overwrite(arguments: &ContactsArguments) -> Result<(), Failure> {
         let Some(path) = path else { continue };
         for (other, taken) in std::iter::once(&input).chain(&outputs[..k]) {
             if taken.is_some_and(|taken| same_file(path, taken)) {
-                return Err(Failure::Unusable(format!("{option} {} is {other} too", path.display())));
+                return Err(Failure::Unusable(format!("{option} {} is {other} too", display_name(path))));
             }
         }
     }
     Ok(())
 }
 
-/// Whether two names stand for one regular file, that exists or not.
-fn same_file(a: &Path, b: &Path) -> bool {
-    match (fs::canonicalize(a), fs::canonicalize(b)) {
-        (Ok(a), Ok(b)) => a == b && a.is_file(),
-        _ => a == b,
-    }
-}
-
-fn display_name(file: &Path) -> String {
-    if file == Path::new("-") { "standard input".to_owned() } else { file.display().to_string() }
-}
-
-fn read_bytes(file: &Path) -> Result<Vec<u8>, Failure> {
-    let name = display_name(file);
-    let failed = |error: &io::Error| Failure::Unusable(format!("cannot read {name}: {error}"));
-    if file == Path::new("-") {
-        let mut bytes = Vec::new();
-        io::stdin().lock().read_to_end(&mut bytes).map_err(|error| failed(&error))?;
-        return Ok(bytes);
+fn read_bytes(file: &Path, name: &str, position: &Position) -> Result<Vec<u8>, Failure> {
+    let failed = |error: io::Error| Failure::reading(name, &error);
+    if is_stdout(file) {
+        return read_all(io::stdin().lock(), 0, position).map_err(failed);
     }
     if file.is_dir() {
         return Err(Failure::Unusable(format!("cannot read {name}: it is a directory")));
     }
-    fs::read(file).map_err(|error| failed(&error))
+    let input = fs::File::open(file).map_err(failed)?;
+    let size = input.metadata().map_or(0, |metadata| metadata.len());
+    read_all(input, size, position).map_err(failed)
+}
+
+/// Reads to the end, but no further than the first block of what cannot be a packing: `/dev/zero` has no end.
+fn read_all(mut input: impl Read, size: u64, position: &Position) -> io::Result<Vec<u8>> {
+    const BLOCK: u64 = 1 << 20;
+    let mut bytes = Vec::new();
+    bytes.try_reserve_exact(usize::try_from(size).unwrap_or(0)).map_err(|_| io::ErrorKind::OutOfMemory)?;
+    loop {
+        let read = input.by_ref().take(BLOCK).read_to_end(&mut bytes)?;
+        position.store(bytes.len() as u64, Ordering::Relaxed);
+        let is_array = bytes.starts_with(b"\x93NUMPY");
+        let is_rubbish = bytes.len() as u64 <= BLOCK && !is_array && bytes.contains(&0);
+        if read == 0 || is_rubbish {
+            return Ok(bytes);
+        }
+    }
 }
 
 /// `file:line: what is wrong`, so that an editor can jump there.
@@ -208,10 +226,14 @@ fn report_skipped(name: &str, packing: &Packing) {
     if skipped.count == 0 {
         return;
     }
-    let noun = if skipped.count == 1 { "line" } else { "lines" };
-    let mut text = vec![format!("warning: {name}: skipped {} bad {noun}", skipped.count)];
-    let shown = skipped.first.iter().take(SHOWN);
-    text.extend(shown.map(|bad| format!("  {name}:{}: {}: {}", bad.line, bad.problem, bad.text)));
+    let is_array = matches!(packing.source.format, Format::Npy { .. });
+    let noun = if is_array { "row" } else { "line" };
+    let plural = if skipped.count == 1 { "" } else { "s" };
+    let mut text = vec![format!("warning: {name}: skipped {} bad {noun}{plural}", skipped.count)];
+    text.extend(skipped.first.iter().take(SHOWN).map(|bad| {
+        let place = if is_array { String::new() } else { format!("{}:", bad.line) };
+        format!("  {name}:{place} {}: {}", bad.problem, bad.text)
+    }));
     if skipped.count > SHOWN as u64 {
         text.push(format!("  and {} more", skipped.count - SHOWN as u64));
     }
@@ -236,38 +258,37 @@ fn sizes<'a>(arguments: &ContactsArguments, name: &str, packing: &'a Packing) ->
     }
 }
 
-/// The library's refusals in the words of the command: elements by id or row, options by name.
-fn refused(name: &str, packing: &Packing, refusal: &Refusal) -> Failure {
+/// The library's refusals in the words of the command: elements by their id or row, options by name.
+fn refused(name: &str, packing: &Packing, error: &Error) -> Failure {
     let element = |index: usize| match &packing.ids {
-        Some(ids) => format!("element {}", ids[index]),
-        None => format!("element {index} (counted from 0)"),
+        Some(ids) => format!("the element with id {}", ids[index]),
+        None => format!("the element of data row {} (counted from 0)", id(packing, index)),
     };
-    match refusal {
-        Refusal::Elements(Error::DomainTooWide {
-            axis, width, cell_size, element: index, position, ..
-        }) => {
-            let axis = ["x", "y", "z"][*axis];
-            Failure::Unusable(format!(
-                "{name}: the domain is {width:e} wide along {axis}, {cells:.1e} cells of {cell_size:e}: too many for \
-                 the lists of this engine. It is stretched by {element} at {axis} = {position:e}. Remove that element, \
-                 or take --engine rows, whose memory does not depend on the domain",
+    Failure::Unusable(match error {
+        Error::DomainTooWide { axis, width, cell_size, stretched_by: Some((index, position)), .. } => {
+            format!(
+                "{name}: the domain is {width:e} wide along {axis}, {cells:.1e} cells of {cell_size:e}: too many for the \
+             lists of this engine. It is stretched by {element} at {axis} = {position:e}. Remove that element, or take \
+             --engine rows, whose memory does not depend on the domain",
+                axis = ["x", "y", "z"][*axis],
                 cells = width / cell_size,
                 element = element(*index),
-            ))
+            )
         }
-        Refusal::Elements(error) => Failure::Unusable(format!("{name}: {error}")),
-        Refusal::Mismatch(mismatch) => Failure::Wrong(format!(
-            "{name}: --verify: {mismatch} (counted from 0). This is a bug in fdem: please report it with the file. \
-             Nothing was written"
-        )),
-    }
+        Error::OutOfMemory { bytes } => format!(
+            "{name}: no memory for {bytes} bytes: the couples do not fit. --count needs no memory for them; a smaller \
+             --tolerance, --radius or --cutoff makes fewer"
+        ),
+        _ => match error.element() {
+            Some(index) => format!("{name}: {error} ({} in the file)", element(index)),
+            None => format!("{name}: {error}"),
+        },
+    })
 }
 
-impl<const D: usize> Found<D> {
-    /// The couple with the largest overlap as it is written.
-    pub(crate) fn max_overlap_ids(&self, packing: &Packing) -> Option<(f64, [i64; 2])> {
-        let (overlap, couple) = self.statistics.max_overlap?;
-        let id = |element: u32| packing.ids.as_ref().map_or(i64::from(element), |ids| ids[element as usize]);
-        Some((overlap, [id(couple.i), id(couple.j)]))
-    }
+fn wrong(name: &str, mismatch: &Mismatch) -> Failure {
+    Failure::Wrong(format!(
+        "{name}: --verify: {mismatch} (in the order of the file, from 0). This is a bug in fdem: please report it with \
+         the file. Nothing was written"
+    ))
 }

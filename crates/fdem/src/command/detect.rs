@@ -41,8 +41,20 @@ pub(crate) struct Request<'a> {
     pub(crate) engine: Engine,
     /// Keep the couples; otherwise only the statistics.
     pub(crate) keep: bool,
-    /// Check that many elements by brute force.
-    pub(crate) verify: Option<usize>,
+}
+
+impl<'a> Request<'a> {
+    fn elements<'b, const D: usize>(&self, centres: &'b [[f64; D]]) -> Result<Elements<'b, f64, D>, Error>
+    where
+        'a: 'b,
+    {
+        match self.sizes {
+            Sizes::Each(radii) => Elements::spheres_with_radii(centres, radii),
+            Sizes::All(radius) => Elements::spheres(centres, radius),
+            Sizes::Cutoff(cutoff) => Elements::points(centres, cutoff),
+        }?
+        .with_tolerance(self.tolerance)
+    }
 }
 
 /// What was found.
@@ -51,8 +63,6 @@ pub(crate) struct Found<const D: usize> {
     pub(crate) couples: Vec<Couple>,
     pub(crate) plan: Plan<D>,
     pub(crate) statistics: Statistics,
-    /// Elements checked by brute force.
-    pub(crate) verified: Option<usize>,
 }
 
 /// Sums over the couples that do not depend on their order.
@@ -92,52 +102,43 @@ impl Statistics {
     }
 }
 
-/// Why there is no result.
-pub(crate) enum Refusal {
-    /// The elements or the engine are at fault.
-    Elements(Error),
-    /// Brute force found another answer.
-    Mismatch(Mismatch),
-}
-
-impl From<Error> for Refusal {
-    fn from(error: Error) -> Self {
-        Self::Elements(error)
-    }
-}
-
 /// Finds the couples. `position` counts them for whoever watches.
 pub(crate) fn detect<const D: usize>(
     centres: &[[f64; D]],
     request: &Request<'_>,
     position: &Position,
-) -> Result<Found<D>, Refusal> {
-    let elements = match request.sizes {
-        Sizes::Each(radii) => Elements::spheres_with_radii(centres, radii),
-        Sizes::All(radius) => Elements::spheres(centres, radius),
-        Sizes::Cutoff(cutoff) => Elements::points(centres, cutoff),
-    }?
-    .with_tolerance(request.tolerance)?;
+) -> Result<Found<D>, Error> {
+    let elements = request.elements(centres)?;
     let mut detector = Detector::new(request.engine);
     let plan = detector.plan(&elements)?;
 
     let mut couples = Vec::new();
     let mut statistics = Statistics::new(elements.len());
-    let keep = request.keep || request.verify.is_some();
-    detector.for_each(&elements, |couple| {
-        let overlap = request.sizes.contact_distance(couple) - distance(centres, couple);
-        statistics.add(couple, overlap);
+    let mut add = |couple| {
+        statistics.add(couple, request.sizes.contact_distance(couple) - distance(centres, couple));
         position.store(statistics.couples, Ordering::Relaxed);
-        if keep {
-            couples.push(couple);
-        }
-    })?;
-    couples.sort_unstable();
+    };
+    if request.keep {
+        detector.couples(&elements, &mut couples)?;
+        couples.sort_unstable();
+        couples.iter().copied().for_each(add);
+    } else {
+        detector.for_each(&elements, &mut add)?;
+    }
+    Ok(Found { couples, plan, statistics })
+}
 
-    // The sample is the same at every run: an error found once can be found again.
-    let check = |sample| verify(&elements, &couples, sample, 0).map_err(Refusal::Mismatch);
-    let verified = request.verify.map(check).transpose()?;
-    Ok(Found { couples, plan, statistics, verified })
+/// Compares the couples of `sample` random elements with brute force; returns how many elements were checked.
+///
+/// The sample is the same at every run: an error found once can be found again.
+pub(crate) fn check<const D: usize>(
+    centres: &[[f64; D]],
+    request: &Request<'_>,
+    couples: &[Couple],
+    sample: usize,
+) -> Result<usize, Mismatch> {
+    let elements = request.elements(centres).expect("the elements have been searched before");
+    verify(&elements, couples, sample, 0)
 }
 
 /// Distance of the centres of a couple, summed in the order in which the library sums it.

@@ -11,25 +11,24 @@ pub(crate) enum Failure {
     Unusable(String),
     /// A check that was asked for failed: exit code 1.
     Wrong(String),
-    /// Whoever read our standard output has enough (`| head`): not an error.
-    ReaderLeft,
 }
 
 impl Failure {
     pub(crate) fn exit_code(&self) -> ExitCode {
-        match self {
-            Self::Unusable(_) => ExitCode::from(2),
-            Self::Wrong(_) => ExitCode::from(1),
-            Self::ReaderLeft => ExitCode::SUCCESS,
-        }
+        ExitCode::from(match self {
+            Self::Unusable(_) => 2,
+            Self::Wrong(_) => 1,
+        })
+    }
+
+    /// An input that cannot be opened or read.
+    pub(crate) fn reading(name: &str, error: &io::Error) -> Self {
+        Self::Unusable(format!("cannot read {name}: {error}"))
     }
 
     /// An output that cannot be written.
-    pub(crate) fn writing(name: &Path, error: &io::Error) -> Self {
-        if error.kind() == io::ErrorKind::BrokenPipe {
-            return Self::ReaderLeft;
-        }
-        Self::Unusable(format!("cannot write {}: {error}", name.display()))
+    pub(crate) fn writing(path: &Path, error: impl fmt::Display) -> Self {
+        Self::Unusable(format!("cannot write {}: {error}", display_name(path)))
     }
 }
 
@@ -37,7 +36,12 @@ impl fmt::Display for Failure {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Unusable(message) | Self::Wrong(message) => out.write_str(message),
-            Self::ReaderLeft => out.write_str("the reader of the output left"),
         }
     }
+}
+
+/// A path as a message shows it: control characters escaped, so that a name cannot write to the terminal.
+pub(crate) fn display_name(path: &Path) -> String {
+    let escape = |c: char| if c.is_control() { c.escape_default().to_string() } else { c.to_string() };
+    path.to_string_lossy().chars().map(escape).collect()
 }

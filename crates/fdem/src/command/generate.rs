@@ -1,65 +1,71 @@
 //! `fdem generate`: seeded packings.
 
+use std::io::{self, Write};
+
 use fdem_io::Centres;
 use fdem_scenes::{Cloud, Error, book, clusters, deposit, gas, jittered_lattice, lattice};
 
 use crate::command::args::{BookPacking, Common, GenerateArguments, Kind};
-use crate::command::failure::Failure;
-use crate::command::output::{Output, Table};
+use crate::command::failure::{Failure, display_name};
+use crate::command::output::{Output, Table, is_stdout};
 
 pub(crate) fn run(arguments: &GenerateArguments) -> Result<(), Failure> {
-    let common = common(&arguments.kind);
-    let is_deposit = matches!(arguments.kind, Kind::Deposit { .. });
+    let (common, dims) = shape(&arguments.kind);
     let path = common.output.as_deref();
     let table = Table::of(path)?;
     let mut output = Output::open(path)?;
-    let (centres, radii) = match (common.dims, is_deposit) {
-        (Some(3), true) => {
-            return Err(Failure::Unusable("a deposit has --dims 2: its discs roll in a plane".to_owned()));
-        }
-        (_, true) | (Some(2), false) => {
-            let cloud = planar(&arguments.kind).map_err(unusable)?;
-            (Centres::Two(cloud.centres), cloud.radii)
-        }
-        _ => {
-            let cloud = any_dimension::<3>(&arguments.kind).map_err(unusable)?;
-            (Centres::Three(cloud.centres), cloud.radii)
-        }
+    let (centres, radii) = if dims == 2 {
+        let cloud = planar(&arguments.kind)?;
+        (Centres::Two(cloud.centres), cloud.radii)
+    } else {
+        let cloud = any_dimension::<3>(&arguments.kind)?;
+        (Centres::Three(cloud.centres), cloud.radii)
     };
     output.write(|mut out| match table {
         Table::Csv => fdem_io::write_packing_csv(&mut out, &centres, Some(&radii)),
         Table::Npy => fdem_io::write_packing_npy(&mut out, &centres, Some(&radii)),
     })?;
-    output.commit()
+    output.commit()?;
+    if let Some(path) = path.filter(|path| !is_stdout(path)) {
+        let what = if dims == 2 { "discs" } else { "spheres" };
+        // A message that nobody can see any more is no failure.
+        let _ = writeln!(io::stderr(), "wrote {} {what} to {}", centres.len(), display_name(path));
+    }
+    Ok(())
 }
 
-fn unusable(error: Error) -> Failure {
-    Failure::Unusable(format!("cannot generate this packing: {error}"))
-}
-
-fn common(kind: &Kind) -> &Common {
-    match kind {
-        Kind::Gas { common, .. }
-        | Kind::Lattice { common, .. }
-        | Kind::Jittered { common, .. }
-        | Kind::Clusters { common, .. }
-        | Kind::Deposit { common, .. }
-        | Kind::Book { common, .. } => common,
+impl From<Error> for Failure {
+    fn from(error: Error) -> Self {
+        Self::Unusable(format!("cannot generate this packing: {error}"))
     }
 }
 
-fn planar(kind: &Kind) -> Result<Cloud<2>, Error> {
+/// The options that all kinds have, and the dimension.
+fn shape(kind: &Kind) -> (&Common, u8) {
+    match kind {
+        Kind::Gas { common, dims, .. }
+        | Kind::Lattice { common, dims, .. }
+        | Kind::Jittered { common, dims, .. }
+        | Kind::Clusters { common, dims, .. }
+        | Kind::Book { common, dims, .. } => (common, dims.dims),
+        Kind::Deposit { common, .. } => (common, 2),
+    }
+}
+
+fn planar(kind: &Kind) -> Result<Cloud<2>, Failure> {
     match kind {
         Kind::Deposit { common, seed, sizes, width, compression } => {
-            deposit(common.elements, seed.seed, sizes.sizes, *width, *compression)
+            Ok(deposit(common.elements, seed.seed, sizes.sizes, *width, *compression)?)
         }
         _ => any_dimension(kind),
     }
 }
 
-fn any_dimension<const D: usize>(kind: &Kind) -> Result<Cloud<D>, Error> {
-    let n = common(kind).elements;
-    match *kind {
+fn any_dimension<const D: usize>(kind: &Kind) -> Result<Cloud<D>, Failure> {
+    /// In diameters.
+    const SPACING: f64 = 2.0;
+    let n = shape(kind).0.elements;
+    Ok(match *kind {
         Kind::Gas { ref seed, ref sizes, neighbours, .. } => gas(n, seed.seed, neighbours, sizes.sizes),
         Kind::Lattice { radius, spacing, .. } => lattice(n, spacing, radius),
         Kind::Jittered { ref seed, ref sizes, spacing, jitter, .. } => {
@@ -69,11 +75,12 @@ fn any_dimension<const D: usize>(kind: &Kind) -> Result<Cloud<D>, Error> {
             clusters(n, seed.seed, per_cluster, domain, neighbours, sizes.sizes)
         }
         Kind::Deposit { .. } => unreachable!("a deposit is planar"),
-        Kind::Book { packing, spacing, .. } => match packing {
-            BookPacking::A => book::packing_a(n),
-            BookPacking::B => book::packing_b(n, spacing),
-            BookPacking::C => book::packing_c(n, spacing),
-            BookPacking::D => book::packing_d(n, spacing),
-        },
-    }
+        Kind::Book { packing: BookPacking::A, spacing: None, .. } => book::packing_a(n),
+        Kind::Book { packing: BookPacking::A, spacing: Some(_), .. } => {
+            return Err(Failure::Unusable("packing A is dense: it has no --spacing".to_owned()));
+        }
+        Kind::Book { packing: BookPacking::B, spacing, .. } => book::packing_b(n, spacing.unwrap_or(SPACING)),
+        Kind::Book { packing: BookPacking::C, spacing, .. } => book::packing_c(n, spacing.unwrap_or(SPACING)),
+        Kind::Book { packing: BookPacking::D, spacing, .. } => book::packing_d(n, spacing.unwrap_or(SPACING)),
+    }?)
 }

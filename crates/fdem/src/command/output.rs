@@ -8,7 +8,7 @@ use std::sync::{Mutex, PoisonError};
 
 use tempfile::NamedTempFile;
 
-use crate::command::failure::Failure;
+use crate::command::failure::{Failure, display_name};
 
 /// Format of couples and packings, by the extension of the output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,16 +20,13 @@ pub(crate) enum Table {
 impl Table {
     /// Standard output gets CSV.
     pub(crate) fn of(path: Option<&Path>) -> Result<Self, Failure> {
-        let Some(path) = path else { return Ok(Self::Csv) };
+        let Some(path) = path.filter(|path| !is_stdout(path)) else { return Ok(Self::Csv) };
         match path.extension().map(OsStr::to_ascii_lowercase) {
             Some(extension) if extension == "csv" => Ok(Self::Csv),
             Some(extension) if extension == "npy" => Ok(Self::Npy),
             // A device has no extension and no format of its own; what is wrong with a folder is not its name.
             _ if is_device(path) || path.is_dir() => Ok(Self::Csv),
-            _ => Err(Failure::Unusable(format!(
-                "cannot tell the format of {} from its name: end it in .csv or .npy",
-                path.display()
-            ))),
+            _ => Err(Failure::writing(path, "its name does not tell the format: end it in .csv or .npy")),
         }
     }
 }
@@ -51,33 +48,36 @@ enum To {
 }
 
 impl Output {
-    /// Opens `path`, or standard output for `None`.
+    /// Opens `path`, or standard output for `None` and `-`.
     pub(crate) fn open(path: Option<&Path>) -> Result<Self, Failure> {
-        let Some(path) = path else {
+        let Some(path) = path.filter(|path| !is_stdout(path)) else {
             return Ok(Self { name: "standard output".into(), to: To::Stdout(BufWriter::new(io::stdout())) });
         };
-        let failed = |error: &io::Error| Failure::writing(path, error);
-        if path.is_dir() {
-            return Err(Failure::Unusable(format!("cannot write {}: it is a directory", path.display())));
-        }
         let name = path.to_owned();
+        if path.is_dir() {
+            return Err(Failure::writing(path, "it is a directory"));
+        }
         if is_device(path) {
-            let file = File::options().write(true).open(path).map_err(|error| failed(&error))?;
+            let file =
+                File::options().write(true).open(path).map_err(|error| Failure::writing(path, error))?;
             return Ok(Self { name, to: To::Device(BufWriter::new(file)) });
         }
-        // A link is followed: the file behind it is what gets replaced.
-        let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-        let permissions = fs::metadata(&target).ok().map(|metadata| metadata.permissions());
-        if permissions.as_ref().is_some_and(fs::Permissions::readonly) {
-            return Err(Failure::Unusable(format!("cannot write {}: it is read-only", path.display())));
-        }
-        let folder = match target.parent() {
-            Some(parent) if !parent.as_os_str().is_empty() => parent,
-            _ => Path::new("."),
+        let target = target(path)?;
+        // A rename needs no permission of the file it replaces; whoever protected the file meant it all the same.
+        let permissions = if target.exists() {
+            let file =
+                File::options().write(true).open(&target).map_err(|error| Failure::writing(path, error))?;
+            file.metadata().ok().map(|metadata| metadata.permissions())
+        } else {
+            default_permissions()
         };
+        let folder = folder(&target);
+        if !folder.is_dir() {
+            return Err(Failure::writing(path, format!("no folder {}", display_name(folder))));
+        }
         let mut builder = tempfile::Builder::new();
         builder.prefix(".fdem-").suffix(".part");
-        if let Some(permissions) = permissions.or_else(default_permissions) {
+        if let Some(permissions) = permissions {
             builder.permissions(permissions);
         }
         let file = partial_outputs(|partial| {
@@ -85,39 +85,39 @@ impl Output {
             partial.push(file.path().to_owned());
             Ok(file)
         });
-        let file = file.map_err(|error: io::Error| match error.kind() {
-            io::ErrorKind::NotFound => {
-                Failure::Unusable(format!("cannot write {}: no folder {}", path.display(), folder.display()))
-            }
-            kind => failed(&io::Error::from(kind)),
-        })?;
+        // The kind alone: the error itself names the temporary file.
+        let file = file.map_err(|error: io::Error| Failure::writing(path, io::Error::from(error.kind())))?;
         Ok(Self { name, to: To::Aside { file: BufWriter::new(file), target } })
     }
 
     /// Writes through `write`; an error names the output.
+    ///
+    /// A reader of standard output that leaves early (`| head`) has what it wants: no error.
     pub(crate) fn write(
         &mut self,
         write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
     ) -> Result<(), Failure> {
-        let writer: &mut dyn Write = match &mut self.to {
-            To::Stdout(writer) => writer,
-            To::Device(writer) => writer,
-            To::Aside { file, .. } => file,
+        let (writer, is_stdout): (&mut dyn Write, _) = match &mut self.to {
+            To::Stdout(writer) => (writer, true),
+            To::Device(writer) => (writer, false),
+            To::Aside { file, .. } => (file, false),
         };
-        write(writer).and_then(|()| writer.flush()).map_err(|error| Failure::writing(&self.name, &error))
+        match write(writer).and_then(|()| writer.flush()) {
+            Err(error) if is_stdout && error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
+            done => done.map_err(|error| Failure::writing(&self.name, error)),
+        }
     }
 
     /// Makes the output appear under its name. Dropped without this, a file written aside is removed.
     pub(crate) fn commit(self) -> Result<(), Failure> {
         let To::Aside { file, target } = self.to else { return Ok(()) };
-        let failed = |error: &io::Error| Failure::writing(&self.name, error);
-        let file = file.into_inner().map_err(|error| failed(error.error()))?;
-        file.as_file().sync_all().map_err(|error| failed(&error))?;
+        let file = file.into_inner().map_err(|error| Failure::writing(&self.name, error.error()))?;
+        file.as_file().sync_all().map_err(|error| Failure::writing(&self.name, error))?;
         partial_outputs(|partial| {
             partial.retain(|path| path != file.path());
             file.persist(target)
         })
-        .map_err(|error| failed(&error.error))?;
+        .map_err(|error| Failure::writing(&self.name, error.error))?;
         Ok(())
     }
 }
@@ -129,18 +129,70 @@ fn partial_outputs<R>(act: impl FnOnce(&mut Vec<PathBuf>) -> R) -> R {
     act(&mut PARTIAL_OUTPUTS.lock().unwrap_or_else(PoisonError::into_inner))
 }
 
-/// On Ctrl-C, SIGTERM or SIGHUP: removes what has been written aside, and ends with the customary exit code 130.
+/// On Ctrl-C and the other signals that ask a program to end: removes what has been written aside, and ends with the
+/// customary exit code.
 pub(crate) fn remove_partial_output_when_interrupted() -> Result<(), Failure> {
-    ctrlc::set_handler(|| {
+    let clean_up = |code: i32| {
         partial_outputs(|partial| {
             for path in partial.iter() {
                 // It may be gone already; there is nobody left to tell.
                 let _ = fs::remove_file(path);
             }
-            std::process::exit(130);
+            std::process::exit(code);
         });
-    })
-    .map_err(|error| Failure::Unusable(format!("cannot watch for interrupts: {error}")))
+    };
+    watch_for_interrupts(clean_up)
+        .map_err(|error| Failure::Unusable(format!("cannot watch for interrupts: {error}")))
+}
+
+#[cfg(unix)]
+fn watch_for_interrupts(clean_up: impl Fn(i32) + Send + 'static) -> Result<(), io::Error> {
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM};
+    let mut signals = signal_hook::iterator::Signals::new([SIGINT, SIGTERM, SIGHUP, SIGQUIT])?;
+    std::thread::spawn(move || signals.forever().for_each(|signal| clean_up(128 + signal)));
+    Ok(())
+}
+
+#[cfg(not(unix))]
+fn watch_for_interrupts(clean_up: impl Fn(i32) + Send + 'static) -> Result<(), ctrlc::Error> {
+    ctrlc::set_handler(move || clean_up(130))
+}
+
+/// Whether both names stand for one file, which may not exist yet.
+pub(crate) fn same_file(a: &Path, b: &Path) -> bool {
+    if is_stdout(a) || is_device(a) {
+        return false;
+    }
+    let place = |path: &Path| {
+        let path = fs::canonicalize(path).or_else(|_| target(path).map_err(|_| io::ErrorKind::Other)).ok()?;
+        Some((fs::canonicalize(folder(&path)).ok()?, path.file_name()?.to_owned()))
+    };
+    a == b || place(a).is_some_and(|a| Some(a) == place(b))
+}
+
+/// The file that a name stands for: links are followed, also where they lead to nothing yet.
+fn target(path: &Path) -> Result<PathBuf, Failure> {
+    /// As many as Linux follows.
+    const MOST_LINKS: usize = 40;
+    let mut target = path.to_owned();
+    for _ in 0..MOST_LINKS {
+        match fs::read_link(&target) {
+            Ok(link) => target = folder(&target).join(link),
+            Err(_) => return Ok(target),
+        }
+    }
+    Err(Failure::writing(path, "its links lead in a circle"))
+}
+
+fn folder(path: &Path) -> &Path {
+    match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    }
+}
+
+pub(crate) fn is_stdout(path: &Path) -> bool {
+    path == Path::new("-")
 }
 
 fn is_device(path: &Path) -> bool {

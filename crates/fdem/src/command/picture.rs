@@ -1,7 +1,6 @@
 //! A picture of a packing and its contact network, as SVG.
 
 use std::io::{self, Write};
-use std::path::Path;
 
 use fdem_contact::Couple;
 
@@ -17,11 +16,10 @@ const SIDE: f64 = 900.0;
 const MARGIN: f64 = 12.0;
 
 /// Refuses what cannot be drawn.
-pub(crate) fn check(elements: usize, file: &Path) -> Result<(), Failure> {
+pub(crate) fn check(elements: usize, file: &str) -> Result<(), Failure> {
     if elements > MAX_ELEMENTS {
         return Err(Failure::Unusable(format!(
-            "{}: {elements} elements are too many for --picture, which draws up to {MAX_ELEMENTS}",
-            file.display()
+            "{file}: {elements} elements are too many for --picture, which draws up to {MAX_ELEMENTS}"
         )));
     }
     Ok(())

@@ -5,7 +5,8 @@ use std::fmt;
 use fdem_io::Packing;
 use serde::Serialize;
 
-use crate::command::detect::{Found, Sizes};
+use crate::command::contacts::id;
+use crate::command::detect::{Found, Request, Sizes};
 
 /// Written as JSON by `--json`, and as text to standard error.
 #[derive(Debug, Serialize)]
@@ -25,6 +26,9 @@ pub(crate) struct Summary {
     radius: Option<[f64; 2]>,
     /// The box around all elements, `[min, max]` per axis; empty without elements.
     domain: Vec<[f64; 2]>,
+    /// Points that touch at this distance, instead of discs or spheres.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    cutoff: Option<f64>,
     tolerance: f64,
     engine: &'static str,
     reason: String,
@@ -48,6 +52,8 @@ pub(crate) struct Summary {
 pub(crate) struct Seconds {
     pub(crate) read: f64,
     pub(crate) detect: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) verify: Option<f64>,
     pub(crate) write: f64,
 }
 
@@ -56,22 +62,24 @@ impl Summary {
         file: &str,
         packing: &Packing,
         centres: &[[f64; D]],
-        sizes: Sizes<'_>,
-        tolerance: f64,
+        request: &Request<'_>,
         found: &Found<D>,
+        verified: Option<usize>,
         seconds: Seconds,
     ) -> Self {
+        let cutoff = if let Sizes::Cutoff(cutoff) = request.sizes { Some(cutoff) } else { None };
+        let extent = |index| if cutoff.is_some() { 0.0 } else { request.sizes.radius(index) };
         let mut radius: Option<[f64; 2]> = None;
         let mut domain = Vec::new();
         for (index, centre) in centres.iter().enumerate() {
-            let r = sizes.radius(index);
+            let r = extent(index);
             radius = Some(radius.map_or([r, r], |[min, max]| [min.min(r), max.max(r)]));
             domain.resize(D, [f64::INFINITY, f64::NEG_INFINITY]);
             for (side, x) in domain.iter_mut().zip(centre) {
                 *side = [side[0].min(x - r), side[1].max(x + r)];
             }
         }
-        let overlap = found.max_overlap_ids(packing);
+        let max_overlap = found.statistics.max_overlap;
         let columns = packing.source.columns.iter();
         Self {
             file: file.to_owned(),
@@ -81,10 +89,11 @@ impl Summary {
             skipped_lines: packing.source.skipped.count,
             elements: centres.len(),
             dimensions: D,
-            points: (0..centres.len()).filter(|&index| sizes.radius(index) == 0.0).count(),
-            radius,
+            points: (0..centres.len()).filter(|&index| extent(index) == 0.0).count(),
+            radius: radius.filter(|_| cutoff.is_none()),
             domain,
-            tolerance,
+            cutoff,
+            tolerance: request.tolerance,
             engine: found.plan.engine.name(),
             reason: found.plan.reason.clone(),
             cell_size: found.plan.cell_size,
@@ -92,9 +101,10 @@ impl Summary {
             couples: found.statistics.couples,
             mean_coordination: found.statistics.mean_coordination(),
             rattlers: found.statistics.rattlers(),
-            max_overlap: overlap.map(|(overlap, _)| overlap),
-            max_overlap_couple: overlap.map(|(_, couple)| couple),
-            verified: found.verified,
+            max_overlap: max_overlap.map(|(overlap, _)| overlap),
+            max_overlap_couple: max_overlap
+                .map(|(_, couple)| [couple.i, couple.j].map(|k| id(packing, k as usize))),
+            verified,
             seconds,
             peak_bytes: None,
         }
@@ -110,7 +120,11 @@ impl fmt::Display for Summary {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut line = |label: &str, text: String| writeln!(out, "{label:<16} {text}");
         let unit = self.unit.as_deref().map(|unit| format!(" {unit}")).unwrap_or_default();
-        let shape = if self.dimensions == 2 { "discs in 2D" } else { "spheres in 3D" };
+        let shape = match (self.cutoff, self.dimensions) {
+            (Some(_), _) => "point",
+            (None, 2) => "disc",
+            (None, _) => "sphere",
+        };
 
         line("file", format!("{}, {}: {}", self.file, self.format, self.columns.join(" ")))?;
         let radius = match self.radius {
@@ -118,8 +132,14 @@ impl fmt::Display for Summary {
             Some([min, max]) if min == max => format!(", radius {}{unit}", brief(min)),
             Some([min, max]) => format!(", radius {} to {}{unit}", brief(min), brief(max)),
         };
-        line("elements", format!("{} {shape}{radius}", grouped(self.elements as u64)))?;
-        if self.points > 0 {
+        let plural = if self.elements == 1 { "" } else { "s" };
+        line(
+            "elements",
+            format!("{} {shape}{plural} in {}D{radius}", grouped(self.elements as u64), self.dimensions),
+        )?;
+        if let Some(cutoff) = self.cutoff {
+            line("cut-off", format!("{}{unit}", brief(cutoff)))?;
+        } else if self.points > 0 {
             line("", format!("{} of radius zero: points", grouped(self.points as u64)))?;
         }
         if self.skipped_lines > 0 {
@@ -147,8 +167,9 @@ impl fmt::Display for Summary {
         if let Some(verified) = self.verified {
             line("verified", format!("{} elements by brute force: no difference", grouped(verified as u64)))?;
         }
-        let Seconds { read, detect, write } = self.seconds;
-        line("time", format!("read {read:.3} s, detect {detect:.3} s, write {write:.3} s"))?;
+        let Seconds { read, detect, verify, write } = self.seconds;
+        let verify = verify.map(|verify| format!(", verify {verify:.3} s")).unwrap_or_default();
+        line("time", format!("read {read:.3} s, detect {detect:.3} s{verify}, write {write:.3} s"))?;
         if let Some(bytes) = self.peak_bytes {
             line("peak memory", format!("{:.1} MB", bytes as f64 / 1e6))?;
         }
@@ -158,7 +179,8 @@ impl fmt::Display for Summary {
 
 /// Six digits, without trailing zeros; JSON has all of them.
 fn brief(x: f64) -> String {
-    let rounded = format!("{x:.5e}").parse().unwrap_or(x);
+    // Plus zero: minus zero is zero to a person.
+    let rounded = format!("{x:.5e}").parse().unwrap_or(x) + 0.0;
     if rounded == 0.0 || (1e-4..1e6).contains(&f64::abs(rounded)) {
         rounded.to_string()
     } else {
@@ -180,11 +202,21 @@ fn grouped(number: u64) -> String {
 }
 
 /// The largest resident memory of this process, where the system tells.
-#[cfg(unix)]
+///
+/// Not from `getrusage`: what that reports survives the start of a program, so that `cargo run` would be measured too.
+#[cfg(target_os = "linux")]
+fn peak_bytes() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let peak = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    Some(peak.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()? * 1024)
+}
+
+/// As above.
+#[cfg(all(unix, not(target_os = "linux")))]
 fn peak_bytes() -> Option<u64> {
     use nix::sys::resource::{UsageWho, getrusage};
     let usage = getrusage(UsageWho::RUSAGE_SELF).ok()?;
-    // Linux counts kilobytes, macOS bytes.
+    // macOS counts bytes, the BSDs kilobytes.
     let unit = if cfg!(target_os = "macos") { 1 } else { 1024 };
     u64::try_from(usage.max_rss()).ok().map(|peak| peak * unit)
 }
@@ -209,6 +241,7 @@ mod tests {
     fn numbers_are_brief() {
         for (x, text) in [
             (0.0, "0"),
+            (-0.0, "0"),
             (0.001, "0.001"),
             (-0.049_000_316, "-0.0490003"),
             (1.198_942_518_9, "1.19894"),

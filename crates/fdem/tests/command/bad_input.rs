@@ -60,25 +60,28 @@ fn a_column_that_is_not_there_lists_those_that_are() {
 fn a_domain_too_wide_for_the_engine_names_the_element_and_what_instead() {
     let row = (0..50).map(|k| format!("{},{k},0,0.5\n", 100 + k));
     let text = format!("id,x,y,radius\n{}777,0,1e12,0.5\n", row.collect::<String>());
-    refused(text.as_bytes(), &["--engine", "nbs"], &["element 777 at y = 1e12", "--engine rows"]);
+    refused(text.as_bytes(), &["--engine", "nbs"], &["id 777 at y = 1e12", "--engine rows"]);
     let bench = Bench::new();
     bench.write("in.txt", &text);
     let run = bench.run(&["contacts", "in.txt"]).succeeds();
     assert_eq!(run.rows().len(), 49);
     assert!(run.stderr.contains("rows: linear"), "{}", run.stderr);
-    refused(b"x,y,radius\n0,0,1\n1e200,0,1\n", &[], &["in.txt", "element 1", "overflow"]);
+    refused(b"x,y,radius\n0,0,1\n1e200,0,1\n", &[], &["in.txt", "element 1", "overflow", "data row 1"]);
+    refused(b"id,x,y,radius\n100,0,0,1\n200,1e200,0,1\n", &[], &["in.txt", "overflow", "id 200"]);
 }
 
 #[test]
 fn options_that_make_no_sense_are_refused() {
-    let options: [(&[&str], &str); 9] = [
+    let options: [(&[&str], &str); 11] = [
         (&["--radius", "-1"], "negative"),
         (&["--radius", "nan"], "not a finite number"),
         (&["--radius", "0,5"], "decimal comma"),
         (&["--tolerance", "inf"], "not a finite number"),
         (&["--engine", "rowz"], "possible values"),
         (&["--radius", "1", "--cutoff", "1"], "cannot be used with"),
-        (&["--verify", "-3"], "--verify"),
+        (&["--verify", "-3"], "'-3' is not a whole number"),
+        (&["--verify", "0"], "checks nothing"),
+        (&["--picture", "p.png"], ".svg"),
         (&["--columns", "x,x"], "--columns"),
         (&["--count"], "cannot be used with"),
     ];
@@ -106,12 +109,70 @@ fn an_output_that_cannot_be_written_is_named() {
     };
     refused(&["-o", "nowhere/out.csv"], &["nowhere/out.csv", "no folder"]);
     refused(&["-o", "out.xlsx"], &["out.xlsx", ".csv or .npy"]);
+    refused(&["-o", "new\nline.txt"], &["new\\nline.txt"]);
     refused(&["-o", "."], &["directory"]);
     refused(&["-o", "in.csv"], &["--output in.csv is the input too"]);
     refused(&["-o", "./in.csv"], &["is the input too"]);
     refused(&["-o", "a.csv", "--json", "a.csv"], &["--json a.csv is --output too"]);
+    // Neither exists yet: the names are compared as places.
+    refused(&["-o", "a.csv", "--json", "./a.csv"], &["--json ./a.csv is --output too"]);
+    let absolute = bench.path("a.svg");
+    refused(&["--json", "a.svg", "--picture", absolute.to_str().unwrap()], &["is --json too"]);
     refused(&["-o", "a.csv", "--json", "nowhere/a.json"], &["nowhere/a.json"]);
     assert_eq!(bench.read("in.csv"), GOOD);
+}
+
+/// A link to a file that does not exist yet leads there; links in a circle lead nowhere.
+#[cfg(unix)]
+#[test]
+fn links_are_followed_or_refused() {
+    use std::os::unix::fs::symlink;
+    let bench = Bench::new();
+    bench.write("in.csv", GOOD);
+    symlink("a.csv", bench.path("b.csv")).unwrap();
+    symlink("b.csv", bench.path("a.csv")).unwrap();
+    bench.run(&["contacts", "in.csv", "-o", "a.csv"]).refused_with(&["a.csv", "circle"]);
+    symlink("real.csv", bench.path("link.csv")).unwrap();
+    bench.run(&["contacts", "in.csv", "-o", "link.csv"]).succeeds();
+    assert!(bench.path("link.csv").is_symlink());
+    assert_eq!(bench.read("real.csv").lines().count(), 2);
+}
+
+/// What has no end is not read to it.
+#[cfg(target_os = "linux")]
+#[test]
+fn an_endless_input_is_no_packing() {
+    Bench::new().run(&["contacts", "/dev/zero"]).refused_with(&["/dev/zero:1:", "not a text file"]);
+}
+
+/// More couples than memory: an error that says what to do, not an abort.
+#[cfg(target_os = "linux")]
+#[test]
+fn too_many_couples_for_the_memory() {
+    let bench = Bench::new();
+    bench.write("heap.csv", format!("x,y,radius\n{}", "1,1,1\n".repeat(15_000)));
+    for engine in ["rows", "nbs"] {
+        let fdem = assert_cmd::cargo::cargo_bin!("fdem").display().to_string();
+        let line = format!("ulimit -v 700000 && exec {fdem} contacts heap.csv --engine {engine} -o out.csv");
+        let output =
+            std::process::Command::new("sh").args(["-c", &line]).current_dir(bench.folder.path()).output();
+        let run = crate::Run::of(output.unwrap(), &["under ulimit"]);
+        run.refused_with(&["heap.csv", "no memory", "--count"]);
+        assert_eq!(bench.files(), ["heap.csv"]);
+    }
+    let run = bench.run(&["contacts", "heap.csv", "--count"]).succeeds();
+    assert_eq!(run.stdout, "112492500\n");
+}
+
+/// A picture of too many elements is refused before the work, not after.
+#[test]
+fn a_picture_of_too_many_elements() {
+    let bench = Bench::new();
+    bench.run(&["generate", "lattice", "-n", "100001", "-o", "in.csv"]).succeeds();
+    bench
+        .run(&["contacts", "in.csv", "-o", "out.csv", "--picture", "out.svg"])
+        .refused_with(&["in.csv: 100001 elements are too many for --picture"]);
+    assert_eq!(bench.files(), ["in.csv"]);
 }
 
 /// A full disk, on systems that have one to offer.
@@ -134,6 +195,13 @@ fn a_full_disk_is_an_error() {
 #[cfg(unix)]
 #[test]
 fn an_interrupt_leaves_nothing_behind() {
+    for (signal, code) in [("-INT", 130), ("-TERM", 143), ("-HUP", 129), ("-QUIT", 131)] {
+        interrupted_by(signal, code);
+    }
+}
+
+#[cfg(unix)]
+fn interrupted_by(signal: &str, code: i32) {
     use std::io::Write;
     use std::process::Stdio;
     let bench = Bench::new();
@@ -147,8 +215,8 @@ fn an_interrupt_leaves_nothing_behind() {
         assert!(started.elapsed().as_secs() < 60, "the output was never opened");
         std::thread::sleep(std::time::Duration::from_millis(5));
     }
-    let kill = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    let kill = std::process::Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap();
     assert!(kill.success());
-    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert_eq!(child.wait().unwrap().code(), Some(code));
     assert!(bench.files().is_empty(), "{:?}", bench.files());
 }

@@ -39,7 +39,7 @@ fn every_spelling_of_the_same_packing_gives_the_same_couples() {
         ("9 0 0 1\n9 1.75 0 1\n9 4.25 0 1.5\n", &["--columns", "_,x,y,r"]),
         ("0 0 0 1\n1.75 0 0 1\n4.25 0 0 1.5\n", &[]),
         ("x,y,z,radius\n0,0,0,1e0\n+1.75,-0,0,1.\n.425e1,0,0,1.5\n", &[]),
-        ("x,y,radius\n0,0,1\n1.75,0,1\nwhat,is,this\n4.25,0,1.5\n", &["--skip-bad-lines"]),
+        ("x,y,radius\n0,0,1\n1.75,0,1\n4.25,0,1.5\nwhat,is,this\n", &["--skip-bad-lines"]),
         ("id,x,y,radius\n0,0,0,1\n1,1.75,0,1\n2,4.25,0,1.5\n", &[]),
         ("id,x,y,radius\n7,0,0,1\n8,1.75,0,1\n9,4.25,0,1.5\n", &["--ignore-ids"]),
     ];
@@ -178,17 +178,51 @@ fn a_picture_shows_every_element_and_couple() {
     assert_eq!(svg.matches("<path").count(), 2);
 }
 
+#[test]
+fn the_cutoff_is_shown_and_points_have_no_size() {
+    let bench = Bench::new();
+    bench.write("points.txt", "0 0\n3 4\n");
+    let run = bench.run(&["contacts", "points.txt", "--cutoff", "5", "--json", "s.json"]).succeeds();
+    for part in ["2 points in 2D", "cut-off          5", "domain           [0, 3] x [0, 4]"] {
+        assert!(run.stderr.contains(part), "{part:?} is not in\n{}", run.stderr);
+    }
+    assert_eq!(bench.json("s.json")["cutoff"], 5.0);
+}
+
+/// Elements keep the number of their row in the file when others are left out.
+#[test]
+fn skipped_lines_do_not_renumber_the_others() {
+    let bench = Bench::new();
+    bench.write("in.csv", "x,y,r\n0,0,1\nbad,0,1\n1,0,1\n1.5,0,1\n");
+    let run = bench.run(&["contacts", "in.csv", "--skip-bad-lines"]).succeeds();
+    assert_eq!(run.rows(), ["0,2,1.0,1.0", "0,3,1.5,0.5", "2,3,0.5,1.5"]);
+    assert!(run.stderr.contains("of 2 and 3"), "{}", run.stderr);
+}
+
+/// `--output -` is standard output, as `-` is standard input.
+#[test]
+fn a_dash_is_standard_output() {
+    let bench = Bench::new();
+    bench.write("row.csv", ROW);
+    assert_eq!(bench.run(&["contacts", "row.csv", "-o", "-"]).succeeds().rows(), COUPLES);
+    assert_eq!(bench.files(), ["row.csv"]);
+}
+
 /// `fdem contacts … | head -1`
 #[test]
 fn a_reader_that_leaves_early_is_no_error() {
     let bench = Bench::new();
     bench.run(&["generate", "gas", "-n", "30000", "-o", "gas.csv"]).succeeds();
-    let mut command = bench.command(&["contacts", "gas.csv", "--quiet"]);
+    let mut command = bench.command(&["contacts", "gas.csv", "--quiet", "--json", "s.json"]);
     let mut child =
         command.stdout(std::process::Stdio::piped()).stderr(std::process::Stdio::piped()).spawn().unwrap();
     drop(child.stdout.take());
     let output = child.wait_with_output().unwrap();
     assert_eq!((output.status.code(), output.stderr.as_slice()), (Some(0), b"".as_slice()));
+    assert!(
+        bench.json("s.json")["couples"].as_u64().unwrap() > 50_000,
+        "the other outputs are written all the same"
+    );
 }
 
 /// The output of an earlier run is replaced whole; a link to it stays a link.

@@ -59,13 +59,16 @@ fn a_gas_has_the_neighbours_asked_for() {
 #[test]
 fn parameters_that_make_no_packing_are_refused() {
     let bench = Bench::new();
-    let refused: [(&[&str], &str); 8] = [
+    let refused: [(&[&str], &str); 11] = [
         (&["gas", "--neighbours", "0"], "not above zero"),
         (&["gas", "--sizes", "power:2:1:-1"], "exceeds"),
         (&["gas", "--sizes", "equal:-1"], "radius"),
         (&["gas", "--dims", "4"], "--dims"),
         (&["lattice", "--spacing", "nan"], "not a finite number"),
-        (&["deposit", "--dims", "3"], "--dims 2"),
+        (&["deposit", "--dims", "3"], "--dims"),
+        (&["book", "--packing", "a", "--spacing", "3"], "packing A is dense"),
+        (&["gas", "--seed", "-1"], "'-1' is not a whole number"),
+        (&["gas", "--sizes", "foo"], "expected equal:R"),
         (&["deposit", "--width", "0.1"], "disc"),
         (&["book"], "--packing"),
     ];

@@ -105,13 +105,15 @@ impl<T: Real, const D: usize> Layout<T, D> {
         self.counts.clear();
         resize(&mut self.counts, rows, 0)?;
         resize(&mut self.keys, points.len(), 0)?;
+        let (grid, axes) = (self.grid, self.axes);
         for (point, key) in points.iter().zip(&mut self.keys) {
-            *key = 0;
-            for (map, &axis) in self.maps.iter().zip(&self.axes[1..]).rev() {
-                let cell = map.map(self.grid.wide_cell(axis, point[axis].to_f64()));
-                *key = *key * map.cells() as u32 + cell as u32;
+            let mut row = 0;
+            for (map, &axis) in self.maps.iter().zip(&axes[1..]).rev() {
+                let cell = map.map(grid.wide_cell(axis, point[axis].to_f64()));
+                row = row * map.cells() as u32 + cell as u32;
             }
-            self.counts[*key as usize] += 1;
+            *key = row;
+            self.counts[row as usize] += 1;
         }
 
         let mut start = 0;
@@ -123,14 +125,15 @@ impl<T: Real, const D: usize> Layout<T, D> {
         }
         self.starts.push(start);
 
-        for (index, (point, &key)) in points.iter().zip(&self.keys).enumerate() {
+        let (places, _) = self.coordinates.as_chunks_mut::<D>();
+        for ((point, &key), index) in points.iter().zip(&self.keys).zip(0..) {
             let place = &mut self.counts[key as usize];
             let at = *place as usize;
             *place += 1;
-            self.coordinates[D * at..D * at + D].copy_from_slice(point);
-            self.ids[at] = index as u32;
-            if let Some(&radius) = radii.get(index) {
-                self.radii[at] = radius;
+            places[at] = *point;
+            self.ids[at] = index;
+            if !radii.is_empty() {
+                self.radii[at] = radii[index as usize];
             }
         }
 

@@ -1,5 +1,6 @@
 //! Sorting one row along its long axis, in cache.
 
+use crate::grid::nearest_integer;
 use crate::real::Real;
 
 /// Memory for one row, kept between rows.
@@ -74,9 +75,9 @@ impl<T: Real> RowSort<T> {
             let (min, max) = along.clone().fold((self.points[long], self.points[long]), |(min, max), x| {
                 (if x < min { x } else { min }, if x > max { x } else { max })
             });
-            // Monotone whatever it rounds to, which is all that is asked of it.
+            // Near its place is enough, whatever the rounding: insertion does the rest.
             let scale = (n - 1) as f64 / (max - min).to_f64();
-            let bin = |x: T| (((x - min).to_f64() * scale) as usize).min(n - 1);
+            let bin = |x: T| (nearest_integer((x - min).to_f64() * scale) as usize).min(n - 1);
             self.bins.clear();
             self.bins.resize(n, 0);
             for x in along.clone() {
