@@ -28,9 +28,9 @@ pub(crate) enum Task {
 /// counts. Elements go by the ids in the file, or by the number of their data row from 0; couples come in the order of
 /// the rows.
 ///
-/// Text: columns separated by commas, semicolons, tabs or blanks; `#` starts a comment; a header names the columns
-/// (x, PosX[m], X (mm), radius, diameter, d, id, …). Without a header 2 columns are x y, 3 are x y z, 4 are x y z radius. NumPy
-/// .npy arrays of floats: the same columns. Without z the packing is 2D.
+/// Text: columns separated by commas, semicolons, tabs or blanks; `#` or `%` starts a comment; a header names the columns
+/// (x, PosX[m], X (mm), `x_mm`, radius, diameter, d, id, …). Without a header 2 columns are x y, 3 are x y z, 4 are x y z radius.
+/// NumPy .npy arrays of numbers: the same columns. Without z the packing is 2D.
 #[derive(Debug, Args)]
 #[command(after_help = "Example: fdem contacts packing.csv --output couples.csv --json summary.json")]
 #[allow(clippy::struct_excessive_bools, reason = "each is a switch of its own on the command line")]

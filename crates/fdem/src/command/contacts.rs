@@ -226,12 +226,13 @@ fn report_skipped(name: &str, packing: &Packing) {
     if skipped.count == 0 {
         return;
     }
-    let is_array = matches!(packing.source.format, Format::Npy { .. });
-    let noun = if is_array { "row" } else { "line" };
-    let plural = if skipped.count == 1 { "" } else { "s" };
-    let mut text = vec![format!("warning: {name}: skipped {} bad {noun}{plural}", skipped.count)];
+    let format = &packing.source.format;
+    let mut text =
+        vec![format!("warning: {name}: skipped {} bad {}", skipped.count, format.noun(skipped.count))];
     text.extend(skipped.first.iter().take(SHOWN).map(|bad| {
-        let place = if is_array { String::new() } else { format!("{}:", bad.line) };
+        // Of an array the problem itself names the row.
+        let place =
+            if matches!(format, Format::Npy { .. }) { String::new() } else { format!("{}:", bad.line) };
         format!("  {name}:{place} {}: {}", bad.problem, bad.text)
     }));
     if skipped.count > SHOWN as u64 {

@@ -126,7 +126,7 @@ impl fmt::Display for Summary {
             (None, _) => "sphere",
         };
 
-        line("file", format!("{}, {}: {}", self.file, self.format, self.columns.join(" ")))?;
+        line("file", format!("{}, {}: {}", self.file, self.format, self.columns.join(", ")))?;
         let radius = match self.radius {
             None => String::new(),
             Some([min, max]) if min == max => format!(", radius {}{unit}", brief(min)),
@@ -143,7 +143,7 @@ impl fmt::Display for Summary {
             line("", format!("{} of radius zero: points", grouped(self.points as u64)))?;
         }
         if self.skipped_lines > 0 {
-            line("skipped lines", grouped(self.skipped_lines))?;
+            line("skipped", format!("{} that could not be read", grouped(self.skipped_lines)))?;
         }
         if !self.domain.is_empty() {
             let sides: Vec<_> =
