@@ -119,6 +119,13 @@ pub enum Error {
         /// What was asked for.
         simd: Simd,
     },
+    /// The threads that were asked for cannot be had.
+    NoThreads {
+        /// Number asked for; 0 is one for each processor.
+        threads: usize,
+        /// Why not.
+        reason: String,
+    },
     /// The system has no memory left for the arrays of an engine.
     OutOfMemory {
         /// Bytes that were asked for.
@@ -193,6 +200,7 @@ impl fmt::Display for Error {
                 write!(out, "the domain [{min}, {max}] along {} is not a finite interval", axis_name(*axis))
             }
             Self::SimdUnavailable { simd } => write!(out, "this processor has no {simd}"),
+            Self::NoThreads { threads, reason } => write!(out, "{threads} threads cannot be had: {reason}"),
             Self::OutOfMemory { bytes } => write!(out, "no memory for {bytes} bytes"),
         }
     }

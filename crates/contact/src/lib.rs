@@ -28,7 +28,8 @@
 //!   the element, before anything is computed.
 //! - **Any dimension.** `[T; D]` for every `D` of at least 1, in `f32` and `f64`.
 //!
-//! There is no file, no physics and no printing in this crate, and no dependency.
+//! There is no file, no physics and no printing in this crate. Its one dependency is rayon, behind the feature `rayon` (on by default):
+//! without it a search runs on one thread, with the same results.
 //!
 //! # Data flow
 //! [`Elements`] → [`Grid`] (cells) → [`Lists`] → [`CONTACT_MASK`] → [`Search`] ([`Direct`], [`Nbs`], [`Rows`]) → [`Couple`].
@@ -41,6 +42,7 @@ mod lists;
 mod mask;
 mod search;
 mod simd;
+mod pool;
 mod engine;
 mod couple;
 mod verify;

@@ -5,7 +5,7 @@
 //! - [`io`]: packings in, couples out, in the field's formats (package `fdem-io`);
 //! - [`scenes`]: seeded packings (package `fdem-scenes`).
 //!
-//! A program of yours that needs couples depends on `fdem-contact` alone, which has no dependencies.
+//! A program of yours that needs couples depends on `fdem-contact` alone, whose one dependency, rayon, is optional.
 
 pub mod command;
 

@@ -4,17 +4,23 @@ mod axis;
 mod buckets;
 mod layout;
 mod row_sort;
+mod scatter;
+
+use std::ops::Range;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use crate::couple::Couple;
 use crate::elements::{Elements, Geometry, Shape};
 use crate::error::Error;
 use crate::grid::Grid;
+use crate::pool::Pool;
 use crate::real::Real;
 use crate::search::{Search, make_room};
 use crate::simd::kernel::{Neighbour, Output, Span, Task};
 use crate::simd::{Simd, portable};
 
 use layout::Layout;
+use scatter::append;
 
 /// The decomposition and the contact mask of Munjiza-NBS, on sorted rows instead of lists: the default engine.
 ///
@@ -52,13 +58,20 @@ use layout::Layout;
 #[derive(Clone, Debug)]
 pub struct Rows<T, const D: usize> {
     layout: Layout<T, D>,
-    /// Couples on their way to a visitor.
-    visiting: Vec<Couple>,
+    /// Couples of each part, on their way to a visitor or into a list.
+    parts: Vec<Vec<Couple>>,
     simd: Simd,
+    pool: Pool,
 }
 
-/// Couples that are handed to a visitor at once: they stay in the first-level cache.
-const VISITED_AT_ONCE: usize = 1024;
+/// Elements of one part of the work: enough to forget its start, few enough for its couples to stay in cache.
+const PART: usize = 4096;
+
+/// Parts that each thread has in a batch.
+const PARTS_AT_ONCE: usize = 8;
+
+/// Room for couples to begin with: they stay in the first-level cache.
+const FIRST_ROOM: usize = 1024;
 
 impl<T: Real, const D: usize> Default for Rows<T, D> {
     fn default() -> Self {
@@ -69,7 +82,7 @@ impl<T: Real, const D: usize> Default for Rows<T, D> {
 impl<T: Real, const D: usize> Rows<T, D> {
     /// A search that holds no memory yet, with the fastest instructions of this processor.
     pub fn new() -> Self {
-        Self { layout: Layout::new(), visiting: Vec::new(), simd: Simd::best() }
+        Self { layout: Layout::new(), parts: Vec::new(), simd: Simd::best(), pool: Pool::default() }
     }
 
     /// The same with other vector instructions; the couples and their order are the same.
@@ -84,9 +97,19 @@ impl<T: Real, const D: usize> Rows<T, D> {
         Ok(self)
     }
 
+    /// The same on `threads` threads; 0 is one for each processor, 1 is the default and uses no pool. The couples and their order are
+    /// the same for any number.
+    ///
+    /// # Errors
+    /// [`Error::NoThreads`] if they cannot be had, or if the crate was built without its feature `rayon`.
+    pub fn with_threads(mut self, threads: usize) -> Result<Self, Error> {
+        self.pool = Pool::new(threads)?;
+        Ok(self)
+    }
+
     /// Bytes that the engine holds now.
     pub fn bytes(&self) -> usize {
-        self.layout.bytes() + self.visiting.capacity() * size_of::<Couple>()
+        self.layout.bytes() + self.parts.iter().map(Vec::capacity).sum::<usize>() * size_of::<Couple>()
     }
 
     /// The cells that a search over `elements` would use.
@@ -94,35 +117,34 @@ impl<T: Real, const D: usize> Rows<T, D> {
         Grid::unbounded(elements)
     }
 
-    fn search(&mut self, elements: &Elements<'_, T, D>, out: &mut Output<'_>) -> Result<(), Error> {
+    fn search(&mut self, elements: &Elements<'_, T, D>, sink: Sink<'_>) -> Result<(), Error> {
         if elements.is_empty() {
             return Ok(());
         }
         let grid = self.plan(elements);
-        let reach = T::at_least(elements.reach().max(T::MIN_RESOLVED));
-        let mut scan =
-            Scan { reach, reach_squared: T::ZERO, tolerance: elements.tolerance(), simd: self.simd };
+        let Self { layout, parts, simd, pool, .. } = self;
+        let (simd, reach) = (*simd, T::at_least(elements.reach().max(T::MIN_RESOLVED)));
+        let mut scan = Scan { reach, reach_squared: T::ZERO, tolerance: elements.tolerance() };
         match elements.shape {
             Shape::Equal(equal) => {
                 scan.reach_squared = equal.reach_squared();
-                self.layout.build(equal.points(), &[], grid)?;
-                scan.all_rows(&self.layout, out, |task, out| T::search(scan.simd, task, out));
+                layout.build(equal.points(), &[], grid, pool)?;
+                scan.all(layout, pool, parts, sink, |task, out| T::search(simd, task, out))
             }
             Shape::Spheres(spheres) => {
-                self.layout.build(spheres.points(), spheres.radii(), grid)?;
-                scan.all_rows(&self.layout, out, |task, out| T::search(scan.simd, task, out));
+                layout.build(spheres.points(), spheres.radii(), grid, pool)?;
+                scan.all(layout, pool, parts, sink, |task, out| T::search(simd, task, out))
             }
             Shape::Boxes(boxes) => {
-                self.layout.build(boxes.points(), &[], grid)?;
-                let ids = &self.layout.ids;
-                scan.all_rows(&self.layout, out, |task, out| {
+                layout.build(boxes.points(), &[], grid, pool)?;
+                let ids = &layout.ids;
+                scan.all(layout, pool, parts, sink, |task, out| {
                     portable::scan(task, out, |row, k, other, j| {
                         boxes.touch(ids[row.start + k] as usize, ids[other.start + j] as usize)
                     });
-                });
+                })
             }
         }
-        Ok(())
     }
 }
 
@@ -132,39 +154,26 @@ impl<T: Real, const D: usize> Search<T, D> for Rows<T, D> {
         elements: &Elements<'_, T, D>,
         mut visit: impl FnMut(Couple),
     ) -> Result<(), Error> {
-        let mut found = std::mem::take(&mut self.visiting);
-        found.clear();
-        layout::reserve(&mut found, VISITED_AT_ONCE)?;
-        let mut hand_over = |found: &mut Vec<Couple>| found.drain(..).for_each(&mut visit);
-        let mut out = Output { couples: &mut found, count: 0, count_only: false, make_room: &mut hand_over };
-        self.search(elements, &mut out)?;
-        hand_over(&mut found);
-        self.visiting = found;
-        Ok(())
+        self.search(elements, Sink::Visit(&mut visit))
     }
 
     fn couples(&mut self, elements: &Elements<'_, T, D>, couples: &mut Vec<Couple>) -> Result<(), Error> {
         couples.clear();
-        layout::reserve(couples, VISITED_AT_ONCE)?;
-        let mut room = Ok(());
-        let mut grow = |found: &mut Vec<Couple>| {
-            if room.is_ok() {
-                room = make_room(found);
-            }
-            if room.is_err() {
-                // The search goes on into memory that it has, and its result is refused.
-                found.clear();
-            }
-        };
-        self.search(elements, &mut Output { couples, count: 0, count_only: false, make_room: &mut grow })?;
-        room.inspect_err(|_| couples.clear())
+        self.search(elements, Sink::List(couples)).inspect_err(|_| couples.clear())
     }
 
     fn count(&mut self, elements: &Elements<'_, T, D>) -> Result<u64, Error> {
-        let mut out = Output { couples: &mut Vec::new(), count: 0, count_only: true, make_room: &mut |_| {} };
-        self.search(elements, &mut out)?;
-        Ok(out.count)
+        let mut count = 0;
+        self.search(elements, Sink::Count(&mut count))?;
+        Ok(count)
     }
+}
+
+/// What becomes of the couples.
+enum Sink<'a> {
+    List(&'a mut Vec<Couple>),
+    Visit(&'a mut dyn FnMut(Couple)),
+    Count(&'a mut u64),
 }
 
 /// What a search over sorted rows needs besides them.
@@ -172,40 +181,117 @@ struct Scan<T> {
     reach: T,
     reach_squared: T,
     tolerance: T,
-    simd: Simd,
 }
 
 impl<T: Real> Scan<T> {
-    /// Calls `search` with every row and the rows of the contact mask that exist.
-    fn all_rows<const D: usize>(
+    /// Searches all rows with `search`, in parts, on the threads of `pool`.
+    ///
+    /// A part is a stretch of elements in row order. Parts are searched at the same time and taken in their order, a batch after the other,
+    /// so that couples wait in cache.
+    fn all<const D: usize>(
         &self,
         layout: &Layout<T, D>,
+        pool: &Pool,
+        parts: &mut Vec<Vec<Couple>>,
+        sink: Sink<'_>,
+        search: impl Fn(&Task<'_, T, D>, &mut Output<'_>) + Sync,
+    ) -> Result<(), Error> {
+        let n = layout.len();
+        let found =
+            |range: Range<usize>, couples: &mut Vec<Couple>, make_room: &mut dyn FnMut(&mut Vec<Couple>)| {
+                let mut out = Output { couples, count: 0, count_only: false, make_room };
+                self.part(layout, range, &mut out, &search);
+            };
+        let ranges = (0..n).step_by(PART).map(|start| start..n.min(start + PART));
+        match sink {
+            Sink::Count(count) => {
+                let total = AtomicU64::new(0);
+                pool.run(ranges, |range| {
+                    let (couples, make_room) = (&mut Vec::new(), &mut |_: &mut _| {});
+                    let mut out = Output { couples, count: 0, count_only: true, make_room };
+                    self.part(layout, range, &mut out, &search);
+                    total.fetch_add(out.count, Ordering::Relaxed);
+                });
+                *count = total.into_inner();
+                Ok(())
+            }
+            Sink::List(couples) if pool.threads() == 1 => {
+                couples.try_reserve(FIRST_ROOM).map_err(|_| out_of_memory(FIRST_ROOM))?;
+                let mut room = Ok(());
+                found(0..n, couples, &mut |found| grow(found, &mut room));
+                room
+            }
+            Sink::Visit(visit) if pool.threads() == 1 => {
+                parts.resize_with(parts.len().max(1), Vec::new);
+                let couples = &mut parts[0];
+                couples.try_reserve(FIRST_ROOM).map_err(|_| out_of_memory(FIRST_ROOM))?;
+                found(0..n, couples, &mut |found| found.drain(..).for_each(&mut *visit));
+                couples.drain(..).for_each(visit);
+                Ok(())
+            }
+            mut sink => {
+                let batch = PARTS_AT_ONCE * pool.threads();
+                parts.resize_with(batch, Vec::new);
+                for start in (0..n).step_by(batch * PART) {
+                    let failed = AtomicBool::new(false);
+                    let ranges = ranges.clone().skip(start / PART);
+                    pool.run(parts.iter_mut().zip(ranges), |(part, range)| {
+                        part.clear();
+                        let mut room = part.try_reserve(FIRST_ROOM).map_err(|_| out_of_memory(FIRST_ROOM));
+                        if room.is_ok() {
+                            found(range, part, &mut |found| grow(found, &mut room));
+                        }
+                        failed.fetch_or(room.is_err(), Ordering::Relaxed);
+                    });
+                    if failed.into_inner() {
+                        return Err(out_of_memory(parts.iter().map(Vec::capacity).sum()));
+                    }
+                    let filled = &parts[..batch.min((n - start).div_ceil(PART))];
+                    match &mut sink {
+                        Sink::List(couples) => append(couples, filled, pool)?,
+                        Sink::Visit(visit) => filled.iter().flatten().copied().for_each(visit),
+                        Sink::Count(_) => unreachable!("counted above"),
+                    }
+                }
+                Ok(())
+            }
+        }
+    }
+
+    /// Searches the elements at the places `range` of the order, as first elements of couples.
+    fn part<const D: usize>(
+        &self,
+        layout: &Layout<T, D>,
+        range: Range<usize>,
         out: &mut Output<'_>,
-        search: impl Fn(&Task<'_, T, D>, &mut Output<'_>),
+        search: &impl Fn(&Task<'_, T, D>, &mut Output<'_>),
     ) {
-        let span = |row: usize| {
-            let row = layout.row(row);
-            Span { start: row.start, len: row.len() }
-        };
+        let first = layout.row_of(range.start);
         let mut cursors: Vec<_> =
-            half_mask::<D>().into_iter().map(|offset| Cursor::new(layout, offset)).collect();
+            half_mask::<D>().into_iter().map(|offset| Cursor::new(layout, offset, first)).collect();
         let mut neighbours = Vec::with_capacity(cursors.len());
-        for row in 0..layout.rows() {
+        for row in first..layout.rows() {
+            let places = layout.row(row);
+            if places.start >= range.end {
+                break;
+            }
+            let from = range.start.max(places.start) - places.start;
+            let to = range.end.min(places.end) - places.start;
+            let low = layout.along(&places)[from] - self.reach;
             let cells = layout.row_cells(row);
             neighbours.clear();
-            for cursor in &mut cursors {
-                if let Some(row) = cursor.find(layout, &cells) {
-                    neighbours.push(Neighbour { row: span(row), low: 0 });
-                }
+            for row in cursors.iter_mut().filter_map(|cursor| cursor.find(layout, &cells)) {
+                let row = layout.row(row);
+                let low = if from == 0 { 0 } else { layout.along(&row).partition_point(|&x| x < low) };
+                neighbours.push(Neighbour { row: Span { start: row.start, len: row.len() }, low });
             }
-            let row = span(row);
             let task = Task {
                 coordinates: &layout.coordinates,
                 radii: &layout.radii,
                 ids: &layout.ids,
-                row,
-                from: 0,
-                to: row.len,
+                row: Span { start: places.start, len: places.len() },
+                from,
+                to,
                 neighbours: &neighbours,
                 long: layout.axes[0],
                 reach: self.reach,
@@ -217,6 +303,21 @@ impl<T: Real> Scan<T> {
     }
 }
 
+/// Doubles the room for couples; without memory for that, what was found is given up, and `room` says so.
+fn grow(found: &mut Vec<Couple>, room: &mut Result<(), Error>) {
+    if room.is_ok() {
+        *room = make_room(found);
+    }
+    if room.is_err() {
+        // The search goes on into memory that it has; its result is refused.
+        found.clear();
+    }
+}
+
+fn out_of_memory(couples: usize) -> Error {
+    Error::OutOfMemory { bytes: couples.saturating_mul(size_of::<Couple>()) }
+}
+
 /// Finds the row at one offset of the mask, for rows in ascending order: it only moves forward.
 struct Cursor<const D: usize> {
     offset: [i64; D],
@@ -226,19 +327,30 @@ struct Cursor<const D: usize> {
 }
 
 impl<const D: usize> Cursor<D> {
-    fn new<T: Real>(layout: &Layout<T, D>, offset: [i64; D]) -> Self {
-        Self { offset, row: 0, cells: Some(layout.row_cells(0)) }
+    /// A cursor for rows from `first` on.
+    fn new<T: Real>(layout: &Layout<T, D>, offset: [i64; D], first: usize) -> Self {
+        let wanted = add(&layout.row_cells(first), &offset);
+        let (mut row, mut end) = (0, layout.rows());
+        while row < end {
+            let middle = usize::midpoint(row, end);
+            if layout.row_cells(middle) < wanted { row = middle + 1 } else { end = middle }
+        }
+        Self { offset, row, cells: (row < layout.rows()).then(|| layout.row_cells(row)) }
     }
 
     /// The row at `cells + offset`, if it exists. `cells` must not descend from call to call.
     fn find<T: Real>(&mut self, layout: &Layout<T, D>, cells: &[i64; D]) -> Option<usize> {
-        let wanted: [i64; D] = std::array::from_fn(|k| cells[k] + self.offset[k]);
+        let wanted = add(cells, &self.offset);
         while self.cells? < wanted {
             self.row += 1;
             self.cells = (self.row < layout.rows()).then(|| layout.row_cells(self.row));
         }
         (self.cells? == wanted).then_some(self.row)
     }
+}
+
+fn add<const D: usize>(cells: &[i64; D], offset: &[i64; D]) -> [i64; D] {
+    std::array::from_fn(|k| cells[k] + offset[k])
 }
 
 /// The offsets of the neighbour rows of the contact mask, most significant axis first; the long axis, last, is 0.

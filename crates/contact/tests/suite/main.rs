@@ -3,12 +3,14 @@
 //! - `oracle`: every search equals all-against-all, for every dimension, float, shape and scene.
 //! - `degenerate`: nothing, one, all in one place, far away, NaN, infinity, lengths that differ, domains too wide.
 //! - `properties`: laws that hold for any input (proptest): renumbering, mirroring, translation, tolerance, no repeats.
+//! - `determinism`: one order of couples for any number of threads and any vector instructions.
 //! - `golden`: the numbers printed in the book.
 //! - `../memory.rs`, a program of its own because it counts allocations: the memory law.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failed unwrap is a failed test")]
 
 mod degenerate;
+mod determinism;
 mod golden;
 mod oracle;
 mod properties;

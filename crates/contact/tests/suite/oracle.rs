@@ -56,9 +56,11 @@ fn compare<T: FromF64, const D: usize>(scene: &str, cloud: &Cloud<D>) -> usize {
             let context =
                 || format!("{scene}, {shape}, D = {D}, n = {}, tolerance {tolerance}", centres.len());
             assert!(ascending(Nbs::new(), &elements) == expected, "nbs: {}", context());
-            for simd in Simd::available() {
-                let rows = Rows::new().with_simd(simd).unwrap();
-                assert!(ascending(rows, &elements) == expected, "rows, {simd}: {}", context());
+            for (simd, threads) in
+                Simd::available().into_iter().map(|simd| (simd, 1)).chain([(Simd::best(), 3)])
+            {
+                let rows = Rows::new().with_simd(simd).unwrap().with_threads(threads).unwrap();
+                assert!(ascending(rows, &elements) == expected, "rows, {simd}, {threads}: {}", context());
             }
             assert!(ascending(Detector::new(Engine::Auto), &elements) == expected, "auto: {}", context());
             couples += expected.len();

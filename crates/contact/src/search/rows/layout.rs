@@ -1,13 +1,17 @@
 //! Elements in row order: the lists of NBS as sorted, contiguous runs.
 
+#![allow(unsafe_code, reason = "one scatter, to places of its own for every thread")]
+
 use std::ops::Range;
 
 use crate::error::Error;
 use crate::grid::Grid;
+use crate::pool::Pool;
 use crate::real::Real;
 use crate::search::rows::axis::AxisMap;
 use crate::search::rows::buckets::Buckets;
 use crate::search::rows::row_sort::RowSort;
+use crate::search::rows::scatter::Scatter;
 
 /// A copy of the elements, sorted by row of cells and by coordinate inside the row.
 ///
@@ -34,7 +38,7 @@ pub(crate) struct Layout<T, const D: usize> {
     keys: Vec<u32>,
     counts: Vec<u32>,
     maps: Vec<AxisMap>,
-    sort: RowSort<T>,
+    sorts: Vec<RowSort<T>>,
     buckets: Buckets,
 }
 
@@ -44,6 +48,9 @@ pub(crate) const PADDING: usize = 16;
 /// Rows are counted, in one pass, if there are at most so many per element, empty ones included. The bound keeps memory
 /// proportional to N, and the counts in cache.
 const MAX_ROWS_PER_ELEMENT: f64 = 0.5;
+
+/// Fewer elements are not worth a second thread.
+const FEW_ELEMENTS: usize = 20_000;
 
 /// Few elements may have many rows.
 const FEW_ROWS: f64 = 1024.0;
@@ -60,13 +67,19 @@ impl<T: Real, const D: usize> Layout<T, D> {
             keys: Vec::new(),
             counts: Vec::new(),
             maps: Vec::new(),
-            sort: RowSort::default(),
+            sorts: Vec::new(),
             buckets: Buckets::default(),
         }
     }
 
     /// Copies and sorts `points`, with `radii` unless that is empty.
-    pub(crate) fn build(&mut self, points: &[[T; D]], radii: &[T], grid: Grid<D>) -> Result<(), Error> {
+    pub(crate) fn build(
+        &mut self,
+        points: &[[T; D]],
+        radii: &[T],
+        grid: Grid<D>,
+        pool: &Pool,
+    ) -> Result<(), Error> {
         self.grid = grid;
         let cells = grid.cells();
         self.axes = std::array::from_fn(|axis| axis);
@@ -88,7 +101,7 @@ impl<T: Real, const D: usize> Layout<T, D> {
             }
         }
         if self.rows_with_maps() <= limit {
-            self.count_rows(points, radii)
+            self.count_rows(points, radii, pool)
         } else {
             self.bucket_rows(points, radii)
         }
@@ -100,51 +113,92 @@ impl<T: Real, const D: usize> Layout<T, D> {
     }
 
     /// Rows by counting: one pass over the elements finds how many each row has, the next drops them there.
-    fn count_rows(&mut self, points: &[[T; D]], radii: &[T]) -> Result<(), Error> {
-        let rows = self.rows_with_maps() as usize;
+    ///
+    /// Every thread counts a stretch of the elements; of each row the first places go to the first stretch. So the
+    /// order is that of one thread.
+    fn count_rows(&mut self, points: &[[T; D]], radii: &[T], pool: &Pool) -> Result<(), Error> {
+        let (rows, n) = (self.rows_with_maps() as usize, points.len());
+        let stretches = if n < FEW_ELEMENTS { 1 } else { pool.threads() };
+        let stretch = n.div_ceil(stretches);
         self.counts.clear();
-        resize(&mut self.counts, rows, 0)?;
-        resize(&mut self.keys, points.len(), 0)?;
-        let (grid, axes) = (self.grid, self.axes);
-        for (point, key) in points.iter().zip(&mut self.keys) {
-            let mut row = 0;
-            for (map, &axis) in self.maps.iter().zip(&axes[1..]).rev() {
-                let cell = map.map(grid.wide_cell(axis, point[axis].to_f64()));
-                row = row * map.cells() as u32 + cell as u32;
+        resize(&mut self.counts, stretches * rows, 0)?;
+        resize(&mut self.keys, n, 0)?;
+
+        let (grid, axes, maps) = (self.grid, self.axes, &self.maps);
+        let tasks =
+            points.chunks(stretch).zip(self.keys.chunks_mut(stretch)).zip(self.counts.chunks_mut(rows));
+        pool.run(tasks, |((points, keys), counts)| {
+            for (point, key) in points.iter().zip(keys) {
+                let mut row = 0;
+                for (map, &axis) in maps.iter().zip(&axes[1..]).rev() {
+                    let cell = map.map(grid.wide_cell(axis, point[axis].to_f64()));
+                    row = row * map.cells() as u32 + cell as u32;
+                }
+                *key = row;
+                counts[row as usize] += 1;
             }
-            *key = row;
-            self.counts[row as usize] += 1;
-        }
+        });
 
         let mut start = 0;
-        for count in &mut self.counts {
-            if *count > 0 {
-                self.starts.push(start);
+        for row in 0..rows {
+            let first = start;
+            for count in self.counts[row..].iter_mut().step_by(rows) {
+                start += std::mem::replace(count, start);
             }
-            start += std::mem::replace(count, start);
+            if start > first {
+                self.starts.push(first);
+            }
         }
         self.starts.push(start);
 
-        let (places, _) = self.coordinates.as_chunks_mut::<D>();
-        for ((point, &key), index) in points.iter().zip(&self.keys).zip(0..) {
-            let place = &mut self.counts[key as usize];
-            let at = *place as usize;
-            *place += 1;
-            places[at] = *point;
-            self.ids[at] = index;
-            if !radii.is_empty() {
-                self.radii[at] = radii[index as usize];
+        let places = Scatter::new(self.coordinates.as_chunks_mut::<D>().0);
+        let (ids, their_radii) = (Scatter::new(&mut self.ids), Scatter::new(&mut self.radii));
+        let tasks = points.chunks(stretch).zip(self.keys.chunks(stretch)).zip(self.counts.chunks_mut(rows));
+        pool.run(tasks.enumerate(), |(k, ((points, keys), counts))| {
+            let first = k * stretch;
+            for ((point, &key), index) in points.iter().zip(keys).zip(first..) {
+                let place = &mut counts[key as usize];
+                let at = *place as usize;
+                *place += 1;
+                // SAFETY: the sums above gave every row of every stretch a range of its own, as long as its count.
+                unsafe {
+                    places.write(at, *point);
+                    ids.write(at, index as u32);
+                    if !radii.is_empty() {
+                        their_radii.write(at, radii[index]);
+                    }
+                }
             }
-        }
-
-        let long = self.axes[0];
-        for row in self.starts.windows(2) {
-            let row = row[0] as usize..row[1] as usize;
-            let radii = self.radii.get_mut(row.clone()).unwrap_or_default();
-            let coordinates = &mut self.coordinates[D * row.start..D * row.end];
-            self.sort.sort::<D>(long, coordinates, &mut self.ids[row], radii);
-        }
+        });
+        self.sort_rows(pool);
         Ok(())
+    }
+
+    /// Sorts every row along the long axis; threads take stretches of rows with about as many elements each.
+    fn sort_rows(&mut self, pool: &Pool) {
+        let long = self.axes[0];
+        let stretches = if pool.threads() == 1 { 1 } else { 4 * pool.threads() };
+        self.sorts.resize_with(stretches, RowSort::default);
+        let with_radii = !self.radii.is_empty();
+        let mut coordinates = self.coordinates.as_mut_slice();
+        let mut ids = self.ids.as_mut_slice();
+        let mut radii = self.radii.as_mut_slice();
+        let stretches =
+            self.sorts.iter_mut().zip(stretches_of_rows(&self.starts, stretches)).map(|(sort, rows)| {
+                let starts = &self.starts[rows.start..=rows.end];
+                let n = (starts[starts.len() - 1] - starts[0]) as usize;
+                let coordinates = coordinates.split_off_mut(..D * n).unwrap_or_default();
+                let ids = ids.split_off_mut(..n).unwrap_or_default();
+                let radii = radii.split_off_mut(..if with_radii { n } else { 0 }).unwrap_or_default();
+                (sort, starts, coordinates, ids, radii)
+            });
+        pool.run(stretches, |(sort, starts, coordinates, ids, radii)| {
+            for row in starts.windows(2) {
+                let row = (row[0] - starts[0]) as usize..(row[1] - starts[0]) as usize;
+                let radii = radii.get_mut(row.clone()).unwrap_or_default();
+                sort.sort::<D>(long, &mut coordinates[D * row.start..D * row.end], &mut ids[row], radii);
+            }
+        });
     }
 
     /// Rows by buckets within buckets, for domains with more rows than elements.
@@ -196,6 +250,21 @@ impl<T: Real, const D: usize> Layout<T, D> {
         self.starts[row] as usize..self.starts[row + 1] as usize
     }
 
+    /// Number of elements.
+    pub(crate) fn len(&self) -> usize {
+        self.starts[self.rows()] as usize
+    }
+
+    /// The row that holds the element at `place`.
+    pub(crate) fn row_of(&self, place: usize) -> usize {
+        self.starts.partition_point(|&start| start as usize <= place) - 1
+    }
+
+    /// The coordinates of a row along the long axis, ascending.
+    pub(crate) fn along(&self, row: &Range<usize>) -> &[T] {
+        &self.coordinates[D * row.start + self.axes[0] * row.len()..][..row.len()]
+    }
+
     /// The cells of a row on all axes but the long one, most significant first; rows ascend by it.
     #[inline]
     pub(crate) fn row_cells(&self, row: usize) -> [i64; D] {
@@ -212,11 +281,25 @@ impl<T: Real, const D: usize> Layout<T, D> {
 
     /// Bytes held, per element where it matters.
     pub(crate) fn bytes(&self) -> usize {
+        let sorts: usize = self.sorts.iter().map(RowSort::bytes).sum();
         let floats = self.coordinates.capacity() + self.radii.capacity();
         let integers =
             self.ids.capacity() + self.starts.capacity() + self.keys.capacity() + self.counts.capacity();
-        floats * size_of::<T>() + integers * size_of::<u32>() + self.sort.bytes() + self.buckets.bytes()
+        floats * size_of::<T>() + integers * size_of::<u32>() + sorts + self.buckets.bytes()
     }
+}
+
+/// Cuts the rows into at most `count` stretches with about as many elements each. `starts` as in [`Layout`].
+pub(crate) fn stretches_of_rows(starts: &[u32], count: usize) -> impl Iterator<Item = Range<usize>> {
+    let (rows, n) = (starts.len() - 1, starts[starts.len() - 1] as usize);
+    let cut = move |k: usize| {
+        if k == count {
+            rows
+        } else {
+            starts[..rows].partition_point(|&start| (start as usize) < k * n / count)
+        }
+    };
+    (0..count).map(move |k| cut(k)..cut(k + 1)).filter(|rows| !rows.is_empty())
 }
 
 /// Exactly `len` entries; existing ones keep their value.

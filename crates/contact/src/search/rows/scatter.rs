@@ -1,0 +1,88 @@
+//! Writing to one array from several threads, each to places of its own.
+
+#![allow(unsafe_code, reason = "that the places are different cannot be told to the compiler")]
+
+use std::marker::PhantomData;
+
+use crate::couple::Couple;
+use crate::error::Error;
+use crate::pool::Pool;
+
+/// An array that several threads fill at once.
+#[derive(Clone, Copy)]
+pub(crate) struct Scatter<'a, V> {
+    start: *mut V,
+    len: usize,
+    array: PhantomData<&'a mut [V]>,
+}
+
+// SAFETY: the array is borrowed for as long as this lives, and `write` asks its callers for places of their own.
+unsafe impl<V: Send> Send for Scatter<'_, V> {}
+// SAFETY: as above.
+unsafe impl<V: Send> Sync for Scatter<'_, V> {}
+
+impl<'a, V: Copy> Scatter<'a, V> {
+    pub(crate) fn new(array: &'a mut [V]) -> Self {
+        Self { start: array.as_mut_ptr(), len: array.len(), array: PhantomData }
+    }
+
+    /// Writes one entry.
+    ///
+    /// # Safety
+    /// No other thread writes the same place before the array is used again.
+    ///
+    /// # Panics
+    /// Behind the end of the array.
+    #[inline]
+    pub(crate) unsafe fn write(self, place: usize, value: V) {
+        assert!(place < self.len);
+        // SAFETY: inside the array, and nobody else's place by the contract of this function.
+        unsafe { self.start.add(place).write(value) };
+    }
+}
+
+/// Appends the couples of all parts, in their order.
+pub(crate) fn append(couples: &mut Vec<Couple>, parts: &[Vec<Couple>], pool: &Pool) -> Result<(), Error> {
+    let more: usize = parts.iter().map(Vec::len).sum();
+    let bytes = (couples.len() + more).saturating_mul(size_of::<Couple>());
+    couples.try_reserve(more).map_err(|_| Error::OutOfMemory { bytes })?;
+    let mut room = couples.spare_capacity_mut();
+    let tasks = parts.iter().map(|part| (part, room.split_off_mut(..part.len()).unwrap_or_default()));
+    pool.run(tasks, |(part, room)| {
+        for (place, &couple) in room.iter_mut().zip(part) {
+            place.write(couple);
+        }
+    });
+    // SAFETY: the parts have together filled as many places as they have couples, from the first free one on.
+    unsafe { couples.set_len(couples.len() + more) };
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_threads_fill_one_array() {
+        let mut array = vec![0; 1000];
+        let scatter = Scatter::new(&mut array);
+        std::thread::scope(|scope| {
+            for thread in 0..2 {
+                scope.spawn(move || {
+                    for place in (thread..1000).step_by(2) {
+                        // SAFETY: even places for one thread, odd ones for the other.
+                        unsafe { scatter.write(place, place + 1) };
+                    }
+                });
+            }
+        });
+        assert!(array.iter().enumerate().all(|(place, &value)| value == place + 1));
+    }
+
+    #[test]
+    #[should_panic(expected = "place < self.len")]
+    fn behind_the_end_is_a_panic() {
+        // SAFETY: there is one thread.
+        unsafe { Scatter::new(&mut [0; 3]).write(3, 1) };
+    }
+}
