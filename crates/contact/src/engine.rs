@@ -86,6 +86,15 @@ impl<T: Real, const D: usize> Detector<T, D> {
         Self { engine, nbs: Nbs::new(), rows: Rows::new() }
     }
 
+    /// The same on `threads` threads, where the engine can use them ([`Rows`]); 0 is one for each processor.
+    ///
+    /// # Errors
+    /// [`Error::NoThreads`].
+    pub fn with_threads(mut self, threads: usize) -> Result<Self, Error> {
+        self.rows = self.rows.with_threads(threads)?;
+        Ok(self)
+    }
+
     /// What a search over `elements` will do.
     ///
     /// # Errors

@@ -12,7 +12,10 @@ pub(crate) struct Pool {
     pool: Option<std::sync::Arc<rayon::ThreadPool>>,
 }
 
-#[cfg_attr(not(feature = "rayon"), allow(clippy::unused_self, reason = "without rayon there is nothing in a pool"))]
+#[cfg_attr(
+    not(feature = "rayon"),
+    allow(clippy::unused_self, reason = "without rayon there is nothing in a pool")
+)]
 impl Pool {
     /// `threads` threads; 0 is one for each processor. One thread needs no pool.
     #[cfg(feature = "rayon")]

@@ -10,7 +10,7 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use crate::couple::Couple;
-use crate::elements::{Elements, Geometry, Shape};
+use crate::elements::{Elements, Shape};
 use crate::error::Error;
 use crate::grid::Grid;
 use crate::pool::Pool;
@@ -117,34 +117,87 @@ impl<T: Real, const D: usize> Rows<T, D> {
         Grid::unbounded(elements)
     }
 
+    /// Folds the couples on all threads, without a list: `visit` sees every couple once, with the state of its part.
+    ///
+    /// The elements are cut into parts, of which each begins with a state from `start`; the states are returned in
+    /// the order of the parts. The parts do not depend on the number of threads, and so a sum over the states does not either.
+    ///
+    /// # Errors
+    /// As [`Search::for_each`].
+    ///
+    /// # Example
+    /// ```
+    /// use fdem_contact::{Elements, Rows};
+    ///
+    /// let centres: Vec<[f64; 2]> = (0..10_000).map(|k| [f64::from(k), 0.0]).collect();
+    /// let elements = Elements::points(&centres, 1.0)?;
+    /// let sums = Rows::new().with_threads(2)?.fold(&elements, || 0.0, |sum, couple| {
+    ///     *sum += centres[couple.j as usize][0] - centres[couple.i as usize][0];
+    /// })?;
+    /// assert_eq!(sums.into_iter().sum::<f64>(), 9_999.0);
+    /// # Ok::<(), fdem_contact::Error>(())
+    /// ```
+    #[doc(alias = "parallel visitor")]
+    pub fn fold<S: Send>(
+        &mut self,
+        elements: &Elements<'_, T, D>,
+        start: impl Fn() -> S,
+        visit: impl Fn(&mut S, Couple) + Sync,
+    ) -> Result<Vec<S>, Error> {
+        let mut states: Vec<S> = (0..elements.len().div_ceil(PART)).map(|_| start()).collect();
+        self.with_layout(elements, |scan, pool, _| {
+            pool.run(states.iter_mut().zip(scan.ranges()), |(state, range)| {
+                let mut waiting = Vec::with_capacity(FIRST_ROOM);
+                let mut take =
+                    |found: &mut Vec<Couple>| found.drain(..).for_each(|couple| visit(state, couple));
+                scan.part(range, &mut waiting, &mut take);
+                take(&mut waiting);
+            });
+            Ok(())
+        })?;
+        Ok(states)
+    }
+
     fn search(&mut self, elements: &Elements<'_, T, D>, sink: Sink<'_>) -> Result<(), Error> {
+        self.with_layout(elements, |scan, pool, parts| scan.all(pool, parts, sink))
+    }
+
+    /// Sorts the elements, and hands over what a search of their rows needs.
+    fn with_layout(
+        &mut self,
+        elements: &Elements<'_, T, D>,
+        search: impl FnOnce(&Scan<'_, T, D>, &Pool, &mut Vec<Vec<Couple>>) -> Result<(), Error>,
+    ) -> Result<(), Error> {
         if elements.is_empty() {
             return Ok(());
         }
         let grid = self.plan(elements);
-        let Self { layout, parts, simd, pool, .. } = self;
-        let (simd, reach) = (*simd, T::at_least(elements.reach().max(T::MIN_RESOLVED)));
-        let mut scan = Scan { reach, reach_squared: T::ZERO, tolerance: elements.tolerance() };
+        let Self { layout, parts, simd, pool } = self;
+        let simd = *simd;
         match elements.shape {
-            Shape::Equal(equal) => {
-                scan.reach_squared = equal.reach_squared();
-                layout.build(equal.points(), &[], grid, pool)?;
-                scan.all(layout, pool, parts, sink, |task, out| T::search(simd, task, out))
-            }
-            Shape::Spheres(spheres) => {
-                layout.build(spheres.points(), spheres.radii(), grid, pool)?;
-                scan.all(layout, pool, parts, sink, |task, out| T::search(simd, task, out))
-            }
-            Shape::Boxes(boxes) => {
-                layout.build(boxes.points(), &[], grid, pool)?;
-                let ids = &layout.ids;
-                scan.all(layout, pool, parts, sink, |task, out| {
-                    portable::scan(task, out, |row, k, other, j| {
-                        boxes.touch(ids[row.start + k] as usize, ids[other.start + j] as usize)
-                    });
-                })
-            }
-        }
+            Shape::Equal(equal) => layout.build(equal.points(), &[], grid, pool),
+            Shape::Spheres(spheres) => layout.build(spheres.points(), spheres.radii(), grid, pool),
+            Shape::Boxes(boxes) => layout.build(boxes.points(), &[], grid, pool),
+        }?;
+        let ids = &layout.ids;
+        let spheres = |task: &Task<'_, T, D>, out: &mut Output<'_>| T::search(simd, task, out);
+        let boxes = |task: &Task<'_, T, D>, out: &mut Output<'_>| {
+            portable::scan(task, out, |row, k, other, j| {
+                elements.touch(ids[row.start + k] as usize, ids[other.start + j] as usize)
+            });
+        };
+        let scan = Scan {
+            layout,
+            reach: T::at_least(elements.reach().max(T::MIN_RESOLVED)),
+            reach_squared: if let Shape::Equal(equal) = elements.shape {
+                equal.reach_squared()
+            } else {
+                T::ZERO
+            },
+            tolerance: elements.tolerance(),
+            search_row: if matches!(elements.shape, Shape::Boxes(_)) { &boxes } else { &spheres },
+        };
+        search(&scan, pool, parts)
     }
 }
 
@@ -176,40 +229,34 @@ enum Sink<'a> {
     Count(&'a mut u64),
 }
 
-/// What a search over sorted rows needs besides them.
-struct Scan<T> {
+/// A search over sorted rows.
+struct Scan<'a, T, const D: usize> {
+    layout: &'a Layout<T, D>,
     reach: T,
     reach_squared: T,
     tolerance: T,
+    search_row: &'a (dyn Fn(&Task<'_, T, D>, &mut Output<'_>) + Sync),
 }
 
-impl<T: Real> Scan<T> {
-    /// Searches all rows with `search`, in parts, on the threads of `pool`.
+impl<T: Real, const D: usize> Scan<'_, T, D> {
+    /// The parts of the work: stretches of elements in row order.
+    fn ranges(&self) -> impl Iterator<Item = Range<usize>> + Clone + use<T, D> {
+        let n = self.layout.len();
+        (0..n).step_by(PART).map(move |start| start..n.min(start + PART))
+    }
+
+    /// Searches all rows on the threads of `pool`.
     ///
-    /// A part is a stretch of elements in row order. Parts are searched at the same time and taken in their order, a batch after the other,
-    /// so that couples wait in cache.
-    fn all<const D: usize>(
-        &self,
-        layout: &Layout<T, D>,
-        pool: &Pool,
-        parts: &mut Vec<Vec<Couple>>,
-        sink: Sink<'_>,
-        search: impl Fn(&Task<'_, T, D>, &mut Output<'_>) + Sync,
-    ) -> Result<(), Error> {
-        let n = layout.len();
-        let found =
-            |range: Range<usize>, couples: &mut Vec<Couple>, make_room: &mut dyn FnMut(&mut Vec<Couple>)| {
-                let mut out = Output { couples, count: 0, count_only: false, make_room };
-                self.part(layout, range, &mut out, &search);
-            };
-        let ranges = (0..n).step_by(PART).map(|start| start..n.min(start + PART));
+    /// Parts are searched at the same time and taken in their order, a batch after the other, so that couples wait in cache.
+    fn all(&self, pool: &Pool, parts: &mut Vec<Vec<Couple>>, sink: Sink<'_>) -> Result<(), Error> {
+        let n = self.layout.len();
         match sink {
             Sink::Count(count) => {
                 let total = AtomicU64::new(0);
-                pool.run(ranges, |range| {
+                pool.run(self.ranges(), |range| {
                     let (couples, make_room) = (&mut Vec::new(), &mut |_: &mut _| {});
                     let mut out = Output { couples, count: 0, count_only: true, make_room };
-                    self.part(layout, range, &mut out, &search);
+                    self.rows(range, &mut out);
                     total.fetch_add(out.count, Ordering::Relaxed);
                 });
                 *count = total.into_inner();
@@ -218,15 +265,15 @@ impl<T: Real> Scan<T> {
             Sink::List(couples) if pool.threads() == 1 => {
                 couples.try_reserve(FIRST_ROOM).map_err(|_| out_of_memory(FIRST_ROOM))?;
                 let mut room = Ok(());
-                found(0..n, couples, &mut |found| grow(found, &mut room));
+                self.part(0..n, couples, &mut |found| grow(found, &mut room));
                 room
             }
             Sink::Visit(visit) if pool.threads() == 1 => {
                 parts.resize_with(parts.len().max(1), Vec::new);
-                let couples = &mut parts[0];
-                couples.try_reserve(FIRST_ROOM).map_err(|_| out_of_memory(FIRST_ROOM))?;
-                found(0..n, couples, &mut |found| found.drain(..).for_each(&mut *visit));
-                couples.drain(..).for_each(visit);
+                let waiting = &mut parts[0];
+                waiting.try_reserve(FIRST_ROOM).map_err(|_| out_of_memory(FIRST_ROOM))?;
+                self.part(0..n, waiting, &mut |found| found.drain(..).for_each(&mut *visit));
+                waiting.drain(..).for_each(visit);
                 Ok(())
             }
             mut sink => {
@@ -234,12 +281,12 @@ impl<T: Real> Scan<T> {
                 parts.resize_with(batch, Vec::new);
                 for start in (0..n).step_by(batch * PART) {
                     let failed = AtomicBool::new(false);
-                    let ranges = ranges.clone().skip(start / PART);
+                    let ranges = self.ranges().skip(start / PART);
                     pool.run(parts.iter_mut().zip(ranges), |(part, range)| {
                         part.clear();
                         let mut room = part.try_reserve(FIRST_ROOM).map_err(|_| out_of_memory(FIRST_ROOM));
                         if room.is_ok() {
-                            found(range, part, &mut |found| grow(found, &mut room));
+                            self.part(range, part, &mut |found| grow(found, &mut room));
                         }
                         failed.fetch_or(room.is_err(), Ordering::Relaxed);
                     });
@@ -258,14 +305,18 @@ impl<T: Real> Scan<T> {
         }
     }
 
-    /// Searches the elements at the places `range` of the order, as first elements of couples.
-    fn part<const D: usize>(
+    /// Writes the couples whose first elements are at the places `range` of the order.
+    fn part(
         &self,
-        layout: &Layout<T, D>,
         range: Range<usize>,
-        out: &mut Output<'_>,
-        search: &impl Fn(&Task<'_, T, D>, &mut Output<'_>),
+        couples: &mut Vec<Couple>,
+        make_room: &mut dyn FnMut(&mut Vec<Couple>),
     ) {
+        self.rows(range, &mut Output { couples, count: 0, count_only: false, make_room });
+    }
+
+    fn rows(&self, range: Range<usize>, out: &mut Output<'_>) {
+        let layout = self.layout;
         let first = layout.row_of(range.start);
         let mut cursors: Vec<_> =
             half_mask::<D>().into_iter().map(|offset| Cursor::new(layout, offset, first)).collect();
@@ -298,7 +349,7 @@ impl<T: Real> Scan<T> {
                 reach_squared: self.reach_squared,
                 tolerance: self.tolerance,
             };
-            search(&task, out);
+            (self.search_row)(&task, out);
         }
     }
 }
