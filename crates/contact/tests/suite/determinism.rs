@@ -20,6 +20,17 @@ fn found<const D: usize>(cloud: &Cloud<D>, with_radii: bool, simd: Simd, threads
     list
 }
 
+/// A sum of floats over all couples: the order of the additions shows in its last bits.
+fn sum<const D: usize>(cloud: &Cloud<D>, threads: usize) -> f64 {
+    let elements = Elements::spheres_with_radii(&cloud.centres, &cloud.radii).unwrap();
+    let mut rows = Rows::new().with_threads(threads).unwrap();
+    let add = |sum: &mut f64, couple: Couple| {
+        let [a, b] = [couple.i, couple.j].map(|k| cloud.centres[k as usize][0]);
+        *sum += (a - b) * (a + b);
+    };
+    rows.fold(&elements, || 0.0, add).unwrap().into_iter().sum()
+}
+
 fn is_the_same_for_all<const D: usize>(scene: &str, cloud: &Cloud<D>) {
     for with_radii in [false, true] {
         let expected = found(cloud, with_radii, Simd::Portable, 1);
@@ -28,6 +39,7 @@ fn is_the_same_for_all<const D: usize>(scene: &str, cloud: &Cloud<D>) {
             assert!(found(cloud, with_radii, simd, 1) == expected, "{scene}: {simd}");
         }
         for threads in [2, 3, 8, 16] {
+            assert_eq!(sum(cloud, threads).to_bits(), sum(cloud, 1).to_bits(), "{scene}: {threads} threads");
             assert!(
                 found(cloud, with_radii, Simd::best(), threads) == expected,
                 "{scene}: {threads} threads"
