@@ -232,6 +232,25 @@ impl<'a, T: Real, const D: usize> Elements<'a, T, D> {
         }
     }
 
+    /// The squared distance of elements `i` and `j`: of the centres of spheres, of the closest points of boxes.
+    ///
+    /// Spheres: `((d_0 * d_0) + d_1 * d_1) + …`, the left side of the comparison documented at [`Elements`], to the last bit.
+    /// Boxes: the same sum, where `d` is the gap on an axis, the larger of `min_i - max_j` and `min_j - max_i`, or 0 where
+    /// they overlap; it decides nothing, because boxes are compared axis by axis. Symmetric in `i` and `j`.
+    ///
+    /// # Units
+    /// The square of the length unit.
+    ///
+    /// # Panics
+    /// When `i` or `j` is not below [`Elements::len`].
+    pub fn distance_squared(&self, i: usize, j: usize) -> T {
+        match self.shape {
+            Shape::Equal(equal) => equal.distance_squared(i, j),
+            Shape::Spheres(spheres) => distance_squared(&spheres.centres[i], &spheres.centres[j]),
+            Shape::Boxes(boxes) => boxes.distance_squared(i, j),
+        }
+    }
+
     pub(crate) fn anchor(&self, index: usize, axis: usize) -> f64 {
         match self.shape {
             Shape::Equal(equal) => equal.anchor(index, axis),
@@ -254,21 +273,45 @@ impl<'a, T: Real, const D: usize> Elements<'a, T, D> {
         let tolerance = self.tolerance.to_f64();
         let nominal = self.largest + tolerance;
         let rounding = match self.shape {
-            Shape::Boxes(_) if tolerance > 0.0 => {
-                let magnitude = (0..D).fold(self.largest, |sum, axis| {
-                    sum + self.bounds.min[axis].abs().max(self.bounds.max[axis].abs())
-                });
-                T::EPSILON * (magnitude + tolerance)
-            }
+            Shape::Boxes(_) if tolerance > 0.0 => T::EPSILON * (self.magnitude() + tolerance),
             _ => 0.0,
         };
         nominal * (1.0 + (D + 8) as f64 * T::EPSILON) + rounding
+    }
+
+    /// An upper bound on every coordinate of every corner.
+    fn magnitude(&self) -> f64 {
+        (0..D).fold(self.largest, |sum, axis| {
+            sum + self.bounds.min[axis].abs().max(self.bounds.max[axis].abs())
+        })
+    }
+
+    /// How far the comparison of [`Elements`], which rounds, may be from the exact one, as a length: elements that touch have a
+    /// distance of at most `reach + rounding()`, and elements whose distance is at most `reach - rounding()` touch.
+    ///
+    /// Spheres: `reach = r_i + r_j + tolerance`, the distance is that of the centres. With `u = EPSILON / 2`, the sum of squares is the
+    /// exact one times a factor within `(1 ± u)^(D + 2)` and `s * s` is `reach^2` within `(1 ± u)^5`: a root of `D + 7` factors, so
+    /// `(D/2 + 4) u` relative to `reach`, of which `D + 8` units of `2 u` are four times as much. Squares that underflow
+    /// add at most `(D + 1) 2^-1074` (`2^-149` in `f32`) to either side, and its root, less than `MIN_RESOLVED`, to the length.
+    ///
+    /// Boxes: `reach = tolerance`, and the distance on an axis is `min_i - max_j`. The one rounding is that of `max_j + tolerance`, half a
+    /// unit of the sum.
+    pub(crate) fn rounding(&self) -> f64 {
+        let tolerance = self.tolerance.to_f64();
+        match self.shape {
+            Shape::Boxes(_) => T::EPSILON * (self.magnitude() + tolerance),
+            _ => (D + 8) as f64 * T::EPSILON * (self.largest + tolerance) + T::MIN_RESOLVED,
+        }
     }
 }
 
 impl<'a, T: Real, const D: usize> EqualSpheres<'a, T, D> {
     pub(crate) fn points(self) -> &'a [[T; D]] {
         self.centres
+    }
+
+    pub(crate) fn radius(self) -> T {
+        self.radius
     }
 
     pub(crate) fn reach_squared(self) -> T {
@@ -294,6 +337,24 @@ impl<'a, T: Real, const D: usize> Boxes<'a, T, D> {
     /// The corners by which boxes are mapped to cells.
     pub(crate) fn points(self) -> &'a [[T; D]] {
         self.min
+    }
+
+    pub(crate) fn far_points(self) -> &'a [[T; D]] {
+        self.max
+    }
+
+    fn distance_squared(self, i: usize, j: usize) -> T {
+        let mut sum = T::ZERO;
+        for axis in 0..D {
+            for (low, high) in [(self.min[i], self.max[j]), (self.min[j], self.max[i])] {
+                let gap = low[axis] - high[axis];
+                // At most one of the two is positive.
+                if gap > T::ZERO {
+                    sum = sum + gap * gap;
+                }
+            }
+        }
+        sum
     }
 }
 
@@ -441,6 +502,19 @@ mod tests {
         let distance = points[1][0] - points[0][0];
         assert!(Elements::points(&points, distance).unwrap().touch(0, 1));
         assert!(!Elements::points(&points, distance.next_down()).unwrap().touch(0, 1));
+    }
+
+    #[test]
+    fn distances_are_of_centres_and_of_closest_points() {
+        let (low, high) = ([[0.0, 0.0], [4.0, 5.0], [0.5, 7.0]], [[1.0, 1.0], [5.0, 6.0], [6.0, 9.0]]);
+        let spheres = Elements::spheres(&low, 1.0).unwrap();
+        assert_eq!(spheres.distance_squared(0, 1), 41.0);
+        let spheres = Elements::spheres_with_radii(&low, &[1.0, 2.0, 3.0]).unwrap();
+        assert_eq!(spheres.distance_squared(1, 0), 41.0);
+        let boxes = Elements::boxes(&low, &high).unwrap();
+        assert_eq!([boxes.distance_squared(0, 1), boxes.distance_squared(1, 0)], [25.0, 25.0]);
+        assert_eq!(boxes.distance_squared(0, 2), 36.0, "only y has a gap");
+        assert_eq!(boxes.distance_squared(1, 1), 0.0);
     }
 
     #[test]

@@ -53,6 +53,13 @@ pub enum Error {
         /// Largest tolerance that is accepted.
         limit: f64,
     },
+    /// The buffer is negative, NaN, infinite or larger than [`Real::MAX_MAGNITUDE`](crate::Real::MAX_MAGNITUDE).
+    InvalidBuffer {
+        /// The offending value.
+        value: f64,
+        /// Largest buffer that is accepted.
+        limit: f64,
+    },
     /// A box has its minimum above its maximum.
     InvertedBox {
         /// Zero-based number of the element.
@@ -79,6 +86,17 @@ pub enum Error {
         elements: usize,
         /// Largest number that is accepted.
         limit: usize,
+    },
+    /// A couple that is not two different elements, the smaller number first.
+    MalformedCouple {
+        /// Its place in the couple list.
+        index: usize,
+        /// Its first element.
+        i: u32,
+        /// Its second element, which must be larger than the first and below `elements`.
+        j: u32,
+        /// Number of elements.
+        elements: usize,
     },
     /// The domain is so wide, in cells, that the list heads alone would exceed the bound of the engine.
     DomainTooWide {
@@ -161,6 +179,7 @@ impl fmt::Display for Error {
             }
             Self::InvalidRadius { index: None, value, limit } => not_in_range(out, "radius", *value, *limit),
             Self::InvalidTolerance { value, limit } => not_in_range(out, "tolerance", *value, *limit),
+            Self::InvalidBuffer { value, limit } => not_in_range(out, "buffer", *value, *limit),
             Self::InvertedBox { index, axis, min, max } => write!(
                 out,
                 "element {index}: its box is inverted along {}: minimum {min} above maximum {max}",
@@ -171,6 +190,9 @@ impl fmt::Display for Error {
             }
             Self::TooManyElements { elements, limit } => {
                 write!(out, "{elements} elements; this engine numbers at most {limit}")
+            }
+            Self::MalformedCouple { index, i, j, elements } => {
+                write!(out, "couple {index} is ({i}, {j}), not i < j < {elements}, the number of elements")
             }
             Self::DomainTooWide { axis, width, cell_size, heads, limit, stretched_by } => {
                 let (name, cells) = (axis_name(*axis), width / cell_size);

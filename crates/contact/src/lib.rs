@@ -14,6 +14,7 @@
 //! |---|---|
 //! | axis-aligned boxes, one radius for all, a gap that still counts | [`Elements`] |
 //! | to search again and again in the same memory, without a list, or to count only | [`Detector`] and its [`Search`] methods |
+//! | the neighbours of each element, side by side, with a distance or another value | [`Csr`], [`Elements::distance_squared`] |
 //! | to know beforehand what will run, and why | [`Detector::plan`] |
 //! | the fastest search, and nothing else | [`Rows`] |
 //! | Munjiza-NBS as the book has it, its memory law, its figures | [`Nbs`], [`Observer`] |
@@ -45,10 +46,12 @@ mod simd;
 mod pool;
 mod engine;
 mod couple;
+mod csr;
 mod verify;
 mod error;
 
 pub use couple::Couple;
+pub use csr::Csr;
 pub use elements::Elements;
 pub use engine::{Detector, Engine, Plan};
 pub use error::Error;

@@ -4,11 +4,13 @@
 //! - `degenerate`: nothing, one, all in one place, far away, NaN, infinity, lengths that differ, domains too wide.
 //! - `properties`: laws that hold for any input (proptest): renumbering, mirroring, translation, tolerance, no repeats.
 //! - `determinism`: one order of couples for any number of threads and any vector instructions.
+//! - `csr`: compressed rows against a map of sets, in any order, with repeats, values and couples that are none.
 //! - `golden`: the numbers printed in the book.
 //! - `../memory.rs`, a program of its own because it counts allocations: the memory law.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failed unwrap is a failed test")]
 
+mod csr;
 mod degenerate;
 mod determinism;
 mod golden;

@@ -1,0 +1,378 @@
+//! Compressed rows: the neighbours of each element, side by side.
+
+use crate::couple::Couple;
+use crate::elements::{Elements, MAX_ELEMENTS};
+use crate::error::Error;
+use crate::real::Real;
+use crate::search::Search;
+
+/// The neighbours of every element in compressed rows, made from a couple list in linear time; optionally a value with each.
+///
+/// Row `i` is `neighbours[offsets[i]..offsets[i + 1]]`, ascending. *Half* rows hold each couple once, under its smaller number: the form
+/// for a loop over couples. *Full* rows hold it under both: the form for a loop over elements, and for threads that must not write
+/// to each other's elements.
+/// ```text
+/// couples 0-1 1-2 0-3      offsets   neighbours
+///                  half    0 2 3 3 3   1 3 | 2 |   |
+///                  full    0 2 4 5 6   1 3 | 0 2 | 1 | 0
+/// ```
+/// The memory is kept from one filling to the next. A couple that is listed twice stands in its row twice.
+///
+/// # Shapes
+/// `offsets` `[n + 1]`, `neighbours` and `values` `[m]` (half) or `[2 m]` (full), for `n` elements and `m` couples. Rows depend on the set of
+/// couples, not on their order. `V` is `()` where there are no values, and takes no memory then.
+///
+/// # Cost
+/// Time proportional to `n + m`: two counting sorts, by larger and then by smaller number, and nothing is compared. Memory: 16 bytes per element;
+/// 8 (half) or 12 (full) bytes per couple, and the values.
+///
+/// # Errors
+/// All filling functions: [`Error::MalformedCouple`] for a couple that is not `i < j < n`, [`Error::TooManyElements`] for an
+/// `n` that `u32` cannot number, [`Error::OutOfMemory`]. There are no rows afterwards.
+///
+/// # Example
+/// ```
+/// use fdem_contact::{Csr, Detector, Elements, Engine, Search};
+///
+/// let centres = [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [0.0, 1.0]];
+/// let elements = Elements::points(&centres, 1.0)?;
+/// let mut detector = Detector::new(Engine::Auto);
+/// let mut csr = Csr::new();
+/// csr.find_full(&mut detector, &elements)?;
+/// assert_eq!(csr.neighbours_of(0), [1, 3]);
+/// assert_eq!(csr.neighbours_of(1), [0, 2]);
+///
+/// // With the distance of each couple, which is stored once.
+/// let mut couples = Vec::new();
+/// detector.couples(&elements, &mut couples)?;
+/// let mut distances = Csr::<f64>::new();
+/// distances.fill_half_with(elements.len(), &couples, |i, j| elements.distance_squared(i, j).sqrt())?;
+/// assert_eq!(distances.values_of(0), [1.0, 1.0]);
+/// # Ok::<(), fdem_contact::Error>(())
+/// ```
+#[doc(alias = "neighbour list")]
+#[doc(alias = "adjacency")]
+#[derive(Clone, Debug)]
+pub struct Csr<V = ()> {
+    offsets: Vec<usize>,
+    neighbours: Vec<u32>,
+    values: Vec<V>,
+    /// Working memory: where rows by the larger number end, and the smaller numbers in these rows.
+    ends: Vec<usize>,
+    smaller: Vec<u32>,
+    /// Couples on their way from a search.
+    found: Vec<Couple>,
+}
+
+/// Which rows a couple stands in.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Rows {
+    Half,
+    Full,
+}
+
+impl<V> Default for Csr<V> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Csr {
+    /// Rows with each couple once, under its smaller number.
+    ///
+    /// # Errors
+    /// See [`Csr`].
+    pub fn fill_half(&mut self, elements: usize, couples: &[Couple]) -> Result<(), Error> {
+        self.fill(elements, couples, Rows::Half)
+    }
+
+    /// Rows with each couple under both of its numbers.
+    ///
+    /// # Errors
+    /// See [`Csr`].
+    pub fn fill_full(&mut self, elements: usize, couples: &[Couple]) -> Result<(), Error> {
+        self.fill(elements, couples, Rows::Full)
+    }
+
+    /// Searches, then [`Csr::fill_half`]; the couple list is kept as working memory (8 bytes per couple).
+    ///
+    /// # Errors
+    /// See [`Csr`], and as [`Search::couples`].
+    pub fn find_half<T: Real, const D: usize>(
+        &mut self,
+        search: &mut impl Search<T, D>,
+        elements: &Elements<'_, T, D>,
+    ) -> Result<(), Error> {
+        self.find(search, elements, Rows::Half)
+    }
+
+    /// Searches, then [`Csr::fill_full`]; the couple list is kept as working memory (8 bytes per couple).
+    ///
+    /// # Errors
+    /// See [`Csr`], and as [`Search::couples`].
+    pub fn find_full<T: Real, const D: usize>(
+        &mut self,
+        search: &mut impl Search<T, D>,
+        elements: &Elements<'_, T, D>,
+    ) -> Result<(), Error> {
+        self.find(search, elements, Rows::Full)
+    }
+
+    fn find<T: Real, const D: usize>(
+        &mut self,
+        search: &mut impl Search<T, D>,
+        elements: &Elements<'_, T, D>,
+        rows: Rows,
+    ) -> Result<(), Error> {
+        self.clear();
+        let mut found = std::mem::take(&mut self.found);
+        let result =
+            search.couples(elements, &mut found).and_then(|()| self.fill(elements.len(), &found, rows));
+        self.found = found;
+        result
+    }
+}
+
+impl<V> Csr<V> {
+    /// No rows, no memory.
+    pub const fn new() -> Self {
+        Self {
+            offsets: Vec::new(),
+            neighbours: Vec::new(),
+            values: Vec::new(),
+            ends: Vec::new(),
+            smaller: Vec::new(),
+            found: Vec::new(),
+        }
+    }
+
+    /// As [`Csr::fill_half`], with a value for each entry: `value(i, j)`, `i < j`, is called in the order of the entries.
+    ///
+    /// # Errors
+    /// See [`Csr`]; `value` has not been called then.
+    pub fn fill_half_with(
+        &mut self,
+        elements: usize,
+        couples: &[Couple],
+        value: impl FnMut(usize, usize) -> V,
+    ) -> Result<(), Error> {
+        self.fill(elements, couples, Rows::Half)?;
+        self.evaluate(value)
+    }
+
+    /// As [`Csr::fill_full`], with a value for each entry: `value(element, neighbour)` is called in the order of the entries,
+    /// twice per couple, so that a direction can point from the element to its neighbour.
+    ///
+    /// # Errors
+    /// See [`Csr`]; `value` has not been called then.
+    pub fn fill_full_with(
+        &mut self,
+        elements: usize,
+        couples: &[Couple],
+        value: impl FnMut(usize, usize) -> V,
+    ) -> Result<(), Error> {
+        self.fill(elements, couples, Rows::Full)?;
+        self.evaluate(value)
+    }
+
+    /// Number of rows, which is the number of elements.
+    pub fn len(&self) -> usize {
+        self.offsets.len().saturating_sub(1)
+    }
+
+    /// Whether there are no rows.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The neighbours of `element`, ascending; of half rows, those with a larger number.
+    ///
+    /// # Panics
+    /// When `element` is not below [`Csr::len`].
+    #[inline]
+    pub fn neighbours_of(&self, element: usize) -> &[u32] {
+        &self.neighbours[self.offsets[element]..self.offsets[element + 1]]
+    }
+
+    /// The values of the entries of `element`, in the order of [`Csr::neighbours_of`].
+    ///
+    /// # Panics
+    /// When `element` is not below [`Csr::len`].
+    #[inline]
+    pub fn values_of(&self, element: usize) -> &[V] {
+        &self.values[self.offsets[element]..self.offsets[element + 1]]
+    }
+
+    /// Number of entries in the row of `element`.
+    ///
+    /// # Panics
+    /// When `element` is not below [`Csr::len`].
+    pub fn degree(&self, element: usize) -> usize {
+        self.offsets[element + 1] - self.offsets[element]
+    }
+
+    /// Where the rows start, and the last one ends: `n + 1` numbers; none before the first filling.
+    pub fn offsets(&self) -> &[usize] {
+        &self.offsets
+    }
+
+    /// The entries of all rows, one row after the other.
+    #[doc(alias = "indices")]
+    pub fn neighbours(&self) -> &[u32] {
+        &self.neighbours
+    }
+
+    /// The values of all entries.
+    pub fn values(&self) -> &[V] {
+        &self.values
+    }
+
+    /// Bytes that are held now, working memory included.
+    pub fn bytes(&self) -> usize {
+        (self.offsets.capacity() + self.ends.capacity()) * size_of::<usize>()
+            + (self.neighbours.capacity() + self.smaller.capacity()) * size_of::<u32>()
+            + self.found.capacity() * size_of::<Couple>()
+            + if size_of::<V>() == 0 { 0 } else { self.values.capacity() * size_of::<V>() }
+    }
+
+    fn clear(&mut self) {
+        self.offsets.clear();
+        self.neighbours.clear();
+        self.values.clear();
+    }
+
+    fn fill(&mut self, elements: usize, couples: &[Couple], rows: Rows) -> Result<(), Error> {
+        // Whatever fails below leaves no rows.
+        self.values.clear();
+        let result = self.try_fill(elements, couples, rows);
+        if result.is_err() {
+            self.clear();
+        }
+        result
+    }
+
+    /// Count, scan, fill; twice.
+    ///
+    /// `offsets[i + 1]` and `ends[j + 1]` hold counts, then the place where the next entry of the row goes, and so, when
+    /// the row is full, where it ends. First the couples are put into rows by `j`. Read in this order, `j` ascends, so that
+    /// the larger neighbours of every `i` arrive sorted. Read row by row, in turn, these bring the smaller neighbours sorted.
+    fn try_fill(&mut self, elements: usize, couples: &[Couple], rows: Rows) -> Result<(), Error> {
+        if elements > MAX_ELEMENTS {
+            return Err(Error::TooManyElements { elements, limit: MAX_ELEMENTS });
+        }
+        let full = rows == Rows::Full;
+        // A product beyond `usize` cannot be had either.
+        let entries = if full { couples.len().saturating_mul(2) } else { couples.len() };
+        set_len(&mut self.offsets, elements + 1)?;
+        set_len(&mut self.ends, elements + 1)?;
+        set_len(&mut self.smaller, couples.len())?;
+        set_len(&mut self.neighbours, entries)?;
+        let (offsets, ends) = (&mut self.offsets[..], &mut self.ends[..]);
+        let (smaller, neighbours) = (&mut self.smaller[..], &mut self.neighbours[..]);
+
+        offsets.fill(0);
+        ends.fill(0);
+        for (index, &Couple { i, j }) in couples.iter().enumerate() {
+            if i >= j || j as usize >= elements {
+                return Err(Error::MalformedCouple { index, i, j, elements });
+            }
+            offsets[i as usize + 1] += 1;
+            ends[j as usize + 1] += 1;
+        }
+        let (mut start, mut smaller_start) = (0, 0);
+        for (row, end) in offsets[1..].iter_mut().zip(&mut ends[1..]) {
+            let (larger_here, smaller_here) = (*row, *end);
+            // Full rows begin with the smaller neighbours, which come later.
+            let before = if full { smaller_here } else { 0 };
+            *row = start + before;
+            *end = smaller_start;
+            start += before + larger_here;
+            smaller_start += smaller_here;
+        }
+
+        for &Couple { i, j } in couples {
+            let place = &mut ends[j as usize + 1];
+            smaller[*place] = i;
+            *place += 1;
+        }
+        for j in 0..elements {
+            for &i in &smaller[ends[j]..ends[j + 1]] {
+                let place = &mut offsets[i as usize + 1];
+                neighbours[*place] = j as u32;
+                *place += 1;
+            }
+        }
+        if full {
+            // From here on `ends[i]` is where the next smaller neighbour of `i` goes.
+            ends.copy_from_slice(offsets);
+            for i in 0..elements {
+                // All smaller neighbours of `i` have been here: its larger ones start where they end.
+                for entry in ends[i]..offsets[i + 1] {
+                    let place = &mut ends[neighbours[entry] as usize];
+                    neighbours[*place] = i as u32;
+                    *place += 1;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn evaluate(&mut self, mut value: impl FnMut(usize, usize) -> V) -> Result<(), Error> {
+        let entries = self.neighbours.len();
+        let room = self.values.try_reserve_exact(entries);
+        if room.is_err() {
+            self.clear();
+            return Err(Error::OutOfMemory { bytes: entries.saturating_mul(size_of::<V>()) });
+        }
+        for element in 0..self.len() {
+            let row = &self.neighbours[self.offsets[element]..self.offsets[element + 1]];
+            self.values.extend(row.iter().map(|&neighbour| value(element, neighbour as usize)));
+        }
+        Ok(())
+    }
+}
+
+/// Makes room for `len` values, whatever they are, or says that there is no memory for them.
+fn set_len<N: Copy + Default>(values: &mut Vec<N>, len: usize) -> Result<(), Error> {
+    if len > values.capacity() {
+        // What is there need not be moved.
+        values.clear();
+        let bytes = len.saturating_mul(size_of::<N>());
+        values.try_reserve_exact(len).map_err(|_| Error::OutOfMemory { bytes })?;
+    }
+    values.resize(len, N::default());
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_no_memory_holds_is_refused() {
+        let mut values = vec![1_u32, 2];
+        let error = set_len(&mut values, usize::MAX).unwrap_err();
+        assert_eq!(error, Error::OutOfMemory { bytes: usize::MAX });
+        set_len(&mut values, 3).unwrap();
+        assert_eq!(values.len(), 3);
+    }
+
+    #[test]
+    fn more_elements_than_u32_can_number_are_refused() {
+        let elements = MAX_ELEMENTS + 1;
+        let mut csr = Csr::new();
+        let error = Error::TooManyElements { elements, limit: MAX_ELEMENTS };
+        assert_eq!(csr.fill_half(elements, &[]), Err(error));
+        assert!(csr.is_empty() && csr.bytes() == 0);
+    }
+
+    #[test]
+    fn the_figure() {
+        let couples = [Couple::new(0, 1), Couple::new(1, 2), Couple::new(0, 3)];
+        let mut csr = Csr::new();
+        csr.fill_half(4, &couples).unwrap();
+        assert_eq!((csr.offsets(), csr.neighbours()), (&[0, 2, 3, 3, 3][..], &[1, 3, 2][..]));
+        csr.fill_full(4, &couples).unwrap();
+        assert_eq!((csr.offsets(), csr.neighbours()), (&[0, 2, 4, 5, 6][..], &[1, 3, 0, 2, 1, 0][..]));
+    }
+}

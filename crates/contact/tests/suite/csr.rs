@@ -1,0 +1,151 @@
+//! Compressed rows equal a map of sets, whatever the order of the couples.
+
+use std::collections::BTreeMap;
+
+use fdem_contact::{Couple, Csr, Detector, Direct, Elements, Engine, Error};
+use proptest::prelude::*;
+
+/// The neighbours of each element in ascending order, repeats included.
+fn rows(elements: usize, couples: &[Couple], full: bool) -> Vec<Vec<u32>> {
+    let mut map: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+    for couple in couples {
+        map.entry(couple.i).or_default().push(couple.j);
+        if full {
+            map.entry(couple.j).or_default().push(couple.i);
+        }
+    }
+    map.values_mut().for_each(|row| row.sort_unstable());
+    (0..elements as u32).map(|element| map.remove(&element).unwrap_or_default()).collect()
+}
+
+fn check(csr: &Csr, elements: usize, couples: &[Couple], full: bool) {
+    let expected = rows(elements, couples, full);
+    assert_eq!(csr.len(), elements);
+    assert_eq!(csr.offsets().len(), elements + 1);
+    assert_eq!(csr.neighbours().len(), if full { 2 * couples.len() } else { couples.len() });
+    for (element, row) in expected.iter().enumerate() {
+        assert_eq!(csr.neighbours_of(element), row, "element {element}");
+        assert_eq!(csr.degree(element), row.len());
+    }
+    assert_eq!(csr.neighbours(), expected.concat());
+}
+
+/// Up to 40 elements, couples in any order and some of them twice; then up to 20 elements that no couple names.
+fn list() -> impl Strategy<Value = (usize, Vec<Couple>)> {
+    (2..40_u32, 0..20_usize).prop_flat_map(|(named, more)| {
+        let couple = (0..named, 0..named - 1)
+            .prop_map(|(a, b)| if b < a { Couple::new(b, a) } else { Couple::new(a, b + 1) });
+        (Just(named as usize + more), prop::collection::vec(couple, 0..200))
+    })
+}
+
+proptest! {
+    /// One `Csr` is filled again and again: what an earlier filling left must not show.
+    #[test]
+    fn equals_a_map_of_sets(lists in prop::collection::vec(list(), 1..4)) {
+        let mut csr = Csr::new();
+        for (elements, couples) in &lists {
+            csr.fill_half(*elements, couples).unwrap();
+            check(&csr, *elements, couples, false);
+            csr.fill_full(*elements, couples).unwrap();
+            check(&csr, *elements, couples, true);
+        }
+    }
+
+    #[test]
+    fn the_order_of_the_couples_does_not_matter((elements, couples) in list()) {
+        let mut reversed = couples.clone();
+        reversed.reverse();
+        let (mut a, mut b) = (Csr::new(), Csr::new());
+        a.fill_full(elements, &couples).unwrap();
+        b.fill_full(elements, &reversed).unwrap();
+        prop_assert_eq!((a.offsets(), a.neighbours()), (b.offsets(), b.neighbours()));
+    }
+
+    #[test]
+    fn full_is_half_and_its_transpose((elements, couples) in list()) {
+        let (mut half, mut full) = (Csr::new(), Csr::new());
+        half.fill_half(elements, &couples).unwrap();
+        full.fill_full(elements, &couples).unwrap();
+        let mut both: Vec<Vec<u32>> = vec![Vec::new(); elements];
+        for i in 0..elements {
+            for &j in half.neighbours_of(i) {
+                both[i].push(j);
+                both[j as usize].push(i as u32);
+            }
+        }
+        for (element, row) in both.iter_mut().enumerate() {
+            row.sort_unstable();
+            prop_assert_eq!(full.neighbours_of(element), &row[..]);
+        }
+    }
+
+    /// A value is that of its entry, from the element to its neighbour, and comes in the order of the entries.
+    #[test]
+    fn values_belong_to_their_entries((elements, couples) in list()) {
+        let mut csr = Csr::new();
+        for full in [false, true] {
+            let mut calls = 0;
+            let value = |element: usize, neighbour: usize| {
+                calls += 1;
+                (calls, element, neighbour)
+            };
+            if full {
+                csr.fill_full_with(elements, &couples, value).unwrap();
+            } else {
+                csr.fill_half_with(elements, &couples, value).unwrap();
+            }
+            prop_assert_eq!(csr.values().len(), csr.neighbours().len());
+            let mut expected = 0;
+            for element in 0..elements {
+                for (&neighbour, &found) in csr.neighbours_of(element).iter().zip(csr.values_of(element)) {
+                    expected += 1;
+                    prop_assert_eq!(found, (expected, element, neighbour as usize));
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn nothing_has_no_rows_and_loners_have_empty_ones() {
+    let mut csr = Csr::new();
+    assert!(csr.is_empty() && csr.offsets().is_empty());
+    csr.fill_full(0, &[]).unwrap();
+    assert!(csr.is_empty());
+    assert_eq!(csr.offsets(), [0]);
+    csr.fill_half(3, &[]).unwrap();
+    assert_eq!(csr.offsets(), [0, 0, 0, 0]);
+    assert_eq!(csr.neighbours_of(2), [0; 0]);
+}
+
+#[test]
+fn a_couple_of_other_elements_is_refused_and_named() {
+    let mut csr = Csr::new();
+    csr.fill_full(2, &[Couple::new(0, 1)]).unwrap();
+    for (i, j) in [(0, 3), (2, 2), (2, 1), (u32::MAX, u32::MAX)] {
+        let couples = [Couple::new(0, 1), Couple { i, j }];
+        let error = Error::MalformedCouple { index: 1, i, j, elements: 3 };
+        assert_eq!(csr.fill_half(3, &couples), Err(error.clone()));
+        assert!(csr.is_empty() && csr.neighbours().is_empty(), "nothing is left of an earlier filling");
+        assert_eq!(csr.fill_full(3, &couples), Err(error.clone()));
+        assert!(error.to_string().contains(&format!("couple 1 is ({i}, {j})")), "{error}");
+    }
+    csr.fill_half(3, &[Couple::new(0, 1)]).unwrap();
+    assert_eq!(csr.offsets(), [0, 1, 1, 1]);
+}
+
+#[test]
+fn rows_of_a_search_hold_what_touches() {
+    let cloud = fdem_scenes::peers::gas(500, 7).unwrap();
+    let elements = Elements::points(&cloud.centres, 1.0).unwrap();
+    let couples = crate::ascending(Direct, &elements);
+    let (mut csr, mut detector) = (Csr::new(), Detector::new(Engine::Auto));
+    csr.find_half(&mut detector, &elements).unwrap();
+    check(&csr, 500, &couples, false);
+    csr.find_full(&mut detector, &elements).unwrap();
+    check(&csr, 500, &couples, true);
+    let held = csr.bytes();
+    csr.find_full(&mut detector, &elements).unwrap();
+    assert_eq!(csr.bytes(), held, "the memory is used again");
+}
