@@ -295,13 +295,14 @@ impl<'a, T: Real, const D: usize> Elements<'a, T, D> {
     /// add at most `(D + 1) 2^-1074` (`2^-149` in `f32`) to either side, and its root, less than `MIN_RESOLVED`, to the length.
     ///
     /// Boxes: `reach = tolerance`, and the distance on an axis is `min_i - max_j`. The one rounding is that of `max_j + tolerance`, half a
-    /// unit of the sum.
+    /// unit of the sum; `MIN_RESOLVED` is more than is needed.
     pub(crate) fn rounding(&self) -> f64 {
         let tolerance = self.tolerance.to_f64();
-        match self.shape {
+        let relative = match self.shape {
             Shape::Boxes(_) => T::EPSILON * (self.magnitude() + tolerance),
-            _ => (D + 8) as f64 * T::EPSILON * (self.largest + tolerance) + T::MIN_RESOLVED,
-        }
+            _ => (D + 8) as f64 * T::EPSILON * (self.largest + tolerance),
+        };
+        relative + T::MIN_RESOLVED
     }
 }
 
@@ -310,8 +311,9 @@ impl<'a, T: Real, const D: usize> EqualSpheres<'a, T, D> {
         self.centres
     }
 
-    pub(crate) fn radius(self) -> T {
-        self.radius
+    /// The one radius, as a slice.
+    pub(crate) fn radii(&self) -> &[T] {
+        std::slice::from_ref(&self.radius)
     }
 
     pub(crate) fn reach_squared(self) -> T {

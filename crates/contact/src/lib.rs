@@ -14,6 +14,7 @@
 //! |---|---|
 //! | axis-aligned boxes, one radius for all, a gap that still counts | [`Elements`] |
 //! | to search again and again in the same memory, without a list, or to count only | [`Detector`] and its [`Search`] methods |
+//! | elements that move a little between searches | [`Buffered`] |
 //! | the neighbours of each element, side by side, with a distance or another value | [`Csr`], [`Elements::distance_squared`] |
 //! | to know beforehand what will run, and why | [`Detector::plan`] |
 //! | the fastest search, and nothing else | [`Rows`] |
@@ -45,11 +46,13 @@ mod search;
 mod simd;
 mod pool;
 mod engine;
+mod buffer;
 mod couple;
 mod csr;
 mod verify;
 mod error;
 
+pub use buffer::{Buffered, Reason, Update};
 pub use couple::Couple;
 pub use csr::Csr;
 pub use elements::Elements;

@@ -14,7 +14,9 @@ fn rows(elements: usize, couples: &[Couple], full: bool) -> Vec<Vec<u32>> {
             map.entry(couple.j).or_default().push(couple.i);
         }
     }
-    map.values_mut().for_each(|row| row.sort_unstable());
+    for row in map.values_mut() {
+        row.sort_unstable();
+    }
     (0..elements as u32).map(|element| map.remove(&element).unwrap_or_default()).collect()
 }
 

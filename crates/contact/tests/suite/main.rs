@@ -4,12 +4,14 @@
 //! - `degenerate`: nothing, one, all in one place, far away, NaN, infinity, lengths that differ, domains too wide.
 //! - `properties`: laws that hold for any input (proptest): renumbering, mirroring, translation, tolerance, no repeats.
 //! - `determinism`: one order of couples for any number of threads and any vector instructions.
+//! - `buffer`: walking elements: the couples of every update equal all-against-all, at the limit of the buffer too; when detection is due.
 //! - `csr`: compressed rows against a map of sets, in any order, with repeats, values and couples that are none.
 //! - `golden`: the numbers printed in the book.
 //! - `../memory.rs`, a program of its own because it counts allocations: the memory law.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failed unwrap is a failed test")]
 
+mod buffer;
 mod csr;
 mod degenerate;
 mod determinism;

@@ -6,7 +6,7 @@ use fdem_scenes::{Cloud, Sizes, clusters, gas, jittered_lattice, lattice};
 use crate::ascending;
 
 /// Test clouds are made in `f64` and rounded to the type under test.
-trait FromF64: Real {
+pub(crate) trait FromF64: Real {
     fn from_f64(x: f64) -> Self;
 }
 
