@@ -34,7 +34,7 @@ use crate::search::Search;
 /// ```
 /// use fdem_contact::{Csr, Detector, Elements, Engine, Search};
 ///
-/// let centres = [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [0.0, 1.0]];
+/// let centres = [[0.0_f64, 0.0], [1.0, 0.0], [2.0, 0.0], [0.0, 1.0]];
 /// let elements = Elements::points(&centres, 1.0)?;
 /// let mut detector = Detector::new(Engine::Auto);
 /// let mut csr = Csr::new();
