@@ -316,6 +316,10 @@ impl<'a, T: Real, const D: usize> EqualSpheres<'a, T, D> {
         std::slice::from_ref(&self.radius)
     }
 
+    pub(crate) fn radius(self) -> T {
+        self.radius
+    }
+
     pub(crate) fn reach_squared(self) -> T {
         self.reach_squared
     }

@@ -132,6 +132,74 @@ pub enum Error {
         /// Its bounds on that axis.
         domain: [f64; 2],
     },
+    /// A coordinate of the origin of a periodic box is NaN, infinite or too large.
+    InvalidBoxOrigin {
+        /// Zero-based axis: 0 is x.
+        axis: usize,
+        /// The offending value.
+        value: f64,
+        /// Largest magnitude that is accepted.
+        limit: f64,
+    },
+    /// A component of an edge of a periodic box is NaN, infinite or too large, or the whole edge is too short.
+    InvalidBoxEdge {
+        /// Zero-based number of the edge.
+        edge: usize,
+        /// Its component of the largest magnitude, or the one that is not a number.
+        value: f64,
+        /// Smallest magnitude of the largest component, and largest, that are accepted.
+        limits: [f64; 2],
+    },
+    /// An edge of a periodic box is linearly dependent on the edges before it, up to rounding: the box has no volume.
+    DependentBoxEdges {
+        /// Zero-based number of the first edge that is.
+        edge: usize,
+        /// Its height above the edges before it, as a fraction of its length.
+        height: f64,
+        /// Smallest fraction that is accepted.
+        limit: f64,
+    },
+    /// The edges of a periodic box are left-handed: its volume is negative.
+    NegativeBoxVolume {
+        /// The volume, which may be beyond the range of floats.
+        volume: f64,
+    },
+    /// An element lies outside the periodic box, and the search was told to refuse that.
+    OutsideBox {
+        /// Zero-based number of the element.
+        index: usize,
+        /// Zero-based number of the edge along which it is outside.
+        edge: usize,
+        /// Where it is along that edge: from 0 to 1 is inside.
+        fraction: f64,
+    },
+    /// An element lies so many periods away from its box that the shifts of its couples do not fit their integers.
+    TooFarFromBox {
+        /// Zero-based number of the element.
+        index: usize,
+        /// Zero-based number of the edge along which it is far.
+        edge: usize,
+        /// Number of periods.
+        periods: f64,
+        /// Largest number that is accepted.
+        limit: f64,
+    },
+    /// The periodic box is so thin that rounding of the coordinates is of its size.
+    UnresolvedBox {
+        /// Zero-based number of the edge along which it is thin.
+        edge: usize,
+        /// Bound on the rounding, in periods.
+        rounding: f64,
+    },
+    /// The periodic box is so small, for the reach of its elements, that it takes too many periodic images.
+    TooManyImages {
+        /// Number of images (a float: it may be beyond any integer).
+        images: f64,
+        /// Bound on that number.
+        limit: usize,
+    },
+    /// Axis-aligned boxes have no periodic search; spheres and points have.
+    BoxesNotPeriodic,
     /// This processor lacks the vector instructions that were asked for.
     SimdUnavailable {
         /// What was asked for.
@@ -221,6 +289,45 @@ impl fmt::Display for Error {
             Self::InvalidDomain { axis, domain: [min, max] } => {
                 write!(out, "the domain [{min}, {max}] along {} is not a finite interval", axis_name(*axis))
             }
+            Self::InvalidBoxOrigin { axis, value, limit } => write!(
+                out,
+                "the origin of the periodic box: coordinate {} is {value:e}, not a number from -{limit:e} to {limit:e}",
+                axis_name(*axis)
+            ),
+            Self::InvalidBoxEdge { edge, value, limits: [low, high] } => write!(
+                out,
+                "edge {edge} of the periodic box: {value:e} is not a length from {low:e} to {high:e}"
+            ),
+            Self::DependentBoxEdges { edge, height, limit } => write!(
+                out,
+                "the periodic box has no volume: edge {edge} is linearly dependent on those before it (it rises above them \
+                 by {height:.1e} of its length, at least {limit:.1e} is needed)"
+            ),
+            Self::NegativeBoxVolume { volume } => write!(
+                out,
+                "the periodic box has the negative volume {volume:e}: its edges are left-handed; swap two, or turn one round"
+            ),
+            Self::OutsideBox { index, edge, fraction } => write!(
+                out,
+                "element {index} is outside the periodic box: at {fraction} along edge {edge}, where 0 to 1 is inside"
+            ),
+            Self::TooFarFromBox { index, edge, periods, limit } => write!(
+                out,
+                "element {index} is {periods:e} periods from the periodic box along edge {edge}; at most {limit:e} can be counted"
+            ),
+            Self::UnresolvedBox { edge, rounding } => write!(
+                out,
+                "the periodic box is too thin along edge {edge} for these coordinates: they are rounded by up to {rounding:e} \
+                 of it"
+            ),
+            Self::TooManyImages { images, limit } => write!(
+                out,
+                "the periodic box is too small for the reach of its elements: they take {images:.3e} images, the bound is \
+                 {limit} (`PeriodicSearch::with_max_images`)"
+            ),
+            Self::BoxesNotPeriodic => {
+                write!(out, "axis-aligned boxes have no periodic search; spheres and points have")
+            }
             Self::SimdUnavailable { simd } => write!(out, "this processor has no {simd}"),
             Self::NoThreads { threads, reason } => write!(out, "{threads} threads cannot be had: {reason}"),
             Self::OutOfMemory { bytes } => write!(out, "no memory for {bytes} bytes"),
@@ -241,7 +348,9 @@ impl Error {
             Self::NonFiniteCoordinate { index, .. }
             | Self::CoordinateTooLarge { index, .. }
             | Self::InvertedBox { index, .. }
-            | Self::OutsideDomain { index, .. } => Some(*index),
+            | Self::OutsideDomain { index, .. }
+            | Self::OutsideBox { index, .. }
+            | Self::TooFarFromBox { index, .. } => Some(*index),
             Self::InvalidRadius { index, .. } => *index,
             Self::DomainTooWide { stretched_by, .. } => stretched_by.map(|(element, _)| element),
             _ => None,

@@ -16,6 +16,7 @@
 //! | to search again and again in the same memory, without a list, or to count only | [`Detector`] and its [`Search`] methods |
 //! | elements that move a little between searches | [`Buffered`] |
 //! | the neighbours of each element, side by side, with a distance or another value | [`Csr`], [`Elements::distance_squared`] |
+//! | a box that repeats, rectangular or sheared | [`PeriodicBox`], [`PeriodicSearch`] |
 //! | to know beforehand what will run, and why | [`Detector::plan`] |
 //! | the fastest search, and nothing else | [`Rows`] |
 //! | Munjiza-NBS as the book has it, its memory law, its figures | [`Nbs`], [`Observer`] |
@@ -47,6 +48,7 @@ mod simd;
 mod pool;
 mod engine;
 mod buffer;
+mod periodic;
 mod couple;
 mod csr;
 mod verify;
@@ -61,6 +63,8 @@ pub use error::Error;
 pub use grid::Grid;
 pub use lists::{Lists, NONE};
 pub use mask::{CONTACT_MASK, Set, mask_cells};
+pub use periodic::cell::PeriodicBox;
+pub use periodic::{DEFAULT_MAX_IMAGES, PeriodicCouple, PeriodicSearch};
 pub use real::Real;
 pub use search::Search;
 pub use search::direct::Direct;

@@ -46,6 +46,9 @@ pub trait Real:
     /// The smallest value of this type that is at least `x`, which must be at most [`Real::MAX_MAGNITUDE`] times some.
     fn at_least(x: f64) -> Self;
 
+    /// The value of this type nearest to `x`, ties to even: exact for `f64`.
+    fn nearest(x: f64) -> Self;
+
     /// Neither NaN nor infinite.
     fn is_finite(self) -> bool;
 }
@@ -66,6 +69,10 @@ macro_rules! impl_real {
             fn at_least(x: f64) -> Self {
                 let rounded = x as $type;
                 if rounded.to_f64() < x { rounded.next_up() } else { rounded }
+            }
+
+            fn nearest(x: f64) -> Self {
+                x as $type
             }
 
             fn is_finite(self) -> bool {

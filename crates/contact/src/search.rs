@@ -68,8 +68,8 @@ pub trait Search<T: Real, const D: usize> {
 }
 
 /// Doubles the capacity, or says that there is no memory for it.
-pub(crate) fn make_room(couples: &mut Vec<Couple>) -> Result<(), Error> {
+pub(crate) fn make_room<V>(couples: &mut Vec<V>) -> Result<(), Error> {
     let more = couples.capacity().max(1024);
-    let bytes = (couples.capacity() + more).saturating_mul(size_of::<Couple>());
+    let bytes = (couples.capacity() + more).saturating_mul(size_of::<V>());
     couples.try_reserve_exact(more).map_err(|_| Error::OutOfMemory { bytes })
 }

@@ -20,6 +20,7 @@ use crate::simd::kernel::{Neighbour, Output, Span, Task};
 use crate::simd::{Simd, portable};
 
 use layout::Layout;
+pub(crate) use layout::reserve;
 use scatter::append;
 
 /// The decomposition and the contact mask of Munjiza-NBS, on sorted rows instead of lists: the default engine.

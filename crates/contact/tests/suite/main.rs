@@ -6,6 +6,7 @@
 //! - `determinism`: one order of couples for any number of threads and any vector instructions.
 //! - `buffer`: walking elements: the couples of every update equal all-against-all, at the limit of the buffer too; when detection is due.
 //! - `csr`: compressed rows against a map of sets, in any order, with repeats, values and couples that are none.
+//! - `periodic`: boxes that repeat, sheared or not, against all images one by one.
 //! - `golden`: the numbers printed in the book.
 //! - `../memory.rs`, a program of its own because it counts allocations: the memory law.
 
@@ -17,6 +18,7 @@ mod degenerate;
 mod determinism;
 mod golden;
 mod oracle;
+mod periodic;
 mod properties;
 
 use fdem_contact::{Couple, Elements, Real, Search};

@@ -1,0 +1,634 @@
+//! Boxes that repeat: every contact and every image of it, against all shifts one by one.
+
+use fdem_contact::{Elements, Engine, Error, PeriodicBox, PeriodicCouple, PeriodicSearch, Real};
+use fdem_scenes::random::Random;
+use proptest::prelude::*;
+
+use crate::oracle::FromF64;
+
+const ENGINES: [Engine; 4] = [Engine::Auto, Engine::Direct, Engine::Nbs, Engine::Rows];
+
+/// One radius or one each.
+#[derive(Clone, Copy)]
+enum Radii<'a, T> {
+    Equal(T),
+    Each(&'a [T]),
+}
+
+impl<T: Real> Radii<'_, T> {
+    fn of(&self, k: usize) -> T {
+        match self {
+            Self::Equal(radius) => *radius,
+            Self::Each(radii) => radii[k],
+        }
+    }
+
+    fn elements<'a, const D: usize>(&'a self, centres: &'a [[T; D]], tolerance: T) -> Elements<'a, T, D> {
+        let elements = match self {
+            Self::Equal(radius) => Elements::spheres(centres, *radius),
+            Self::Each(radii) => Elements::spheres_with_radii(centres, radii),
+        };
+        elements.unwrap().with_tolerance(tolerance).unwrap()
+    }
+}
+
+/// The documented displacement, written out again.
+fn displaced<T: FromF64, const D: usize>(x: &[T; D], shift: &[i32; D], edges: &[[T; D]; D]) -> [T; D] {
+    let mut moved = *x;
+    for axis in 0..D {
+        let mut offset = f64::from(shift[0]) * edges[0][axis].to_f64();
+        for edge in 1..D {
+            offset += f64::from(shift[edge]) * edges[edge][axis].to_f64();
+        }
+        moved[axis] = T::from_f64(x[axis].to_f64() + offset);
+    }
+    moved
+}
+
+/// The range of shifts to try along each edge. The volume of the box over the area of a face is a height: here from the Gram matrix of the
+/// edges, so that nothing is shared with the library but the idea. One shift more than needed on either side.
+fn ranges<T: Real, const D: usize>(cell: &PeriodicBox<T, D>, wrapped: &[[T; D]], reach: f64) -> [i32; D] {
+    let edges = cell.edges().map(|edge| edge.map(T::to_f64));
+    std::array::from_fn(|a| {
+        if !cell.periodic()[a] {
+            return 0;
+        }
+        // The part of edge a that is orthogonal to all others.
+        let mut basis: Vec<[f64; D]> = Vec::new();
+        for b in (0..D).filter(|&b| b != a).chain([a]) {
+            let mut rest = edges[b];
+            for _ in 0..2 {
+                for other in &basis {
+                    let along: f64 = (0..D).map(|k| rest[k] * other[k]).sum();
+                    (0..D).for_each(|k| rest[k] -= along * other[k]);
+                }
+            }
+            let length = rest.iter().map(|x| x * x).sum::<f64>().sqrt();
+            basis.push(rest.map(|x| x / length));
+        }
+        let normal = basis[D - 1];
+        let dot = |x: &[f64; D]| (0..D).map(|k| x[k] * normal[k]).sum::<f64>();
+        let height = dot(&edges[a]).abs();
+        let heights: Vec<f64> = wrapped.iter().map(|x| dot(&x.map(T::to_f64)) / height).collect();
+        let spread =
+            heights.iter().fold(f64::MIN, |m, x| m.max(*x)) - heights.iter().fold(f64::MAX, |m, x| m.min(*x));
+        assert!(wrapped.is_empty() || spread < 1.001, "wrapped into the box");
+        (reach / height + spread + 1.0).ceil() as i32
+    })
+}
+
+/// All elements against all images, without any idea of where they are. Images of elements compare as documented.
+fn brute<T: FromF64, const D: usize>(
+    centres: &[[T; D]],
+    radii: Radii<'_, T>,
+    tolerance: T,
+    cell: &PeriodicBox<T, D>,
+) -> Vec<PeriodicCouple<D>> {
+    let mut wrapped = Vec::new();
+    let mut periods = Vec::new();
+    for centre in centres {
+        let (point, n) = cell.wrap(*centre).unwrap();
+        let expected = if n == [0; D] { *centre } else { displaced(centre, &n.map(|n| -n), &cell.edges()) };
+        assert_eq!(point, expected);
+        wrapped.push(point);
+        periods.push(n);
+    }
+    let reach =
+        (0..centres.len()).map(|k| 2.0 * radii.of(k).to_f64()).fold(0.0, f64::max) + tolerance.to_f64();
+    let range = ranges(cell, &wrapped, reach);
+
+    let mut couples = Vec::new();
+    let mut shift = range.map(|most| -most);
+    'shifts: loop {
+        for j in 0..centres.len() {
+            let image =
+                if shift == [0; D] { wrapped[j] } else { displaced(&wrapped[j], &shift, &cell.edges()) };
+            for i in 0..=j {
+                if i == j && shift <= [0; D] {
+                    continue;
+                }
+                let mut squares = T::from_f64(0.0);
+                for axis in 0..D {
+                    let difference = wrapped[i][axis] - image[axis];
+                    squares = squares + difference * difference;
+                }
+                let sum = (radii.of(i) + radii.of(j)) + tolerance;
+                if squares <= sum * sum {
+                    let shift = std::array::from_fn(|a| shift[a] + periods[i][a] - periods[j][a]);
+                    couples.push(PeriodicCouple { i: i as u32, j: j as u32, shift });
+                }
+            }
+        }
+        for edge in (0..D).rev() {
+            if shift[edge] < range[edge] {
+                shift[edge] += 1;
+                continue 'shifts;
+            }
+            shift[edge] = -range[edge];
+        }
+        break;
+    }
+    couples.sort_unstable();
+    couples
+}
+
+fn found<T: Real, const D: usize>(
+    engine: Engine,
+    elements: &Elements<'_, T, D>,
+    cell: &PeriodicBox<T, D>,
+) -> Vec<PeriodicCouple<D>> {
+    let mut search = PeriodicSearch::new(engine);
+    let (mut couples, mut again) = (Vec::new(), Vec::new());
+    search.couples(elements, cell, &mut couples).unwrap();
+    assert_eq!(search.count(elements, cell).unwrap(), couples.len() as u64);
+    search.for_each(elements, cell, |couple| again.push(couple)).unwrap();
+    assert_eq!(couples, again, "the order is a function of the input");
+    couples.sort_unstable();
+    couples
+}
+
+/// All engines against brute force; returns the number of couples.
+fn compare<T: FromF64, const D: usize>(
+    what: &str,
+    centres: &[[f64; D]],
+    radii: &[f64],
+    tolerance: f64,
+    cell: &PeriodicBox<T, D>,
+) -> usize {
+    let centres: Vec<[T; D]> = centres.iter().map(|centre| centre.map(T::from_f64)).collect();
+    let radii: Vec<T> = radii.iter().copied().map(T::from_f64).collect();
+    let tolerance = T::from_f64(tolerance);
+    let first = radii.first().copied().unwrap_or(T::from_f64(0.5));
+    let mut n = 0;
+    for radii in [Radii::Equal(first), Radii::Each(&radii)] {
+        let expected = brute(&centres, radii, tolerance, cell);
+        assert!(expected.windows(2).all(|pair| pair[0] < pair[1]), "each contact has one form");
+        let elements = radii.elements(&centres, tolerance);
+        for engine in ENGINES {
+            let found = found(engine, &elements, cell);
+            let context = || format!("{what}: {engine}, {} elements, {cell:?}", centres.len());
+            if found != expected {
+                let missing = expected.iter().find(|couple| !found.contains(couple));
+                let extra = found.iter().find(|couple| !expected.contains(couple));
+                panic!("{}: {missing:?} is missing, {extra:?} is too much", context());
+            }
+        }
+        n += expected.len();
+    }
+    n
+}
+
+/// A rotation in the plane of two axes.
+fn rotated<const D: usize>(mut edges: [[f64; D]; D], angle: f64, axes: [usize; 2]) -> [[f64; D]; D] {
+    let ([a, b], (sine, cosine)) = (axes, angle.sin_cos());
+    for edge in &mut edges {
+        (edge[a], edge[b]) = (cosine * edge[a] - sine * edge[b], sine * edge[a] + cosine * edge[b]);
+    }
+    edges
+}
+
+/// Edges of about unit size: cubic, unlike, sheared a little, sheared by more than an edge, rotated, flat.
+fn shapes<const D: usize>() -> Vec<(&'static str, [[f64; D]; D])> {
+    let diagonal = |length: fn(usize) -> f64| -> [[f64; D]; D] {
+        std::array::from_fn(|a| std::array::from_fn(|b| if a == b { length(a) } else { 0.0 }))
+    };
+    let sheared = |tilt: f64| -> [[f64; D]; D] {
+        std::array::from_fn(|a| {
+            std::array::from_fn(|b| match a.cmp(&b) {
+                std::cmp::Ordering::Equal => 1.0,
+                std::cmp::Ordering::Greater => tilt * if (a + b) % 2 == 0 { -0.7 } else { 1.0 },
+                std::cmp::Ordering::Less => 0.0,
+            })
+        })
+    };
+    let last = [0, D - 1];
+    vec![
+        ("cubic", diagonal(|_| 1.0)),
+        ("unlike", diagonal(|a| [1.0, 0.6, 1.7][a])),
+        ("sheared", sheared(0.4)),
+        ("half a tilt", sheared(0.5)),
+        ("tilt of 1.5", sheared(1.5)),
+        ("tilt of -3.2", sheared(-3.2)),
+        ("rotated", rotated(rotated(diagonal(|_| 1.0), 0.7, [0, 1]), -0.4, last)),
+        ("rotated and sheared", rotated(rotated(sheared(1.2), 2.5, [0, 1]), 1.1, last)),
+        ("a rhombus", {
+            let mut edges = diagonal(|_| 1.0);
+            edges[1][0] = -0.5;
+            edges[1][1] = 0.75_f64.sqrt();
+            edges
+        }),
+    ]
+}
+
+fn periodicities<const D: usize>() -> Vec<[bool; D]> {
+    (0..1_u32 << D).map(|bits| std::array::from_fn(|axis| bits >> axis & 1 == 1)).collect()
+}
+
+fn scaled<T: FromF64, const D: usize>(edges: [[f64; D]; D], scale: f64) -> [[T; D]; D] {
+    edges.map(|edge| edge.map(|x| T::from_f64(x * scale)))
+}
+
+/// The point at these fractions of the edges.
+fn at<T: Real, const D: usize>(edges: &[[T; D]; D], origin: f64, fractions: [f64; D]) -> [f64; D] {
+    std::array::from_fn(|axis| origin + (0..D).map(|a| fractions[a] * edges[a][axis].to_f64()).sum::<f64>())
+}
+
+fn all_boxes<T: FromF64, const D: usize>() {
+    let mut random = Random::new(7);
+    let mut couples = 0;
+    for (shape, edges) in shapes::<D>() {
+        for periodic in periodicities::<D>() {
+            // In units of the cut-off of the larger elements, which is 1.
+            for size in [6.0, 2.5, 1.7, 0.9, 0.45] {
+                let edges = scaled::<T, D>(edges, size);
+                for (n, origin, outside) in
+                    [(0, 0.0, 1.0), (1, 0.0, 1.0), (2, -3.3, 3.0), (10, 5.5, 1.0), (24, -2.0, 40.0)]
+                {
+                    let cell = PeriodicBox::triclinic([T::from_f64(origin); D], edges, periodic).unwrap();
+                    let centres: Vec<[f64; D]> = (0..n)
+                        .map(|_| {
+                            let from = 0.5 - outside / 2.0;
+                            at(&edges, origin, std::array::from_fn(|_| random.between(from, from + outside)))
+                        })
+                        .collect();
+                    let radii: Vec<f64> =
+                        (0..n).map(|k| if k == 0 { 0.5 } else { random.between(0.0, 0.5) }).collect();
+                    couples += compare(shape, &centres, &radii, 0.0, &cell);
+                }
+            }
+        }
+    }
+    assert!(couples > 10_000, "the boxes have couples to lose: {couples}");
+}
+
+/// Elements on corners, edges and faces, on either side, where they round; all in one place; and a tolerance.
+fn on_the_faces<T: FromF64, const D: usize>() {
+    let mut random = Random::new(11);
+    for (shape, edges) in shapes::<D>() {
+        for (size, periodic) in
+            [(3.0, [true; D]), (1.0, [true; D]), (0.7, std::array::from_fn(|axis| axis != 0))]
+        {
+            let edges = scaled::<T, D>(edges, size);
+            for origin in [0.0, 0.1, -1000.7] {
+                let cell = PeriodicBox::triclinic([T::from_f64(origin); D], edges, periodic).unwrap();
+                let fraction = |random: &mut Random| {
+                    [0.0, 1.0, 0.5, -1.0, 2.0, 1.0 - 1e-16, -1e-17, 1e-9, -1e-9, 3e-8]
+                        [random.below(10) as usize]
+                };
+                let centres: Vec<[f64; D]> = (0..20)
+                    .map(|_| at(&edges, origin, std::array::from_fn(|_| fraction(&mut random))))
+                    .collect();
+                compare(shape, &centres, &[0.5; 20], 0.0, &cell);
+                compare(shape, &centres, &[0.25; 20], 0.5, &cell);
+                compare(shape, &centres, &[0.0; 20], 0.0, &cell);
+                let n = compare(shape, &[centres[0]; 12], &[0.5; 12], 0.0, &cell);
+                assert!(n >= 2 * 66, "all in one place");
+            }
+        }
+    }
+}
+
+/// A box with faces between elements that are thousands of periods apart.
+fn far_outside<T: FromF64, const D: usize>() {
+    let mut random = Random::new(13);
+    for (shape, edges) in shapes::<D>() {
+        let edges = scaled::<T, D>(edges, 3.0);
+        let cell = PeriodicBox::triclinic([T::from_f64(0.3); D], edges, [true; D]).unwrap();
+        let centres: Vec<[f64; D]> = (0..60)
+            .map(|_| at(&edges, 0.3, std::array::from_fn(|_| random.between(-9000.0, 9000.0))))
+            .collect();
+        assert!(compare(shape, &centres, &[0.5; 60], 0.0, &cell) > 0);
+    }
+}
+
+fn three_hundred<T: FromF64, const D: usize>() {
+    let mut random = Random::new(17);
+    for (shape, edges) in shapes::<D>() {
+        let edges = scaled::<T, D>(edges, 6.0);
+        for periodic in [[true; D], std::array::from_fn(|axis| axis + 1 != D), [false; D]] {
+            let cell = PeriodicBox::triclinic([T::from_f64(-17.0); D], edges, periodic).unwrap();
+            let centres: Vec<[f64; D]> =
+                (0..300).map(|_| at(&edges, -17.0, std::array::from_fn(|_| random.uniform()))).collect();
+            let radii: Vec<f64> = (0..300).map(|_| random.between(0.1, 0.5)).collect();
+            assert!(compare(shape, &centres, &radii, 0.0, &cell) > 300);
+        }
+    }
+}
+
+macro_rules! hazards {
+    ($($name:ident: $type:ty, $dimensions:literal;)*) => {
+        $(
+            mod $name {
+                #[test]
+                fn all_boxes() {
+                    super::all_boxes::<$type, $dimensions>();
+                }
+
+                #[test]
+                fn on_the_faces() {
+                    super::on_the_faces::<$type, $dimensions>();
+                }
+
+                #[test]
+                fn far_outside() {
+                    super::far_outside::<$type, $dimensions>();
+                }
+
+                #[test]
+                fn three_hundred() {
+                    super::three_hundred::<$type, $dimensions>();
+                }
+            }
+        )*
+    };
+}
+
+hazards! { f64_1d: f64, 1; f64_2d: f64, 2; f64_3d: f64, 3; f32_2d: f32, 2; f32_3d: f32, 3; }
+
+/// The smallest cut-off whose square is at least `squared`.
+fn root<T: FromF64>(squared: f64) -> T {
+    let mut root = T::from_f64(squared.sqrt());
+    while (root * root).to_f64() < squared {
+        root = T::at_least(root.to_f64() * (1.0 + T::EPSILON));
+    }
+    root
+}
+
+/// Every element of a lattice that fills the box touches as many as the lattice says, itself included where the box is small.
+fn coordination<T: FromF64, const D: usize>(basis: &[[f64; D]], squared: f64, coordination: usize) {
+    for cells in [1, 2, 3, 4] {
+        for origin in [0.0, -1.0, 0.5, 77.0] {
+            let mut centres = vec![];
+            let edge = 2 * cells;
+            for k in 0..usize::pow(cells, D as u32) {
+                for offset in basis {
+                    let place = |axis: usize| (k / usize::pow(cells, axis as u32) % cells) as f64;
+                    centres.push(std::array::from_fn(|axis| {
+                        T::from_f64(origin + 2.0 * place(axis) + offset[axis])
+                    }));
+                }
+            }
+            let max = [T::from_f64(origin + edge as f64); D];
+            let cell = PeriodicBox::orthogonal([T::from_f64(origin); D], max, [true; D]).unwrap();
+            let elements = Elements::points(&centres, root::<T>(squared)).unwrap();
+            for engine in ENGINES {
+                let mut touching = vec![0; centres.len()];
+                for couple in found(engine, &elements, &cell) {
+                    touching[couple.i as usize] += 1;
+                    touching[couple.j as usize] += 1;
+                }
+                assert!(touching.iter().all(|&n| n == coordination), "{engine}, {cells} cells: {touching:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn lattices_have_their_coordination_numbers() {
+    coordination::<f64, 1>(&[[0.0]], 4.0, 2);
+    coordination::<f64, 2>(&[[0.0; 2]], 4.0, 4);
+    coordination::<f32, 2>(&[[0.0; 2]], 4.0, 4);
+    coordination::<f64, 2>(&[[0.0; 2]], 8.0, 8);
+    coordination::<f64, 3>(&[[0.0; 3]], 4.0, 6);
+    coordination::<f32, 3>(&[[0.0; 3]], 4.0, 6);
+    let bcc = [[0.0; 3], [1.0; 3]];
+    coordination::<f64, 3>(&bcc, 3.0, 8);
+    coordination::<f32, 3>(&bcc, 3.0, 8);
+    let fcc = [[0.0; 3], [0.0, 1.0, 1.0], [1.0, 0.0, 1.0], [1.0, 1.0, 0.0]];
+    coordination::<f64, 3>(&fcc, 2.0, 12);
+    coordination::<f32, 3>(&fcc, 2.0, 12);
+}
+
+/// One element in the primitive cell of a lattice touches its own images only: half the coordination number of couples.
+#[test]
+fn one_element_in_a_primitive_cell_touches_its_images() {
+    let fcc = [[1.0, 1.0, 0.0], [0.0, 1.0, 1.0], [1.0, 0.0, 1.0]];
+    let bcc = [[1.0, 1.0, -1.0], [-1.0, 1.0, 1.0], [1.0, -1.0, 1.0]];
+    for (edges, squared, couples) in [(fcc, 2.0, 6), (bcc, 3.0, 4), (fcc, 4.0, 9), (bcc, 4.0, 7)] {
+        let cell = PeriodicBox::triclinic([0.0; 3], edges, [true; 3]).unwrap();
+        let centre = [[0.25, -10.0, 30.5]];
+        let elements = Elements::points(&centre, root::<f64>(squared)).unwrap();
+        for engine in ENGINES {
+            let found = found(engine, &elements, &cell);
+            assert_eq!(found.len(), couples);
+            assert!(found.iter().all(|couple| couple.i == 0 && couple.j == 0 && couple.shift > [0; 3]));
+        }
+    }
+}
+
+/// A hexagonal lattice, whose edges are not numbers: six neighbours, whatever the tilt by which the same lattice is described.
+#[test]
+fn every_basis_of_a_lattice_gives_the_same_contacts() {
+    let height = 0.75_f64.sqrt();
+    for tilt in -6..=6 {
+        let edges = [[4.0, 0.0], [4.0 * (f64::from(tilt) + 0.5), 4.0 * height]];
+        let cell = PeriodicBox::triclinic([0.1, -0.2], edges, [true, true]).unwrap();
+        let centres: Vec<[f64; 2]> =
+            (0..16).map(|k| [f64::from(k % 4) + 0.5 * f64::from(k / 4), f64::from(k / 4) * height]).collect();
+        let elements = Elements::points(&centres, 1.0 + 1e-12).unwrap();
+        for engine in ENGINES {
+            assert_eq!(found(engine, &elements, &cell).len(), 48, "tilt {tilt}");
+        }
+    }
+}
+
+/// The mean number of couples of a uniform gas: `n (n - 1) / 2` times the ball over the box, exact in periodic boxes of any shape, and `n / 2` times the
+/// lattice points in the ball, 0 for reaches below the shortest edge.
+#[test]
+fn a_uniform_gas_has_the_mean_number_of_couples() {
+    let mut random = Random::new(23);
+    let (n, gases) = (400_usize, 40);
+    let ball = 4.0 / 3.0 * std::f64::consts::PI;
+    for (shape, edges) in shapes::<3>() {
+        let edges = edges.map(|edge| edge.map(|x| 8.0 * x));
+        let cell = PeriodicBox::triclinic([-4.0; 3], edges, [true; 3]).unwrap();
+        let volume = if shape == "unlike" {
+            1.0 * 0.6 * 1.7
+        } else if shape == "a rhombus" {
+            0.75_f64.sqrt()
+        } else {
+            1.0
+        } * 512.0;
+        let mut couples = 0;
+        for _ in 0..gases {
+            let centres: Vec<[f64; 3]> =
+                (0..n).map(|_| at(&edges, -4.0, std::array::from_fn(|_| random.uniform()))).collect();
+            let elements = Elements::points(&centres, 1.0).unwrap();
+            couples += PeriodicSearch::new(Engine::Auto).count(&elements, &cell).unwrap();
+        }
+        let mean = gases as f64 * (n * (n - 1)) as f64 / 2.0 * ball / volume;
+        // Couples of a gas are nearly independent: five standard deviations.
+        assert!((couples as f64 - mean).abs() < 5.0 * mean.sqrt(), "{shape}: {couples}, expected {mean}");
+    }
+}
+
+#[test]
+fn elements_outside_are_refused_if_asked_for() {
+    let cell = PeriodicBox::orthogonal([0.0, 0.0], [3.0, 3.0], [true, false]).unwrap();
+    let count = |centres: &[[f64; 2]]| {
+        let elements = Elements::spheres(centres, 0.5).unwrap();
+        PeriodicSearch::new(Engine::Auto).refuse_outside().count(&elements, &cell)
+    };
+    assert_eq!(count(&[[0.0, 0.0], [3.0, 0.5]]), Ok(1), "faces belong to the box");
+    assert_eq!(count(&[[1.0, -70.0], [1.0, 70.0]]), Ok(0), "nothing is outside where nothing repeats");
+    let error = count(&[[1.0, 1.0], [1.0, 2.0], [3.5, 1.0]]).unwrap_err();
+    assert_eq!(error.element(), Some(2));
+    assert!(matches!(error, Error::OutsideBox { edge: 0, .. }), "{error}");
+}
+
+#[test]
+fn what_cannot_be_searched_is_refused_with_the_reason() {
+    let cell = |edge: f64| PeriodicBox::orthogonal([0.0; 3], [edge; 3], [true; 3]).unwrap();
+    let count = |centres: &[[f64; 3]], cell| {
+        PeriodicSearch::new(Engine::Auto).count(&Elements::spheres(centres, 0.5).unwrap(), &cell)
+    };
+    let Err(Error::TooManyImages { images, .. }) = count(&[[0.0; 3]], cell(1e-4)) else {
+        panic!("too many images")
+    };
+    assert!((8e12..8.1e12).contains(&images), "{images}");
+    let elements = [[0.0; 3]];
+    let mut few = PeriodicSearch::new(Engine::Auto).with_max_images(25);
+    let elements = Elements::spheres(&elements, 0.5).unwrap();
+    assert_eq!(few.count(&elements, &cell(1.0)), Err(Error::TooManyImages { images: 26.0, limit: 25 }));
+    assert_eq!(few.with_max_images(26).count(&elements, &cell(1.0)), Ok(3));
+
+    let error = count(&[[0.0; 3], [1e12, 0.0, 0.0]], cell(5.0)).unwrap_err();
+    assert!(matches!(error, Error::TooFarFromBox { index: 1, edge: 0, .. }), "{error}");
+    let leaning = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 0.0, 1.0]];
+    let leaning = PeriodicBox::triclinic([0.0; 3], leaning, [false, true, false]).unwrap();
+    assert_eq!(count(&[[0.0; 3], [0.5, 1e6, 0.5]], leaning), Ok(3));
+    let leaning = [[1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let leaning = PeriodicBox::triclinic([0.0; 3], leaning, [true, false, false]).unwrap();
+    let error = count(&[[0.0; 3], [1e17, 1e17, 0.0]], leaning).unwrap_err();
+    assert!(matches!(error, Error::UnresolvedBox { edge: 0, .. }), "{error}");
+
+    let corners = [[0.0; 3]];
+    let boxes = Elements::boxes(&corners, &corners).unwrap();
+    assert_eq!(PeriodicSearch::new(Engine::Auto).count(&boxes, &cell(1.0)), Err(Error::BoxesNotPeriodic));
+}
+
+/// Without periodic edges the search is the open one.
+#[test]
+fn a_box_without_periodic_edges_is_no_box() {
+    let mut random = Random::new(3);
+    let centres: Vec<[f32; 2]> =
+        (0..500).map(|_| std::array::from_fn(|_| random.between(-10.0, 10.0) as f32)).collect();
+    let cell = PeriodicBox::orthogonal([0.0; 2], [1.0; 2], [false; 2]).unwrap();
+    let open = fdem_contact::couples_within(&centres, 1.0).unwrap();
+    let found = found(Engine::Auto, &Elements::points(&centres, 1.0).unwrap(), &cell);
+    let expected: Vec<_> =
+        open.iter().map(|couple| PeriodicCouple { i: couple.i, j: couple.j, shift: [0, 0] }).collect();
+    assert_eq!(found, expected);
+}
+
+/// Right-handed edges of small integers, so that everything below is exact.
+fn edges() -> impl Strategy<Value = [[f64; 3]; 3]> {
+    prop::array::uniform3(prop::array::uniform3(-6..7_i32)).prop_filter_map("no volume", |rows| {
+        let [a, b, c] = rows;
+        let determinant = a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0])
+            + a[2] * (b[0] * c[1] - b[1] * c[0]);
+        (determinant >= 8).then(|| rows.map(|row| row.map(f64::from)))
+    })
+}
+
+/// Multiples of 2^-6, so that squares and sums are exact.
+fn spheres() -> impl Strategy<Value = (Vec<[f64; 3]>, Vec<f64>)> {
+    let coordinate = || (-2000..2000_i32).prop_map(|k| f64::from(k) / 64.0);
+    let radius = (0..96_i32).prop_map(|k| f64::from(k) / 64.0);
+    prop::collection::vec(([coordinate(), coordinate(), coordinate()], radius), 0..24)
+        .prop_map(|spheres| spheres.into_iter().unzip())
+}
+
+fn of_spheres(centres: &[[f64; 3]], radii: &[f64], cell: &PeriodicBox<f64, 3>) -> Vec<PeriodicCouple<3>> {
+    found(Engine::Rows, &Elements::spheres_with_radii(centres, radii).unwrap(), cell)
+}
+
+/// The canonical form, sorted.
+fn canonical(mut couples: Vec<PeriodicCouple<3>>) -> Vec<PeriodicCouple<3>> {
+    for couple in &mut couples {
+        if couple.i > couple.j || (couple.i == couple.j && couple.shift < [0; 3]) {
+            *couple = PeriodicCouple { i: couple.j, j: couple.i, shift: couple.shift.map(|s| -s) };
+        }
+    }
+    couples.sort_unstable();
+    couples
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 128, ..ProptestConfig::default() })]
+
+    #[test]
+    fn equals_brute_force(edges in edges(), (centres, radii) in spheres(), periodic in prop::array::uniform3(any::<bool>())) {
+        let cell = PeriodicBox::triclinic([0.5; 3], edges, periodic).unwrap();
+        let expected = brute(&centres, Radii::Each(&radii), 0.0, &cell);
+        for engine in ENGINES {
+            let found = found(engine, &Elements::spheres_with_radii(&centres, &radii).unwrap(), &cell);
+            prop_assert_eq!(&found, &expected);
+        }
+    }
+
+    /// Each element moved by edges of its own: the shifts change by as many, and nothing else does. All moved alike: nothing changes.
+    #[test]
+    fn moving_by_whole_edges(
+        edges in edges(),
+        (centres, radii) in spheres(),
+        steps in prop::collection::vec(prop::array::uniform3(-50..50_i32), 24),
+    ) {
+        let cell = PeriodicBox::triclinic([0.25; 3], edges, [true; 3]).unwrap();
+        let couples = of_spheres(&centres, &radii, &cell);
+        let alike: Vec<_> = centres.iter().map(|centre| displaced(centre, &steps[0], &edges)).collect();
+        prop_assert_eq!(&of_spheres(&alike, &radii, &cell), &couples);
+
+        let apart: Vec<_> = centres.iter().zip(&steps).map(|(centre, step)| displaced(centre, step, &edges)).collect();
+        let expected = couples.iter().map(|couple| {
+            let (i, j) = (couple.i as usize, couple.j as usize);
+            let shift = std::array::from_fn(|a| couple.shift[a] + steps[i][a] - steps[j][a]);
+            PeriodicCouple { shift, ..*couple }
+        });
+        prop_assert_eq!(of_spheres(&apart, &radii, &cell), canonical(expected.collect()));
+    }
+
+    /// Elements that the caller wraps give the couples of those that the search wraps, and their shifts say what was wrapped.
+    #[test]
+    fn wrapping_beforehand(edges in edges(), (centres, radii) in spheres()) {
+        let cell = PeriodicBox::triclinic([0.0; 3], edges, [true, true, false]).unwrap();
+        let (wrapped, periods): (Vec<_>, Vec<_>) = centres.iter().map(|centre| cell.wrap(*centre).unwrap()).unzip();
+        let expected = of_spheres(&wrapped, &radii, &cell).into_iter().map(|couple| {
+            let (i, j) = (couple.i as usize, couple.j as usize);
+            let shift = std::array::from_fn(|a| couple.shift[a] + periods[i][a] - periods[j][a]);
+            PeriodicCouple { shift, ..couple }
+        });
+        prop_assert_eq!(of_spheres(&centres, &radii, &cell), canonical(expected.collect()));
+    }
+
+    /// The other basis of the same lattice, its first edge added to the second: the same contacts under other names.
+    #[test]
+    fn another_basis(edges in edges(), (centres, radii) in spheres(), times in -3..4_i32) {
+        let cell = PeriodicBox::triclinic([0.0; 3], edges, [true; 3]).unwrap();
+        let mut other = edges;
+        for axis in 0..3 {
+            other[1][axis] += f64::from(times) * edges[0][axis];
+        }
+        let other = PeriodicBox::triclinic([0.0; 3], other, [true; 3]).unwrap();
+        let expected = of_spheres(&centres, &radii, &other).into_iter().map(|couple| {
+            let [a, b, c] = couple.shift;
+            PeriodicCouple { shift: [a + times * b, b, c], ..couple }
+        });
+        prop_assert_eq!(of_spheres(&centres, &radii, &cell), canonical(expected.collect()));
+    }
+
+    /// Any floats at all: couples or a typed refusal, of all engines alike.
+    #[test]
+    fn any_floats_give_couples_or_an_error(
+        edges in prop::array::uniform2(prop::array::uniform2(any::<f32>())),
+        centres in prop::collection::vec(prop::array::uniform2(any::<f32>()), 0..6),
+        radius in any::<f32>(),
+    ) {
+        let Ok(cell) = PeriodicBox::triclinic([0.0; 2], edges, [true; 2]) else { return Ok(()) };
+        let Ok(elements) = Elements::spheres(&centres, radius) else { return Ok(()) };
+        let mut search = PeriodicSearch::new(Engine::Auto).with_max_images(1000);
+        if let Ok(count) = search.count(&elements, &cell) {
+            prop_assert_eq!(search.count(&elements, &cell), Ok(count));
+        }
+    }
+}
