@@ -220,7 +220,7 @@ impl<T: Real, const D: usize> Images<T, D> {
                 (owner, shift)
             }
         };
-        let (of_i, of_j) = (&self.periods[a], &self.periods[owner]);
+        let (of_i, of_j) = (self.periods_of(a), self.periods_of(owner));
         let shift = std::array::from_fn(|edge| shift[edge] + of_i[edge] - of_j[edge]);
         Some(PeriodicCouple { i: a as u32, j: owner as u32, shift })
     }

@@ -4,7 +4,7 @@ use crate::elements::{Elements, Shape};
 use crate::error::Error;
 use crate::periodic::cell::{MAX_PERIODS, PeriodicBox, norm};
 use crate::real::Real;
-use crate::search::rows::reserve;
+use crate::search::rows::{reserve, resize};
 
 /// The wrapped elements, then their images.
 ///
@@ -17,6 +17,8 @@ pub(crate) struct Images<T, const D: usize> {
     pub(crate) radii: Vec<T>,
     /// Periods that each element was away from the box.
     pub(crate) periods: Vec<[i32; D]>,
+    /// A bit for each element: whether it was away at all. Most are not, and these bits stay in cache where `periods` does not.
+    pub(crate) away: Vec<u64>,
     /// The element that an image is of.
     pub(crate) owners: Vec<u32>,
     /// By how many edges the image is displaced from its wrapped owner.
@@ -48,6 +50,7 @@ impl<T: Real, const D: usize> Images<T, D> {
             centres: Vec::new(),
             radii: Vec::new(),
             periods: Vec::new(),
+            away: Vec::new(),
             owners: Vec::new(),
             shifts: Vec::new(),
             compact: false,
@@ -102,6 +105,12 @@ impl<T: Real, const D: usize> Images<T, D> {
         Ok(())
     }
 
+    /// Periods that an element was away from the box.
+    #[inline]
+    pub(crate) fn periods_of(&self, index: usize) -> [i32; D] {
+        if self.away[index / 64] >> (index % 64) & 1 == 0 { [0; D] } else { self.periods[index] }
+    }
+
     /// Wraps all centres; returns the range of their fractions.
     fn wrap(
         &mut self,
@@ -113,6 +122,8 @@ impl<T: Real, const D: usize> Images<T, D> {
         self.periods.clear();
         reserve(&mut self.centres, centres.len())?;
         reserve(&mut self.periods, centres.len())?;
+        self.away.clear();
+        resize(&mut self.away, centres.len().div_ceil(64), 0)?;
         let mut range = Range { min: [f64::INFINITY; D], max: [f64::NEG_INFINITY; D] };
         for (index, centre) in centres.iter().enumerate() {
             let mut fractions = cell.fractions(centre);
@@ -125,6 +136,7 @@ impl<T: Real, const D: usize> Images<T, D> {
                 if refuse_outside && let Some(edge) = outside(cell, centre, &fractions) {
                     return Err(Error::OutsideBox { index, edge, fraction: fractions[edge] });
                 }
+                self.away[index / 64] |= 1 << (index % 64);
                 wrapped = cell.wrapped(*centre, &periods);
                 fractions = cell.fractions(&wrapped);
             }

@@ -20,7 +20,7 @@ use crate::simd::kernel::{Neighbour, Output, Span, Task};
 use crate::simd::{Simd, portable};
 
 use layout::Layout;
-pub(crate) use layout::reserve;
+pub(crate) use layout::{reserve, resize};
 use scatter::append;
 
 /// The decomposition and the contact mask of Munjiza-NBS, on sorted rows instead of lists: the default engine.

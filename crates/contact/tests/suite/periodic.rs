@@ -50,7 +50,7 @@ fn displaced<T: FromF64, const D: usize>(x: &[T; D], shift: &[i32; D], edges: &[
 fn ranges<T: Real, const D: usize>(cell: &PeriodicBox<T, D>, wrapped: &[[T; D]], reach: f64) -> [i32; D] {
     let edges = cell.edges().map(|edge| edge.map(T::to_f64));
     std::array::from_fn(|a| {
-        if !cell.periodic()[a] {
+        if !cell.periodic()[a] || wrapped.is_empty() {
             return 0;
         }
         // The part of edge a that is orthogonal to all others.
@@ -72,7 +72,7 @@ fn ranges<T: Real, const D: usize>(cell: &PeriodicBox<T, D>, wrapped: &[[T; D]],
         let heights: Vec<f64> = wrapped.iter().map(|x| dot(&x.map(T::to_f64)) / height).collect();
         let spread =
             heights.iter().fold(f64::MIN, |m, x| m.max(*x)) - heights.iter().fold(f64::MAX, |m, x| m.min(*x));
-        assert!(wrapped.is_empty() || spread < 1.001, "wrapped into the box");
+        assert!(spread < 1.001, "wrapped into the box");
         (reach / height + spread + 1.0).ceil() as i32
     })
 }
@@ -201,6 +201,9 @@ fn shapes<const D: usize>() -> Vec<(&'static str, [[f64; D]; D])> {
             })
         })
     };
+    if D == 1 {
+        return vec![("a line", diagonal(|_| 1.0))];
+    }
     let last = [0, D - 1];
     vec![
         ("cubic", diagonal(|_| 1.0)),
@@ -239,11 +242,15 @@ fn all_boxes<T: FromF64, const D: usize>() {
     for (shape, edges) in shapes::<D>() {
         for periodic in periodicities::<D>() {
             // In units of the cut-off of the larger elements, which is 1.
-            for size in [6.0, 2.5, 1.7, 0.9, 0.45] {
+            for size in [4.0, 1.7, 0.9, 0.45] {
                 let edges = scaled::<T, D>(edges, size);
                 for (n, origin, outside) in
-                    [(0, 0.0, 1.0), (1, 0.0, 1.0), (2, -3.3, 3.0), (10, 5.5, 1.0), (24, -2.0, 40.0)]
+                    [(0, 0.0, 1.0), (1, 0.0, 1.0), (2, -3.3, 3.0), (10, 5.5, 1.0), (20, -2.0, 40.0)]
                 {
+                    // Thousands of images each: a few elements will do.
+                    if n == 20 && size < 0.9 {
+                        continue;
+                    }
                     let cell = PeriodicBox::triclinic([T::from_f64(origin); D], edges, periodic).unwrap();
                     let centres: Vec<[f64; D]> = (0..n)
                         .map(|_| {
@@ -258,7 +265,7 @@ fn all_boxes<T: FromF64, const D: usize>() {
             }
         }
     }
-    assert!(couples > 10_000, "the boxes have couples to lose: {couples}");
+    assert!(couples > 1000, "the boxes have couples to lose: {couples}");
 }
 
 /// Elements on corners, edges and faces, on either side, where they round; all in one place; and a tolerance.
@@ -310,7 +317,7 @@ fn three_hundred<T: FromF64, const D: usize>() {
             let centres: Vec<[f64; D]> =
                 (0..300).map(|_| at(&edges, -17.0, std::array::from_fn(|_| random.uniform()))).collect();
             let radii: Vec<f64> = (0..300).map(|_| random.between(0.1, 0.5)).collect();
-            assert!(compare(shape, &centres, &radii, 0.0, &cell) > 300);
+            assert!(compare(shape, &centres, &radii, 0.0, &cell) > 100);
         }
     }
 }
@@ -456,7 +463,7 @@ fn a_uniform_gas_has_the_mean_number_of_couples() {
             let elements = Elements::points(&centres, 1.0).unwrap();
             couples += PeriodicSearch::new(Engine::Auto).count(&elements, &cell).unwrap();
         }
-        let mean = gases as f64 * (n * (n - 1)) as f64 / 2.0 * ball / volume;
+        let mean = f64::from(gases) * (n * (n - 1)) as f64 / 2.0 * ball / volume;
         // Couples of a gas are nearly independent: five standard deviations.
         assert!((couples as f64 - mean).abs() < 5.0 * mean.sqrt(), "{shape}: {couples}, expected {mean}");
     }
