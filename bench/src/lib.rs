@@ -1,6 +1,8 @@
-//! Shared by the benchmarks: a timer, a table, the machine, the packings and the pictures.
+//! Shared by the benchmarks: a timer, a table, the machine, the packings, the rivals and the pictures.
 
+pub mod bars;
 mod packing;
+pub mod peers;
 pub mod picture;
 mod table;
 mod timer;
@@ -9,11 +11,12 @@ pub use packing::Packing;
 pub use table::{Table, grouped, significant};
 pub use timer::{Rounds, Task, Times, times};
 
-/// Processor, cores, compiler and version of this package in one line; what is not known is left out.
-pub fn machine() -> String {
+/// Processor, cores, compiler and version of this package in one line, for a run on `threads` threads; what is not
+/// known is left out.
+pub fn machine(threads: usize) -> String {
     let mut facts = vec![format!("fdem {}", env!("CARGO_PKG_VERSION")), processor()];
     if let Ok(cores) = std::thread::available_parallelism() {
-        facts.push(format!("{cores} cores, 1 thread used"));
+        facts.push(format!("{cores} cores, {threads} thread{} used", if threads == 1 { "" } else { "s" }));
     }
     if let Some(version) = compiler() {
         facts.push(version);

@@ -227,6 +227,7 @@ pub(crate) fn axis_name(axis: usize) -> String {
 }
 
 impl fmt::Display for Error {
+    #[allow(clippy::too_many_lines, reason = "an arm for each variant")]
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::NonFiniteCoordinate { index, axis, value } => {
