@@ -18,5 +18,11 @@ example:
     cargo run --release -- generate deposit -n 600 --seed 1 --sizes lognormal:0.5:0.3 --width 30 --output examples/packing.csv
     cargo run --release -- contacts examples/packing.csv --count --picture docs/packing.svg
 
+# Each fuzz target for SECONDS, under AddressSanitizer. Needs a nightly toolchain and `cargo install cargo-fuzz`.
+fuzz SECONDS="60":
+    cargo +nightly fuzz run rows_equals_direct -- -max_total_time={{SECONDS}} -max_len=2048
+    cargo +nightly fuzz run nbs_equals_direct -- -max_total_time={{SECONDS}} -max_len=2048
+    cargo +nightly fuzz run read_packing -- -max_total_time={{SECONDS}} -max_len=2048 -dict=fuzz/read_packing.dict
+
 deny:
     cargo deny check

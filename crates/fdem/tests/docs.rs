@@ -31,7 +31,7 @@ fn every_path_that_a_document_names_exists() {
 }
 
 fn is_path(quoted: &str) -> bool {
-    let starts = ["crates/", "scenes/", "bench/", "examples/", "docs/"];
+    let starts = ["crates/", "scenes/", "bench/", "examples/", "docs/", "fuzz/"];
     starts.iter().any(|start| quoted.starts_with(start)) && !quoted.contains(' ')
 }
 
