@@ -4,10 +4,12 @@
 //! written; 128 and the number of the signal: interrupted. Unless it is 0 no output file is left behind, not even a part of one.
 
 mod args;
+mod bench;
 mod contacts;
 mod detect;
 mod failure;
 mod generate;
+mod input;
 mod output;
 mod picture;
 mod progress;
@@ -33,6 +35,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     };
     let done = output::remove_partial_output_when_interrupted().and_then(|()| match arguments.task {
         Task::Contacts(arguments) => contacts::run(&arguments),
+        Task::Bench(arguments) => bench::run(&arguments),
         Task::Generate(arguments) => generate::run(&arguments),
     });
     match done {

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use fdem_contact::Engine;
+use fdem_contact::{Engine, Simd};
 use fdem_io::Columns;
 use fdem_scenes::Sizes;
 
@@ -19,6 +19,7 @@ pub(crate) struct Arguments {
 #[derive(Debug, Subcommand)]
 pub(crate) enum Task {
     Contacts(ContactsArguments),
+    Bench(BenchArguments),
     Generate(GenerateArguments),
 }
 
@@ -33,38 +34,13 @@ pub(crate) enum Task {
 /// NumPy .npy arrays of numbers: the same columns. Without z the packing is 2D.
 #[derive(Debug, Args)]
 #[command(after_help = "Example: fdem contacts packing.csv --output couples.csv --json summary.json")]
-#[allow(clippy::struct_excessive_bools, reason = "each is a switch of its own on the command line")]
 pub(crate) struct ContactsArguments {
-    /// Packing to read; `-` reads standard input.
-    pub(crate) file: PathBuf,
-
-    /// What the columns are: in order (`radius,x,y,z`; `_` skips one) or by name (`x=PosX[m],y=PosY[m],radius=R`).
-    #[arg(long, value_name = "LIST")]
-    pub(crate) columns: Option<Columns>,
-
-    /// One radius for all elements, in place of the file's.
-    #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = length, conflicts_with = "cutoff")]
-    pub(crate) radius: Option<f64>,
-
-    /// The elements are points; couples are at most D apart.
-    #[arg(long, value_name = "D", allow_negative_numbers = true, value_parser = length)]
-    pub(crate) cutoff: Option<f64>,
-
-    /// Gap that still counts as contact, in the unit of the file.
-    #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = length, default_value_t = 0.0)]
-    pub(crate) tolerance: f64,
+    #[command(flatten)]
+    pub(crate) input: InputArguments,
 
     /// How to search; all engines give the same couples.
     #[arg(long, value_enum, default_value_t = EngineName::Auto)]
     pub(crate) engine: EngineName,
-
-    /// Leave lines that cannot be read out, and report them, instead of stopping at the first.
-    #[arg(long)]
-    pub(crate) skip_bad_lines: bool,
-
-    /// Number the elements by data row even if the file has an id column. (`--columns` without `id` does so too.)
-    #[arg(long)]
-    pub(crate) ignore_ids: bool,
 
     /// Write the couples to FILE.csv or FILE.npy instead of standard output.
     #[arg(long, short, value_name = "FILE")]
@@ -91,6 +67,37 @@ pub(crate) struct ContactsArguments {
     pub(crate) quiet: bool,
 }
 
+/// What to read, and what the elements are.
+#[derive(Debug, Args)]
+pub(crate) struct InputArguments {
+    /// Packing to read; `-` reads standard input.
+    pub(crate) file: PathBuf,
+
+    /// What the columns are: in order (`radius,x,y,z`; `_` skips one) or by name (`x=PosX[m],y=PosY[m],radius=R`).
+    #[arg(long, value_name = "LIST")]
+    pub(crate) columns: Option<Columns>,
+
+    /// One radius for all elements, in place of the file's.
+    #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = length, conflicts_with = "cutoff")]
+    pub(crate) radius: Option<f64>,
+
+    /// The elements are points; couples are at most D apart.
+    #[arg(long, value_name = "D", allow_negative_numbers = true, value_parser = length)]
+    pub(crate) cutoff: Option<f64>,
+
+    /// Gap that still counts as contact, in the unit of the file.
+    #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = length, default_value_t = 0.0)]
+    pub(crate) tolerance: f64,
+
+    /// Leave lines that cannot be read out, and report them, instead of stopping at the first.
+    #[arg(long)]
+    pub(crate) skip_bad_lines: bool,
+
+    /// Number the elements by data row even if the file has an id column. (`--columns` without `id` does so too.)
+    #[arg(long)]
+    pub(crate) ignore_ids: bool,
+}
+
 /// The engines by the names of the command line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum EngineName {
@@ -111,6 +118,75 @@ impl From<EngineName> for Engine {
             EngineName::Direct => Self::Direct,
             EngineName::Nbs => Self::Nbs,
             EngineName::Rows => Self::Rows,
+        }
+    }
+}
+
+/// Time the engines on a packing of yours.
+///
+/// Measured is a detection from coordinates in memory to couples in memory, the checks of the elements included, reading
+/// the file not. Each engine runs once to warm up, then they take turns; the memory of an engine is kept from run to run.
+#[derive(Debug, Args)]
+#[command(after_help = "Example: fdem bench packing.csv --engines rows,direct --json timings.json")]
+pub(crate) struct BenchArguments {
+    #[command(flatten)]
+    pub(crate) input: InputArguments,
+
+    /// Engines to time [default: rows, nbs, and direct for up to 50,000 elements].
+    #[arg(long, value_enum, value_name = "LIST", value_delimiter = ',')]
+    pub(crate) engines: Option<Vec<Contestant>>,
+
+    /// Vector instructions of the engine rows.
+    #[arg(long, value_enum, default_value_t = SimdName::Auto)]
+    pub(crate) simd: SimdName,
+
+    /// Numbers of threads of the engine rows, each timed; 0 is one for each processor. The others have one.
+    #[arg(long, value_name = "LIST", value_delimiter = ',', default_value = "1", allow_negative_numbers = true, value_parser = whole::<usize>)]
+    pub(crate) threads: Vec<usize>,
+
+    /// Timed runs of each engine.
+    #[arg(long, value_name = "K", default_value_t = 7, allow_negative_numbers = true, value_parser = runs)]
+    pub(crate) repeat: usize,
+
+    /// Write the timings as JSON, one object per row of the table.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) json: Option<PathBuf>,
+}
+
+/// The engines that can be timed, by the names of the command line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Contestant {
+    /// The default engine: sorted rows with vector instructions.
+    Rows,
+    /// Munjiza-NBS as published.
+    Nbs,
+    /// All against all.
+    Direct,
+}
+
+/// The vector instructions by the names of the command line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum SimdName {
+    /// The fastest that this processor has.
+    Auto,
+    /// None: plain Rust.
+    Portable,
+    /// x86-64.
+    Avx2,
+    /// x86-64.
+    Avx512,
+    /// 64-bit ARM.
+    Neon,
+}
+
+impl From<SimdName> for Simd {
+    fn from(name: SimdName) -> Self {
+        match name {
+            SimdName::Auto => Self::best(),
+            SimdName::Portable => Self::Portable,
+            SimdName::Avx2 => Self::Avx2,
+            SimdName::Avx512 => Self::Avx512,
+            SimdName::Neon => Self::Neon,
         }
     }
 }
@@ -287,6 +363,11 @@ fn at_least_one(text: &str) -> Result<usize, String> {
     whole(text).and_then(|value| {
         if value == 0 { Err("checking 0 elements checks nothing".to_owned()) } else { Ok(value) }
     })
+}
+
+fn runs(text: &str) -> Result<usize, String> {
+    whole(text)
+        .and_then(|value| if value == 0 { Err("0 runs measure nothing".to_owned()) } else { Ok(value) })
 }
 
 /// The only format of pictures.

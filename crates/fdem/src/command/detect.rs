@@ -44,7 +44,11 @@ pub(crate) struct Request<'a> {
 }
 
 impl<'a> Request<'a> {
-    fn elements<'b, const D: usize>(&self, centres: &'b [[f64; D]]) -> Result<Elements<'b, f64, D>, Error>
+    /// The elements, checked.
+    pub(crate) fn elements<'b, const D: usize>(
+        &self,
+        centres: &'b [[f64; D]],
+    ) -> Result<Elements<'b, f64, D>, Error>
     where
         'a: 'b,
     {

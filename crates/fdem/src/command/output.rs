@@ -158,8 +158,23 @@ fn watch_for_interrupts(clean_up: impl Fn(i32) + Send + 'static) -> Result<(), c
     ctrlc::set_handler(move || clean_up(130))
 }
 
+/// No output may replace the input, nor another output.
+///
+/// `files`: what each is, for the message, and its name if it is wanted; the first is the input.
+pub(crate) fn refuse_to_overwrite(files: &[(&str, Option<&PathBuf>)]) -> Result<(), Failure> {
+    for (k, (option, path)) in files.iter().enumerate().skip(1) {
+        let Some(path) = path else { continue };
+        for (other, taken) in &files[..k] {
+            if taken.is_some_and(|taken| same_file(path, taken)) {
+                return Err(Failure::Unusable(format!("{option} {} is {other} too", display_name(path))));
+            }
+        }
+    }
+    Ok(())
+}
+
 /// Whether both names stand for one file, which may not exist yet.
-pub(crate) fn same_file(a: &Path, b: &Path) -> bool {
+fn same_file(a: &Path, b: &Path) -> bool {
     if is_stdout(a) || is_device(a) {
         return false;
     }

@@ -5,8 +5,8 @@ use std::fmt;
 use fdem_io::Packing;
 use serde::Serialize;
 
-use crate::command::contacts::id;
 use crate::command::detect::{Found, Request, Sizes};
+use crate::command::input::id;
 
 /// Written as JSON by `--json`, and as text to standard error.
 #[derive(Debug, Serialize)]
@@ -189,7 +189,7 @@ fn brief(x: f64) -> String {
 }
 
 /// `1234567` as `1,234,567`.
-fn grouped(number: u64) -> String {
+pub(crate) fn grouped(number: u64) -> String {
     let digits = number.to_string();
     let mut text = String::new();
     for (k, digit) in digits.chars().enumerate() {

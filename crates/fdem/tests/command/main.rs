@@ -2,6 +2,7 @@
 //!
 //! - `contacts`: good packings of every form and what is written for them.
 //! - `bad_input`: files, options and outputs that must be refused.
+//! - `bench`: the timings of the engines.
 //! - `generate`: packings from seeds.
 //! - `beds`: a real bed that this project did not make.
 
@@ -9,6 +10,7 @@
 
 mod bad_input;
 mod beds;
+mod bench;
 mod contacts;
 mod generate;
 

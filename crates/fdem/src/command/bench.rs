@@ -1,0 +1,372 @@
+//! `fdem bench`: read, time the engines in turn, report.
+
+use std::fmt::{self, Write as _};
+use std::hint::black_box;
+use std::io::{self, Write};
+use std::num::NonZero;
+use std::time::{Duration, Instant};
+
+use fdem_contact::{Couple, Direct, Engine, Error, Nbs, Rows, Search, Simd};
+use fdem_io::{Centres, Packing};
+use serde::Serialize;
+
+use crate::command::args::{BenchArguments, Contestant};
+use crate::command::detect::Request;
+use crate::command::failure::Failure;
+use crate::command::input::{self, Input, refusal, refused, sizes};
+use crate::command::output::{Output, refuse_to_overwrite};
+use crate::command::progress::Progress;
+use crate::command::summary::grouped;
+
+/// Above this number of elements all-against-all takes seconds a run, and is timed only if asked for.
+const MOST_FOR_DIRECT: usize = 50_000;
+
+pub(crate) fn run(arguments: &BenchArguments) -> Result<(), Failure> {
+    refuse_to_overwrite(&[("the input", Some(&arguments.input.file)), ("--json", arguments.json.as_ref())])?;
+    let mut json = arguments.json.as_deref().map(|path| Output::open(Some(path))).transpose()?;
+    let mut table = Output::open(None)?;
+    let Input { name, packing, .. } = input::read(&arguments.input, &Progress::new(false))?;
+    let report = match &packing.centres {
+        Centres::Two(centres) => measure(arguments, &name, &packing, centres),
+        Centres::Three(centres) => measure(arguments, &name, &packing, centres),
+    }?;
+    table.write(|out| write!(out, "{report}"))?;
+    report.check(&name)?;
+    if let Some(mut json) = json.take() {
+        json.write(|out| {
+            serde_json::to_writer_pretty(&mut *out, &report.rows)?;
+            out.write_all(b"\n")
+        })?;
+        json.commit()?;
+    }
+    Ok(())
+}
+
+fn measure<const D: usize>(
+    arguments: &BenchArguments,
+    name: &str,
+    packing: &Packing,
+    centres: &[[f64; D]],
+) -> Result<Report, Failure> {
+    let request = Request {
+        sizes: sizes(&arguments.input, name, packing)?,
+        tolerance: arguments.input.tolerance,
+        engine: Engine::Auto,
+        keep: true,
+    };
+    // Elements that no engine takes are an error, not a row of the table.
+    request.elements(centres).map_err(|error| refused(name, packing, &error))?;
+    let mut contenders = contenders::<D>(arguments, centres.len())?;
+
+    // Nothing draws meanwhile: a progress bar is a thread, which would be measured too. All engines write into one list, so that none
+    // pays for memory that another has.
+    let mut couples = Vec::new();
+    for run in 0..=arguments.repeat {
+        for contender in &mut contenders {
+            contender.run(centres, &request, &mut couples, run > 0);
+        }
+    }
+    Ok(Report { rows: contenders.into_iter().map(|contender| contender.row(packing)).collect() })
+}
+
+/// The engines to time, in the order of the table.
+fn contenders<const D: usize>(
+    arguments: &BenchArguments,
+    elements: usize,
+) -> Result<Vec<Contender<D>>, Failure> {
+    let mut engines = arguments.engines.clone().unwrap_or_else(|| {
+        if elements <= MOST_FOR_DIRECT {
+            return vec![Contestant::Rows, Contestant::Nbs, Contestant::Direct];
+        }
+        // Nothing is left to do if even this cannot be printed.
+        let _ = writeln!(
+            io::stderr(),
+            "direct is left out: {} elements, all against all, take long. --engines rows,nbs,direct times it too",
+            grouped(elements as u64)
+        );
+        vec![Contestant::Rows, Contestant::Nbs]
+    });
+    let mut seen = Vec::new();
+    engines.retain(|engine| {
+        !seen.contains(engine) && {
+            seen.push(*engine);
+            true
+        }
+    });
+    let mut contenders = Vec::new();
+    for engine in engines {
+        let mut add = |search, simd, threads| {
+            contenders.push(Contender {
+                search,
+                simd,
+                threads,
+                elements,
+                result: Ok(0),
+                times: Vec::with_capacity(arguments.repeat),
+            });
+        };
+        match engine {
+            Contestant::Rows => {
+                let simd = arguments.simd.into();
+                let rows = Rows::new().with_simd(simd).map_err(|error| unusable("--simd", &error))?;
+                for threads in arguments.threads.iter().copied().map(threads_of) {
+                    let rows = rows.clone().with_threads(threads);
+                    let rows = rows.map_err(|error| unusable("--threads", &error))?;
+                    add(AnySearch::Rows(Box::new(rows)), Some(simd), threads);
+                }
+            }
+            Contestant::Nbs => add(AnySearch::Nbs(Nbs::new()), None, 1),
+            Contestant::Direct => add(AnySearch::Direct, None, 1),
+        }
+    }
+    Ok(contenders)
+}
+
+/// 0 is one thread for each processor.
+fn threads_of(threads: usize) -> usize {
+    if threads > 0 { threads } else { std::thread::available_parallelism().map_or(1, NonZero::get) }
+}
+
+fn unusable(option: &str, error: &Error) -> Failure {
+    Failure::Unusable(format!("{option}: {error}"))
+}
+
+/// One row of the table, being measured.
+struct Contender<const D: usize> {
+    search: AnySearch<D>,
+    simd: Option<Simd>,
+    threads: usize,
+    elements: usize,
+    /// Couples of the latest run, or why there is none.
+    result: Result<usize, Error>,
+    times: Vec<Duration>,
+}
+
+enum AnySearch<const D: usize> {
+    Rows(Box<Rows<f64, D>>),
+    Nbs(Nbs<D>),
+    Direct,
+}
+
+impl<const D: usize> Contender<D> {
+    /// One detection, unless an earlier one was refused; `counts` if it is no warm-up.
+    fn run(&mut self, centres: &[[f64; D]], request: &Request<'_>, couples: &mut Vec<Couple>, counts: bool) {
+        if self.result.is_err() {
+            return;
+        }
+        let start = Instant::now();
+        self.result = self.search.couples(centres, request, couples);
+        let time = start.elapsed();
+        if counts {
+            self.times.push(time);
+        }
+    }
+
+    fn row(mut self, packing: &Packing) -> Row {
+        self.times.sort_unstable();
+        let milliseconds = |time: Duration| time.as_secs_f64() * 1e3;
+        let (engine, bytes) = match &self.search {
+            AnySearch::Rows(rows) => (Engine::Rows, rows.bytes()),
+            AnySearch::Nbs(nbs) => (Engine::Nbs, nbs.integers() * size_of::<u32>()),
+            AnySearch::Direct => (Engine::Direct, 0),
+        };
+        let ran = self.result.is_ok();
+        Row {
+            engine: engine.name(),
+            simd: self.simd.map(Simd::name),
+            threads: self.threads,
+            elements: self.elements,
+            couples: self.result.as_ref().ok().copied(),
+            median_ms: median(&self.times).filter(|_| ran).map(milliseconds),
+            best_ms: self.times.first().copied().filter(|_| ran).map(milliseconds),
+            bytes_per_element: (ran && self.elements > 0).then(|| bytes as f64 / self.elements as f64),
+            refused: self.result.err().map(|error| refusal(packing, &error)),
+        }
+    }
+}
+
+impl<const D: usize> AnySearch<D> {
+    /// What is timed.
+    fn couples(
+        &mut self,
+        centres: &[[f64; D]],
+        request: &Request<'_>,
+        couples: &mut Vec<Couple>,
+    ) -> Result<usize, Error> {
+        let elements = request.elements(centres)?;
+        match self {
+            Self::Rows(rows) => rows.couples(&elements, couples),
+            Self::Nbs(nbs) => nbs.couples(&elements, couples),
+            Self::Direct => Direct.couples(&elements, couples),
+        }?;
+        Ok(black_box(couples).len())
+    }
+}
+
+/// The middle of ascending times; of an even number, the mean of the middle two.
+fn median(times: &[Duration]) -> Option<Duration> {
+    let upper = times.get(times.len() / 2)?;
+    let lower = times[(times.len() - 1) / 2];
+    Some((lower + *upper) / 2)
+}
+
+/// What was measured of one engine; `null` in JSON is what there was not.
+#[derive(Debug, Serialize)]
+struct Row {
+    engine: &'static str,
+    simd: Option<&'static str>,
+    threads: usize,
+    elements: usize,
+    couples: Option<usize>,
+    median_ms: Option<f64>,
+    best_ms: Option<f64>,
+    /// Memory that the engine holds, the coordinates and the couples aside.
+    bytes_per_element: Option<f64>,
+    /// Why the engine did not run.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    refused: Option<String>,
+}
+
+/// Written as a table to standard output.
+struct Report {
+    rows: Vec<Row>,
+}
+
+impl Report {
+    /// All engines that ran must have found as many couples.
+    fn check(&self, name: &str) -> Result<(), Failure> {
+        let mut found = self.rows.iter().filter_map(|row| Some((row.engine, row.couples?)));
+        let Some((first, couples)) = found.next() else { return Ok(()) };
+        found.find(|&(_, others)| others != couples).map_or(Ok(()), |(engine, others)| {
+            Err(Failure::Wrong(format!(
+                "{name}: {first} found {couples} couples, {engine} found {others}. This is a bug in fdem: please report \
+                 it with the file"
+            )))
+        })
+    }
+
+    fn cells(&self, row: &Row) -> [String; 10] {
+        let direct = self.rows.iter().find(|row| row.engine == Engine::Direct.name());
+        let direct = direct.and_then(|row| row.median_ms);
+        let number =
+            |x: Option<f64>, digits: usize| x.map_or_else(|| "-".to_owned(), |x| format!("{x:.digits$}"));
+        let nanoseconds_per = |count: usize| Some(row.median_ms? * 1e6 / count as f64).filter(|_| count > 0);
+        let [median, best] = if row.refused.is_some() {
+            ["refused".to_owned(), "-".to_owned()]
+        } else {
+            [number(row.median_ms, 3), number(row.best_ms, 3)]
+        };
+        [
+            row.engine.to_owned(),
+            row.simd.unwrap_or("-").to_owned(),
+            row.threads.to_string(),
+            median,
+            best,
+            number(nanoseconds_per(row.elements), 1),
+            number(row.couples.and_then(nanoseconds_per), 1),
+            row.couples.map_or_else(|| "-".to_owned(), |couples| grouped(couples as u64)),
+            number(row.bytes_per_element, 1),
+            number(direct.and_then(|direct| Some(direct / row.median_ms?)), 1),
+        ]
+    }
+}
+
+const HEADER: [&str; 10] = [
+    "engine",
+    "simd",
+    "threads",
+    "median ms",
+    "best ms",
+    "ns/element",
+    "ns/couple",
+    "couples",
+    "bytes/element",
+    "direct = 1",
+];
+
+impl fmt::Display for Report {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut lines = vec![HEADER.map(str::to_owned)];
+        lines.extend(self.rows.iter().map(|row| self.cells(row)));
+        for line in &lines {
+            let mut text = String::new();
+            for (column, cell) in line.iter().enumerate() {
+                let width = lines.iter().map(|line| line[column].len()).max().unwrap_or(0);
+                // Names to the left, numbers to the right.
+                if column < 2 {
+                    write!(text, "{cell:<width$}  ")?;
+                } else {
+                    write!(text, "{cell:>width$}  ")?;
+                }
+            }
+            writeln!(out, "{}", text.trim_end())?;
+        }
+        for row in &self.rows {
+            if let Some(why) = &row.refused {
+                writeln!(out, "{} refused: {why}", row.engine)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(engine: &'static str, couples: Option<usize>, median_ms: Option<f64>) -> Row {
+        let refused = couples.is_none().then(|| "too wide".to_owned());
+        let bytes_per_element = couples.map(|_| 12.0);
+        Row {
+            engine,
+            simd: None,
+            threads: 1,
+            elements: 1000,
+            couples,
+            median_ms,
+            best_ms: median_ms,
+            bytes_per_element,
+            refused,
+        }
+    }
+
+    #[test]
+    fn the_median_is_in_the_middle() {
+        let times = |times: &[u64]| times.iter().copied().map(Duration::from_millis).collect::<Vec<_>>();
+        assert_eq!(median(&[]), None);
+        assert_eq!(median(&times(&[3])), Some(Duration::from_millis(3)));
+        assert_eq!(median(&times(&[1, 2, 9])), Some(Duration::from_millis(2)));
+        assert_eq!(median(&times(&[1, 2, 4, 9])), Some(Duration::from_millis(3)));
+    }
+
+    #[test]
+    fn the_table_has_what_was_measured() {
+        let rows = vec![
+            row("rows", Some(500), Some(0.5)),
+            row("nbs", None, None),
+            row("direct", Some(500), Some(2.0)),
+        ];
+        assert_eq!(
+            Report { rows }.to_string(),
+            "\
+engine  simd  threads  median ms  best ms  ns/element  ns/couple  couples  bytes/element  direct = 1
+rows    -           1      0.500    0.500       500.0     1000.0      500           12.0         4.0
+nbs     -           1    refused        -           -          -        -              -           -
+direct  -           1      2.000    2.000      2000.0     4000.0      500           12.0         1.0
+nbs refused: too wide
+"
+        );
+    }
+
+    #[test]
+    fn engines_that_differ_are_wrong_and_refusals_are_not() {
+        let same =
+            vec![row("rows", Some(3), Some(1.0)), row("nbs", None, None), row("direct", Some(3), Some(1.0))];
+        assert!(Report { rows: same }.check("a.csv").is_ok());
+        let different = vec![row("rows", Some(3), Some(1.0)), row("nbs", Some(4), Some(1.0))];
+        let failure = Report { rows: different }.check("a.csv").unwrap_err();
+        assert!(
+            matches!(&failure, Failure::Wrong(text) if text.contains("rows found 3") && text.contains("nbs found 4"))
+        );
+    }
+}

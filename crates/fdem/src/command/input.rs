@@ -1,0 +1,168 @@
+//! The input of the commands that search a packing: opened, read, and what is wrong with it in the words of the command.
+
+use std::fs;
+use std::io::{self, Read, Write};
+use std::path::Path;
+use std::sync::atomic::Ordering;
+
+use fdem_contact::Error;
+use fdem_io::{Format, Packing, ReadError, ReadOptions};
+
+use crate::command::args::InputArguments;
+use crate::command::detect::Sizes;
+use crate::command::failure::{Failure, display_name};
+use crate::command::output::is_stdout;
+use crate::command::progress::{Position, Progress};
+
+/// A packing that has been read.
+pub(crate) struct Input {
+    /// The file, as messages call it.
+    pub(crate) name: String,
+    pub(crate) packing: Packing,
+    /// Time it took.
+    pub(crate) seconds: f64,
+}
+
+/// Opens and reads the file; warns of lines that were left out.
+pub(crate) fn read(arguments: &InputArguments, progress: &Progress) -> Result<Input, Failure> {
+    let name =
+        if is_stdout(&arguments.file) { "standard input".to_owned() } else { display_name(&arguments.file) };
+    let (bytes, opening) =
+        progress.step("opening, bytes", None, |position| read_bytes(&arguments.file, &name, position));
+    let bytes = bytes?;
+    let options = ReadOptions {
+        columns: arguments.columns.clone(),
+        skip_bad_lines: arguments.skip_bad_lines,
+        ignore_ids: arguments.ignore_ids,
+    };
+    let (packing, reading) = progress.step("reading", Some(bytes.len() as u64), |position| {
+        fdem_io::read(&bytes, &options, position).map_err(|error| unreadable(&name, &error))
+    });
+    drop(bytes);
+    let packing = packing?;
+    report_skipped(&name, &packing);
+    Ok(Input { name, packing, seconds: opening + reading })
+}
+
+fn read_bytes(file: &Path, name: &str, position: &Position) -> Result<Vec<u8>, Failure> {
+    let failed = |error: io::Error| Failure::reading(name, &error);
+    if is_stdout(file) {
+        return read_all(io::stdin().lock(), 0, position).map_err(failed);
+    }
+    if file.is_dir() {
+        return Err(Failure::Unusable(format!("cannot read {name}: it is a directory")));
+    }
+    let input = fs::File::open(file).map_err(failed)?;
+    let size = input.metadata().map_or(0, |metadata| metadata.len());
+    read_all(input, size, position).map_err(failed)
+}
+
+/// Reads to the end, but no further than the first block of what cannot be a packing: `/dev/zero` has no end.
+fn read_all(mut input: impl Read, size: u64, position: &Position) -> io::Result<Vec<u8>> {
+    const BLOCK: u64 = 1 << 20;
+    let mut bytes = Vec::new();
+    bytes.try_reserve_exact(usize::try_from(size).unwrap_or(0)).map_err(|_| io::ErrorKind::OutOfMemory)?;
+    loop {
+        let read = input.by_ref().take(BLOCK).read_to_end(&mut bytes)?;
+        position.store(bytes.len() as u64, Ordering::Relaxed);
+        let is_array = bytes.starts_with(b"\x93NUMPY");
+        let is_rubbish = bytes.len() as u64 <= BLOCK && !is_array && bytes.contains(&0);
+        if read == 0 || is_rubbish {
+            return Ok(bytes);
+        }
+    }
+}
+
+/// `file:line: what is wrong`, so that an editor can jump there.
+fn unreadable(name: &str, error: &ReadError) -> Failure {
+    Failure::Unusable(match error.line() {
+        Some(line) => format!("{name}:{line}: {error}"),
+        None => format!("{name}: {error}"),
+    })
+}
+
+/// Lines left out are never left out in silence, not even with `--quiet`.
+fn report_skipped(name: &str, packing: &Packing) {
+    const SHOWN: usize = 5;
+    let skipped = &packing.source.skipped;
+    if skipped.count == 0 {
+        return;
+    }
+    let format = &packing.source.format;
+    let mut text =
+        vec![format!("warning: {name}: skipped {} bad {}", skipped.count, format.noun(skipped.count))];
+    text.extend(skipped.first.iter().take(SHOWN).map(|bad| {
+        // Of an array the problem itself names the row.
+        let place =
+            if matches!(format, Format::Npy { .. }) { String::new() } else { format!("{}:", bad.line) };
+        format!("  {name}:{place} {}: {}", bad.problem, bad.text)
+    }));
+    if skipped.count > SHOWN as u64 {
+        text.push(format!("  and {} more", skipped.count - SHOWN as u64));
+    }
+    // Nothing is left to do if even the warning cannot be printed; the count is in the JSON summary too.
+    let _ = writeln!(io::stderr(), "{}", text.join("\n"));
+}
+
+/// An option on the command line wins over the file.
+pub(crate) fn sizes<'a>(
+    arguments: &InputArguments,
+    name: &str,
+    packing: &'a Packing,
+) -> Result<Sizes<'a>, Failure> {
+    match (arguments.radius, arguments.cutoff, &packing.radii) {
+        (Some(radius), ..) => Ok(Sizes::All(radius)),
+        (_, Some(cutoff), _) => Ok(Sizes::Cutoff(cutoff)),
+        (_, _, Some(radii)) => Ok(Sizes::Each(radii)),
+        (None, None, None) => {
+            let columns =
+                packing.source.columns.iter().map(|column| column.name.as_str()).collect::<Vec<_>>();
+            Err(Failure::Unusable(format!(
+                "{name}: no column for radius or diameter among {}: give --radius R, --cutoff D or --columns",
+                columns.join(", ")
+            )))
+        }
+    }
+}
+
+/// What an element is called: its id in the file, or the number of its data row, the first being 0.
+pub(crate) fn id(packing: &Packing, index: usize) -> i64 {
+    match (&packing.ids, &packing.row_numbers) {
+        (Some(ids), _) => ids[index],
+        (None, Some(rows)) => rows[index].cast_signed(),
+        (None, None) => index.cast_signed() as i64,
+    }
+}
+
+/// The library's refusals in the words of the command: elements by their id or row, options by name.
+pub(crate) fn refused(name: &str, packing: &Packing, error: &Error) -> Failure {
+    Failure::Unusable(format!("{name}: {}", refusal(packing, error)))
+}
+
+/// As [`refused`], without the file's name.
+pub(crate) fn refusal(packing: &Packing, error: &Error) -> String {
+    let element = |index: usize| match &packing.ids {
+        Some(ids) => format!("the element with id {}", ids[index]),
+        None => format!("the element of data row {} (counted from 0)", id(packing, index)),
+    };
+    match error {
+        Error::DomainTooWide { axis, width, cell_size, stretched_by: Some((index, position)), .. } => {
+            format!(
+                "the domain is {width:e} wide along {axis}, {cells:.1e} cells of {cell_size:e}: too many for the \
+             lists of this engine. It is stretched by {element} at {axis} = {position:e}. Remove that element, or take \
+             --engine rows, whose memory does not depend on the domain",
+                axis = ["x", "y", "z"][*axis],
+                cells = width / cell_size,
+                element = element(*index),
+            )
+        }
+        Error::OutOfMemory { bytes } => format!(
+            "no memory for {bytes} bytes: the couples do not fit. --count needs no memory for them; a smaller \
+             --tolerance, --radius or --cutoff makes fewer"
+        ),
+        _ => match error.element() {
+            Some(index) => format!("{error} ({} in the file)", element(index)),
+            None => error.to_string(),
+        },
+    }
+}
