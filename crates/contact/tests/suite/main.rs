@@ -8,6 +8,7 @@
 //! - `csr`: compressed rows against a map of sets, in any order, with repeats, values and couples that are none.
 //! - `periodic`: boxes that repeat, sheared or not, against all images one by one.
 //! - `golden`: the numbers printed in the book.
+//! - `../kernels.rs`, a program of its own for valgrind: the vector kernels on short rows, at every level.
 //! - `../memory.rs`, a program of its own because it counts allocations: the memory law.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failed unwrap is a failed test")]

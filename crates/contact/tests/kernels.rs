@@ -1,0 +1,80 @@
+//! The vector kernels on short rows, at every level that the processor has: a program of its own, quick enough for an emulator that
+//! watches each access to memory (valgrind), or for a sanitizer. See `.ci/run`.
+//!
+//! A fresh engine holds arrays without room to spare, and so does the input: an access behind them is outside of the allocation.
+
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a failed unwrap is a failed test")]
+
+use fdem_contact::{Couple, Direct, Elements, Real, Rows, Search, Simd};
+
+/// Beyond two of the widest vectors, 16 lanes.
+const LONGEST: usize = 40;
+
+/// `n` elements in one row of cells, or in several: neighbours touch exactly, others by chance.
+fn points<T: Real, const D: usize>(n: usize, rows: usize) -> Box<[[T; D]]> {
+    let number = |k: usize| T::at_least(k as f64 * 0.5);
+    (0..n).map(|k| std::array::from_fn(|axis| number(if axis == 0 { k / rows } else { k % rows }))).collect()
+}
+
+fn radii<T: Real>(n: usize) -> Box<[T]> {
+    (0..n).map(|k| T::at_least(0.25 * (1 + k % 3) as f64)).collect()
+}
+
+fn check<T: Real, const D: usize>(elements: &Elements<'_, T, D>) {
+    let mut expected = Vec::new();
+    Direct.couples(elements, &mut expected).unwrap();
+    expected.sort_unstable();
+    let mut order: Option<Vec<Couple>> = None;
+    for simd in Simd::available() {
+        let mut rows = Rows::new().with_simd(simd).unwrap();
+        let mut couples = Vec::new();
+        rows.couples(elements, &mut couples).unwrap();
+        assert_eq!(rows.count(elements), Ok(expected.len() as u64), "{simd}, {} elements", elements.len());
+        assert_eq!(order.get_or_insert_with(|| couples.clone()), &couples, "{simd}: the order");
+        couples.sort_unstable();
+        assert_eq!(couples, expected, "{simd}, {} elements", elements.len());
+    }
+}
+
+fn check_all<T: Real, const D: usize>() {
+    println!("levels: {:?}", Simd::available());
+    for n in 1..=LONGEST {
+        for rows in [1, 3] {
+            let (points, radii) = (points::<T, D>(n, rows), radii::<T>(n));
+            let tolerance = T::at_least(0.25);
+            check(&Elements::points(&points, T::HALF).unwrap());
+            check(&Elements::spheres(&points, T::HALF).unwrap().with_tolerance(tolerance).unwrap());
+            check(&Elements::spheres_with_radii(&points, &radii).unwrap());
+            check(&Elements::spheres_with_radii(&points, &radii).unwrap().with_tolerance(tolerance).unwrap());
+        }
+    }
+}
+
+#[test]
+fn discs_f32() {
+    check_all::<f32, 2>();
+}
+
+#[test]
+fn discs_f64() {
+    check_all::<f64, 2>();
+}
+
+#[test]
+fn spheres_f32() {
+    check_all::<f32, 3>();
+}
+
+#[test]
+fn spheres_f64() {
+    check_all::<f64, 3>();
+}
+
+/// More couples than the first room of a list holds, so that lists grow inside the kernels.
+#[test]
+fn all_in_one_place() {
+    let points = vec![[0.0_f32; 3]; 70].into_boxed_slice();
+    check(&Elements::points(&points, 1.0).unwrap());
+    let radii = vec![0.0_f32; 70].into_boxed_slice();
+    check(&Elements::spheres_with_radii(&points, &radii).unwrap());
+}
