@@ -20,8 +20,8 @@ example:
 
 # Each fuzz target for SECONDS, under AddressSanitizer. Needs a nightly toolchain and `cargo install cargo-fuzz`.
 fuzz SECONDS="60":
-    cargo +nightly fuzz run rows_equals_direct -- -max_total_time={{SECONDS}} -max_len=2048
-    cargo +nightly fuzz run nbs_equals_direct -- -max_total_time={{SECONDS}} -max_len=2048
+    cargo +nightly fuzz run rows_equals_direct -- -max_total_time={{SECONDS}} -max_len=2048 -len_control=0
+    cargo +nightly fuzz run nbs_equals_direct -- -max_total_time={{SECONDS}} -max_len=2048 -len_control=0
     cargo +nightly fuzz run read_packing -- -max_total_time={{SECONDS}} -max_len=2048 -dict=fuzz/read_packing.dict
 
 deny:

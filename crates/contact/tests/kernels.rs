@@ -37,7 +37,7 @@ fn check<T: Real, const D: usize>(elements: &Elements<'_, T, D>) {
 }
 
 fn check_all<T: Real, const D: usize>() {
-    println!("levels: {:?}", Simd::available());
+    eprintln!("levels: {:?}", Simd::available());
     for n in 1..=LONGEST {
         for rows in [1, 3] {
             let (points, radii) = (points::<T, D>(n, rows), radii::<T>(n));
@@ -77,4 +77,20 @@ fn all_in_one_place() {
     check(&Elements::points(&points, 1.0).unwrap());
     let radii = vec![0.0_f32; 70].into_boxed_slice();
     check(&Elements::spheres_with_radii(&points, &radii).unwrap());
+}
+
+/// Enough elements to be sorted and searched on several threads, which write to one array.
+#[test]
+fn several_threads() {
+    let points = points::<f64, 3>(21_000, 100);
+    let elements = Elements::points(&points, 0.5).unwrap();
+    let mut one = Vec::new();
+    Rows::new().couples(&elements, &mut one).unwrap();
+    assert!(one.len() > 20_000);
+    if let Ok(mut rows) = Rows::new().with_threads(3) {
+        let mut three = Vec::new();
+        rows.couples(&elements, &mut three).unwrap();
+        assert_eq!(three, one);
+        assert_eq!(rows.count(&elements), Ok(one.len() as u64));
+    }
 }
