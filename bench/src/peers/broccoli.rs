@@ -1,0 +1,53 @@
+//! `broccoli`: the boxes around discs in a tree of sweeps, in the plane only; then the exact test.
+
+use broccoli::aabb::BBox;
+use broccoli::{Tree, bbox, rect};
+use fdem_contact::Couple;
+
+use super::{Peer, within};
+
+pub(super) struct Broccoli {
+    boxes: Vec<BBox<f64, u32>>,
+}
+
+impl Broccoli {
+    pub(super) fn new() -> Self {
+        Self { boxes: Vec::new() }
+    }
+}
+
+impl Peer<2> for Broccoli {
+    fn name(&self) -> &'static str {
+        "broccoli"
+    }
+
+    fn version(&self) -> String {
+        super::locked("broccoli")
+    }
+
+    fn how(&self) -> String {
+        "`Tree::new`, `find_colliding_pairs`, exact test".to_owned()
+    }
+
+    fn couples(&mut self, points: &[[f64; 2]], cutoff: f64, couples: &mut Vec<Couple>) -> Result<(), String> {
+        couples.clear();
+        // A little more than half, so that rounding loses nobody.
+        let half = 0.5 * cutoff * (1.0 + 1e-12) + 1e-12;
+        self.boxes.clear();
+        self.boxes.extend(
+            points
+                .iter()
+                .zip(0_u32..)
+                .map(|(&[x, y], i)| bbox(rect(x - half, x + half, y - half, y + half), i)),
+        );
+        let mut tree = Tree::new(&mut self.boxes);
+        let cutoff_squared = cutoff * cutoff;
+        tree.find_colliding_pairs(|a, b| {
+            let (i, j) = (*a.unpack_inner(), *b.unpack_inner());
+            if within(&points[i as usize], &points[j as usize], cutoff_squared) {
+                couples.push(Couple::new(i, j));
+            }
+        });
+        Ok(())
+    }
+}

@@ -1,0 +1,54 @@
+//! `parry3d`: the boxes around the spheres in a hierarchy, which is traversed against itself; then the exact test.
+
+use fdem_contact::Couple;
+use parry3d::bounding_volume::Aabb;
+use parry3d::math::Vector;
+use parry3d::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace};
+
+use super::{Peer, within};
+
+pub(super) struct Parry {
+    boxes: Vec<Aabb>,
+    workspace: BvhWorkspace,
+}
+
+impl Parry {
+    pub(super) fn new() -> Self {
+        Self { boxes: Vec::new(), workspace: BvhWorkspace::default() }
+    }
+}
+
+impl Peer<3> for Parry {
+    fn name(&self) -> &'static str {
+        "parry3d"
+    }
+
+    fn version(&self) -> String {
+        super::locked("parry3d")
+    }
+
+    fn how(&self) -> String {
+        "`Bvh::from_leaves`, binned, f32 boxes rounded outwards; `traverse_bvtt_single_tree`; exact test in f64"
+            .to_owned()
+    }
+
+    fn couples(&mut self, points: &[[f64; 3]], cutoff: f64, couples: &mut Vec<Couple>) -> Result<(), String> {
+        couples.clear();
+        let half = 0.5 * cutoff;
+        self.boxes.clear();
+        self.boxes.extend(points.iter().map(|point| {
+            let [x, y, z] = point.map(|x| ((x - half) as f32).next_down());
+            let min = Vector::new(x, y, z);
+            let [x, y, z] = point.map(|x| ((x + half) as f32).next_up());
+            Aabb::new(min, Vector::new(x, y, z))
+        }));
+        let tree = Bvh::from_leaves(BvhBuildStrategy::Binned, &self.boxes);
+        let cutoff_squared = cutoff * cutoff;
+        tree.traverse_bvtt_single_tree::<false>(&mut self.workspace, &mut |i, j| {
+            if within(&points[i as usize], &points[j as usize], cutoff_squared) {
+                couples.push(Couple::new(i, j));
+            }
+        });
+        Ok(())
+    }
+}
