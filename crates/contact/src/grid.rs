@@ -113,6 +113,18 @@ impl<const D: usize> Grid<D> {
         nearest_integer(self.quotient(axis, x))
     }
 
+    /// [`Grid::wide_cell`] as a float, which is exact.
+    #[inline]
+    pub(crate) fn rounded_cell(&self, axis: usize, x: f64) -> f64 {
+        (self.quotient(axis, x) + NO_FRACTION) - NO_FRACTION
+    }
+
+    /// The coordinate `x` along `axis` in `scale` parts of a cell, rounded to an integer; ascending with `x`.
+    #[inline]
+    pub(crate) fn scaled(&self, axis: usize, x: f64, scale: f64) -> u64 {
+        nearest_integer(self.quotient(axis, x) * scale)
+    }
+
     #[inline]
     fn quotient(&self, axis: usize, x: f64) -> f64 {
         (x - self.origin[axis]) * self.inverse
@@ -145,10 +157,12 @@ impl<const D: usize> Grid<D> {
     }
 }
 
+/// `2^52`: floats from here on are integers.
+const NO_FRACTION: f64 = 4_503_599_627_370_496.0;
+
 /// The nearest integer of `x`, from 0 to `2^51`; anything otherwise.
 #[inline]
 pub(crate) fn nearest_integer(x: f64) -> u64 {
-    const NO_FRACTION: f64 = 4_503_599_627_370_496.0;
     (x + NO_FRACTION).to_bits() & ((1 << 52) - 1)
 }
 

@@ -1,9 +1,9 @@
 //! NBS on contiguous memory: sorted rows, a moving window, and vectors.
 
 mod axis;
-mod buckets;
+mod block_sort;
+mod keys;
 mod layout;
-mod row_sort;
 mod scatter;
 
 use std::ops::Range;

@@ -48,12 +48,9 @@ impl Vector<f64> for F64x8 {
             let ids = _mm256_maskz_compress_epi32(hits as __mmask8, _mm256_loadu_si256(ids.cast()));
             let id = _mm256_set1_epi32(id.cast_signed());
             let (low, high) = (_mm256_min_epu32(ids, id), _mm256_max_epu32(ids, id));
-            // Zero-extended numbers side by side: i | j << 32 is the couple in memory.
-            let couples = _mm512_or_si512(
-                _mm512_cvtepu32_epi64(low),
-                _mm512_slli_epi64::<32>(_mm512_cvtepu32_epi64(high)),
-            );
-            _mm512_storeu_si512(to.cast(), couples);
+            let alternate = _mm512_setr_epi32(0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
+            let [low, high] = [_mm512_castsi256_si512(low), _mm512_castsi256_si512(high)];
+            _mm512_storeu_si512(to.cast(), _mm512_permutex2var_epi32(low, alternate, high));
         }
     }
 }

@@ -7,7 +7,6 @@
 #[derive(Clone, Debug)]
 pub(crate) struct AxisMap {
     cells: u64,
-    /// Empty for the identity.
     stretches: Vec<Stretch>,
     /// Stretch of a cell: `cell >> shift`.
     shift: u32,
@@ -25,27 +24,22 @@ struct Stretch {
 const MAX_STRETCHES: u64 = 1024;
 
 impl AxisMap {
-    /// All cells keep their numbers.
-    pub(crate) fn identity(cells: u64) -> Self {
-        Self { cells, stretches: Vec::new(), shift: 0 }
-    }
-
-    /// Leaves out cells between and beyond those `occupied`.
-    pub(crate) fn skip_empty_stretches(&mut self, occupied: impl Iterator<Item = u64>) {
+    /// Numbers for an axis of so many `cells`, without those between and beyond the cells `occupied`.
+    pub(crate) fn new(cells: u64, occupied: impl Iterator<Item = u64>) -> Self {
+        let shift = (0..64).find(|shift| (cells - 1) >> shift < MAX_STRETCHES).unwrap_or(63);
         let empty = Stretch { first: u64::MAX, last: 0, number: 0 };
-        self.shift = (0..64).find(|shift| (self.cells - 1) >> shift < MAX_STRETCHES).unwrap_or(63);
-        self.stretches.clear();
-        self.stretches.resize(((self.cells - 1) >> self.shift) as usize + 1, empty);
+        let mut stretches = vec![empty; ((cells - 1) >> shift) as usize + 1];
         for cell in occupied {
-            let stretch = &mut self.stretches[(cell >> self.shift) as usize];
+            let stretch = &mut stretches[(cell >> shift) as usize];
             stretch.first = stretch.first.min(cell);
             stretch.last = stretch.last.max(cell);
         }
-        self.cells = 0;
-        for stretch in self.stretches.iter_mut().filter(|stretch| stretch.first != u64::MAX) {
-            stretch.number = self.cells;
-            self.cells += stretch.last - stretch.first + 1;
+        let mut cells = 0;
+        for stretch in stretches.iter_mut().filter(|stretch| stretch.first != u64::MAX) {
+            stretch.number = cells;
+            cells += stretch.last - stretch.first + 1;
         }
+        Self { cells, stretches, shift }
     }
 
     /// How many numbers there are.
@@ -56,9 +50,6 @@ impl AxisMap {
     /// The number of an occupied cell; ascending with the cell.
     #[inline]
     pub(crate) fn map(&self, cell: u64) -> u64 {
-        if self.stretches.is_empty() {
-            return cell;
-        }
         let stretch = &self.stretches[(cell >> self.shift) as usize];
         stretch.number + (cell - stretch.first)
     }
@@ -71,8 +62,7 @@ mod tests {
     #[test]
     fn numbers_ascend_with_the_cells_and_skip_what_is_empty() {
         let occupied = [0, 1, 5, 70, 1_000_000_000, 1_000_000_003];
-        let mut map = AxisMap::identity(1_000_000_004);
-        map.skip_empty_stretches(occupied.into_iter());
+        let map = AxisMap::new(1_000_000_004, occupied.into_iter());
         assert_eq!(map.cells(), 71 + 4);
         let numbers = occupied.map(|cell| map.map(cell));
         assert_eq!(numbers, [0, 1, 5, 70, 71, 74]);
@@ -80,8 +70,7 @@ mod tests {
 
     #[test]
     fn a_full_axis_is_left_as_it_is() {
-        let mut map = AxisMap::identity(5000);
-        map.skip_empty_stretches(0..5000);
+        let map = AxisMap::new(5000, 0..5000);
         assert_eq!(map.cells(), 5000);
         assert!((0..5000).all(|cell| map.map(cell) == cell));
     }

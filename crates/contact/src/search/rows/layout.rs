@@ -3,14 +3,14 @@
 #![allow(unsafe_code, reason = "one scatter, to places of its own for every thread")]
 
 use std::ops::Range;
+use std::sync::OnceLock;
 
 use crate::error::Error;
 use crate::grid::Grid;
 use crate::pool::Pool;
 use crate::real::Real;
-use crate::search::rows::axis::AxisMap;
-use crate::search::rows::buckets::Buckets;
-use crate::search::rows::row_sort::RowSort;
+use crate::search::rows::block_sort::{Block, BlockSort, Elements};
+use crate::search::rows::keys::RowKeys;
 use crate::search::rows::scatter::Scatter;
 
 /// A copy of the elements, sorted by row of cells and by coordinate inside the row.
@@ -34,26 +34,39 @@ pub(crate) struct Layout<T, const D: usize> {
     /// The axes by number of cells: the long one first, then the one whose rows change fastest.
     pub(crate) axes: [usize; D],
     pub(crate) grid: Grid<D>,
-    /// The row of each element, where rows are counted; one bucket for each row.
-    keys: Vec<u32>,
+    /// The bin of each element, a few rows to a bin.
+    bins: Vec<u16>,
+    /// Elements in each bin, for each stretch of elements that a thread takes.
     counts: Vec<u32>,
-    maps: Vec<AxisMap>,
-    sorts: Vec<RowSort<T>>,
-    buckets: Buckets,
+    /// The block of each bin.
+    block_of: Vec<u16>,
+    /// The blocks, and behind them the end of the last.
+    blocks: Vec<Block>,
+    /// Where the next element of each block goes, for each stretch.
+    cursors: Vec<u32>,
+    sorts: Vec<BlockSort<T, D>>,
 }
 
 /// The widest vector is 16 lanes (`f32`, AVX-512).
 pub(crate) const PADDING: usize = 16;
 
-/// Rows are counted, in one pass, if there are at most so many per element, empty ones included. The bound keeps memory
-/// proportional to N, and the counts in cache.
-const MAX_ROWS_PER_ELEMENT: f64 = 0.5;
+/// Rows are sorted in blocks of consecutive ones with about as many elements: they fit the second-level cache.
+const BLOCK: usize = 4096;
+
+/// So many blocks can be filled at once before the processor runs out of memory pages that it knows.
+const MAX_BLOCKS: usize = 1024;
+
+/// Blocks are made of bins of rows; so many that their counts stay in the first-level cache.
+const MAX_BINS: u64 = 8192;
+
+/// Elements whose rows are found at once.
+const FEW: usize = 64;
 
 /// Fewer elements are not worth a second thread.
 const FEW_ELEMENTS: usize = 20_000;
 
-/// Few elements may have many rows.
-const FEW_ROWS: f64 = 1024.0;
+/// A block that holds a larger part of the elements than one in so many shows that most bins are empty.
+const SKEWED: usize = 8;
 
 impl<T: Real, const D: usize> Layout<T, D> {
     pub(crate) fn new() -> Self {
@@ -64,15 +77,18 @@ impl<T: Real, const D: usize> Layout<T, D> {
             starts: Vec::new(),
             axes: std::array::from_fn(|axis| axis),
             grid: Grid::empty(),
-            keys: Vec::new(),
+            bins: Vec::new(),
             counts: Vec::new(),
-            maps: Vec::new(),
+            block_of: Vec::new(),
+            blocks: Vec::new(),
+            cursors: Vec::new(),
             sorts: Vec::new(),
-            buckets: Buckets::default(),
         }
     }
 
     /// Copies and sorts `points`, with `radii` unless that is empty.
+    ///
+    /// Two steps: elements are dropped into blocks of rows, and every block is sorted in cache.
     pub(crate) fn build(
         &mut self,
         points: &[[T; D]],
@@ -88,79 +104,93 @@ impl<T: Real, const D: usize> Layout<T, D> {
         resize(&mut self.coordinates, D * points.len() + PADDING, T::ZERO)?;
         resize(&mut self.ids, points.len() + PADDING, 0)?;
         resize(&mut self.radii, if radii.is_empty() { 0 } else { points.len() + PADDING }, T::ZERO)?;
-        self.starts.clear();
 
-        let limit = (points.len() as f64 * MAX_ROWS_PER_ELEMENT).max(FEW_ROWS);
-        self.maps.clear();
-        self.maps.extend(self.axes[1..].iter().map(|&axis| AxisMap::identity(cells[axis])));
-        if self.rows_with_maps() > limit {
-            for (map, &axis) in self.maps.iter_mut().zip(&self.axes[1..]) {
-                map.skip_empty_stretches(
-                    points.iter().map(|point| grid.wide_cell(axis, point[axis].to_f64())),
-                );
-            }
+        let mut keys = RowKeys::new(grid, &self.axes);
+        self.find_blocks(points, &keys, pool)?;
+        if self.is_skewed() {
+            keys = keys.without_empty_stretches(points);
+            self.find_blocks(points, &keys, pool)?;
         }
-        if self.rows_with_maps() <= limit {
-            self.count_rows(points, radii, pool)
-        } else {
-            self.bucket_rows(points, radii)
-        }
+        self.fill_blocks(points, radii, pool)?;
+        self.sort_blocks(&keys, pool)
     }
 
-    /// Number of rows, empty ones included.
-    fn rows_with_maps(&self) -> f64 {
-        self.maps.iter().map(|map| map.cells() as f64).product()
-    }
-
-    /// Rows by counting: one pass over the elements finds how many each row has, the next drops them there.
-    ///
-    /// Every thread counts a stretch of the elements; of each row the first places go to the first stretch. So the
-    /// order is that of one thread.
-    fn count_rows(&mut self, points: &[[T; D]], radii: &[T], pool: &Pool) -> Result<(), Error> {
-        let (rows, n) = (self.rows_with_maps() as usize, points.len());
-        let stretches = if n < FEW_ELEMENTS { 1 } else { pool.threads() };
-        let stretch = n.div_ceil(stretches);
+    /// Counts the elements of bins of `2^shift` rows, and cuts the bins into blocks.
+    fn find_blocks(&mut self, points: &[[T; D]], keys: &RowKeys<D>, pool: &Pool) -> Result<(), Error> {
+        let n = points.len();
+        let shift = (0..64).find(|shift| (keys.rows() - 1) >> shift < MAX_BINS).unwrap_or(63);
+        let bins = ((keys.rows() - 1) >> shift) as usize + 1;
+        let stretch = stretch(n, pool);
         self.counts.clear();
-        resize(&mut self.counts, stretches * rows, 0)?;
-        resize(&mut self.keys, n, 0)?;
-
-        let (grid, axes, maps) = (self.grid, self.axes, &self.maps);
+        resize(&mut self.counts, n.div_ceil(stretch) * bins, 0)?;
+        resize(&mut self.bins, n, 0)?;
         let tasks =
-            points.chunks(stretch).zip(self.keys.chunks_mut(stretch)).zip(self.counts.chunks_mut(rows));
-        pool.run(tasks, |((points, keys), counts)| {
-            for (point, key) in points.iter().zip(keys) {
-                let mut row = 0;
-                for (map, &axis) in maps.iter().zip(&axes[1..]).rev() {
-                    let cell = map.map(grid.wide_cell(axis, point[axis].to_f64()));
-                    row = row * map.cells() as u32 + cell as u32;
+            points.chunks(stretch).zip(self.bins.chunks_mut(stretch)).zip(self.counts.chunks_mut(bins));
+        pool.run(tasks, |((points, bins), counts)| {
+            let mut rows = [0; FEW];
+            for (points, bins) in points.chunks(FEW).zip(bins.chunks_mut(FEW)) {
+                keys.of(points, &mut rows);
+                for (bin, row) in bins.iter_mut().zip(rows) {
+                    *bin = (row >> shift) as u16;
+                    counts[(row >> shift) as usize] += 1;
                 }
-                *key = row;
-                counts[row as usize] += 1;
             }
         });
 
+        let enough = (n / MAX_BLOCKS).max(BLOCK);
+        self.blocks.clear();
+        self.block_of.clear();
         let mut start = 0;
-        for row in 0..rows {
-            let first = start;
-            for count in self.counts[row..].iter_mut().step_by(rows) {
-                start += std::mem::replace(count, start);
+        for bin in 0..bins {
+            if self.blocks.last().is_none_or(|block| start - block.start >= enough) {
+                self.blocks.push(Block { first_row: (bin as u64) << shift, start });
             }
-            if start > first {
-                self.starts.push(first);
+            self.block_of.push((self.blocks.len() - 1) as u16);
+            start += self.counts[bin..].iter().step_by(bins).map(|&count| count as usize).sum::<usize>();
+        }
+        self.blocks.push(Block { first_row: keys.rows(), start });
+        Ok(())
+    }
+
+    /// Whether one block has a large part of the elements, because most bins are empty.
+    fn is_skewed(&self) -> bool {
+        let n = self.bins.len();
+        let largest = self.blocks.windows(2).map(|pair| pair[1].start - pair[0].start).max();
+        n > SKEWED * BLOCK && largest.is_some_and(|largest| largest > n / SKEWED)
+    }
+
+    /// Drops every element into its block, in the order of the elements.
+    ///
+    /// Every thread drops a stretch of them; of each block the first places go to the first stretch. So the order is that
+    /// of one thread.
+    fn fill_blocks(&mut self, points: &[[T; D]], radii: &[T], pool: &Pool) -> Result<(), Error> {
+        let (stretch, bins, blocks) =
+            (stretch(points.len(), pool), self.block_of.len(), self.blocks.len() - 1);
+        let block_of = &self.block_of;
+        self.cursors.clear();
+        resize(&mut self.cursors, self.counts.len() / bins * blocks, 0)?;
+        for (cursors, counts) in self.cursors.chunks_mut(blocks).zip(self.counts.chunks(bins)) {
+            for (&block, count) in block_of.iter().zip(counts) {
+                cursors[block as usize] += count;
             }
         }
-        self.starts.push(start);
+        for (block, &Block { start, .. }) in self.blocks[..blocks].iter().enumerate() {
+            let mut start = start as u32;
+            for cursor in self.cursors[block..].iter_mut().step_by(blocks) {
+                start += std::mem::replace(cursor, start);
+            }
+        }
 
         let places = Scatter::new(self.coordinates.as_chunks_mut::<D>().0);
         let (ids, their_radii) = (Scatter::new(&mut self.ids), Scatter::new(&mut self.radii));
-        let tasks = points.chunks(stretch).zip(self.keys.chunks(stretch)).zip(self.counts.chunks_mut(rows));
-        pool.run(tasks.enumerate(), |(k, ((points, keys), counts))| {
-            let first = k * stretch;
-            for ((point, &key), index) in points.iter().zip(keys).zip(first..) {
-                let place = &mut counts[key as usize];
+        let tasks =
+            points.chunks(stretch).zip(self.bins.chunks(stretch)).zip(self.cursors.chunks_mut(blocks));
+        pool.run(tasks.enumerate(), |(k, ((points, bins), cursors))| {
+            for ((point, &bin), index) in points.iter().zip(bins).zip(k * stretch..) {
+                let place = &mut cursors[block_of[bin as usize] as usize];
                 let at = *place as usize;
                 *place += 1;
-                // SAFETY: the sums above gave every row of every stretch a range of its own, as long as its count.
+                // SAFETY: the sums above gave every block of every stretch a range of its own, as long as its count.
                 unsafe {
                     places.write(at, *point);
                     ids.write(at, index as u32);
@@ -170,72 +200,43 @@ impl<T: Real, const D: usize> Layout<T, D> {
                 }
             }
         });
-        self.sort_rows(pool);
         Ok(())
     }
 
-    /// Sorts every row along the long axis; threads take stretches of rows with about as many elements each.
-    fn sort_rows(&mut self, pool: &Pool) {
-        let long = self.axes[0];
-        let stretches = if pool.threads() == 1 { 1 } else { 4 * pool.threads() };
-        self.sorts.resize_with(stretches, RowSort::default);
-        let with_radii = !self.radii.is_empty();
+    /// Sorts every block; threads take stretches of blocks.
+    fn sort_blocks(&mut self, keys: &RowKeys<D>, pool: &Pool) -> Result<(), Error> {
+        let count = self.blocks.len() - 1;
+        let stretches = if pool.threads() == 1 { 1 } else { count.min(4 * pool.threads()) };
+        self.sorts.resize_with(stretches, BlockSort::default);
+        let blocks = &self.blocks;
         let mut coordinates = self.coordinates.as_mut_slice();
         let mut ids = self.ids.as_mut_slice();
         let mut radii = self.radii.as_mut_slice();
-        let stretches =
-            self.sorts.iter_mut().zip(stretches_of_rows(&self.starts, stretches)).map(|(sort, rows)| {
-                let starts = &self.starts[rows.start..=rows.end];
-                let n = (starts[starts.len() - 1] - starts[0]) as usize;
-                let coordinates = coordinates.split_off_mut(..D * n).unwrap_or_default();
-                let ids = ids.split_off_mut(..n).unwrap_or_default();
-                let radii = radii.split_off_mut(..if with_radii { n } else { 0 }).unwrap_or_default();
-                (sort, starts, coordinates, ids, radii)
-            });
-        pool.run(stretches, |(sort, starts, coordinates, ids, radii)| {
-            for row in starts.windows(2) {
-                let row = (row[0] - starts[0]) as usize..(row[1] - starts[0]) as usize;
-                let radii = radii.get_mut(row.clone()).unwrap_or_default();
-                sort.sort::<D>(long, &mut coordinates[D * row.start..D * row.end], &mut ids[row], radii);
+        let tasks = self.sorts.iter_mut().enumerate().map(|(k, sort)| {
+            let blocks = &blocks[k * count / stretches..=(k + 1) * count / stretches];
+            let n = blocks[blocks.len() - 1].start - blocks[0].start;
+            let elements = Elements {
+                coordinates: coordinates.split_off_mut(..D * n).unwrap_or_default(),
+                ids: ids.split_off_mut(..n).unwrap_or_default(),
+                radii: radii.split_off_mut(..n).unwrap_or_default(),
+            };
+            (sort, blocks, elements)
+        });
+        let failed = OnceLock::new();
+        pool.run(tasks, |(sort, blocks, elements)| {
+            if let Err(error) = sort.sort(keys, blocks, elements) {
+                failed.get_or_init(|| error);
             }
         });
-    }
-
-    /// Rows by buckets within buckets, for domains with more rows than elements.
-    fn bucket_rows(&mut self, points: &[[T; D]], radii: &[T]) -> Result<(), Error> {
-        let n = points.len();
-        let (grid, axes) = (self.grid, self.axes);
-        let cell = |id: u32, level: usize| {
-            let axis = axes[level];
-            grid.wide_cell(axis, points[id as usize][axis].to_f64())
-        };
-        let long = axes[0];
-        self.ids.iter_mut().zip(0..).for_each(|(id, index)| *id = index);
-        self.buckets.sort(&mut self.ids[..n], D - 1, &cell, &|a, b| {
-            let [x, y] = [a, b].map(|id: u32| points[id as usize][long]);
-            x.partial_cmp(&y).unwrap_or(std::cmp::Ordering::Equal).then(a.cmp(&b))
-        })?;
-
-        let ids = &self.ids[..n];
-        let same_row = |a: &u32, b: &u32| (1..D).all(|level| cell(*a, level) == cell(*b, level));
-        let mut start = 0;
-        for row in ids.chunk_by(same_row) {
-            self.starts.push(start as u32);
-            let len = row.len();
-            for (axis, _) in self.axes.iter().enumerate() {
-                let block = &mut self.coordinates[D * start + axis * len..][..len];
-                for (x, &id) in block.iter_mut().zip(row) {
-                    *x = points[id as usize][axis];
-                }
-            }
-            start += len;
+        if let Some(error) = failed.into_inner() {
+            return Err(error);
         }
-        self.starts.push(n as u32);
-        if !radii.is_empty() {
-            for (radius, &id) in self.radii.iter_mut().zip(ids) {
-                *radius = radii[id as usize];
-            }
+        self.starts.clear();
+        reserve(&mut self.starts, self.sorts.iter().map(|sort| sort.starts.len()).sum::<usize>() + 1)?;
+        for sort in &self.sorts {
+            self.starts.extend_from_slice(&sort.starts);
         }
+        self.starts.push(self.bins.len() as u32);
         Ok(())
     }
 
@@ -281,25 +282,22 @@ impl<T: Real, const D: usize> Layout<T, D> {
 
     /// Bytes held, per element where it matters.
     pub(crate) fn bytes(&self) -> usize {
-        let sorts: usize = self.sorts.iter().map(RowSort::bytes).sum();
+        let sorts: usize = self.sorts.iter().map(BlockSort::bytes).sum();
         let floats = self.coordinates.capacity() + self.radii.capacity();
         let integers =
-            self.ids.capacity() + self.starts.capacity() + self.keys.capacity() + self.counts.capacity();
-        floats * size_of::<T>() + integers * size_of::<u32>() + sorts + self.buckets.bytes()
+            self.ids.capacity() + self.starts.capacity() + self.counts.capacity() + self.cursors.capacity();
+        let small = self.bins.capacity() + self.block_of.capacity();
+        floats * size_of::<T>()
+            + integers * size_of::<u32>()
+            + small * size_of::<u16>()
+            + self.blocks.capacity() * size_of::<Block>()
+            + sorts
     }
 }
 
-/// Cuts the rows into at most `count` stretches with about as many elements each. `starts` as in [`Layout`].
-pub(crate) fn stretches_of_rows(starts: &[u32], count: usize) -> impl Iterator<Item = Range<usize>> {
-    let (rows, n) = (starts.len() - 1, starts[starts.len() - 1] as usize);
-    let cut = move |k: usize| {
-        if k == count {
-            rows
-        } else {
-            starts[..rows].partition_point(|&start| (start as usize) < k * n / count)
-        }
-    };
-    (0..count).map(move |k| cut(k)..cut(k + 1)).filter(|rows| !rows.is_empty())
+/// Elements that one thread counts and drops into blocks, one stretch after the other.
+fn stretch(n: usize, pool: &Pool) -> usize {
+    if n < FEW_ELEMENTS { n } else { n.div_ceil(pool.threads()) }
 }
 
 /// Exactly `len` entries; existing ones keep their value.

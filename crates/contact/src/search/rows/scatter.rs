@@ -38,6 +38,12 @@ impl<'a, V: Copy> Scatter<'a, V> {
         assert!(place < self.len);
         // SAFETY: inside the array, and nobody else's place by the contract of this function.
         unsafe { self.start.add(place).write(value) };
+        #[cfg(target_arch = "x86_64")]
+        unsafe {
+            std::arch::x86_64::_mm_prefetch::<{ std::arch::x86_64::_MM_HINT_ET0 }>(
+                self.start.wrapping_add(place).cast::<i8>().wrapping_add(128),
+            )
+        };
     }
 }
 

@@ -1,0 +1,128 @@
+//! The number by which elements are sorted into rows.
+
+use std::cmp::Ordering;
+
+use crate::grid::{Grid, nearest_integer};
+use crate::real::Real;
+use crate::search::rows::axis::AxisMap;
+
+/// The cells of an element on all axes but the long one, as one integer: rows ascend by it.
+///
+/// Domains with more rows than [`MAX_ROWS`] get the most significant axes only, in which case several rows share a number.
+#[derive(Clone, Debug)]
+pub(crate) struct RowKeys<const D: usize> {
+    grid: Grid<D>,
+    /// The axes, most significant first, the long one last.
+    axes: [usize; D],
+    /// How their cells are numbered; empty if each has its own number.
+    maps: Vec<AxisMap>,
+    /// How many of the axes the key holds.
+    held: usize,
+    rows: u64,
+}
+
+/// The largest number of rows that are told apart: it leaves bits for the place along the row.
+const MAX_ROWS: f64 = 281_474_976_710_656.0;
+
+impl<const D: usize> RowKeys<D> {
+    /// Keys for the cells of `grid`, with `axes` by number of cells, the long one first.
+    pub(crate) fn new(grid: Grid<D>, axes: &[usize; D]) -> Self {
+        let mut axes = *axes;
+        axes.reverse();
+        Self { grid, axes, maps: Vec::new(), held: 0, rows: 0 }.hold_axes()
+    }
+
+    /// The same without the stretches of cells that hold none of `points`.
+    pub(crate) fn without_empty_stretches<T: Real>(mut self, points: &[[T; D]]) -> Self {
+        self.maps = self.axes[..D - 1]
+            .iter()
+            .map(|&axis| {
+                let occupied = points.iter().map(|point| self.grid.wide_cell(axis, point[axis].to_f64()));
+                AxisMap::new(self.grid.cells()[axis], occupied)
+            })
+            .collect();
+        self.hold_axes()
+    }
+
+    fn hold_axes(mut self) -> Self {
+        let cells =
+            |level: usize| self.maps.get(level).map_or(self.grid.cells()[self.axes[level]], AxisMap::cells);
+        let mut rows = 1.0;
+        let fits = |&level: &usize| {
+            rows *= cells(level) as f64;
+            rows <= MAX_ROWS
+        };
+        let held = (0..D - 1).take_while(fits).count();
+        self.rows = (0..held).map(cells).product();
+        self.held = held;
+        self
+    }
+
+    /// Number of keys, those of empty rows included.
+    pub(crate) fn rows(&self) -> u64 {
+        self.rows
+    }
+
+    /// Whether every row has a number of its own.
+    pub(crate) fn are_complete(&self) -> bool {
+        self.held == D - 1
+    }
+
+    /// Writes the key of each point.
+    #[inline]
+    pub(crate) fn of<T: Real>(&self, points: &[[T; D]], keys: &mut [u64]) {
+        if !self.maps.is_empty() {
+            for (key, point) in keys.iter_mut().zip(points) {
+                *key = 0;
+                for (map, &axis) in self.maps.iter().zip(&self.axes[..self.held]) {
+                    *key = *key * map.cells() + map.map(self.grid.wide_cell(axis, point[axis].to_f64()));
+                }
+            }
+            return;
+        }
+        // In floats, which are exact so far. An axis that is not held has one cell, number 0.
+        let (mut cells, mut step) = ([1.0; D], [0.0; D]);
+        for level in 0..self.held {
+            (cells[level], step[level]) = (self.grid.cells()[self.axes[level]] as f64, 1.0);
+        }
+        for (key, point) in keys.iter_mut().zip(points) {
+            let mut row = 0.0;
+            for level in 0..D - 1 {
+                let axis = self.axes[level];
+                row = row * cells[level] + self.grid.rounded_cell(axis, point[axis].to_f64()) * step[level];
+            }
+            *key = nearest_integer(row);
+        }
+    }
+
+    /// Adds to the key of each point its place along the row, in `2^bits` parts of the domain.
+    #[inline]
+    pub(crate) fn add_places<T: Real>(&self, points: &[[T; D]], bits: u32, keys: &mut [u64]) {
+        let (long, last) = (self.axes[D - 1], (1_u64 << bits) - 1);
+        let scale = (1_u64 << bits) as f64 / self.grid.cells()[long] as f64;
+        for (key, point) in keys.iter_mut().zip(points) {
+            let place = self.grid.scaled(long, point[long].to_f64(), scale);
+            *key = *key << bits | place.min(last);
+        }
+    }
+
+    /// The order of two points by row, whether their keys hold all axes or not.
+    pub(crate) fn compare<T: Real>(&self, a: &[T; D], b: &[T; D]) -> Ordering {
+        let cells = |point: &[T; D]| {
+            let point = *point;
+            self.axes[..D - 1].iter().map(move |&axis| self.grid.wide_cell(axis, point[axis].to_f64()))
+        };
+        cells(a).cmp(cells(b))
+    }
+
+    /// The axis along which rows are sorted.
+    pub(crate) fn long(&self) -> usize {
+        self.axes[D - 1]
+    }
+
+    /// The order of two points along their row.
+    pub(crate) fn along<T: Real>(&self, a: &[T; D], b: &[T; D]) -> Ordering {
+        let long = self.axes[D - 1];
+        a[long].partial_cmp(&b[long]).unwrap_or(Ordering::Equal)
+    }
+}
