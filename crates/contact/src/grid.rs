@@ -1,5 +1,7 @@
 //! The cells: which cell an element belongs to, and how many there are along each axis.
 
+#[cfg(test)]
+use crate::elements::Bounds;
 use crate::elements::Elements;
 use crate::error::Error;
 use crate::real::Real;
@@ -88,6 +90,24 @@ impl<const D: usize> Grid<D> {
         grid
     }
 
+    /// Cells of the same edge, with faces in the same places, over other points; wider ones where there would be too many.
+    ///
+    /// Nothing but speed depends on the places of the faces.
+    #[cfg(test)]
+    pub(crate) fn over(&self, bounds: Bounds<D>) -> Self {
+        let widest = (0..D).map(|axis| bounds.max[axis] - bounds.min[axis]).fold(0.0, f64::max);
+        let cell_size = self.cell_size.max(widest / MAX_UNBOUNDED_CELLS);
+        let origin = std::array::from_fn(|axis| {
+            let min = bounds.min[axis];
+            let face = self.origin[axis] + self.quotient(axis, min).floor() * cell_size;
+            // Far from the origin of this grid faces round by more than a cell.
+            if face <= min && min - face <= cell_size { face } else { min }
+        });
+        let mut grid = Self { origin, cell_size, inverse: 1.0 / cell_size, cells: [0; D] };
+        grid.cells = std::array::from_fn(|axis| grid.wide_cell(axis, bounds.max[axis]) + 1);
+        grid
+    }
+
     /// Edge of a cell, in the unit of the coordinates.
     pub fn cell_size(&self) -> f64 {
         self.cell_size
@@ -123,6 +143,17 @@ impl<const D: usize> Grid<D> {
     #[inline]
     pub(crate) fn scaled(&self, axis: usize, x: f64, scale: f64) -> u64 {
         nearest_integer(self.quotient(axis, x) * scale)
+    }
+
+    /// The first and the last cell of those that hold points from `low` to `high`, none if there cannot be any; for a grid from
+    /// [`Grid::unbounded`], and numbers of any size.
+    ///
+    /// The quotient ascends with the coordinate, and so does its nearest integer: no point in between has a cell beyond these two.
+    pub(crate) fn cells_between(&self, axis: usize, low: f64, high: f64) -> Option<[u64; 2]> {
+        let last = (self.cells[axis] - 1) as f64;
+        let (low, high) = (self.quotient(axis, low), self.quotient(axis, high));
+        (low <= last + 1.0 && high >= -1.0)
+            .then(|| [low, high].map(|quotient| nearest_integer(quotient.clamp(0.0, last))))
     }
 
     #[inline]

@@ -140,16 +140,25 @@ macro_rules! kernels {
     ($type:ty, $name:ident) => {
         impl Kernels for $type {
             fn search<const D: usize>(level: Simd, task: &Task<'_, Self, D>, out: &mut Output<'_>) {
-                match level {
+                match (level, task.two_sets) {
                     #[cfg(target_arch = "x86_64")]
                     // SAFETY: the caller has chosen a level that this processor has.
-                    Simd::Avx512 => unsafe { avx512::$name(task, out) },
+                    (Simd::Avx512, false) => unsafe { avx512::$name::<D, false>(task, out) },
                     #[cfg(target_arch = "x86_64")]
                     // SAFETY: as above.
-                    Simd::Avx2 => unsafe { avx2::$name(task, out) },
+                    (Simd::Avx512, true) => unsafe { avx512::$name::<D, true>(task, out) },
+                    #[cfg(target_arch = "x86_64")]
+                    // SAFETY: as above.
+                    (Simd::Avx2, false) => unsafe { avx2::$name::<D, false>(task, out) },
+                    #[cfg(target_arch = "x86_64")]
+                    // SAFETY: as above.
+                    (Simd::Avx2, true) => unsafe { avx2::$name::<D, true>(task, out) },
                     #[cfg(target_arch = "aarch64")]
                     // SAFETY: as above.
-                    Simd::Neon => unsafe { neon::$name(task, out) },
+                    (Simd::Neon, false) => unsafe { neon::$name::<D, false>(task, out) },
+                    #[cfg(target_arch = "aarch64")]
+                    // SAFETY: as above.
+                    (Simd::Neon, true) => unsafe { neon::$name::<D, true>(task, out) },
                     _ => portable::search(task, out),
                 }
             }

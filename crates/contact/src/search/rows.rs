@@ -4,6 +4,7 @@ mod axis;
 mod block_sort;
 mod keys;
 mod layout;
+mod reach;
 mod scatter;
 
 use std::ops::Range;
@@ -21,6 +22,7 @@ use crate::simd::{Simd, portable};
 
 use layout::Layout;
 pub(crate) use layout::{reserve, resize};
+use reach::RowsInReach;
 use scatter::append;
 
 /// The decomposition and the contact mask of Munjiza-NBS, on sorted rows instead of lists: the default engine.
@@ -189,6 +191,7 @@ impl<T: Real, const D: usize> Rows<T, D> {
         };
         let scan = Scan {
             layout,
+            against: None,
             reach: T::at_least(elements.reach().max(T::MIN_RESOLVED)),
             reach_squared: if let Shape::Equal(equal) = elements.shape {
                 equal.reach_squared()
@@ -233,6 +236,8 @@ enum Sink<'a> {
 /// A search over sorted rows.
 struct Scan<'a, T, const D: usize> {
     layout: &'a Layout<T, D>,
+    /// The other set, if there are two: with the same axes, and radii if the first has radii.
+    against: Option<&'a Layout<T, D>>,
     reach: T,
     reach_squared: T,
     tolerance: T,
@@ -317,41 +322,90 @@ impl<T: Real, const D: usize> Scan<'_, T, D> {
     }
 
     fn rows(&self, range: Range<usize>, out: &mut Output<'_>) {
+        match self.against {
+            None => self.rows_of_one_set(range, out),
+            Some(other) => self.rows_of_two_sets(other, range, out),
+        }
+    }
+
+    fn rows_of_one_set(&self, range: Range<usize>, out: &mut Output<'_>) {
         let layout = self.layout;
         let first = layout.row_of(range.start);
         let mut cursors: Vec<_> =
             half_mask::<D>().into_iter().map(|offset| Cursor::new(layout, offset, first)).collect();
         let mut neighbours = Vec::with_capacity(cursors.len());
-        for row in first..layout.rows() {
-            let places = layout.row(row);
-            if places.start >= range.end {
-                break;
-            }
-            let from = range.start.max(places.start) - places.start;
-            let to = range.end.min(places.end) - places.start;
-            let low = layout.along(&places)[from] - self.reach;
+        for (row, places, stretch) in self.stretches(&range) {
+            let low = layout.along(&places)[stretch.start] - self.reach;
             let cells = layout.row_cells(row);
             neighbours.clear();
             for row in cursors.iter_mut().filter_map(|cursor| cursor.find(layout, &cells)) {
                 let row = layout.row(row);
-                let low = if from == 0 { 0 } else { layout.along(&row).partition_point(|&x| x < low) };
+                let low =
+                    if stretch.start == 0 { 0 } else { layout.along(&row).partition_point(|&x| x < low) };
                 neighbours.push(Neighbour { row: Span { start: row.start, len: row.len() }, low });
             }
-            let task = Task {
-                coordinates: &layout.coordinates,
-                radii: &layout.radii,
-                ids: &layout.ids,
-                row: Span { start: places.start, len: places.len() },
-                from,
-                to,
-                neighbours: &neighbours,
-                long: layout.axes[0],
-                reach: self.reach,
-                reach_squared: self.reach_squared,
-                tolerance: self.tolerance,
-            };
-            (self.search_row)(&task, out);
+            self.stretch(layout, &places, stretch, &neighbours, out);
         }
+    }
+
+    fn rows_of_two_sets(&self, other: &Layout<T, D>, range: Range<usize>, out: &mut Output<'_>) {
+        let mut rows = RowsInReach::new(other);
+        let mut neighbours = Vec::new();
+        for (_, places, stretch) in self.stretches(&range) {
+            let along = &self.layout.along(&places)[stretch.clone()];
+            let (low, high) = (along[0] - self.reach, along[along.len() - 1] + self.reach);
+            neighbours.clear();
+            rows.find(self.layout, &places, stretch.clone(), self.reach.to_f64(), |row| {
+                let row = other.row(row);
+                let along = other.along(&row);
+                let low = along.partition_point(|&x| x < low);
+                if low < row.len() && along[low] <= high {
+                    neighbours.push(Neighbour { row: Span { start: row.start, len: row.len() }, low });
+                }
+            });
+            if !neighbours.is_empty() {
+                self.stretch(other, &places, stretch, &neighbours, out);
+            }
+        }
+    }
+
+    /// The rows that have places in `range`: each with its places, and those of them that are inside, counted from its start.
+    fn stretches(
+        &self,
+        range: &Range<usize>,
+    ) -> impl Iterator<Item = (usize, Range<usize>, Range<usize>)> + use<'_, T, D> {
+        let (layout, range) = (self.layout, range.clone());
+        let rows = (layout.row_of(range.start)..layout.rows()).map(|row| (row, layout.row(row)));
+        rows.take_while(move |(_, places)| places.start < range.end).map(move |(row, places)| {
+            let from = range.start.max(places.start) - places.start;
+            let to = range.end.min(places.end) - places.start;
+            (row, places, from..to)
+        })
+    }
+
+    /// Compares a stretch of a row with the rest of its row, in one set, and with `neighbours`, which are rows of `other`.
+    fn stretch(
+        &self,
+        other: &Layout<T, D>,
+        places: &Range<usize>,
+        stretch: Range<usize>,
+        neighbours: &[Neighbour],
+        out: &mut Output<'_>,
+    ) {
+        let task = Task {
+            own: self.layout.arrays(),
+            other: other.arrays(),
+            two_sets: self.against.is_some(),
+            row: Span { start: places.start, len: places.len() },
+            from: stretch.start,
+            to: stretch.end,
+            neighbours,
+            long: self.layout.axes[0],
+            reach: self.reach,
+            reach_squared: self.reach_squared,
+            tolerance: self.tolerance,
+        };
+        (self.search_row)(&task, out);
     }
 }
 
@@ -429,6 +483,7 @@ fn half_mask<const D: usize>() -> Vec<[i64; D]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::simd::Kernels;
 
     #[test]
     fn the_mask_of_rows_is_half_of_the_neighbour_rows() {
@@ -436,5 +491,71 @@ mod tests {
         assert_eq!(half_mask::<2>(), [[-1, 0]]);
         assert_eq!(half_mask::<3>(), [[-1, -1, 0], [-1, 0, 0], [-1, 1, 0], [0, -1, 0]]);
         assert_eq!(half_mask::<6>().len(), 121);
+    }
+    /// Points from 0 to `width` on each axis.
+    fn scattered<const D: usize>(n: usize, width: f64, seed: u64) -> Vec<[f64; D]> {
+        let mut state = seed;
+        let mut next = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 40) as f64 / (1_u64 << 24) as f64 * width
+        };
+        (0..n).map(|_| std::array::from_fn(|_| next())).collect()
+    }
+
+    /// The rows of one layout against those of another, whose cells are of another size than the reach, and elsewhere.
+    fn two_layouts<const D: usize>(cell: f64, reach: f64, shift: f64) -> usize {
+        let (mut moving, fixed) = (scattered::<D>(300, 6.0, 1), scattered::<D>(400, 7.0, 2));
+        moving.iter_mut().flatten().for_each(|x| *x += shift);
+        let pool = Pool::default();
+        let (mut own, mut other) = (Layout::new(), Layout::new());
+        let grid = Grid::unbounded(&Elements::points(&fixed, cell).unwrap());
+        other.build(&fixed, &[], grid, &pool).unwrap();
+        let elements = Elements::points(&moving, reach).unwrap();
+        own.build_along(&moving, &[], grid.over(elements.bounds()), other.axes, &pool).unwrap();
+
+        let squares =
+            |a: &[f64; D], b: &[f64; D]| a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>();
+        let mut expected = Vec::new();
+        for (i, a) in moving.iter().enumerate() {
+            let touching = fixed.iter().enumerate().filter(|(_, b)| squares(a, b) <= reach * reach);
+            expected.extend(touching.map(|(j, _)| Couple { i: i as u32, j: j as u32 }));
+        }
+        let mut order: Option<Vec<Couple>> = None;
+        for simd in Simd::available() {
+            let search_row = |task: &Task<'_, f64, D>, out: &mut Output<'_>| f64::search(simd, task, out);
+            let scan = Scan {
+                layout: &own,
+                against: Some(&other),
+                reach: elements.reach(),
+                reach_squared: reach * reach,
+                tolerance: 0.0,
+                search_row: &search_row,
+            };
+            let mut couples = Vec::new();
+            scan.all(&pool, &mut Vec::new(), Sink::List(&mut couples)).unwrap();
+            assert_eq!(order.get_or_insert_with(|| couples.clone()), &couples, "{simd}: the order");
+            couples.sort_unstable();
+            assert_eq!(couples, expected, "{simd}, cell {cell}, reach {reach}, shift {shift}");
+            let mut count = 0;
+            scan.all(&pool, &mut Vec::new(), Sink::Count(&mut count)).unwrap();
+            assert_eq!(count, expected.len() as u64);
+        }
+        expected.len()
+    }
+
+    #[test]
+    fn rows_of_one_layout_against_those_of_another() {
+        for shift in [0.0, -3.3, 5.9] {
+            for (cell, reach) in [(1.0, 1.0), (0.3, 1.1), (2.0, 0.4), (0.01, 0.5), (1.0, 20.0)] {
+                let found = [
+                    two_layouts::<1>(cell, reach, shift),
+                    two_layouts::<2>(cell, reach, shift),
+                    two_layouts::<3>(cell, reach, shift),
+                ];
+                assert!(found[0] > 0 && found[1] > 0);
+            }
+        }
+        assert_eq!(two_layouts::<2>(1.0, 1.0, 1e9), 0);
+        assert_eq!(two_layouts::<2>(1.0, 1.0, -1e15), 0);
     }
 }

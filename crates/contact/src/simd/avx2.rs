@@ -6,19 +6,25 @@ use crate::couple::Couple;
 use crate::simd::kernel::{self, Output, Task, Vector};
 
 /// # Safety
-/// The processor has the features, and `task` is as its fields say.
+/// The processor has the features, and `task` is as its fields say, `TWO_SETS` among them.
 #[target_feature(enable = "avx2,bmi2,popcnt")]
-pub(crate) unsafe fn search_f64<const D: usize>(task: &Task<'_, f64, D>, out: &mut Output<'_>) {
+pub(crate) unsafe fn search_f64<const D: usize, const TWO_SETS: bool>(
+    task: &Task<'_, f64, D>,
+    out: &mut Output<'_>,
+) {
     // SAFETY: the contract of this function.
-    unsafe { kernel::search::<f64, F64x4, D>(task, out) }
+    unsafe { kernel::search::<f64, F64x4, D, TWO_SETS>(task, out) }
 }
 
 /// # Safety
-/// The processor has the features, and `task` is as its fields say.
+/// The processor has the features, and `task` is as its fields say, `TWO_SETS` among them.
 #[target_feature(enable = "avx2,bmi2,popcnt")]
-pub(crate) unsafe fn search_f32<const D: usize>(task: &Task<'_, f32, D>, out: &mut Output<'_>) {
+pub(crate) unsafe fn search_f32<const D: usize, const TWO_SETS: bool>(
+    task: &Task<'_, f32, D>,
+    out: &mut Output<'_>,
+) {
     // SAFETY: the contract of this function.
-    unsafe { kernel::search::<f32, F32x8, D>(task, out) }
+    unsafe { kernel::search::<f32, F32x8, D, TWO_SETS>(task, out) }
 }
 
 /// For each mask of 8 lanes the lanes that are set, in order: what AVX-512 calls compress.
@@ -60,14 +66,15 @@ impl Vector<f64> for F64x4 {
     }
 
     #[inline(always)]
-    unsafe fn store(id: u32, ids: *const u32, hits: u32, to: *mut Couple) {
+    unsafe fn store<const TWO_SETS: bool>(id: u32, ids: *const u32, hits: u32, to: *mut Couple) {
         // SAFETY: the contract of `Vector`; a couple is two u32, and four lanes have 16 masks, below 256.
         unsafe {
             let lanes = _mm_loadu_si128(COMPRESS.as_ptr().add(hits as usize).cast());
             let ids =
                 _mm_castps_si128(_mm_permutevar_ps(_mm_castsi128_ps(_mm_loadu_si128(ids.cast())), lanes));
             let id = _mm_set1_epi32(id.cast_signed());
-            let (low, high) = (_mm_min_epu32(ids, id), _mm_max_epu32(ids, id));
+            let (low, high) =
+                if TWO_SETS { (id, ids) } else { (_mm_min_epu32(ids, id), _mm_max_epu32(ids, id)) };
             let to: *mut __m128i = to.cast();
             _mm_storeu_si128(to, _mm_unpacklo_epi32(low, high));
             _mm_storeu_si128(to.add(1), _mm_unpackhi_epi32(low, high));
@@ -96,13 +103,14 @@ impl Vector<f32> for F32x8 {
     }
 
     #[inline(always)]
-    unsafe fn store(id: u32, ids: *const u32, hits: u32, to: *mut Couple) {
+    unsafe fn store<const TWO_SETS: bool>(id: u32, ids: *const u32, hits: u32, to: *mut Couple) {
         // SAFETY: the contract of `Vector`; a couple is two u32, and eight lanes have 256 masks.
         unsafe {
             let lanes = _mm256_loadu_si256(COMPRESS.as_ptr().add(hits as usize).cast());
             let ids = _mm256_permutevar8x32_epi32(_mm256_loadu_si256(ids.cast()), lanes);
             let id = _mm256_set1_epi32(id.cast_signed());
-            let (low, high) = (_mm256_min_epu32(ids, id), _mm256_max_epu32(ids, id));
+            let (low, high) =
+                if TWO_SETS { (id, ids) } else { (_mm256_min_epu32(ids, id), _mm256_max_epu32(ids, id)) };
             // Unpacking works on halves of 128 bits: 0 1 | 4 5 and 2 3 | 6 7.
             let (even, odd) = (_mm256_unpacklo_epi32(low, high), _mm256_unpackhi_epi32(low, high));
             let to: *mut __m256i = to.cast();

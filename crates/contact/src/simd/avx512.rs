@@ -6,19 +6,25 @@ use crate::couple::Couple;
 use crate::simd::kernel::{self, Output, Task, Vector};
 
 /// # Safety
-/// The processor has the features, and `task` is as its fields say.
+/// The processor has the features, and `task` is as its fields say, `TWO_SETS` among them.
 #[target_feature(enable = "avx512f,avx512vl,avx2,bmi2,popcnt")]
-pub(crate) unsafe fn search_f64<const D: usize>(task: &Task<'_, f64, D>, out: &mut Output<'_>) {
+pub(crate) unsafe fn search_f64<const D: usize, const TWO_SETS: bool>(
+    task: &Task<'_, f64, D>,
+    out: &mut Output<'_>,
+) {
     // SAFETY: the contract of this function.
-    unsafe { kernel::search::<f64, F64x8, D>(task, out) }
+    unsafe { kernel::search::<f64, F64x8, D, TWO_SETS>(task, out) }
 }
 
 /// # Safety
-/// The processor has the features, and `task` is as its fields say.
+/// The processor has the features, and `task` is as its fields say, `TWO_SETS` among them.
 #[target_feature(enable = "avx512f,avx512vl,avx2,bmi2,popcnt")]
-pub(crate) unsafe fn search_f32<const D: usize>(task: &Task<'_, f32, D>, out: &mut Output<'_>) {
+pub(crate) unsafe fn search_f32<const D: usize, const TWO_SETS: bool>(
+    task: &Task<'_, f32, D>,
+    out: &mut Output<'_>,
+) {
     // SAFETY: the contract of this function.
-    unsafe { kernel::search::<f32, F32x16, D>(task, out) }
+    unsafe { kernel::search::<f32, F32x16, D, TWO_SETS>(task, out) }
 }
 
 #[derive(Clone, Copy)]
@@ -42,15 +48,19 @@ impl Vector<f64> for F64x8 {
     }
 
     #[inline(always)]
-    unsafe fn store(id: u32, ids: *const u32, hits: u32, to: *mut Couple) {
+    unsafe fn store<const TWO_SETS: bool>(id: u32, ids: *const u32, hits: u32, to: *mut Couple) {
         // SAFETY: the contract of `Vector`; a couple is two u32.
         unsafe {
             let ids = _mm256_maskz_compress_epi32(hits as __mmask8, _mm256_loadu_si256(ids.cast()));
             let id = _mm256_set1_epi32(id.cast_signed());
-            let (low, high) = (_mm256_min_epu32(ids, id), _mm256_max_epu32(ids, id));
-            let alternate = _mm512_setr_epi32(0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
-            let [low, high] = [_mm512_castsi256_si512(low), _mm512_castsi256_si512(high)];
-            _mm512_storeu_si512(to.cast(), _mm512_permutex2var_epi32(low, alternate, high));
+            let (low, high) =
+                if TWO_SETS { (id, ids) } else { (_mm256_min_epu32(ids, id), _mm256_max_epu32(ids, id)) };
+            // Zero-extended numbers side by side: i | j << 32 is the couple in memory.
+            let couples = _mm512_or_si512(
+                _mm512_cvtepu32_epi64(low),
+                _mm512_slli_epi64::<32>(_mm512_cvtepu32_epi64(high)),
+            );
+            _mm512_storeu_si512(to.cast(), couples);
         }
     }
 }
@@ -76,12 +86,13 @@ impl Vector<f32> for F32x16 {
     }
 
     #[inline(always)]
-    unsafe fn store(id: u32, ids: *const u32, hits: u32, to: *mut Couple) {
+    unsafe fn store<const TWO_SETS: bool>(id: u32, ids: *const u32, hits: u32, to: *mut Couple) {
         // SAFETY: the contract of `Vector`; a couple is two u32.
         unsafe {
             let ids = _mm512_maskz_compress_epi32(hits as __mmask16, _mm512_loadu_si512(ids.cast()));
             let id = _mm512_set1_epi32(id.cast_signed());
-            let (low, high) = (_mm512_min_epu32(ids, id), _mm512_max_epu32(ids, id));
+            let (low, high) =
+                if TWO_SETS { (id, ids) } else { (_mm512_min_epu32(ids, id), _mm512_max_epu32(ids, id)) };
             let to: *mut __m512i = to.cast();
             for half in 0..2 {
                 let [low, high] = [low, high].map(|numbers| {

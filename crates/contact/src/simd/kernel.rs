@@ -19,16 +19,29 @@ pub(crate) struct Neighbour {
     pub(crate) low: usize,
 }
 
-/// A stretch of a row, to be compared with the rest of its row and with the neighbour rows.
+/// The arrays of a layout.
 ///
 /// # Shapes
-/// As in the layout: element `k` of a row has the coordinate `coordinates[D * start + axis * len + k]`. All arrays go on for at least
-/// one vector after the last element.
-pub struct Task<'a, T, const D: usize> {
+/// Element `k` of a row has the coordinate `coordinates[D * start + axis * len + k]`. All arrays go on for at least one vector after
+/// the last element.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Arrays<'a, T> {
     pub(crate) coordinates: &'a [T],
     /// Empty for elements of one radius.
     pub(crate) radii: &'a [T],
     pub(crate) ids: &'a [u32],
+}
+
+/// A stretch of a row, to be compared with the rest of its row and with the neighbour rows.
+///
+/// The neighbour rows may belong to another set of elements. Then the rest of the own row is left out, and couples are not ordered by
+/// number: `i` is of the stretch, `j` of the other set.
+pub struct Task<'a, T, const D: usize> {
+    /// Where the row is.
+    pub(crate) own: Arrays<'a, T>,
+    /// Where the neighbour rows are: the same arrays, unless there are two sets. Either both have radii or none.
+    pub(crate) other: Arrays<'a, T>,
+    pub(crate) two_sets: bool,
     pub(crate) row: Span,
     /// The stretch of the row whose couples are wanted, as first elements of couples.
     pub(crate) from: usize,
@@ -82,9 +95,9 @@ pub(crate) trait Vector<T>: Copy {
     /// A bit for each lane, the first lane lowest: `self < other`.
     unsafe fn below(self, other: Self) -> u32;
 
-    /// Stores the couples of `id` with those of the `LANES` readable `ids` whose bit in `hits` is set, in order, smaller number first.
-    /// `to` must be writable for `LANES` couples.
-    unsafe fn store(id: u32, ids: *const u32, hits: u32, to: *mut Couple);
+    /// Stores the couples of `id` with those of the `LANES` readable `ids` whose bit in `hits` is set, in order: smaller number first,
+    /// or with `TWO_SETS` that of `id`. `to` must be writable for `LANES` couples.
+    unsafe fn store<const TWO_SETS: bool>(id: u32, ids: *const u32, hits: u32, to: *mut Couple);
 }
 
 /// The lanes before `count`: up to 31, which is more than any vector has.
@@ -147,23 +160,20 @@ impl Writer {
 /// The instructions of `V` are there, and `task` is as its fields say: rows inside the arrays, and `V::LANES` readable entries
 /// after the last element of each.
 #[inline(always)]
-pub(crate) unsafe fn search<T, V, const D: usize>(task: &Task<'_, T, D>, out: &mut Output<'_>)
-where
+pub(crate) unsafe fn search<T, V, const D: usize, const TWO_SETS: bool>(
+    task: &Task<'_, T, D>,
+    out: &mut Output<'_>,
+) where
     T: crate::real::Real,
     V: Vector<T>,
 {
     // SAFETY: all blocks of this function rest on its own contract; each adds why its place is inside.
     unsafe {
-        if task.radii.is_empty() {
-            if out.count_only {
-                stretch::<T, V, D, false, true>(task, out);
-            } else {
-                stretch::<T, V, D, false, false>(task, out);
-            }
-        } else if out.count_only {
-            stretch::<T, V, D, true, true>(task, out);
-        } else {
-            stretch::<T, V, D, true, false>(task, out);
+        match (task.own.radii.is_empty(), out.count_only) {
+            (true, false) => stretch::<T, V, D, TWO_SETS, false, false>(task, out),
+            (true, true) => stretch::<T, V, D, TWO_SETS, false, true>(task, out),
+            (false, false) => stretch::<T, V, D, TWO_SETS, true, false>(task, out),
+            (false, true) => stretch::<T, V, D, TWO_SETS, true, true>(task, out),
         }
     }
 }
@@ -190,38 +200,41 @@ struct Row<T, const D: usize> {
 
 impl<T, const D: usize> Row<T, D> {
     #[inline(always)]
-    fn new(task: &Task<'_, T, D>, span: Span) -> Self {
+    fn new(arrays: &Arrays<'_, T>, long: usize, span: Span) -> Self {
         let Span { start, len } = span;
-        let axis = |axis: usize| task.coordinates.as_ptr().wrapping_add(D * start + axis * len);
+        let axis = |axis: usize| arrays.coordinates.as_ptr().wrapping_add(D * start + axis * len);
         Self {
             axes: std::array::from_fn(axis),
-            along: axis(task.long),
-            radii: task.radii.as_ptr().wrapping_add(start),
-            ids: task.ids.as_ptr().wrapping_add(start),
+            along: axis(long),
+            radii: arrays.radii.as_ptr().wrapping_add(start),
+            ids: arrays.ids.as_ptr().wrapping_add(start),
             len,
         }
     }
 }
 
 #[inline(always)]
-unsafe fn stretch<T, V, const D: usize, const RADII: bool, const COUNT: bool>(
+unsafe fn stretch<T, V, const D: usize, const TWO_SETS: bool, const RADII: bool, const COUNT: bool>(
     task: &Task<'_, T, D>,
     out: &mut Output<'_>,
 ) where
     T: crate::real::Real,
     V: Vector<T>,
 {
-    for row in task.neighbours.iter().map(|neighbour| neighbour.row).chain([task.row]) {
-        assert!(D * (row.start + row.len) + V::LANES <= task.coordinates.len());
-        assert!(row.start + row.len + V::LANES <= task.ids.len());
-        assert!(!RADII || row.start + row.len + V::LANES <= task.radii.len());
+    let neighbours = task.neighbours.iter().map(|neighbour| (&task.other, neighbour.row));
+    for (arrays, row) in neighbours.chain([(&task.own, task.row)]) {
+        assert!(D * (row.start + row.len) + V::LANES <= arrays.coordinates.len());
+        assert!(row.start + row.len + V::LANES <= arrays.ids.len());
+        assert!(!RADII || row.start + row.len + V::LANES <= arrays.radii.len());
     }
+    assert!(task.neighbours.iter().all(|neighbour| neighbour.low <= neighbour.row.len));
     assert!(task.from <= task.to && task.to <= task.row.len);
-    let own = Row::new(task, task.row);
+    let own = Row::new(&task.own, task.long, task.row);
     // Up to 3D there are at most four neighbour rows, and nothing is allocated.
     let mut few = [(own, 0); 4];
     let mut many = Vec::new();
-    let neighbours = task.neighbours.iter().map(|&Neighbour { row, low }| (Row::new(task, row), low));
+    let neighbours =
+        task.neighbours.iter().map(|&Neighbour { row, low }| (Row::new(&task.other, task.long, row), low));
     let windows = if task.neighbours.len() <= few.len() {
         few.iter_mut().zip(neighbours).for_each(|(window, neighbour)| *window = neighbour);
         &mut few[..task.neighbours.len()]
@@ -243,15 +256,17 @@ unsafe fn stretch<T, V, const D: usize, const RADII: bool, const COUNT: bool>(
             }
             let radius = if RADII { V::splat(*own.radii.add(k)) } else { tolerance };
             let element = Element { centre, radius, id: *own.ids.add(k), high: x + task.reach };
-            window::<T, V, D, RADII, COUNT>(
-                &own,
-                k + 1,
-                &element,
-                reach_squared,
-                tolerance,
-                &mut writer,
-                out,
-            );
+            if !TWO_SETS {
+                window::<T, V, D, TWO_SETS, RADII, COUNT>(
+                    &own,
+                    k + 1,
+                    &element,
+                    reach_squared,
+                    tolerance,
+                    &mut writer,
+                    out,
+                );
+            }
 
             let lows = V::splat(x - task.reach);
             for (row, low) in &mut *windows {
@@ -266,7 +281,7 @@ unsafe fn stretch<T, V, const D: usize, const RADII: bool, const COUNT: bool>(
                 // Lanes behind the row count for nothing.
                 first = first.min(row.len);
                 *low = first;
-                window::<T, V, D, RADII, COUNT>(
+                window::<T, V, D, TWO_SETS, RADII, COUNT>(
                     row,
                     first,
                     &element,
@@ -286,7 +301,7 @@ unsafe fn stretch<T, V, const D: usize, const RADII: bool, const COUNT: bool>(
 /// # Safety
 /// As [`search`]; `first` is at most the length of the row.
 #[inline(always)]
-unsafe fn window<T, V, const D: usize, const RADII: bool, const COUNT: bool>(
+unsafe fn window<T, V, const D: usize, const TWO_SETS: bool, const RADII: bool, const COUNT: bool>(
     row: &Row<T, D>,
     first: usize,
     element: &Element<T, V, D>,
@@ -325,7 +340,7 @@ unsafe fn window<T, V, const D: usize, const RADII: bool, const COUNT: bool>(
                 if writer.to >= writer.full {
                     *writer = writer.make_room(out);
                 }
-                V::store(element.id, row.ids.add(j), hits, writer.to);
+                V::store::<TWO_SETS>(element.id, row.ids.add(j), hits, writer.to);
                 writer.to = writer.to.add(found);
             }
             j += V::LANES;

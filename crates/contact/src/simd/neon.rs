@@ -6,19 +6,25 @@ use crate::couple::Couple;
 use crate::simd::kernel::{self, Output, Task, Vector};
 
 /// # Safety
-/// The processor has the features, and `task` is as its fields say.
+/// The processor has the features, and `task` is as its fields say, `TWO_SETS` among them.
 #[target_feature(enable = "neon")]
-pub(crate) unsafe fn search_f64<const D: usize>(task: &Task<'_, f64, D>, out: &mut Output<'_>) {
+pub(crate) unsafe fn search_f64<const D: usize, const TWO_SETS: bool>(
+    task: &Task<'_, f64, D>,
+    out: &mut Output<'_>,
+) {
     // SAFETY: the contract of this function.
-    unsafe { kernel::search::<f64, F64x2, D>(task, out) }
+    unsafe { kernel::search::<f64, F64x2, D, TWO_SETS>(task, out) }
 }
 
 /// # Safety
-/// The processor has the features, and `task` is as its fields say.
+/// The processor has the features, and `task` is as its fields say, `TWO_SETS` among them.
 #[target_feature(enable = "neon")]
-pub(crate) unsafe fn search_f32<const D: usize>(task: &Task<'_, f32, D>, out: &mut Output<'_>) {
+pub(crate) unsafe fn search_f32<const D: usize, const TWO_SETS: bool>(
+    task: &Task<'_, f32, D>,
+    out: &mut Output<'_>,
+) {
     // SAFETY: the contract of this function.
-    unsafe { kernel::search::<f32, F32x4, D>(task, out) }
+    unsafe { kernel::search::<f32, F32x4, D, TWO_SETS>(task, out) }
 }
 
 /// Stores the couples whose bit is set one by one; there is no compress, and few lanes.
@@ -26,14 +32,20 @@ pub(crate) unsafe fn search_f32<const D: usize>(task: &Task<'_, f32, D>, out: &m
 /// # Safety
 /// `ids` and `to` are good for `LANES` entries.
 #[inline(always)]
-unsafe fn store<const LANES: usize>(id: u32, ids: *const u32, hits: u32, to: *mut Couple) {
+unsafe fn store<const LANES: usize, const TWO_SETS: bool>(
+    id: u32,
+    ids: *const u32,
+    hits: u32,
+    to: *mut Couple,
+) {
     let mut place = 0;
     for lane in 0..LANES {
         // SAFETY: `place <= lane < LANES`.
         unsafe {
             let other = *ids.add(lane);
+            let (i, j) = if TWO_SETS { (id, other) } else { (id.min(other), id.max(other)) };
             // A couple that is no hit is overwritten by the next, or not counted.
-            *to.add(place) = Couple { i: id.min(other), j: id.max(other) };
+            *to.add(place) = Couple { i, j };
         }
         place += (hits >> lane & 1) as usize;
     }
@@ -69,9 +81,9 @@ impl Vector<f64> for F64x2 {
     }
 
     #[inline(always)]
-    unsafe fn store(id: u32, ids: *const u32, hits: u32, to: *mut Couple) {
+    unsafe fn store<const TWO_SETS: bool>(id: u32, ids: *const u32, hits: u32, to: *mut Couple) {
         // SAFETY: the contract of `Vector`.
-        unsafe { store::<2>(id, ids, hits, to) }
+        unsafe { store::<2, TWO_SETS>(id, ids, hits, to) }
     }
 }
 
@@ -106,8 +118,8 @@ impl Vector<f32> for F32x4 {
     }
 
     #[inline(always)]
-    unsafe fn store(id: u32, ids: *const u32, hits: u32, to: *mut Couple) {
+    unsafe fn store<const TWO_SETS: bool>(id: u32, ids: *const u32, hits: u32, to: *mut Couple) {
         // SAFETY: the contract of `Vector`.
-        unsafe { store::<4>(id, ids, hits, to) }
+        unsafe { store::<4, TWO_SETS>(id, ids, hits, to) }
     }
 }

@@ -2,18 +2,20 @@
 
 use crate::couple::Couple;
 use crate::real::Real;
-use crate::simd::kernel::{Output, ROOM, Span, Task};
+use crate::simd::kernel::{Arrays, Output, ROOM, Span, Task};
 
 pub(crate) fn search<T: Real, const D: usize>(task: &Task<'_, T, D>, out: &mut Output<'_>) {
-    let Task { coordinates, radii, reach_squared, tolerance, .. } = *task;
-    scan(task, out, |row, k, other, j| {
+    let Task { own, other, reach_squared, tolerance, .. } = *task;
+    scan(task, out, |row, k, their_row, j| {
         let mut sum = T::ZERO;
         for axis in 0..D {
-            let at = |row: Span, k: usize| coordinates[D * row.start + axis * row.len + k];
-            let difference = at(row, k) - at(other, j);
+            let at = |set: &Arrays<'_, T>, row: Span, k: usize| {
+                set.coordinates[D * row.start + axis * row.len + k]
+            };
+            let difference = at(&own, row, k) - at(&other, their_row, j);
             sum = sum + difference * difference;
         }
-        let limit = match (radii.get(row.start + k), radii.get(other.start + j)) {
+        let limit = match (own.radii.get(row.start + k), other.radii.get(their_row.start + j)) {
             (Some(&a), Some(&b)) => {
                 let reach = (a + b) + tolerance;
                 reach * reach
@@ -24,35 +26,39 @@ pub(crate) fn search<T: Real, const D: usize>(task: &Task<'_, T, D>, out: &mut O
     });
 }
 
-/// The same with any test: `touch(row, k, other, j)` for element `k` of one row and `j` of another, or of the same.
-pub(crate) fn scan<T: Real, const D: usize>(
-    task: &Task<'_, T, D>,
+/// The same with any test: `touch(row, k, other, j)` for element `k` of the row and `j` of a neighbour row, or of the same.
+pub(crate) fn scan<'a, T: Real, const D: usize>(
+    task: &Task<'a, T, D>,
     out: &mut Output<'_>,
     touch: impl Fn(Span, usize, Span, usize) -> bool,
 ) {
-    let Task { coordinates, ids, row, long, reach, .. } = *task;
-    let along = |row: Span| &coordinates[D * row.start + long * row.len..][..row.len];
+    let Task { own, other, two_sets, row, long, reach, .. } = *task;
+    let along = |set: Arrays<'a, T>, row: Span| &set.coordinates[D * row.start + long * row.len..][..row.len];
     let mut neighbours = task.neighbours.to_vec();
     for k in task.from..task.to {
-        let x = along(row)[k];
+        let x = along(own, row)[k];
         let (low, high) = (x - reach, x + reach);
-        let mut window = |other: Span, first: usize| {
-            let inside = along(other)[first..].iter().take_while(|&&x| x <= high);
-            for (j, _) in (first..).zip(inside).filter(|&(j, _)| touch(row, k, other, j)) {
+        let mut window = |set: Arrays<'a, T>, their_row: Span, first: usize| {
+            let inside = along(set, their_row)[first..].iter().take_while(|&&x| x <= high);
+            for (j, _) in (first..).zip(inside).filter(|&(j, _)| touch(row, k, their_row, j)) {
                 out.count += 1;
                 if !out.count_only {
                     if out.couples.capacity() - out.couples.len() < ROOM {
                         (out.make_room)(out.couples);
                     }
-                    out.couples.push(Couple::new(ids[row.start + k], ids[other.start + j]));
+                    let (i, j) = (own.ids[row.start + k], set.ids[their_row.start + j]);
+                    out.couples.push(if two_sets { Couple { i, j } } else { Couple::new(i, j) });
                 }
             }
         };
-        window(row, k + 1);
+        if !two_sets {
+            window(own, row, k + 1);
+        }
         for neighbour in &mut neighbours {
-            let passed = along(neighbour.row)[neighbour.low..].iter().take_while(|&&x| x < low).count();
+            let passed =
+                along(other, neighbour.row)[neighbour.low..].iter().take_while(|&&x| x < low).count();
             neighbour.low += passed;
-            window(neighbour.row, neighbour.low);
+            window(other, neighbour.row, neighbour.low);
         }
     }
 }

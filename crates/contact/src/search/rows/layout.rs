@@ -12,6 +12,7 @@ use crate::real::Real;
 use crate::search::rows::block_sort::{Block, BlockSort, Elements};
 use crate::search::rows::keys::RowKeys;
 use crate::search::rows::scatter::Scatter;
+use crate::simd::kernel::Arrays;
 
 /// A copy of the elements, sorted by row of cells and by coordinate inside the row.
 ///
@@ -96,10 +97,24 @@ impl<T: Real, const D: usize> Layout<T, D> {
         grid: Grid<D>,
         pool: &Pool,
     ) -> Result<(), Error> {
-        self.grid = grid;
         let cells = grid.cells();
-        self.axes = std::array::from_fn(|axis| axis);
-        self.axes.sort_by_key(|&axis| std::cmp::Reverse(cells[axis]));
+        let mut axes = std::array::from_fn(|axis| axis);
+        axes.sort_by_key(|&axis| std::cmp::Reverse(cells[axis]));
+        self.build_along(points, radii, grid, axes, pool)
+    }
+
+    /// The same with the `axes` in a given order: that of a layout with which this one is to be compared.
+    pub(crate) fn build_along(
+        &mut self,
+        points: &[[T; D]],
+        radii: &[T],
+        grid: Grid<D>,
+        axes: [usize; D],
+        pool: &Pool,
+    ) -> Result<(), Error> {
+        self.grid = grid;
+        self.axes = axes;
+        let cells = grid.cells();
 
         resize(&mut self.coordinates, D * points.len() + PADDING, T::ZERO)?;
         resize(&mut self.ids, points.len() + PADDING, 0)?;
@@ -238,6 +253,11 @@ impl<T: Real, const D: usize> Layout<T, D> {
         }
         self.starts.push(self.bins.len() as u32);
         Ok(())
+    }
+
+    /// What a kernel reads.
+    pub(crate) fn arrays(&self) -> Arrays<'_, T> {
+        Arrays { coordinates: &self.coordinates, radii: &self.radii, ids: &self.ids }
     }
 
     /// Number of rows that hold elements.

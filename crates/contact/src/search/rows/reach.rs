@@ -1,0 +1,119 @@
+//! The rows of another set of elements that a stretch of a row may reach.
+
+use std::ops::Range;
+
+use crate::real::Real;
+use crate::search::rows::layout::Layout;
+
+/// Finds the rows of a layout that lie inside a box of cells, however many cells are empty.
+///
+/// Rows ascend by cells, so those in the box are runs, one for each prefix of cells that exists. Between runs the search leaps to
+/// the next row that may be inside. It starts every leap where that leap of the previous call ended: neighbouring boxes have neighbouring runs.
+#[derive(Debug)]
+pub(crate) struct RowsInReach<'a, T, const D: usize> {
+    layout: &'a Layout<T, D>,
+    hints: Vec<usize>,
+}
+
+/// Leaps that are remembered; further ones start from the row before them.
+const MAX_HINTS: usize = 64;
+
+impl<'a, T: Real, const D: usize> RowsInReach<'a, T, D> {
+    pub(crate) fn new(layout: &'a Layout<T, D>) -> Self {
+        Self { layout, hints: Vec::new() }
+    }
+
+    /// Calls `found` with all rows, ascending, that may hold an element that is nowhere farther than `reach` from all `places` of a row of
+    /// `own`: on no axis but the long one.
+    ///
+    /// Cells ascend with the coordinate, whatever the rounding. If `x - reach <= y` for numbers `x` of the row and `y`, then the left side
+    /// rounded is at most `y` too, because `y` is a float, and so its cell is at most that of `y`. The same holds above.
+    pub(crate) fn find(
+        &mut self,
+        own: &Layout<T, D>,
+        row: &Range<usize>,
+        stretch: Range<usize>,
+        reach: f64,
+        mut found: impl FnMut(usize),
+    ) {
+        let layout = self.layout;
+        let (mut low, mut high) = ([0; D], [0; D]);
+        for (level, &axis) in layout.axes[1..].iter().rev().enumerate() {
+            let coordinates = &own.coordinates[D * row.start + axis * row.len()..][stretch.clone()];
+            let first = coordinates[0];
+            let (min, max) = coordinates.iter().fold((first, first), |(min, max), &x| {
+                (if x < min { x } else { min }, if x > max { x } else { max })
+            });
+            let Some(cells) = layout.grid.cells_between(axis, min.to_f64() - reach, max.to_f64() + reach)
+            else {
+                return;
+            };
+            [low[level], high[level]] = cells.map(u64::cast_signed);
+        }
+        let mut wanted = low;
+        let mut row = 0;
+        for leap in 0.. {
+            let hint = self.hints.get(leap).copied().unwrap_or(row);
+            row = first_row_from(layout, &wanted, hint);
+            if leap < self.hints.len() {
+                self.hints[leap] = row;
+            } else if leap < MAX_HINTS {
+                self.hints.push(row);
+            }
+            loop {
+                if row == layout.rows() {
+                    return;
+                }
+                let cells = layout.row_cells(row);
+                let outside = (0..D).find(|&level| cells[level] < low[level] || cells[level] > high[level]);
+                let Some(level) = outside else {
+                    found(row);
+                    row += 1;
+                    continue;
+                };
+                // The next cells inside the box, in the order of the rows.
+                wanted = cells;
+                if cells[level] > high[level] {
+                    let Some(step) = (0..level).rev().find(|&step| cells[step] < high[step]) else { return };
+                    wanted[step] += 1;
+                    wanted[step + 1..].copy_from_slice(&low[step + 1..]);
+                } else {
+                    wanted[level..].copy_from_slice(&low[level..]);
+                }
+                break;
+            }
+        }
+    }
+}
+
+/// The first row whose cells are at least `wanted`; quick where `hint` is near.
+fn first_row_from<T: Real, const D: usize>(layout: &Layout<T, D>, wanted: &[i64; D], hint: usize) -> usize {
+    let rows = layout.rows();
+    let is_before = |row: usize| layout.row_cells(row) < *wanted;
+    let (mut start, mut end);
+    let mut step = 1;
+    if hint < rows && is_before(hint) {
+        start = hint + 1;
+        while start + step < rows && is_before(start + step) {
+            start += step + 1;
+            step *= 2;
+        }
+        end = rows.min(start + step);
+    } else {
+        end = hint.min(rows);
+        while end >= step && !is_before(end - step) {
+            end -= step;
+            step *= 2;
+        }
+        start = (end + 1).saturating_sub(step);
+    }
+    while start < end {
+        let middle = usize::midpoint(start, end);
+        if is_before(middle) {
+            start = middle + 1;
+        } else {
+            end = middle;
+        }
+    }
+    start
+}
