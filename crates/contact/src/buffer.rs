@@ -6,6 +6,7 @@ use crate::couple::Couple;
 use crate::elements::{Elements, Geometry, Shape};
 use crate::engine::{Detector, Engine};
 use crate::error::Error;
+use crate::filter::{GroupMatrix, Labels};
 use crate::real::Real;
 use crate::search::Search;
 
@@ -34,14 +35,14 @@ use crate::search::Search;
 ///
 /// # Shapes
 /// Elements of any shape; those of one update may lie in other arrays than those of the last. Element `i` is
-/// the same element throughout (if not, it has moved, and this is noticed).
+/// the same element throughout (if not, it has moved, and this is noticed). A filter that changes is noticed too.
 ///
 /// # Order
 /// That of the candidates, which is the order of the engine at the last detection. It depends on the sequence of updates.
 ///
 /// # Cost
 /// An update that keeps the candidates: one pass over the positions, and one over the candidates for the couples. One that
-/// detects: at most two passes over the positions, a search, and a copy of positions and radii. Memory: that of the search, the copy,
+/// detects: at most two passes over the positions, a search, and a copy of positions, radii and filter. Memory: that of the search, the copy,
 /// and 8 bytes per candidate.
 ///
 /// # Source
@@ -117,6 +118,11 @@ pub enum Reason {
     ShapeChanged,
     /// The tolerance of the elements differs.
     ToleranceChanged,
+    /// Which elements see each other differs, or may: the numbers of the filter, or its matrix.
+    FilterChanged {
+        /// The first element with other numbers; `None` if there is none, or if the filters are of different kinds.
+        element: Option<usize>,
+    },
     /// The buffer is zero, or no more than the rounding of coordinates and sizes: no motion at all is covered.
     BufferTooSmall,
 }
@@ -135,6 +141,10 @@ impl fmt::Display for Reason {
             Self::CountChanged { before, now } => write!(out, "{before} elements became {now}"),
             Self::ShapeChanged => out.write_str("the elements are of another kind"),
             Self::ToleranceChanged => out.write_str("the tolerance changed"),
+            Self::FilterChanged { element: Some(element) } => {
+                write!(out, "the filter changed, first for element {element}")
+            }
+            Self::FilterChanged { element: None } => out.write_str("the filter changed"),
             Self::BufferTooSmall => {
                 out.write_str("the buffer is no more than the rounding of the coordinates")
             }
@@ -166,6 +176,9 @@ struct Reference<T, const D: usize> {
     far_points: Vec<[T; D]>,
     /// The radius of each, or the one radius of all; empty for boxes.
     radii: Vec<T>,
+    /// The numbers of the filter, and its matrix.
+    labels: Labels,
+    matrix: Option<GroupMatrix>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -286,6 +299,8 @@ impl<T: Real, const D: usize> Reference<T, D> {
             points: Vec::new(),
             far_points: Vec::new(),
             radii: Vec::new(),
+            labels: Labels::default(),
+            matrix: None,
         }
     }
 
@@ -294,7 +309,10 @@ impl<T: Real, const D: usize> Reference<T, D> {
         self.kind = numbers.kind;
         copy(numbers.points, &mut self.points)?;
         copy(numbers.far_points, &mut self.far_points)?;
-        copy(numbers.radii, &mut self.radii)
+        copy(numbers.radii, &mut self.radii)?;
+        let matrix = elements.filter().and_then(|filter| filter.matrix());
+        self.matrix = matrix.map(GroupMatrix::copy).transpose()?;
+        self.labels.copy(elements.filter(), &[])
     }
 
     /// Why the candidates may lack a couple of `elements`; `None` if they cannot.
@@ -312,6 +330,10 @@ impl<T: Real, const D: usize> Reference<T, D> {
         if now.radii != self.radii {
             let element = now.radii.iter().zip(&self.radii).position(|(now, before)| now != before);
             return Some(Reason::SizeChanged { element: element.unwrap_or(0) });
+        }
+        let filter = elements.filter();
+        if !self.labels.equal(filter) || self.matrix.as_ref() != filter.and_then(|filter| filter.matrix()) {
+            return Some(Reason::FilterChanged { element: self.labels.first_change(filter) });
         }
         // Any common motion will do, so that of a sample is tried first: it saves a pass over all.
         let n = now.points.len();
@@ -425,7 +447,7 @@ impl<T: Real, const D: usize> Update<'_, T, D> {
         count
     }
 
-    /// Hands over the candidates that touch, some at a time.
+    /// Hands over the candidates that touch, some at a time. They see each other: the filter is that of the detection.
     fn touching(&self, visit: impl FnMut(&[Couple])) {
         match self.elements.shape {
             Shape::Equal(equal) => touching(equal, self.candidates, visit),

@@ -1,6 +1,7 @@
 //! The caller's elements: checked once, then trusted by every engine.
 
 use crate::error::Error;
+use crate::filter::Filter;
 use crate::real::Real;
 
 /// A view of N elements: centres with one radius, with a radius each, or axis-aligned boxes.
@@ -14,8 +15,9 @@ use crate::real::Real;
 /// - Spheres (discs, hyperspheres): `s = (r_i + r_j) + tolerance`; `d = x_i - x_j` per axis;
 ///   `((d_0 * d_0) + d_1 * d_1) + …  <=  s * s`, the axes in ascending order.
 /// - Boxes: `min_i <= max_j + tolerance` and `min_j <= max_i + tolerance` on every axis.
+/// - With a [`Filter`]: the same, and `i` and `j` see each other, [`Filter::admits`].
 ///
-/// Both are symmetric in i and j to the last bit. Squares lose precision when differences or radii are below about 1e-154 in `f64`
+/// All are symmetric in i and j to the last bit. Squares lose precision when differences or radii are below about 1e-154 in `f64`
 /// (1e-19 in `f32`), and vanish below 1.6e-162 (2.6e-23): such elements count as coincident.
 ///
 /// # Shapes
@@ -44,6 +46,7 @@ pub struct Elements<'a, T, const D: usize> {
     bounds: Bounds<D>,
     /// Largest box edge (diameter) of all elements.
     largest: f64,
+    filter: Option<Filter<'a>>,
 }
 
 /// One kind of element and its contact test.
@@ -109,7 +112,7 @@ impl<'a, T: Real, const D: usize> Elements<'a, T, D> {
         let bounds = check_points(centres)?;
         let reach = (radius + radius) + T::ZERO;
         let shape = Shape::Equal(EqualSpheres { centres, radius, reach_squared: reach * reach });
-        Ok(Self { shape, tolerance: T::ZERO, bounds, largest: 2.0 * radius.to_f64() })
+        Ok(Self { shape, tolerance: T::ZERO, bounds, largest: 2.0 * radius.to_f64(), filter: None })
     }
 
     /// Points that touch when they are at most `cutoff` apart: spheres of radius `cutoff / 2`.
@@ -141,7 +144,7 @@ impl<'a, T: Real, const D: usize> Elements<'a, T, D> {
         }
         let bounds = check_points(centres)?;
         let shape = Shape::Spheres(Spheres { centres, radii, tolerance: T::ZERO });
-        Ok(Self { shape, tolerance: T::ZERO, bounds, largest: 2.0 * largest.to_f64() })
+        Ok(Self { shape, tolerance: T::ZERO, bounds, largest: 2.0 * largest.to_f64(), filter: None })
     }
 
     /// Axis-aligned boxes from their minimum and maximum corners; an edge may be zero.
@@ -165,7 +168,7 @@ impl<'a, T: Real, const D: usize> Elements<'a, T, D> {
             }
         }
         let shape = Shape::Boxes(Boxes { min, max, tolerance: T::ZERO });
-        Ok(Self { shape, tolerance: T::ZERO, bounds, largest })
+        Ok(Self { shape, tolerance: T::ZERO, bounds, largest, filter: None })
     }
 
     /// The same elements, with a gap up to `tolerance` still counted as contact.
@@ -191,6 +194,16 @@ impl<'a, T: Real, const D: usize> Elements<'a, T, D> {
         Ok(self)
     }
 
+    /// The same elements, of which only those touch that see each other; replaces a filter that they had.
+    ///
+    /// # Errors
+    /// [`Error::LengthMismatch`]; [`Error::UnknownGroup`], which names the element.
+    pub fn with_filter(mut self, filter: Filter<'a>) -> Result<Self, Error> {
+        filter.check(self.len())?;
+        self.filter = Some(filter);
+        Ok(self)
+    }
+
     /// Number of elements.
     pub fn len(&self) -> usize {
         match self.shape {
@@ -210,6 +223,11 @@ impl<'a, T: Real, const D: usize> Elements<'a, T, D> {
         self.tolerance
     }
 
+    /// Which elements see each other; `None` if all do.
+    pub fn filter(&self) -> Option<Filter<'a>> {
+        self.filter
+    }
+
     /// Number of points: elements whose radius, or whose longest box edge, is exactly zero.
     pub fn points_among(&self) -> usize {
         match self.shape {
@@ -225,6 +243,9 @@ impl<'a, T: Real, const D: usize> Elements<'a, T, D> {
     /// # Panics
     /// When `i` or `j` is not below [`Elements::len`].
     pub fn touch(&self, i: usize, j: usize) -> bool {
+        if self.filter.is_some_and(|filter| !filter.admits(i, j)) {
+            return false;
+        }
         match self.shape {
             Shape::Equal(equal) => equal.touch(i, j),
             Shape::Spheres(spheres) => spheres.touch(i, j),
@@ -433,7 +454,7 @@ fn check_count(elements: usize) -> Result<(), Error> {
     Ok(())
 }
 
-fn check_lengths(what: &'static str, expected: usize, found: usize) -> Result<(), Error> {
+pub(crate) fn check_lengths(what: &'static str, expected: usize, found: usize) -> Result<(), Error> {
     if expected != found {
         return Err(Error::LengthMismatch { what, expected, found });
     }

@@ -73,12 +73,21 @@ pub enum Error {
     },
     /// Two arrays that describe the same elements differ in length.
     LengthMismatch {
-        /// What the second array holds: `"radii"` or `"maximum corners"`.
+        /// What the second array holds: `"radii"` or `"maximum corners"`, or `"bodies"`, `"categories"`, `"masks"` or `"groups"` of a filter.
         what: &'static str,
         /// Length of the first array, the centres or minimum corners.
         expected: usize,
         /// Length of the second.
         found: usize,
+    },
+    /// A group that the matrix of groups does not have.
+    UnknownGroup {
+        /// Zero-based number of the element of that group, or `None` where no element is meant.
+        index: Option<usize>,
+        /// The group.
+        group: u32,
+        /// Groups of the matrix, numbered from 0.
+        groups: usize,
     },
     /// More elements than the integers of an engine can number.
     TooManyElements {
@@ -257,6 +266,12 @@ impl fmt::Display for Error {
             Self::LengthMismatch { what, expected, found } => {
                 write!(out, "{expected} elements but {found} {what}")
             }
+            Self::UnknownGroup { index, group, groups } => {
+                if let Some(index) = index {
+                    write!(out, "element {index}: ")?;
+                }
+                write!(out, "group {group} is not below {groups}, the number of groups of the matrix")
+            }
             Self::TooManyElements { elements, limit } => {
                 write!(out, "{elements} elements; this engine numbers at most {limit}")
             }
@@ -352,7 +367,7 @@ impl Error {
             | Self::OutsideDomain { index, .. }
             | Self::OutsideBox { index, .. }
             | Self::TooFarFromBox { index, .. } => Some(*index),
-            Self::InvalidRadius { index, .. } => *index,
+            Self::InvalidRadius { index, .. } | Self::UnknownGroup { index, .. } => *index,
             Self::DomainTooWide { stretched_by, .. } => stretched_by.map(|(element, _)| element),
             _ => None,
         }

@@ -16,6 +16,7 @@
 //! | to search again and again in the same memory, without a list, or to count only | [`Detector`] and its [`Search`] methods |
 //! | elements that move a little between searches | [`Buffered`] |
 //! | the neighbours of each element, side by side, with a distance or another value | [`Csr`], [`Elements::distance_squared`] |
+//! | parts of one body not to touch, groups that do not see each other | [`Filter`], [`Elements::with_filter`] |
 //! | a box that repeats, rectangular or sheared | [`PeriodicBox`], [`PeriodicSearch`] |
 //! | to know beforehand what will run, and why | [`Detector::plan`] |
 //! | the fastest search, and nothing else | [`Rows`] |
@@ -40,6 +41,7 @@
 // In the order in which data flows.
 mod real;
 mod elements;
+mod filter;
 mod grid;
 mod lists;
 mod mask;
@@ -60,6 +62,7 @@ pub use csr::Csr;
 pub use elements::Elements;
 pub use engine::{Detector, Engine, Plan};
 pub use error::Error;
+pub use filter::{Filter, GroupMatrix};
 pub use grid::Grid;
 pub use lists::{Lists, NONE};
 pub use mask::{CONTACT_MASK, Set, mask_cells};

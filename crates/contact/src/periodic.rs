@@ -50,13 +50,16 @@ const MOST_IMAGES: usize = 1 << 30;
 /// is always the element of larger number whose image is compared; the image of the other one may round otherwise and decides nothing. Where all
 /// sums are exact, the result does not depend on the periods in which the caller has the elements.
 ///
+/// With a [`Filter`](crate::Filter) an image sees what its element sees. An element and its image are of one body, and of one group: whether they see
+/// each other is what the filter says of the element and itself, [`Filter::admits(i, i)`](crate::Filter::admits).
+///
 /// # Order
 /// That of the engine over the wrapped elements followed by the images, by element, then by shift. A function of the input alone.
 ///
 /// # Cost
 /// The search over `n` elements and `m` images. For an edge of height `h` and a reach `r` (largest diameter plus tolerance) there are about `2 r / h` images per
 /// element: few in a large box. A tilt lowers heights: of the bases of a lattice take one with short edges.
-/// Memory per element and image: `D` coordinates, `D` integers of 4 bytes, the radius if there is one for each, 4 bytes per image, and the engine. Boxes not wider than
+/// Memory per element and image: `D` coordinates, `D` integers of 4 bytes, the radius if there is one for each, the numbers of a filter, 4 bytes per image, and the engine. Boxes not wider than
 /// two reaches are searched by testing elements against elements and images, `n (n + m)` tests at most.
 ///
 /// # Source
@@ -140,7 +143,10 @@ impl<T: Real, const D: usize> PeriodicSearch<T, D> {
             Shape::Spheres(_) => Elements::spheres_with_radii(&images.centres, &images.radii),
             Shape::Boxes(_) => Err(Error::BoxesNotPeriodic),
         };
-        let all = all.and_then(|all| all.with_tolerance(elements.tolerance())).map_err(of_caller)?;
+        let mut all = all.and_then(|all| all.with_tolerance(elements.tolerance())).map_err(of_caller)?;
+        if let Some(filter) = elements.filter() {
+            all = all.with_filter(images.labels.filter(filter))?;
+        }
 
         if self.engine == Engine::Direct || (self.engine == Engine::Auto && images.compact) {
             let mut image = 0;

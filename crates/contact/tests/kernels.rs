@@ -5,7 +5,7 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failed unwrap is a failed test")]
 
-use fdem_contact::{Couple, Direct, Elements, Real, Rows, Search, Simd};
+use fdem_contact::{Couple, Direct, Elements, Filter, GroupMatrix, Real, Rows, Search, Simd};
 
 /// Beyond two of the widest vectors, 16 lanes.
 const LONGEST: usize = 40;
@@ -36,6 +36,23 @@ fn check<T: Real, const D: usize>(elements: &Elements<'_, T, D>) {
     }
 }
 
+/// Every kind of filter, on numbers in arrays as short as the others.
+fn check_filters<T: Real, const D: usize>(elements: &Elements<'_, T, D>) {
+    let numbers = |number: fn(u32) -> u32| -> Box<[u32]> { (0..elements.len() as u32).map(number).collect() };
+    let (bodies, groups) = (numbers(|k| k / 2), numbers(|k| k * 7 % 33));
+    let (categories, masks) = (numbers(|k| 1 << (k % 3)), numbers(|k| 3 << (k % 2)));
+    let mut matrix = GroupMatrix::all(33).unwrap();
+    (0..33).for_each(|group| matrix.set(group, 32 - group, false).unwrap());
+    let filters = [
+        Filter::bodies(&bodies),
+        Filter::masks(&categories, &masks),
+        Filter::groups(&groups, &matrix).with_bodies(&bodies),
+    ];
+    for filter in filters {
+        check(&elements.with_filter(filter).unwrap());
+    }
+}
+
 fn check_all<T: Real, const D: usize>() {
     eprintln!("levels: {:?}", Simd::available());
     for n in 1..=LONGEST {
@@ -46,6 +63,8 @@ fn check_all<T: Real, const D: usize>() {
             check(&Elements::spheres(&points, T::HALF).unwrap().with_tolerance(tolerance).unwrap());
             check(&Elements::spheres_with_radii(&points, &radii).unwrap());
             check(&Elements::spheres_with_radii(&points, &radii).unwrap().with_tolerance(tolerance).unwrap());
+            check_filters(&Elements::points(&points, T::HALF).unwrap());
+            check_filters(&Elements::spheres_with_radii(&points, &radii).unwrap());
         }
     }
 }
@@ -87,8 +106,14 @@ fn several_threads() {
     let mut one = Vec::new();
     Rows::new().couples(&elements, &mut one).unwrap();
     assert!(one.len() > 20_000);
+    let bodies: Box<[u32]> = (0..21_000).map(|k| k / 2).collect();
+    let filtered = elements.with_filter(Filter::bodies(&bodies)).unwrap();
+    let mut fewer = one.clone();
+    fewer.retain(|couple| couple.i / 2 != couple.j / 2);
     if let Ok(mut rows) = Rows::new().with_threads(3) {
         let mut three = Vec::new();
+        rows.couples(&filtered, &mut three).unwrap();
+        assert_eq!(three, fewer);
         rows.couples(&elements, &mut three).unwrap();
         assert_eq!(three, one);
         assert_eq!(rows.count(&elements), Ok(one.len() as u64));

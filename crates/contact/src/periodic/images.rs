@@ -2,6 +2,7 @@
 
 use crate::elements::{Elements, Shape};
 use crate::error::Error;
+use crate::filter::Labels;
 use crate::periodic::cell::{MAX_PERIODS, PeriodicBox, norm};
 use crate::real::Real;
 use crate::search::rows::{reserve, resize};
@@ -15,6 +16,8 @@ use crate::search::rows::{reserve, resize};
 pub(crate) struct Images<T, const D: usize> {
     pub(crate) centres: Vec<[T; D]>,
     pub(crate) radii: Vec<T>,
+    /// The filter's numbers, as many as centres; an image has those of its owner.
+    pub(crate) labels: Labels,
     /// Periods that each element was away from the box.
     pub(crate) periods: Vec<[i32; D]>,
     /// A bit for each element: whether it was away at all. Most are not, and these bits stay in cache where `periods` does not.
@@ -49,6 +52,7 @@ impl<T: Real, const D: usize> Images<T, D> {
         Self {
             centres: Vec::new(),
             radii: Vec::new(),
+            labels: Labels::default(),
             periods: Vec::new(),
             away: Vec::new(),
             owners: Vec::new(),
@@ -102,7 +106,7 @@ impl<T: Real, const D: usize> Images<T, D> {
         if let Shape::Spheres(spheres) = elements.shape {
             self.radii.extend(self.owners.iter().map(|&owner| spheres.radii()[owner as usize]));
         }
-        Ok(())
+        self.labels.copy(elements.filter(), &self.owners)
     }
 
     /// Periods that an element was away from the box.

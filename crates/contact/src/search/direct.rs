@@ -3,6 +3,7 @@
 use crate::couple::Couple;
 use crate::elements::{Elements, Geometry, Shape};
 use crate::error::Error;
+use crate::filter::{Filter, Filtered};
 use crate::real::Real;
 use crate::search::Search;
 
@@ -22,11 +23,18 @@ pub struct Direct;
 impl<T: Real, const D: usize> Search<T, D> for Direct {
     fn for_each(&mut self, elements: &Elements<'_, T, D>, visit: impl FnMut(Couple)) -> Result<(), Error> {
         match elements.shape {
-            Shape::Equal(equal) => all_against_all(equal, visit),
-            Shape::Spheres(spheres) => all_against_all(spheres, visit),
-            Shape::Boxes(boxes) => all_against_all(boxes, visit),
+            Shape::Equal(equal) => filtered(equal, elements.filter(), visit),
+            Shape::Spheres(spheres) => filtered(spheres, elements.filter(), visit),
+            Shape::Boxes(boxes) => filtered(boxes, elements.filter(), visit),
         }
         Ok(())
+    }
+}
+
+fn filtered(geometry: impl Geometry, filter: Option<Filter<'_>>, visit: impl FnMut(Couple)) {
+    match filter {
+        None => all_against_all(geometry, visit),
+        Some(filter) => all_against_all(Filtered { geometry, filter }, visit),
     }
 }
 

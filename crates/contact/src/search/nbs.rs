@@ -3,6 +3,7 @@
 use crate::couple::Couple;
 use crate::elements::{Elements, Geometry, Shape};
 use crate::error::Error;
+use crate::filter::Filtered;
 use crate::grid::Grid;
 use crate::lists::{Lists, MAX_LISTED, NONE};
 use crate::mask::{CONTACT_MASK, Set};
@@ -151,9 +152,22 @@ impl<const D: usize> Nbs<D> {
         visit: impl FnMut(Couple),
     ) -> Result<(), Error> {
         match elements.shape {
-            Shape::Equal(equal) => self.search(elements, equal, observer, visit),
-            Shape::Spheres(spheres) => self.search(elements, spheres, observer, visit),
-            Shape::Boxes(boxes) => self.search(elements, boxes, observer, visit),
+            Shape::Equal(equal) => self.filtered(elements, equal, observer, visit),
+            Shape::Spheres(spheres) => self.filtered(elements, spheres, observer, visit),
+            Shape::Boxes(boxes) => self.filtered(elements, boxes, observer, visit),
+        }
+    }
+
+    fn filtered<T: Real>(
+        &mut self,
+        elements: &Elements<'_, T, D>,
+        geometry: impl Geometry,
+        observer: &mut impl Observer<D>,
+        visit: impl FnMut(Couple),
+    ) -> Result<(), Error> {
+        match elements.filter() {
+            None => self.search(elements, geometry, observer, visit),
+            Some(filter) => self.search(elements, Filtered { geometry, filter }, observer, visit),
         }
     }
 

@@ -13,6 +13,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use crate::couple::Couple;
 use crate::elements::{Elements, Shape};
 use crate::error::Error;
+use crate::filter::Filter;
 use crate::grid::Grid;
 use crate::pool::Pool;
 use crate::real::Real;
@@ -45,7 +46,7 @@ use scatter::append;
 /// Time proportional to N for similar sizes: some tens of nanoseconds per element and core. Memory per
 /// element: `D` coordinates, and the radius if there is one for each; 4 bytes of id; at most 4 of row start, 4 of row
 /// number, 2 of row counts, or 16 to 20 for domains with more rows than elements. In 3D and `f64` 28 to 48 bytes, and 8 more
-/// with radii. Nothing grows with the domain.
+/// with radii; with a [`Filter`] 4 to 12 more. Nothing grows with the domain.
 ///
 /// # Source
 /// The decomposition: A. Munjiza, K.R.F. Andrews, Int. J. Numer. Meth. Engng 43 (1998) 131-149. Rows, windows and vectors are ours.
@@ -182,6 +183,9 @@ impl<T: Real, const D: usize> Rows<T, D> {
             Shape::Spheres(spheres) => layout.build(spheres.points(), spheres.radii(), grid, pool),
             Shape::Boxes(boxes) => layout.build(boxes.points(), &[], grid, pool),
         }?;
+        // Boxes are compared by `Elements::touch`, filter and all.
+        let filter = elements.filter().filter(|_| !matches!(elements.shape, Shape::Boxes(_)));
+        layout.label(filter, pool)?;
         let ids = &layout.ids;
         let spheres = |task: &Task<'_, T, D>, out: &mut Output<'_>| T::search(simd, task, out);
         let boxes = |task: &Task<'_, T, D>, out: &mut Output<'_>| {
@@ -199,6 +203,7 @@ impl<T: Real, const D: usize> Rows<T, D> {
                 T::ZERO
             },
             tolerance: elements.tolerance(),
+            filters: [filter; 2],
             search_row: if matches!(elements.shape, Shape::Boxes(_)) { &boxes } else { &spheres },
         };
         search(&scan, pool, parts)
@@ -241,6 +246,8 @@ struct Scan<'a, T, const D: usize> {
     reach: T,
     reach_squared: T,
     tolerance: T,
+    /// Those with which the layout, and the other one, were labelled; the same twice in one set.
+    filters: [Option<Filter<'a>>; 2],
     search_row: &'a (dyn Fn(&Task<'_, T, D>, &mut Output<'_>) + Sync),
 }
 
@@ -393,8 +400,8 @@ impl<T: Real, const D: usize> Scan<'_, T, D> {
         out: &mut Output<'_>,
     ) {
         let task = Task {
-            own: self.layout.arrays(),
-            other: other.arrays(),
+            own: self.layout.arrays(self.filters[0]),
+            other: other.arrays(self.filters[1]),
             two_sets: self.against.is_some(),
             row: Span { start: places.start, len: places.len() },
             from: stretch.start,
@@ -483,6 +490,7 @@ fn half_mask<const D: usize>() -> Vec<[i64; D]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::filter::GroupMatrix;
     use crate::simd::Kernels;
 
     #[test]
@@ -520,8 +528,34 @@ mod tests {
             let touching = fixed.iter().enumerate().filter(|(_, b)| squares(a, b) <= reach * reach);
             expected.extend(touching.map(|(j, _)| Couple { i: i as u32, j: j as u32 }));
         }
-        let mut order: Option<Vec<Couple>> = None;
-        for simd in Simd::available() {
+        let numbers = |n: u32, number: fn(u32) -> u32| -> Vec<u32> { (0..n).map(number).collect() };
+        let numbered = |n| {
+            let groups = numbers(n, |k| k * 7 % 40);
+            (numbers(n, |k| k % 5), numbers(n, |k| 1 << (k % 3)), numbers(n, |k| 3 << (k % 2)), groups)
+        };
+        let (ours, theirs) = (numbered(300), numbered(400));
+        let mut matrix = GroupMatrix::all(40).unwrap();
+        (0..40).for_each(|group| matrix.set(group, group / 2, false).unwrap());
+        let filters = |kind: usize| {
+            [&ours, &theirs].map(|(bodies, categories, masks, groups)| match kind {
+                0 => None,
+                1 => Some(Filter::bodies(bodies)),
+                2 => Some(Filter::masks(categories, masks)),
+                _ => Some(Filter::groups(groups, &matrix).with_bodies(bodies)),
+            })
+        };
+        let mut order = Vec::new();
+        for (kind, simd) in
+            (0..4).flat_map(|kind| Simd::available().into_iter().map(move |simd| (kind, simd)))
+        {
+            let filters = filters(kind);
+            own.label(filters[0], &pool).unwrap();
+            other.label(filters[1], &pool).unwrap();
+            let mut expected = expected.clone();
+            expected.retain(|&Couple { i, j }| match filters {
+                [Some(ours), Some(theirs)] => ours.admits_of(i as usize, &theirs, j as usize),
+                _ => true,
+            });
             let search_row = |task: &Task<'_, f64, D>, out: &mut Output<'_>| f64::search(simd, task, out);
             let scan = Scan {
                 layout: &own,
@@ -529,13 +563,17 @@ mod tests {
                 reach: elements.reach(),
                 reach_squared: reach * reach,
                 tolerance: 0.0,
+                filters,
                 search_row: &search_row,
             };
             let mut couples = Vec::new();
             scan.all(&pool, &mut Vec::new(), Sink::List(&mut couples)).unwrap();
-            assert_eq!(order.get_or_insert_with(|| couples.clone()), &couples, "{simd}: the order");
+            if simd == Simd::Portable {
+                order.clone_from(&couples);
+            }
+            assert_eq!(order, couples, "{simd}: the order");
             couples.sort_unstable();
-            assert_eq!(couples, expected, "{simd}, cell {cell}, reach {reach}, shift {shift}");
+            assert_eq!(couples, expected, "{simd}, filter {kind}, cell {cell}, reach {reach}, shift {shift}");
             let mut count = 0;
             scan.all(&pool, &mut Vec::new(), Sink::Count(&mut count)).unwrap();
             assert_eq!(count, expected.len() as u64);

@@ -66,6 +66,38 @@ impl Vector<f64> for F64x4 {
     }
 
     #[inline(always)]
+    unsafe fn equal(number: u32, from: *const u32) -> u32 {
+        // SAFETY: the contract of `Vector`.
+        unsafe {
+            let equal = _mm_cmpeq_epi32(_mm_loadu_si128(from.cast()), _mm_set1_epi32(number.cast_signed()));
+            _mm_movemask_ps(_mm_castsi128_ps(equal)).cast_unsigned()
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn overlap(bits: u32, from: *const u32) -> u32 {
+        // SAFETY: the contract of `Vector`.
+        unsafe {
+            let common = _mm_and_si128(_mm_loadu_si128(from.cast()), _mm_set1_epi32(bits.cast_signed()));
+            let none = _mm_cmpeq_epi32(common, _mm_setzero_si128());
+            _mm_movemask_ps(_mm_castsi128_ps(none)).cast_unsigned() ^ 0xf
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn set(row: *const u32, from: *const u32) -> u32 {
+        // SAFETY: the contract of `Vector`.
+        unsafe {
+            let groups = _mm_loadu_si128(from.cast());
+            let words = _mm_i32gather_epi32::<4>(row.cast(), _mm_srli_epi32::<5>(groups));
+            // The bit of the group becomes the sign.
+            let shifts = _mm_andnot_si128(groups, _mm_set1_epi32(31));
+            let signs = _mm_sllv_epi32(words, shifts);
+            _mm_movemask_ps(_mm_castsi128_ps(signs)).cast_unsigned()
+        }
+    }
+
+    #[inline(always)]
     unsafe fn store<const TWO_SETS: bool>(id: u32, ids: *const u32, hits: u32, to: *mut Couple) {
         // SAFETY: the contract of `Vector`; a couple is two u32, and four lanes have 16 masks, below 256.
         unsafe {
@@ -100,6 +132,40 @@ impl Vector<f32> for F32x8 {
     unsafe fn below(self, other: Self) -> u32 {
         // SAFETY: the contract of `Vector`.
         unsafe { _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(self.0, other.0)).cast_unsigned() }
+    }
+
+    #[inline(always)]
+    unsafe fn equal(number: u32, from: *const u32) -> u32 {
+        // SAFETY: the contract of `Vector`.
+        unsafe {
+            let equal =
+                _mm256_cmpeq_epi32(_mm256_loadu_si256(from.cast()), _mm256_set1_epi32(number.cast_signed()));
+            _mm256_movemask_ps(_mm256_castsi256_ps(equal)).cast_unsigned()
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn overlap(bits: u32, from: *const u32) -> u32 {
+        // SAFETY: the contract of `Vector`.
+        unsafe {
+            let common =
+                _mm256_and_si256(_mm256_loadu_si256(from.cast()), _mm256_set1_epi32(bits.cast_signed()));
+            let none = _mm256_cmpeq_epi32(common, _mm256_setzero_si256());
+            _mm256_movemask_ps(_mm256_castsi256_ps(none)).cast_unsigned() ^ 0xff
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn set(row: *const u32, from: *const u32) -> u32 {
+        // SAFETY: the contract of `Vector`.
+        unsafe {
+            let groups = _mm256_loadu_si256(from.cast());
+            let words = _mm256_i32gather_epi32::<4>(row.cast(), _mm256_srli_epi32::<5>(groups));
+            // The bit of the group becomes the sign.
+            let shifts = _mm256_andnot_si256(groups, _mm256_set1_epi32(31));
+            let signs = _mm256_sllv_epi32(words, shifts);
+            _mm256_movemask_ps(_mm256_castsi256_ps(signs)).cast_unsigned()
+        }
     }
 
     #[inline(always)]

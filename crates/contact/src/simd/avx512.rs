@@ -48,6 +48,41 @@ impl Vector<f64> for F64x8 {
     }
 
     #[inline(always)]
+    unsafe fn equal(number: u32, from: *const u32) -> u32 {
+        // SAFETY: the contract of `Vector`.
+        unsafe {
+            u32::from(_mm256_cmpeq_epi32_mask(
+                _mm256_loadu_si256(from.cast()),
+                _mm256_set1_epi32(number.cast_signed()),
+            ))
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn overlap(bits: u32, from: *const u32) -> u32 {
+        // SAFETY: the contract of `Vector`.
+        unsafe {
+            u32::from(_mm256_test_epi32_mask(
+                _mm256_loadu_si256(from.cast()),
+                _mm256_set1_epi32(bits.cast_signed()),
+            ))
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn set(row: *const u32, from: *const u32) -> u32 {
+        // SAFETY: the contract of `Vector`.
+        unsafe {
+            let groups = _mm256_loadu_si256(from.cast());
+            let words = _mm256_i32gather_epi32::<4>(row.cast(), _mm256_srli_epi32::<5>(groups));
+            // The bit of the group becomes the sign.
+            let shifts = _mm256_andnot_si256(groups, _mm256_set1_epi32(31));
+            let signs = _mm256_sllv_epi32(words, shifts);
+            _mm256_movemask_ps(_mm256_castsi256_ps(signs)).cast_unsigned()
+        }
+    }
+
+    #[inline(always)]
     unsafe fn store<const TWO_SETS: bool>(id: u32, ids: *const u32, hits: u32, to: *mut Couple) {
         // SAFETY: the contract of `Vector`; a couple is two u32.
         unsafe {
@@ -83,6 +118,41 @@ impl Vector<f32> for F32x16 {
     unsafe fn below(self, other: Self) -> u32 {
         // SAFETY: the contract of `Vector`.
         u32::from(unsafe { _mm512_cmp_ps_mask::<_CMP_LT_OQ>(self.0, other.0) })
+    }
+
+    #[inline(always)]
+    unsafe fn equal(number: u32, from: *const u32) -> u32 {
+        // SAFETY: the contract of `Vector`.
+        unsafe {
+            u32::from(_mm512_cmpeq_epi32_mask(
+                _mm512_loadu_si512(from.cast()),
+                _mm512_set1_epi32(number.cast_signed()),
+            ))
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn overlap(bits: u32, from: *const u32) -> u32 {
+        // SAFETY: the contract of `Vector`.
+        unsafe {
+            u32::from(_mm512_test_epi32_mask(
+                _mm512_loadu_si512(from.cast()),
+                _mm512_set1_epi32(bits.cast_signed()),
+            ))
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn set(row: *const u32, from: *const u32) -> u32 {
+        // SAFETY: the contract of `Vector`.
+        unsafe {
+            let groups = _mm512_loadu_si512(from.cast());
+            let words = _mm512_i32gather_epi32::<4>(_mm512_srli_epi32::<5>(groups), row.cast());
+            // The bit of the group becomes the sign.
+            let shifts = _mm512_andnot_si512(groups, _mm512_set1_epi32(31));
+            let signs = _mm512_sllv_epi32(words, shifts);
+            u32::from(_mm512_cmplt_epi32_mask(signs, _mm512_setzero_si512()))
+        }
     }
 
     #[inline(always)]

@@ -1,6 +1,7 @@
 //! The search over one row, written once for all vector instructions.
 
 use crate::couple::Couple;
+use crate::filter::{Filter, GroupMatrix, Sight};
 
 /// One row, as the arrays of the layout have it.
 #[derive(Clone, Copy, Debug)]
@@ -30,6 +31,8 @@ pub(crate) struct Arrays<'a, T> {
     /// Empty for elements of one radius.
     pub(crate) radii: &'a [T],
     pub(crate) ids: &'a [u32],
+    /// Which elements see each other, by their place in the arrays; as long as `ids`. All groups are ones of the matrix, also behind the last element.
+    pub(crate) filter: Option<Filter<'a>>,
 }
 
 /// A stretch of a row, to be compared with the rest of its row and with the neighbour rows.
@@ -39,7 +42,8 @@ pub(crate) struct Arrays<'a, T> {
 pub struct Task<'a, T, const D: usize> {
     /// Where the row is.
     pub(crate) own: Arrays<'a, T>,
-    /// Where the neighbour rows are: the same arrays, unless there are two sets. Either both have radii or none.
+    /// Where the neighbour rows are: the same arrays, unless there are two sets. Either both have radii or none, and either both
+    /// have filters of one kind, with one matrix, or none.
     pub(crate) other: Arrays<'a, T>,
     pub(crate) two_sets: bool,
     pub(crate) row: Span,
@@ -94,6 +98,15 @@ pub(crate) trait Vector<T>: Copy {
 
     /// A bit for each lane, the first lane lowest: `self < other`.
     unsafe fn below(self, other: Self) -> u32;
+
+    /// A bit for each lane, the first lane lowest: whether the number there is `number`. `LANES` of them are readable from `from` on.
+    unsafe fn equal(number: u32, from: *const u32) -> u32;
+
+    /// The same: whether the number there and `bits` have a bit in common.
+    unsafe fn overlap(bits: u32, from: *const u32) -> u32;
+
+    /// The same: whether bit `g` of `row`, words of 32, is set, where `g` is the number there. `row` has a word for each of the `LANES` numbers.
+    unsafe fn set(row: *const u32, from: *const u32) -> u32;
 
     /// Stores the couples of `id` with those of the `LANES` readable `ids` whose bit in `hits` is set, in order: smaller number first,
     /// or with `TWO_SETS` that of `id`. `to` must be writable for `LANES` couples.
@@ -169,11 +182,15 @@ pub(crate) unsafe fn search<T, V, const D: usize, const TWO_SETS: bool>(
 {
     // SAFETY: all blocks of this function rest on its own contract; each adds why its place is inside.
     unsafe {
-        match (task.own.radii.is_empty(), out.count_only) {
-            (true, false) => stretch::<T, V, D, TWO_SETS, false, false>(task, out),
-            (true, true) => stretch::<T, V, D, TWO_SETS, false, true>(task, out),
-            (false, false) => stretch::<T, V, D, TWO_SETS, true, false>(task, out),
-            (false, true) => stretch::<T, V, D, TWO_SETS, true, true>(task, out),
+        match (task.own.radii.is_empty(), out.count_only, task.own.filter.is_some()) {
+            (true, false, false) => stretch::<T, V, D, TWO_SETS, false, false, false>(task, out),
+            (true, true, false) => stretch::<T, V, D, TWO_SETS, false, true, false>(task, out),
+            (false, false, false) => stretch::<T, V, D, TWO_SETS, true, false, false>(task, out),
+            (false, true, false) => stretch::<T, V, D, TWO_SETS, true, true, false>(task, out),
+            (true, false, true) => stretch::<T, V, D, TWO_SETS, false, false, true>(task, out),
+            (true, true, true) => stretch::<T, V, D, TWO_SETS, false, true, true>(task, out),
+            (false, false, true) => stretch::<T, V, D, TWO_SETS, true, false, true>(task, out),
+            (false, true, true) => stretch::<T, V, D, TWO_SETS, true, true, true>(task, out),
         }
     }
 }
@@ -185,6 +202,7 @@ struct Element<T, V, const D: usize> {
     id: u32,
     /// Elements beyond this coordinate do not touch it.
     high: T,
+    label: Label,
 }
 
 /// The arrays of one row, by address, so that the inner loop has nothing to compute.
@@ -195,6 +213,8 @@ struct Row<T, const D: usize> {
     along: *const T,
     radii: *const T,
     ids: *const u32,
+    /// Where the row starts in the arrays of a filter.
+    start: usize,
     len: usize,
 }
 
@@ -208,13 +228,124 @@ impl<T, const D: usize> Row<T, D> {
             along: axis(long),
             radii: arrays.radii.as_ptr().wrapping_add(start),
             ids: arrays.ids.as_ptr().wrapping_add(start),
+            start,
             len,
         }
     }
 }
 
+/// The arrays of a filter, by address; null for those that it does not have.
+#[derive(Clone, Copy)]
+struct Labels<'a> {
+    bodies: *const u32,
+    /// Categories, or groups of more than fit a word.
+    categories: *const u32,
+    masks: *const u32,
+    matrix: Option<&'a GroupMatrix>,
+}
+
+/// What a filter says of one element.
+#[derive(Clone, Copy)]
+struct Label {
+    body: u32,
+    category: u32,
+    mask: u32,
+    /// The groups that the element sees, a bit each.
+    groups: *const u32,
+}
+
+const NO_LABELS: Labels<'_> =
+    Labels { bodies: std::ptr::null(), categories: std::ptr::null(), masks: std::ptr::null(), matrix: None };
+
+const NO_LABEL: Label = Label { body: 0, category: 0, mask: 0, groups: std::ptr::null() };
+
+impl<'a> Labels<'a> {
+    #[inline(always)]
+    fn new<T>(arrays: &Arrays<'a, T>) -> Self {
+        let mut labels = NO_LABELS;
+        let Some(Filter { bodies, sight }) = arrays.filter else { return labels };
+        let len = arrays.ids.len();
+        if let Some(bodies) = bodies {
+            labels.bodies = bodies[..len].as_ptr();
+        }
+        match sight {
+            Sight::All => {}
+            Sight::Masks { categories, masks } => {
+                labels.categories = categories[..len].as_ptr();
+                labels.masks = masks[..len].as_ptr();
+            }
+            Sight::Groups { groups, matrix } => {
+                labels.categories = groups[..len].as_ptr();
+                labels.matrix = Some(matrix);
+            }
+        }
+        labels
+    }
+
+    /// Whether the two are of one kind, and of one number of groups.
+    fn are_like(&self, other: &Self) -> bool {
+        [self.bodies, self.categories, self.masks].map(<*const u32>::is_null)
+            == [other.bodies, other.categories, other.masks].map(<*const u32>::is_null)
+            && self.matrix.map(GroupMatrix::groups) == other.matrix.map(GroupMatrix::groups)
+    }
+
+    /// The numbers of one element.
+    ///
+    /// # Safety
+    /// `place` is inside the arrays.
+    #[inline(always)]
+    unsafe fn of(&self, place: usize) -> Label {
+        let mut label = NO_LABEL;
+        // SAFETY: the contract of this function.
+        unsafe {
+            if !self.bodies.is_null() {
+                label.body = *self.bodies.add(place);
+            }
+            if !self.categories.is_null() {
+                label.category = *self.categories.add(place);
+            }
+            if !self.masks.is_null() {
+                label.mask = *self.masks.add(place);
+            }
+        }
+        if let Some(matrix) = self.matrix {
+            label.groups = matrix.row(label.category).as_ptr();
+        }
+        label
+    }
+
+    /// Those of `hits` that the element sees, among the elements from `place` on.
+    ///
+    /// # Safety
+    /// The instructions of `V` are there, `place` and the next `V::LANES` are inside the arrays, and all groups are ones of the matrix.
+    #[inline(always)]
+    unsafe fn admitted<T, V: Vector<T>>(&self, label: &Label, place: usize, mut hits: u32) -> u32 {
+        // SAFETY: the contract of this function. A row of the matrix has a bit for each group.
+        unsafe {
+            if !self.bodies.is_null() {
+                hits &= !V::equal(label.body, self.bodies.add(place));
+            }
+            if !self.masks.is_null() {
+                hits &= V::overlap(label.mask, self.categories.add(place))
+                    & V::overlap(label.category, self.masks.add(place));
+            } else if self.matrix.is_some() {
+                hits &= V::set(label.groups, self.categories.add(place));
+            }
+        }
+        hits
+    }
+}
+
 #[inline(always)]
-unsafe fn stretch<T, V, const D: usize, const TWO_SETS: bool, const RADII: bool, const COUNT: bool>(
+unsafe fn stretch<
+    T,
+    V,
+    const D: usize,
+    const TWO_SETS: bool,
+    const RADII: bool,
+    const COUNT: bool,
+    const FILTER: bool,
+>(
     task: &Task<'_, T, D>,
     out: &mut Output<'_>,
 ) where
@@ -229,6 +360,9 @@ unsafe fn stretch<T, V, const D: usize, const TWO_SETS: bool, const RADII: bool,
     }
     assert!(task.neighbours.iter().all(|neighbour| neighbour.low <= neighbour.row.len));
     assert!(task.from <= task.to && task.to <= task.row.len);
+    let (own_labels, labels) =
+        if FILTER { (Labels::new(&task.own), Labels::new(&task.other)) } else { (NO_LABELS, NO_LABELS) };
+    assert!(!FILTER || own_labels.are_like(&labels));
     let own = Row::new(&task.own, task.long, task.row);
     // Up to 3D there are at most four neighbour rows, and nothing is allocated.
     let mut few = [(own, 0); 4];
@@ -255,12 +389,14 @@ unsafe fn stretch<T, V, const D: usize, const TWO_SETS: bool, const RADII: bool,
                 *x = V::splat(*axis.add(k));
             }
             let radius = if RADII { V::splat(*own.radii.add(k)) } else { tolerance };
-            let element = Element { centre, radius, id: *own.ids.add(k), high: x + task.reach };
+            let label = if FILTER { own_labels.of(own.start + k) } else { NO_LABEL };
+            let element = Element { centre, radius, id: *own.ids.add(k), high: x + task.reach, label };
             if !TWO_SETS {
-                window::<T, V, D, TWO_SETS, RADII, COUNT>(
+                window::<T, V, D, TWO_SETS, RADII, COUNT, FILTER>(
                     &own,
                     k + 1,
                     &element,
+                    &labels,
                     reach_squared,
                     tolerance,
                     &mut writer,
@@ -281,10 +417,11 @@ unsafe fn stretch<T, V, const D: usize, const TWO_SETS: bool, const RADII: bool,
                 // Lanes behind the row count for nothing.
                 first = first.min(row.len);
                 *low = first;
-                window::<T, V, D, TWO_SETS, RADII, COUNT>(
+                window::<T, V, D, TWO_SETS, RADII, COUNT, FILTER>(
                     row,
                     first,
                     &element,
+                    &labels,
                     reach_squared,
                     tolerance,
                     &mut writer,
@@ -301,10 +438,20 @@ unsafe fn stretch<T, V, const D: usize, const TWO_SETS: bool, const RADII: bool,
 /// # Safety
 /// As [`search`]; `first` is at most the length of the row.
 #[inline(always)]
-unsafe fn window<T, V, const D: usize, const TWO_SETS: bool, const RADII: bool, const COUNT: bool>(
+#[allow(clippy::too_many_arguments, reason = "inlined: they stay in registers")]
+unsafe fn window<
+    T,
+    V,
+    const D: usize,
+    const TWO_SETS: bool,
+    const RADII: bool,
+    const COUNT: bool,
+    const FILTER: bool,
+>(
     row: &Row<T, D>,
     first: usize,
     element: &Element<T, V, D>,
+    labels: &Labels<'_>,
     reach_squared: V,
     tolerance: V,
     writer: &mut Writer,
@@ -332,6 +479,9 @@ unsafe fn window<T, V, const D: usize, const TWO_SETS: bool, const RADII: bool, 
             let mut hits = sum.at_most(limit);
             if j + V::LANES > row.len {
                 hits &= first_lanes(row.len - j);
+            }
+            if FILTER {
+                hits = labels.admitted::<T, V>(&element.label, row.start + j, hits);
             }
             let found = hits.count_ones() as usize;
             if COUNT {

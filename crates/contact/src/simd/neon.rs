@@ -51,6 +51,23 @@ unsafe fn store<const LANES: usize, const TWO_SETS: bool>(
     }
 }
 
+/// Looks the words up one by one; there is no gather.
+///
+/// # Safety
+/// As [`Vector::set`].
+#[inline(always)]
+unsafe fn set<const LANES: usize>(row: *const u32, from: *const u32) -> u32 {
+    let mut bits = 0;
+    for lane in 0..LANES {
+        // SAFETY: the contract of this function.
+        unsafe {
+            let group = *from.add(lane);
+            bits |= (*row.add(group as usize / 32) >> (group % 32) & 1) << lane;
+        }
+    }
+    bits
+}
+
 #[derive(Clone, Copy)]
 struct F64x2(float64x2_t);
 
@@ -78,6 +95,24 @@ impl Vector<f64> for F64x2 {
     unsafe fn below(self, other: Self) -> u32 {
         // SAFETY: the contract of `Vector`.
         unsafe { Self::bits(vcltq_f64(self.0, other.0)) }
+    }
+
+    #[inline(always)]
+    unsafe fn equal(number: u32, from: *const u32) -> u32 {
+        // SAFETY: the contract of `Vector`.
+        unsafe { Self::bits(vmovl_u32(vceq_u32(vld1_u32(from), vdup_n_u32(number)))) }
+    }
+
+    #[inline(always)]
+    unsafe fn overlap(bits: u32, from: *const u32) -> u32 {
+        // SAFETY: the contract of `Vector`.
+        unsafe { Self::bits(vmovl_u32(vtst_u32(vld1_u32(from), vdup_n_u32(bits)))) }
+    }
+
+    #[inline(always)]
+    unsafe fn set(row: *const u32, from: *const u32) -> u32 {
+        // SAFETY: the contract of `Vector`.
+        unsafe { set::<2>(row, from) }
     }
 
     #[inline(always)]
@@ -115,6 +150,24 @@ impl Vector<f32> for F32x4 {
     unsafe fn below(self, other: Self) -> u32 {
         // SAFETY: the contract of `Vector`.
         unsafe { Self::bits(vcltq_f32(self.0, other.0)) }
+    }
+
+    #[inline(always)]
+    unsafe fn equal(number: u32, from: *const u32) -> u32 {
+        // SAFETY: the contract of `Vector`.
+        unsafe { Self::bits(vceqq_u32(vld1q_u32(from), vdupq_n_u32(number))) }
+    }
+
+    #[inline(always)]
+    unsafe fn overlap(bits: u32, from: *const u32) -> u32 {
+        // SAFETY: the contract of `Vector`.
+        unsafe { Self::bits(vtstq_u32(vld1q_u32(from), vdupq_n_u32(bits))) }
+    }
+
+    #[inline(always)]
+    unsafe fn set(row: *const u32, from: *const u32) -> u32 {
+        // SAFETY: the contract of `Vector`.
+        unsafe { set::<4>(row, from) }
     }
 
     #[inline(always)]

@@ -22,7 +22,11 @@ pub(crate) fn search<T: Real, const D: usize>(task: &Task<'_, T, D>, out: &mut O
             }
             _ => reach_squared,
         };
-        sum <= limit
+        let see_each_other = match (own.filter, other.filter) {
+            (Some(filter), Some(others)) => filter.admits_of(row.start + k, &others, their_row.start + j),
+            _ => true,
+        };
+        see_each_other && sum <= limit
     });
 }
 

@@ -7,6 +7,7 @@
 //! - `buffer`: walking elements: the couples of every update equal all-against-all, at the limit of the buffer too; when detection is due.
 //! - `csr`: compressed rows against a map of sets, in any order, with repeats, values and couples that are none.
 //! - `periodic`: boxes that repeat, sheared or not, against all images one by one.
+//! - `filter`: bodies, masks and groups: with any of them every search finds what filtering afterwards leaves, in the same order.
 //! - `golden`: the numbers printed in the book.
 //! - `../kernels.rs`, a program of its own for valgrind: the vector kernels on short rows, at every level.
 //! - `../memory.rs`, a program of its own because it counts allocations: the memory law.
@@ -17,6 +18,7 @@ mod buffer;
 mod csr;
 mod degenerate;
 mod determinism;
+mod filter;
 mod golden;
 mod oracle;
 mod periodic;

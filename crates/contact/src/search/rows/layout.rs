@@ -6,6 +6,7 @@ use std::ops::Range;
 use std::sync::OnceLock;
 
 use crate::error::Error;
+use crate::filter::{Filter, Labels};
 use crate::grid::Grid;
 use crate::pool::Pool;
 use crate::real::Real;
@@ -30,6 +31,8 @@ pub(crate) struct Layout<T, const D: usize> {
     /// Empty for elements of one radius.
     pub(crate) radii: Vec<T>,
     pub(crate) ids: Vec<u32>,
+    /// The numbers of the filter, if the elements have one.
+    pub(crate) labels: Labels,
     /// First element of each row, and the number of elements.
     pub(crate) starts: Vec<u32>,
     /// The axes by number of cells: the long one first, then the one whose rows change fastest.
@@ -75,6 +78,7 @@ impl<T: Real, const D: usize> Layout<T, D> {
             coordinates: Vec::new(),
             radii: Vec::new(),
             ids: Vec::new(),
+            labels: Labels::default(),
             starts: Vec::new(),
             axes: std::array::from_fn(|axis| axis),
             grid: Grid::empty(),
@@ -114,7 +118,6 @@ impl<T: Real, const D: usize> Layout<T, D> {
     ) -> Result<(), Error> {
         self.grid = grid;
         self.axes = axes;
-        let cells = grid.cells();
 
         resize(&mut self.coordinates, D * points.len() + PADDING, T::ZERO)?;
         resize(&mut self.ids, points.len() + PADDING, 0)?;
@@ -128,6 +131,12 @@ impl<T: Real, const D: usize> Layout<T, D> {
         }
         self.fill_blocks(points, radii, pool)?;
         self.sort_blocks(&keys, pool)
+    }
+
+    /// Puts the numbers of a filter into the order that has been built.
+    pub(crate) fn label(&mut self, filter: Option<Filter<'_>>, pool: &Pool) -> Result<(), Error> {
+        let n = self.len();
+        self.labels.arrange(filter, &self.ids[..n], PADDING, pool)
     }
 
     /// Counts the elements of bins of `2^shift` rows, and cuts the bins into blocks.
@@ -255,9 +264,10 @@ impl<T: Real, const D: usize> Layout<T, D> {
         Ok(())
     }
 
-    /// What a kernel reads.
-    pub(crate) fn arrays(&self) -> Arrays<'_, T> {
-        Arrays { coordinates: &self.coordinates, radii: &self.radii, ids: &self.ids }
+    /// What a kernel reads; `filter` is that of [`Layout::label`].
+    pub(crate) fn arrays<'a>(&'a self, filter: Option<Filter<'a>>) -> Arrays<'a, T> {
+        let filter = filter.map(|filter| self.labels.filter(filter));
+        Arrays { coordinates: &self.coordinates, radii: &self.radii, ids: &self.ids, filter }
     }
 
     /// Number of rows that hold elements.
@@ -312,6 +322,7 @@ impl<T: Real, const D: usize> Layout<T, D> {
             + small * size_of::<u16>()
             + self.blocks.capacity() * size_of::<Block>()
             + sorts
+            + self.labels.bytes()
     }
 }
 

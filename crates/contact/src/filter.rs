@@ -1,0 +1,414 @@
+//! Which elements may form couples at all: bodies, groups, categories and masks.
+
+use crate::elements::{Geometry, check_lengths};
+use crate::error::Error;
+use crate::pool::Pool;
+use crate::search::rows::{reserve, resize};
+
+/// Which elements see each other: those that do not, form no couple even where they touch.
+///
+/// Attached by [`Elements::with_filter`](crate::Elements::with_filter), it is part of what "touch" means, and so every engine honours it; [`Rows`](crate::Rows) tests it a
+/// vector at a time, together with the distance, so that what is filtered out is never stored. There are three kinds, of which the first
+/// goes with either of the others:
+/// - *bodies*: elements with the same number are parts of one body, and form no couple. An element on its own takes a number that no
+///   other has.
+/// - *categories and masks*: `i` and `j` see each other if `category_i & mask_j != 0` and `category_j & mask_i != 0`; 32 categories, of which
+///   an element may have several.
+/// - *groups*: each element is of one group, and a symmetric [`GroupMatrix`] says which groups see each other; any number of groups.
+///
+/// In a box that repeats an image has the numbers of its element; the element and its image are of one body.
+///
+/// # Shapes
+/// `[n]` numbers for `n` elements, in their order. The filter borrows them and copies nothing.
+///
+/// # Cost
+/// `Rows` keeps 4 bytes per element for bodies, 4 for groups of a matrix with more than 32, 8 for masks and for fewer groups.
+/// The time is that of the search, and some instructions per vector; more where the groups are more than 32.
+///
+/// # Example
+/// ```
+/// use fdem_contact::{Couple, Elements, Filter, Rows, Search};
+///
+/// // Two bodies of two discs each, all in a row and touching.
+/// let centres = [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [3.0, 0.0]];
+/// let bodies = [0, 0, 1, 1];
+/// let discs = Elements::points(&centres, 1.0)?.with_filter(Filter::bodies(&bodies))?;
+/// assert!(discs.touch(1, 2) && !discs.touch(0, 1));
+///
+/// let mut couples = Vec::new();
+/// Rows::new().couples(&discs, &mut couples)?;
+/// assert_eq!(couples, [Couple::new(1, 2)]);
+/// # Ok::<(), fdem_contact::Error>(())
+/// ```
+#[doc(alias = "exclusion")]
+#[doc(alias = "collision layers")]
+#[derive(Clone, Copy, Debug)]
+pub struct Filter<'a> {
+    pub(crate) bodies: Option<&'a [u32]>,
+    pub(crate) sight: Sight<'a>,
+}
+
+/// Which elements see each other, bodies aside.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Sight<'a> {
+    All,
+    Masks { categories: &'a [u32], masks: &'a [u32] },
+    Groups { groups: &'a [u32], matrix: &'a GroupMatrix },
+}
+
+impl<'a> Filter<'a> {
+    /// Elements of one body form no couple.
+    ///
+    /// # Shapes
+    /// `bodies` `[n]`: any numbers.
+    #[doc(alias = "clump")]
+    pub fn bodies(bodies: &'a [u32]) -> Self {
+        Self { bodies: Some(bodies), sight: Sight::All }
+    }
+
+    /// Elements see each other if each has a category that the mask of the other has.
+    ///
+    /// # Shapes
+    /// `categories`, `masks` `[n]`: 32 bits each. An element without any bit in either sees nothing.
+    ///
+    /// # Example
+    /// ```
+    /// use fdem_contact::{Elements, Filter};
+    ///
+    /// const GRAIN: u32 = 1;
+    /// const WALL: u32 = 2;
+    /// let categories = [GRAIN, GRAIN, WALL, WALL];
+    /// let masks = [GRAIN | WALL, GRAIN | WALL, GRAIN, GRAIN]; // walls do not see walls
+    /// let spheres = Elements::points(&[[0.0; 3]; 4], 1.0)?.with_filter(Filter::masks(&categories, &masks))?;
+    /// assert!(spheres.touch(0, 1) && spheres.touch(0, 2) && !spheres.touch(2, 3));
+    /// # Ok::<(), fdem_contact::Error>(())
+    /// ```
+    pub fn masks(categories: &'a [u32], masks: &'a [u32]) -> Self {
+        Self { bodies: None, sight: Sight::Masks { categories, masks } }
+    }
+
+    /// Elements see each other if the matrix says so of their groups.
+    ///
+    /// # Shapes
+    /// `groups` `[n]`: numbers below [`GroupMatrix::groups`].
+    ///
+    /// # Example
+    /// ```
+    /// use fdem_contact::{Elements, Filter, GroupMatrix};
+    ///
+    /// let mut matrix = GroupMatrix::all(2)?;
+    /// matrix.set(1, 1, false)?; // walls, group 1, do not see walls
+    /// let groups = [0, 0, 1, 1];
+    /// let spheres = Elements::points(&[[0.0; 3]; 4], 1.0)?.with_filter(Filter::groups(&groups, &matrix))?;
+    /// assert!(spheres.touch(0, 1) && spheres.touch(0, 2) && !spheres.touch(2, 3));
+    /// # Ok::<(), fdem_contact::Error>(())
+    /// ```
+    pub fn groups(groups: &'a [u32], matrix: &'a GroupMatrix) -> Self {
+        Self { bodies: None, sight: Sight::Groups { groups, matrix } }
+    }
+
+    /// The same, and elements of one body form no couple.
+    ///
+    /// # Shapes
+    /// As [`Filter::bodies`].
+    #[must_use]
+    pub fn with_bodies(mut self, bodies: &'a [u32]) -> Self {
+        self.bodies = Some(bodies);
+        self
+    }
+
+    /// Whether elements `i` and `j` may form a couple; symmetric.
+    ///
+    /// # Panics
+    /// When `i` or `j` is not below the number of elements.
+    #[inline]
+    pub fn admits(&self, i: usize, j: usize) -> bool {
+        self.admits_of(i, self, j)
+    }
+
+    /// Whether element `i` and element `j` of another filter, of the same kind and with the same matrix, may form a couple.
+    #[inline]
+    pub(crate) fn admits_of(&self, i: usize, other: &Self, j: usize) -> bool {
+        if let (Some(bodies), Some(others)) = (self.bodies, other.bodies)
+            && bodies[i] == others[j]
+        {
+            return false;
+        }
+        match (self.sight, other.sight) {
+            (Sight::Masks { categories: a, masks }, Sight::Masks { categories: b, masks: others }) => {
+                a[i] & others[j] != 0 && b[j] & masks[i] != 0
+            }
+            (Sight::Groups { groups, matrix }, Sight::Groups { groups: others, .. }) => {
+                matrix.sees(groups[i], others[j])
+            }
+            _ => true,
+        }
+    }
+
+    /// One number of each kind for each of `elements` elements, and groups that the matrix has.
+    pub(crate) fn check(&self, elements: usize) -> Result<(), Error> {
+        if let Some(bodies) = self.bodies {
+            check_lengths("bodies", elements, bodies.len())?;
+        }
+        match self.sight {
+            Sight::All => Ok(()),
+            Sight::Masks { categories, masks } => {
+                check_lengths("categories", elements, categories.len())?;
+                check_lengths("masks", elements, masks.len())
+            }
+            Sight::Groups { groups, matrix } => {
+                check_lengths("groups", elements, groups.len())?;
+                groups.iter().enumerate().try_for_each(|(index, &group)| matrix.check(Some(index), group))
+            }
+        }
+    }
+
+    /// The matrix of groups, if the filter has one.
+    pub(crate) fn matrix(&self) -> Option<&'a GroupMatrix> {
+        if let Sight::Groups { matrix, .. } = self.sight { Some(matrix) } else { None }
+    }
+
+    /// The numbers, as [`Labels`] has them.
+    fn arrays(&self) -> [&'a [u32]; 3] {
+        let [firsts, seconds]: [&[u32]; 2] = match self.sight {
+            Sight::All => [&[], &[]],
+            Sight::Masks { categories, masks } => [categories, masks],
+            Sight::Groups { groups, .. } => [groups, &[]],
+        };
+        [self.bodies.unwrap_or_default(), firsts, seconds]
+    }
+}
+
+/// Which groups see each other: a symmetric matrix of bits.
+///
+/// # Cost
+/// Memory: `g²` bits for `g` groups, each row rounded up to 32. [`Rows`](crate::Rows) tests up to 32 groups as categories and masks.
+///
+/// # Example
+/// ```
+/// let mut matrix = fdem_contact::GroupMatrix::none(40)?;
+/// matrix.set(39, 3, true)?;
+/// assert!(matrix.sees(3, 39) && matrix.sees(39, 3) && !matrix.sees(3, 3));
+/// # Ok::<(), fdem_contact::Error>(())
+/// ```
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct GroupMatrix {
+    groups: usize,
+    /// Row after row, in whole words; bits behind the last group are 0.
+    bits: Vec<u32>,
+}
+
+impl GroupMatrix {
+    /// Every group sees every group, itself included.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`].
+    pub fn all(groups: usize) -> Result<Self, Error> {
+        let mut matrix = Self::none(groups)?;
+        let words = matrix.words();
+        for row in matrix.bits.chunks_exact_mut(words.max(1)) {
+            row.fill(u32::MAX);
+            if !groups.is_multiple_of(WORD) {
+                row[words - 1] = (1 << (groups % WORD)) - 1;
+            }
+        }
+        Ok(matrix)
+    }
+
+    /// No group sees any.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`].
+    pub fn none(groups: usize) -> Result<Self, Error> {
+        let words = groups.saturating_mul(groups.div_ceil(WORD));
+        let mut bits = Vec::new();
+        let out_of_memory = |_| Error::OutOfMemory { bytes: words.saturating_mul(size_of::<u32>()) };
+        bits.try_reserve_exact(words).map_err(out_of_memory)?;
+        bits.resize(words, 0);
+        Ok(Self { groups, bits })
+    }
+
+    /// The same matrix, where there is memory for it.
+    pub(crate) fn copy(&self) -> Result<Self, Error> {
+        let mut copy = Self::none(self.groups)?;
+        copy.bits.copy_from_slice(&self.bits);
+        Ok(copy)
+    }
+
+    /// Whether groups `a` and `b` see each other from now on, either way round.
+    ///
+    /// # Errors
+    /// [`Error::UnknownGroup`].
+    pub fn set(&mut self, a: u32, b: u32, see: bool) -> Result<(), Error> {
+        self.check(None, a)?;
+        self.check(None, b)?;
+        for (row, column) in [(a, b), (b, a)] {
+            let word = row as usize * self.words() + column as usize / WORD;
+            let bit = 1 << (column as usize % WORD);
+            if see {
+                self.bits[word] |= bit;
+            } else {
+                self.bits[word] &= !bit;
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether groups `a` and `b` see each other.
+    ///
+    /// # Panics
+    /// When `a` or `b` is not below [`GroupMatrix::groups`].
+    #[inline]
+    pub fn sees(&self, a: u32, b: u32) -> bool {
+        assert!((b as usize) < self.groups, "there is no group {b}");
+        self.row(a)[b as usize / WORD] >> (b as usize % WORD) & 1 == 1
+    }
+
+    /// Number of groups.
+    pub fn groups(&self) -> usize {
+        self.groups
+    }
+
+    /// The groups that a group sees, a bit each.
+    #[inline]
+    pub(crate) fn row(&self, group: u32) -> &[u32] {
+        &self.bits[group as usize * self.words()..][..self.words()]
+    }
+
+    fn words(&self) -> usize {
+        self.groups.div_ceil(WORD)
+    }
+
+    fn check(&self, index: Option<usize>, group: u32) -> Result<(), Error> {
+        if (group as usize) < self.groups {
+            return Ok(());
+        }
+        Err(Error::UnknownGroup { index, group, groups: self.groups })
+    }
+}
+
+/// Bits of a word.
+const WORD: usize = 32;
+
+/// Elements that also have to see each other.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Filtered<'a, G> {
+    pub(crate) geometry: G,
+    pub(crate) filter: Filter<'a>,
+}
+
+impl<G: Geometry> Geometry for Filtered<'_, G> {
+    fn len(self) -> usize {
+        self.geometry.len()
+    }
+
+    #[inline]
+    fn anchor(self, index: usize, axis: usize) -> f64 {
+        self.geometry.anchor(index, axis)
+    }
+
+    #[inline]
+    fn touch(self, i: usize, j: usize) -> bool {
+        self.filter.admits(i, j) && self.geometry.touch(i, j)
+    }
+}
+
+/// The numbers of a filter, copied: in another order, for more elements, or to compare with later ones.
+///
+/// # Shapes
+/// One array for each that the filter has, in the order bodies, categories or groups, masks; the others are empty.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Labels {
+    arrays: [Vec<u32>; 3],
+}
+
+impl Labels {
+    /// The numbers of the elements `order`, then `padding` unused entries. Groups that fit a word become categories and masks.
+    ///
+    /// Without a filter nothing is kept but memory.
+    pub(crate) fn arrange(
+        &mut self,
+        filter: Option<Filter<'_>>,
+        order: &[u32],
+        padding: usize,
+        pool: &Pool,
+    ) -> Result<(), Error> {
+        self.clear();
+        let Some(filter) = filter else { return Ok(()) };
+        let [bodies, firsts, seconds] = &mut self.arrays;
+        let gather = |into: &mut Vec<u32>, number: &(dyn Fn(usize) -> u32 + Sync)| {
+            resize(into, order.len() + padding, 0)?;
+            let stretch = order.len().div_ceil(pool.threads()).max(1);
+            pool.run(into.chunks_mut(stretch).zip(order.chunks(stretch)), |(into, order)| {
+                for (into, &element) in into.iter_mut().zip(order) {
+                    *into = number(element as usize);
+                }
+            });
+            Ok(())
+        };
+        if let Some(theirs) = filter.bodies {
+            gather(bodies, &|element| theirs[element])?;
+        }
+        match filter.sight {
+            Sight::All => Ok(()),
+            Sight::Masks { categories, masks } => {
+                gather(firsts, &|element| categories[element])?;
+                gather(seconds, &|element| masks[element])
+            }
+            Sight::Groups { groups, matrix } if matrix.groups() <= WORD => {
+                gather(firsts, &|element| 1 << groups[element])?;
+                gather(seconds, &|element| matrix.row(groups[element])[0])
+            }
+            Sight::Groups { groups, .. } => gather(firsts, &|element| groups[element]),
+        }
+    }
+
+    /// The numbers of all elements, and then of the elements `more` again.
+    pub(crate) fn copy(&mut self, filter: Option<Filter<'_>>, more: &[u32]) -> Result<(), Error> {
+        self.clear();
+        for (into, numbers) in
+            self.arrays.iter_mut().zip(filter.map(|filter| filter.arrays()).unwrap_or_default())
+        {
+            if !numbers.is_empty() {
+                reserve(into, numbers.len() + more.len())?;
+                into.extend_from_slice(numbers);
+                into.extend(more.iter().map(|&element| numbers[element as usize]));
+            }
+        }
+        Ok(())
+    }
+
+    /// `filter`, of which these are the numbers, in their order.
+    pub(crate) fn filter<'a>(&'a self, filter: Filter<'a>) -> Filter<'a> {
+        let [bodies, firsts, seconds] = &self.arrays;
+        let sight = match filter.sight {
+            Sight::All => Sight::All,
+            Sight::Groups { matrix, .. } if seconds.is_empty() => Sight::Groups { groups: firsts, matrix },
+            Sight::Masks { .. } | Sight::Groups { .. } => Sight::Masks { categories: firsts, masks: seconds },
+        };
+        Filter { bodies: filter.bodies.map(|_| bodies.as_slice()), sight }
+    }
+
+    /// Whether these are the numbers of `filter`.
+    pub(crate) fn equal(&self, filter: Option<Filter<'_>>) -> bool {
+        self.arrays == filter.map(|filter| filter.arrays()).unwrap_or_default()
+    }
+
+    /// The first element with another number in `filter`, if both have the same arrays.
+    pub(crate) fn first_change(&self, filter: Option<Filter<'_>>) -> Option<usize> {
+        let theirs = filter.map(|filter| filter.arrays()).unwrap_or_default();
+        if self.arrays.iter().zip(theirs).any(|(ours, theirs)| ours.len() != theirs.len()) {
+            return None;
+        }
+        let change = |(ours, theirs): (&Vec<u32>, &[u32])| ours.iter().zip(theirs).position(|(a, b)| a != b);
+        self.arrays.iter().zip(theirs).filter_map(change).min()
+    }
+
+    pub(crate) fn bytes(&self) -> usize {
+        self.arrays.iter().map(Vec::capacity).sum::<usize>() * size_of::<u32>()
+    }
+
+    fn clear(&mut self) {
+        self.arrays.iter_mut().for_each(Vec::clear);
+    }
+}
