@@ -106,7 +106,7 @@ impl<T: Real, const D: usize> BlockSort<T, D> {
         resize(&mut self.moved, n, 0)?;
 
         let id_bits = bits(n as u64 - 1);
-        let place_bits = (64 - id_bits).saturating_sub(bits(rows - 1)).min(MAX_PLACE_BITS);
+        let place_bits = (63 - id_bits).saturating_sub(bits(rows - 1)).min(MAX_PLACE_BITS);
         let row_shift = if keys.are_complete() && place_bits >= MIN_PLACE_BITS {
             keys.of(&self.points, &mut self.keys);
             keys.add_places(&self.points, place_bits, &mut self.keys);
@@ -133,8 +133,8 @@ impl<T: Real, const D: usize> BlockSort<T, D> {
             self.keys.sort_unstable();
             return Ok(());
         }
-        let digit = (self::bits(n as u64 - 1) + 5) / 2;
-        let (digit, shift) = if bits > 2 * digit { (digit, bits - 2 * digit) } else { (bits.div_ceil(2), 0) };
+        let digit = (self::bits(n as u64 - 1) + 5).min(bits) / 2;
+        let shift = bits - 2 * digit;
         let mask = (1 << digit) - 1;
         let [low, high] = &mut self.counts;
         for counts in [&mut *low, &mut *high] {

@@ -38,14 +38,26 @@ impl<'a, V: Copy> Scatter<'a, V> {
         assert!(place < self.len);
         // SAFETY: inside the array, and nobody else's place by the contract of this function.
         unsafe { self.start.add(place).write(value) };
-        #[cfg(target_arch = "x86_64")]
-        unsafe {
-            std::arch::x86_64::_mm_prefetch::<{ std::arch::x86_64::_MM_HINT_ET0 }>(
-                self.start.wrapping_add(place).cast::<i8>().wrapping_add(128),
-            )
-        };
+        prefetch(self.start.wrapping_add(place).cast());
     }
 }
+
+/// Asks for the memory that the next entries of this stream go to: with hundreds of streams the processor does not foresee it.
+#[inline]
+fn prefetch(place: *mut i8) {
+    #[cfg(target_arch = "x86_64")]
+    {
+        use std::arch::x86_64::{_MM_HINT_ET0, _mm_prefetch};
+        // SAFETY: this is a hint; it is without effect for memory that is not there, and on processors that do not know it.
+        unsafe { _mm_prefetch::<_MM_HINT_ET0>(place.wrapping_add(AHEAD)) };
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = place;
+}
+
+/// Bytes, two cache lines.
+#[cfg(target_arch = "x86_64")]
+const AHEAD: usize = 128;
 
 /// Appends the couples of all parts, in their order.
 pub(crate) fn append(couples: &mut Vec<Couple>, parts: &[Vec<Couple>], pool: &Pool) -> Result<(), Error> {
