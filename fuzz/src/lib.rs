@@ -1,7 +1,7 @@
 //! What the fuzz targets share: elements out of arbitrary bytes.
 
 use arbitrary::{Result, Unstructured};
-use fdem_contact::{Couple, Direct, Elements, Error, Real, Search};
+use fdem_contact::{Couple, Direct, Elements, Error, Filter, GroupMatrix, Real, Search};
 
 /// A float type with bits.
 pub trait Number: Real {
@@ -48,12 +48,58 @@ enum Shape<T, const D: usize> {
     Boxes(Box<[[T; D]]>),
 }
 
+/// Which elements see each other.
+#[derive(Debug)]
+struct Labels {
+    kind: u8,
+    bodies: Box<[u32]>,
+    categories: Box<[u32]>,
+    masks: Box<[u32]>,
+    groups: Box<[u32]>,
+    matrix: GroupMatrix,
+}
+
+impl Labels {
+    /// Made of one byte for each element; the kind is one of them all.
+    fn new(kind: u8, of_each: &[u8]) -> Self {
+        let numbers = |number: fn(u32) -> u32| of_each.iter().map(|&byte| number(byte.into())).collect();
+        // A matrix of 32 groups becomes masks inside, one of 70 does not.
+        let of_groups: [fn(u32) -> u32; 2] = [|byte| byte % 32, |byte| byte % 70];
+        let few = kind % 2 == 0;
+        let count = if few { 32 } else { 70 };
+        let mut matrix = GroupMatrix::none(count as usize).expect("there is room for a few words");
+        for (a, b) in (0..count).flat_map(|a| (0..=a).map(move |b| (a, b))) {
+            matrix.set(a, b, (a * a + 3 * b) % 5 < 3).expect("both are groups of the matrix");
+        }
+        Self {
+            kind,
+            bodies: numbers(|byte| byte % 3),
+            categories: numbers(|byte| byte % 8),
+            masks: numbers(|byte| byte / 8 % 8),
+            groups: numbers(of_groups[usize::from(!few)]),
+            matrix,
+        }
+    }
+
+    fn filter(&self) -> Option<Filter<'_>> {
+        match self.kind {
+            0 => Some(Filter::bodies(&self.bodies)),
+            1 => Some(Filter::masks(&self.categories, &self.masks)),
+            2 | 3 => Some(Filter::groups(&self.groups, &self.matrix)),
+            4 => Some(Filter::masks(&self.categories, &self.masks).with_bodies(&self.bodies)),
+            5 => Some(Filter::groups(&self.groups, &self.matrix).with_bodies(&self.bodies)),
+            _ => None,
+        }
+    }
+}
+
 /// A set of elements, valid or not, in arrays that are exactly as long as it: the sanitizer sees a read behind them.
 #[derive(Debug)]
 pub struct Scene<T, const D: usize> {
     points: Box<[[T; D]]>,
     shape: Shape<T, D>,
     tolerance: T,
+    labels: Labels,
 }
 
 impl<T: Number, const D: usize> Scene<T, D> {
@@ -62,10 +108,13 @@ impl<T: Number, const D: usize> Scene<T, D> {
         let shape = bytes.int_in_range(0..=3)?;
         let tolerance = if bytes.ratio(1, 2)? { T::ZERO } else { numbers.length(bytes)? };
         let size = numbers.length(bytes)?;
+        let filter = bytes.int_in_range(0..=11)?;
         let (mut points, mut radii, mut corners) = (Vec::new(), Vec::new(), Vec::new());
+        let mut labels = Vec::new();
         while !bytes.is_empty() && points.len() < MOST_ELEMENTS {
             let point = numbers.point(bytes)?;
             points.push(point);
+            labels.push(if filter < 6 { bytes.arbitrary()? } else { 0 });
             match shape {
                 2 => radii.push(numbers.length(bytes)?),
                 3 => {
@@ -81,19 +130,23 @@ impl<T: Number, const D: usize> Scene<T, D> {
             2 => Shape::Radii(radii.into()),
             _ => Shape::Boxes(corners.into()),
         };
-        Ok(Self { points: points.into(), shape, tolerance })
+        Ok(Self { points: points.into(), shape, tolerance, labels: Labels::new(filter, &labels) })
     }
 
     /// # Errors
     /// Those of [`Elements`].
     pub fn elements(&self) -> std::result::Result<Elements<'_, T, D>, Error> {
-        match &self.shape {
+        let elements = match &self.shape {
             Shape::Points(cutoff) => Elements::points(&self.points, *cutoff),
             Shape::Spheres(radius) => Elements::spheres(&self.points, *radius),
             Shape::Radii(radii) => Elements::spheres_with_radii(&self.points, radii),
             Shape::Boxes(max) => Elements::boxes(&self.points, max),
         }?
-        .with_tolerance(self.tolerance)
+        .with_tolerance(self.tolerance)?;
+        match self.labels.filter() {
+            Some(filter) => elements.with_filter(filter),
+            None => Ok(elements),
+        }
     }
 }
 

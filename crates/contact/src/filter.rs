@@ -7,9 +7,10 @@ use crate::search::rows::{reserve, resize};
 
 /// Which elements see each other: those that do not, form no couple even where they touch.
 ///
-/// Attached by [`Elements::with_filter`](crate::Elements::with_filter), it is part of what "touch" means, and so every engine honours it; [`Rows`](crate::Rows) tests it a
-/// vector at a time, together with the distance, so that what is filtered out is never stored. There are three kinds, of which the first
-/// goes with either of the others:
+/// Attached by [`Elements::with_filter`](crate::Elements::with_filter), it is part of what "touch" means, and so every engine
+/// honours it; [`Rows`](crate::Rows) tests it a vector at a time, together with the distance, so that what is filtered out is
+/// never stored. The couples, and their order, are those that filtering afterwards would leave. There are three kinds, of which the
+/// first goes with either of the others:
 /// - *bodies*: elements with the same number are parts of one body, and form no couple. An element on its own takes a number that no
 ///   other has.
 /// - *categories and masks*: `i` and `j` see each other if `category_i & mask_j != 0` and `category_j & mask_i != 0`; 32 categories, of which
@@ -23,7 +24,7 @@ use crate::search::rows::{reserve, resize};
 ///
 /// # Cost
 /// `Rows` keeps 4 bytes per element for bodies, 4 for groups of a matrix with more than 32, 8 for masks and for fewer groups.
-/// The time is that of the search, and some instructions per vector; more where the groups are more than 32.
+/// The time is that of the search, and a few instructions per vector. A matrix takes a pass over the groups to be checked.
 ///
 /// # Example
 /// ```

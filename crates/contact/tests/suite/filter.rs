@@ -445,3 +445,32 @@ fn a_filter_is_replaced() {
     assert_eq!(ascending(Direct, &twice).len(), 2);
     assert!(plain.filter().is_none() && twice.filter().is_some_and(|filter| filter.admits(0, 1)));
 }
+
+#[test]
+fn memory_is_what_the_filter_says() {
+    let n = 10_000;
+    let cloud = gas::<3>(n, 12, 8.0, SIZES).unwrap();
+    let elements = Elements::points(&cloud.centres, 1.0).unwrap();
+    let bytes = |elements: &Elements<'_, f64, 3>| {
+        let mut rows = Rows::new();
+        rows.count(elements).unwrap();
+        rows.bytes()
+    };
+    let none = bytes(&elements);
+    for case in cases(n) {
+        let of_sight = match (&case.masks, &case.groups) {
+            (Some(_), _) => 8,
+            (_, Some((_, matrix))) => {
+                if matrix.groups() <= 32 {
+                    8
+                } else {
+                    4
+                }
+            }
+            _ => 0,
+        };
+        let each = of_sight + if case.bodies.is_some() { 4 } else { 0 };
+        let more = bytes(&elements.with_filter(case.filter()).unwrap()) - none;
+        assert_eq!(more / n, each, "{}: {more} bytes", case.name);
+    }
+}
