@@ -21,3 +21,15 @@ impl Couple {
         if a < b { Self { i: a, j: b } } else { Self { i: b, j: a } }
     }
 }
+
+/// Two elements of two sets that touch, each by its number in its own set.
+///
+/// Ordered by `i`, then by `j`. The layout is two `u32` in this order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[repr(C)]
+pub struct CrossCouple {
+    /// The element of the set that was asked with.
+    pub i: u32,
+    /// The element of the set that was asked: that of the [`Index`](crate::Index).
+    pub j: u32,
+}

@@ -16,6 +16,8 @@ use crate::search::Search;
 ///                  half    0 2 3 3 3   1 3 | 2 |   |
 ///                  full    0 2 4 5 6   1 3 | 0 2 | 1 | 0
 /// ```
+/// An [`Index`](crate::Index) fills rows too: a row for each point that was asked about, and the elements that were found near it.
+///
 /// The memory is kept from one filling to the next. A couple that is listed twice stands in its row twice.
 ///
 /// # Shapes
@@ -235,7 +237,12 @@ impl<V> Csr<V> {
             + if size_of::<V>() == 0 { 0 } else { self.values.capacity() * size_of::<V>() }
     }
 
-    fn clear(&mut self) {
+    /// The offsets, neighbours and values, for a search that fills them itself.
+    pub(crate) fn arrays_mut(&mut self) -> (&mut Vec<usize>, &mut Vec<u32>, &mut Vec<V>) {
+        (&mut self.offsets, &mut self.neighbours, &mut self.values)
+    }
+
+    pub(crate) fn clear(&mut self) {
         self.offsets.clear();
         self.neighbours.clear();
         self.values.clear();
@@ -333,7 +340,7 @@ impl<V> Csr<V> {
 }
 
 /// Makes room for `len` values, whatever they are, or says that there is no memory for them.
-fn set_len<N: Copy + Default>(values: &mut Vec<N>, len: usize) -> Result<(), Error> {
+pub(crate) fn set_len<N: Copy + Default>(values: &mut Vec<N>, len: usize) -> Result<(), Error> {
     if len > values.capacity() {
         // What is there need not be moved.
         values.clear();

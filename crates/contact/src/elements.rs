@@ -291,17 +291,31 @@ impl<'a, T: Real, const D: usize> Elements<'a, T, D> {
     /// roundings of one sum of `D` squares, one sum of radii and one square. Boxes compare coordinates with
     /// `max + tolerance`, whose rounding grows with the coordinate and not with the box.
     pub(crate) fn reach(&self) -> f64 {
-        let tolerance = self.tolerance.to_f64();
-        let nominal = self.largest + tolerance;
-        let rounding = match self.shape {
-            Shape::Boxes(_) if tolerance > 0.0 => T::EPSILON * (self.magnitude() + tolerance),
-            _ => 0.0,
+        self.reach_to(self.largest, self.magnitude(), self.tolerance)
+    }
+
+    /// The same for an element of this set and one of another of the same kind, of which the `largest` diameter (edge) and the
+    /// [`magnitude`](Self::magnitude) are given. Spheres reach half of their diameters; a box reaches with its edge, which lies on one
+    /// side of its anchor, and so two boxes with one of their edges.
+    pub(crate) fn reach_to(&self, largest: f64, magnitude: f64, tolerance: T) -> f64 {
+        let tolerance = tolerance.to_f64();
+        let boxes = matches!(self.shape, Shape::Boxes(_));
+        let sizes = if boxes { self.largest.max(largest) } else { 0.5 * self.largest + 0.5 * largest };
+        let rounding = if boxes && tolerance > 0.0 {
+            T::EPSILON * (self.magnitude().max(magnitude) + tolerance)
+        } else {
+            0.0
         };
-        nominal * (1.0 + (D + 8) as f64 * T::EPSILON) + rounding
+        (sizes + tolerance) * (1.0 + (D + 8) as f64 * T::EPSILON) + rounding
+    }
+
+    /// Largest box edge (diameter) of all elements.
+    pub(crate) fn largest(&self) -> f64 {
+        self.largest
     }
 
     /// An upper bound on every coordinate of every corner.
-    fn magnitude(&self) -> f64 {
+    pub(crate) fn magnitude(&self) -> f64 {
         (0..D).fold(self.largest, |sum, axis| {
             sum + self.bounds.min[axis].abs().max(self.bounds.max[axis].abs())
         })
@@ -438,7 +452,7 @@ impl<T: Real, const D: usize> Geometry for Boxes<'_, T, D> {
 }
 
 #[inline]
-fn distance_squared<T: Real, const D: usize>(a: &[T; D], b: &[T; D]) -> T {
+pub(crate) fn distance_squared<T: Real, const D: usize>(a: &[T; D], b: &[T; D]) -> T {
     let mut sum = T::ZERO;
     for axis in 0..D {
         let difference = a[axis] - b[axis];

@@ -60,6 +60,12 @@ pub enum Error {
         /// Largest buffer that is accepted.
         limit: f64,
     },
+    /// An index was searched before it was built, or after its building has failed.
+    IndexNotBuilt,
+    /// Boxes were compared with spheres or points: two sets are of one kind.
+    UnlikeShapes,
+    /// Two sets have filters of different kinds or with different matrices, or only one has a filter.
+    UnlikeFilters,
     /// A box has its minimum above its maximum.
     InvertedBox {
         /// Zero-based number of the element.
@@ -258,6 +264,16 @@ impl fmt::Display for Error {
             Self::InvalidRadius { index: None, value, limit } => not_in_range(out, "radius", *value, *limit),
             Self::InvalidTolerance { value, limit } => not_in_range(out, "tolerance", *value, *limit),
             Self::InvalidBuffer { value, limit } => not_in_range(out, "buffer", *value, *limit),
+            Self::IndexNotBuilt => {
+                write!(out, "the index holds no elements yet: it was not built, or building it failed")
+            }
+            Self::UnlikeShapes => write!(out, "axis-aligned boxes cannot be compared with spheres or points"),
+            Self::UnlikeFilters => {
+                write!(
+                    out,
+                    "the filters of the two sets differ in kind or in their matrix, or only one set has a filter"
+                )
+            }
             Self::InvertedBox { index, axis, min, max } => write!(
                 out,
                 "element {index}: its box is inverted along {}: minimum {min} above maximum {max}",

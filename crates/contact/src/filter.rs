@@ -146,6 +146,16 @@ impl<'a> Filter<'a> {
         }
     }
 
+    /// Whether `other` has numbers of the same kinds, and the same matrix.
+    pub(crate) fn is_like(&self, other: &Self) -> bool {
+        self.bodies.is_some() == other.bodies.is_some()
+            && match (self.sight, other.sight) {
+                (Sight::All, Sight::All) | (Sight::Masks { .. }, Sight::Masks { .. }) => true,
+                (Sight::Groups { matrix: a, .. }, Sight::Groups { matrix: b, .. }) => a == b,
+                _ => false,
+            }
+    }
+
     /// One number of each kind for each of `elements` elements, and groups that the matrix has.
     pub(crate) fn check(&self, elements: usize) -> Result<(), Error> {
         if let Some(bodies) = self.bodies {
@@ -388,6 +398,18 @@ impl Labels {
             Sight::Masks { .. } | Sight::Groups { .. } => Sight::Masks { categories: firsts, masks: seconds },
         };
         Filter { bodies: filter.bodies.map(|_| bodies.as_slice()), sight }
+    }
+
+    /// The filter that [`Labels::copy`] was given, with its `matrix`; none also for no elements.
+    pub(crate) fn as_filter<'a>(&'a self, matrix: Option<&'a GroupMatrix>) -> Option<Filter<'a>> {
+        let [bodies, firsts, seconds] = &self.arrays;
+        let sight = match matrix {
+            Some(matrix) => Sight::Groups { groups: firsts, matrix },
+            None if seconds.is_empty() => Sight::All,
+            None => Sight::Masks { categories: firsts, masks: seconds },
+        };
+        let bodies = (!bodies.is_empty()).then_some(bodies.as_slice());
+        (bodies.is_some() || !firsts.is_empty()).then_some(Filter { bodies, sight })
     }
 
     /// Whether these are the numbers of `filter`.

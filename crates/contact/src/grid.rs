@@ -1,8 +1,6 @@
 //! The cells: which cell an element belongs to, and how many there are along each axis.
 
-#[cfg(test)]
-use crate::elements::Bounds;
-use crate::elements::Elements;
+use crate::elements::{Bounds, Elements};
 use crate::error::Error;
 use crate::real::Real;
 
@@ -93,18 +91,22 @@ impl<const D: usize> Grid<D> {
     /// Cells of the same edge, with faces in the same places, over other points; wider ones where there would be too many.
     ///
     /// Nothing but speed depends on the places of the faces.
-    #[cfg(test)]
     pub(crate) fn over(&self, bounds: Bounds<D>) -> Self {
-        let widest = (0..D).map(|axis| bounds.max[axis] - bounds.min[axis]).fold(0.0, f64::max);
-        let cell_size = self.cell_size.max(widest / MAX_UNBOUNDED_CELLS);
         let origin = std::array::from_fn(|axis| {
             let min = bounds.min[axis];
-            let face = self.origin[axis] + self.quotient(axis, min).floor() * cell_size;
+            let face = self.origin[axis] + self.quotient(axis, min).floor() * self.cell_size;
             // Far from the origin of this grid faces round by more than a cell.
-            if face <= min && min - face <= cell_size { face } else { min }
+            if face <= min && min - face <= self.cell_size { face } else { min }
         });
-        let mut grid = Self { origin, cell_size, inverse: 1.0 / cell_size, cells: [0; D] };
-        grid.cells = std::array::from_fn(|axis| grid.wide_cell(axis, bounds.max[axis]) + 1);
+        Self::with_cell_size(origin, bounds.max, self.cell_size)
+    }
+
+    /// Cells of an edge that was chosen for speed alone, over points from `min` to `max`; wider ones where there would be too many.
+    pub(crate) fn with_cell_size(min: [f64; D], max: [f64; D], cell_size: f64) -> Self {
+        let widest = (0..D).map(|axis| max[axis] - min[axis]).fold(0.0, f64::max);
+        let cell_size = cell_size.max(widest / MAX_UNBOUNDED_CELLS);
+        let mut grid = Self { origin: min, cell_size, inverse: 1.0 / cell_size, cells: [0; D] };
+        grid.cells = std::array::from_fn(|axis| grid.wide_cell(axis, max[axis]) + 1);
         grid
     }
 
@@ -220,6 +222,24 @@ fn check_domain<T: Real, const D: usize>(
         }
     }
     Ok(())
+}
+
+/// The edge with which at least `cells` cells cover a box, as few as that can be; `None` if all is in one place. Integers, sums and
+/// products only, so the same everywhere.
+pub(crate) fn edge_for<const D: usize>(bounds: &Bounds<D>, cells: f64) -> Option<f64> {
+    let extents: [f64; D] = std::array::from_fn(|axis| bounds.max[axis] - bounds.min[axis]);
+    let widest = extents.iter().fold(0.0, |widest, &extent| f64::max(widest, extent));
+    // Cells on the widest axis; an axis narrower than a cell has one.
+    let enough = |n: u64| {
+        let along = extents.iter().map(|extent| f64::max(1.0, extent / widest * n as f64));
+        along.product::<f64>() >= cells
+    };
+    let (mut low, mut high) = (0, MAX_CELLS_PER_AXIS as u64);
+    while low + 1 < high {
+        let middle = u64::midpoint(low, high);
+        if enough(middle) { high = middle } else { low = middle }
+    }
+    (widest > 0.0).then(|| widest / high as f64)
 }
 
 /// The largest element plus tolerance, widened. Elements that have no size at all get about one cell each.

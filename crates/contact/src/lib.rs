@@ -18,6 +18,8 @@
 //! | the neighbours of each element, side by side, with a distance or another value | [`Csr`], [`Elements::distance_squared`] |
 //! | parts of one body not to touch, groups that do not see each other | [`Filter`], [`Elements::with_filter`] |
 //! | a box that repeats, rectangular or sheared | [`PeriodicBox`], [`PeriodicSearch`] |
+//! | two sets, one of them sorted once: walls, boundaries | [`Index`], [`Index::couples_with`] |
+//! | all elements within a distance of points, or the nearest `k` | [`Index::within`], [`Index::nearest`] |
 //! | to know beforehand what will run, and why | [`Detector::plan`] |
 //! | the fastest search, and nothing else | [`Rows`] |
 //! | Munjiza-NBS as the book has it, its memory law, its figures | [`Nbs`], [`Observer`] |
@@ -51,19 +53,21 @@ mod pool;
 mod engine;
 mod buffer;
 mod periodic;
+mod index;
 mod couple;
 mod csr;
 mod verify;
 mod error;
 
 pub use buffer::{Buffered, Reason, Update};
-pub use couple::Couple;
+pub use couple::{Couple, CrossCouple};
 pub use csr::Csr;
 pub use elements::Elements;
 pub use engine::{Detector, Engine, Plan};
 pub use error::Error;
 pub use filter::{Filter, GroupMatrix};
 pub use grid::Grid;
+pub use index::Index;
 pub use lists::{Lists, NONE};
 pub use mask::{CONTACT_MASK, Set, mask_cells};
 pub use periodic::cell::PeriodicBox;

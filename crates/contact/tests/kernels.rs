@@ -5,7 +5,9 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failed unwrap is a failed test")]
 
-use fdem_contact::{Couple, Direct, Elements, Filter, GroupMatrix, Real, Rows, Search, Simd};
+use fdem_contact::{
+    Couple, CrossCouple, Csr, Direct, Elements, Filter, GroupMatrix, Index, Real, Rows, Search, Simd,
+};
 
 /// Beyond two of the widest vectors, 16 lanes.
 const LONGEST: usize = 40;
@@ -117,5 +119,47 @@ fn several_threads() {
         rows.couples(&elements, &mut three).unwrap();
         assert_eq!(three, one);
         assert_eq!(rows.count(&elements), Ok(one.len() as u64));
+    }
+}
+
+/// Two sets of few elements, and queries: rows of one layout against those of another.
+#[test]
+fn two_sets() {
+    for n in [1, 7, 8, 9, LONGEST] {
+        for m in [1, 15, 16, 17, LONGEST] {
+            for rows in [1, 3] {
+                let (ours, theirs) = (points::<f32, 3>(n, rows), points::<f32, 3>(m, 2));
+                let (our_radii, their_radii) = (radii::<f32>(n), radii::<f32>(m));
+                let elements = Elements::spheres_with_radii(&ours, &our_radii).unwrap();
+                let (fixed, equal) = (
+                    Elements::spheres_with_radii(&theirs, &their_radii).unwrap(),
+                    Elements::spheres(&theirs, 0.25).unwrap(),
+                );
+                let mut order: Option<Vec<CrossCouple>> = None;
+                for simd in Simd::available() {
+                    let mut index = Index::new().with_simd(simd).unwrap();
+                    index.build(&fixed).unwrap();
+                    let mut couples = Vec::new();
+                    index.couples_with(&elements, &mut couples).unwrap();
+                    assert_eq!(order.get_or_insert_with(|| couples.clone()), &couples, "{simd}: the order");
+                    for couple in &couples {
+                        let (i, j) = (couple.i as usize, couple.j as usize);
+                        let pair = [ours[i], theirs[j]];
+                        let pair = Elements::spheres_with_radii(&pair, &[our_radii[i], their_radii[j]])
+                            .map(|pair| pair.touch(0, 1));
+                        assert_eq!(pair, Ok(true));
+                    }
+                    assert_eq!(index.count_with(&elements), Ok(couples.len() as u64));
+                    index.build(&equal).unwrap();
+                    index.couples_with(&elements, &mut couples).unwrap();
+                    assert_eq!(index.count_with(&elements), Ok(couples.len() as u64));
+                    let mut found = Csr::new();
+                    index.within_with_distances(&ours, 0.5, &mut found).unwrap();
+                    assert!(found.values().iter().all(|&squared| squared <= 0.25));
+                    index.nearest(&ours, 3, &mut found).unwrap();
+                    assert_eq!(found.neighbours().len(), n * m.min(3));
+                }
+            }
+        }
     }
 }

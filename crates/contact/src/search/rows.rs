@@ -3,8 +3,8 @@
 mod axis;
 mod block_sort;
 mod keys;
-mod layout;
-mod reach;
+pub(crate) mod layout;
+pub(crate) mod reach;
 mod scatter;
 
 use std::ops::Range;
@@ -13,12 +13,11 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use crate::couple::Couple;
 use crate::elements::{Elements, Shape};
 use crate::error::Error;
-use crate::filter::Filter;
 use crate::grid::Grid;
 use crate::pool::Pool;
 use crate::real::Real;
 use crate::search::{Search, make_room};
-use crate::simd::kernel::{Neighbour, Output, Span, Task};
+use crate::simd::kernel::{Arrays, Neighbour, Output, Span, Task};
 use crate::simd::{Simd, portable};
 
 use layout::Layout;
@@ -69,13 +68,13 @@ pub struct Rows<T, const D: usize> {
 }
 
 /// Elements of one part of the work: enough to forget its start, few enough for its couples to stay in cache.
-const PART: usize = 4096;
+pub(crate) const PART: usize = 4096;
 
 /// Parts that each thread has in a batch.
 const PARTS_AT_ONCE: usize = 8;
 
 /// Room for couples to begin with: they stay in the first-level cache.
-const FIRST_ROOM: usize = 1024;
+pub(crate) const FIRST_ROOM: usize = 1024;
 
 impl<T: Real, const D: usize> Default for Rows<T, D> {
     fn default() -> Self {
@@ -196,6 +195,7 @@ impl<T: Real, const D: usize> Rows<T, D> {
         let scan = Scan {
             layout,
             against: None,
+            arrays: [layout.arrays(filter); 2],
             reach: T::at_least(elements.reach().max(T::MIN_RESOLVED)),
             reach_squared: if let Shape::Equal(equal) = elements.shape {
                 equal.reach_squared()
@@ -203,7 +203,6 @@ impl<T: Real, const D: usize> Rows<T, D> {
                 T::ZERO
             },
             tolerance: elements.tolerance(),
-            filters: [filter; 2],
             search_row: if matches!(elements.shape, Shape::Boxes(_)) { &boxes } else { &spheres },
         };
         search(&scan, pool, parts)
@@ -216,7 +215,7 @@ impl<T: Real, const D: usize> Search<T, D> for Rows<T, D> {
         elements: &Elements<'_, T, D>,
         mut visit: impl FnMut(Couple),
     ) -> Result<(), Error> {
-        self.search(elements, Sink::Visit(&mut visit))
+        self.search(elements, Sink::Visit(&mut |found| found.iter().copied().for_each(&mut visit)))
     }
 
     fn couples(&mut self, elements: &Elements<'_, T, D>, couples: &mut Vec<Couple>) -> Result<(), Error> {
@@ -232,28 +231,29 @@ impl<T: Real, const D: usize> Search<T, D> for Rows<T, D> {
 }
 
 /// What becomes of the couples.
-enum Sink<'a> {
+pub(crate) enum Sink<'a> {
     List(&'a mut Vec<Couple>),
-    Visit(&'a mut dyn FnMut(Couple)),
+    /// Many at a time.
+    Visit(&'a mut dyn FnMut(&[Couple])),
     Count(&'a mut u64),
 }
 
 /// A search over sorted rows.
-struct Scan<'a, T, const D: usize> {
-    layout: &'a Layout<T, D>,
-    /// The other set, if there are two: with the same axes, and radii if the first has radii.
-    against: Option<&'a Layout<T, D>>,
-    reach: T,
-    reach_squared: T,
-    tolerance: T,
-    /// Those with which the layout, and the other one, were labelled; the same twice in one set.
-    filters: [Option<Filter<'a>>; 2],
-    search_row: &'a (dyn Fn(&Task<'_, T, D>, &mut Output<'_>) + Sync),
+pub(crate) struct Scan<'a, T, const D: usize> {
+    pub(crate) layout: &'a Layout<T, D>,
+    /// The other set, if there are two, with the same axes.
+    pub(crate) against: Option<&'a Layout<T, D>>,
+    /// What the kernel reads of the first and of the other set (of one set twice); radii in both or in none.
+    pub(crate) arrays: [Arrays<'a, T>; 2],
+    pub(crate) reach: T,
+    pub(crate) reach_squared: T,
+    pub(crate) tolerance: T,
+    pub(crate) search_row: &'a (dyn Fn(&Task<'_, T, D>, &mut Output<'_>) + Sync),
 }
 
 impl<T: Real, const D: usize> Scan<'_, T, D> {
     /// The parts of the work: stretches of elements in row order.
-    fn ranges(&self) -> impl Iterator<Item = Range<usize>> + Clone + use<T, D> {
+    pub(crate) fn ranges(&self) -> impl Iterator<Item = Range<usize>> + Clone + use<T, D> {
         let n = self.layout.len();
         (0..n).step_by(PART).map(move |start| start..n.min(start + PART))
     }
@@ -261,7 +261,7 @@ impl<T: Real, const D: usize> Scan<'_, T, D> {
     /// Searches all rows on the threads of `pool`.
     ///
     /// Parts are searched at the same time and taken in their order, a batch after the other, so that couples wait in cache.
-    fn all(&self, pool: &Pool, parts: &mut Vec<Vec<Couple>>, sink: Sink<'_>) -> Result<(), Error> {
+    pub(crate) fn all(&self, pool: &Pool, parts: &mut Vec<Vec<Couple>>, sink: Sink<'_>) -> Result<(), Error> {
         let n = self.layout.len();
         match sink {
             Sink::Count(count) => {
@@ -285,8 +285,12 @@ impl<T: Real, const D: usize> Scan<'_, T, D> {
                 parts.resize_with(parts.len().max(1), Vec::new);
                 let waiting = &mut parts[0];
                 waiting.try_reserve(FIRST_ROOM).map_err(|_| out_of_memory(FIRST_ROOM))?;
-                self.part(0..n, waiting, &mut |found| found.drain(..).for_each(&mut *visit));
-                waiting.drain(..).for_each(visit);
+                self.part(0..n, waiting, &mut |found| {
+                    visit(found);
+                    found.clear();
+                });
+                visit(waiting);
+                waiting.clear();
                 Ok(())
             }
             mut sink => {
@@ -309,7 +313,7 @@ impl<T: Real, const D: usize> Scan<'_, T, D> {
                     let filled = &parts[..batch.min((n - start).div_ceil(PART))];
                     match &mut sink {
                         Sink::List(couples) => append(couples, filled, pool)?,
-                        Sink::Visit(visit) => filled.iter().flatten().copied().for_each(visit),
+                        Sink::Visit(visit) => filled.iter().for_each(|part| visit(part)),
                         Sink::Count(_) => unreachable!("counted above"),
                     }
                 }
@@ -319,7 +323,7 @@ impl<T: Real, const D: usize> Scan<'_, T, D> {
     }
 
     /// Writes the couples whose first elements are at the places `range` of the order.
-    fn part(
+    pub(crate) fn part(
         &self,
         range: Range<usize>,
         couples: &mut Vec<Couple>,
@@ -328,7 +332,7 @@ impl<T: Real, const D: usize> Scan<'_, T, D> {
         self.rows(range, &mut Output { couples, count: 0, count_only: false, make_room });
     }
 
-    fn rows(&self, range: Range<usize>, out: &mut Output<'_>) {
+    pub(crate) fn rows(&self, range: Range<usize>, out: &mut Output<'_>) {
         match self.against {
             None => self.rows_of_one_set(range, out),
             Some(other) => self.rows_of_two_sets(other, range, out),
@@ -351,7 +355,7 @@ impl<T: Real, const D: usize> Scan<'_, T, D> {
                     if stretch.start == 0 { 0 } else { layout.along(&row).partition_point(|&x| x < low) };
                 neighbours.push(Neighbour { row: Span { start: row.start, len: row.len() }, low });
             }
-            self.stretch(layout, &places, stretch, &neighbours, out);
+            self.stretch(&places, stretch, &neighbours, out);
         }
     }
 
@@ -362,22 +366,24 @@ impl<T: Real, const D: usize> Scan<'_, T, D> {
             let along = &self.layout.along(&places)[stretch.clone()];
             let (low, high) = (along[0] - self.reach, along[along.len() - 1] + self.reach);
             neighbours.clear();
-            rows.find(self.layout, &places, stretch.clone(), self.reach.to_f64(), |row| {
+            let [min, max] = self.layout.extremes(&places, &stretch);
+            rows.find(&min, &max, self.reach.to_f64(), |row| {
                 let row = other.row(row);
                 let along = other.along(&row);
                 let low = along.partition_point(|&x| x < low);
                 if low < row.len() && along[low] <= high {
                     neighbours.push(Neighbour { row: Span { start: row.start, len: row.len() }, low });
                 }
+                true
             });
             if !neighbours.is_empty() {
-                self.stretch(other, &places, stretch, &neighbours, out);
+                self.stretch(&places, stretch, &neighbours, out);
             }
         }
     }
 
     /// The rows that have places in `range`: each with its places, and those of them that are inside, counted from its start.
-    fn stretches(
+    pub(crate) fn stretches(
         &self,
         range: &Range<usize>,
     ) -> impl Iterator<Item = (usize, Range<usize>, Range<usize>)> + use<'_, T, D> {
@@ -390,18 +396,17 @@ impl<T: Real, const D: usize> Scan<'_, T, D> {
         })
     }
 
-    /// Compares a stretch of a row with the rest of its row, in one set, and with `neighbours`, which are rows of `other`.
-    fn stretch(
+    /// Compares a stretch of a row with `neighbours`, and in one set with the rest of its row.
+    pub(crate) fn stretch(
         &self,
-        other: &Layout<T, D>,
         places: &Range<usize>,
         stretch: Range<usize>,
         neighbours: &[Neighbour],
         out: &mut Output<'_>,
     ) {
         let task = Task {
-            own: self.layout.arrays(self.filters[0]),
-            other: other.arrays(self.filters[1]),
+            own: self.arrays[0],
+            other: self.arrays[1],
             two_sets: self.against.is_some(),
             row: Span { start: places.start, len: places.len() },
             from: stretch.start,
@@ -427,7 +432,7 @@ fn grow(found: &mut Vec<Couple>, room: &mut Result<(), Error>) {
     }
 }
 
-fn out_of_memory(couples: usize) -> Error {
+pub(crate) fn out_of_memory(couples: usize) -> Error {
     Error::OutOfMemory { bytes: couples.saturating_mul(size_of::<Couple>()) }
 }
 
@@ -490,7 +495,7 @@ fn half_mask<const D: usize>() -> Vec<[i64; D]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::filter::GroupMatrix;
+    use crate::filter::{Filter, GroupMatrix};
     use crate::simd::Kernels;
 
     #[test]
@@ -560,10 +565,10 @@ mod tests {
             let scan = Scan {
                 layout: &own,
                 against: Some(&other),
+                arrays: [own.arrays(filters[0]), other.arrays(filters[1])],
                 reach: elements.reach(),
                 reach_squared: reach * reach,
                 tolerance: 0.0,
-                filters,
                 search_row: &search_row,
             };
             let mut couples = Vec::new();

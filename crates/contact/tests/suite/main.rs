@@ -8,6 +8,8 @@
 //! - `csr`: compressed rows against a map of sets, in any order, with repeats, values and couples that are none.
 //! - `periodic`: boxes that repeat, sheared or not, against all images one by one.
 //! - `filter`: bodies, masks and groups: with any of them every search finds what filtering afterwards leaves, in the same order.
+//! - `two_sets`: an index against another set: shapes, sizes, tolerances, places; every element with every element.
+//! - `queries`: elements around points, and the nearest ones, against the distances to all of them.
 //! - `golden`: the numbers printed in the book.
 //! - `../kernels.rs`, a program of its own for valgrind: the vector kernels on short rows, at every level.
 //! - `../memory.rs`, a program of its own because it counts allocations: the memory law.
@@ -23,6 +25,8 @@ mod golden;
 mod oracle;
 mod periodic;
 mod properties;
+mod queries;
+mod two_sets;
 
 use fdem_contact::{Couple, Elements, Real, Search};
 

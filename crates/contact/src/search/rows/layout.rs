@@ -296,6 +296,19 @@ impl<T: Real, const D: usize> Layout<T, D> {
         &self.coordinates[D * row.start + self.axes[0] * row.len()..][..row.len()]
     }
 
+    /// The extremes of a stretch of a row, axis by axis.
+    pub(crate) fn extremes(&self, row: &Range<usize>, stretch: &Range<usize>) -> [[T; D]; 2] {
+        let (mut min, mut max) = ([T::ZERO; D], [T::ZERO; D]);
+        for axis in 0..D {
+            let block = &self.coordinates[D * row.start + axis * row.len()..][stretch.clone()];
+            let first = block[0];
+            (min[axis], max[axis]) = block.iter().fold((first, first), |(min, max), &x| {
+                (if x < min { x } else { min }, if x > max { x } else { max })
+            });
+        }
+        [min, max]
+    }
+
     /// The cells of a row on all axes but the long one, most significant first; rows ascend by it.
     #[inline]
     pub(crate) fn row_cells(&self, row: usize) -> [i64; D] {

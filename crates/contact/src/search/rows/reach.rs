@@ -1,7 +1,5 @@
 //! The rows of another set of elements that a stretch of a row may reach.
 
-use std::ops::Range;
-
 use crate::real::Real;
 use crate::search::rows::layout::Layout;
 
@@ -23,31 +21,24 @@ impl<'a, T: Real, const D: usize> RowsInReach<'a, T, D> {
         Self { layout, hints: Vec::new() }
     }
 
-    /// Calls `found` with all rows, ascending, that may hold an element that is nowhere farther than `reach` from all `places` of a row of
-    /// `own`: on no axis but the long one.
+    /// Calls `found` with all rows, ascending, that may hold an element within `reach` of the box from `min` to `max`, on every axis but
+    /// the long one, until it says `false`; then so does this.
     ///
-    /// Cells ascend with the coordinate, whatever the rounding. If `x - reach <= y` for numbers `x` of the row and `y`, then the left side
-    /// rounded is at most `y` too, because `y` is a float, and so its cell is at most that of `y`. The same holds above.
+    /// Cells ascend with the coordinate, whatever the rounding. If `x - reach <= y` for the numbers `x` of a box and `y` of an element,
+    /// then the left side rounded is at most `y` too, because `y` is a float, and so its cell is at most that of `y`. The same
+    /// holds above.
     pub(crate) fn find(
         &mut self,
-        own: &Layout<T, D>,
-        row: &Range<usize>,
-        stretch: Range<usize>,
+        min: &[T; D],
+        max: &[T; D],
         reach: f64,
-        mut found: impl FnMut(usize),
-    ) {
+        mut found: impl FnMut(usize) -> bool,
+    ) -> bool {
         let layout = self.layout;
         let (mut low, mut high) = ([0; D], [0; D]);
         for (level, &axis) in layout.axes[1..].iter().rev().enumerate() {
-            let coordinates = &own.coordinates[D * row.start + axis * row.len()..][stretch.clone()];
-            let first = coordinates[0];
-            let (min, max) = coordinates.iter().fold((first, first), |(min, max), &x| {
-                (if x < min { x } else { min }, if x > max { x } else { max })
-            });
-            let Some(cells) = layout.grid.cells_between(axis, min.to_f64() - reach, max.to_f64() + reach)
-            else {
-                return;
-            };
+            let (min, max) = (min[axis].to_f64() - reach, max[axis].to_f64() + reach);
+            let Some(cells) = layout.grid.cells_between(axis, min, max) else { return true };
             [low[level], high[level]] = cells.map(u64::cast_signed);
         }
         let mut wanted = low;
@@ -62,19 +53,23 @@ impl<'a, T: Real, const D: usize> RowsInReach<'a, T, D> {
             }
             loop {
                 if row == layout.rows() {
-                    return;
+                    return true;
                 }
                 let cells = layout.row_cells(row);
                 let outside = (0..D).find(|&level| cells[level] < low[level] || cells[level] > high[level]);
                 let Some(level) = outside else {
-                    found(row);
+                    if !found(row) {
+                        return false;
+                    }
                     row += 1;
                     continue;
                 };
                 // The next cells inside the box, in the order of the rows.
                 wanted = cells;
                 if cells[level] > high[level] {
-                    let Some(step) = (0..level).rev().find(|&step| cells[step] < high[step]) else { return };
+                    let Some(step) = (0..level).rev().find(|&step| cells[step] < high[step]) else {
+                        return true;
+                    };
                     wanted[step] += 1;
                     wanted[step + 1..].copy_from_slice(&low[step + 1..]);
                 } else {
@@ -83,6 +78,7 @@ impl<'a, T: Real, const D: usize> RowsInReach<'a, T, D> {
                 break;
             }
         }
+        true
     }
 }
 

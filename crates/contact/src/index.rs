@@ -1,0 +1,534 @@
+//! Elements sorted once and searched many times: against another set, around points, for nearest neighbours.
+
+mod nearest;
+mod rows;
+
+use crate::couple::{Couple, CrossCouple};
+use crate::csr::Csr;
+use crate::elements::{Bounds, Elements, Shape};
+use crate::error::Error;
+use crate::filter::{GroupMatrix, Labels};
+use crate::grid::{Grid, edge_for};
+use crate::pool::Pool;
+use crate::real::Real;
+use crate::search::rows::layout::{Layout, PADDING};
+use crate::search::rows::{Scan, Sink, reserve, resize};
+use crate::simd::kernel::{Arrays, Output, Task};
+use crate::simd::{Simd, portable};
+
+use rows::Part;
+
+/// Elements sorted once, to be searched many times: a boundary that moving elements may touch, or points among which neighbours are sought.
+///
+/// The index owns a sorted copy of the elements; the caller's arrays are free after [`Index::build`]. Every search takes many elements or
+/// points at once, sorts them as the index is sorted, and compares rows with rows, a vector at a time. Sorting,
+/// rows and kernels are those of [`Rows`](crate::Rows); the cells follow the density of the elements and not their size, so that a search
+/// for a small or a large distance costs what the elements around cost, and empty space costs nothing.
+///
+/// # What is found
+/// - *Two sets* ([`Index::couples_with`], [`Index::for_each_with`], [`Index::count_with`]): elements of another set that touch elements of
+///   the index; nothing within either set. The comparison is that of [`Elements`] with the radii of the two, and the larger of
+///   the two tolerances: two points with cut-offs touch at half of the sum of the cut-offs. Both sets are boxes, or neither is. Both have
+///   filters of one kind (groups: with equal matrices), or neither has.
+/// - *Around points* ([`Index::within`], [`Index::within_with_distances`]): elements whose centre (of a box: minimum corner) has a distance of at most `r`.
+/// - *Nearest* ([`Index::nearest`]): the `k` elements whose centres are nearest.
+///
+/// Distances between centres are those of [`Elements::distance_squared`]: `((d_0 * d_0) + d_1 * d_1) + …` in the type `T`, the axes in ascending
+/// order, without fused multiply-add, compared with `r * r`, closed. Radii and tolerances play no part in them.
+///
+/// # Order
+/// All results are a function of the input alone, the same for any number of threads and any vector instructions.
+///
+/// # Cost
+/// Building: some tens of nanoseconds per element; where sizes say little about density the elements are sorted up to six times. A search: tens of nanoseconds per
+/// element or point, and the comparisons. Far-away points cost what the rows of the index that face them cost. The exception are many
+/// elements in exactly one place, which are all compared for each point that asks for the nearest. Memory per element: as
+/// [`Rows`](crate::Rows), and `D` coordinates more for boxes and for distances.
+///
+/// # Errors
+/// All searches: [`Error::IndexNotBuilt`], [`Error::OutOfMemory`]; the output is empty then.
+///
+/// # Example
+/// ```
+/// use fdem_contact::{CrossCouple, Csr, Elements, Index};
+///
+/// let wall: Vec<[f64; 2]> = (0..100).map(|k| [f64::from(k), 0.0]).collect();
+/// let mut index = Index::new();
+/// index.build(&Elements::spheres(&wall, 0.5)?)?;
+///
+/// let grains = [[3.0, 1.0], [50.0, 7.0]];
+/// let mut couples = Vec::new();
+/// index.couples_with(&Elements::spheres(&grains, 0.5)?, &mut couples)?;
+/// assert_eq!(couples, [CrossCouple { i: 0, j: 3 }]);
+///
+/// let mut found = Csr::new();
+/// index.nearest(&grains, 1, &mut found)?;
+/// assert_eq!((found.neighbours_of(1), found.values_of(1)), (&[50][..], &[49.0][..]));
+/// # Ok::<(), fdem_contact::Error>(())
+/// ```
+#[doc(alias = "spatial index")]
+#[doc(alias = "cross list")]
+#[derive(Clone, Debug)]
+pub struct Index<T, const D: usize> {
+    layout: Layout<T, D>,
+    kind: Option<Kind<T>>,
+    /// Number of elements; without any the layout is what it was before.
+    len: usize,
+    /// Maximum corners of boxes, in the order of the layout.
+    far: Vec<[T; D]>,
+    /// Centres in the order of the layout, once a search has asked for distances.
+    centres: Vec<[T; D]>,
+    bounds: Bounds<D>,
+    tolerance: T,
+    /// The filter of the elements, by number.
+    labels: Labels,
+    matrix: Option<GroupMatrix>,
+    largest: f64,
+    magnitude: f64,
+    /// The other set, as the index is sorted.
+    moving: Layout<T, D>,
+    /// One radius, as many times as there are elements of the other set.
+    radii: Vec<T>,
+    /// 0, 1, 2, …: numbers for kernels that are to tell places in the order.
+    places: Vec<u32>,
+    waiting: Vec<Vec<Couple>>,
+    parts: Vec<Part<T>>,
+    /// Where each point is in the order of the other set.
+    order: Vec<u32>,
+    simd: Simd,
+    pool: Pool,
+}
+
+/// What the elements of an index are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Kind<T> {
+    Equal { radius: T },
+    Spheres,
+    Boxes,
+}
+
+/// Elements that cells have on average, empty ones left out, within bounds: fewer, and rows are too short for vectors; more, and
+/// too much is compared.
+const CELL_LOAD: std::ops::RangeInclusive<f64> = 1.5..=16.0;
+
+/// Elements in a cell where they are spread evenly.
+const EVEN_LOAD: f64 = 3.0;
+
+/// Edges that are tried.
+const MAX_BUILDS: usize = 6;
+
+impl<T: Real, const D: usize> Default for Index<T, D> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<T: Real, const D: usize> Index<T, D> {
+    /// An index that is not built yet and holds no memory, with the fastest instructions of this processor.
+    pub fn new() -> Self {
+        Self {
+            layout: Layout::new(),
+            kind: None,
+            len: 0,
+            far: Vec::new(),
+            centres: Vec::new(),
+            bounds: Bounds { min: [0.0; D], max: [0.0; D] },
+            tolerance: T::ZERO,
+            labels: Labels::default(),
+            matrix: None,
+            largest: 0.0,
+            magnitude: 0.0,
+            moving: Layout::new(),
+            radii: Vec::new(),
+            places: Vec::new(),
+            waiting: Vec::new(),
+            parts: Vec::new(),
+            order: Vec::new(),
+            simd: Simd::best(),
+            pool: Pool::default(),
+        }
+    }
+
+    /// The same with other vector instructions; the results are the same.
+    ///
+    /// # Errors
+    /// [`Error::SimdUnavailable`] if this processor lacks them.
+    pub fn with_simd(mut self, simd: Simd) -> Result<Self, Error> {
+        if !simd.is_available() {
+            return Err(Error::SimdUnavailable { simd });
+        }
+        self.simd = simd;
+        Ok(self)
+    }
+
+    /// The same on `threads` threads; 0 is one for each processor, 1 is the default and uses no pool. The results are the same.
+    ///
+    /// # Errors
+    /// [`Error::NoThreads`] if they cannot be had, or if the crate was built without its feature `rayon`.
+    pub fn with_threads(mut self, threads: usize) -> Result<Self, Error> {
+        self.pool = Pool::new(threads)?;
+        Ok(self)
+    }
+
+    /// Number of elements; 0 before the index is built.
+    pub fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Whether there are no elements.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Bytes that are held now, working memory included.
+    pub fn bytes(&self) -> usize {
+        self.layout.bytes()
+            + self.moving.bytes()
+            + (self.far.capacity() + self.centres.capacity()) * size_of::<[T; D]>()
+            + self.radii.capacity() * size_of::<T>()
+            + (self.places.capacity() + self.order.capacity()) * size_of::<u32>()
+            + self.labels.bytes()
+            + self.waiting.iter().map(Vec::capacity).sum::<usize>() * size_of::<Couple>()
+            + self.parts.iter().map(Part::bytes).sum::<usize>()
+    }
+
+    /// Copies and sorts the elements; what was there before is replaced, its memory reused.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`]; the index is not built then.
+    ///
+    /// # Example
+    /// ```
+    /// use fdem_contact::{Elements, Index};
+    ///
+    /// let mut index = Index::new();
+    /// index.build(&Elements::spheres(&[[0.0, 0.0], [3.0, 0.0]], 1.0)?)?;
+    /// assert_eq!(index.len(), 2);
+    /// # Ok::<(), fdem_contact::Error>(())
+    /// ```
+    pub fn build(&mut self, elements: &Elements<'_, T, D>) -> Result<(), Error> {
+        (self.kind, self.len) = (None, 0);
+        self.far.clear();
+        self.centres.clear();
+        (self.bounds, self.tolerance) = (elements.bounds(), elements.tolerance());
+        (self.largest, self.magnitude) = (elements.largest(), elements.magnitude());
+        let (kind, points, radii): (_, _, &[T]) = match elements.shape {
+            Shape::Equal(equal) => (Kind::Equal { radius: equal.radius() }, equal.points(), &[]),
+            Shape::Spheres(spheres) => (Kind::Spheres, spheres.points(), spheres.radii()),
+            Shape::Boxes(boxes) => (Kind::Boxes, boxes.points(), &[]),
+        };
+        if !elements.is_empty() {
+            self.sort(elements, points, radii)?;
+        }
+        if let Shape::Boxes(boxes) = elements.shape {
+            reserve(&mut self.far, points.len())?;
+            let ids = &self.layout.ids[..points.len()];
+            self.far.extend(ids.iter().map(|&id| boxes.far_points()[id as usize]));
+        }
+        self.labels.copy(elements.filter(), &[])?;
+        self.matrix = match elements.filter().and_then(|filter| filter.matrix()) {
+            Some(matrix) => Some(matrix.copy()?),
+            None => None,
+        };
+        if kind != Kind::Boxes && !elements.is_empty() {
+            self.layout.label(elements.filter(), &self.pool)?;
+        }
+        (self.kind, self.len) = (Some(kind), points.len());
+        Ok(())
+    }
+
+    /// Sorts the elements into cells of a suitable load.
+    ///
+    /// The size of the elements is a first guess, unless they would be spread more thinly over their whole domain. Where
+    /// cells hold too few or too many, smaller and larger edges are tried, between those known to be too small and too large.
+    fn sort(&mut self, elements: &Elements<'_, T, D>, points: &[[T; D]], radii: &[T]) -> Result<(), Error> {
+        let natural = Grid::unbounded(elements);
+        let even = edge_for(&self.bounds, points.len() as f64 / EVEN_LOAD);
+        let mut edge = even.map_or(natural.cell_size(), |even| even.min(natural.cell_size()));
+        edge = edge.max(T::MIN_RESOLVED);
+        let (mut too_small, mut too_large) = (0.0, even.unwrap_or(edge).max(edge));
+        for _ in 0..MAX_BUILDS {
+            let grid = Grid::with_cell_size(self.bounds.min, self.bounds.max, edge);
+            self.layout.build(points, radii, grid, &self.pool)?;
+            let load = self.load();
+            if CELL_LOAD.contains(&load) || even.is_none() {
+                break;
+            }
+            if load < *CELL_LOAD.start() {
+                too_small = edge;
+            } else {
+                too_large = edge;
+            }
+            if too_large < 2.0 * too_small || too_large <= T::MIN_RESOLVED {
+                break;
+            }
+            edge = if too_small > 0.0 { (too_small * too_large).sqrt() } else { 0.125 * too_large };
+            edge = edge.max(T::MIN_RESOLVED);
+        }
+        Ok(())
+    }
+
+    /// Elements per cell, empty ones left out.
+    fn load(&self) -> f64 {
+        let (layout, long) = (&self.layout, self.layout.axes[0]);
+        let mut cells = 0_usize;
+        for row in 0..layout.rows() {
+            let along = layout.along(&layout.row(row));
+            let cell = |x: T| layout.grid.wide_cell(long, x.to_f64());
+            cells += 1 + along.windows(2).filter(|pair| cell(pair[0]) != cell(pair[1])).count();
+        }
+        layout.len() as f64 / cells.max(1) as f64
+    }
+
+    /// Writes the couples of `elements` with the elements of the index into `couples`, cleared first.
+    ///
+    /// # Shapes
+    /// `m` couples, each once: `i` of `elements`, `j` of the index; in an order that depends on the input alone.
+    ///
+    /// # Errors
+    /// [`Error::UnlikeShapes`], and see [`Index`].
+    ///
+    /// # Example
+    /// ```
+    /// use fdem_contact::{CrossCouple, Elements, Index};
+    ///
+    /// let mut index = Index::new();
+    /// index.build(&Elements::boxes(&[[0.0, 0.0]], &[[10.0, 1.0]])?)?;
+    /// let mut couples = Vec::new();
+    /// index.couples_with(&Elements::boxes(&[[4.0, 1.0], [4.0, 2.0]], &[[5.0, 2.0], [5.0, 3.0]])?, &mut couples)?;
+    /// assert_eq!(couples, [CrossCouple { i: 0, j: 0 }]);
+    /// # Ok::<(), fdem_contact::Error>(())
+    /// ```
+    pub fn couples_with(
+        &mut self,
+        elements: &Elements<'_, T, D>,
+        couples: &mut Vec<CrossCouple>,
+    ) -> Result<(), Error> {
+        couples.clear();
+        let mut room = Ok(());
+        let mut take = |found: &[Couple]| {
+            if couples.try_reserve(found.len()).is_err() && room.is_ok() {
+                let bytes = (couples.len() + found.len()).saturating_mul(size_of::<CrossCouple>());
+                room = Err(Error::OutOfMemory { bytes });
+            }
+            if room.is_ok() {
+                couples.extend(found.iter().map(|&Couple { i, j }| CrossCouple { i, j }));
+            }
+        };
+        let result = self.search_with(elements, Sink::Visit(&mut take));
+        result.and(room).inspect_err(|_| couples.clear())
+    }
+
+    /// Calls `visit` with every couple of [`Index::couples_with`], in its order; nothing is stored.
+    ///
+    /// # Errors
+    /// As [`Index::couples_with`].
+    ///
+    /// # Example
+    /// ```
+    /// use fdem_contact::{Elements, Index};
+    ///
+    /// let mut index = Index::new();
+    /// index.build(&Elements::spheres(&[[0.0, 0.0], [3.0, 0.0]], 1.0)?)?;
+    /// let mut sum = 0;
+    /// index.for_each_with(&Elements::spheres(&[[1.5, 0.0]], 0.5)?, |couple| sum += couple.j)?;
+    /// assert_eq!(sum, 1);
+    /// # Ok::<(), fdem_contact::Error>(())
+    /// ```
+    pub fn for_each_with(
+        &mut self,
+        elements: &Elements<'_, T, D>,
+        mut visit: impl FnMut(CrossCouple),
+    ) -> Result<(), Error> {
+        let mut take =
+            |found: &[Couple]| found.iter().for_each(|&Couple { i, j }| visit(CrossCouple { i, j }));
+        self.search_with(elements, Sink::Visit(&mut take))
+    }
+
+    /// The number of couples of [`Index::couples_with`]; nothing is stored.
+    ///
+    /// # Errors
+    /// As [`Index::couples_with`].
+    ///
+    /// # Example
+    /// ```
+    /// use fdem_contact::{Elements, Index};
+    ///
+    /// let mut index = Index::new();
+    /// index.build(&Elements::points(&[[0.0], [3.0]], 1.0)?)?;
+    /// assert_eq!(index.count_with(&Elements::points(&[[0.5], [1.5], [2.5]], 1.0)?)?, 2);
+    /// # Ok::<(), fdem_contact::Error>(())
+    /// ```
+    pub fn count_with(&mut self, elements: &Elements<'_, T, D>) -> Result<u64, Error> {
+        let mut count = 0;
+        self.search_with(elements, Sink::Count(&mut count))?;
+        Ok(count)
+    }
+
+    fn search_with(&mut self, elements: &Elements<'_, T, D>, sink: Sink<'_>) -> Result<(), Error> {
+        let kind = self.kind.ok_or(Error::IndexNotBuilt)?;
+        if (kind == Kind::Boxes) != matches!(elements.shape, Shape::Boxes(_)) {
+            return Err(Error::UnlikeShapes);
+        }
+        if elements.is_empty() || self.is_empty() {
+            return Ok(());
+        }
+        let filters = match (elements.filter(), self.labels.as_filter(self.matrix.as_ref())) {
+            (None, None) => [None; 2],
+            (Some(theirs), Some(ours)) if theirs.is_like(&ours) => [Some(theirs), Some(ours)],
+            _ => return Err(Error::UnlikeFilters),
+        };
+        let tolerance =
+            if self.tolerance > elements.tolerance() { self.tolerance } else { elements.tolerance() };
+        let reach = elements.reach_to(self.largest, self.magnitude, tolerance);
+        let mut reach_squared = T::ZERO;
+
+        let Self { layout, moving, radii, far, pool, .. } = self;
+        let n = elements.len();
+        let (points, their_radii): (_, &[T]) = match (elements.shape, kind) {
+            (Shape::Boxes(boxes), _) => (boxes.points(), &[]),
+            (Shape::Spheres(spheres), _) => (spheres.points(), spheres.radii()),
+            (Shape::Equal(equal), Kind::Equal { radius }) => {
+                let reach = (equal.radius() + radius) + tolerance;
+                reach_squared = reach * reach;
+                (equal.points(), &[])
+            }
+            (Shape::Equal(equal), _) => {
+                radii.clear();
+                resize(radii, n, equal.radius())?;
+                (equal.points(), &radii[..])
+            }
+        };
+        let with_radii = !their_radii.is_empty();
+        if let (Kind::Equal { radius }, true) = (kind, with_radii) {
+            let len = layout.len() + PADDING;
+            resize(&mut layout.radii, len, radius)?;
+        }
+        moving.build_along(points, their_radii, layout.grid.over(elements.bounds()), layout.axes, pool)?;
+
+        // Boxes are compared here, filter and all.
+        let kernel_filters = if kind == Kind::Boxes { [None; 2] } else { filters };
+        moving.label(kernel_filters[0], pool)?;
+        let mut arrays = [moving.arrays(kernel_filters[0]), layout.arrays(kernel_filters[1])];
+        if !with_radii {
+            arrays = arrays.map(|arrays| Arrays { radii: &[], ..arrays });
+        }
+        let simd = self.simd;
+        let spheres = |task: &Task<'_, T, D>, out: &mut Output<'_>| T::search(simd, task, out);
+        let boxes = |task: &Task<'_, T, D>, out: &mut Output<'_>| {
+            let Shape::Boxes(boxes) = elements.shape else { return };
+            portable::scan(task, out, |row, k, other, j| {
+                let id = moving.ids[row.start + k] as usize;
+                let (min, max) = (&boxes.points()[id], &boxes.far_points()[id]);
+                let far = &far[other.start + j];
+                let see_each_other = match filters {
+                    [Some(theirs), Some(ours)] => {
+                        theirs.admits_of(id, &ours, layout.ids[other.start + j] as usize)
+                    }
+                    _ => true,
+                };
+                see_each_other
+                    && (0..D).all(|axis| {
+                        let near = layout.coordinates[D * other.start + axis * other.len + j];
+                        min[axis] <= far[axis] + tolerance && near <= max[axis] + tolerance
+                    })
+            });
+        };
+        let scan = Scan {
+            layout: moving,
+            against: Some(layout),
+            arrays,
+            reach: T::at_least(reach.max(T::MIN_RESOLVED)),
+            reach_squared,
+            tolerance,
+            search_row: if kind == Kind::Boxes { &boxes } else { &spheres },
+        };
+        scan.all(pool, &mut self.waiting, sink)
+    }
+
+    /// Writes, for each point, the elements whose distance is at most `r` into its row of `found`, ascending by number.
+    ///
+    /// # Shapes
+    /// `points` `[q]`; `found`: `q` rows.
+    ///
+    /// # Errors
+    /// [`Error::InvalidCutoff`] for an `r` that is negative or no number; [`Error::NonFiniteCoordinate`], [`Error::CoordinateTooLarge`] and
+    /// [`Error::TooManyElements`] for the points; and see [`Index`].
+    ///
+    /// # Example
+    /// ```
+    /// use fdem_contact::{Csr, Elements, Index};
+    ///
+    /// let mut index = Index::new();
+    /// index.build(&Elements::points(&[[0.0, 0.0], [1.0, 0.0], [5.0, 0.0]], 1.0)?)?;
+    /// let mut found = Csr::new();
+    /// index.within(&[[0.5, 0.0], [9.0, 9.0]], 0.5, &mut found)?;
+    /// assert_eq!(found.neighbours_of(0), [0, 1]);
+    /// assert!(found.neighbours_of(1).is_empty());
+    /// # Ok::<(), fdem_contact::Error>(())
+    /// ```
+    #[doc(alias = "range query")]
+    #[doc(alias = "ball query")]
+    pub fn within(&mut self, points: &[[T; D]], r: T, found: &mut Csr) -> Result<(), Error> {
+        found.clear();
+        let (offsets, neighbours, _) = found.arrays_mut();
+        self.find_within(points, r, offsets, neighbours, None).inspect_err(|_| found.clear())
+    }
+
+    /// As [`Index::within`], with the squared distance of each element as its value.
+    ///
+    /// # Errors
+    /// As [`Index::within`].
+    ///
+    /// # Example
+    /// ```
+    /// use fdem_contact::{Csr, Elements, Index};
+    ///
+    /// let mut index = Index::new();
+    /// index.build(&Elements::points(&[[0.0, 0.0], [1.0, 0.0], [5.0, 0.0]], 1.0)?)?;
+    /// let mut found = Csr::new();
+    /// index.within_with_distances(&[[1.0, 2.0]], 3.0, &mut found)?;
+    /// assert_eq!((found.neighbours_of(0), found.values_of(0)), (&[0, 1][..], &[5.0, 4.0][..]));
+    /// # Ok::<(), fdem_contact::Error>(())
+    /// ```
+    pub fn within_with_distances(
+        &mut self,
+        points: &[[T; D]],
+        r: T,
+        found: &mut Csr<T>,
+    ) -> Result<(), Error> {
+        found.clear();
+        let (offsets, neighbours, values) = found.arrays_mut();
+        self.find_within(points, r, offsets, neighbours, Some(values)).inspect_err(|_| found.clear())
+    }
+
+    /// Writes, for each point, the `k` nearest elements into its row of `found`, ascending by squared distance, then by number; the squared
+    /// distances are the values.
+    ///
+    /// Fewer if there are not `k` elements. Elements at the same distance are told apart by their number, so the row is one and no other.
+    ///
+    /// # Shapes
+    /// `points` `[q]`; `found`: `q` rows of `min(k, n)` entries.
+    ///
+    /// # Errors
+    /// [`Error::NonFiniteCoordinate`], [`Error::CoordinateTooLarge`], [`Error::TooManyElements`] for the points; and see [`Index`].
+    ///
+    /// # Example
+    /// ```
+    /// use fdem_contact::{Csr, Elements, Index};
+    ///
+    /// let mut index = Index::new();
+    /// index.build(&Elements::points(&[[0.0, 0.0], [1.0, 0.0], [5.0, 0.0]], 1.0)?)?;
+    /// let mut found = Csr::new();
+    /// index.nearest(&[[0.5, 0.0], [4.0, 0.0]], 2, &mut found)?;
+    /// assert_eq!((found.neighbours_of(0), found.values_of(0)), (&[0, 1][..], &[0.25, 0.25][..]));
+    /// assert_eq!((found.neighbours_of(1), found.values_of(1)), (&[2, 1][..], &[1.0, 9.0][..]));
+    /// # Ok::<(), fdem_contact::Error>(())
+    /// ```
+    #[doc(alias = "knn")]
+    pub fn nearest(&mut self, points: &[[T; D]], k: usize, found: &mut Csr<T>) -> Result<(), Error> {
+        found.clear();
+        let (offsets, neighbours, values) = found.arrays_mut();
+        self.find_nearest(points, k, offsets, neighbours, values).inspect_err(|_| found.clear())
+    }
+}

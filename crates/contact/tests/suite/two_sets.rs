@@ -1,0 +1,257 @@
+//! Two sets through an index, against every element of one with every element of the other.
+
+use fdem_contact::{CrossCouple, Elements, Error, Index, Rows, Search, Simd};
+use fdem_scenes::{Cloud, Sizes, clusters, gas, lattice};
+use proptest::prelude::*;
+
+use crate::oracle::FromF64;
+
+/// The arrays of one set.
+struct Set<T, const D: usize> {
+    centres: Vec<[T; D]>,
+    far: Vec<[T; D]>,
+    radii: Vec<T>,
+}
+
+impl<T: FromF64, const D: usize> Set<T, D> {
+    fn new(cloud: &Cloud<D>, scale: f64, shift: f64) -> Self {
+        let centres: Vec<[f64; D]> = cloud.centres.iter().map(|centre| centre.map(|x| x + shift)).collect();
+        let far = centres.iter().zip(&cloud.radii).enumerate().map(|(k, (centre, radius))| {
+            let edge = |axis: usize| if axis == k % D { 0.5 } else { 2.0 } * radius * scale;
+            std::array::from_fn(|axis| T::from_f64(centre[axis] + edge(axis)))
+        });
+        Self {
+            far: far.collect(),
+            radii: cloud.radii.iter().map(|radius| T::from_f64(radius * scale)).collect(),
+            centres: centres.into_iter().map(|centre| centre.map(T::from_f64)).collect(),
+        }
+    }
+
+    fn shapes(&self, tolerance: f64) -> [Elements<'_, T, D>; 3] {
+        let radius = self.radii.first().copied().unwrap_or(T::HALF);
+        [
+            Elements::spheres(&self.centres, radius),
+            Elements::spheres_with_radii(&self.centres, &self.radii),
+            Elements::boxes(&self.centres, &self.far),
+        ]
+        .map(|elements| elements.unwrap().with_tolerance(T::from_f64(tolerance)).unwrap())
+    }
+
+    /// What the documentation of `Elements` says, for element `i` of this set and `j` of another.
+    fn touch(
+        &self,
+        shape: usize,
+        i: usize,
+        other: &Self,
+        other_shape: usize,
+        j: usize,
+        tolerance: T,
+    ) -> bool {
+        let radius = |set: &Self, shape: usize, k: usize| set.radii[if shape == 0 { 0 } else { k }];
+        if shape == 2 {
+            return (0..D).all(|axis| {
+                self.centres[i][axis] <= other.far[j][axis] + tolerance
+                    && other.centres[j][axis] <= self.far[i][axis] + tolerance
+            });
+        }
+        let mut sum = T::ZERO;
+        for axis in 0..D {
+            let difference = self.centres[i][axis] - other.centres[j][axis];
+            sum = sum + difference * difference;
+        }
+        let reach = (radius(self, shape, i) + radius(other, other_shape, j)) + tolerance;
+        sum <= reach * reach
+    }
+}
+
+/// All combinations of shapes and tolerances; returns the number of couples. The index is one, and built again and again.
+fn compare<T: FromF64, const D: usize>(scene: &str, moving: &Set<T, D>, fixed: &Set<T, D>) -> usize {
+    let mut indices: Vec<(Simd, usize, Index<T, D>)> = Simd::available()
+        .into_iter()
+        .map(|simd| (simd, 1))
+        .chain([(Simd::best(), 2), (Simd::best(), 3)])
+        .map(|(simd, threads)| {
+            let index = Index::new().with_simd(simd).unwrap().with_threads(threads).unwrap();
+            (simd, threads, index)
+        })
+        .collect();
+    let mut total = 0;
+    for (ours, theirs) in [(0.0, 0.0), (0.0, 0.3), (1.5, 0.1)] {
+        for (their_shape, target) in fixed.shapes(theirs).iter().enumerate() {
+            for (_, _, index) in &mut indices {
+                index.build(target).unwrap();
+                assert_eq!(index.len(), fixed.centres.len());
+            }
+            for (shape, elements) in moving.shapes(ours).iter().enumerate() {
+                let mut couples = Vec::new();
+                if (shape == 2) != (their_shape == 2) {
+                    let error = indices[0].2.couples_with(elements, &mut couples);
+                    assert_eq!(error, Err(Error::UnlikeShapes));
+                    continue;
+                }
+                let tolerance = T::from_f64(f64::max(ours, theirs));
+                let mut expected = Vec::new();
+                for i in 0..moving.centres.len() {
+                    let touching = (0..fixed.centres.len())
+                        .filter(|&j| moving.touch(shape, i, fixed, their_shape, j, tolerance));
+                    expected.extend(touching.map(|j| CrossCouple { i: i as u32, j: j as u32 }));
+                }
+                let mut order: Option<Vec<CrossCouple>> = None;
+                for (simd, threads, index) in &mut indices {
+                    let context = || {
+                        format!("{scene}, {simd}, {threads}, shapes {shape} {their_shape}, {ours} {theirs}")
+                    };
+                    index.couples_with(elements, &mut couples).unwrap();
+                    let mut visited = Vec::new();
+                    index.for_each_with(elements, |couple| visited.push(couple)).unwrap();
+                    assert!(visited == couples, "{}", context());
+                    assert!(order.get_or_insert_with(|| couples.clone()) == &couples, "order: {}", context());
+                    couples.sort_unstable();
+                    assert!(couples == expected, "{}", context());
+                    assert_eq!(index.count_with(elements), Ok(expected.len() as u64), "{}", context());
+                }
+                total += expected.len();
+            }
+        }
+    }
+    total
+}
+
+const EQUAL: Sizes = Sizes::Equal { radius: 0.5 };
+
+fn all_scenes<T: FromF64, const D: usize>() {
+    let unlike = Sizes::PowerLaw { min: 0.2, max: 1.0, exponent: -2.5 };
+    let cloud = gas::<D>(400, 1, 8.0, EQUAL).unwrap();
+    let other = gas::<D>(300, 2, 6.0, unlike).unwrap();
+    let empty = Cloud { centres: Vec::new(), radii: Vec::new() };
+    let set = |cloud: &Cloud<D>, scale: f64, shift: f64| Set::<T, D>::new(cloud, scale, shift);
+    let fixed = set(&cloud, 1.0, 0.0);
+
+    assert!(compare("side by side", &set(&other, 1.0, 0.25), &fixed) > 1000);
+    assert!(compare("much larger", &set(&other, 6.0, -1.0), &fixed) > 5000);
+    assert!(compare("much smaller", &set(&other, 0.01, 0.5), &fixed) > 100);
+    assert!(compare("the index much smaller", &fixed, &set(&other, 0.01, 0.5)) > 100);
+    compare("far away", &set(&other, 1.0, 1e5), &fixed);
+    compare("far away, below", &set(&other, 1.0, -1e5), &fixed);
+    assert_eq!(compare("nothing asks", &set(&empty, 1.0, 0.0), &fixed), 0);
+    assert_eq!(compare("nobody to ask", &fixed, &set(&empty, 1.0, 0.0)), 0);
+
+    // Equal spacings, exactly touching.
+    let touching = set(&lattice::<D>(300, 1.0, 0.5).unwrap(), 1.0, 0.0);
+    assert!(compare("lattice", &touching, &touching) > 1000);
+    let clustered = set(&clusters::<D>(300, 5, 30, 1000.0, 6.0, EQUAL).unwrap(), 1.0, 0.0);
+    assert!(compare("clusters", &clustered, &clustered) > 1000);
+    let mut outlier = cloud.clone();
+    outlier.centres[7] = [-1e6; D];
+    assert!(compare("an outlier", &set(&outlier, 1.0, 0.0), &fixed) > 1000);
+    assert!(compare("an outlier in the index", &fixed, &set(&outlier, 1.0, 0.0)) > 1000);
+    let one_place = Cloud { centres: vec![[0.25; D]; 50], radii: vec![0.5; 50] };
+    assert!(compare("one place", &set(&one_place, 1.0, 0.0), &set(&one_place, 1.0, 0.0)) >= 50 * 50);
+}
+
+macro_rules! oracle {
+    ($($name:ident: $type:ty, $dimensions:literal;)*) => {
+        $(
+            #[test]
+            fn $name() {
+                all_scenes::<$type, $dimensions>();
+            }
+        )*
+    };
+}
+
+oracle! {
+    f64_1d: f64, 1; f64_2d: f64, 2; f64_3d: f64, 3; f64_4d: f64, 4;
+    f32_1d: f32, 1; f32_2d: f32, 2; f32_3d: f32, 3; f32_4d: f32, 4;
+}
+
+/// Several parts of the work, on several threads: each element of a set with itself, and the couples of one set twice.
+#[test]
+fn a_set_with_itself_finds_what_one_search_finds() {
+    let cloud = gas::<3>(30_000, 3, 12.0, EQUAL).unwrap();
+    let elements = Elements::points(&cloud.centres, 1.0).unwrap();
+    let mut expected = Vec::new();
+    Rows::new().couples(&elements, &mut expected).unwrap();
+    let mut order: Option<Vec<CrossCouple>> = None;
+    for threads in [1, 2, 3] {
+        let mut index = Index::new().with_threads(threads).unwrap();
+        index.build(&elements).unwrap();
+        let mut couples = Vec::new();
+        index.couples_with(&elements, &mut couples).unwrap();
+        assert!(order.get_or_insert_with(|| couples.clone()) == &couples, "{threads} threads");
+        assert_eq!(index.count_with(&elements), Ok(2 * expected.len() as u64 + 30_000));
+        couples.retain(|couple| couple.i < couple.j);
+        couples.sort_unstable();
+        expected.sort_unstable();
+        assert!(couples.iter().map(|couple| (couple.i, couple.j)).eq(expected.iter().map(|c| (c.i, c.j))));
+    }
+}
+
+#[test]
+fn an_index_that_is_not_built_says_so() {
+    let mut index = Index::<f64, 2>::new();
+    let elements = Elements::points(&[[0.0, 0.0]], 1.0).unwrap();
+    let mut couples = vec![CrossCouple { i: 0, j: 0 }];
+    assert_eq!(index.couples_with(&elements, &mut couples), Err(Error::IndexNotBuilt));
+    assert!(couples.is_empty() && index.is_empty());
+    assert_eq!(index.count_with(&elements), Err(Error::IndexNotBuilt));
+}
+
+/// Cells beyond any integer, squares that underflow, domains of 10^15 cells.
+#[test]
+fn extremes_of_scale() {
+    for scale in [1e-300, 1e-160, 1.0, 1e140] {
+        let fixed: Vec<[f64; 2]> =
+            (0..50).map(|k| [f64::from(k) * scale, f64::from(k % 7) * scale]).collect();
+        let mut moving = fixed.clone();
+        moving.push([1e149, -1e149]);
+        let (target, elements) =
+            (Elements::points(&fixed, scale).unwrap(), Elements::points(&moving, scale).unwrap());
+        let (s, mut expected) = ((0.5 * scale + 0.5 * scale) * (0.5 * scale + 0.5 * scale), 0);
+        for a in &moving {
+            expected += fixed
+                .iter()
+                .filter(|b| (a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]) <= s)
+                .count() as u64;
+        }
+        let mut index = Index::new();
+        index.build(&target).unwrap();
+        assert_eq!(index.count_with(&elements), Ok(expected), "scale {scale}");
+    }
+}
+
+fn coordinate() -> impl Strategy<Value = f64> {
+    prop_oneof![
+        (-12..12_i32).prop_map(|k| f64::from(k) / 2.0),
+        (-8 * 1024..8 * 1024_i32).prop_map(|k| f64::from(k) / 1024.0),
+        any::<f32>().prop_map(|x| if x.is_finite() { f64::from(x) } else { 0.0 }),
+    ]
+}
+
+fn spheres() -> impl Strategy<Value = Vec<([f64; 3], f64)>> {
+    prop::collection::vec(([coordinate(), coordinate(), coordinate()], 0.0..4.0), 0..40)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 512, ..ProptestConfig::default() })]
+
+    #[test]
+    fn any_two_sets(moving in spheres(), fixed in spheres()) {
+        let (centres, radii): (Vec<_>, Vec<_>) = moving.iter().copied().unzip();
+        let (their_centres, their_radii): (Vec<_>, Vec<_>) = fixed.iter().copied().unzip();
+        let both: Vec<[f64; 3]> = centres.iter().chain(&their_centres).copied().collect();
+        let all: Vec<f64> = radii.iter().chain(&their_radii).copied().collect();
+        let union = Elements::spheres_with_radii(&both, &all).unwrap();
+        let mut expected = Vec::new();
+        for i in 0..centres.len() {
+            let touching = (0..fixed.len()).filter(|&j| union.touch(i, centres.len() + j));
+            expected.extend(touching.map(|j| CrossCouple { i: i as u32, j: j as u32 }));
+        }
+        let mut index = Index::new();
+        index.build(&Elements::spheres_with_radii(&their_centres, &their_radii).unwrap()).unwrap();
+        let mut couples = Vec::new();
+        index.couples_with(&Elements::spheres_with_radii(&centres, &radii).unwrap(), &mut couples).unwrap();
+        couples.sort_unstable();
+        prop_assert_eq!(couples, expected);
+    }
+}
