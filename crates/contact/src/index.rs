@@ -2,6 +2,7 @@
 
 mod nearest;
 mod rows;
+mod sort;
 
 use crate::couple::{Couple, CrossCouple};
 use crate::csr::Csr;

@@ -8,11 +8,12 @@ use crate::elements::{Elements, distance_squared};
 use crate::error::Error;
 use crate::index::Index;
 use crate::index::rows::{Part, hand_over, no_entries};
+use crate::index::sort::{FEW, sort};
 use crate::real::Real;
 use crate::search::rows::layout::Layout;
 use crate::search::rows::reach::RowsInReach;
 use crate::search::rows::{PART, Scan};
-use crate::simd::kernel::{Arrays, Neighbour, Output, Span, Task};
+use crate::simd::kernel::{Arrays, Neighbour, Output, ROOM, Span, Task};
 
 /// Neighbouring points that are searched for with one reach: enough to share the rows in reach, few enough to have similar neighbours.
 const STRETCH: usize = 32;
@@ -70,10 +71,11 @@ impl<T: Real, const D: usize> Index<T, D> {
                 rows: RowsInReach::new(layout),
                 best: BinaryHeap::new(),
                 keys: Vec::new(),
+                neighbours: Vec::new(),
                 seen: Vec::new(),
                 rows_now: Vec::new(),
             };
-            nearest.part(&scan, part, points, range, gap);
+            nearest.part(&scan, part, range, gap);
         });
         hand_over(parts, moving, order, pool, offsets, neighbours, Some(values))
     }
@@ -82,8 +84,8 @@ impl<T: Real, const D: usize> Index<T, D> {
 /// The search for the points of one part.
 ///
 /// Points that are neighbours have neighbours at similar distances. So the distances that the last points have needed are tried
-/// first, for a stretch of points at once, with the kernel. A point that finds too few within that is searched for by itself, in growing boxes of
-/// rows; either way all elements up to the distance of the last one wanted have been compared, and the result is exact.
+/// first, for a stretch of points at once, with the kernel, and then somewhat larger ones for each point that has found too few. A point that still has too few
+/// is searched for by itself, in growing boxes of rows; either way all elements up to the distance of the last one wanted have been compared, and the result is exact.
 struct Nearest<'a, T, const D: usize> {
     layout: &'a Layout<T, D>,
     centres: &'a [[T; D]],
@@ -92,6 +94,8 @@ struct Nearest<'a, T, const D: usize> {
     /// The best so far, the worst of them on top.
     best: BinaryHeap<u128>,
     keys: Vec<u128>,
+    /// Rows in reach of a stretch.
+    neighbours: Vec<Neighbour>,
     /// Rows of the last box, ascending, and those of the next.
     seen: Vec<usize>,
     rows_now: Vec<usize>,
@@ -102,57 +106,51 @@ impl<T: Real, const D: usize> Nearest<'_, T, D> {
         &mut self,
         scan: &Scan<'_, T, D>,
         part: &mut Part<T>,
-        points: &[[T; D]],
         range: Range<usize>,
         gap: impl Fn(&[T; D]) -> f64,
     ) {
         part.clear();
         let mut rows = RowsInReach::new(self.layout);
-        let mut neighbours = Vec::new();
+        let mut again = Vec::new();
         let mut reach_squared = None;
         let mut needed = Vec::with_capacity(STRETCH);
         for (_, places, whole) in scan.stretches(&range) {
             for from in whole.clone().step_by(STRETCH) {
                 let stretch = from..whole.end.min(from + STRETCH);
-                part.couples.clear();
+                let mut couples = std::mem::take(&mut part.couples);
+                couples.clear();
                 if let Some(reach_squared) = reach_squared {
-                    let reach = T::at_least(reach_of::<T, D>(reach_squared));
-                    if self.windows(scan, &places, &stretch, reach, &mut rows, &mut neighbours) {
-                        let scan = Scan { reach, reach_squared, ..*scan };
-                        let mut make_room =
-                            |couples: &mut Vec<Couple>| couples.reserve(STRETCH * self.wanted);
-                        let couples = &mut part.couples;
-                        let make_room = &mut make_room;
-                        let mut out = Output { couples, count: 0, count_only: false, make_room };
-                        scan.stretch(&places, stretch.clone(), &neighbours, &mut out);
-                    }
+                    self.kernel(scan, &places, stretch.clone(), reach_squared, &mut rows, &mut couples);
                 }
                 if !part.has_room(stretch.len().saturating_mul(self.wanted)) {
                     return;
                 }
-                let couples = std::mem::take(&mut part.couples);
                 let mut rest = &couples[..];
                 needed.clear();
-                for place in places.start + stretch.start..places.start + stretch.end {
+                for k in stretch {
+                    let place = places.start + k;
                     let len = rest.iter().take_while(|couple| couple.i as usize == place).count();
-                    let (found, others) = rest.split_at(len);
+                    let (mut found, others) = rest.split_at(len);
                     rest = others;
-                    let point = &points[scan.layout.ids[place] as usize];
+                    if let Some(reach_squared) = reach_squared
+                        && found.len() < self.wanted
+                    {
+                        again.clear();
+                        let more = reach_squared + reach_squared;
+                        self.kernel(scan, &places, k..k + 1, more, &mut rows, &mut again);
+                        found = &again;
+                    }
+                    let point = &scan.layout.point(&places, k);
                     self.keys.clear();
                     if found.len() >= self.wanted {
                         for couple in found {
                             self.keys.push(self.key(point, couple.j as usize));
                         }
-                        if self.keys.len() > 4 * self.wanted {
-                            self.keys.select_nth_unstable(self.wanted - 1);
-                            self.keys.truncate(self.wanted);
-                        }
                     } else {
                         self.boxes(point, gap(point));
                         self.keys.extend(self.best.drain());
                     }
-                    self.keys.sort_unstable();
-                    self.keys.truncate(self.wanted);
+                    self.sort_keys();
                     part.found.extend(self.keys.iter().map(|&key| key as u32));
                     part.values.extend(self.keys.iter().map(|&key| squared::<T>(key)));
                     part.ends.push(part.found.len());
@@ -166,23 +164,25 @@ impl<T: Real, const D: usize> Nearest<'_, T, D> {
         }
     }
 
-    /// Finds the rows in `reach` of a stretch and the windows in them; `false` if they hold too much.
-    fn windows(
-        &self,
+    /// Writes the couples of a stretch of a row with all elements in reach; none if these are too many.
+    fn kernel(
+        &mut self,
         scan: &Scan<'_, T, D>,
         places: &Range<usize>,
-        stretch: &Range<usize>,
-        reach: T,
+        stretch: Range<usize>,
+        reach_squared: T,
         rows: &mut RowsInReach<'_, T, D>,
-        neighbours: &mut Vec<Neighbour>,
-    ) -> bool {
+        couples: &mut Vec<Couple>,
+    ) {
         let layout = self.layout;
-        let [min, max] = scan.layout.extremes(places, stretch);
+        let reach = T::at_least(reach_of::<T, D>(reach_squared));
+        let [min, max] = scan.layout.extremes(places, &stretch);
         let long = layout.axes[0];
         let (low, high) = (min[long] - reach, max[long] + reach);
         let mut room = (STRETCH * MAX_WINDOW).saturating_mul(self.wanted + 4);
+        let neighbours = &mut self.neighbours;
         neighbours.clear();
-        rows.find(&min, &max, reach.to_f64(), |row| {
+        let fits = rows.find(&min, &max, reach.to_f64(), |row| {
             let row = layout.row(row);
             let along = layout.along(&row);
             let first = along.partition_point(|&x| x < low);
@@ -193,7 +193,17 @@ impl<T: Real, const D: usize> Nearest<'_, T, D> {
             let fits = len <= room && neighbours.len() <= MAX_ROWS;
             room = if fits { room - len } else { 0 };
             fits
-        })
+        });
+        if fits {
+            let scan = Scan { reach, reach_squared, ..*scan };
+            let make_room = &mut |couples: &mut Vec<Couple>| couples.reserve(STRETCH * ROOM);
+            scan.stretch(
+                places,
+                stretch,
+                neighbours,
+                &mut Output { couples, count: 0, count_only: false, make_room },
+            );
+        }
     }
 
     /// The best of all elements, whatever their distance, into `best`.
@@ -267,6 +277,38 @@ impl<T: Real, const D: usize> Nearest<'_, T, D> {
                 *worst = key;
             }
         }
+    }
+
+    /// Sorts the keys, and keeps those wanted.
+    fn sort_keys(&mut self) {
+        let n = self.keys.len();
+        if n <= FEW {
+            // The leading bits of the distances first, without branches; what they leave in the wrong order is near its place.
+            let mut rough = [0; FEW];
+            for ((rough, &key), k) in rough.iter_mut().zip(&self.keys).zip(0_u64..) {
+                *rough = (key >> 32) as u64 & !(FEW as u64 - 1) | k;
+            }
+            sort(&mut rough[..n], u64::MAX);
+            let mut keys = [0; FEW];
+            for (key, &rough) in keys.iter_mut().zip(&rough[..n]) {
+                *key = self.keys[rough as usize % FEW];
+            }
+            for k in 1..n {
+                let mut to = k;
+                while to > 0 && keys[to - 1] > keys[to] {
+                    keys.swap(to - 1, to);
+                    to -= 1;
+                }
+            }
+            self.keys.copy_from_slice(&keys[..n]);
+        } else {
+            if n > 4 * self.wanted {
+                self.keys.select_nth_unstable(self.wanted - 1);
+                self.keys.truncate(self.wanted);
+            }
+            self.keys.sort_unstable();
+        }
+        self.keys.truncate(self.wanted);
     }
 
     /// Ascends with the squared distance, then with the number: floats that are not negative ascend with their bits.

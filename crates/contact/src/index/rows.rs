@@ -7,6 +7,7 @@ use crate::csr::set_len;
 use crate::elements::{Elements, distance_squared};
 use crate::error::Error;
 use crate::index::Index;
+use crate::index::sort::sort;
 use crate::pool::Pool;
 use crate::real::Real;
 use crate::search::rows::layout::{Layout, PADDING};
@@ -110,7 +111,7 @@ impl<T: Real> Part<T> {
     fn sort(&mut self) {
         let mut start = 0;
         for &end in &self.ends {
-            self.found[start..end].sort_unstable();
+            sort(&mut self.found[start..end], u32::MAX);
             start = end;
         }
     }
@@ -134,7 +135,7 @@ impl<T: Real> Part<T> {
             self.keys.clear();
             let key = |&place: &u32| u64::from(ids[place as usize]) << 32 | u64::from(place);
             self.keys.extend(row.iter().map(key));
-            self.keys.sort_unstable();
+            sort(&mut self.keys, u64::MAX);
             for (entry, &key) in row.iter_mut().zip(&self.keys) {
                 *entry = (key >> 32) as u32;
                 self.values.push(distance_squared(&point, &centres[key as u32 as usize]));
@@ -158,7 +159,7 @@ impl<T: Real, const D: usize> Index<T, D> {
             return no_entries(points.len(), offsets);
         }
         let Self { layout, moving, centres, places, parts, order, pool, simd, .. } = self;
-        let (layout, simd) = (&*layout, *simd);
+        let (layout, moving, simd) = (&*layout, &*moving, *simd);
         let search_row = |task: &Task<'_, T, D>, out: &mut Output<'_>| T::search(simd, task, out);
         let with_distances = values.is_some();
         let scan = Scan {
@@ -182,7 +183,9 @@ impl<T: Real, const D: usize> Index<T, D> {
         pool.run(parts.iter_mut().zip(scan.ranges()), |(part, range)| {
             part.find(&scan, range.clone());
             if with_distances {
-                let points = moving.ids[range].iter().map(|&id| points[id as usize]);
+                let points = scan
+                    .stretches(&range)
+                    .flat_map(|(_, row, stretch)| stretch.map(move |k| moving.point(&row, k)));
                 part.sort_with_distances(&layout.ids, centres, points);
             } else {
                 part.sort();
@@ -215,11 +218,8 @@ impl<T: Real, const D: usize> Index<T, D> {
         }
         if with_distances && self.centres.is_empty() {
             reserve(&mut self.centres, n)?;
-            for row in 0..layout.rows() {
-                let row = layout.row(row);
-                let at = |axis: usize, k: usize| layout.coordinates[D * row.start + axis * row.len() + k];
-                let centres = (0..row.len()).map(|k| std::array::from_fn(|axis| at(axis, k)));
-                self.centres.extend(centres);
+            for row in (0..layout.rows()).map(|row| layout.row(row)) {
+                self.centres.extend((0..row.len()).map(|k| layout.point(&row, k)));
             }
         }
         Ok(true)

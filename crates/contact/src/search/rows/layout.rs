@@ -296,6 +296,11 @@ impl<T: Real, const D: usize> Layout<T, D> {
         &self.coordinates[D * row.start + self.axes[0] * row.len()..][..row.len()]
     }
 
+    /// The point at the place `k` of a row.
+    pub(crate) fn point(&self, row: &Range<usize>, k: usize) -> [T; D] {
+        std::array::from_fn(|axis| self.coordinates[D * row.start + axis * row.len() + k])
+    }
+
     /// The extremes of a stretch of a row, axis by axis.
     pub(crate) fn extremes(&self, row: &Range<usize>, stretch: &Range<usize>) -> [[T; D]; 2] {
         let (mut min, mut max) = ([T::ZERO; D], [T::ZERO; D]);
