@@ -16,7 +16,8 @@ use crate::search::Search;
 ///                  half    0 2 3 3 3   1 3 | 2 |   |
 ///                  full    0 2 4 5 6   1 3 | 0 2 | 1 | 0
 /// ```
-/// An [`Index`](crate::Index) fills rows too: a row for each point that was asked about, and the elements that were found near it.
+/// An [`Index`](crate::Index) fills rows too: a row for each point that was asked about, and the elements that were found near it,
+/// ascending by number, or by distance where the nearest were asked for.
 ///
 /// The memory is kept from one filling to the next. A couple that is listed twice stands in its row twice.
 ///

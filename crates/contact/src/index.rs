@@ -41,10 +41,11 @@ use rows::Part;
 /// All results are a function of the input alone, the same for any number of threads and any vector instructions.
 ///
 /// # Cost
-/// Building: some tens of nanoseconds per element; where sizes say little about density the elements are sorted up to six times. A search: tens of nanoseconds per
-/// element or point, and the comparisons. Far-away points cost what the rows of the index that face them cost. The exception are many
-/// elements in exactly one place, which are all compared for each point that asks for the nearest. Memory per element: as
-/// [`Rows`](crate::Rows), and `D` coordinates more for boxes and for distances.
+/// Building: some tens of nanoseconds per element; where sizes say little about density the elements are sorted up to six times. A search: tens of
+/// nanoseconds per element or point, and the comparisons; it is fastest for many points at once. [`Index::nearest`] looks, for a point far
+/// outside, at all rows that face it, of which a million elements in 3D have thousands. Many elements in exactly one place are all compared for
+/// each point that asks for the nearest. Memory per element: as [`Rows`](crate::Rows), and `D` coordinates more for boxes and for
+/// distances; per point that asks the same, and its results once more.
 ///
 /// # Errors
 /// All searches: [`Error::IndexNotBuilt`], [`Error::OutOfMemory`]; the output is empty then.
