@@ -1,14 +1,17 @@
 //! Couples of moving elements: detect once with a buffer, then check the candidates while nothing has moved far.
 
 use std::fmt;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::couple::Couple;
 use crate::elements::{Elements, Geometry, Shape};
 use crate::engine::{Detector, Engine};
 use crate::error::Error;
 use crate::filter::{GroupMatrix, Labels};
+use crate::pool::Pool;
 use crate::real::Real;
 use crate::search::Search;
+use crate::search::rows::append;
 
 /// Repeated contact detection that keeps its candidates while no element has moved farther than half the buffer.
 ///
@@ -41,8 +44,9 @@ use crate::search::Search;
 /// That of the candidates, which is the order of the engine at the last detection. It depends on the sequence of updates.
 ///
 /// # Cost
-/// An update that keeps the candidates: one pass over the positions, and one over the candidates for the couples. One that
-/// detects: at most two passes over the positions, a search, and a copy of positions, radii and filter. Memory: that of the search, the copy,
+/// An update that keeps the candidates: one pass over the positions, and one over the candidates for the couples, on any number of threads. This second
+/// one gathers coordinates in the order of space: where elements are numbered along space it takes half as long as where they are numbered
+/// at random. It can be left out: [`Update::candidates`]. One that detects: at most two passes over the positions, a search, and a copy of positions, radii and filter. Memory: that of the search, the copy,
 /// and 8 bytes per candidate.
 ///
 /// # Source
@@ -81,6 +85,7 @@ pub struct Buffered<T, const D: usize, S = Detector<T, D>> {
     search: S,
     buffer: T,
     candidates: Vec<Couple>,
+    pool: Pool,
     /// The elements at the last detection; `None` before the first and after one that failed.
     reference: Option<Reference<T, D>>,
     updates: u64,
@@ -158,6 +163,7 @@ impl fmt::Display for Reason {
 pub struct Update<'a, T, const D: usize> {
     elements: Elements<'a, T, D>,
     candidates: &'a [Couple],
+    pool: &'a Pool,
     reason: Option<Reason>,
 }
 
@@ -230,7 +236,18 @@ impl<T: Real, const D: usize, S: Search<T, D>> Buffered<T, D, S> {
             let limit = T::MAX_MAGNITUDE.to_f64();
             return Err(Error::InvalidBuffer { value: buffer.to_f64(), limit });
         }
-        Ok(Self { search, buffer, candidates: Vec::new(), reference: None, updates: 0, redetections: 0 })
+        let (candidates, pool) = (Vec::new(), Pool::default());
+        Ok(Self { search, buffer, candidates, pool, reference: None, updates: 0, redetections: 0 })
+    }
+
+    /// The same with candidates tested on `threads` threads; 0 is one for each processor, 1 is the default and uses no pool. Those of
+    /// the search are its own. The couples and their order are the same for any number.
+    ///
+    /// # Errors
+    /// [`Error::NoThreads`] if they cannot be had, or if the crate was built without its feature `rayon`.
+    pub fn with_threads(mut self, threads: usize) -> Result<Self, Error> {
+        self.pool = Pool::new(threads)?;
+        Ok(self)
     }
 
     /// The candidates for `elements`: those at hand if they still contain every couple, new ones otherwise.
@@ -248,7 +265,7 @@ impl<T: Real, const D: usize, S: Search<T, D>> Buffered<T, D, S> {
             self.redetections += 1;
         }
         self.updates += 1;
-        Ok(Update { elements: *elements, candidates: &self.candidates, reason })
+        Ok(Update { elements: *elements, candidates: &self.candidates, pool: &self.pool, reason })
     }
 
     /// The gap that candidates have beyond the tolerance.
@@ -312,7 +329,7 @@ impl<T: Real, const D: usize> Reference<T, D> {
         copy(numbers.radii, &mut self.radii)?;
         let matrix = elements.filter().and_then(|filter| filter.matrix());
         self.matrix = matrix.map(GroupMatrix::copy).transpose()?;
-        self.labels.copy(elements.filter(), &[])
+        self.labels.copy(elements.filter())
     }
 
     /// Why the candidates may lack a couple of `elements`; `None` if they cannot.
@@ -419,13 +436,15 @@ impl<T: Real, const D: usize> Update<'_, T, D> {
     }
 
     /// Couples that may touch: all that do, and others that are no more than the buffer and twice the motion apart.
+    ///
+    /// For a narrow phase that computes the distance anyway, this saves [`Update::couples`], which is most of an update.
     pub fn candidates(&self) -> &[Couple] {
         self.candidates
     }
 
     /// Calls `visit` with every couple that touches now, in the order of the candidates.
     pub fn for_each(&self, mut visit: impl FnMut(Couple)) {
-        self.touching(|couples| couples.iter().copied().for_each(&mut visit));
+        self.touching(self.candidates, |couples| couples.iter().copied().for_each(&mut visit));
     }
 
     /// Writes the couples that touch now into `couples`, cleared first, in the order of the candidates.
@@ -434,28 +453,51 @@ impl<T: Real, const D: usize> Update<'_, T, D> {
     /// [`Error::OutOfMemory`]; `couples` is empty then.
     pub fn couples(&self, couples: &mut Vec<Couple>) -> Result<(), Error> {
         couples.clear();
-        let bytes = size_of_val(self.candidates);
-        couples.try_reserve(self.candidates.len()).map_err(|_| Error::OutOfMemory { bytes })?;
-        self.touching(|found| couples.extend_from_slice(found));
+        let out_of_memory = |_| Error::OutOfMemory { bytes: size_of_val(self.candidates) };
+        couples.try_reserve(self.candidates.len()).map_err(out_of_memory)?;
+        if self.pool.threads() == 1 {
+            self.touching(self.candidates, |found| couples.extend_from_slice(found));
+            return Ok(());
+        }
+        let mut parts = vec![Vec::new(); PARTS_AT_ONCE * self.pool.threads()];
+        for part in &mut parts {
+            part.try_reserve_exact(PART).map_err(out_of_memory)?;
+        }
+        for batch in self.candidates.chunks(parts.len() * PART) {
+            let tasks = parts.iter_mut().zip(batch.chunks(PART));
+            self.pool.run(tasks, |(part, candidates)| {
+                part.clear();
+                self.touching(candidates, |found| part.extend_from_slice(found));
+            });
+            append(couples, &parts[..batch.len().div_ceil(PART)], self.pool)?;
+        }
         Ok(())
     }
 
     /// The number of couples that touch now.
     pub fn count(&self) -> u64 {
-        let mut count = 0;
-        self.touching(|couples| count += couples.len() as u64);
-        count
+        let total = AtomicU64::new(0);
+        self.pool.run(self.candidates.chunks(PART), |candidates| {
+            let mut count = 0;
+            self.touching(candidates, |found| count += found.len() as u64);
+            total.fetch_add(count, Ordering::Relaxed);
+        });
+        total.into_inner()
     }
 
-    /// Hands over the candidates that touch, some at a time. They see each other: the filter is that of the detection.
-    fn touching(&self, visit: impl FnMut(&[Couple])) {
+    /// Hands over those of `candidates` that touch, some at a time. They see each other: the filter is that of the detection.
+    fn touching(&self, candidates: &[Couple], visit: impl FnMut(&[Couple])) {
         match self.elements.shape {
-            Shape::Equal(equal) => touching(equal, self.candidates, visit),
-            Shape::Spheres(spheres) => touching(spheres, self.candidates, visit),
-            Shape::Boxes(boxes) => touching(boxes, self.candidates, visit),
+            Shape::Equal(equal) => touching(equal, candidates, visit),
+            Shape::Spheres(spheres) => touching(spheres, candidates, visit),
+            Shape::Boxes(boxes) => touching(boxes, candidates, visit),
         }
     }
 }
+
+/// Candidates of one task of a thread, and such tasks of each thread before couples are moved into the list.
+const PART: usize = 16_384;
+const PARTS_AT_ONCE: usize = 8;
 
 /// Candidates that are tested before those that touch are handed over: they stay in the first-level cache.
 const TESTED_AT_ONCE: usize = 512;

@@ -3,6 +3,7 @@
 use crate::couple::Couple;
 use crate::elements::{Elements, MAX_ELEMENTS};
 use crate::error::Error;
+use crate::periodic::PeriodicCouple;
 use crate::real::Real;
 use crate::search::Search;
 
@@ -133,6 +134,104 @@ impl Csr {
             search.couples(elements, &mut found).and_then(|()| self.fill(elements.len(), &found, rows));
         self.found = found;
         result
+    }
+}
+
+impl<const D: usize> Csr<[i32; D]> {
+    /// Rows with each periodic couple once, under its smaller number; the values are the shifts of the neighbours.
+    ///
+    /// Rows are ordered by neighbour, then by shift; a neighbour stands there once for each of its images that touches. They are sorted one by
+    /// one.
+    ///
+    /// # Errors
+    /// See [`Csr`]; here [`Error::MalformedCouple`] is for a couple that is not `i <= j < n`, or an element with its own image by a shift that is not
+    /// the higher of the two opposite ones.
+    ///
+    /// # Example
+    /// ```
+    /// use fdem_contact::{Csr, PeriodicCouple};
+    ///
+    /// let couples = [PeriodicCouple { i: 0, j: 0, shift: [1] }, PeriodicCouple { i: 0, j: 1, shift: [-1] }];
+    /// let mut csr = Csr::new();
+    /// csr.fill_full_periodic(2, &couples)?;
+    /// assert_eq!((csr.neighbours_of(0), csr.values_of(0)), (&[0, 0, 1][..], &[[-1], [1], [-1]][..]));
+    /// assert_eq!((csr.neighbours_of(1), csr.values_of(1)), (&[0][..], &[[1]][..]));
+    /// # Ok::<(), fdem_contact::Error>(())
+    /// ```
+    pub fn fill_half_periodic(
+        &mut self,
+        elements: usize,
+        couples: &[PeriodicCouple<D>],
+    ) -> Result<(), Error> {
+        self.try_fill_periodic(elements, couples, Rows::Half).inspect_err(|_| self.clear())
+    }
+
+    /// Rows with each periodic couple from both sides, as [`Csr::fill_half_periodic`]: seen from its larger number the shift is the opposite
+    /// one. An element that touches its own image has both in its row.
+    ///
+    /// # Errors
+    /// As [`Csr::fill_half_periodic`].
+    pub fn fill_full_periodic(
+        &mut self,
+        elements: usize,
+        couples: &[PeriodicCouple<D>],
+    ) -> Result<(), Error> {
+        self.try_fill_periodic(elements, couples, Rows::Full).inspect_err(|_| self.clear())
+    }
+
+    fn try_fill_periodic(
+        &mut self,
+        elements: usize,
+        couples: &[PeriodicCouple<D>],
+        rows: Rows,
+    ) -> Result<(), Error> {
+        if elements > MAX_ELEMENTS {
+            return Err(Error::TooManyElements { elements, limit: MAX_ELEMENTS });
+        }
+        let full = rows == Rows::Full;
+        let entries = if full { couples.len().saturating_mul(2) } else { couples.len() };
+        set_len(&mut self.offsets, elements + 1)?;
+        set_len(&mut self.neighbours, entries)?;
+        // The values of other rows may be left: all of them are written.
+        self.values.truncate(entries);
+        let more = entries - self.values.len();
+        let bytes = entries.saturating_mul(size_of::<[i32; D]>());
+        self.values.try_reserve_exact(more).map_err(|_| Error::OutOfMemory { bytes })?;
+        self.values.resize(entries, [0; D]);
+
+        self.offsets.fill(0);
+        for (index, &PeriodicCouple { i, j, shift }) in couples.iter().enumerate() {
+            if i > j || j as usize >= elements || (i == j && shift <= [0; D]) {
+                return Err(Error::MalformedCouple { index, i, j, elements });
+            }
+            self.offsets[i as usize + 1] += 1;
+            self.offsets[j as usize + 1] += usize::from(full);
+        }
+        let mut start = 0;
+        for row in &mut self.offsets[1..] {
+            // The place of the next entry of the row, and so, when it is full, its end.
+            start += std::mem::replace(row, start);
+        }
+        for &PeriodicCouple { i, j, shift } in couples {
+            let opposite = full.then(|| (j, i, shift.map(|s| -s)));
+            for (element, neighbour, shift) in [(i, j, shift)].into_iter().chain(opposite) {
+                let place = &mut self.offsets[element as usize + 1];
+                (self.neighbours[*place], self.values[*place]) = (neighbour, shift);
+                *place += 1;
+            }
+        }
+        let mut sorted = Vec::new();
+        for row in self.offsets.windows(2) {
+            let row = row[0]..row[1];
+            let (neighbours, shifts) = (&mut self.neighbours[row.clone()], &mut self.values[row]);
+            sorted.clear();
+            sorted.extend(neighbours.iter().copied().zip(shifts.iter().copied()));
+            sorted.sort_unstable();
+            for (place, &entry) in neighbours.iter_mut().zip(&mut *shifts).zip(&sorted) {
+                (*place.0, *place.1) = entry;
+            }
+        }
+        Ok(())
     }
 }
 

@@ -64,6 +64,40 @@ pub(crate) struct Bounds<const D: usize> {
     pub(crate) max: [f64; D],
 }
 
+impl<const D: usize> Bounds<D> {
+    /// Those of no points.
+    pub(crate) const NOTHING: Self = Self { min: [f64::INFINITY; D], max: [f64::NEG_INFINITY; D] };
+
+    /// The bounds of one point more, which is not NaN.
+    #[inline]
+    pub(crate) fn include(&mut self, point: &[f64; D]) {
+        for (axis, &x) in point.iter().enumerate() {
+            self.min[axis] = if x < self.min[axis] { x } else { self.min[axis] };
+            self.max[axis] = if x > self.max[axis] { x } else { self.max[axis] };
+        }
+    }
+
+    /// Whether a point is within, the bounds included.
+    #[inline]
+    pub(crate) fn contains<T: Real>(&self, point: &[T; D]) -> bool {
+        let mut inside = true;
+        for (axis, x) in point.iter().enumerate() {
+            let x = x.to_f64();
+            inside &= self.min[axis] <= x && x <= self.max[axis];
+        }
+        inside
+    }
+
+    /// The bounds of the points of both.
+    pub(crate) fn join(mut self, other: &Self) -> Self {
+        for axis in 0..D {
+            self.min[axis] = self.min[axis].min(other.min[axis]);
+            self.max[axis] = self.max[axis].max(other.max[axis]);
+        }
+        self
+    }
+}
+
 /// What an engine needs of a set of elements, resolved once per search and not once per couple.
 pub(crate) trait Geometry: Copy {
     /// Number of elements.
@@ -202,6 +236,39 @@ impl<'a, T: Real, const D: usize> Elements<'a, T, D> {
         filter.check(self.len())?;
         self.filter = Some(filter);
         Ok(self)
+    }
+
+    /// The same kind of elements at other places, more of them or fewer: `points` with the extremes `bounds`, and `radii` or `far_points`
+    /// (maximum corners) where this kind has them, with a `filter` of as many numbers.
+    ///
+    /// Every radius must be one of those here, which have been checked.
+    pub(crate) fn at<'b>(
+        &self,
+        points: &'b [[T; D]],
+        far_points: &'b [[T; D]],
+        radii: &'b [T],
+        bounds: Bounds<D>,
+        filter: Option<Filter<'b>>,
+    ) -> Result<Elements<'b, T, D>, Error> {
+        let shape = match self.shape {
+            Shape::Equal(EqualSpheres { radius, reach_squared, .. }) => {
+                Shape::Equal(EqualSpheres { centres: points, radius, reach_squared })
+            }
+            Shape::Spheres(Spheres { tolerance, .. }) => {
+                Shape::Spheres(Spheres { centres: points, radii, tolerance })
+            }
+            Shape::Boxes(_) => {
+                let boxes = Elements::boxes(points, far_points)?.with_tolerance(self.tolerance)?;
+                return Ok(Elements { filter, ..boxes });
+            }
+        };
+        check_count(points.len())?;
+        let limit = T::MAX_MAGNITUDE.to_f64();
+        if bounds.min.iter().chain(&bounds.max).any(|x| x.abs() > limit) {
+            // Finds out which it is.
+            check_points(points)?;
+        }
+        Ok(Elements { shape, tolerance: self.tolerance, bounds, largest: self.largest, filter })
     }
 
     /// Number of elements.

@@ -5,11 +5,13 @@ use std::fmt;
 use crate::couple::Couple;
 use crate::elements::Elements;
 use crate::error::Error;
+use crate::pool::Pool;
 use crate::real::Real;
 use crate::search::Search;
 use crate::search::direct::Direct;
 use crate::search::nbs::Nbs;
 use crate::search::rows::Rows;
+use crate::simd::Simd;
 
 /// Which search to run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -93,6 +95,68 @@ impl<T: Real, const D: usize> Detector<T, D> {
     pub fn with_threads(mut self, threads: usize) -> Result<Self, Error> {
         self.rows = self.rows.with_threads(threads)?;
         Ok(self)
+    }
+
+    /// The same with other vector instructions, where the engine has them ([`Rows`]); the couples and their order are the same.
+    ///
+    /// # Errors
+    /// [`Error::SimdUnavailable`] if this processor lacks them.
+    pub fn with_simd(mut self, simd: Simd) -> Result<Self, Error> {
+        self.rows = self.rows.with_simd(simd)?;
+        Ok(self)
+    }
+
+    /// The same on threads that others use too.
+    pub(crate) fn with_pool(mut self, pool: Pool) -> Self {
+        self.rows = self.rows.with_pool(pool);
+        self
+    }
+
+    /// Calls `visit` with all couples in their order, a block at a time.
+    pub(crate) fn for_each_block(
+        &mut self,
+        elements: &Elements<'_, T, D>,
+        mut visit: impl FnMut(&[Couple]),
+    ) -> Result<(), Error> {
+        match self.plan(elements)?.engine {
+            Engine::Rows | Engine::Auto => self.rows.for_each_block(elements, visit),
+            Engine::Direct | Engine::Nbs => self.for_each(elements, |couple| visit(&[couple])),
+        }
+    }
+
+    /// As [`Rows::append_converted`]; other engines do it on one thread.
+    pub(crate) fn append_converted<V: Copy + Send + Sync>(
+        &mut self,
+        elements: &Elements<'_, T, D>,
+        convert: impl Fn(&[Couple], &mut Vec<V>) -> Result<(), Error> + Sync,
+        parts: &mut Vec<Vec<V>>,
+        list: &mut Vec<V>,
+    ) -> Result<(), Error> {
+        if self.plan(elements)?.engine == Engine::Rows {
+            return self.rows.append_converted(elements, convert, parts, list);
+        }
+        let mut room = Ok(());
+        self.for_each(elements, |couple| {
+            if room.is_ok() {
+                room = convert(&[couple], list);
+            }
+        })?;
+        room
+    }
+
+    /// As [`Rows::fold_blocks`]; other engines have one part.
+    pub(crate) fn fold_blocks<S: Send>(
+        &mut self,
+        elements: &Elements<'_, T, D>,
+        start: impl Fn() -> S,
+        visit: impl Fn(&mut S, &[Couple]) + Sync,
+    ) -> Result<Vec<S>, Error> {
+        if self.plan(elements)?.engine == Engine::Rows {
+            return self.rows.fold_blocks(elements, start, visit);
+        }
+        let mut state = start();
+        self.for_each(elements, |couple| visit(&mut state, &[couple]))?;
+        Ok(vec![state])
     }
 
     /// What a search over `elements` will do.

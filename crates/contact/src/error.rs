@@ -213,8 +213,6 @@ pub enum Error {
         /// Bound on that number.
         limit: usize,
     },
-    /// Axis-aligned boxes have no periodic search; spheres and points have.
-    BoxesNotPeriodic,
     /// This processor lacks the vector instructions that were asked for.
     SimdUnavailable {
         /// What was asked for.
@@ -357,9 +355,6 @@ impl fmt::Display for Error {
                 "the periodic box is too small for the reach of its elements: they take {images:.3e} images, the bound is \
                  {limit} (`PeriodicSearch::with_max_images`)"
             ),
-            Self::BoxesNotPeriodic => {
-                write!(out, "axis-aligned boxes have no periodic search; spheres and points have")
-            }
             Self::SimdUnavailable { simd } => write!(out, "this processor has no {simd}"),
             Self::NoThreads { threads, reason } => write!(out, "{threads} threads cannot be had: {reason}"),
             Self::OutOfMemory { bytes } => write!(out, "no memory for {bytes} bytes"),

@@ -324,6 +324,11 @@ impl<G: Geometry> Geometry for Filtered<'_, G> {
     }
 }
 
+/// The numbers of a filter, as [`Labels`] has them.
+fn numbers_of(filter: Option<Filter<'_>>) -> [&[u32]; 3] {
+    filter.map(|filter| filter.arrays()).unwrap_or_default()
+}
+
 /// The numbers of a filter, copied: in another order, for more elements, or to compare with later ones.
 ///
 /// # Shapes
@@ -374,16 +379,27 @@ impl Labels {
         }
     }
 
-    /// The numbers of all elements, and then of the elements `more` again.
-    pub(crate) fn copy(&mut self, filter: Option<Filter<'_>>, more: &[u32]) -> Result<(), Error> {
+    /// The numbers of all elements.
+    pub(crate) fn copy(&mut self, filter: Option<Filter<'_>>) -> Result<(), Error> {
         self.clear();
-        for (into, numbers) in
-            self.arrays.iter_mut().zip(filter.map(|filter| filter.arrays()).unwrap_or_default())
-        {
+        for (into, numbers) in self.arrays.iter_mut().zip(numbers_of(filter)) {
+            reserve(into, numbers.len())?;
+            into.extend_from_slice(numbers);
+        }
+        Ok(())
+    }
+
+    /// The numbers of these elements.
+    pub(crate) fn pick<'a>(
+        &mut self,
+        filter: Option<Filter<'_>>,
+        elements: impl Iterator<Item = &'a u32> + Clone,
+    ) -> Result<(), Error> {
+        self.clear();
+        for (into, numbers) in self.arrays.iter_mut().zip(numbers_of(filter)) {
             if !numbers.is_empty() {
-                reserve(into, numbers.len() + more.len())?;
-                into.extend_from_slice(numbers);
-                into.extend(more.iter().map(|&element| numbers[element as usize]));
+                reserve(into, elements.clone().count())?;
+                into.extend(elements.clone().map(|&element| numbers[element as usize]));
             }
         }
         Ok(())
@@ -414,12 +430,12 @@ impl Labels {
 
     /// Whether these are the numbers of `filter`.
     pub(crate) fn equal(&self, filter: Option<Filter<'_>>) -> bool {
-        self.arrays == filter.map(|filter| filter.arrays()).unwrap_or_default()
+        self.arrays == numbers_of(filter)
     }
 
     /// The first element with another number in `filter`, if both have the same arrays.
     pub(crate) fn first_change(&self, filter: Option<Filter<'_>>) -> Option<usize> {
-        let theirs = filter.map(|filter| filter.arrays()).unwrap_or_default();
+        let theirs = numbers_of(filter);
         if self.arrays.iter().zip(theirs).any(|(ours, theirs)| ours.len() != theirs.len()) {
             return None;
         }

@@ -227,7 +227,7 @@ impl<T: Real, const D: usize> Index<T, D> {
             let ids = &self.layout.ids[..points.len()];
             self.far.extend(ids.iter().map(|&id| boxes.far_points()[id as usize]));
         }
-        self.labels.copy(elements.filter(), &[])?;
+        self.labels.copy(elements.filter())?;
         self.matrix = match elements.filter().and_then(|filter| filter.matrix()) {
             Some(matrix) => Some(matrix.copy()?),
             None => None,

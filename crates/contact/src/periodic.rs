@@ -4,13 +4,15 @@ pub(crate) mod cell;
 mod images;
 
 use crate::couple::Couple;
-use crate::elements::{Elements, Shape};
+use crate::elements::Elements;
 use crate::engine::{Detector, Engine};
 use crate::error::Error;
 use crate::periodic::cell::PeriodicBox;
 use crate::periodic::images::Images;
+use crate::pool::Pool;
 use crate::real::Real;
-use crate::search::{Search, make_room};
+use crate::search::Search;
+use crate::simd::Simd;
 
 /// Two elements of a periodic box that touch: `i`, and `j` displaced by `shift` edges.
 ///
@@ -34,10 +36,11 @@ pub const DEFAULT_MAX_IMAGES: usize = 1 << 26;
 /// No shift of an image is larger, so that shifts fit `i32` together with twice the periods of an element.
 const MOST_IMAGES: usize = 1 << 30;
 
-/// Every contact of spheres or points in a [`PeriodicBox`], each once, with its shift; all images that touch, not only the nearest.
+/// Every contact of elements in a [`PeriodicBox`], each once, with its shift; all images that touch, not only the nearest.
 ///
 /// Elements outside the box are wrapped into it. Every image of a wrapped element that may touch a wrapped element is made, as many as
-/// the reach of the elements and the heights of the box ask for, and an ordinary search runs over elements and images. So
+/// the reach of the elements and the heights of the box ask for. An ordinary search runs over all elements, and another one over those near the
+/// faces with the images; over all elements and images, where these are many. So
 /// the box may be sheared by any amount, and smaller than the elements. Nothing rests on the image nearest to an element, which is one
 /// contact of several in a small box, and the wrong one in a sheared box.
 ///
@@ -45,6 +48,8 @@ const MOST_IMAGES: usize = 1 << 30;
 /// The comparison is that of [`Elements`], closed, in the type `T`, between two rounded points:
 /// - `w_i`, where [`PeriodicBox::wrap`] puts element `i`: a displacement by `-n_i`, rounded once per element, or `x_i` itself if `n_i` is 0.
 /// - `p`, [`PeriodicBox::displaced`] of `w_j` by `s`: rounded once per image, or `w_j` itself if `s` is 0.
+///
+/// Of an axis-aligned box both corners are displaced, each rounded so, by the periods of the minimum corner.
 ///
 /// The couple is `(i, j, shift)` with `shift = s + n_i - n_j`, `i < j`, or `i == j` and the first number of `s` other than 0 positive. So it
 /// is always the element of larger number whose image is compared; the image of the other one may round otherwise and decides nothing. Where all
@@ -54,12 +59,16 @@ const MOST_IMAGES: usize = 1 << 30;
 /// each other is what the filter says of the element and itself, [`Filter::admits(i, i)`](crate::Filter::admits).
 ///
 /// # Order
-/// That of the engine over the wrapped elements followed by the images, by element, then by shift. A function of the input alone.
+/// That of the engine over the wrapped elements; then that of the engine over the elements near the faces followed by the images, by element, then by
+/// shift. Where the images are more than a quarter of the elements, that of the engine over all elements followed by the images. A function of the
+/// input alone.
 ///
 /// # Cost
-/// The search over `n` elements and `m` images. For an edge of height `h` and a reach `r` (largest diameter plus tolerance) there are about `2 r / h` images per
-/// element: few in a large box. A tilt lowers heights: of the bases of a lattice take one with short edges.
-/// Memory per element and image: `D` coordinates, `D` integers of 4 bytes, the radius if there is one for each, the numbers of a filter, 4 bytes per image, and the engine. Boxes not wider than
+/// The search over `n` elements, and one over `m` images and at most as many elements. For an edge of height `h` and a reach `r` (largest diameter plus
+/// tolerance) there are about `2 r / h` images per element: few in a large box. A tilt lowers heights: of the bases of a lattice take
+/// one with short edges. One look at each element says whether it is outside or near a face; with edges along the axes and no element outside
+/// nothing is copied but what is near. Memory per image: twice `D` coordinates, `D` integers of 4 bytes, the radius if there is one for each, 8 bytes,
+/// the numbers of a filter, and the engine; if an element is outside, `D` coordinates and `D` integers for each element. Boxes not wider than
 /// two reaches are searched by testing elements against elements and images, `n (n + m)` tests at most.
 ///
 /// # Source
@@ -84,10 +93,15 @@ const MOST_IMAGES: usize = 1 << 30;
 #[derive(Clone, Debug)]
 pub struct PeriodicSearch<T, const D: usize> {
     engine: Engine,
+    /// Of all elements, and of those near the faces with their images.
     detector: Detector<T, D>,
+    outer_detector: Detector<T, D>,
     images: Images<T, D>,
     refuse_outside: bool,
     max_images: usize,
+    pool: Pool,
+    /// Couples of each part, on their way into a list.
+    parts: Vec<Vec<PeriodicCouple<D>>>,
 }
 
 impl<T: Real, const D: usize> PeriodicSearch<T, D> {
@@ -96,9 +110,12 @@ impl<T: Real, const D: usize> PeriodicSearch<T, D> {
         Self {
             engine,
             detector: Detector::new(engine),
+            outer_detector: Detector::new(engine),
             images: Images::new(),
             refuse_outside: false,
             max_images: DEFAULT_MAX_IMAGES,
+            pool: Pool::default(),
+            parts: Vec::new(),
         }
     }
 
@@ -118,6 +135,28 @@ impl<T: Real, const D: usize> PeriodicSearch<T, D> {
         self
     }
 
+    /// The same on `threads` threads, as [`Rows::with_threads`](crate::Rows::with_threads); other engines use them for the images. The couples and their order are the
+    /// same for any number.
+    ///
+    /// # Errors
+    /// [`Error::NoThreads`].
+    pub fn with_threads(mut self, threads: usize) -> Result<Self, Error> {
+        self.pool = Pool::new(threads)?;
+        self.detector = self.detector.with_pool(self.pool.clone());
+        self.outer_detector = self.outer_detector.with_pool(self.pool.clone());
+        Ok(self)
+    }
+
+    /// The same with other vector instructions, where the engine has them ([`Rows`](crate::Rows)); the couples and their order are the same.
+    ///
+    /// # Errors
+    /// [`Error::SimdUnavailable`] if this processor lacks them.
+    pub fn with_simd(mut self, simd: Simd) -> Result<Self, Error> {
+        self.detector = self.detector.with_simd(simd)?;
+        self.outer_detector = self.outer_detector.with_simd(simd)?;
+        Ok(self)
+    }
+
     /// Number of images that the last search made.
     pub fn images(&self) -> usize {
         self.images.owners.len()
@@ -126,50 +165,15 @@ impl<T: Real, const D: usize> PeriodicSearch<T, D> {
     /// Calls `visit` with every couple that touches; nothing is stored but elements and images.
     ///
     /// # Errors
-    /// [`Error::TooFarFromBox`], [`Error::OutsideBox`], [`Error::UnresolvedBox`], [`Error::TooManyImages`],
-    /// [`Error::BoxesNotPeriodic`], [`Error::OutOfMemory`], and those of [`Search::for_each`]. `visit` has not been called then.
+    /// [`Error::TooFarFromBox`], [`Error::OutsideBox`], [`Error::UnresolvedBox`], [`Error::TooManyImages`], [`Error::OutOfMemory`], and those of
+    /// [`Search::for_each`]. `visit` has not been called then, unless memory ran out.
     pub fn for_each(
         &mut self,
         elements: &Elements<'_, T, D>,
         cell: &PeriodicBox<T, D>,
-        mut visit: impl FnMut(PeriodicCouple<D>),
+        visit: impl FnMut(PeriodicCouple<D>),
     ) -> Result<(), Error> {
-        self.images.build(elements, cell, self.refuse_outside, self.max_images)?;
-        let images = &self.images;
-        let n = images.periods.len();
-        let of_caller = |error| images.name_owner(error);
-        let all = match elements.shape {
-            Shape::Equal(equal) => Elements::spheres(&images.centres, equal.radius()),
-            Shape::Spheres(_) => Elements::spheres_with_radii(&images.centres, &images.radii),
-            Shape::Boxes(_) => Err(Error::BoxesNotPeriodic),
-        };
-        let mut all = all.and_then(|all| all.with_tolerance(elements.tolerance())).map_err(of_caller)?;
-        if let Some(filter) = elements.filter() {
-            all = all.with_filter(images.labels.filter(filter))?;
-        }
-
-        if self.engine == Engine::Direct || (self.engine == Engine::Auto && images.compact) {
-            let mut image = 0;
-            for i in 0..n {
-                while images.owners.get(image).is_some_and(|&owner| (owner as usize) < i) {
-                    image += 1;
-                }
-                for other in (i + 1..n).chain(n + image..all.len()) {
-                    if let Some(couple) = images.named(i, other)
-                        && all.touch(i, other)
-                    {
-                        visit(couple);
-                    }
-                }
-            }
-            return Ok(());
-        }
-        let visit = |couple: Couple| {
-            if let Some(couple) = images.named(couple.i as usize, couple.j as usize) {
-                visit(couple);
-            }
-        };
-        self.detector.for_each(&all, visit).map_err(of_caller)
+        self.prepare(elements, cell)?.for_each(visit)
     }
 
     /// Writes the couples into `couples`, cleared first; the caller's memory is reused.
@@ -183,16 +187,29 @@ impl<T: Real, const D: usize> PeriodicSearch<T, D> {
         couples: &mut Vec<PeriodicCouple<D>>,
     ) -> Result<(), Error> {
         couples.clear();
-        let mut room = Ok(());
-        self.for_each(elements, cell, |couple| {
-            if couples.len() == couples.capacity() && room.is_ok() {
-                room = make_room(couples);
-            }
-            if room.is_ok() {
-                couples.push(couple);
-            }
-        })?;
-        room.inspect_err(|_| couples.clear())
+        self.prepare(elements, cell)?.append(couples).inspect_err(|_| couples.clear())
+    }
+
+    /// Writes the couples with shift 0 into `unshifted`, all others into `shifted`, both cleared first, each in the order of
+    /// [`PeriodicSearch::couples`].
+    ///
+    /// In a large box with all elements inside nearly all couples have shift 0, and this takes less than half the memory, and less time.
+    ///
+    /// # Errors
+    /// As [`PeriodicSearch::couples`]; both are empty then.
+    pub fn couples_by_shift(
+        &mut self,
+        elements: &Elements<'_, T, D>,
+        cell: &PeriodicBox<T, D>,
+        unshifted: &mut Vec<Couple>,
+        shifted: &mut Vec<PeriodicCouple<D>>,
+    ) -> Result<(), Error> {
+        unshifted.clear();
+        shifted.clear();
+        self.prepare(elements, cell)?.append_by_shift(unshifted, shifted).inspect_err(|_| {
+            unshifted.clear();
+            shifted.clear();
+        })
     }
 
     /// The number of couples; nothing is stored but elements and images.
@@ -200,50 +217,264 @@ impl<T: Real, const D: usize> PeriodicSearch<T, D> {
     /// # Errors
     /// As [`PeriodicSearch::for_each`].
     pub fn count(&mut self, elements: &Elements<'_, T, D>, cell: &PeriodicBox<T, D>) -> Result<u64, Error> {
-        let mut count = 0;
-        self.for_each(elements, cell, |_| count += 1)?;
-        Ok(count)
+        self.prepare(elements, cell)?.count()
+    }
+
+    /// Folds the couples on all threads, without a list: `visit` sees every couple once, with the state of its part.
+    ///
+    /// As [`Rows::fold`](crate::Rows::fold): the parts do not depend on the number of threads. With another engine than [`Rows`](crate::Rows) there is one part.
+    ///
+    /// # Errors
+    /// As [`PeriodicSearch::for_each`].
+    #[doc(alias = "parallel visitor")]
+    pub fn fold<S: Send>(
+        &mut self,
+        elements: &Elements<'_, T, D>,
+        cell: &PeriodicBox<T, D>,
+        start: impl Fn() -> S,
+        visit: impl Fn(&mut S, PeriodicCouple<D>) + Sync,
+    ) -> Result<Vec<S>, Error> {
+        self.prepare(elements, cell)?.fold(start, visit)
+    }
+
+    /// Wraps, makes the images, and finds out whether all can be searched.
+    fn prepare<'s>(
+        &'s mut self,
+        elements: &Elements<'s, T, D>,
+        cell: &PeriodicBox<T, D>,
+    ) -> Result<Prepared<'s, T, D>, Error> {
+        let direct = self.engine == Engine::Direct;
+        self.images.build(elements, cell, self.refuse_outside, !direct, self.max_images, &self.pool)?;
+        let images = &self.images;
+        let inner = if images.apart { Some(images.wrapped(elements)?) } else { None };
+        let outer = images.with_images(elements)?;
+        let test = direct || (self.engine == Engine::Auto && images.compact);
+        if !test {
+            self.detector.plan(&outer).map_err(|error| images.named_error(error))?;
+            inner.iter().try_for_each(|inner| self.detector.plan(inner).map(drop))?;
+        }
+        let Self { detector: of_inner, outer_detector: of_outer, parts, .. } = self;
+        Ok(Prepared { images, inner, outer, test, of_inner, of_outer, parts })
     }
 }
 
-impl<T: Real, const D: usize> Images<T, D> {
-    /// The couple of two of the elements and images, `a < b`, with the shift between the caller's positions.
-    ///
-    /// `None` for the couples that are met elsewhere: of two images, of an element and an image of one with a smaller number, and of an element
-    /// and the lower of two opposite images of itself. With `x = w + n . v` for either position, `x_j + shift . v` touches `x_i` if
-    /// `w_j + s . v` touches `w_i` and `shift = s + n_i - n_j`. (Nothing overflows: `|s| <= 2^30`, `|n| <= 2^28`.)
-    #[inline]
-    fn named(&self, a: usize, b: usize) -> Option<PeriodicCouple<D>> {
-        let n = self.periods.len();
-        let (owner, shift) = match b.checked_sub(n) {
-            None => (b, [0; D]),
-            Some(_) if a >= n => return None,
-            Some(image) => {
-                let (owner, shift) = (self.owners[image] as usize, self.shifts[image]);
-                if owner < a || (owner == a && shift < [0; D]) {
-                    return None;
-                }
-                (owner, shift)
-            }
-        };
-        let (of_i, of_j) = (self.periods_of(a), self.periods_of(owner));
-        let shift = std::array::from_fn(|edge| shift[edge] + of_i[edge] - of_j[edge]);
-        Some(PeriodicCouple { i: a as u32, j: owner as u32, shift })
+/// What is to be searched, and by what.
+struct Prepared<'s, T, const D: usize> {
+    images: &'s Images<T, D>,
+    /// All elements; `None` if they are among the outer.
+    inner: Option<Elements<'s, T, D>>,
+    /// Elements near the faces, or all, and their images.
+    outer: Elements<'s, T, D>,
+    /// Whether every couple of the outer is tested.
+    test: bool,
+    of_inner: &'s mut Detector<T, D>,
+    of_outer: &'s mut Detector<T, D>,
+    /// Memory for lists in parts.
+    parts: &'s mut Vec<Vec<PeriodicCouple<D>>>,
+}
+
+impl<T: Real, const D: usize> Prepared<'_, T, D> {
+    fn for_each(self, mut visit: impl FnMut(PeriodicCouple<D>)) -> Result<(), Error> {
+        let Self { images, inner, outer, of_inner, of_outer, .. } = self;
+        if self.test {
+            images.test(&outer, visit);
+            return Ok(());
+        }
+        if let Some(inner) = inner {
+            of_inner.for_each_block(&inner, |block| {
+                block.iter().map(|&couple| images.named(couple)).for_each(&mut visit);
+            })?;
+        }
+        let outer = of_outer.for_each_block(&outer, |block| {
+            block.iter().filter_map(|&couple| images.named_outer(couple)).for_each(&mut visit);
+        });
+        outer.map_err(|error| images.named_error(error))
     }
 
-    /// An error about an image is an error about its owner.
-    fn name_owner(&self, mut error: Error) -> Error {
-        let index = match &mut error {
-            Error::NonFiniteCoordinate { index, .. }
-            | Error::CoordinateTooLarge { index, .. }
-            | Error::DomainTooWide { stretched_by: Some((index, _)), .. } => Some(index),
-            _ => None,
-        };
-        if let Some(index) = index
-            && let Some(image) = index.checked_sub(self.periods.len())
-        {
-            *index = self.owners[image] as usize;
+    fn append(self, couples: &mut Vec<PeriodicCouple<D>>) -> Result<(), Error> {
+        let Self { images, inner, outer, of_inner, of_outer, parts, .. } = self;
+        if self.test {
+            let mut room = Ok(());
+            images.test(&outer, |couple| {
+                if room.is_ok() {
+                    room = reserve(couples, 1);
+                }
+                if room.is_ok() {
+                    couples.push(couple);
+                }
+            });
+            return room;
         }
+        if let Some(inner) = inner {
+            let convert = |block: &[Couple], list: &mut Vec<_>| {
+                reserve(list, block.len())?;
+                if images.any_away {
+                    list.extend(block.iter().map(|&couple| images.named(couple)));
+                } else {
+                    list.extend(block.iter().map(|&Couple { i, j }| PeriodicCouple { i, j, shift: [0; D] }));
+                }
+                Ok(())
+            };
+            of_inner.append_converted(&inner, convert, parts, couples)?;
+        }
+        let convert = |block: &[Couple], list: &mut Vec<_>| {
+            reserve(list, block.len())?;
+            list.extend(block.iter().filter_map(|&couple| images.named_outer(couple)));
+            Ok(())
+        };
+        let outer = of_outer.append_converted(&outer, convert, parts, couples);
+        outer.map_err(|error| images.named_error(error))
+    }
+
+    fn append_by_shift(
+        mut self,
+        unshifted: &mut Vec<Couple>,
+        shifted: &mut Vec<PeriodicCouple<D>>,
+    ) -> Result<(), Error> {
+        if !self.images.any_away
+            && !self.test
+            && let Some(inner) = self.inner.take()
+        {
+            self.of_inner.couples(&inner, unshifted)?;
+        }
+        let mut room = Ok(());
+        self.for_each(|couple| {
+            let PeriodicCouple { i, j, shift } = couple;
+            if room.is_ok() {
+                room = if shift == [0; D] { reserve(unshifted, 1) } else { reserve(shifted, 1) };
+            }
+            match (&room, shift == [0; D]) {
+                (Ok(()), true) => unshifted.push(Couple { i, j }),
+                (Ok(()), false) => shifted.push(couple),
+                (Err(_), _) => {}
+            }
+        })?;
+        room
+    }
+
+    fn count(self) -> Result<u64, Error> {
+        let Self { images, inner, outer, of_inner, of_outer, .. } = self;
+        let mut count = 0;
+        if self.test {
+            images.test(&outer, |_| count += 1);
+            return Ok(count);
+        }
+        if let Some(inner) = inner {
+            count += of_inner.count(&inner)?;
+        }
+        let counts = of_outer.fold_blocks(
+            &outer,
+            || 0,
+            |count, block| {
+                *count += block.iter().filter(|couple| images.is_reported(**couple)).count() as u64;
+            },
+        );
+        let counts = counts.map_err(|error| images.named_error(error))?;
+        Ok(count + counts.into_iter().sum::<u64>())
+    }
+
+    fn fold<S: Send>(
+        self,
+        start: impl Fn() -> S,
+        visit: impl Fn(&mut S, PeriodicCouple<D>) + Sync,
+    ) -> Result<Vec<S>, Error> {
+        let Self { images, inner, outer, of_inner, of_outer, .. } = self;
+        let mut states = Vec::new();
+        if self.test {
+            let mut state = start();
+            images.test(&outer, |couple| visit(&mut state, couple));
+            states.push(state);
+            return Ok(states);
+        }
+        if let Some(inner) = inner {
+            states = of_inner.fold_blocks(&inner, &start, |state, block| {
+                for &couple in block {
+                    visit(state, images.named(couple));
+                }
+            })?;
+        }
+        let outer = of_outer.fold_blocks(&outer, start, |state, block| {
+            let named = block.iter().filter_map(|&couple| images.named_outer(couple));
+            named.for_each(|couple| visit(state, couple));
+        });
+        states.append(&mut outer.map_err(|error| images.named_error(error))?);
+        Ok(states)
+    }
+}
+
+/// Room for `more` values, growing by a factor.
+fn reserve<V>(values: &mut Vec<V>, more: usize) -> Result<(), Error> {
+    let bytes = (values.len() + more).saturating_mul(size_of::<V>());
+    values.try_reserve(more).map_err(|_| Error::OutOfMemory { bytes })
+}
+
+impl<T: Real, const D: usize> Images<T, D> {
+    /// Tests elements against elements and images, all of them.
+    fn test(&self, all: &Elements<'_, T, D>, mut visit: impl FnMut(PeriodicCouple<D>)) {
+        let n = self.near.len();
+        let mut image = 0;
+        for i in 0..n {
+            while self.owners.get(image).is_some_and(|&owner| (owner as usize) < i) {
+                image += 1;
+            }
+            for other in (i + 1..n).chain(n + image..all.len()) {
+                if let Some(couple) = self.named_outer(Couple { i: i as u32, j: other as u32 })
+                    && all.touch(i, other)
+                {
+                    visit(couple);
+                }
+            }
+        }
+    }
+
+    /// The couple of two elements, with the shift between the caller's positions.
+    #[inline]
+    fn named(&self, couple: Couple) -> PeriodicCouple<D> {
+        self.displaced(couple.i, couple.j, [0; D])
+    }
+
+    /// The couple of `i` and the image of `j` that is displaced by `shift`, with the shift between the caller's positions.
+    ///
+    /// With `x = w + n . v` for either position, `x_j + shift . v` touches `x_i` if `w_j + s . v` touches `w_i` and
+    /// `shift = s + n_i - n_j`. (Nothing overflows: `|s| <= 2^30`, `|n| <= 2^28`.)
+    #[inline]
+    fn displaced(&self, i: u32, j: u32, mut shift: [i32; D]) -> PeriodicCouple<D> {
+        if self.any_away {
+            let (of_i, of_j) = (self.periods_of(i as usize), self.periods_of(j as usize));
+            for edge in 0..D {
+                shift[edge] += of_i[edge] - of_j[edge];
+            }
+        }
+        PeriodicCouple { i, j, shift }
+    }
+
+    /// The couple of two of the outer elements, `i < j`, if it [is reported](Self::is_reported).
+    #[inline]
+    fn named_outer(&self, couple: Couple) -> Option<PeriodicCouple<D>> {
+        if !self.is_reported(couple) {
+            return None;
+        }
+        let i = self.near[couple.i as usize];
+        Some(match (couple.j as usize).checked_sub(self.near.len()) {
+            None => self.displaced(i, self.near[couple.j as usize], [0; D]),
+            Some(image) => self.displaced(i, self.owners[image], self.shifts[image]),
+        })
+    }
+
+    /// Whether a couple of two of the outer elements, `i < j`, is not met elsewhere. These are: couples of two elements if all elements are
+    /// searched too; couples of two images; of an element and an image of one with a smaller number; and of an element and the lower of
+    /// two opposite images of itself.
+    #[inline]
+    fn is_reported(&self, Couple { i, j }: Couple) -> bool {
+        let Some(&element) = self.near.get(i as usize) else { return false };
+        let Some(image) = (j as usize).checked_sub(self.near.len()) else { return !self.apart };
+        let owner = self.owners[image];
+        owner > element || (owner == element && self.shifts[image] > [0; D])
+    }
+
+    /// An error of a search of the outer elements.
+    fn named_error(&self, mut error: Error) -> Error {
+        self.name_owner(&mut error);
         error
     }
 }

@@ -1,5 +1,6 @@
 //! The box that repeats: its edges, and where a point lies in it.
 
+use crate::elements::Bounds;
 use crate::error::Error;
 use crate::real::Real;
 
@@ -124,8 +125,12 @@ impl<T: Real, const D: usize> PeriodicBox<T, D> {
     /// `((g_a0 * (x_0 - o_0)) + g_a1 * (x_1 - o_1)) + …`, the axes in ascending order, each operation rounded once.
     #[inline]
     pub fn fractions(&self, point: &[T; D]) -> [f64; D] {
-        let from_origin: [f64; D] =
-            std::array::from_fn(|axis| point[axis].to_f64() - self.origin[axis].to_f64());
+        self.fractions_of(&point.map(T::to_f64))
+    }
+
+    #[inline]
+    fn fractions_of(&self, point: &[f64; D]) -> [f64; D] {
+        let from_origin: [f64; D] = std::array::from_fn(|axis| point[axis] - self.origin[axis].to_f64());
         std::array::from_fn(|edge| {
             let row = &self.dual[edge];
             (1..D).fold(row[0] * from_origin[0], |sum, axis| sum + row[axis] * from_origin[axis])
@@ -152,6 +157,25 @@ impl<T: Real, const D: usize> PeriodicBox<T, D> {
             let offset = (1..D).fold(term(0), |sum, edge| sum + term(edge));
             T::nearest(point[axis].to_f64() + offset)
         })
+    }
+
+    /// The extremes of the fractions of points with the extremes `bounds`, where the edges lie along the axes: each fraction is a function of
+    /// one coordinate then, and never falls where that grows, rounded as it is. (The other terms of its sum are zeros.) `None` for other boxes.
+    pub(crate) fn fractions_within(&self, bounds: &Bounds<D>) -> Option<Bounds<D>> {
+        let along_axes = (0..D).all(|edge| (0..D).all(|axis| edge == axis || self.dual[edge][axis] == 0.0));
+        let positive = (0..D).all(|edge| self.dual[edge][edge] > 0.0);
+        (along_axes && positive)
+            .then(|| Bounds { min: self.fractions_of(&bounds.min), max: self.fractions_of(&bounds.max) })
+    }
+
+    /// Whether a point with these fractions is in the box: its periods are all 0.
+    #[inline]
+    pub(crate) fn holds(&self, fractions: &[f64; D]) -> bool {
+        let mut inside = true;
+        for (edge, fraction) in fractions.iter().enumerate() {
+            inside &= !self.periodic[edge] || (0.0 <= *fraction && *fraction < 1.0);
+        }
+        inside
     }
 
     /// The periods of a point, or the edge along which they are too many.

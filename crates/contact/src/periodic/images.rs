@@ -1,157 +1,454 @@
 //! Elements wrapped into a periodic box, and the images of them that may touch one of them.
 
-use crate::elements::{Elements, Shape};
+use crate::elements::{Bounds, Elements, Shape};
 use crate::error::Error;
 use crate::filter::Labels;
 use crate::periodic::cell::{MAX_PERIODS, PeriodicBox, norm};
+use crate::pool::Pool;
 use crate::real::Real;
 use crate::search::rows::{reserve, resize};
 
-/// The wrapped elements, then their images.
+/// Elements wrapped into a box, and apart from them those near its faces, with their images.
+///
+/// Every couple with an image is one of `near` and an image: if an image of `j` touches `i`, the opposite image of `i` is as near to `j` by the
+/// bound on fractions that images are made by (see [`margin`]), and so `i` has an image too. In a large box these are few. Where they
+/// are not, `near` are all elements.
 ///
 /// # Shapes
-/// `centres`: `[n + m]`, first the `n` elements in the caller's order, then the `m` images, by owner and then by shift.
-/// `radii`: the same, or empty for elements of one radius. `periods`: `[n]`. `owners`, `shifts`: `[m]`.
+/// `wrapped`, `wrapped_far`: `[n]`, in the caller's order, filled only if some element was away. `near`: `[k]`, ascending. `points`: `[k + m]`, first
+/// the elements `near`, then the `m` images, by owner and then by shift: centres, or minimum corners. `far_points`: the same for maximum
+/// corners, empty for spheres. `radii`: the same, empty but for spheres with radii. `periods`: `[n]`. `owners`, `shifts`: `[m]`.
 #[derive(Clone, Debug)]
 pub(crate) struct Images<T, const D: usize> {
-    pub(crate) centres: Vec<[T; D]>,
-    pub(crate) radii: Vec<T>,
-    /// The filter's numbers, as many as centres; an image has those of its owner.
-    pub(crate) labels: Labels,
-    /// Periods that each element was away from the box.
-    pub(crate) periods: Vec<[i32; D]>,
-    /// A bit for each element: whether it was away at all. Most are not, and these bits stay in cache where `periods` does not.
-    pub(crate) away: Vec<u64>,
+    wrapped: Vec<[T; D]>,
+    wrapped_far: Vec<[T; D]>,
+    /// Extremes of the wrapped elements, and of `points`.
+    wrapped_bounds: Bounds<D>,
+    bounds: Bounds<D>,
+    /// Periods that each element was away from the box; of those that were not, what was there before.
+    periods: Vec<[i32; D]>,
+    /// A bit for each element: whether it was away at all. Often most are not, and these bits stay in cache where `periods` does not.
+    away: Vec<u64>,
+    pub(crate) any_away: bool,
+    /// Elements that have images; all elements if they are not kept apart.
+    pub(crate) near: Vec<u32>,
+    /// Whether couples of elements are to be searched among all elements, and not among `near`.
+    pub(crate) apart: bool,
+    points: Vec<[T; D]>,
+    far_points: Vec<[T; D]>,
+    radii: Vec<T>,
+    /// The numbers of a filter, as many as points; an image has those of its owner.
+    labels: Labels,
     /// The element that an image is of.
     pub(crate) owners: Vec<u32>,
     /// By how many edges the image is displaced from its wrapped owner.
     pub(crate) shifts: Vec<[i32; D]>,
     /// Whether the elements fill so little space that most are within reach of most others.
     pub(crate) compact: bool,
+    chunks: Vec<Chunk<T, D>>,
 }
 
-/// The range of the fractions of the wrapped elements.
-#[derive(Clone, Copy)]
-struct Range<const D: usize> {
-    min: [f64; D],
-    max: [f64; D],
+/// A stretch of the elements, on one thread. Stretches do not depend on the number of threads.
+#[derive(Clone, Debug)]
+struct Chunk<T, const D: usize> {
+    /// Extremes of the wrapped elements and of their fractions; then those of the elements that have images, and of these.
+    bounds: Bounds<D>,
+    fractions: Bounds<D>,
+    any_away: bool,
+    error: Option<Error>,
+    /// The elements that have images, where they are, and the number of images.
+    owners: Vec<u32>,
+    points: Vec<[T; D]>,
+    images: f64,
 }
 
-/// The box, the range, and by how much the fractions of elements that touch may differ.
+/// Elements in a chunk: a multiple of 64, so that no two chunks have bits of `away` in one word.
+const CHUNK: usize = 8192;
+
+/// The box, the extremes of the fractions of the wrapped elements, and by how much the fractions of elements that touch may differ.
 struct Window<'a, T, const D: usize> {
     cell: &'a PeriodicBox<T, D>,
-    range: Range<D>,
+    fractions: Bounds<D>,
     margin: [f64; D],
+}
+
+/// How far apart elements that touch may be.
+struct Measure {
+    /// By Euclid's norm for spheres, along each axis for boxes.
+    reach: f64,
+    /// Whether it is that along each axis.
+    by_axis: bool,
+    /// How much farther than its anchor a box extends.
+    extent: f64,
+}
+
+impl Measure {
+    /// Of elements that have been wrapped: rounding may have stretched boxes.
+    fn of<T: Real, const D: usize>(wrapped: &Elements<'_, T, D>) -> Self {
+        let reach = wrapped.reach().max(T::MIN_RESOLVED);
+        let by_axis = matches!(wrapped.shape, Shape::Boxes(_));
+        Self { reach, by_axis, extent: if by_axis { reach } else { 0.0 } }
+    }
+
+    /// How far apart fractions along an edge may be, with `row` of the inverse.
+    fn width<const D: usize>(&self, row: &[f64; D]) -> f64 {
+        self.reach * if self.by_axis { row.iter().map(|x| x.abs()).sum() } else { norm(row) }
+    }
 }
 
 /// All elements within two reaches: testing all of them is cheaper than sorting them.
 const COMPACT: f64 = 2.0;
 
+/// With more images than this per element, those near the faces are not kept apart.
+const APART: f64 = 0.25;
+
 impl<T: Real, const D: usize> Images<T, D> {
     pub(crate) fn new() -> Self {
         Self {
-            centres: Vec::new(),
-            radii: Vec::new(),
+            wrapped: Vec::new(),
+            wrapped_far: Vec::new(),
+            wrapped_bounds: Bounds::NOTHING,
+            bounds: Bounds::NOTHING,
             labels: Labels::default(),
             periods: Vec::new(),
             away: Vec::new(),
+            any_away: false,
+            near: Vec::new(),
+            apart: false,
+            points: Vec::new(),
+            far_points: Vec::new(),
+            radii: Vec::new(),
             owners: Vec::new(),
             shifts: Vec::new(),
             compact: false,
+            chunks: Vec::new(),
         }
     }
 
-    /// Wraps the elements and makes all images that may touch a wrapped element, at most `max_images`.
+    /// Wraps the elements, and makes all images that may touch a wrapped element, at most `max_images`.
     pub(crate) fn build(
         &mut self,
         elements: &Elements<'_, T, D>,
         cell: &PeriodicBox<T, D>,
         refuse_outside: bool,
+        may_be_apart: bool,
         max_images: usize,
+        pool: &Pool,
     ) -> Result<(), Error> {
+        let n = elements.len();
         self.owners.clear();
         self.shifts.clear();
-        self.radii.clear();
-        let centres = match elements.shape {
-            Shape::Equal(equal) => equal.points(),
-            Shape::Spheres(spheres) => spheres.points(),
-            Shape::Boxes(_) => return Err(Error::BoxesNotPeriodic),
+        self.any_away = false;
+        if n == 0 {
+            self.near.clear();
+            self.points.clear();
+            self.far_points.clear();
+            self.radii.clear();
+            self.bounds = elements.bounds();
+            (self.compact, self.apart) = (true, false);
+            return Ok(());
+        }
+        let (mut points, mut far_points, radii): (_, &[[T; D]], &[T]) = match &elements.shape {
+            Shape::Equal(equal) => (equal.points(), &[], &[]),
+            Shape::Spheres(spheres) => (spheres.points(), &[], spheres.radii()),
+            Shape::Boxes(boxes) => (boxes.points(), boxes.far_points(), &[]),
         };
-        let range = self.wrap(centres, cell, refuse_outside)?;
-        let reach = elements.reach().max(T::MIN_RESOLVED);
-        self.compact = (0..D)
-            .all(|edge| range.max[edge] - range.min[edge] <= COMPACT * reach * norm(&cell.dual()[edge]));
-        let window = Window { cell, range, margin: margin(&self.centres, cell, range, reach)? };
+        self.chunks.resize_with(n.div_ceil(CHUNK), Chunk::default);
+        let inside = cell.fractions_within(&elements.bounds());
+        let inside = inside.filter(|fractions| cell.holds(&fractions.min) && cell.holds(&fractions.max));
+        let (fractions, bounds) = match inside {
+            Some(fractions) => (fractions, elements.bounds()),
+            None => self.wrap(points, cell, refuse_outside, pool)?,
+        };
+        self.wrapped_bounds = bounds;
+        if self.any_away {
+            self.wrap_far_points(far_points, cell)?;
+        }
+        let measure = Measure::of(&self.wrapped(elements)?);
+        if self.any_away {
+            (points, far_points) = (&self.wrapped, &self.wrapped_far);
+        }
+        self.compact = (0..D).all(|edge| {
+            fractions.max[edge] - fractions.min[edge] <= COMPACT * measure.reach * norm(&cell.dual()[edge])
+        });
 
-        let images = self.centres.iter().map(|centre| window.images(centre)).sum::<f64>();
+        let window = Window { cell, fractions, margin: margin(&bounds, cell, &fractions, &measure)? };
+        let interior = window.interior();
+        pool.run(self.chunks.iter_mut().zip(points.chunks(CHUNK)).enumerate(), |(k, (chunk, points))| {
+            chunk.find_near(k * CHUNK, points, &interior, &window);
+        });
+        let images = self.chunks.iter().map(|chunk| chunk.images).sum::<f64>();
         if images.is_nan() || images > max_images as f64 {
             return Err(Error::TooManyImages { images, limit: max_images });
         }
+        self.apart = may_be_apart && !self.compact && images <= APART * n as f64;
+
+        // What is there is overwritten, not moved.
         let images = images as usize;
-        reserve(&mut self.owners, images)?;
-        reserve(&mut self.shifts, images)?;
-        reserve(&mut self.centres, images)?;
-        if let Shape::Spheres(spheres) = elements.shape {
-            reserve(&mut self.radii, centres.len() + images)?;
-            self.radii.extend_from_slice(spheres.radii());
+        let near =
+            if self.apart { self.chunks.iter().map(|chunk| chunk.owners.len()).sum() } else { points.len() };
+        self.near.clear();
+        reserve(&mut self.near, near)?;
+        self.points.truncate(near + images);
+        resize(&mut self.points, near + images, [T::ZERO; D])?;
+        resize(&mut self.owners, images, 0)?;
+        resize(&mut self.shifts, images, [0; D])?;
+        self.bounds = if self.apart { Bounds::NOTHING } else { bounds };
+        if self.apart {
+            let mut places = &mut self.points[..];
+            for chunk in &self.chunks {
+                self.near.extend_from_slice(&chunk.owners);
+                let places = places.split_off_mut(..chunk.points.len()).unwrap_or_default();
+                places.copy_from_slice(&chunk.points);
+            }
+        } else {
+            self.near.extend(0..n as u32);
+            self.points[..n].copy_from_slice(points);
         }
-        for owner in 0..centres.len() {
-            let centre = self.centres[owner];
-            window.for_each(&centre, |shift| {
-                self.centres.push(cell.displaced(&centre, &shift));
-                self.owners.push(owner as u32);
-                self.shifts.push(shift);
-            });
+        let (mut places, mut owners, mut shifts) =
+            (&mut self.points[near..], &mut self.owners[..], &mut self.shifts[..]);
+        let tasks = self.chunks.iter_mut().filter(|chunk| !chunk.owners.is_empty()).map(|chunk| {
+            let images = chunk.images as usize;
+            let places = places.split_off_mut(..images).unwrap_or_default();
+            let owners = owners.split_off_mut(..images).unwrap_or_default();
+            let shifts = shifts.split_off_mut(..images).unwrap_or_default();
+            (chunk, places, owners, shifts)
+        });
+        pool.run(tasks, |(chunk, places, owners, shifts)| chunk.make(places, owners, shifts, &window));
+        self.bounds = self.chunks.iter().fold(self.bounds, |bounds, chunk| bounds.join(&chunk.bounds));
+        if self.points.is_empty() {
+            self.bounds = Bounds { min: [0.0; D], max: [0.0; D] };
         }
-        if let Shape::Spheres(spheres) = elements.shape {
-            self.radii.extend(self.owners.iter().map(|&owner| spheres.radii()[owner as usize]));
+
+        self.radii.clear();
+        if !radii.is_empty() {
+            reserve(&mut self.radii, near + images)?;
+            self.radii.extend(self.near.iter().chain(&self.owners).map(|&owner| radii[owner as usize]));
         }
-        self.labels.copy(elements.filter(), &self.owners)
+        self.far_points.clear();
+        if !far_points.is_empty() {
+            reserve(&mut self.far_points, near + images)?;
+            self.far_points.extend(self.near.iter().map(|&element| far_points[element as usize]));
+            let images = self.owners.iter().zip(&self.shifts);
+            self.far_points
+                .extend(images.map(|(&owner, shift)| cell.displaced(&far_points[owner as usize], shift)));
+        }
+        self.labels.pick(elements.filter(), self.near.iter().chain(&self.owners))
+    }
+
+    /// All elements, wrapped.
+    pub(crate) fn wrapped<'s>(&'s self, elements: &Elements<'s, T, D>) -> Result<Elements<'s, T, D>, Error> {
+        if !self.any_away {
+            return Ok(*elements);
+        }
+        let radii = if let Shape::Spheres(spheres) = elements.shape { spheres.radii() } else { &[] };
+        elements.at(&self.wrapped, &self.wrapped_far, radii, self.wrapped_bounds, elements.filter())
+    }
+
+    /// The elements near the faces, or all, and the images.
+    pub(crate) fn with_images<'s>(
+        &'s self,
+        elements: &Elements<'s, T, D>,
+    ) -> Result<Elements<'s, T, D>, Error> {
+        let filter = elements.filter().map(|filter| self.labels.filter(filter));
+        elements.at(&self.points, &self.far_points, &self.radii, self.bounds, filter).map_err(|mut error| {
+            self.name_owner(&mut error);
+            error
+        })
+    }
+
+    /// Whether an element was away from the box.
+    #[inline]
+    pub(crate) fn is_away(&self, index: usize) -> bool {
+        self.away[index / 64] >> (index % 64) & 1 == 1
     }
 
     /// Periods that an element was away from the box.
+    ///
+    /// Only if [some element](Self::any_away) was.
     #[inline]
     pub(crate) fn periods_of(&self, index: usize) -> [i32; D] {
-        if self.away[index / 64] >> (index % 64) & 1 == 0 { [0; D] } else { self.periods[index] }
+        if self.is_away(index) { self.periods[index] } else { [0; D] }
     }
 
-    /// Wraps all centres; returns the range of their fractions.
+    /// Wraps all points; returns the extremes of their fractions, and of the wrapped points.
     fn wrap(
         &mut self,
-        centres: &[[T; D]],
+        points: &[[T; D]],
         cell: &PeriodicBox<T, D>,
         refuse_outside: bool,
-    ) -> Result<Range<D>, Error> {
-        self.centres.clear();
-        self.periods.clear();
-        reserve(&mut self.centres, centres.len())?;
-        reserve(&mut self.periods, centres.len())?;
+        pool: &Pool,
+    ) -> Result<(Bounds<D>, Bounds<D>), Error> {
+        let n = points.len();
         self.away.clear();
-        resize(&mut self.away, centres.len().div_ceil(64), 0)?;
-        let mut range = Range { min: [f64::INFINITY; D], max: [f64::NEG_INFINITY; D] };
-        for (index, centre) in centres.iter().enumerate() {
-            let mut fractions = cell.fractions(centre);
-            let periods = cell.periods(&fractions).map_err(|edge| {
-                let periods = fractions[edge];
-                Error::TooFarFromBox { index, edge, periods, limit: MAX_PERIODS }
-            })?;
-            let mut wrapped = *centre;
-            if periods != [0; D] {
-                if refuse_outside && let Some(edge) = outside(cell, centre, &fractions) {
-                    return Err(Error::OutsideBox { index, edge, fraction: fractions[edge] });
-                }
-                self.away[index / 64] |= 1 << (index % 64);
-                wrapped = cell.wrapped(*centre, &periods);
-                fractions = cell.fractions(&wrapped);
+        resize(&mut self.away, n.div_ceil(64), 0)?;
+        self.periods.truncate(n);
+        resize(&mut self.periods, n, [0; D])?;
+        self.wrapped.truncate(n);
+        resize(&mut self.wrapped, n, [T::ZERO; D])?;
+        let room = self.wrapped.chunks_mut(CHUNK).zip(self.periods.chunks_mut(CHUNK));
+        let room = room.zip(self.away.chunks_mut(CHUNK / 64));
+        let tasks = self.chunks.iter_mut().zip(points.chunks(CHUNK)).zip(room);
+        pool.run(tasks.enumerate(), |(k, ((chunk, points), ((wrapped, periods), away)))| {
+            chunk.wrap(points, wrapped, periods, away, cell, refuse_outside);
+            if let Some(error) = &mut chunk.error {
+                name_element(error, |index| k * CHUNK + index);
             }
-            for (edge, fraction) in fractions.into_iter().enumerate() {
-                range.min[edge] = range.min[edge].min(fraction);
-                range.max[edge] = range.max[edge].max(fraction);
+        });
+
+        let (mut fractions, mut bounds) = (Bounds::NOTHING, Bounds::NOTHING);
+        for chunk in &mut self.chunks {
+            if let Some(error) = chunk.error.take() {
+                return Err(error);
             }
-            self.centres.push(wrapped);
-            self.periods.push(periods);
+            self.any_away |= chunk.any_away;
+            bounds = bounds.join(&chunk.bounds);
+            fractions = fractions.join(&chunk.fractions);
         }
-        Ok(range)
+        Ok((fractions, bounds))
+    }
+
+    fn wrap_far_points(&mut self, far_points: &[[T; D]], cell: &PeriodicBox<T, D>) -> Result<(), Error> {
+        let mut wrapped = std::mem::take(&mut self.wrapped_far);
+        wrapped.clear();
+        reserve(&mut wrapped, far_points.len())?;
+        let wrap = |(index, point): (usize, &[T; D])| cell.wrapped(*point, &self.periods_of(index));
+        wrapped.extend(far_points.iter().enumerate().map(wrap));
+        self.wrapped_far = wrapped;
+        Ok(())
+    }
+
+    /// An error about one of `near` or about an image is an error about the element.
+    pub(crate) fn name_owner(&self, error: &mut Error) {
+        name_element(error, |index| match index.checked_sub(self.near.len()) {
+            Some(image) => self.owners[image] as usize,
+            None => self.near[index] as usize,
+        });
+    }
+}
+
+impl<T, const D: usize> Default for Chunk<T, D> {
+    fn default() -> Self {
+        Self {
+            fractions: Bounds::NOTHING,
+            bounds: Bounds::NOTHING,
+            any_away: false,
+            error: None,
+            owners: Vec::new(),
+            points: Vec::new(),
+            images: 0.0,
+        }
+    }
+}
+
+impl<T: Real, const D: usize> Chunk<T, D> {
+    /// Wraps `points` into `wrapped`; `periods` and `away` are written where an element is away. All are of this chunk only.
+    fn wrap(
+        &mut self,
+        points: &[[T; D]],
+        wrapped: &mut [[T; D]],
+        periods: &mut [[i32; D]],
+        away: &mut [u64],
+        cell: &PeriodicBox<T, D>,
+        refuse_outside: bool,
+    ) {
+        let (mut all_fractions, mut bounds) = (Bounds::NOTHING, Bounds::NOTHING);
+        (self.any_away, self.error) = (false, None);
+        for (index, (point, wrapped)) in points.iter().zip(wrapped).enumerate() {
+            let mut fractions = cell.fractions(point);
+            *wrapped = *point;
+            if !cell.holds(&fractions) {
+                let its_periods = match cell.periods(&fractions) {
+                    Ok(periods) => periods,
+                    Err(edge) => {
+                        let periods = fractions[edge];
+                        self.error = Some(Error::TooFarFromBox { index, edge, periods, limit: MAX_PERIODS });
+                        return;
+                    }
+                };
+                if refuse_outside && let Some(edge) = outside(cell, point, &fractions) {
+                    self.error = Some(Error::OutsideBox { index, edge, fraction: fractions[edge] });
+                    return;
+                }
+                self.any_away = true;
+                away[index / 64] |= 1 << (index % 64);
+                periods[index] = its_periods;
+                *wrapped = cell.wrapped(*point, &its_periods);
+                fractions = cell.fractions(wrapped);
+            }
+            all_fractions.include(&fractions);
+            bounds.include(&wrapped.map(T::to_f64));
+        }
+        (self.fractions, self.bounds) = (all_fractions, bounds);
+    }
+
+    /// Finds the elements that have images among wrapped `points`, which are numbered from `first` on; there are none in `interior`.
+    fn find_near(
+        &mut self,
+        first: usize,
+        points: &[[T; D]],
+        interior: &Bounds<D>,
+        window: &Window<'_, T, D>,
+    ) {
+        self.owners.clear();
+        self.points.clear();
+        self.images = 0.0;
+        self.bounds = Bounds::NOTHING;
+        for (owner, point) in (first..).zip(points) {
+            if interior.contains(point) {
+                continue;
+            }
+            let fractions = window.cell.fractions(point);
+            if window.has_images(&fractions) {
+                self.owners.push(owner as u32);
+                self.points.push(*point);
+                self.images += window.images(&fractions);
+            }
+        }
+    }
+
+    /// Makes the images of the elements found, in room for just these.
+    fn make(
+        &mut self,
+        places: &mut [[T; D]],
+        owners: &mut [u32],
+        shifts: &mut [[i32; D]],
+        window: &Window<'_, T, D>,
+    ) {
+        let mut bounds = Bounds::NOTHING;
+        let mut places = places.iter_mut().zip(owners).zip(shifts);
+        for (&owner, point) in self.owners.iter().zip(&self.points) {
+            bounds.include(&point.map(T::to_f64));
+            window.for_each(point, |shift| {
+                if let Some(((place, its_owner), its_shift)) = places.next() {
+                    *place = window.cell.displaced(point, &shift);
+                    (*its_owner, *its_shift) = (owner, shift);
+                    bounds.include(&place.map(T::to_f64));
+                }
+            });
+        }
+        self.bounds = bounds;
+    }
+}
+
+/// The whole number next to `x` on the side of zero.
+///
+/// (`f64::trunc` is a call of a function in a build for any processor.)
+#[inline]
+fn whole(x: f64) -> f64 {
+    // Numbers beyond are whole.
+    if x.abs() < 4_503_599_627_370_496.0 { (x as i64) as f64 } else { x }
+}
+
+/// Renumbers the element that an error is about.
+fn name_element(error: &mut Error, number: impl Fn(usize) -> usize) {
+    if let Error::NonFiniteCoordinate { index, .. }
+    | Error::CoordinateTooLarge { index, .. }
+    | Error::TooFarFromBox { index, .. }
+    | Error::OutsideBox { index, .. }
+    | Error::DomainTooWide { stretched_by: Some((index, _)), .. } = error
+    {
+        *index = number(*index);
     }
 }
 
@@ -184,43 +481,41 @@ fn outside<T: Real, const D: usize>(
 /// So `|s_a + F_j - F_i| <= |g_a| R + sum_b S_b |E_ab| + (3 D + 7) u sum_k |g_ak| M_k`. The differences of fractions with
 /// which the shifts are found add at most `4 u (S_a + 1)`. The factor `1 + 2^-40` covers the rounding of this bound, and results below the normal floats.
 ///
+/// Boxes that touch have `|p_k - w_ik| <= L + t + (2 D + 7) u M_k` on every axis: `w` and `p` are minimum corners, `L` is the longest edge of a
+/// wrapped box, `t` the tolerance, and `M_k` bounds maximum corners and `t` too. An edge of an image is longer than that of its owner by
+/// the roundings of its two corners, `2 (D + 3) u M_k`; `max + t` is rounded once. `R` is at least `L + t`, so for `|g_a| R` there is
+/// `sum_k |g_ak| R`, and for `3 D + 7` there is `5 D + 14`.
+///
 /// That leaves `S_b`. The margin is `|g_a| R` plus a rest that grows at most in proportion to the shifts. Let `z` be the largest `|s_b| / S_b`.
 /// With `S_b = 2 (range_b + |g_b| R + 1)` the inequality gives `|s_a| <= S_a / 2 + max(z, 1) rest_a`. If `rest_a <= S_a / 4`,
 /// which is checked, then `z <= 1/2 + max(z, 1) / 4`, so `z <= 3/4`: the bound holds.
 fn margin<T: Real, const D: usize>(
-    wrapped: &[[T; D]],
+    bounds: &Bounds<D>,
     cell: &PeriodicBox<T, D>,
-    range: Range<D>,
-    reach: f64,
+    fractions: &Bounds<D>,
+    measure: &Measure,
 ) -> Result<[f64; D], Error> {
     const ABOVE: f64 = 1.0 + 1.0 / 1_099_511_627_776.0;
     let (dual, edges, periodic) =
         (cell.dual(), cell.edges().map(|edge| edge.map(T::to_f64)), cell.periodic());
     let mut magnitude = cell.origin().map(|x| x.to_f64().abs());
-    let mut largest = [T::ZERO; D];
-    for point in wrapped {
-        for axis in 0..D {
-            let x = if point[axis] < T::ZERO { T::ZERO - point[axis] } else { point[axis] };
-            if x > largest[axis] {
-                largest[axis] = x;
-            }
-        }
-    }
-    let nominal: [f64; D] = std::array::from_fn(|edge| norm(&dual[edge]) * reach * ABOVE);
+    let nominal: [f64; D] = std::array::from_fn(|edge| measure.width(&dual[edge]) * ABOVE);
     let shifts: [f64; D] = std::array::from_fn(|edge| {
-        let width = range.max[edge] - range.min[edge];
+        let width = fractions.max[edge] - fractions.min[edge];
         if periodic[edge] { 2.0 * (width + nominal[edge] + 1.0) } else { 0.0 }
     });
     for axis in 0..D {
-        magnitude[axis] += largest[axis].to_f64();
+        magnitude[axis] += bounds.min[axis].abs().max(bounds.max[axis].abs()) + measure.extent;
         magnitude[axis] += (0..D).map(|edge| shifts[edge] * edges[edge][axis].abs()).sum::<f64>();
     }
 
-    let mut margin = [0.0; D];
+    // Written so that edges that are not periodic never ask for images.
+    let roundings = (if measure.by_axis { 5 * D + 14 } else { 3 * D + 7 }) as f64;
+    let mut margin = [f64::NEG_INFINITY; D];
     for a in (0..D).filter(|&a| periodic[a]) {
         let mut rest = 4.0 * T::EPSILON * (shifts[a] + 1.0);
         for axis in 0..D {
-            rest += (3 * D + 7) as f64 * T::EPSILON * dual[a][axis].abs() * magnitude[axis];
+            rest += roundings * T::EPSILON * dual[a][axis].abs() * magnitude[axis];
         }
         for b in (0..D).filter(|&b| periodic[b]) {
             let products = || (0..D).map(|axis| dual[a][axis] * edges[b][axis]);
@@ -230,8 +525,7 @@ fn margin<T: Real, const D: usize>(
             rest += shifts[b] * (residual.abs() + rounding);
         }
         rest *= ABOVE;
-        // Written so that NaN fails too. No elements have no range, and need no images.
-        if !(rest <= shifts[a] / 4.0 || wrapped.is_empty()) {
+        if rest.is_nan() || shifts[a].is_nan() || rest > shifts[a] / 4.0 {
             return Err(Error::UnresolvedBox { edge: a, rounding: rest });
         }
         margin[a] = (nominal[a] + rest) * ABOVE;
@@ -240,33 +534,72 @@ fn margin<T: Real, const D: usize>(
 }
 
 impl<T: Real, const D: usize> Window<'_, T, D> {
-    /// The shifts of a wrapped element along each edge, both ends included; always with 0. `None` if there is only 0.
+    /// The lowest and the highest shift along an edge of a wrapped element with this fraction, before they are rounded to whole edges.
     #[inline]
-    fn shifts(&self, centre: &[T; D]) -> Option<[[f64; 2]; D]> {
-        let fractions = self.cell.fractions(centre);
-        let mut shifts = [[0.0; 2]; D];
-        let mut any = false;
+    fn ends(&self, edge: usize, fraction: f64) -> [f64; 2] {
+        let low = (self.fractions.min[edge] - fraction) - self.margin[edge];
+        let high = (self.fractions.max[edge] - fraction) + self.margin[edge];
+        [low, high]
+    }
+
+    /// What saves a look at most elements of a large box with edges along the axes; empty for other boxes.
+    ///
+    /// The two ends never grow where the fraction grows, nor does that fall where the coordinate grows, all of them rounded as they are. So
+    /// if there is no image to the left of the largest of some coordinates, nor one to the right of the smallest, there is none between.
+    fn interior(&self) -> Bounds<D> {
+        let mut interior = {
+            let limit = T::MAX_MAGNITUDE.to_f64();
+            Bounds { min: [-limit; D], max: [limit; D] }
+        };
         for edge in (0..D).filter(|&edge| self.cell.periodic()[edge]) {
-            let low = (self.range.min[edge] - fractions[edge]) - self.margin[edge];
-            let high = (self.range.max[edge] - fractions[edge]) + self.margin[edge];
+            let (origin, length) =
+                (self.cell.origin()[edge].to_f64(), self.cell.edges()[edge][edge].to_f64());
+            // A little less than the nominal interior, so that rounding does not matter.
+            let margin = self.margin[edge] + 1e-6;
+            interior.min[edge] = origin + (self.fractions.max[edge] + margin - 1.0) * length;
+            interior.max[edge] = origin + (self.fractions.min[edge] - margin + 1.0) * length;
+        }
+        let Some(fractions) = self.cell.fractions_within(&interior) else { return Bounds::NOTHING };
+        let empty = (0..D).filter(|&edge| self.cell.periodic()[edge]).any(|edge| {
+            let [_, high] = self.ends(edge, fractions.min[edge]);
+            let [low, _] = self.ends(edge, fractions.max[edge]);
+            !(high < 1.0 && low > -1.0)
+        });
+        if empty { Bounds::NOTHING } else { interior }
+    }
+
+    /// Whether a wrapped element with these fractions has an image.
+    #[inline]
+    fn has_images(&self, fractions: &[f64; D]) -> bool {
+        let mut any = false;
+        for (edge, &fraction) in fractions.iter().enumerate() {
+            let [low, high] = self.ends(edge, fraction);
+            any |= low <= -1.0 || high >= 1.0;
+        }
+        any
+    }
+
+    /// The shifts of a wrapped element along each edge, both ends included; always with 0.
+    #[inline]
+    fn shifts(&self, fractions: &[f64; D]) -> [[f64; 2]; D] {
+        let mut shifts = [[0.0; 2]; D];
+        for edge in 0..D {
+            let [low, high] = self.ends(edge, fractions[edge]);
             if low <= -1.0 || high >= 1.0 {
-                shifts[edge] = [low.ceil(), high.floor()];
-                any = true;
+                shifts[edge] = [whole(low), whole(high)];
             }
         }
-        any.then_some(shifts)
+        shifts
     }
 
     /// The number of images of a wrapped element, itself not counted.
-    fn images(&self, centre: &[T; D]) -> f64 {
-        self.shifts(centre)
-            .map_or(0.0, |shifts| shifts.iter().map(|[low, high]| high - low + 1.0).product::<f64>() - 1.0)
+    fn images(&self, fractions: &[f64; D]) -> f64 {
+        self.shifts(fractions).iter().map(|[low, high]| high - low + 1.0).product::<f64>() - 1.0
     }
 
     /// Calls `image` with every shift of a wrapped element but 0, in lexicographic order.
-    fn for_each(&self, centre: &[T; D], mut image: impl FnMut([i32; D])) {
-        let Some(shifts) = self.shifts(centre) else { return };
-        let shifts = shifts.map(|ends| ends.map(|shift| shift as i32));
+    fn for_each(&self, point: &[T; D], mut image: impl FnMut([i32; D])) {
+        let shifts = self.shifts(&self.cell.fractions(point)).map(|ends| ends.map(|shift| shift as i32));
         let mut shift = shifts.map(|[low, _]| low);
         loop {
             if shift != [0; D] {

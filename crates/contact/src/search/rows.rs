@@ -23,7 +23,7 @@ use crate::simd::{Simd, portable};
 use layout::Layout;
 pub(crate) use layout::{reserve, resize};
 use reach::RowsInReach;
-use scatter::append;
+pub(crate) use scatter::append;
 
 /// The decomposition and the contact mask of Munjiza-NBS, on sorted rows instead of lists: the default engine.
 ///
@@ -110,6 +110,12 @@ impl<T: Real, const D: usize> Rows<T, D> {
         Ok(self)
     }
 
+    /// The same on threads that others use too.
+    pub(crate) fn with_pool(mut self, pool: Pool) -> Self {
+        self.pool = pool;
+        self
+    }
+
     /// Bytes that the engine holds now.
     pub fn bytes(&self) -> usize {
         self.layout.bytes() + self.parts.iter().map(Vec::capacity).sum::<usize>() * size_of::<Couple>()
@@ -147,18 +153,89 @@ impl<T: Real, const D: usize> Rows<T, D> {
         start: impl Fn() -> S,
         visit: impl Fn(&mut S, Couple) + Sync,
     ) -> Result<Vec<S>, Error> {
+        self.fold_blocks(elements, start, |state, block| {
+            for &couple in block {
+                visit(state, couple);
+            }
+        })
+    }
+
+    /// As [`Rows::fold`], a block of couples at a time: so many as stay in the first-level cache.
+    pub(crate) fn fold_blocks<S: Send>(
+        &mut self,
+        elements: &Elements<'_, T, D>,
+        start: impl Fn() -> S,
+        visit: impl Fn(&mut S, &[Couple]) + Sync,
+    ) -> Result<Vec<S>, Error> {
         let mut states: Vec<S> = (0..elements.len().div_ceil(PART)).map(|_| start()).collect();
         self.with_layout(elements, |scan, pool, _| {
             pool.run(states.iter_mut().zip(scan.ranges()), |(state, range)| {
                 let mut waiting = Vec::with_capacity(FIRST_ROOM);
-                let mut take =
-                    |found: &mut Vec<Couple>| found.drain(..).for_each(|couple| visit(state, couple));
+                let mut take = |found: &mut Vec<Couple>| {
+                    visit(state, found);
+                    found.clear();
+                };
                 scan.part(range, &mut waiting, &mut take);
                 take(&mut waiting);
             });
             Ok(())
         })?;
         Ok(states)
+    }
+
+    /// Calls `visit` with all couples in their order, a block at a time.
+    pub(crate) fn for_each_block(
+        &mut self,
+        elements: &Elements<'_, T, D>,
+        mut visit: impl FnMut(&[Couple]),
+    ) -> Result<(), Error> {
+        self.search(elements, Sink::Visit(&mut visit))
+    }
+
+    /// Appends what `convert` makes of each block of couples to `list`, in their order, on all threads; `parts` is memory for that.
+    pub(crate) fn append_converted<V: Copy + Send + Sync>(
+        &mut self,
+        elements: &Elements<'_, T, D>,
+        convert: impl Fn(&[Couple], &mut Vec<V>) -> Result<(), Error> + Sync,
+        parts: &mut Vec<Vec<V>>,
+        list: &mut Vec<V>,
+    ) -> Result<(), Error> {
+        self.with_layout(elements, |scan, pool, _| {
+            let one_part = |range: Range<usize>, list: &mut Vec<V>| {
+                let mut waiting = Vec::new();
+                waiting.try_reserve(FIRST_ROOM).map_err(|_| out_of_memory(FIRST_ROOM))?;
+                let mut room = Ok(());
+                let mut take = |found: &mut Vec<Couple>| {
+                    if room.is_ok() {
+                        room = convert(found, list);
+                    }
+                    found.clear();
+                };
+                scan.part(range, &mut waiting, &mut take);
+                take(&mut waiting);
+                room
+            };
+            if pool.threads() == 1 {
+                return one_part(0..scan.layout.len(), list);
+            }
+            let batch = PARTS_AT_ONCE * pool.threads();
+            parts.resize_with(batch, Vec::new);
+            let ranges: Vec<_> = scan.ranges().collect();
+            for ranges in ranges.chunks(batch) {
+                let failed = AtomicBool::new(false);
+                pool.run(parts.iter_mut().zip(ranges), |(part, range)| {
+                    part.clear();
+                    let done = one_part(range.clone(), part);
+                    failed.fetch_or(done.is_err(), Ordering::Relaxed);
+                });
+                if failed.into_inner() {
+                    let bytes = parts.iter().map(Vec::capacity).sum::<usize>().saturating_mul(size_of::<V>());
+                    return Err(Error::OutOfMemory { bytes });
+                }
+                append(list, &parts[..ranges.len()], pool)?;
+            }
+            Ok(())
+        })
     }
 
     fn search(&mut self, elements: &Elements<'_, T, D>, sink: Sink<'_>) -> Result<(), Error> {
@@ -215,7 +292,7 @@ impl<T: Real, const D: usize> Search<T, D> for Rows<T, D> {
         elements: &Elements<'_, T, D>,
         mut visit: impl FnMut(Couple),
     ) -> Result<(), Error> {
-        self.search(elements, Sink::Visit(&mut |found| found.iter().copied().for_each(&mut visit)))
+        self.for_each_block(elements, |block| block.iter().copied().for_each(&mut visit))
     }
 
     fn couples(&mut self, elements: &Elements<'_, T, D>, couples: &mut Vec<Couple>) -> Result<(), Error> {
@@ -233,7 +310,7 @@ impl<T: Real, const D: usize> Search<T, D> for Rows<T, D> {
 /// What becomes of the couples.
 pub(crate) enum Sink<'a> {
     List(&'a mut Vec<Couple>),
-    /// Many at a time.
+    /// A block at a time.
     Visit(&'a mut dyn FnMut(&[Couple])),
     Count(&'a mut u64),
 }
@@ -285,12 +362,12 @@ impl<T: Real, const D: usize> Scan<'_, T, D> {
                 parts.resize_with(parts.len().max(1), Vec::new);
                 let waiting = &mut parts[0];
                 waiting.try_reserve(FIRST_ROOM).map_err(|_| out_of_memory(FIRST_ROOM))?;
-                self.part(0..n, waiting, &mut |found| {
+                let mut take = |found: &mut Vec<Couple>| {
                     visit(found);
                     found.clear();
-                });
-                visit(waiting);
-                waiting.clear();
+                };
+                self.part(0..n, waiting, &mut take);
+                take(waiting);
                 Ok(())
             }
             mut sink => {

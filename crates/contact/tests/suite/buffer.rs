@@ -256,6 +256,31 @@ fn motion_within_the_buffer_does_not_detect() {
     assert_eq!((buffered.updates(), buffered.redetections()), (50, 1));
 }
 
+/// More candidates than the threads take at once.
+#[test]
+#[cfg(feature = "rayon")]
+fn threads_change_nothing() {
+    let cloud = fdem_scenes::peers::gas(60_000, 3).unwrap();
+    let elements = Elements::points(&cloud.centres, 1.0).unwrap();
+    let mut expected = Vec::new();
+    for threads in [1, 2, 3] {
+        let mut buffered = Buffered::with_search(Rows::new(), 0.1).unwrap().with_threads(threads).unwrap();
+        let update = buffered.update(&elements).unwrap();
+        assert!(update.candidates().len() > 300_000);
+        let mut found = Vec::new();
+        update.couples(&mut found).unwrap();
+        assert_eq!(update.count(), found.len() as u64);
+        if threads == 1 {
+            expected = found;
+            let mut direct = expected.clone();
+            direct.sort_unstable();
+            assert_eq!(direct, ascending(Rows::new(), &elements));
+        } else {
+            assert!(found == expected, "{threads} threads");
+        }
+    }
+}
+
 /// By a thousand buffers in each step, for spheres and for boxes; more elements than are sampled for the mean.
 #[test]
 fn common_drift_does_not_detect() {

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use fdem_contact::{Couple, Csr, Detector, Direct, Elements, Engine, Error};
+use fdem_contact::{Couple, Csr, Detector, Direct, Elements, Engine, Error, PeriodicCouple};
 use proptest::prelude::*;
 
 /// The neighbours of each element in ascending order, repeats included.
@@ -150,4 +150,57 @@ fn rows_of_a_search_hold_what_touches() {
     let held = csr.bytes();
     csr.find_full(&mut detector, &elements).unwrap();
     assert_eq!(csr.bytes(), held, "the memory is used again");
+}
+
+/// Couples of a periodic box: several images of one neighbour, and own images.
+fn periodic_list() -> impl Strategy<Value = (usize, Vec<PeriodicCouple<2>>)> {
+    (1..20_u32, 0..5_usize).prop_flat_map(|(named, more)| {
+        let couple = (0..named, 0..named, prop::array::uniform2(-2..3_i32)).prop_map(|(a, b, shift)| {
+            let shift = if a == b && shift <= [0, 0] { [-shift[0], 1 - shift[1].min(0)] } else { shift };
+            PeriodicCouple { i: a.min(b), j: a.max(b), shift }
+        });
+        (Just(named as usize + more), prop::collection::vec(couple, 0..80))
+    })
+}
+
+proptest! {
+    /// The entries are those of a sorted list, with the opposite shift from the other side; what an earlier filling left does not show.
+    #[test]
+    fn periodic_rows_equal_a_sorted_list(lists in prop::collection::vec(periodic_list(), 1..4)) {
+        let mut csr = Csr::new();
+        for (elements, couples) in &lists {
+            for full in [false, true] {
+                let mut expected: Vec<(u32, u32, [i32; 2])> =
+                    couples.iter().map(|couple| (couple.i, couple.j, couple.shift)).collect();
+                if full {
+                    expected.extend(couples.iter().map(|couple| (couple.j, couple.i, couple.shift.map(|s| -s))));
+                    csr.fill_full_periodic(*elements, couples).unwrap();
+                } else {
+                    csr.fill_half_periodic(*elements, couples).unwrap();
+                }
+                expected.sort_unstable();
+                let mut found = Vec::new();
+                for element in 0..csr.len() {
+                    let row = csr.neighbours_of(element).iter().zip(csr.values_of(element));
+                    found.extend(row.map(|(&neighbour, &shift)| (element as u32, neighbour, shift)));
+                }
+                prop_assert_eq!(csr.len(), *elements);
+                prop_assert_eq!(found, expected);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_periodic_couple_in_another_form_is_refused() {
+    let mut csr = Csr::new();
+    let good = PeriodicCouple { i: 0, j: 1, shift: [-1] };
+    csr.fill_full_periodic(2, &[good]).unwrap();
+    for (i, j, shift) in [(1, 0, 1), (0, 2, 0), (1, 1, 0), (1, 1, -1)] {
+        let couples = [good, PeriodicCouple { i, j, shift: [shift] }];
+        let error = Error::MalformedCouple { index: 1, i, j, elements: 2 };
+        assert_eq!(csr.fill_half_periodic(2, &couples), Err(error.clone()));
+        assert_eq!(csr.fill_full_periodic(2, &couples), Err(error));
+        assert!(csr.is_empty() && csr.neighbours().is_empty() && csr.values().is_empty());
+    }
 }

@@ -1,6 +1,8 @@
 //! Boxes that repeat: every contact and every image of it, against all shifts one by one.
 
-use fdem_contact::{Elements, Engine, Error, PeriodicBox, PeriodicCouple, PeriodicSearch, Real};
+use fdem_contact::{
+    Couple, Elements, Engine, Error, PeriodicBox, PeriodicCouple, PeriodicSearch, Real, Simd,
+};
 use fdem_scenes::random::Random;
 use proptest::prelude::*;
 
@@ -143,6 +145,16 @@ fn found<T: Real, const D: usize>(
     assert_eq!(search.count(elements, cell).unwrap(), couples.len() as u64);
     search.for_each(elements, cell, |couple| again.push(couple)).unwrap();
     assert_eq!(couples, again, "the order is a function of the input");
+
+    let (mut unshifted, mut shifted) = (vec![Couple::new(7, 8)], couples.clone());
+    search.couples_by_shift(elements, cell, &mut unshifted, &mut shifted).unwrap();
+    let (none, some): (Vec<PeriodicCouple<D>>, Vec<PeriodicCouple<D>>) =
+        couples.iter().partition(|couple| couple.shift == [0; D]);
+    assert!(none.iter().map(|couple| (couple.i, couple.j)).eq(unshifted.iter().map(|c| (c.i, c.j))));
+    assert_eq!(shifted, some);
+    let parts = search.fold(elements, cell, Vec::new, Vec::push).unwrap();
+    assert_eq!(parts.concat(), couples, "the parts are in order");
+
     couples.sort_unstable();
     couples
 }
@@ -322,6 +334,119 @@ fn three_hundred<T: FromF64, const D: usize>() {
     }
 }
 
+/// Boxes so large that most elements are far from all faces, and those near them are searched apart.
+fn large_boxes<T: FromF64, const D: usize>() {
+    let mut random = Random::new(19);
+    let (n, size, kinds) = [(60, 20.0, 1), (500, 24.0, 9), (700, 30.0, 4)][D - 1];
+    let mut apart = 0;
+    for (shape, edges) in shapes::<D>().into_iter().take(kinds) {
+        let edges = scaled::<T, D>(edges, size);
+        let some: [bool; D] = std::array::from_fn(|axis| axis != 0);
+        for (periodic, outside) in [([true; D], 1.0), ([true; D], 1.0 + 1e-9), (some, 3.0)] {
+            let cell = PeriodicBox::triclinic([T::from_f64(-1.5); D], edges, periodic).unwrap();
+            let centres: Vec<[f64; D]> = (0..n)
+                .map(|_| {
+                    let from = 0.5 - outside / 2.0;
+                    at(&edges, -1.5, std::array::from_fn(|_| random.between(from, from + outside)))
+                })
+                .collect();
+            let radii: Vec<f64> =
+                (0..n).map(|k| if k == 0 { 0.5 } else { random.between(0.1, 0.5) }).collect();
+            compare(shape, &centres, &radii, 0.0, &cell);
+            let centres: Vec<[T; D]> = centres.iter().map(|centre| centre.map(T::from_f64)).collect();
+            let mut search = PeriodicSearch::new(Engine::Auto);
+            search.count(&Elements::spheres(&centres, T::HALF).unwrap(), &cell).unwrap();
+            apart += usize::from(search.images() > 0 && 4 * search.images() <= n);
+        }
+    }
+    assert!(apart >= 2, "{apart} boxes are large");
+}
+
+/// Axis-aligned boxes against all images of boxes: both corners displaced, as documented.
+fn aligned_boxes<T: FromF64, const D: usize>() {
+    let mut random = Random::new(29);
+    let mut couples = 0;
+    let sizes: &[f64] = if D < 3 { &[0.7, 3.0, 25.0] } else { &[0.7, 3.0] };
+    for (shape, edges) in shapes::<D>() {
+        for (&size, periodic) in sizes
+            .iter()
+            .flat_map(|size| periodicities::<D>().into_iter().map(move |periodic| (size, periodic)))
+        {
+            let edges = scaled::<T, D>(edges, size);
+            let cell = PeriodicBox::triclinic([T::from_f64(0.3); D], edges, periodic).unwrap();
+            let n = if size < 1.0 {
+                4
+            } else if size < 10.0 {
+                12
+            } else {
+                150
+            };
+            let outside = if random.below(2) == 0 { 1.0 } else { 5.0 };
+            let (mut min, mut max) = (Vec::new(), Vec::new());
+            for _ in 0..n {
+                let from = 0.5 - outside / 2.0;
+                let corner = at(&edges, 0.3, std::array::from_fn(|_| random.between(from, from + outside)));
+                let corner: [T; D] = corner.map(T::from_f64);
+                min.push(corner);
+                max.push(corner.map(|x| T::from_f64(x.to_f64() + random.between(0.0, 1.0))));
+            }
+            for tolerance in [0.0, 0.25].map(T::from_f64) {
+                let expected = brute_boxes(&min, &max, tolerance, &cell);
+                couples += expected.len();
+                let elements = Elements::boxes(&min, &max).unwrap().with_tolerance(tolerance).unwrap();
+                for engine in ENGINES {
+                    assert!(
+                        found(engine, &elements, &cell) == expected,
+                        "{shape}, {engine}, {n} boxes, {cell:?}"
+                    );
+                }
+            }
+        }
+    }
+    assert!(couples > 100, "there are couples to lose: {couples}");
+}
+
+fn brute_boxes<T: FromF64, const D: usize>(
+    min: &[[T; D]],
+    max: &[[T; D]],
+    tolerance: T,
+    cell: &PeriodicBox<T, D>,
+) -> Vec<PeriodicCouple<D>> {
+    let edges = cell.edges();
+    let moved = |point: &[T; D], shift: [i32; D]| {
+        if shift == [0; D] { *point } else { displaced(point, &shift, &edges) }
+    };
+    let periods: Vec<[i32; D]> = min.iter().map(|corner| cell.wrap(*corner).unwrap().1).collect();
+    let wrap = |corners: &[[T; D]]| -> Vec<[T; D]> {
+        corners.iter().zip(&periods).map(|(corner, n)| moved(corner, n.map(|n| -n))).collect()
+    };
+    let (min, max) = (wrap(min), wrap(max));
+    let longest =
+        min.iter().zip(&max).flat_map(|(min, max)| (0..D).map(|k| max[k].to_f64() - min[k].to_f64()));
+    let reach = longest.fold(0.0, f64::max) + tolerance.to_f64();
+    let range = ranges(cell, &min, reach * (D as f64).sqrt());
+    let mut couples = Vec::new();
+    for k in 0..range.iter().map(|most| 2 * most + 1).product::<i32>() {
+        let mut rest = k;
+        let shift = range.map(|most| {
+            let digit = rest % (2 * most + 1) - most;
+            rest /= 2 * most + 1;
+            digit
+        });
+        for j in 0..min.len() {
+            let (low, high) = (moved(&min[j], shift), moved(&max[j], shift));
+            for i in (0..=j).filter(|&i| i < j || shift > [0; D]) {
+                if (0..D).all(|k| min[i][k] <= high[k] + tolerance && low[k] <= max[i][k] + tolerance) {
+                    let shift = std::array::from_fn(|a| shift[a] + periods[i][a] - periods[j][a]);
+                    couples.push(PeriodicCouple { i: i as u32, j: j as u32, shift });
+                }
+            }
+        }
+    }
+    couples.sort_unstable();
+    couples
+}
+
 macro_rules! hazards {
     ($($name:ident: $type:ty, $dimensions:literal;)*) => {
         $(
@@ -339,6 +464,16 @@ macro_rules! hazards {
                 #[test]
                 fn far_outside() {
                     super::far_outside::<$type, $dimensions>();
+                }
+
+                #[test]
+                fn large_boxes() {
+                    super::large_boxes::<$type, $dimensions>();
+                }
+
+                #[test]
+                fn aligned_boxes() {
+                    super::aligned_boxes::<$type, $dimensions>();
                 }
 
                 #[test]
@@ -508,10 +643,40 @@ fn what_cannot_be_searched_is_refused_with_the_reason() {
     let leaning = PeriodicBox::triclinic([0.0; 3], leaning, [true, false, false]).unwrap();
     let error = count(&[[0.0; 3], [1e17, 1e17, 0.0]], leaning).unwrap_err();
     assert!(matches!(error, Error::UnresolvedBox { edge: 0, .. }), "{error}");
+}
 
-    let corners = [[0.0; 3]];
-    let boxes = Elements::boxes(&corners, &corners).unwrap();
-    assert_eq!(PeriodicSearch::new(Engine::Auto).count(&boxes, &cell(1.0)), Err(Error::BoxesNotPeriodic));
+/// One order for any number of threads and any vector instructions, in a large box and in one whose images are many; some elements are outside.
+#[test]
+fn threads_and_vectors_change_nothing() {
+    let mut random = Random::new(31);
+    for (n, width) in [(30_000, 60.0), (3000, 10.0)] {
+        let centres: Vec<[f64; 3]> =
+            (0..n).map(|_| std::array::from_fn(|_| random.between(-0.5, width))).collect();
+        let cell = PeriodicBox::orthogonal([0.0; 3], [width; 3], [true; 3]).unwrap();
+        let elements = Elements::points(&centres, 1.0).unwrap();
+        let all_ways = |simd, threads| {
+            let search = PeriodicSearch::new(Engine::Rows).with_threads(threads).unwrap();
+            let mut search = search.with_simd(simd).unwrap();
+            let (mut list, mut visited) = (Vec::new(), Vec::new());
+            search.couples(&elements, &cell, &mut list).unwrap();
+            search.for_each(&elements, &cell, |couple| visited.push(couple)).unwrap();
+            assert!(list == visited, "{simd}, {threads} threads");
+            assert_eq!(search.count(&elements, &cell).unwrap(), list.len() as u64);
+            let parts = search.fold(&elements, &cell, Vec::new, Vec::push).unwrap();
+            assert!(parts.concat() == list, "{simd}, {threads} threads");
+            (list, parts.len(), search.images())
+        };
+        let expected = all_ways(Simd::Portable, 1);
+        assert!(expected.0.iter().any(|couple| couple.shift != [0; 3]) && expected.1 > 1);
+        assert_eq!(4 * expected.2 <= n, width > 30.0);
+        for simd in Simd::available() {
+            for threads in [1, 2, 3] {
+                if cfg!(feature = "rayon") || threads == 1 {
+                    assert!(all_ways(simd, threads) == expected, "{simd}, {threads} threads");
+                }
+            }
+        }
+    }
 }
 
 /// Without periodic edges the search is the open one.

@@ -4,7 +4,6 @@
 
 use std::marker::PhantomData;
 
-use crate::couple::Couple;
 use crate::error::Error;
 use crate::pool::Pool;
 
@@ -60,9 +59,13 @@ fn prefetch(place: *mut i8) {
 const AHEAD: usize = 128;
 
 /// Appends the couples of all parts, in their order.
-pub(crate) fn append(couples: &mut Vec<Couple>, parts: &[Vec<Couple>], pool: &Pool) -> Result<(), Error> {
+pub(crate) fn append<V: Copy + Send + Sync>(
+    couples: &mut Vec<V>,
+    parts: &[Vec<V>],
+    pool: &Pool,
+) -> Result<(), Error> {
     let more: usize = parts.iter().map(Vec::len).sum();
-    let bytes = (couples.len() + more).saturating_mul(size_of::<Couple>());
+    let bytes = (couples.len() + more).saturating_mul(size_of::<V>());
     couples.try_reserve(more).map_err(|_| Error::OutOfMemory { bytes })?;
     let mut room = couples.spare_capacity_mut();
     let tasks = parts.iter().map(|part| (part, room.split_off_mut(..part.len()).unwrap_or_default()));
