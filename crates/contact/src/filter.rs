@@ -393,7 +393,7 @@ impl Labels {
     pub(crate) fn pick<'a>(
         &mut self,
         filter: Option<Filter<'_>>,
-        elements: impl Iterator<Item = &'a u32> + Clone,
+        elements: &(impl Iterator<Item = &'a u32> + Clone),
     ) -> Result<(), Error> {
         self.clear();
         for (into, numbers) in self.arrays.iter_mut().zip(numbers_of(filter)) {

@@ -233,7 +233,7 @@ impl<T: Real, const D: usize> Images<T, D> {
             self.far_points
                 .extend(images.map(|(&owner, shift)| cell.displaced(&far_points[owner as usize], shift)));
         }
-        self.labels.pick(elements.filter(), self.near.iter().chain(&self.owners))
+        self.labels.pick(elements.filter(), &self.near.iter().chain(&self.owners))
     }
 
     /// All elements, wrapped.

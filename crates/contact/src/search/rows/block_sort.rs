@@ -94,7 +94,7 @@ impl<T: Real, const D: usize> BlockSort<T, D> {
         keys: &RowKeys<D>,
         block: Block,
         rows: u64,
-        elements: Elements<'_, T>,
+        mut elements: Elements<'_, T>,
     ) -> Result<(), Error> {
         let n = elements.ids.len();
         copy(&mut self.points, elements.coordinates.as_chunks::<D>().0)?;
@@ -120,7 +120,7 @@ impl<T: Real, const D: usize> BlockSort<T, D> {
             self.sort_by_comparison(keys, id_bits);
             id_bits
         };
-        self.write(keys, block.start, elements, id_bits, row_shift);
+        self.write(keys, block.start, &mut elements, id_bits, row_shift);
         Ok(())
     }
 
@@ -174,7 +174,14 @@ impl<T: Real, const D: usize> BlockSort<T, D> {
     /// Writes the block in the order of the keys, row by row.
     ///
     /// The keys round places along the row, so that elements very close together may be in the wrong order.
-    fn write(&mut self, keys: &RowKeys<D>, first: usize, to: Elements<'_, T>, id_bits: u32, row_shift: u32) {
+    fn write(
+        &mut self,
+        keys: &RowKeys<D>,
+        first: usize,
+        to: &mut Elements<'_, T>,
+        id_bits: u32,
+        row_shift: u32,
+    ) {
         let (points, ids) = (&self.points, &self.ids);
         let place = |key: u64| (key & ((1 << id_bits) - 1)) as usize;
         let long = keys.long();
