@@ -1,6 +1,6 @@
 //! Two sets through an index, against every element of one with every element of the other.
 
-use fdem_contact::{CrossCouple, Elements, Error, Index, Rows, Search, Simd};
+use fdem_contact::{CrossCouple, Csr, Elements, Error, Filter, GroupMatrix, Index, Rows, Search, Simd};
 use fdem_scenes::{Cloud, Sizes, clusters, gas, lattice};
 use proptest::prelude::*;
 
@@ -253,5 +253,59 @@ proptest! {
         index.couples_with(&Elements::spheres_with_radii(&centres, &radii).unwrap(), &mut couples).unwrap();
         couples.sort_unstable();
         prop_assert_eq!(couples, expected);
+    }
+}
+
+/// What one set admits of the other: the kinds of a filter, against filtering afterwards, at every level and for boxes too.
+#[test]
+fn filters_of_the_two_sets_are_tested_together() {
+    let [moving, fixed] = [(700, 1), (900, 2)].map(|(n, seed)| {
+        Set::<f64, 3>::new(&gas::<3>(n, seed, 8.0, Sizes::Equal { radius: 0.5 }).unwrap(), 1.0, 0.0)
+    });
+    let numbers = |n: u32, number: fn(u32) -> u32| -> Vec<u32> { (0..n).map(number).collect() };
+    let numbered = |n| {
+        let groups = numbers(n, |k| k * 7 % 40);
+        (numbers(n, |k| k % 5), numbers(n, |k| 1 << (k % 3)), numbers(n, |k| 3 << (k % 2)), groups)
+    };
+    let (ours, theirs) = (numbered(700), numbered(900));
+    let mut matrix = GroupMatrix::all(40).unwrap();
+    (0..40).for_each(|group| matrix.set(group, group / 2, false).unwrap());
+    let filters = |kind: usize| {
+        [&ours, &theirs].map(|(bodies, categories, masks, groups)| match kind {
+            0 => Filter::bodies(bodies),
+            1 => Filter::masks(categories, masks),
+            _ => Filter::groups(groups, &matrix).with_bodies(bodies),
+        })
+    };
+    let see = |kind: usize, i: usize, j: usize| match kind {
+        0 => ours.0[i] != theirs.0[j],
+        1 => ours.1[i] & theirs.2[j] != 0 && theirs.1[j] & ours.2[i] != 0,
+        _ => ours.0[i] != theirs.0[j] && matrix.sees(ours.3[i], theirs.3[j]),
+    };
+    for (a, b) in moving.shapes(0.1).into_iter().zip(fixed.shapes(0.1)) {
+        for simd in Simd::available() {
+            let mut index = Index::new().with_simd(simd).unwrap();
+            index.build(&b).unwrap();
+            let mut all = Vec::new();
+            index.couples_with(&a, &mut all).unwrap();
+            for kind in 0..3 {
+                let [of_a, of_b] = filters(kind);
+                let a = a.with_filter(of_a).unwrap();
+                assert_eq!(index.count_with(&a), Err(Error::UnlikeFilters), "only one set has a filter");
+                index.build(&b.with_filter(of_b).unwrap()).unwrap();
+                let mut expected = all.clone();
+                expected.retain(|&CrossCouple { i, j }| see(kind, i as usize, j as usize));
+                assert!(expected.len() < all.len() && !expected.is_empty());
+                let mut found = Vec::new();
+                index.couples_with(&a, &mut found).unwrap();
+                assert_eq!(found, expected, "{simd}, kind {kind}");
+                assert_eq!(index.count_with(&a), Ok(expected.len() as u64));
+                // Filters say nothing about points.
+                let mut around = Csr::new();
+                index.within(&[[0.0; 3]], 1e9, &mut around).unwrap();
+                assert_eq!(around.neighbours_of(0).len(), 900);
+                index.build(&b).unwrap();
+            }
+        }
     }
 }
