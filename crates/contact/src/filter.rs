@@ -339,6 +339,16 @@ pub(crate) struct Labels {
 }
 
 impl Labels {
+    /// How many numbers per element [`Labels::arrange`] keeps.
+    pub(crate) fn numbers_of(filter: &Filter<'_>) -> usize {
+        let sight = match filter.sight {
+            Sight::All => 0,
+            Sight::Groups { matrix, .. } if matrix.groups() > WORD => 1,
+            Sight::Masks { .. } | Sight::Groups { .. } => 2,
+        };
+        sight + usize::from(filter.bodies.is_some())
+    }
+
     /// The numbers of the elements `order`, then `padding` unused entries. Groups that fit a word become categories and masks.
     ///
     /// Without a filter nothing is kept but memory.

@@ -21,6 +21,7 @@
 //! | two sets, one of them sorted once: walls, boundaries | [`Index`], [`Index::couples_with`] |
 //! | all elements within a distance of points, or the nearest `k` | [`Index::within`], [`Index::nearest`] |
 //! | to know beforehand what will run, and why | [`Detector::plan`] |
+//! | and the rows, the bytes, about how many couples | [`Detector::explain`] |
 //! | the fastest search, and nothing else | [`Rows`] |
 //! | Munjiza-NBS as the book has it, its memory law, its figures | [`Nbs`], [`Observer`] |
 //! | the oracle | [`Direct`] |
@@ -51,6 +52,7 @@ mod search;
 mod simd;
 mod pool;
 mod engine;
+mod explain;
 mod buffer;
 mod periodic;
 mod index;
@@ -65,6 +67,7 @@ pub use csr::Csr;
 pub use elements::Elements;
 pub use engine::{Detector, Engine, Plan};
 pub use error::Error;
+pub use explain::Explanation;
 pub use filter::{Filter, GroupMatrix};
 pub use grid::Grid;
 pub use index::Index;

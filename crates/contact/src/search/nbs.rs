@@ -128,6 +128,12 @@ impl<const D: usize> Nbs<D> {
         self.lists.iter().map(Lists::integers).sum()
     }
 
+    /// [`Nbs::integers`] after a search over so many elements.
+    pub(crate) fn integers_for(elements: usize, grid: &Grid<D>) -> usize {
+        let heads = |(axis, cells): (usize, u64)| if axis + 1 == D { cells } else { 2 * cells } as usize;
+        D * elements + grid.cells().into_iter().enumerate().map(heads).sum::<usize>()
+    }
+
     /// The cells that a search over `elements` would use.
     ///
     /// # Errors

@@ -13,6 +13,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use crate::couple::Couple;
 use crate::elements::{Elements, Shape};
 use crate::error::Error;
+use crate::filter::Labels;
 use crate::grid::Grid;
 use crate::pool::Pool;
 use crate::real::Real;
@@ -119,6 +120,30 @@ impl<T: Real, const D: usize> Rows<T, D> {
     /// Bytes that the engine holds now.
     pub fn bytes(&self) -> usize {
         self.layout.bytes() + self.parts.iter().map(Vec::capacity).sum::<usize>() * size_of::<Couple>()
+    }
+
+    /// What [`Rows::bytes`] will be after a count of `elements`, from above.
+    pub(crate) fn expected_bytes(&self, elements: &Elements<'_, T, D>) -> usize {
+        let n = elements.len();
+        if n == 0 {
+            return 0;
+        }
+        let has_radii = matches!(elements.shape, Shape::Spheres(_));
+        let labels = match elements.shape {
+            Shape::Boxes(_) => 0,
+            _ => elements.filter().map_or(0, |filter| Labels::numbers_of(&filter)),
+        };
+        Layout::<T, D>::expected_bytes(n, has_radii, labels, &self.plan(elements), &self.pool)
+    }
+
+    /// Number of threads that a search uses.
+    pub(crate) fn threads(&self) -> usize {
+        self.pool.threads()
+    }
+
+    /// The vector instructions that a search over `elements` uses: boxes are compared without.
+    pub(crate) fn simd_for(&self, elements: &Elements<'_, T, D>) -> Simd {
+        if matches!(elements.shape, Shape::Boxes(_)) { Simd::Portable } else { self.simd }
     }
 
     /// The cells that a search over `elements` would use.

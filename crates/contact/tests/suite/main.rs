@@ -7,9 +7,11 @@
 //! - `buffer`: walking elements: the couples of every update equal all-against-all, at the limit of the buffer too; when detection is due.
 //! - `csr`: compressed rows against a map of sets, in any order, with repeats, values and couples that are none.
 //! - `periodic`: boxes that repeat, sheared or not, against all images one by one.
+//! - `explain`: what is told of a search beforehand, against the search.
 //! - `filter`: bodies, masks and groups: with any of them every search finds what filtering afterwards leaves, in the same order.
 //! - `two_sets`: an index against another set: shapes, sizes, tolerances, places; every element with every element.
 //! - `queries`: elements around points, and the nearest ones, against the distances to all of them.
+//! - `numbers`: coordinates of 1e12, more couples than 32 bits count, domains of 10^15 cells.
 //! - `golden`: the numbers printed in the book.
 //! - `../kernels.rs`, a program of its own for valgrind: the vector kernels on short rows, at every level.
 //! - `../memory.rs`, a program of its own because it counts allocations: the memory law.
@@ -20,8 +22,10 @@ mod buffer;
 mod csr;
 mod degenerate;
 mod determinism;
+mod explain;
 mod filter;
 mod golden;
+mod numbers;
 mod oracle;
 mod periodic;
 mod properties;

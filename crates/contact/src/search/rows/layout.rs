@@ -6,6 +6,7 @@ use std::ops::Range;
 use std::sync::OnceLock;
 
 use crate::error::Error;
+use crate::explain::rows_of;
 use crate::filter::{Filter, Labels};
 use crate::grid::Grid;
 use crate::pool::Pool;
@@ -326,6 +327,34 @@ impl<T: Real, const D: usize> Layout<T, D> {
                 .cast_signed();
         }
         cells
+    }
+
+    /// What [`Layout::bytes`] will be for `n` elements over `grid`, from above, if no few bins of many hold most of them.
+    pub(crate) fn expected_bytes(
+        n: usize,
+        has_radii: bool,
+        labels: usize,
+        grid: &Grid<D>,
+        pool: &Pool,
+    ) -> usize {
+        let rows = rows_of(&grid.cells());
+        let occupied = rows.min(n as f64) as usize;
+        let bins = rows.min(MAX_BINS as f64) as usize;
+        let blocks = bins.min(n / (n / MAX_BLOCKS).max(BLOCK) + 1);
+        let stretches = n.div_ceil(stretch(n, pool));
+        // A block is full when it has enough, and the bin that fills it may be large.
+        let in_block = n.min((n / MAX_BLOCKS).max(BLOCK) + 2 * n.div_ceil(bins));
+        let sorts = if pool.threads() == 1 { 1 } else { blocks.min(4 * pool.threads()) };
+
+        let element = D * size_of::<T>() + size_of::<u32>() + usize::from(has_radii) * size_of::<T>();
+        let arrays = (n + PADDING) * (element + labels * size_of::<u32>()) + n * size_of::<u16>();
+        let counts = stretches * (bins + blocks) * size_of::<u32>();
+        let lists = 2 * bins * size_of::<u16>() + 2 * blocks * size_of::<Block>();
+        // Room for starts doubles as they are found.
+        let starts = 3 * (occupied + sorts) * size_of::<u32>();
+        let digits = 16 * in_block.next_power_of_two().isqrt() * size_of::<u32>();
+        let sort = in_block * (element + 2 * size_of::<u64>()) + digits;
+        arrays + counts + lists + starts + sorts * sort
     }
 
     /// Bytes held, per element where it matters.

@@ -1,0 +1,304 @@
+//! What a search will take, told before it runs: cells, rows, memory, and how many couples to expect.
+
+use std::fmt::{self, Write};
+
+use crate::couple::Couple;
+use crate::elements::{Elements, Shape};
+use crate::engine::Plan;
+use crate::grid::Grid;
+use crate::real::Real;
+use crate::simd::Simd;
+use crate::verify::split_mix;
+
+/// What a [`Detector`](crate::Detector) would do with a set of elements, and what that takes; for a person, by its `Display`.
+///
+/// # Example
+/// ```
+/// use fdem_contact::{Detector, Elements, Engine};
+///
+/// let centres: Vec<[f64; 2]> = (0..500).map(|k| [f64::from(k), 0.0]).collect();
+/// let elements = Elements::points(&centres, 1.0)?;
+/// let explanation = Detector::new(Engine::Auto).explain(&elements)?;
+/// assert_eq!(explanation.couples, 499.0); // few elements: counted
+/// assert_eq!(explanation.couples_error, 0.0);
+/// println!("{explanation}");
+/// # Ok::<(), fdem_contact::Error>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Explanation<const D: usize> {
+    /// The engine, why, and its cells.
+    pub plan: Plan<D>,
+    /// Number of elements.
+    pub elements: usize,
+    /// Rows of cells in the domain, those without elements included; `None` where there are no cells. A float, because a wide
+    /// domain has more than an integer holds.
+    pub rows: Option<f64>,
+    /// So many rows hold elements at most; only these cost anything. `None` where there are no cells.
+    pub occupied_rows: Option<u64>,
+    /// Couples to expect: an estimate from the neighbours of 1024 elements, and the exact number for no more elements than that.
+    pub couples: f64,
+    /// Standard error of `couples`, from the scatter of the sample; 0 where these are exact.
+    pub couples_error: f64,
+    /// Bytes that the engine will hold, coordinates and couples of the caller aside: exact for [`Nbs`](crate::Nbs), an upper bound for
+    /// [`Rows`](crate::Rows) unless most elements are in few rows of many.
+    pub bytes: usize,
+    /// Bytes of a list of the expected couples, without the room that a list gains as it grows, which is up to as much again.
+    pub list_bytes: f64,
+    /// Threads that the engine will use.
+    pub threads: usize,
+    /// Vector instructions that it will use; `None` for engines that have none.
+    pub simd: Option<Simd>,
+}
+
+impl<const D: usize> Explanation<D> {
+    pub(crate) fn new<T: Real>(
+        plan: Plan<D>,
+        elements: &Elements<'_, T, D>,
+        bytes: usize,
+        threads: usize,
+        simd: Option<Simd>,
+    ) -> Self {
+        let rows = plan.cells.as_ref().map(rows_of);
+        let (couples, couples_error) = expected_couples(elements);
+        Self {
+            elements: elements.len(),
+            rows,
+            occupied_rows: rows.map(|rows| rows.min(elements.len() as f64) as u64),
+            couples,
+            couples_error,
+            bytes,
+            list_bytes: couples * size_of::<Couple>() as f64,
+            threads,
+            simd,
+            plan,
+        }
+    }
+}
+
+impl<const D: usize> fmt::Display for Explanation<D> {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(out, "engine    {}: {}", self.plan.engine, self.plan.reason)?;
+        writeln!(out, "elements  {}", grouped(self.elements as f64))?;
+        if let (Some(edge), Some(cells)) = (self.plan.cell_size, self.plan.cells) {
+            let cells: Vec<_> = cells.iter().map(|&cells| grouped(cells as f64)).collect();
+            writeln!(out, "cells     {}, edge {edge:.6}", cells.join(" x "))?;
+        }
+        if let (Some(rows), Some(occupied)) = (self.rows, self.occupied_rows) {
+            let occupied = grouped(occupied as f64);
+            writeln!(out, "rows      {} of cells, at most {occupied} with elements", grouped(rows))?;
+        }
+        if self.couples_error == 0.0 {
+            writeln!(out, "couples   {}", grouped(self.couples))?;
+        } else {
+            let (couples, error) = (grouped(self.couples), grouped(self.couples_error.ceil()));
+            writeln!(out, "couples   about {couples}, give or take {error}")?;
+        }
+        let (engine, list) = (self.bytes as f64 / 1e6, self.list_bytes / 1e6);
+        writeln!(out, "memory    {engine:.1} MB for the engine, {list:.1} MB for a list of the couples")?;
+        write!(out, "threads   {}", self.threads)?;
+        if let Some(simd) = self.simd {
+            write!(out, ", {simd}")?;
+        }
+        writeln!(out)
+    }
+}
+
+/// `1234567` as `1,234,567`; numbers beyond all counting as `1.2e20`.
+fn grouped(number: f64) -> String {
+    if number >= 1e18 {
+        return format!("{number:.1e}");
+    }
+    let digits = format!("{number:.0}");
+    let mut text = String::new();
+    for (k, digit) in digits.chars().enumerate() {
+        let comma = if k > 0 && (digits.len() - k).is_multiple_of(3) { "," } else { "" };
+        // Writing to a string cannot fail.
+        let _ = write!(text, "{comma}{digit}");
+    }
+    text
+}
+
+/// All cells but those along the axis with the most.
+pub(crate) fn rows_of<const D: usize>(cells: &[u64; D]) -> f64 {
+    let mut cells = *cells;
+    cells.sort_unstable();
+    cells[..D - 1].iter().map(|&cells| cells as f64).product()
+}
+
+/// Elements whose neighbours are counted: enough for an error of 1 % where all have about a dozen.
+const SAMPLE: usize = 1024;
+
+/// Of the cells around an element three axes are told apart: more would be more cells than elements in them.
+const AXES: usize = 3;
+
+/// The couples to expect, and their standard error: the neighbours of a sample are counted, exactly.
+///
+/// The sample is one element at random out of each of 1024 stretches of equal length: elements that are numbered cluster by cluster or row by
+/// row are all represented, and no stride can fall in step with a lattice. The cells around the sampled elements go into a table; one
+/// pass over all elements looks up the cell of each, and tests it against the sampled elements around it.
+fn expected_couples<T: Real, const D: usize>(elements: &Elements<'_, T, D>) -> (f64, f64) {
+    let n = elements.len();
+    if n == 0 {
+        return (0.0, 0.0);
+    }
+    let sample = n.min(SAMPLE);
+    let mut state = 0;
+    let picked = (0..sample).map(|k| {
+        let (from, to) = (k * n / sample, (k + 1) * n / sample);
+        from + (split_mix(&mut state) % (to - from) as u64) as usize
+    });
+    let points = match elements.shape {
+        Shape::Equal(equal) => equal.points(),
+        Shape::Spheres(spheres) => spheres.points(),
+        Shape::Boxes(boxes) => boxes.points(),
+    };
+    let cells = Cells::new(elements);
+    let table = Table::new(&cells, points, picked.collect());
+
+    let mut counts = vec![0_u64; sample];
+    for (j, point) in points.iter().enumerate() {
+        let cell = cells.of(point);
+        for entry in table.at(&cell) {
+            let i = table.picked[entry.sampled as usize];
+            if entry.cell == cell && i != j && elements.touch(i, j) {
+                counts[entry.sampled as usize] += 1;
+            }
+        }
+    }
+
+    let sum: u64 = counts.iter().sum();
+    let couples = sum as f64 * n as f64 / (2.0 * sample as f64);
+    if sample == n {
+        return (couples, 0.0);
+    }
+    let mean = sum as f64 / sample as f64;
+    let squares: f64 = counts.iter().map(|&count| (count as f64 - mean) * (count as f64 - mean)).sum();
+    let variance = squares / (sample - 1) as f64;
+    (couples, (variance / sample as f64).sqrt() * n as f64 / 2.0)
+}
+
+type Cell = [u64; AXES];
+
+/// The cells of elements, along the axes that have the most of them.
+struct Cells<const D: usize> {
+    grid: Grid<D>,
+    axes: [usize; D],
+}
+
+impl<const D: usize> Cells<D> {
+    fn new<T: Real>(elements: &Elements<'_, T, D>) -> Self {
+        let grid = Grid::unbounded(elements);
+        let mut axes = std::array::from_fn(|axis| axis);
+        axes.sort_by_key(|&axis| std::cmp::Reverse(grid.cells()[axis]));
+        Self { grid, axes }
+    }
+
+    #[inline]
+    fn of<T: Real>(&self, point: &[T; D]) -> Cell {
+        let mut cell = [0; AXES];
+        for (cell, &axis) in cell.iter_mut().zip(&self.axes) {
+            *cell = self.grid.wide_cell(axis, point[axis].to_f64());
+        }
+        cell
+    }
+}
+
+/// The cells in which elements may touch a sampled one, by a hash of the cell.
+struct Table {
+    picked: Vec<usize>,
+    entries: Vec<Entry>,
+    /// First entry of each bucket, and their number.
+    starts: Vec<u32>,
+}
+
+#[derive(Clone, Copy)]
+struct Entry {
+    cell: Cell,
+    /// Number in the sample.
+    sampled: u32,
+}
+
+/// Buckets, a power of two: most are empty, and all starts fit the second-level cache.
+const BUCKETS: usize = 1 << 16;
+
+impl Table {
+    fn new<T: Real, const D: usize>(cells: &Cells<D>, points: &[[T; D]], picked: Vec<usize>) -> Self {
+        let axes = D.min(AXES) as u32;
+        let mut entries = Vec::with_capacity(picked.len() * 3_usize.pow(axes));
+        for (sampled, &index) in (0..).zip(&picked) {
+            let centre = cells.of(&points[index]);
+            for offsets in 0..3_u64.pow(axes) {
+                let (mut cell, mut rest, mut exists) = (centre, offsets, true);
+                for number in &mut cell[..axes as usize] {
+                    exists &= *number + rest % 3 > 0;
+                    *number = (*number + rest % 3).wrapping_sub(1);
+                    rest /= 3;
+                }
+                if exists {
+                    entries.push(Entry { cell, sampled });
+                }
+            }
+        }
+        entries.sort_by_key(|entry| bucket(&entry.cell));
+        let mut starts = vec![0; BUCKETS + 1];
+        for entry in &entries {
+            starts[bucket(&entry.cell) + 1] += 1;
+        }
+        let mut sum = 0;
+        for start in &mut starts {
+            sum += *start;
+            *start = sum;
+        }
+        Self { picked, entries, starts }
+    }
+
+    #[inline]
+    fn at(&self, cell: &Cell) -> &[Entry] {
+        let bucket = bucket(cell);
+        &self.entries[self.starts[bucket] as usize..self.starts[bucket + 1] as usize]
+    }
+}
+
+#[inline]
+fn bucket(cell: &Cell) -> usize {
+    // An odd multiplier with well-mixed bits: 2^64 over the golden ratio.
+    let mix = |hash: u64, number: u64| (hash.rotate_left(29) ^ number).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    (cell.iter().fold(0, |hash, &number| mix(hash, number)) >> (64 - BUCKETS.ilog2())) as usize
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_leave_the_longest_axis_out() {
+        assert_eq!(rows_of(&[7]), 1.0);
+        assert_eq!(rows_of(&[7, 9]), 7.0);
+        assert_eq!(rows_of(&[7, 9, 2]), 14.0);
+        assert_eq!(rows_of(&[1 << 40, 1 << 40, 1 << 40]), 2_f64.powi(80));
+    }
+
+    #[test]
+    fn numbers_are_grouped() {
+        assert_eq!(grouped(0.0), "0");
+        assert_eq!(grouped(1_234_567.4), "1,234,567");
+        assert_eq!(grouped(2_f64.powi(80)), "1.2e24");
+    }
+
+    /// Every cell next to that of a sampled element is found, once, and no cell below the first.
+    #[test]
+    fn the_table_has_the_cells_around_each_element() {
+        let points = [[0.0, 0.0, 0.0], [9.0, 9.0, 9.0], [4.0, 4.0, 4.0]];
+        let cells = Cells::new(&Elements::points(&points, 1.0).unwrap());
+        let table = Table::new(&cells, &points, vec![0, 2]);
+        assert_eq!(table.entries.len(), 8 + 27);
+        for (sampled, index) in [(0, 0), (1, 2)] {
+            let cell = cells.of(&points[index]);
+            for near in [cell, [cell[0] + 1, cell[1], cell[2] + 1]] {
+                let found = table.at(&near).iter().filter(|entry| entry.cell == near).collect::<Vec<_>>();
+                assert_eq!(found.len(), 1, "{near:?}");
+                assert_eq!(found[0].sampled, sampled);
+            }
+        }
+    }
+}
