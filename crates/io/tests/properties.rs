@@ -250,7 +250,7 @@ proptest! {
     #[test]
     fn couples_read_back_bit_for_bit(i in any::<i64>(), j in any::<i64>(), distance in float(), overlap in float()) {
         let mut out = Vec::new();
-        write_csv(&mut out, std::iter::once(CoupleRow { i, j, distance, overlap })).unwrap();
+        write_csv(&mut out, std::iter::once(CoupleRow { i, j, distance, overlap, shift: [] })).unwrap();
         let text = String::from_utf8(out).unwrap();
         let fields: Vec<_> = text.lines().nth(1).unwrap().split(',').collect();
         prop_assert_eq!(fields[0].parse::<i64>().unwrap(), i);

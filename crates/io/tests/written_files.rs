@@ -10,6 +10,7 @@ fn rows(n: i32) -> impl ExactSizeIterator<Item = CoupleRow> {
         j: i64::from(-k) - 1,
         distance: 0.1 * f64::from(k),
         overlap: -1e-300 / (f64::from(k) + 3.0),
+        shift: [],
     })
 }
 
@@ -21,6 +22,37 @@ fn couples_as_text() {
     let expected = "i,j,distance,overlap\n\
         0,-1,0.0,-3.3333333333333334e-301\n1,-2,0.1,-2.5e-301\n2,-3,0.2,-2e-301\n";
     assert_eq!(text, expected);
+}
+
+#[test]
+fn couples_with_shifts() {
+    let rows = [
+        CoupleRow { i: 4, j: 9, distance: 0.5, overlap: 0.25, shift: [0, -1, 2] },
+        CoupleRow { i: 5, j: 5, distance: 1.0, overlap: 0.0, shift: [1, 0, i32::MIN] },
+    ];
+    let mut out = Vec::new();
+    assert_eq!(write_csv(&mut out, rows.into_iter()).unwrap(), 2);
+    assert_eq!(
+        String::from_utf8(out).unwrap(),
+        "i,j,distance,overlap,sx,sy,sz\n4,9,0.5,0.25,0,-1,2\n5,5,1.0,0.0,1,0,-2147483648\n"
+    );
+
+    let mut out = Vec::new();
+    write_npy(&mut out, rows.into_iter()).unwrap();
+    let mut data = out.as_slice();
+    let header = npyz::NpyHeader::from_reader(&mut data).unwrap();
+    assert_eq!(
+        header.dtype().descr(),
+        "[('i', '<i8'), ('j', '<i8'), ('distance', '<f8'), ('overlap', '<f8'), ('sx', '<i4'), ('sy', '<i4'), ('sz', '<i4'), ]"
+    );
+    assert_eq!(data.len(), 2 * 44);
+    let last = <[u8; 4]>::try_from(&data[40..44]).unwrap();
+    assert_eq!(i32::from_le_bytes(last), 2);
+
+    let flat = [CoupleRow { i: 0, j: 1, distance: 1.0, overlap: 0.0, shift: [3, 4] }];
+    let mut out = Vec::new();
+    write_csv(&mut out, flat.into_iter()).unwrap();
+    assert_eq!(String::from_utf8(out).unwrap(), "i,j,distance,overlap,sx,sy\n0,1,1.0,0.0,3,4\n");
 }
 
 /// More rows than one chunk holds: none is lost or doubled where chunks meet.

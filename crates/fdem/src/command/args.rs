@@ -32,6 +32,9 @@ pub(crate) enum Task {
 /// Text: columns separated by commas, semicolons, tabs or blanks; `#` or `%` starts a comment; a header names the columns
 /// (x, PosX[m], X (mm), `x_mm`, radius, diameter, d, id, …). Without a header 2 columns are x y, 3 are x y z, 4 are x y z radius.
 /// NumPy .npy arrays of numbers: the same columns. Without z the packing is 2D.
+///
+/// In a box that repeats (`--periodic`) elements outside are wrapped into it, every image that touches counts, and couples have their shift
+/// besides, `sx,sy,sz`: element j, displaced by so many edges of the box from where the file has it, touches element i where the file has it.
 #[derive(Debug, Args)]
 #[command(after_help = "Example: fdem contacts packing.csv --output couples.csv --json summary.json")]
 pub(crate) struct ContactsArguments {
@@ -41,6 +44,17 @@ pub(crate) struct ContactsArguments {
     /// How to search; all engines give the same couples.
     #[arg(long, value_enum, default_value_t = EngineName::Auto)]
     pub(crate) engine: EngineName,
+
+    /// Threads of the engine rows; 0 is one for each processor. The couples and their order are the same for any number.
+    #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true, value_parser = whole::<usize>)]
+    pub(crate) threads: usize,
+
+    #[command(flatten)]
+    pub(crate) periodic: PeriodicArguments,
+
+    /// Print what the search would take and do not search: engine, cells, rows, about how many couples, memory.
+    #[arg(long, conflicts_with_all = ["periodic", "output", "count", "picture", "verify"])]
+    pub(crate) explain: bool,
 
     /// Write the couples to FILE.csv or FILE.npy instead of standard output.
     #[arg(long, short, value_name = "FILE")]
@@ -54,7 +68,7 @@ pub(crate) struct ContactsArguments {
     #[arg(long, value_name = "FILE")]
     pub(crate) json: Option<PathBuf>,
 
-    /// Draw the elements and their contacts (up to 100,000 elements).
+    /// Draw the elements and their contacts (up to 100,000 elements), without contacts across a face of the box.
     #[arg(long, value_name = "FILE.svg", value_parser = svg)]
     pub(crate) picture: Option<PathBuf>,
 
@@ -66,6 +80,34 @@ pub(crate) struct ContactsArguments {
     #[arg(long, short)]
     pub(crate) quiet: bool,
 }
+
+/// The box that repeats.
+#[derive(Debug, Args)]
+pub(crate) struct PeriodicArguments {
+    /// The edges along which the box repeats, the first being x: `x`, `xy`, `xyz`, `z`, …
+    #[arg(long, value_name = "AXES", value_parser = axes)]
+    pub(crate) periodic: Option<Axes>,
+
+    /// The box, with edges along the axes: `X0,X1,Y0,Y1` and in 3D `Z0,Z1`. Limits of axes that do not repeat mean nothing.
+    #[arg(long = "box", value_name = "LIMITS", allow_hyphen_values = true, value_parser = numbers, requires = "periodic", conflicts_with = "edges")]
+    pub(crate) limits: Option<Numbers>,
+
+    /// A sheared box: the components of its edges, one edge after the other, 4 numbers in 2D and 9 in 3D.
+    #[arg(long, value_name = "VECTORS", allow_hyphen_values = true, value_parser = numbers, requires = "periodic")]
+    pub(crate) edges: Option<Numbers>,
+
+    /// Where the edges of a sheared box start [default: 0 along each axis].
+    #[arg(long, value_name = "POINT", allow_hyphen_values = true, value_parser = numbers, requires = "edges", conflicts_with = "limits")]
+    pub(crate) origin: Option<Numbers>,
+}
+
+/// Which of the edges x, y and z are meant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Axes(pub(crate) [bool; 3]);
+
+/// Numbers between commas.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Numbers(pub(crate) Vec<f64>);
 
 /// What to read, and what the elements are.
 #[derive(Debug, Args)]
@@ -355,6 +397,22 @@ fn number(text: &str) -> Result<f64, String> {
     }
 }
 
+fn numbers(text: &str) -> Result<Numbers, String> {
+    text.split(',').map(|text| number(text.trim())).collect::<Result<_, _>>().map(Numbers)
+}
+
+/// Letters, each once.
+fn axes(text: &str) -> Result<Axes, String> {
+    let mut axes = [false; 3];
+    for letter in text.chars() {
+        let axis = "xyz".find(letter).ok_or_else(|| format!("'{letter}' is not one of x, y, z"))?;
+        if std::mem::replace(&mut axes[axis], true) {
+            return Err(format!("{letter} is given twice"));
+        }
+    }
+    if text.is_empty() { Err("no axis is given".to_owned()) } else { Ok(Axes(axes)) }
+}
+
 fn whole<N: FromStr>(text: &str) -> Result<N, String> {
     text.parse().map_err(|_| format!("'{text}' is not a whole number of at least 0, or is too large"))
 }
@@ -409,6 +467,17 @@ mod tests {
         assert_eq!(positive("0"), Err("'0' is not above zero".to_owned()));
         assert_eq!(length("nan"), Err("'nan' is not a finite number".to_owned()));
         assert_eq!(length("0,5"), Err("'0,5' has a decimal comma: use a point".to_owned()));
+    }
+
+    #[test]
+    fn axes_and_lists_of_numbers_are_read() {
+        assert_eq!(axes("zx"), Ok(Axes([true, false, true])));
+        assert_eq!(axes("xw"), Err("'w' is not one of x, y, z".to_owned()));
+        assert_eq!(axes("xx"), Err("x is given twice".to_owned()));
+        assert_eq!(axes(""), Err("no axis is given".to_owned()));
+        assert_eq!(numbers("-1, 2e3"), Ok(Numbers(vec![-1.0, 2000.0])));
+        assert_eq!(numbers("1,,2"), Err("'' is not a number".to_owned()));
+        assert_eq!(numbers("1,inf"), Err("'inf' is not a finite number".to_owned()));
     }
 
     #[test]

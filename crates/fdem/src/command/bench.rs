@@ -52,6 +52,7 @@ fn measure<const D: usize>(
         sizes: sizes(&arguments.input, name, packing)?,
         tolerance: arguments.input.tolerance,
         engine: Engine::Auto,
+        threads: 1,
         keep: true,
     };
     // Elements that no engine takes are an error, not a row of the table.

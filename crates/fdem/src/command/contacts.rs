@@ -3,14 +3,16 @@
 use std::io::{self, Write};
 use std::sync::atomic::Ordering;
 
-use fdem_contact::{Couple, Mismatch};
+use fdem_contact::PeriodicCouple;
 use fdem_io::{Centres, CoupleRow, Packing};
 
 use crate::command::args::ContactsArguments;
-use crate::command::detect::{Request, Sizes, check, detect, distance};
+use crate::command::detect::{Couples, Request, Sizes, check, detect, overlap, unshifted};
+use crate::command::explain::Told;
 use crate::command::failure::Failure;
 use crate::command::input::{self, Input, id, refused, sizes};
 use crate::command::output::{Output, Table, refuse_to_overwrite};
+use crate::command::periodic::{Space, periodic_box};
 use crate::command::picture;
 use crate::command::progress::Progress;
 use crate::command::summary::{Seconds, Summary};
@@ -30,6 +32,9 @@ pub(crate) fn run(arguments: &ContactsArguments) -> Result<(), Failure> {
         picture::check(packing.centres.len(), &name)?;
     }
 
+    if arguments.explain {
+        return explain(arguments, &name, &packing, outputs);
+    }
     let seconds = Seconds { read: seconds, ..Seconds::default() };
     let mut summary = match &packing.centres {
         Centres::Two(centres) => find(arguments, &progress, &name, &packing, centres, &mut outputs, seconds),
@@ -54,6 +59,43 @@ pub(crate) fn run(arguments: &ContactsArguments) -> Result<(), Failure> {
     Ok(())
 }
 
+/// What the search would take, instead of the search.
+fn explain(
+    arguments: &ContactsArguments,
+    name: &str,
+    packing: &Packing,
+    mut outputs: Outputs,
+) -> Result<(), Failure> {
+    let request = request(arguments, name, packing)?;
+    let told = match &packing.centres {
+        Centres::Two(centres) => Told::of(centres, &request),
+        Centres::Three(centres) => Told::of(centres, &request),
+    };
+    let told = told.map_err(|error| refused(name, packing, &error))?;
+    outputs.couples.write(|out| out.write_all(told.text().as_bytes()))?;
+    if let Some(json) = &mut outputs.json {
+        json.write(|out| {
+            serde_json::to_writer_pretty(&mut *out, &told)?;
+            out.write_all(b"\n")
+        })?;
+    }
+    outputs.commit()
+}
+
+fn request<'a>(
+    arguments: &ContactsArguments,
+    name: &str,
+    packing: &'a Packing,
+) -> Result<Request<'a>, Failure> {
+    Ok(Request {
+        sizes: sizes(&arguments.input, name, packing)?,
+        tolerance: arguments.input.tolerance,
+        engine: arguments.engine.into(),
+        threads: arguments.threads,
+        keep: !arguments.count || arguments.picture.is_some() || arguments.verify.is_some(),
+    })
+}
+
 /// Detection and the outputs that need the dimension.
 fn find<const D: usize>(
     arguments: &ContactsArguments,
@@ -64,57 +106,78 @@ fn find<const D: usize>(
     outputs: &mut Outputs,
     mut seconds: Seconds,
 ) -> Result<Summary, Failure> {
-    let sizes = sizes(&arguments.input, name, packing)?;
-    let request = Request {
-        sizes,
-        tolerance: arguments.input.tolerance,
-        engine: arguments.engine.into(),
-        keep: !arguments.count || arguments.picture.is_some() || arguments.verify.is_some(),
-    };
+    let request = request(arguments, name, packing)?;
+    let space = Space { centres, cell: periodic_box(&arguments.periodic)? };
     let (found, detection) =
-        progress.step("detecting, couples", None, |position| detect(centres, &request, position));
+        progress.step("detecting, couples", None, |position| detect(&space, &request, position));
     seconds.detect = detection;
     let found = found.map_err(|error| refused(name, packing, &error))?;
 
     let mut verified = None;
     if let Some(sample) = arguments.verify {
         let (checked, verification) =
-            progress.step("verifying", None, |_| check(centres, &request, &found.couples, sample));
+            progress.step("verifying", None, |_| check(&space, &request, &found.couples, sample));
         seconds.verify = Some(verification);
         verified = Some(checked.map_err(|mismatch| wrong(name, &mismatch))?);
     }
 
     let total = found.couples.len() as u64;
     let (written, writing) = progress.step("writing", Some(total), |position| {
-        let rows = found.couples.iter().enumerate().map(|(written, &couple)| {
-            position.store(written as u64, Ordering::Relaxed);
-            row(packing, centres, sizes, couple)
-        });
         if arguments.count {
             return outputs.couples.write(|out| writeln!(out, "{}", found.statistics.couples));
         }
-        outputs.couples.write(|mut out| match outputs.table {
-            Table::Csv => fdem_io::write_csv(&mut out, rows).map(drop),
-            Table::Npy => fdem_io::write_npy(&mut out, rows),
-        })
+        let Outputs { table, couples: out, .. } = outputs;
+        let tick = |written: usize| position.store(written as u64, Ordering::Relaxed);
+        match &found.couples {
+            Couples::Plain(couples) => {
+                let rows = couples.iter().enumerate().map(|(written, &couple)| {
+                    tick(written);
+                    row(packing, &space, request.sizes, unshifted(couple), [])
+                });
+                write_rows(out, *table, rows)
+            }
+            Couples::Periodic(couples) => {
+                let rows = couples.iter().enumerate().map(|(written, &couple)| {
+                    tick(written);
+                    row(packing, &space, request.sizes, couple, couple.shift)
+                });
+                write_rows(out, *table, rows)
+            }
+        }
     });
     written?;
     seconds.write = writing;
     if let Some(picture) = &mut outputs.picture {
-        picture.write(|out| picture::draw(out, centres, sizes, &found.couples))?;
+        picture.write(|out| picture::draw(out, centres, request.sizes, &found.couples.without_shift()))?;
     }
-    Ok(Summary::new(name, packing, centres, &request, &found, verified, seconds))
+    Ok(Summary::new(name, packing, &space, &request, &found, verified, seconds))
 }
 
-fn row<const D: usize>(
+fn row<const D: usize, const S: usize>(
     packing: &Packing,
-    centres: &[[f64; D]],
+    space: &Space<'_, D>,
     sizes: Sizes<'_>,
-    couple: Couple,
-) -> CoupleRow {
-    let distance = distance(centres, couple);
-    let overlap = sizes.contact_distance(couple) - distance;
-    CoupleRow { i: id(packing, couple.i as usize), j: id(packing, couple.j as usize), distance, overlap }
+    couple: PeriodicCouple<D>,
+    shift: [i32; S],
+) -> CoupleRow<S> {
+    CoupleRow {
+        i: id(packing, couple.i as usize),
+        j: id(packing, couple.j as usize),
+        distance: space.distance(couple),
+        overlap: overlap(space, sizes, couple),
+        shift,
+    }
+}
+
+fn write_rows<const S: usize>(
+    output: &mut Output,
+    table: Table,
+    rows: impl ExactSizeIterator<Item = CoupleRow<S>>,
+) -> Result<(), Failure> {
+    output.write(|mut out| match table {
+        Table::Csv => fdem_io::write_csv(&mut out, rows).map(drop),
+        Table::Npy => fdem_io::write_npy(&mut out, rows),
+    })
 }
 
 /// The files that the command writes; all appear together, at the end.
@@ -143,7 +206,7 @@ impl Outputs {
     }
 }
 
-fn wrong(name: &str, mismatch: &Mismatch) -> Failure {
+fn wrong(name: &str, mismatch: &str) -> Failure {
     Failure::Wrong(format!(
         "{name}: --verify: {mismatch} (in the order of the file, from 0). This is a bug in fdem: please report it with \
          the file. Nothing was written"

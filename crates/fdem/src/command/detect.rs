@@ -2,8 +2,12 @@
 
 use std::sync::atomic::Ordering;
 
-use fdem_contact::{Couple, Detector, Elements, Engine, Error, Mismatch, Plan, Search, verify};
+use fdem_contact::{
+    Couple, Detector, Elements, Engine, Error, PeriodicBox, PeriodicCouple, PeriodicSearch, Plan, Search,
+    verify,
+};
 
+use crate::command::periodic::{self, Space};
 use crate::command::progress::Position;
 
 /// The sizes of the elements, as file and options give them.
@@ -39,6 +43,8 @@ pub(crate) struct Request<'a> {
     pub(crate) sizes: Sizes<'a>,
     pub(crate) tolerance: f64,
     pub(crate) engine: Engine,
+    /// 0 is one for each processor.
+    pub(crate) threads: usize,
     /// Keep the couples; otherwise only the statistics.
     pub(crate) keep: bool,
 }
@@ -64,32 +70,65 @@ impl<'a> Request<'a> {
 /// What was found.
 pub(crate) struct Found<const D: usize> {
     /// In ascending order; empty unless they were to be kept.
-    pub(crate) couples: Vec<Couple>,
+    pub(crate) couples: Couples<D>,
+    /// In a box that repeats that of the elements in it, without images.
     pub(crate) plan: Plan<D>,
-    pub(crate) statistics: Statistics,
+    pub(crate) statistics: Statistics<D>,
+}
+
+/// Couples with a shift only where there are any.
+pub(crate) enum Couples<const D: usize> {
+    Plain(Vec<Couple>),
+    Periodic(Vec<PeriodicCouple<D>>),
+}
+
+impl<const D: usize> Couples<D> {
+    pub(crate) fn len(&self) -> usize {
+        match self {
+            Self::Plain(couples) => couples.len(),
+            Self::Periodic(couples) => couples.len(),
+        }
+    }
+
+    /// Those between elements where the file has them.
+    pub(crate) fn without_shift(&self) -> Vec<Couple> {
+        match self {
+            Self::Plain(couples) => couples.clone(),
+            Self::Periodic(couples) => {
+                let unshifted = couples.iter().filter(|couple| couple.shift == [0; D]);
+                unshifted.map(|&PeriodicCouple { i, j, .. }| Couple { i, j }).collect()
+            }
+        }
+    }
+}
+
+/// The same with a shift of 0.
+pub(crate) fn unshifted<const D: usize>(Couple { i, j }: Couple) -> PeriodicCouple<D> {
+    PeriodicCouple { i, j, shift: [0; D] }
 }
 
 /// Sums over the couples that do not depend on their order.
 #[derive(Debug, PartialEq)]
-pub(crate) struct Statistics {
+pub(crate) struct Statistics<const D: usize> {
     pub(crate) couples: u64,
     /// Elements with at least one contact are marked.
     touched: Vec<bool>,
     /// Of equally large overlaps the first couple counts.
-    pub(crate) max_overlap: Option<(f64, Couple)>,
+    pub(crate) max_overlap: Option<(f64, PeriodicCouple<D>)>,
 }
 
-impl Statistics {
+impl<const D: usize> Statistics<D> {
     fn new(elements: usize) -> Self {
         Self { couples: 0, touched: vec![false; elements], max_overlap: None }
     }
 
-    fn add(&mut self, couple: Couple, overlap: f64) {
+    fn add(&mut self, couple: PeriodicCouple<D>, overlap: f64) {
         self.couples += 1;
         self.touched[couple.i as usize] = true;
         self.touched[couple.j as usize] = true;
-        let larger =
-            |&(largest, first): &(f64, Couple)| overlap > largest || (overlap == largest && couple < first);
+        let larger = |&(largest, first): &(f64, PeriodicCouple<D>)| {
+            overlap > largest || (overlap == largest && couple < first)
+        };
         if self.max_overlap.as_ref().is_none_or(larger) {
             self.max_overlap = Some((overlap, couple));
         }
@@ -106,43 +145,91 @@ impl Statistics {
     }
 }
 
+/// Sum of the radii less the distance, or what is left of the cut-off.
+pub(crate) fn overlap<const D: usize>(
+    space: &Space<'_, D>,
+    sizes: Sizes<'_>,
+    couple: PeriodicCouple<D>,
+) -> f64 {
+    sizes.contact_distance(Couple { i: couple.i, j: couple.j }) - space.distance(couple)
+}
+
 /// Finds the couples. `position` counts them for whoever watches.
 pub(crate) fn detect<const D: usize>(
-    centres: &[[f64; D]],
+    space: &Space<'_, D>,
     request: &Request<'_>,
     position: &Position,
 ) -> Result<Found<D>, Error> {
-    let elements = request.elements(centres)?;
-    let mut detector = Detector::new(request.engine);
-    let plan = detector.plan(&elements)?;
-
-    let mut couples = Vec::new();
+    let elements = request.elements(space.centres)?;
     let mut statistics = Statistics::new(elements.len());
-    let mut add = |couple| {
-        statistics.add(couple, request.sizes.contact_distance(couple) - distance(centres, couple));
+    let add = |couple| {
+        statistics.add(couple, overlap(space, request.sizes, couple));
         position.store(statistics.couples, Ordering::Relaxed);
     };
-    if request.keep {
-        detector.couples(&elements, &mut couples)?;
-        couples.sort_unstable();
-        couples.iter().copied().for_each(add);
-    } else {
-        detector.for_each(&elements, &mut add)?;
-    }
+    let (couples, plan) = match &space.cell {
+        None => detect_open(&elements, request, add),
+        Some(cell) => detect_periodic(space, cell, &elements, request, add),
+    }?;
     Ok(Found { couples, plan, statistics })
 }
 
-/// Compares the couples of `sample` random elements with brute force; returns how many elements were checked.
+fn detect_open<const D: usize>(
+    elements: &Elements<'_, f64, D>,
+    request: &Request<'_>,
+    mut add: impl FnMut(PeriodicCouple<D>),
+) -> Result<(Couples<D>, Plan<D>), Error> {
+    let mut detector = Detector::new(request.engine).with_threads(request.threads)?;
+    let plan = detector.plan(elements)?;
+    let mut couples = Vec::new();
+    if request.keep {
+        detector.couples(elements, &mut couples)?;
+        couples.sort_unstable();
+        couples.iter().copied().map(unshifted).for_each(add);
+    } else {
+        detector.for_each(elements, |couple| add(unshifted(couple)))?;
+    }
+    Ok((Couples::Plain(couples), plan))
+}
+
+fn detect_periodic<const D: usize>(
+    space: &Space<'_, D>,
+    cell: &PeriodicBox<f64, D>,
+    elements: &Elements<'_, f64, D>,
+    request: &Request<'_>,
+    add: impl FnMut(PeriodicCouple<D>),
+) -> Result<(Couples<D>, Plan<D>), Error> {
+    let mut search = PeriodicSearch::new(request.engine).with_threads(request.threads)?;
+    let mut couples = Vec::new();
+    if request.keep {
+        search.couples(elements, cell, &mut couples)?;
+        couples.sort_unstable();
+        couples.iter().copied().for_each(add);
+    } else {
+        search.for_each(elements, cell, add)?;
+    }
+    let wrapped: Vec<_> =
+        space.centres.iter().map(|&centre| cell.wrap(centre).map_or(centre, |(inside, _)| inside)).collect();
+    let plan = Detector::new(request.engine).plan(&request.elements(&wrapped)?)?;
+    Ok((Couples::Periodic(couples), plan))
+}
+
+/// Compares the couples of `sample` random elements with brute force; returns how many elements were checked, or what is wrong.
 ///
 /// The sample is the same at every run: an error found once can be found again.
 pub(crate) fn check<const D: usize>(
-    centres: &[[f64; D]],
+    space: &Space<'_, D>,
     request: &Request<'_>,
-    couples: &[Couple],
+    couples: &Couples<D>,
     sample: usize,
-) -> Result<usize, Mismatch> {
-    let elements = request.elements(centres).expect("the elements have been searched before");
-    verify(&elements, couples, sample, 0)
+) -> Result<usize, String> {
+    match (couples, &space.cell) {
+        (Couples::Periodic(couples), Some(cell)) => periodic::check(space, cell, request, couples, sample),
+        (Couples::Plain(couples), _) => {
+            let elements = request.elements(space.centres).expect("the elements have been searched before");
+            verify(&elements, couples, sample, 0).map_err(|mismatch| mismatch.to_string())
+        }
+        (Couples::Periodic(_), None) => unreachable!("shifts come from a box"),
+    }
 }
 
 /// Distance of the centres of a couple, summed in the order in which the library sums it.
@@ -159,16 +246,16 @@ mod tests {
     #[test]
     fn statistics_do_not_depend_on_order() {
         let couples = [(0, 1, 0.5), (1, 2, 0.75), (3, 4, 0.75), (0, 4, 0.25)];
-        let mut forward = Statistics::new(6);
+        let mut forward = Statistics::<2>::new(6);
         let mut backward = Statistics::new(6);
         for &(i, j, overlap) in &couples {
-            forward.add(Couple { i, j }, overlap);
+            forward.add(unshifted(Couple { i, j }), overlap);
         }
         for &(i, j, overlap) in couples.iter().rev() {
-            backward.add(Couple { i, j }, overlap);
+            backward.add(unshifted(Couple { i, j }), overlap);
         }
         assert_eq!(forward, backward);
-        assert_eq!(forward.max_overlap, Some((0.75, Couple { i: 1, j: 2 })));
+        assert_eq!(forward.max_overlap, Some((0.75, unshifted(Couple { i: 1, j: 2 }))));
         assert_eq!(forward.rattlers(), 1);
         assert_eq!(forward.mean_coordination(), 8.0 / 6.0);
     }

@@ -160,6 +160,7 @@ pub(crate) fn refusal(packing: &Packing, error: &Error) -> String {
             "no memory for {bytes} bytes: the couples do not fit. --count needs no memory for them; a smaller \
              --tolerance, --radius or --cutoff makes fewer"
         ),
+        Error::NoThreads { .. } => format!("--threads: {error}"),
         _ => match error.element() {
             Some(index) => format!("{error} ({} in the file)", element(index)),
             None => error.to_string(),

@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use crate::command::detect::{Found, Request, Sizes};
 use crate::command::input::id;
+use crate::command::periodic::Space;
 
 /// Written as JSON by `--json`, and as text to standard error.
 #[derive(Debug, Serialize)]
@@ -30,10 +31,15 @@ pub(crate) struct Summary {
     #[serde(skip_serializing_if = "Option::is_none")]
     cutoff: Option<f64>,
     tolerance: f64,
+    /// The box that repeats.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    periodic: Option<Periodic>,
     engine: &'static str,
     reason: String,
     cell_size: Option<f64>,
     cells: Option<Vec<u64>>,
+    /// As asked for; 0 is one for each processor.
+    threads: usize,
     couples: u64,
     mean_coordination: f64,
     /// Elements without contact.
@@ -41,10 +47,21 @@ pub(crate) struct Summary {
     max_overlap: Option<f64>,
     /// The two elements that overlap most.
     max_overlap_couple: Option<[i64; 2]>,
+    /// By how many edges the second of them is displaced.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    max_overlap_shift: Option<Vec<i32>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     verified: Option<usize>,
     seconds: Seconds,
     peak_bytes: Option<u64>,
+}
+
+#[derive(Debug, Serialize)]
+struct Periodic {
+    /// Letters of the edges that repeat.
+    axes: String,
+    origin: Vec<f64>,
+    edges: Vec<Vec<f64>>,
 }
 
 /// Wall-clock time of each phase.
@@ -61,12 +78,23 @@ impl Summary {
     pub(crate) fn new<const D: usize>(
         file: &str,
         packing: &Packing,
-        centres: &[[f64; D]],
+        space: &Space<'_, D>,
         request: &Request<'_>,
         found: &Found<D>,
         verified: Option<usize>,
         seconds: Seconds,
     ) -> Self {
+        let centres = space.centres;
+        let periodic = space.cell.map(|cell| Periodic {
+            axes: "xyz"
+                .chars()
+                .zip(cell.periodic())
+                .filter(|(_, repeats)| *repeats)
+                .map(|(axis, _)| axis)
+                .collect(),
+            origin: cell.origin().to_vec(),
+            edges: cell.edges().iter().map(|edge| edge.to_vec()).collect(),
+        });
         let cutoff = if let Sizes::Cutoff(cutoff) = request.sizes { Some(cutoff) } else { None };
         let extent = |index| if cutoff.is_some() { 0.0 } else { request.sizes.radius(index) };
         let mut radius: Option<[f64; 2]> = None;
@@ -98,12 +126,17 @@ impl Summary {
             reason: found.plan.reason.clone(),
             cell_size: found.plan.cell_size,
             cells: found.plan.cells.map(|cells| cells.to_vec()),
+            threads: request.threads,
             couples: found.statistics.couples,
             mean_coordination: found.statistics.mean_coordination(),
             rattlers: found.statistics.rattlers(),
             max_overlap: max_overlap.map(|(overlap, _)| overlap),
             max_overlap_couple: max_overlap
                 .map(|(_, couple)| [couple.i, couple.j].map(|k| id(packing, k as usize))),
+            max_overlap_shift: max_overlap
+                .filter(|_| periodic.is_some())
+                .map(|(_, couple)| couple.shift.to_vec()),
+            periodic,
             verified,
             seconds,
             peak_bytes: None,
@@ -153,6 +186,15 @@ impl fmt::Display for Summary {
         if self.tolerance > 0.0 {
             line("tolerance", format!("{}{unit}", self.tolerance))?;
         }
+        if let Some(Periodic { axes, origin, edges }) = &self.periodic {
+            let point = |point: &Vec<f64>| {
+                let numbers: Vec<_> = point.iter().map(|&x| brief(x)).collect();
+                format!("[{}]", numbers.join(", "))
+            };
+            let edges: Vec<_> = edges.iter().map(point).collect();
+            let (origin, edges) = (point(origin), edges.join(", "));
+            line("periodic", format!("along {axes}: edges {edges}{unit} from {origin}"))?;
+        }
         line("engine", format!("{}: {}", self.engine, self.reason))?;
         if let (Some(size), Some(cells)) = (self.cell_size, &self.cells) {
             let cells: Vec<_> = cells.iter().map(|&n| grouped(n)).collect();
@@ -162,7 +204,11 @@ impl fmt::Display for Summary {
         line("coordination", format!("{:.4} contacts per element", self.mean_coordination))?;
         line("without contact", grouped(self.rattlers))?;
         if let (Some(overlap), Some([i, j])) = (self.max_overlap, self.max_overlap_couple) {
-            line("largest overlap", format!("{}{unit}, of {i} and {j}", brief(overlap)))?;
+            let across = match &self.max_overlap_shift {
+                Some(shift) if shift.iter().any(|&edges| edges != 0) => format!(", shift {shift:?}"),
+                _ => String::new(),
+            };
+            line("largest overlap", format!("{}{unit}, of {i} and {j}{across}", brief(overlap)))?;
         }
         if let Some(verified) = self.verified {
             line("verified", format!("{} elements by brute force: no difference", grouped(verified as u64)))?;

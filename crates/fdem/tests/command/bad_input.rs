@@ -164,6 +164,20 @@ fn too_many_couples_for_the_memory() {
     assert_eq!(run.stdout, "112492500\n");
 }
 
+/// More couples than 32 bits count, in less memory than they need.
+#[cfg(target_os = "linux")]
+#[test]
+fn more_than_2_to_the_32_couples_for_the_memory() {
+    let bench = Bench::new();
+    bench.write("heap.csv", format!("x,y,radius\n{}", "1,1,1\n".repeat(92_683)));
+    let fdem = assert_cmd::cargo::cargo_bin!("fdem").display().to_string();
+    let line = format!("ulimit -v 700000 && exec {fdem} contacts heap.csv -o out.csv");
+    let output =
+        std::process::Command::new("sh").args(["-c", &line]).current_dir(bench.folder.path()).output();
+    crate::Run::of(output.unwrap(), &["under ulimit"]).refused_with(&["heap.csv", "no memory", "--count"]);
+    assert_eq!(bench.files(), ["heap.csv"]);
+}
+
 /// A picture of too many elements is refused before the work, not after.
 #[test]
 fn a_picture_of_too_many_elements() {

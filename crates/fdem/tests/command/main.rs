@@ -4,6 +4,7 @@
 //! - `bad_input`: files, options and outputs that must be refused.
 //! - `bench`: the timings of the engines.
 //! - `generate`: packings from seeds.
+//! - `periodic`: boxes that repeat, threads, and what is told before a search.
 //! - `beds`: a real bed that this project did not make.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failed unwrap is a failed test")]
@@ -13,6 +14,7 @@ mod beds;
 mod bench;
 mod contacts;
 mod generate;
+mod periodic;
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,0 +1,57 @@
+//! `fdem contacts --explain`: what a search would take, and no search.
+
+use fdem_contact::{Detector, Engine, Error, Explanation};
+use serde::Serialize;
+
+use crate::command::detect::Request;
+
+/// Written as JSON by `--json`, and as text to standard output.
+#[derive(Debug, Serialize)]
+pub(crate) struct Told {
+    elements: usize,
+    engine: &'static str,
+    reason: String,
+    cell_size: Option<f64>,
+    cells: Option<Vec<u64>>,
+    rows: Option<f64>,
+    occupied_rows_at_most: Option<u64>,
+    expected_couples: f64,
+    expected_couples_error: f64,
+    engine_bytes: usize,
+    list_bytes: f64,
+    threads: usize,
+    simd: Option<&'static str>,
+    #[serde(skip)]
+    text: String,
+}
+
+impl Told {
+    pub(crate) fn of<const D: usize>(centres: &[[f64; D]], request: &Request<'_>) -> Result<Self, Error> {
+        let elements = request.elements(centres)?;
+        let detector = Detector::new(request.engine).with_threads(request.threads)?;
+        let explanation = detector.explain(&elements)?;
+        let text = explanation.to_string();
+        let Explanation { plan, elements, rows, occupied_rows, couples, couples_error, bytes, .. } =
+            explanation;
+        Ok(Self {
+            elements,
+            engine: Engine::name(plan.engine),
+            reason: plan.reason,
+            cell_size: plan.cell_size,
+            cells: plan.cells.map(|cells| cells.to_vec()),
+            rows,
+            occupied_rows_at_most: occupied_rows,
+            expected_couples: couples,
+            expected_couples_error: couples_error,
+            engine_bytes: bytes,
+            list_bytes: explanation.list_bytes,
+            threads: explanation.threads,
+            simd: explanation.simd.map(fdem_contact::Simd::name),
+            text,
+        })
+    }
+
+    pub(crate) fn text(&self) -> &str {
+        &self.text
+    }
+}

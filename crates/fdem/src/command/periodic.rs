@@ -1,0 +1,266 @@
+//! Packings in a box that repeats: the box from the options, distances through images, and the check by brute force.
+
+use fdem_contact::{Couple, PeriodicBox, PeriodicCouple};
+
+use crate::command::args::PeriodicArguments;
+use crate::command::detect::{Request, Sizes, distance};
+use crate::command::failure::Failure;
+
+/// The box that the options describe, if any.
+pub(crate) fn periodic_box<const D: usize>(
+    arguments: &PeriodicArguments,
+) -> Result<Option<PeriodicBox<f64, D>>, Failure> {
+    let Some(axes) = arguments.periodic else { return Ok(None) };
+    let unusable = |option: &str, why: String| Failure::Unusable(format!("{option}: {why}"));
+    if let Some(axis) = (D..3).find(|&axis| axes.0[axis]) {
+        return Err(unusable("--periodic", format!("a packing in {D}D has no {}", ["x", "y", "z"][axis])));
+    }
+    let periodic = std::array::from_fn(|axis| axes.0[axis]);
+    let count = |option: &str, numbers: &[f64], expected: usize, what: &str| {
+        if numbers.len() == expected {
+            return Ok(());
+        }
+        let found = numbers.len();
+        Err(unusable(option, format!("a packing in {D}D needs {expected} numbers, {what}, not {found}")))
+    };
+    let made = match (&arguments.limits, &arguments.edges) {
+        (Some(limits), _) => {
+            count("--box", &limits.0, 2 * D, "the limits of each axis")?;
+            let side = |which: usize| std::array::from_fn(|axis| limits.0[2 * axis + which]);
+            PeriodicBox::orthogonal(side(0), side(1), periodic)
+                .map_err(|error| unusable("--box", error.to_string()))
+        }
+        (None, Some(edges)) => {
+            count("--edges", &edges.0, D * D, "the components of each edge")?;
+            let origin = match &arguments.origin {
+                Some(origin) => {
+                    count("--origin", &origin.0, D, "a point")?;
+                    std::array::from_fn(|axis| origin.0[axis])
+                }
+                None => [0.0; D],
+            };
+            let edges = std::array::from_fn(|edge| std::array::from_fn(|axis| edges.0[D * edge + axis]));
+            PeriodicBox::triclinic(origin, edges, periodic)
+                .map_err(|error| unusable("--edges", error.to_string()))
+        }
+        (None, None) => Err(unusable("--periodic", "the box is missing: give --box or --edges".to_owned())),
+    };
+    made.map(Some)
+}
+
+/// Where the elements are, in a box that repeats or without one.
+#[derive(Clone, Copy)]
+pub(crate) struct Space<'a, const D: usize> {
+    pub(crate) centres: &'a [[f64; D]],
+    pub(crate) cell: Option<PeriodicBox<f64, D>>,
+}
+
+impl<const D: usize> Space<'_, D> {
+    /// Distance of the first element of a couple to the image of the second, between the points that the library compares, so that
+    /// couples that touch by its comparison overlap by at least zero.
+    pub(crate) fn distance(&self, couple: PeriodicCouple<D>) -> f64 {
+        let PeriodicCouple { i, j, shift } = couple;
+        let Some(cell) = &self.cell else { return distance(self.centres, Couple { i, j }) };
+        let ((a, of_a), (b, of_b)) = (self.wrapped(cell, i), self.wrapped(cell, j));
+        let shift = std::array::from_fn(|edge| shift[edge] - of_a[edge] + of_b[edge]);
+        distance(&[a, cell.displaced(&b, &shift)], Couple::new(0, 1))
+    }
+
+    /// The centre in the box, and the periods that it was away from there.
+    fn wrapped(&self, cell: &PeriodicBox<f64, D>, element: u32) -> ([f64; D], [i32; D]) {
+        cell.wrap(self.centres[element as usize]).expect("elements that were searched can be wrapped")
+    }
+}
+
+/// Compares the couples of `sample` elements with all images of all elements; returns how many were checked, or what is wrong.
+///
+/// `couples` must ascend. One element is picked out of each of `sample` stretches, the same at every run.
+pub(crate) fn check<const D: usize>(
+    space: &Space<'_, D>,
+    cell: &PeriodicBox<f64, D>,
+    request: &Request<'_>,
+    couples: &[PeriodicCouple<D>],
+    sample: usize,
+) -> Result<usize, String> {
+    let n = space.centres.len();
+    let faulty = |couple: &&PeriodicCouple<D>| {
+        couple.i > couple.j || couple.j as usize >= n || (couple.i == couple.j && couple.shift <= [0; D])
+    };
+    if let Some(PeriodicCouple { i, j, shift }) = couples.iter().find(faulty) {
+        return Err(format!("({i}, {j}) with shift {shift:?} is no couple"));
+    }
+    let picked = pick(n, sample);
+    let is_picked = |element: u32| picked.binary_search(&element).is_ok();
+    let listed = couples.iter().copied().filter(|couple| is_picked(couple.i) || is_picked(couple.j));
+
+    let places: Vec<_> = (0..n as u32).map(|element| space.wrapped(cell, element)).collect();
+    let fractions: Vec<_> = places.iter().map(|(point, _)| cell.fractions(point)).collect();
+    let largest = (0..n).map(|index| request.sizes.radius(index)).fold(0.0, f64::max);
+    // Wider than any reach by more than all roundings.
+    let reach = (2.0 * largest + request.tolerance) * (1.0 + 1e-9);
+    let margin = cell.heights().map(|height| reach / height + 1e-9);
+
+    let mut touching = Vec::new();
+    for &element in &picked {
+        for other in (0..n as u32).filter(|&other| other >= element || !is_picked(other)) {
+            let (i, j) = (element.min(other), element.max(other));
+            let [(a, of_a), (b, of_b)] = [i, j].map(|k| places[k as usize]);
+            let apart: [f64; D] =
+                std::array::from_fn(|edge| fractions[i as usize][edge] - fractions[j as usize][edge]);
+            for_each_shift(cell.periodic(), &apart, &margin, |image| {
+                let shift = std::array::from_fn(|edge| image[edge] + of_a[edge] - of_b[edge]);
+                let is_form = i < j || shift > [0; D];
+                if is_form && touch(request, i, &a, j, &cell.displaced(&b, &image)) {
+                    touching.push(PeriodicCouple { i, j, shift });
+                }
+            });
+        }
+    }
+    touching.sort_unstable();
+
+    let mut touching = touching.into_iter().peekable();
+    for couple in listed {
+        let PeriodicCouple { i, j, shift } = couple;
+        if touching.next_if_eq(&couple).is_none() {
+            return match touching.peek() {
+                Some(missing) if *missing < couple => Err(missing_couple(*missing)),
+                _ => Err(format!(
+                    "elements {i} and {j} with shift {shift:?} are listed too often: once more, or without touching"
+                )),
+            };
+        }
+    }
+    touching.next().map_or(Ok(picked.len()), |missing| Err(missing_couple(missing)))
+}
+
+fn missing_couple<const D: usize>(couple: PeriodicCouple<D>) -> String {
+    let PeriodicCouple { i, j, shift } = couple;
+    format!("elements {i} and {j} touch with shift {shift:?} but are not listed")
+}
+
+/// The library's comparison, of two points as if they were the only elements.
+fn touch<const D: usize>(request: &Request<'_>, i: u32, a: &[f64; D], j: u32, b: &[f64; D]) -> bool {
+    let radii = [i, j].map(|element| request.sizes.radius(element as usize));
+    let sizes = match request.sizes {
+        Sizes::Each(_) => Sizes::Each(&radii),
+        Sizes::All(radius) => Sizes::All(radius),
+        Sizes::Cutoff(cutoff) => Sizes::Cutoff(cutoff),
+    };
+    let pair = [*a, *b];
+    Request { sizes, ..*request }.elements(&pair).is_ok_and(|elements| elements.touch(0, 1))
+}
+
+/// All whole numbers `s` with `|apart - s| <= margin` along periodic edges, and 0 along the others.
+fn for_each_shift<const D: usize>(
+    periodic: [bool; D],
+    apart: &[f64; D],
+    margin: &[f64; D],
+    mut visit: impl FnMut([i32; D]),
+) {
+    let (mut low, mut high) = ([0; D], [0; D]);
+    for edge in (0..D).filter(|&edge| periodic[edge]) {
+        low[edge] = (apart[edge] - margin[edge]).ceil() as i32;
+        high[edge] = (apart[edge] + margin[edge]).floor() as i32;
+        if low[edge] > high[edge] {
+            return;
+        }
+    }
+    let mut shift = low;
+    loop {
+        visit(shift);
+        // The next one, as an odometer counts.
+        let Some(edge) = (0..D).find(|&edge| shift[edge] < high[edge]) else { return };
+        shift[edge] += 1;
+        shift[..edge].copy_from_slice(&low[..edge]);
+    }
+}
+
+/// `sample` numbers below `n`, ascending, one at random out of each of as many stretches; all of them if there are no more.
+fn pick(n: usize, sample: usize) -> Vec<u32> {
+    let sample = sample.min(n);
+    let mut state = 0_u64;
+    let one_of = |k: usize| {
+        let (from, to) =
+            (k as u128 * n as u128 / sample as u128, (k as u128 + 1) * n as u128 / sample as u128);
+        // A linear congruence with Knuth's numbers: good enough to be out of step with any order of the elements.
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (from + u128::from(state >> 33) % (to - from)) as u32
+    };
+    (0..sample).map(one_of).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fdem_contact::Engine;
+
+    fn shifts(apart: [f64; 2], margin: f64, periodic: [bool; 2]) -> Vec<[i32; 2]> {
+        let mut shifts = Vec::new();
+        for_each_shift(periodic, &apart, &[margin; 2], |shift| shifts.push(shift));
+        shifts
+    }
+
+    #[test]
+    fn shifts_are_all_within_the_margin() {
+        assert_eq!(shifts([0.9, 0.0], 0.2, [true; 2]), [[1, 0]]);
+        assert_eq!(shifts([0.5, 0.0], 0.2, [true; 2]), [[0; 2]; 0]);
+        assert_eq!(shifts([0.5, 0.0], 0.2, [false, true]), [[0, 0]]);
+        assert_eq!(shifts([0.5, -0.5], 0.6, [true; 2]), [[0, -1], [1, -1], [0, 0], [1, 0]]);
+    }
+
+    #[test]
+    fn a_sample_is_spread_over_all_elements() {
+        assert_eq!(pick(3, 9), [0, 1, 2]);
+        assert_eq!(pick(0, 9), [0; 0]);
+        let picked = pick(1000, 10);
+        assert!(picked.iter().zip(0..).all(|(&element, k)| element / 100 == k), "{picked:?}");
+    }
+
+    /// Every kind of mistake is found: four points in a square that repeats, each at distance 1 of its neighbours.
+    #[test]
+    fn mistakes_are_found() {
+        let centres = [[0.5, 0.5], [1.5, 0.5], [0.5, 3.5], [1.5, -0.5]];
+        let cell = PeriodicBox::orthogonal([0.0, 0.0], [2.0, 2.0], [true, true]).unwrap();
+        let space = Space { centres: &centres, cell: Some(cell) };
+        let request = Request {
+            sizes: Sizes::Cutoff(1.0),
+            tolerance: 0.0,
+            engine: Engine::Auto,
+            threads: 1,
+            keep: true,
+        };
+        let couple = |i, j, shift| PeriodicCouple { i, j, shift };
+        // Of the elements 2 and 3 one is two periods up and the other one down.
+        let mut right = vec![
+            couple(0, 1, [0, 0]),
+            couple(0, 1, [-1, 0]),
+            couple(0, 2, [0, -2]),
+            couple(0, 2, [0, -1]),
+            couple(1, 3, [0, 0]),
+            couple(1, 3, [0, 1]),
+            couple(2, 3, [0, 2]),
+            couple(2, 3, [-1, 2]),
+        ];
+        right.sort_unstable();
+        let checked = |couples: &[PeriodicCouple<2>]| check(&space, &cell, &request, couples, 9);
+        assert_eq!(checked(&right), Ok(4));
+        for k in 0..right.len() {
+            assert_eq!(space.distance(right[k]), 1.0);
+            let (mut fewer, mut twice) = (right.clone(), right.clone());
+            fewer.remove(k);
+            twice.insert(k, right[k]);
+            assert!(checked(&fewer).unwrap_err().contains("not listed"), "{k}");
+            assert!(checked(&twice).unwrap_err().contains("too often"), "{k}");
+        }
+        let with = |wrong| {
+            let mut couples = right.clone();
+            couples.push(wrong);
+            couples.sort_unstable();
+            checked(&couples).unwrap_err()
+        };
+        assert!(with(couple(0, 1, [0, 1])).contains("too often"));
+        assert!(with(couple(1, 1, [-1, 0])).contains("no couple"));
+        assert!(with(couple(2, 1, [0, 0])).contains("no couple"));
+        assert!(with(couple(2, 4, [0, 0])).contains("no couple"));
+    }
+}
