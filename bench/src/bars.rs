@@ -39,7 +39,7 @@ const LINE: i32 = 24;
 const TITLE: i32 = 40;
 const AXIS: i32 = 30;
 /// Room for the names, for a full bar, and for what is written on its right.
-const NAMES: i32 = 84;
+const NAMES: i32 = 124;
 const LENGTH: i32 = 230;
 const REMARK: i32 = 116;
 /// Diagrams side by side.

@@ -9,14 +9,16 @@ mod timer;
 
 pub use packing::Packing;
 pub use table::{Table, grouped, significant};
-pub use timer::{Rounds, Task, Times, times};
+pub use timer::{Rounds, Task, Times, Turn, times, turns};
 
-/// Processor, cores, compiler and version of this package in one line, for a run on `threads` threads; what is not
+/// Processor, cores, compiler and version of this package in one line, for runs on so many threads; what is not
 /// known is left out.
-pub fn machine(threads: usize) -> String {
+pub fn machine(threads: &[usize]) -> String {
     let mut facts = vec![format!("fdem {}", env!("CARGO_PKG_VERSION")), processor()];
     if let Ok(cores) = std::thread::available_parallelism() {
-        facts.push(format!("{cores} cores, {threads} thread{} used", if threads == 1 { "" } else { "s" }));
+        let used: Vec<String> = threads.iter().map(ToString::to_string).collect();
+        let plural = if threads == [1] { "" } else { "s" };
+        facts.push(format!("{cores} cores, {} thread{plural} used", used.join(" and ")));
     }
     if let Some(version) = compiler() {
         facts.push(version);

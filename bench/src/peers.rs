@@ -1,4 +1,4 @@
-//! Rival searches behind one trait; each is a Cargo feature of this package.
+//! Rival searches behind one trait, each a Cargo feature of this package; those in other languages are programs ([`External`]).
 //!
 //! The work is the same for all: raw `f64` coordinates in, every couple at most `cutoff` apart out, as numbers `i < j`,
 //! whatever is built on the way included. Each rival is called in the fastest way that its documentation shows and
@@ -6,6 +6,7 @@
 
 #[cfg(feature = "broccoli")]
 mod broccoli;
+mod external;
 #[cfg(feature = "kiddo")]
 mod kiddo;
 #[cfg(feature = "molar")]
@@ -15,11 +16,13 @@ mod ours;
 mod parry;
 #[cfg(feature = "rstar")]
 mod rstar;
+pub mod sets;
 #[cfg(feature = "zelll")]
 mod zelll;
 
 use fdem_contact::{Couple, Simd};
 
+pub use external::{Answer, Command, External};
 pub use ours::Kind;
 
 /// A search that is timed: one of ours or a rival.
@@ -33,6 +36,11 @@ pub trait Peer<const D: usize> {
     /// What is called, in a few words.
     fn how(&self) -> String;
 
+    /// Bytes that it keeps between two searches, if that is known.
+    fn bytes(&self) -> Option<usize> {
+        None
+    }
+
     /// Writes every couple into `couples`, cleared first.
     ///
     /// # Errors
@@ -43,65 +51,111 @@ pub trait Peer<const D: usize> {
 /// Some peers for points of one dimension.
 pub type Peers<const D: usize> = Vec<Box<dyn Peer<D>>>;
 
-/// Our searches of these kinds.
+/// Our searches of these kinds, on `threads` threads where they can.
 ///
 /// # Errors
-/// Vector instructions that this processor lacks.
-pub fn ours<const D: usize>(kinds: &[Kind], simd: Simd) -> Result<Peers<D>, fdem_contact::Error> {
-    kinds.iter().map(|&kind| Ok(Box::new(ours::Ours::new(kind, simd)?) as Box<dyn Peer<D>>)).collect()
+/// Vector instructions that this processor lacks, or threads that cannot be had.
+pub fn ours<const D: usize>(
+    kinds: &[Kind],
+    simd: Simd,
+    threads: usize,
+) -> Result<Peers<D>, fdem_contact::Error> {
+    let boxed = |&kind: &Kind| Ok(Box::new(ours::Ours::new(kind, simd, threads)?) as Box<dyn Peer<D>>);
+    kinds.iter().map(boxed).collect()
 }
 
-/// The rivals that were compiled in and search in space; `threads` is how many they may use.
+/// The rivals that were compiled in and search in space.
 #[must_use]
-pub fn rivals_3d(threads: usize) -> Peers<3> {
+pub fn rivals_3d(threads: &Threads) -> Peers<3> {
     let _ = threads;
     vec![
         #[cfg(feature = "molar")]
-        Box::new(molar::Molar { threads }),
+        threads.boxed(molar::Molar),
         #[cfg(feature = "zelll")]
-        Box::new(zelll::Zelll::new(threads)),
+        threads.boxed(zelll::Zelll::new(threads.count)),
         #[cfg(feature = "kiddo")]
-        Box::new(kiddo::Kiddo { threads }),
+        threads.boxed(kiddo::Kiddo { threads: threads.count }),
         #[cfg(feature = "parry")]
         Box::new(parry::Parry::new()),
         #[cfg(feature = "rstar")]
-        Box::new(rstar::Rstar { threads }),
+        threads.boxed(rstar::Rstar { threads: threads.count }),
     ]
 }
 
-/// The rivals that were compiled in and search in the plane; `threads` is how many they may use.
+/// The rivals that were compiled in and search in the plane.
 #[must_use]
-pub fn rivals_2d(threads: usize) -> Peers<2> {
+pub fn rivals_2d(threads: &Threads) -> Peers<2> {
     let _ = threads;
     vec![
         #[cfg(feature = "zelll")]
-        Box::new(zelll::Zelll::new(threads)),
+        threads.boxed(zelll::Zelll::new(threads.count)),
         #[cfg(feature = "kiddo")]
-        Box::new(kiddo::Kiddo { threads }),
+        threads.boxed(kiddo::Kiddo { threads: threads.count }),
         #[cfg(feature = "rstar")]
-        Box::new(rstar::Rstar { threads }),
+        threads.boxed(rstar::Rstar { threads: threads.count }),
         #[cfg(feature = "broccoli")]
         Box::new(broccoli::Broccoli::new()),
     ]
 }
 
-/// Sets how many threads the rivals' shared pool has. Call it once, before anything else.
-///
-/// # Errors
-/// A pool that is there already.
-#[cfg(feature = "rayon")]
-pub fn use_threads(threads: usize) -> Result<(), String> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
-    pool.build_global().map_err(|error| error.to_string())
+/// The threads that the rivals share; ours and the external ones have their own.
+pub struct Threads {
+    count: usize,
+    #[cfg(feature = "rayon")]
+    pool: std::sync::Arc<rayon::ThreadPool>,
 }
 
-/// Without rivals that use it there is no pool.
-///
-/// # Errors
-/// None.
-#[cfg(not(feature = "rayon"))]
-pub fn use_threads(_: usize) -> Result<(), String> {
-    Ok(())
+impl Threads {
+    /// So many threads.
+    ///
+    /// # Errors
+    /// Threads that cannot be had.
+    pub fn new(count: usize) -> Result<Self, String> {
+        #[cfg(feature = "rayon")]
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(count).build();
+        Ok(Self {
+            count,
+            #[cfg(feature = "rayon")]
+            pool: pool.map_err(|error| error.to_string())?.into(),
+        })
+    }
+
+    /// How many.
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    #[cfg(feature = "rayon")]
+    fn boxed<const D: usize>(&self, peer: impl Peer<D> + Send + 'static) -> Box<dyn Peer<D>> {
+        Box::new(Pooled { peer, pool: self.pool.clone() })
+    }
+}
+
+/// A rival that takes its threads from the pool around it.
+#[cfg(feature = "rayon")]
+struct Pooled<P> {
+    peer: P,
+    pool: std::sync::Arc<rayon::ThreadPool>,
+}
+
+#[cfg(feature = "rayon")]
+impl<const D: usize, P: Peer<D> + Send> Peer<D> for Pooled<P> {
+    fn name(&self) -> &'static str {
+        self.peer.name()
+    }
+
+    fn version(&self) -> String {
+        self.peer.version()
+    }
+
+    fn how(&self) -> String {
+        self.peer.how()
+    }
+
+    fn couples(&mut self, points: &[[f64; D]], cutoff: f64, couples: &mut Vec<Couple>) -> Result<(), String> {
+        let peer = &mut self.peer;
+        self.pool.install(|| peer.couples(points, cutoff, couples))
+    }
 }
 
 /// The closed comparison of this workspace.

@@ -98,7 +98,7 @@ fn run(plan: &Plan, out: &mut impl Write) -> Result<(), Box<dyn Error>> {
     if let Some(folder) = &plan.out {
         std::fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
     }
-    writeln!(out, "{}", machine(1))?;
+    writeln!(out, "{}", machine(&[1]))?;
     writeln!(
         out,
         "{DETECTIONS} detections from raw coordinates, their validation included. Times are medians"

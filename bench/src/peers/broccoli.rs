@@ -26,7 +26,7 @@ impl Peer<2> for Broccoli {
     }
 
     fn how(&self) -> String {
-        "`Tree::new`, `find_colliding_pairs`, exact test".to_owned()
+        "`Tree::new`, `find_colliding_pairs`, exact test; one thread".to_owned()
     }
 
     fn couples(&mut self, points: &[[f64; 2]], cutoff: f64, couples: &mut Vec<Couple>) -> Result<(), String> {

@@ -26,8 +26,7 @@ macro_rules! peer {
             }
 
             fn how(&self) -> String {
-                let threads = self.threads;
-                format!("flat immutable tree, `within().unsorted().visit` per point in the tree's order, threads: {threads}")
+                "flat immutable tree, `within().unsorted().visit` per point in the tree's order".to_owned()
             }
 
             fn couples(

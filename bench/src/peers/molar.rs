@@ -6,9 +6,7 @@ use molar::prelude::{DistanceSearchOutput, Float, Pos, distance_search_single};
 
 use super::Peer;
 
-pub(super) struct Molar {
-    pub(super) threads: usize,
-}
+pub(super) struct Molar;
 
 /// What the search is asked for: the numbers, without the distance.
 struct Found(Couple);
@@ -29,7 +27,7 @@ impl Peer<3> for Molar {
     }
 
     fn how(&self) -> String {
-        format!("`distance_search_single`, in its f64 mode, threads: {}", self.threads)
+        "`distance_search_single`, in its f64 mode".to_owned()
     }
 
     fn couples(&mut self, points: &[[f64; 3]], cutoff: f64, couples: &mut Vec<Couple>) -> Result<(), String> {

@@ -9,6 +9,8 @@ use super::Peer;
 pub enum Kind {
     /// `Rows`, memory kept from call to call.
     Rows,
+    /// `Rows` limited to AVX2.
+    RowsAvx2,
     /// `Rows` with memory, that of the couples too, from the allocator in every call.
     RowsCold,
     /// `Nbs`, memory kept from call to call.
@@ -17,28 +19,37 @@ pub enum Kind {
 
 impl Kind {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::Rows, Self::RowsCold, Self::Nbs];
+    pub const ALL: [Self; 4] = [Self::Rows, Self::RowsAvx2, Self::RowsCold, Self::Nbs];
 
     /// Name in the tables and on the command line.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Rows => "rows",
+            Self::RowsAvx2 => "rows-avx2",
             Self::RowsCold => "rows-cold",
             Self::Nbs => "nbs",
         }
+    }
+
+    /// Those that this processor can run.
+    pub fn available() -> Vec<Self> {
+        Self::ALL.into_iter().filter(|&kind| kind != Self::RowsAvx2 || Simd::Avx2.is_available()).collect()
     }
 }
 
 pub(super) struct Ours<const D: usize> {
     kind: Kind,
     simd: Simd,
+    threads: usize,
     rows: Rows<f64, D>,
     nbs: Nbs<D>,
 }
 
 impl<const D: usize> Ours<D> {
-    pub(super) fn new(kind: Kind, simd: Simd) -> Result<Self, Error> {
-        Ok(Self { kind, simd, rows: Rows::new().with_simd(simd)?, nbs: Nbs::new() })
+    pub(super) fn new(kind: Kind, simd: Simd, threads: usize) -> Result<Self, Error> {
+        let simd = if kind == Kind::RowsAvx2 { Simd::Avx2 } else { simd };
+        let rows = Rows::new().with_simd(simd)?.with_threads(threads)?;
+        Ok(Self { kind, simd, threads, rows, nbs: Nbs::new() })
     }
 
     fn search(
@@ -49,10 +60,11 @@ impl<const D: usize> Ours<D> {
     ) -> Result<(), fdem_contact::Error> {
         let elements = Elements::points(points, cutoff)?;
         match self.kind {
-            Kind::Rows => self.rows.couples(&elements, couples),
+            Kind::Rows | Kind::RowsAvx2 => self.rows.couples(&elements, couples),
             Kind::RowsCold => {
                 *couples = Vec::new();
-                Rows::new().with_simd(self.simd)?.couples(&elements, couples)
+                let mut rows = Rows::new().with_simd(self.simd)?.with_threads(self.threads)?;
+                rows.couples(&elements, couples)
             }
             Kind::Nbs => self.nbs.couples(&elements, couples),
         }
@@ -71,10 +83,14 @@ impl<const D: usize> Peer<D> for Ours<D> {
     fn how(&self) -> String {
         let simd = self.simd.name();
         match self.kind {
-            Kind::Rows => format!("`Rows::couples`, {simd}, memory reused"),
+            Kind::Rows | Kind::RowsAvx2 => format!("`Rows::couples`, {simd}, memory reused"),
             Kind::RowsCold => format!("`Rows::new().couples`, {simd}, memory and output new in every run"),
-            Kind::Nbs => "`Nbs::couples`, memory reused".to_owned(),
+            Kind::Nbs => "`Nbs::couples`, memory reused; one thread".to_owned(),
         }
+    }
+
+    fn bytes(&self) -> Option<usize> {
+        matches!(self.kind, Kind::Rows | Kind::RowsAvx2).then(|| self.rows.bytes())
     }
 
     fn couples(&mut self, points: &[[f64; D]], cutoff: f64, couples: &mut Vec<Couple>) -> Result<(), String> {

@@ -28,7 +28,7 @@ impl Peer<3> for Parry {
     }
 
     fn how(&self) -> String {
-        "`Bvh::from_leaves`, binned, f32 boxes rounded outwards; `traverse_bvtt_single_tree`; exact test in f64"
+        "`Bvh::from_leaves`, binned, f32 boxes rounded outwards; `traverse_bvtt_single_tree`; exact test in f64; one thread"
             .to_owned()
     }
 

@@ -20,10 +20,7 @@ impl<const D: usize> Peer<D> for Rstar {
     }
 
     fn how(&self) -> String {
-        let threads = self.threads;
-        format!(
-            "`RTree::bulk_load`, `locate_within_distance` per point in the tree's order, threads: {threads}"
-        )
+        "`RTree::bulk_load` on one thread, `locate_within_distance` per point in the tree's order".to_owned()
     }
 
     fn couples(&mut self, points: &[[f64; D]], cutoff: f64, couples: &mut Vec<Couple>) -> Result<(), String> {

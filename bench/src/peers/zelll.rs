@@ -46,7 +46,7 @@ impl<const D: usize> Peer<D> for Zelll<D> {
     }
 
     fn how(&self) -> String {
-        format!("`CellGrid::rebuild_mut`, `particle_pairs` of the cells filtered, threads: {}", self.threads)
+        "`CellGrid::rebuild_mut`, `particle_pairs` of the cells filtered".to_owned()
     }
 
     fn couples(&mut self, points: &[[f64; D]], cutoff: f64, couples: &mut Vec<Couple>) -> Result<(), String> {
