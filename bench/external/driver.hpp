@@ -11,6 +11,14 @@
 #include <utility>
 #include <vector>
 
+// What was built, by `build`.
+#ifndef VERSION
+#define VERSION "unknown"
+#endif
+#ifndef FLAGS
+#define FLAGS "unknown flags"
+#endif
+
 using Points = std::vector<std::array<double, 3>>;
 using Couples = std::vector<std::array<std::uint32_t, 2>>;
 
@@ -43,10 +51,11 @@ struct Request {
     }
 };
 
-/// Answers every `round` with the milliseconds of `detect` and the number of pairs that `count` then tells, until the input ends.
+/// Says `how` it searches, then answers every `round` with the milliseconds of `detect` and the number of pairs that `count` then
+/// tells, until the input ends.
 template <typename Detect, typename Count>
-void converse(const std::string& ready, Detect detect, Count count) {
-    std::cout << "ready " << ready << std::endl;
+void converse(const std::string& how, Detect detect, Count count) {
+    std::cout << "ready " VERSION "; " << how << "; g++ " __VERSION__ " " FLAGS << std::endl;
     for (std::string line; std::getline(std::cin, line);) {
         if (line != "round") refuse("not a round: " + line);
         const auto start = std::chrono::steady_clock::now();

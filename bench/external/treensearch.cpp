@@ -63,7 +63,7 @@ int main(int count, char** arguments) {
     std::string how = "`run`, f32, memory reused; ";
     how += lists_only ? "both directions in its own lists, no pairs collected" : "pairs i < j collected from its lists";
     converse(
-        "61cf111; " + how,
+        how,
         [&] {
             search.run();
             if (!lists_only) collect_all();

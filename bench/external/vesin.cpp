@@ -14,7 +14,7 @@ int main(int count, char** arguments) {
     VesinNeighborList list;
     const auto* points = reinterpret_cast<const double (*)[3]>(request.points.data());
     converse(
-        "0.5.8 (2c60720); `vesin_neighbors`, half list, pairs only, memory reused",
+        "`vesin_neighbors`, half list, pairs only, memory reused",
         [&] {
             const char* error = nullptr;
             const VesinDevice device{VesinCPU, 0};
