@@ -44,9 +44,9 @@ pub(crate) use scatter::append;
 ///
 /// # Cost
 /// Time proportional to N for similar sizes: some tens of nanoseconds per element and core. Memory per
-/// element: `D` coordinates, and the radius if there is one for each; 4 bytes of id; at most 4 of row start, 4 of row
-/// number, 2 of row counts, or 16 to 20 for domains with more rows than elements. In 3D and `f64` 28 to 48 bytes, and 8 more
-/// with radii; with a [`Filter`](crate::Filter) 4 to 12 more. Nothing grows with the domain.
+/// element: `D` coordinates, and the radius if there is one for each; 4 bytes of id; 2 of the bin; at most 8 of row starts. In 3D and `f64` 30 to
+/// 38 bytes, and 8 more with radii; with a [`Filter`](crate::Filter) 4 to 12 more. Besides, each thread sorts a block of rows at a time in memory of
+/// its own: some hundred kilobytes, or 50 bytes for each element of a row if one row has more. Nothing grows with the domain.
 ///
 /// # Source
 /// The decomposition: A. Munjiza, K.R.F. Andrews, Int. J. Numer. Meth. Engng 43 (1998) 131-149. Rows, windows and vectors are ours.

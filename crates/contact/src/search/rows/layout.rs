@@ -390,3 +390,79 @@ pub(crate) fn reserve<V>(values: &mut Vec<V>, more: usize) -> Result<(), Error> 
     let bytes = (values.len() + more).saturating_mul(size_of::<V>());
     values.try_reserve_exact(more).map_err(|_| Error::OutOfMemory { bytes })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::elements::Elements;
+
+    /// The order of the layout is that of a plain sort by cells, then along the row, then by number; for any number of threads.
+    fn is_a_plain_sort<const D: usize>(points: &[[f64; D]], reach: f64, what: &str) {
+        let elements = Elements::points(points, reach).unwrap();
+        let grid = Grid::unbounded(&elements);
+        for threads in [1, 3] {
+            let Ok(pool) = Pool::new(threads) else { continue };
+            let mut layout = Layout::new();
+            layout.build(points, &[], grid, &pool).unwrap();
+            let axes = layout.axes;
+            let cells = |k: u32| {
+                axes[1..].iter().rev().map(move |&axis| grid.wide_cell(axis, points[k as usize][axis]))
+            };
+            let along = |k: u32| points[k as usize][axes[0]];
+            let mut expected: Vec<u32> = (0..points.len() as u32).collect();
+            expected.sort_by(|&a, &b| cells(a).cmp(cells(b)).then(along(a).partial_cmp(&along(b)).unwrap()));
+            assert_eq!(layout.ids[..points.len()], expected, "{what}, D = {D}, {threads} threads");
+            let mut starts = vec![0];
+            for k in 1..points.len() {
+                if !cells(expected[k - 1]).eq(cells(expected[k])) {
+                    starts.push(k as u32);
+                }
+            }
+            starts.push(points.len() as u32);
+            assert_eq!(layout.starts, starts, "{what}, D = {D}, {threads} threads: rows");
+            for row in 0..layout.rows() {
+                let row = layout.row(row);
+                for (k, &id) in expected[row.clone()].iter().enumerate() {
+                    let at = |axis: usize| layout.coordinates[D * row.start + axis * row.len() + k];
+                    assert_eq!(std::array::from_fn(at), points[id as usize], "{what}, D = {D}: coordinates");
+                }
+            }
+        }
+    }
+
+    fn is_a_plain_sort_of_any_distribution<const D: usize>() {
+        let mut state = 1_u64;
+        let mut random = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        let mut points = |n: usize, width: f64| -> Vec<[f64; D]> {
+            (0..n).map(|_| std::array::from_fn(|_| random() * width)).collect()
+        };
+        for n in [1, 2, 33, 500, 40_000] {
+            is_a_plain_sort(&points(n, (n as f64).powf(1.0 / D as f64)), 1.0, "gas");
+            is_a_plain_sort(&points(n, 0.9), 1.0, "all in one cell");
+            is_a_plain_sort(&points(n, 1e6), 1.0, "far apart");
+            is_a_plain_sort(&points(n, 1e15), 1.0, "so far apart that rows are not counted");
+            let rounded = points(n, 7.0).iter().map(|point| point.map(f64::floor)).collect::<Vec<_>>();
+            is_a_plain_sort(&rounded, 1.0, "many in one place");
+            is_a_plain_sort(&vec![[1.5; D]; n], 1.0, "all in one place");
+            let mut thrown = points(n, 30.0);
+            thrown[n / 2] = [1e12; D];
+            is_a_plain_sort(&thrown, 1.0, "one thrown far away");
+            let mut clusters = points(n, 5.0);
+            for (k, point) in clusters.iter_mut().enumerate() {
+                *point = point.map(|x| x + (k % 7) as f64 * 1e7);
+            }
+            is_a_plain_sort(&clusters, 1.0, "clusters");
+        }
+    }
+
+    #[test]
+    fn the_order_is_that_of_a_plain_sort() {
+        is_a_plain_sort_of_any_distribution::<1>();
+        is_a_plain_sort_of_any_distribution::<2>();
+        is_a_plain_sort_of_any_distribution::<3>();
+        is_a_plain_sort_of_any_distribution::<5>();
+    }
+}
