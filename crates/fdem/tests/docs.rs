@@ -22,12 +22,28 @@ fn every_path_that_a_document_names_exists() {
         let text = read(document);
         let quoted = text.split('`').skip(1).step_by(2).filter(|quoted| is_path(quoted));
         let linked = text.split("](").skip(1).filter_map(|rest| rest.split(')').next());
-        for path in quoted.chain(linked.filter(|link| !link.contains("://"))) {
+        for link in quoted.chain(linked.filter(|link| !link.contains("://"))) {
+            let (path, heading) = link.split_once('#').unwrap_or((link, ""));
+            let path = if path.is_empty() { document } else { path };
             assert!(root().join(path).exists(), "{document} names {path}, which does not exist");
+            if !heading.is_empty() {
+                let headings =
+                    read(path).lines().filter(|line| line.starts_with('#')).map(anchor).collect::<Vec<_>>();
+                assert!(
+                    headings.iter().any(|anchor| anchor == heading),
+                    "{document} names {link}: {headings:?}"
+                );
+            }
             checked += 1;
         }
     }
     assert!(checked > 30, "only {checked} paths were found: has the format of the documents changed?");
+}
+
+/// The name by which a link reaches a heading: lower case, hyphens for blanks, nothing else but letters and digits.
+fn anchor(heading: &str) -> String {
+    let text = heading.trim_start_matches('#').trim().to_lowercase().replace(' ', "-");
+    text.chars().filter(|c| c.is_alphanumeric() || *c == '-').collect()
 }
 
 fn is_path(quoted: &str) -> bool {
