@@ -109,10 +109,9 @@ impl<T: Real, const D: usize> BlockSort<T, D> {
         let place_bits = (63 - id_bits).saturating_sub(bits(rows - 1)).min(MAX_PLACE_BITS);
         let row_shift = if keys.are_complete() && place_bits >= MIN_PLACE_BITS {
             keys.of(&self.points, &mut self.keys);
-            keys.add_places(&self.points, place_bits, &mut self.keys);
-            let first = block.first_row << place_bits;
+            keys.add_places(&self.points, block.first_row, place_bits, &mut self.keys);
             for (place, key) in self.keys.iter_mut().enumerate() {
-                *key = (*key - first) << id_bits | place as u64;
+                *key = *key << id_bits | place as u64;
             }
             self.sort_keys(bits(rows - 1) + place_bits + id_bits)?;
             id_bits + place_bits

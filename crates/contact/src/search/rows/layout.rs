@@ -458,6 +458,21 @@ mod tests {
         }
     }
 
+    /// The last block has few elements, and rows from just below `2^40` to just above it: the number of the row and the place together have
+    /// more bits than an integer.
+    #[test]
+    fn rows_are_counted_from_the_block() {
+        let mut state = 3_u64;
+        for n in BLOCK + 1..BLOCK + 24 {
+            let mut random = || {
+                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                (state >> 11) as f64 / (1_u64 << 53) as f64 * 1_049_100.0
+            };
+            let points: Vec<[f64; 3]> = (0..n).map(|_| std::array::from_fn(|_| random())).collect();
+            is_a_plain_sort(&points, 1.0, "a small last block");
+        }
+    }
+
     #[test]
     fn the_order_is_that_of_a_plain_sort() {
         is_a_plain_sort_of_any_distribution::<1>();
