@@ -26,6 +26,7 @@ fuzz_target!(|bytes: &[u8]| {
         columns: COLUMNS[usize::from(first % 8)].parse().ok(),
         skip_bad_lines: first & 8 != 0,
         ignore_ids: first & 16 != 0,
+        bodies: ["3", "b"].get(usize::from(first >> 5)).map(|column| column.to_string()),
     };
     let progress = AtomicU64::new(0);
     match read(file, &options, &progress) {
@@ -54,6 +55,7 @@ fn check(packing: &Packing, options: &ReadOptions) {
         assert_eq!(ids.len(), n);
         assert_eq!(ids.iter().collect::<BTreeSet<_>>().len(), n, "ids repeat");
     }
+    assert_eq!(packing.bodies.as_ref().map(Vec::len), options.bodies.as_ref().map(|_| n));
     let skipped = &packing.source.skipped;
     assert_eq!(packing.row_numbers.is_some(), skipped.count > 0);
     if let Some(rows) = &packing.row_numbers {

@@ -22,9 +22,12 @@ pub enum Role {
     Diameter,
     /// Id, a whole number.
     Id,
+    /// Body that the element is a part of, a whole number. No name stands for it: see [`ReadOptions::bodies`](crate::ReadOptions).
+    Body,
 }
 
 impl Role {
+    /// Those that go by names.
     const ALL: [Self; 6] = [Self::X, Self::Y, Self::Z, Self::Radius, Self::Diameter, Self::Id];
 
     /// Whether a name without unit, blanks and capitals stands for this role.
@@ -74,6 +77,7 @@ impl Role {
             Self::Radius => matches!(plain, "radius" | "r" | "rad" | "radii" | "particleradius"),
             Self::Diameter => matches!(plain, "diameter" | "d" | "dia" | "diam" | "particlediameter"),
             Self::Id => matches!(plain, "id" | "ids" | "index" | "particleid" | "number" | "no"),
+            Self::Body => false,
         }
     }
 
@@ -93,6 +97,7 @@ impl fmt::Display for Role {
             Self::Radius => "radius",
             Self::Diameter => "diameter",
             Self::Id => "id",
+            Self::Body => "body",
         })
     }
 }

@@ -10,6 +10,7 @@ pub(crate) struct Elements {
     pub(crate) centres: Centres,
     pub(crate) radii: Option<Vec<f64>>,
     pub(crate) ids: Option<Vec<i64>>,
+    pub(crate) bodies: Option<Vec<i64>>,
     pub(crate) skipped: Skipped,
     /// See [`Packing::row_numbers`](crate::Packing::row_numbers).
     pub(crate) row_numbers: Option<Vec<u64>>,
@@ -41,6 +42,7 @@ impl Elements {
             },
             radii: sized.then(|| Vec::with_capacity(capacity)),
             ids: has(Role::Id).then(|| Vec::with_capacity(capacity)),
+            bodies: has(Role::Body).then(|| Vec::with_capacity(capacity)),
             skipped: Skipped::default(),
             row_numbers: None,
             places: Vec::with_capacity(room(has(Role::Id))),
@@ -64,6 +66,9 @@ impl Elements {
         if let Some(ids) = &mut self.ids {
             ids.push(row.id);
             self.places.push(place);
+        }
+        if let Some(bodies) = &mut self.bodies {
+            bodies.push(row.body);
         }
     }
 
@@ -129,7 +134,7 @@ mod tests {
     #[test]
     fn diameters_are_halved() {
         let mut elements = Elements::new(&[Some(Role::X), Some(Role::Y), Some(Role::Diameter)], 1);
-        elements.push(&Row { values: [1.0, 2.0, 0.0, 3.0], id: 0 }, 1);
+        elements.push(&Row { values: [1.0, 2.0, 0.0, 3.0], ..Row::default() }, 1);
         assert_eq!(elements.radii, Some(vec![1.5]));
         assert_eq!(elements.centres, Centres::Two(vec![[1.0, 2.0]]));
         assert_eq!(elements.ids, None);

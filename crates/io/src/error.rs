@@ -132,6 +132,19 @@ pub enum ReadError {
         /// The role given second.
         second_role: Role,
     },
+    /// The column of bodies has a role already.
+    #[error(
+        "--bodies {column}: this column is the {role} of the elements{}",
+        if *role == Role::Id { ". If it is not, --ignore-ids leaves ids unread" } else { "" }
+    )]
+    BodiesColumn {
+        /// Line of the header, or of the first row without one; `None` in an array.
+        line: Option<u64>,
+        /// Name of the column.
+        column: String,
+        /// Its other role.
+        role: Role,
+    },
     /// Two columns are in different units.
     #[error("column {first} is in {first_unit}, column {second} in {second_unit}: convert to one unit first")]
     MixedUnits {
@@ -274,6 +287,7 @@ impl ReadError {
             | Self::AmbiguousColumn { line, .. }
             | Self::ClashingColumns { line, .. }
             | Self::TwoRoles { line, .. }
+            | Self::BodiesColumn { line, .. }
             | Self::MixedUnits { line, .. }
             | Self::UnnamedColumns { line, .. }
             | Self::ColumnCount { line, .. } => *line,

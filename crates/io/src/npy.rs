@@ -23,10 +23,7 @@ pub(crate) fn read_npy(
 ) -> Result<Packing, ReadError> {
     let header = Header::parse(bytes).map_err(|problem| ReadError::NpyHeader { problem })?;
     let array = Array::new(&header, &bytes[header.data..])?;
-    let (mut roles, unit) = array.roles(options)?;
-    if options.ignore_ids {
-        roles.iter_mut().filter(|role| **role == Some(Role::Id)).for_each(|role| *role = None);
-    }
+    let (roles, unit) = array.roles(options)?;
     let chosen = array.chosen(&roles, &header)?;
     array.check_size(&header)?;
 
@@ -59,6 +56,7 @@ pub(crate) fn read_npy(
         centres: elements.centres,
         radii: elements.radii,
         ids: elements.ids,
+        bodies: elements.bodies,
         row_numbers: elements.row_numbers,
         source: Source {
             columns: Column::all(&names, &roles, array.named),
@@ -143,7 +141,7 @@ impl<'a> Array<'a> {
         let names: Vec<Name> = self.columns.iter().map(|column| column.name.clone()).collect();
         let row = format!("array of shape {}", self.shape);
         let table = Table { names: &names, header: self.named, line: None, row: &row };
-        let roles = table.roles(options.columns.as_ref())?;
+        let roles = table.roles_and_body(options)?;
         let unit = table.unit(&roles)?;
         Ok((roles, unit))
     }
@@ -199,9 +197,10 @@ impl<'a> Array<'a> {
         for (column, role) in chosen {
             let bytes = self.bytes_of(column, at);
             let label = || column.name.shown();
-            if *role == Role::Id {
-                row.id = id(bytes, &column.scalar)
-                    .map_err(|problem| format!("the id in column {} {problem}", label()))?;
+            if matches!(role, Role::Id | Role::Body) {
+                *(if *role == Role::Id { &mut row.id } else { &mut row.body }) =
+                    whole_number(bytes, &column.scalar)
+                        .map_err(|problem| format!("the {role} in column {} {problem}", label()))?;
                 continue;
             }
             let value = number(bytes, &column.scalar)
@@ -318,7 +317,8 @@ fn integer(bytes: &[u8], scalar: &Scalar) -> i128 {
     }
 }
 
-fn id(bytes: &[u8], scalar: &Scalar) -> Result<i64, String> {
+/// An id or a body.
+fn whole_number(bytes: &[u8], scalar: &Scalar) -> Result<i64, String> {
     if scalar.kind == 'f' {
         let value = float(bytes, scalar.big_endian);
         return whole(value).ok_or_else(|| format!("is {value}, not a whole number up to 2^53"));
@@ -348,8 +348,9 @@ mod tests {
         assert_eq!(integer(&[0xff, 0xfe], &scalar(">i2")), -2);
         assert_eq!(integer(&[1, 0, 0, 0], &scalar("<u4")), 1);
         assert_eq!(integer(&[0, 0, 0, 1], &scalar(">u4")), 1);
-        assert_eq!(id(&i64::MIN.to_le_bytes(), &scalar("<i8")), Ok(i64::MIN));
-        assert!(id(&u64::MAX.to_le_bytes(), &scalar("<u8")).unwrap_err().contains("18446744073709551615"));
+        assert_eq!(whole_number(&i64::MIN.to_le_bytes(), &scalar("<i8")), Ok(i64::MIN));
+        let error = whole_number(&u64::MAX.to_le_bytes(), &scalar("<u8")).unwrap_err();
+        assert!(error.contains("18446744073709551615"));
     }
 
     #[test]
@@ -370,7 +371,7 @@ mod tests {
     fn floats_are_widened_exactly() {
         assert_eq!(float(&0.1_f32.to_be_bytes(), true), f64::from(0.1_f32));
         assert_eq!(float(&0.1_f64.to_le_bytes(), false), 0.1);
-        assert!(id(&0.5_f64.to_le_bytes(), &scalar("<f8")).unwrap_err().contains("0.5"));
-        assert_eq!(id(&7_f32.to_le_bytes(), &scalar("<f4")), Ok(7));
+        assert!(whole_number(&0.5_f64.to_le_bytes(), &scalar("<f8")).unwrap_err().contains("0.5"));
+        assert_eq!(whole_number(&7_f32.to_le_bytes(), &scalar("<f4")), Ok(7));
     }
 }

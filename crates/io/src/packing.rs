@@ -45,7 +45,7 @@ impl Centres {
 /// The elements of one file.
 ///
 /// # Shapes
-/// `centres`: `n`. `radii`, `ids` and `row_numbers`: `n` each where present, in the same order.
+/// `centres`: `n`. `radii`, `ids`, `bodies` and `row_numbers`: `n` each where present, in the same order.
 ///
 /// # Units
 /// `centres` and `radii` share one length unit, the file's own; nothing is converted.
@@ -57,6 +57,8 @@ pub struct Packing {
     pub radii: Option<Vec<f64>>,
     /// Ids from the file, no two alike. `None` without an id column or when ids are ignored.
     pub ids: Option<Vec<i64>>,
+    /// The body that each element is a part of, any numbers; `None` unless [`ReadOptions::bodies`](crate::ReadOptions) asks for them.
+    pub bodies: Option<Vec<i64>>,
     /// The number of the row that each element stands on, increasing; `None` unless rows were skipped, for
     /// then element `i` is row `i`.
     ///

@@ -19,6 +19,9 @@ pub struct ReadOptions {
     pub skip_bad_lines: bool,
     /// Leaves an id column unread, so elements go by their row number.
     pub ignore_ids: bool,
+    /// The column with the body of each element, for [`Packing::bodies`]: its name in the header, or its number counted from 1. It is
+    /// no other column: of a file without names the others are what they would be without it.
+    pub bodies: Option<String>,
 }
 
 /// Reads a packing from the content of a file.

@@ -16,6 +16,7 @@ const WHOLE_FLOATS: f64 = 9_007_199_254_740_992.0;
 enum Slot {
     Skip,
     Id,
+    Body,
     /// Index into [`Row::values`].
     Value(usize),
 }
@@ -27,6 +28,8 @@ pub(crate) struct Row {
     pub(crate) values: [f64; 4],
     /// 0 where the file has no ids.
     pub(crate) id: i64,
+    /// 0 where no column has bodies.
+    pub(crate) body: i64,
 }
 
 /// Where radius or diameter stand in [`Row::values`].
@@ -48,6 +51,7 @@ impl RowReader {
         let slot = |role: &Option<Role>| match role {
             None => Slot::Skip,
             Some(Role::Id) => Slot::Id,
+            Some(Role::Body) => Slot::Body,
             Some(Role::X) => Slot::Value(0),
             Some(Role::Y) => Slot::Value(1),
             Some(Role::Z) => Slot::Value(2),
@@ -84,9 +88,9 @@ impl RowReader {
                     row.values[index] = value;
                     at += length;
                 }
-                Slot::Id => {
-                    let (id, length) = leading_id(rest)?;
-                    row.id = id;
+                Slot::Id | Slot::Body => {
+                    let (number, length) = leading_whole(rest)?;
+                    *(if matches!(slot, Slot::Id) { &mut row.id } else { &mut row.body }) = number;
                     at += length;
                 }
                 Slot::Skip => {
@@ -132,7 +136,8 @@ impl RowReader {
         for ((field, slot), label) in fields.iter().zip(&self.slots).zip(&self.labels) {
             match *slot {
                 Slot::Value(index) => row.values[index] = self.value(field, label)?,
-                Slot::Id => row.id = id(field, label)?,
+                Slot::Id => row.id = whole_number(Role::Id, field, label)?,
+                Slot::Body => row.body = whole_number(Role::Body, field, label)?,
                 Slot::Skip => {}
             }
             if matches!(slot, Slot::Value(SIZE)) {
@@ -312,37 +317,39 @@ pub(crate) fn whole(value: f64) -> Option<i64> {
     (value.fract() == 0.0 && value.abs() <= WHOLE_FLOATS).then_some(value as i64)
 }
 
-fn id(field: &[u8], label: &str) -> Result<i64, String> {
+/// An id or a body.
+fn whole_number(role: Role, field: &[u8], label: &str) -> Result<i64, String> {
     let digits = field.strip_prefix(b"-").or(field.strip_prefix(b"+")).unwrap_or(field);
     let shown = || excerpt::field(field);
     if !digits.is_empty() && digits.iter().all(u8::is_ascii_digit) {
         let number = std::str::from_utf8(field).ok().and_then(|field| field.parse().ok());
-        return number.ok_or_else(|| format!("the id {} in column {label} does not fit 64 bits", shown()));
+        return number
+            .ok_or_else(|| format!("the {role} {} in column {label} does not fit 64 bits", shown()));
     }
     match fast_float2::parse::<f64, _>(field) {
         Ok(value) if value.is_finite() && value.fract() == 0.0 => whole(value).ok_or_else(|| {
             format!(
-                "the id {} in column {label} is beyond 2^53: write it without point and exponent",
+                "the {role} {} in column {label} is beyond 2^53: write it without point and exponent",
                 shown()
             )
         }),
-        _ => Err(format!("the id '{}' in column {label} is not a whole number", shown())),
+        _ => Err(format!("the {role} '{}' in column {label} is not a whole number", shown())),
     }
 }
 
 /// A run of digits with perhaps a minus, and its length; short enough not to overflow.
 #[inline]
-fn leading_id(bytes: &[u8]) -> Option<(i64, usize)> {
+fn leading_whole(bytes: &[u8]) -> Option<(i64, usize)> {
     let sign = usize::from(bytes.first() == Some(&b'-'));
-    let (mut id, mut length) = (0, sign);
+    let (mut number, mut length) = (0, sign);
     while let Some(digit) = bytes.get(length).filter(|byte| byte.is_ascii_digit()) {
         if length == 18 {
             return None;
         }
-        id = id * 10 + i64::from(digit - b'0');
+        number = number * 10 + i64::from(digit - b'0');
         length += 1;
     }
-    (length > sign).then_some((if sign == 1 { -id } else { id }, length))
+    (length > sign).then_some((if sign == 1 { -number } else { number }, length))
 }
 
 fn separator(delimiter: Delimiter) -> Option<u8> {
@@ -416,7 +423,7 @@ mod tests {
 
     #[test]
     fn clean_rows_take_the_fast_way() {
-        let expected = Row { values: [1.0, -2.5, 0.0, 3.0], id: 0 };
+        let expected = Row { values: [1.0, -2.5, 0.0, 3.0], ..Row::default() };
         for (delimiter, line) in [
             (Delimiter::Blank, " 1 \t-2.5  3e0 \r"),
             (Delimiter::Comma, "1 ,\t-2.5,3"),
@@ -455,7 +462,7 @@ mod tests {
             ("9007199254740993", 9_007_199_254_740_993),
             ("9007199254740992.0", 9_007_199_254_740_992),
         ] {
-            assert_eq!(id(field.as_bytes(), "id"), Ok(expected), "{field}");
+            assert_eq!(whole_number(Role::Id, field.as_bytes(), "id"), Ok(expected), "{field}");
         }
         for (field, problem) in [
             ("9223372036854775808", "does not fit"),
@@ -467,12 +474,12 @@ mod tests {
             ("x7", "not a whole"),
             ("-", "not a whole"),
         ] {
-            let error = id(field.as_bytes(), "id").unwrap_err();
+            let error = whole_number(Role::Id, field.as_bytes(), "id").unwrap_err();
             assert!(error.contains(problem), "{field}: {error}");
         }
-        assert_eq!(leading_id(b"-12 "), Some((-12, 3)));
-        assert_eq!(leading_id(b"999999999999999999999"), None, "left to the careful way");
-        assert_eq!(leading_id(b"-"), None);
+        assert_eq!(leading_whole(b"-12 "), Some((-12, 3)));
+        assert_eq!(leading_whole(b"999999999999999999999"), None, "left to the careful way");
+        assert_eq!(leading_whole(b"-"), None);
     }
 
     #[test]
@@ -551,6 +558,6 @@ mod tests {
         let skip = reader(Delimiter::Blank, &[None, Some(Role::X), Some(Role::Y)]);
         assert_eq!(skip.read_clean(b"% 1 2"), None);
         assert_eq!(skip.read(b" % 1 2"), Ok(None));
-        assert_eq!(skip.read(b"5% 1 2"), Ok(Some(Row { values: [1.0, 2.0, 0.0, 0.0], id: 0 })));
+        assert_eq!(skip.read(b"5% 1 2"), Ok(Some(Row { values: [1.0, 2.0, 0.0, 0.0], ..Row::default() })));
     }
 }

@@ -3,6 +3,7 @@
 use crate::columns::{Choice, Columns, Name, Role};
 use crate::error::ReadError;
 use crate::excerpt;
+use crate::read::ReadOptions;
 
 /// More columns are no table of elements, and a name for each might not fit in memory.
 pub(crate) const MOST_COLUMNS: usize = 10_000;
@@ -34,6 +35,30 @@ impl Table<'_> {
             None if self.header => self.roles_by_name(),
             None => self.roles_by_number(),
         }
+    }
+
+    /// As [`Self::roles`], without ids that are not wanted and with the column of bodies.
+    pub(crate) fn roles_and_body(&self, options: &ReadOptions) -> Result<Vec<Option<Role>>, ReadError> {
+        let columns = options.columns.as_ref();
+        let body = options.bodies.as_ref().map(|wanted| self.place_of(wanted)).transpose()?;
+        let mut roles = match body {
+            Some(place) if columns.is_none() && !self.header => {
+                let others: Vec<Name> = [&self.names[..place], &self.names[place + 1..]].concat();
+                let mut roles = Table { names: &others, ..*self }.roles_by_number()?;
+                roles.insert(place, None);
+                roles
+            }
+            _ => self.roles(columns)?,
+        };
+        if options.ignore_ids {
+            roles.iter_mut().filter(|role| **role == Some(Role::Id)).for_each(|role| *role = None);
+        }
+        if let Some(place) = body
+            && let Some(role) = roles[place].replace(Role::Body)
+        {
+            return Err(ReadError::BodiesColumn { line: self.line, column: self.names[place].shown(), role });
+        }
+        Ok(roles)
     }
 
     fn roles_by_choice(&self, chosen: &[(Role, String)]) -> Result<Vec<Option<Role>>, ReadError> {
@@ -122,7 +147,7 @@ impl Table<'_> {
             .names
             .iter()
             .zip(roles)
-            .filter(|(_, role)| role.is_some_and(|role| role != Role::Id))
+            .filter(|(_, role)| role.is_some_and(|role| !matches!(role, Role::Id | Role::Body)))
             .filter_map(|(name, _)| name.unit.as_ref().map(|unit| (name, unit)));
         let Some((first, first_unit)) = lengths.next() else { return Ok(None) };
         match lengths.find(|(_, unit)| *unit != first_unit) {

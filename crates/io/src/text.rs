@@ -67,6 +67,7 @@ pub(crate) fn read_text(
         centres: elements.centres,
         radii: elements.radii,
         ids: elements.ids,
+        bodies: elements.bodies,
         row_numbers: elements.row_numbers,
         source: Source {
             format: Format::Text { delimiter: opening.delimiter },
@@ -235,13 +236,11 @@ impl Opening {
         };
 
         let table = Table { names: &names, header, line: Some(line), row: &excerpt::line(shown) };
-        let mut roles = table.roles(choice)?;
+        let roles = table.roles_and_body(options)?;
         let unit = table.unit(&roles)?;
-        if options.ignore_ids {
-            roles.iter_mut().filter(|role| **role == Some(Role::Id)).for_each(|role| *role = None);
-        }
         let label = |(name, role): (&Name, &Option<Role>)| match role {
-            Some(role) if !header => role.to_string(),
+            // Nothing else tells which column has the bodies.
+            Some(role) if !header && *role != Role::Body => role.to_string(),
             _ => name.shown(),
         };
         let labels = names.iter().zip(&roles).map(label).collect();

@@ -187,6 +187,27 @@ fn headers_that_do_not_serve() {
 }
 
 #[test]
+fn columns_that_hold_no_bodies() {
+    for (text, column, line, message) in [
+        ("x,y,b\n1,2,3\n1,2,0.5\n", "b", 3, "the body '0.5' in column b is not a whole number: 1,2,0.5"),
+        ("1 2 3\n1 2 1e16\n", "3", 2, "the body 1e16 in column 3 is beyond 2^53"),
+        ("x,y,b\n1,2,3\n", "clump", 1, "no column 'clump'; the columns are: x, y, b"),
+        ("x,y,b\n1,2,3\n", "y", 1, "--bodies y: this column is the y of the elements"),
+        (
+            "x,y,id\n1,2,3\n",
+            "3",
+            1,
+            "--bodies id: this column is the id of the elements. If it is not, --ignore-ids",
+        ),
+        ("1 2 3 4 5 6\n", "6", 1, "5 columns and no header"),
+    ] {
+        let error = fails(text, &ReadOptions { bodies: Some(column.to_owned()), ..ReadOptions::default() });
+        assert_eq!(error.line(), Some(line), "{text:?} {column}: {error}");
+        assert!(error.to_string().contains(message), "{text:?} {column}: {error}");
+    }
+}
+
+#[test]
 fn ids_that_repeat() {
     let error = error("id,x,y\n5,0,0\n# c\n7,0,0\n5,0,0\n7,0,0\n");
     assert_eq!(error, ReadError::DuplicateId { id: 5, first: 2, second: 5 });

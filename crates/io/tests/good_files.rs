@@ -166,6 +166,31 @@ fn ignored_ids_may_be_anything() {
 }
 
 #[test]
+fn bodies_are_read_when_asked() {
+    let bodies = |column: &str| ReadOptions { bodies: Some(column.to_owned()), ..ReadOptions::default() };
+    assert_eq!(plain("x,y,body\n1,2,3\n").bodies, None);
+    for (text, column) in [
+        ("x,y,Body[-]\n1,2,-3\n4,5,9e3\n", "body"),
+        ("x,y,Body\n1,2,-3\n4,5,9000\n", "3"),
+        ("\"-3\",1,2\n+9000.0,4,5\n", "1"),
+        ("body[kg] x[m] y[m]\n-3 1 2\n9000 4 5", "body"),
+    ] {
+        let packing = with(text.as_bytes(), &bodies(column));
+        assert_eq!(packing.bodies, Some(vec![-3, 9000]), "{text}");
+        assert_eq!(packing.centres, Centres::Two(vec![[1.0, 2.0], [4.0, 5.0]]), "{text}");
+        assert!(roles(&packing).contains(&Some(Role::Body)), "{text}");
+    }
+    // Next to columns chosen by hand, and where a column of that name is an id.
+    let columns = Some("y,x,_".parse().unwrap());
+    let packing = with(b"2 1 7\n5 4 7\n", &ReadOptions { columns, ..bodies("3") });
+    assert_eq!((packing.bodies, packing.ids), (Some(vec![7, 7]), None));
+    let packing = with(b"id,x,y\n7,0,0\n7,1,1\n", &ReadOptions { ignore_ids: true, ..bodies("id") });
+    assert_eq!((packing.bodies, packing.ids), (Some(vec![7, 7]), None));
+    let bytes = npy("<i2", &[2, 3], npyz::Order::Fortran, &[1_i16, 4, 2, 5, -3, 900]);
+    assert_eq!(with(&bytes, &bodies("3")).bodies, Some(vec![-3, 900]));
+}
+
+#[test]
 fn columns_chosen_by_place() {
     let packing = chosen("7 0.5 1 2 glass\n8 0.25 3 4 steel\n", "id,diameter,x,y,_");
     assert_eq!(packing.centres, Centres::Two(vec![[1.0, 2.0], [3.0, 4.0]]));

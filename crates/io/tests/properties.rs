@@ -14,11 +14,12 @@ use proptest::prelude::*;
 fn all_options() -> Vec<ReadOptions> {
     let mut all = Vec::new();
     for columns in [None, Some("radius,x,y,z"), Some("x=PosX[m],y=2,id=1"), Some("x=3,y=1")] {
-        for flags in 0..4 {
+        for flags in 0..8 {
             all.push(ReadOptions {
                 columns: columns.map(|columns| columns.parse().unwrap()),
                 skip_bad_lines: flags & 1 > 0,
                 ignore_ids: flags & 2 > 0,
+                bodies: (flags & 4 > 0).then(|| "4".to_owned()),
             });
         }
     }
@@ -58,6 +59,7 @@ fn check(packing: &Packing, options: &ReadOptions) {
         assert_eq!(sorted.len(), n, "ids repeat");
         assert!(!options.ignore_ids);
     }
+    assert_eq!(packing.bodies.as_ref().map(Vec::len), options.bodies.as_ref().map(|_| n));
     assert!(options.skip_bad_lines || packing.source.skipped.count == 0);
     assert_eq!(packing.row_numbers.is_some(), packing.source.skipped.count > 0);
     if let Some(numbers) = &packing.row_numbers {
@@ -210,14 +212,15 @@ proptest! {
     /// Quoted fields take the careful way, bare ones the fast way.
     #[test]
     fn the_fast_way_agrees_with_the_careful_way(
-        rows in prop::collection::vec((any::<i64>(), float(), float()), 1..10),
+        rows in prop::collection::vec((any::<i64>(), float(), float(), any::<i64>()), 1..10),
     ) {
-        let [mut bare, mut quoted] = ["id,x,y\n".to_owned(), "id,x,y\n".to_owned()];
-        for (id, x, y) in rows {
-            writeln!(bare, "{id},{x},{y:e}").unwrap();
-            writeln!(quoted, "\"{id}\",\"{x}\",\"{y:e}\"").unwrap();
+        let [mut bare, mut quoted] = ["id,x,y,b\n".to_owned(), "id,x,y,b\n".to_owned()];
+        for (id, x, y, body) in rows {
+            writeln!(bare, "{id},{x},{y:e},{body}").unwrap();
+            writeln!(quoted, "\"{id}\",\"{x}\",\"{y:e}\",\"{body}\"").unwrap();
         }
-        let read = |text: &str| read(text.as_bytes(), &ReadOptions::default(), &AtomicU64::new(0));
+        let options = ReadOptions { bodies: Some("b".to_owned()), ..ReadOptions::default() };
+        let read = |text: &str| read(text.as_bytes(), &options, &AtomicU64::new(0));
         prop_assert_eq!(read(&bare), read(&quoted));
     }
 

@@ -49,6 +49,11 @@ pub(crate) struct ContactsArguments {
     #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true, value_parser = whole::<usize>)]
     pub(crate) threads: usize,
 
+    /// Elements with the same whole number in this column are parts of one body and form no couple. A column of the file by name, or by its number
+    /// from 1; without a header the other columns are counted without it.
+    #[arg(long, value_name = "COLUMN")]
+    pub(crate) bodies: Option<String>,
+
     #[command(flatten)]
     pub(crate) periodic: PeriodicArguments,
 

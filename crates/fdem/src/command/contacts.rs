@@ -27,20 +27,17 @@ pub(crate) fn run(arguments: &ContactsArguments) -> Result<(), Failure> {
     let progress = Progress::new(arguments.quiet);
     let mut outputs = Outputs::open(arguments)?;
 
-    let Input { name, packing, seconds } = input::read(&arguments.input, &progress)?;
+    let input = input::read(&arguments.input, arguments.bodies.as_deref(), &progress)?;
     if arguments.picture.is_some() {
-        picture::check(packing.centres.len(), &name)?;
+        picture::check(input.packing.centres.len(), &input.name)?;
     }
 
     if arguments.explain {
-        return explain(arguments, &name, &packing, outputs);
+        return explain(arguments, &input, outputs);
     }
-    let seconds = Seconds { read: seconds, ..Seconds::default() };
-    let mut summary = match &packing.centres {
-        Centres::Two(centres) => find(arguments, &progress, &name, &packing, centres, &mut outputs, seconds),
-        Centres::Three(centres) => {
-            find(arguments, &progress, &name, &packing, centres, &mut outputs, seconds)
-        }
+    let mut summary = match &input.packing.centres {
+        Centres::Two(centres) => find(arguments, &progress, &input, centres, &mut outputs),
+        Centres::Three(centres) => find(arguments, &progress, &input, centres, &mut outputs),
     }?;
 
     // The last output is the summary, which tells how long the others took.
@@ -60,16 +57,13 @@ pub(crate) fn run(arguments: &ContactsArguments) -> Result<(), Failure> {
 }
 
 /// What the search would take, instead of the search.
-fn explain(
-    arguments: &ContactsArguments,
-    name: &str,
-    packing: &Packing,
-    mut outputs: Outputs,
-) -> Result<(), Failure> {
-    let request = request(arguments, name, packing)?;
+fn explain(arguments: &ContactsArguments, input: &Input, mut outputs: Outputs) -> Result<(), Failure> {
+    let Input { name, packing, .. } = input;
+    let request = request(arguments, input)?;
+    let bodies = input.bodies.as_ref().map(|bodies| bodies.count);
     let told = match &packing.centres {
-        Centres::Two(centres) => Told::of(centres, &request),
-        Centres::Three(centres) => Told::of(centres, &request),
+        Centres::Two(centres) => Told::of(centres, &request, bodies),
+        Centres::Three(centres) => Told::of(centres, &request, bodies),
     };
     let told = told.map_err(|error| refused(name, packing, &error))?;
     outputs.couples.write(|out| out.write_all(told.text().as_bytes()))?;
@@ -82,14 +76,11 @@ fn explain(
     outputs.commit()
 }
 
-fn request<'a>(
-    arguments: &ContactsArguments,
-    name: &str,
-    packing: &'a Packing,
-) -> Result<Request<'a>, Failure> {
+fn request<'a>(arguments: &ContactsArguments, input: &'a Input) -> Result<Request<'a>, Failure> {
     Ok(Request {
-        sizes: sizes(&arguments.input, name, packing)?,
+        sizes: sizes(&arguments.input, &input.name, &input.packing)?,
         tolerance: arguments.input.tolerance,
+        bodies: input.bodies.as_ref().map(|bodies| bodies.numbers.as_slice()),
         engine: arguments.engine.into(),
         threads: arguments.threads,
         keep: !arguments.count || arguments.picture.is_some() || arguments.verify.is_some(),
@@ -100,13 +91,13 @@ fn request<'a>(
 fn find<const D: usize>(
     arguments: &ContactsArguments,
     progress: &Progress,
-    name: &str,
-    packing: &Packing,
+    input: &Input,
     centres: &[[f64; D]],
     outputs: &mut Outputs,
-    mut seconds: Seconds,
 ) -> Result<Summary, Failure> {
-    let request = request(arguments, name, packing)?;
+    let Input { name, packing, .. } = input;
+    let mut seconds = Seconds { read: input.seconds, ..Seconds::default() };
+    let request = request(arguments, input)?;
     let space = Space { centres, cell: periodic_box(&arguments.periodic)? };
     let (found, detection) =
         progress.step("detecting, couples", None, |position| detect(&space, &request, position));
@@ -150,7 +141,7 @@ fn find<const D: usize>(
     if let Some(picture) = &mut outputs.picture {
         picture.write(|out| picture::draw(out, centres, request.sizes, &found.couples.without_shift()))?;
     }
-    Ok(Summary::new(name, packing, &space, &request, &found, verified, seconds))
+    Ok(Summary::new(input, &space, &request, &found, verified, seconds))
 }
 
 fn row<const D: usize, const S: usize>(

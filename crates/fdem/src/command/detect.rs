@@ -3,8 +3,8 @@
 use std::sync::atomic::Ordering;
 
 use fdem_contact::{
-    Couple, Detector, Elements, Engine, Error, PeriodicBox, PeriodicCouple, PeriodicSearch, Plan, Search,
-    verify,
+    Couple, Detector, Elements, Engine, Error, Filter, PeriodicBox, PeriodicCouple, PeriodicSearch, Plan,
+    Search, verify,
 };
 
 use crate::command::periodic::{self, Space};
@@ -42,6 +42,8 @@ impl Sizes<'_> {
 pub(crate) struct Request<'a> {
     pub(crate) sizes: Sizes<'a>,
     pub(crate) tolerance: f64,
+    /// The body of each element: none forms a couple with its own.
+    pub(crate) bodies: Option<&'a [u32]>,
     pub(crate) engine: Engine,
     /// 0 is one for each processor.
     pub(crate) threads: usize,
@@ -58,12 +60,16 @@ impl<'a> Request<'a> {
     where
         'a: 'b,
     {
-        match self.sizes {
+        let elements = match self.sizes {
             Sizes::Each(radii) => Elements::spheres_with_radii(centres, radii),
             Sizes::All(radius) => Elements::spheres(centres, radius),
             Sizes::Cutoff(cutoff) => Elements::points(centres, cutoff),
         }?
-        .with_tolerance(self.tolerance)
+        .with_tolerance(self.tolerance)?;
+        match self.bodies {
+            Some(bodies) => elements.with_filter(Filter::bodies(bodies)),
+            None => Ok(elements),
+        }
     }
 }
 

@@ -9,6 +9,9 @@ use crate::command::detect::Request;
 #[derive(Debug, Serialize)]
 pub(crate) struct Told {
     elements: usize,
+    /// Parts of one of these form no couple.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    bodies: Option<usize>,
     engine: &'static str,
     reason: String,
     cell_size: Option<f64>,
@@ -26,7 +29,11 @@ pub(crate) struct Told {
 }
 
 impl Told {
-    pub(crate) fn of<const D: usize>(centres: &[[f64; D]], request: &Request<'_>) -> Result<Self, Error> {
+    pub(crate) fn of<const D: usize>(
+        centres: &[[f64; D]],
+        request: &Request<'_>,
+        bodies: Option<usize>,
+    ) -> Result<Self, Error> {
         let elements = request.elements(centres)?;
         let detector = Detector::new(request.engine).with_threads(request.threads)?;
         let explanation = detector.explain(&elements)?;
@@ -35,6 +42,7 @@ impl Told {
             explanation;
         Ok(Self {
             elements,
+            bodies,
             engine: Engine::name(plan.engine),
             reason: plan.reason,
             cell_size: plan.cell_size,

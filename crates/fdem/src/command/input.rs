@@ -18,13 +18,38 @@ use crate::command::progress::{Position, Progress};
 pub(crate) struct Input {
     /// The file, as messages call it.
     pub(crate) name: String,
+    /// Without the bodies.
     pub(crate) packing: Packing,
+    pub(crate) bodies: Option<Bodies>,
     /// Time it took.
     pub(crate) seconds: f64,
 }
 
-/// Opens and reads the file; warns of lines that were left out.
-pub(crate) fn read(arguments: &InputArguments, progress: &Progress) -> Result<Input, Failure> {
+/// The bodies that elements are parts of.
+pub(crate) struct Bodies {
+    /// One for each element: the number of its body among all, in ascending order of what the file calls them.
+    pub(crate) numbers: Vec<u32>,
+    /// How many there are.
+    pub(crate) count: usize,
+}
+
+impl Bodies {
+    /// The library numbers bodies with 32 bits; no file has more bodies than elements, and of these the library takes no more.
+    fn new(names: &[i64]) -> Self {
+        let mut distinct = names.to_vec();
+        distinct.sort_unstable();
+        distinct.dedup();
+        let number = |name: &i64| distinct.partition_point(|earlier| earlier < name) as u32;
+        Self { numbers: names.iter().map(number).collect(), count: distinct.len() }
+    }
+}
+
+/// Opens and reads the file, with the column `bodies` if there are any; warns of lines that were left out.
+pub(crate) fn read(
+    arguments: &InputArguments,
+    bodies: Option<&str>,
+    progress: &Progress,
+) -> Result<Input, Failure> {
     let name =
         if is_stdout(&arguments.file) { "standard input".to_owned() } else { display_name(&arguments.file) };
     let (bytes, opening) =
@@ -34,14 +59,16 @@ pub(crate) fn read(arguments: &InputArguments, progress: &Progress) -> Result<In
         columns: arguments.columns.clone(),
         skip_bad_lines: arguments.skip_bad_lines,
         ignore_ids: arguments.ignore_ids,
+        bodies: bodies.map(str::to_owned),
     };
     let (packing, reading) = progress.step("reading", Some(bytes.len() as u64), |position| {
         fdem_io::read(&bytes, &options, position).map_err(|error| unreadable(&name, &error))
     });
     drop(bytes);
-    let packing = packing?;
+    let mut packing = packing?;
     report_skipped(&name, &packing);
-    Ok(Input { name, packing, seconds: opening + reading })
+    let bodies = packing.bodies.take().map(|names| Bodies::new(&names));
+    Ok(Input { name, packing, bodies, seconds: opening + reading })
 }
 
 fn read_bytes(file: &Path, name: &str, position: &Position) -> Result<Vec<u8>, Failure> {

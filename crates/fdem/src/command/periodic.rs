@@ -146,8 +146,10 @@ fn touch<const D: usize>(request: &Request<'_>, i: u32, a: &[f64; D], j: u32, b:
         Sizes::All(radius) => Sizes::All(radius),
         Sizes::Cutoff(cutoff) => Sizes::Cutoff(cutoff),
     };
+    let bodies = request.bodies.map(|bodies| [i, j].map(|element| bodies[element as usize]));
     let pair = [*a, *b];
-    Request { sizes, ..*request }.elements(&pair).is_ok_and(|elements| elements.touch(0, 1))
+    let request = Request { sizes, bodies: bodies.as_ref().map(<[u32; 2]>::as_slice), ..*request };
+    request.elements(&pair).is_ok_and(|elements| elements.touch(0, 1))
 }
 
 /// All whole numbers `s` with `|apart - s| <= margin` along periodic edges, and 0 along the others.
@@ -225,6 +227,7 @@ mod tests {
         let request = Request {
             sizes: Sizes::Cutoff(1.0),
             tolerance: 0.0,
+            bodies: None,
             engine: Engine::Auto,
             threads: 1,
             keep: true,

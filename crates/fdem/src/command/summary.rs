@@ -2,11 +2,10 @@
 
 use std::fmt;
 
-use fdem_io::Packing;
 use serde::Serialize;
 
 use crate::command::detect::{Found, Request, Sizes};
-use crate::command::input::id;
+use crate::command::input::{Input, id};
 use crate::command::periodic::Space;
 
 /// Written as JSON by `--json`, and as text to standard error.
@@ -23,6 +22,9 @@ pub(crate) struct Summary {
     dimensions: usize,
     /// Elements of radius zero.
     points: usize,
+    /// Parts of one of these form no couple.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    bodies: Option<usize>,
     /// Smallest and largest radius; absent without elements.
     radius: Option<[f64; 2]>,
     /// The box around all elements, `[min, max]` per axis; empty without elements.
@@ -76,14 +78,14 @@ pub(crate) struct Seconds {
 
 impl Summary {
     pub(crate) fn new<const D: usize>(
-        file: &str,
-        packing: &Packing,
+        input: &Input,
         space: &Space<'_, D>,
         request: &Request<'_>,
         found: &Found<D>,
         verified: Option<usize>,
         seconds: Seconds,
     ) -> Self {
+        let Input { name, packing, bodies, .. } = input;
         let centres = space.centres;
         let periodic = space.cell.map(|cell| Periodic {
             axes: "xyz"
@@ -110,7 +112,7 @@ impl Summary {
         let max_overlap = found.statistics.max_overlap;
         let columns = packing.source.columns.iter();
         Self {
-            file: file.to_owned(),
+            file: name.clone(),
             format: packing.source.format.to_string(),
             columns: columns.filter_map(|column| Some(format!("{}={}", column.role?, column.name))).collect(),
             unit: packing.source.unit.clone(),
@@ -118,6 +120,7 @@ impl Summary {
             elements: centres.len(),
             dimensions: D,
             points: (0..centres.len()).filter(|&index| extent(index) == 0.0).count(),
+            bodies: bodies.as_ref().map(|bodies| bodies.count),
             radius: radius.filter(|_| cutoff.is_none()),
             domain,
             cutoff,
@@ -174,6 +177,9 @@ impl fmt::Display for Summary {
             line("cut-off", format!("{}{unit}", brief(cutoff)))?;
         } else if self.points > 0 {
             line("", format!("{} of radius zero: points", grouped(self.points as u64)))?;
+        }
+        if let Some(bodies) = self.bodies {
+            line("bodies", format!("{}, without couples of their own parts", grouped(bodies as u64)))?;
         }
         if self.skipped_lines > 0 {
             line("skipped", format!("{} that could not be read", grouped(self.skipped_lines)))?;

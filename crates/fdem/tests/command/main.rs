@@ -5,6 +5,7 @@
 //! - `bench`: the timings of the engines.
 //! - `generate`: packings from seeds.
 //! - `periodic`: boxes that repeat, threads, and what is told before a search.
+//! - `bodies`: elements that are parts of bodies.
 //! - `beds`: a real bed that this project did not make.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failed unwrap is a failed test")]
@@ -12,6 +13,7 @@
 mod bad_input;
 mod beds;
 mod bench;
+mod bodies;
 mod contacts;
 mod generate;
 mod periodic;
