@@ -5,7 +5,7 @@ use std::fmt;
 use crate::couple::Couple;
 use crate::elements::Elements;
 use crate::error::Error;
-use crate::explain::Explanation;
+use crate::explain::{Estimate, Explanation, Means};
 use crate::pool::Pool;
 use crate::real::Real;
 use crate::search::Search;
@@ -200,18 +200,30 @@ impl<T: Real, const D: usize> Detector<T, D> {
     #[doc(alias = "estimate")]
     pub fn explain(&self, elements: &Elements<'_, T, D>) -> Result<Explanation<D>, Error> {
         let plan = self.plan(elements)?;
-        let (bytes, threads, simd) = match plan.engine {
-            Engine::Direct => (0, 1, None),
+        let means = self.means(elements)?;
+        Ok(Explanation::new(plan, elements, means, Estimate::of(elements), size_of::<Couple>()))
+    }
+
+    /// What a search over `elements` will hold and use.
+    pub(crate) fn means(&self, elements: &Elements<'_, T, D>) -> Result<Means, Error> {
+        Ok(match self.plan(elements)?.engine {
+            Engine::Direct => Means::NONE,
             Engine::Nbs => {
-                let integers =
-                    self.nbs.plan(elements).map(|grid| Nbs::integers_for(elements.len(), &grid))?;
-                (integers * size_of::<u32>(), 1, None)
+                let grid = self.nbs.plan(elements)?;
+                let integers = Nbs::integers_for(elements.len(), &grid);
+                Means { bytes: integers * size_of::<u32>(), ..Means::NONE }
             }
-            Engine::Rows | Engine::Auto => {
-                (self.rows.expected_bytes(elements), self.rows.threads(), Some(self.rows.simd_for(elements)))
-            }
-        };
-        Ok(Explanation::new(plan, elements, bytes, threads, simd))
+            Engine::Rows | Engine::Auto => Means {
+                bytes: self.rows.expected_bytes(elements),
+                threads: self.rows.threads(),
+                simd: Some(self.rows.simd_for(elements)),
+            },
+        })
+    }
+
+    /// Bytes that the engines hold now.
+    pub(crate) fn bytes(&self) -> usize {
+        self.rows.bytes() + self.nbs.integers() * size_of::<u32>()
     }
 }
 

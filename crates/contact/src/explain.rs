@@ -2,15 +2,15 @@
 
 use std::fmt::{self, Write};
 
-use crate::couple::Couple;
 use crate::elements::{Elements, Shape};
-use crate::engine::Plan;
+use crate::engine::{Engine, Plan};
 use crate::grid::Grid;
 use crate::real::Real;
 use crate::simd::Simd;
 use crate::verify::split_mix;
 
-/// What a [`Detector`](crate::Detector) would do with a set of elements, and what that takes; for a person, by its `Display`.
+/// What a [`Detector`](crate::Detector) or a [`PeriodicSearch`](crate::PeriodicSearch) would do with a set of elements, and what that takes; for a
+/// person, by its `Display`.
 ///
 /// # Example
 /// ```
@@ -30,6 +30,8 @@ pub struct Explanation<const D: usize> {
     pub plan: Plan<D>,
     /// Number of elements.
     pub elements: usize,
+    /// Number of images that are searched besides, exactly; `None` where nothing repeats.
+    pub images: Option<usize>,
     /// Rows of cells in the domain, those without elements included; `None` where there are no cells. A float, because a wide
     /// domain has more than an integer holds.
     pub rows: Option<f64>,
@@ -40,7 +42,7 @@ pub struct Explanation<const D: usize> {
     /// Standard error of `couples`, from the scatter of the sample; 0 where these are exact.
     pub couples_error: f64,
     /// Bytes that the engine will hold, coordinates and couples of the caller aside: exact for [`Nbs`](crate::Nbs), an upper bound for
-    /// [`Rows`](crate::Rows) unless most elements are in few rows of many.
+    /// [`Rows`](crate::Rows) unless most elements are in few rows of many. With the images, and what is kept of wrapped elements.
     pub bytes: usize,
     /// Bytes of a list of the expected couples, without the room that a list gains as it grows, which is up to as much again.
     pub list_bytes: f64,
@@ -54,24 +56,44 @@ impl<const D: usize> Explanation<D> {
     pub(crate) fn new<T: Real>(
         plan: Plan<D>,
         elements: &Elements<'_, T, D>,
-        bytes: usize,
-        threads: usize,
-        simd: Option<Simd>,
+        means: Means,
+        couples: Estimate,
+        couple_size: usize,
     ) -> Self {
         let rows = plan.cells.as_ref().map(rows_of);
-        let (couples, couples_error) = expected_couples(elements);
         Self {
             elements: elements.len(),
+            images: None,
             rows,
             occupied_rows: rows.map(|rows| rows.min(elements.len() as f64) as u64),
-            couples,
-            couples_error,
-            bytes,
-            list_bytes: couples * size_of::<Couple>() as f64,
-            threads,
-            simd,
+            couples: couples.number,
+            couples_error: couples.error,
+            bytes: means.bytes,
+            list_bytes: couples.number * couple_size as f64,
+            threads: means.threads,
+            simd: means.simd,
             plan,
         }
+    }
+}
+
+/// What an engine holds and uses.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Means {
+    pub(crate) bytes: usize,
+    pub(crate) threads: usize,
+    pub(crate) simd: Option<Simd>,
+}
+
+impl Means {
+    /// Those of [`Engine::Direct`].
+    pub(crate) const NONE: Self = Self { bytes: 0, threads: 1, simd: None };
+}
+
+impl<const D: usize> Plan<D> {
+    /// To test all elements with all others.
+    pub(crate) fn without_cells(reason: &str) -> Self {
+        Self { engine: Engine::Direct, reason: reason.to_owned(), cell_size: None, cells: None }
     }
 }
 
@@ -79,6 +101,9 @@ impl<const D: usize> fmt::Display for Explanation<D> {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(out, "engine    {}: {}", self.plan.engine, self.plan.reason)?;
         writeln!(out, "elements  {}", grouped(self.elements as f64))?;
+        if let Some(images) = self.images {
+            writeln!(out, "images    {}", grouped(images as f64))?;
+        }
         if let (Some(edge), Some(cells)) = (self.plan.cell_size, self.plan.cells) {
             let cells: Vec<_> = cells.iter().map(|&cells| grouped(cells as f64)).collect();
             writeln!(out, "cells     {}, edge {edge:.6}", cells.join(" x "))?;
@@ -131,50 +156,116 @@ const SAMPLE: usize = 1024;
 /// Of the cells around an element three axes are told apart: more would be more cells than elements in them.
 const AXES: usize = 3;
 
-/// The couples to expect, and their standard error: the neighbours of a sample are counted, exactly.
-///
-/// The sample is one element at random out of each of 1024 stretches of equal length: elements that are numbered cluster by cluster or row by
-/// row are all represented, and no stride can fall in step with a lattice. The cells around the sampled elements go into a table; one
-/// pass over all elements looks up the cell of each, and tests it against the sampled elements around it.
-fn expected_couples<T: Real, const D: usize>(elements: &Elements<'_, T, D>) -> (f64, f64) {
-    let n = elements.len();
-    if n == 0 {
-        return (0.0, 0.0);
-    }
-    let sample = n.min(SAMPLE);
-    let mut state = 0;
-    let picked = (0..sample).map(|k| {
-        let (from, to) = (k * n / sample, (k + 1) * n / sample);
-        from + (split_mix(&mut state) % (to - from) as u64) as usize
-    });
-    let points = match elements.shape {
-        Shape::Equal(equal) => equal.points(),
-        Shape::Spheres(spheres) => spheres.points(),
-        Shape::Boxes(boxes) => boxes.points(),
-    };
-    let cells = Cells::new(elements);
-    let table = Table::new(&cells, points, picked.collect());
+/// A number of couples, and its standard error.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Estimate {
+    number: f64,
+    error: f64,
+}
 
-    let mut counts = vec![0_u64; sample];
-    for (j, point) in points.iter().enumerate() {
-        let cell = cells.of(point);
-        for entry in table.at(&cell) {
-            let i = table.picked[entry.sampled as usize];
-            if entry.cell == cell && i != j && elements.touch(i, j) {
-                counts[entry.sampled as usize] += 1;
+/// What a set of elements has around it where space repeats: images, which come on top of the elements.
+pub(crate) trait Around<T, const D: usize> {
+    /// Where the images are.
+    fn points(&self) -> &[[T; D]];
+
+    /// Whether an element touches an image.
+    fn touch(&self, element: usize, image: usize) -> bool;
+
+    /// Whether this couple is the one that is reported, of the two that are each other's image.
+    fn is_reported(&self, element: usize, image: usize) -> bool;
+}
+
+/// No images.
+struct Nothing;
+
+impl<T, const D: usize> Around<T, D> for Nothing {
+    fn points(&self) -> &[[T; D]] {
+        &[]
+    }
+
+    fn touch(&self, _: usize, _: usize) -> bool {
+        false
+    }
+
+    fn is_reported(&self, _: usize, _: usize) -> bool {
+        false
+    }
+}
+
+impl Estimate {
+    /// The couples to expect of these elements.
+    pub(crate) fn of<T: Real, const D: usize>(elements: &Elements<'_, T, D>) -> Self {
+        Self::with_images(elements, elements.len(), Grid::unbounded(elements), &Nothing)
+    }
+
+    /// The couples to expect of the first `n` elements and images of them, over cells that hold all: no two that touch are
+    /// more than one cell apart. The neighbours of a sample are counted, exactly.
+    ///
+    /// The sample is one element at random out of each of 1024 stretches of equal length: elements that are numbered cluster by cluster or row by
+    /// row are all represented, and no stride can fall in step with a lattice. The cells around the sampled elements go into a table; one
+    /// pass over all elements and images looks up the cell of each, and tests it against the sampled elements around it.
+    ///
+    /// Every couple is seen from both of its elements, also one of an element and its own image, which has two neighbours thereby. So
+    /// neighbours are halved; but where all are counted, those across a face count as they are reported, since the two views may round otherwise.
+    pub(crate) fn with_images<T: Real, const D: usize>(
+        elements: &Elements<'_, T, D>,
+        n: usize,
+        grid: Grid<D>,
+        around: &impl Around<T, D>,
+    ) -> Self {
+        if n == 0 {
+            return Self { number: 0.0, error: 0.0 };
+        }
+        let sample = n.min(SAMPLE);
+        let mut state = 0;
+        let picked = (0..sample).map(|k| {
+            let (from, to) = (k * n / sample, (k + 1) * n / sample);
+            from + (split_mix(&mut state) % (to - from) as u64) as usize
+        });
+        let points = match elements.shape {
+            Shape::Equal(equal) => equal.points(),
+            Shape::Spheres(spheres) => spheres.points(),
+            Shape::Boxes(boxes) => boxes.points(),
+        };
+        let points = &points[..n];
+        let cells = Cells::new(grid);
+        let table = Table::new(&cells, points, picked.collect());
+
+        let mut counts = vec![0_u64; sample];
+        for (j, point) in points.iter().enumerate() {
+            let cell = cells.of(point);
+            for entry in table.at(&cell) {
+                let i = table.picked[entry.sampled as usize];
+                if entry.cell == cell && i != j && elements.touch(i, j) {
+                    counts[entry.sampled as usize] += 1;
+                }
             }
         }
-    }
+        let within = counts.iter().sum::<u64>();
+        let mut reported = 0_u64;
+        for (image, point) in around.points().iter().enumerate() {
+            let cell = cells.of(point);
+            for entry in table.at(&cell) {
+                let i = table.picked[entry.sampled as usize];
+                if entry.cell == cell && around.touch(i, image) {
+                    counts[entry.sampled as usize] += 1;
+                    reported += u64::from(around.is_reported(i, image));
+                }
+            }
+        }
 
-    let sum: u64 = counts.iter().sum();
-    let couples = sum as f64 * n as f64 / (2.0 * sample as f64);
-    if sample == n {
-        return (couples, 0.0);
+        if sample == n {
+            return Self { number: (within / 2 + reported) as f64, error: 0.0 };
+        }
+        let sum: u64 = counts.iter().sum();
+        let mean = sum as f64 / sample as f64;
+        let squares: f64 = counts.iter().map(|&count| (count as f64 - mean) * (count as f64 - mean)).sum();
+        let variance = squares / (sample - 1) as f64;
+        Self {
+            number: sum as f64 * n as f64 / (2.0 * sample as f64),
+            error: (variance / sample as f64).sqrt() * n as f64 / 2.0,
+        }
     }
-    let mean = sum as f64 / sample as f64;
-    let squares: f64 = counts.iter().map(|&count| (count as f64 - mean) * (count as f64 - mean)).sum();
-    let variance = squares / (sample - 1) as f64;
-    (couples, (variance / sample as f64).sqrt() * n as f64 / 2.0)
 }
 
 type Cell = [u64; AXES];
@@ -186,8 +277,7 @@ struct Cells<const D: usize> {
 }
 
 impl<const D: usize> Cells<D> {
-    fn new<T: Real>(elements: &Elements<'_, T, D>) -> Self {
-        let grid = Grid::unbounded(elements);
+    fn new(grid: Grid<D>) -> Self {
         let mut axes = std::array::from_fn(|axis| axis);
         axes.sort_by_key(|&axis| std::cmp::Reverse(grid.cells()[axis]));
         Self { grid, axes }
@@ -289,7 +379,7 @@ mod tests {
     #[test]
     fn the_table_has_the_cells_around_each_element() {
         let points = [[0.0, 0.0, 0.0], [9.0, 9.0, 9.0], [4.0, 4.0, 4.0]];
-        let cells = Cells::new(&Elements::points(&points, 1.0).unwrap());
+        let cells = Cells::new(Grid::unbounded(&Elements::points(&points, 1.0).unwrap()));
         let table = Table::new(&cells, &points, vec![0, 2]);
         assert_eq!(table.entries.len(), 8 + 27);
         for (sampled, index) in [(0, 0), (1, 2)] {

@@ -21,7 +21,7 @@
 //! | two sets, one of them sorted once: walls, boundaries | [`Index`], [`Index::couples_with`] |
 //! | all elements within a distance of points, or the nearest `k` | [`Index::within`], [`Index::nearest`] |
 //! | to know beforehand what will run, and why | [`Detector::plan`] |
-//! | and the rows, the bytes, about how many couples | [`Detector::explain`] |
+//! | and the rows, the bytes, about how many couples | [`Detector::explain`], [`PeriodicSearch::explain`] |
 //! | the fastest search, and nothing else | [`Rows`] |
 //! | Munjiza-NBS as the book has it, its memory law, its figures | [`Nbs`], [`Observer`] |
 //! | the oracle | [`Direct`] |

@@ -4,9 +4,11 @@ pub(crate) mod cell;
 mod images;
 
 use crate::couple::Couple;
-use crate::elements::Elements;
-use crate::engine::{Detector, Engine};
+use crate::elements::{Elements, Shape};
+use crate::engine::{Detector, Engine, Plan};
 use crate::error::Error;
+use crate::explain::{Around, Estimate, Explanation, Means};
+use crate::grid::Grid;
 use crate::periodic::cell::PeriodicBox;
 use crate::periodic::images::Images;
 use crate::pool::Pool;
@@ -157,9 +159,77 @@ impl<T: Real, const D: usize> PeriodicSearch<T, D> {
         Ok(self)
     }
 
-    /// Number of images that the last search made.
+    /// Number of images that the last search, or the last explanation, made.
     pub fn images(&self) -> usize {
         self.images.owners.len()
+    }
+
+    /// Bytes that are held now: elements, images, the engines, and working memory.
+    pub fn bytes(&self) -> usize {
+        let parts = self.parts.iter().map(Vec::capacity).sum::<usize>();
+        self.detector.bytes()
+            + self.outer_detector.bytes()
+            + self.images.bytes()
+            + parts * size_of::<PeriodicCouple<D>>()
+    }
+
+    /// What a search would take: engine, rows, images, bytes, and about how many couples there are.
+    ///
+    /// The plan and the rows are those of the search over all elements; in a box with many images these are searched with the elements,
+    /// and are in the plan and the rows too. The couples are estimated as by [`Detector::explain`], images among the neighbours.
+    ///
+    /// # Cost
+    /// The elements are wrapped and the images made, in the memory in which a search would do so. Then one pass over elements and images, as
+    /// in [`Detector::explain`].
+    ///
+    /// # Errors
+    /// As [`PeriodicSearch::for_each`], but for those of memory that only a search takes.
+    ///
+    /// # Example
+    /// ```
+    /// use fdem_contact::{Elements, Engine, PeriodicBox, PeriodicSearch};
+    ///
+    /// // A row of discs that closes across the face of the box.
+    /// let discs: Vec<[f64; 2]> = (0..100).map(|k| [f64::from(k), 0.0]).collect();
+    /// let elements = Elements::spheres(&discs, 0.5)?;
+    /// let cell = PeriodicBox::orthogonal([0.0, 0.0], [100.0, 9.0], [true, true])?;
+    /// let explanation = PeriodicSearch::new(Engine::Auto).explain(&elements, &cell)?;
+    /// assert_eq!(explanation.couples, 100.0);
+    /// println!("{explanation}");
+    /// # Ok::<(), fdem_contact::Error>(())
+    /// ```
+    #[doc(alias = "estimate")]
+    pub fn explain(
+        &mut self,
+        elements: &Elements<'_, T, D>,
+        cell: &PeriodicBox<T, D>,
+    ) -> Result<Explanation<D>, Error> {
+        let asked_for = self.engine != Engine::Auto;
+        let Prepared { images, inner, outer, test, of_inner, of_outer, .. } = self.prepare(elements, cell)?;
+        let (searched, by) = match &inner {
+            Some(inner) => (inner, &*of_inner),
+            None => (&outer, &*of_outer),
+        };
+        let (plan, mut means) = if test {
+            let small =
+                "all elements are within reach of most others: each is tested with all, and with all images";
+            (Plan::without_cells(if asked_for { "asked for" } else { small }), Means::NONE)
+        } else {
+            (by.plan(searched)?, by.means(searched)?)
+        };
+        if inner.is_some() {
+            means.bytes += of_outer.means(&outer).map_err(|error| images.named_error(error))?.bytes;
+        }
+        means.bytes += images.bytes();
+
+        // Wide enough for elements and images together: that they are more can only widen cells by the eighth which wide domains ask for.
+        let bounds = searched.bounds().join(&outer.bounds());
+        let edge = Grid::unbounded(searched).cell_size().max(Grid::unbounded(&outer).cell_size());
+        let grid = Grid::with_cell_size(bounds.min, bounds.max, 1.125 * edge);
+        let around = AroundElements { images, outer: &outer };
+        let couples = Estimate::with_images(searched, elements.len(), grid, &around);
+        let told = Explanation::new(plan, searched, means, couples, size_of::<PeriodicCouple<D>>());
+        Ok(Explanation { elements: elements.len(), images: Some(images.owners.len()), ..told })
     }
 
     /// Calls `visit` with every couple that touches; nothing is stored but elements and images.
@@ -399,6 +469,41 @@ impl<T: Real, const D: usize> Prepared<'_, T, D> {
         });
         states.append(&mut outer.map_err(|error| images.named_error(error))?);
         Ok(states)
+    }
+}
+
+/// The images around all elements, to be counted.
+struct AroundElements<'s, T, const D: usize> {
+    images: &'s Images<T, D>,
+    /// Elements near the faces, or all, and the images.
+    outer: &'s Elements<'s, T, D>,
+}
+
+impl<T: Real, const D: usize> AroundElements<'_, T, D> {
+    /// An element and an image by their places among the outer elements, if the element has a place there; others touch no image.
+    fn couple(&self, element: usize, image: usize) -> Option<Couple> {
+        let near = &self.images.near;
+        let i = if self.images.apart { near.binary_search(&(element as u32)).ok()? } else { element };
+        Some(Couple { i: i as u32, j: (near.len() + image) as u32 })
+    }
+}
+
+impl<T: Real, const D: usize> Around<T, D> for AroundElements<'_, T, D> {
+    fn points(&self) -> &[[T; D]] {
+        let points = match &self.outer.shape {
+            Shape::Equal(equal) => equal.points(),
+            Shape::Spheres(spheres) => spheres.points(),
+            Shape::Boxes(boxes) => boxes.points(),
+        };
+        &points[self.images.near.len()..]
+    }
+
+    fn touch(&self, element: usize, image: usize) -> bool {
+        self.couple(element, image).is_some_and(|Couple { i, j }| self.outer.touch(i as usize, j as usize))
+    }
+
+    fn is_reported(&self, element: usize, image: usize) -> bool {
+        self.couple(element, image).is_some_and(|couple| self.images.is_reported(couple))
     }
 }
 

@@ -125,6 +125,25 @@ impl<T: Real, const D: usize> Images<T, D> {
         }
     }
 
+    /// Bytes that are held now.
+    pub(crate) fn bytes(&self) -> usize {
+        let points = self.wrapped.capacity() + self.wrapped_far.capacity();
+        let points = points + self.points.capacity() + self.far_points.capacity();
+        let shifts = self.periods.capacity() + self.shifts.capacity();
+        let numbers = self.near.capacity() + self.owners.capacity();
+        let chunk = |chunk: &Chunk<T, D>| {
+            chunk.owners.capacity() * size_of::<u32>() + chunk.points.capacity() * size_of::<[T; D]>()
+        };
+        points * size_of::<[T; D]>()
+            + shifts * size_of::<[i32; D]>()
+            + numbers * size_of::<u32>()
+            + self.away.capacity() * size_of::<u64>()
+            + self.radii.capacity() * size_of::<T>()
+            + self.labels.bytes()
+            + self.chunks.capacity() * size_of::<Chunk<T, D>>()
+            + self.chunks.iter().map(chunk).sum::<usize>()
+    }
+
     /// Wraps the elements, and makes all images that may touch a wrapped element, at most `max_images`.
     pub(crate) fn build(
         &mut self,

@@ -57,8 +57,8 @@ pub(crate) struct ContactsArguments {
     #[command(flatten)]
     pub(crate) periodic: PeriodicArguments,
 
-    /// Print what the search would take and do not search: engine, cells, rows, about how many couples, memory.
-    #[arg(long, conflicts_with_all = ["periodic", "output", "count", "picture", "verify"])]
+    /// Print what the search would take and do not search: engine, cells, rows, images, about how many couples, memory.
+    #[arg(long, conflicts_with_all = ["output", "count", "picture", "verify"])]
     pub(crate) explain: bool,
 
     /// Write the couples to FILE.csv or FILE.npy instead of standard output.

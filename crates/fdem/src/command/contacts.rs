@@ -58,14 +58,10 @@ pub(crate) fn run(arguments: &ContactsArguments) -> Result<(), Failure> {
 
 /// What the search would take, instead of the search.
 fn explain(arguments: &ContactsArguments, input: &Input, mut outputs: Outputs) -> Result<(), Failure> {
-    let Input { name, packing, .. } = input;
-    let request = request(arguments, input)?;
-    let bodies = input.bodies.as_ref().map(|bodies| bodies.count);
-    let told = match &packing.centres {
-        Centres::Two(centres) => Told::of(centres, &request, bodies),
-        Centres::Three(centres) => Told::of(centres, &request, bodies),
-    };
-    let told = told.map_err(|error| refused(name, packing, &error))?;
+    let told = match &input.packing.centres {
+        Centres::Two(centres) => told(arguments, input, centres),
+        Centres::Three(centres) => told(arguments, input, centres),
+    }?;
     outputs.couples.write(|out| out.write_all(told.text().as_bytes()))?;
     if let Some(json) = &mut outputs.json {
         json.write(|out| {
@@ -74,6 +70,17 @@ fn explain(arguments: &ContactsArguments, input: &Input, mut outputs: Outputs) -
         })?;
     }
     outputs.commit()
+}
+
+fn told<const D: usize>(
+    arguments: &ContactsArguments,
+    input: &Input,
+    centres: &[[f64; D]],
+) -> Result<Told, Failure> {
+    let Input { name, packing, bodies, .. } = input;
+    let space = Space { centres, cell: periodic_box(&arguments.periodic)? };
+    let bodies = bodies.as_ref().map(|bodies| bodies.count);
+    Told::of(&space, &request(arguments, input)?, bodies).map_err(|error| refused(name, packing, &error))
 }
 
 fn request<'a>(arguments: &ContactsArguments, input: &'a Input) -> Result<Request<'a>, Failure> {

@@ -1,9 +1,10 @@
 //! `fdem contacts --explain`: what a search would take, and no search.
 
-use fdem_contact::{Detector, Engine, Error, Explanation};
+use fdem_contact::{Detector, Engine, Error, Explanation, PeriodicSearch};
 use serde::Serialize;
 
 use crate::command::detect::Request;
+use crate::command::periodic::Space;
 
 /// Written as JSON by `--json`, and as text to standard output.
 #[derive(Debug, Serialize)]
@@ -12,6 +13,9 @@ pub(crate) struct Told {
     /// Parts of one of these form no couple.
     #[serde(skip_serializing_if = "Option::is_none")]
     bodies: Option<usize>,
+    /// In a box that repeats.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    images: Option<usize>,
     engine: &'static str,
     reason: String,
     cell_size: Option<f64>,
@@ -30,19 +34,24 @@ pub(crate) struct Told {
 
 impl Told {
     pub(crate) fn of<const D: usize>(
-        centres: &[[f64; D]],
+        space: &Space<'_, D>,
         request: &Request<'_>,
         bodies: Option<usize>,
     ) -> Result<Self, Error> {
-        let elements = request.elements(centres)?;
-        let detector = Detector::new(request.engine).with_threads(request.threads)?;
-        let explanation = detector.explain(&elements)?;
+        let elements = request.elements(space.centres)?;
+        let (engine, threads) = (request.engine, request.threads);
+        let explanation = match &space.cell {
+            None => Detector::new(engine).with_threads(threads)?.explain(&elements),
+            Some(cell) => PeriodicSearch::new(engine).with_threads(threads)?.explain(&elements, cell),
+        }?;
         let text = explanation.to_string();
-        let Explanation { plan, elements, rows, occupied_rows, couples, couples_error, bytes, .. } =
-            explanation;
+        let Explanation {
+            plan, elements, images, rows, occupied_rows, couples, couples_error, bytes, ..
+        } = explanation;
         Ok(Self {
             elements,
             bodies,
+            images,
             engine: Engine::name(plan.engine),
             reason: plan.reason,
             cell_size: plan.cell_size,

@@ -137,7 +137,7 @@ fn boxes_that_make_no_sense_are_refused() {
     let bench = Bench::new();
     bench.write("in.csv", ENDS);
     bench.write("solid.csv", "x,y,z,r\n0,0,0,1\n");
-    let refused: [(&[&str], &[&str]); 16] = [
+    let refused: [(&[&str], &[&str]); 15] = [
         (&["--periodic", "x"], &["--periodic", "--box or --edges"]),
         (&["--box", "0,1,0,1"], &["--periodic"]),
         (&["--periodic", "xq", "--box", "0,1,0,1"], &["--periodic", "'q' is not one of x, y, z"]),
@@ -153,11 +153,12 @@ fn boxes_that_make_no_sense_are_refused() {
         (&["--periodic", "x", "--edges", "0,1,1,0"], &["--edges"]),
         (&["--periodic", "x", "--edges", "1,0,0,1", "--origin", "1"], &["--origin", "2 numbers"]),
         (&["--periodic", "x", "--box", "0,1,0,1", "--origin", "1,1"], &["--origin"]),
-        (&["--periodic", "x", "--box", "0,1,0,1", "--explain"], &["--explain", "--periodic"]),
     ];
     for (options, parts) in refused {
-        let output = if options.contains(&"--explain") { "--json" } else { "-o" };
-        bench.run(&[&["contacts", "in.csv", output, "out.csv"], options].concat()).refused_with(parts);
+        bench.run(&[&["contacts", "in.csv", "-o", "out.csv"], options].concat()).refused_with(parts);
+        bench
+            .run(&[&["contacts", "in.csv", "--explain", "--json", "e.json"], options].concat())
+            .refused_with(parts);
         assert_eq!(bench.files(), ["in.csv", "solid.csv"], "{options:?}");
     }
     bench.run(&["contacts", "solid.csv", "--periodic", "z", "--box", "0,1,0,1"]).refused_with(&[
@@ -215,4 +216,43 @@ fn a_search_is_explained_and_not_run() {
     bench
         .run(&["contacts", "far.csv", "--explain", "--engine", "nbs"])
         .refused_with(&["far.csv", "too many for the lists"]);
+}
+
+#[test]
+fn a_search_in_a_box_is_explained_and_not_run() {
+    let bench = Bench::new();
+    bench.run(&["generate", "gas", "-n", "20000", "--neighbours", "12", "-o", "gas.csv"]).succeeds();
+    // Most of the gas is outside of the sheared box, and so elements are wrapped.
+    for edges in [&["--box", "0,19,0,19,0,19"][..], &["--edges", "9,0,0,3,9,0,-2,1,9"]] {
+        let options = [&["contacts", "gas.csv", "--periodic", "xyz"], edges].concat();
+        let told = |engine: &str| {
+            let more = ["--engine", engine, "--explain", "--json", "e.json"];
+            let run = bench.run(&[&options[..], &more].concat()).succeeds();
+            for part in ["elements  20,000\n", "images    ", "couples   about "] {
+                assert!(run.stdout.contains(part), "{part:?} is not in\n{}", run.stdout);
+            }
+            assert!(!run.stdout.contains("i,j,"), "no couples are written");
+            bench.json("e.json")
+        };
+        let run = bench.run(&[&options[..], &["--count", "--json", "s.json"]].concat()).succeeds();
+        let found = run.stdout.trim().parse::<f64>().unwrap();
+        for engine in ["auto", "nbs"] {
+            let told = told(engine);
+            let expected = told["expected_couples"].as_f64().unwrap();
+            assert!((expected / found - 1.0).abs() < 0.1, "{expected} for {found}");
+            assert!(told["images"].as_u64().unwrap() > 1000, "{told}");
+            assert_eq!(told["list_bytes"].as_f64().unwrap(), 20.0 * expected);
+        }
+        assert_eq!(told("auto")["engine"], bench.json("s.json")["engine"]);
+    }
+    // Few elements are counted, and those of one body do not count.
+    bench.write("ends.csv", "x,y,radius,body\n0.25,2,0.5,1\n3.5,2,0.5,1\n0.25,3,0.5,2\n");
+    let options = ["contacts", "ends.csv", "--explain", "--periodic", "x", "--box", "0,4,0,4"];
+    assert!(bench.run(&options).succeeds().stdout.contains("couples   2\n"));
+    let run = bench.run(&[&options[..], &["--bodies", "body"]].concat()).succeeds();
+    assert!(run.stdout.contains("couples   1\n"), "{}", run.stdout);
+    bench.write("far.csv", "id,x,y,r\n7,1e12,0,0.1\n8,0,0,0.1\n");
+    bench
+        .run(&["contacts", "far.csv", "--explain", "--periodic", "x", "--box", "0,1,0,1"])
+        .refused_with(&["far.csv", "id 7"]);
 }
