@@ -1,7 +1,7 @@
 //! What the fuzz targets share: elements out of arbitrary bytes.
 
 use arbitrary::{Result, Unstructured};
-use fdem_contact::{Couple, Direct, Elements, Error, Filter, GroupMatrix, Real, Search};
+use fdem_contact::{Couple, CrossCouple, Direct, Elements, Error, Filter, GroupMatrix, Real, Search};
 
 /// A float type with bits.
 pub trait Number: Real {
@@ -91,6 +91,22 @@ impl Labels {
             _ => None,
         }
     }
+
+    /// Whether element `i` and element `j` of another set with the same kind of labels see each other.
+    fn see(&self, i: usize, other: &Self, j: usize) -> bool {
+        let bodies = self.bodies[i] != other.bodies[j];
+        let masks =
+            self.categories[i] & other.masks[j] != 0 && other.categories[j] & self.masks[i] != 0;
+        let groups = || self.matrix.sees(self.groups[i], other.groups[j]);
+        match self.kind {
+            0 => bodies,
+            1 => masks,
+            2 | 3 => groups(),
+            4 => masks && bodies,
+            5 => groups() && bodies,
+            _ => true,
+        }
+    }
 }
 
 /// A set of elements, valid or not, in arrays that are exactly as long as it: the sanitizer sees a read behind them.
@@ -105,13 +121,23 @@ pub struct Scene<T, const D: usize> {
 impl<T: Number, const D: usize> Scene<T, D> {
     fn new(bytes: &mut Unstructured<'_>) -> Result<Self> {
         let numbers = Numbers::new(bytes)?;
-        let shape = bytes.int_in_range(0..=3)?;
+        let (shape, filter) = (bytes.int_in_range(0..=3)?, bytes.int_in_range(0..=11)?);
+        Self::of(&numbers, shape, filter, MOST_ELEMENTS, bytes)
+    }
+
+    /// At most `most` elements, as long as there are bytes.
+    fn of(
+        numbers: &Numbers<T>,
+        shape: u8,
+        filter: u8,
+        most: usize,
+        bytes: &mut Unstructured<'_>,
+    ) -> Result<Self> {
         let tolerance = if bytes.ratio(1, 2)? { T::ZERO } else { numbers.length(bytes)? };
         let size = numbers.length(bytes)?;
-        let filter = bytes.int_in_range(0..=11)?;
         let (mut points, mut radii, mut corners) = (Vec::new(), Vec::new(), Vec::new());
         let mut labels = Vec::new();
-        while !bytes.is_empty() && points.len() < MOST_ELEMENTS {
+        while !bytes.is_empty() && points.len() < most {
             let point = numbers.point(bytes)?;
             points.push(point);
             labels.push(if filter < 6 { bytes.arbitrary()? } else { 0 });
@@ -148,6 +174,100 @@ impl<T: Number, const D: usize> Scene<T, D> {
             None => Ok(elements),
         }
     }
+}
+
+/// Two sets of elements with numbers from one lattice, so that the one often touches the other, and points to ask about.
+#[derive(Debug)]
+pub struct Pair<T, const D: usize> {
+    /// Those that ask.
+    pub moving: Scene<T, D>,
+    /// Those that are asked.
+    pub fixed: Scene<T, D>,
+    /// Points around which elements are sought.
+    pub points: Box<[[T; D]]>,
+    /// How far from them.
+    pub r: T,
+    /// How many of them.
+    pub k: usize,
+}
+
+impl<T: Number, const D: usize> Pair<T, D> {
+    fn new(bytes: &mut Unstructured<'_>) -> Result<Self> {
+        let numbers = Numbers::new(bytes)?;
+        let shape = bytes.int_in_range(0..=3)?;
+        let filter = bytes.int_in_range(0..=11)?;
+        // Mostly alike, or every search would be refused.
+        let other_shape = if shape < 3 { bytes.int_in_range(0..=2)? } else { 3 };
+        let other_shape = if bytes.ratio(1, 16)? { bytes.int_in_range(0..=3)? } else { other_shape };
+        let other_filter = if bytes.ratio(1, 16)? { bytes.int_in_range(0..=11)? } else { filter };
+        let r = numbers.length(bytes)?;
+        let k = usize::from(bytes.arbitrary::<u8>()? % 40);
+        let most = |bytes: &mut Unstructured<'_>| Ok(usize::from(bytes.arbitrary::<u8>()?));
+        let (points_at_most, moving_at_most, fixed_at_most) =
+            (most(bytes)? % 64, most(bytes)?, most(bytes)?);
+        let mut points = Vec::new();
+        while !bytes.is_empty() && points.len() < points_at_most {
+            points.push(numbers.point(bytes)?);
+        }
+        let moving = Scene::of(&numbers, other_shape, other_filter, moving_at_most, bytes)?;
+        let fixed = Scene::of(&numbers, shape, filter, fixed_at_most, bytes)?;
+        Ok(Self { moving, fixed, points: points.into(), r, k })
+    }
+}
+
+impl<T: Number, const D: usize> Scene<T, D> {
+    /// The points, minimum corners of boxes.
+    pub fn points(&self) -> &[[T; D]] {
+        &self.points
+    }
+
+    /// The couples that the documentation of `Index` promises for elements of this scene and of another, ascending; or what it refuses.
+    ///
+    /// # Errors
+    /// [`Error::UnlikeShapes`], [`Error::UnlikeFilters`].
+    pub fn couples_with(&self, other: &Self) -> std::result::Result<Vec<CrossCouple>, Error> {
+        let boxes = |scene: &Self| matches!(scene.shape, Shape::Boxes(_));
+        if boxes(self) != boxes(other) {
+            return Err(Error::UnlikeShapes);
+        }
+        if self.points.is_empty() || other.points.is_empty() {
+            return Ok(Vec::new());
+        }
+        let kind = |scene: &Self| scene.labels.filter().is_some().then_some(scene.labels.kind);
+        if kind(self) != kind(other) {
+            return Err(Error::UnlikeFilters);
+        }
+        let all = (0..self.points.len()).flat_map(|i| (0..other.points.len()).map(move |j| (i, j)));
+        let touching = all.filter(|&(i, j)| self.labels.see(i, &other.labels, j) && self.touch(i, other, j));
+        Ok(touching.map(|(i, j)| CrossCouple { i: i as u32, j: j as u32 }).collect())
+    }
+
+    /// The comparison as `Elements` documents it, with the larger of the tolerances.
+    fn touch(&self, i: usize, other: &Self, j: usize) -> bool {
+        let tolerance = if self.tolerance > other.tolerance { self.tolerance } else { other.tolerance };
+        if let (Shape::Boxes(far), Shape::Boxes(others)) = (&self.shape, &other.shape) {
+            return (0..D).all(|axis| {
+                self.points[i][axis] <= others[j][axis] + tolerance
+                    && other.points[j][axis] <= far[i][axis] + tolerance
+            });
+        }
+        let reach = (self.radius(i) + other.radius(j)) + tolerance;
+        distance_squared(&self.points[i], &other.points[j]) <= reach * reach
+    }
+
+    fn radius(&self, index: usize) -> T {
+        match &self.shape {
+            Shape::Points(cutoff) => *cutoff * T::HALF,
+            Shape::Spheres(radius) => *radius,
+            Shape::Radii(radii) => radii[index],
+            Shape::Boxes(_) => T::ZERO,
+        }
+    }
+}
+
+/// The sum that `Elements::distance_squared` documents.
+pub fn distance_squared<T: Real, const D: usize>(a: &[T; D], b: &[T; D]) -> T {
+    (0..D).fold(T::ZERO, |sum, axis| sum + (a[axis] - b[axis]) * (a[axis] - b[axis]))
 }
 
 /// How one scene draws its numbers: mostly from a small lattice, where touching is common and exact.
@@ -232,6 +352,29 @@ fn check_as<L: Law, T: Number, const D: usize>(bytes: &mut Unstructured<'_>) {
     let Ok(scene) = Scene::<T, D>::new(bytes) else { return };
     if let Ok(elements) = scene.elements() {
         L::check(&elements);
+    }
+}
+
+/// What is required of every two scenes.
+pub trait PairLaw {
+    /// Panics if a pair breaks the law; its elements may be ones that are refused.
+    fn check<T: Number, const D: usize>(pair: &Pair<T, D>);
+}
+
+/// Checks `L` with the pair of scenes that `bytes` stand for, in 2D or 3D, `f32` or `f64`.
+pub fn check_pair<L: PairLaw>(bytes: &[u8]) {
+    fn check_as<L: PairLaw, T: Number, const D: usize>(bytes: &mut Unstructured<'_>) {
+        if let Ok(pair) = Pair::<T, D>::new(bytes) {
+            L::check(&pair);
+        }
+    }
+    let bytes = &mut Unstructured::new(bytes);
+    let Ok(kind) = bytes.int_in_range(0..=3) else { return };
+    match kind {
+        0 => check_as::<L, f32, 2>(bytes),
+        1 => check_as::<L, f32, 3>(bytes),
+        2 => check_as::<L, f64, 2>(bytes),
+        _ => check_as::<L, f64, 3>(bytes),
     }
 }
 
