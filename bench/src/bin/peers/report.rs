@@ -11,7 +11,7 @@ use crate::compare::ROUNDED;
 use crate::outcome::{Called, Counted, Outcome};
 use crate::plan::Plan;
 
-/// Beside the times of a search whose number of pairs differs within that.
+/// Beside the times of a search whose number of pairs differs by no more than [`ROUNDED`].
 const MARK: &str = "\u{2020}";
 
 /// Everything as Markdown.
