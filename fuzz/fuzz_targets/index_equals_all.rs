@@ -42,7 +42,10 @@ fn check_couples<T: Number, const D: usize>(pair: &Pair<T, D>, index: &mut Index
     let (mut visited, mut sorted) = (Vec::new(), couples.clone());
     sorted.sort_unstable();
     assert_eq!(result.map(|()| sorted), expected);
-    assert_eq!(index.count_with(&moving), expected.as_ref().map(|couples| couples.len() as u64).map_err(Clone::clone));
+    assert_eq!(
+        index.count_with(&moving),
+        expected.as_ref().map(|couples| couples.len() as u64).map_err(Clone::clone)
+    );
     let result = index.for_each_with(&moving, |couple| visited.push(couple));
     assert_eq!(result.err().as_ref(), expected.as_ref().err());
     assert_eq!(visited, couples, "the same order");
@@ -67,7 +70,8 @@ fn all<T: Number, const D: usize>(pair: &Pair<T, D>, point: &[T; D]) -> Vec<(u32
 
 fn within<T: Number, const D: usize>(pair: &Pair<T, D>) -> Rows<T> {
     in_words(Elements::points(&pair.points, pair.r))?;
-    let row = |point| all(pair, point).into_iter().filter(|&(_, squared)| squared <= pair.r * pair.r).collect();
+    let row =
+        |point| all(pair, point).into_iter().filter(|&(_, squared)| squared <= pair.r * pair.r).collect();
     Ok(pair.points.iter().map(row).collect())
 }
 

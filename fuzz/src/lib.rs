@@ -95,8 +95,7 @@ impl Labels {
     /// Whether element `i` and element `j` of another set with the same kind of labels see each other.
     fn see(&self, i: usize, other: &Self, j: usize) -> bool {
         let bodies = self.bodies[i] != other.bodies[j];
-        let masks =
-            self.categories[i] & other.masks[j] != 0 && other.categories[j] & self.masks[i] != 0;
+        let masks = self.categories[i] & other.masks[j] != 0 && other.categories[j] & self.masks[i] != 0;
         let groups = || self.matrix.sees(self.groups[i], other.groups[j]);
         match self.kind {
             0 => bodies,
@@ -203,8 +202,7 @@ impl<T: Number, const D: usize> Pair<T, D> {
         let r = numbers.length(bytes)?;
         let k = usize::from(bytes.arbitrary::<u8>()? % 40);
         let most = |bytes: &mut Unstructured<'_>| Ok(usize::from(bytes.arbitrary::<u8>()?));
-        let (points_at_most, moving_at_most, fixed_at_most) =
-            (most(bytes)? % 64, most(bytes)?, most(bytes)?);
+        let (points_at_most, moving_at_most, fixed_at_most) = (most(bytes)? % 64, most(bytes)?, most(bytes)?);
         let mut points = Vec::new();
         while !bytes.is_empty() && points.len() < points_at_most {
             points.push(numbers.point(bytes)?);
