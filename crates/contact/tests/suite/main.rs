@@ -11,6 +11,7 @@
 //! - `filter`: bodies, masks and groups: with any of them every search finds what filtering afterwards leaves, in the same order.
 //! - `two_sets`: an index against another set: shapes, sizes, tolerances, places; every element with every element.
 //! - `queries`: elements around points, and the nearest ones, against the distances to all of them.
+//! - `against_all`: no test, but what the two before share.
 //! - `numbers`: coordinates of 1e12, more couples than 32 bits count, domains of 10^15 cells.
 //! - `golden`: the numbers printed in the book.
 //! - `../kernels.rs`, a program of its own for valgrind: the vector kernels on short rows, at every level.
@@ -18,6 +19,7 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failed unwrap is a failed test")]
 
+mod against_all;
 mod buffer;
 mod csr;
 mod degenerate;

@@ -1,10 +1,15 @@
 //! Boxes that repeat: every contact and every image of it, against all shifts one by one.
+//!
+//! - `lattices`: numbers of contacts that are known without a search.
+//! - `laws`: what holds for any elements in any box (proptest).
+
+mod lattices;
+mod laws;
 
 use fdem_contact::{
     Couple, Elements, Engine, Error, PeriodicBox, PeriodicCouple, PeriodicSearch, Real, Simd,
 };
 use fdem_scenes::random::Random;
-use proptest::prelude::*;
 
 use crate::oracle::FromF64;
 
@@ -487,123 +492,6 @@ macro_rules! hazards {
 
 hazards! { f64_1d: f64, 1; f64_2d: f64, 2; f64_3d: f64, 3; f32_2d: f32, 2; f32_3d: f32, 3; }
 
-/// The smallest cut-off whose square is at least `squared`.
-fn root<T: FromF64>(squared: f64) -> T {
-    let mut root = T::from_f64(squared.sqrt());
-    while (root * root).to_f64() < squared {
-        root = T::at_least(root.to_f64() * (1.0 + T::EPSILON));
-    }
-    root
-}
-
-/// Every element of a lattice that fills the box touches as many as the lattice says, itself included where the box is small.
-fn coordination<T: FromF64, const D: usize>(basis: &[[f64; D]], squared: f64, coordination: usize) {
-    for cells in [1, 2, 3, 4] {
-        for origin in [0.0, -1.0, 0.5, 77.0] {
-            let mut centres = vec![];
-            let edge = 2 * cells;
-            for k in 0..usize::pow(cells, D as u32) {
-                for offset in basis {
-                    let place = |axis: usize| (k / usize::pow(cells, axis as u32) % cells) as f64;
-                    centres.push(std::array::from_fn(|axis| {
-                        T::from_f64(origin + 2.0 * place(axis) + offset[axis])
-                    }));
-                }
-            }
-            let max = [T::from_f64(origin + edge as f64); D];
-            let cell = PeriodicBox::orthogonal([T::from_f64(origin); D], max, [true; D]).unwrap();
-            let elements = Elements::points(&centres, root::<T>(squared)).unwrap();
-            for engine in ENGINES {
-                let mut touching = vec![0; centres.len()];
-                for couple in found(engine, &elements, &cell) {
-                    touching[couple.i as usize] += 1;
-                    touching[couple.j as usize] += 1;
-                }
-                assert!(touching.iter().all(|&n| n == coordination), "{engine}, {cells} cells: {touching:?}");
-            }
-        }
-    }
-}
-
-#[test]
-fn lattices_have_their_coordination_numbers() {
-    coordination::<f64, 1>(&[[0.0]], 4.0, 2);
-    coordination::<f64, 2>(&[[0.0; 2]], 4.0, 4);
-    coordination::<f32, 2>(&[[0.0; 2]], 4.0, 4);
-    coordination::<f64, 2>(&[[0.0; 2]], 8.0, 8);
-    coordination::<f64, 3>(&[[0.0; 3]], 4.0, 6);
-    coordination::<f32, 3>(&[[0.0; 3]], 4.0, 6);
-    let bcc = [[0.0; 3], [1.0; 3]];
-    coordination::<f64, 3>(&bcc, 3.0, 8);
-    coordination::<f32, 3>(&bcc, 3.0, 8);
-    let fcc = [[0.0; 3], [0.0, 1.0, 1.0], [1.0, 0.0, 1.0], [1.0, 1.0, 0.0]];
-    coordination::<f64, 3>(&fcc, 2.0, 12);
-    coordination::<f32, 3>(&fcc, 2.0, 12);
-}
-
-/// One element in the primitive cell of a lattice touches its own images only: half the coordination number of couples.
-#[test]
-fn one_element_in_a_primitive_cell_touches_its_images() {
-    let fcc = [[1.0, 1.0, 0.0], [0.0, 1.0, 1.0], [1.0, 0.0, 1.0]];
-    let bcc = [[1.0, 1.0, -1.0], [-1.0, 1.0, 1.0], [1.0, -1.0, 1.0]];
-    for (edges, squared, couples) in [(fcc, 2.0, 6), (bcc, 3.0, 4), (fcc, 4.0, 9), (bcc, 4.0, 7)] {
-        let cell = PeriodicBox::triclinic([0.0; 3], edges, [true; 3]).unwrap();
-        let centre = [[0.25, -10.0, 30.5]];
-        let elements = Elements::points(&centre, root::<f64>(squared)).unwrap();
-        for engine in ENGINES {
-            let found = found(engine, &elements, &cell);
-            assert_eq!(found.len(), couples);
-            assert!(found.iter().all(|couple| couple.i == 0 && couple.j == 0 && couple.shift > [0; 3]));
-        }
-    }
-}
-
-/// A hexagonal lattice, whose edges are not numbers: six neighbours, whatever the tilt by which the same lattice is described.
-#[test]
-fn every_basis_of_a_lattice_gives_the_same_contacts() {
-    let height = 0.75_f64.sqrt();
-    for tilt in -6..=6 {
-        let edges = [[4.0, 0.0], [4.0 * (f64::from(tilt) + 0.5), 4.0 * height]];
-        let cell = PeriodicBox::triclinic([0.1, -0.2], edges, [true, true]).unwrap();
-        let centres: Vec<[f64; 2]> =
-            (0..16).map(|k| [f64::from(k % 4) + 0.5 * f64::from(k / 4), f64::from(k / 4) * height]).collect();
-        let elements = Elements::points(&centres, 1.0 + 1e-12).unwrap();
-        for engine in ENGINES {
-            assert_eq!(found(engine, &elements, &cell).len(), 48, "tilt {tilt}");
-        }
-    }
-}
-
-/// The mean number of couples of a uniform gas: `n (n - 1) / 2` times the ball over the box, exact in periodic boxes of any shape, and `n / 2` times the
-/// lattice points in the ball, 0 for reaches below the shortest edge.
-#[test]
-fn a_uniform_gas_has_the_mean_number_of_couples() {
-    let mut random = Random::new(23);
-    let (n, gases) = (400_usize, 40);
-    let ball = 4.0 / 3.0 * std::f64::consts::PI;
-    for (shape, edges) in shapes::<3>() {
-        let edges = edges.map(|edge| edge.map(|x| 8.0 * x));
-        let cell = PeriodicBox::triclinic([-4.0; 3], edges, [true; 3]).unwrap();
-        let volume = if shape == "unlike" {
-            1.0 * 0.6 * 1.7
-        } else if shape == "a rhombus" {
-            0.75_f64.sqrt()
-        } else {
-            1.0
-        } * 512.0;
-        let mut couples = 0;
-        for _ in 0..gases {
-            let centres: Vec<[f64; 3]> =
-                (0..n).map(|_| at(&edges, -4.0, std::array::from_fn(|_| random.uniform()))).collect();
-            let elements = Elements::points(&centres, 1.0).unwrap();
-            couples += PeriodicSearch::new(Engine::Auto).count(&elements, &cell).unwrap();
-        }
-        let mean = f64::from(gases) * (n * (n - 1)) as f64 / 2.0 * ball / volume;
-        // Couples of a gas are nearly independent: five standard deviations.
-        assert!((couples as f64 - mean).abs() < 5.0 * mean.sqrt(), "{shape}: {couples}, expected {mean}");
-    }
-}
-
 #[test]
 fn elements_outside_are_refused_if_asked_for() {
     let cell = PeriodicBox::orthogonal([0.0, 0.0], [3.0, 3.0], [true, false]).unwrap();
@@ -691,116 +579,4 @@ fn a_box_without_periodic_edges_is_no_box() {
     let expected: Vec<_> =
         open.iter().map(|couple| PeriodicCouple { i: couple.i, j: couple.j, shift: [0, 0] }).collect();
     assert_eq!(found, expected);
-}
-
-/// Right-handed edges of small integers, so that everything below is exact.
-fn edges() -> impl Strategy<Value = [[f64; 3]; 3]> {
-    prop::array::uniform3(prop::array::uniform3(-6..7_i32)).prop_filter_map("no volume", |rows| {
-        let [a, b, c] = rows;
-        let determinant = a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0])
-            + a[2] * (b[0] * c[1] - b[1] * c[0]);
-        (determinant >= 8).then(|| rows.map(|row| row.map(f64::from)))
-    })
-}
-
-/// Multiples of 2^-6, so that squares and sums are exact.
-fn spheres() -> impl Strategy<Value = (Vec<[f64; 3]>, Vec<f64>)> {
-    let coordinate = || (-2000..2000_i32).prop_map(|k| f64::from(k) / 64.0);
-    let radius = (0..96_i32).prop_map(|k| f64::from(k) / 64.0);
-    prop::collection::vec(([coordinate(), coordinate(), coordinate()], radius), 0..24)
-        .prop_map(|spheres| spheres.into_iter().unzip())
-}
-
-fn of_spheres(centres: &[[f64; 3]], radii: &[f64], cell: &PeriodicBox<f64, 3>) -> Vec<PeriodicCouple<3>> {
-    found(Engine::Rows, &Elements::spheres_with_radii(centres, radii).unwrap(), cell)
-}
-
-/// The canonical form, sorted.
-fn canonical(mut couples: Vec<PeriodicCouple<3>>) -> Vec<PeriodicCouple<3>> {
-    for couple in &mut couples {
-        if couple.i > couple.j || (couple.i == couple.j && couple.shift < [0; 3]) {
-            *couple = PeriodicCouple { i: couple.j, j: couple.i, shift: couple.shift.map(|s| -s) };
-        }
-    }
-    couples.sort_unstable();
-    couples
-}
-
-proptest! {
-    #![proptest_config(ProptestConfig { cases: 128, ..ProptestConfig::default() })]
-
-    #[test]
-    fn equals_brute_force(edges in edges(), (centres, radii) in spheres(), periodic in prop::array::uniform3(any::<bool>())) {
-        let cell = PeriodicBox::triclinic([0.5; 3], edges, periodic).unwrap();
-        let expected = brute(&centres, Radii::Each(&radii), 0.0, &cell);
-        for engine in ENGINES {
-            let found = found(engine, &Elements::spheres_with_radii(&centres, &radii).unwrap(), &cell);
-            prop_assert_eq!(&found, &expected);
-        }
-    }
-
-    /// Each element moved by edges of its own: the shifts change by as many, and nothing else does. All moved alike: nothing changes.
-    #[test]
-    fn moving_by_whole_edges(
-        edges in edges(),
-        (centres, radii) in spheres(),
-        steps in prop::collection::vec(prop::array::uniform3(-50..50_i32), 24),
-    ) {
-        let cell = PeriodicBox::triclinic([0.25; 3], edges, [true; 3]).unwrap();
-        let couples = of_spheres(&centres, &radii, &cell);
-        let alike: Vec<_> = centres.iter().map(|centre| displaced(centre, &steps[0], &edges)).collect();
-        prop_assert_eq!(&of_spheres(&alike, &radii, &cell), &couples);
-
-        let apart: Vec<_> = centres.iter().zip(&steps).map(|(centre, step)| displaced(centre, step, &edges)).collect();
-        let expected = couples.iter().map(|couple| {
-            let (i, j) = (couple.i as usize, couple.j as usize);
-            let shift = std::array::from_fn(|a| couple.shift[a] + steps[i][a] - steps[j][a]);
-            PeriodicCouple { shift, ..*couple }
-        });
-        prop_assert_eq!(of_spheres(&apart, &radii, &cell), canonical(expected.collect()));
-    }
-
-    /// Elements that the caller wraps give the couples of those that the search wraps, and their shifts say what was wrapped.
-    #[test]
-    fn wrapping_beforehand(edges in edges(), (centres, radii) in spheres()) {
-        let cell = PeriodicBox::triclinic([0.0; 3], edges, [true, true, false]).unwrap();
-        let (wrapped, periods): (Vec<_>, Vec<_>) = centres.iter().map(|centre| cell.wrap(*centre).unwrap()).unzip();
-        let expected = of_spheres(&wrapped, &radii, &cell).into_iter().map(|couple| {
-            let (i, j) = (couple.i as usize, couple.j as usize);
-            let shift = std::array::from_fn(|a| couple.shift[a] + periods[i][a] - periods[j][a]);
-            PeriodicCouple { shift, ..couple }
-        });
-        prop_assert_eq!(of_spheres(&centres, &radii, &cell), canonical(expected.collect()));
-    }
-
-    /// The other basis of the same lattice, its first edge added to the second: the same contacts under other names.
-    #[test]
-    fn another_basis(edges in edges(), (centres, radii) in spheres(), times in -3..4_i32) {
-        let cell = PeriodicBox::triclinic([0.0; 3], edges, [true; 3]).unwrap();
-        let mut other = edges;
-        for axis in 0..3 {
-            other[1][axis] += f64::from(times) * edges[0][axis];
-        }
-        let other = PeriodicBox::triclinic([0.0; 3], other, [true; 3]).unwrap();
-        let expected = of_spheres(&centres, &radii, &other).into_iter().map(|couple| {
-            let [a, b, c] = couple.shift;
-            PeriodicCouple { shift: [a + times * b, b, c], ..couple }
-        });
-        prop_assert_eq!(of_spheres(&centres, &radii, &cell), canonical(expected.collect()));
-    }
-
-    /// Any floats at all: couples or a typed refusal, of all engines alike.
-    #[test]
-    fn any_floats_give_couples_or_an_error(
-        edges in prop::array::uniform2(prop::array::uniform2(any::<f32>())),
-        centres in prop::collection::vec(prop::array::uniform2(any::<f32>()), 0..6),
-        radius in any::<f32>(),
-    ) {
-        let Ok(cell) = PeriodicBox::triclinic([0.0; 2], edges, [true; 2]) else { return Ok(()) };
-        let Ok(elements) = Elements::spheres(&centres, radius) else { return Ok(()) };
-        let mut search = PeriodicSearch::new(Engine::Auto).with_max_images(1000);
-        if let Ok(count) = search.count(&elements, &cell) {
-            prop_assert_eq!(search.count(&elements, &cell), Ok(count));
-        }
-    }
 }

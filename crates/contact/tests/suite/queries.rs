@@ -1,19 +1,11 @@
 //! Elements around points, and the nearest ones, against the distances to all elements.
 
-use fdem_contact::{Csr, Elements, Error, Index, Real, Simd};
-use fdem_scenes::{Sizes, clusters, gas, lattice};
+use fdem_contact::{Csr, Elements, Error, Index, Real};
+use fdem_scenes::{Cloud, gas};
 use proptest::prelude::*;
 
+use crate::against_all::{EQUAL, Scenes, coordinate, in_all_dimensions, indices, squared};
 use crate::oracle::FromF64;
-
-fn squared<T: Real, const D: usize>(a: &[T; D], b: &[T; D]) -> T {
-    let mut sum = T::ZERO;
-    for axis in 0..D {
-        let difference = a[axis] - b[axis];
-        sum = sum + difference * difference;
-    }
-    sum
-}
 
 /// All elements, nearest first, ties by number.
 fn by_distance<T: Real, const D: usize>(point: &[T; D], centres: &[[T; D]]) -> Vec<(T, u32)> {
@@ -34,9 +26,7 @@ fn compare<T: Real, const D: usize>(
 ) -> usize {
     let sorted: Vec<_> = points.iter().map(|point| by_distance(point, centres)).collect();
     let mut entries = 0;
-    let levels = Simd::available().into_iter().map(|simd| (simd, 1));
-    for (simd, threads) in levels.chain([(Simd::best(), 2), (Simd::best(), 3)]) {
-        let mut index = Index::new().with_simd(simd).unwrap().with_threads(threads).unwrap();
+    for (simd, threads, mut index) in indices() {
         index.build(elements).unwrap();
         let (mut plain, mut found) = (Csr::new(), Csr::new());
         for &r in radii {
@@ -73,17 +63,15 @@ fn compare<T: Real, const D: usize>(
     entries
 }
 
-const EQUAL: Sizes = Sizes::Equal { radius: 0.5 };
-
 fn all_scenes<T: FromF64, const D: usize>() {
-    let to = |centres: &[[f64; D]]| -> Vec<[T; D]> { centres.iter().map(|c| c.map(T::from_f64)).collect() };
+    let to = |cloud: &Cloud<D>| -> Vec<[T; D]> { cloud.centres.iter().map(|c| c.map(T::from_f64)).collect() };
+    let scenes = Scenes::<D>::new();
     let radii = [0.0, 0.05, 1.0, 2.7, 1e7].map(T::from_f64);
     let ks = [0, 1, 7, 40, 1000];
 
-    let gas_of = |n: usize, seed: u64| to(&gas::<D>(n, seed, 8.0, EQUAL).unwrap().centres);
-    let centres = gas_of(500, 1);
+    let centres = to(&scenes.gas);
     // In between, around, and the elements themselves.
-    let mut points = gas_of(100, 2);
+    let mut points = to(&gas::<D>(100, 2, 8.0, EQUAL).unwrap());
     points.extend(&centres[..50]);
     points.extend(points.clone().iter().map(|point| point.map(|x| x * T::from_f64(-3.0))));
     points.push([T::from_f64(1e6); D]);
@@ -100,42 +88,25 @@ fn all_scenes<T: FromF64, const D: usize>() {
         compare(scene, &elements, centres, points, &radii, &ks)
     };
     // Ties everywhere, also between points.
-    let regular = to(&lattice::<D>(200, 1.0, 0.5).unwrap().centres);
+    let regular = to(&scenes.lattice);
     let between: Vec<[T; D]> = regular.iter().map(|centre| centre.map(|x| x + T::HALF)).collect();
     assert!(compare_points("lattice", &regular, &regular) > 1000);
     assert!(compare_points("between the lattice", &regular, &between) > 1000);
 
-    let clustered = to(&clusters::<D>(300, 5, 30, 1000.0, 6.0, EQUAL).unwrap().centres);
+    let clustered = to(&scenes.clusters);
     compare_points("clusters", &clustered, &clustered[..100]);
     compare_points("around clusters", &clustered, &points);
-    let mut outlier = centres.clone();
-    outlier[3] = [T::from_f64(-1e7); D];
-    outlier[4] = [T::from_f64(1e7); D];
-    compare_points("outliers", &outlier, &points);
+    compare_points("outliers", &to(&scenes.outliers), &points);
     let mut repeated = centres[..20].to_vec();
     (0..4).for_each(|_| repeated.extend_from_within(..));
     compare_points("repeated", &repeated, &points);
-    compare_points("one place", &[[T::HALF; D]; 60], &points);
+    compare_points("one place", &to(&scenes.one_place), &points);
     compare_points("one", &centres[..1], &points);
-    assert_eq!(compare_points("none", &[], &points), 0);
+    assert_eq!(compare_points("none", &to(&scenes.nothing), &points), 0);
     assert_eq!(compare_points("nobody asks", &centres, &[]), 0);
 }
 
-macro_rules! oracle {
-    ($($name:ident: $type:ty, $dimensions:literal;)*) => {
-        $(
-            #[test]
-            fn $name() {
-                all_scenes::<$type, $dimensions>();
-            }
-        )*
-    };
-}
-
-oracle! {
-    f64_1d: f64, 1; f64_2d: f64, 2; f64_3d: f64, 3; f64_4d: f64, 4;
-    f32_1d: f32, 1; f32_2d: f32, 2; f32_3d: f32, 3; f32_4d: f32, 4;
-}
+in_all_dimensions!(all_scenes);
 
 /// Several parts of the work: all points of a gas among themselves, on any number of threads, in an index that is used again.
 #[test]
@@ -207,15 +178,6 @@ fn what_cannot_be_asked_is_refused() {
     assert!(refused(index.nearest(&points, 3, &mut valued)));
     let error = Error::CoordinateTooLarge { index: 0, axis: 0, value: 1e300, limit };
     assert_eq!(index.nearest(&[[1e300, 0.0]], 1, &mut valued), Err(error));
-}
-
-fn coordinate() -> impl Strategy<Value = f64> {
-    prop_oneof![
-        (-12..12_i32).prop_map(|k| f64::from(k) / 2.0),
-        (-8 * 1024..8 * 1024_i32).prop_map(|k| f64::from(k) / 1024.0),
-        any::<f32>().prop_map(|x| if x.is_finite() { f64::from(x) } else { 0.0 }),
-        (-500..490_i32).prop_map(|exponent| 2.0_f64.powi(exponent)),
-    ]
 }
 
 fn cloud() -> impl Strategy<Value = Vec<[f64; 2]>> {

@@ -1,9 +1,10 @@
 //! Two sets through an index, against every element of one with every element of the other.
 
 use fdem_contact::{CrossCouple, Csr, Elements, Error, Filter, GroupMatrix, Index, Rows, Search, Simd};
-use fdem_scenes::{Cloud, Sizes, clusters, gas, lattice};
+use fdem_scenes::{Cloud, Sizes, gas};
 use proptest::prelude::*;
 
+use crate::against_all::{EQUAL, Scenes, coordinate, in_all_dimensions, indices, squared};
 use crate::oracle::FromF64;
 
 /// The arrays of one set.
@@ -54,27 +55,14 @@ impl<T: FromF64, const D: usize> Set<T, D> {
                     && other.centres[j][axis] <= self.far[i][axis] + tolerance
             });
         }
-        let mut sum = T::ZERO;
-        for axis in 0..D {
-            let difference = self.centres[i][axis] - other.centres[j][axis];
-            sum = sum + difference * difference;
-        }
         let reach = (radius(self, shape, i) + radius(other, other_shape, j)) + tolerance;
-        sum <= reach * reach
+        squared(&self.centres[i], &other.centres[j]) <= reach * reach
     }
 }
 
 /// All combinations of shapes and tolerances; returns the number of couples. The index is one, and built again and again.
 fn compare<T: FromF64, const D: usize>(scene: &str, moving: &Set<T, D>, fixed: &Set<T, D>) -> usize {
-    let mut indices: Vec<(Simd, usize, Index<T, D>)> = Simd::available()
-        .into_iter()
-        .map(|simd| (simd, 1))
-        .chain([(Simd::best(), 2), (Simd::best(), 3)])
-        .map(|(simd, threads)| {
-            let index = Index::new().with_simd(simd).unwrap().with_threads(threads).unwrap();
-            (simd, threads, index)
-        })
-        .collect();
+    let mut indices = indices();
     let mut total = 0;
     for (ours, theirs) in [(0.0, 0.0), (0.0, 0.3), (1.5, 0.1)] {
         for (their_shape, target) in fixed.shapes(theirs).iter().enumerate() {
@@ -117,13 +105,10 @@ fn compare<T: FromF64, const D: usize>(scene: &str, moving: &Set<T, D>, fixed: &
     total
 }
 
-const EQUAL: Sizes = Sizes::Equal { radius: 0.5 };
-
 fn all_scenes<T: FromF64, const D: usize>() {
     let unlike = Sizes::PowerLaw { min: 0.2, max: 1.0, exponent: -2.5 };
-    let cloud = gas::<D>(400, 1, 8.0, EQUAL).unwrap();
+    let Scenes { gas: cloud, lattice, clusters, outliers, one_place, nothing } = Scenes::<D>::new();
     let other = gas::<D>(300, 2, 6.0, unlike).unwrap();
-    let empty = Cloud { centres: Vec::new(), radii: Vec::new() };
     let set = |cloud: &Cloud<D>, scale: f64, shift: f64| Set::<T, D>::new(cloud, scale, shift);
     let fixed = set(&cloud, 1.0, 0.0);
 
@@ -133,37 +118,20 @@ fn all_scenes<T: FromF64, const D: usize>() {
     assert!(compare("the index much smaller", &fixed, &set(&other, 0.01, 0.5)) > 100);
     compare("far away", &set(&other, 1.0, 1e5), &fixed);
     compare("far away, below", &set(&other, 1.0, -1e5), &fixed);
-    assert_eq!(compare("nothing asks", &set(&empty, 1.0, 0.0), &fixed), 0);
-    assert_eq!(compare("nobody to ask", &fixed, &set(&empty, 1.0, 0.0)), 0);
+    assert_eq!(compare("nothing asks", &set(&nothing, 1.0, 0.0), &fixed), 0);
+    assert_eq!(compare("nobody to ask", &fixed, &set(&nothing, 1.0, 0.0)), 0);
 
     // Equal spacings, exactly touching.
-    let touching = set(&lattice::<D>(300, 1.0, 0.5).unwrap(), 1.0, 0.0);
+    let touching = set(&lattice, 1.0, 0.0);
     assert!(compare("lattice", &touching, &touching) > 1000);
-    let clustered = set(&clusters::<D>(300, 5, 30, 1000.0, 6.0, EQUAL).unwrap(), 1.0, 0.0);
+    let clustered = set(&clusters, 1.0, 0.0);
     assert!(compare("clusters", &clustered, &clustered) > 1000);
-    let mut outlier = cloud.clone();
-    outlier.centres[7] = [-1e6; D];
-    assert!(compare("an outlier", &set(&outlier, 1.0, 0.0), &fixed) > 1000);
-    assert!(compare("an outlier in the index", &fixed, &set(&outlier, 1.0, 0.0)) > 1000);
-    let one_place = Cloud { centres: vec![[0.25; D]; 50], radii: vec![0.5; 50] };
+    assert!(compare("outliers", &set(&outliers, 1.0, 0.0), &fixed) > 1000);
+    assert!(compare("outliers in the index", &fixed, &set(&outliers, 1.0, 0.0)) > 1000);
     assert!(compare("one place", &set(&one_place, 1.0, 0.0), &set(&one_place, 1.0, 0.0)) >= 50 * 50);
 }
 
-macro_rules! oracle {
-    ($($name:ident: $type:ty, $dimensions:literal;)*) => {
-        $(
-            #[test]
-            fn $name() {
-                all_scenes::<$type, $dimensions>();
-            }
-        )*
-    };
-}
-
-oracle! {
-    f64_1d: f64, 1; f64_2d: f64, 2; f64_3d: f64, 3; f64_4d: f64, 4;
-    f32_1d: f32, 1; f32_2d: f32, 2; f32_3d: f32, 3; f32_4d: f32, 4;
-}
+in_all_dimensions!(all_scenes);
 
 /// Several parts of the work, on several threads: each element of a set with itself, and the couples of one set twice.
 #[test]
@@ -218,14 +186,6 @@ fn extremes_of_scale() {
         index.build(&target).unwrap();
         assert_eq!(index.count_with(&elements), Ok(expected), "scale {scale}");
     }
-}
-
-fn coordinate() -> impl Strategy<Value = f64> {
-    prop_oneof![
-        (-12..12_i32).prop_map(|k| f64::from(k) / 2.0),
-        (-8 * 1024..8 * 1024_i32).prop_map(|k| f64::from(k) / 1024.0),
-        any::<f32>().prop_map(|x| if x.is_finite() { f64::from(x) } else { 0.0 }),
-    ]
 }
 
 fn spheres() -> impl Strategy<Value = Vec<([f64; 3], f64)>> {
