@@ -48,11 +48,45 @@ macro_rules! one_instruction {
     };
 }
 
+/// The kernels, compiled for a set of instructions, with the vectors that these have.
+#[allow(unused_macros, reason = "as above")]
+macro_rules! entry_points {
+    ($features:literal, $f64:ident, $f32:ident) => {
+        entry_points!($features, $f64, $f32, f64: search_f64, clusters_f64);
+        entry_points!($features, $f32, $f32, f32: search_f32, clusters_f32);
+    };
+    ($features:literal, $vector:ident, $f32:ident, $type:ident: $search:ident, $clusters:ident) => {
+        /// # Safety
+        /// The processor has the features, and `task` is as its fields say, `TWO_SETS` among them.
+        #[target_feature(enable = $features)]
+        pub(crate) unsafe fn $search<const D: usize, const TWO_SETS: bool>(
+            task: &crate::simd::kernel::Task<'_, $type, D>,
+            out: &mut crate::simd::kernel::Output<'_>,
+        ) {
+            // SAFETY: the contract of this function.
+            unsafe { crate::simd::kernel::search::<$type, $vector, D, TWO_SETS>(task, out) }
+        }
+
+        /// # Safety
+        /// As above, with one set, and `cluster::pays`.
+        #[target_feature(enable = $features)]
+        pub(crate) unsafe fn $clusters<const D: usize>(
+            task: &crate::simd::kernel::Task<'_, $type, D>,
+            out: &mut crate::simd::kernel::Output<'_>,
+        ) {
+            // SAFETY: the contract of this function.
+            unsafe { crate::simd::cluster::search::<$type, $vector, $f32, D>(task, out) }
+        }
+    };
+}
+
 #[cfg(target_arch = "x86_64")]
 mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
+mod cluster;
 pub(crate) mod kernel;
+mod labels;
 #[cfg(target_arch = "aarch64")]
 mod neon;
 pub(crate) mod portable;
@@ -96,6 +130,7 @@ impl Simd {
             #[cfg(target_arch = "x86_64")]
             Self::Avx2 => {
                 is_x86_feature_detected!("avx2")
+                    && is_x86_feature_detected!("fma")
                     && is_x86_feature_detected!("bmi2")
                     && is_x86_feature_detected!("popcnt")
             }
@@ -137,28 +172,29 @@ pub trait Kernels: Copy {
 }
 
 macro_rules! kernels {
-    ($type:ty, $name:ident) => {
+    ($type:ty, $search:ident, $clusters:ident) => {
         impl Kernels for $type {
             fn search<const D: usize>(level: Simd, task: &Task<'_, Self, D>, out: &mut Output<'_>) {
-                match (level, task.two_sets) {
-                    #[cfg(target_arch = "x86_64")]
+                #[allow(unused_macros, reason = "only processors with vectors use it")]
+                macro_rules! vectors {
                     // SAFETY: the caller has chosen a level that this processor has.
-                    (Simd::Avx512, false) => unsafe { avx512::$name::<D, false>(task, out) },
+                    ($level:ident) => {
+                        if task.two_sets {
+                            unsafe { $level::$search::<D, true>(task, out) }
+                        } else if cluster::pays(task) {
+                            unsafe { $level::$clusters::<D>(task, out) }
+                        } else {
+                            unsafe { $level::$search::<D, false>(task, out) }
+                        }
+                    };
+                }
+                match level {
                     #[cfg(target_arch = "x86_64")]
-                    // SAFETY: as above.
-                    (Simd::Avx512, true) => unsafe { avx512::$name::<D, true>(task, out) },
+                    Simd::Avx512 => vectors!(avx512),
                     #[cfg(target_arch = "x86_64")]
-                    // SAFETY: as above.
-                    (Simd::Avx2, false) => unsafe { avx2::$name::<D, false>(task, out) },
-                    #[cfg(target_arch = "x86_64")]
-                    // SAFETY: as above.
-                    (Simd::Avx2, true) => unsafe { avx2::$name::<D, true>(task, out) },
+                    Simd::Avx2 => vectors!(avx2),
                     #[cfg(target_arch = "aarch64")]
-                    // SAFETY: as above.
-                    (Simd::Neon, false) => unsafe { neon::$name::<D, false>(task, out) },
-                    #[cfg(target_arch = "aarch64")]
-                    // SAFETY: as above.
-                    (Simd::Neon, true) => unsafe { neon::$name::<D, true>(task, out) },
+                    Simd::Neon => vectors!(neon),
                     _ => portable::search(task, out),
                 }
             }
@@ -166,5 +202,5 @@ macro_rules! kernels {
     };
 }
 
-kernels!(f32, search_f32);
-kernels!(f64, search_f64);
+kernels!(f32, search_f32, clusters_f32);
+kernels!(f64, search_f64, clusters_f64);

@@ -197,12 +197,7 @@ impl<T: Real, const D: usize> Nearest<'_, T, D> {
         if fits {
             let scan = Scan { reach, reach_squared, ..*scan };
             let make_room = &mut |couples: &mut Vec<Couple>| couples.reserve(STRETCH * ROOM);
-            scan.stretch(
-                places,
-                stretch,
-                neighbours,
-                &mut Output { couples, count: 0, count_only: false, make_room },
-            );
+            scan.stretch(places, stretch, neighbours, &mut Output::new(couples, make_room));
         }
     }
 

@@ -370,7 +370,8 @@ impl<T: Real, const D: usize> Scan<'_, T, D> {
                 let total = AtomicU64::new(0);
                 pool.run(self.ranges(), |range| {
                     let (couples, make_room) = (&mut Vec::new(), &mut |_: &mut _| {});
-                    let mut out = Output { couples, count: 0, count_only: true, make_room };
+                    let mut out = Output::new(couples, make_room);
+                    out.count_only = true;
                     self.rows(range, &mut out);
                     total.fetch_add(out.count, Ordering::Relaxed);
                 });
@@ -431,7 +432,7 @@ impl<T: Real, const D: usize> Scan<'_, T, D> {
         couples: &mut Vec<Couple>,
         make_room: &mut dyn FnMut(&mut Vec<Couple>),
     ) {
-        self.rows(range, &mut Output { couples, count: 0, count_only: false, make_room });
+        self.rows(range, &mut Output::new(couples, make_room));
     }
 
     pub(crate) fn rows(&self, range: Range<usize>, out: &mut Output<'_>) {
@@ -518,6 +519,7 @@ impl<T: Real, const D: usize> Scan<'_, T, D> {
             reach: self.reach,
             reach_squared: self.reach_squared,
             tolerance: self.tolerance,
+            spread: if self.against.is_some() { f64::INFINITY } else { 2.1 * self.layout.grid.cell_size() },
         };
         (self.search_row)(&task, out);
     }

@@ -3,29 +3,9 @@
 use std::arch::x86_64::*;
 
 use crate::couple::Couple;
-use crate::simd::kernel::{self, Output, Task, Vector};
+use crate::simd::kernel::{Estimate, Vector};
 
-/// # Safety
-/// The processor has the features, and `task` is as its fields say, `TWO_SETS` among them.
-#[target_feature(enable = "avx2,bmi2,popcnt")]
-pub(crate) unsafe fn search_f64<const D: usize, const TWO_SETS: bool>(
-    task: &Task<'_, f64, D>,
-    out: &mut Output<'_>,
-) {
-    // SAFETY: the contract of this function.
-    unsafe { kernel::search::<f64, F64x4, D, TWO_SETS>(task, out) }
-}
-
-/// # Safety
-/// The processor has the features, and `task` is as its fields say, `TWO_SETS` among them.
-#[target_feature(enable = "avx2,bmi2,popcnt")]
-pub(crate) unsafe fn search_f32<const D: usize, const TWO_SETS: bool>(
-    task: &Task<'_, f32, D>,
-    out: &mut Output<'_>,
-) {
-    // SAFETY: the contract of this function.
-    unsafe { kernel::search::<f32, F32x8, D, TWO_SETS>(task, out) }
-}
+entry_points!("avx2,fma,bmi2,popcnt", F64x4, F32x8);
 
 /// For each mask of 8 lanes the lanes that are set, in order: what AVX-512 calls compress.
 static COMPRESS: [[u32; 8]; 256] = {
@@ -52,6 +32,12 @@ impl Vector<f64> for F64x4 {
     const LANES: usize = 4;
 
     one_instruction!(f64: _mm256_set1_pd, _mm256_loadu_pd, _mm256_add_pd, _mm256_sub_pd, _mm256_mul_pd);
+
+    #[inline(always)]
+    unsafe fn store_short(self, to: *mut f32) {
+        // SAFETY: the contract of `Vector`.
+        unsafe { _mm_storeu_ps(to, _mm256_cvtpd_ps(self.0)) }
+    }
 
     #[inline(always)]
     unsafe fn at_most(self, other: Self) -> u32 {
@@ -98,7 +84,7 @@ impl Vector<f64> for F64x4 {
     }
 
     #[inline(always)]
-    unsafe fn store<const TWO_SETS: bool>(id: u32, ids: *const u32, hits: u32, to: *mut Couple) {
+    unsafe fn store_couples<const TWO_SETS: bool>(id: u32, ids: *const u32, hits: u32, to: *mut Couple) {
         // SAFETY: the contract of `Vector`; a couple is two u32, and four lanes have 16 masks, below 256.
         unsafe {
             let lanes = _mm_loadu_si128(COMPRESS.as_ptr().add(hits as usize).cast());
@@ -121,6 +107,12 @@ impl Vector<f32> for F32x8 {
     const LANES: usize = 8;
 
     one_instruction!(f32: _mm256_set1_ps, _mm256_loadu_ps, _mm256_add_ps, _mm256_sub_ps, _mm256_mul_ps);
+
+    #[inline(always)]
+    unsafe fn store_short(self, to: *mut f32) {
+        // SAFETY: the contract of `Vector`.
+        unsafe { _mm256_storeu_ps(to, self.0) }
+    }
 
     #[inline(always)]
     unsafe fn at_most(self, other: Self) -> u32 {
@@ -169,7 +161,7 @@ impl Vector<f32> for F32x8 {
     }
 
     #[inline(always)]
-    unsafe fn store<const TWO_SETS: bool>(id: u32, ids: *const u32, hits: u32, to: *mut Couple) {
+    unsafe fn store_couples<const TWO_SETS: bool>(id: u32, ids: *const u32, hits: u32, to: *mut Couple) {
         // SAFETY: the contract of `Vector`; a couple is two u32, and eight lanes have 256 masks.
         unsafe {
             let lanes = _mm256_loadu_si256(COMPRESS.as_ptr().add(hits as usize).cast());
@@ -183,5 +175,13 @@ impl Vector<f32> for F32x8 {
             _mm256_storeu_si256(to, _mm256_permute2x128_si256::<0x20>(even, odd));
             _mm256_storeu_si256(to.add(1), _mm256_permute2x128_si256::<0x31>(even, odd));
         }
+    }
+}
+
+impl Estimate for F32x8 {
+    #[inline(always)]
+    unsafe fn mul_add(self, other: Self, sum: Self) -> Self {
+        // SAFETY: the contract of `Vector`.
+        Self(unsafe { _mm256_fmadd_ps(self.0, other.0, sum.0) })
     }
 }

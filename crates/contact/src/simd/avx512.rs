@@ -3,29 +3,9 @@
 use std::arch::x86_64::*;
 
 use crate::couple::Couple;
-use crate::simd::kernel::{self, Output, Task, Vector};
+use crate::simd::kernel::{Estimate, Vector};
 
-/// # Safety
-/// The processor has the features, and `task` is as its fields say, `TWO_SETS` among them.
-#[target_feature(enable = "avx512f,avx512vl,avx2,bmi2,popcnt")]
-pub(crate) unsafe fn search_f64<const D: usize, const TWO_SETS: bool>(
-    task: &Task<'_, f64, D>,
-    out: &mut Output<'_>,
-) {
-    // SAFETY: the contract of this function.
-    unsafe { kernel::search::<f64, F64x8, D, TWO_SETS>(task, out) }
-}
-
-/// # Safety
-/// The processor has the features, and `task` is as its fields say, `TWO_SETS` among them.
-#[target_feature(enable = "avx512f,avx512vl,avx2,bmi2,popcnt")]
-pub(crate) unsafe fn search_f32<const D: usize, const TWO_SETS: bool>(
-    task: &Task<'_, f32, D>,
-    out: &mut Output<'_>,
-) {
-    // SAFETY: the contract of this function.
-    unsafe { kernel::search::<f32, F32x16, D, TWO_SETS>(task, out) }
-}
+entry_points!("avx512f,avx512vl,avx2,fma,bmi2,popcnt", F64x8, F32x16);
 
 #[derive(Clone, Copy)]
 struct F64x8(__m512d);
@@ -34,6 +14,12 @@ impl Vector<f64> for F64x8 {
     const LANES: usize = 8;
 
     one_instruction!(f64: _mm512_set1_pd, _mm512_loadu_pd, _mm512_add_pd, _mm512_sub_pd, _mm512_mul_pd);
+
+    #[inline(always)]
+    unsafe fn store_short(self, to: *mut f32) {
+        // SAFETY: the contract of `Vector`.
+        unsafe { _mm256_storeu_ps(to, _mm512_cvtpd_ps(self.0)) }
+    }
 
     #[inline(always)]
     unsafe fn at_most(self, other: Self) -> u32 {
@@ -83,7 +69,7 @@ impl Vector<f64> for F64x8 {
     }
 
     #[inline(always)]
-    unsafe fn store<const TWO_SETS: bool>(id: u32, ids: *const u32, hits: u32, to: *mut Couple) {
+    unsafe fn store_couples<const TWO_SETS: bool>(id: u32, ids: *const u32, hits: u32, to: *mut Couple) {
         // SAFETY: the contract of `Vector`; a couple is two u32.
         unsafe {
             let ids = _mm256_maskz_compress_epi32(hits as __mmask8, _mm256_loadu_si256(ids.cast()));
@@ -107,6 +93,12 @@ impl Vector<f32> for F32x16 {
     const LANES: usize = 16;
 
     one_instruction!(f32: _mm512_set1_ps, _mm512_loadu_ps, _mm512_add_ps, _mm512_sub_ps, _mm512_mul_ps);
+
+    #[inline(always)]
+    unsafe fn store_short(self, to: *mut f32) {
+        // SAFETY: the contract of `Vector`.
+        unsafe { _mm512_storeu_ps(to, self.0) }
+    }
 
     #[inline(always)]
     unsafe fn at_most(self, other: Self) -> u32 {
@@ -156,7 +148,7 @@ impl Vector<f32> for F32x16 {
     }
 
     #[inline(always)]
-    unsafe fn store<const TWO_SETS: bool>(id: u32, ids: *const u32, hits: u32, to: *mut Couple) {
+    unsafe fn store_couples<const TWO_SETS: bool>(id: u32, ids: *const u32, hits: u32, to: *mut Couple) {
         // SAFETY: the contract of `Vector`; a couple is two u32.
         unsafe {
             let ids = _mm512_maskz_compress_epi32(hits as __mmask16, _mm512_loadu_si512(ids.cast()));
@@ -164,17 +156,20 @@ impl Vector<f32> for F32x16 {
             let (low, high) =
                 if TWO_SETS { (id, ids) } else { (_mm512_min_epu32(ids, id), _mm512_max_epu32(ids, id)) };
             let to: *mut __m512i = to.cast();
-            for half in 0..2 {
-                let [low, high] = [low, high].map(|numbers| {
-                    let half = if half == 0 {
-                        _mm512_castsi512_si256(numbers)
-                    } else {
-                        _mm512_extracti64x4_epi64::<1>(numbers)
-                    };
-                    _mm512_cvtepu32_epi64(half)
-                });
-                _mm512_storeu_si512(to.add(half), _mm512_or_si512(low, _mm512_slli_epi64::<32>(high)));
+            let first = _mm512_setr_epi32(0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
+            let rest = _mm512_setr_epi32(8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31);
+            _mm512_storeu_si512(to, _mm512_permutex2var_epi32(low, first, high));
+            if hits.count_ones() > 8 {
+                _mm512_storeu_si512(to.add(1), _mm512_permutex2var_epi32(low, rest, high));
             }
         }
+    }
+}
+
+impl Estimate for F32x16 {
+    #[inline(always)]
+    unsafe fn mul_add(self, other: Self, sum: Self) -> Self {
+        // SAFETY: the contract of `Vector`.
+        Self(unsafe { _mm512_fmadd_ps(self.0, other.0, sum.0) })
     }
 }

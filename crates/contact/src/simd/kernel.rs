@@ -1,7 +1,13 @@
 //! The search over one row, written once for all vector instructions.
 
+use std::mem::MaybeUninit;
+use std::ops::Range;
+
 use crate::couple::Couple;
-use crate::filter::{Filter, GroupMatrix, Sight};
+use crate::filter::Filter;
+use crate::real::Real;
+use crate::simd::cluster::Patience;
+use crate::simd::labels::{Label, Labels, NO_LABEL, NO_LABELS};
 
 /// One row, as the arrays of the layout have it.
 #[derive(Clone, Copy, Debug)]
@@ -58,6 +64,8 @@ pub struct Task<'a, T, const D: usize> {
     /// Elements of one radius: the squared contact distance.
     pub(crate) reach_squared: T,
     pub(crate) tolerance: T,
+    /// Axes other than the long one: no two elements of the row and the neighbour rows are farther apart along one of them; infinite if that is not known.
+    pub(crate) spread: f64,
 }
 
 /// Where the couples go.
@@ -70,6 +78,13 @@ pub struct Output<'a> {
     pub(crate) count_only: bool,
     /// Makes room for at least [`ROOM`] couples: by growing, or by taking those found.
     pub(crate) make_room: &'a mut dyn FnMut(&mut Vec<Couple>),
+    pub(super) patience: Patience,
+}
+
+impl<'a> Output<'a> {
+    pub(crate) fn new(couples: &'a mut Vec<Couple>, make_room: &'a mut dyn FnMut(&mut Vec<Couple>)) -> Self {
+        Self { couples, count: 0, count_only: false, make_room, patience: Patience::default() }
+    }
 }
 
 /// A vector stores at most as many couples as it has lanes.
@@ -78,7 +93,7 @@ pub(crate) const ROOM: usize = 16;
 /// The operations of a set of vector instructions on one float type.
 ///
 /// # Safety
-/// All need the instructions; `load` and `store` need what they say.
+/// All need the instructions; those that load and store need what they say.
 pub(crate) trait Vector<T>: Copy {
     const LANES: usize;
 
@@ -92,6 +107,9 @@ pub(crate) trait Vector<T>: Copy {
     unsafe fn sub(self, other: Self) -> Self;
 
     unsafe fn mul(self, other: Self) -> Self;
+
+    /// Writes `LANES` numbers to `to`, each the nearest of 32 bits.
+    unsafe fn store_short(self, to: *mut f32);
 
     /// A bit for each lane, the first lane lowest: `self <= other`.
     unsafe fn at_most(self, other: Self) -> u32;
@@ -110,7 +128,16 @@ pub(crate) trait Vector<T>: Copy {
 
     /// Stores the couples of `id` with those of the `LANES` readable `ids` whose bit in `hits` is set, in order: smaller number first,
     /// or with `TWO_SETS` that of `id`. `to` must be writable for `LANES` couples.
-    unsafe fn store<const TWO_SETS: bool>(id: u32, ids: *const u32, hits: u32, to: *mut Couple);
+    unsafe fn store_couples<const TWO_SETS: bool>(id: u32, ids: *const u32, hits: u32, to: *mut Couple);
+}
+
+/// A vector whose results need not be the same everywhere.
+///
+/// # Safety
+/// As [`Vector`].
+pub(super) trait Estimate: Vector<f32> {
+    /// `self * other + sum`, rounded once or twice.
+    unsafe fn mul_add(self, other: Self, sum: Self) -> Self;
 }
 
 /// The lanes before `count`: up to 31, which is more than any vector has.
@@ -121,17 +148,17 @@ fn first_lanes(count: usize) -> u32 {
 
 /// The place for the next couples, in registers.
 #[derive(Clone, Copy)]
-struct Writer {
+pub(super) struct Writer {
     to: *mut Couple,
     /// From here on there is no room for a vector of couples.
     full: *mut Couple,
     /// Found and not written.
-    count: u64,
+    pub(super) count: u64,
 }
 
 impl Writer {
     #[inline(always)]
-    fn new(out: &mut Output<'_>) -> Self {
+    pub(super) fn new(out: &mut Output<'_>) -> Self {
         let (len, capacity) = (out.couples.len(), out.couples.capacity());
         let start = out.couples.as_mut_ptr();
         // Wrapping, because without any room `full` would lie before `start`; it is only compared.
@@ -144,12 +171,39 @@ impl Writer {
     /// # Safety
     /// All couples before `to` have been written, to the vector that the writer was made from.
     #[inline(always)]
-    unsafe fn close(self, out: &mut Output<'_>) {
+    pub(super) unsafe fn close(self, out: &mut Output<'_>) {
         // SAFETY: `to` points into the vector, behind what was written.
         unsafe {
             let len = self.to.offset_from_unsigned(out.couples.as_ptr());
             out.count += self.count + (len - out.couples.len()) as u64;
             out.couples.set_len(len);
+        }
+    }
+
+    /// Writes or counts the couples of `id` with those of `ids` whose bit in `hits` is set.
+    ///
+    /// # Safety
+    /// That of [`Vector::store_couples`], and as [`Writer::close`].
+    #[inline(always)]
+    pub(super) unsafe fn take<T, V: Vector<T>, const TWO_SETS: bool, const COUNT: bool>(
+        &mut self,
+        id: u32,
+        ids: *const u32,
+        hits: u32,
+        out: &mut Output<'_>,
+    ) {
+        let found = hits.count_ones() as usize;
+        if COUNT {
+            self.count += found as u64;
+            return;
+        }
+        // SAFETY: the contract of this function; room for LANES couples is made before they are stored.
+        unsafe {
+            if self.to >= self.full {
+                *self = self.make_room(out);
+            }
+            V::store_couples::<TWO_SETS>(id, ids, hits, self.to);
+            self.to = self.to.add(found);
         }
     }
 
@@ -165,6 +219,23 @@ impl Writer {
     }
 }
 
+/// Calls the variant of a kernel for what a task has (radii, a filter) and for what is wanted of it (to count only).
+macro_rules! variant {
+    ($task:expr, $out:expr, $kernel:ident::<$($generic:tt),*>) => {
+        match (!$task.own.radii.is_empty(), $out.count_only, $task.own.filter.is_some()) {
+            (false, false, false) => $kernel::<$($generic),*, false, false, false>($task, $out),
+            (false, true, false) => $kernel::<$($generic),*, false, true, false>($task, $out),
+            (true, false, false) => $kernel::<$($generic),*, true, false, false>($task, $out),
+            (true, true, false) => $kernel::<$($generic),*, true, true, false>($task, $out),
+            (false, false, true) => $kernel::<$($generic),*, false, false, true>($task, $out),
+            (false, true, true) => $kernel::<$($generic),*, false, true, true>($task, $out),
+            (true, false, true) => $kernel::<$($generic),*, true, false, true>($task, $out),
+            (true, true, true) => $kernel::<$($generic),*, true, true, true>($task, $out),
+        }
+    };
+}
+pub(super) use variant;
+
 /// Compares every element of the stretch with those behind it in its row and with the neighbour rows.
 ///
 /// For each element, in order: its own row, then the neighbour rows in the order given; partners ascend along the row.
@@ -177,21 +248,36 @@ pub(crate) unsafe fn search<T, V, const D: usize, const TWO_SETS: bool>(
     task: &Task<'_, T, D>,
     out: &mut Output<'_>,
 ) where
-    T: crate::real::Real,
+    T: Real,
     V: Vector<T>,
 {
-    // SAFETY: all blocks of this function rest on its own contract; each adds why its place is inside.
+    // SAFETY: the contract of this function.
+    unsafe { variant!(task, out, all::<T, V, D, TWO_SETS>) }
+}
+
+#[inline(always)]
+unsafe fn all<
+    T,
+    V,
+    const D: usize,
+    const TWO_SETS: bool,
+    const RADII: bool,
+    const COUNT: bool,
+    const FILTER: bool,
+>(
+    task: &Task<'_, T, D>,
+    out: &mut Output<'_>,
+) where
+    T: Real,
+    V: Vector<T>,
+{
+    let (mut few, mut many) = ([const { MaybeUninit::uninit() }; FEW], Vec::new());
+    let mut rows = Rows::new::<RADII, FILTER>(task, V::LANES, &mut few, &mut many);
+    let mut writer = Writer::new(out);
+    // SAFETY: the contract of `search`.
     unsafe {
-        match (task.own.radii.is_empty(), out.count_only, task.own.filter.is_some()) {
-            (true, false, false) => stretch::<T, V, D, TWO_SETS, false, false, false>(task, out),
-            (true, true, false) => stretch::<T, V, D, TWO_SETS, false, true, false>(task, out),
-            (false, false, false) => stretch::<T, V, D, TWO_SETS, true, false, false>(task, out),
-            (false, true, false) => stretch::<T, V, D, TWO_SETS, true, true, false>(task, out),
-            (true, false, true) => stretch::<T, V, D, TWO_SETS, false, false, true>(task, out),
-            (true, true, true) => stretch::<T, V, D, TWO_SETS, false, true, true>(task, out),
-            (false, false, true) => stretch::<T, V, D, TWO_SETS, true, false, true>(task, out),
-            (false, true, true) => stretch::<T, V, D, TWO_SETS, true, true, true>(task, out),
-        }
+        rows.compare::<V, TWO_SETS, RADII, COUNT, FILTER>(task.from..task.to, &mut writer, out);
+        writer.close(out);
     }
 }
 
@@ -207,15 +293,15 @@ struct Element<T, V, const D: usize> {
 
 /// The arrays of one row, by address, so that the inner loop has nothing to compute.
 #[derive(Clone, Copy)]
-struct Row<T, const D: usize> {
-    axes: [*const T; D],
+pub(super) struct Row<T, const D: usize> {
+    pub(super) axes: [*const T; D],
     /// The axis along which the row is sorted.
-    along: *const T,
-    radii: *const T,
-    ids: *const u32,
+    pub(super) along: *const T,
+    pub(super) radii: *const T,
+    pub(super) ids: *const u32,
     /// Where the row starts in the arrays of a filter.
-    start: usize,
-    len: usize,
+    pub(super) start: usize,
+    pub(super) len: usize,
 }
 
 impl<T, const D: usize> Row<T, D> {
@@ -234,202 +320,145 @@ impl<T, const D: usize> Row<T, D> {
     }
 }
 
-/// The arrays of a filter, by address; null for those that it does not have.
-#[derive(Clone, Copy)]
-struct Labels<'a> {
-    bodies: *const u32,
-    /// Categories, or groups of more than fit a word.
-    categories: *const u32,
-    masks: *const u32,
-    matrix: Option<&'a GroupMatrix>,
+/// A neighbour row, and where the search in it starts: see [`Neighbour`].
+pub(super) struct Window<T, const D: usize> {
+    pub(super) row: Row<T, D>,
+    pub(super) low: usize,
 }
 
-/// What a filter says of one element.
-#[derive(Clone, Copy)]
-struct Label {
-    body: u32,
-    category: u32,
-    mask: u32,
-    /// The groups that the element sees, a bit each.
-    groups: *const u32,
+/// Up to 3D there are at most so many neighbour rows, and nothing is allocated.
+pub(super) const FEW: usize = 4;
+
+/// A task, by address.
+pub(super) struct Rows<'a, T, const D: usize> {
+    task: &'a Task<'a, T, D>,
+    pub(super) own: Row<T, D>,
+    pub(super) windows: &'a mut [Window<T, D>],
+    pub(super) own_labels: Labels<'a>,
+    /// Those of the neighbour rows.
+    pub(super) labels: Labels<'a>,
 }
 
-const NO_LABELS: Labels<'_> =
-    Labels { bodies: std::ptr::null(), categories: std::ptr::null(), masks: std::ptr::null(), matrix: None };
-
-const NO_LABEL: Label = Label { body: 0, category: 0, mask: 0, groups: std::ptr::null() };
-
-impl<'a> Labels<'a> {
+impl<'a, T: Real, const D: usize> Rows<'a, T, D> {
+    /// `few` and `many` are memory for the windows.
+    ///
+    /// # Panics
+    /// Unless all rows are inside the arrays, with `lanes` entries after the last element.
     #[inline(always)]
-    fn new<T>(arrays: &Arrays<'a, T>) -> Self {
-        let mut labels = NO_LABELS;
-        let Some(Filter { bodies, sight }) = arrays.filter else { return labels };
-        let len = arrays.ids.len();
-        if let Some(bodies) = bodies {
-            labels.bodies = bodies[..len].as_ptr();
+    pub(super) fn new<const RADII: bool, const FILTER: bool>(
+        task: &'a Task<'a, T, D>,
+        lanes: usize,
+        few: &'a mut [MaybeUninit<Window<T, D>>; FEW],
+        many: &'a mut Vec<Window<T, D>>,
+    ) -> Self {
+        let neighbours = task.neighbours.iter().map(|neighbour| (&task.other, neighbour.row));
+        for (arrays, row) in neighbours.chain([(&task.own, task.row)]) {
+            assert!(D * (row.start + row.len) + lanes <= arrays.coordinates.len());
+            assert!(row.start + row.len + lanes <= arrays.ids.len());
+            assert!(!RADII || row.start + row.len + lanes <= arrays.radii.len());
         }
-        match sight {
-            Sight::All => {}
-            Sight::Masks { categories, masks } => {
-                labels.categories = categories[..len].as_ptr();
-                labels.masks = masks[..len].as_ptr();
-            }
-            Sight::Groups { groups, matrix } => {
-                labels.categories = groups[..len].as_ptr();
-                labels.matrix = Some(matrix);
-            }
-        }
-        labels
+        assert!(task.neighbours.iter().all(|neighbour| neighbour.low <= neighbour.row.len));
+        assert!(task.from <= task.to && task.to <= task.row.len);
+        let (own_labels, labels) =
+            if FILTER { (Labels::new(&task.own), Labels::new(&task.other)) } else { (NO_LABELS, NO_LABELS) };
+        assert!(!FILTER || own_labels.are_like(&labels));
+
+        let windows = task
+            .neighbours
+            .iter()
+            .map(|&Neighbour { row, low }| Window { row: Row::new(&task.other, task.long, row), low });
+        let windows = if task.neighbours.len() <= FEW {
+            few.iter_mut().zip(windows).for_each(|(place, window)| {
+                place.write(window);
+            });
+            // SAFETY: as many as there are neighbours have just been written.
+            unsafe { std::slice::from_raw_parts_mut(few.as_mut_ptr().cast(), task.neighbours.len()) }
+        } else {
+            many.extend(windows);
+            &mut many[..]
+        };
+        Self { task, own: Row::new(&task.own, task.long, task.row), windows, own_labels, labels }
     }
 
-    /// Whether the two are of one kind, and of one number of groups.
-    fn are_like(&self, other: &Self) -> bool {
-        [self.bodies, self.categories, self.masks].map(<*const u32>::is_null)
-            == [other.bodies, other.categories, other.masks].map(<*const u32>::is_null)
-            && self.matrix.map(GroupMatrix::groups) == other.matrix.map(GroupMatrix::groups)
-    }
-
-    /// The numbers of one element.
+    /// The elements `range` of the row.
     ///
     /// # Safety
-    /// `place` is inside the arrays.
+    /// The instructions of `V` are there, which has at most the lanes for which this was made, and `range` is inside that of the task.
     #[inline(always)]
-    unsafe fn of(&self, place: usize) -> Label {
-        let mut label = NO_LABEL;
-        // SAFETY: the contract of this function.
+    pub(super) unsafe fn compare<
+        V: Vector<T>,
+        const TWO_SETS: bool,
+        const RADII: bool,
+        const COUNT: bool,
+        const FILTER: bool,
+    >(
+        &mut self,
+        range: Range<usize>,
+        writer: &mut Writer,
+        out: &mut Output<'_>,
+    ) {
+        let (task, own, own_labels, labels) = (self.task, self.own, self.own_labels, self.labels);
+        // SAFETY: the instructions are there by the contract of this function. Rows are inside the arrays, as has been asserted. `k` is an
+        // element of its row; a vector starts at an element of a row, or behind its last one with no lane counted, and so ends at most LANES
+        // entries behind the row, where the arrays still are.
         unsafe {
-            if !self.bodies.is_null() {
-                label.body = *self.bodies.add(place);
-            }
-            if !self.categories.is_null() {
-                label.category = *self.categories.add(place);
-            }
-            if !self.masks.is_null() {
-                label.mask = *self.masks.add(place);
-            }
-        }
-        if let Some(matrix) = self.matrix {
-            label.groups = matrix.row(label.category).as_ptr();
-        }
-        label
-    }
-
-    /// Those of `hits` that the element sees, among the elements from `place` on.
-    ///
-    /// # Safety
-    /// The instructions of `V` are there, `place` and the next `V::LANES` are inside the arrays, and all groups are ones of the matrix.
-    #[inline(always)]
-    unsafe fn admitted<T, V: Vector<T>>(&self, label: &Label, place: usize, mut hits: u32) -> u32 {
-        // SAFETY: the contract of this function. A row of the matrix has a bit for each group.
-        unsafe {
-            if !self.bodies.is_null() {
-                hits &= !V::equal(label.body, self.bodies.add(place));
-            }
-            if !self.masks.is_null() {
-                hits &= V::overlap(label.mask, self.categories.add(place))
-                    & V::overlap(label.category, self.masks.add(place));
-            } else if self.matrix.is_some() {
-                hits &= V::set(label.groups, self.categories.add(place));
-            }
-        }
-        hits
-    }
-}
-
-#[inline(always)]
-unsafe fn stretch<
-    T,
-    V,
-    const D: usize,
-    const TWO_SETS: bool,
-    const RADII: bool,
-    const COUNT: bool,
-    const FILTER: bool,
->(
-    task: &Task<'_, T, D>,
-    out: &mut Output<'_>,
-) where
-    T: crate::real::Real,
-    V: Vector<T>,
-{
-    let neighbours = task.neighbours.iter().map(|neighbour| (&task.other, neighbour.row));
-    for (arrays, row) in neighbours.chain([(&task.own, task.row)]) {
-        assert!(D * (row.start + row.len) + V::LANES <= arrays.coordinates.len());
-        assert!(row.start + row.len + V::LANES <= arrays.ids.len());
-        assert!(!RADII || row.start + row.len + V::LANES <= arrays.radii.len());
-    }
-    assert!(task.neighbours.iter().all(|neighbour| neighbour.low <= neighbour.row.len));
-    assert!(task.from <= task.to && task.to <= task.row.len);
-    let (own_labels, labels) =
-        if FILTER { (Labels::new(&task.own), Labels::new(&task.other)) } else { (NO_LABELS, NO_LABELS) };
-    assert!(!FILTER || own_labels.are_like(&labels));
-    let own = Row::new(&task.own, task.long, task.row);
-    // Up to 3D there are at most four neighbour rows, and nothing is allocated.
-    let mut few = [(own, 0); 4];
-    let mut many = Vec::new();
-    let neighbours =
-        task.neighbours.iter().map(|&Neighbour { row, low }| (Row::new(&task.other, task.long, row), low));
-    let windows = if task.neighbours.len() <= few.len() {
-        few.iter_mut().zip(neighbours).for_each(|(window, neighbour)| *window = neighbour);
-        &mut few[..task.neighbours.len()]
-    } else {
-        many.extend(neighbours);
-        &mut many[..]
-    };
-    let mut writer = Writer::new(out);
-    // SAFETY: the instructions are there by the contract of this function. Rows are inside the arrays, as has been asserted. `k` is an
-    // element of its row; a vector starts at an element of a row, or behind its last one with no lane counted, and so ends at most LANES
-    // entries behind the row, where the arrays still are.
-    unsafe {
-        let (reach_squared, tolerance) = (V::splat(task.reach_squared), V::splat(task.tolerance));
-        for k in task.from..task.to {
-            let x = *own.along.add(k);
-            let mut centre = [reach_squared; D];
-            for (x, axis) in centre.iter_mut().zip(own.axes) {
-                *x = V::splat(*axis.add(k));
-            }
-            let radius = if RADII { V::splat(*own.radii.add(k)) } else { tolerance };
-            let label = if FILTER { own_labels.of(own.start + k) } else { NO_LABEL };
-            let element = Element { centre, radius, id: *own.ids.add(k), high: x + task.reach, label };
-            if !TWO_SETS {
-                window::<T, V, D, TWO_SETS, RADII, COUNT, FILTER>(
-                    &own,
-                    k + 1,
-                    &element,
-                    &labels,
-                    reach_squared,
-                    tolerance,
-                    &mut writer,
-                    out,
-                );
-            }
-
-            let lows = V::splat(x - task.reach);
-            for (row, low) in &mut *windows {
-                let mut first = *low;
-                loop {
-                    let passed = V::load(row.along.add(first)).below(lows).trailing_ones() as usize;
-                    first += passed;
-                    if passed < V::LANES || first >= row.len {
-                        break;
-                    }
+            let (reach_squared, tolerance) = (V::splat(task.reach_squared), V::splat(task.tolerance));
+            for k in range {
+                let x = *own.along.add(k);
+                let mut centre = [reach_squared; D];
+                for (x, axis) in centre.iter_mut().zip(own.axes) {
+                    *x = V::splat(*axis.add(k));
                 }
-                // Lanes behind the row count for nothing.
-                first = first.min(row.len);
-                *low = first;
-                window::<T, V, D, TWO_SETS, RADII, COUNT, FILTER>(
-                    row,
-                    first,
-                    &element,
-                    &labels,
-                    reach_squared,
-                    tolerance,
-                    &mut writer,
-                    out,
-                );
+                let radius = if RADII { V::splat(*own.radii.add(k)) } else { tolerance };
+                let label = if FILTER { own_labels.of(own.start + k) } else { NO_LABEL };
+                let element = Element { centre, radius, id: *own.ids.add(k), high: x + task.reach, label };
+                if !TWO_SETS {
+                    window::<T, V, D, TWO_SETS, RADII, COUNT, FILTER>(
+                        &own,
+                        k + 1,
+                        &element,
+                        &labels,
+                        reach_squared,
+                        tolerance,
+                        writer,
+                        out,
+                    );
+                }
+
+                let lows = V::splat(x - task.reach);
+                for Window { row, low } in &mut *self.windows {
+                    *low = first_from(row.along, *low, row.len, lows);
+                    window::<T, V, D, TWO_SETS, RADII, COUNT, FILTER>(
+                        row,
+                        *low,
+                        &element,
+                        &labels,
+                        reach_squared,
+                        tolerance,
+                        writer,
+                        out,
+                    );
+                }
             }
         }
-        writer.close(out);
+    }
+}
+
+/// The first element of a row, from `low` on, that is not below `lows`; or the length of the row.
+///
+/// # Safety
+/// `low` is at most `len`, and LANES entries from any element up to there are readable.
+#[inline(always)]
+pub(super) unsafe fn first_from<T, V: Vector<T>>(along: *const T, low: usize, len: usize, lows: V) -> usize {
+    let mut first = low;
+    loop {
+        // SAFETY: the contract of this function.
+        let passed = unsafe { V::load(along.add(first)).below(lows) }.trailing_ones() as usize;
+        first += passed;
+        if passed < V::LANES || first >= len {
+            // Lanes behind the row count for nothing.
+            return first.min(len);
+        }
     }
 }
 
@@ -457,11 +486,11 @@ unsafe fn window<
     writer: &mut Writer,
     out: &mut Output<'_>,
 ) where
-    T: crate::real::Real,
+    T: Real,
     V: Vector<T>,
 {
     let mut j = first;
-    // SAFETY: see `stretch`; room for LANES couples is made before they are stored.
+    // SAFETY: see `Rows::compare`.
     unsafe {
         loop {
             // The sum starts from zero by definition, and zero plus a square is the square.
@@ -483,16 +512,7 @@ unsafe fn window<
             if FILTER {
                 hits = labels.admitted::<T, V>(&element.label, row.start + j, hits);
             }
-            let found = hits.count_ones() as usize;
-            if COUNT {
-                writer.count += found as u64;
-            } else {
-                if writer.to >= writer.full {
-                    *writer = writer.make_room(out);
-                }
-                V::store::<TWO_SETS>(element.id, row.ids.add(j), hits, writer.to);
-                writer.to = writer.to.add(found);
-            }
+            writer.take::<T, V, TWO_SETS, COUNT>(element.id, row.ids.add(j), hits, out);
             j += V::LANES;
             if j >= row.len || *row.along.add(j) > element.high {
                 return;

@@ -3,29 +3,9 @@
 use std::arch::aarch64::*;
 
 use crate::couple::Couple;
-use crate::simd::kernel::{self, Output, Task, Vector};
+use crate::simd::kernel::{Estimate, Vector};
 
-/// # Safety
-/// The processor has the features, and `task` is as its fields say, `TWO_SETS` among them.
-#[target_feature(enable = "neon")]
-pub(crate) unsafe fn search_f64<const D: usize, const TWO_SETS: bool>(
-    task: &Task<'_, f64, D>,
-    out: &mut Output<'_>,
-) {
-    // SAFETY: the contract of this function.
-    unsafe { kernel::search::<f64, F64x2, D, TWO_SETS>(task, out) }
-}
-
-/// # Safety
-/// The processor has the features, and `task` is as its fields say, `TWO_SETS` among them.
-#[target_feature(enable = "neon")]
-pub(crate) unsafe fn search_f32<const D: usize, const TWO_SETS: bool>(
-    task: &Task<'_, f32, D>,
-    out: &mut Output<'_>,
-) {
-    // SAFETY: the contract of this function.
-    unsafe { kernel::search::<f32, F32x4, D, TWO_SETS>(task, out) }
-}
+entry_points!("neon", F64x2, F32x4);
 
 /// Stores the couples whose bit is set one by one; there is no compress, and few lanes.
 ///
@@ -86,6 +66,12 @@ impl Vector<f64> for F64x2 {
     one_instruction!(f64: vdupq_n_f64, vld1q_f64, vaddq_f64, vsubq_f64, vmulq_f64);
 
     #[inline(always)]
+    unsafe fn store_short(self, to: *mut f32) {
+        // SAFETY: the contract of `Vector`.
+        unsafe { vst1_f32(to, vcvt_f32_f64(self.0)) }
+    }
+
+    #[inline(always)]
     unsafe fn at_most(self, other: Self) -> u32 {
         // SAFETY: the contract of `Vector`.
         unsafe { Self::bits(vcleq_f64(self.0, other.0)) }
@@ -116,7 +102,7 @@ impl Vector<f64> for F64x2 {
     }
 
     #[inline(always)]
-    unsafe fn store<const TWO_SETS: bool>(id: u32, ids: *const u32, hits: u32, to: *mut Couple) {
+    unsafe fn store_couples<const TWO_SETS: bool>(id: u32, ids: *const u32, hits: u32, to: *mut Couple) {
         // SAFETY: the contract of `Vector`.
         unsafe { store::<2, TWO_SETS>(id, ids, hits, to) }
     }
@@ -139,6 +125,12 @@ impl Vector<f32> for F32x4 {
     const LANES: usize = 4;
 
     one_instruction!(f32: vdupq_n_f32, vld1q_f32, vaddq_f32, vsubq_f32, vmulq_f32);
+
+    #[inline(always)]
+    unsafe fn store_short(self, to: *mut f32) {
+        // SAFETY: the contract of `Vector`.
+        unsafe { vst1q_f32(to, self.0) }
+    }
 
     #[inline(always)]
     unsafe fn at_most(self, other: Self) -> u32 {
@@ -171,8 +163,16 @@ impl Vector<f32> for F32x4 {
     }
 
     #[inline(always)]
-    unsafe fn store<const TWO_SETS: bool>(id: u32, ids: *const u32, hits: u32, to: *mut Couple) {
+    unsafe fn store_couples<const TWO_SETS: bool>(id: u32, ids: *const u32, hits: u32, to: *mut Couple) {
         // SAFETY: the contract of `Vector`.
         unsafe { store::<4, TWO_SETS>(id, ids, hits, to) }
+    }
+}
+
+impl Estimate for F32x4 {
+    #[inline(always)]
+    unsafe fn mul_add(self, other: Self, sum: Self) -> Self {
+        // SAFETY: the contract of `Vector`.
+        Self(unsafe { vfmaq_f32(sum.0, self.0, other.0) })
     }
 }

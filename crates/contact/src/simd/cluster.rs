@@ -1,0 +1,433 @@
+//! Four elements at a time, in coordinates of 32 bits, with the exact comparison where these leave a doubt.
+//!
+//! A stretch of a row and what lies beside it are copied: relative to a point nearby, in units of the reach, rounded to 32 bits. Then
+//! a vector has room for most windows as a whole, and four neighbours in a row, a *cluster*, share their windows: fewer ends
+//! of windows have to be guessed, and what was loaded is used four times.
+//!
+//! # Why the couples are the same
+//! In units of the reach let `M` bound the coordinates of the copy, `u = 2^-24`, `v` half an epsilon of the type of the
+//! input; roundings to first order, the constants below leave room for the rest.
+//! - A coordinate is off by at most `(u + 3 v) M`: difference, product and factor round in the type of the input, then the copy
+//!   does. A difference of two is off by that twice, and by its own rounding, `2 u M`. Together less than
+//!   `e = (4 u + 8 v) M`.
+//! - So the sum `s` of `D <= 3` squares is off by less than `2 e sqrt(3 s) + 3 e^2`, and by `(D + 1) u s` of its own roundings and
+//!   `(D + 2) v s` of those in the definition of contact.
+//! - The contact distance `c <= 1` is a sum of non-negative numbers, off by at most `(5 u + 12 v) c`, and its square by twice that relative to `c^2`.
+//!
+//! With `E = (4 e + 2^-18) c + 4 e^2` no contact has `s > c^2 + E` here, because these bounds ascend with `s`; and all
+//! that have `s <= c^2 - E` are contacts, because `s` less its bound ascends too. A cluster with any `s` in between is compared again
+//! by the kernel. What underflows in the definition is smaller than `e^2` here.
+//!
+//! Windows end `4 e` beyond the reach, and rounding keeps the order of coordinates: no window misses an element. Couples are
+//! written in the order of the kernel.
+
+use std::mem::MaybeUninit;
+use std::ops::Range;
+
+use crate::real::Real;
+use crate::simd::kernel::{Estimate, FEW, Output, Rows, Task, Vector, Window, Writer, first_from, variant};
+use crate::simd::labels::NO_LABEL;
+
+/// Elements that share their windows.
+const CLUSTER: usize = 4;
+
+/// Elements of a row that are copied at a time: enough to pay for their surroundings.
+const SEGMENT: usize = 128;
+
+/// Fewer elements are not worth a copy.
+const FEWEST: usize = 2 * CLUSTER;
+
+/// Room for a copied piece of a row.
+const CAPACITY: usize = 512;
+
+/// Entries behind a copied piece that are far from everything: two of the widest vectors.
+const PAD: usize = 32;
+
+/// Farther than anything that is copied, with a square that is finite.
+const FAR: f32 = 1e18;
+
+/// Lanes that are compared before the end of a window is looked for: one more vector is rare.
+const WIDTH: usize = 16;
+
+/// Elements per reach, along the row, from which on sharing a window pays.
+const DENSITY: f64 = 1.5;
+
+/// Vectors that a cluster is compared with at most.
+const VECTORS: usize = 128;
+
+/// Coordinates of a copy are at most so large: farther ones leave too much in doubt.
+const LARGEST: f64 = 512.0;
+
+/// Room for the copies of a row and its neighbours, each the axes and the radii.
+type Copies = [[[MaybeUninit<f32>; CAPACITY]; 4]; FEW + 1];
+
+/// A copied piece of a row.
+#[derive(Clone, Copy)]
+struct Piece<const D: usize> {
+    axes: [*const f32; D],
+    /// The axis along which the row is sorted.
+    along: *const f32,
+    radii: *const f32,
+    ids: *const u32,
+    /// Its first element, in the row.
+    start: usize,
+    /// Elements before this one, counted from `start`, are too far to the left of all clusters still to come.
+    low: usize,
+}
+
+/// The copies of a segment: the row, and its neighbours.
+struct Pieces<const D: usize> {
+    pieces: [MaybeUninit<Piece<D>>; FEW + 1],
+    count: usize,
+    /// What its comparisons may err by.
+    error: f64,
+    scale: f64,
+}
+
+/// Elements of a vector, and which of them touch each of a cluster: 16 bits for each of the cluster, the first lowest.
+#[derive(Clone, Copy)]
+struct Hits {
+    ids: *const u32,
+    bits: u64,
+}
+
+/// Of the vector behind the first element of a cluster: those behind each of the cluster. Those before it have met it.
+const BEHIND: u64 = 0xfff8_fffc_fffe_ffff;
+
+/// How long to do without clusters where they are of no use: a lattice has all of its contacts in doubt.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Patience {
+    /// Segments to be compared without.
+    without: u32,
+    /// How many after the next disappointment.
+    next: u32,
+}
+
+impl Patience {
+    fn lost(&mut self) {
+        self.next = (2 * self.next).clamp(1, 64);
+        self.without = self.next;
+    }
+}
+
+/// Whether clusters can be made of a stretch, and pay.
+pub(super) fn pays<T: Real, const D: usize>(task: &Task<'_, T, D>) -> bool {
+    let reach = task.reach.to_f64();
+    (D == 2 || D == 3)
+        && !task.two_sets
+        && task.to - task.from >= FEWEST
+        && task.neighbours.len() <= FEW
+        // Far from where squares underflow.
+        && reach >= T::MIN_RESOLVED * 1_048_576.0
+        && task.spread <= LARGEST * reach
+}
+
+/// As `kernel::search`, by clusters where they are of use.
+///
+/// # Safety
+/// As `kernel::search`, with the lanes of `C`; and [`pays`].
+#[inline(always)]
+pub(super) unsafe fn search<T, V, C, const D: usize>(task: &Task<'_, T, D>, out: &mut Output<'_>)
+where
+    T: Real,
+    V: Vector<T>,
+    C: Estimate,
+{
+    // SAFETY: the contract of this function.
+    unsafe { variant!(task, out, all::<T, V, C, D>) }
+}
+
+#[inline(always)]
+unsafe fn all<T, V, C, const D: usize, const RADII: bool, const COUNT: bool, const FILTER: bool>(
+    task: &Task<'_, T, D>,
+    out: &mut Output<'_>,
+) where
+    T: Real,
+    V: Vector<T>,
+    C: Estimate,
+{
+    let (mut few, mut many) = ([const { MaybeUninit::uninit() }; FEW], Vec::new());
+    let mut rows = Rows::new::<RADII, FILTER>(task, V::LANES.max(C::LANES), &mut few, &mut many);
+    let mut copies = MaybeUninit::<Copies>::uninit();
+    let mut writer = Writer::new(out);
+    let mut from = task.from;
+    while from < task.to {
+        let to = task.to.min(from + SEGMENT);
+        // SAFETY: the contract of `search`; the copies belong to the segment.
+        unsafe {
+            let pieces = if out.patience.without > 0 {
+                out.patience.without -= 1;
+                None
+            } else {
+                copy::<T, V, D, RADII>(task, &mut rows, from..to, &mut copies)
+            };
+            match pieces {
+                Some(mut pieces) => clusters::<T, V, C, D, RADII, COUNT, FILTER>(
+                    task,
+                    &mut rows,
+                    &mut pieces,
+                    from..to,
+                    &mut writer,
+                    out,
+                ),
+                None => rows.compare::<V, false, RADII, COUNT, FILTER>(from..to, &mut writer, out),
+            }
+        }
+        from = to;
+    }
+    // SAFETY: all couples have been written.
+    unsafe { writer.close(out) };
+}
+
+/// Copies the elements `range` of the row, and all that can touch them; `None` where that does not pay.
+///
+/// # Safety
+/// As [`search`]; `copies` are not used by another copy.
+#[inline(always)]
+unsafe fn copy<T, V, const D: usize, const RADII: bool>(
+    task: &Task<'_, T, D>,
+    rows: &mut Rows<'_, T, D>,
+    range: Range<usize>,
+    copies: &mut MaybeUninit<Copies>,
+) -> Option<Pieces<D>>
+where
+    T: Real,
+    V: Vector<T>,
+{
+    let own = rows.own;
+    // SAFETY: `range` is inside the row. Vectors start inside rows, or behind their last element, and so end where the arrays still are. A piece and
+    // what a vector writes behind it fit into the capacity, and then PAD entries do.
+    unsafe {
+        let (first, last) = (*own.along.add(range.start), *own.along.add(range.end - 1));
+        let middle = usize::midpoint(range.start, range.end);
+        let reach = task.reach.to_f64();
+        let width = last.to_f64() - first.to_f64();
+        let center = (*own.along.add(middle)).to_f64();
+        let largest = ((center - first.to_f64()).max(last.to_f64() - center) + reach).max(task.spread);
+        let enough = range.len() >= FEWEST && range.len() as f64 * reach >= DENSITY * width;
+        if !enough || largest > LARGEST * reach {
+            return None;
+        }
+        let scale = 1.0 / reach;
+        let error = 1.01 * (scale * largest) * (4.0 / 16_777_216.0 + 4.0 * T::EPSILON);
+        let scales = V::splat(T::nearest(scale));
+
+        let (lows, highs) = (V::splat(first - task.reach), V::splat(last + task.reach));
+        let mut pieces = Pieces {
+            pieces: [const { MaybeUninit::uninit() }; FEW + 1],
+            count: 1 + rows.windows.len(),
+            error,
+            scale,
+        };
+        let copies: *mut [[MaybeUninit<f32>; CAPACITY]; 4] = copies.as_mut_ptr().cast();
+        for index in 0..pieces.count {
+            let (row, start, mut end) = if index == 0 {
+                (own, range.start, range.end)
+            } else {
+                let Window { row, low } = &mut rows.windows[index - 1];
+                *low = first_from(row.along, *low, row.len, lows);
+                (*row, *low, *low)
+            };
+            let most = row.len.min(start + CAPACITY - PAD);
+            while end < most {
+                let inside = V::load(row.along.add(end)).at_most(highs).trailing_ones() as usize;
+                if inside < V::LANES {
+                    end += inside;
+                    break;
+                }
+                end += V::LANES;
+            }
+            if end >= most {
+                if most < row.len {
+                    return None;
+                }
+                end = most;
+            }
+            let place = copies.add(index).cast::<f32>();
+            let n = end - start;
+            let piece = pieces.pieces[index].write(Piece {
+                axes: [place; D],
+                along: place.add(task.long * CAPACITY),
+                radii: place.add(D * CAPACITY),
+                ids: row.ids.add(start),
+                start,
+                low: 0,
+            });
+            for (axis, place) in piece.axes.iter_mut().enumerate() {
+                let to = copies.add(index).cast::<f32>().add(axis * CAPACITY);
+                *place = to;
+                let origin = V::splat(*own.axes[axis].add(middle));
+                let mut k = 0;
+                while k < n {
+                    V::load(row.axes[axis].add(start + k)).sub(origin).mul(scales).store_short(to.add(k));
+                    k += V::LANES;
+                }
+                pad(to.add(n));
+            }
+            if RADII {
+                let to = place.add(D * CAPACITY);
+                let mut k = 0;
+                while k < n {
+                    V::load(row.radii.add(start + k)).mul(scales).store_short(to.add(k));
+                    k += V::LANES;
+                }
+                pad(to.add(n));
+            }
+        }
+        Some(pieces)
+    }
+}
+
+/// # Safety
+/// PAD entries are writable.
+#[inline(always)]
+unsafe fn pad(to: *mut f32) {
+    for lane in 0..PAD {
+        // SAFETY: the contract of this function.
+        unsafe { *to.add(lane) = FAR };
+    }
+}
+
+/// Compares the elements `range`, of which `pieces` are the copies.
+///
+/// # Safety
+/// As [`search`].
+#[inline(always)]
+unsafe fn clusters<T, V, C, const D: usize, const RADII: bool, const COUNT: bool, const FILTER: bool>(
+    task: &Task<'_, T, D>,
+    rows: &mut Rows<'_, T, D>,
+    pieces: &mut Pieces<D>,
+    range: Range<usize>,
+    writer: &mut Writer,
+    out: &mut Output<'_>,
+) where
+    T: Real,
+    V: Vector<T>,
+    C: Estimate,
+{
+    let Pieces { count, error, scale, .. } = *pieces;
+    let (slope, rest) = (4.0 * error + 1.0 / 262_144.0, 4.0 * error * error);
+    // SAFETY: the instructions are there. As many pieces as are counted have been written. A vector of a piece starts at most at its length,
+    // and ends inside the PAD behind it; so do the `ids` and labels from there on, of which there are as many as lanes behind every row.
+    unsafe {
+        let pieces = std::slice::from_raw_parts_mut(pieces.pieces.as_mut_ptr().cast::<Piece<D>>(), count);
+        let mine = pieces[0];
+        let limit = task.reach_squared.to_f64() * scale * scale;
+        let doubt = slope * limit.sqrt() + rest;
+        let (sure, possible) = (C::splat((limit - doubt) as f32), C::splat((limit + doubt) as f32));
+        let (slope, rest) = (C::splat(slope as f32), C::splat(rest as f32));
+        let tolerance = C::splat((task.tolerance.to_f64() * scale) as f32);
+        let reach = (1.0 + 4.0 * error) as f32;
+        let mut found = [const { MaybeUninit::<Hits>::uninit() }; VECTORS];
+        let (mut done, mut repeated) = (0, 0);
+        for base in (0..range.len()).step_by(CLUSTER) {
+            let members = CLUSTER.min(range.len() - base);
+            let mut centres = [[tolerance; D]; CLUSTER];
+            let mut radii = [tolerance; CLUSTER];
+            for (i, (centre, radius)) in centres.iter_mut().zip(&mut radii).enumerate() {
+                for (x, axis) in centre.iter_mut().zip(mine.axes) {
+                    *x = C::splat(*axis.add(base + i));
+                }
+                if RADII {
+                    *radius = C::splat(*mine.radii.add(base + i)).add(tolerance);
+                }
+            }
+            let lows = C::splat(*mine.along.add(base) - reach);
+            let high = *mine.along.add(base + members - 1) + reach;
+            let (mut vectors, mut doubts) = (found.as_mut_ptr().cast::<Hits>(), 0);
+            let most = vectors.add(VECTORS - (FEW + 1) * WIDTH / C::LANES);
+            'windows: for (index, piece) in pieces.iter_mut().enumerate() {
+                let own = index == 0;
+                let mut j = base + 1;
+                if !own {
+                    // What is behind a piece is far to the right.
+                    piece.low = first_from(piece.along, piece.low, usize::MAX, lows);
+                    j = piece.low;
+                }
+                let least = j + if own { 1 } else { WIDTH };
+                loop {
+                    let mut others = [tolerance; D];
+                    for (x, axis) in others.iter_mut().zip(piece.axes) {
+                        *x = C::load(axis.add(j));
+                    }
+                    let mut bits = 0;
+                    for i in 0..CLUSTER {
+                        let mut sum = tolerance;
+                        for axis in 0..D {
+                            let difference = centres[i][axis].sub(others[axis]);
+                            sum = if axis == 0 {
+                                difference.mul(difference)
+                            } else {
+                                difference.mul_add(difference, sum)
+                            };
+                        }
+                        let (mut sure, mut possible) = (sure, possible);
+                        if RADII {
+                            let reach = radii[i].add(C::load(piece.radii.add(j)));
+                            let (limit, doubt) = (reach.mul(reach), reach.mul_add(slope, rest));
+                            (sure, possible) = (limit.sub(doubt), limit.add(doubt));
+                        }
+                        let hits = sum.at_most(possible);
+                        doubts |= hits ^ sum.at_most(sure);
+                        bits |= u64::from(hits) << (16 * i);
+                    }
+                    vectors.write(Hits { ids: piece.ids.add(j), bits });
+                    vectors = vectors.add(1);
+                    j += C::LANES;
+                    if j >= least {
+                        if *piece.along.add(j) > high {
+                            break;
+                        }
+                        if vectors >= most {
+                            doubts = u32::MAX;
+                            break 'windows;
+                        }
+                    }
+                }
+            }
+
+            done += 1;
+            let from = range.start + base;
+            if doubts != 0 {
+                repeated += 1;
+                for (window, piece) in rows.windows.iter_mut().zip(&pieces[1..]) {
+                    window.low = piece.start + piece.low;
+                }
+                let hopeless = repeated >= 3 && 2 * repeated > done;
+                let to = if hopeless { range.end } else { from + members };
+                rows.compare::<V, false, RADII, COUNT, FILTER>(from..to, writer, out);
+                if hopeless {
+                    out.patience.lost();
+                    return;
+                }
+                continue;
+            }
+            let first = found.as_mut_ptr().cast::<Hits>();
+            let found = std::slice::from_raw_parts_mut(first, vectors.offset_from_unsigned(first));
+            found[0].bits &= BEHIND;
+            if COUNT && !FILTER {
+                let all = u64::MAX >> (16 * (CLUSTER - members));
+                for hits in &*found {
+                    writer.count += u64::from((hits.bits & all).count_ones());
+                }
+                continue;
+            }
+            for i in 0..members {
+                let label = if FILTER { rows.own_labels.of(rows.own.start + from + i) } else { NO_LABEL };
+                let id = *rows.own.ids.add(from + i);
+                for hits in &*found {
+                    let mut bits = (hits.bits >> (16 * i)) as u32 & 0xffff;
+                    if FILTER {
+                        let place = hits.ids.offset_from_unsigned(task.other.ids.as_ptr());
+                        bits = rows.labels.admitted::<f32, C>(&label, place, bits);
+                    }
+                    writer.take::<f32, C, false, COUNT>(id, hits.ids, bits, out);
+                }
+            }
+        }
+        for (window, piece) in rows.windows.iter_mut().zip(&pieces[1..]) {
+            window.low = piece.start + piece.low;
+        }
+    }
+    out.patience = Patience::default();
+}

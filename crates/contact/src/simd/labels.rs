@@ -1,0 +1,106 @@
+//! A filter, as the kernels read it.
+
+use crate::filter::{Filter, GroupMatrix, Sight};
+use crate::simd::kernel::{Arrays, Vector};
+
+/// The arrays of a filter, by address; null for those that it does not have.
+#[derive(Clone, Copy)]
+pub(super) struct Labels<'a> {
+    bodies: *const u32,
+    /// Categories, or groups of more than fit a word.
+    categories: *const u32,
+    masks: *const u32,
+    matrix: Option<&'a GroupMatrix>,
+}
+
+/// What a filter says of one element.
+#[derive(Clone, Copy)]
+pub(super) struct Label {
+    body: u32,
+    category: u32,
+    mask: u32,
+    /// The groups that the element sees, a bit each.
+    groups: *const u32,
+}
+
+pub(super) const NO_LABELS: Labels<'_> =
+    Labels { bodies: std::ptr::null(), categories: std::ptr::null(), masks: std::ptr::null(), matrix: None };
+
+pub(super) const NO_LABEL: Label = Label { body: 0, category: 0, mask: 0, groups: std::ptr::null() };
+
+impl<'a> Labels<'a> {
+    #[inline(always)]
+    pub(super) fn new<T>(arrays: &Arrays<'a, T>) -> Self {
+        let mut labels = NO_LABELS;
+        let Some(Filter { bodies, sight }) = arrays.filter else { return labels };
+        let len = arrays.ids.len();
+        if let Some(bodies) = bodies {
+            labels.bodies = bodies[..len].as_ptr();
+        }
+        match sight {
+            Sight::All => {}
+            Sight::Masks { categories, masks } => {
+                labels.categories = categories[..len].as_ptr();
+                labels.masks = masks[..len].as_ptr();
+            }
+            Sight::Groups { groups, matrix } => {
+                labels.categories = groups[..len].as_ptr();
+                labels.matrix = Some(matrix);
+            }
+        }
+        labels
+    }
+
+    /// Whether the two are of one kind, and of one number of groups.
+    pub(super) fn are_like(&self, other: &Self) -> bool {
+        [self.bodies, self.categories, self.masks].map(<*const u32>::is_null)
+            == [other.bodies, other.categories, other.masks].map(<*const u32>::is_null)
+            && self.matrix.map(GroupMatrix::groups) == other.matrix.map(GroupMatrix::groups)
+    }
+
+    /// The numbers of one element.
+    ///
+    /// # Safety
+    /// `place` is inside the arrays.
+    #[inline(always)]
+    pub(super) unsafe fn of(&self, place: usize) -> Label {
+        let mut label = NO_LABEL;
+        // SAFETY: the contract of this function.
+        unsafe {
+            if !self.bodies.is_null() {
+                label.body = *self.bodies.add(place);
+            }
+            if !self.categories.is_null() {
+                label.category = *self.categories.add(place);
+            }
+            if !self.masks.is_null() {
+                label.mask = *self.masks.add(place);
+            }
+        }
+        if let Some(matrix) = self.matrix {
+            label.groups = matrix.row(label.category).as_ptr();
+        }
+        label
+    }
+
+    /// Those of `hits` that the element sees, among the elements from `place` on.
+    ///
+    /// # Safety
+    /// The instructions of `V` are there, `place` and the next `V::LANES` are inside the arrays, and all groups are ones of the matrix.
+    #[inline(always)]
+    pub(super) unsafe fn admitted<T, V: Vector<T>>(&self, label: &Label, place: usize, mut hits: u32) -> u32 {
+        // SAFETY: the contract of this function. A row of the matrix has a bit for each group.
+        unsafe {
+            if !self.bodies.is_null() {
+                hits &= !V::equal(label.body, self.bodies.add(place));
+            }
+            if !self.masks.is_null() {
+                hits &= V::overlap(label.mask, self.categories.add(place))
+                    & V::overlap(label.category, self.masks.add(place));
+            } else if self.matrix.is_some() {
+                hits &= V::set(label.groups, self.categories.add(place));
+            }
+        }
+        hits
+    }
+}
