@@ -177,13 +177,15 @@ macro_rules! kernels {
             fn search<const D: usize>(level: Simd, task: &Task<'_, Self, D>, out: &mut Output<'_>) {
                 #[allow(unused_macros, reason = "only processors with vectors use it")]
                 macro_rules! vectors {
-                    // SAFETY: the caller has chosen a level that this processor has.
                     ($level:ident) => {
                         if task.two_sets {
+                            // SAFETY: the caller has chosen a level that this processor has.
                             unsafe { $level::$search::<D, true>(task, out) }
                         } else if cluster::pays(task) {
+                            // SAFETY: as above.
                             unsafe { $level::$clusters::<D>(task, out) }
                         } else {
+                            // SAFETY: as above.
                             unsafe { $level::$search::<D, false>(task, out) }
                         }
                     };

@@ -75,13 +75,32 @@ struct Piece<const D: usize> {
     low: usize,
 }
 
-/// The copies of a segment: the row, and its neighbours.
-struct Pieces<const D: usize> {
+/// A segment, copied.
+struct Segment<const D: usize> {
+    /// Pieces of the row and of its neighbours.
     pieces: [MaybeUninit<Piece<D>>; FEW + 1],
     count: usize,
-    /// What its comparisons may err by.
+    /// What a difference of two coordinates may err by: `e` above.
     error: f64,
+    /// One over the reach.
     scale: f64,
+}
+
+/// From which squared distances on there is doubt, and from which on there is no contact.
+struct Limits<C> {
+    /// Elements of one radius.
+    sure: C,
+    possible: C,
+    /// Elements with radii: `E` above for a contact distance, per distance and besides.
+    slope: C,
+    rest: C,
+}
+
+/// Elements next to each other, each spread over all lanes.
+struct Cluster<C, const D: usize> {
+    centres: [[C; D]; CLUSTER],
+    /// With the tolerance.
+    radii: [C; CLUSTER],
 }
 
 /// Elements of a vector, and which of them touch each of a cluster: 16 bits for each of the cluster, the first lowest.
@@ -155,17 +174,17 @@ unsafe fn all<T, V, C, const D: usize, const RADII: bool, const COUNT: bool, con
         let to = task.to.min(from + SEGMENT);
         // SAFETY: the contract of `search`; the copies belong to the segment.
         unsafe {
-            let pieces = if out.patience.without > 0 {
+            let segment = if out.patience.without > 0 {
                 out.patience.without -= 1;
                 None
             } else {
                 copy::<T, V, D, RADII>(task, &mut rows, from..to, &mut copies)
             };
-            match pieces {
-                Some(mut pieces) => clusters::<T, V, C, D, RADII, COUNT, FILTER>(
+            match segment {
+                Some(mut segment) => clusters::<T, V, C, D, RADII, COUNT, FILTER>(
                     task,
                     &mut rows,
-                    &mut pieces,
+                    &mut segment,
                     from..to,
                     &mut writer,
                     out,
@@ -189,7 +208,7 @@ unsafe fn copy<T, V, const D: usize, const RADII: bool>(
     rows: &mut Rows<'_, T, D>,
     range: Range<usize>,
     copies: &mut MaybeUninit<Copies>,
-) -> Option<Pieces<D>>
+) -> Option<Segment<D>>
 where
     T: Real,
     V: Vector<T>,
@@ -213,14 +232,10 @@ where
         let scales = V::splat(T::nearest(scale));
 
         let (lows, highs) = (V::splat(first - task.reach), V::splat(last + task.reach));
-        let mut pieces = Pieces {
-            pieces: [const { MaybeUninit::uninit() }; FEW + 1],
-            count: 1 + rows.windows.len(),
-            error,
-            scale,
-        };
+        let pieces = [const { MaybeUninit::uninit() }; FEW + 1];
+        let mut segment = Segment { pieces, count: 1 + rows.windows.len(), error, scale };
         let copies: *mut [[MaybeUninit<f32>; CAPACITY]; 4] = copies.as_mut_ptr().cast();
-        for index in 0..pieces.count {
+        for index in 0..segment.count {
             let (row, start, mut end) = if index == 0 {
                 (own, range.start, range.end)
             } else {
@@ -245,7 +260,7 @@ where
             }
             let place = copies.add(index).cast::<f32>();
             let n = end - start;
-            let piece = pieces.pieces[index].write(Piece {
+            let piece = segment.pieces[index].write(Piece {
                 axes: [place; D],
                 along: place.add(task.long * CAPACITY),
                 radii: place.add(D * CAPACITY),
@@ -274,7 +289,7 @@ where
                 pad(to.add(n));
             }
         }
-        Some(pieces)
+        Some(segment)
     }
 }
 
@@ -288,7 +303,86 @@ unsafe fn pad(to: *mut f32) {
     }
 }
 
-/// Compares the elements `range`, of which `pieces` are the copies.
+impl<C: Estimate> Limits<C> {
+    #[inline(always)]
+    unsafe fn new<T: Real, const D: usize>(task: &Task<'_, T, D>, segment: &Segment<D>) -> Self {
+        let Segment { error, scale, .. } = *segment;
+        let (slope, rest) = (4.0 * error + 1.0 / 262_144.0, 4.0 * error * error);
+        let limit = task.reach_squared.to_f64() * scale * scale;
+        let doubt = slope * limit.sqrt() + rest;
+        // SAFETY: the instructions are there.
+        unsafe {
+            Self {
+                sure: C::splat((limit - doubt) as f32),
+                possible: C::splat((limit + doubt) as f32),
+                slope: C::splat(slope as f32),
+                rest: C::splat(rest as f32),
+            }
+        }
+    }
+}
+
+impl<C: Estimate, const D: usize> Cluster<C, D> {
+    /// The elements of `piece` from `base` on.
+    ///
+    /// # Safety
+    /// The instructions are there, and `base` is inside the piece.
+    #[inline(always)]
+    unsafe fn new<const RADII: bool>(piece: &Piece<D>, base: usize, tolerance: C) -> Self {
+        let mut cluster = Self { centres: [[tolerance; D]; CLUSTER], radii: [tolerance; CLUSTER] };
+        // SAFETY: the contract of this function, and PAD entries behind the piece.
+        unsafe {
+            for i in 0..CLUSTER {
+                for (x, axis) in cluster.centres[i].iter_mut().zip(piece.axes) {
+                    *x = C::splat(*axis.add(base + i));
+                }
+                if RADII {
+                    cluster.radii[i] = C::splat(*piece.radii.add(base + i)).add(tolerance);
+                }
+            }
+        }
+        cluster
+    }
+
+    /// Which elements of `piece` from `j` on touch each of the cluster, as [`Hits`] has it; and a bit for each lane with a doubt.
+    ///
+    /// # Safety
+    /// The instructions are there, and the lanes from `j` on end inside the PAD of the piece.
+    #[inline(always)]
+    unsafe fn touch<const RADII: bool>(&self, piece: &Piece<D>, j: usize, limits: &Limits<C>) -> (u64, u32) {
+        let (mut bits, mut doubts) = (0, 0);
+        // SAFETY: the contract of this function.
+        unsafe {
+            let mut others = self.centres[0];
+            for (x, axis) in others.iter_mut().zip(piece.axes) {
+                *x = C::load(axis.add(j));
+            }
+            for i in 0..CLUSTER {
+                let mut sum = limits.rest;
+                for (axis, (x, other)) in self.centres[i].iter().zip(others).enumerate() {
+                    let difference = x.sub(other);
+                    sum = if axis == 0 {
+                        difference.mul(difference)
+                    } else {
+                        difference.mul_add(difference, sum)
+                    };
+                }
+                let Limits { mut sure, mut possible, slope, rest } = *limits;
+                if RADII {
+                    let reach = self.radii[i].add(C::load(piece.radii.add(j)));
+                    let (limit, doubt) = (reach.mul(reach), reach.mul_add(slope, rest));
+                    (sure, possible) = (limit.sub(doubt), limit.add(doubt));
+                }
+                let hits = sum.at_most(possible);
+                doubts |= hits ^ sum.at_most(sure);
+                bits |= u64::from(hits) << (16 * i);
+            }
+        }
+        (bits, doubts)
+    }
+}
+
+/// Compares the elements `range`, of which `segment` is the copy.
 ///
 /// # Safety
 /// As [`search`].
@@ -296,7 +390,7 @@ unsafe fn pad(to: *mut f32) {
 unsafe fn clusters<T, V, C, const D: usize, const RADII: bool, const COUNT: bool, const FILTER: bool>(
     task: &Task<'_, T, D>,
     rows: &mut Rows<'_, T, D>,
-    pieces: &mut Pieces<D>,
+    segment: &mut Segment<D>,
     range: Range<usize>,
     writer: &mut Writer,
     out: &mut Output<'_>,
@@ -305,38 +399,27 @@ unsafe fn clusters<T, V, C, const D: usize, const RADII: bool, const COUNT: bool
     V: Vector<T>,
     C: Estimate,
 {
-    let Pieces { count, error, scale, .. } = *pieces;
-    let (slope, rest) = (4.0 * error + 1.0 / 262_144.0, 4.0 * error * error);
+    let mut found = [const { MaybeUninit::<Hits>::uninit() }; VECTORS];
+    let first_hits = found.as_mut_ptr().cast::<Hits>();
+    let (mut done, mut repeated) = (0, 0);
     // SAFETY: the instructions are there. As many pieces as are counted have been written. A vector of a piece starts at most at its length,
-    // and ends inside the PAD behind it; so do the `ids` and labels from there on, of which there are as many as lanes behind every row.
+    // and ends inside the PAD behind it; so do the `ids` and labels from there on, of which there are as many as lanes behind every row. Before
+    // there is no room for the least vectors of all pieces no more than these are written.
     unsafe {
-        let pieces = std::slice::from_raw_parts_mut(pieces.pieces.as_mut_ptr().cast::<Piece<D>>(), count);
+        let limits = Limits::<C>::new(task, segment);
+        let tolerance = C::splat((task.tolerance.to_f64() * segment.scale) as f32);
+        let reach = (1.0 + 4.0 * segment.error) as f32;
+        let most = first_hits.add(VECTORS - (FEW + 1) * WIDTH / C::LANES);
+        let pieces = segment.pieces.as_mut_ptr().cast::<Piece<D>>();
+        let pieces = std::slice::from_raw_parts_mut(pieces, segment.count);
         let mine = pieces[0];
-        let limit = task.reach_squared.to_f64() * scale * scale;
-        let doubt = slope * limit.sqrt() + rest;
-        let (sure, possible) = (C::splat((limit - doubt) as f32), C::splat((limit + doubt) as f32));
-        let (slope, rest) = (C::splat(slope as f32), C::splat(rest as f32));
-        let tolerance = C::splat((task.tolerance.to_f64() * scale) as f32);
-        let reach = (1.0 + 4.0 * error) as f32;
-        let mut found = [const { MaybeUninit::<Hits>::uninit() }; VECTORS];
-        let (mut done, mut repeated) = (0, 0);
         for base in (0..range.len()).step_by(CLUSTER) {
             let members = CLUSTER.min(range.len() - base);
-            let mut centres = [[tolerance; D]; CLUSTER];
-            let mut radii = [tolerance; CLUSTER];
-            for (i, (centre, radius)) in centres.iter_mut().zip(&mut radii).enumerate() {
-                for (x, axis) in centre.iter_mut().zip(mine.axes) {
-                    *x = C::splat(*axis.add(base + i));
-                }
-                if RADII {
-                    *radius = C::splat(*mine.radii.add(base + i)).add(tolerance);
-                }
-            }
+            let cluster = Cluster::new::<RADII>(&mine, base, tolerance);
             let lows = C::splat(*mine.along.add(base) - reach);
             let high = *mine.along.add(base + members - 1) + reach;
-            let (mut vectors, mut doubts) = (found.as_mut_ptr().cast::<Hits>(), 0);
-            let most = vectors.add(VECTORS - (FEW + 1) * WIDTH / C::LANES);
-            'windows: for (index, piece) in pieces.iter_mut().enumerate() {
+            let (mut hits, mut doubts) = (first_hits, 0);
+            'pieces: for (index, piece) in pieces.iter_mut().enumerate() {
                 let own = index == 0;
                 let mut j = base + 1;
                 if !own {
@@ -346,41 +429,18 @@ unsafe fn clusters<T, V, C, const D: usize, const RADII: bool, const COUNT: bool
                 }
                 let least = j + if own { 1 } else { WIDTH };
                 loop {
-                    let mut others = [tolerance; D];
-                    for (x, axis) in others.iter_mut().zip(piece.axes) {
-                        *x = C::load(axis.add(j));
-                    }
-                    let mut bits = 0;
-                    for i in 0..CLUSTER {
-                        let mut sum = tolerance;
-                        for axis in 0..D {
-                            let difference = centres[i][axis].sub(others[axis]);
-                            sum = if axis == 0 {
-                                difference.mul(difference)
-                            } else {
-                                difference.mul_add(difference, sum)
-                            };
-                        }
-                        let (mut sure, mut possible) = (sure, possible);
-                        if RADII {
-                            let reach = radii[i].add(C::load(piece.radii.add(j)));
-                            let (limit, doubt) = (reach.mul(reach), reach.mul_add(slope, rest));
-                            (sure, possible) = (limit.sub(doubt), limit.add(doubt));
-                        }
-                        let hits = sum.at_most(possible);
-                        doubts |= hits ^ sum.at_most(sure);
-                        bits |= u64::from(hits) << (16 * i);
-                    }
-                    vectors.write(Hits { ids: piece.ids.add(j), bits });
-                    vectors = vectors.add(1);
+                    let (bits, doubt) = cluster.touch::<RADII>(piece, j, &limits);
+                    doubts |= doubt;
+                    hits.write(Hits { ids: piece.ids.add(j), bits });
+                    hits = hits.add(1);
                     j += C::LANES;
                     if j >= least {
                         if *piece.along.add(j) > high {
                             break;
                         }
-                        if vectors >= most {
+                        if hits >= most {
                             doubts = u32::MAX;
-                            break 'windows;
+                            break 'pieces;
                         }
                     }
                 }
@@ -390,9 +450,7 @@ unsafe fn clusters<T, V, C, const D: usize, const RADII: bool, const COUNT: bool
             let from = range.start + base;
             if doubts != 0 {
                 repeated += 1;
-                for (window, piece) in rows.windows.iter_mut().zip(&pieces[1..]) {
-                    window.low = piece.start + piece.low;
-                }
+                follow(rows, pieces);
                 let hopeless = repeated >= 3 && 2 * repeated > done;
                 let to = if hopeless { range.end } else { from + members };
                 rows.compare::<V, false, RADII, COUNT, FILTER>(from..to, writer, out);
@@ -402,16 +460,8 @@ unsafe fn clusters<T, V, C, const D: usize, const RADII: bool, const COUNT: bool
                 }
                 continue;
             }
-            let first = found.as_mut_ptr().cast::<Hits>();
-            let found = std::slice::from_raw_parts_mut(first, vectors.offset_from_unsigned(first));
+            let found = std::slice::from_raw_parts_mut(first_hits, hits.offset_from_unsigned(first_hits));
             found[0].bits &= BEHIND;
-            if COUNT && !FILTER {
-                let all = u64::MAX >> (16 * (CLUSTER - members));
-                for hits in &*found {
-                    writer.count += u64::from((hits.bits & all).count_ones());
-                }
-                continue;
-            }
             for i in 0..members {
                 let label = if FILTER { rows.own_labels.of(rows.own.start + from + i) } else { NO_LABEL };
                 let id = *rows.own.ids.add(from + i);
@@ -425,9 +475,15 @@ unsafe fn clusters<T, V, C, const D: usize, const RADII: bool, const COUNT: bool
                 }
             }
         }
-        for (window, piece) in rows.windows.iter_mut().zip(&pieces[1..]) {
-            window.low = piece.start + piece.low;
-        }
+        follow(rows, pieces);
     }
     out.patience = Patience::default();
+}
+
+/// Takes the windows of the kernel to where those of the clusters are.
+#[inline(always)]
+fn follow<T, const D: usize>(rows: &mut Rows<'_, T, D>, pieces: &[Piece<D>]) {
+    for (window, piece) in rows.windows.iter_mut().zip(&pieces[1..]) {
+        window.low = piece.start + piece.low;
+    }
 }

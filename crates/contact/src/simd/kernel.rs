@@ -153,7 +153,7 @@ pub(super) struct Writer {
     /// From here on there is no room for a vector of couples.
     full: *mut Couple,
     /// Found and not written.
-    pub(super) count: u64,
+    count: u64,
 }
 
 impl Writer {

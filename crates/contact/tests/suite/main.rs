@@ -13,6 +13,7 @@
 //! - `queries`: elements around points, and the nearest ones, against the distances to all of them.
 //! - `against_all`: no test, but what the two before share.
 //! - `numbers`: coordinates of 1e12, more couples than 32 bits count, domains of 10^15 cells.
+//! - `doubt`: distances at the limit and just beside it, where the kernels must not trust 32 bits; lattices, and crowds.
 //! - `golden`: the numbers printed in the book.
 //! - `../kernels.rs`, a program of its own for valgrind: the vector kernels on short rows, at every level.
 //! - `../memory.rs`, a program of its own because it counts allocations: the memory law.
@@ -24,6 +25,7 @@ mod buffer;
 mod csr;
 mod degenerate;
 mod determinism;
+mod doubt;
 mod explain;
 mod filter;
 mod golden;
