@@ -141,10 +141,10 @@ impl<const D: usize> Grid<D> {
         (self.quotient(axis, x) + NO_FRACTION) - NO_FRACTION
     }
 
-    /// The coordinate `x` along `axis` in `scale` parts of a cell, rounded to an integer; ascending with `x`.
+    /// The coordinate `x` along `axis` in `scale` parts of a cell; ascending with `x`.
     #[inline]
-    pub(crate) fn scaled(&self, axis: usize, x: f64, scale: f64) -> u64 {
-        nearest_integer(self.quotient(axis, x) * scale)
+    pub(crate) fn scaled(&self, axis: usize, x: f64, scale: f64) -> f64 {
+        self.quotient(axis, x) * scale
     }
 
     /// The first and the last cell of those that hold points from `low` to `high`, none if there cannot be any; for a grid from

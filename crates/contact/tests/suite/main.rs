@@ -4,6 +4,7 @@
 //! - `degenerate`: nothing, one, all in one place, far away, NaN, infinity, lengths that differ, domains too wide.
 //! - `properties`: laws that hold for any input (proptest): renumbering, mirroring, translation, tolerance, no repeats.
 //! - `determinism`: one order of couples for any number of threads and any vector instructions.
+//! - `reuse`: a search used again, whatever came before, finds the list of a new one.
 //! - `buffer`: walking elements: the couples of every update equal all-against-all, at the limit of the buffer too; when detection is due.
 //! - `csr`: compressed rows against a map of sets, in any order, with repeats, values and couples that are none.
 //! - `periodic`: boxes that repeat, sheared or not, against all images one by one.
@@ -34,6 +35,7 @@ mod oracle;
 mod periodic;
 mod properties;
 mod queries;
+mod reuse;
 mod two_sets;
 
 use fdem_contact::{Couple, Elements, Real, Search};

@@ -15,7 +15,7 @@ pub(crate) struct BlockSort<T, const D: usize> {
     /// One for each element: row, place along the row, place in the block, from the highest bits to the lowest.
     keys: Vec<u64>,
     moved: Vec<u64>,
-    counts: [Vec<u32>; 2],
+    counts: Vec<u32>,
     /// First element of each row.
     pub(crate) starts: Vec<u32>,
 }
@@ -46,6 +46,9 @@ const MAX_PLACE_BITS: u32 = 50;
 /// Insertion is quick while elements move over a few others on average; beyond, another sort takes over.
 const MAX_MOVES_PER_ELEMENT: usize = 4;
 
+/// With more keys to a digit than this, on average of those digits that occur, one pass leaves too much to insertion.
+const CROWDED: usize = 3;
+
 /// So many elements are sorted without counting.
 const FEW: usize = 32;
 
@@ -57,7 +60,7 @@ impl<T, const D: usize> Default for BlockSort<T, D> {
             radii: Vec::new(),
             keys: Vec::new(),
             moved: Vec::new(),
-            counts: [Vec::new(), Vec::new()],
+            counts: Vec::new(),
             starts: Vec::new(),
         }
     }
@@ -108,12 +111,20 @@ impl<T: Real, const D: usize> BlockSort<T, D> {
         let id_bits = bits(n as u64 - 1);
         let place_bits = (63 - id_bits).saturating_sub(bits(rows - 1)).min(MAX_PLACE_BITS);
         let row_shift = if keys.are_complete() && place_bits >= MIN_PLACE_BITS {
-            keys.of(&self.points, &mut self.keys);
-            keys.add_places(&self.points, block.first_row, place_bits, &mut self.keys);
-            for (place, key) in self.keys.iter_mut().enumerate() {
-                *key = *key << id_bits | place as u64;
+            let digits = Digits::new(rows << (id_bits + place_bits), n);
+            self.counts.clear();
+            resize(&mut self.counts, n, 0)?;
+            let mut place = 0;
+            for (points, their_keys) in self.points.chunks(FEW).zip(self.keys.chunks_mut(FEW)) {
+                keys.of(points, their_keys);
+                keys.add_places(points, block.first_row, place_bits, their_keys);
+                for key in their_keys {
+                    *key = *key << id_bits | place;
+                    place += 1;
+                    self.counts[digits.of(*key)] += 1;
+                }
             }
-            self.sort_keys(bits(rows - 1) + place_bits + id_bits)?;
+            self.sort_keys(bits(rows - 1) + place_bits + id_bits, digits)?;
             id_bits + place_bits
         } else {
             self.sort_by_comparison(keys, id_bits);
@@ -123,30 +134,37 @@ impl<T: Real, const D: usize> BlockSort<T, D> {
         Ok(())
     }
 
-    /// Sorts the keys, which have so many `bits`: by the highest ones, in two passes, then by insertion.
+    /// Sorts the keys, which have so many `bits` and whose `digits` are counted: by these, and then by insertion.
     ///
-    /// Those in one row are nearly uniform, and the highest bits tell most of them apart.
-    fn sort_keys(&mut self, bits: u32) -> Result<(), Error> {
+    /// Those in one row are nearly uniform, so that few have one digit. Where most rows are empty many have, and two passes by smaller
+    /// digits tell them apart.
+    fn sort_keys(&mut self, bits: u32, digits: Digits) -> Result<(), Error> {
         let n = self.keys.len();
         if n <= FEW {
             self.keys.sort_unstable();
             return Ok(());
         }
+        let occupied = add_up(&mut self.counts);
+        if occupied >= n / CROWDED {
+            spread(&self.keys, &mut self.moved, &mut self.counts, |key| digits.of(key));
+            swap_neighbours(&self.moved, &mut self.keys);
+            insert(&mut self.keys);
+            return Ok(());
+        }
         let digit = (self::bits(n as u64 - 1) + 5).min(bits) / 2;
         let shift = bits - 2 * digit;
         let mask = (1 << digit) - 1;
-        let [low, high] = &mut self.counts;
-        for counts in [&mut *low, &mut *high] {
-            counts.clear();
-            resize(counts, 1 << digit, 0)?;
-        }
+        self.counts.clear();
+        resize(&mut self.counts, 2 << digit, 0)?;
+        let (low, high) = self.counts.split_at_mut(1 << digit);
         let low_digit = |key: u64| (key >> shift & mask) as usize;
         let high_digit = |key: u64| (key >> (shift + digit) & mask) as usize;
-        let (low, high) = (low.as_mut_slice(), high.as_mut_slice());
         for &key in &self.keys {
             low[low_digit(key)] += 1;
             high[high_digit(key)] += 1;
         }
+        add_up(low);
+        add_up(high);
         spread(&self.keys, &mut self.moved, low, low_digit);
         spread(&self.moved, &mut self.keys, high, high_digit);
         insert(&mut self.keys);
@@ -182,13 +200,14 @@ impl<T: Real, const D: usize> BlockSort<T, D> {
         row_shift: u32,
     ) {
         let (points, ids) = (&self.points, &self.ids);
-        let place = |key: u64| (key & ((1 << id_bits) - 1)) as usize;
+        let mask = (1 << id_bits) - 1;
+        let place = |key: u64| (key & mask) as usize;
         let long = keys.long();
         let mut start = 0;
         while start < self.keys.len() {
-            let row = self.keys[start] >> row_shift;
+            let next_row = ((self.keys[start] >> row_shift) + 1) << row_shift;
             let rest = &mut self.keys[start..];
-            let len = rest.iter().position(|key| key >> row_shift != row).unwrap_or(rest.len());
+            let len = rest.iter().position(|&key| key >= next_row).unwrap_or(rest.len());
             let order = &mut rest[..len];
             let coordinates = &mut to.coordinates[D * start..][..D * len];
             if !fill(points, place, order, coordinates, long) {
@@ -212,10 +231,9 @@ impl<T: Real, const D: usize> BlockSort<T, D> {
     }
 
     pub(crate) fn bytes(&self) -> usize {
-        let counts: usize = self.counts.iter().map(Vec::capacity).sum();
         (D * self.points.capacity() + self.radii.capacity()) * size_of::<T>()
             + (self.keys.capacity() + self.moved.capacity()) * size_of::<u64>()
-            + (self.ids.capacity() + counts + self.starts.capacity()) * size_of::<u32>()
+            + (self.ids.capacity() + self.counts.capacity() + self.starts.capacity()) * size_of::<u32>()
     }
 }
 
@@ -244,18 +262,57 @@ fn fill<T: Real, const D: usize>(
     ascend
 }
 
-/// One pass of a sort by counting: stable, by one digit. `counts` becomes the end of each digit.
-#[inline]
-fn spread(keys: &[u64], sorted: &mut [u64], counts: &mut [u32], digit: impl Fn(u64) -> usize) {
-    let mut start = 0;
-    for count in &mut *counts {
+/// The highest part of a key, as one of as many numbers as there are keys.
+#[derive(Clone, Copy, Debug)]
+struct Digits {
+    factor: u64,
+}
+
+impl Digits {
+    /// For `n` keys below `end`, which is more than `n`.
+    fn new(end: u64, n: usize) -> Self {
+        Self { factor: (((n as u128) << 64) / u128::from(end)) as u64 }
+    }
+
+    /// Ascends with the key, and stays below `n`.
+    #[inline]
+    fn of(self, key: u64) -> usize {
+        ((u128::from(key) * u128::from(self.factor)) >> 64) as usize
+    }
+}
+
+/// Turns the count of each digit into its start, and returns how many digits there are.
+fn add_up(counts: &mut [u32]) -> usize {
+    let (mut start, mut occupied) = (0, 0);
+    for count in counts {
+        occupied += u32::from(*count > 0);
         start += std::mem::replace(count, start);
     }
+    occupied as usize
+}
+
+/// One pass of a sort by counting: stable, by one digit. `starts` becomes the end of each digit.
+#[inline]
+fn spread(keys: &[u64], sorted: &mut [u64], starts: &mut [u32], digit: impl Fn(u64) -> usize) {
     for &key in keys {
-        let place = &mut counts[digit(key)];
+        let place = &mut starts[digit(key)];
         sorted[*place as usize] = key;
         *place += 1;
     }
+}
+
+/// Copies the keys, at least two, and puts right most that are up to two places off, without a branch that could be foreseen wrongly.
+fn swap_neighbours(keys: &[u64], sorted: &mut [u64]) {
+    // The largest so far, and the largest of the others: they wait until two smaller ones have passed.
+    let (mut first, mut second) = (keys[0].max(keys[1]), keys[0].min(keys[1]));
+    for (place, &key) in sorted.iter_mut().zip(&keys[2..]) {
+        let smaller = first.min(key);
+        first = first.max(key);
+        *place = second.min(smaller);
+        second = second.max(smaller);
+    }
+    let n = keys.len();
+    (sorted[n - 2], sorted[n - 1]) = (second, first);
 }
 
 /// Sorts what is nearly sorted.
@@ -263,6 +320,9 @@ fn insert(keys: &mut [u64]) {
     let mut moves = MAX_MOVES_PER_ELEMENT * keys.len();
     for k in 1..keys.len() {
         let moving = keys[k];
+        if keys[k - 1] <= moving {
+            continue;
+        }
         let mut to = k;
         while to > 0 && keys[to - 1] > moving {
             keys[to] = keys[to - 1];
@@ -288,4 +348,59 @@ fn copy<V: Copy>(values: &mut Vec<V>, of: &[V]) -> Result<(), Error> {
 /// Bits of `x`.
 fn bits(x: u64) -> u32 {
     64 - x.leading_zeros()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn digits_ascend_and_stay_below_their_number() {
+        for n in [1, 2, 33, 4096, 100_000] {
+            for end in [1 << 25, (1 << 25) + 1, (1 << 63) - 1, 1 << 63] {
+                let digits = Digits::new(end, n);
+                let found = (0..1000).map(|k| digits.of(end / 1000 * k)).collect::<Vec<_>>();
+                assert!(found.is_sorted(), "{n} digits below {end}");
+                assert_eq!(found[0], 0);
+                assert!(digits.of(end - 1) < n && n <= digits.of(end - 1) + 2, "{n} digits below {end}");
+            }
+        }
+    }
+
+    #[test]
+    fn keys_up_to_two_places_off_are_put_right() {
+        let mut sorted = [0; 7];
+        swap_neighbours(&[2, 0, 1, 3, 6, 5, 4], &mut sorted);
+        assert_eq!(sorted, [0, 1, 2, 3, 4, 5, 6]);
+        swap_neighbours(&[9, 1], &mut sorted[..2]);
+        assert_eq!(sorted[..2], [1, 9]);
+        swap_neighbours(&[3, 2, 1, 0, 4, 5, 6], &mut sorted);
+        assert_eq!(sorted, [1, 0, 2, 3, 4, 5, 6], "three places are too many");
+    }
+
+    /// In one pass where keys are uniform, in two where most have the same highest bits.
+    #[test]
+    fn keys_are_sorted_however_they_are_distributed() {
+        let mut state = 5_u64;
+        let mut random = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            state >> 24
+        };
+        for n in [2, 32, 33, 500, 5000] {
+            for crowd in [1, 100, 1 << 20, 1 << 40] {
+                let keys: Vec<u64> = (0..n).map(|k| (random() / crowd) << 13 | k as u64).collect();
+                let digits = Digits::new(1 << 53, n);
+                let mut sort = BlockSort::<f64, 3> { keys: keys.clone(), ..BlockSort::default() };
+                sort.moved.resize(n, 0);
+                sort.counts.resize(n, 0);
+                for &key in &keys {
+                    sort.counts[digits.of(key)] += 1;
+                }
+                sort.sort_keys(53, digits).unwrap();
+                let mut expected = keys;
+                expected.sort_unstable();
+                assert_eq!(sort.keys, expected, "{n} keys, crowded by {crowd}");
+            }
+        }
+    }
 }

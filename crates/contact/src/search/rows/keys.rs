@@ -98,11 +98,11 @@ impl<const D: usize> RowKeys<D> {
     /// Counts the key of each point from `first_row` on, and adds its place along the row, in `2^bits` parts of the domain.
     #[inline]
     pub(crate) fn add_places<T: Real>(&self, points: &[[T; D]], first_row: u64, bits: u32, keys: &mut [u64]) {
-        let (long, last) = (self.axes[D - 1], (1_u64 << bits) - 1);
+        let (long, last) = (self.axes[D - 1], ((1_u64 << bits) - 1) as f64);
         let scale = (1_u64 << bits) as f64 / self.grid.cells()[long] as f64;
         for (key, point) in keys.iter_mut().zip(points) {
             let place = self.grid.scaled(long, point[long].to_f64(), scale);
-            *key = (*key - first_row) << bits | place.min(last);
+            *key = (*key - first_row) << bits | nearest_integer(if place < last { place } else { last });
         }
     }
 

@@ -56,7 +56,7 @@ pub(crate) struct Layout<T, const D: usize> {
 pub(crate) const PADDING: usize = 16;
 
 /// Rows are sorted in blocks of consecutive ones with about as many elements: they fit the second-level cache.
-const BLOCK: usize = 4096;
+const BLOCK: usize = 2048;
 
 /// So many blocks can be filled at once before the processor runs out of memory pages that it knows.
 const MAX_BLOCKS: usize = 1024;
@@ -352,7 +352,8 @@ impl<T: Real, const D: usize> Layout<T, D> {
         let lists = 2 * bins * size_of::<u16>() + 2 * blocks * size_of::<Block>();
         // Room for starts doubles as they are found.
         let starts = 3 * (occupied + sorts) * size_of::<u32>();
-        let digits = 16 * in_block.next_power_of_two().isqrt() * size_of::<u32>();
+        // As many digits as elements, or fewer in two passes.
+        let digits = (in_block + 16 * in_block.next_power_of_two().isqrt()) * size_of::<u32>();
         let sort = in_block * (element + 2 * size_of::<u64>()) + digits;
         arrays + counts + lists + starts + sorts * sort
     }
