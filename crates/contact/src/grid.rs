@@ -141,10 +141,10 @@ impl<const D: usize> Grid<D> {
         (self.quotient(axis, x) + NO_FRACTION) - NO_FRACTION
     }
 
-    /// The coordinate `x` along `axis` in `scale` parts of a cell; ascending with `x`.
-    #[inline]
-    pub(crate) fn scaled(&self, axis: usize, x: f64, scale: f64) -> f64 {
-        self.quotient(axis, x) * scale
+    /// Where the cells of an axis begin and end, up to rounding.
+    pub(crate) fn span(&self, axis: usize) -> [f64; 2] {
+        let low = self.origin[axis];
+        [low, low + self.cells[axis] as f64 * self.cell_size]
     }
 
     /// The first and the last cell of those that hold points from `low` to `high`, none if there cannot be any; for a grid from

@@ -31,8 +31,13 @@ impl AxisMap {
         let mut stretches = vec![empty; ((cells - 1) >> shift) as usize + 1];
         for cell in occupied {
             let stretch = &mut stretches[(cell >> shift) as usize];
-            stretch.first = stretch.first.min(cell);
-            stretch.last = stretch.last.max(cell);
+            // Seldom: a store that is not made does not hold up the next load.
+            if cell < stretch.first {
+                stretch.first = cell;
+            }
+            if cell > stretch.last {
+                stretch.last = cell;
+            }
         }
         let mut cells = 0;
         for stretch in stretches.iter_mut().filter(|stretch| stretch.first != u64::MAX) {

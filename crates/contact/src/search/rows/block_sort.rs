@@ -49,6 +49,12 @@ const MAX_MOVES_PER_ELEMENT: usize = 4;
 /// With more keys to a digit than this, on average of those digits that occur, one pass leaves too much to insertion.
 const CROWDED: usize = 3;
 
+/// Bits of the place along the row that are then sorted by: rows are short there.
+const PLACE_BITS_SORTED: u32 = 6;
+
+/// Counts of digits stay in the first-level cache.
+const MAX_DIGIT_BITS: u32 = 11;
+
 /// So many elements are sorted without counting.
 const FEW: usize = 32;
 
@@ -111,20 +117,21 @@ impl<T: Real, const D: usize> BlockSort<T, D> {
         let id_bits = bits(n as u64 - 1);
         let place_bits = (63 - id_bits).saturating_sub(bits(rows - 1)).min(MAX_PLACE_BITS);
         let row_shift = if keys.are_complete() && place_bits >= MIN_PLACE_BITS {
+            let places = keys.places(&self.points, place_bits);
             let digits = Digits::new(rows << (id_bits + place_bits), n);
             self.counts.clear();
             resize(&mut self.counts, n, 0)?;
             let mut place = 0;
             for (points, their_keys) in self.points.chunks(FEW).zip(self.keys.chunks_mut(FEW)) {
                 keys.of(points, their_keys);
-                keys.add_places(points, block.first_row, place_bits, their_keys);
+                keys.add_places(points, block.first_row, &places, their_keys);
                 for key in their_keys {
                     *key = *key << id_bits | place;
                     place += 1;
                     self.counts[digits.of(*key)] += 1;
                 }
             }
-            self.sort_keys(bits(rows - 1) + place_bits + id_bits, digits)?;
+            self.sort_keys(bits(rows - 1), place_bits + id_bits, digits)?;
             id_bits + place_bits
         } else {
             self.sort_by_comparison(keys, id_bits);
@@ -134,11 +141,11 @@ impl<T: Real, const D: usize> BlockSort<T, D> {
         Ok(())
     }
 
-    /// Sorts the keys, which have so many `bits` and whose `digits` are counted: by these, and then by insertion.
+    /// Sorts the keys, which have so many bits for the row and for the `rest`, and whose `digits` are counted: by these, and then by insertion.
     ///
-    /// Those in one row are nearly uniform, so that few have one digit. Where most rows are empty many have, and two passes by smaller
-    /// digits tell them apart.
-    fn sort_keys(&mut self, bits: u32, digits: Digits) -> Result<(), Error> {
+    /// Those in one row are nearly uniform, so that few have one digit. Where most rows are empty many have; passes by digits that tell
+    /// all rows apart are quicker there.
+    fn sort_keys(&mut self, row_bits: u32, rest: u32, digits: Digits) -> Result<(), Error> {
         let n = self.keys.len();
         if n <= FEW {
             self.keys.sort_unstable();
@@ -151,22 +158,23 @@ impl<T: Real, const D: usize> BlockSort<T, D> {
             insert(&mut self.keys);
             return Ok(());
         }
-        let digit = (self::bits(n as u64 - 1) + 5).min(bits) / 2;
-        let shift = bits - 2 * digit;
-        let mask = (1 << digit) - 1;
-        self.counts.clear();
-        resize(&mut self.counts, 2 << digit, 0)?;
-        let (low, high) = self.counts.split_at_mut(1 << digit);
-        let low_digit = |key: u64| (key >> shift & mask) as usize;
-        let high_digit = |key: u64| (key >> (shift + digit) & mask) as usize;
-        for &key in &self.keys {
-            low[low_digit(key)] += 1;
-            high[high_digit(key)] += 1;
+        let bits = row_bits + rest.min(PLACE_BITS_SORTED);
+        let passes = bits.div_ceil(MAX_DIGIT_BITS);
+        let digit = bits.div_ceil(passes);
+        let lowest = (row_bits + rest).saturating_sub(passes * digit);
+        for pass in 0..passes {
+            let digit = |key: u64| (key >> (lowest + pass * digit)) as usize & ((1 << digit) - 1);
+            self.counts.clear();
+            resize(&mut self.counts, digit(u64::MAX) + 1, 0)?;
+            for &key in &self.keys {
+                self.counts[digit(key)] += 1;
+            }
+            add_up(&mut self.counts);
+            spread(&self.keys, &mut self.moved, &mut self.counts, digit);
+            std::mem::swap(&mut self.keys, &mut self.moved);
         }
-        add_up(low);
-        add_up(high);
-        spread(&self.keys, &mut self.moved, low, low_digit);
-        spread(&self.moved, &mut self.keys, high, high_digit);
+        swap_neighbours(&self.keys, &mut self.moved);
+        std::mem::swap(&mut self.keys, &mut self.moved);
         insert(&mut self.keys);
         Ok(())
     }
@@ -396,7 +404,7 @@ mod tests {
                 for &key in &keys {
                     sort.counts[digits.of(key)] += 1;
                 }
-                sort.sort_keys(53, digits).unwrap();
+                sort.sort_keys(20, 33, digits).unwrap();
                 let mut expected = keys;
                 expected.sort_unstable();
                 assert_eq!(sort.keys, expected, "{n} keys, crowded by {crowd}");

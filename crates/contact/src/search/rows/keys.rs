@@ -21,6 +21,25 @@ pub(crate) struct RowKeys<const D: usize> {
     rows: u64,
 }
 
+/// Coordinates along the rows as integers that ascend with them: parts of the way through the domain. If most of that is empty,
+/// of the way from the least to the largest of some points, because one far element would leave one part for all others.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Places {
+    low: f64,
+    scale: f64,
+    last: f64,
+    bits: u32,
+}
+
+impl Places {
+    /// For a coordinate of one of the points.
+    #[inline]
+    fn of(&self, x: f64) -> u64 {
+        let place = (x - self.low) * self.scale;
+        nearest_integer(if place < self.last { place } else { self.last })
+    }
+}
+
 /// The largest number of rows that are told apart: it leaves bits for the place along the row.
 const MAX_ROWS: f64 = 281_474_976_710_656.0;
 
@@ -95,15 +114,35 @@ impl<const D: usize> RowKeys<D> {
         }
     }
 
-    /// Counts the key of each point from `first_row` on, and adds its place along the row, in `2^bits` parts of the domain.
+    /// Counts the key of each point from `first_row` on, and adds its place along the row.
     #[inline]
-    pub(crate) fn add_places<T: Real>(&self, points: &[[T; D]], first_row: u64, bits: u32, keys: &mut [u64]) {
-        let (long, last) = (self.axes[D - 1], ((1_u64 << bits) - 1) as f64);
-        let scale = (1_u64 << bits) as f64 / self.grid.cells()[long] as f64;
+    pub(crate) fn add_places<T: Real>(
+        &self,
+        points: &[[T; D]],
+        first_row: u64,
+        places: &Places,
+        keys: &mut [u64],
+    ) {
+        let long = self.long();
         for (key, point) in keys.iter_mut().zip(points) {
-            let place = self.grid.scaled(long, point[long].to_f64(), scale);
-            *key = (*key - first_row) << bits | nearest_integer(if place < last { place } else { last });
+            *key = (*key - first_row) << places.bits | places.of(point[long].to_f64());
         }
+    }
+
+    /// Numbers of `bits` bits for places along the rows of `points`.
+    pub(crate) fn places<T: Real>(&self, points: &[[T; D]], bits: u32) -> Places {
+        let long = self.long();
+        let [mut low, mut high] = self.grid.span(long);
+        if !self.maps.is_empty() {
+            (low, high) = (f64::INFINITY, f64::NEG_INFINITY);
+            for point in points {
+                let x = point[long].to_f64();
+                low = if x < low { x } else { low };
+                high = if x > high { x } else { high };
+            }
+        }
+        let parts = ((1_u64 << bits) - 1) as f64;
+        Places { low, scale: if high > low { parts / (high - low) } else { 0.0 }, last: parts, bits }
     }
 
     /// The order of two points by row, whether their keys hold all axes or not.

@@ -70,6 +70,9 @@ const FEW: usize = 64;
 /// Fewer elements are not worth a second thread.
 const FEW_ELEMENTS: usize = 20_000;
 
+/// Points that are looked at before all are.
+const SAMPLE: usize = 512;
+
 /// A block that holds a larger part of the elements than one in so many shows that most bins are empty.
 const SKEWED: usize = 8;
 
@@ -125,8 +128,12 @@ impl<T: Real, const D: usize> Layout<T, D> {
         resize(&mut self.radii, if radii.is_empty() { 0 } else { points.len() + PADDING }, T::ZERO)?;
 
         let mut keys = RowKeys::new(grid, &self.axes);
-        self.find_blocks(points, &keys, pool)?;
-        if self.is_skewed() {
+        let mut skewed = seem_skewed(points, &keys);
+        if !skewed {
+            self.find_blocks(points, &keys, pool)?;
+            skewed = self.is_skewed();
+        }
+        if skewed {
             keys = keys.without_empty_stretches(points);
             self.find_blocks(points, &keys, pool)?;
         }
@@ -143,7 +150,7 @@ impl<T: Real, const D: usize> Layout<T, D> {
     /// Counts the elements of bins of `2^shift` rows, and cuts the bins into blocks.
     fn find_blocks(&mut self, points: &[[T; D]], keys: &RowKeys<D>, pool: &Pool) -> Result<(), Error> {
         let n = points.len();
-        let shift = (0..64).find(|shift| (keys.rows() - 1) >> shift < MAX_BINS).unwrap_or(63);
+        let shift = shift_to_bins(keys);
         let bins = ((keys.rows() - 1) >> shift) as usize + 1;
         let stretch = stretch(n, pool);
         self.counts.clear();
@@ -372,6 +379,27 @@ impl<T: Real, const D: usize> Layout<T, D> {
             + sorts
             + self.labels.bytes()
     }
+}
+
+/// A bin is `2^shift` rows.
+fn shift_to_bins<const D: usize>(keys: &RowKeys<D>) -> u32 {
+    (0..64).find(|shift| (keys.rows() - 1) >> shift < MAX_BINS).unwrap_or(63)
+}
+
+/// Whether a sample of the points says that one bin has a large part of all, so that no more of them need be counted to know.
+fn seem_skewed<T: Real, const D: usize>(points: &[[T; D]], keys: &RowKeys<D>) -> bool {
+    let shift = shift_to_bins(keys);
+    let mut bins = [0; SAMPLE];
+    let step = points.len() / SAMPLE;
+    if step < SKEWED {
+        return false;
+    }
+    for (bin, point) in bins.iter_mut().zip(points.iter().step_by(step)) {
+        keys.of(std::slice::from_ref(point), std::slice::from_mut(bin));
+        *bin >>= shift;
+    }
+    bins.sort_unstable();
+    bins.chunk_by(u64::eq).any(|equal| equal.len() > 2 * SAMPLE / SKEWED)
 }
 
 /// Elements that one thread counts and drops into blocks, one stretch after the other.
