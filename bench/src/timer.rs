@@ -64,6 +64,9 @@ pub type Turn<'a, E> = Box<dyn FnMut() -> Result<f64, E> + 'a>;
 /// Below this time of one run, in seconds, what is left in the caches can be seen in it.
 const SHORT: f64 = 0.3;
 
+/// Before each turn: threads of the task before may still spin, waiting for more work. Those of OpenMP do so for some 10 ms.
+const REST: Duration = Duration::from_millis(30);
+
 /// Times tasks that take their own time, in turns: `count` rounds, fewer of a task whose times add up to more than `budget` seconds.
 ///
 /// What ran for less than 0.3 s in the round before, or has not run, runs once uncounted before it is timed. A task that fails takes no
@@ -76,6 +79,7 @@ pub fn turns<E>(tasks: &mut [Turn<'_, E>], count: usize, budget: f64) -> Vec<Res
             if taken.iter().sum::<f64>() > budget {
                 continue;
             }
+            std::thread::sleep(REST);
             let warm = taken.last().is_some_and(|&seconds| seconds >= SHORT);
             match if warm { task() } else { task().and_then(|_| task()) } {
                 Ok(seconds) => taken.push(seconds),

@@ -24,27 +24,33 @@ struct Stretch {
 const MAX_STRETCHES: u64 = 1024;
 
 impl AxisMap {
-    /// Numbers for an axis of so many `cells`, without those between and beyond the cells `occupied`.
-    pub(crate) fn new(cells: u64, occupied: impl Iterator<Item = u64>) -> Self {
+    /// An axis of so many `cells`, none of them occupied.
+    pub(crate) fn new(cells: u64) -> Self {
         let shift = (0..64).find(|shift| (cells - 1) >> shift < MAX_STRETCHES).unwrap_or(63);
         let empty = Stretch { first: u64::MAX, last: 0, number: 0 };
-        let mut stretches = vec![empty; ((cells - 1) >> shift) as usize + 1];
-        for cell in occupied {
-            let stretch = &mut stretches[(cell >> shift) as usize];
-            // Seldom: a store that is not made does not hold up the next load.
-            if cell < stretch.first {
-                stretch.first = cell;
-            }
-            if cell > stretch.last {
-                stretch.last = cell;
-            }
+        Self { cells: 0, stretches: vec![empty; ((cells - 1) >> shift) as usize + 1], shift }
+    }
+
+    /// Keeps a number for a cell.
+    #[inline]
+    pub(crate) fn occupy(&mut self, cell: u64) {
+        let stretch = &mut self.stretches[(cell >> self.shift) as usize];
+        // Seldom: a store that is not made does not hold up the next load.
+        if cell < stretch.first {
+            stretch.first = cell;
         }
-        let mut cells = 0;
-        for stretch in stretches.iter_mut().filter(|stretch| stretch.first != u64::MAX) {
-            stretch.number = cells;
-            cells += stretch.last - stretch.first + 1;
+        if cell > stretch.last {
+            stretch.last = cell;
         }
-        Self { cells, stretches, shift }
+    }
+
+    /// Numbers the cells: after the last that is occupied, before the first is looked up.
+    pub(crate) fn number(&mut self) {
+        self.cells = 0;
+        for stretch in self.stretches.iter_mut().filter(|stretch| stretch.first != u64::MAX) {
+            stretch.number = self.cells;
+            self.cells += stretch.last - stretch.first + 1;
+        }
     }
 
     /// How many numbers there are.
@@ -64,10 +70,17 @@ impl AxisMap {
 mod tests {
     use super::*;
 
+    fn map(cells: u64, occupied: impl IntoIterator<Item = u64>) -> AxisMap {
+        let mut map = AxisMap::new(cells);
+        occupied.into_iter().for_each(|cell| map.occupy(cell));
+        map.number();
+        map
+    }
+
     #[test]
     fn numbers_ascend_with_the_cells_and_skip_what_is_empty() {
         let occupied = [0, 1, 5, 70, 1_000_000_000, 1_000_000_003];
-        let map = AxisMap::new(1_000_000_004, occupied.into_iter());
+        let map = map(1_000_000_004, occupied);
         assert_eq!(map.cells(), 71 + 4);
         let numbers = occupied.map(|cell| map.map(cell));
         assert_eq!(numbers, [0, 1, 5, 70, 71, 74]);
@@ -75,7 +88,7 @@ mod tests {
 
     #[test]
     fn a_full_axis_is_left_as_it_is() {
-        let map = AxisMap::new(5000, 0..5000);
+        let map = map(5000, 0..5000);
         assert_eq!(map.cells(), 5000);
         assert!((0..5000).all(|cell| map.map(cell) == cell));
     }

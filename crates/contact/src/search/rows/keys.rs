@@ -53,13 +53,15 @@ impl<const D: usize> RowKeys<D> {
 
     /// The same without the stretches of cells that hold none of `points`.
     pub(crate) fn without_empty_stretches<T: Real>(mut self, points: &[[T; D]]) -> Self {
-        self.maps = self.axes[..D - 1]
-            .iter()
-            .map(|&axis| {
-                let occupied = points.iter().map(|point| self.grid.wide_cell(axis, point[axis].to_f64()));
-                AxisMap::new(self.grid.cells()[axis], occupied)
-            })
-            .collect();
+        let axes = &self.axes[..D - 1];
+        let mut maps: Vec<_> = axes.iter().map(|&axis| AxisMap::new(self.grid.cells()[axis])).collect();
+        for point in points {
+            for (map, &axis) in maps.iter_mut().zip(axes) {
+                map.occupy(self.grid.wide_cell(axis, point[axis].to_f64()));
+            }
+        }
+        maps.iter_mut().for_each(AxisMap::number);
+        self.maps = maps;
         self.hold_axes()
     }
 
