@@ -2,6 +2,10 @@
 
 use crate::error::Error;
 
+/// More threads than any machine has processors would be started for minutes, and then stand in each other's way.
+#[cfg(feature = "rayon")]
+const MAX_THREADS: usize = 4096;
+
 /// A number of threads.
 ///
 /// Whoever uses it splits work so that the result does not depend on the number; the pool decides who does what, and
@@ -22,6 +26,9 @@ impl Pool {
     pub(crate) fn new(threads: usize) -> Result<Self, Error> {
         if threads == 1 {
             return Ok(Self::default());
+        }
+        if threads > MAX_THREADS {
+            return Err(Error::NoThreads { threads, reason: format!("more than {MAX_THREADS} is not of use") });
         }
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
         let pool = pool.map_err(|error| Error::NoThreads { threads, reason: error.to_string() })?;
