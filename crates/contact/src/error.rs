@@ -317,7 +317,7 @@ impl fmt::Display for Error {
                 axis_name(*axis)
             ),
             Self::InvalidDomain { axis, domain: [min, max] } => {
-                write!(out, "the domain [{min}, {max}] along {} is not a finite interval", axis_name(*axis))
+                write!(out, "the domain [{min}, {max}] along {} is empty or not finite", axis_name(*axis))
             }
             Self::InvalidBoxOrigin { axis, value, limit } => write!(
                 out,
@@ -353,7 +353,7 @@ impl fmt::Display for Error {
             Self::TooManyImages { images, limit } => write!(
                 out,
                 "the periodic box is too small for the reach of its elements: they take {images:.3e} images, the bound is \
-                 {limit} (`PeriodicSearch::with_max_images`)"
+                 {limit}"
             ),
             Self::SimdUnavailable { simd } => write!(out, "this processor has no {simd}"),
             Self::NoThreads { threads, reason } => write!(out, "{threads} threads cannot be had: {reason}"),

@@ -166,7 +166,7 @@ impl<T: Real, const D: usize> Index<T, D> {
     /// The same on `threads` threads; 0 is one for each processor, 1 is the default and uses no pool. The results are the same.
     ///
     /// # Errors
-    /// [`Error::NoThreads`] if they cannot be had, above 4096, or if the crate was built without its feature `rayon`.
+    /// [`Error::NoThreads`] if they cannot be had, above 1024, or if the crate was built without its feature `rayon`.
     pub fn with_threads(mut self, threads: usize) -> Result<Self, Error> {
         self.pool = Pool::new(threads)?;
         Ok(self)

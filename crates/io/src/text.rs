@@ -325,16 +325,16 @@ fn looks_numeric(field: &[u8]) -> bool {
 /// The names of a header line, and the delimiter under which they agree with the row below it.
 ///
 /// Names with blanks in them may be separated by tabs, and some write the header with other delimiters than
-/// the rows.
+/// the rows. Where single tabs separate both, they alone do: an empty cell between two of them must not vanish.
 fn header_names(line: &[u8], delimiter: Delimiter, row: Option<&[u8]>) -> (Vec<Name>, Delimiter) {
     let names = names_of(&split(line, delimiter), delimiter);
     let columns = |delimiter| row.map_or(names.len(), |row| split(row, delimiter).len());
-    if columns(delimiter) == names.len() {
-        return (names, delimiter);
-    }
     let by_tab = split(line, Delimiter::Tab);
     if delimiter == Delimiter::Blank && by_tab.len() > 1 && by_tab.len() == columns(Delimiter::Tab) {
         return (names_of(&by_tab, Delimiter::Tab), Delimiter::Tab);
+    }
+    if columns(delimiter) == names.len() {
+        return (names, delimiter);
     }
     let others = [Delimiter::Semicolon, Delimiter::Comma, Delimiter::Blank];
     let agrees = others.into_iter().find(|other| columns(*other) == names.len());

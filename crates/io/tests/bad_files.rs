@@ -64,6 +64,9 @@ fn rows_with_another_separator() {
         ("x,y,r\n0,0,1\n1\t0\t1\n", 3, "found 1 (separated by tabs, the lines before by commas): 1\\t0\\t1"),
         ("x,y,r\n0,0,1\n1 0 1\n", 3, "found 1 (separated by blanks, the lines before by commas): 1 0 1"),
         ("x,y,r\n0,0,1\n1;0;1\n", 3, "found 1 (separated by semicolons, the lines before by commas)"),
+        // An empty cell between tabs does not vanish and shift the cells behind it.
+        ("x\ty\tnote\tr\n0\t0\tok\t1\n1\t\t7\t3\t1\n", 3, "expected 4 fields, found 5"),
+        ("x\ty\tr\n0\t0\t1\n1\t\t1\n", 3, "column y"),
         ("x y r\n0 0 1\n1,0,1\n", 3, "found 1 (separated by commas, the lines before by blanks or tabs)"),
         ("x y r\n0 0 1\n1, 0, 1\n", 3, "column x (separated by commas, the lines before by blanks or tabs)"),
         ("x;y;r\n0;0;1\n1,0,1\n", 3, "found 1 (separated by commas, the lines before by semicolons)"),

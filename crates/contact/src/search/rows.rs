@@ -106,7 +106,7 @@ impl<T: Real, const D: usize> Rows<T, D> {
     /// the same for any number.
     ///
     /// # Errors
-    /// [`Error::NoThreads`] if they cannot be had, above 4096, or if the crate was built without its feature `rayon`.
+    /// [`Error::NoThreads`] if they cannot be had, above 1024, or if the crate was built without its feature `rayon`.
     pub fn with_threads(mut self, threads: usize) -> Result<Self, Error> {
         self.pool = Pool::new(threads)?;
         Ok(self)

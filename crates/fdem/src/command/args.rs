@@ -93,7 +93,7 @@ pub(crate) struct PeriodicArguments {
     #[arg(long, value_name = "AXES", value_parser = axes)]
     pub(crate) periodic: Option<Axes>,
 
-    /// The box, with edges along the axes: `X0,X1,Y0,Y1` and in 3D `Z0,Z1`. Limits of axes that do not repeat mean nothing.
+    /// The box, with edges along the axes: `X0,X1,Y0,Y1` and in 3D `Z0,Z1`. Axes that do not repeat need limits too, in order; they are not used.
     #[arg(long = "box", value_name = "LIMITS", allow_hyphen_values = true, value_parser = numbers, requires = "periodic", conflicts_with = "edges")]
     pub(crate) limits: Option<Numbers>,
 

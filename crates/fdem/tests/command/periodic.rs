@@ -130,9 +130,9 @@ fn threads_change_nothing() {
             bench.run(&["contacts", "gas.csv", "--quiet", "--count", "--threads", threads]).succeeds();
         assert_eq!(count.stdout.trim().parse::<usize>().unwrap(), one.rows().len());
     }
-    for threads in ["4097", "18446744073709551615"] {
+    for threads in ["1025", "18446744073709551615"] {
         let run = bench.run(&["contacts", "gas.csv", "--threads", threads]);
-        run.refused_with(&["--threads", threads, "more than 4096"]);
+        run.refused_with(&["--threads", threads, "more than 1024"]);
     }
 }
 
