@@ -144,7 +144,7 @@ pub(super) fn pays<T: Real, const D: usize>(task: &Task<'_, T, D>) -> bool {
 /// As `kernel::search`, by clusters where they are of use.
 ///
 /// # Safety
-/// As `kernel::search`, with the lanes of `C`; and [`pays`].
+/// As `kernel::search`, with [`WIDTH`] entries after the last element of each row; and [`pays`].
 #[inline(always)]
 pub(super) unsafe fn search<T, V, C, const D: usize>(task: &Task<'_, T, D>, out: &mut Output<'_>)
 where
@@ -166,7 +166,7 @@ unsafe fn all<T, V, C, const D: usize, const RADII: bool, const COUNT: bool, con
     C: Estimate,
 {
     let (mut few, mut many) = ([const { MaybeUninit::uninit() }; FEW], Vec::new());
-    let mut rows = Rows::new::<RADII, FILTER>(task, V::LANES.max(C::LANES), &mut few, &mut many);
+    let mut rows = Rows::new::<RADII, FILTER>(task, WIDTH.max(V::LANES), &mut few, &mut many);
     let mut copies = MaybeUninit::<Copies>::uninit();
     let mut writer = Writer::new(out);
     let mut from = task.from;
@@ -403,7 +403,7 @@ unsafe fn clusters<T, V, C, const D: usize, const RADII: bool, const COUNT: bool
     let first_hits = found.as_mut_ptr().cast::<Hits>();
     let (mut done, mut repeated) = (0, 0);
     // SAFETY: the instructions are there. As many pieces as are counted have been written. A vector of a piece starts at most at its length,
-    // and ends inside the PAD behind it; so do the `ids` and labels from there on, of which there are as many as lanes behind every row. Before
+    // and ends inside the PAD behind it; with at most WIDTH lanes behind the last element, so do the `ids` and labels. Before
     // there is no room for the least vectors of all pieces no more than these are written.
     unsafe {
         let limits = Limits::<C>::new(task, segment);
