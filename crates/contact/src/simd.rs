@@ -1,7 +1,7 @@
 //! Which vector instructions a search uses: chosen at run time, so that a stock build is fast everywhere.
 //!
-//! The kernel is written once, in `kernel`, over the few operations of [`Vector`]; each file below implements these for one
-//! instruction set, and instantiates the kernel inside a function compiled for it. `portable` is plain Rust and the definition: all others give the
+//! The kernel is written once, in `kernel`, over the few operations of [`Vector`], and once more in `cluster` for four elements at a time, which falls
+//! back on the first; each file below implements these operations for one instruction set, and instantiates both inside a function compiled for it. `portable` is plain Rust and the definition: all others give the
 //! same couples in the same order. To add one, write its file, add it to [`Simd`] and to the macro below; the tests pick
 //! it up from [`Simd::available`].
 
@@ -103,7 +103,7 @@ pub enum Simd {
     Portable,
     /// NEON on 64-bit ARM: 2 lanes of `f64`, 4 of `f32`.
     Neon,
-    /// AVX2: 4 lanes of `f64`, 8 of `f32`.
+    /// AVX2 and FMA: 4 lanes of `f64`, 8 of `f32`.
     Avx2,
     /// AVX-512 F, VL and VBMI2-free: 8 lanes of `f64`, 16 of `f32`.
     Avx512,

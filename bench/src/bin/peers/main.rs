@@ -14,11 +14,12 @@ use std::error::Error;
 use std::process::ExitCode;
 
 use fdem_bench::bars;
-use fdem_bench::peers::sets::Scene;
-use fdem_bench::peers::{self, Threads};
+use fdem_bench::peers::sets::{Scene, Set};
+use fdem_bench::peers::{self, Peers, Threads};
 
 use compare::{Points, compare};
 use count::count;
+use outcome::{Called, Outcome};
 use plan::{Plan, USAGE};
 use report::report;
 
@@ -37,40 +38,33 @@ fn main() -> ExitCode {
     }
 }
 
+/// Compares on one set, with each number of threads.
+fn on_all<const D: usize>(
+    plan: &Plan,
+    set: &'static Set,
+    points: &Points<D>,
+    pools: &[Threads],
+    rivals: impl Fn(&Threads) -> Peers<D>,
+    called: &mut Vec<Called>,
+) -> Result<Vec<Outcome>, Box<dyn Error>> {
+    pools.iter().map(|threads| compare(plan, set, points, threads, rivals(threads), called)).collect()
+}
+
 fn run(plan: &Plan) -> Result<(), Box<dyn Error>> {
     let pools: Vec<Threads> =
         plan.threads.iter().map(|&count| Threads::new(count)).collect::<Result<_, _>>()?;
     let mut called = Vec::new();
     let mut outcomes = Vec::new();
     for &set in &plan.sets {
-        match set.scene {
+        let more = match set.scene {
             Scene::Space(scene) => {
-                let points = Points::new(plan, set, scene)?;
-                for threads in &pools {
-                    outcomes.push(compare(
-                        plan,
-                        set,
-                        &points,
-                        threads,
-                        peers::rivals_3d(threads),
-                        &mut called,
-                    )?);
-                }
+                on_all(plan, set, &Points::new(plan, set, scene)?, &pools, peers::rivals_3d, &mut called)
             }
             Scene::Plane(scene) => {
-                let points = Points::new(plan, set, scene)?;
-                for threads in &pools {
-                    outcomes.push(compare(
-                        plan,
-                        set,
-                        &points,
-                        threads,
-                        peers::rivals_2d(threads),
-                        &mut called,
-                    )?);
-                }
+                on_all(plan, set, &Points::new(plan, set, scene)?, &pools, peers::rivals_2d, &mut called)
             }
-        }
+        };
+        outcomes.extend(more?);
     }
     let counted = if plan.quick { Vec::new() } else { count(plan)? };
     let report = report(plan, &called, &outcomes, &counted)?;

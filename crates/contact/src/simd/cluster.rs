@@ -259,47 +259,40 @@ where
                 end = most;
             }
             let place = copies.add(index).cast::<f32>();
-            let n = end - start;
-            let piece = segment.pieces[index].write(Piece {
-                axes: [place; D],
-                along: place.add(task.long * CAPACITY),
-                radii: place.add(D * CAPACITY),
-                ids: row.ids.add(start),
-                start,
-                low: 0,
-            });
-            for (axis, place) in piece.axes.iter_mut().enumerate() {
-                let to = copies.add(index).cast::<f32>().add(axis * CAPACITY);
-                *place = to;
-                let origin = V::splat(*own.axes[axis].add(middle));
-                let mut k = 0;
-                while k < n {
-                    V::load(row.axes[axis].add(start + k)).sub(origin).mul(scales).store_short(to.add(k));
-                    k += V::LANES;
-                }
-                pad(to.add(n));
+            let (along, radii) = (place.add(task.long * CAPACITY), place.add(D * CAPACITY));
+            let piece =
+                Piece { axes: [place.cast_const(); D], along, radii, ids: row.ids.add(start), start, low: 0 };
+            // Its axes are set where it is kept: a load of what was just stored in pieces waits some 20 cycles.
+            let piece = segment.pieces[index].write(piece);
+            for (axis, copied) in piece.axes.iter_mut().enumerate() {
+                let (to, origin) = (place.add(axis * CAPACITY), V::splat(*own.axes[axis].add(middle)));
+                shorten(row.axes[axis].add(start), end - start, origin, scales, to);
+                *copied = to;
             }
             if RADII {
-                let to = place.add(D * CAPACITY);
-                let mut k = 0;
-                while k < n {
-                    V::load(row.radii.add(start + k)).mul(scales).store_short(to.add(k));
-                    k += V::LANES;
-                }
-                pad(to.add(n));
+                shorten(row.radii.add(start), end - start, V::splat(T::ZERO), scales, radii);
             }
         }
         Some(segment)
     }
 }
 
+/// Copies `n` numbers, relative to `origin` and in units of one over `scale`, with [`FAR`] behind them.
+///
 /// # Safety
-/// PAD entries are writable.
+/// The instructions are there; LANES entries behind the numbers are readable, and PAD entries behind the copy writable.
 #[inline(always)]
-unsafe fn pad(to: *mut f32) {
-    for lane in 0..PAD {
-        // SAFETY: the contract of this function.
-        unsafe { *to.add(lane) = FAR };
+unsafe fn shorten<T, V: Vector<T>>(from: *const T, n: usize, origin: V, scale: V, to: *mut f32) {
+    // SAFETY: the contract of this function.
+    unsafe {
+        let mut k = 0;
+        while k < n {
+            V::load(from.add(k)).sub(origin).mul(scale).store_short(to.add(k));
+            k += V::LANES;
+        }
+        for lane in 0..PAD {
+            *to.add(n + lane) = FAR;
+        }
     }
 }
 
