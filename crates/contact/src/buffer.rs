@@ -8,10 +8,11 @@ use crate::elements::{Elements, Geometry, Shape};
 use crate::engine::{Detector, Engine};
 use crate::error::Error;
 use crate::filter::{GroupMatrix, Labels};
+use crate::ordered;
 use crate::pool::Pool;
 use crate::real::Real;
 use crate::search::Search;
-use crate::search::rows::append;
+use crate::search::rows::reserve;
 
 /// Repeated contact detection that keeps its candidates while no element has moved farther than half the buffer.
 ///
@@ -453,24 +454,18 @@ impl<T: Real, const D: usize> Update<'_, T, D> {
     /// [`Error::OutOfMemory`]; `couples` is empty then.
     pub fn couples(&self, couples: &mut Vec<Couple>) -> Result<(), Error> {
         couples.clear();
-        let out_of_memory = |_| Error::OutOfMemory { bytes: size_of_val(self.candidates) };
-        couples.try_reserve(self.candidates.len()).map_err(out_of_memory)?;
         if self.pool.threads() == 1 {
-            self.touching(self.candidates, |found| couples.extend_from_slice(found));
-            return Ok(());
+            return self.append_touching(self.candidates, couples);
         }
-        let mut parts = vec![Vec::new(); PARTS_AT_ONCE * self.pool.threads()];
-        for part in &mut parts {
-            part.try_reserve_exact(PART).map_err(out_of_memory)?;
-        }
-        for batch in self.candidates.chunks(parts.len() * PART) {
-            let tasks = parts.iter_mut().zip(batch.chunks(PART));
-            self.pool.run(tasks, |(part, candidates)| {
-                part.clear();
-                self.touching(candidates, |found| part.extend_from_slice(found));
-            });
-            append(couples, &parts[..batch.len().div_ceil(PART)], self.pool)?;
-        }
+        let parts: Vec<_> = self.candidates.chunks(PART).collect();
+        let fill = |part: usize, list: &mut Vec<Couple>| self.append_touching(parts[part], list);
+        ordered::append(couples, parts.len(), fill, self.pool, &mut Vec::new())
+            .inspect_err(|_| couples.clear())
+    }
+
+    fn append_touching(&self, candidates: &[Couple], couples: &mut Vec<Couple>) -> Result<(), Error> {
+        reserve(couples, candidates.len())?;
+        self.touching(candidates, |found| couples.extend_from_slice(found));
         Ok(())
     }
 
@@ -495,9 +490,8 @@ impl<T: Real, const D: usize> Update<'_, T, D> {
     }
 }
 
-/// Candidates of one task of a thread, and such tasks of each thread before couples are moved into the list.
+/// Candidates that a thread takes at a time.
 const PART: usize = 16_384;
-const PARTS_AT_ONCE: usize = 8;
 
 /// Candidates that are tested before those that touch are handed over: they stay in the first-level cache.
 const TESTED_AT_ONCE: usize = 512;

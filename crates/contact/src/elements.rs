@@ -3,6 +3,7 @@
 use crate::error::Error;
 use crate::filter::Filter;
 use crate::real::Real;
+use crate::simd::prefetch;
 
 /// A view of N elements: centres with one radius, with a radius each, or axis-aligned boxes.
 ///
@@ -556,6 +557,7 @@ fn check_points<T: Real, const D: usize>(points: &[[T; D]]) -> Result<Bounds<D>,
     let first = points.first().copied().unwrap_or([T::ZERO; D]);
     let (mut min, mut max) = (first, first);
     for (index, point) in points.iter().enumerate() {
+        prefetch::read(point);
         for axis in 0..D {
             let x = point[axis];
             // Written so that NaN fails too.

@@ -35,7 +35,7 @@
 //!   the element, before anything is computed.
 //! - **Any dimension.** `[T; D]` for every `D` of at least 1, in `f32` and `f64`.
 //!
-//! There is no file, no physics and no printing in this crate. Its one dependency is rayon, behind the feature `rayon` (on by default):
+//! There is no file, no physics and no printing in this crate. Its dependencies are rayon and, on Linux, rustix, both behind the feature `rayon` (on by default):
 //! without it a search runs on one thread, with the same results.
 //!
 //! # Data flow
@@ -51,6 +51,7 @@ mod mask;
 mod search;
 mod simd;
 mod pool;
+mod ordered;
 mod engine;
 mod explain;
 mod buffer;

@@ -1,9 +1,14 @@
 //! Threads: tasks that do not depend on each other, on a pool or one after the other.
 
 #[cfg(feature = "rayon")]
-use std::sync::Mutex;
+mod spread;
+
+#[cfg(feature = "rayon")]
+use std::sync::{Arc, Mutex};
 
 use crate::error::Error;
+#[cfg(feature = "rayon")]
+use spread::Spread;
 
 /// More threads than any machine has processors would be started for minutes, and then stand in each other's way.
 #[cfg(feature = "rayon")]
@@ -15,10 +20,16 @@ const MAX_THREADS: usize = 1024;
 /// nothing else.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Pool {
-    /// All threads but the caller's, which works too: one that waits and one that is woken may be given the same processor, and the other one
-    /// stands idle for some milliseconds.
     #[cfg(feature = "rayon")]
-    pool: Option<std::sync::Arc<rayon::ThreadPool>>,
+    others: Option<Arc<Others>>,
+}
+
+/// All threads but the caller's, which works too: to wake one fewer is quicker.
+#[cfg(feature = "rayon")]
+#[derive(Debug)]
+struct Others {
+    pool: rayon::ThreadPool,
+    spread: Arc<Spread>,
 }
 
 #[cfg_attr(
@@ -42,9 +53,13 @@ impl Pool {
                 reason: format!("more than {MAX_THREADS} is not of use"),
             });
         }
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads - 1).build();
-        let pool = pool.map_err(|error| Error::NoThreads { threads, reason: error.to_string() })?;
-        Ok(Self { pool: Some(pool.into()) })
+        let spread = Arc::new(Spread::new(threads - 1));
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads - 1).start_handler({
+            let spread = spread.clone();
+            move |index| spread.enter(index)
+        });
+        let pool = pool.build().map_err(|error| Error::NoThreads { threads, reason: error.to_string() })?;
+        Ok(Self { others: Some(Others { pool, spread }.into()) })
     }
 
     /// One thread: this build has no other.
@@ -58,8 +73,8 @@ impl Pool {
 
     pub(crate) fn threads(&self) -> usize {
         #[cfg(feature = "rayon")]
-        if let Some(pool) = &self.pool {
-            return pool.current_num_threads() + 1;
+        if let Some(others) = &self.others {
+            return others.pool.current_num_threads() + 1;
         }
         1
     }
@@ -67,14 +82,21 @@ impl Pool {
     /// Runs `work` on each task, in any order and at the same time.
     pub(crate) fn run<I: Send>(&self, tasks: impl Iterator<Item = I>, work: impl Fn(I) + Sync + Send) {
         #[cfg(feature = "rayon")]
-        if let Some(pool) = &self.pool {
+        if let Some(Others { pool, spread }) = self.others.as_deref() {
             let tasks: Vec<I> = tasks.collect();
             let others = pool.current_num_threads().min(tasks.len().saturating_sub(1));
             let tasks = Mutex::new(tasks.into_iter());
             let next = || tasks.lock().ok().and_then(|mut tasks| tasks.next());
             let take_all = || std::iter::from_fn(next).for_each(&work);
+            spread.before();
             pool.in_place_scope(|scope| {
-                (0..others).for_each(|_| scope.spawn(|_| take_all()));
+                for _ in 0..others {
+                    scope.spawn(|_| {
+                        spread.start();
+                        take_all();
+                    });
+                }
+                spread.look(others);
                 take_all();
             });
             return;

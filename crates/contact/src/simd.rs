@@ -90,12 +90,13 @@ mod labels;
 #[cfg(target_arch = "aarch64")]
 mod neon;
 pub(crate) mod portable;
+pub(crate) mod prefetch;
 
 use std::fmt;
 
 use kernel::{Output, Task};
 
-/// A set of vector instructions.
+/// A set of vector instructions. They are used in 2D and 3D; in other dimensions every level does as [`Simd::Portable`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Simd {
@@ -164,6 +165,11 @@ impl fmt::Display for Simd {
     }
 }
 
+/// Whether there are vectors for so many dimensions. Each costs its users the time to compile some fifty kernels, whether they run or not.
+pub(crate) const fn has_vectors(dimensions: usize) -> bool {
+    dimensions == 2 || dimensions == 3
+}
+
 /// The kernels of one float type; the sealed half of [`Real`](crate::Real).
 pub trait Kernels: Copy {
     /// Searches one stretch of a row. `level` must be available.
@@ -190,14 +196,18 @@ macro_rules! kernels {
                         }
                     };
                 }
-                match level {
-                    #[cfg(target_arch = "x86_64")]
-                    Simd::Avx512 => vectors!(avx512),
-                    #[cfg(target_arch = "x86_64")]
-                    Simd::Avx2 => vectors!(avx2),
-                    #[cfg(target_arch = "aarch64")]
-                    Simd::Neon => vectors!(neon),
-                    _ => portable::search(task, out),
+                if const { has_vectors(D) } {
+                    match level {
+                        #[cfg(target_arch = "x86_64")]
+                        Simd::Avx512 => vectors!(avx512),
+                        #[cfg(target_arch = "x86_64")]
+                        Simd::Avx2 => vectors!(avx2),
+                        #[cfg(target_arch = "aarch64")]
+                        Simd::Neon => vectors!(neon),
+                        _ => portable::search(task, out),
+                    }
+                } else {
+                    portable::search(task, out);
                 }
             }
         }

@@ -2,29 +2,32 @@
 
 mod axis;
 mod block_sort;
+mod cursor;
 mod keys;
 pub(crate) mod layout;
 pub(crate) mod reach;
 mod scatter;
 
 use std::ops::Range;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::couple::Couple;
 use crate::elements::{Elements, Shape};
 use crate::error::Error;
 use crate::filter::Labels;
 use crate::grid::Grid;
+use crate::ordered;
 use crate::pool::Pool;
 use crate::real::Real;
 use crate::search::{Search, make_room};
 use crate::simd::kernel::{Arrays, Neighbour, Output, Span, Task};
-use crate::simd::{Simd, portable};
+use crate::simd::{Simd, has_vectors, portable};
 
+use cursor::{Cursor, half_mask};
 use layout::Layout;
 pub(crate) use layout::{reserve, resize};
 use reach::RowsInReach;
-pub(crate) use scatter::append;
 
 /// The decomposition and the contact mask of Munjiza-NBS, on sorted rows instead of lists: the default engine.
 ///
@@ -142,9 +145,10 @@ impl<T: Real, const D: usize> Rows<T, D> {
         self.pool.threads()
     }
 
-    /// The vector instructions that a search over `elements` uses: boxes are compared without.
+    /// The vector instructions that a search over `elements` uses: boxes are compared without, and dimensions other than 2 and 3.
     pub(crate) fn simd_for(&self, elements: &Elements<'_, T, D>) -> Simd {
-        if matches!(elements.shape, Shape::Boxes(_)) { Simd::Portable } else { self.simd }
+        let vectors = has_vectors(D) && !matches!(elements.shape, Shape::Boxes(_));
+        if vectors { self.simd } else { Simd::Portable }
     }
 
     /// The cells that a search over `elements` would use.
@@ -244,23 +248,8 @@ impl<T: Real, const D: usize> Rows<T, D> {
             if pool.threads() == 1 {
                 return one_part(0..scan.layout.len(), list);
             }
-            let batch = PARTS_AT_ONCE * pool.threads();
-            parts.resize_with(batch, Vec::new);
-            let ranges: Vec<_> = scan.ranges().collect();
-            for ranges in ranges.chunks(batch) {
-                let failed = AtomicBool::new(false);
-                pool.run(parts.iter_mut().zip(ranges), |(part, range)| {
-                    part.clear();
-                    let done = one_part(range.clone(), part);
-                    failed.fetch_or(done.is_err(), Ordering::Relaxed);
-                });
-                if failed.into_inner() {
-                    let bytes = parts.iter().map(Vec::capacity).sum::<usize>().saturating_mul(size_of::<V>());
-                    return Err(Error::OutOfMemory { bytes });
-                }
-                append(list, &parts[..ranges.len()], pool)?;
-            }
-            Ok(())
+            let fill = |part, list: &mut Vec<V>| one_part(scan.range(part), list);
+            ordered::append(list, scan.parts(), fill, pool, parts)
         })
     }
 
@@ -355,15 +344,24 @@ pub(crate) struct Scan<'a, T, const D: usize> {
 }
 
 impl<T: Real, const D: usize> Scan<'_, T, D> {
-    /// The parts of the work: stretches of elements in row order.
-    pub(crate) fn ranges(&self) -> impl Iterator<Item = Range<usize>> + Clone + use<T, D> {
-        let n = self.layout.len();
-        (0..n).step_by(PART).map(move |start| start..n.min(start + PART))
+    /// The number of parts of the work.
+    fn parts(&self) -> usize {
+        self.layout.len().div_ceil(PART)
+    }
+
+    /// A part of the work: a stretch of elements in row order.
+    fn range(&self, part: usize) -> Range<usize> {
+        part * PART..self.layout.len().min((part + 1) * PART)
+    }
+
+    /// All parts.
+    pub(crate) fn ranges(&self) -> impl Iterator<Item = Range<usize>> {
+        (0..self.parts()).map(|part| self.range(part))
     }
 
     /// Searches all rows on the threads of `pool`.
     ///
-    /// Parts are searched at the same time and taken in their order, a batch after the other, so that couples wait in cache.
+    /// For a visitor parts are searched at the same time and visited in their order, a batch after the other, so that couples wait in cache.
     pub(crate) fn all(&self, pool: &Pool, parts: &mut Vec<Vec<Couple>>, sink: Sink<'_>) -> Result<(), Error> {
         let n = self.layout.len();
         match sink {
@@ -379,12 +377,7 @@ impl<T: Real, const D: usize> Scan<'_, T, D> {
                 *count = total.into_inner();
                 Ok(())
             }
-            Sink::List(couples) if pool.threads() == 1 => {
-                couples.try_reserve(FIRST_ROOM).map_err(|_| out_of_memory(FIRST_ROOM))?;
-                let mut room = Ok(());
-                self.part(0..n, couples, &mut |found| grow(found, &mut room));
-                room
-            }
+            Sink::List(couples) if pool.threads() == 1 => self.list(0..n, couples),
             Sink::Visit(visit) if pool.threads() == 1 => {
                 parts.resize_with(parts.len().max(1), Vec::new);
                 let waiting = &mut parts[0];
@@ -397,33 +390,38 @@ impl<T: Real, const D: usize> Scan<'_, T, D> {
                 take(waiting);
                 Ok(())
             }
-            mut sink => {
+            Sink::List(couples) => {
+                let fill = |part, list: &mut Vec<Couple>| self.list(self.range(part), list);
+                ordered::append(couples, self.parts(), fill, pool, parts)
+            }
+            Sink::Visit(visit) => {
                 let batch = PARTS_AT_ONCE * pool.threads();
-                parts.resize_with(batch, Vec::new);
-                for start in (0..n).step_by(batch * PART) {
-                    let failed = AtomicBool::new(false);
-                    let ranges = self.ranges().skip(start / PART);
-                    pool.run(parts.iter_mut().zip(ranges), |(part, range)| {
+                parts.resize_with(parts.len().max(batch), Vec::new);
+                for first in (0..self.parts()).step_by(batch) {
+                    let numbers = first..self.parts().min(first + batch);
+                    let failed = OnceLock::new();
+                    pool.run(parts.iter_mut().zip(numbers.clone()), |(part, number)| {
                         part.clear();
-                        let mut room = part.try_reserve(FIRST_ROOM).map_err(|_| out_of_memory(FIRST_ROOM));
-                        if room.is_ok() {
-                            self.part(range, part, &mut |found| grow(found, &mut room));
+                        if let Err(error) = self.list(self.range(number), part) {
+                            failed.get_or_init(|| error);
                         }
-                        failed.fetch_or(room.is_err(), Ordering::Relaxed);
                     });
-                    if failed.into_inner() {
-                        return Err(out_of_memory(parts.iter().map(Vec::capacity).sum()));
+                    if let Some(error) = failed.into_inner() {
+                        return Err(error);
                     }
-                    let filled = &parts[..batch.min((n - start).div_ceil(PART))];
-                    match &mut sink {
-                        Sink::List(couples) => append(couples, filled, pool)?,
-                        Sink::Visit(visit) => filled.iter().for_each(|part| visit(part)),
-                        Sink::Count(_) => unreachable!("counted above"),
-                    }
+                    parts[..numbers.len()].iter().for_each(|part| visit(part));
                 }
                 Ok(())
             }
         }
+    }
+
+    /// Appends the couples of a stretch to a list.
+    fn list(&self, range: Range<usize>, couples: &mut Vec<Couple>) -> Result<(), Error> {
+        couples.try_reserve(FIRST_ROOM).map_err(|_| out_of_memory(FIRST_ROOM))?;
+        let mut room = Ok(());
+        self.part(range, couples, &mut |found| grow(found, &mut room));
+        room
     }
 
     /// Writes the couples whose first elements are at the places `range` of the order.
@@ -541,75 +539,12 @@ pub(crate) fn out_of_memory(couples: usize) -> Error {
     Error::OutOfMemory { bytes: couples.saturating_mul(size_of::<Couple>()) }
 }
 
-/// Finds the row at one offset of the mask, for rows in ascending order: it only moves forward.
-struct Cursor<const D: usize> {
-    offset: [i64; D],
-    row: usize,
-    /// The cells of `row`; none past the last row.
-    cells: Option<[i64; D]>,
-}
-
-impl<const D: usize> Cursor<D> {
-    /// A cursor for rows from `first` on.
-    fn new<T: Real>(layout: &Layout<T, D>, offset: [i64; D], first: usize) -> Self {
-        let wanted = add(&layout.row_cells(first), &offset);
-        let (mut row, mut end) = (0, layout.rows());
-        while row < end {
-            let middle = usize::midpoint(row, end);
-            if layout.row_cells(middle) < wanted { row = middle + 1 } else { end = middle }
-        }
-        Self { offset, row, cells: (row < layout.rows()).then(|| layout.row_cells(row)) }
-    }
-
-    /// The row at `cells + offset`, if it exists. `cells` must not descend from call to call.
-    fn find<T: Real>(&mut self, layout: &Layout<T, D>, cells: &[i64; D]) -> Option<usize> {
-        let wanted = add(cells, &self.offset);
-        while self.cells? < wanted {
-            self.row += 1;
-            self.cells = (self.row < layout.rows()).then(|| layout.row_cells(self.row));
-        }
-        (self.cells? == wanted).then_some(self.row)
-    }
-}
-
-fn add<const D: usize>(cells: &[i64; D], offset: &[i64; D]) -> [i64; D] {
-    std::array::from_fn(|k| cells[k] + offset[k])
-}
-
-/// The offsets of the neighbour rows of the contact mask, most significant axis first; the long axis, last, is 0.
-///
-/// These are the offsets before zero in lexicographic order: each couple of neighbouring rows is met once.
-fn half_mask<const D: usize>() -> Vec<[i64; D]> {
-    let mut offsets = vec![[0; D]];
-    for level in 0..D - 1 {
-        offsets = offsets
-            .into_iter()
-            .flat_map(|offset| {
-                [-1, 0, 1].map(|step| {
-                    let mut offset = offset;
-                    offset[level] = step;
-                    offset
-                })
-            })
-            .collect();
-    }
-    offsets.retain(|offset| *offset < [0; D]);
-    offsets
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::filter::{Filter, GroupMatrix};
     use crate::simd::Kernels;
 
-    #[test]
-    fn the_mask_of_rows_is_half_of_the_neighbour_rows() {
-        assert_eq!(half_mask::<1>(), [[0; 1]; 0]);
-        assert_eq!(half_mask::<2>(), [[-1, 0]]);
-        assert_eq!(half_mask::<3>(), [[-1, -1, 0], [-1, 0, 0], [-1, 1, 0], [0, -1, 0]]);
-        assert_eq!(half_mask::<6>().len(), 121);
-    }
     /// Points from 0 to `width` on each axis.
     fn scattered<const D: usize>(n: usize, width: f64, seed: u64) -> Vec<[f64; D]> {
         let mut state = seed;

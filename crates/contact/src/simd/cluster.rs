@@ -132,8 +132,7 @@ impl Patience {
 /// Whether clusters can be made of a stretch, and pay.
 pub(super) fn pays<T: Real, const D: usize>(task: &Task<'_, T, D>) -> bool {
     let reach = task.reach.to_f64();
-    (D == 2 || D == 3)
-        && !task.two_sets
+    !task.two_sets
         && task.to - task.from >= FEWEST
         && task.neighbours.len() <= FEW
         // Far from where squares underflow.

@@ -15,6 +15,7 @@ use crate::search::rows::block_sort::{Block, BlockSort, Elements};
 use crate::search::rows::keys::RowKeys;
 use crate::search::rows::scatter::Scatter;
 use crate::simd::kernel::Arrays;
+use crate::simd::prefetch;
 
 /// A copy of the elements, sorted by row of cells and by coordinate inside the row.
 ///
@@ -161,6 +162,7 @@ impl<T: Real, const D: usize> Layout<T, D> {
         pool.run(tasks, |((points, bins), counts)| {
             let mut rows = [0; FEW];
             for (points, bins) in points.chunks(FEW).zip(bins.chunks_mut(FEW)) {
+                points.iter().for_each(prefetch::read);
                 keys.of(points, &mut rows);
                 for (bin, row) in bins.iter_mut().zip(rows) {
                     *bin = (row >> shift) as u16;
@@ -219,6 +221,7 @@ impl<T: Real, const D: usize> Layout<T, D> {
             points.chunks(stretch).zip(self.bins.chunks(stretch)).zip(self.cursors.chunks_mut(blocks));
         pool.run(tasks.enumerate(), |(k, ((points, bins), cursors))| {
             for ((point, &bin), index) in points.iter().zip(bins).zip(k * stretch..) {
+                prefetch::read(point);
                 let place = &mut cursors[block_of[bin as usize] as usize];
                 let at = *place as usize;
                 *place += 1;

@@ -4,8 +4,7 @@
 
 use std::marker::PhantomData;
 
-use crate::error::Error;
-use crate::pool::Pool;
+use crate::simd::prefetch;
 
 /// An array that several threads fill at once.
 #[derive(Clone, Copy)]
@@ -37,46 +36,8 @@ impl<'a, V: Copy> Scatter<'a, V> {
         assert!(place < self.len);
         // SAFETY: inside the array, and nobody else's place by the contract of this function.
         unsafe { self.start.add(place).write(value) };
-        prefetch(self.start.wrapping_add(place).cast());
+        prefetch::write(self.start.wrapping_add(place));
     }
-}
-
-/// Asks for the memory that the next entries of this stream go to: with hundreds of streams the processor does not foresee it.
-#[inline]
-fn prefetch(place: *mut i8) {
-    #[cfg(target_arch = "x86_64")]
-    {
-        use std::arch::x86_64::{_MM_HINT_ET0, _mm_prefetch};
-        // SAFETY: this is a hint; it is without effect for memory that is not there, and on processors that do not know it.
-        unsafe { _mm_prefetch::<_MM_HINT_ET0>(place.wrapping_add(AHEAD)) };
-    }
-    #[cfg(not(target_arch = "x86_64"))]
-    let _ = place;
-}
-
-/// Bytes, two cache lines.
-#[cfg(target_arch = "x86_64")]
-const AHEAD: usize = 128;
-
-/// Appends the couples of all parts, in their order.
-pub(crate) fn append<V: Copy + Send + Sync>(
-    couples: &mut Vec<V>,
-    parts: &[Vec<V>],
-    pool: &Pool,
-) -> Result<(), Error> {
-    let more: usize = parts.iter().map(Vec::len).sum();
-    let bytes = (couples.len() + more).saturating_mul(size_of::<V>());
-    couples.try_reserve(more).map_err(|_| Error::OutOfMemory { bytes })?;
-    let mut room = couples.spare_capacity_mut();
-    let tasks = parts.iter().map(|part| (part, room.split_off_mut(..part.len()).unwrap_or_default()));
-    pool.run(tasks, |(part, room)| {
-        for (place, &couple) in room.iter_mut().zip(part) {
-            place.write(couple);
-        }
-    });
-    // SAFETY: the parts have together filled as many places as they have couples, from the first free one on.
-    unsafe { couples.set_len(couples.len() + more) };
-    Ok(())
 }
 
 #[cfg(test)]

@@ -1,0 +1,130 @@
+//! Moves threads that the system has woken on the processor of the thread that woke them.
+//!
+//! A thread that has slept may be put on a taken processor while another one stands idle, until the system balances them: some milliseconds,
+//! longer than many a search. Linux does so in virtual machines, where a virtual processor that has halted counts as taken; two threads are slower
+//! than one then. A thread that has not started in time is forbidden the processor of the caller for a moment, which moves it at once; nothing
+//! stays pinned. On other systems nothing is done.
+
+#[cfg(target_os = "linux")]
+mod threads {
+    use std::sync::OnceLock;
+    use std::sync::atomic::{AtomicBool, Ordering};
+    use std::time::{Duration, Instant};
+
+    use rustix::thread::{Pid, gettid, sched_getaffinity, sched_getcpu, sched_setaffinity};
+
+    /// A thread that is going to start on an idle processor has started by then.
+    const PATIENCE: Duration = Duration::from_micros(30);
+
+    /// So many are moved at a time; many threads take long to wake and are late for that reason.
+    const MOST: usize = 16;
+
+    #[derive(Debug)]
+    pub(crate) struct Spread {
+        threads: Vec<Thread>,
+        /// Whether there is a processor for each of them and for the caller.
+        fit: bool,
+    }
+
+    #[derive(Debug, Default)]
+    struct Thread {
+        id: OnceLock<Pid>,
+        started: AtomicBool,
+    }
+
+    impl Spread {
+        pub(crate) fn new(threads: usize) -> Self {
+            let processors = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+            Self {
+                threads: std::iter::repeat_with(Thread::default).take(threads).collect(),
+                fit: threads < processors,
+            }
+        }
+
+        /// To be called by thread `index` of the pool, first of all.
+        pub(crate) fn enter(&self, index: usize) {
+            self.threads[index].id.get_or_init(gettid);
+        }
+
+        /// To be called by a thread of the pool when it starts to work.
+        pub(crate) fn start(&self) {
+            if let Some(index) = rayon::current_thread_index() {
+                self.threads[index].started.store(true, Ordering::Relaxed);
+            }
+        }
+
+        /// To be called before threads are woken.
+        pub(crate) fn before(&self) {
+            self.threads.iter().for_each(|thread| thread.started.store(false, Ordering::Relaxed));
+        }
+
+        /// Waits for `others` threads to start; when it takes too long, those that have not may not run where the caller does.
+        pub(crate) fn look(&self, others: usize) {
+            if !self.fit {
+                return;
+            }
+            let late = |thread: &&Thread| !thread.started.load(Ordering::Relaxed);
+            let start = Instant::now();
+            while self.threads.len() - self.threads.iter().filter(late).count() < others {
+                if start.elapsed() > PATIENCE {
+                    self.threads.iter().filter(late).take(MOST).for_each(Thread::go_elsewhere);
+                    return;
+                }
+                std::hint::spin_loop();
+            }
+        }
+    }
+
+    impl Thread {
+        /// Where the system refuses this, the thread stays where it is.
+        fn go_elsewhere(&self) {
+            let here = sched_getcpu();
+            let Some(&id) = self.id.get() else { return };
+            let Ok(allowed) = sched_getaffinity(Some(id)) else { return };
+            let mut elsewhere = allowed;
+            elsewhere.unset(here);
+            if elsewhere.count() > 0 && sched_setaffinity(Some(id), &elsewhere).is_ok() {
+                // The same that it was: this cannot be refused.
+                let _ = sched_setaffinity(Some(id), &allowed);
+            }
+        }
+    }
+
+    #[cfg(test)]
+    mod tests {
+        use super::*;
+
+        #[test]
+        fn a_thread_that_is_moved_keeps_its_processors() {
+            let thread = Thread::default();
+            thread.id.get_or_init(gettid);
+            let processors =
+                || (0..1024).filter(|&k| sched_getaffinity(None).unwrap().is_set(k)).collect::<Vec<_>>();
+            let before = processors();
+            thread.go_elsewhere();
+            assert_eq!(processors(), before);
+        }
+    }
+}
+
+#[cfg(not(target_os = "linux"))]
+mod threads {
+    #[derive(Debug)]
+    pub(crate) struct Spread;
+
+    impl Spread {
+        pub(crate) fn new(_: usize) -> Self {
+            Self
+        }
+
+        pub(crate) fn enter(&self, _: usize) {}
+
+        pub(crate) fn start(&self) {}
+
+        pub(crate) fn before(&self) {}
+
+        pub(crate) fn look(&self, _: usize) {}
+    }
+}
+
+pub(super) use threads::Spread;
