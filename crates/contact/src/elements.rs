@@ -58,6 +58,17 @@ pub(crate) enum Shape<'a, T, const D: usize> {
     Boxes(Boxes<'a, T, D>),
 }
 
+impl<T, const D: usize> Shape<'_, T, D> {
+    /// Numbers of an element besides its point: the radius, or the upper ends of a box.
+    pub(crate) fn floats(&self) -> usize {
+        match self {
+            Self::Equal(_) => 0,
+            Self::Spheres(_) => 1,
+            Self::Boxes(_) => D,
+        }
+    }
+}
+
 /// Extremes of the anchor points, axis by axis.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Bounds<const D: usize> {
@@ -366,15 +377,31 @@ impl<'a, T: Real, const D: usize> Elements<'a, T, D> {
     /// [`magnitude`](Self::magnitude) are given. Spheres reach half of their diameters; a box reaches with its edge, which lies on one
     /// side of its anchor, and so two boxes with one of their edges.
     pub(crate) fn reach_to(&self, largest: f64, magnitude: f64, tolerance: T) -> f64 {
+        self.reach_of([self.largest, largest], self.magnitude().max(magnitude), tolerance)
+    }
+
+    /// The same for two elements of this set, of which the diameters (largest edges) are given.
+    pub(crate) fn reach_between(&self, one: f64, two: f64) -> f64 {
+        self.reach_of([one, two], self.magnitude(), self.tolerance)
+    }
+
+    fn reach_of(&self, [one, two]: [f64; 2], magnitude: f64, tolerance: T) -> f64 {
         let tolerance = tolerance.to_f64();
         let boxes = matches!(self.shape, Shape::Boxes(_));
-        let sizes = if boxes { self.largest.max(largest) } else { 0.5 * self.largest + 0.5 * largest };
-        let rounding = if boxes && tolerance > 0.0 {
-            T::EPSILON * (self.magnitude().max(magnitude) + tolerance)
-        } else {
-            0.0
-        };
+        let sizes = if boxes { one.max(two) } else { 0.5 * one + 0.5 * two };
+        let rounding = if boxes && tolerance > 0.0 { T::EPSILON * (magnitude + tolerance) } else { 0.0 };
         (sizes + tolerance) * (1.0 + (D + 8) as f64 * T::EPSILON) + rounding
+    }
+
+    /// The diameter of a sphere, the largest edge of a box; 0 for a point.
+    pub(crate) fn size(&self, index: usize) -> f64 {
+        match self.shape {
+            Shape::Equal(equal) => 2.0 * equal.radius.to_f64(),
+            Shape::Spheres(spheres) => 2.0 * spheres.radii[index].to_f64(),
+            Shape::Boxes(boxes) => (0..D).fold(0.0, |size, axis| {
+                size.max(boxes.max[index][axis].to_f64() - boxes.min[index][axis].to_f64())
+            }),
+        }
     }
 
     /// Largest box edge (diameter) of all elements.

@@ -10,8 +10,10 @@ use crate::pool::Pool;
 use crate::real::Real;
 use crate::search::Search;
 use crate::search::direct::Direct;
+use crate::search::multilevel::{Level, Multilevel};
 use crate::search::nbs::Nbs;
 use crate::search::rows::Rows;
+use crate::search::rows::scan::Scanner;
 use crate::simd::Simd;
 
 /// Which search to run.
@@ -27,6 +29,8 @@ pub enum Engine {
     Nbs,
     /// [`Rows`]: its decomposition on sorted rows.
     Rows,
+    /// [`Multilevel`]: the same for unlike sizes, in levels.
+    Multilevel,
 }
 
 impl Engine {
@@ -37,6 +41,7 @@ impl Engine {
             Self::Direct => "direct",
             Self::Nbs => "nbs",
             Self::Rows => "rows",
+            Self::Multilevel => "multilevel",
         }
     }
 }
@@ -58,6 +63,8 @@ pub struct Plan<const D: usize> {
     pub cell_size: Option<f64>,
     /// Cells along each axis; `None` where there are none.
     pub cells: Option<[u64; D]>,
+    /// The levels of [`Engine::Multilevel`], each with cells of its own, the smallest elements first; none of other engines.
+    pub levels: Vec<Level>,
 }
 
 /// Below this number of elements all-against-all beats any structure.
@@ -81,21 +88,21 @@ pub struct Detector<T, const D: usize> {
     engine: Engine,
     nbs: Nbs<D>,
     rows: Rows<T, D>,
+    multilevel: Multilevel<T, D>,
 }
 
 impl<T: Real, const D: usize> Detector<T, D> {
     /// A detector that holds no memory yet.
     pub fn new(engine: Engine) -> Self {
-        Self { engine, nbs: Nbs::new(), rows: Rows::new() }
+        Self { engine, nbs: Nbs::new(), rows: Rows::new(), multilevel: Multilevel::new() }
     }
 
     /// The same on `threads` threads, where the engine can use them ([`Rows`]); 0 is one for each processor.
     ///
     /// # Errors
     /// [`Error::NoThreads`].
-    pub fn with_threads(mut self, threads: usize) -> Result<Self, Error> {
-        self.rows = self.rows.with_threads(threads)?;
-        Ok(self)
+    pub fn with_threads(self, threads: usize) -> Result<Self, Error> {
+        Ok(self.with_pool(Pool::new(threads)?))
     }
 
     /// The same with other vector instructions, where the engine has them ([`Rows`]); the couples and their order are the same.
@@ -104,12 +111,14 @@ impl<T: Real, const D: usize> Detector<T, D> {
     /// [`Error::SimdUnavailable`] if this processor lacks them.
     pub fn with_simd(mut self, simd: Simd) -> Result<Self, Error> {
         self.rows = self.rows.with_simd(simd)?;
+        self.multilevel = self.multilevel.with_simd(simd)?;
         Ok(self)
     }
 
     /// The same on threads that others use too.
     pub(crate) fn with_pool(mut self, pool: Pool) -> Self {
-        self.rows = self.rows.with_pool(pool);
+        self.rows = self.rows.with_pool(pool.clone());
+        self.multilevel = self.multilevel.with_pool(pool);
         self
     }
 
@@ -121,6 +130,7 @@ impl<T: Real, const D: usize> Detector<T, D> {
     ) -> Result<(), Error> {
         match self.plan(elements)?.engine {
             Engine::Rows | Engine::Auto => self.rows.for_each_block(elements, visit),
+            Engine::Multilevel => self.multilevel.for_each_block(elements, visit),
             Engine::Direct | Engine::Nbs => self.for_each(elements, |couple| visit(&[couple])),
         }
     }
@@ -133,8 +143,10 @@ impl<T: Real, const D: usize> Detector<T, D> {
         parts: &mut Vec<Vec<V>>,
         list: &mut Vec<V>,
     ) -> Result<(), Error> {
-        if self.plan(elements)?.engine == Engine::Rows {
-            return self.rows.append_converted(elements, convert, parts, list);
+        match self.plan(elements)?.engine {
+            Engine::Rows => return self.rows.append_converted(elements, convert, parts, list),
+            Engine::Multilevel => return self.multilevel.append_converted(elements, convert, parts, list),
+            _ => {}
         }
         let mut room = Ok(());
         self.for_each(elements, |couple| {
@@ -152,8 +164,10 @@ impl<T: Real, const D: usize> Detector<T, D> {
         start: impl Fn() -> S,
         visit: impl Fn(&mut S, &[Couple]) + Sync,
     ) -> Result<Vec<S>, Error> {
-        if self.plan(elements)?.engine == Engine::Rows {
-            return self.rows.fold_blocks(elements, start, visit);
+        match self.plan(elements)?.engine {
+            Engine::Rows => return self.rows.fold_blocks(elements, start, visit),
+            Engine::Multilevel => return self.multilevel.fold_blocks(elements, start, visit),
+            _ => {}
         }
         let mut state = start();
         self.for_each(elements, |couple| visit(&mut state, &[couple]))?;
@@ -165,15 +179,26 @@ impl<T: Real, const D: usize> Detector<T, D> {
     /// # Errors
     /// Those of [`Search::for_each`] that need no memory to be found.
     pub fn plan(&self, elements: &Elements<'_, T, D>) -> Result<Plan<D>, Error> {
+        let mut levels = Vec::new();
         let (engine, reason) = match self.engine {
             Engine::Auto if elements.len() <= FEW_ELEMENTS => {
                 (Engine::Direct, format!("all against all is quickest for at most {FEW_ELEMENTS} elements"))
             }
-            Engine::Auto => (Engine::Rows, "linear in N for similar sizes, in any domain".to_owned()),
+            Engine::Auto => {
+                levels = self.multilevel.levels(elements);
+                match levels[..] {
+                    [first, .., last] => (Engine::Multilevel, unlike(&first, &last)),
+                    _ => (Engine::Rows, "linear in N for similar sizes, in any domain".to_owned()),
+                }
+            }
+            Engine::Multilevel => {
+                levels = self.multilevel.levels(elements);
+                (Engine::Multilevel, "asked for".to_owned())
+            }
             engine => (engine, "asked for".to_owned()),
         };
         let grid = match engine {
-            Engine::Direct => None,
+            Engine::Direct | Engine::Multilevel => None,
             Engine::Nbs => Some(self.nbs.plan(elements)?),
             Engine::Rows | Engine::Auto => Some(self.rows.plan(elements)),
         };
@@ -182,6 +207,7 @@ impl<T: Real, const D: usize> Detector<T, D> {
             reason,
             cell_size: grid.map(|grid| grid.cell_size()),
             cells: grid.map(|grid| grid.cells()),
+            levels: if engine == Engine::Multilevel { levels } else { Vec::new() },
         })
     }
 
@@ -213,18 +239,32 @@ impl<T: Real, const D: usize> Detector<T, D> {
                 let integers = Nbs::integers_for(elements.len(), &grid);
                 Means { bytes: integers * size_of::<u32>(), ..Means::NONE }
             }
+            Engine::Multilevel => Means {
+                bytes: self.multilevel.expected_bytes(elements),
+                threads: self.rows.threads(),
+                simd: Some(self.rows.simd()),
+            },
             Engine::Rows | Engine::Auto => Means {
                 bytes: self.rows.expected_bytes(elements),
                 threads: self.rows.threads(),
-                simd: Some(self.rows.simd_for(elements)),
+                simd: Some(self.rows.simd()),
             },
         })
     }
 
     /// Bytes that the engines hold now.
     pub(crate) fn bytes(&self) -> usize {
-        self.rows.bytes() + self.nbs.integers() * size_of::<u32>()
+        self.rows.bytes() + self.multilevel.bytes() + self.nbs.integers() * size_of::<u32>()
     }
+}
+
+/// Why there are levels.
+fn unlike(first: &Level, last: &Level) -> String {
+    let ratio = last.largest / first.smallest.max(f64::MIN_POSITIVE);
+    format!(
+        "sizes from {} to {} (ratio {ratio:.1}) are quickest in levels of their own",
+        first.smallest, last.largest
+    )
 }
 
 impl<T: Real, const D: usize> Search<T, D> for Detector<T, D> {
@@ -233,6 +273,7 @@ impl<T: Real, const D: usize> Search<T, D> for Detector<T, D> {
             Engine::Direct => Direct.for_each(elements, visit),
             Engine::Nbs => self.nbs.for_each(elements, visit),
             Engine::Rows | Engine::Auto => self.rows.for_each(elements, visit),
+            Engine::Multilevel => self.multilevel.for_each(elements, visit),
         }
     }
 
@@ -241,6 +282,7 @@ impl<T: Real, const D: usize> Search<T, D> for Detector<T, D> {
             Engine::Direct => Direct.couples(elements, couples),
             Engine::Nbs => self.nbs.couples(elements, couples),
             Engine::Rows | Engine::Auto => self.rows.couples(elements, couples),
+            Engine::Multilevel => self.multilevel.couples(elements, couples),
         }
     }
 
@@ -249,6 +291,7 @@ impl<T: Real, const D: usize> Search<T, D> for Detector<T, D> {
             Engine::Direct => Direct.count(elements),
             Engine::Nbs => self.nbs.count(elements),
             Engine::Rows | Engine::Auto => self.rows.count(elements),
+            Engine::Multilevel => self.multilevel.count(elements),
         }
     }
 }

@@ -6,6 +6,7 @@ use crate::elements::{Elements, Shape};
 use crate::engine::{Engine, Plan};
 use crate::grid::Grid;
 use crate::real::Real;
+use crate::search::multilevel::Level;
 use crate::simd::Simd;
 use crate::verify::split_mix;
 
@@ -93,7 +94,13 @@ impl Means {
 impl<const D: usize> Plan<D> {
     /// To test all elements with all others.
     pub(crate) fn without_cells(reason: &str) -> Self {
-        Self { engine: Engine::Direct, reason: reason.to_owned(), cell_size: None, cells: None }
+        Self {
+            engine: Engine::Direct,
+            reason: reason.to_owned(),
+            cell_size: None,
+            cells: None,
+            levels: Vec::new(),
+        }
     }
 }
 
@@ -107,6 +114,14 @@ impl<const D: usize> fmt::Display for Explanation<D> {
         if let (Some(edge), Some(cells)) = (self.plan.cell_size, self.plan.cells) {
             let cells: Vec<_> = cells.iter().map(|&cells| grouped(cells as f64)).collect();
             writeln!(out, "cells     {}, edge {edge:.6}", cells.join(" x "))?;
+        }
+        for level in &self.plan.levels {
+            let (elements, Level { smallest, largest, cell_size, .. }) =
+                (grouped(level.elements as f64), level);
+            writeln!(
+                out,
+                "level     {elements} of size {smallest:.6} to {largest:.6}, edge of cells {cell_size:.6}"
+            )?;
         }
         if let (Some(rows), Some(occupied)) = (self.rows, self.occupied_rows) {
             let occupied = grouped(occupied as f64);

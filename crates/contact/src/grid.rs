@@ -78,7 +78,15 @@ impl<const D: usize> Grid<D> {
     /// Cells that cover the elements, however wide their domain is: for searches that keep nothing per cell.
     pub(crate) fn unbounded<T: Real>(elements: &Elements<'_, T, D>) -> Self {
         let bounds = elements.bounds();
-        let mut cell_size = cell_size(elements, &bounds.min, &bounds.max);
+        Self::countless(bounds, cell_size(elements, &bounds.min, &bounds.max))
+    }
+
+    /// The same for elements that touch no others farther away than `reach`, with cells of an edge of at least `edge`.
+    pub(crate) fn for_reach<T: Real>(bounds: Bounds<D>, reach: f64, edge: f64) -> Self {
+        Self::countless(bounds, (reach.max(T::MIN_RESOLVED) * WIDENING).max(edge))
+    }
+
+    fn countless(bounds: Bounds<D>, mut cell_size: f64) -> Self {
         let widest = (0..D).map(|axis| bounds.max[axis] - bounds.min[axis]).fold(0.0, f64::max);
         if widest / cell_size >= MAX_CELLS_PER_AXIS / 2.0 {
             cell_size = (cell_size * 1.125).max(widest / MAX_UNBOUNDED_CELLS);

@@ -13,7 +13,8 @@ use crate::grid::{Grid, edge_for};
 use crate::pool::Pool;
 use crate::real::Real;
 use crate::search::rows::layout::{Layout, PADDING};
-use crate::search::rows::{Scan, Sink, reserve, resize};
+use crate::search::rows::scan::{PART, Scan, Scans, Sink};
+use crate::search::rows::{reserve, resize};
 use crate::simd::kernel::{Arrays, Output, Task};
 use crate::simd::{Simd, portable};
 
@@ -443,9 +444,11 @@ impl<T: Real, const D: usize> Index<T, D> {
             reach: T::at_least(reach.max(T::MIN_RESOLVED)),
             reach_squared,
             tolerance,
+            one_numbering: false,
+            part: PART,
             search_row: if kind == Kind::Boxes { &boxes } else { &spheres },
         };
-        scan.all(pool, &mut self.waiting, sink)
+        Scans { each: &[scan], pool, parts: &mut self.waiting }.all(sink)
     }
 
     /// Writes, for each point, the elements whose distance is at most `r` into its row of `found`, ascending by number.

@@ -39,7 +39,7 @@
 //! without it a search runs on one thread, with the same results.
 //!
 //! # Data flow
-//! [`Elements`] → [`Grid`] (cells) → [`Lists`] → [`CONTACT_MASK`] → [`Search`] ([`Direct`], [`Nbs`], [`Rows`]) → [`Couple`].
+//! [`Elements`] → [`Grid`] (cells) → [`Lists`] → [`CONTACT_MASK`] → [`Search`] ([`Direct`], [`Nbs`], [`Rows`], [`Multilevel`]) → [`Couple`].
 
 // In the order in which data flows.
 mod real;
@@ -79,6 +79,7 @@ pub use periodic::{DEFAULT_MAX_IMAGES, PeriodicCouple, PeriodicSearch};
 pub use real::Real;
 pub use search::Search;
 pub use search::direct::Direct;
+pub use search::multilevel::{Level, Multilevel};
 pub use search::nbs::{DEFAULT_MAX_HEADS, Nbs, Observer};
 pub use search::rows::Rows;
 pub use simd::Simd;
@@ -95,7 +96,7 @@ pub use verify::{Mismatch, verify};
 /// One length unit for both.
 ///
 /// # Cost
-/// Time proportional to `n` while sizes are similar, plus the sorting of the couples.
+/// Time proportional to `n`, plus the sorting of the couples.
 ///
 /// # Errors
 /// Those of [`Elements::spheres_with_radii`] and of [`Search::for_each`].

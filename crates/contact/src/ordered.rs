@@ -80,6 +80,9 @@ pub(crate) fn append<V: Copy + Send>(
 const MAX_RUN: usize = 8;
 const RUNS: usize = 3;
 
+/// Of the entries of a run.
+const MAX_BYTES: usize = 1 << 21;
+
 /// So many parts of a thread may wait for their places.
 const MAX_WAITING: usize = 32;
 
@@ -128,7 +131,9 @@ impl<'a, V> Line<'a, V> {
     /// Parts for a thread to do: some that follow each other, few when few are left.
     fn take(&mut self) -> Range<usize> {
         let left = if self.is_closed || self.stopped.is_err() { 0 } else { self.count - self.next };
-        let run = left.div_ceil(RUNS * self.threads).min(MAX_RUN);
+        // As much as the second-level cache holds, going by the parts that are placed: at first nothing is known.
+        let room = (MAX_BYTES * self.places.len()).checked_div(self.placed * size_of::<V>()).unwrap_or(1);
+        let run = left.div_ceil(RUNS * self.threads).min(room.clamp(1, MAX_RUN));
         let run = self.next..self.next + run;
         self.next = run.end;
         self.lengths.resize(run.end - self.first, None);

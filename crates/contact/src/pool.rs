@@ -80,27 +80,94 @@ impl Pool {
     }
 
     /// Runs `work` on each task, in any order and at the same time.
+    ///
+    /// The caller may be a thread of a pool itself, which must not do other work of that pool while it waits, as threads of rayon do: it may hold a lock that this
+    /// work asks for.
     pub(crate) fn run<I: Send>(&self, tasks: impl Iterator<Item = I>, work: impl Fn(I) + Sync + Send) {
         #[cfg(feature = "rayon")]
-        if let Some(Others { pool, spread }) = self.others.as_deref() {
+        if let Some(Others { pool, spread }) = self.others.as_deref()
+            // Inside work of this pool its other threads may all be waiting.
+            && pool.current_thread_index().is_none()
+        {
             let tasks: Vec<I> = tasks.collect();
             let others = pool.current_num_threads().min(tasks.len().saturating_sub(1));
             let tasks = Mutex::new(tasks.into_iter());
             let next = || tasks.lock().ok().and_then(|mut tasks| tasks.next());
             let take_all = || std::iter::from_fn(next).for_each(&work);
-            spread.before();
-            pool.in_place_scope(|scope| {
-                for _ in 0..others {
-                    scope.spawn(|_| {
-                        spread.start();
-                        take_all();
-                    });
-                }
-                spread.look(others);
-                take_all();
-            });
+            let run = || {
+                spread.before();
+                pool.in_place_scope(|scope| {
+                    for _ in 0..others {
+                        scope.spawn(|_| {
+                            spread.start();
+                            take_all();
+                        });
+                    }
+                    spread.look(others);
+                    take_all();
+                });
+            };
+            if rayon::current_thread_index().is_none() {
+                run();
+            } else {
+                std::thread::scope(|scope| {
+                    if let Err(panic) = scope.spawn(run).join() {
+                        std::panic::resume_unwind(panic);
+                    }
+                });
+            }
             return;
         }
         tasks.for_each(work);
+    }
+}
+
+#[cfg(all(test, feature = "rayon"))]
+mod tests {
+    use std::cell::RefCell;
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    use rayon::prelude::*;
+
+    use super::*;
+
+    fn sum(pool: &Pool, n: usize) -> usize {
+        let total = AtomicUsize::new(0);
+        pool.run(0..n, |k| {
+            total.fetch_add(k, Ordering::Relaxed);
+        });
+        total.into_inner()
+    }
+
+    /// Jobs of the pool that the callers belong to, each holding something while it waits: a thread that took another job meanwhile would want it twice.
+    #[test]
+    fn a_caller_that_waits_does_no_other_work() {
+        thread_local!(static MINE: RefCell<Pool> = RefCell::new(Pool::new(2).unwrap()));
+        let callers = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
+        let shared = Mutex::new(Pool::new(2).unwrap());
+        callers.install(|| {
+            (0..200).into_par_iter().for_each(|_| {
+                assert_eq!(MINE.with(|pool| sum(&pool.borrow_mut(), 100)), 4950);
+                assert_eq!(sum(&shared.lock().unwrap(), 100), 4950);
+            });
+        });
+    }
+
+    #[test]
+    fn work_may_run_work_on_the_same_pool() {
+        let pool = Pool::new(3).unwrap();
+        let total = AtomicUsize::new(0);
+        pool.run(0..50, |_| {
+            total.fetch_add(sum(&pool, 10), Ordering::Relaxed);
+        });
+        assert_eq!(total.into_inner(), 50 * 45);
+    }
+
+    #[test]
+    #[should_panic(expected = "77")]
+    fn a_panic_comes_out_of_a_pool_inside_another() {
+        let pool = Pool::new(2).unwrap();
+        let callers = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
+        callers.install(|| pool.run(0..100, |k| assert!(k != 77, "{k}")));
     }
 }

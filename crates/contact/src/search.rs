@@ -2,6 +2,7 @@
 
 pub(crate) mod direct;
 pub(crate) mod nbs;
+pub(crate) mod multilevel;
 pub(crate) mod rows;
 
 use crate::couple::Couple;

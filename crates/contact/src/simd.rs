@@ -184,7 +184,7 @@ macro_rules! kernels {
                 #[allow(unused_macros, reason = "only processors with vectors use it")]
                 macro_rules! vectors {
                     ($level:ident) => {
-                        if task.two_sets {
+                        if task.two_sets && !task.one_numbering {
                             // SAFETY: the caller has chosen a level that this processor has.
                             unsafe { $level::$search::<D, true>(task, out) }
                         } else if cluster::pays(task) {

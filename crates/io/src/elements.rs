@@ -1,6 +1,7 @@
 //! Elements gathered row by row, from text or from an array.
 
 use crate::columns::Role;
+use crate::error::ReadError;
 use crate::packing::{BadLine, Centres, Skipped};
 use crate::row::{Row, SIZE};
 
@@ -30,24 +31,23 @@ pub(crate) struct Duplicate {
 
 impl Elements {
     /// Room for elements with these columns.
-    pub(crate) fn new(roles: &[Option<Role>], capacity: usize) -> Self {
+    pub(crate) fn new(roles: &[Option<Role>], capacity: usize) -> Result<Self, ReadError> {
         let has = |role| roles.contains(&Some(role));
         let sized = has(Role::Radius) || has(Role::Diameter);
-        let room = |wanted: bool| if wanted { capacity } else { 0 };
-        Self {
+        Ok(Self {
             centres: if has(Role::Z) {
-                Centres::Three(Vec::with_capacity(capacity))
+                Centres::Three(room(capacity)?)
             } else {
-                Centres::Two(Vec::with_capacity(capacity))
+                Centres::Two(room(capacity)?)
             },
-            radii: sized.then(|| Vec::with_capacity(capacity)),
-            ids: has(Role::Id).then(|| Vec::with_capacity(capacity)),
-            bodies: has(Role::Body).then(|| Vec::with_capacity(capacity)),
+            radii: sized.then(|| room(capacity)).transpose()?,
+            ids: has(Role::Id).then(|| room(capacity)).transpose()?,
+            bodies: has(Role::Body).then(|| room(capacity)).transpose()?,
             skipped: Skipped::default(),
             row_numbers: None,
-            places: Vec::with_capacity(room(has(Role::Id))),
+            places: room(if has(Role::Id) { capacity } else { 0 })?,
             scale: if has(Role::Diameter) { 0.5 } else { 1.0 },
-        }
+        })
     }
 
     #[inline]
@@ -99,12 +99,18 @@ impl Elements {
 
 const _: () = assert!(SIZE == 3, "`push` takes the size from the last value");
 
+fn room<V>(elements: usize) -> Result<Vec<V>, ReadError> {
+    let mut values = Vec::new();
+    values.try_reserve_exact(elements).map_err(|_| ReadError::OutOfMemory { elements })?;
+    Ok(values)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     fn with_ids(ids: &[i64]) -> Elements {
-        let mut elements = Elements::new(&[Some(Role::X), Some(Role::Y), Some(Role::Id)], 0);
+        let mut elements = Elements::new(&[Some(Role::X), Some(Role::Y), Some(Role::Id)], 0).unwrap();
         for (place, id) in ids.iter().enumerate() {
             elements.push(&Row { id: *id, ..Row::default() }, place as u64 + 10);
         }
@@ -133,7 +139,7 @@ mod tests {
 
     #[test]
     fn diameters_are_halved() {
-        let mut elements = Elements::new(&[Some(Role::X), Some(Role::Y), Some(Role::Diameter)], 1);
+        let mut elements = Elements::new(&[Some(Role::X), Some(Role::Y), Some(Role::Diameter)], 1).unwrap();
         elements.push(&Row { values: [1.0, 2.0, 0.0, 3.0], ..Row::default() }, 1);
         assert_eq!(elements.radii, Some(vec![1.5]));
         assert_eq!(elements.centres, Centres::Two(vec![[1.0, 2.0]]));

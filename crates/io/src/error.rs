@@ -261,6 +261,12 @@ pub enum ReadError {
         /// The shape as Python prints it.
         shape: String,
     },
+    /// There is no memory for the elements of the file.
+    #[error("no memory for {elements} elements")]
+    OutOfMemory {
+        /// How many rows there are.
+        elements: usize,
+    },
     /// A row of an array cannot be read.
     #[error("{problem}: {text}")]
     BadRow {
@@ -299,6 +305,7 @@ impl ReadError {
             | Self::NpyDtype { .. }
             | Self::NpyShape { .. }
             | Self::NpySize { .. }
+            | Self::OutOfMemory { .. }
             | Self::BadRow { .. } => None,
         }
     }

@@ -27,7 +27,7 @@ pub(crate) fn read_npy(
     let chosen = array.chosen(&roles, &header)?;
     array.check_size(&header)?;
 
-    let mut elements = Elements::new(&roles, array.rows);
+    let mut elements = Elements::new(&roles, array.rows)?;
     for at in 0..array.rows {
         if at % ROWS_PER_REPORT == 0 {
             progress.store((header.data + at * (array.data.len() / array.rows)) as u64, Ordering::Relaxed);

@@ -31,7 +31,7 @@ pub(crate) fn read_text(
     // A row takes two bytes for every column at least: a bound that a file of blank lines cannot blow up.
     let rows = memchr::memchr_iter(b'\n', lines.rest()).count() + 1;
     let rows = rows.min(lines.rest().len() / (2 * opening.roles.len().max(1)) + 1);
-    let mut elements = Elements::new(&opening.roles, rows);
+    let mut elements = Elements::new(&opening.roles, rows)?;
     while let Some((number, line)) = lines.next() {
         if number % LINES_PER_REPORT == 0 {
             progress.store(lines.at as u64, Ordering::Relaxed);

@@ -12,7 +12,7 @@ use crate::index::sort::{FEW, sort};
 use crate::real::Real;
 use crate::search::rows::layout::Layout;
 use crate::search::rows::reach::RowsInReach;
-use crate::search::rows::{PART, Scan};
+use crate::search::rows::scan::{PART, Scan};
 use crate::simd::kernel::{Arrays, Neighbour, Output, ROOM, Span, Task};
 
 /// Neighbouring points that are searched for with one reach: enough to share the rows in reach, few enough to have similar neighbours.
@@ -47,6 +47,7 @@ impl<T: Real, const D: usize> Index<T, D> {
             against: Some(layout),
             arrays: [moving, layout].map(|layout| Arrays {
                 coordinates: &layout.coordinates,
+                far: &[],
                 radii: &[],
                 ids: places,
                 filter: None,
@@ -54,6 +55,8 @@ impl<T: Real, const D: usize> Index<T, D> {
             reach: T::ZERO,
             reach_squared: T::ZERO,
             tolerance: T::ZERO,
+            one_numbering: false,
+            part: PART,
             search_row: &search_row,
         };
         let wanted = k.min(layout.len());

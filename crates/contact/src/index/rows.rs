@@ -11,7 +11,8 @@ use crate::index::sort::sort;
 use crate::pool::Pool;
 use crate::real::Real;
 use crate::search::rows::layout::{Layout, PADDING};
-use crate::search::rows::{FIRST_ROOM, PART, Scan, reserve};
+use crate::search::rows::reserve;
+use crate::search::rows::scan::{FIRST_ROOM, PART, Scan};
 use crate::simd::kernel::{Arrays, Output, Task};
 
 /// What was found around a stretch of the points, in the order in which they are sorted.
@@ -166,9 +167,10 @@ impl<T: Real, const D: usize> Index<T, D> {
             layout: moving,
             against: Some(layout),
             arrays: [
-                Arrays { coordinates: &moving.coordinates, radii: &[], ids: places, filter: None },
+                Arrays { coordinates: &moving.coordinates, far: &[], radii: &[], ids: places, filter: None },
                 Arrays {
                     coordinates: &layout.coordinates,
+                    far: &[],
                     radii: &[],
                     ids: if with_distances { places } else { &layout.ids },
                     filter: None,
@@ -177,6 +179,8 @@ impl<T: Real, const D: usize> Index<T, D> {
             reach: T::at_least(elements.reach().max(T::MIN_RESOLVED)),
             reach_squared: r * r,
             tolerance: T::ZERO,
+            one_numbering: false,
+            part: PART,
             search_row: &search_row,
         };
         parts.resize_with(points.len().div_ceil(PART), Part::default);

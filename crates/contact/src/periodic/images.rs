@@ -1,11 +1,14 @@
 //! Elements wrapped into a periodic box, and the images of them that may touch one of them.
 
+use std::sync::OnceLock;
+
 use crate::elements::{Bounds, Elements, Shape};
 use crate::error::Error;
 use crate::filter::Labels;
 use crate::periodic::cell::{MAX_PERIODS, PeriodicBox, norm};
 use crate::pool::Pool;
 use crate::real::Real;
+use crate::search::make_room;
 use crate::search::rows::{reserve, resize};
 
 /// Elements wrapped into a box, and apart from them those near its faces, with their images.
@@ -193,9 +196,15 @@ impl<T: Real, const D: usize> Images<T, D> {
 
         let window = Window { cell, fractions, margin: margin(&bounds, cell, &fractions, &measure)? };
         let interior = window.interior();
+        let failed = OnceLock::new();
         pool.run(self.chunks.iter_mut().zip(points.chunks(CHUNK)).enumerate(), |(k, (chunk, points))| {
-            chunk.find_near(k * CHUNK, points, &interior, &window);
+            if let Err(error) = chunk.find_near(k * CHUNK, points, &interior, &window) {
+                failed.get_or_init(|| error);
+            }
         });
+        if let Some(error) = failed.into_inner() {
+            return Err(error);
+        }
         let images = self.chunks.iter().map(|chunk| chunk.images).sum::<f64>();
         if images.is_nan() || images > max_images as f64 {
             return Err(Error::TooManyImages { images, limit: max_images });
@@ -408,7 +417,7 @@ impl<T: Real, const D: usize> Chunk<T, D> {
         points: &[[T; D]],
         interior: &Bounds<D>,
         window: &Window<'_, T, D>,
-    ) {
+    ) -> Result<(), Error> {
         self.owners.clear();
         self.points.clear();
         self.images = 0.0;
@@ -419,11 +428,18 @@ impl<T: Real, const D: usize> Chunk<T, D> {
             }
             let fractions = window.cell.fractions(point);
             if window.has_images(&fractions) {
+                if self.points.len() == self.points.capacity() {
+                    make_room(&mut self.points)?;
+                }
+                if self.owners.len() == self.owners.capacity() {
+                    make_room(&mut self.owners)?;
+                }
                 self.owners.push(owner as u32);
                 self.points.push(*point);
                 self.images += window.images(&fractions);
             }
         }
+        Ok(())
     }
 
     /// Makes the images of the elements found, in room for just these.

@@ -7,8 +7,8 @@
 
 #[cfg(target_os = "linux")]
 mod threads {
-    use std::sync::OnceLock;
     use std::sync::atomic::{AtomicBool, Ordering};
+    use std::sync::{Mutex, OnceLock};
     use std::time::{Duration, Instant};
 
     use rustix::thread::{Pid, gettid, sched_getaffinity, sched_getcpu, sched_setaffinity};
@@ -29,6 +29,8 @@ mod threads {
     #[derive(Debug, Default)]
     struct Thread {
         id: OnceLock<Pid>,
+        /// Held by who moves it: of two at once the second would take what the first has forbidden for what was allowed.
+        moving: Mutex<()>,
         started: AtomicBool,
     }
 
@@ -78,6 +80,7 @@ mod threads {
     impl Thread {
         /// Where the system refuses this, the thread stays where it is.
         fn go_elsewhere(&self) {
+            let Ok(_moving) = self.moving.try_lock() else { return };
             let here = sched_getcpu();
             let Some(&id) = self.id.get() else { return };
             let Ok(allowed) = sched_getaffinity(Some(id)) else { return };
@@ -103,6 +106,21 @@ mod threads {
             let before = processors();
             thread.go_elsewhere();
             assert_eq!(processors(), before);
+        }
+
+        #[test]
+        fn a_thread_that_many_move_keeps_its_processors() {
+            let thread = Thread::default();
+            thread.id.get_or_init(gettid);
+            let me = gettid();
+            let allowed = || (0..1024).filter(|&k| sched_getaffinity(Some(me)).unwrap().is_set(k)).count();
+            let before = allowed();
+            std::thread::scope(|scope| {
+                for _ in 0..6 {
+                    scope.spawn(|| (0..2000).for_each(|_| thread.go_elsewhere()));
+                }
+            });
+            assert_eq!(allowed(), before);
         }
     }
 }

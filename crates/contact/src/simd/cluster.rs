@@ -25,7 +25,9 @@ use std::mem::MaybeUninit;
 use std::ops::Range;
 
 use crate::real::Real;
-use crate::simd::kernel::{Estimate, FEW, Output, Rows, Task, Vector, Window, Writer, first_from, variant};
+use crate::simd::kernel::{
+    BOXES, EQUAL, Estimate, FEW, Output, RADII, Rows, Task, Vector, Window, Writer, first_from, variant,
+};
 use crate::simd::labels::NO_LABEL;
 
 /// Elements that share their windows.
@@ -133,6 +135,7 @@ impl Patience {
 pub(super) fn pays<T: Real, const D: usize>(task: &Task<'_, T, D>) -> bool {
     let reach = task.reach.to_f64();
     !task.two_sets
+        && task.shape() != BOXES
         && task.to - task.from >= FEWEST
         && task.neighbours.len() <= FEW
         // Far from where squares underflow.
@@ -152,11 +155,17 @@ where
     C: Estimate,
 {
     // SAFETY: the contract of this function.
-    unsafe { variant!(task, out, all::<T, V, C, D>) }
+    unsafe {
+        if task.shape() == RADII {
+            variant!(task, out, all::<T, V, C, D>, RADII);
+        } else {
+            variant!(task, out, all::<T, V, C, D>, EQUAL);
+        }
+    }
 }
 
 #[inline(always)]
-unsafe fn all<T, V, C, const D: usize, const RADII: bool, const COUNT: bool, const FILTER: bool>(
+unsafe fn all<T, V, C, const D: usize, const SHAPE: u8, const COUNT: bool, const FILTER: bool>(
     task: &Task<'_, T, D>,
     out: &mut Output<'_>,
 ) where
@@ -165,7 +174,7 @@ unsafe fn all<T, V, C, const D: usize, const RADII: bool, const COUNT: bool, con
     C: Estimate,
 {
     let (mut few, mut many) = ([const { MaybeUninit::uninit() }; FEW], Vec::new());
-    let mut rows = Rows::new::<RADII, FILTER>(task, WIDTH.max(V::LANES), &mut few, &mut many);
+    let mut rows = Rows::new::<SHAPE, FILTER>(task, WIDTH.max(V::LANES), &mut few, &mut many);
     let mut copies = MaybeUninit::<Copies>::uninit();
     let mut writer = Writer::new(out);
     let mut from = task.from;
@@ -177,10 +186,10 @@ unsafe fn all<T, V, C, const D: usize, const RADII: bool, const COUNT: bool, con
                 out.patience.without -= 1;
                 None
             } else {
-                copy::<T, V, D, RADII>(task, &mut rows, from..to, &mut copies)
+                copy::<T, V, D, SHAPE>(task, &mut rows, from..to, &mut copies)
             };
             match segment {
-                Some(mut segment) => clusters::<T, V, C, D, RADII, COUNT, FILTER>(
+                Some(mut segment) => clusters::<T, V, C, D, SHAPE, COUNT, FILTER>(
                     task,
                     &mut rows,
                     &mut segment,
@@ -188,7 +197,7 @@ unsafe fn all<T, V, C, const D: usize, const RADII: bool, const COUNT: bool, con
                     &mut writer,
                     out,
                 ),
-                None => rows.compare::<V, false, RADII, COUNT, FILTER>(from..to, &mut writer, out),
+                None => rows.compare::<V, false, SHAPE, COUNT, FILTER>(from..to, &mut writer, out),
             }
         }
         from = to;
@@ -202,7 +211,7 @@ unsafe fn all<T, V, C, const D: usize, const RADII: bool, const COUNT: bool, con
 /// # Safety
 /// As [`search`]; `copies` are not used by another copy.
 #[inline(always)]
-unsafe fn copy<T, V, const D: usize, const RADII: bool>(
+unsafe fn copy<T, V, const D: usize, const SHAPE: u8>(
     task: &Task<'_, T, D>,
     rows: &mut Rows<'_, T, D>,
     range: Range<usize>,
@@ -268,7 +277,7 @@ where
                 shorten(row.axes[axis].add(start), end - start, origin, scales, to);
                 *copied = to;
             }
-            if RADII {
+            if SHAPE == RADII {
                 shorten(row.radii.add(start), end - start, V::splat(T::ZERO), scales, radii);
             }
         }
@@ -320,7 +329,7 @@ impl<C: Estimate, const D: usize> Cluster<C, D> {
     /// # Safety
     /// The instructions are there, and `base` is inside the piece.
     #[inline(always)]
-    unsafe fn new<const RADII: bool>(piece: &Piece<D>, base: usize, tolerance: C) -> Self {
+    unsafe fn new<const SHAPE: u8>(piece: &Piece<D>, base: usize, tolerance: C) -> Self {
         let mut cluster = Self { centres: [[tolerance; D]; CLUSTER], radii: [tolerance; CLUSTER] };
         // SAFETY: the contract of this function, and PAD entries behind the piece.
         unsafe {
@@ -328,7 +337,7 @@ impl<C: Estimate, const D: usize> Cluster<C, D> {
                 for (x, axis) in cluster.centres[i].iter_mut().zip(piece.axes) {
                     *x = C::splat(*axis.add(base + i));
                 }
-                if RADII {
+                if SHAPE == RADII {
                     cluster.radii[i] = C::splat(*piece.radii.add(base + i)).add(tolerance);
                 }
             }
@@ -341,7 +350,7 @@ impl<C: Estimate, const D: usize> Cluster<C, D> {
     /// # Safety
     /// The instructions are there, and the lanes from `j` on end inside the PAD of the piece.
     #[inline(always)]
-    unsafe fn touch<const RADII: bool>(&self, piece: &Piece<D>, j: usize, limits: &Limits<C>) -> (u64, u32) {
+    unsafe fn touch<const SHAPE: u8>(&self, piece: &Piece<D>, j: usize, limits: &Limits<C>) -> (u64, u32) {
         let (mut bits, mut doubts) = (0, 0);
         // SAFETY: the contract of this function.
         unsafe {
@@ -360,7 +369,7 @@ impl<C: Estimate, const D: usize> Cluster<C, D> {
                     };
                 }
                 let Limits { mut sure, mut possible, slope, rest } = *limits;
-                if RADII {
+                if SHAPE == RADII {
                     let reach = self.radii[i].add(C::load(piece.radii.add(j)));
                     let (limit, doubt) = (reach.mul(reach), reach.mul_add(slope, rest));
                     (sure, possible) = (limit.sub(doubt), limit.add(doubt));
@@ -379,7 +388,7 @@ impl<C: Estimate, const D: usize> Cluster<C, D> {
 /// # Safety
 /// As [`search`].
 #[inline(always)]
-unsafe fn clusters<T, V, C, const D: usize, const RADII: bool, const COUNT: bool, const FILTER: bool>(
+unsafe fn clusters<T, V, C, const D: usize, const SHAPE: u8, const COUNT: bool, const FILTER: bool>(
     task: &Task<'_, T, D>,
     rows: &mut Rows<'_, T, D>,
     segment: &mut Segment<D>,
@@ -407,7 +416,7 @@ unsafe fn clusters<T, V, C, const D: usize, const RADII: bool, const COUNT: bool
         let mine = pieces[0];
         for base in (0..range.len()).step_by(CLUSTER) {
             let members = CLUSTER.min(range.len() - base);
-            let cluster = Cluster::new::<RADII>(&mine, base, tolerance);
+            let cluster = Cluster::new::<SHAPE>(&mine, base, tolerance);
             let lows = C::splat(*mine.along.add(base) - reach);
             let high = *mine.along.add(base + members - 1) + reach;
             let (mut hits, mut doubts) = (first_hits, 0);
@@ -421,7 +430,7 @@ unsafe fn clusters<T, V, C, const D: usize, const RADII: bool, const COUNT: bool
                 }
                 let least = j + if own { 1 } else { WIDTH };
                 loop {
-                    let (bits, doubt) = cluster.touch::<RADII>(piece, j, &limits);
+                    let (bits, doubt) = cluster.touch::<SHAPE>(piece, j, &limits);
                     doubts |= doubt;
                     hits.write(Hits { ids: piece.ids.add(j), bits });
                     hits = hits.add(1);
@@ -445,7 +454,7 @@ unsafe fn clusters<T, V, C, const D: usize, const RADII: bool, const COUNT: bool
                 follow(rows, pieces);
                 let hopeless = repeated >= 3 && 2 * repeated > done;
                 let to = if hopeless { range.end } else { from + members };
-                rows.compare::<V, false, RADII, COUNT, FILTER>(from..to, writer, out);
+                rows.compare::<V, false, SHAPE, COUNT, FILTER>(from..to, writer, out);
                 if hopeless {
                     out.patience.lost();
                     return;

@@ -34,7 +34,9 @@ pub(crate) struct Neighbour {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Arrays<'a, T> {
     pub(crate) coordinates: &'a [T],
-    /// Empty for elements of one radius.
+    /// The upper ends of boxes, with the tolerance added, in the order of `coordinates`, which are the lower ends; empty for spheres.
+    pub(crate) far: &'a [T],
+    /// Empty for boxes and elements of one radius.
     pub(crate) radii: &'a [T],
     pub(crate) ids: &'a [u32],
     /// Which elements see each other, by their place in the arrays; as long as `ids`. All groups are ones of the matrix, also behind the last element.
@@ -43,8 +45,8 @@ pub(crate) struct Arrays<'a, T> {
 
 /// A stretch of a row, to be compared with the rest of its row and with the neighbour rows.
 ///
-/// The neighbour rows may belong to another set of elements. Then the rest of the own row is left out, and couples are not ordered by
-/// number: `i` is of the stretch, `j` of the other set.
+/// The neighbour rows may belong to another set of elements. Then the rest of the own row is left out, and unless both sets are numbered together couples are not
+/// ordered by number: `i` is of the stretch, `j` of the other set.
 pub struct Task<'a, T, const D: usize> {
     /// Where the row is.
     pub(crate) own: Arrays<'a, T>,
@@ -52,6 +54,7 @@ pub struct Task<'a, T, const D: usize> {
     /// have filters of one kind, with one matrix, or none.
     pub(crate) other: Arrays<'a, T>,
     pub(crate) two_sets: bool,
+    pub(crate) one_numbering: bool,
     pub(crate) row: Span,
     /// The stretch of the row whose couples are wanted, as first elements of couples.
     pub(crate) from: usize,
@@ -66,6 +69,17 @@ pub struct Task<'a, T, const D: usize> {
     pub(crate) tolerance: T,
     /// Axes other than the long one: no two elements of the row and the neighbour rows are farther apart along one of them; infinite if that is not known.
     pub(crate) spread: f64,
+}
+
+impl<T, const D: usize> Task<'_, T, D> {
+    #[inline(always)]
+    pub(super) fn shape(&self) -> u8 {
+        match (self.own.far.is_empty(), self.own.radii.is_empty()) {
+            (false, _) => BOXES,
+            (true, false) => RADII,
+            (true, true) => EQUAL,
+        }
+    }
 }
 
 /// Where the couples go.
@@ -219,18 +233,19 @@ impl Writer {
     }
 }
 
-/// Calls the variant of a kernel for what a task has (radii, a filter) and for what is wanted of it (to count only).
+/// What is compared: spheres of one radius, spheres with radii, boxes.
+pub(super) const EQUAL: u8 = 0;
+pub(super) const RADII: u8 = 1;
+pub(super) const BOXES: u8 = 2;
+
+/// Calls the variant of a kernel for some shape, for what a task has (a filter) and for what is wanted of it (to count only).
 macro_rules! variant {
-    ($task:expr, $out:expr, $kernel:ident::<$($generic:tt),*>) => {
-        match (!$task.own.radii.is_empty(), $out.count_only, $task.own.filter.is_some()) {
-            (false, false, false) => $kernel::<$($generic),*, false, false, false>($task, $out),
-            (false, true, false) => $kernel::<$($generic),*, false, true, false>($task, $out),
-            (true, false, false) => $kernel::<$($generic),*, true, false, false>($task, $out),
-            (true, true, false) => $kernel::<$($generic),*, true, true, false>($task, $out),
-            (false, false, true) => $kernel::<$($generic),*, false, false, true>($task, $out),
-            (false, true, true) => $kernel::<$($generic),*, false, true, true>($task, $out),
-            (true, false, true) => $kernel::<$($generic),*, true, false, true>($task, $out),
-            (true, true, true) => $kernel::<$($generic),*, true, true, true>($task, $out),
+    ($task:expr, $out:expr, $kernel:ident::<$($generic:tt),*>, $shape:ident) => {
+        match ($out.count_only, $task.own.filter.is_some()) {
+            (false, false) => $kernel::<$($generic),*, $shape, false, false>($task, $out),
+            (true, false) => $kernel::<$($generic),*, $shape, true, false>($task, $out),
+            (false, true) => $kernel::<$($generic),*, $shape, false, true>($task, $out),
+            (true, true) => $kernel::<$($generic),*, $shape, true, true>($task, $out),
         }
     };
 }
@@ -252,7 +267,13 @@ pub(crate) unsafe fn search<T, V, const D: usize, const TWO_SETS: bool>(
     V: Vector<T>,
 {
     // SAFETY: the contract of this function.
-    unsafe { variant!(task, out, all::<T, V, D, TWO_SETS>) }
+    unsafe {
+        match task.shape() {
+            BOXES => variant!(task, out, all::<T, V, D, TWO_SETS>, BOXES),
+            RADII => variant!(task, out, all::<T, V, D, TWO_SETS>, RADII),
+            _ => variant!(task, out, all::<T, V, D, TWO_SETS>, EQUAL),
+        }
+    }
 }
 
 #[inline(always)]
@@ -261,7 +282,7 @@ unsafe fn all<
     V,
     const D: usize,
     const TWO_SETS: bool,
-    const RADII: bool,
+    const SHAPE: u8,
     const COUNT: bool,
     const FILTER: bool,
 >(
@@ -272,18 +293,21 @@ unsafe fn all<
     V: Vector<T>,
 {
     let (mut few, mut many) = ([const { MaybeUninit::uninit() }; FEW], Vec::new());
-    let mut rows = Rows::new::<RADII, FILTER>(task, V::LANES, &mut few, &mut many);
+    let mut rows = Rows::new::<SHAPE, FILTER>(task, V::LANES, &mut few, &mut many);
     let mut writer = Writer::new(out);
     // SAFETY: the contract of `search`.
     unsafe {
-        rows.compare::<V, TWO_SETS, RADII, COUNT, FILTER>(task.from..task.to, &mut writer, out);
+        rows.compare::<V, TWO_SETS, SHAPE, COUNT, FILTER>(task.from..task.to, &mut writer, out);
         writer.close(out);
     }
 }
 
 /// One element, spread over all lanes.
 struct Element<T, V, const D: usize> {
+    /// The centre, or the lower ends of a box.
     centre: [V; D],
+    /// The upper ends of a box, with the tolerance.
+    far: [V; D],
     radius: V,
     id: u32,
     /// Elements beyond this coordinate do not touch it.
@@ -297,6 +321,8 @@ pub(super) struct Row<T, const D: usize> {
     pub(super) axes: [*const T; D],
     /// The axis along which the row is sorted.
     pub(super) along: *const T,
+    /// As `axes`, of the upper ends of boxes.
+    far: [*const T; D],
     pub(super) radii: *const T,
     pub(super) ids: *const u32,
     /// Where the row starts in the arrays of a filter.
@@ -312,6 +338,7 @@ impl<T, const D: usize> Row<T, D> {
         Self {
             axes: std::array::from_fn(axis),
             along: axis(long),
+            far: std::array::from_fn(|axis| arrays.far.as_ptr().wrapping_add(D * start + axis * len)),
             radii: arrays.radii.as_ptr().wrapping_add(start),
             ids: arrays.ids.as_ptr().wrapping_add(start),
             start,
@@ -345,7 +372,7 @@ impl<'a, T: Real, const D: usize> Rows<'a, T, D> {
     /// # Panics
     /// Unless all rows are inside the arrays, with `lanes` entries after the last element.
     #[inline(always)]
-    pub(super) fn new<const RADII: bool, const FILTER: bool>(
+    pub(super) fn new<const SHAPE: u8, const FILTER: bool>(
         task: &'a Task<'a, T, D>,
         lanes: usize,
         few: &'a mut [MaybeUninit<Window<T, D>>; FEW],
@@ -355,7 +382,8 @@ impl<'a, T: Real, const D: usize> Rows<'a, T, D> {
         for (arrays, row) in neighbours.chain([(&task.own, task.row)]) {
             assert!(D * (row.start + row.len) + lanes <= arrays.coordinates.len());
             assert!(row.start + row.len + lanes <= arrays.ids.len());
-            assert!(!RADII || row.start + row.len + lanes <= arrays.radii.len());
+            assert!(SHAPE != BOXES || D * (row.start + row.len) + lanes <= arrays.far.len());
+            assert!(SHAPE != RADII || row.start + row.len + lanes <= arrays.radii.len());
         }
         assert!(task.neighbours.iter().all(|neighbour| neighbour.low <= neighbour.row.len));
         assert!(task.from <= task.to && task.to <= task.row.len);
@@ -388,7 +416,7 @@ impl<'a, T: Real, const D: usize> Rows<'a, T, D> {
     pub(super) unsafe fn compare<
         V: Vector<T>,
         const TWO_SETS: bool,
-        const RADII: bool,
+        const SHAPE: u8,
         const COUNT: bool,
         const FILTER: bool,
     >(
@@ -409,11 +437,18 @@ impl<'a, T: Real, const D: usize> Rows<'a, T, D> {
                 for (x, axis) in centre.iter_mut().zip(own.axes) {
                     *x = V::splat(*axis.add(k));
                 }
-                let radius = if RADII { V::splat(*own.radii.add(k)) } else { tolerance };
+                let radius = if SHAPE == RADII { V::splat(*own.radii.add(k)) } else { tolerance };
                 let label = if FILTER { own_labels.of(own.start + k) } else { NO_LABEL };
-                let element = Element { centre, radius, id: *own.ids.add(k), high: x + task.reach, label };
-                if !TWO_SETS {
-                    window::<T, V, D, TWO_SETS, RADII, COUNT, FILTER>(
+                let (mut far, mut high) = ([reach_squared; D], x + task.reach);
+                if SHAPE == BOXES {
+                    for (x, axis) in far.iter_mut().zip(own.far) {
+                        *x = V::splat(*axis.add(k));
+                    }
+                    high = *own.far[task.long].add(k);
+                }
+                let element = Element { centre, far, radius, id: *own.ids.add(k), high, label };
+                if !TWO_SETS && !task.two_sets {
+                    window::<T, V, D, TWO_SETS, SHAPE, COUNT, FILTER>(
                         &own,
                         k + 1,
                         &element,
@@ -428,7 +463,7 @@ impl<'a, T: Real, const D: usize> Rows<'a, T, D> {
                 let lows = V::splat(x - task.reach);
                 for Window { row, low } in &mut *self.windows {
                     *low = first_from(row.along, *low, row.len, lows);
-                    window::<T, V, D, TWO_SETS, RADII, COUNT, FILTER>(
+                    window::<T, V, D, TWO_SETS, SHAPE, COUNT, FILTER>(
                         row,
                         *low,
                         &element,
@@ -473,7 +508,7 @@ unsafe fn window<
     V,
     const D: usize,
     const TWO_SETS: bool,
-    const RADII: bool,
+    const SHAPE: u8,
     const COUNT: bool,
     const FILTER: bool,
 >(
@@ -493,19 +528,28 @@ unsafe fn window<
     // SAFETY: see `Rows::compare`.
     unsafe {
         loop {
-            // The sum starts from zero by definition, and zero plus a square is the square.
-            let mut sum = reach_squared;
-            for (axis, x) in element.centre.iter().enumerate() {
-                let difference = x.sub(V::load(row.axes[axis].add(j)));
-                let square = difference.mul(difference);
-                sum = if axis == 0 { square } else { sum.add(square) };
-            }
-            let mut limit = reach_squared;
-            if RADII {
-                let reach = element.radius.add(V::load(row.radii.add(j))).add(tolerance);
-                limit = reach.mul(reach);
-            }
-            let mut hits = sum.at_most(limit);
+            let mut hits = if SHAPE == BOXES {
+                let mut hits = u32::MAX;
+                for axis in 0..D {
+                    let (low, high) = (V::load(row.axes[axis].add(j)), V::load(row.far[axis].add(j)));
+                    hits &= low.at_most(element.far[axis]) & element.centre[axis].at_most(high);
+                }
+                hits
+            } else {
+                // The sum starts from zero by definition, and zero plus a square is the square.
+                let mut sum = reach_squared;
+                for (axis, x) in element.centre.iter().enumerate() {
+                    let difference = x.sub(V::load(row.axes[axis].add(j)));
+                    let square = difference.mul(difference);
+                    sum = if axis == 0 { square } else { sum.add(square) };
+                }
+                let mut limit = reach_squared;
+                if SHAPE == RADII {
+                    let reach = element.radius.add(V::load(row.radii.add(j))).add(tolerance);
+                    limit = reach.mul(reach);
+                }
+                sum.at_most(limit)
+            };
             if j + V::LANES > row.len {
                 hits &= first_lanes(row.len - j);
             }

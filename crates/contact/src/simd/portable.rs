@@ -7,26 +7,34 @@ use crate::simd::kernel::{Arrays, Output, ROOM, Span, Task};
 pub(crate) fn search<T: Real, const D: usize>(task: &Task<'_, T, D>, out: &mut Output<'_>) {
     let Task { own, other, reach_squared, tolerance, .. } = *task;
     scan(task, out, |row, k, their_row, j| {
-        let mut sum = T::ZERO;
-        for axis in 0..D {
-            let at = |set: &Arrays<'_, T>, row: Span, k: usize| {
-                set.coordinates[D * row.start + axis * row.len + k]
-            };
-            let difference = at(&own, row, k) - at(&other, their_row, j);
-            sum = sum + difference * difference;
-        }
-        let limit = match (own.radii.get(row.start + k), other.radii.get(their_row.start + j)) {
-            (Some(&a), Some(&b)) => {
-                let reach = (a + b) + tolerance;
-                reach * reach
+        let at =
+            |numbers: &[T], row: Span, axis: usize, k: usize| numbers[D * row.start + axis * row.len + k];
+        let touch = if own.far.is_empty() {
+            let mut sum = T::ZERO;
+            for axis in 0..D {
+                let difference =
+                    at(own.coordinates, row, axis, k) - at(other.coordinates, their_row, axis, j);
+                sum = sum + difference * difference;
             }
-            _ => reach_squared,
+            let limit = match (own.radii.get(row.start + k), other.radii.get(their_row.start + j)) {
+                (Some(&a), Some(&b)) => {
+                    let reach = (a + b) + tolerance;
+                    reach * reach
+                }
+                _ => reach_squared,
+            };
+            sum <= limit
+        } else {
+            (0..D).all(|axis| {
+                at(own.coordinates, row, axis, k) <= at(other.far, their_row, axis, j)
+                    && at(other.coordinates, their_row, axis, j) <= at(own.far, row, axis, k)
+            })
         };
         let see_each_other = match (own.filter, other.filter) {
             (Some(filter), Some(others)) => filter.admits_of(row.start + k, &others, their_row.start + j),
             _ => true,
         };
-        see_each_other && sum <= limit
+        touch && see_each_other
     });
 }
 
@@ -36,7 +44,7 @@ pub(crate) fn scan<'a, T: Real, const D: usize>(
     out: &mut Output<'_>,
     touch: impl Fn(Span, usize, Span, usize) -> bool,
 ) {
-    let Task { own, other, two_sets, row, long, reach, .. } = *task;
+    let Task { own, other, two_sets, one_numbering, row, long, reach, .. } = *task;
     let along = |set: Arrays<'a, T>, row: Span| &set.coordinates[D * row.start + long * row.len..][..row.len];
     let mut neighbours = task.neighbours.to_vec();
     for k in task.from..task.to {
@@ -51,7 +59,7 @@ pub(crate) fn scan<'a, T: Real, const D: usize>(
                         (out.make_room)(out.couples);
                     }
                     let (i, j) = (own.ids[row.start + k], set.ids[their_row.start + j]);
-                    out.couples.push(if two_sets { Couple { i, j } } else { Couple::new(i, j) });
+                    out.couples.push(if one_numbering { Couple::new(i, j) } else { Couple { i, j } });
                 }
             }
         };

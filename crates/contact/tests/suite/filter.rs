@@ -1,8 +1,8 @@
 //! Filters: every search finds what it finds without one, filtered afterwards, in the same order.
 
 use fdem_contact::{
-    Buffered, Couple, Detector, Direct, Elements, Engine, Error, Filter, GroupMatrix, Mismatch, Nbs,
-    PeriodicBox, PeriodicCouple, PeriodicSearch, Real, Reason, Rows, Search, Simd, verify,
+    Buffered, Couple, Detector, Direct, Elements, Engine, Error, Filter, GroupMatrix, Mismatch, Multilevel,
+    Nbs, PeriodicBox, PeriodicCouple, PeriodicSearch, Real, Reason, Rows, Search, Simd, verify,
 };
 use fdem_scenes::random::Random;
 use fdem_scenes::{Cloud, Sizes, clusters, gas};
@@ -142,6 +142,9 @@ fn compare<T: FromF64, const D: usize>(cloud: &Cloud<D>) {
             for threads in [1, 3] {
                 let rows = Rows::new().with_simd(simd).unwrap().with_threads(threads).unwrap();
                 compare_search(&format!("rows, {simd}, {threads} threads"), rows, &elements, &cases);
+                let levels = Multilevel::new().with_simd(simd).unwrap().with_threads(threads).unwrap();
+                let levels = levels.with_limits(&[0.9, 1.2]);
+                compare_search(&format!("levels, {simd}, {threads} threads"), levels, &elements, &cases);
             }
         }
         if few {
@@ -234,7 +237,7 @@ fn images_see_what_their_elements_see() {
             PeriodicBox::triclinic([0.0, 0.0], [[edge, 0.0], [0.3 * edge, edge]], [true, true]).unwrap();
         for elements in [Elements::points(&centres, 1.0), Elements::spheres_with_radii(&centres, &radii)] {
             let elements = elements.unwrap();
-            for engine in [Engine::Auto, Engine::Direct, Engine::Nbs, Engine::Rows] {
+            for engine in [Engine::Auto, Engine::Direct, Engine::Nbs, Engine::Rows, Engine::Multilevel] {
                 let mut search = PeriodicSearch::new(engine);
                 let mut found = |elements: &Elements<'_, f64, 2>| -> Vec<PeriodicCouple<2>> {
                     let mut couples = Vec::new();

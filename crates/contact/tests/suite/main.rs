@@ -4,6 +4,7 @@
 //! - `degenerate`: nothing, one, all in one place, far away, NaN, infinity, lengths that differ, domains too wide.
 //! - `properties`: laws that hold for any input (proptest): renumbering, mirroring, translation, tolerance, no repeats.
 //! - `determinism`: one order of couples for any number of threads and any vector instructions.
+//! - `multilevel`: unlike sizes, from points to bodies that cover all: every choice of levels equals all-against-all, in one order.
 //! - `reuse`: a search used again, whatever came before, finds the list of a new one.
 //! - `buffer`: walking elements: the couples of every update equal all-against-all, at the limit of the buffer too; when detection is due.
 //! - `csr`: compressed rows against a map of sets, in any order, with repeats, values and couples that are none.
@@ -30,6 +31,7 @@ mod doubt;
 mod explain;
 mod filter;
 mod golden;
+mod multilevel;
 mod numbers;
 mod oracle;
 mod periodic;

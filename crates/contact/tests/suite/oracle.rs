@@ -1,6 +1,6 @@
 //! Every search equals `Direct`: dimensions 1 to 6, both floats, all shapes, with and without tolerance.
 
-use fdem_contact::{Detector, Direct, Elements, Engine, Nbs, Real, Rows, Simd};
+use fdem_contact::{Detector, Direct, Elements, Engine, Multilevel, Nbs, Real, Rows, Simd};
 use fdem_scenes::{Cloud, Sizes, clusters, gas, jittered_lattice, lattice};
 
 use crate::ascending;
@@ -61,6 +61,9 @@ fn compare<T: FromF64, const D: usize>(scene: &str, cloud: &Cloud<D>) -> usize {
             {
                 let rows = Rows::new().with_simd(simd).unwrap().with_threads(threads).unwrap();
                 assert!(ascending(rows, &elements) == expected, "rows, {simd}, {threads}: {}", context());
+                let levels = Multilevel::new().with_simd(simd).unwrap().with_threads(threads).unwrap();
+                let levels = levels.with_limits(&[0.5, 0.9, 1.1, 2.0]);
+                assert!(ascending(levels, &elements) == expected, "levels, {simd}, {threads}: {}", context());
             }
             assert!(ascending(Detector::new(Engine::Auto), &elements) == expected, "auto: {}", context());
             couples += expected.len();

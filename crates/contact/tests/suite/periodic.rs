@@ -13,7 +13,7 @@ use fdem_scenes::random::Random;
 
 use crate::oracle::FromF64;
 
-const ENGINES: [Engine; 4] = [Engine::Auto, Engine::Direct, Engine::Nbs, Engine::Rows];
+const ENGINES: [Engine; 5] = [Engine::Auto, Engine::Direct, Engine::Nbs, Engine::Rows, Engine::Multilevel];
 
 /// One radius or one each.
 #[derive(Clone, Copy)]

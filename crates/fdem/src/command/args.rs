@@ -156,6 +156,8 @@ pub(crate) enum EngineName {
     Nbs,
     /// Its decomposition on sorted rows with vector instructions: the same, many times faster, in any domain.
     Rows,
+    /// The same for unlike sizes: levels of similar ones, each on rows of its own.
+    Multilevel,
 }
 
 impl From<EngineName> for Engine {
@@ -165,6 +167,7 @@ impl From<EngineName> for Engine {
             EngineName::Direct => Self::Direct,
             EngineName::Nbs => Self::Nbs,
             EngineName::Rows => Self::Rows,
+            EngineName::Multilevel => Self::Multilevel,
         }
     }
 }
@@ -179,15 +182,15 @@ pub(crate) struct BenchArguments {
     #[command(flatten)]
     pub(crate) input: InputArguments,
 
-    /// Engines to time [default: rows, nbs, and direct for up to 50,000 elements].
+    /// Engines to time [default: rows, multilevel where sizes are unlike, nbs, and direct for up to 50,000 elements].
     #[arg(long, value_enum, value_name = "LIST", value_delimiter = ',')]
     pub(crate) engines: Option<Vec<Contestant>>,
 
-    /// Vector instructions of the engine rows.
+    /// Vector instructions of the engines rows and multilevel.
     #[arg(long, value_enum, default_value_t = SimdName::Auto)]
     pub(crate) simd: SimdName,
 
-    /// Numbers of threads of the engine rows, each timed; 0 is one for each processor. The others have one.
+    /// Numbers of threads of the engines rows and multilevel, each timed; 0 is one for each processor. The others have one.
     #[arg(long, value_name = "LIST", value_delimiter = ',', default_value = "1", allow_negative_numbers = true, value_parser = whole::<usize>)]
     pub(crate) threads: Vec<usize>,
 
@@ -203,8 +206,10 @@ pub(crate) struct BenchArguments {
 /// The engines that can be timed, by the names of the command line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Contestant {
-    /// The default engine: sorted rows with vector instructions.
+    /// The default engine for similar sizes: sorted rows with vector instructions.
     Rows,
+    /// The default engine for unlike sizes: levels of similar ones.
+    Multilevel,
     /// Munjiza-NBS as published.
     Nbs,
     /// All against all.

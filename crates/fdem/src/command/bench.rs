@@ -6,7 +6,7 @@ use std::io::{self, Write};
 use std::num::NonZero;
 use std::time::{Duration, Instant};
 
-use fdem_contact::{Couple, Direct, Engine, Error, Nbs, Rows, Search, Simd};
+use fdem_contact::{Couple, Direct, Elements, Engine, Error, Multilevel, Nbs, Rows, Search, Simd};
 use fdem_io::{Centres, Packing};
 use serde::Serialize;
 
@@ -57,8 +57,8 @@ fn measure<const D: usize>(
         keep: true,
     };
     // Elements that no engine takes are an error, not a row of the table.
-    request.elements(centres).map_err(|error| refused(name, packing, &error))?;
-    let mut contenders = contenders::<D>(arguments, centres.len())?;
+    let elements = request.elements(centres).map_err(|error| refused(name, packing, &error))?;
+    let mut contenders = contenders(arguments, &elements)?;
 
     // Nothing draws meanwhile: a progress bar is a thread, which would be measured too. All engines write into one list, so that none
     // pays for memory that another has.
@@ -74,19 +74,25 @@ fn measure<const D: usize>(
 /// The engines to time, in the order of the table.
 fn contenders<const D: usize>(
     arguments: &BenchArguments,
-    elements: usize,
+    elements: &Elements<'_, f64, D>,
 ) -> Result<Vec<Contender<D>>, Failure> {
+    let count = elements.len();
     let mut engines = arguments.engines.clone().unwrap_or_else(|| {
-        if elements <= MOST_FOR_DIRECT {
-            return vec![Contestant::Rows, Contestant::Nbs, Contestant::Direct];
+        let mut engines = vec![Contestant::Rows, Contestant::Nbs];
+        if Multilevel::new().levels(elements).len() > 1 {
+            engines.insert(1, Contestant::Multilevel);
+        }
+        if count <= MOST_FOR_DIRECT {
+            engines.push(Contestant::Direct);
+            return engines;
         }
         // Nothing is left to do if even this cannot be printed.
         let _ = writeln!(
             io::stderr(),
             "direct is left out: {} elements, all against all, take long. --engines rows,nbs,direct times it too",
-            grouped(elements as u64)
+            grouped(count as u64)
         );
-        vec![Contestant::Rows, Contestant::Nbs]
+        engines
     });
     let mut seen = Vec::new();
     engines.retain(|engine| {
@@ -102,7 +108,7 @@ fn contenders<const D: usize>(
                 search,
                 simd,
                 threads,
-                elements,
+                elements: count,
                 result: Ok(0),
                 times: Vec::with_capacity(arguments.repeat),
             });
@@ -115,6 +121,15 @@ fn contenders<const D: usize>(
                     let rows = rows.clone().with_threads(threads);
                     let rows = rows.map_err(|error| unusable("--threads", &error))?;
                     add(AnySearch::Rows(Box::new(rows)), Some(simd), threads);
+                }
+            }
+            Contestant::Multilevel => {
+                let simd = arguments.simd.into();
+                let levels = Multilevel::new().with_simd(simd).map_err(|error| unusable("--simd", &error))?;
+                for threads in arguments.threads.iter().copied().map(threads_of) {
+                    let levels = levels.clone().with_threads(threads);
+                    let levels = levels.map_err(|error| unusable("--threads", &error))?;
+                    add(AnySearch::Multilevel(Box::new(levels)), Some(simd), threads);
                 }
             }
             Contestant::Nbs => add(AnySearch::Nbs(Nbs::new()), None, 1),
@@ -146,6 +161,7 @@ struct Contender<const D: usize> {
 
 enum AnySearch<const D: usize> {
     Rows(Box<Rows<f64, D>>),
+    Multilevel(Box<Multilevel<f64, D>>),
     Nbs(Nbs<D>),
     Direct,
 }
@@ -169,6 +185,7 @@ impl<const D: usize> Contender<D> {
         let milliseconds = |time: Duration| time.as_secs_f64() * 1e3;
         let (engine, bytes) = match &self.search {
             AnySearch::Rows(rows) => (Engine::Rows, rows.bytes()),
+            AnySearch::Multilevel(levels) => (Engine::Multilevel, levels.bytes()),
             AnySearch::Nbs(nbs) => (Engine::Nbs, nbs.integers() * size_of::<u32>()),
             AnySearch::Direct => (Engine::Direct, 0),
         };
@@ -198,6 +215,7 @@ impl<const D: usize> AnySearch<D> {
         let elements = request.elements(centres)?;
         match self {
             Self::Rows(rows) => rows.couples(&elements, couples),
+            Self::Multilevel(levels) => levels.couples(&elements, couples),
             Self::Nbs(nbs) => nbs.couples(&elements, couples),
             Self::Direct => Direct.couples(&elements, couples),
         }?;

@@ -1,6 +1,6 @@
 //! `fdem contacts --explain`: what a search would take, and no search.
 
-use fdem_contact::{Detector, Engine, Error, Explanation, PeriodicSearch};
+use fdem_contact::{Detector, Engine, Error, Explanation, Level, PeriodicSearch};
 use serde::Serialize;
 
 use crate::command::detect::Request;
@@ -20,6 +20,9 @@ pub(crate) struct Told {
     reason: String,
     cell_size: Option<f64>,
     cells: Option<Vec<u64>>,
+    /// Those of the engine multilevel.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    levels: Vec<ToldLevel>,
     rows: Option<f64>,
     occupied_rows_at_most: Option<u64>,
     expected_couples: f64,
@@ -30,6 +33,21 @@ pub(crate) struct Told {
     simd: Option<&'static str>,
     #[serde(skip)]
     text: String,
+}
+
+#[derive(Debug, Serialize)]
+struct ToldLevel {
+    elements: usize,
+    smallest: f64,
+    largest: f64,
+    cell_size: f64,
+}
+
+impl From<&Level> for ToldLevel {
+    fn from(level: &Level) -> Self {
+        let &Level { elements, smallest, largest, cell_size, .. } = level;
+        Self { elements, smallest, largest, cell_size }
+    }
 }
 
 impl Told {
@@ -56,6 +74,7 @@ impl Told {
             reason: plan.reason,
             cell_size: plan.cell_size,
             cells: plan.cells.map(|cells| cells.to_vec()),
+            levels: plan.levels.iter().map(ToldLevel::from).collect(),
             rows,
             occupied_rows_at_most: occupied_rows,
             expected_couples: couples,

@@ -149,8 +149,8 @@ pub(crate) fn remove_partial_output_when_interrupted() -> Result<(), Failure> {
 fn watch_for_interrupts(clean_up: impl Fn(i32) + Send + 'static) -> Result<(), io::Error> {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM};
     let mut signals = signal_hook::iterator::Signals::new([SIGINT, SIGTERM, SIGHUP, SIGQUIT])?;
-    std::thread::spawn(move || signals.forever().for_each(|signal| clean_up(128 + signal)));
-    Ok(())
+    let watch = move || signals.forever().for_each(|signal| clean_up(128 + signal));
+    std::thread::Builder::new().spawn(watch).map(drop)
 }
 
 #[cfg(not(unix))]

@@ -38,7 +38,7 @@ impl Progress {
     ) -> (R, f64) {
         let position = Position::default();
         let start = Instant::now();
-        let bar = self.visible.then(|| Bar::watch(label, total, &position));
+        let bar = if self.visible { Bar::watch(label, total, &position) } else { None };
         let result = work(&position);
         let seconds = start.elapsed().as_secs_f64();
         if let Some(bar) = bar {
@@ -55,10 +55,11 @@ struct Bar {
 }
 
 impl Bar {
-    fn watch(label: &'static str, total: Option<u64>, position: &Position) -> Self {
+    /// None where no thread can be had: the work goes on unseen.
+    fn watch(label: &'static str, total: Option<u64>, position: &Position) -> Option<Self> {
         let (done, wait) = mpsc::channel();
         let position = Arc::clone(position);
-        let thread = thread::spawn(move || {
+        let draw = move || {
             if wait.recv_timeout(PATIENCE) != Err(RecvTimeoutError::Timeout) {
                 return;
             }
@@ -76,8 +77,9 @@ impl Bar {
                 bar.tick();
             }
             bar.finish_and_clear();
-        });
-        Self { done, thread }
+        };
+        let thread = thread::Builder::new().spawn(draw).ok()?;
+        Some(Self { done, thread })
     }
 
     fn finish(self) {

@@ -94,6 +94,21 @@ fn rows_are_timed_with_each_number_of_threads() {
 }
 
 #[test]
+fn levels_are_timed_where_sizes_are_unlike() {
+    let bench = Bench::new();
+    let sizes = ["--sizes", "power:0.5:50:-2.5"];
+    bench.run(&[&["generate", "gas", "-n", "20000", "-o", "gas.csv"], &sizes[..]].concat()).succeeds();
+    let run = bench.run(&["bench", "gas.csv", "--repeat", "1"]).succeeds();
+    let rows = table(&run.stdout);
+    assert_eq!(rows.iter().map(|row| row[0]).collect::<Vec<_>>(), ["rows", "multilevel", "nbs", "direct"]);
+    assert!(rows.iter().all(|row| row[7] == rows[0][7]), "{}", run.stdout);
+    let told = bench.run(&["contacts", "gas.csv", "--explain", "--json", "t.json"]).succeeds();
+    assert!(told.stdout.starts_with("engine    multilevel: sizes from "), "{}", told.stdout);
+    let levels = bench.json("t.json")["levels"].as_array().unwrap().len();
+    assert!(levels > 1 && told.stdout.lines().filter(|line| line.starts_with("level ")).count() == levels);
+}
+
+#[test]
 fn an_engine_that_refuses_has_a_row_that_says_so_and_the_others_go_on() {
     let bench = Bench::new();
     bench.write("wide.csv", "id,x,y,z,r\n5,0,0,0,1\n6,1,0,0,1\n7,1e12,0,0,1\n");
@@ -139,7 +154,7 @@ fn bad_input_and_options_are_refused_as_elsewhere() {
         .refused_with(&["0 runs measure nothing"]);
     bench
         .run(&["bench", "row.csv", "--cutoff", "1", "--engines", "auto"])
-        .refused_with(&["auto", "rows, nbs, direct"]);
+        .refused_with(&["auto", "rows, multilevel, nbs, direct"]);
     bench.run(&["bench", "row.csv", "--cutoff", "1", "--radius", "1"]).refused_with(&["--radius"]);
     bench.run(&["bench", "row.csv", "--cutoff", "1e300"]).refused_with(&["row.csv: cut-off 1e300"]);
     bench

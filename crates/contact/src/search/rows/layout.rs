@@ -30,6 +30,8 @@ use crate::simd::prefetch;
 #[derive(Clone, Debug)]
 pub(crate) struct Layout<T, const D: usize> {
     pub(crate) coordinates: Vec<T>,
+    /// The upper ends of boxes, with the tolerance added, in the order of `coordinates`; empty for spheres.
+    far: Vec<T>,
     /// Empty for elements of one radius.
     pub(crate) radii: Vec<T>,
     pub(crate) ids: Vec<u32>,
@@ -68,8 +70,11 @@ const MAX_BINS: u64 = 8192;
 /// Elements whose rows are found at once.
 const FEW: usize = 64;
 
-/// Fewer elements are not worth a second thread.
+/// Fewer elements are not worth other threads.
 const FEW_ELEMENTS: usize = 20_000;
+
+/// Fewer are not worth a second one, if that is all: blocks that both drop into go from cache to cache, which takes twice the time as long as all fits into these.
+const FEW_FOR_TWO: usize = 150_000;
 
 /// Points that are looked at before all are.
 const SAMPLE: usize = 512;
@@ -81,6 +86,7 @@ impl<T: Real, const D: usize> Layout<T, D> {
     pub(crate) fn new() -> Self {
         Self {
             coordinates: Vec::new(),
+            far: Vec::new(),
             radii: Vec::new(),
             ids: Vec::new(),
             labels: Labels::default(),
@@ -123,6 +129,7 @@ impl<T: Real, const D: usize> Layout<T, D> {
     ) -> Result<(), Error> {
         self.grid = grid;
         self.axes = axes;
+        self.far.clear();
 
         resize(&mut self.coordinates, D * points.len() + PADDING, T::ZERO)?;
         resize(&mut self.ids, points.len() + PADDING, 0)?;
@@ -140,6 +147,37 @@ impl<T: Real, const D: usize> Layout<T, D> {
         }
         self.fill_blocks(points, radii, pool)?;
         self.sort_blocks(&keys, pool)
+    }
+
+    /// Takes the upper ends of boxes, of which the lower ends have been sorted, by their numbers.
+    pub(crate) fn set_far(&mut self, far_points: &[[T; D]], tolerance: T, pool: &Pool) -> Result<(), Error> {
+        let n = self.len();
+        resize(&mut self.far, D * n + PADDING, T::ZERO)?;
+        let (rows, each) = (self.rows(), self.rows().div_ceil(4 * pool.threads()));
+        let (starts, ids) = (&self.starts, &self.ids);
+        let mut far = self.far.as_mut_slice();
+        let tasks = (0..rows).step_by(each).map(|first| {
+            let starts = &starts[first..=rows.min(first + each)];
+            let n = (starts[starts.len() - 1] - starts[0]) as usize;
+            (starts, far.split_off_mut(..D * n).unwrap_or_default())
+        });
+        pool.run(tasks, |(starts, mut far)| {
+            for row in starts.windows(2).map(|pair| pair[0] as usize..pair[1] as usize) {
+                let of_row = far.split_off_mut(..D * row.len()).unwrap_or_default();
+                for (k, &id) in ids[row.clone()].iter().enumerate() {
+                    for (axis, &x) in far_points[id as usize].iter().enumerate() {
+                        of_row[axis * row.len() + k] = x + tolerance;
+                    }
+                }
+            }
+        });
+        Ok(())
+    }
+
+    /// Gives every element the number that stands at its own in `numbers`.
+    pub(crate) fn rename(&mut self, numbers: &[u32]) {
+        let n = self.len();
+        self.ids[..n].iter_mut().for_each(|id| *id = numbers[*id as usize]);
     }
 
     /// Puts the numbers of a filter into the order that has been built.
@@ -278,7 +316,7 @@ impl<T: Real, const D: usize> Layout<T, D> {
     /// What a kernel reads; `filter` is that of [`Layout::label`].
     pub(crate) fn arrays<'a>(&'a self, filter: Option<Filter<'a>>) -> Arrays<'a, T> {
         let filter = filter.map(|filter| self.labels.filter(filter));
-        Arrays { coordinates: &self.coordinates, radii: &self.radii, ids: &self.ids, filter }
+        Arrays { coordinates: &self.coordinates, far: &self.far, radii: &self.radii, ids: &self.ids, filter }
     }
 
     /// Number of rows that hold elements.
@@ -339,10 +377,11 @@ impl<T: Real, const D: usize> Layout<T, D> {
         cells
     }
 
-    /// What [`Layout::bytes`] will be for `n` elements over `grid`, from above, if no few bins of many hold most of them.
+    /// What [`Layout::bytes`] will be for `n` elements over `grid`, from above, if no few bins of many hold most of them. Each has so many
+    /// `floats` besides its point: its radius, or the upper ends of its box.
     pub(crate) fn expected_bytes(
         n: usize,
-        has_radii: bool,
+        floats: usize,
         labels: usize,
         grid: &Grid<D>,
         pool: &Pool,
@@ -356,7 +395,7 @@ impl<T: Real, const D: usize> Layout<T, D> {
         let in_block = n.min((n / MAX_BLOCKS).max(BLOCK) + 2 * n.div_ceil(bins));
         let sorts = if pool.threads() == 1 { 1 } else { blocks.min(4 * pool.threads()) };
 
-        let element = D * size_of::<T>() + size_of::<u32>() + usize::from(has_radii) * size_of::<T>();
+        let element = (D + floats) * size_of::<T>() + size_of::<u32>();
         let arrays = (n + PADDING) * (element + labels * size_of::<u32>()) + n * size_of::<u16>();
         let counts = stretches * (bins + blocks) * size_of::<u32>();
         let lists = 2 * bins * size_of::<u16>() + 2 * blocks * size_of::<Block>();
@@ -371,7 +410,7 @@ impl<T: Real, const D: usize> Layout<T, D> {
     /// Bytes held, per element where it matters.
     pub(crate) fn bytes(&self) -> usize {
         let sorts: usize = self.sorts.iter().map(BlockSort::bytes).sum();
-        let floats = self.coordinates.capacity() + self.radii.capacity();
+        let floats = self.coordinates.capacity() + self.far.capacity() + self.radii.capacity();
         let integers =
             self.ids.capacity() + self.starts.capacity() + self.counts.capacity() + self.cursors.capacity();
         let small = self.bins.capacity() + self.block_of.capacity();
@@ -407,7 +446,8 @@ fn seem_skewed<T: Real, const D: usize>(points: &[[T; D]], keys: &RowKeys<D>) ->
 
 /// Elements that one thread counts and drops into blocks, one stretch after the other.
 fn stretch(n: usize, pool: &Pool) -> usize {
-    if n < FEW_ELEMENTS { n } else { n.div_ceil(pool.threads()) }
+    let few = if pool.threads() == 2 { FEW_FOR_TWO } else { FEW_ELEMENTS };
+    if n < few { n } else { n.div_ceil(pool.threads()) }
 }
 
 /// Exactly `len` entries; existing ones keep their value.

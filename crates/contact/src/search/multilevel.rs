@@ -1,0 +1,286 @@
+//! Unlike sizes: levels of elements of similar size, each on rows of its own.
+
+mod levels;
+
+use crate::couple::Couple;
+use crate::elements::{Elements, Shape};
+use crate::error::Error;
+use crate::filter::Labels;
+use crate::pool::Pool;
+use crate::real::Real;
+use crate::search::Search;
+use crate::search::rows::layout::Layout;
+use crate::search::rows::reserve;
+use crate::search::rows::scan::{Scan, Scanner, Scans, Sink};
+use crate::simd::Simd;
+use crate::simd::kernel::{Output, Task};
+
+pub use levels::Level;
+use levels::Model;
+
+/// Elements of any sizes, in levels: the engine for powders, where the largest element is many times the smallest.
+///
+/// One cell size serves similar sizes only: cells as wide as the largest element hold thousands of small ones. Here the elements are split by
+/// size, each level is sorted into rows of its own cells, as [`Rows`](crate::Rows) does, and compared with itself and with every other level. Between two
+/// levels the elements of one look for those of the other in windows of half of both sizes, never of the largest
+/// size of all.
+///
+/// Where one level ends and the next begins, and which of two levels looks, is decided by a model of the cost, from the sizes and the extent of the domain:
+/// neighbouring classes of size (two to an octave) become one level as long as that makes the predicted time less.
+///
+/// # Order
+/// Level by level, the smallest first: its own couples, as [`Rows`](crate::Rows) has them, then those with each larger level. A function of the input alone.
+///
+/// # Cost
+/// Time proportional to N for any one distribution of sizes. Memory per element: that of [`Rows`](crate::Rows), and a copy of its coordinates, radius and number.
+///
+/// # Source
+/// Levels of linked cells: V. Ogarko, S. Luding, Comput. Phys. Commun. 183 (2012) 931-936; their optimal choice: D. Krijgsman, V. Ogarko, S. Luding,
+/// Comput. Part. Mech. 1 (2014) 357-372. Rows, windows and the model of the cost are ours.
+///
+/// # Example
+/// ```
+/// use fdem_contact::{Elements, Multilevel, Search};
+///
+/// let centres: Vec<[f64; 2]> = (0..1000).map(|k| [f64::from(k), 0.0]).collect();
+/// let radii: Vec<f64> = (0..1000).map(|k| if k == 500 { 100.0 } else { 0.1 }).collect();
+/// let elements = Elements::spheres_with_radii(&centres, &radii)?;
+/// assert_eq!(Multilevel::new().count(&elements)?, 200);
+/// # Ok::<(), fdem_contact::Error>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Multilevel<T, const D: usize> {
+    /// The sizes at which one level ends and the next begins, if they are given.
+    limits: Option<Vec<f64>>,
+    sorted: Vec<Sorted<T, D>>,
+    /// Couples of each part, on their way to a visitor or into a list.
+    parts: Vec<Vec<Couple>>,
+    simd: Simd,
+    pool: Pool,
+}
+
+/// The elements of a level.
+#[derive(Clone, Debug)]
+struct Sorted<T, const D: usize> {
+    points: Vec<[T; D]>,
+    /// Empty for boxes.
+    radii: Vec<T>,
+    numbers: Vec<u32>,
+    layout: Layout<T, D>,
+}
+
+impl<T: Real, const D: usize> Sorted<T, D> {
+    fn new() -> Self {
+        Self { points: Vec::new(), radii: Vec::new(), numbers: Vec::new(), layout: Layout::new() }
+    }
+
+    fn bytes(&self) -> usize {
+        self.points.capacity() * size_of::<[T; D]>()
+            + self.radii.capacity() * size_of::<T>()
+            + self.numbers.capacity() * size_of::<u32>()
+            + self.layout.bytes()
+    }
+}
+
+impl<T: Real, const D: usize> Default for Multilevel<T, D> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<T: Real, const D: usize> Multilevel<T, D> {
+    /// A search that holds no memory yet, with the fastest instructions of this processor.
+    pub fn new() -> Self {
+        Self {
+            limits: None,
+            sorted: Vec::new(),
+            parts: Vec::new(),
+            simd: Simd::best(),
+            pool: Pool::default(),
+        }
+    }
+
+    /// The same with other vector instructions; the couples and their order are the same.
+    ///
+    /// # Errors
+    /// [`Error::SimdUnavailable`] if this processor lacks them.
+    pub fn with_simd(mut self, simd: Simd) -> Result<Self, Error> {
+        if !simd.is_available() {
+            return Err(Error::SimdUnavailable { simd });
+        }
+        self.simd = simd;
+        Ok(self)
+    }
+
+    /// The same on `threads` threads; 0 is one for each processor, 1 is the default and uses no pool. The couples and their order are
+    /// the same for any number.
+    ///
+    /// # Errors
+    /// [`Error::NoThreads`] if they cannot be had, above 1024, or if the crate was built without its feature `rayon`.
+    pub fn with_threads(mut self, threads: usize) -> Result<Self, Error> {
+        self.pool = Pool::new(threads)?;
+        Ok(self)
+    }
+
+    /// The same with levels that end where they are told to: the first holds sizes (diameters, largest edges of boxes) up to the first of `limits`, the next up to
+    /// the next, and the last all others. Levels that would be empty are left out. The couples are the same, their order is another.
+    ///
+    /// Limits are moved up to the next power of two, or one and a half times that: classes of sizes are not split. NaN counts as infinity.
+    ///
+    /// # Example
+    /// ```
+    /// use fdem_contact::{Elements, Multilevel};
+    ///
+    /// let elements = Elements::spheres_with_radii(&[[0.0], [1.0], [2.0]], &[0.1, 0.2, 5.0])?;
+    /// let search = Multilevel::new().with_limits(&[1.0]);
+    /// assert_eq!(search.levels(&elements).iter().map(|level| level.elements).collect::<Vec<_>>(), [2, 1]);
+    /// # Ok::<(), fdem_contact::Error>(())
+    /// ```
+    #[must_use]
+    pub fn with_limits(mut self, limits: &[f64]) -> Self {
+        self.limits = Some(limits.to_vec());
+        self
+    }
+
+    /// The same on threads that others use too.
+    pub(crate) fn with_pool(mut self, pool: Pool) -> Self {
+        self.pool = pool;
+        self
+    }
+
+    /// The levels that a search over `elements` would use, the smallest elements first.
+    pub fn levels(&self, elements: &Elements<'_, T, D>) -> Vec<Level> {
+        if elements.is_empty() {
+            Vec::new()
+        } else {
+            Model::new(elements, self.limits.as_deref()).levels().to_vec()
+        }
+    }
+
+    /// Bytes that the engine holds now.
+    pub fn bytes(&self) -> usize {
+        self.sorted.iter().map(Sorted::bytes).sum::<usize>()
+            + self.parts.iter().map(Vec::capacity).sum::<usize>() * size_of::<Couple>()
+    }
+
+    /// What [`Multilevel::bytes`] will be after a count of `elements`, from above.
+    pub(crate) fn expected_bytes(&self, elements: &Elements<'_, T, D>) -> usize {
+        if elements.is_empty() {
+            return 0;
+        }
+        let floats = elements.shape.floats();
+        let labels = elements.filter().map_or(0, |filter| Labels::numbers_of(&filter));
+        let radius = usize::from(matches!(elements.shape, Shape::Spheres(_))) * size_of::<T>();
+        let copy = size_of::<[T; D]>() + size_of::<u32>() + radius;
+        let model = Model::new(elements, self.limits.as_deref());
+        let of_level = |level: &Level| {
+            let n = level.elements;
+            n * copy + Layout::<T, D>::expected_bytes(n, floats, labels, &model.grid(level), &self.pool)
+        };
+        model.levels().iter().map(of_level).sum()
+    }
+
+    /// Splits the elements by level and sorts each level.
+    fn sort(&mut self, elements: &Elements<'_, T, D>, model: &Model<'_, '_, T, D>) -> Result<(), Error> {
+        let levels = model.levels();
+        let (points, radii): (_, &[T]) = match elements.shape {
+            Shape::Equal(equal) => (equal.points(), &[]),
+            Shape::Spheres(spheres) => (spheres.points(), spheres.radii()),
+            Shape::Boxes(boxes) => (boxes.points(), &[]),
+        };
+        self.sorted.resize_with(self.sorted.len().max(levels.len()), Sorted::new);
+        for (sorted, level) in self.sorted.iter_mut().zip(levels) {
+            let Sorted { points, radii: own_radii, numbers, .. } = sorted;
+            points.clear();
+            own_radii.clear();
+            numbers.clear();
+            reserve(points, level.elements)?;
+            reserve(own_radii, if radii.is_empty() { 0 } else { level.elements })?;
+            reserve(numbers, level.elements)?;
+        }
+        for (number, point) in points.iter().enumerate() {
+            let sorted = &mut self.sorted[model.level_of(elements.size(number))];
+            sorted.points.push(*point);
+            sorted.numbers.push(number as u32);
+            if !radii.is_empty() {
+                sorted.radii.push(radii[number]);
+            }
+        }
+        let mut axes = std::array::from_fn(|axis| axis);
+        let cells = model.grid(&levels[0]).cells();
+        axes.sort_by_key(|&axis| std::cmp::Reverse(cells[axis]));
+        for (sorted, level) in self.sorted.iter_mut().zip(levels) {
+            let Sorted { points, radii, numbers, layout } = sorted;
+            layout.build_along(points, radii, model.grid(level), axes, &self.pool)?;
+            layout.rename(numbers);
+            if let Shape::Boxes(boxes) = elements.shape {
+                layout.set_far(boxes.far_points(), elements.tolerance(), &self.pool)?;
+            }
+            layout.label(elements.filter(), &self.pool)?;
+        }
+        Ok(())
+    }
+}
+
+impl<T: Real, const D: usize> Scanner<T, D> for Multilevel<T, D> {
+    fn with_scans(
+        &mut self,
+        elements: &Elements<'_, T, D>,
+        search: impl FnOnce(Scans<'_, T, D>) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        if elements.is_empty() {
+            return Ok(());
+        }
+        let model = Model::new(elements, self.limits.as_deref());
+        let levels = model.levels();
+        self.sort(elements, &model)?;
+        let Self { sorted, parts, simd, pool, .. } = self;
+        let simd = *simd;
+        let filter = elements.filter();
+        let search_row = |task: &Task<'_, T, D>, out: &mut Output<'_>| T::search(simd, task, out);
+        let mut scans = Vec::new();
+        for (k, level) in levels.iter().enumerate() {
+            for (l, larger) in levels.iter().enumerate().skip(k) {
+                let (own, other) = if model.looks(level, larger) { (k, l) } else { (l, k) };
+                let (layout, against) = (&sorted[own].layout, &sorted[other].layout);
+                scans.push(Scan {
+                    layout,
+                    against: (k != l).then_some(against),
+                    arrays: [layout.arrays(filter), against.arrays(filter)],
+                    reach: T::at_least(model.reach(level, larger).max(T::MIN_RESOLVED)),
+                    reach_squared: if let Shape::Equal(equal) = elements.shape {
+                        equal.reach_squared()
+                    } else {
+                        T::ZERO
+                    },
+                    tolerance: elements.tolerance(),
+                    one_numbering: true,
+                    part: model.part(&levels[own], &levels[other]),
+                    search_row: &search_row,
+                });
+            }
+        }
+        search(Scans { each: &scans, pool, parts })
+    }
+}
+
+impl<T: Real, const D: usize> Search<T, D> for Multilevel<T, D> {
+    fn for_each(
+        &mut self,
+        elements: &Elements<'_, T, D>,
+        mut visit: impl FnMut(Couple),
+    ) -> Result<(), Error> {
+        self.for_each_block(elements, |block| block.iter().copied().for_each(&mut visit))
+    }
+
+    fn couples(&mut self, elements: &Elements<'_, T, D>, couples: &mut Vec<Couple>) -> Result<(), Error> {
+        couples.clear();
+        self.search(elements, Sink::List(couples)).inspect_err(|_| couples.clear())
+    }
+
+    fn count(&mut self, elements: &Elements<'_, T, D>) -> Result<u64, Error> {
+        let mut count = 0;
+        self.search(elements, Sink::Count(&mut count))?;
+        Ok(count)
+    }
+}

@@ -1,0 +1,235 @@
+//! The choice of levels: a model of what a search costs.
+
+use crate::elements::{Bounds, Elements};
+use crate::grid::{Grid, edge_for};
+use crate::real::Real;
+use crate::search::rows::scan::PART;
+
+/// Elements of similar size, which are searched on cells of their own.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Level {
+    /// How many there are.
+    pub elements: usize,
+    /// The smallest diameter (largest edge of a box) among them.
+    pub smallest: f64,
+    /// The largest.
+    pub largest: f64,
+    /// Edge of their cells.
+    pub cell_size: f64,
+}
+
+/// What costs what, in nanoseconds on a processor of 2023; only their ratios matter.
+const SORT: f64 = 25.0;
+/// Among elements of one level: to begin with a row, and for each element that is near along it.
+const WINDOW: f64 = 4.0;
+const CANDIDATE: f64 = 0.4;
+/// The same for those of another level, which are seldom in cache.
+const WINDOW_ACROSS: f64 = 8.0;
+const CANDIDATE_ACROSS: f64 = 1.0;
+/// To find a row near another, and where to begin in it.
+const PAIR_OF_ROWS: f64 = 60.0;
+const PAIR_OF_LEVELS: f64 = 5_000.0;
+
+/// That of an element among others of its size.
+const USUAL: f64 = 40.0;
+
+/// Elements in a cell, on average, where they are too thinly spread to fill cells of their size.
+const THIN: f64 = 1.0;
+
+/// What is known of the elements, and of the time that a search among them takes.
+pub(super) struct Model<'e, 'a, T, const D: usize> {
+    elements: &'e Elements<'a, T, D>,
+    bounds: Bounds<D>,
+    extents: [f64; D],
+    /// The level of each class of sizes.
+    level_of: Vec<u16>,
+    levels: Vec<Level>,
+}
+
+/// Two classes to an octave: by the exponent and the first bit of the fraction.
+fn class(size: f64) -> usize {
+    (size.to_bits() >> 51) as usize
+}
+
+/// Sizes are not negative.
+const CLASSES: usize = 1 << 12;
+
+impl<'e, 'a, T: Real, const D: usize> Model<'e, 'a, T, D> {
+    pub(super) fn new(elements: &'e Elements<'a, T, D>, limits: Option<&[f64]>) -> Self {
+        let mut counts = vec![(0, f64::INFINITY, 0.0_f64); CLASSES];
+        for index in 0..elements.len() {
+            let size = elements.size(index);
+            let (count, smallest, largest) = &mut counts[class(size)];
+            *count += 1;
+            *smallest = smallest.min(size);
+            *largest = largest.max(size);
+        }
+        let bounds = elements.bounds();
+        let extents = std::array::from_fn(|axis| bounds.max[axis] - bounds.min[axis]);
+        let mut model = Self { elements, bounds, extents, level_of: Vec::new(), levels: Vec::new() };
+        let classes = counts.iter().filter(|(count, ..)| *count > 0);
+        model.levels =
+            classes.map(|&(count, smallest, largest)| model.level(count, smallest, largest)).collect();
+        match limits {
+            None => model.merge(),
+            Some(limits) => model.merge_between(limits),
+        }
+        let mut level = 0;
+        for (count, smallest, _) in counts {
+            level += usize::from(
+                count > 0 && level + 1 < model.levels.len() && smallest > model.levels[level].largest,
+            );
+            model.level_of.push(level as u16);
+        }
+        model
+    }
+
+    pub(super) fn levels(&self) -> &[Level] {
+        &self.levels
+    }
+
+    pub(super) fn level_of(&self, size: f64) -> usize {
+        self.level_of[class(size)].into()
+    }
+
+    fn level(&self, elements: usize, smallest: f64, largest: f64) -> Level {
+        let reach = self.elements.reach_between(largest, largest);
+        let thin = edge_for(&self.bounds, elements as f64 / THIN).unwrap_or(0.0);
+        let cell_size = Grid::for_reach::<T>(self.bounds, reach, thin).cell_size();
+        Level { elements, smallest, largest, cell_size }
+    }
+
+    /// The cells of a level.
+    pub(super) fn grid(&self, level: &Level) -> Grid<D> {
+        Grid::with_cell_size(self.bounds.min, self.bounds.max, level.cell_size)
+    }
+
+    /// No element of the one level touches one of the other that is farther away along an axis.
+    pub(super) fn reach(&self, level: &Level, other: &Level) -> f64 {
+        self.elements.reach_between(level.largest, other.largest)
+    }
+
+    /// Makes one level of neighbouring ones as long as that saves time.
+    fn merge(&mut self) {
+        loop {
+            let mut best = (0.0, None);
+            for k in 1..self.levels.len() {
+                let (one, two) = (self.levels[k - 1], self.levels[k]);
+                let both = self.level(one.elements + two.elements, one.smallest, two.largest);
+                let mut saved =
+                    self.cost(&one) + self.cost(&two) + self.cost_of(&one, &two) - self.cost(&both);
+                for other in self.levels[..k - 1].iter().chain(&self.levels[k + 1..]) {
+                    saved +=
+                        self.cost_of(&one, other) + self.cost_of(&two, other) - self.cost_of(&both, other);
+                }
+                if saved > best.0 {
+                    best = (saved, Some((k, both)));
+                }
+            }
+            let Some((k, both)) = best.1 else { break };
+            self.levels[k - 1] = both;
+            self.levels.remove(k);
+        }
+        // Pair by pair one may get stuck where all at once would do.
+        let [first, .., last] = self.levels[..] else { return };
+        let all = self.level(self.elements.len(), first.smallest, last.largest);
+        if self.cost(&all) <= self.total() {
+            self.levels = vec![all];
+        }
+    }
+
+    /// Makes one level of all that are on the same side of every limit.
+    fn merge_between(&mut self, limits: &[f64]) {
+        let place = |level: &Level| limits.iter().filter(|&&limit| level.smallest > limit).count();
+        let groups = self.levels.chunk_by(|one, two| place(one) == place(two)).map(|group| {
+            let count = group.iter().map(|level| level.elements).sum();
+            self.level(count, group[0].smallest, group[group.len() - 1].largest)
+        });
+        self.levels = groups.collect();
+    }
+
+    /// The time of the whole search.
+    fn total(&self) -> f64 {
+        let pairs = self
+            .levels
+            .iter()
+            .enumerate()
+            .flat_map(|(k, one)| self.levels[k + 1..].iter().map(move |two| self.cost_of(one, two)));
+        pairs.sum::<f64>() + self.levels.iter().map(|level| self.cost(level)).sum::<f64>()
+    }
+
+    /// The time to sort a level and to compare it with itself.
+    fn cost(&self, level: &Level) -> f64 {
+        let reach = self.reach(level, level);
+        let n = level.elements as f64;
+        // Half of the windows around an element, and half of its own.
+        let windows = self.rows_around(level, 2.0 * level.cell_size).midpoint(1.0);
+        let candidates = 2.0 * reach * windows * self.along_rows(level);
+        n * (SORT + windows * WINDOW + candidates * CANDIDATE)
+            + self.rows(level) * windows * PAIR_OF_ROWS
+            + PAIR_OF_LEVELS
+    }
+
+    /// The time to compare two levels.
+    fn cost_of(&self, one: &Level, two: &Level) -> f64 {
+        self.cost_to_look(one, two).min(self.cost_to_look(two, one))
+    }
+
+    /// Whether the first level looks for elements of the second, because that takes less time than the reverse.
+    pub(super) fn looks(&self, level: &Level, other: &Level) -> bool {
+        self.cost_to_look(level, other) <= self.cost_to_look(other, level)
+    }
+
+    fn cost_to_look(&self, level: &Level, other: &Level) -> f64 {
+        let windows = self.windows(level, other);
+        level.elements as f64 * self.cost_of_element(level, other)
+            + self.rows(level) * windows * PAIR_OF_ROWS
+            + PAIR_OF_LEVELS
+    }
+
+    /// The time that one element of a level looks for those of another.
+    fn cost_of_element(&self, level: &Level, other: &Level) -> f64 {
+        let windows = self.windows(level, other);
+        let candidates = 2.0 * self.reach(level, other) * windows * self.along_rows(other);
+        windows * WINDOW_ACROSS + candidates * CANDIDATE_ACROSS
+    }
+
+    /// Rows of the other level that are near a row of this one.
+    fn windows(&self, level: &Level, other: &Level) -> f64 {
+        // A row with one element is as wide as that.
+        let width = level.cell_size * (1.0 - self.rows(level) / level.elements as f64);
+        self.rows_around(other, width + 2.0 * self.reach(level, other))
+    }
+
+    /// Elements of `level` that look for those of `other` at a time, so many that all parts take about as long.
+    pub(super) fn part(&self, level: &Level, other: &Level) -> usize {
+        let most = PART as f64;
+        (most * USUAL / self.cost_of_element(level, other)).clamp(64.0, most) as usize
+    }
+
+    /// Rows of a level that hold elements.
+    fn rows(&self, level: &Level) -> f64 {
+        self.rows_around(level, f64::INFINITY).min(level.elements as f64)
+    }
+
+    /// Rows of a level that cross a square (cube, ...) of an edge.
+    fn rows_around(&self, level: &Level, edge: f64) -> f64 {
+        let long = self.long();
+        let short = self.extents.iter().enumerate().filter(|&(axis, _)| axis != long);
+        short
+            .map(|(_, extent)| (edge / level.cell_size).min((extent / level.cell_size).floor()) + 1.0)
+            .product()
+    }
+
+    /// Elements per length of a row.
+    fn along_rows(&self, level: &Level) -> f64 {
+        let length = self.extents[self.long()].max(level.cell_size);
+        level.elements as f64 / (self.rows_around(level, f64::INFINITY) * length)
+    }
+
+    /// The axis of the rows.
+    fn long(&self) -> usize {
+        (0..D).fold(0, |long, axis| if self.extents[axis] > self.extents[long] { axis } else { long })
+    }
+}
