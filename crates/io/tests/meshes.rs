@@ -173,6 +173,57 @@ fn sets_of_abaqus_are_bodies() {
 }
 
 #[test]
+fn models_of_abaqus_that_are_refused() {
+    let part = "*PART, NAME=P\n*NODE\n1,0,0\n2,1,0\n3,0,1\n*ELEMENT,TYPE=CPE3\n1,1,2,3\n*END PART\n";
+    let instance = "*INSTANCE, NAME=I, PART=P\n1,0,0\n";
+    for (text, line, message) in [
+        (
+            format!("{part}{instance}0,0,0,0,0,1,90\n*END INSTANCE\n"),
+            11,
+            "a rotated instance: instances may be moved",
+        ),
+        (
+            format!("{part}*PART, NAME=Q\n*END PART\n{instance}*END INSTANCE\n"),
+            9,
+            "the part Q without an instance",
+        ),
+        (
+            format!("{part}{}", instance.replace("=P", "=Q")),
+            9,
+            "*INSTANCE names the part 'Q', which is not there",
+        ),
+        (format!("{part}{instance}*NODE\n1,0,0\n"), 11, "*NODE in an instance: write it in its part"),
+        (format!("{part}{part}"), 9, "a part in a part, or two of one name"),
+        (format!("{INP}*ELSET,ELSET=A\n5\n*ELSET,ELSET=B\nA\n"), 10, "a set of sets, in *ELSET B"),
+        (format!("{INP}*ELSET,ELSET=A,GENERATE\n5,1\n"), 8, "expected first, last and step of a set"),
+    ] {
+        let error = fails("a.inp", &text);
+        assert!(error.to_string().contains(message), "{error}");
+        assert_eq!(error.line(), Some(line), "{error}");
+    }
+}
+
+/// Points and cells of the pieces follow each other; no cell reaches into another piece.
+#[test]
+fn pieces_of_a_grid() {
+    let (from, to) = (VTU.find("<Piece").unwrap(), VTU.find("</UnstructuredGrid>").unwrap());
+    let with = |body: &str| {
+        let data =
+            format!("<CellData><DataArray type=\"Int8\" Name=\"Body\">{body}</DataArray></CellData></Piece>");
+        VTU[from..to].replace("</Piece>", &data)
+    };
+    let file = |pieces: &str| format!("{}{pieces}{}", &VTU[..from], &VTU[to..]);
+    let mesh = read("a.vtu", file(&(with("5") + &with("-5"))));
+    assert_eq!(mesh.triangles.nodes, [[0, 1, 2], [3, 4, 5]]);
+    assert_eq!(mesh.triangles.numbers, [0, 1]);
+    assert_eq!((body_numbers(&mesh), mesh.triangles.bodies), (vec![Some(5), Some(-5)], vec![0, 1]));
+    let beyond = fails("a.vtu", file(&(with("5").replace("0 1 2</", "0 1 3</") + &with("5"))));
+    assert!(beyond.to_string().contains("element 0 (triangle) names node 3"), "{beyond}");
+    let one = fails("a.vtu", file(&(with("5") + &VTU[from..to])));
+    assert!(one.to_string().contains("cell data Body has 1 values for 2 cells"), "{one}");
+}
+
+#[test]
 fn poly_data_number_their_cells_by_kind() {
     let text = "# vtk DataFile Version 3.0\ntitle\nASCII\nDATASET POLYDATA\nPOINTS 4 float\n0 0 0 1 0 0 1 1 0 0 1 0\n\
                 POLYGONS 2 8\n3 0 1 2\n3 0 2 3\nLINES 1 4\n3 0 1 2\nVERTICES 1 2\n1 3\nCELL_DATA 4\nSCALARS RegionId float 1\n\
@@ -248,6 +299,8 @@ fn formats_by_content_then_name() {
 }
 
 const MSH: &str = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n3\n1 0 0 0\n2 1 0 0\n3 0 1 0\n$EndNodes\n$Elements\n1\n5 2 2 1 1 1 2 3\n$EndElements\n";
+const MSH_4: &str = "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Entities\n0 0 1 0\n7 0 0 0 1 1 0 1 3 0\n$EndEntities\n$Nodes\n1 3 1 3\n2 7 0 3\n1\n2\n3\n0 0 0\n1 0 0\n0 1 0\n$EndNodes\n\
+                     $Elements\n1 1 5 5\n2 7 2 1\n5 1 2 3\n$EndElements\n";
 const INP: &str = "*NODE\n1,0,0\n2,1,0\n3,0,1\n*ELEMENT,TYPE=S3\n5,1,2,3\n";
 const PLY: &str = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n\
                    property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
@@ -301,6 +354,21 @@ const WRONG: &[Wrong] = &[
         13,
         "physical group 1 and in physical group 2",
     ),
+    ("a.msh", MSH, "$Nodes", "$NOD", 4, "version 1 of the format: save as 4.1 or 2.2"),
+    ("a.msh", MSH_4, " 1 3 0\n$", " 1 3 0 0\n$", 6, "expected $EndEntities, found '0'"),
+    (
+        "a.msh",
+        MSH_4,
+        "1 3 0\n$",
+        "2 3 4 0\n$",
+        20,
+        "entity 7 of dimension 2 is in physical group 3 and in physical group 4",
+    ),
+    ("a.msh", MSH_4, "1 3 1 3\n2", "1 4 1 3\n2", 16, "expected 4 nodes, found 3"),
+    ("a.msh", MSH_4, "1 1 5 5\n2", "1 2 5 5\n2", 21, "expected 2 elements, found 1"),
+    ("a.msh", MSH_4, "5 1 2 3", "5 1 2 9", 21, "element 5 (triangle) names node 9"),
+    ("a.msh", MSH_4, "2 7 0 3", "2 7 2 3", 10, "expected 0 or 1 for parametric nodes"),
+    ("a.msh", MSH_4, "$Entities", "$PartitionedEntities", 4, "save the mesh without partitions"),
     ("a.inp", INP, "5,1,2,3", "5,1,2,4", 6, "element 5 (triangle) names node 4"),
     ("a.inp", INP, "5,1,2,3", "5,1,2", 6, "element 5 (triangle) has 2 nodes"),
     ("a.inp", INP, "5,1,2,3", "5,1,2,", 6, "element 5 ends too early"),
@@ -421,6 +489,7 @@ fn deep_xml() {
 fn all_files() -> Vec<(String, Vec<u8>)> {
     let texts = [
         ("a.msh", MSH),
+        ("a.msh", MSH_4),
         ("a.inp", INP),
         ("a.ply", PLY),
         ("a.obj", OBJ),

@@ -244,11 +244,6 @@ impl<'a> Reader<'a> {
             let dimension = self.int("dimension of an entity")?;
             self.int("tag of an entity")?;
             let parametric = self.int("0 or 1 for parametric nodes")?;
-            let count = self.count(24, "number of nodes of an entity")?;
-            let first = nodes.len();
-            for _ in 0..count {
-                nodes.push(self.wide("number of a node")?);
-            }
             let parameters = match (parametric, dimension) {
                 (0, _) => 0,
                 (1, 0..=3) => dimension,
@@ -258,6 +253,11 @@ impl<'a> Reader<'a> {
                         .bad("expected 0 or 1 for parametric nodes, and a dimension from 0 to 3");
                 }
             };
+            let count = self.count(24, "number of nodes of an entity")?;
+            let first = nodes.len();
+            for _ in 0..count {
+                nodes.push(self.wide("number of a node")?);
+            }
             for &node in &nodes[first..] {
                 self.point(node)?;
                 for _ in 0..parameters {
@@ -351,9 +351,9 @@ impl<'a> Reader<'a> {
         self.wide("highest element")?;
         let before = self.draft.elements.len();
         for _ in 0..blocks {
-            let place = self.cursor.place();
             let dimension = self.int("dimension of an entity")?;
             let entity = self.int("tag of an entity")?;
+            let place = self.cursor.place();
             let kind = self.int("type of elements")?;
             let count = self.count(8, "number of elements of an entity")?;
             let physical = match self.groups.get(&(dimension, entity)).map_or(&[][..], Vec::as_slice) {

@@ -149,19 +149,16 @@ pub(crate) fn weld(facets: &[Facet], solids: Vec<MeshBody>, bodies_from: BodiesF
     };
     draft.collapsed_facets = facets.iter().filter(collapsed).count() as u64;
     let facets: Vec<&Facet> = facets.iter().filter(|facet| !collapsed(facet)).collect();
-    // -0 is 0: the sum turns it into that, and total_cmp then agrees with ==.
-    let corner = |at: usize| facets[at / 3].corners[at % 3].map(|value| value + 0.0);
-    let order = |a: usize, b: usize| {
-        let solids = facets[a / 3].solid.cmp(&facets[b / 3].solid);
-        (0..3).fold(solids, |so_far, axis| so_far.then(corner(a)[axis].total_cmp(&corner(b)[axis])))
-    };
-    let mut sorted: Vec<usize> = (0..3 * facets.len()).collect();
-    sorted.sort_unstable_by(|&a, &b| order(a, b).then(a.cmp(&b)));
+    let corner = |at: usize| facets[at / 3].corners[at % 3];
+    // -0 is 0: the sum turns it into that, and then equal numbers have equal bits.
+    let key = |at: usize| (facets[at / 3].solid, corner(at).map(|value| (value + 0.0).to_bits()));
+    let mut sorted: Vec<((u32, [u64; 3]), usize)> = (0..3 * facets.len()).map(|at| (key(at), at)).collect();
+    sorted.sort_unstable();
     // For each corner the first that equals it.
     let mut first: Vec<usize> = (0..sorted.len()).collect();
     for pair in sorted.windows(2) {
-        if order(pair[0], pair[1]).is_eq() {
-            first[pair[1]] = first[pair[0]];
+        if pair[0].0 == pair[1].0 {
+            first[pair[1].1] = first[pair[0].1];
         }
     }
     let mut nodes = vec![0_i64; first.len()];

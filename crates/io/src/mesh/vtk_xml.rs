@@ -183,8 +183,10 @@ impl<'a, 'input> File<'a, 'input> {
             Values::Whole(values) => values.into_iter().map(|value| value as f64).collect(),
         };
         check(array, "coordinates", expected.saturating_mul(3), coordinates.len())?;
+        // Places are found by counting lines from the start.
+        let at = place(array);
         for (point, node) in coordinates.as_chunks::<3>().0.iter().zip(draft.points.len() as i64..) {
-            draft.push_point(*point, place(array), node)?;
+            draft.push_point(*point, at, node)?;
         }
         Ok(())
     }
@@ -222,7 +224,14 @@ impl<'a, 'input> File<'a, 'input> {
         let scalar = scalar(kind).ok_or_else(|| {
             fault(malformed(format!("type '{}' of an array", excerpt::field(kind.as_bytes()))))
         })?;
-        let text = array.text().unwrap_or("").as_bytes();
+        // Elements with remarks may stand before or behind the data.
+        let texts = array.children().filter(|node| !node.is_element()).filter_map(|node| node.text());
+        let texts: Vec<&str> = texts.filter(|text| !text.trim_ascii().is_empty()).collect();
+        let text = match texts[..] {
+            [] => b"",
+            [text] => text.as_bytes(),
+            _ => return Err(fault(malformed("data in several pieces"))),
+        };
         let bytes = match array.attribute("format") {
             None | Some("ascii") => return ascii(text, scalar).map_err(|problem| fault(malformed(problem))),
             Some("binary") => self.decode(Coding::Base64, text),

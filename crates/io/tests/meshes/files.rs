@@ -410,7 +410,9 @@ impl Xml {
         let data = self.coded(&out.bytes);
         if self.how == "binary" {
             let text = String::from_utf8(data).unwrap();
-            return format!("<DataArray {attributes} format=\"binary\">\n  {text}\n</DataArray>\n");
+            return format!(
+                "<DataArray {attributes} format=\"binary\">\n<InformationKey name=\"K\">1</InformationKey>\n  {text}\n</DataArray>\n"
+            );
         }
         let offset = self.appended.len();
         self.appended.extend(data);
