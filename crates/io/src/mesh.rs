@@ -286,7 +286,8 @@ fn by_content(bytes: &[u8]) -> Option<MeshFormat> {
 ///
 /// # Cost
 /// Time proportional to the bytes, times the logarithm of the number of nodes where these are numbered with gaps or welded; one thread. Memory follows the bytes
-/// of the file, whatever its header says; compressed data may take a thousand times its bytes.
+/// of the file, whatever its header says; compressed data may take a thousand times its bytes, and every instance of an Abaqus part has nodes of its own.
+/// Ranges of Abaqus sets that overlap are gone through one after another.
 ///
 /// # Errors
 /// [`MeshError`], with file, line or byte, and the element or node: a format that is none of these, what the format does not allow, what is listed

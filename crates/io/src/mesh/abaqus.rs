@@ -38,14 +38,13 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Draft, Fault> {
                 let Some((_, more)) = cursor.line() else { break };
                 text.extend_from_slice(more);
             }
+            block.check_complete()?;
             block = reader.keyword(&Keyword::new(&text), place)?;
         } else {
             reader.data(&mut block, line, place)?;
         }
     }
-    if let Block::Elements { pending: Some(pending), .. } = block {
-        return Err((pending.place, malformed(format!("element {} ends too early", pending.number))));
-    }
+    block.check_complete()?;
     reader.finish(cursor.place())
 }
 
@@ -89,6 +88,17 @@ enum Block {
     Elements { shape: Shape, set: Option<u32>, pending: Option<Pending> },
     Set { set: u32, generate: bool },
     Instance { lines: u32 },
+}
+
+impl Block {
+    fn check_complete(&self) -> Result<(), Fault> {
+        match self {
+            Self::Elements { pending: Some(pending), .. } => {
+                Err((pending.place, malformed(format!("element {} ends too early", pending.number))))
+            }
+            _ => Ok(()),
+        }
+    }
 }
 
 /// An element whose line is not complete yet.

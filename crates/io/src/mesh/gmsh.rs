@@ -276,6 +276,9 @@ impl<'a> Reader<'a> {
         if self.version == Some(Version::Two) {
             return self.cursor.bad("version 2 of the format has no $Entities");
         }
+        if !self.parts.is_empty() {
+            return self.cursor.bad("$Entities behind $Elements, which need their physical groups");
+        }
         let mut counts = [0; 4];
         for (count, what) in counts.iter_mut().zip(["points", "curves", "surfaces", "volumes"]) {
             *count = self.count(1, &format!("number of {what}"))?;

@@ -236,16 +236,15 @@ impl<'a, 'input> File<'a, 'input> {
             None | Some("ascii") => return ascii(text, scalar).map_err(|problem| fault(malformed(problem))),
             Some("binary") => self.decode(Coding::Base64, text),
             Some("appended") => {
-                let offset = array.attribute("offset").and_then(|offset| offset.trim().parse::<usize>().ok());
+                let offset = array.attribute("offset").unwrap_or("");
                 let Some((coding, data)) = self.appended else {
                     return Err(fault(malformed("an appended array in a file without appended data")));
                 };
-                match offset.and_then(|offset| data.get(offset..)) {
+                match offset.trim().parse().ok().and_then(|offset: usize| data.get(offset..)) {
                     Some(data) => self.decode(coding, data),
-                    None => Err(format!(
-                        "no appended data at offset '{}'",
-                        array.attribute("offset").unwrap_or("")
-                    )),
+                    None => {
+                        Err(format!("no appended data at offset '{}'", excerpt::field(offset.as_bytes())))
+                    }
                 }
             }
             Some(other) => Err(format!("format '{}' of an array", excerpt::field(other.as_bytes()))),
