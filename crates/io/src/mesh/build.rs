@@ -77,7 +77,7 @@ pub(crate) enum Numbering {
 pub(crate) struct Draft {
     pub(crate) points: Vec<[f64; 3]>,
     pub(crate) numbering: Numbering,
-    /// Where each point stands; empty if the reader has checked the coordinates.
+    /// Where each point stands, for numbers that repeat; empty where none can.
     pub(crate) places: Vec<Place>,
     pub(crate) elements: Vec<Raw>,
     pub(crate) bodies: Vec<MeshBody>,
@@ -102,7 +102,7 @@ impl Draft {
         }
     }
 
-    /// Adds a point unless a coordinate is not finite.
+    /// Adds a point, or says which coordinate is not finite.
     pub(crate) fn push_point(&mut self, point: [f64; 3], place: Place, node: i64) -> Result<(), Fault> {
         check_finite(point, node).map_err(|problem| (place, problem))?;
         self.points.push(point);

@@ -214,7 +214,7 @@ impl Reader<'_> {
                     self.cursor.line();
                 }
                 let rows = self.rows as i64;
-                self.array(&name(label), kind, components, rows, self.of_cells)
+                self.array(&name(label), kind, components, rows)
             }
             b"VECTORS" | b"NORMALS" => self.plain_array(3),
             b"TENSORS" => self.plain_array(9),
@@ -251,7 +251,7 @@ impl Reader<'_> {
                     let components = self.cursor.word_integer("number of components")?;
                     let rows = self.cursor.word_integer("number of rows")?;
                     let kind = self.kind()?;
-                    self.array(&label, kind, components, rows, self.of_cells)?;
+                    self.array(&label, kind, components, rows)?;
                 }
                 Ok(())
             }
@@ -268,15 +268,8 @@ impl Reader<'_> {
         self.skip(components, self.rows as i64, kind)
     }
 
-    fn array(
-        &mut self,
-        name: &str,
-        kind: Kind,
-        components: i64,
-        rows: i64,
-        of_cells: bool,
-    ) -> Result<(), Fault> {
-        if !of_cells || !names_bodies(name) || components != 1 {
+    fn array(&mut self, name: &str, kind: Kind, components: i64, rows: i64) -> Result<(), Fault> {
+        if !self.of_cells || !names_bodies(name) || components != 1 {
             return self.skip(components, rows, kind);
         }
         let place = self.cursor.place();
