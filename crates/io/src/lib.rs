@@ -1,12 +1,13 @@
-//! Packings in and contact couples out, in the formats of the discrete element field.
+//! Packings and meshes in and contact couples out, in the formats of the discrete element field.
 //!
 //! The crate knows bytes, not paths: [`read`] turns the content of a file into a [`Packing`], and
 //! [`write_csv`], [`write_npy`], [`write_packing_csv`] and [`write_packing_npy`] send results to any
-//! [`std::io::Write`]. Who opens the file adds its name to the errors.
+//! [`std::io::Write`]. [`read_mesh`] does the same for nodes and elements. Who opens the file adds its name to the errors.
 //!
 //! ```text
 //! bytes ── read ──┬─ delimited text ─┬─> Packing ── (contact detection) ──> couples ── write_csv, write_npy
 //!                 └─ NumPy array ────┘
+//! bytes ── read_mesh ── Gmsh, STL, OBJ, PLY, VTK, Abaqus ──> Mesh
 //! ```
 //!
 //! # Example
@@ -33,6 +34,8 @@ mod row;
 mod table;
 mod text;
 
+mod mesh;
+
 mod couples;
 mod error;
 mod excerpt;
@@ -41,6 +44,8 @@ mod write_packing;
 pub use columns::{Columns, ColumnsError, Role};
 pub use couples::{CoupleRow, write_csv, write_npy};
 pub use error::ReadError;
+pub use mesh::error::{MeshError, MeshProblem, Place};
+pub use mesh::{BodiesFrom, Cells, Mesh, MeshBody, MeshFormat, MeshSource, read_mesh};
 pub use packing::{BadLine, Centres, Column, Delimiter, Format, Packing, Skipped, Source};
 pub use read::{ReadOptions, read};
 pub use write_packing::{write_packing_csv, write_packing_npy};

@@ -87,7 +87,7 @@ const AS_UTF_8: &str = "save it as UTF-8";
 const AS_TABLE: &str = "export the elements as a CSV table with columns x, y, z and radius";
 
 /// Formats that people hand over by mistake: first bytes, name, what to do. The first that fits counts.
-const FOREIGN: [(&[u8], &str, &str); 15] = [
+pub(crate) const FOREIGN: [(&[u8], &str, &str); 15] = [
     (b"\x1f\x8b", "gzip-compressed data", UNPACK),
     (b"\x28\xb5\x2f\xfd", "zstd-compressed data", UNPACK),
     (b"\xfd7zXZ\x00", "xz-compressed data", UNPACK),

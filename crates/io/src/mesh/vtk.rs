@@ -1,0 +1,370 @@
+//! Legacy VTK: unstructured grids and poly data, ASCII and binary.
+
+use crate::excerpt;
+use crate::mesh::build::{Draft, Numbering};
+use crate::mesh::cursor::{Cursor, Endian, Scalar, integer, name, words};
+use crate::mesh::error::{Fault, Place, malformed, unsupported};
+use crate::mesh::vtk_data::{
+    BodyData, CellList, POLY_LINE, POLY_VERTEX, POLYGON, STRIP, names_bodies, whole,
+};
+
+pub(crate) fn read(bytes: &[u8]) -> Result<Draft, Fault> {
+    let mut cursor = Cursor::new(bytes);
+    let (binary, offsets) = header(&mut cursor)?;
+    let mut reader = Reader {
+        cursor,
+        binary,
+        offsets,
+        draft: Draft::new(Numbering::From(0)),
+        sections: Default::default(),
+        of_cells: false,
+        rows: 0,
+        bodies: BodyData::default(),
+    };
+    while reader.cursor.peek().is_some() {
+        reader.keyword()?;
+    }
+    reader.finish()
+}
+
+/// Whether the file is binary, and whether cells have offsets, as from version 5 on.
+fn header(cursor: &mut Cursor<'_>) -> Result<(bool, bool), Fault> {
+    const MAGIC: &[u8] = b"# vtk datafile version";
+    let (place, first) = cursor.line().unwrap_or((Place::Line(1), b""));
+    let lower = first.to_ascii_lowercase();
+    let major = lower.strip_prefix(MAGIC).and_then(|rest| {
+        let digits = rest.trim_ascii().split(|&byte| byte == b'.').next()?;
+        integer(digits).ok()
+    });
+    let Some(major) = major else {
+        return Err((place, malformed("expected '# vtk DataFile Version' and a number")));
+    };
+    cursor.line();
+    match cursor.line() {
+        Some((_, line)) if line.eq_ignore_ascii_case(b"ascii") => Ok((false, major >= 5)),
+        Some((_, line)) if line.eq_ignore_ascii_case(b"binary") => Ok((true, major >= 5)),
+        Some((place, line)) => {
+            Err((place, malformed(format!("expected ASCII or BINARY, found '{}'", excerpt::line(line)))))
+        }
+        None => cursor.cut_off("ASCII or BINARY"),
+    }
+}
+
+/// Type of the values of an array.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Scalar(Scalar),
+    /// Eight in a byte.
+    Bit,
+}
+
+struct Reader<'a> {
+    cursor: Cursor<'a>,
+    binary: bool,
+    offsets: bool,
+    draft: Draft,
+    /// Cells of an unstructured grid; or vertices, lines, polygons, strips, as they are numbered.
+    sections: [(CellList, Option<Place>); 4],
+    /// Whether the data that follow are those of cells.
+    of_cells: bool,
+    /// How many cells or points the data that follow have.
+    rows: usize,
+    bodies: BodyData,
+}
+
+impl Reader<'_> {
+    fn keyword(&mut self) -> Result<(), Fault> {
+        let keyword = self.cursor.word("a keyword")?.to_ascii_uppercase();
+        match keyword.as_slice() {
+            b"DATASET" => {
+                let kind = self.cursor.word("the kind of data set")?;
+                if !kind.eq_ignore_ascii_case(b"UNSTRUCTURED_GRID") && !kind.eq_ignore_ascii_case(b"POLYDATA")
+                {
+                    let what = format!("the data set {}", excerpt::field(kind));
+                    return self.cursor.fault(unsupported(what, "UNSTRUCTURED_GRID and POLYDATA are read"));
+                }
+                Ok(())
+            }
+            b"POINTS" => self.points(),
+            b"CELLS" => self.cells(0, None),
+            b"VERTICES" => self.cells(0, Some(POLY_VERTEX)),
+            b"LINES" => self.cells(1, Some(POLY_LINE)),
+            b"POLYGONS" => self.cells(2, Some(POLYGON)),
+            b"TRIANGLE_STRIPS" => self.cells(3, Some(STRIP)),
+            b"CELL_TYPES" => {
+                let count = self.cursor.word_count("number of cell types")?;
+                self.cursor.line();
+                self.sections[0].0.types =
+                    self.integers(count, Kind::Scalar(Scalar::I32), "type of a cell")?;
+                Ok(())
+            }
+            b"CELL_DATA" | b"POINT_DATA" => {
+                self.of_cells = keyword == b"CELL_DATA";
+                self.rows = self.cursor.word_count("number of data")?;
+                Ok(())
+            }
+            b"METADATA" => {
+                self.cursor.line();
+                while self.cursor.line().is_some_and(|(_, line)| !line.is_empty()) {}
+                Ok(())
+            }
+            other => self.data(other),
+        }
+    }
+
+    fn points(&mut self) -> Result<(), Fault> {
+        if !self.draft.points.is_empty() {
+            return self.cursor.bad("a second section POINTS");
+        }
+        let count = self.cursor.word_count("number of points")?;
+        let kind = self.kind()?;
+        for node in 0..count as i64 {
+            let place = self.cursor.place();
+            let mut point = [0.0; 3];
+            for value in &mut point {
+                *value = self.real(kind, "coordinate of a point")?;
+            }
+            let place = if self.binary { place } else { self.cursor.place() };
+            self.draft.push_point(point, place, node)?;
+        }
+        Ok(())
+    }
+
+    fn cells(&mut self, section: usize, kind: Option<i64>) -> Result<(), Fault> {
+        let place = self.cursor.place();
+        if self.sections[section].1.replace(place).is_some() {
+            return self.cursor.bad("a second section of the same cells");
+        }
+        let first = self.cursor.word_count("number of cells")?;
+        let second = self.cursor.word_count("size of the cells")?;
+        self.cursor.line();
+        let list =
+            if self.offsets { self.with_offsets(first, second)? } else { self.with_counts(first, second)? };
+        let types = kind.map(|kind| vec![kind; list.ends.len()]);
+        let old = std::mem::replace(&mut self.sections[section].0, list);
+        // The types may stand before the cells.
+        self.sections[section].0.types = types.unwrap_or(old.types);
+        Ok(())
+    }
+
+    /// Each cell after the number of its nodes, up to version 4.
+    fn with_counts(&mut self, cells: usize, size: usize) -> Result<CellList, Fault> {
+        let mut list = CellList::default();
+        let int = Kind::Scalar(Scalar::I32);
+        let mut left = size as i64;
+        for _ in 0..cells {
+            let nodes = self.integer(int, "number of nodes of a cell")?;
+            left = left.saturating_sub(1).saturating_sub(nodes);
+            if nodes < 0 || left < 0 {
+                return self.cursor.bad(format!(
+                    "a cell of {nodes} nodes, more than the {size} numbers of all cells allow"
+                ));
+            }
+            for _ in 0..nodes {
+                list.connectivity.push(self.integer(int, "node of a cell")?);
+            }
+            list.ends.push(list.connectivity.len() as i64);
+        }
+        if left > 0 {
+            return self.cursor.bad(format!("the cells should take {size} numbers, {left} are left"));
+        }
+        Ok(list)
+    }
+
+    /// Where each cell starts and, last, where the last ends, then all nodes, from version 5 on.
+    fn with_offsets(&mut self, offsets: usize, nodes: usize) -> Result<CellList, Fault> {
+        self.expect("OFFSETS")?;
+        let kind = self.kind()?;
+        let ends = self.integers(offsets, kind, "offset of a cell")?;
+        self.expect("CONNECTIVITY")?;
+        let kind = self.kind()?;
+        let connectivity = self.integers(nodes, kind, "node of a cell")?;
+        match ends.split_first() {
+            Some((0, ends)) => Ok(CellList { connectivity, ends: ends.to_vec(), types: Vec::new() }),
+            None => Ok(CellList { connectivity, ends, types: Vec::new() }),
+            Some((first, _)) => self.cursor.bad(format!("the first cell starts at {first}, not at 0")),
+        }
+    }
+
+    fn expect(&mut self, keyword: &str) -> Result<(), Fault> {
+        let found = self.cursor.word(keyword)?;
+        if !found.eq_ignore_ascii_case(keyword.as_bytes()) {
+            return self.cursor.bad(format!("expected {keyword}, found '{}'", excerpt::field(found)));
+        }
+        Ok(())
+    }
+
+    /// The arrays of cells and points: read where they are bodies, else stepped over.
+    fn data(&mut self, keyword: &[u8]) -> Result<(), Fault> {
+        match keyword {
+            b"SCALARS" => {
+                let (place, line) = self.cursor.line().unwrap_or((self.cursor.place(), b""));
+                let fields: Vec<&[u8]> = words(line).collect();
+                let (label, kind, components) = match fields[..] {
+                    [label, kind] => (label, kind, 1),
+                    [label, kind, count] => {
+                        (label, kind, integer(count).map_err(|problem| (place, malformed(problem)))?)
+                    }
+                    _ => return Err((place, malformed("expected name, type and components of SCALARS"))),
+                };
+                let kind = self.kind_of(kind)?;
+                let table = self.cursor.peek().is_some_and(|word| word.eq_ignore_ascii_case(b"LOOKUP_TABLE"));
+                if table {
+                    self.cursor.word("LOOKUP_TABLE")?;
+                    self.cursor.line();
+                }
+                let rows = self.rows as i64;
+                self.array(&name(label), kind, components, rows)
+            }
+            b"VECTORS" | b"NORMALS" => self.plain_array(3),
+            b"TENSORS" => self.plain_array(9),
+            b"TENSORS6" => self.plain_array(6),
+            b"GLOBAL_IDS" | b"PEDIGREE_IDS" | b"EDGE_FLAGS" => self.plain_array(1),
+            b"TEXTURE_COORDINATES" => {
+                self.cursor.word("name of an array")?;
+                let components = self.cursor.word_integer("number of components")?;
+                let kind = self.kind()?;
+                self.skip(components, self.rows as i64, kind)
+            }
+            // Colours are floats as text, bytes in binary files.
+            b"COLOR_SCALARS" => {
+                self.cursor.word("name of an array")?;
+                let components = self.cursor.word_integer("number of components")?;
+                self.cursor.line();
+                self.skip(components, self.rows as i64, Kind::Scalar(Scalar::U8))
+            }
+            b"LOOKUP_TABLE" => {
+                self.cursor.word("name of a table")?;
+                let rows = self.cursor.word_integer("number of colours")?;
+                self.cursor.line();
+                self.skip(4, rows, Kind::Scalar(Scalar::U8))
+            }
+            b"FIELD" => {
+                self.cursor.word("name of a field")?;
+                let arrays = self.cursor.word_count("number of arrays")?;
+                for _ in 0..arrays {
+                    // Metadata may stand between arrays.
+                    while self.cursor.peek() == Some(b"METADATA") {
+                        self.keyword()?;
+                    }
+                    let label = name(self.cursor.word("name of an array")?);
+                    let components = self.cursor.word_integer("number of components")?;
+                    let rows = self.cursor.word_integer("number of rows")?;
+                    let kind = self.kind()?;
+                    self.array(&label, kind, components, rows)?;
+                }
+                Ok(())
+            }
+            _ => {
+                let what = format!("the keyword '{}'", excerpt::field(keyword));
+                self.cursor.fault(unsupported(what, "points, cells and their data are read"))
+            }
+        }
+    }
+
+    fn plain_array(&mut self, components: i64) -> Result<(), Fault> {
+        self.cursor.word("name of an array")?;
+        let kind = self.kind()?;
+        self.skip(components, self.rows as i64, kind)
+    }
+
+    fn array(&mut self, name: &str, kind: Kind, components: i64, rows: i64) -> Result<(), Fault> {
+        if !self.of_cells || !names_bodies(name) || components != 1 {
+            return self.skip(components, rows, kind);
+        }
+        let place = self.cursor.place();
+        let rows = self.cursor.checked_count(rows, 1, "number of data")?;
+        let values = match kind {
+            Kind::Scalar(scalar) if scalar.is_float() => {
+                let mut values = Vec::new();
+                for _ in 0..rows {
+                    values.push(self.real(kind, "value of cell data")?);
+                }
+                whole(&values, name).map_err(|problem| (place, problem))?
+            }
+            _ => self.integers(rows, kind, "value of cell data")?,
+        };
+        self.bodies.push(name, place, &values);
+        Ok(())
+    }
+
+    /// The type of the values that follow; ends the line.
+    fn kind(&mut self) -> Result<Kind, Fault> {
+        let word = self.cursor.word("type of values")?;
+        let kind = self.kind_of(word)?;
+        self.cursor.line();
+        Ok(kind)
+    }
+
+    fn kind_of(&self, word: &[u8]) -> Result<Kind, Fault> {
+        Ok(Kind::Scalar(match word.to_ascii_lowercase().as_slice() {
+            b"bit" => return Ok(Kind::Bit),
+            b"char" | b"signed_char" => Scalar::I8,
+            b"unsigned_char" => Scalar::U8,
+            b"short" => Scalar::I16,
+            b"unsigned_short" => Scalar::U16,
+            b"int" | b"vtkidtype" => Scalar::I32,
+            b"unsigned_int" => Scalar::U32,
+            b"long" | b"vtktypeint64" => Scalar::I64,
+            b"unsigned_long" | b"vtktypeuint64" => Scalar::U64,
+            b"float" => Scalar::F32,
+            b"double" => Scalar::F64,
+            _ => {
+                let what = format!("values of type '{}'", excerpt::field(word));
+                return self.cursor.fault(unsupported(what, "numbers are read"));
+            }
+        }))
+    }
+
+    fn real(&mut self, kind: Kind, what: &str) -> Result<f64, Fault> {
+        match kind {
+            Kind::Scalar(scalar) if self.binary => self.cursor.float(scalar, Endian::Big, what),
+            Kind::Bit if self.binary => self.cursor.bad(format!("{what} is a bit")),
+            _ => self.cursor.word_float(what),
+        }
+    }
+
+    fn integer(&mut self, kind: Kind, what: &str) -> Result<i64, Fault> {
+        match kind {
+            Kind::Scalar(scalar) if self.binary => self.cursor.integer(scalar, Endian::Big, what),
+            Kind::Bit if self.binary => self.cursor.bad(format!("{what} is a bit")),
+            _ => self.cursor.word_integer(what),
+        }
+    }
+
+    fn integers(&mut self, count: usize, kind: Kind, what: &str) -> Result<Vec<i64>, Fault> {
+        (0..count).map(|_| self.integer(kind, what)).collect()
+    }
+
+    fn skip(&mut self, components: i64, rows: i64, kind: Kind) -> Result<(), Fault> {
+        let Some(values) = components.checked_mul(rows).filter(|_| components >= 0) else {
+            return self.cursor.bad(format!("an array of {components} times {rows} values"));
+        };
+        let count = match kind {
+            _ if !self.binary => {
+                for _ in 0..self.cursor.checked_count(values, 1, "values of an array")? {
+                    self.cursor.word("value of an array")?;
+                }
+                return Ok(());
+            }
+            Kind::Scalar(scalar) => {
+                self.cursor.checked_count(values, scalar.size(), "values of an array")? * scalar.size()
+            }
+            Kind::Bit => {
+                self.cursor.checked_count(values / 8 + i64::from(values % 8 != 0), 1, "bits of an array")?
+            }
+        };
+        self.cursor.take(count, "values of an array")?;
+        Ok(())
+    }
+
+    fn finish(mut self) -> Result<Draft, Fault> {
+        let mut number = 0;
+        for (list, place) in &self.sections {
+            list.add(&mut self.draft, number, 0, place.unwrap_or(Place::File))?;
+            number += list.ends.len() as u64;
+        }
+        self.bodies.apply(&mut self.draft, number)?;
+        Ok(self.draft)
+    }
+}

@@ -1,0 +1,163 @@
+//! What the legacy and the XML format of VTK have in common: types of cells, and which data tell bodies apart.
+
+use std::collections::BTreeMap;
+
+use crate::excerpt;
+use crate::mesh::build::{Draft, Raw, Shape, refused};
+use crate::mesh::error::{Fault, MeshProblem, Place, malformed};
+use crate::mesh::{BodiesFrom, MeshBody};
+
+/// Names of cell data that tell bodies apart, in small letters; the first that is there counts.
+const BODIES: [&str; 8] =
+    ["body", "body_id", "bodyid", "gmsh:physical", "cellentityids", "objectid", "partid", "regionid"];
+
+/// Whether cell data of this name may tell bodies apart.
+pub(crate) fn names_bodies(name: &str) -> bool {
+    BODIES.contains(&name.to_ascii_lowercase().as_str())
+}
+
+/// Cells: nodes one after another, the end of each, their types.
+#[derive(Debug, Default)]
+pub(crate) struct CellList {
+    pub(crate) connectivity: Vec<i64>,
+    pub(crate) ends: Vec<i64>,
+    pub(crate) types: Vec<i64>,
+}
+
+/// Types of cells where the file says what they are by the section they stand in.
+pub(crate) const POLY_VERTEX: i64 = 2;
+pub(crate) const POLY_LINE: i64 = 4;
+pub(crate) const STRIP: i64 = 6;
+pub(crate) const POLYGON: i64 = 7;
+
+impl CellList {
+    /// Adds the cells to the draft, numbered from `first` on, between the points of a piece that start at `base`.
+    pub(crate) fn add(&self, draft: &mut Draft, first: u64, base: usize, place: Place) -> Result<(), Fault> {
+        if self.types.len() != self.ends.len() {
+            let problem = format!("{} types for {} cells", self.types.len(), self.ends.len());
+            return Err((place, malformed(problem)));
+        }
+        let mut from = 0;
+        for ((number, &end), &kind) in (first..).zip(&self.ends).zip(&self.types) {
+            let end = usize::try_from(end).ok().filter(|&end| end >= from && end <= self.connectivity.len());
+            let Some(end) = end else {
+                return Err((
+                    place,
+                    malformed(format!("element {number} does not end among the nodes of the cells")),
+                ));
+            };
+            add_cell(draft, kind, &self.connectivity[from..end], (number, base, place))?;
+            from = end;
+        }
+        if from != self.connectivity.len() {
+            let problem = format!("the cells have {} nodes, found {}", from, self.connectivity.len());
+            return Err((place, malformed(problem)));
+        }
+        Ok(())
+    }
+}
+
+fn add_cell(
+    draft: &mut Draft,
+    kind: i64,
+    nodes: &[i64],
+    (number, base, place): (u64, usize, Place),
+) -> Result<(), Fault> {
+    let points = (draft.points.len() - base) as i64;
+    let mut push = |shape: Shape, corners: &[i64]| {
+        if corners.len() != shape.nodes() {
+            let problem = format!("element {number} is a {} of {} nodes", shape.name(), corners.len());
+            return Err((place, malformed(problem)));
+        }
+        let mut nodes = [0; 4];
+        for (to, &node) in nodes.iter_mut().zip(corners) {
+            if !(0..points).contains(&node) {
+                return Err((place, MeshProblem::UnknownNode { element: number, kind: shape.name(), node }));
+            }
+            *to = node + base as i64;
+        }
+        draft.elements.push(Raw { shape, place, number, body: 0, nodes });
+        Ok(())
+    };
+    match (kind, nodes) {
+        // Points, whatever their number, are one element.
+        (1 | POLY_VERTEX, [first, ..]) => push(Shape::Point, &[*first]),
+        (3, _) => push(Shape::Segment, nodes),
+        (POLY_LINE, [_, _, ..]) => nodes.windows(2).try_for_each(|pair| push(Shape::Segment, pair)),
+        (5, _) => push(Shape::Triangle, nodes),
+        (POLYGON, _) => {
+            let shape = Shape::polygon(nodes.len(), number).map_err(|problem| (place, problem))?;
+            push(shape, nodes)
+        }
+        // A pixel counts its corners row by row, not around.
+        (8, &[a, b, c, d]) => push(Shape::Quadrilateral, &[a, b, d, c]),
+        (8 | 9, _) => push(Shape::Quadrilateral, nodes),
+        (10, _) => push(Shape::Tetrahedron, nodes),
+        (1 | POLY_VERTEX | POLY_LINE, _) => Err((
+            place,
+            malformed(format!("element {number} has {}", excerpt::count(nodes.len() as u64, "node"))),
+        )),
+        _ => {
+            let what = match kind {
+                STRIP => "a triangle strip".into(),
+                11 | 12 => "a hexahedron".into(),
+                13 => "a wedge".into(),
+                14 => "a pyramid".into(),
+                21 => "a segment of 3 nodes (second order)".into(),
+                22 => "a triangle of 6 nodes (second order)".into(),
+                23 => "a quadrilateral of 8 nodes (second order)".into(),
+                24 => "a tetrahedron of 10 nodes (second order)".into(),
+                42 => "a polyhedron".into(),
+                _ => format!("of VTK's type {kind}"),
+            };
+            Err((place, refused(number, &what)))
+        }
+    }
+}
+
+/// Cell data that tell bodies apart.
+#[derive(Debug, Default)]
+pub(crate) struct BodyData(Vec<(String, Place, Vec<i64>)>);
+
+impl BodyData {
+    /// Adds the values of some cells, behind those that the same name has already.
+    pub(crate) fn push(&mut self, name: &str, place: Place, values: &[i64]) {
+        match self.0.iter_mut().find(|(known, ..)| known == name) {
+            Some((.., known)) => known.extend_from_slice(values),
+            None => self.0.push((name.to_owned(), place, values.to_vec())),
+        }
+    }
+
+    /// Gives each element the body of its cell.
+    pub(crate) fn apply(self, draft: &mut Draft, cells: u64) -> Result<(), Fault> {
+        let rank = |name: &str| BODIES.iter().position(|known| *known == name.to_ascii_lowercase());
+        let Some((name, place, values)) = self.0.into_iter().min_by_key(|(name, ..)| rank(name)) else {
+            return Ok(());
+        };
+        if values.len() as u64 != cells {
+            let problem = format!("cell data {name} has {} values for {cells} cells", values.len());
+            return Err((place, malformed(problem)));
+        }
+        let mut known: BTreeMap<i64, u32> = BTreeMap::new();
+        draft.bodies.clear();
+        for raw in &mut draft.elements {
+            // Cells are numbered from 0 on, and so are the values.
+            let value = values[raw.number as usize];
+            raw.body = *known.entry(value).or_insert_with(|| {
+                draft.bodies.push(MeshBody { number: Some(value), name: None });
+                draft.bodies.len() as u32 - 1
+            });
+        }
+        draft.bodies_from = BodiesFrom::CellData(name);
+        Ok(())
+    }
+}
+
+/// Whole numbers among floats, as bodies are sometimes written.
+pub(crate) fn whole(values: &[f64], name: &str) -> Result<Vec<i64>, MeshProblem> {
+    /// 2^53: up to here every whole number is a float.
+    const LARGEST: f64 = 9_007_199_254_740_992.0;
+    let convert = |&value: &f64| (value.fract() == 0.0 && value.abs() <= LARGEST).then_some(value as i64);
+    let converted: Option<Vec<i64>> = values.iter().map(convert).collect();
+    converted.ok_or_else(|| malformed(format!("cell data {name} are bodies, but not whole numbers")))
+}

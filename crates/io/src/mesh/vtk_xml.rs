@@ -1,0 +1,386 @@
+//! XML VTK: `.vtu` and `.vtp`, with arrays as text, in base64 or appended, compressed with zlib or not.
+
+use std::borrow::Cow;
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use memchr::memmem;
+use roxmltree::{Document, Node};
+
+use crate::excerpt;
+use crate::mesh::build::{Draft, Numbering};
+use crate::mesh::cursor::{Endian, Scalar, float, integer, name, words};
+use crate::mesh::error::{Fault, MeshProblem, Place, malformed, unsupported};
+use crate::mesh::vtk_data::{
+    BodyData, CellList, POLY_LINE, POLY_VERTEX, POLYGON, STRIP, names_bodies, whole,
+};
+
+pub(crate) fn read(bytes: &[u8]) -> Result<Draft, Fault> {
+    let (xml, appended) = split(bytes);
+    let text = match str::from_utf8(&xml) {
+        Ok(text) => text,
+        Err(error) => return Err((Place::Byte(error.valid_up_to() as u64), malformed("not UTF-8"))),
+    };
+    let document = Document::parse(text).map_err(|error| {
+        // The error ends with its place, which has a field of its own here.
+        let (line, said) = (error.pos().row, error.to_string());
+        let said = said.split_once(" at ").map_or(said.as_str(), |(problem, _)| problem);
+        (Place::Line(u64::from(line)), malformed(format!("XML: {}", excerpt::line(said.as_bytes()))))
+    })?;
+    let file = File::new(&document, appended)?;
+    let mut draft = Draft::new(Numbering::From(0));
+    let (mut cells, mut bodies) = (0, BodyData::default());
+    for piece in file.data_set.children().filter(|node| node.has_tag_name("Piece")) {
+        cells += file.piece(piece, cells, &mut draft, &mut bodies)?;
+    }
+    bodies.apply(&mut draft, cells)?;
+    Ok(draft)
+}
+
+/// The XML without appended data, which may be no text, and those data from the byte behind `_`.
+fn split(bytes: &[u8]) -> (Cow<'_, [u8]>, Option<&[u8]>) {
+    let found = memmem::find(bytes, b"<AppendedData").and_then(|start| {
+        let close = start + memchr::memchr(b'>', &bytes[start..])?;
+        let data = close + 1 + memchr::memchr(b'_', &bytes[close + 1..])? + 1;
+        Some((close, data))
+    });
+    match found {
+        Some((close, data)) if bytes[close - 1] != b'/' => {
+            ([&bytes[..close], b"/></VTKFile>"].concat().into(), Some(&bytes[data..]))
+        }
+        _ => (bytes.into(), None),
+    }
+}
+
+/// What holds for all arrays of a file.
+struct File<'a, 'input> {
+    data_set: Node<'a, 'input>,
+    endian: Endian,
+    /// Type of the numbers before data: of bytes, blocks.
+    header: Scalar,
+    zlib: bool,
+    appended: Option<(Coding, &'input [u8])>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Coding {
+    Base64,
+    Raw,
+}
+
+/// The values of an array.
+enum Values {
+    Whole(Vec<i64>),
+    Real(Vec<f64>),
+}
+
+impl<'a, 'input> File<'a, 'input> {
+    fn new(document: &'a Document<'input>, appended: Option<&'input [u8]>) -> Result<Self, Fault> {
+        let root = document.root_element();
+        let fault = |problem| Err((place(root), problem));
+        if !root.has_tag_name("VTKFile") {
+            return fault(malformed("expected <VTKFile>"));
+        }
+        let kind = root.attribute("type").unwrap_or("");
+        if !["UnstructuredGrid", "PolyData"].contains(&kind) {
+            let what = format!("a VTK file of type '{}'", excerpt::field(kind.as_bytes()));
+            return fault(unsupported(what, "UnstructuredGrid and PolyData are read"));
+        }
+        let Some(data_set) = child(root, kind) else { return fault(malformed(format!("expected <{kind}>"))) };
+        let endian = match root.attribute("byte_order") {
+            Some("BigEndian") => Endian::Big,
+            _ => Endian::Little,
+        };
+        let header = match root.attribute("header_type") {
+            None | Some("UInt32") => Scalar::U32,
+            Some("UInt64") => Scalar::U64,
+            Some(other) => {
+                return fault(malformed(format!("header_type '{}'", excerpt::field(other.as_bytes()))));
+            }
+        };
+        let zlib = match root.attribute("compressor") {
+            None | Some("") => false,
+            Some("vtkZLibDataCompressor") => true,
+            Some(other) => {
+                let what = format!("the compressor {}", excerpt::field(other.as_bytes()));
+                return fault(unsupported(what, "write with zlib or without compression"));
+            }
+        };
+        let appended = match (child(root, "AppendedData"), appended) {
+            (Some(node), Some(data)) => match node.attribute("encoding") {
+                Some("raw") => Some((Coding::Raw, data)),
+                Some("base64") | None => Some((Coding::Base64, data)),
+                Some(other) => {
+                    let what = format!("the encoding {}", excerpt::field(other.as_bytes()));
+                    return Err((place(node), unsupported(what, "raw and base64 are read")));
+                }
+            },
+            _ => None,
+        };
+        Ok(Self { data_set, endian, header, zlib, appended })
+    }
+
+    /// Adds the points and cells of a piece to the draft; the number of its cells.
+    fn piece(
+        &self,
+        piece: Node<'a, 'input>,
+        first: u64,
+        draft: &mut Draft,
+        bodies: &mut BodyData,
+    ) -> Result<u64, Fault> {
+        let base = draft.points.len();
+        self.points(piece, draft)?;
+        let mut number = first;
+        if self.data_set.has_tag_name("UnstructuredGrid") {
+            let cells = count(piece, "NumberOfCells")?;
+            let list = self.cell_list(piece, "Cells", None)?;
+            check(piece, "cells", cells, list.ends.len())?;
+            list.add(draft, number, base, place(piece))?;
+            number += list.ends.len() as u64;
+        } else {
+            let sections = [
+                ("Verts", "NumberOfVerts", POLY_VERTEX),
+                ("Lines", "NumberOfLines", POLY_LINE),
+                ("Polys", "NumberOfPolys", POLYGON),
+                ("Strips", "NumberOfStrips", STRIP),
+            ];
+            for (section, counted, kind) in sections {
+                let cells = count(piece, counted)?;
+                let list = self.cell_list(piece, section, Some(kind))?;
+                check(piece, section, cells, list.ends.len())?;
+                list.add(draft, number, base, place(piece))?;
+                number += list.ends.len() as u64;
+            }
+        }
+        for array in children(child(piece, "CellData")).filter(|node| node.has_tag_name("DataArray")) {
+            let label = array.attribute("Name").unwrap_or("");
+            if !names_bodies(label)
+                || !matches!(array.attribute("NumberOfComponents"), None | Some("1" | "0"))
+            {
+                continue;
+            }
+            let values = match self.array(array)? {
+                Values::Whole(values) => values,
+                Values::Real(values) => whole(&values, label).map_err(|problem| (place(array), problem))?,
+            };
+            check(array, "values of cell data", (number - first) as usize, values.len())?;
+            bodies.push(&name(label.as_bytes()), place(array), &values);
+        }
+        Ok(number - first)
+    }
+
+    fn points(&self, piece: Node<'a, 'input>, draft: &mut Draft) -> Result<(), Fault> {
+        let expected = count(piece, "NumberOfPoints")?;
+        let arrays = children(child(piece, "Points"));
+        let Some(array) = arrays.into_iter().find(|node| node.has_tag_name("DataArray")) else {
+            return check(piece, "points", expected, 0);
+        };
+        if array.attribute("NumberOfComponents") != Some("3") {
+            return Err((place(array), malformed("expected points of 3 components")));
+        }
+        let coordinates = match self.array(array)? {
+            Values::Real(values) => values,
+            Values::Whole(values) => values.into_iter().map(|value| value as f64).collect(),
+        };
+        check(array, "coordinates", expected.saturating_mul(3), coordinates.len())?;
+        // Places are found by counting lines from the start.
+        let at = place(array);
+        for (point, node) in coordinates.as_chunks::<3>().0.iter().zip(draft.points.len() as i64..) {
+            draft.push_point(*point, at, node)?;
+        }
+        Ok(())
+    }
+
+    /// Connectivity, offsets, and the types of cells or `kind` for all.
+    fn cell_list(
+        &self,
+        piece: Node<'a, 'input>,
+        section: &str,
+        kind: Option<i64>,
+    ) -> Result<CellList, Fault> {
+        let mut list = CellList::default();
+        let Some(parent) = child(piece, section) else { return Ok(list) };
+        for array in parent.children().filter(|node| node.has_tag_name("DataArray")) {
+            let to = match array.attribute("Name") {
+                Some("connectivity") => &mut list.connectivity,
+                Some("offsets") => &mut list.ends,
+                Some("types") => &mut list.types,
+                _ => continue,
+            };
+            match self.array(array)? {
+                Values::Whole(values) => *to = values,
+                Values::Real(_) => return Err((place(array), malformed("cells of floats"))),
+            }
+        }
+        if let Some(kind) = kind {
+            list.types = vec![kind; list.ends.len()];
+        }
+        Ok(list)
+    }
+
+    fn array(&self, array: Node<'a, 'input>) -> Result<Values, Fault> {
+        let fault = |problem: MeshProblem| (place(array), problem);
+        let kind = array.attribute("type").unwrap_or("");
+        let scalar = scalar(kind).ok_or_else(|| {
+            fault(malformed(format!("type '{}' of an array", excerpt::field(kind.as_bytes()))))
+        })?;
+        // Elements with remarks may stand before or behind the data.
+        let texts = array.children().filter(|node| !node.is_element()).filter_map(|node| node.text());
+        let texts: Vec<&str> = texts.filter(|text| !text.trim_ascii().is_empty()).collect();
+        let text = match texts[..] {
+            [] => b"",
+            [text] => text.as_bytes(),
+            _ => return Err(fault(malformed("data in several pieces"))),
+        };
+        let bytes = match array.attribute("format") {
+            None | Some("ascii") => return ascii(text, scalar).map_err(|problem| fault(malformed(problem))),
+            Some("binary") => self.decode(Coding::Base64, text),
+            Some("appended") => {
+                let offset = array.attribute("offset").unwrap_or("");
+                let Some((coding, data)) = self.appended else {
+                    return Err(fault(malformed("an appended array in a file without appended data")));
+                };
+                match offset.trim().parse().ok().and_then(|offset: usize| data.get(offset..)) {
+                    Some(data) => self.decode(coding, data),
+                    None => {
+                        Err(format!("no appended data at offset '{}'", excerpt::field(offset.as_bytes())))
+                    }
+                }
+            }
+            Some(other) => Err(format!("format '{}' of an array", excerpt::field(other.as_bytes()))),
+        };
+        let bytes = bytes.map_err(|problem| fault(malformed(problem)))?;
+        let values = bytes.chunks_exact(scalar.size());
+        if !values.remainder().is_empty() {
+            return Err(fault(malformed(format!("{} bytes are no whole number of values", bytes.len()))));
+        }
+        if scalar.is_float() {
+            return Ok(Values::Real(values.map(|value| scalar.float(value, self.endian)).collect()));
+        }
+        let integers: Option<Vec<i64>> = values.map(|value| scalar.integer(value, self.endian)).collect();
+        integers.map(Values::Whole).ok_or_else(|| fault(malformed("a number beyond 63 bits")))
+    }
+
+    /// The bytes of an array, unpacked: headers are dropped.
+    fn decode(&self, coding: Coding, data: &[u8]) -> Result<Vec<u8>, String> {
+        // In base64 blanks may stand before the data, in raw data any byte counts.
+        let data = if coding == Coding::Base64 { data.trim_ascii_start() } else { data };
+        let word = self.header.size();
+        let number = |bytes: &[u8], at: usize| -> Result<usize, String> {
+            let bytes = bytes.get(at * word..(at + 1) * word).ok_or("the header of an array is cut off")?;
+            let number =
+                self.header.integer(bytes, self.endian).and_then(|number| usize::try_from(number).ok());
+            number.ok_or_else(|| "the header of an array is damaged".into())
+        };
+        let too_large = || String::from("the header of an array is damaged");
+        let first = number(&bytes_of(coding, data, word)?, 0)?;
+        if !self.zlib {
+            let all = word.checked_add(first).ok_or_else(too_large)?;
+            return Ok(bytes_of(coding, data, all)?.split_off(word));
+        }
+        if first == 0 {
+            return Ok(Vec::new());
+        }
+        let header = first.checked_add(3).and_then(|words| words.checked_mul(word)).ok_or_else(too_large)?;
+        let sizes = bytes_of(coding, data, header)?;
+        let (block, last) = (number(&sizes, 1)?, number(&sizes, 2)?);
+        let packed = (0..first).map(|at| number(&sizes, 3 + at)).collect::<Result<Vec<usize>, String>>()?;
+        let all = packed.iter().try_fold(header, |sum, &size| sum.checked_add(size)).ok_or_else(too_large)?;
+        let bytes = bytes_of(coding, data, all)?;
+        let (mut unpacked, mut from) = (Vec::new(), header);
+        for (at, size) in packed.into_iter().enumerate() {
+            let expected = if at + 1 == first && last != 0 { last } else { block };
+            let part = &bytes[from..from + size];
+            // No more is unpacked than the header allows, and no more is asked for than the data hold.
+            match miniz_oxide::inflate::decompress_to_vec_zlib_with_limit(part, expected) {
+                Ok(part) if part.len() == expected => unpacked.extend_from_slice(&part),
+                Ok(part) => {
+                    return Err(format!(
+                        "block {at} of an array should unpack to {expected} bytes, not {}",
+                        part.len()
+                    ));
+                }
+                Err(error) => {
+                    return Err(format!("block {at} of an array cannot be unpacked: {:?}", error.status));
+                }
+            }
+            from += size;
+        }
+        Ok(unpacked)
+    }
+}
+
+/// The first bytes of data, decoded. In base64 a header may be a piece of its own, padded at its end.
+fn bytes_of(coding: Coding, data: &[u8], count: usize) -> Result<Vec<u8>, String> {
+    let cut_off =
+        || format!("an array should take {}, and ends before", excerpt::count(count as u64, "byte"));
+    if coding == Coding::Raw {
+        return data.get(..count).map(<[u8]>::to_vec).ok_or_else(cut_off);
+    }
+    let (mut bytes, mut at) = (Vec::new(), 0_usize);
+    while bytes.len() < count {
+        // A run ends with padding, or where enough of it is known to be decoded.
+        let wanted = (count - bytes.len()).div_ceil(3).saturating_mul(4);
+        let window = &data[at..data.len().min(at.saturating_add(wanted))];
+        let padding = memchr::memchr(b'=', window);
+        let length = padding.map_or(window.len(), |padding| padding + 4 - padding % 4).min(window.len());
+        if length == 0 || !length.is_multiple_of(4) {
+            return Err(cut_off());
+        }
+        let decoded = STANDARD.decode(&window[..length]).map_err(|error| format!("base64: {error}"))?;
+        bytes.extend_from_slice(&decoded);
+        at += length;
+    }
+    bytes.truncate(count);
+    Ok(bytes)
+}
+
+fn ascii(text: &[u8], scalar: Scalar) -> Result<Values, String> {
+    if scalar.is_float() {
+        return words(text).map(float).collect::<Result<_, _>>().map(Values::Real);
+    }
+    words(text).map(integer).collect::<Result<_, _>>().map(Values::Whole)
+}
+
+fn scalar(name: &str) -> Option<Scalar> {
+    Some(match name {
+        "Int8" => Scalar::I8,
+        "UInt8" => Scalar::U8,
+        "Int16" => Scalar::I16,
+        "UInt16" => Scalar::U16,
+        "Int32" => Scalar::I32,
+        "UInt32" => Scalar::U32,
+        "Int64" => Scalar::I64,
+        "UInt64" => Scalar::U64,
+        "Float32" => Scalar::F32,
+        "Float64" => Scalar::F64,
+        _ => return None,
+    })
+}
+
+fn check(node: Node<'_, '_>, what: &str, expected: usize, found: usize) -> Result<(), Fault> {
+    if expected == found {
+        return Ok(());
+    }
+    Err((place(node), malformed(format!("{what}: expected {expected}, found {found}"))))
+}
+
+fn place(node: Node<'_, '_>) -> Place {
+    Place::Line(u64::from(node.document().text_pos_at(node.range().start).row))
+}
+
+fn child<'a, 'input>(node: Node<'a, 'input>, name: &str) -> Option<Node<'a, 'input>> {
+    node.children().find(|child| child.has_tag_name(name))
+}
+
+fn children<'a, 'input>(node: Option<Node<'a, 'input>>) -> impl Iterator<Item = Node<'a, 'input>> {
+    node.into_iter().flat_map(|node| node.children())
+}
+
+/// A count of a piece; 0 if it is not given.
+fn count(piece: Node<'_, '_>, attribute: &str) -> Result<usize, Fault> {
+    let Some(text) = piece.attribute(attribute) else { return Ok(0) };
+    text.trim().parse().map_err(|_| {
+        (place(piece), malformed(format!("{attribute} is '{}'", excerpt::field(text.as_bytes()))))
+    })
+}
