@@ -91,7 +91,7 @@ impl<T: Real, const D: usize> Rows<T, D> {
     }
 
     /// The same on `threads` threads; 0 is one for each processor, 1 is the default and uses no pool. The couples and their order are
-    /// the same for any number.
+    /// the same for any number. Clones share their threads.
     ///
     /// # Errors
     /// [`Error::NoThreads`] if they cannot be had, above 1024, or if the crate was built without its feature `rayon`.
