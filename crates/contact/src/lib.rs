@@ -26,6 +26,7 @@
 //! | Munjiza-NBS as the book has it, its memory law, its figures | [`Nbs`], [`Observer`] |
 //! | the oracle | [`Direct`] |
 //! | to check a couple list by sampled brute force | [`verify()`] |
+//! | whether two shapes touch, where and how deep: spheres, planes, segments, capsules, triangles, polygons, tetrahedra, boxes | [`narrow`] |
 //!
 //! # What is guaranteed
 //! - **Exact or an error.** Every couple that touches is reported, once; there is no cap and no silent loss. What touches
@@ -35,8 +36,8 @@
 //!   the element, before anything is computed.
 //! - **Any dimension.** `[T; D]` for every `D` of at least 1, in `f32` and `f64`.
 //!
-//! There is no file, no physics and no printing in this crate. Its dependencies are rayon and, on Linux, rustix, both behind the feature `rayon` (on by default):
-//! without it a search runs on one thread, with the same results.
+//! There is no file, no physics and no printing in this crate. Its dependencies are robust, whose exact predicates [`narrow`] uses, and rayon and, on Linux, rustix, both behind
+//! the feature `rayon` (on by default): without it a search runs on one thread, with the same results.
 //!
 //! # Data flow
 //! [`Elements`] → [`Grid`] (cells) → [`Lists`] → [`CONTACT_MASK`] → [`Search`] ([`Direct`], [`Nbs`], [`Rows`], [`Multilevel`]) → [`Couple`].
@@ -60,6 +61,7 @@ mod index;
 mod couple;
 mod csr;
 mod verify;
+pub mod narrow;
 mod error;
 
 pub use buffer::{Buffered, Reason, Update};
