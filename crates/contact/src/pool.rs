@@ -3,6 +3,7 @@
 #[cfg(feature = "rayon")]
 mod spread;
 
+use std::sync::OnceLock;
 #[cfg(feature = "rayon")]
 use std::sync::{Arc, Mutex};
 
@@ -77,6 +78,21 @@ impl Pool {
             return others.pool.current_num_threads() + 1;
         }
         1
+    }
+
+    /// As [`Pool::run`], for work that may fail: one of the errors, after all tasks.
+    pub(crate) fn try_run<I: Send>(
+        &self,
+        tasks: impl Iterator<Item = I>,
+        work: impl Fn(I) -> Result<(), Error> + Sync + Send,
+    ) -> Result<(), Error> {
+        let failed = OnceLock::new();
+        self.run(tasks, |task| {
+            if let Err(error) = work(task) {
+                failed.get_or_init(|| error);
+            }
+        });
+        failed.into_inner().map_or(Ok(()), Err)
     }
 
     /// Runs `work` on each task, in any order and at the same time.

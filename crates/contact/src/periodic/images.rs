@@ -1,7 +1,5 @@
 //! Elements wrapped into a periodic box, and the images of them that may touch one of them.
 
-use std::sync::OnceLock;
-
 use crate::elements::{Bounds, Elements, Shape};
 use crate::error::Error;
 use crate::filter::Labels;
@@ -196,15 +194,10 @@ impl<T: Real, const D: usize> Images<T, D> {
 
         let window = Window { cell, fractions, margin: margin(&bounds, cell, &fractions, &measure)? };
         let interior = window.interior();
-        let failed = OnceLock::new();
-        pool.run(self.chunks.iter_mut().zip(points.chunks(CHUNK)).enumerate(), |(k, (chunk, points))| {
-            if let Err(error) = chunk.find_near(k * CHUNK, points, &interior, &window) {
-                failed.get_or_init(|| error);
-            }
-        });
-        if let Some(error) = failed.into_inner() {
-            return Err(error);
-        }
+        pool.try_run(
+            self.chunks.iter_mut().zip(points.chunks(CHUNK)).enumerate(),
+            |(k, (chunk, points))| chunk.find_near(k * CHUNK, points, &interior, &window),
+        )?;
         let images = self.chunks.iter().map(|chunk| chunk.images).sum::<f64>();
         if images.is_nan() || images > max_images as f64 {
             return Err(Error::TooManyImages { images, limit: max_images });

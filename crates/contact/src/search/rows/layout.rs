@@ -3,7 +3,6 @@
 #![allow(unsafe_code, reason = "one scatter, to places of its own for every thread")]
 
 use std::ops::Range;
-use std::sync::OnceLock;
 
 use crate::error::Error;
 use crate::explain::rows_of;
@@ -295,15 +294,7 @@ impl<T: Real, const D: usize> Layout<T, D> {
             };
             (sort, blocks, elements)
         });
-        let failed = OnceLock::new();
-        pool.run(tasks, |(sort, blocks, elements)| {
-            if let Err(error) = sort.sort(keys, blocks, elements) {
-                failed.get_or_init(|| error);
-            }
-        });
-        if let Some(error) = failed.into_inner() {
-            return Err(error);
-        }
+        pool.try_run(tasks, |(sort, blocks, elements)| sort.sort(keys, blocks, elements))?;
         self.starts.clear();
         reserve(&mut self.starts, self.sorts.iter().map(|sort| sort.starts.len()).sum::<usize>() + 1)?;
         for sort in &self.sorts {

@@ -1,7 +1,6 @@
 //! Searches over sorted rows, part by part and on all threads.
 
 use std::ops::Range;
-use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::couple::Couple;
@@ -154,16 +153,10 @@ impl<T: Real, const D: usize> Scans<'_, T, D> {
                 // Searched at the same time and visited in their order, a batch after the other, so that couples wait in cache.
                 for batch in parts(scans).chunks(PARTS_AT_ONCE * pool.threads()) {
                     memory.resize_with(memory.len().max(batch.len()), Vec::new);
-                    let failed = OnceLock::new();
-                    pool.run(memory.iter_mut().zip(batch), |(couples, (scan, range))| {
+                    pool.try_run(memory.iter_mut().zip(batch), |(couples, (scan, range))| {
                         couples.clear();
-                        if let Err(error) = scan.list(range.clone(), couples) {
-                            failed.get_or_init(|| error);
-                        }
-                    });
-                    if let Some(error) = failed.into_inner() {
-                        return Err(error);
-                    }
+                        scan.list(range.clone(), couples)
+                    })?;
                     memory[..batch.len()].iter().for_each(|couples| visit(couples));
                 }
                 Ok(())
