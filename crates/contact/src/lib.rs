@@ -25,6 +25,7 @@
 //! | the fastest search, and nothing else | [`Rows`] |
 //! | Munjiza-NBS as the book has it, its memory law, its figures | [`Nbs`], [`Observer`] |
 //! | the oracle | [`Direct`] |
+//! | which bodies touch in a labelled image: pixels, voxels | [`image::contacts`], [`image::ImageContacts`] |
 //! | to check a couple list by sampled brute force | [`verify()`] |
 //!
 //! # What is guaranteed
@@ -60,6 +61,7 @@ mod index;
 mod couple;
 mod csr;
 mod verify;
+pub mod image;
 mod error;
 
 pub use buffer::{Buffered, Reason, Update};
