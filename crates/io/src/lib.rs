@@ -9,6 +9,9 @@
 //!                 └─ NumPy array ────┘
 //! ```
 //!
+//! Labelled images are read plane by plane: [`with_label_image`]. Their contacts are written by [`write_label_contacts_csv`] and
+//! [`write_label_contacts_npy`].
+//!
 //! # Example
 //! ```
 //! use std::sync::atomic::AtomicU64;
@@ -33,7 +36,10 @@ mod row;
 mod table;
 mod text;
 
+mod labels;
+
 mod couples;
+mod label_contacts;
 mod error;
 mod excerpt;
 mod write_packing;
@@ -41,6 +47,8 @@ mod write_packing;
 pub use columns::{Columns, ColumnsError, Role};
 pub use couples::{CoupleRow, write_csv, write_npy};
 pub use error::ReadError;
+pub use label_contacts::{LabelColumns, LabelContactRow, write_label_contacts_csv, write_label_contacts_npy};
+pub use labels::{LabelError, LabelImage, LabelKind, LabelValue, with_label_image};
 pub use packing::{BadLine, Centres, Column, Delimiter, Format, Packing, Skipped, Source};
 pub use read::{ReadOptions, read};
 pub use write_packing::{write_packing_csv, write_packing_npy};
