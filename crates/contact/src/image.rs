@@ -38,6 +38,7 @@ mod table;
 
 use crate::error::Error;
 use crate::pool::Pool;
+use crate::search::rows::reserve;
 
 pub use contact::{ImageContact, Spacing};
 use row::{Direction, Scan};
@@ -152,6 +153,8 @@ pub struct ImageContacts<L, const D: usize> {
     planes: usize,
     /// The last of them.
     previous: Vec<L>,
+    /// What ended the reading of the image: part of a slab may be missing from the sums.
+    failed: Option<Error>,
     /// One for each thread.
     parts: Vec<Part<L, D>>,
 }
@@ -193,6 +196,7 @@ impl<L: Label, const D: usize> ImageContacts<L, D> {
             pool: Pool::default(),
             planes: 0,
             previous: Vec::new(),
+            failed: None,
             parts: Vec::new(),
         })
     }
@@ -220,8 +224,11 @@ impl<L: Label, const D: usize> ImageContacts<L, D> {
     ///
     /// # Errors
     /// [`Error::PartialPlane`], [`Error::TooManyPlanes`]; nothing has been taken then. [`Error::OutOfMemory`],
-    /// [`Error::TooManyContacts`]: the image cannot be gone on with.
+    /// [`Error::TooManyContacts`]: the image cannot be gone on with, and whatever is asked of it next gets the same error.
     pub fn add(&mut self, slab: &[L]) -> Result<(), Error> {
+        if let Some(error) = &self.failed {
+            return Err(error.clone());
+        }
         if slab.is_empty() {
             return Ok(());
         }
@@ -235,6 +242,13 @@ impl<L: Label, const D: usize> ImageContacts<L, D> {
                 expected: self.shape[0],
             });
         }
+        let taken = self.take(slab, planes);
+        self.failed = taken.clone().err();
+        taken
+    }
+
+    /// Compares the planes of a slab, shared out by rows.
+    fn take(&mut self, slab: &[L], planes: usize) -> Result<(), Error> {
         let [height, width] = if D == 3 { [self.shape[1], self.shape[2]] } else { [1, self.shape[1]] };
         let rows = Rows {
             slab,
@@ -260,7 +274,7 @@ impl<L: Label, const D: usize> ImageContacts<L, D> {
 
         let last = &slab[slab.len() - self.plane..];
         self.previous.clear();
-        crate::search::rows::reserve(&mut self.previous, last.len())?;
+        reserve(&mut self.previous, last.len())?;
         self.previous.extend_from_slice(last);
         self.planes += planes;
         Ok(())
@@ -289,8 +303,11 @@ impl<L: Label, const D: usize> ImageContacts<L, D> {
     /// As [`contacts`].
     ///
     /// # Errors
-    /// [`Error::MissingPlanes`]; [`Error::OutOfMemory`].
+    /// [`Error::MissingPlanes`]; [`Error::OutOfMemory`], [`Error::TooManyContacts`], also where [`ImageContacts::add`] ended with them.
     pub fn finish(self) -> Result<Vec<ImageContact<L, D>>, Error> {
+        if let Some(error) = self.failed {
+            return Err(error);
+        }
         if self.plane > 0 && self.planes < self.shape[0] {
             return Err(Error::MissingPlanes { found: self.planes, expected: self.shape[0] });
         }
