@@ -357,7 +357,7 @@ impl<L: Label, const D: usize> Part<L, D> {
         scan.fit(rows.width)?;
         for line in lines {
             // In 2D a plane is a row, and the only one of its plane.
-            let (z, y) = ((line / rows.height) as isize, (line % rows.height) as isize);
+            let (z, y) = ((line / rows.height).cast_signed(), (line % rows.height).cast_signed());
             let Some(row) = rows.row(z, y) else { continue };
             let before = [rows.row(z, y - 1), rows.row(z - 1, y)];
             scan.new_labels(row, before, rows.background, |label| table.note(label))?;
