@@ -18,7 +18,7 @@ pub(crate) struct Arguments {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Task {
-    Contacts(ContactsArguments),
+    Contacts(Box<ContactsArguments>),
     Bench(BenchArguments),
     Generate(GenerateArguments),
 }
