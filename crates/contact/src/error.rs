@@ -213,6 +213,48 @@ pub enum Error {
         /// Bound on that number.
         limit: usize,
     },
+    /// Neighbours at edges of an image in 2D, which has faces (sides) and vertices (corners) only.
+    NoEdgesIn2D,
+    /// More grid squares than sums over them can be kept of in integers.
+    ImageTooLarge {
+        /// Grid squares along each axis.
+        shape: Vec<usize>,
+    },
+    /// A slab of an image is not made of whole planes.
+    PartialPlane {
+        /// Its grid squares.
+        squares: usize,
+        /// Grid squares of a plane.
+        plane: usize,
+    },
+    /// More planes than the shape of the image says.
+    TooManyPlanes {
+        /// Planes with those of the last slab.
+        found: usize,
+        /// Planes of the image.
+        expected: usize,
+    },
+    /// The image was finished before its last plane had come.
+    MissingPlanes {
+        /// Planes that have come.
+        found: usize,
+        /// Planes of the image.
+        expected: usize,
+    },
+    /// The edge of a grid square is not a length, or beyond the range in which areas are exact to rounding.
+    InvalidSpacing {
+        /// Zero-based axis of the array.
+        axis: usize,
+        /// The offending value.
+        value: f64,
+        /// Shortest and longest edge that are accepted.
+        limits: [f64; 2],
+    },
+    /// More contacts, or labels, in an image than can be numbered.
+    TooManyContacts {
+        /// Largest number that is accepted.
+        limit: usize,
+    },
     /// This processor lacks the vector instructions that were asked for.
     SimdUnavailable {
         /// What was asked for.
@@ -355,6 +397,32 @@ impl fmt::Display for Error {
                 "the periodic box is too small for the reach of its elements: they take {images:.3e} images, the bound is \
                  {limit}"
             ),
+            Self::NoEdgesIn2D => {
+                write!(
+                    out,
+                    "in 2D grid squares meet along a face or at a vertex: there is no edge neighbourhood"
+                )
+            }
+            Self::ImageTooLarge { shape } => write!(
+                out,
+                "an image of {shape:?} grid squares is too large: sums over about 30,000 x 30,000 x 30,000 fit 64 bits"
+            ),
+            Self::PartialPlane { squares, plane } => {
+                write!(out, "{squares} grid squares are not a number of planes of {plane}")
+            }
+            Self::TooManyPlanes { found, expected } => {
+                write!(out, "the image has {expected} planes, {found} have come")
+            }
+            Self::MissingPlanes { found, expected } => {
+                write!(out, "the image has {expected} planes, only {found} have come")
+            }
+            Self::InvalidSpacing { axis, value, limits: [low, high] } => write!(
+                out,
+                "spacing along axis {axis} of the image: {value:e} is not a length from {low:e} to {high:e}"
+            ),
+            Self::TooManyContacts { limit } => {
+                write!(out, "the image has more than {limit} contacts or labels: they cannot be numbered")
+            }
             Self::SimdUnavailable { simd } => write!(out, "this processor has no {simd}"),
             Self::NoThreads { threads, reason } => write!(out, "{threads} threads cannot be had: {reason}"),
             Self::OutOfMemory { bytes } => write!(out, "no memory for {bytes} bytes"),

@@ -25,6 +25,7 @@
 //! | the fastest search, and nothing else | [`Rows`] |
 //! | Munjiza-NBS as the book has it, its memory law, its figures | [`Nbs`], [`Observer`] |
 //! | the oracle | [`Direct`] |
+//! | which bodies touch in a labelled image: pixels, voxels | [`image::contacts`], [`image::ImageContacts`] |
 //! | to check a couple list by sampled brute force | [`verify()`] |
 //! | whether two shapes touch, where and how deep: spheres, planes, segments, capsules, triangles, polygons, tetrahedra, boxes | [`narrow`] |
 //!
@@ -62,6 +63,7 @@ mod couple;
 mod csr;
 mod verify;
 pub mod narrow;
+pub mod image;
 mod error;
 
 pub use buffer::{Buffered, Reason, Update};

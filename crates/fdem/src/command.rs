@@ -11,6 +11,8 @@ mod explain;
 mod failure;
 mod generate;
 mod input;
+mod label_summary;
+mod labels;
 mod output;
 mod periodic;
 mod picture;

@@ -10,6 +10,9 @@
 //! bytes ── read_mesh ── Gmsh, STL, OBJ, PLY, VTK, Abaqus ──> Mesh
 //! ```
 //!
+//! Labelled images are read plane by plane: [`with_label_image`]. Their contacts are written by [`write_label_contacts_csv`] and
+//! [`write_label_contacts_npy`].
+//!
 //! # Example
 //! ```
 //! use std::sync::atomic::AtomicU64;
@@ -35,8 +38,10 @@ mod table;
 mod text;
 
 mod mesh;
+mod labels;
 
 mod couples;
+mod label_contacts;
 mod error;
 mod excerpt;
 mod write_packing;
@@ -44,6 +49,8 @@ mod write_packing;
 pub use columns::{Columns, ColumnsError, Role};
 pub use couples::{CoupleRow, write_csv, write_npy};
 pub use error::ReadError;
+pub use label_contacts::{LabelColumns, LabelContactRow, write_label_contacts_csv, write_label_contacts_npy};
+pub use labels::{LabelError, LabelImage, LabelKind, LabelValue, with_label_image};
 pub use mesh::error::{MeshError, MeshProblem, Place};
 pub use mesh::{BodiesFrom, Cells, Mesh, MeshBody, MeshFormat, MeshSource, read_mesh};
 pub use packing::{BadLine, Centres, Column, Delimiter, Format, Packing, Skipped, Source};

@@ -18,7 +18,7 @@ pub(crate) struct Arguments {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Task {
-    Contacts(ContactsArguments),
+    Contacts(Box<ContactsArguments>),
     Bench(BenchArguments),
     Generate(GenerateArguments),
 }
@@ -56,6 +56,9 @@ pub(crate) struct ContactsArguments {
 
     #[command(flatten)]
     pub(crate) periodic: PeriodicArguments,
+
+    #[command(flatten)]
+    pub(crate) labels: LabelArguments,
 
     /// Print what the search would take and do not search: engine, cells, rows, images, about how many couples, memory.
     #[arg(long, conflicts_with_all = ["output", "count", "picture", "verify"])]
@@ -105,6 +108,57 @@ pub(crate) struct PeriodicArguments {
     #[arg(long, value_name = "POINT", allow_hyphen_values = true, value_parser = numbers, requires = "edges", conflicts_with = "limits")]
     pub(crate) origin: Option<Numbers>,
 }
+
+/// Images of bodies instead of packings.
+#[derive(Debug, Args)]
+pub(crate) struct LabelArguments {
+    /// FILE is an image, 2D or 3D (NumPy .npy or .npz, or the pages of a TIFF file), in which each number is a body: find which bodies touch,
+    /// with the faces that they share, their area, and the mean place and direction of the contact. x is along the last axis of the array.
+    #[arg(long, conflicts_with_all = [
+        "columns", "radius", "cutoff", "tolerance", "skip_bad_lines", "ignore_ids", "engine", "bodies", "periodic", "limits", "edges",
+        "origin", "explain", "picture", "verify",
+    ])]
+    pub(crate) labels: bool,
+
+    /// Which pixels or voxels are neighbours: those that share a face (a side in 2D), also those that share an edge (3D), also those that share
+    /// a vertex (a corner).
+    #[arg(long, value_enum, default_value_t = NeighbourhoodName::Face, requires = "labels")]
+    pub(crate) neighbourhood: NeighbourhoodName,
+
+    /// Edges of a pixel or voxel, for areas, places and directions [default: 1 each].
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = numbers, requires = "labels")]
+    pub(crate) spacing: Option<Numbers>,
+
+    /// The number that is no body; `none` if every number is one.
+    #[arg(long, value_name = "NUMBER", allow_hyphen_values = true, value_parser = background, default_value = "0", requires = "labels")]
+    pub(crate) background: Background,
+
+    /// The array of an .npz file, if it has several.
+    #[arg(long, value_name = "NAME", requires = "labels")]
+    pub(crate) member: Option<String>,
+}
+
+/// The neighbourhoods by the names of the command line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum NeighbourhoodName {
+    Face,
+    Edge,
+    Vertex,
+}
+
+impl NeighbourhoodName {
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Face => "face",
+            Self::Edge => "edge",
+            Self::Vertex => "vertex",
+        }
+    }
+}
+
+/// The label that is no body, if there is one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Background(pub(crate) Option<i128>);
 
 /// Which of the edges x, y and z are meant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -409,6 +463,14 @@ fn number(text: &str) -> Result<f64, String> {
 
 fn numbers(text: &str) -> Result<Numbers, String> {
     text.split(',').map(|text| number(text.trim())).collect::<Result<_, _>>().map(Numbers)
+}
+
+fn background(text: &str) -> Result<Background, String> {
+    if text == "none" {
+        return Ok(Background(None));
+    }
+    let number = text.parse().map_err(|_| format!("'{text}' is neither a whole number nor none"))?;
+    Ok(Background(Some(number)))
 }
 
 /// Letters, each once.

@@ -11,6 +11,7 @@ use crate::command::detect::{Couples, Request, Sizes, check, detect, overlap, un
 use crate::command::explain::Told;
 use crate::command::failure::Failure;
 use crate::command::input::{self, Input, id, refused, sizes};
+use crate::command::labels;
 use crate::command::output::{Output, Table, refuse_to_overwrite};
 use crate::command::periodic::{Space, periodic_box};
 use crate::command::picture;
@@ -18,6 +19,9 @@ use crate::command::progress::Progress;
 use crate::command::summary::{Seconds, Summary};
 
 pub(crate) fn run(arguments: &ContactsArguments) -> Result<(), Failure> {
+    if arguments.labels.labels {
+        return labels::run(arguments);
+    }
     refuse_to_overwrite(&[
         ("the input", Some(&arguments.input.file)),
         ("--output", arguments.output.as_ref()),
@@ -179,15 +183,15 @@ fn write_rows<const S: usize>(
 }
 
 /// The files that the command writes; all appear together, at the end.
-struct Outputs {
-    table: Table,
-    couples: Output,
-    json: Option<Output>,
+pub(crate) struct Outputs {
+    pub(crate) table: Table,
+    pub(crate) couples: Output,
+    pub(crate) json: Option<Output>,
     picture: Option<Output>,
 }
 
 impl Outputs {
-    fn open(arguments: &ContactsArguments) -> Result<Self, Failure> {
+    pub(crate) fn open(arguments: &ContactsArguments) -> Result<Self, Failure> {
         let output = arguments.output.as_deref();
         let optional = |path: &Option<_>| path.as_deref().map(|path| Output::open(Some(path))).transpose();
         Ok(Self {
@@ -198,7 +202,7 @@ impl Outputs {
         })
     }
 
-    fn commit(self) -> Result<(), Failure> {
+    pub(crate) fn commit(self) -> Result<(), Failure> {
         self.couples.commit()?;
         [self.json, self.picture].into_iter().flatten().try_for_each(Output::commit)
     }

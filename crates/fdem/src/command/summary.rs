@@ -230,7 +230,7 @@ impl fmt::Display for Summary {
 }
 
 /// Six digits, without trailing zeros; JSON has all of them.
-fn brief(x: f64) -> String {
+pub(crate) fn brief(x: f64) -> String {
     // Plus zero: minus zero is zero to a person.
     let rounded = format!("{x:.5e}").parse().unwrap_or(x) + 0.0;
     if rounded == 0.0 || (1e-4..1e6).contains(&f64::abs(rounded)) {
@@ -257,7 +257,7 @@ pub(crate) fn grouped(number: u64) -> String {
 ///
 /// Not from `getrusage`: what that reports survives the start of a program, so that `cargo run` would be measured too.
 #[cfg(target_os = "linux")]
-fn peak_bytes() -> Option<u64> {
+pub(crate) fn peak_bytes() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let peak = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
     Some(peak.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()? * 1024)
@@ -265,7 +265,7 @@ fn peak_bytes() -> Option<u64> {
 
 /// As above.
 #[cfg(all(unix, not(target_os = "linux")))]
-fn peak_bytes() -> Option<u64> {
+pub(crate) fn peak_bytes() -> Option<u64> {
     use nix::sys::resource::{UsageWho, getrusage};
     let usage = getrusage(UsageWho::RUSAGE_SELF).ok()?;
     // macOS counts bytes, the BSDs kilobytes.
@@ -274,7 +274,7 @@ fn peak_bytes() -> Option<u64> {
 }
 
 #[cfg(not(unix))]
-fn peak_bytes() -> Option<u64> {
+pub(crate) fn peak_bytes() -> Option<u64> {
     None
 }
 

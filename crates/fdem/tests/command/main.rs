@@ -6,6 +6,7 @@
 //! - `generate`: packings from seeds.
 //! - `periodic`: boxes that repeat, threads, and what is told before a search.
 //! - `bodies`: elements that are parts of bodies.
+//! - `labels`: images of bodies.
 //! - `beds`: a real bed that this project did not make.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failed unwrap is a failed test")]
@@ -16,6 +17,7 @@ mod bench;
 mod bodies;
 mod contacts;
 mod generate;
+mod labels;
 mod periodic;
 
 use std::fs;

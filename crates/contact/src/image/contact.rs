@@ -1,0 +1,288 @@
+//! What is known of a contact of two bodies in an image.
+
+use crate::error::Error;
+use crate::image::row::{DIAGONALS, Direction, Kind, Run};
+use crate::image::{Label, Neighbourhood};
+
+/// Edges of a grid square along each axis, the slowest first.
+///
+/// # Units
+/// Any unit of length; areas are in its square (in 2D lengths, or areas of an image of unit thickness).
+///
+/// # Example
+/// ```
+/// use fdem_contact::image::Spacing;
+///
+/// let voxels = Spacing::new([2.0, 1.0, 1.0])?; // slices twice as far apart as pixels
+/// assert_eq!(voxels.face(0), 1.0);
+/// assert_eq!(voxels.face(1), 2.0);
+/// assert!(Spacing::new([1.0, 0.0]).is_err());
+/// # Ok::<(), fdem_contact::Error>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spacing<const D: usize>([f64; D]);
+
+impl<const D: usize> Spacing<D> {
+    /// 1 along each axis.
+    pub const UNIT: Self = Self([1.0; D]);
+    /// Shortest and longest edge: products of edges, and of these with counts, stay in the range of floats.
+    const LIMITS: [f64; 2] = [1e-60, 1e60];
+
+    /// Checks the edges.
+    ///
+    /// # Errors
+    /// [`Error::InvalidSpacing`].
+    pub fn new(edges: [f64; D]) -> Result<Self, Error> {
+        let [low, high] = Self::LIMITS;
+        match edges.iter().position(|edge| !(low..=high).contains(edge)) {
+            Some(axis) => Err(Error::InvalidSpacing { axis, value: edges[axis], limits: Self::LIMITS }),
+            None => Ok(Self(edges)),
+        }
+    }
+
+    /// The edges.
+    pub fn edges(&self) -> [f64; D] {
+        self.0
+    }
+
+    /// Area of a face across an axis: the product of the other edges.
+    pub fn face(&self, axis: usize) -> f64 {
+        self.0.iter().enumerate().filter(|(other, _)| *other != axis).map(|(_, edge)| edge).product()
+    }
+}
+
+/// Two bodies in contact, with all that is counted of it.
+///
+/// The counts are whole numbers; area, centroid and normal are worked out from them for the [`Spacing`] of the image.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ImageContact<L, const D: usize> {
+    labels: [L; 2],
+    /// By the axis across which they lie: faces behind which the larger label is, and those behind which the smaller is.
+    faces: [[u64; 2]; D],
+    /// By that axis: the sum of the centres of the faces, in half grid squares.
+    centres: [[u64; D]; D],
+    /// Where they are looked for. Boxed: most images are searched for faces.
+    diagonals: Option<Box<Diagonals<D>>>,
+}
+
+/// Pairs that share an edge or a vertex.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Diagonals<const D: usize> {
+    edges: u64,
+    vertices: u64,
+    /// By direction: pairs with the larger label later in the array, less those with the smaller.
+    net: [i64; DIAGONALS],
+    /// The sum of the midpoints, in half grid squares.
+    midpoints: [u64; D],
+}
+
+impl<L: Label, const D: usize> ImageContact<L, D> {
+    pub(super) fn new(labels: [L; 2]) -> Self {
+        Self { labels, faces: [[0; 2]; D], centres: [[0; D]; D], diagonals: None }
+    }
+
+    /// Adds a run; `at` is the place of its later row along the other axes.
+    #[inline]
+    pub(super) fn add(&mut self, run: &Run<L>, at: &[u64], direction: &Direction<D>) {
+        let count = (run.end - run.start) as u64;
+        // Doubled indices of the later grid squares less the step, summed; `ImageContacts::new` has bounded all of it.
+        let sum = |axis: usize| {
+            let doubled = if axis == D - 1 { (run.start + run.end - 1) as u64 } else { 2 * at[axis] };
+            count * doubled.wrapping_add_signed(-i64::from(direction.step[axis]))
+        };
+        let backwards = run.later < run.earlier;
+        match direction.kind {
+            Kind::Face { axis: across } => {
+                self.faces[across][usize::from(backwards)] += count;
+                for (axis, centre) in self.centres[across].iter_mut().enumerate() {
+                    *centre += sum(axis);
+                }
+            }
+            Kind::Edge { number } | Kind::Vertex { number } => {
+                let diagonals = self.diagonals_mut();
+                if matches!(direction.kind, Kind::Edge { .. }) {
+                    diagonals.edges += count;
+                } else {
+                    diagonals.vertices += count;
+                }
+                diagonals.net[number] += if backwards { -count.cast_signed() } else { count.cast_signed() };
+                for (axis, midpoint) in diagonals.midpoints.iter_mut().enumerate() {
+                    *midpoint += sum(axis);
+                }
+            }
+        }
+    }
+
+    fn diagonals_mut(&mut self) -> &mut Diagonals<D> {
+        let none = || Diagonals { edges: 0, vertices: 0, net: [0; DIAGONALS], midpoints: [0; D] };
+        self.diagonals.get_or_insert_with(|| Box::new(none()))
+    }
+
+    /// Adds what another part of the image has of the same contact.
+    pub(super) fn merge(&mut self, other: &Self) {
+        let add = |into: &mut [u64], from: &[u64]| into.iter_mut().zip(from).for_each(|(into, n)| *into += n);
+        add(self.faces.as_flattened_mut(), other.faces.as_flattened());
+        add(self.centres.as_flattened_mut(), other.centres.as_flattened());
+        if let Some(other) = &other.diagonals {
+            let diagonals = self.diagonals_mut();
+            diagonals.edges += other.edges;
+            diagonals.vertices += other.vertices;
+            diagonals.net.iter_mut().zip(&other.net).for_each(|(into, n)| *into += n);
+            add(&mut diagonals.midpoints, &other.midpoints);
+        }
+    }
+
+    /// The two labels, the smaller first.
+    pub fn labels(&self) -> [L; 2] {
+        self.labels
+    }
+
+    /// Number of shared faces: the area, for a face of 1.
+    pub fn faces(&self) -> u64 {
+        self.faces_along().iter().sum()
+    }
+
+    /// Number of shared faces across each axis.
+    pub fn faces_along(&self) -> [u64; D] {
+        self.faces.map(|[forwards, backwards]| forwards + backwards)
+    }
+
+    /// Number of pairs of grid squares that share an edge and no face; 0 unless [`Neighbourhood::Edge`] or `Vertex` was asked for.
+    pub fn edges(&self) -> u64 {
+        self.diagonals.as_ref().map_or(0, |diagonals| diagonals.edges)
+    }
+
+    /// Number of pairs of grid squares that share a vertex and nothing more; 0 unless [`Neighbourhood::Vertex`] was asked for.
+    pub fn vertices(&self) -> u64 {
+        self.diagonals.as_ref().map_or(0, |diagonals| diagonals.vertices)
+    }
+
+    /// Area of the shared faces; in 2D the length of the shared sides.
+    ///
+    /// # Units
+    /// That of the spacing, squared; in 2D that of the spacing.
+    pub fn area(&self, spacing: &Spacing<D>) -> f64 {
+        let faces = self.faces_along();
+        (0..D).map(|axis| spacing.face(axis) * faces[axis] as f64).sum()
+    }
+
+    /// The mean of the centres of the shared faces, weighted by their areas; without faces the mean of the midpoints of the pairs.
+    ///
+    /// # Units
+    /// That of the spacing; the centre of the first grid square of the image is at 0.
+    pub fn centroid(&self, spacing: &Spacing<D>) -> [f64; D] {
+        let mut sums = [0.0; D];
+        let mut count = 0.0;
+        if self.faces() > 0 {
+            for (across, faces) in self.faces_along().into_iter().enumerate() {
+                let face = spacing.face(across);
+                count += face * faces as f64;
+                for (sum, centre) in sums.iter_mut().zip(self.centres[across]) {
+                    *sum += face * centre as f64;
+                }
+            }
+        } else if let Some(diagonals) = &self.diagonals {
+            count = (diagonals.edges + diagonals.vertices) as f64;
+            sums = diagonals.midpoints.map(|sum| sum as f64);
+        }
+        std::array::from_fn(|axis| sums[axis] / (2.0 * count) * spacing.0[axis])
+    }
+
+    /// The mean direction of the contact, from the smaller label to the larger: a unit vector.
+    ///
+    /// With faces it is along the sum of their areas, each times its unit normal; without, along the sum of the unit vectors from
+    /// centre to centre of the pairs. Where the sum vanishes, as it does for a body inside another, there is no such direction, and the vector is
+    /// all zeros.
+    pub fn normal(&self, spacing: &Spacing<D>) -> [f64; D] {
+        let mut sum = [0.0; D];
+        if self.faces() > 0 {
+            for (axis, [forwards, backwards]) in self.faces.into_iter().enumerate() {
+                sum[axis] = (i128::from(forwards) - i128::from(backwards)) as f64 * spacing.face(axis);
+            }
+        } else if let Some(diagonals) = &self.diagonals {
+            for Direction { step, kind } in Direction::<D>::all(Neighbourhood::Vertex) {
+                let (Kind::Edge { number } | Kind::Vertex { number }) = kind else { continue };
+                let from_centre_to_centre =
+                    std::array::from_fn(|axis| f64::from(step[axis]) * spacing.0[axis]);
+                let unit: [f64; D] = unit(from_centre_to_centre);
+                for (sum, unit) in sum.iter_mut().zip(unit) {
+                    *sum += diagonals.net[number] as f64 * unit;
+                }
+            }
+        }
+        unit(sum)
+    }
+}
+
+/// The vector divided by its length; zeros stay zeros.
+fn unit<const D: usize>(vector: [f64; D]) -> [f64; D] {
+    let largest = vector.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
+    if largest == 0.0 {
+        return [0.0; D];
+    }
+    // The squares of what is within range need not be.
+    let scaled = vector.map(|x| x / largest);
+    let length = scaled.iter().map(|x| x * x).sum::<f64>().sqrt();
+    // Plus zero: a component that vanishes has no sign.
+    scaled.map(|x| x / length + 0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::contacts;
+
+    #[test]
+    fn areas_and_centroids_have_the_spacing() {
+        // 1 below 2 over a step: one face across axis 0, one across axis 1.
+        let found = contacts(&[1_u8, 1, 2, 1], [2, 1, 2], Neighbourhood::Face).unwrap();
+        let [contact] = &found[..] else { panic!("{found:?}") };
+        assert_eq!(contact.faces_along(), [1, 0, 1]);
+        let spacing = Spacing::new([3.0, 1.0, 2.0]).unwrap();
+        // Of area 2 at (1.5, 0, 0), of area 3 at (3, 0, 1).
+        assert_eq!(contact.area(&spacing), 5.0);
+        let [z, y, x] = contact.centroid(&spacing);
+        assert!((z - (2.0 * 1.5 + 3.0 * 3.0) / 5.0).abs() < 1e-15 && y == 0.0 && x == 0.6, "{z} {y} {x}");
+        let [z, y, x] = contact.normal(&spacing);
+        assert_eq!(y, 0.0);
+        assert!(
+            (z - 2.0 / 13_f64.sqrt()).abs() < 1e-15 && (x + 3.0 / 13_f64.sqrt()).abs() < 1e-15,
+            "{z} {x}"
+        );
+    }
+
+    #[test]
+    fn a_body_inside_another_has_no_normal() {
+        let found = contacts(&[7_u8, 7, 7, 7, 3, 7, 7, 7, 7], [3, 3], Neighbourhood::Vertex).unwrap();
+        assert_eq!((found[0].faces(), found[0].vertices()), (4, 4));
+        assert_eq!(found[0].normal(&Spacing::UNIT), [0.0, 0.0]);
+        assert_eq!(found[0].centroid(&Spacing::UNIT), [1.0, 1.0]);
+        // The same with corners only.
+        let found = contacts(&[7_u8, 0, 7, 0, 3, 0, 7, 0, 7], [3, 3], Neighbourhood::Vertex).unwrap();
+        assert_eq!((found[0].faces(), found[0].vertices()), (0, 4));
+        assert_eq!(found[0].normal(&Spacing::UNIT), [0.0, 0.0]);
+        assert_eq!(found[0].centroid(&Spacing::UNIT), [1.0, 1.0]);
+    }
+
+    #[test]
+    fn without_faces_midpoints_count() {
+        let found = contacts(&[5_u8, 0, 0, 4], [2, 2], Neighbourhood::Vertex).unwrap();
+        let spacing = Spacing::new([3.0, 4.0]).unwrap();
+        assert_eq!(found[0].area(&spacing), 0.0);
+        assert_eq!(found[0].centroid(&spacing), [1.5, 2.0]);
+        let [y, x] = found[0].normal(&spacing);
+        assert!((y + 0.6).abs() < 1e-15 && (x + 0.8).abs() < 1e-15, "from 4 to 5: {y} {x}");
+    }
+
+    #[test]
+    fn spacings_that_are_no_lengths_are_refused() {
+        for bad in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e61, 1e-61] {
+            let error = Spacing::new([1.0, bad]).unwrap_err();
+            assert!(matches!(error, Error::InvalidSpacing { axis: 1, .. }), "{error}");
+        }
+        let extreme = Spacing::new([1e60, 1e-60, 1e60]).unwrap();
+        let found = contacts(&[1_u8, 2], [1, 1, 2], Neighbourhood::Face).unwrap();
+        assert_eq!(found[0].normal(&extreme), [0.0, 0.0, 1.0]);
+        assert!((found[0].centroid(&extreme)[2] / 1e60 - 0.5).abs() < 1e-15);
+    }
+}

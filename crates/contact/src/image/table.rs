@@ -1,0 +1,176 @@
+//! The contacts of an image while it is read: a hash table whose entries stand one after the other.
+
+use crate::error::Error;
+use crate::image::row::{Direction, Run};
+use crate::image::{ImageContact, Label};
+
+/// Contacts by their labels, and the labels themselves.
+///
+/// The entries are in the order in which they were met; their order in the end is by label.
+#[derive(Clone, Debug)]
+pub(super) struct Table<L, const D: usize> {
+    places: Places,
+    contacts: Vec<ImageContact<L, D>>,
+    label_places: Places,
+    labels: Vec<L>,
+}
+
+impl<L: Label, const D: usize> Table<L, D> {
+    pub(super) fn new() -> Self {
+        Self {
+            places: Places::default(),
+            contacts: Vec::new(),
+            label_places: Places::default(),
+            labels: Vec::new(),
+        }
+    }
+
+    /// Adds the pairs of a run; `at` is the place of its later row.
+    #[inline]
+    pub(super) fn add(&mut self, run: &Run<L>, at: &[u64], direction: &Direction<D>) -> Result<(), Error> {
+        let (a, b) = (run.earlier, run.later);
+        self.contact([a.min(b), a.max(b)])?.add(run, at, direction);
+        Ok(())
+    }
+
+    /// The contact of two labels, new if there is none.
+    #[inline]
+    fn contact(&mut self, labels: [L; 2]) -> Result<&mut ImageContact<L, D>, Error> {
+        let Self { places, contacts, .. } = self;
+        let hash = |[a, b]: [L; 2]| hash(a.bits(), b.bits());
+        let place = match places.find(hash(labels), |at| contacts[at].labels() == labels) {
+            Some(at) => at,
+            None => places.add(contacts, ImageContact::new(labels), |contact| hash(contact.labels()))?,
+        };
+        Ok(&mut contacts[place])
+    }
+
+    /// Remembers that there is this label.
+    pub(super) fn note(&mut self, label: L) -> Result<(), Error> {
+        let Self { label_places, labels, .. } = self;
+        let hash = |label: L| hash(label.bits(), 0);
+        if label_places.find(hash(label), |at| labels[at] == label).is_none() {
+            label_places.add(labels, label, |label| hash(*label))?;
+        }
+        Ok(())
+    }
+
+    pub(super) fn labels(&self) -> &[L] {
+        &self.labels
+    }
+
+    /// Adds the contacts of another part of the image.
+    pub(super) fn merge(&mut self, other: &Self) -> Result<(), Error> {
+        other.contacts.iter().try_for_each(|contact| {
+            self.contact(contact.labels())?.merge(contact);
+            Ok(())
+        })
+    }
+
+    /// The contacts, sorted by their labels.
+    pub(super) fn into_contacts(self) -> Vec<ImageContact<L, D>> {
+        let mut contacts = self.contacts;
+        contacts.sort_unstable_by_key(ImageContact::labels);
+        contacts
+    }
+}
+
+/// Where the entries of an array stand, by their hash: open addressing, linear probing.
+#[derive(Clone, Debug, Default)]
+struct Places {
+    /// A power of two of them, at least a quarter vacant; or none.
+    slots: Vec<u32>,
+}
+
+const VACANT: u32 = u32::MAX;
+const FEWEST_SLOTS: usize = 1 << 8;
+
+impl Places {
+    /// The place of the entry with this hash that `is_it`.
+    #[inline]
+    fn find(&self, hash: u64, mut is_it: impl FnMut(usize) -> bool) -> Option<usize> {
+        let last = self.slots.len().checked_sub(1)?;
+        let mut slot = hash as usize & last;
+        loop {
+            match self.slots[slot] {
+                VACANT => return None,
+                place if is_it(place as usize) => return Some(place as usize),
+                _ => slot = (slot + 1) & last,
+            }
+        }
+    }
+
+    /// Puts a new entry behind all others and returns its place.
+    #[cold]
+    fn add<E>(&mut self, entries: &mut Vec<E>, entry: E, hash: impl Fn(&E) -> u64) -> Result<usize, Error> {
+        let place = entries.len();
+        if place >= VACANT as usize {
+            return Err(Error::TooManyContacts { limit: VACANT as usize });
+        }
+        let bytes = |entries: usize, size: usize| entries.saturating_mul(size);
+        let out_of_memory = |bytes| move |_| Error::OutOfMemory { bytes };
+        if (place + 1) * 4 > self.slots.len() * 3 {
+            let slots = (self.slots.len() * 2).max(FEWEST_SLOTS);
+            let mut larger = Vec::new();
+            larger.try_reserve_exact(slots).map_err(out_of_memory(bytes(slots, size_of::<u32>())))?;
+            larger.resize(slots, VACANT);
+            self.slots = larger;
+            entries.iter().enumerate().for_each(|(place, entry)| self.occupy(hash(entry), place));
+        }
+        entries.try_reserve(1).map_err(out_of_memory(bytes(place + 1, size_of::<E>())))?;
+        self.occupy(hash(&entry), place);
+        entries.push(entry);
+        Ok(place)
+    }
+
+    fn occupy(&mut self, hash: u64, place: usize) {
+        let last = self.slots.len() - 1;
+        let mut slot = hash as usize & last;
+        while self.slots[slot] != VACANT {
+            slot = (slot + 1) & last;
+        }
+        self.slots[slot] = place as u32;
+    }
+}
+
+/// Two numbers mixed: the halves of a product of 128 bits, of which each depends on all bits of both.
+#[inline]
+fn hash(a: u64, b: u64) -> u64 {
+    // Odd numbers without a pattern: fractions of the square roots of 2 and 3.
+    const FIRST: u64 = 0x6a09_e667_f3bc_c909;
+    const SECOND: u64 = 0xbb67_ae85_84ca_a73b;
+    let fold = |product: u128| product as u64 ^ (product >> 64) as u64;
+    let first = fold(u128::from(a ^ FIRST) * u128::from(SECOND));
+    fold(u128::from(first ^ b) * u128::from(FIRST))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn entries_are_found_again() {
+        let mut table = Table::<u64, 3>::new();
+        let pair = |k: u64| [k % 100, 100 + (k << 32)];
+        for k in (0..3000).chain(0..3000) {
+            assert_eq!(table.contact(pair(k)).unwrap().labels(), pair(k));
+            table.note(k).unwrap();
+        }
+        assert_eq!(table.labels().len(), 3000);
+        let contacts = table.into_contacts();
+        assert_eq!(contacts.len(), 3000);
+        assert!(contacts.is_sorted_by_key(ImageContact::labels));
+    }
+
+    #[test]
+    fn numbers_in_a_row_are_spread() {
+        // Labels are often numbered along space: their hashes must not be in a row.
+        let mut slots = vec![0_u32; 1 << 12];
+        for k in 0..1_u64 << 10 {
+            for step in [1, 7] {
+                slots[hash(k, k + step) as usize % (1 << 12)] += 1;
+            }
+        }
+        assert!(slots.iter().all(|&used| used <= 6), "{:?}", slots.iter().max());
+    }
+}

@@ -1,0 +1,323 @@
+//! `fdem contacts --labels`: contacts of bodies in labelled images, read plane by plane.
+
+use std::fs::File;
+use std::io::{self, Cursor, Read, Write};
+use std::path::Path;
+use std::sync::atomic::Ordering;
+use std::time::Instant;
+
+use fdem_contact::Error;
+use fdem_contact::image::{ImageContact, ImageContacts, Label, Neighbourhood, Spacing};
+use fdem_io::{
+    LabelColumns, LabelContactRow, LabelError, LabelImage, LabelKind, LabelValue, with_label_image,
+    write_label_contacts_csv, write_label_contacts_npy,
+};
+
+use crate::command::args::{ContactsArguments, NeighbourhoodName};
+use crate::command::contacts::Outputs;
+use crate::command::failure::{Failure, display_name};
+use crate::command::label_summary::LabelSummary;
+use crate::command::output::{Table, is_stdout, refuse_to_overwrite};
+use crate::command::progress::{Position, Progress};
+use crate::command::summary::Seconds;
+
+pub(crate) fn run(arguments: &ContactsArguments) -> Result<(), Failure> {
+    let file = &arguments.input.file;
+    refuse_to_overwrite(&[
+        ("the input", Some(file)),
+        ("--output", arguments.output.as_ref()),
+        ("--json", arguments.json.as_ref()),
+    ])?;
+    let progress = Progress::new(arguments.quiet);
+    let mut outputs = Outputs::open(arguments)?;
+    let name = if is_stdout(file) { "standard input".to_owned() } else { display_name(file) };
+    let task = Task { arguments, progress: &progress, name: &name };
+    let visit = |image: &mut LabelImage<'_>| task.visit(image, &mut outputs);
+    let member = arguments.labels.member.as_deref();
+    let done = match open(file, &name)? {
+        Opened::File(file) => with_label_image(file, member, visit),
+        Opened::Memory(bytes) => with_label_image(bytes, member, visit),
+    };
+    let mut summary = done.map_err(|stop| stop.told(&name))?;
+
+    summary.measure_peak();
+    if let Some(json) = &mut outputs.json {
+        json.write(|out| {
+            serde_json::to_writer_pretty(&mut *out, &summary)?;
+            out.write_all(b"\n")
+        })?;
+    }
+    outputs.commit()?;
+    if !arguments.quiet {
+        // A summary that nobody can see any more is no failure.
+        let _ = write!(io::stderr(), "{summary}");
+    }
+    Ok(())
+}
+
+/// An image whose end can be found.
+enum Opened {
+    File(File),
+    Memory(Cursor<Vec<u8>>),
+}
+
+/// What comes through a pipe is kept, if it starts as an image does: `/dev/zero` has no end.
+fn open(file: &Path, name: &str) -> Result<Opened, Failure> {
+    const STARTS: [&[u8]; 4] = [b"\x93NUMPY", b"PK", b"II", b"MM"];
+    let failed = |error: io::Error| Failure::reading(name, &error);
+    let mut input: Box<dyn Read> = if is_stdout(file) {
+        Box::new(io::stdin().lock())
+    } else {
+        if file.is_dir() {
+            return Err(Failure::Unusable(format!("cannot read {name}: it is a directory")));
+        }
+        let opened = File::open(file).map_err(failed)?;
+        if opened.metadata().is_ok_and(|metadata| metadata.is_file()) {
+            return Ok(Opened::File(opened));
+        }
+        Box::new(opened)
+    };
+    let mut bytes = Vec::new();
+    input.by_ref().take(8).read_to_end(&mut bytes).map_err(failed)?;
+    if STARTS.iter().any(|start| bytes.starts_with(start)) {
+        input.read_to_end(&mut bytes).map_err(failed)?;
+    }
+    Ok(Opened::Memory(Cursor::new(bytes)))
+}
+
+/// Why an image was not gone on with.
+enum Stop {
+    Unreadable(LabelError),
+    Refused(Error),
+    /// With options that do not fit the image.
+    Option(String),
+    Failed(Failure),
+}
+
+impl From<LabelError> for Stop {
+    fn from(error: LabelError) -> Self {
+        Self::Unreadable(error)
+    }
+}
+
+impl From<Error> for Stop {
+    fn from(error: Error) -> Self {
+        Self::Refused(error)
+    }
+}
+
+impl Stop {
+    /// In the words of the command.
+    fn told(self, name: &str) -> Failure {
+        let text = match self {
+            Self::Failed(failure) => return failure,
+            Self::Unreadable(LabelError::Read(error)) => return Failure::reading(name, &error),
+            Self::Unreadable(LabelError::Member { wanted: None, present }) => format!(
+                "the archive has {} arrays: choose one with --member: {}",
+                present.len(),
+                present.join(", ")
+            ),
+            Self::Unreadable(error) => error.to_string(),
+            Self::Refused(error @ Error::NoEdgesIn2D) => format!("--neighbourhood edge: {error}"),
+            Self::Refused(error @ Error::InvalidSpacing { .. }) => format!("--spacing: {error}"),
+            Self::Refused(error @ Error::NoThreads { .. }) => format!("--threads: {error}"),
+            Self::Refused(error) => error.to_string(),
+            Self::Option(text) => text,
+        };
+        Failure::Unusable(format!("{name}: {text}"))
+    }
+}
+
+/// What was asked for.
+struct Task<'a> {
+    arguments: &'a ContactsArguments,
+    progress: &'a Progress,
+    name: &'a str,
+}
+
+/// The order of x, y and z among the axes of the bytes.
+#[derive(Clone, Copy)]
+struct AxisOrder {
+    reversed: bool,
+}
+
+impl AxisOrder {
+    /// x is the last axis of the array, and its fastest in C order.
+    fn xyz<T: Copy, const D: usize>(self, mut axes: [T; D]) -> [T; D] {
+        if !self.reversed {
+            axes.reverse();
+        }
+        axes
+    }
+}
+
+/// Grid squares that are compared at a time, or one plane.
+const SLAB: usize = 1 << 19;
+
+impl Task<'_> {
+    fn visit(&self, image: &mut LabelImage<'_>, outputs: &mut Outputs) -> Result<LabelSummary, Stop> {
+        match image.kind() {
+            LabelKind::U8 => self.typed::<u8>(image, outputs),
+            LabelKind::U16 => self.typed::<u16>(image, outputs),
+            LabelKind::U32 => self.typed::<u32>(image, outputs),
+            LabelKind::U64 => self.typed::<u64>(image, outputs),
+            LabelKind::I32 => self.typed::<i32>(image, outputs),
+            LabelKind::I64 => self.typed::<i64>(image, outputs),
+        }
+    }
+
+    fn typed<L: Label + LabelValue + TryFrom<i128>>(
+        &self,
+        image: &mut LabelImage<'_>,
+        outputs: &mut Outputs,
+    ) -> Result<LabelSummary, Stop> {
+        let background = self.arguments.labels.background.0;
+        let converted = background.map(|number| {
+            L::try_from(number).map_err(|_| {
+                Stop::Option(format!("--background {number}: no label of {} can be that", image.format()))
+            })
+        });
+        let converted = converted.transpose()?;
+        match *image.shape() {
+            [rows, columns] => self.find(image, [rows, columns], converted, outputs),
+            [planes, rows, columns] => self.find(image, [planes, rows, columns], converted, outputs),
+            _ => Err(Stop::Option("an image has two or three axes".to_owned())),
+        }
+    }
+
+    fn find<L: Label + LabelValue, const D: usize>(
+        &self,
+        image: &mut LabelImage<'_>,
+        shape: [usize; D],
+        background: Option<L>,
+        outputs: &mut Outputs,
+    ) -> Result<LabelSummary, Stop> {
+        let order = AxisOrder { reversed: image.reversed() };
+        let spacing = self.spacing(order)?;
+        let neighbourhood = self.arguments.labels.neighbourhood.into();
+        let contacts = ImageContacts::new(shape, neighbourhood)?
+            .with_background(background)
+            .with_threads(self.arguments.threads)?;
+        let mut seconds = Seconds::default();
+        let (found, _) = self.progress.step("reading and comparing", Some(shape[0] as u64), |position| {
+            stream(image, contacts, position, &mut seconds)
+        });
+        let (contacts, bodies) = found?;
+
+        let columns = LabelColumns {
+            edges: D == 3 && neighbourhood >= Neighbourhood::Edge,
+            vertices: neighbourhood == Neighbourhood::Vertex,
+            unsigned: L::KIND == LabelKind::U64,
+        };
+        let rows = contacts.iter().map(|contact| row(contact, &spacing, order));
+        let (written, writing) = self.progress.step("writing", Some(contacts.len() as u64), |position| {
+            let rows = rows.inspect(|_| _ = position.fetch_add(1, Ordering::Relaxed));
+            if self.arguments.count {
+                return outputs.couples.write(|out| writeln!(out, "{}", contacts.len()));
+            }
+            let table = outputs.table;
+            outputs.couples.write(|mut out| match table {
+                Table::Csv => write_label_contacts_csv(&mut out, columns, rows),
+                Table::Npy => write_label_contacts_npy(&mut out, columns, rows),
+            })
+        });
+        written.map_err(Stop::Failed)?;
+        seconds.write = writing;
+
+        let mut in_contact: Vec<L> = contacts.iter().flat_map(ImageContact::labels).collect();
+        in_contact.sort_unstable();
+        in_contact.dedup();
+        let sum = |count: fn(&ImageContact<L, D>) -> u64| contacts.iter().map(count).sum::<u64>();
+        Ok(LabelSummary {
+            file: self.name.to_owned(),
+            format: image.format().to_owned(),
+            shape: order.xyz(shape).to_vec(),
+            spacing: order.xyz(spacing.edges()).to_vec(),
+            background: background.map(Into::into),
+            bodies,
+            neighbourhood: self.arguments.labels.neighbourhood.name(),
+            threads: self.arguments.threads,
+            contacts: contacts.len(),
+            mean_coordination: if bodies == 0 { 0.0 } else { 2.0 * contacts.len() as f64 / bodies as f64 },
+            without_contact: bodies - in_contact.len(),
+            faces: sum(ImageContact::faces),
+            edges: columns.edges.then(|| sum(ImageContact::edges)),
+            vertices: columns.vertices.then(|| sum(ImageContact::vertices)),
+            area: contacts.iter().map(|contact| contact.area(&spacing)).sum(),
+            seconds,
+            peak_bytes: None,
+        })
+    }
+
+    /// In the order of the bytes.
+    fn spacing<const D: usize>(&self, order: AxisOrder) -> Result<Spacing<D>, Stop> {
+        let Some(numbers) = &self.arguments.labels.spacing else { return Ok(Spacing::UNIT) };
+        let edges: [f64; D] = numbers.0[..].try_into().map_err(|_| {
+            let wanted = if D == 2 { "X,Y" } else { "X,Y,Z" };
+            Stop::Option(format!(
+                "--spacing has {} numbers, the image is {D}D: give {wanted}",
+                numbers.0.len()
+            ))
+        })?;
+        // Turning round is its own inverse.
+        Ok(Spacing::new(order.xyz(edges))?)
+    }
+}
+
+/// Reads and compares slab after slab.
+fn stream<L: Label + LabelValue, const D: usize>(
+    image: &mut LabelImage<'_>,
+    mut contacts: ImageContacts<L, D>,
+    position: &Position,
+    seconds: &mut Seconds,
+) -> Result<(Vec<ImageContact<L, D>>, usize), Stop> {
+    let plane: usize = image.shape()[1..].iter().product();
+    let planes = (SLAB / plane.max(1)).max(1);
+    let mut slab = Vec::new();
+    loop {
+        let start = Instant::now();
+        let read = image.read_planes(planes, &mut slab)?;
+        seconds.read += start.elapsed().as_secs_f64();
+        if read == 0 {
+            break;
+        }
+        let start = Instant::now();
+        contacts.add(&slab)?;
+        seconds.detect += start.elapsed().as_secs_f64();
+        position.fetch_add(read as u64, Ordering::Relaxed);
+    }
+    drop(slab);
+    let start = Instant::now();
+    let bodies = contacts.labels();
+    let contacts = contacts.finish()?;
+    seconds.detect += start.elapsed().as_secs_f64();
+    Ok((contacts, bodies))
+}
+
+fn row<L: Label, const D: usize>(
+    contact: &ImageContact<L, D>,
+    spacing: &Spacing<D>,
+    order: AxisOrder,
+) -> LabelContactRow<D> {
+    let [i, j] = contact.labels().map(Into::into);
+    LabelContactRow {
+        i,
+        j,
+        faces: contact.faces(),
+        edges: contact.edges(),
+        vertices: contact.vertices(),
+        area: contact.area(spacing),
+        centroid: order.xyz(contact.centroid(spacing)),
+        normal: order.xyz(contact.normal(spacing)),
+    }
+}
+
+impl From<NeighbourhoodName> for Neighbourhood {
+    fn from(name: NeighbourhoodName) -> Self {
+        match name {
+            NeighbourhoodName::Face => Self::Face,
+            NeighbourhoodName::Edge => Self::Edge,
+            NeighbourhoodName::Vertex => Self::Vertex,
+        }
+    }
+}
