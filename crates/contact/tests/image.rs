@@ -47,19 +47,20 @@ fn brute_force<L: Label, const D: usize>(
     let index = |mut at: usize| {
         let mut index = [0_i64; D];
         for axis in (0..D).rev() {
-            index[axis] = (at % shape[axis]) as i64;
+            index[axis] = (at % shape[axis]).cast_signed() as i64;
             at /= shape[axis];
         }
         index
     };
     let at = |index: [i64; D]| {
-        let inside = (0..D).all(|axis| (0..shape[axis] as i64).contains(&index[axis]));
+        let inside = (0..D).all(|axis| (0..shape[axis].cast_signed() as i64).contains(&index[axis]));
         inside.then(|| (0..D).fold(0, |at, axis| at * shape[axis] + index[axis] as usize))
     };
     let mut found: BTreeMap<[L; 2], Pairs<D>> = BTreeMap::new();
     for (here, &small) in labels.iter().enumerate() {
         for code in 0..3_usize.pow(D as u32) {
-            let step: [i64; D] = std::array::from_fn(|axis| (code / 3_usize.pow(axis as u32) % 3) as i64 - 1);
+            let step: [i64; D] =
+                std::array::from_fn(|axis| (code / 3_usize.pow(axis as u32) % 3).cast_signed() as i64 - 1);
             let axes = step.iter().filter(|step| **step != 0).count();
             let share = match axes {
                 0 => continue,
@@ -265,7 +266,7 @@ fn grains_of_a_disc_touch_as_their_cells_do() {
     for j in 0..GRAINS {
         for i in 0..j {
             let [a, b] = [sites[i], sites[j]];
-            let middle = [(a[0] + b[0]) / 2.0, (a[1] + b[1]) / 2.0];
+            let middle = [f64::midpoint(a[0], b[0]), f64::midpoint(a[1], b[1])];
             let distance = (b[0] - a[0]).hypot(b[1] - a[1]);
             let normal = [(b[0] - a[0]) / distance, (b[1] - a[1]) / distance];
             let along = [-normal[1], normal[0]];
