@@ -213,8 +213,12 @@ fn detect_periodic<const D: usize>(
     } else {
         search.for_each(elements, cell, add)?;
     }
-    let wrapped: Vec<_> =
-        space.centres.iter().map(|&centre| cell.wrap(centre).map_or(centre, |(inside, _)| inside)).collect();
+    drop(search);
+    let mut wrapped = Vec::new();
+    let out_of_memory = |_| Error::OutOfMemory { bytes: size_of_val(space.centres) };
+    wrapped.try_reserve_exact(space.centres.len()).map_err(out_of_memory)?;
+    wrapped
+        .extend(space.centres.iter().map(|&centre| cell.wrap(centre).map_or(centre, |(inside, _)| inside)));
     let plan = Detector::new(request.engine).plan(&request.elements(&wrapped)?)?;
     Ok((Couples::Periodic(couples), plan))
 }
