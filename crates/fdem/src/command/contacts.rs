@@ -1,10 +1,12 @@
 //! `fdem contacts`: read, detect, write, report.
 
+use std::fmt;
 use std::io::{self, Write};
 use std::sync::atomic::Ordering;
 
 use fdem_contact::PeriodicCouple;
 use fdem_io::{Centres, CoupleRow, Packing};
+use serde::Serialize;
 
 use crate::command::args::ContactsArguments;
 use crate::command::detect::{Couples, Request, Sizes, check, detect, overlap, unshifted};
@@ -46,18 +48,7 @@ pub(crate) fn run(arguments: &ContactsArguments) -> Result<(), Failure> {
 
     // The last output is the summary, which tells how long the others took.
     summary.measure_peak();
-    if let Some(json) = &mut outputs.json {
-        json.write(|out| {
-            serde_json::to_writer_pretty(&mut *out, &summary)?;
-            out.write_all(b"\n")
-        })?;
-    }
-    outputs.commit()?;
-    if !arguments.quiet {
-        // A summary that nobody can see any more is no failure.
-        let _ = write!(io::stderr(), "{summary}");
-    }
-    Ok(())
+    outputs.finish(&summary, arguments.quiet)
 }
 
 /// What the search would take, instead of the search.
@@ -202,7 +193,27 @@ impl Outputs {
         })
     }
 
-    pub(crate) fn commit(self) -> Result<(), Failure> {
+    /// Writes the summary as JSON, puts all files in place, and shows the summary.
+    pub(crate) fn finish(
+        mut self,
+        summary: &(impl Serialize + fmt::Display),
+        quiet: bool,
+    ) -> Result<(), Failure> {
+        if let Some(json) = &mut self.json {
+            json.write(|out| {
+                serde_json::to_writer_pretty(&mut *out, summary)?;
+                out.write_all(b"\n")
+            })?;
+        }
+        self.commit()?;
+        if !quiet {
+            // A summary that nobody can see any more is no failure.
+            let _ = write!(io::stderr(), "{summary}");
+        }
+        Ok(())
+    }
+
+    fn commit(self) -> Result<(), Failure> {
         self.couples.commit()?;
         [self.json, self.picture].into_iter().flatten().try_for_each(Output::commit)
     }

@@ -1,7 +1,7 @@
 //! `fdem contacts --labels`: contacts of bodies in labelled images, read plane by plane.
 
 use std::fs::File;
-use std::io::{self, Cursor, Read, Write};
+use std::io::{self, Cursor, Read};
 use std::path::Path;
 use std::sync::atomic::Ordering;
 use std::time::Instant;
@@ -41,18 +41,7 @@ pub(crate) fn run(arguments: &ContactsArguments) -> Result<(), Failure> {
     let mut summary = done.map_err(|stop| stop.told(&name))?;
 
     summary.measure_peak();
-    if let Some(json) = &mut outputs.json {
-        json.write(|out| {
-            serde_json::to_writer_pretty(&mut *out, &summary)?;
-            out.write_all(b"\n")
-        })?;
-    }
-    outputs.commit()?;
-    if !arguments.quiet {
-        // A summary that nobody can see any more is no failure.
-        let _ = write!(io::stderr(), "{summary}");
-    }
-    Ok(())
+    outputs.finish(&summary, arguments.quiet)
 }
 
 /// An image whose end can be found.

@@ -1,6 +1,6 @@
 //! The choice of levels: a model of what a search costs.
 
-use crate::elements::{Bounds, Elements};
+use crate::elements::{Bounds, Elements, Shape};
 use crate::grid::{Grid, edge_for};
 use crate::real::Real;
 use crate::search::rows::scan::PART;
@@ -58,10 +58,12 @@ const CLASSES: usize = 1 << 12;
 impl<'e, 'a, T: Real, const D: usize> Model<'e, 'a, T, D> {
     pub(super) fn new(elements: &'e Elements<'a, T, D>, limits: Option<&[f64]>) -> Self {
         let mut counts = vec![(0, f64::INFINITY, 0.0_f64); CLASSES];
-        for index in 0..elements.len() {
+        // Of equal elements one speaks for all.
+        let each = if matches!(elements.shape, Shape::Equal(_)) { elements.len() } else { 1 };
+        for index in (0..elements.len()).step_by(each.max(1)) {
             let size = elements.size(index);
             let (count, smallest, largest) = &mut counts[class(size)];
-            *count += 1;
+            *count += each;
             *smallest = smallest.min(size);
             *largest = largest.max(size);
         }
