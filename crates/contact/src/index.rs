@@ -15,8 +15,8 @@ use crate::real::Real;
 use crate::search::rows::layout::{Layout, PADDING};
 use crate::search::rows::scan::{PART, Scan, Scans, Sink};
 use crate::search::rows::{reserve, resize};
-use crate::simd::kernel::{Arrays, Output, Task};
-use crate::simd::{Simd, portable};
+use crate::simd::Simd;
+use crate::simd::kernel::Arrays;
 
 use rows::Part;
 
@@ -77,8 +77,10 @@ pub struct Index<T, const D: usize> {
     kind: Option<Kind<T>>,
     /// Number of elements; without any the layout is what it was before.
     len: usize,
-    /// Maximum corners of boxes, in the order of the layout.
+    /// Maximum corners of boxes, by number.
     far: Vec<[T; D]>,
+    /// The tolerance with which the layout has them; `None` if it does not.
+    far_tolerance: Option<T>,
     /// Centres in the order of the layout, once a search has asked for distances.
     centres: Vec<[T; D]>,
     bounds: Bounds<D>,
@@ -134,6 +136,7 @@ impl<T: Real, const D: usize> Index<T, D> {
             kind: None,
             len: 0,
             far: Vec::new(),
+            far_tolerance: None,
             centres: Vec::new(),
             bounds: Bounds { min: [0.0; D], max: [0.0; D] },
             tolerance: T::ZERO,
@@ -212,6 +215,7 @@ impl<T: Real, const D: usize> Index<T, D> {
     pub fn build(&mut self, elements: &Elements<'_, T, D>) -> Result<(), Error> {
         (self.kind, self.len) = (None, 0);
         self.far.clear();
+        self.far_tolerance = None;
         self.centres.clear();
         (self.bounds, self.tolerance) = (elements.bounds(), elements.tolerance());
         (self.largest, self.magnitude) = (elements.largest(), elements.magnitude());
@@ -225,15 +229,14 @@ impl<T: Real, const D: usize> Index<T, D> {
         }
         if let Shape::Boxes(boxes) = elements.shape {
             reserve(&mut self.far, points.len())?;
-            let ids = &self.layout.ids[..points.len()];
-            self.far.extend(ids.iter().map(|&id| boxes.far_points()[id as usize]));
+            self.far.extend_from_slice(boxes.far_points());
         }
         self.labels.copy(elements.filter())?;
         self.matrix = match elements.filter().and_then(|filter| filter.matrix()) {
             Some(matrix) => Some(matrix.copy()?),
             None => None,
         };
-        if kind != Kind::Boxes && !elements.is_empty() {
+        if !elements.is_empty() {
             self.layout.label(elements.filter(), &self.pool)?;
         }
         (self.kind, self.len) = (Some(kind), points.len());
@@ -386,7 +389,7 @@ impl<T: Real, const D: usize> Index<T, D> {
         let reach = elements.reach_to(self.largest, self.magnitude, tolerance);
         let mut reach_squared = T::ZERO;
 
-        let Self { layout, moving, radii, far, pool, .. } = self;
+        let Self { layout, moving, radii, pool, .. } = self;
         let n = elements.len();
         let (points, their_radii): (_, &[T]) = match (elements.shape, kind) {
             (Shape::Boxes(boxes), _) => (boxes.points(), &[]),
@@ -409,34 +412,19 @@ impl<T: Real, const D: usize> Index<T, D> {
         }
         moving.build_along(points, their_radii, layout.grid.over(elements.bounds()), layout.axes, pool)?;
 
-        // Boxes are compared here, filter and all.
-        let kernel_filters = if kind == Kind::Boxes { [None; 2] } else { filters };
-        moving.label(kernel_filters[0], pool)?;
-        let mut arrays = [moving.arrays(kernel_filters[0]), layout.arrays(kernel_filters[1])];
+        if let Shape::Boxes(boxes) = elements.shape {
+            moving.set_far(boxes.far_points(), tolerance, pool)?;
+            if self.far_tolerance != Some(tolerance) {
+                layout.set_far(&self.far, tolerance, pool)?;
+                self.far_tolerance = Some(tolerance);
+            }
+        }
+        moving.label(filters[0], pool)?;
+        let mut arrays = [moving.arrays(filters[0]), layout.arrays(filters[1])];
         if !with_radii {
             arrays = arrays.map(|arrays| Arrays { radii: &[], ..arrays });
         }
         let simd = self.simd;
-        let spheres = |task: &Task<'_, T, D>, out: &mut Output<'_>| T::search(simd, task, out);
-        let boxes = |task: &Task<'_, T, D>, out: &mut Output<'_>| {
-            let Shape::Boxes(boxes) = elements.shape else { return };
-            portable::scan(task, out, |row, k, other, j| {
-                let id = moving.ids[row.start + k] as usize;
-                let (min, max) = (&boxes.points()[id], &boxes.far_points()[id]);
-                let far = &far[other.start + j];
-                let see_each_other = match filters {
-                    [Some(theirs), Some(ours)] => {
-                        theirs.admits_of(id, &ours, layout.ids[other.start + j] as usize)
-                    }
-                    _ => true,
-                };
-                see_each_other
-                    && (0..D).all(|axis| {
-                        let near = layout.coordinates[D * other.start + axis * other.len + j];
-                        min[axis] <= far[axis] + tolerance && near <= max[axis] + tolerance
-                    })
-            });
-        };
         let scan = Scan {
             layout: moving,
             against: Some(layout),
@@ -446,7 +434,7 @@ impl<T: Real, const D: usize> Index<T, D> {
             tolerance,
             one_numbering: false,
             part: PART,
-            search_row: if kind == Kind::Boxes { &boxes } else { &spheres },
+            search_row: &|task, out| T::search(simd, task, out),
         };
         Scans { each: &[scan], pool, parts: &mut self.waiting }.all(sink)
     }

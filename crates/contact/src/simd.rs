@@ -89,7 +89,7 @@ pub(crate) mod kernel;
 mod labels;
 #[cfg(target_arch = "aarch64")]
 mod neon;
-pub(crate) mod portable;
+mod portable;
 pub(crate) mod prefetch;
 
 use std::fmt;

@@ -5,6 +5,7 @@ mod levels;
 use crate::couple::Couple;
 use crate::elements::{Elements, Shape};
 use crate::error::Error;
+use crate::explain::rows_of;
 use crate::filter::Labels;
 use crate::pool::Pool;
 use crate::real::Real;
@@ -32,7 +33,7 @@ use levels::Model;
 /// Level by level, the smallest first: its own couples, as [`Rows`](crate::Rows) has them, then those with each larger level. A function of the input alone.
 ///
 /// # Cost
-/// Time proportional to N for any one distribution of sizes. Memory per element: that of [`Rows`](crate::Rows), and a copy of its coordinates, radius and number.
+/// Time proportional to N for any one distribution of sizes. Memory per element: that of [`Rows`](crate::Rows), 4 bytes for its number, and `4 D` for the cells of its row if that has no other.
 ///
 /// # Source
 /// Levels of linked cells: V. Ogarko, S. Luding, Comput. Phys. Commun. 183 (2012) 931-936; their optimal choice: D. Krijgsman, V. Ogarko, S. Luding,
@@ -62,23 +63,17 @@ pub struct Multilevel<T, const D: usize> {
 /// The elements of a level.
 #[derive(Clone, Debug)]
 struct Sorted<T, const D: usize> {
-    points: Vec<[T; D]>,
-    /// Empty for boxes.
-    radii: Vec<T>,
     numbers: Vec<u32>,
     layout: Layout<T, D>,
 }
 
 impl<T: Real, const D: usize> Sorted<T, D> {
     fn new() -> Self {
-        Self { points: Vec::new(), radii: Vec::new(), numbers: Vec::new(), layout: Layout::new() }
+        Self { numbers: Vec::new(), layout: Layout::new() }
     }
 
     fn bytes(&self) -> usize {
-        self.points.capacity() * size_of::<[T; D]>()
-            + self.radii.capacity() * size_of::<T>()
-            + self.numbers.capacity() * size_of::<u32>()
-            + self.layout.bytes()
+        self.numbers.capacity() * size_of::<u32>() + self.layout.bytes()
     }
 }
 
@@ -170,12 +165,12 @@ impl<T: Real, const D: usize> Multilevel<T, D> {
         }
         let floats = elements.shape.floats();
         let labels = elements.filter().map_or(0, |filter| Labels::numbers_of(&filter));
-        let radius = usize::from(matches!(elements.shape, Shape::Spheres(_))) * size_of::<T>();
-        let copy = size_of::<[T; D]>() + size_of::<u32>() + radius;
         let model = Model::new(elements, self.limits.as_deref());
         let of_level = |level: &Level| {
-            let n = level.elements;
-            n * copy + Layout::<T, D>::expected_bytes(n, floats, labels, &model.grid(level), &self.pool)
+            let (n, grid) = (level.elements, model.grid(level));
+            let rows = rows_of(&grid.cells()).min(n as f64) as usize;
+            (n + D * rows) * size_of::<u32>()
+                + Layout::<T, D>::expected_bytes(n, floats, labels, &grid, &self.pool)
         };
         model.levels().iter().map(of_level).sum()
     }
@@ -190,29 +185,19 @@ impl<T: Real, const D: usize> Multilevel<T, D> {
         };
         self.sorted.resize_with(self.sorted.len().max(levels.len()), Sorted::new);
         for (sorted, level) in self.sorted.iter_mut().zip(levels) {
-            let Sorted { points, radii: own_radii, numbers, .. } = sorted;
-            points.clear();
-            own_radii.clear();
-            numbers.clear();
-            reserve(points, level.elements)?;
-            reserve(own_radii, if radii.is_empty() { 0 } else { level.elements })?;
-            reserve(numbers, level.elements)?;
+            sorted.numbers.clear();
+            reserve(&mut sorted.numbers, level.elements)?;
         }
-        for (number, point) in points.iter().enumerate() {
-            let sorted = &mut self.sorted[model.level_of(elements.size(number))];
-            sorted.points.push(*point);
-            sorted.numbers.push(number as u32);
-            if !radii.is_empty() {
-                sorted.radii.push(radii[number]);
-            }
+        for number in 0..elements.len() {
+            self.sorted[model.level_of(elements.size(number))].numbers.push(number as u32);
         }
         let mut axes = std::array::from_fn(|axis| axis);
         let cells = model.grid(&levels[0]).cells();
         axes.sort_by_key(|&axis| std::cmp::Reverse(cells[axis]));
         for (sorted, level) in self.sorted.iter_mut().zip(levels) {
-            let Sorted { points, radii, numbers, layout } = sorted;
-            layout.build_along(points, radii, model.grid(level), axes, &self.pool)?;
-            layout.rename(numbers);
+            let Sorted { numbers, layout } = sorted;
+            layout.build_of(points, radii, numbers.as_slice(), model.grid(level), axes, &self.pool)?;
+            layout.keep_cells()?;
             if let Shape::Boxes(boxes) = elements.shape {
                 layout.set_far(boxes.far_points(), elements.tolerance(), &self.pool)?;
             }

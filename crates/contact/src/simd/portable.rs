@@ -38,8 +38,8 @@ pub(crate) fn search<T: Real, const D: usize>(task: &Task<'_, T, D>, out: &mut O
     });
 }
 
-/// The same with any test: `touch(row, k, other, j)` for element `k` of the row and `j` of a neighbour row, or of the same.
-pub(crate) fn scan<'a, T: Real, const D: usize>(
+/// Calls `touch(row, k, other, j)` for element `k` of the row and those in reach along it: `j` of a neighbour row, or of the same.
+fn scan<'a, T: Real, const D: usize>(
     task: &Task<'a, T, D>,
     out: &mut Output<'_>,
     touch: impl Fn(Span, usize, Span, usize) -> bool,

@@ -52,7 +52,10 @@ impl<const D: usize> RowKeys<D> {
     }
 
     /// The same without the stretches of cells that hold none of `points`.
-    pub(crate) fn without_empty_stretches<T: Real>(mut self, points: &[[T; D]]) -> Self {
+    pub(crate) fn without_empty_stretches<'p, T: Real>(
+        mut self,
+        points: impl Iterator<Item = &'p [T; D]>,
+    ) -> Self {
         let axes = &self.axes[..D - 1];
         let mut maps: Vec<_> = axes.iter().map(|&axis| AxisMap::new(self.grid.cells()[axis])).collect();
         for point in points {

@@ -38,6 +38,8 @@ pub(crate) struct Layout<T, const D: usize> {
     pub(crate) labels: Labels,
     /// First element of each row, and the number of elements.
     pub(crate) starts: Vec<u32>,
+    /// The cells of each row, as [`Layout::row_cells`] has them; empty until [`Layout::keep_cells`].
+    cells: Vec<[u32; D]>,
     /// The axes by number of cells: the long one first, then the one whose rows change fastest.
     pub(crate) axes: [usize; D],
     pub(crate) grid: Grid<D>,
@@ -52,6 +54,74 @@ pub(crate) struct Layout<T, const D: usize> {
     /// Where the next element of each block goes, for each stretch.
     cursors: Vec<u32>,
     sorts: Vec<BlockSort<T, D>>,
+}
+
+/// Which elements a layout is of, by their numbers.
+pub(crate) trait Chosen: Copy + Sync {
+    fn len(self) -> usize;
+
+    /// The number of the `k`-th.
+    fn number(self, k: usize) -> usize;
+
+    /// The points of some, copied into `few` if they are not side by side.
+    fn points<'p, T: Copy, const D: usize>(
+        self,
+        points: &'p [[T; D]],
+        range: Range<usize>,
+        few: &'p mut [[T; D]; FEW],
+    ) -> &'p [[T; D]];
+}
+
+/// So many elements, and no others.
+#[derive(Clone, Copy)]
+struct All(usize);
+
+impl Chosen for All {
+    #[inline]
+    fn len(self) -> usize {
+        self.0
+    }
+
+    #[inline]
+    fn number(self, k: usize) -> usize {
+        k
+    }
+
+    #[inline]
+    fn points<'p, T: Copy, const D: usize>(
+        self,
+        points: &'p [[T; D]],
+        range: Range<usize>,
+        _: &'p mut [[T; D]; FEW],
+    ) -> &'p [[T; D]] {
+        &points[range]
+    }
+}
+
+impl Chosen for &[u32] {
+    #[inline]
+    fn len(self) -> usize {
+        <[u32]>::len(self)
+    }
+
+    #[inline]
+    fn number(self, k: usize) -> usize {
+        self[k] as usize
+    }
+
+    #[inline]
+    fn points<'p, T: Copy, const D: usize>(
+        self,
+        points: &'p [[T; D]],
+        range: Range<usize>,
+        few: &'p mut [[T; D]; FEW],
+    ) -> &'p [[T; D]] {
+        let numbers = &self[range];
+        for (point, &number) in few.iter_mut().zip(numbers) {
+            *point = points[number as usize];
+        }
+        &few[..numbers.len()]
+    }
 }
 
 /// The widest vector is 16 lanes (`f32`, AVX-512).
@@ -90,6 +160,7 @@ impl<T: Real, const D: usize> Layout<T, D> {
             ids: Vec::new(),
             labels: Labels::default(),
             starts: Vec::new(),
+            cells: Vec::new(),
             axes: std::array::from_fn(|axis| axis),
             grid: Grid::empty(),
             bins: Vec::new(),
@@ -101,9 +172,7 @@ impl<T: Real, const D: usize> Layout<T, D> {
         }
     }
 
-    /// Copies and sorts `points`, with `radii` unless that is empty.
-    ///
-    /// Two steps: elements are dropped into blocks of rows, and every block is sorted in cache.
+    /// Copies and sorts all `points`, with `radii` unless that is empty.
     pub(crate) fn build(
         &mut self,
         points: &[[T; D]],
@@ -126,25 +195,42 @@ impl<T: Real, const D: usize> Layout<T, D> {
         axes: [usize; D],
         pool: &Pool,
     ) -> Result<(), Error> {
+        self.build_of(points, radii, All(points.len()), grid, axes, pool)
+    }
+
+    /// The same for the `chosen` elements.
+    ///
+    /// Two steps: elements are dropped into blocks of rows, and every block is sorted in cache.
+    pub(crate) fn build_of(
+        &mut self,
+        points: &[[T; D]],
+        radii: &[T],
+        chosen: impl Chosen,
+        grid: Grid<D>,
+        axes: [usize; D],
+        pool: &Pool,
+    ) -> Result<(), Error> {
+        let n = chosen.len();
         self.grid = grid;
         self.axes = axes;
+        self.cells.clear();
         self.far.clear();
 
-        resize(&mut self.coordinates, D * points.len() + PADDING, T::ZERO)?;
-        resize(&mut self.ids, points.len() + PADDING, 0)?;
-        resize(&mut self.radii, if radii.is_empty() { 0 } else { points.len() + PADDING }, T::ZERO)?;
+        resize(&mut self.coordinates, D * n + PADDING, T::ZERO)?;
+        resize(&mut self.ids, n + PADDING, 0)?;
+        resize(&mut self.radii, if radii.is_empty() { 0 } else { n + PADDING }, T::ZERO)?;
 
         let mut keys = RowKeys::new(grid, &self.axes);
-        let mut skewed = seem_skewed(points, &keys);
+        let mut skewed = seem_skewed(points, chosen, &keys);
         if !skewed {
-            self.find_blocks(points, &keys, pool)?;
+            self.find_blocks(points, chosen, &keys, pool)?;
             skewed = self.is_skewed();
         }
         if skewed {
-            keys = keys.without_empty_stretches(points);
-            self.find_blocks(points, &keys, pool)?;
+            keys = keys.without_empty_stretches((0..n).map(|k| &points[chosen.number(k)]));
+            self.find_blocks(points, chosen, &keys, pool)?;
         }
-        self.fill_blocks(points, radii, pool)?;
+        self.fill_blocks(points, radii, chosen, pool)?;
         self.sort_blocks(&keys, pool)
     }
 
@@ -173,12 +259,6 @@ impl<T: Real, const D: usize> Layout<T, D> {
         Ok(())
     }
 
-    /// Gives every element the number that stands at its own in `numbers`.
-    pub(crate) fn rename(&mut self, numbers: &[u32]) {
-        let n = self.len();
-        self.ids[..n].iter_mut().for_each(|id| *id = numbers[*id as usize]);
-    }
-
     /// Puts the numbers of a filter into the order that has been built.
     pub(crate) fn label(&mut self, filter: Option<Filter<'_>>, pool: &Pool) -> Result<(), Error> {
         let n = self.len();
@@ -186,19 +266,26 @@ impl<T: Real, const D: usize> Layout<T, D> {
     }
 
     /// Counts the elements of bins of `2^shift` rows, and cuts the bins into blocks.
-    fn find_blocks(&mut self, points: &[[T; D]], keys: &RowKeys<D>, pool: &Pool) -> Result<(), Error> {
-        let n = points.len();
+    fn find_blocks(
+        &mut self,
+        points: &[[T; D]],
+        chosen: impl Chosen,
+        keys: &RowKeys<D>,
+        pool: &Pool,
+    ) -> Result<(), Error> {
+        let n = chosen.len();
         let shift = shift_to_bins(keys);
         let bins = ((keys.rows() - 1) >> shift) as usize + 1;
         let stretch = stretch(n, pool);
         self.counts.clear();
         resize(&mut self.counts, n.div_ceil(stretch) * bins, 0)?;
         resize(&mut self.bins, n, 0)?;
-        let tasks =
-            points.chunks(stretch).zip(self.bins.chunks_mut(stretch)).zip(self.counts.chunks_mut(bins));
-        pool.run(tasks, |((points, bins), counts)| {
-            let mut rows = [0; FEW];
-            for (points, bins) in points.chunks(FEW).zip(bins.chunks_mut(FEW)) {
+        let firsts = (0..n).step_by(stretch);
+        let tasks = firsts.zip(self.bins.chunks_mut(stretch)).zip(self.counts.chunks_mut(bins));
+        pool.run(tasks, |((first, bins), counts)| {
+            let (mut few, mut rows) = ([[T::ZERO; D]; FEW], [0; FEW]);
+            for (first, bins) in (first..).step_by(FEW).zip(bins.chunks_mut(FEW)) {
+                let points = chosen.points(points, first..first + bins.len(), &mut few);
                 points.iter().for_each(prefetch::read);
                 keys.of(points, &mut rows);
                 for (bin, row) in bins.iter_mut().zip(rows) {
@@ -234,9 +321,15 @@ impl<T: Real, const D: usize> Layout<T, D> {
     ///
     /// Every thread drops a stretch of them; of each block the first places go to the first stretch. So the order is that
     /// of one thread.
-    fn fill_blocks(&mut self, points: &[[T; D]], radii: &[T], pool: &Pool) -> Result<(), Error> {
-        let (stretch, bins, blocks) =
-            (stretch(points.len(), pool), self.block_of.len(), self.blocks.len() - 1);
+    fn fill_blocks(
+        &mut self,
+        points: &[[T; D]],
+        radii: &[T],
+        chosen: impl Chosen,
+        pool: &Pool,
+    ) -> Result<(), Error> {
+        let n = chosen.len();
+        let (stretch, bins, blocks) = (stretch(n, pool), self.block_of.len(), self.blocks.len() - 1);
         let block_of = &self.block_of;
         self.cursors.clear();
         resize(&mut self.cursors, self.counts.len() / bins * blocks, 0)?;
@@ -254,10 +347,12 @@ impl<T: Real, const D: usize> Layout<T, D> {
 
         let places = Scatter::new(self.coordinates.as_chunks_mut::<D>().0);
         let (ids, their_radii) = (Scatter::new(&mut self.ids), Scatter::new(&mut self.radii));
-        let tasks =
-            points.chunks(stretch).zip(self.bins.chunks(stretch)).zip(self.cursors.chunks_mut(blocks));
-        pool.run(tasks.enumerate(), |(k, ((points, bins), cursors))| {
-            for ((point, &bin), index) in points.iter().zip(bins).zip(k * stretch..) {
+        let firsts = (0..n).step_by(stretch);
+        let tasks = firsts.zip(self.bins.chunks(stretch)).zip(self.cursors.chunks_mut(blocks));
+        pool.run(tasks, |((first, bins), cursors)| {
+            for (k, &bin) in (first..).zip(bins) {
+                let number = chosen.number(k);
+                let point = &points[number];
                 prefetch::read(point);
                 let place = &mut cursors[block_of[bin as usize] as usize];
                 let at = *place as usize;
@@ -265,9 +360,9 @@ impl<T: Real, const D: usize> Layout<T, D> {
                 // SAFETY: the sums above gave every block of every stretch a range of its own, as long as its count.
                 unsafe {
                     places.write(at, *point);
-                    ids.write(at, index as u32);
+                    ids.write(at, number as u32);
                     if !radii.is_empty() {
-                        their_radii.write(at, radii[index]);
+                        their_radii.write(at, radii[number]);
                     }
                 }
             }
@@ -357,6 +452,9 @@ impl<T: Real, const D: usize> Layout<T, D> {
     /// The cells of a row on all axes but the long one, most significant first; rows ascend by it.
     #[inline]
     pub(crate) fn row_cells(&self, row: usize) -> [i64; D] {
+        if let Some(cells) = self.cells.get(row) {
+            return cells.map(i64::from);
+        }
         let row = self.row(row);
         let mut cells = [0; D];
         for (cell, &axis) in cells.iter_mut().zip(self.axes[1..].iter().rev()) {
@@ -366,6 +464,18 @@ impl<T: Real, const D: usize> Layout<T, D> {
                 .cast_signed();
         }
         cells
+    }
+
+    /// Writes down the cells of each row, for searches that leap from row to row: to find them by the coordinates of an element takes memory that is seldom in cache.
+    pub(crate) fn keep_cells(&mut self) -> Result<(), Error> {
+        if self.grid.cells().iter().any(|&cells| cells > u64::from(u32::MAX)) {
+            return Ok(());
+        }
+        let mut cells = std::mem::take(&mut self.cells);
+        reserve(&mut cells, self.rows())?;
+        cells.extend((0..self.rows()).map(|row| self.row_cells(row).map(|cell| cell as u32)));
+        self.cells = cells;
+        Ok(())
     }
 
     /// What [`Layout::bytes`] will be for `n` elements over `grid`, from above, if no few bins of many hold most of them. Each has so many
@@ -402,8 +512,11 @@ impl<T: Real, const D: usize> Layout<T, D> {
     pub(crate) fn bytes(&self) -> usize {
         let sorts: usize = self.sorts.iter().map(BlockSort::bytes).sum();
         let floats = self.coordinates.capacity() + self.far.capacity() + self.radii.capacity();
-        let integers =
-            self.ids.capacity() + self.starts.capacity() + self.counts.capacity() + self.cursors.capacity();
+        let integers = self.ids.capacity()
+            + self.starts.capacity()
+            + self.counts.capacity()
+            + self.cursors.capacity()
+            + D * self.cells.capacity();
         let small = self.bins.capacity() + self.block_of.capacity();
         floats * size_of::<T>()
             + integers * size_of::<u32>()
@@ -420,14 +533,15 @@ fn shift_to_bins<const D: usize>(keys: &RowKeys<D>) -> u32 {
 }
 
 /// Whether a sample of the points says that one bin has a large part of all, so that no more of them need be counted to know.
-fn seem_skewed<T: Real, const D: usize>(points: &[[T; D]], keys: &RowKeys<D>) -> bool {
+fn seem_skewed<T: Real, const D: usize>(points: &[[T; D]], chosen: impl Chosen, keys: &RowKeys<D>) -> bool {
     let shift = shift_to_bins(keys);
     let mut bins = [0; SAMPLE];
-    let step = points.len() / SAMPLE;
+    let step = chosen.len() / SAMPLE;
     if step < SKEWED {
         return false;
     }
-    for (bin, point) in bins.iter_mut().zip(points.iter().step_by(step)) {
+    for (bin, k) in bins.iter_mut().zip((0..chosen.len()).step_by(step)) {
+        let point = &points[chosen.number(k)];
         keys.of(std::slice::from_ref(point), std::slice::from_mut(bin));
         *bin >>= shift;
     }
