@@ -431,7 +431,11 @@ fn auto_takes_cells_for_long_boxes_only() {
     let auto = |min: &[[f64; 3]], max: &[[f64; 3]]| {
         Detector::new(Engine::Auto).plan(&Elements::boxes(min, max).unwrap()).unwrap()
     };
-    let [min, max] = rods(5000, 15, 150.0);
+    let mut random = Random::new(15);
+    let min: Vec<[f64; 3]> =
+        (0..40_000).map(|_| std::array::from_fn(|_| random.between(0.0, 160.0))).collect();
+    let max: Vec<_> =
+        min.iter().map(|corner| [corner[0] + 100.0, corner[1] + 1.0, corner[2] + 1.0]).collect();
     let plan = auto(&min, &max);
     assert_eq!(plan.engine, Engine::CGrid);
     assert!(plan.reason.contains("long and thin") && !plan.levels.is_empty(), "{}", plan.reason);
