@@ -23,6 +23,7 @@ fuzz SECONDS="60":
     cargo +nightly fuzz run rows_equals_direct -- -max_total_time={{SECONDS}} -max_len=2048 -len_control=0
     cargo +nightly fuzz run nbs_equals_direct -- -max_total_time={{SECONDS}} -max_len=2048 -len_control=0
     cargo +nightly fuzz run multilevel_equals_direct -- -max_total_time={{SECONDS}} -max_len=2048 -len_control=0
+    cargo +nightly fuzz run cgrid_equals_direct -- -max_total_time={{SECONDS}} -max_len=2048 -len_control=0
     cargo +nightly fuzz run index_equals_all -- -max_total_time={{SECONDS}} -max_len=2048 -len_control=0
     cargo +nightly fuzz run read_packing -- -max_total_time={{SECONDS}} -max_len=2048 -dict=fuzz/read_packing.dict
     cargo +nightly fuzz run read_mesh -- -max_total_time={{SECONDS}} -max_len=4096

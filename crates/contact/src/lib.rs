@@ -24,6 +24,7 @@
 //! | and the rows, the bytes, about how many couples | [`Detector::explain`], [`PeriodicSearch::explain`] |
 //! | the fastest search, and nothing else | [`Rows`] |
 //! | Munjiza-NBS as the book has it, its memory law, its figures | [`Nbs`], [`Observer`] |
+//! | elements that span many cells: the C-grid of Williams, Perkins and Cook | [`CGrid`] |
 //! | the oracle | [`Direct`] |
 //! | which bodies touch in a labelled image: pixels, voxels | [`image::contacts`], [`image::ImageContacts`] |
 //! | to check a couple list by sampled brute force | [`verify()`] |
@@ -41,7 +42,7 @@
 //! the feature `rayon` (on by default): without it a search runs on one thread, with the same results.
 //!
 //! # Data flow
-//! [`Elements`] → [`Grid`] (cells) → [`Lists`] → [`CONTACT_MASK`] → [`Search`] ([`Direct`], [`Nbs`], [`Rows`], [`Multilevel`]) → [`Couple`].
+//! [`Elements`] → [`Grid`] (cells) → [`Lists`] → [`CONTACT_MASK`] → [`Search`] ([`Direct`], [`Nbs`], [`Rows`], [`Multilevel`], [`CGrid`]) → [`Couple`].
 
 // In the order in which data flows.
 mod real;
@@ -82,8 +83,9 @@ pub use periodic::cell::PeriodicBox;
 pub use periodic::{DEFAULT_MAX_IMAGES, PeriodicCouple, PeriodicSearch};
 pub use real::Real;
 pub use search::Search;
+pub use search::cgrid::CGrid;
 pub use search::direct::Direct;
-pub use search::multilevel::{Level, Multilevel};
+pub use search::multilevel::{Level, Multilevel, Work};
 pub use search::nbs::{DEFAULT_MAX_HEADS, Nbs, Observer};
 pub use search::rows::Rows;
 pub use simd::Simd;

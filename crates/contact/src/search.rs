@@ -3,6 +3,7 @@
 pub(crate) mod direct;
 pub(crate) mod nbs;
 pub(crate) mod multilevel;
+pub(crate) mod cgrid;
 pub(crate) mod rows;
 
 use crate::couple::Couple;

@@ -1,10 +1,10 @@
-//! The memory law: what Munjiza-NBS allocates is exactly (3.65), (3.80) and their extension to D dimensions.
+//! The memory law: what Munjiza-NBS allocates is exactly (3.65), (3.80) and their extension to D dimensions; what the C-grid does is proportional to N.
 //!
 //! A program of its own, because it replaces the allocator by one that counts.
 
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
-use fdem_contact::{Couple, Elements, Nbs, Search};
+use fdem_contact::{CGrid, Couple, Elements, Nbs, Search};
 
 #[global_allocator]
 static ALLOCATOR: dhat::Alloc = dhat::Alloc;
@@ -80,4 +80,27 @@ fn nbs_allocates_what_the_book_says_and_nothing_else() {
     nbs.count(&Elements::points(&centres, 1.0).unwrap()).unwrap();
     let [nx, ny, nz] = nbs.grid().unwrap().cells().map(|cells| cells as usize);
     assert_eq!(nbs.integers(), 3 * 500 + nz + 2 * nx + 2 * ny, "(3.80)");
+
+    c_grid_holds_so_much_per_element();
+}
+
+/// What the C-grid holds is what it says, proportional to N: in 1 cell or in 10^15, or in so many that integers do not count them.
+fn c_grid_holds_so_much_per_element() {
+    let mut per_element = Vec::new();
+    for (n, spacing) in [(1_000, 1e-3), (1_000, 1.0), (100_000, 1.0), (100_000, 1e13)] {
+        let centres = row::<3>(n, spacing);
+        let elements = Elements::points(&centres, 0.5).unwrap();
+        let mut search = CGrid::new();
+        let meter = Meter::start();
+        search.count(&elements).unwrap();
+        assert_eq!(meter.live(), search.bytes(), "held after a search: n = {n}, spacing {spacing}");
+        // The classes of sizes are counted while levels are chosen.
+        assert!(
+            meter.total() < (search.bytes() + 200_000) as u64,
+            "allocated at any time: {}",
+            meter.total()
+        );
+        per_element.push(search.bytes() as f64 / n as f64);
+    }
+    assert!(per_element.iter().all(|&bytes| (bytes - per_element[0]).abs() < 1.0), "{per_element:?}");
 }

@@ -2,6 +2,8 @@
 
 mod levels;
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use crate::couple::Couple;
 use crate::elements::{Elements, Shape};
 use crate::error::Error;
@@ -14,7 +16,7 @@ use crate::search::rows::layout::Layout;
 use crate::search::rows::reserve;
 use crate::search::rows::scan::{Scan, Scanner, Scans, Sink};
 use crate::simd::Simd;
-use crate::simd::kernel::{Output, Task};
+use crate::simd::kernel::{Arrays, Output, Span, Task};
 
 pub use levels::Level;
 use levels::Model;
@@ -152,6 +154,68 @@ impl<T: Real, const D: usize> Multilevel<T, D> {
         }
     }
 
+    /// [`Multilevel::levels`], of at least one element, and the nanoseconds that the search is predicted to take.
+    pub(crate) fn levels_and_cost(&self, elements: &Elements<'_, T, D>) -> (Vec<Level>, f64) {
+        let model = Model::new(elements, self.limits.as_deref());
+        (model.levels().to_vec(), model.total())
+    }
+
+    /// What a search over `elements` does, level by level as the model of the cost predicts it and as it is: searches once, and counts.
+    ///
+    /// One entry for each level by itself, and for each two of them; in the order of the search.
+    ///
+    /// # Cost
+    /// A count, which looks at each candidate once more.
+    ///
+    /// # Errors
+    /// As [`Search::for_each`].
+    ///
+    /// # Example
+    /// ```
+    /// use fdem_contact::{Elements, Multilevel};
+    ///
+    /// let centres: Vec<[f64; 2]> = (0..1000).map(|k| [f64::from(k), 0.0]).collect();
+    /// let radii: Vec<f64> = (0..1000).map(|k| if k == 500 { 100.0 } else { 0.1 }).collect();
+    /// let elements = Elements::spheres_with_radii(&centres, &radii)?;
+    /// for work in Multilevel::new().work(&elements)? {
+    ///     println!("{:?}: {} of {:.0} candidates", work.levels, work.candidates, work.predicted_candidates);
+    /// }
+    /// # Ok::<(), fdem_contact::Error>(())
+    /// ```
+    pub fn work(&mut self, elements: &Elements<'_, T, D>) -> Result<Vec<Work>, Error> {
+        if elements.is_empty() {
+            return Ok(Vec::new());
+        }
+        let simd = self.simd;
+        let [windows, candidates] = [AtomicU64::new(0), AtomicU64::new(0)];
+        let search_row = |task: &Task<'_, T, D>, out: &mut Output<'_>| {
+            let counted = in_windows(task);
+            windows.fetch_add(counted[0], Ordering::Relaxed);
+            candidates.fetch_add(counted[1], Ordering::Relaxed);
+            T::search(simd, task, out);
+        };
+        let mut works = Vec::new();
+        self.with_scans_by(elements, &search_row, |model, pairs, Scans { each, pool, parts }| {
+            for (scan, &[level, other]) in each.iter().zip(pairs) {
+                let mut couples = 0;
+                let scans = Scans { each: std::slice::from_ref(scan), pool, parts: &mut *parts };
+                scans.all(Sink::Count(&mut couples))?;
+                let against = (level != other).then(|| &model.levels()[other]);
+                let [predicted_windows, predicted_candidates] = model.work(&model.levels()[level], against);
+                works.push(Work {
+                    levels: [level, other],
+                    predicted_windows,
+                    windows: windows.swap(0, Ordering::Relaxed),
+                    predicted_candidates,
+                    candidates: candidates.swap(0, Ordering::Relaxed),
+                    couples,
+                });
+            }
+            Ok(())
+        })?;
+        Ok(works)
+    }
+
     /// Bytes that the engine holds now.
     pub fn bytes(&self) -> usize {
         self.sorted.iter().map(Sorted::bytes).sum::<usize>()
@@ -207,11 +271,68 @@ impl<T: Real, const D: usize> Multilevel<T, D> {
     }
 }
 
+/// What a search does with a level by itself, or with two: [`Multilevel::work`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Work {
+    /// The level whose elements look for others, and that of the others, by their places in [`Multilevel::levels`]; twice the same for a level by itself.
+    pub levels: [usize; 2],
+    /// Windows on rows of cells that the elements open, as predicted.
+    pub predicted_windows: f64,
+    /// As counted.
+    pub windows: u64,
+    /// Elements in these windows, as predicted.
+    pub predicted_candidates: f64,
+    /// As counted: each is compared, or found to be too far along another axis.
+    pub candidates: u64,
+    /// Couples found.
+    pub couples: u64,
+}
+
+/// The windows of the elements of a stretch, and the elements in them.
+fn in_windows<T: Real, const D: usize>(task: &Task<'_, T, D>) -> [u64; 2] {
+    let along = |arrays: &Arrays<'_, T>, row: Span| {
+        let start = D * row.start + task.long * row.len;
+        start..start + row.len.min(arrays.coordinates.len() - start)
+    };
+    let own = &task.own.coordinates[along(&task.own, task.row)];
+    let mut counted = [0; 2];
+    let mut count = |x: T, others: &[T]| {
+        let first = others.partition_point(|&other| other < x - task.reach);
+        let behind = others[first..].partition_point(|&other| other <= x + task.reach);
+        counted[0] += 1;
+        counted[1] += behind as u64;
+    };
+    for (k, &x) in (task.from..).zip(&own[task.from..task.to]) {
+        if !task.two_sets {
+            count(x, &own[k + 1..]);
+        }
+        for neighbour in task.neighbours {
+            count(x, &task.other.coordinates[along(&task.other, neighbour.row)]);
+        }
+    }
+    counted
+}
+
 impl<T: Real, const D: usize> Scanner<T, D> for Multilevel<T, D> {
     fn with_scans(
         &mut self,
         elements: &Elements<'_, T, D>,
         search: impl FnOnce(Scans<'_, T, D>) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        let simd = self.simd;
+        let search_row = |task: &Task<'_, T, D>, out: &mut Output<'_>| T::search(simd, task, out);
+        self.with_scans_by(elements, &search_row, |_, _, scans| search(scans))
+    }
+}
+
+impl<T: Real, const D: usize> Multilevel<T, D> {
+    /// Sorts the levels, and hands over the scans, with the levels that each is of.
+    fn with_scans_by(
+        &mut self,
+        elements: &Elements<'_, T, D>,
+        search_row: &(dyn Fn(&Task<'_, T, D>, &mut Output<'_>) + Sync),
+        search: impl FnOnce(&Model<'_, '_, T, D>, &[[usize; 2]], Scans<'_, T, D>) -> Result<(), Error>,
     ) -> Result<(), Error> {
         if elements.is_empty() {
             return Ok(());
@@ -219,15 +340,14 @@ impl<T: Real, const D: usize> Scanner<T, D> for Multilevel<T, D> {
         let model = Model::new(elements, self.limits.as_deref());
         let levels = model.levels();
         self.sort(elements, &model)?;
-        let Self { sorted, parts, simd, pool, .. } = self;
-        let simd = *simd;
+        let Self { sorted, parts, pool, .. } = self;
         let filter = elements.filter();
-        let search_row = |task: &Task<'_, T, D>, out: &mut Output<'_>| T::search(simd, task, out);
-        let mut scans = Vec::new();
+        let (mut scans, mut pairs) = (Vec::new(), Vec::new());
         for (k, level) in levels.iter().enumerate() {
             for (l, larger) in levels.iter().enumerate().skip(k) {
                 let (own, other) = if model.looks(level, larger) { (k, l) } else { (l, k) };
                 let (layout, against) = (&sorted[own].layout, &sorted[other].layout);
+                pairs.push([own, other]);
                 scans.push(Scan {
                     layout,
                     against: (k != l).then_some(against),
@@ -241,11 +361,11 @@ impl<T: Real, const D: usize> Scanner<T, D> for Multilevel<T, D> {
                     tolerance: elements.tolerance(),
                     one_numbering: true,
                     part: model.part(&levels[own], &levels[other]),
-                    search_row: &search_row,
+                    search_row,
                 });
             }
         }
-        search(Scans { each: &scans, pool, parts })
+        search(&model, &pairs, Scans { each: &scans, pool, parts })
     }
 }
 

@@ -212,6 +212,9 @@ pub(crate) enum EngineName {
     Rows,
     /// The same for unlike sizes: levels of similar ones, each on rows of its own.
     Multilevel,
+    /// The C-grid of Williams, Perkins and Cook: elements that span many cells.
+    #[value(name = "cgrid")]
+    CGrid,
 }
 
 impl From<EngineName> for Engine {
@@ -222,6 +225,7 @@ impl From<EngineName> for Engine {
             EngineName::Nbs => Self::Nbs,
             EngineName::Rows => Self::Rows,
             EngineName::Multilevel => Self::Multilevel,
+            EngineName::CGrid => Self::CGrid,
         }
     }
 }
@@ -264,6 +268,9 @@ pub(crate) enum Contestant {
     Rows,
     /// The default engine for unlike sizes: levels of similar ones.
     Multilevel,
+    /// The C-grid of Williams, Perkins and Cook: elements that span many cells.
+    #[value(name = "cgrid")]
+    CGrid,
     /// Munjiza-NBS as published.
     Nbs,
     /// All against all.

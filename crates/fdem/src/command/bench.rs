@@ -6,7 +6,7 @@ use std::io::{self, Write};
 use std::num::NonZero;
 use std::time::{Duration, Instant};
 
-use fdem_contact::{Couple, Direct, Elements, Engine, Error, Multilevel, Nbs, Rows, Search, Simd};
+use fdem_contact::{CGrid, Couple, Direct, Elements, Engine, Error, Multilevel, Nbs, Rows, Search, Simd};
 use fdem_io::{Centres, Packing};
 use serde::Serialize;
 
@@ -132,6 +132,7 @@ fn contenders<const D: usize>(
                     add(AnySearch::Multilevel(Box::new(levels)), Some(simd), threads);
                 }
             }
+            Contestant::CGrid => add(AnySearch::CGrid(Box::default()), None, 1),
             Contestant::Nbs => add(AnySearch::Nbs(Nbs::new()), None, 1),
             Contestant::Direct => add(AnySearch::Direct, None, 1),
         }
@@ -162,6 +163,7 @@ struct Contender<const D: usize> {
 enum AnySearch<const D: usize> {
     Rows(Box<Rows<f64, D>>),
     Multilevel(Box<Multilevel<f64, D>>),
+    CGrid(Box<CGrid<f64, D>>),
     Nbs(Nbs<D>),
     Direct,
 }
@@ -186,6 +188,7 @@ impl<const D: usize> Contender<D> {
         let (engine, bytes) = match &self.search {
             AnySearch::Rows(rows) => (Engine::Rows, rows.bytes()),
             AnySearch::Multilevel(levels) => (Engine::Multilevel, levels.bytes()),
+            AnySearch::CGrid(cgrid) => (Engine::CGrid, cgrid.bytes()),
             AnySearch::Nbs(nbs) => (Engine::Nbs, nbs.integers() * size_of::<u32>()),
             AnySearch::Direct => (Engine::Direct, 0),
         };
@@ -216,6 +219,7 @@ impl<const D: usize> AnySearch<D> {
         match self {
             Self::Rows(rows) => rows.couples(&elements, couples),
             Self::Multilevel(levels) => levels.couples(&elements, couples),
+            Self::CGrid(cgrid) => cgrid.couples(&elements, couples),
             Self::Nbs(nbs) => nbs.couples(&elements, couples),
             Self::Direct => Direct.couples(&elements, couples),
         }?;

@@ -20,7 +20,7 @@ pub(crate) struct Told {
     reason: String,
     cell_size: Option<f64>,
     cells: Option<Vec<u64>>,
-    /// Those of the engine multilevel.
+    /// Those of the engines multilevel and cgrid.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     levels: Vec<ToldLevel>,
     rows: Option<f64>,

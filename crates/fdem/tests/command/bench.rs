@@ -102,6 +102,16 @@ fn levels_are_timed_where_sizes_are_unlike() {
     let rows = table(&run.stdout);
     assert_eq!(rows.iter().map(|row| row[0]).collect::<Vec<_>>(), ["rows", "multilevel", "nbs", "direct"]);
     assert!(rows.iter().all(|row| row[7] == rows[0][7]), "{}", run.stdout);
+    let run = bench.run(&["bench", "gas.csv", "--repeat", "1", "--engines", "cgrid,rows"]).succeeds();
+    let others = table(&run.stdout);
+    assert_eq!(others.iter().map(|row| row[0]).collect::<Vec<_>>(), ["cgrid", "rows"]);
+    assert!(others.iter().all(|row| row[7] == rows[0][7]), "{}", run.stdout);
+    let told = bench.run(&["contacts", "gas.csv", "--explain", "--engine", "cgrid"]).succeeds();
+    assert!(told.stdout.starts_with("engine    cgrid: asked for"), "{}", told.stdout);
+    assert!(told.stdout.contains("\nlevel "), "{}", told.stdout);
+    let [by_default, by_cells] = ["auto", "cgrid"]
+        .map(|engine| bench.run(&["contacts", "gas.csv", "--engine", engine]).succeeds().stdout);
+    assert!(by_default == by_cells);
     let told = bench.run(&["contacts", "gas.csv", "--explain", "--json", "t.json"]).succeeds();
     assert!(told.stdout.starts_with("engine    multilevel: sizes from "), "{}", told.stdout);
     let levels = bench.json("t.json")["levels"].as_array().unwrap().len();
@@ -154,7 +164,7 @@ fn bad_input_and_options_are_refused_as_elsewhere() {
         .refused_with(&["0 runs measure nothing"]);
     bench
         .run(&["bench", "row.csv", "--cutoff", "1", "--engines", "auto"])
-        .refused_with(&["auto", "rows, multilevel, nbs, direct"]);
+        .refused_with(&["auto", "rows, multilevel, cgrid, nbs, direct"]);
     bench.run(&["bench", "row.csv", "--cutoff", "1", "--radius", "1"]).refused_with(&["--radius"]);
     bench.run(&["bench", "row.csv", "--cutoff", "1e300"]).refused_with(&["row.csv: cut-off 1e300"]);
     bench

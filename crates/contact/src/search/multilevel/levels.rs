@@ -151,14 +151,24 @@ impl<'e, 'a, T: Real, const D: usize> Model<'e, 'a, T, D> {
         self.levels = groups.collect();
     }
 
-    /// The time of the whole search.
-    fn total(&self) -> f64 {
+    /// The time of the whole search, in nanoseconds.
+    pub(super) fn total(&self) -> f64 {
         let pairs = self
             .levels
             .iter()
             .enumerate()
             .flat_map(|(k, one)| self.levels[k + 1..].iter().map(move |two| self.cost_of(one, two)));
         pairs.sum::<f64>() + self.levels.iter().map(|level| self.cost(level)).sum::<f64>()
+    }
+
+    /// Windows that elements of one level open on rows of another (half of them on the same), and elements in these windows.
+    pub(super) fn work(&self, level: &Level, other: Option<&Level>) -> [f64; 2] {
+        let (windows, other) = match other {
+            None => (self.rows_around(level, 2.0 * level.cell_size).midpoint(1.0), level),
+            Some(other) => (self.windows(level, other), other),
+        };
+        let candidates = 2.0 * self.reach(level, other) * windows * self.along_rows(other);
+        [windows, candidates].map(|each| each * level.elements as f64)
     }
 
     /// The time to sort a level and to compare it with itself.
