@@ -119,7 +119,7 @@ fn mean_pair_power(radii: &[f64], unit: f64, d: usize) -> f64 {
 }
 
 /// `D`-th root.
-fn root<const D: usize>(x: f64) -> f64 {
+pub(crate) fn root<const D: usize>(x: f64) -> f64 {
     match D {
         1 => x,
         2 => x.sqrt(),

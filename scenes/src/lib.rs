@@ -4,10 +4,11 @@
 //! |---|---|---|
 //! | [`gas`] | uniform random centres, as many contacts each as asked for | speed against `n` and density |
 //! | [`clusters`] | gases far apart in a wide domain | searches that must not allocate the empty space |
+//! | [`boxes`] | axis-aligned boxes of mixed aspect, uniform random | bounding boxes of any shape |
 //! | [`lattice`], [`jittered_lattice`] | square or cubic grids | exact touching, cell faces |
 //! | [`deposit`] | 2D discs dropped and rolled to rest | a bed whose discs really carry one another |
 //! | [`book`] | packings A to D and the worked figures | the book's examples and curves |
-//! | [`peers`] | the five sets on which rivals were timed | comparisons |
+//! | [`peers`] | the sets on which rivals were timed | comparisons |
 //!
 //! A scene is a [`Cloud`]: centres and radii. [`Sizes`] says how the radii are drawn.
 //!
@@ -28,6 +29,7 @@
 
 mod bed;
 pub mod book;
+mod boxes;
 mod cloud;
 mod clusters;
 mod deposit;
@@ -38,6 +40,7 @@ pub mod peers;
 pub mod random;
 mod sizes;
 
+pub use boxes::{Boxes, boxes};
 pub use cloud::Cloud;
 pub use clusters::clusters;
 pub use deposit::deposit;

@@ -13,9 +13,12 @@
 //! | [`poly`] | 400,000 | 269,942 |
 //! | [`lognormal`] | 1,000,000 | 1,803,988 |
 //!
+//! [`unlike`] and [`boxes`] are of later.
+//!
 //! Every function returns the errors of the generator it calls; with these parameters only [`Error::OutOfMemory`]
-//! can occur.
+//! can occur, unless it says otherwise.
 
+use crate::boxes::Boxes;
 use crate::cloud::Cloud;
 use crate::error::Error;
 use crate::sizes::Sizes;
@@ -61,4 +64,20 @@ pub fn poly(n: usize, seed: u64) -> Result<Cloud<3>, Error> {
 /// [`Error::OutOfMemory`].
 pub fn lognormal(n: usize, seed: u64) -> Result<Cloud<3>, Error> {
     crate::gas(n, seed, 3.648, Sizes::Lognormal { median: 0.5, sigma: 0.25 })
+}
+
+/// Radii from 1 to `ratio` by a power law with exponent −2.5, 4 neighbours each: as many couples per sphere for any ratio.
+///
+/// # Errors
+/// [`Error::OutOfMemory`]; [`Error::MinAboveMax`], [`Error::OutOfRange`] for a `ratio` that is not at least 1 and finite.
+pub fn unlike(n: usize, seed: u64, ratio: f64) -> Result<Cloud<3>, Error> {
+    crate::gas(n, seed, 4.0, Sizes::PowerLaw { min: 1.0, max: ratio, exponent: -2.5 })
+}
+
+/// Boxes whose longest edge is 1 to 100 times the shortest, 12 neighbours each.
+///
+/// # Errors
+/// [`Error::OutOfMemory`].
+pub fn boxes(n: usize, seed: u64) -> Result<Boxes<3>, Error> {
+    crate::boxes(n, seed, 12.0, 100.0)
 }

@@ -4,7 +4,9 @@
 //! stored scene; change a number here only together with a line in the change log.
 
 use fdem_scenes::random::Random;
-use fdem_scenes::{Cloud, Error, Sizes, book, clusters, deposit, gas, jittered_lattice, lattice, peers};
+use fdem_scenes::{
+    Boxes, Cloud, Error, Sizes, book, boxes, clusters, deposit, gas, jittered_lattice, lattice, peers,
+};
 
 /// FNV-1a, 64 bits.
 fn fnv1a(bytes: impl IntoIterator<Item = u8>) -> u64 {
@@ -15,6 +17,12 @@ fn fnv1a(bytes: impl IntoIterator<Item = u8>) -> u64 {
 
 fn hash<const D: usize>(cloud: &Cloud<D>) -> u64 {
     fnv1a(cloud.centres.iter().flatten().chain(&cloud.radii).flat_map(|x| x.to_bits().to_le_bytes()))
+}
+
+fn hash_of_boxes<const D: usize>(boxes: &Boxes<D>) -> u64 {
+    fnv1a(
+        boxes.min.iter().flatten().chain(boxes.max.iter().flatten()).flat_map(|x| x.to_bits().to_le_bytes()),
+    )
 }
 
 const EQUAL: Sizes = Sizes::Equal { radius: 0.5 };
@@ -41,6 +49,9 @@ fn seeded(seed: u64) -> Result<Vec<(&'static str, u64)>, Error> {
         ("peers::dense", hash(&peers::dense(5_000, seed)?)),
         ("peers::poly", hash(&peers::poly(5_000, seed)?)),
         ("peers::lognormal", hash(&peers::lognormal(5_000, seed)?)),
+        ("peers::unlike", hash(&peers::unlike(5_000, seed, 100.0)?)),
+        ("peers::boxes", hash_of_boxes(&peers::boxes(5_000, seed)?)),
+        ("boxes 2D", hash_of_boxes(&boxes::<2>(5_000, seed, 6.0, 3.0)?)),
     ])
 }
 
@@ -81,6 +92,9 @@ fn same_seed_same_bits() {
             ("peers::dense", 0x5318_92fe_34ba_14be),
             ("peers::poly", 0x2e05_ef89_e544_0e27),
             ("peers::lognormal", 0x3381_f573_38af_31e4),
+            ("peers::unlike", 0xec82_d4ef_cf64_5333),
+            ("peers::boxes", 0x8450_751c_226f_afa2),
+            ("boxes 2D", 0xc8c5_2e3a_9cf3_4cc7),
         ]
     );
 }
