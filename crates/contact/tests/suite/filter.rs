@@ -1,8 +1,8 @@
 //! Filters: every search finds what it finds without one, filtered afterwards, in the same order.
 
 use fdem_contact::{
-    Buffered, Couple, Detector, Direct, Elements, Engine, Error, Filter, GroupMatrix, Mismatch, Multilevel,
-    Nbs, PeriodicBox, PeriodicCouple, PeriodicSearch, Real, Reason, Rows, Search, Simd, verify,
+    Buffered, CGrid, Couple, Detector, Direct, Elements, Engine, Error, Filter, GroupMatrix, Mismatch,
+    Multilevel, Nbs, PeriodicBox, PeriodicCouple, PeriodicSearch, Real, Reason, Rows, Search, Simd, verify,
 };
 use fdem_scenes::random::Random;
 use fdem_scenes::{Cloud, Sizes, clusters, gas};
@@ -150,6 +150,7 @@ fn compare<T: FromF64, const D: usize>(cloud: &Cloud<D>) {
         if few {
             compare_search("direct", Direct, &elements, &cases);
             compare_search("nbs", Nbs::new(), &elements, &cases);
+            compare_search("cgrid", CGrid::new(), &elements, &cases);
             compare_search("auto", Detector::new(Engine::Auto), &elements, &cases);
             // What the engines agree on is what `touch` says.
             for case in &cases {
@@ -237,7 +238,9 @@ fn images_see_what_their_elements_see() {
             PeriodicBox::triclinic([0.0, 0.0], [[edge, 0.0], [0.3 * edge, edge]], [true, true]).unwrap();
         for elements in [Elements::points(&centres, 1.0), Elements::spheres_with_radii(&centres, &radii)] {
             let elements = elements.unwrap();
-            for engine in [Engine::Auto, Engine::Direct, Engine::Nbs, Engine::Rows, Engine::Multilevel] {
+            for engine in
+                [Engine::Auto, Engine::Direct, Engine::Nbs, Engine::Rows, Engine::Multilevel, Engine::CGrid]
+            {
                 let mut search = PeriodicSearch::new(engine);
                 let mut found = |elements: &Elements<'_, f64, 2>| -> Vec<PeriodicCouple<2>> {
                     let mut couples = Vec::new();

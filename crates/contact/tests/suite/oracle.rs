@@ -1,6 +1,6 @@
 //! Every search equals `Direct`: dimensions 1 to 6, both floats, all shapes, with and without tolerance.
 
-use fdem_contact::{Detector, Direct, Elements, Engine, Multilevel, Nbs, Real, Rows, Simd};
+use fdem_contact::{CGrid, Detector, Direct, Elements, Engine, Multilevel, Nbs, Real, Rows, Simd};
 use fdem_scenes::{Cloud, Sizes, clusters, gas, jittered_lattice, lattice};
 
 use crate::ascending;
@@ -56,6 +56,7 @@ fn compare<T: FromF64, const D: usize>(scene: &str, cloud: &Cloud<D>) -> usize {
             let context =
                 || format!("{scene}, {shape}, D = {D}, n = {}, tolerance {tolerance}", centres.len());
             assert!(ascending(Nbs::new(), &elements) == expected, "nbs: {}", context());
+            assert!(ascending(CGrid::new(), &elements) == expected, "cgrid: {}", context());
             for (simd, threads) in
                 Simd::available().into_iter().map(|simd| (simd, 1)).chain([(Simd::best(), 3)])
             {

@@ -13,7 +13,8 @@ use fdem_scenes::random::Random;
 
 use crate::oracle::FromF64;
 
-const ENGINES: [Engine; 5] = [Engine::Auto, Engine::Direct, Engine::Nbs, Engine::Rows, Engine::Multilevel];
+const ENGINES: [Engine; 6] =
+    [Engine::Auto, Engine::Direct, Engine::Nbs, Engine::Rows, Engine::Multilevel, Engine::CGrid];
 
 /// One radius or one each.
 #[derive(Clone, Copy)]

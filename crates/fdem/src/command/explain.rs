@@ -1,6 +1,8 @@
-//! `fdem contacts --explain`: what a search would take, and no search.
+//! `fdem contacts --explain`: what a search would take, and no couples. For levels, what it does with them is counted.
 
-use fdem_contact::{Detector, Engine, Error, Explanation, Level, PeriodicSearch};
+use std::fmt::Write;
+
+use fdem_contact::{Detector, Engine, Error, Explanation, Level, Multilevel, PeriodicSearch, Work};
 use serde::Serialize;
 
 use crate::command::detect::Request;
@@ -23,6 +25,9 @@ pub(crate) struct Told {
     /// Those of the engines multilevel and cgrid.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     levels: Vec<ToldLevel>,
+    /// Of each level by itself and of each two, if they are of the open space: predicted and counted.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    work: Vec<ToldWork>,
     rows: Option<f64>,
     occupied_rows_at_most: Option<u64>,
     expected_couples: f64,
@@ -50,6 +55,47 @@ impl From<&Level> for ToldLevel {
     }
 }
 
+#[derive(Debug, Serialize)]
+struct ToldWork {
+    levels: [usize; 2],
+    predicted_windows: f64,
+    windows: u64,
+    predicted_candidates: f64,
+    candidates: u64,
+    couples: u64,
+}
+
+impl From<&Work> for ToldWork {
+    fn from(work: &Work) -> Self {
+        let &Work { levels, predicted_windows, windows, predicted_candidates, candidates, couples, .. } =
+            work;
+        Self { levels, predicted_windows, windows, predicted_candidates, candidates, couples }
+    }
+}
+
+/// The same as a table below the levels, which it counts from 1.
+fn table(works: &[ToldWork]) -> String {
+    let mut text = String::new();
+    let mut line = |cells: [String; 6]| {
+        let [levels, rest @ ..] = cells;
+        _ = write!(text, "\n  {levels:<8}");
+        rest.iter().for_each(|cell| _ = write!(text, " {cell:>14}"));
+    };
+    line(["levels", "windows", "predicted", "candidates", "predicted", "couples"].map(str::to_owned));
+    for work in works {
+        let [level, other] = work.levels.map(|level| level + 1);
+        line([
+            if level == other { level.to_string() } else { format!("{level} in {other}") },
+            work.windows.to_string(),
+            format!("{:.0}", work.predicted_windows),
+            work.candidates.to_string(),
+            format!("{:.0}", work.predicted_candidates),
+            work.couples.to_string(),
+        ]);
+    }
+    text
+}
+
 impl Told {
     pub(crate) fn of<const D: usize>(
         space: &Space<'_, D>,
@@ -62,10 +108,16 @@ impl Told {
             None => Detector::new(engine).with_threads(threads)?.explain(&elements),
             Some(cell) => PeriodicSearch::new(engine).with_threads(threads)?.explain(&elements, cell),
         }?;
-        let text = explanation.to_string();
+        let mut text = explanation.to_string();
         let Explanation {
             plan, elements, images, rows, occupied_rows, couples, couples_error, bytes, ..
         } = explanation;
+        let mut work = Vec::new();
+        if plan.engine == Engine::Multilevel && space.cell.is_none() {
+            let works = Multilevel::new().with_threads(threads)?.work(&request.elements(space.centres)?)?;
+            work = works.iter().map(ToldWork::from).collect();
+            text += &table(&work);
+        }
         Ok(Self {
             elements,
             bodies,
@@ -75,6 +127,7 @@ impl Told {
             cell_size: plan.cell_size,
             cells: plan.cells.map(|cells| cells.to_vec()),
             levels: plan.levels.iter().map(ToldLevel::from).collect(),
+            work,
             rows,
             occupied_rows_at_most: occupied_rows,
             expected_couples: couples,

@@ -116,6 +116,15 @@ fn levels_are_timed_where_sizes_are_unlike() {
     assert!(told.stdout.starts_with("engine    multilevel: sizes from "), "{}", told.stdout);
     let levels = bench.json("t.json")["levels"].as_array().unwrap().len();
     assert!(levels > 1 && told.stdout.lines().filter(|line| line.starts_with("level ")).count() == levels);
+    let work = &bench.json("t.json")["work"];
+    let work = work.as_array().unwrap();
+    assert_eq!(work.len(), levels * (levels + 1) / 2);
+    let sum = |key: &str| work.iter().map(|of| of[key].as_u64().unwrap()).sum::<u64>();
+    assert_eq!(sum("couples").to_string(), rows[0][7].replace(',', ""));
+    let predicted = work.iter().map(|of| of["predicted_candidates"].as_f64().unwrap()).sum::<f64>();
+    let counted = sum("candidates") as f64;
+    assert!((0.3 * counted..3.0 * counted).contains(&predicted), "{predicted} predicted, {counted} counted");
+    assert!(told.stdout.contains("\n  2 in 1 "), "{}", told.stdout);
 }
 
 #[test]
