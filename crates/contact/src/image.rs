@@ -124,7 +124,7 @@ pub fn contacts<L: Label, const D: usize>(
 ///
 /// # Cost
 /// Time: a pass over the image for each of the 2, 4, 3, 9 or 13 directions to neighbours, some nanoseconds for each run of
-/// faces, and the sorting of the contacts. Memory: one plane, 140 bytes per contact (with edges or vertices 260) and 10 bytes per label; the contacts
+/// faces, and the sorting of the contacts. Memory: one plane, 80 bytes per contact (with edges or vertices 270) and 10 bytes per label; the contacts
 /// and labels once more for each thread.
 ///
 /// # Example

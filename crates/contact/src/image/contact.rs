@@ -57,17 +57,30 @@ impl<const D: usize> Spacing<D> {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ImageContact<L, const D: usize> {
     labels: [L; 2],
-    /// By the axis across which they lie: faces behind which the larger label is, and those behind which the smaller is.
-    faces: [[u64; 2]; D],
-    /// By that axis: the sum of the centres of the faces, in half grid squares.
-    centres: [[u64; D]; D],
-    /// Where they are looked for. Boxed: most images are searched for faces.
-    diagonals: Option<Box<Diagonals<D>>>,
+    /// By the axis across which the faces lie: the sums modulo 2^32, for the caches hold more contacts of half the size.
+    low: [Across<D>; D],
+    /// What few contacts have, or few images are searched for. There is none without anything in it, so that equal contacts are equal.
+    more: Option<Box<More<D>>>,
 }
 
-/// Pairs that share an edge or a vertex.
+/// Faces across one axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Across<const D: usize> {
+    /// Those behind which the larger label is, and those behind which the smaller is.
+    faces: [u32; 2],
+    /// The sum of their centres, in half grid squares.
+    centres: [u32; D],
+}
+
+impl<const D: usize> Across<D> {
+    const NONE: Self = Self { faces: [0; 2], centres: [0; D] };
+}
+
 #[derive(Clone, Debug, PartialEq, Eq)]
-struct Diagonals<const D: usize> {
+struct More<const D: usize> {
+    /// The sums of the faces divided by 2^32.
+    high: [Across<D>; D],
+    // Pairs that share an edge or a vertex.
     edges: u64,
     vertices: u64,
     /// By direction: pairs with the larger label later in the array, less those with the smaller.
@@ -78,7 +91,7 @@ struct Diagonals<const D: usize> {
 
 impl<L: Label, const D: usize> ImageContact<L, D> {
     pub(super) fn new(labels: [L; 2]) -> Self {
-        Self { labels, faces: [[0; 2]; D], centres: [[0; D]; D], diagonals: None }
+        Self { labels, low: [Across::NONE; D], more: None }
     }
 
     /// Adds a run; `at` is the place of its later row along the other axes.
@@ -93,43 +106,93 @@ impl<L: Label, const D: usize> ImageContact<L, D> {
         let backwards = run.later < run.earlier;
         match direction.kind {
             Kind::Face { axis: across } => {
-                self.faces[across][usize::from(backwards)] += count;
-                for (axis, centre) in self.centres[across].iter_mut().enumerate() {
-                    *centre += sum(axis);
-                }
+                let faces = if backwards { [0, count] } else { [count, 0] };
+                self.add_faces(across, faces, std::array::from_fn(sum));
             }
             Kind::Edge { number } | Kind::Vertex { number } => {
-                let diagonals = self.diagonals_mut();
+                let more = self.more_mut();
                 if matches!(direction.kind, Kind::Edge { .. }) {
-                    diagonals.edges += count;
+                    more.edges += count;
                 } else {
-                    diagonals.vertices += count;
+                    more.vertices += count;
                 }
-                diagonals.net[number] += if backwards { -count.cast_signed() } else { count.cast_signed() };
-                for (axis, midpoint) in diagonals.midpoints.iter_mut().enumerate() {
+                more.net[number] += if backwards { -count.cast_signed() } else { count.cast_signed() };
+                for (axis, midpoint) in more.midpoints.iter_mut().enumerate() {
                     *midpoint += sum(axis);
                 }
             }
         }
     }
 
-    fn diagonals_mut(&mut self) -> &mut Diagonals<D> {
-        let none = || Diagonals { edges: 0, vertices: 0, net: [0; DIAGONALS], midpoints: [0; D] };
-        self.diagonals.get_or_insert_with(|| Box::new(none()))
+    /// Adds faces across one axis. No sum of an image is larger than `i64::MAX`.
+    #[inline]
+    fn add_faces(&mut self, across: usize, faces: [u64; 2], centres: [u64; D]) {
+        let low = &mut self.low[across];
+        let mut carried = 0;
+        let mut add = |low: &mut u32, n: u64| {
+            let sum = u64::from(*low) + n;
+            *low = sum as u32;
+            carried |= sum >> u32::BITS;
+            (sum >> u32::BITS) as u32
+        };
+        let high = Across {
+            faces: std::array::from_fn(|side| add(&mut low.faces[side], faces[side])),
+            centres: std::array::from_fn(|axis| add(&mut low.centres[axis], centres[axis])),
+        };
+        if carried != 0 {
+            self.carry(across, high);
+        }
+    }
+
+    #[cold]
+    fn carry(&mut self, across: usize, carried: Across<D>) {
+        let high = &mut self.more_mut().high[across];
+        high.faces.iter_mut().zip(carried.faces).for_each(|(high, n)| *high += n);
+        high.centres.iter_mut().zip(carried.centres).for_each(|(high, n)| *high += n);
+    }
+
+    fn more_mut(&mut self) -> &mut More<D> {
+        self.more.get_or_insert_with(|| {
+            Box::new(More {
+                high: [Across::NONE; D],
+                edges: 0,
+                vertices: 0,
+                net: [0; DIAGONALS],
+                midpoints: [0; D],
+            })
+        })
     }
 
     /// Adds what another part of the image has of the same contact.
     pub(super) fn merge(&mut self, other: &Self) {
-        let add = |into: &mut [u64], from: &[u64]| into.iter_mut().zip(from).for_each(|(into, n)| *into += n);
-        add(self.faces.as_flattened_mut(), other.faces.as_flattened());
-        add(self.centres.as_flattened_mut(), other.centres.as_flattened());
-        if let Some(other) = &other.diagonals {
-            let diagonals = self.diagonals_mut();
-            diagonals.edges += other.edges;
-            diagonals.vertices += other.vertices;
-            diagonals.net.iter_mut().zip(&other.net).for_each(|(into, n)| *into += n);
-            add(&mut diagonals.midpoints, &other.midpoints);
+        for across in 0..D {
+            self.add_faces(across, other.sides(across), other.centres(across));
         }
+        // What is left of it are the diagonals: without any there may be none here either.
+        let Some(other) = other.more.as_ref().filter(|other| other.edges + other.vertices > 0) else {
+            return;
+        };
+        let more = self.more_mut();
+        more.edges += other.edges;
+        more.vertices += other.vertices;
+        more.net.iter_mut().zip(&other.net).for_each(|(into, n)| *into += n);
+        more.midpoints.iter_mut().zip(&other.midpoints).for_each(|(into, n)| *into += n);
+    }
+
+    /// Faces across an axis behind which the larger label is, and those behind which the smaller is.
+    fn sides(&self, across: usize) -> [u64; 2] {
+        let high = self.high(across);
+        std::array::from_fn(|side| whole(high.faces[side], self.low[across].faces[side]))
+    }
+
+    /// The sum of the centres of the faces across an axis, in half grid squares.
+    fn centres(&self, across: usize) -> [u64; D] {
+        let high = self.high(across);
+        std::array::from_fn(|axis| whole(high.centres[axis], self.low[across].centres[axis]))
+    }
+
+    fn high(&self, across: usize) -> Across<D> {
+        self.more.as_ref().map_or(Across::NONE, |more| more.high[across])
     }
 
     /// The two labels, the smaller first.
@@ -144,17 +207,17 @@ impl<L: Label, const D: usize> ImageContact<L, D> {
 
     /// Number of shared faces across each axis.
     pub fn faces_along(&self) -> [u64; D] {
-        self.faces.map(|[forwards, backwards]| forwards + backwards)
+        std::array::from_fn(|across| self.sides(across).into_iter().sum())
     }
 
     /// Number of pairs of grid squares that share an edge and no face; 0 unless [`Neighbourhood::Edge`] or `Vertex` was asked for.
     pub fn edges(&self) -> u64 {
-        self.diagonals.as_ref().map_or(0, |diagonals| diagonals.edges)
+        self.more.as_ref().map_or(0, |more| more.edges)
     }
 
     /// Number of pairs of grid squares that share a vertex and nothing more; 0 unless [`Neighbourhood::Vertex`] was asked for.
     pub fn vertices(&self) -> u64 {
-        self.diagonals.as_ref().map_or(0, |diagonals| diagonals.vertices)
+        self.more.as_ref().map_or(0, |more| more.vertices)
     }
 
     /// Area of the shared faces; in 2D the length of the shared sides.
@@ -177,13 +240,13 @@ impl<L: Label, const D: usize> ImageContact<L, D> {
             for (across, faces) in self.faces_along().into_iter().enumerate() {
                 let face = spacing.face(across);
                 count += face * faces as f64;
-                for (sum, centre) in sums.iter_mut().zip(self.centres[across]) {
+                for (sum, centre) in sums.iter_mut().zip(self.centres(across)) {
                     *sum += face * centre as f64;
                 }
             }
-        } else if let Some(diagonals) = &self.diagonals {
-            count = (diagonals.edges + diagonals.vertices) as f64;
-            sums = diagonals.midpoints.map(|sum| sum as f64);
+        } else if let Some(more) = &self.more {
+            count = (more.edges + more.vertices) as f64;
+            sums = more.midpoints.map(|sum| sum as f64);
         }
         std::array::from_fn(|axis| sums[axis] / (2.0 * count) * spacing.0[axis])
     }
@@ -196,22 +259,27 @@ impl<L: Label, const D: usize> ImageContact<L, D> {
     pub fn normal(&self, spacing: &Spacing<D>) -> [f64; D] {
         let mut sum = [0.0; D];
         if self.faces() > 0 {
-            for (axis, [forwards, backwards]) in self.faces.into_iter().enumerate() {
-                sum[axis] = (i128::from(forwards) - i128::from(backwards)) as f64 * spacing.face(axis);
+            for (axis, sum) in sum.iter_mut().enumerate() {
+                let [forwards, backwards] = self.sides(axis);
+                *sum = (i128::from(forwards) - i128::from(backwards)) as f64 * spacing.face(axis);
             }
-        } else if let Some(diagonals) = &self.diagonals {
+        } else if let Some(more) = &self.more {
             for Direction { step, kind } in Direction::<D>::all(Neighbourhood::Vertex) {
                 let (Kind::Edge { number } | Kind::Vertex { number }) = kind else { continue };
                 let from_centre_to_centre =
                     std::array::from_fn(|axis| f64::from(step[axis]) * spacing.0[axis]);
                 let unit: [f64; D] = unit(from_centre_to_centre);
                 for (sum, unit) in sum.iter_mut().zip(unit) {
-                    *sum += diagonals.net[number] as f64 * unit;
+                    *sum += more.net[number] as f64 * unit;
                 }
             }
         }
         unit(sum)
     }
+}
+
+fn whole(high: u32, low: u32) -> u64 {
+    u64::from(high) << u32::BITS | u64::from(low)
 }
 
 /// The vector divided by its length; zeros stay zeros.
@@ -272,6 +340,37 @@ mod tests {
         assert_eq!(found[0].centroid(&spacing), [1.5, 2.0]);
         let [y, x] = found[0].normal(&spacing);
         assert!((y + 0.6).abs() < 1e-15 && (x + 0.8).abs() < 1e-15, "from 4 to 5: {y} {x}");
+    }
+
+    #[test]
+    fn sums_beyond_32_bits_are_whole() {
+        // Five runs of 2^30 faces and two more, in rows far down a plane: in one sum, and in those of two threads.
+        let across: Vec<Direction<3>> = Direction::all(Neighbourhood::Face).collect();
+        let (wide, at) = (1 << 30, [5, 70_000]);
+        let run = |start, end| Run { earlier: 1_u8, later: 2, start, end };
+        let mut parts: [_; 3] = std::array::from_fn(|_| ImageContact::<u8, 3>::new([1, 2]));
+        let [one, both, other] = &mut parts;
+        for number in 0..5 {
+            one.add(&run(0, wide), &at, &across[1]);
+            if number < 3 { &mut *both } else { &mut *other }.add(&run(0, wide), &at, &across[1]);
+        }
+        let mut few = ImageContact::new([1, 2]);
+        for contact in [&mut *one, &mut few] {
+            contact.add(&run(7, 9), &at, &across[1]);
+        }
+        assert!(few.more.is_none());
+        few.merge(other);
+        few.merge(both);
+        assert_eq!(few, *one);
+        let n = 5_u64 << 30;
+        assert_eq!(one.faces_along(), [0, n + 2, 0]);
+        // Twice z, y - 1/2 and x of each.
+        let along_x = n * ((1 << 30) - 1) + 14 + 16;
+        assert_eq!(one.centres(1), [(n + 2) * 10, (n + 2) * 139_999, along_x]);
+        let x = along_x as f64 / 2.0 / (n + 2) as f64;
+        assert_eq!(one.centroid(&Spacing::UNIT)[..2], [5.0, 69_999.5]);
+        assert!((one.centroid(&Spacing::UNIT)[2] / x - 1.0).abs() < 1e-15);
+        assert_eq!(one.normal(&Spacing::UNIT), [0.0, 1.0, 0.0]);
     }
 
     #[test]

@@ -66,19 +66,23 @@ pub(super) struct Run<L> {
     pub(super) end: usize,
 }
 
-/// Memory of a comparison: a byte for each place of a row, 1 where it counts.
+/// Memory of a comparison: a byte for each place of a row.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Scan {
     marks: Vec<u8>,
 }
 
-/// Places that are looked at together.
-const WORD: usize = 8;
+/// Bits of a mark: a run starts here, and here is its last place.
+const START: u8 = 1;
+const LAST: u8 = 2;
+
+/// Places whose marks are looked at together: the bits of a `u64`.
+const GROUP: usize = 64;
 
 impl Scan {
     /// Makes room for rows of this many places.
     pub(super) fn fit(&mut self, width: usize) -> Result<(), Error> {
-        let room = width.next_multiple_of(WORD);
+        let room = width.next_multiple_of(GROUP);
         if self.marks.len() < room { resize(&mut self.marks, room, 0) } else { Ok(()) }
     }
 
@@ -92,22 +96,44 @@ impl Scan {
         background: Option<L>,
         mut note: impl FnMut(L) -> Result<(), Error>,
     ) -> Result<(), Error> {
+        let Some((&first, rest)) = row.split_first() else { return Ok(()) };
+        let body = Body::new(background);
+        let is_new = |label: L, before: L| u8::from(label != before) & body.is(label);
         let marks = self.marks(row.len());
-        marks[0] = 1;
-        for ((mark, label), left) in marks[1..].iter_mut().zip(&row[1..]).zip(row) {
-            *mark = u8::from(label != left);
-        }
-        for before in before.into_iter().flatten() {
-            for ((mark, label), before) in marks.iter_mut().zip(row).zip(before) {
-                *mark &= u8::from(label != before);
+        marks[0] =
+            before.iter().flatten().fold(body.is(first), |mark, before| mark & is_new(first, before[0]));
+        let marks = &mut marks[1..];
+        let count = marks.len();
+        let left = &row[..count];
+        let rest = &rest[..count];
+        // One loop for all that is compared.
+        match before {
+            [None, None] => {
+                for at in 0..count {
+                    marks[at] = is_new(rest[at], left[at]);
+                }
+            }
+            [Some(before), None] | [None, Some(before)] => {
+                let before = &before[1..][..count];
+                for at in 0..count {
+                    marks[at] = is_new(rest[at], left[at]) & u8::from(rest[at] != before[at]);
+                }
+            }
+            [Some(above), Some(behind)] => {
+                let (above, behind) = (&above[1..][..count], &behind[1..][..count]);
+                for at in 0..count {
+                    let differs = u8::from(rest[at] != above[at]) & u8::from(rest[at] != behind[at]);
+                    marks[at] = is_new(rest[at], left[at]) & differs;
+                }
             }
         }
-        if let Some(background) = background {
-            for (mark, label) in marks.iter_mut().zip(row) {
-                *mark &= u8::from(*label != background);
+        self.groups(row.len(), |first, mut starts, _| {
+            while starts != 0 {
+                note(row[first + starts.trailing_zeros() as usize])?;
+                starts &= starts - 1;
             }
-        }
-        self.each(row.len(), |at| note(row[at]))
+            Ok(())
+        })
     }
 
     /// Hands over the pairs in one direction, from the row `earlier` to the row `later`, which are of the same length.
@@ -123,51 +149,107 @@ impl Scan {
         let (from, to) = (usize::from(along < 0), usize::from(along > 0));
         let count = later.len() - usize::from(along != 0);
         let (earlier, later) = (&earlier[from..][..count], &later[to..][..count]);
-        let marks = self.marks(count);
-        if let Some(background) = background {
-            for ((mark, a), b) in marks.iter_mut().zip(earlier).zip(later) {
-                *mark = u8::from(a != b) & u8::from(*a != background) & u8::from(*b != background);
+        mark(self.marks(count), earlier, later, background);
+        // Of the run that goes on from one group into the next.
+        let mut open = None;
+        self.groups(count, |first, mut starts, mut lasts| {
+            let next = |bits: &mut u64| {
+                let at = first + bits.trailing_zeros() as usize;
+                *bits &= bits.wrapping_sub(1);
+                at
+            };
+            while lasts != 0 {
+                let start = open.take().unwrap_or_else(|| next(&mut starts));
+                let last = next(&mut lasts);
+                let (a, b) = (earlier[start], later[start]);
+                hand_over(Run { earlier: a, later: b, start: start + to, end: last + 1 + to })?;
             }
-        } else {
-            for ((mark, a), b) in marks.iter_mut().zip(earlier).zip(later) {
-                *mark = u8::from(a != b);
+            if starts != 0 {
+                open = Some(next(&mut starts));
             }
-        }
-        let mut run: Option<Run<L>> = None;
-        self.each(count, |at| {
-            let (a, b) = (earlier[at], later[at]);
-            if let Some(run) = &mut run {
-                if run.end == at + to && run.earlier == a && run.later == b {
-                    run.end += 1;
-                    return Ok(());
-                }
-                hand_over(*run)?;
-            }
-            run = Some(Run { earlier: a, later: b, start: at + to, end: at + to + 1 });
             Ok(())
-        })?;
-        run.map_or(Ok(()), hand_over)
+        })
     }
 
-    /// The marks of `count` places; those behind them, up to a whole word, are 0.
+    /// The marks of `count` places; those behind them, up to a whole group, are 0.
     fn marks(&mut self, count: usize) -> &mut [u8] {
-        let room = count.next_multiple_of(WORD);
+        let room = count.next_multiple_of(GROUP);
         self.marks[count..room].fill(0);
         &mut self.marks[..count]
     }
 
-    /// Calls `act` with each place that is marked, in order.
+    /// Calls `act` with the first place of each group that has marks, the starts in it and the last places, a bit for each place.
     #[inline]
-    fn each(&self, count: usize, mut act: impl FnMut(usize) -> Result<(), Error>) -> Result<(), Error> {
-        let (words, _) = self.marks[..count.next_multiple_of(WORD)].as_chunks::<WORD>();
-        for (word, marks) in words.iter().enumerate() {
-            let mut bits = u64::from_le_bytes(*marks);
-            while bits != 0 {
-                act(word * WORD + bits.trailing_zeros() as usize / WORD)?;
-                bits &= bits - 1;
+    fn groups(
+        &self,
+        count: usize,
+        mut act: impl FnMut(usize, u64, u64) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        let (groups, _) = self.marks[..count.next_multiple_of(GROUP)].as_chunks::<GROUP>();
+        for (group, marks) in groups.iter().enumerate() {
+            let (words, _) = marks.as_chunks::<8>();
+            let words: [u64; 8] = std::array::from_fn(|word| u64::from_le_bytes(words[word]));
+            if words.iter().fold(0, |all, word| all | word) == 0 {
+                continue;
             }
+            let bits = |mark: u8| {
+                words
+                    .iter()
+                    .rev()
+                    .fold(0, |bits, word| bits << 8 | lowest_bits(word >> mark.trailing_zeros()))
+            };
+            act(group * GROUP, bits(START), bits(LAST))?;
         }
         Ok(())
+    }
+}
+
+/// Marks where runs of equal pairs start, and where they have their last place; all slices are of the same length.
+fn mark<L: Label>(marks: &mut [u8], earlier: &[L], later: &[L], background: Option<L>) {
+    let body = Body::new(background);
+    let pair = |at: usize| {
+        let (a, b) = (earlier[at], later[at]);
+        u8::from(a != b) & body.is(a) & body.is(b)
+    };
+    // Whether the pair of this place is not that of the next.
+    let ends = |at: usize| u8::from(earlier[at] != earlier[at + 1]) | u8::from(later[at] != later[at + 1]);
+    match marks {
+        [] => {}
+        [only] => *only = pair(0) * (START | LAST),
+        [first, inner @ .., last] => {
+            let at_last = inner.len() + 1;
+            *first = pair(0) * (START | LAST * ends(0));
+            *last = pair(at_last) * (START * ends(at_last - 1) | LAST);
+            for (at, mark) in inner.iter_mut().enumerate() {
+                *mark = pair(at + 1).wrapping_neg() & (ends(at) * START | ends(at + 1) * LAST);
+            }
+        }
+    }
+}
+
+/// The lowest bit of each of eight bytes, next to each other: each product with one of the eight powers of two that matters is in the highest byte,
+/// and no other reaches it.
+#[inline]
+fn lowest_bits(word: u64) -> u64 {
+    (word & 0x0101_0101_0101_0101).wrapping_mul(0x0102_0408_1020_4080) >> 56
+}
+
+/// What is a body: 1, or 0 for the background. Without branches, for vectors.
+#[derive(Clone, Copy)]
+struct Body<L> {
+    background: L,
+    /// 1 if there is none.
+    all: u8,
+}
+
+impl<L: Label> Body<L> {
+    fn new(background: Option<L>) -> Self {
+        Self { background: background.unwrap_or_default(), all: u8::from(background.is_none()) }
+    }
+
+    #[inline]
+    fn is(self, label: L) -> u8 {
+        u8::from(label != self.background) | self.all
     }
 }
 
@@ -213,6 +295,37 @@ mod tests {
         assert_eq!(runs(0, None)[2..], [(0, 3, 4, 5), (2, 3, 5, 7), (2, 4, 7, 9), (2, 0, 9, 10)]);
         assert_eq!(runs(1, Some(0)), [(1, 3, 1, 2), (1, 3, 3, 4), (2, 3, 4, 5), (2, 3, 6, 7), (2, 4, 7, 9)]);
         assert_eq!(runs(-1, Some(0)), [(1, 3, 0, 2), (2, 1, 2, 3), (2, 3, 4, 7), (2, 4, 7, 9)]);
+    }
+
+    #[test]
+    fn runs_go_on_from_group_to_group() {
+        // Of all lengths up to some groups: one run, and runs of one place each.
+        let mut scan = Scan::default();
+        for count in 0..=3 * GROUP + 1 {
+            scan.fit(count).unwrap();
+            let mut found = |earlier: &[u16], later: &[u16], along| {
+                let mut runs = Vec::new();
+                let done = scan.pairs(earlier, later, along, Some(0), |run| {
+                    runs.push((run.start, run.end));
+                    Ok(())
+                });
+                done.unwrap();
+                runs
+            };
+            let (ones, twos) = (vec![1; count], vec![2; count]);
+            let whole = if count == 0 { vec![] } else { vec![(0, count)] };
+            assert_eq!(found(&ones, &twos, 0), whole);
+            let numbers: Vec<u16> = (1..=count as u16).collect();
+            assert_eq!(found(&numbers, &twos, 0).len(), count - usize::from(count > 1));
+            if count > 0 {
+                let steps: Vec<_> = (1..count).map(|at| (at, at + 1)).collect();
+                assert_eq!(found(&numbers, &numbers, 1), steps);
+            }
+            // From the middle to the end.
+            let mixed: Vec<u16> = (0..count).map(|at| if at < count / 2 { 1 } else { 2 }).collect();
+            let half = if count == 0 { vec![] } else { vec![(count / 2, count)] };
+            assert_eq!(found(&ones, &mixed, 0), half);
+        }
     }
 
     #[test]

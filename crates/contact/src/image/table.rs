@@ -11,13 +11,26 @@ use crate::image::{ImageContact, Label};
 pub(super) struct Table<L, const D: usize> {
     places: Places,
     contacts: Vec<ImageContact<L, D>>,
+    /// Contacts that were met of late: the next run is mostly of one of them.
+    recent: Vec<Recent<L>>,
     label_places: Places,
     labels: Vec<L>,
 }
 
+/// Labels of a contact, the smaller first, and its place.
+#[derive(Clone, Copy, Debug)]
+struct Recent<L> {
+    labels: [L; 2],
+    place: u32,
+}
+
+/// A power of two: about as many as a plane of some hundred squares each way crosses, and few enough for a cache.
+const RECENT: usize = 1 << 13;
+
 impl<L: Label, const D: usize> Table<L, D> {
     pub(super) fn new() -> Self {
         Self {
+            recent: vec![Recent { labels: [L::default(); 2], place: VACANT }; RECENT],
             places: Places::default(),
             contacts: Vec::new(),
             label_places: Places::default(),
@@ -29,20 +42,33 @@ impl<L: Label, const D: usize> Table<L, D> {
     #[inline]
     pub(super) fn add(&mut self, run: &Run<L>, at: &[u64], direction: &Direction<D>) -> Result<(), Error> {
         let (a, b) = (run.earlier, run.later);
-        self.contact([a.min(b), a.max(b)])?.add(run, at, direction);
+        let labels = [a.min(b), a.max(b)];
+        let slot = near(labels);
+        let recent = self.recent[slot];
+        // Nothing is in contact with itself: no place that is vacant is taken for one.
+        let is_recent = (recent.labels[0] == labels[0]) & (recent.labels[1] == labels[1]);
+        let place = if is_recent { recent.place as usize } else { self.place(labels, slot)? };
+        self.contacts[place].add(run, at, direction);
         Ok(())
     }
 
-    /// The contact of two labels, new if there is none.
-    #[inline]
-    fn contact(&mut self, labels: [L; 2]) -> Result<&mut ImageContact<L, D>, Error> {
+    /// The place of the contact of two labels, new if there is none; kept for next time in the slot `slot`.
+    #[inline(never)]
+    fn place(&mut self, labels: [L; 2], slot: usize) -> Result<usize, Error> {
         let Self { places, contacts, .. } = self;
         let hash = |[a, b]: [L; 2]| hash(a.bits(), b.bits());
         let place = match places.find(hash(labels), |at| contacts[at].labels() == labels) {
             Some(at) => at,
             None => places.add(contacts, ImageContact::new(labels), |contact| hash(contact.labels()))?,
         };
-        Ok(&mut contacts[place])
+        self.recent[slot] = Recent { labels, place: place as u32 };
+        Ok(place)
+    }
+
+    /// The contact of two labels, new if there is none.
+    fn contact(&mut self, labels: [L; 2]) -> Result<&mut ImageContact<L, D>, Error> {
+        let place = self.place(labels, near(labels))?;
+        Ok(&mut self.contacts[place])
     }
 
     /// Remembers that there is this label.
@@ -131,6 +157,15 @@ impl Places {
         }
         self.slots[slot] = place as u32;
     }
+}
+
+/// Where a contact is among the recent ones: one multiplication, for labels that are often numbered in a row.
+#[inline]
+fn near<L: Label>([a, b]: [L; 2]) -> usize {
+    // An odd number without a pattern: a fraction of the golden ratio.
+    const RATIO: u64 = 0x9e37_79b9_7f4a_7c15;
+    let mixed = (a.bits() ^ b.bits().rotate_left(u64::BITS / 2)).wrapping_mul(RATIO);
+    (mixed >> (u64::BITS - RECENT.trailing_zeros())) as usize
 }
 
 /// Two numbers mixed: the halves of a product of 128 bits, of which each depends on all bits of both.

@@ -141,7 +141,7 @@ impl AxisOrder {
 }
 
 /// Grid squares that are compared at a time, or one plane.
-const SLAB: usize = 1 << 19;
+const SLAB: usize = 1 << 17;
 
 impl Task<'_> {
     fn visit(&self, image: &mut LabelImage<'_>, outputs: &mut Outputs) -> Result<LabelSummary, Stop> {
