@@ -218,10 +218,10 @@ fn mark<L: Label>(marks: &mut [u8], earlier: &[L], later: &[L], background: Opti
         [only] => *only = pair(0) * (START | LAST),
         [first, inner @ .., last] => {
             let at_last = inner.len() + 1;
-            *first = pair(0) * (START | LAST * ends(0));
-            *last = pair(at_last) * (START * ends(at_last - 1) | LAST);
+            *first = pair(0) * (START | (LAST * ends(0)));
+            *last = pair(at_last) * ((START * ends(at_last - 1)) | LAST);
             for (at, mark) in inner.iter_mut().enumerate() {
-                *mark = pair(at + 1).wrapping_neg() & (ends(at) * START | ends(at + 1) * LAST);
+                *mark = pair(at + 1).wrapping_neg() & ((ends(at) * START) | (ends(at + 1) * LAST));
             }
         }
     }

@@ -46,7 +46,7 @@ impl<L: Label, const D: usize> Table<L, D> {
         let slot = near(labels);
         let recent = self.recent[slot];
         // Nothing is in contact with itself: no place that is vacant is taken for one.
-        let is_recent = (recent.labels[0] == labels[0]) & (recent.labels[1] == labels[1]);
+        let is_recent = recent.labels == labels;
         let place = if is_recent { recent.place as usize } else { self.place(labels, slot)? };
         self.contacts[place].add(run, at, direction);
         Ok(())
