@@ -215,7 +215,7 @@ impl<L: Label, const D: usize> ImageContact<L, D> {
 }
 
 /// The vector divided by its length; zeros stay zeros.
-fn unit<const D: usize>(vector: [f64; D]) -> [f64; D] {
+pub(crate) fn unit<const D: usize>(vector: [f64; D]) -> [f64; D] {
     let largest = vector.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
     if largest == 0.0 {
         return [0.0; D];
