@@ -40,6 +40,7 @@ use crate::error::Error;
 use crate::pool::Pool;
 use crate::search::rows::reserve;
 
+pub(crate) use contact::unit;
 pub use contact::{ImageContact, Spacing};
 use row::{Direction, Scan};
 use table::Table;

@@ -29,6 +29,7 @@
 //! | which bodies touch in a labelled image: pixels, voxels | [`image::contacts`], [`image::ImageContacts`] |
 //! | to check a couple list by sampled brute force | [`verify()`] |
 //! | whether two shapes touch, where and how deep: spheres, planes, segments, capsules, triangles, polygons, tetrahedra, boxes | [`narrow`] |
+//! | which meshed bodies touch, element by element and body by body; spheres against walls | [`discretised`] |
 //!
 //! # What is guaranteed
 //! - **Exact or an error.** Every couple that touches is reported, once; there is no cap and no silent loss. What touches
@@ -64,6 +65,7 @@ mod couple;
 mod csr;
 mod verify;
 pub mod narrow;
+pub mod discretised;
 pub mod image;
 mod error;
 

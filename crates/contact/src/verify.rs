@@ -64,7 +64,17 @@ pub fn verify<T: Real, const D: usize>(
     sample: usize,
     seed: u64,
 ) -> Result<usize, Mismatch> {
-    let n = elements.len();
+    verify_with(elements.len(), couples, sample, seed, |i, j| elements.touch(i, j))
+}
+
+/// As [`verify`], for `n` elements that touch as `touch` says.
+pub(crate) fn verify_with(
+    n: usize,
+    couples: &[Couple],
+    sample: usize,
+    seed: u64,
+    touch: impl Fn(usize, usize) -> bool,
+) -> Result<usize, Mismatch> {
     let picked = pick(n, sample, seed);
 
     // The listed partners of every picked element, in ascending order.
@@ -88,7 +98,7 @@ pub fn verify<T: Real, const D: usize>(
     for &element in &picked {
         for partner in (0..n as u32).filter(|&partner| partner != element) {
             let is_listed = listed.next_if_eq(&(element, partner)).is_some();
-            let touches = elements.touch(element as usize, partner as usize);
+            let touches = touch(element as usize, partner as usize);
             match (touches, is_listed) {
                 (true, false) => return Err(Mismatch::Missing(Couple::new(element, partner))),
                 (false, true) => return Err(Mismatch::Extra(Couple::new(element, partner))),
@@ -100,7 +110,7 @@ pub fn verify<T: Real, const D: usize>(
 }
 
 /// `sample` different numbers below `n`, ascending; all of them if `sample` is at least `n`.
-fn pick(n: usize, sample: usize, seed: u64) -> Vec<u32> {
+pub(crate) fn pick(n: usize, sample: usize, seed: u64) -> Vec<u32> {
     if sample >= n {
         return (0..n as u32).collect();
     }

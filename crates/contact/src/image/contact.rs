@@ -283,7 +283,7 @@ fn whole(high: u32, low: u32) -> u64 {
 }
 
 /// The vector divided by its length; zeros stay zeros.
-fn unit<const D: usize>(vector: [f64; D]) -> [f64; D] {
+pub(crate) fn unit<const D: usize>(vector: [f64; D]) -> [f64; D] {
     let largest = vector.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
     if largest == 0.0 {
         return [0.0; D];

@@ -111,7 +111,7 @@ impl Capsule {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Triangle<const D: usize> {
-    pub(super) vertices: [[f64; D]; 3],
+    pub(crate) vertices: [[f64; D]; 3],
 }
 
 impl<const D: usize> Triangle<D> {
@@ -143,7 +143,7 @@ impl<const D: usize> Triangle<D> {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tetrahedron {
-    pub(super) vertices: [[f64; 3]; 4],
+    pub(crate) vertices: [[f64; 3]; 4],
 }
 
 impl Tetrahedron {
