@@ -13,6 +13,8 @@ mod generate;
 mod input;
 mod label_summary;
 mod labels;
+mod mesh_summary;
+mod meshes;
 mod output;
 mod periodic;
 mod picture;

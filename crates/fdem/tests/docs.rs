@@ -56,8 +56,9 @@ fn is_path(quoted: &str) -> bool {
 fn the_commands_of_the_readme_run() {
     let folder = tempfile::tempdir().unwrap();
     fs::create_dir(folder.path().join("examples")).unwrap();
-    for example in ["examples/packing.csv", "examples/grains.npy"] {
-        fs::copy(root().join(example), folder.path().join(example)).unwrap();
+    for example in ["packing.csv", "grains.npy", "squares.msh", "floor.stl", "balls.csv"] {
+        let example = format!("examples/{example}");
+        fs::copy(root().join(&example), folder.path().join(&example)).unwrap();
     }
     let mut ran = 0;
     for block in read("README.md").split("```console\n").skip(1).map(|rest| rest.split("```").next().unwrap())

@@ -11,7 +11,7 @@
 //! ```
 //!
 //! Labelled images are read plane by plane: [`with_label_image`]. Their contacts are written by [`write_label_contacts_csv`] and
-//! [`write_label_contacts_npy`].
+//! [`write_label_contacts_npy`], those of meshes by [`write_element_contacts_csv`], [`write_body_contacts_csv`] and their likes.
 //!
 //! # Example
 //! ```
@@ -42,6 +42,7 @@ mod labels;
 
 mod couples;
 mod label_contacts;
+mod mesh_contacts;
 mod error;
 mod excerpt;
 mod write_packing;
@@ -53,6 +54,10 @@ pub use label_contacts::{LabelColumns, LabelContactRow, write_label_contacts_csv
 pub use labels::{LabelError, LabelImage, LabelKind, LabelValue, with_label_image};
 pub use mesh::error::{MeshError, MeshProblem, Place};
 pub use mesh::{BodiesFrom, Cells, Mesh, MeshBody, MeshFormat, MeshSource, read_mesh};
+pub use mesh_contacts::{
+    BodyContactRow, ElementContactRow, write_body_contacts_csv, write_body_contacts_npy,
+    write_element_contacts_csv, write_element_contacts_npy,
+};
 pub use packing::{BadLine, Centres, Column, Delimiter, Format, Packing, Skipped, Source};
 pub use read::{ReadOptions, read};
 pub use write_packing::{write_packing_csv, write_packing_npy};

@@ -68,7 +68,7 @@ impl fmt::Display for DiscretisedError {
         match self {
             Self::Coordinate { node, axis, value } => write!(
                 out,
-                "node {node}, axis {axis}: {value} is neither 0 nor of a magnitude between {MIN_MAGNITUDE:e} and {MAX_MAGNITUDE:e}"
+                "node {node}, axis {axis}: {value:?} is neither 0 nor of a magnitude between {MIN_MAGNITUDE:e} and {MAX_MAGNITUDE:e}"
             ),
             Self::UnknownNode { element, node, nodes } => {
                 write!(out, "element {element} names node {node} of a mesh of {nodes} nodes")

@@ -59,10 +59,10 @@ impl fmt::Display for ShapeError {
         match *self {
             Self::Coordinate { vertex, axis, value } => write!(
                 f,
-                "vertex {vertex}, axis {axis}: {value} is neither 0 nor of a magnitude between {MIN_MAGNITUDE:e} and {MAX_MAGNITUDE:e}"
+                "vertex {vertex}, axis {axis}: {value:?} is neither 0 nor of a magnitude between {MIN_MAGNITUDE:e} and {MAX_MAGNITUDE:e}"
             ),
             Self::Radius { value } => {
-                write!(f, "radius {value} is neither 0 nor between {MIN_MAGNITUDE:e} and {MAX_MAGNITUDE:e}")
+                write!(f, "radius {value:?} is neither 0 nor between {MIN_MAGNITUDE:e} and {MAX_MAGNITUDE:e}")
             }
             Self::NoNormal => write!(f, "the normal of the plane is zero"),
             Self::NoVertices => write!(f, "the polygon has no vertices"),

@@ -23,7 +23,7 @@ pub(crate) enum Task {
     Generate(GenerateArguments),
 }
 
-/// Find which elements of a packing touch.
+/// Find which elements of a packing, or of meshes, touch.
 ///
 /// Reads circles or spheres from FILE and writes every couple that touches, once, as `i,j,distance,overlap`. Touching
 /// counts. Elements go by the ids in the file, or by the number of their data row from 0; couples come in the order of
@@ -33,6 +33,10 @@ pub(crate) enum Task {
 /// (x, PosX[m], X (mm), `x_mm`, radius, diameter, d, id, …). Without a header 2 columns are x y, 3 are x y z, 4 are x y z radius.
 /// NumPy .npy arrays of numbers: the same columns. Without z the packing is 2D.
 ///
+/// Meshes (Gmsh, STL, OBJ, PLY, VTK, VTU, VTP, Abaqus, tables of triangles) are told by their content: couples are of elements of different bodies
+/// then, as `i,j,body_i,body_j,kind,measure,x,y,z,nx,ny,nz`, with their numbers in the files. Bodies are counted from 0 over all files; the summary as
+/// JSON says which is which. Only tetrahedra count where a file has some, else its triangles.
+///
 /// In a box that repeats (`--periodic`) elements outside are wrapped into it, every image that touches counts, and couples have their shift
 /// besides, `sx,sy,sz`: element j, displaced by so many edges of the box from where the file has it, touches element i where the file has it.
 #[derive(Debug, Args)]
@@ -40,6 +44,10 @@ pub(crate) enum Task {
 pub(crate) struct ContactsArguments {
     #[command(flatten)]
     pub(crate) input: InputArguments,
+
+    /// More files: meshes, and packings of spheres. Each mesh is a body, unless it has several; each sphere is one.
+    #[arg(value_name = "FILE")]
+    pub(crate) more: Vec<PathBuf>,
 
     /// How to search; all engines give the same couples.
     #[arg(long, value_enum, default_value_t = EngineName::Auto)]
@@ -56,6 +64,9 @@ pub(crate) struct ContactsArguments {
 
     #[command(flatten)]
     pub(crate) periodic: PeriodicArguments,
+
+    #[command(flatten)]
+    pub(crate) meshes: MeshArguments,
 
     #[command(flatten)]
     pub(crate) labels: LabelArguments,
@@ -109,6 +120,19 @@ pub(crate) struct PeriodicArguments {
     pub(crate) origin: Option<Numbers>,
 }
 
+/// Meshes instead of packings.
+#[derive(Debug, Args)]
+pub(crate) struct MeshArguments {
+    /// Of meshes: also write which bodies touch to FILE.csv or FILE.npy, as `i,j,couples,overlap,shared,x,y,z,nx,ny,nz`: how many elements, how much
+    /// overlaps, how much boundary they share, where, and in which direction.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) body_table: Option<PathBuf>,
+
+    /// Of meshes: elements of one body form couples too, unless they have a node in common.
+    #[arg(long)]
+    pub(crate) self_contact: bool,
+}
+
 /// Images of bodies instead of packings.
 #[derive(Debug, Args)]
 pub(crate) struct LabelArguments {
@@ -116,7 +140,7 @@ pub(crate) struct LabelArguments {
     /// with the faces that they share, their area, and the mean place and direction of the contact. x is along the last axis of the array.
     #[arg(long, conflicts_with_all = [
         "columns", "radius", "cutoff", "tolerance", "skip_bad_lines", "ignore_ids", "engine", "bodies", "periodic", "limits", "edges",
-        "origin", "explain", "picture", "verify",
+        "origin", "explain", "picture", "verify", "more", "body_table", "self_contact",
     ])]
     pub(crate) labels: bool,
 
@@ -171,7 +195,7 @@ pub(crate) struct Numbers(pub(crate) Vec<f64>);
 /// What to read, and what the elements are.
 #[derive(Debug, Args)]
 pub(crate) struct InputArguments {
-    /// Packing to read; `-` reads standard input.
+    /// Packing or mesh to read; `-` reads standard input.
     pub(crate) file: PathBuf,
 
     /// What the columns are: in order (`radius,x,y,z`; `_` skips one) or by name (`x=PosX[m],y=PosY[m],radius=R`).

@@ -14,7 +14,8 @@ use crate::command::explain::Told;
 use crate::command::failure::Failure;
 use crate::command::input::{self, Input, id, refused, sizes};
 use crate::command::labels;
-use crate::command::output::{Output, Table, refuse_to_overwrite};
+use crate::command::meshes;
+use crate::command::output::{Output, Table, is_stdout, refuse_to_overwrite};
 use crate::command::periodic::{Space, periodic_box};
 use crate::command::picture;
 use crate::command::progress::Progress;
@@ -24,16 +25,34 @@ pub(crate) fn run(arguments: &ContactsArguments) -> Result<(), Failure> {
     if arguments.labels.labels {
         return labels::run(arguments);
     }
-    refuse_to_overwrite(&[
-        ("the input", Some(&arguments.input.file)),
-        ("--output", arguments.output.as_ref()),
-        ("--json", arguments.json.as_ref()),
-        ("--picture", arguments.picture.as_ref()),
-    ])?;
+    let inputs = || std::iter::once(&arguments.input.file).chain(&arguments.more);
+    if inputs().filter(|file| is_stdout(file)).count() > 1 {
+        return Err(Failure::Unusable("standard input can be read once only".to_owned()));
+    }
+    for input in inputs() {
+        refuse_to_overwrite(&[
+            ("the input", Some(input)),
+            ("--output", arguments.output.as_ref()),
+            ("--json", arguments.json.as_ref()),
+            ("--picture", arguments.picture.as_ref()),
+            ("--body-table", arguments.meshes.body_table.as_ref()),
+        ])?;
+    }
     let progress = Progress::new(arguments.quiet);
     let mut outputs = Outputs::open(arguments)?;
 
-    let input = input::read(&arguments.input, arguments.bodies.as_deref(), &progress)?;
+    let opened = input::open(&arguments.input.file, &progress)?;
+    if opened.is_mesh() || !arguments.more.is_empty() {
+        return meshes::run(arguments, opened, &progress, outputs);
+    }
+    let only_of_meshes = [
+        ("--body-table", arguments.meshes.body_table.is_some()),
+        ("--self-contact", arguments.meshes.self_contact),
+    ];
+    if let Some((option, _)) = only_of_meshes.into_iter().find(|(_, given)| *given) {
+        return Err(Failure::Unusable(format!("{}: {option} is for meshes, this is a packing", opened.name)));
+    }
+    let input = input::understand(opened, &arguments.input, arguments.bodies.as_deref(), &progress)?;
     if arguments.picture.is_some() {
         picture::check(input.packing.centres.len(), &input.name)?;
     }
@@ -179,6 +198,8 @@ pub(crate) struct Outputs {
     pub(crate) couples: Output,
     pub(crate) json: Option<Output>,
     picture: Option<Output>,
+    /// Which bodies of meshes touch.
+    pub(crate) bodies: Option<(Table, Output)>,
 }
 
 impl Outputs {
@@ -190,6 +211,10 @@ impl Outputs {
             couples: Output::open(output)?,
             json: optional(&arguments.json)?,
             picture: optional(&arguments.picture)?,
+            bodies: match &arguments.meshes.body_table {
+                Some(path) => Some((Table::of(Some(path))?, Output::open(Some(path))?)),
+                None => None,
+            },
         })
     }
 
@@ -215,11 +240,14 @@ impl Outputs {
 
     fn commit(self) -> Result<(), Failure> {
         self.couples.commit()?;
-        [self.json, self.picture].into_iter().flatten().try_for_each(Output::commit)
+        [self.bodies.map(|(_, output)| output), self.json, self.picture]
+            .into_iter()
+            .flatten()
+            .try_for_each(Output::commit)
     }
 }
 
-fn wrong(name: &str, mismatch: &str) -> Failure {
+pub(crate) fn wrong(name: &str, mismatch: &str) -> Failure {
     Failure::Wrong(format!(
         "{name}: --verify: {mismatch} (in the order of the file, from 0). This is a bug in fdem: please report it with \
          the file. Nothing was written"

@@ -79,7 +79,9 @@ fn table(works: &[ToldWork]) -> String {
     let mut line = |cells: [String; 6]| {
         let [levels, rest @ ..] = cells;
         _ = write!(text, "\n  {levels:<8}");
-        rest.iter().for_each(|cell| _ = write!(text, " {cell:>14}"));
+        for cell in rest {
+            _ = write!(text, " {cell:>14}");
+        }
     };
     line(["levels", "windows", "predicted", "candidates", "predicted", "couples"].map(str::to_owned));
     for work in works {

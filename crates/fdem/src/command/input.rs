@@ -6,7 +6,7 @@ use std::path::Path;
 use std::sync::atomic::Ordering;
 
 use fdem_contact::Error;
-use fdem_io::{Format, Packing, ReadError, ReadOptions};
+use fdem_io::{Format, MeshFormat, Packing, ReadError, ReadOptions};
 
 use crate::command::args::InputArguments;
 use crate::command::detect::Sizes;
@@ -44,17 +44,47 @@ impl Bodies {
     }
 }
 
+/// A file that has been opened, but not understood.
+pub(crate) struct Opened {
+    /// As messages call it.
+    pub(crate) name: String,
+    pub(crate) bytes: Vec<u8>,
+    /// Time it took.
+    pub(crate) seconds: f64,
+}
+
+impl Opened {
+    /// Whether the content, or else the name, is that of a mesh.
+    pub(crate) fn is_mesh(&self) -> bool {
+        MeshFormat::of(&self.bytes, &self.name).is_some()
+    }
+}
+
+/// Opens the file, or standard input for `-`.
+pub(crate) fn open(file: &Path, progress: &Progress) -> Result<Opened, Failure> {
+    let name = if is_stdout(file) { "standard input".to_owned() } else { display_name(file) };
+    let (bytes, seconds) =
+        progress.step("opening, bytes", None, |position| read_bytes(file, &name, position));
+    Ok(Opened { bytes: bytes?, name, seconds })
+}
+
 /// Opens and reads the file, with the column `bodies` if there are any; warns of lines that were left out.
 pub(crate) fn read(
     arguments: &InputArguments,
     bodies: Option<&str>,
     progress: &Progress,
 ) -> Result<Input, Failure> {
-    let name =
-        if is_stdout(&arguments.file) { "standard input".to_owned() } else { display_name(&arguments.file) };
-    let (bytes, opening) =
-        progress.step("opening, bytes", None, |position| read_bytes(&arguments.file, &name, position));
-    let bytes = bytes?;
+    understand(open(&arguments.file, progress)?, arguments, bodies, progress)
+}
+
+/// As [`read`], of a file that is open.
+pub(crate) fn understand(
+    opened: Opened,
+    arguments: &InputArguments,
+    bodies: Option<&str>,
+    progress: &Progress,
+) -> Result<Input, Failure> {
+    let Opened { name, bytes, seconds: opening } = opened;
     let options = ReadOptions {
         columns: arguments.columns.clone(),
         skip_bad_lines: arguments.skip_bad_lines,
@@ -74,18 +104,18 @@ pub(crate) fn read(
 fn read_bytes(file: &Path, name: &str, position: &Position) -> Result<Vec<u8>, Failure> {
     let failed = |error: io::Error| Failure::reading(name, &error);
     if is_stdout(file) {
-        return read_all(io::stdin().lock(), 0, position).map_err(failed);
+        return read_all(io::stdin().lock(), 0, name, position).map_err(failed);
     }
     if file.is_dir() {
         return Err(Failure::Unusable(format!("cannot read {name}: it is a directory")));
     }
     let input = fs::File::open(file).map_err(failed)?;
     let size = input.metadata().map_or(0, |metadata| metadata.len());
-    read_all(input, size, position).map_err(failed)
+    read_all(input, size, name, position).map_err(failed)
 }
 
-/// Reads to the end, but no further than the first block of what cannot be a packing: `/dev/zero` has no end.
-fn read_all(mut input: impl Read, size: u64, position: &Position) -> io::Result<Vec<u8>> {
+/// Reads to the end, but no further than the first block of what can be neither a packing nor a mesh: `/dev/zero` has no end.
+fn read_all(mut input: impl Read, size: u64, name: &str, position: &Position) -> io::Result<Vec<u8>> {
     const BLOCK: u64 = 1 << 20;
     let mut bytes = Vec::new();
     bytes.try_reserve_exact(usize::try_from(size).unwrap_or(0)).map_err(|_| io::ErrorKind::OutOfMemory)?;
@@ -93,11 +123,21 @@ fn read_all(mut input: impl Read, size: u64, position: &Position) -> io::Result<
         let read = input.by_ref().take(BLOCK).read_to_end(&mut bytes)?;
         position.store(bytes.len() as u64, Ordering::Relaxed);
         let is_array = bytes.starts_with(b"\x93NUMPY");
-        let is_rubbish = bytes.len() as u64 <= BLOCK && !is_array && bytes.contains(&0);
+        let is_rubbish = bytes.len() as u64 <= BLOCK
+            && !is_array
+            && bytes.contains(&0)
+            && !may_be_mesh(&bytes, size, name);
         if read == 0 || is_rubbish {
             return Ok(bytes);
         }
     }
+}
+
+/// Whether a file of this size that starts with these bytes may be a mesh. That of a binary STL file tells more than its content.
+fn may_be_mesh(start: &[u8], size: u64, name: &str) -> bool {
+    let facets = start.get(80..84).and_then(|count| count.try_into().ok()).map(u32::from_le_bytes);
+    let is_stl = facets.is_some_and(|facets| size == 84 + 50 * u64::from(facets));
+    is_stl || MeshFormat::of(start, name).is_some()
 }
 
 /// `file:line: what is wrong`, so that an editor can jump there.

@@ -141,8 +141,11 @@ pub(crate) fn remove_partial_output_when_interrupted() -> Result<(), Failure> {
             std::process::exit(code);
         });
     };
-    watch_for_interrupts(clean_up)
-        .map_err(|error| Failure::Unusable(format!("cannot watch for interrupts: {error}")))
+    watch_for_interrupts(clean_up).map_err(|error| {
+        Failure::Unusable(format!(
+            "cannot watch for interrupts: {error}; is there too little memory, or no thread left?"
+        ))
+    })
 }
 
 #[cfg(unix)]

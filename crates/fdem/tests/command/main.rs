@@ -7,6 +7,7 @@
 //! - `periodic`: boxes that repeat, threads, and what is told before a search.
 //! - `bodies`: elements that are parts of bodies.
 //! - `labels`: images of bodies.
+//! - `mesh`: meshes, several files, spheres against walls.
 //! - `beds`: a real bed that this project did not make.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failed unwrap is a failed test")]
@@ -18,6 +19,7 @@ mod bodies;
 mod contacts;
 mod generate;
 mod labels;
+mod mesh;
 mod periodic;
 
 use std::fs;

@@ -1,0 +1,165 @@
+//! What a person, or a script, wants to know of the contacts of meshes.
+
+use std::fmt;
+
+use serde::Serialize;
+
+use crate::command::args::EngineName;
+use crate::command::summary::{Seconds, brief, grouped, peak_bytes};
+
+/// Written as JSON by `--json`, and as text to standard error.
+#[derive(Debug, Serialize)]
+pub(crate) struct MeshSummary {
+    pub(crate) files: Vec<FileOf>,
+    pub(crate) bodies_of_meshes: Vec<BodyOf>,
+    pub(crate) dimensions: usize,
+    pub(crate) elements: usize,
+    pub(crate) bodies: usize,
+    #[serde(serialize_with = "engine_name")]
+    pub(crate) engine: EngineName,
+    /// As asked for; 0 is one for each processor.
+    pub(crate) threads: usize,
+    pub(crate) couples: usize,
+    pub(crate) couples_by_kind: Couples,
+    /// Pairs of bodies that touch, and bodies that touch themselves.
+    pub(crate) body_contacts: usize,
+    /// Of a body, with other bodies.
+    pub(crate) mean_coordination: f64,
+    /// Bodies without any.
+    pub(crate) without_contact: usize,
+    /// Of all contacts together.
+    pub(crate) overlap: f64,
+    pub(crate) shared: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) verified: Option<usize>,
+    pub(crate) seconds: Seconds,
+    pub(crate) peak_bytes: Option<u64>,
+}
+
+/// How many couples are of what.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub(crate) struct Couples {
+    pub(crate) meshes: usize,
+    pub(crate) spheres: usize,
+    pub(crate) spheres_and_meshes: usize,
+}
+
+/// A file and what was taken from it.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct FileOf {
+    pub(crate) file: String,
+    pub(crate) format: String,
+    pub(crate) elements: usize,
+    /// What they are.
+    pub(crate) kind: &'static str,
+    pub(crate) bodies: u32,
+    /// Those of this file are numbered from here.
+    pub(crate) first_body: u32,
+    pub(crate) bodies_from: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) left_out: Option<LeftOut>,
+}
+
+/// Elements of a mesh that are not compared.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(crate) struct LeftOut {
+    pub(crate) triangles: usize,
+    pub(crate) segments: usize,
+    pub(crate) points: u64,
+    pub(crate) collapsed_facets: u64,
+}
+
+impl fmt::Display for LeftOut {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let counts = [
+            (self.triangles as u64, "triangles"),
+            (self.segments as u64, "segments"),
+            (self.points, "points"),
+            (self.collapsed_facets, "facets without area"),
+        ];
+        let parts: Vec<_> = counts
+            .iter()
+            .filter(|(n, _)| *n > 0)
+            .map(|(n, what)| format!("{} {what}", grouped(*n)))
+            .collect();
+        if parts.is_empty() { Ok(()) } else { write!(out, ", without {}", parts.join(", ")) }
+    }
+}
+
+/// A body of a mesh.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct BodyOf {
+    /// Its number in the tables.
+    pub(crate) body: u32,
+    /// Place of its file among the files, from 0.
+    pub(crate) file: usize,
+    /// What the file calls it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) number: Option<i64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) name: Option<String>,
+    pub(crate) elements: usize,
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde asks for a reference")]
+fn engine_name<S: serde::Serializer>(engine: &EngineName, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(fdem_contact::Engine::from(*engine).name())
+}
+
+impl MeshSummary {
+    /// Notes the largest memory the process has had so far.
+    pub(crate) fn measure_peak(&mut self) {
+        self.peak_bytes = peak_bytes();
+    }
+}
+
+impl fmt::Display for MeshSummary {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut line = |label: &str, text: String| writeln!(out, "{label:<16} {text}");
+        for file in &self.files {
+            let left_out = file.left_out.map(|left_out| left_out.to_string()).unwrap_or_default();
+            line(
+                "file",
+                format!(
+                    "{}, {}: {} {}{left_out}",
+                    file.file,
+                    file.format,
+                    grouped(file.elements as u64),
+                    file.kind
+                ),
+            )?;
+            let (first, last) = (file.first_body, (file.first_body + file.bodies).saturating_sub(1));
+            let numbers = match file.bodies {
+                0 => "none".to_owned(),
+                1 => format!("{first}"),
+                _ => format!("{} to {}", grouped(first.into()), grouped(last.into())),
+            };
+            line("  bodies", format!("{numbers}: {}", file.bodies_from))?;
+        }
+        line("elements", format!("{} in {}D", grouped(self.elements as u64), self.dimensions))?;
+        line("bodies", grouped(self.bodies as u64))?;
+        let Couples { meshes, spheres, spheres_and_meshes } = self.couples_by_kind;
+        line("couples", grouped(self.couples as u64))?;
+        if spheres > 0 || spheres_and_meshes > 0 {
+            let [a, b, c] = [spheres, spheres_and_meshes, meshes].map(|n| grouped(n as u64));
+            line("", format!("{a} of spheres, {b} of spheres and triangles, {c} of triangles"))?;
+        }
+        line("body contacts", grouped(self.body_contacts as u64))?;
+        line("coordination", format!("{:.4} contacts per body", self.mean_coordination))?;
+        line("without contact", grouped(self.without_contact as u64))?;
+        if spheres == 0 && spheres_and_meshes == 0 {
+            line("overlap", brief(self.overlap))?;
+            line("shared boundary", brief(self.shared))?;
+        }
+        if let Some(verified) = self.verified {
+            line("verified", format!("{} elements by brute force: no difference", grouped(verified as u64)))?;
+        }
+        let Seconds { read, detect, verify, write } = self.seconds;
+        let verify = verify.map(|verify| format!(", verify {verify:.3} s")).unwrap_or_default();
+        line("time", format!("read {read:.3} s, detect {detect:.3} s{verify}, write {write:.3} s"))?;
+        if let Some(bytes) = self.peak_bytes {
+            line("peak memory", format!("{:.1} MB", bytes as f64 / 1e6))?;
+        }
+        Ok(())
+    }
+}

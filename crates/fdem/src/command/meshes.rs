@@ -1,0 +1,575 @@
+//! `fdem contacts` of meshes: one or several files, with spheres against surfaces.
+
+use std::sync::atomic::Ordering;
+use std::time::Instant;
+
+use fdem_contact::discretised::{
+    BodyContact, DiscretisedError, Mesh, MeshSearch, Simplex, body_contacts, gather,
+};
+use fdem_contact::narrow::{Contact, Measure, Sphere, sphere_sphere};
+use fdem_contact::{Couple, Detector, Elements, Error, Search, verify};
+use fdem_io::{
+    BodyContactRow, Centres, ElementContactRow, write_body_contacts_csv, write_body_contacts_npy,
+    write_element_contacts_csv, write_element_contacts_npy,
+};
+
+use crate::command::args::ContactsArguments;
+use crate::command::contacts::{Outputs, wrong};
+use crate::command::detect::Sizes;
+use crate::command::failure::Failure;
+use crate::command::input::{self, Input, Opened, id, sizes};
+use crate::command::mesh_summary::{BodyOf, Couples, FileOf, LeftOut, MeshSummary};
+use crate::command::output::{Output, Table};
+use crate::command::progress::Progress;
+use crate::command::summary::Seconds;
+
+pub(crate) fn run(
+    arguments: &ContactsArguments,
+    first: Opened,
+    progress: &Progress,
+    mut outputs: Outputs,
+) -> Result<(), Failure> {
+    refuse_options_of_packings(arguments, &first.name)?;
+    let mut seconds = Seconds::default();
+    let mut files = vec![read(arguments, first, progress, &mut seconds)?];
+    for file in &arguments.more {
+        files.push(read(arguments, input::open(file, progress)?, progress, &mut seconds)?);
+    }
+    let task = Task { arguments, progress, files: &files };
+    let mut summary = task.find(&mut outputs, seconds)?;
+    summary.measure_peak();
+    outputs.finish(&summary, arguments.quiet)
+}
+
+/// Options that say nothing of meshes are not passed over.
+fn refuse_options_of_packings(arguments: &ContactsArguments, name: &str) -> Result<(), Failure> {
+    let given = [
+        ("--cutoff", arguments.input.cutoff.is_some()),
+        ("--tolerance", arguments.input.tolerance > 0.0),
+        ("--bodies", arguments.bodies.is_some()),
+        ("--periodic", arguments.periodic.periodic.is_some()),
+        ("--explain", arguments.explain),
+        ("--picture", arguments.picture.is_some()),
+    ];
+    match given.into_iter().find(|(_, given)| *given) {
+        Some((option, _)) => Err(Failure::Unusable(format!(
+            "{name}: {option} is for one packing, not for meshes or several files"
+        ))),
+        None => Ok(()),
+    }
+}
+
+/// A file of bodies.
+struct Source {
+    name: String,
+    content: Content,
+}
+
+enum Content {
+    Mesh(fdem_io::Mesh),
+    Spheres { input: Input, centres: Vec<[f64; 3]>, radii: Vec<f64> },
+}
+
+fn read(
+    arguments: &ContactsArguments,
+    opened: Opened,
+    progress: &Progress,
+    seconds: &mut Seconds,
+) -> Result<Source, Failure> {
+    let name = opened.name.clone();
+    if opened.is_mesh() {
+        let (mesh, reading) = progress.step("reading", None, |_| fdem_io::read_mesh(&opened.bytes, &name));
+        seconds.read += opened.seconds + reading;
+        let mesh = mesh.map_err(|error| Failure::Unusable(error.to_string()))?;
+        if mesh.triangles.is_empty() && mesh.tetrahedra.is_empty() {
+            return Err(Failure::Unusable(format!(
+                "{name}: the mesh has segments only: triangles or tetrahedra are compared"
+            )));
+        }
+        return Ok(Source { name, content: Content::Mesh(mesh) });
+    }
+    let mut input = input::understand(opened, &arguments.input, None, progress)?;
+    seconds.read += input.seconds;
+    let radii = match sizes(&arguments.input, &name, &input.packing)? {
+        Sizes::Each(radii) => radii.to_vec(),
+        Sizes::All(radius) | Sizes::Cutoff(radius) => vec![radius; input.packing.centres.len()],
+    };
+    match std::mem::replace(&mut input.packing.centres, Centres::Three(Vec::new())) {
+        Centres::Three(centres) => Ok(Source { name, content: Content::Spheres { input, centres, radii } }),
+        Centres::Two(_) => Err(Failure::Unusable(format!(
+            "{name}: discs in 2D are compared within one file only; with other files spheres in 3D are"
+        ))),
+    }
+}
+
+/// All elements in one numbering, over the files in their order; meshes and spheres apart.
+struct Model<const D: usize, const N: usize> {
+    points: Vec<[f64; D]>,
+    elements: Vec<[u32; N]>,
+    /// The body of each element of the meshes, and its number among all.
+    mesh_bodies: Vec<u32>,
+    mesh_numbers: Vec<u32>,
+    centres: Vec<[f64; D]>,
+    radii: Vec<f64>,
+    sphere_numbers: Vec<u32>,
+    /// Of all elements: what the file calls them, and their bodies.
+    ids: Vec<i64>,
+    bodies: Vec<u32>,
+    /// The first node of each file, or the first sphere.
+    starts: Vec<usize>,
+    described: Vec<FileOf>,
+    named: Vec<BodyOf>,
+    body_count: u32,
+}
+
+/// What was found, in numbers of the model, sorted by `i`, then `j`.
+struct Found<const D: usize> {
+    contacts: Vec<(Couple, Contact<D>)>,
+    bodies: Vec<BodyContact<D>>,
+    couples: Couples,
+    verified: Option<usize>,
+    /// Seconds that it took.
+    verifying: f64,
+}
+
+struct Task<'a> {
+    arguments: &'a ContactsArguments,
+    progress: &'a Progress,
+    files: &'a [Source],
+}
+
+impl Task<'_> {
+    fn find(&self, outputs: &mut Outputs, seconds: Seconds) -> Result<MeshSummary, Failure> {
+        let meshes = || {
+            self.files.iter().filter_map(|file| match &file.content {
+                Content::Mesh(mesh) => Some((&file.name, mesh)),
+                Content::Spheres { .. } => None,
+            })
+        };
+        let spheres = self.files.iter().find(|file| matches!(file.content, Content::Spheres { .. }));
+        let solid = meshes().find(|(_, mesh)| !mesh.tetrahedra.is_empty());
+        match (spheres, solid) {
+            (Some(spheres), Some((solid, _))) => Err(Failure::Unusable(format!(
+                "{solid} has tetrahedra, {} has spheres: spheres are compared with triangles; give the surface of the body",
+                spheres.name
+            ))),
+            (None, Some(_)) => {
+                let model = self.model(
+                    |p| p,
+                    |nodes: [u32; 3]| [nodes[0], nodes[1], nodes[2], nodes[2]],
+                    |nodes| nodes,
+                )?;
+                self.finish(&model, self.search(&model, |_, _, _| Ok(()), seconds)?, outputs)
+            }
+            (None, None) if meshes().all(|(_, mesh)| mesh.dimensions == 2) => {
+                let model = self.model(
+                    |[x, y, _]| [x, y],
+                    |nodes: [u32; 3]| nodes,
+                    |_| unreachable!("no tetrahedra"),
+                )?;
+                self.finish(&model, self.search(&model, |_, _, _| Ok(()), seconds)?, outputs)
+            }
+            (_, None) => {
+                let model = self.model(|p| p, |nodes: [u32; 3]| nodes, |_| unreachable!("no tetrahedra"))?;
+                let with_spheres =
+                    |search: &mut MeshSearch<3>, mesh: &Mesh<'_, 3, 3>, found: &mut Found<3>| {
+                        self.with_spheres(&model, search, mesh, found)
+                    };
+                self.finish(&model, self.search(&model, with_spheres, seconds)?, outputs)
+            }
+        }
+    }
+
+    fn model<const D: usize, const N: usize>(
+        &self,
+        point: impl Fn([f64; 3]) -> [f64; D],
+        triangle: impl Fn([u32; 3]) -> [u32; N],
+        tetrahedron: impl Fn([u32; 4]) -> [u32; N],
+    ) -> Result<Model<D, N>, Failure> {
+        let mut model = Model {
+            points: Vec::new(),
+            elements: Vec::new(),
+            mesh_bodies: Vec::new(),
+            mesh_numbers: Vec::new(),
+            centres: Vec::new(),
+            radii: Vec::new(),
+            sphere_numbers: Vec::new(),
+            ids: Vec::new(),
+            bodies: Vec::new(),
+            starts: Vec::new(),
+            described: Vec::new(),
+            named: Vec::new(),
+            body_count: 0,
+        };
+        for (file, source) in self.files.iter().enumerate() {
+            match &source.content {
+                Content::Mesh(mesh) => {
+                    model.starts.push(model.points.len());
+                    let first = model.points.len() as u32;
+                    model.points.extend(mesh.points.iter().map(|&p| point(p)));
+                    if u32::try_from(model.points.len()).is_err() {
+                        return Err(Failure::Unusable(format!(
+                            "{}: more than 4294967295 nodes with the files before",
+                            source.name
+                        )));
+                    }
+                    if mesh.tetrahedra.is_empty() {
+                        let cells = &mesh.triangles;
+                        let nodes = cells.nodes.iter().map(|nodes| triangle(nodes.map(|node| node + first)));
+                        model.elements.extend(nodes);
+                        model.add_mesh(file, source, mesh, "triangles", &cells.bodies, &cells.numbers)?;
+                    } else {
+                        let cells = &mesh.tetrahedra;
+                        let nodes =
+                            cells.nodes.iter().map(|nodes| tetrahedron(nodes.map(|node| node + first)));
+                        model.elements.extend(nodes);
+                        model.add_mesh(file, source, mesh, "tetrahedra", &cells.bodies, &cells.numbers)?;
+                    }
+                }
+                Content::Spheres { input, centres, radii } => {
+                    model.starts.push(model.centres.len());
+                    model.centres.extend(centres.iter().map(|&p| point(p)));
+                    model.radii.extend(radii);
+                    let n = centres.len() as u32;
+                    let first = model.ids.len() as u32;
+                    model.sphere_numbers.extend(first..first + n);
+                    model.ids.extend((0..centres.len()).map(|row| id(&input.packing, row)));
+                    model.bodies.extend(model.body_count..model.body_count + n);
+                    model.described.push(FileOf {
+                        file: source.name.clone(),
+                        format: input.packing.source.format.to_string(),
+                        elements: centres.len(),
+                        kind: "spheres",
+                        bodies: n,
+                        first_body: model.body_count,
+                        bodies_from: "each sphere".to_owned(),
+                        left_out: None,
+                    });
+                    model.body_count += n;
+                }
+            }
+            if u32::try_from(model.ids.len()).is_err() {
+                return Err(Failure::Unusable(format!(
+                    "{}: more than 4294967295 elements with the files before",
+                    source.name
+                )));
+            }
+        }
+        Ok(model)
+    }
+
+    /// Contacts of the meshes, then those of `more`, gathered.
+    fn search<const D: usize, const N: usize>(
+        &self,
+        model: &Model<D, N>,
+        more: impl FnOnce(&mut MeshSearch<D>, &Mesh<'_, D, N>, &mut Found<D>) -> Result<(), Stop>,
+        mut seconds: Seconds,
+    ) -> Result<(Found<D>, Seconds), Failure>
+    where
+        [[f64; D]; N]: Simplex<D>,
+    {
+        let start = Instant::now();
+        let (found, _) = self.progress.step("detecting", None, |_| self.contacts_of(model, more));
+        let found = found.map_err(|stop| self.told(model, stop))?;
+        seconds.detect = start.elapsed().as_secs_f64() - found.verifying;
+        seconds.verify = self.arguments.verify.map(|_| found.verifying);
+        Ok((found, seconds))
+    }
+
+    fn contacts_of<const D: usize, const N: usize>(
+        &self,
+        model: &Model<D, N>,
+        more: impl FnOnce(&mut MeshSearch<D>, &Mesh<'_, D, N>, &mut Found<D>) -> Result<(), Stop>,
+    ) -> Result<Found<D>, Stop>
+    where
+        [[f64; D]; N]: Simplex<D>,
+    {
+        let mesh = Mesh::new(&model.points, &model.elements, &model.mesh_bodies)?;
+        let mut search = MeshSearch::new(self.arguments.engine.into())
+            .with_threads(self.arguments.threads)?
+            .with_self_contact(self.arguments.meshes.self_contact);
+        let mut elements = Vec::new();
+        search.contacts(&mesh, &mut elements)?;
+        let bodies = body_contacts(&mesh, &elements)?;
+        let number = |k: u32| model.mesh_numbers[k as usize];
+        let contacts =
+            elements.iter().map(|c| (Couple { i: number(c.i), j: number(c.j) }, c.contact)).collect();
+        let couples = Couples { meshes: elements.len(), ..Couples::default() };
+        let mut found = Found { contacts, bodies, couples, verified: None, verifying: 0.0 };
+        if let Some(sample) = self.arguments.verify {
+            let start = Instant::now();
+            let checked = search
+                .verify(&mesh, &elements, sample, 0)
+                .map_err(|mismatch| Stop::Wrong(mismatch.to_string()))?;
+            found.verified = Some(checked);
+            found.verifying = start.elapsed().as_secs_f64();
+        }
+        drop(elements);
+        more(&mut search, &mesh, &mut found)?;
+        Ok(found)
+    }
+
+    /// Adds couples of spheres, and of spheres with triangles.
+    fn with_spheres(
+        &self,
+        model: &Model<3, 3>,
+        search: &mut MeshSearch<3>,
+        mesh: &Mesh<'_, 3, 3>,
+        found: &mut Found<3>,
+    ) -> Result<(), Stop> {
+        if model.centres.is_empty() {
+            return Ok(());
+        }
+        let (centres, radii) = (&model.centres, &model.radii);
+        let mut walls = Vec::new();
+        search.sphere_contacts(centres, radii, mesh, &mut walls)?;
+        let spheres = Elements::spheres_with_radii(centres, radii)?;
+        let mut couples = Vec::new();
+        Detector::new(self.arguments.engine.into())
+            .with_threads(self.arguments.threads)?
+            .couples(&spheres, &mut couples)?;
+        if let Some(sample) = self.arguments.verify {
+            let start = Instant::now();
+            let wrong = |mismatch: fdem_contact::Mismatch| Stop::Wrong(mismatch.to_string());
+            let spheres = verify(&spheres, &couples, sample, 0).map_err(wrong)?;
+            MeshSearch::verify_spheres(centres, radii, mesh, &walls, sample, 0)?.map_err(wrong)?;
+            found.verified = Some(found.verified.unwrap_or(0) + spheres);
+            found.verifying += start.elapsed().as_secs_f64();
+        }
+        found.couples.spheres = couples.len();
+        found.couples.spheres_and_meshes = walls.len();
+
+        let sphere = |k: u32| Sphere::new(centres[k as usize], radii[k as usize]);
+        for Couple { i, j } in couples {
+            let refused = |problem| DiscretisedError::Sphere { index: i as usize, problem };
+            let contact = sphere_sphere(&sphere(i).map_err(refused)?, &sphere(j).map_err(refused)?);
+            let [i, j] = [i, j].map(|k| model.sphere_numbers[k as usize]);
+            found.contacts.push((Couple { i, j }, contact));
+        }
+        for wall in walls {
+            let sphere = model.sphere_numbers[wall.sphere as usize];
+            let triangle = model.mesh_numbers[wall.contact.triangle as usize];
+            let mut contact = wall.contact.contact;
+            if triangle < sphere {
+                contact.normal = contact.normal.map(|x| -x);
+            }
+            found.contacts.push((Couple::new(sphere, triangle), contact));
+        }
+        found.contacts.sort_unstable_by_key(|(couple, _)| *couple);
+        // Surfaces have no boundary in common but what their contacts tell.
+        let with_bodies: Vec<_> =
+            found.contacts.iter().map(|(couple, contact)| (model.bodies_of(*couple), *contact)).collect();
+        found.bodies = gather(&with_bodies)?;
+        Ok(())
+    }
+
+    fn finish<const D: usize, const N: usize>(
+        &self,
+        model: &Model<D, N>,
+        (found, mut seconds): (Found<D>, Seconds),
+        outputs: &mut Outputs,
+    ) -> Result<MeshSummary, Failure> {
+        let (written, writing) =
+            self.progress.step("writing", Some(found.contacts.len() as u64), |position| {
+                let rows = found.contacts.iter().map(|(couple, contact)| {
+                    position.fetch_add(1, Ordering::Relaxed);
+                    model.row(*couple, contact)
+                });
+                if self.arguments.count {
+                    outputs.couples.write(|out| writeln!(out, "{}", found.contacts.len()))?;
+                } else {
+                    let table = outputs.table;
+                    outputs.couples.write(|mut out| match table {
+                        Table::Csv => write_element_contacts_csv(&mut out, rows),
+                        Table::Npy => write_element_contacts_npy(&mut out, rows),
+                    })?;
+                }
+                match &mut outputs.bodies {
+                    Some((table, output)) => write_bodies(*table, output, &found.bodies),
+                    None => Ok(()),
+                }
+            });
+        written?;
+        seconds.write = writing;
+
+        let mut in_contact = vec![false; model.body_count as usize];
+        let mut between = 0;
+        for contact in &found.bodies {
+            let [a, b] = contact.bodies;
+            in_contact[a as usize] = true;
+            in_contact[b as usize] = true;
+            between += usize::from(a != b);
+        }
+        let bodies = model.body_count as usize;
+        Ok(MeshSummary {
+            files: model.described.clone(),
+            bodies_of_meshes: model.named.clone(),
+            dimensions: D,
+            elements: model.ids.len(),
+            bodies,
+            engine: self.arguments.engine,
+            threads: self.arguments.threads,
+            couples: found.contacts.len(),
+            couples_by_kind: found.couples,
+            body_contacts: found.bodies.len(),
+            mean_coordination: if bodies == 0 { 0.0 } else { 2.0 * between as f64 / bodies as f64 },
+            without_contact: in_contact.iter().filter(|&&touched| !touched).count(),
+            overlap: found.bodies.iter().map(|contact| contact.overlap).sum(),
+            shared: found.bodies.iter().map(|contact| contact.shared).sum(),
+            verified: found.verified,
+            seconds,
+            peak_bytes: None,
+        })
+    }
+
+    /// In the words of the command, with the file.
+    fn told<const D: usize, const N: usize>(&self, model: &Model<D, N>, stop: Stop) -> Failure {
+        let names: Vec<_> = self.files.iter().map(|file| file.name.as_str()).collect();
+        let all = names.join(", ");
+        // The last file of this kind that starts at the number or before.
+        let file_of = |spheres: bool, number: usize| {
+            let of_kind =
+                |file: &usize| matches!(self.files[*file].content, Content::Spheres { .. }) == spheres;
+            let file = (0..names.len())
+                .rev()
+                .filter(of_kind)
+                .find(|&file| model.starts[file] <= number)
+                .unwrap_or(0);
+            (names[file], number - model.starts[file].min(number))
+        };
+        match stop {
+            Stop::Wrong(mismatch) => wrong(&all, &mismatch),
+            Stop::Refused(DiscretisedError::Coordinate { node, axis, value }) => {
+                let (name, node) = file_of(false, node);
+                let error = DiscretisedError::Coordinate { node, axis, value };
+                Failure::Unusable(format!("{name}: {error} (nodes are counted from 0)"))
+            }
+            Stop::Refused(DiscretisedError::Sphere { index, problem }) => {
+                let (name, index) = file_of(true, index);
+                Failure::Unusable(format!("{name}: sphere {index} (counted from 0): {problem}"))
+            }
+            Stop::Refused(DiscretisedError::Search(error @ Error::NoThreads { .. })) => {
+                Failure::Unusable(format!("{all}: --threads: {error}"))
+            }
+            Stop::Refused(error) => Failure::Unusable(format!("{all}: {error}")),
+        }
+    }
+}
+
+/// Why a search was not gone on with.
+enum Stop {
+    Refused(DiscretisedError),
+    Wrong(String),
+}
+
+impl From<DiscretisedError> for Stop {
+    fn from(error: DiscretisedError) -> Self {
+        Self::Refused(error)
+    }
+}
+
+impl From<Error> for Stop {
+    fn from(error: Error) -> Self {
+        Self::Refused(error.into())
+    }
+}
+
+impl<const D: usize, const N: usize> Model<D, N> {
+    /// Numbers, bodies and description of the elements of a mesh.
+    fn add_mesh(
+        &mut self,
+        file: usize,
+        source: &Source,
+        mesh: &fdem_io::Mesh,
+        kind: &'static str,
+        bodies: &[u32],
+        numbers: &[u64],
+    ) -> Result<(), Failure> {
+        let first = self.ids.len() as u32;
+        self.mesh_numbers.extend(first..first + bodies.len() as u32);
+        for &number in numbers {
+            let id = i64::try_from(number);
+            self.ids.push(id.map_err(|_| {
+                Failure::Unusable(format!("{}: the element number {number} is beyond 63 bits", source.name))
+            })?);
+        }
+        // Bodies that have elements of this kind, in the order of the file.
+        let mut elements = vec![0_usize; mesh.bodies.len()];
+        for &body in bodies {
+            elements[body as usize] += 1;
+        }
+        let mut global = vec![0; mesh.bodies.len()];
+        let first_body = self.body_count;
+        for (body, &elements) in elements.iter().enumerate().filter(|(_, elements)| **elements > 0) {
+            global[body] = self.body_count;
+            let fdem_io::MeshBody { number, name } = mesh.bodies[body].clone();
+            self.named.push(BodyOf { body: self.body_count, file, number, name, elements });
+            self.body_count += 1;
+        }
+        let bodies = bodies.iter().map(|&body| global[body as usize]);
+        self.mesh_bodies.extend(bodies.clone());
+        self.bodies.extend(bodies);
+        let triangles = if kind == "tetrahedra" { mesh.triangles.len() } else { 0 };
+        let left_out = LeftOut {
+            triangles,
+            segments: mesh.segments.len(),
+            points: mesh.source.point_elements,
+            collapsed_facets: mesh.source.collapsed_facets,
+        };
+        self.described.push(FileOf {
+            file: source.name.clone(),
+            format: mesh.source.format.to_string(),
+            elements: elements.iter().sum(),
+            kind,
+            bodies: self.body_count - first_body,
+            first_body,
+            bodies_from: mesh.source.bodies_from.to_string(),
+            left_out: Some(left_out),
+        });
+        Ok(())
+    }
+
+    fn bodies_of(&self, couple: Couple) -> [u32; 2] {
+        [couple.i, couple.j].map(|k| self.bodies[k as usize])
+    }
+
+    fn row(&self, couple: Couple, contact: &Contact<D>) -> ElementContactRow<D> {
+        let [i, j] = [couple.i, couple.j].map(|k| self.ids[k as usize]);
+        let kind = match contact.measure {
+            Measure::Gap(_) => "gap",
+            Measure::Depth(_) => "depth",
+            Measure::Length(_) => "length",
+            Measure::Area(_) => "area",
+            Measure::Volume(_) => "volume",
+        };
+        // Plus zero: minus zero is zero.
+        ElementContactRow {
+            i,
+            j,
+            bodies: self.bodies_of(couple),
+            kind,
+            measure: contact.measure.value(),
+            point: contact.point.map(|x| x + 0.0),
+            normal: contact.normal.map(|x| x + 0.0),
+        }
+    }
+}
+
+fn write_bodies<const D: usize>(
+    table: Table,
+    output: &mut Output,
+    bodies: &[BodyContact<D>],
+) -> Result<(), Failure> {
+    let rows = bodies.iter().map(|contact| BodyContactRow {
+        bodies: contact.bodies,
+        couples: contact.couples,
+        overlap: contact.overlap,
+        shared: contact.shared,
+        point: contact.point.map(|x| x + 0.0),
+        normal: contact.normal.map(|x| x + 0.0),
+    });
+    output.write(|mut out| match table {
+        Table::Csv => write_body_contacts_csv(&mut out, rows),
+        Table::Npy => write_body_contacts_npy(&mut out, rows),
+    })
+}
