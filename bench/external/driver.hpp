@@ -1,6 +1,7 @@
-// What the C++ drivers share: the points, and the conversation with the program `peers` (README.md).
+// What the C++ drivers share: the bodies, and the conversation with the program `peers` (README.md).
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstdint>
@@ -28,26 +29,49 @@ using Couples = std::vector<std::array<std::uint32_t, 2>>;
     std::exit(0);
 }
 
-/// The last four arguments: FILE DIMENSION CUTOFF THREADS. What comes before them is the driver's own.
+/// The last four arguments: FILE DIMENSION KIND THREADS. What comes before them is the driver's own.
 struct Request {
-    Points points;
-    double cutoff;
+    std::vector<double> numbers;
+    /// "points", with the cut-off, "radii" or "boxes".
+    std::string kind = "points";
+    double cutoff = 0.0;
     int threads;
 
-    Request(int count, char** arguments) {
-        if (count < 5) refuse("arguments: [OWN...] FILE DIMENSION CUTOFF THREADS");
+    /// `kinds`: what this search can do.
+    Request(int count, char** arguments, const std::vector<std::string>& kinds) {
+        if (count < 5) refuse("arguments: [OWN...] FILE DIMENSION KIND THREADS");
         char** last = arguments + count - 4;
         if (std::string(last[1]) != "3") refuse("3D only");
-        cutoff = std::atof(last[2]);
+        const std::string word = last[2];
+        if (word == "radii" || word == "boxes") {
+            kind = word;
+        } else {
+            cutoff = std::atof(last[2]);
+        }
+        if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end()) {
+            refuse(kind == "radii" ? "one distance for all" : "points only");
+        }
         threads = std::atoi(last[3]);
         std::FILE* file = std::fopen(last[0], "rb");
-        if (file == nullptr) refuse("cannot open the points");
+        if (file == nullptr) refuse("cannot open the bodies");
         std::fseek(file, 0, SEEK_END);
-        points.resize(std::ftell(file) / sizeof(points[0]));
+        numbers.resize(std::ftell(file) / sizeof(double) / width() * width());
         std::rewind(file);
-        const bool complete = std::fread(points.data(), sizeof(points[0]), points.size(), file) == points.size();
+        const bool complete = std::fread(numbers.data(), sizeof(double), numbers.size(), file) == numbers.size();
         std::fclose(file);
-        if (!complete || points.empty()) refuse("cannot read the points");
+        if (!complete || numbers.empty()) refuse("cannot read the bodies");
+    }
+
+    /// Numbers of a body.
+    std::size_t width() const { return kind == "points" ? 3 : kind == "radii" ? 4 : 6; }
+
+    std::size_t size() const { return numbers.size() / width(); }
+
+    /// For searches of points only.
+    Points points() const {
+        Points points(size());
+        for (std::size_t i = 0; i < points.size(); i++) std::copy_n(&numbers[3 * i], 3, points[i].begin());
+        return points;
     }
 };
 

@@ -1,6 +1,6 @@
 """scipy, freud and matscipy as peers: arrays in, arrays of pairs out (README.md).
 
-python python_peers.py scipy|freud|matscipy FILE DIMENSION CUTOFF THREADS
+python python_peers.py scipy|freud|matscipy FILE DIMENSION KIND THREADS
 """
 
 import os
@@ -8,7 +8,7 @@ import resource
 import sys
 import time
 
-library, file, dimension, cutoff, threads = sys.argv[1:]
+library, file, dimension, kind, threads = sys.argv[1:]
 # An error rather than the whole machine's memory, for grids of cells that grow with the domain.
 resource.setrlimit(resource.RLIMIT_AS, (12 << 30, 12 << 30))
 # Before numpy is there.
@@ -16,12 +16,16 @@ os.environ["OMP_NUM_THREADS"] = threads
 
 import numpy as np  # noqa: E402
 
-dimension, cutoff, threads = int(dimension), float(cutoff), int(threads)
 
 
 def refuse(why):
     print("error", why, flush=True)
     sys.exit(0)
+
+
+if kind in ("radii", "boxes"):
+    refuse("one distance for all" if kind == "radii" else "points only")
+dimension, cutoff, threads = int(dimension), float(kind), int(threads)
 
 
 def scipy():

@@ -9,9 +9,9 @@
 #include "driver.hpp"
 
 int main(int count, char** arguments) {
-    const Request request(count, arguments);
+    const Request request(count, arguments, {"points"});
     const bool lists_only = count > 5 && std::strcmp(arguments[1], "lists") == 0;
-    const Points& points = request.points;
+    const Points points = request.points();
     const int n = static_cast<int>(points.size());
 
     // It ends the process beyond 2^15 cells of 1.5 cut-offs along an axis, its margin of 1.1 included.

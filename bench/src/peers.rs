@@ -1,9 +1,10 @@
 //! Rival searches behind one trait, each a Cargo feature of this package; those in other languages are programs ([`External`]).
 //!
-//! The work is the same for all: raw `f64` coordinates in, every couple at most `cutoff` apart out, as numbers `i < j`,
+//! The work is the same for all: raw `f64` coordinates in ([`Bodies`]), every couple that touches out, as numbers `i < j`,
 //! whatever is built on the way included. Each rival is called in the fastest way that its documentation shows and
 //! that could be found; memory is kept from call to call where it offers that.
 
+mod bodies;
 #[cfg(feature = "broccoli")]
 mod broccoli;
 mod external;
@@ -22,6 +23,7 @@ mod zelll;
 
 use fdem_contact::{Couple, Simd};
 
+pub use bodies::Bodies;
 pub use external::{Answer, Command, External};
 pub use ours::Kind;
 
@@ -44,8 +46,8 @@ pub trait Peer<const D: usize> {
     /// Writes every couple into `couples`, cleared first.
     ///
     /// # Errors
-    /// Why this peer cannot search these points, in a few words.
-    fn couples(&mut self, points: &[[f64; D]], cutoff: f64, couples: &mut Vec<Couple>) -> Result<(), String>;
+    /// Why this peer cannot search these bodies, in a few words.
+    fn couples(&mut self, bodies: Bodies<'_, D>, couples: &mut Vec<Couple>) -> Result<(), String>;
 }
 
 /// Some peers for points of one dimension.
@@ -152,17 +154,10 @@ impl<const D: usize, P: Peer<D> + Send> Peer<D> for Pooled<P> {
         self.peer.how()
     }
 
-    fn couples(&mut self, points: &[[f64; D]], cutoff: f64, couples: &mut Vec<Couple>) -> Result<(), String> {
+    fn couples(&mut self, bodies: Bodies<'_, D>, couples: &mut Vec<Couple>) -> Result<(), String> {
         let peer = &mut self.peer;
-        self.pool.install(|| peer.couples(points, cutoff, couples))
+        self.pool.install(|| peer.couples(bodies, couples))
     }
-}
-
-/// The closed comparison of this workspace.
-#[cfg(any(feature = "zelll", feature = "parry", feature = "broccoli"))]
-fn within<const D: usize>(a: &[f64; D], b: &[f64; D], cutoff_squared: f64) -> bool {
-    let squares = a.iter().zip(b).map(|(a, b)| (a - b) * (a - b));
-    squares.reduce(|sum, square| sum + square).is_some_and(|sum| sum <= cutoff_squared)
 }
 
 /// Runs `search` on `items`, in pieces if there is more than one thread, and puts the couples of all pieces together.

@@ -4,7 +4,7 @@ use broccoli::aabb::BBox;
 use broccoli::{Tree, bbox, rect};
 use fdem_contact::Couple;
 
-use super::{Peer, within};
+use super::{Bodies, Peer};
 
 pub(super) struct Broccoli {
     boxes: Vec<BBox<f64, u32>>,
@@ -29,7 +29,8 @@ impl Peer<2> for Broccoli {
         "`Tree::new`, `find_colliding_pairs`, exact test; one thread".to_owned()
     }
 
-    fn couples(&mut self, points: &[[f64; 2]], cutoff: f64, couples: &mut Vec<Couple>) -> Result<(), String> {
+    fn couples(&mut self, bodies: Bodies<'_, 2>, couples: &mut Vec<Couple>) -> Result<(), String> {
+        let (points, cutoff) = bodies.points()?;
         couples.clear();
         // A little more than half, so that rounding loses nobody.
         let half = 0.5 * cutoff * (1.0 + 1e-12) + 1e-12;
@@ -41,10 +42,9 @@ impl Peer<2> for Broccoli {
                 .map(|(&[x, y], i)| bbox(rect(x - half, x + half, y - half, y + half), i)),
         );
         let mut tree = Tree::new(&mut self.boxes);
-        let cutoff_squared = cutoff * cutoff;
         tree.find_colliding_pairs(|a, b| {
             let (i, j) = (*a.unpack_inner(), *b.unpack_inner());
-            if within(&points[i as usize], &points[j as usize], cutoff_squared) {
+            if bodies.touch(i, j) {
                 couples.push(Couple::new(i, j));
             }
         });

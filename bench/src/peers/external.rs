@@ -32,7 +32,7 @@ pub struct Answer {
     pub pairs: u64,
 }
 
-/// A rival that runs, with the points of one set in its memory; ended when dropped.
+/// A rival that runs, with the bodies of one set in its memory; ended when dropped.
 pub struct External {
     child: Child,
     input: ChildStdin,
@@ -43,14 +43,14 @@ pub struct External {
 }
 
 impl External {
-    /// Starts a rival with `file`, little-endian `f64`, `dimension` of them per point. It answers within `patience`, or has failed.
+    /// Starts a rival with `file`, little-endian `f64`, of bodies of `dimension` axes; `kind`: the cut-off, or what else they are. It answers within `patience`, or has failed.
     ///
     /// # Errors
-    /// A program that does not start, or why it cannot search these points.
+    /// A program that does not start, or why it cannot search these bodies.
     pub fn start(
         command: &Command,
         (file, dimension): (&Path, usize),
-        cutoff: f64,
+        kind: &str,
         threads: usize,
         patience: Duration,
     ) -> Result<Self, String> {
@@ -58,7 +58,7 @@ impl External {
         let mut child = std::process::Command::new(program)
             .args(own)
             .arg(file)
-            .args([dimension.to_string(), cutoff.to_string(), threads.to_string()])
+            .args([&dimension.to_string(), kind, &threads.to_string()])
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .stderr(Stdio::null())
@@ -124,7 +124,7 @@ mod tests {
     fn start(script: &str) -> Result<External, String> {
         let words = ["sh", "-c", script].map(str::to_owned).to_vec();
         let command = Command { name: "sh".to_owned(), words };
-        External::start(&command, (Path::new("points"), 3), 1.0, 2, Duration::from_millis(500))
+        External::start(&command, (Path::new("points"), 3), "1", 2, Duration::from_millis(500))
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use fdem_contact::Couple;
 use kiddo::{Eytzinger, FlatVec, KdTree, SquaredEuclidean};
 
-use super::{Peer, in_pieces};
+use super::{Bodies, Peer, in_pieces};
 
 pub(super) struct Kiddo {
     pub(super) threads: usize,
@@ -26,15 +26,20 @@ macro_rules! peer {
             }
 
             fn how(&self) -> String {
-                "flat immutable tree, `within().unsorted().visit` per point in the tree's order".to_owned()
+                "flat immutable tree, `within().unsorted().visit` per point in the tree's order; of unlike spheres within the \
+                 diameter of each, for those that are not larger"
+                    .to_owned()
             }
 
             fn couples(
                 &mut self,
-                points: &[[f64; $d]],
-                cutoff: f64,
+                bodies: Bodies<'_, $d>,
                 couples: &mut Vec<Couple>,
             ) -> Result<(), String> {
+                let (points, sizes) = match bodies {
+                    Bodies::Spheres { centres, radii } => (centres, Err(radii)),
+                    _ => bodies.points().map(|(points, cutoff)| (points, Ok(cutoff)))?,
+                };
                 couples.clear();
                 let tree = if self.threads == 1 {
                     Tree::<$d>::new_from_slice(points)
@@ -42,14 +47,26 @@ macro_rules! peer {
                     Tree::<$d>::new_from_slice_parallel(points)
                 };
                 let tree = tree.map_err(|error| error.to_string())?;
-                let radius = cutoff * cutoff;
                 let order: Vec<(u32, [f64; $d])> = tree.iter().collect();
                 in_pieces(&order, self.threads, couples, |piece, found| {
                     for &(i, ref point) in piece {
-                        let query = tree.query(point).within::<SquaredEuclidean<f64>>(radius).unsorted();
+                        let radius = match sizes {
+                            Ok(cutoff) => cutoff,
+                            Err(radii) => 2.0 * radii[i as usize],
+                        };
+                        let query = tree.query(point).within::<SquaredEuclidean<f64>>(radius * radius).unsorted();
                         query.visit(|near| {
-                            if near.item > i {
-                                found.push(Couple::new(i, near.item));
+                            let j = near.item;
+                            let found_here = match sizes {
+                                Ok(_) => j > i,
+                                // The larger finds the smaller.
+                                Err(radii) => {
+                                    let own = (radii[i as usize], i);
+                                    (radii[j as usize], j) < own && bodies.touch(i, j)
+                                }
+                            };
+                            if found_here {
+                                found.push(Couple::new(i, j));
                             }
                         });
                     }

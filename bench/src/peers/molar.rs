@@ -4,7 +4,7 @@
 use fdem_contact::Couple;
 use molar::prelude::{DistanceSearchOutput, Float, Pos, distance_search_single};
 
-use super::Peer;
+use super::{Bodies, Peer};
 
 pub(super) struct Molar;
 
@@ -30,7 +30,8 @@ impl Peer<3> for Molar {
         "`distance_search_single`, in its f64 mode".to_owned()
     }
 
-    fn couples(&mut self, points: &[[f64; 3]], cutoff: f64, couples: &mut Vec<Couple>) -> Result<(), String> {
+    fn couples(&mut self, bodies: Bodies<'_, 3>, couples: &mut Vec<Couple>) -> Result<(), String> {
+        let (points, cutoff) = bodies.points()?;
         let positions: Vec<Pos> = points.iter().map(|point| Pos::from(*point)).collect();
         let found: Vec<Found> =
             distance_search_single(cutoff, &positions, 0..points.len()).map_err(|error| error.to_string())?;

@@ -1,8 +1,8 @@
 //! Ours.
 
-use fdem_contact::{Couple, Elements, Error, Nbs, Rows, Search, Simd};
+use fdem_contact::{Couple, Detector, Engine, Error, Nbs, Rows, Search, Simd};
 
-use super::Peer;
+use super::{Bodies, Peer};
 
 /// Which of our searches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,11 +15,17 @@ pub enum Kind {
     RowsCold,
     /// `Nbs`, memory kept from call to call.
     Nbs,
+    /// `Detector`, which picks the engine, memory kept from call to call.
+    Auto,
 }
 
 impl Kind {
     /// All of them.
-    pub const ALL: [Self; 4] = [Self::Rows, Self::RowsAvx2, Self::RowsCold, Self::Nbs];
+    pub const ALL: [Self; 5] = [Self::Rows, Self::RowsAvx2, Self::RowsCold, Self::Nbs, Self::Auto];
+    /// For points with one cut-off.
+    pub const OF_POINTS: [Self; 4] = [Self::Rows, Self::RowsAvx2, Self::RowsCold, Self::Nbs];
+    /// For unlike sizes and boxes: levels, and the grid of one level beside them.
+    pub const OF_UNLIKE: [Self; 2] = [Self::Auto, Self::Rows];
 
     /// Name in the tables and on the command line.
     pub const fn name(self) -> &'static str {
@@ -28,12 +34,13 @@ impl Kind {
             Self::RowsAvx2 => "rows-avx2",
             Self::RowsCold => "rows-cold",
             Self::Nbs => "nbs",
+            Self::Auto => "auto",
         }
     }
 
-    /// Those that this processor can run.
-    pub fn available() -> Vec<Self> {
-        Self::ALL.into_iter().filter(|&kind| kind != Self::RowsAvx2 || Simd::Avx2.is_available()).collect()
+    /// Whether this processor has its instructions.
+    pub fn is_available(self) -> bool {
+        self != Self::RowsAvx2 || Simd::Avx2.is_available()
     }
 }
 
@@ -43,22 +50,23 @@ pub(super) struct Ours<const D: usize> {
     threads: usize,
     rows: Rows<f64, D>,
     nbs: Nbs<D>,
+    detector: Detector<f64, D>,
 }
 
 impl<const D: usize> Ours<D> {
     pub(super) fn new(kind: Kind, simd: Simd, threads: usize) -> Result<Self, Error> {
         let simd = if kind == Kind::RowsAvx2 { Simd::Avx2 } else { simd };
         let rows = Rows::new().with_simd(simd)?.with_threads(threads)?;
-        Ok(Self { kind, simd, threads, rows, nbs: Nbs::new() })
+        let detector = Detector::new(Engine::Auto).with_simd(simd)?.with_threads(threads)?;
+        Ok(Self { kind, simd, threads, rows, nbs: Nbs::new(), detector })
     }
 
     fn search(
         &mut self,
-        points: &[[f64; D]],
-        cutoff: f64,
+        bodies: Bodies<'_, D>,
         couples: &mut Vec<Couple>,
     ) -> Result<(), fdem_contact::Error> {
-        let elements = Elements::points(points, cutoff)?;
+        let elements = bodies.elements()?;
         match self.kind {
             Kind::Rows | Kind::RowsAvx2 => self.rows.couples(&elements, couples),
             Kind::RowsCold => {
@@ -67,6 +75,7 @@ impl<const D: usize> Ours<D> {
                 rows.couples(&elements, couples)
             }
             Kind::Nbs => self.nbs.couples(&elements, couples),
+            Kind::Auto => self.detector.couples(&elements, couples),
         }
     }
 }
@@ -86,6 +95,7 @@ impl<const D: usize> Peer<D> for Ours<D> {
             Kind::Rows | Kind::RowsAvx2 => format!("`Rows::couples`, {simd}, memory reused"),
             Kind::RowsCold => format!("`Rows::new().couples`, {simd}, memory and output new in every run"),
             Kind::Nbs => "`Nbs::couples`, memory reused; one thread".to_owned(),
+            Kind::Auto => format!("`Detector::couples`, {simd}, memory reused; levels for unlike sizes"),
         }
     }
 
@@ -93,8 +103,8 @@ impl<const D: usize> Peer<D> for Ours<D> {
         matches!(self.kind, Kind::Rows | Kind::RowsAvx2).then(|| self.rows.bytes())
     }
 
-    fn couples(&mut self, points: &[[f64; D]], cutoff: f64, couples: &mut Vec<Couple>) -> Result<(), String> {
-        self.search(points, cutoff, couples).map_err(|error| match error {
+    fn couples(&mut self, bodies: Bodies<'_, D>, couples: &mut Vec<Couple>) -> Result<(), String> {
+        self.search(bodies, couples).map_err(|error| match error {
             fdem_contact::Error::DomainTooWide { .. } => "domain too wide".to_owned(),
             error => error.to_string(),
         })

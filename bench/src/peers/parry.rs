@@ -1,11 +1,11 @@
-//! `parry3d`: the boxes around the spheres in a hierarchy, which is traversed against itself; then the exact test.
+//! `parry3d`: the boxes, or those around spheres, in a hierarchy, which is traversed against itself; then the exact test.
 
 use fdem_contact::Couple;
 use parry3d::bounding_volume::Aabb;
 use parry3d::math::Vector;
 use parry3d::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace};
 
-use super::{Peer, within};
+use super::{Bodies, Peer};
 
 pub(super) struct Parry {
     boxes: Vec<Aabb>,
@@ -32,20 +32,19 @@ impl Peer<3> for Parry {
             .to_owned()
     }
 
-    fn couples(&mut self, points: &[[f64; 3]], cutoff: f64, couples: &mut Vec<Couple>) -> Result<(), String> {
+    fn couples(&mut self, bodies: Bodies<'_, 3>, couples: &mut Vec<Couple>) -> Result<(), String> {
         couples.clear();
-        let half = 0.5 * cutoff;
         self.boxes.clear();
-        self.boxes.extend(points.iter().map(|point| {
-            let [x, y, z] = point.map(|x| ((x - half) as f32).next_down());
+        self.boxes.extend((0..bodies.len()).map(|i| {
+            let [min, max] = bodies.bounds(i);
+            let [x, y, z] = min.map(|x| (x as f32).next_down());
             let min = Vector::new(x, y, z);
-            let [x, y, z] = point.map(|x| ((x + half) as f32).next_up());
+            let [x, y, z] = max.map(|x| (x as f32).next_up());
             Aabb::new(min, Vector::new(x, y, z))
         }));
         let tree = Bvh::from_leaves(BvhBuildStrategy::Binned, &self.boxes);
-        let cutoff_squared = cutoff * cutoff;
         tree.traverse_bvtt_single_tree::<false>(&mut self.workspace, &mut |i, j| {
-            if within(&points[i as usize], &points[j as usize], cutoff_squared) {
+            if bodies.touch(i, j) {
                 couples.push(Couple::new(i, j));
             }
         });

@@ -4,7 +4,8 @@ use fdem_contact::Couple;
 use rayon::iter::ParallelIterator;
 use zelll::{CellGrid, ParticleLike};
 
-use super::{Peer, within};
+use super::bodies::within;
+use super::{Bodies, Peer};
 
 pub(super) struct Zelll<const D: usize> {
     threads: usize,
@@ -46,15 +47,22 @@ impl<const D: usize> Peer<D> for Zelll<D> {
     }
 
     fn how(&self) -> String {
-        "`CellGrid::rebuild_mut`, `particle_pairs` of the cells filtered".to_owned()
+        "`CellGrid::rebuild_mut` with the largest distance, `particle_pairs` of the cells filtered".to_owned()
     }
 
-    fn couples(&mut self, points: &[[f64; D]], cutoff: f64, couples: &mut Vec<Couple>) -> Result<(), String> {
+    fn couples(&mut self, bodies: Bodies<'_, D>, couples: &mut Vec<Couple>) -> Result<(), String> {
+        let (points, cutoff) = match bodies {
+            Bodies::Spheres { centres, radii } => (centres, 2.0 * radii.iter().copied().fold(0.0, f64::max)),
+            _ => bodies.points()?,
+        };
         couples.clear();
         let numbered = points.iter().zip(0..).map(|(&at, id)| Point { id, at });
         self.grid.rebuild_mut(numbered, Some(cutoff));
-        let cutoff_squared = cutoff * cutoff;
-        let touch = |a: &Point<D>, b: &Point<D>| within(&a.at, &b.at, cutoff_squared);
+        let touch = |a: &Point<D>, b: &Point<D>| match bodies {
+            // The coordinates are at hand.
+            Bodies::Points { .. } => within(&a.at, &b.at, cutoff),
+            _ => bodies.touch(a.id, b.id),
+        };
         if self.threads == 1 {
             for cell in self.grid.iter() {
                 cell.particle_pairs().for_each(|(a, b)| {

@@ -2,11 +2,12 @@
 
 use std::error::Error;
 use std::hint::black_box;
+use std::panic::AssertUnwindSafe;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use fdem_bench::peers::sets::{CUTOFF, Set};
-use fdem_bench::peers::{self, Command, External, Peer, Peers, Threads};
+use fdem_bench::peers::sets::{Made, Set};
+use fdem_bench::peers::{self, Bodies, Command, External, Peer, Peers, Threads};
 use fdem_bench::{Turn, grouped, significant, turns};
 use fdem_contact::Couple;
 
@@ -18,39 +19,39 @@ const QUICK: usize = 10_000;
 /// Share of the pairs that a program may find too many or too few: `f32` rounds those that are about the cut-off apart.
 pub(crate) const ROUNDED: f64 = 1e-5;
 
-/// The points of a set, and two smaller sets of the kind.
-pub(crate) struct Points<const D: usize> {
-    all: Vec<[f64; D]>,
-    smaller: Vec<Vec<[f64; D]>>,
-    file: Option<PointFile>,
+/// The bodies of a set, and two smaller sets of the kind.
+pub(crate) struct Scenes<const D: usize> {
+    all: Made<D>,
+    smaller: Vec<Made<D>>,
+    file: Option<BodyFile>,
 }
 
-impl<const D: usize> Points<D> {
+impl<const D: usize> Scenes<D> {
     pub(crate) fn new(
         plan: &Plan,
         set: &Set,
-        scene: fn(usize) -> Result<Vec<[f64; D]>, fdem_scenes::Error>,
+        scene: fn(usize) -> Result<Made<D>, fdem_scenes::Error>,
     ) -> Result<Self, Box<dyn Error>> {
         let all = scene(if plan.quick { QUICK } else { set.n })?;
         let smaller = if plan.quick { Vec::new() } else { vec![scene(set.n / 100)?, scene(set.n / 10)?] };
-        let file = (!plan.external.is_empty()).then(|| PointFile::new(&all)).transpose()?;
+        let file = (!plan.external.is_empty()).then(|| BodyFile::new(all.bodies())).transpose()?;
         Ok(Self { all, smaller, file })
     }
 }
 
-/// Points as little-endian `f64` in a file of their own, removed when dropped.
-struct PointFile(PathBuf);
+/// Bodies as little-endian `f64` in a file of their own, removed when dropped.
+struct BodyFile(PathBuf);
 
-impl PointFile {
-    fn new<const D: usize>(points: &[[f64; D]]) -> std::io::Result<Self> {
+impl BodyFile {
+    fn new<const D: usize>(bodies: Bodies<'_, D>) -> std::io::Result<Self> {
         let file = Self(std::env::temp_dir().join(format!("fdem-peers-{}.f64", std::process::id())));
-        let bytes: Vec<u8> = points.as_flattened().iter().flat_map(|x| x.to_le_bytes()).collect();
+        let bytes: Vec<u8> = bodies.numbers().into_iter().flat_map(|x| x.to_le_bytes()).collect();
         std::fs::write(&file.0, bytes)?;
         Ok(file)
     }
 }
 
-impl Drop for PointFile {
+impl Drop for BodyFile {
     fn drop(&mut self) {
         // If it is gone already, that is what is wanted.
         let _ = std::fs::remove_file(&self.0);
@@ -67,14 +68,19 @@ enum Rival<const D: usize> {
 pub(crate) fn compare<const D: usize>(
     plan: &Plan,
     set: &'static Set,
-    points: &Points<D>,
+    scenes: &Scenes<D>,
     threads: &Threads,
     rivals: Peers<D>,
     called: &mut Vec<Called>,
 ) -> Result<Outcome, Box<dyn Error>> {
     eprintln!("{}, threads: {}", set.name, threads.count());
-    let mut outcome =
-        Outcome { set, threads: threads.count(), n: points.all.len(), couples: 0, searches: Vec::new() };
+    let mut outcome = Outcome {
+        set,
+        threads: threads.count(),
+        n: scenes.all.bodies().len(),
+        couples: 0,
+        searches: Vec::new(),
+    };
     let mut note = |name: &str, (version, how): (String, String)| {
         let call = Called { name: name.to_owned(), version, how };
         if !called.contains(&call) {
@@ -84,17 +90,20 @@ pub(crate) fn compare<const D: usize>(
     let mut agreeing = Vec::new();
     let mut reference = Vec::new();
     let mut found = Vec::new();
-    let ours = peers::ours(&plan.engines, plan.simd, threads.count())?;
+    let engines = plan.engines(set);
+    let bodies = scenes.all.bodies();
+    let ours = peers::ours(&engines, plan.simd, threads.count())?;
     for (number, mut search) in ours.into_iter().chain(rivals).enumerate() {
         note(search.name(), (search.version(), search.how()));
         // The first is what the others are compared with, however long it takes.
-        let smaller = if number == 0 { &[] } else { &points.smaller[..] };
-        let answer = forecast(search.as_mut(), smaller, &mut found)
-            .and_then(|seconds| {
-                let fits = seconds <= plan.patience;
-                fits.then_some(()).ok_or_else(|| format!("would take about {} s", significant(seconds)))
-            })
-            .and_then(|()| search.couples(&points.all, CUTOFF, &mut found));
+        let smaller = if number == 0 { &[] } else { &scenes.smaller[..] };
+        let answer = caught(|| {
+            let seconds = forecast(search.as_mut(), smaller, &mut found)?;
+            if seconds > plan.patience {
+                return Err(format!("would take about {} s", significant(seconds)));
+            }
+            search.couples(bodies, &mut found)
+        });
         let differing = answer.map(|()| {
             if number == 0 {
                 reference.clone_from(&found);
@@ -108,7 +117,7 @@ pub(crate) fn compare<const D: usize>(
         let of = grouped(reference.len() as u64);
         outcome.searches.push(Searched {
             name: search.name().to_owned(),
-            ours: number < plan.engines.len(),
+            ours: number < engines.len(),
             wrong: differing.as_ref().is_ok_and(|&couples| couples > 0),
             rounded: None,
             bytes: search.bytes(),
@@ -120,8 +129,8 @@ pub(crate) fn compare<const D: usize>(
         agreeing.push(Some(Rival::Inside(search)));
     }
     drop((reference, found));
-    for command in points.file.iter().flat_map(|_| &plan.external) {
-        let (searched, program) = ask(plan, command, points, &outcome);
+    for command in scenes.file.iter().flat_map(|_| &plan.external) {
+        let (searched, program) = ask(plan, command, scenes, &outcome);
         if let Some(program) = &program {
             note(&command.name, program.about.clone());
         }
@@ -132,16 +141,21 @@ pub(crate) fn compare<const D: usize>(
         eprintln!("  {}: {}", search.name, search.times.as_ref().err().map_or("agrees", String::as_str));
     }
     if !plan.quick {
-        take_times(plan, &points.all, agreeing, &mut outcome.searches);
+        take_times(plan, bodies, agreeing, &mut outcome.searches);
     }
     Ok(outcome)
+}
+
+/// A rival that panics is left out, as one that refuses is.
+fn caught(search: impl FnOnce() -> Result<(), String>) -> Result<(), String> {
+    std::panic::catch_unwind(AssertUnwindSafe(search)).unwrap_or_else(|_| Err("panics".to_owned()))
 }
 
 /// Starts a program and compares the number of its pairs.
 fn ask<const D: usize>(
     plan: &Plan,
     command: &Command,
-    points: &Points<D>,
+    scenes: &Scenes<D>,
     outcome: &Outcome,
 ) -> (Searched, Option<External>) {
     let mut searched = Searched {
@@ -152,9 +166,10 @@ fn ask<const D: usize>(
         wrong: false,
         bytes: None,
     };
-    let file = points.file.as_ref().map_or(Path::new(""), |file| &file.0);
+    let file = scenes.file.as_ref().map_or(Path::new(""), |file| &file.0);
+    let kind = scenes.all.bodies().argument();
     let patience = Duration::from_secs_f64(plan.patience);
-    let started = External::start(command, (file, D), CUTOFF, outcome.threads, patience);
+    let started = External::start(command, (file, D), &kind, outcome.threads, patience);
     let answer = started.and_then(|mut program| Ok((program.round()?, program)));
     match answer {
         Err(reason) => {
@@ -174,17 +189,17 @@ fn ask<const D: usize>(
     }
 }
 
-/// Seconds that a search will take for ten times as many points as in the larger of two sets, if it goes on as between
+/// Seconds that a search will take for ten times as many bodies as in the larger of two sets, if it goes on as between
 /// these; 0 without sets.
 fn forecast<const D: usize>(
     search: &mut dyn Peer<D>,
-    smaller: &[Vec<[f64; D]>],
+    smaller: &[Made<D>],
     found: &mut Vec<Couple>,
 ) -> Result<f64, String> {
     let mut seconds = Vec::new();
-    for points in smaller {
+    for made in smaller {
         let start = Instant::now();
-        search.couples(points, CUTOFF, found)?;
+        search.couples(made.bodies(), found)?;
         seconds.push(start.elapsed().as_secs_f64().max(1e-5));
     }
     Ok(if let [first, second] = seconds[..] { second * (second / first).max(1.0) } else { 0.0 })
@@ -223,7 +238,7 @@ fn scrambled(couples: &[Couple]) -> u64 {
 /// Times the searches that agree, in turns, each with its own memory.
 fn take_times<const D: usize>(
     plan: &Plan,
-    points: &[[f64; D]],
+    bodies: Bodies<'_, D>,
     mut searches: Vec<Option<Rival<D>>>,
     outcomes: &mut [Searched],
 ) {
@@ -236,7 +251,7 @@ fn take_times<const D: usize>(
                 let mut couples = Vec::new();
                 Box::new(move || {
                     let start = Instant::now();
-                    search.couples(black_box(points), CUTOFF, &mut couples)?;
+                    search.couples(black_box(bodies), &mut couples)?;
                     black_box(&couples);
                     Ok(start.elapsed().as_secs_f64())
                 })

@@ -1,4 +1,4 @@
-//! Our searches and their rivals side by side, on the same points in the same run.
+//! Our searches and their rivals side by side, on the same bodies in the same run.
 //!
 //! A rival is a Cargo feature of this package, or a program of its own that is given with `--external`. Before anything is timed, its
 //! couples are compared with ours, of a program their number. Then all take turns, so that a machine that slows down for a while slows
@@ -13,11 +13,11 @@ mod report;
 use std::error::Error;
 use std::process::ExitCode;
 
-use fdem_bench::bars;
 use fdem_bench::peers::sets::{Scene, Set};
 use fdem_bench::peers::{self, Peers, Threads};
+use fdem_bench::{bars, picture};
 
-use compare::{Points, compare};
+use compare::{Scenes, compare};
 use count::count;
 use outcome::{Called, Outcome};
 use plan::{Plan, USAGE};
@@ -42,12 +42,12 @@ fn main() -> ExitCode {
 fn on_all<const D: usize>(
     plan: &Plan,
     set: &'static Set,
-    points: &Points<D>,
+    scenes: &Scenes<D>,
     pools: &[Threads],
     rivals: impl Fn(&Threads) -> Peers<D>,
     called: &mut Vec<Called>,
 ) -> Result<Vec<Outcome>, Box<dyn Error>> {
-    pools.iter().map(|threads| compare(plan, set, points, threads, rivals(threads), called)).collect()
+    pools.iter().map(|threads| compare(plan, set, scenes, threads, rivals(threads), called)).collect()
 }
 
 fn run(plan: &Plan) -> Result<(), Box<dyn Error>> {
@@ -58,10 +58,10 @@ fn run(plan: &Plan) -> Result<(), Box<dyn Error>> {
     for &set in &plan.sets {
         let more = match set.scene {
             Scene::Space(scene) => {
-                on_all(plan, set, &Points::new(plan, set, scene)?, &pools, peers::rivals_3d, &mut called)
+                on_all(plan, set, &Scenes::new(plan, set, scene)?, &pools, peers::rivals_3d, &mut called)
             }
             Scene::Plane(scene) => {
-                on_all(plan, set, &Points::new(plan, set, scene)?, &pools, peers::rivals_2d, &mut called)
+                on_all(plan, set, &Scenes::new(plan, set, scene)?, &pools, peers::rivals_2d, &mut called)
             }
         };
         outcomes.extend(more?);
@@ -72,7 +72,17 @@ fn run(plan: &Plan) -> Result<(), Box<dyn Error>> {
     if let Some(file) = &plan.out {
         let plot = file.with_extension("svg");
         let name = plot.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let linked = if plan.quick { report } else { report + &format!("\n![Times]({name})\n") };
+        let ratios = report::by_ratio(&outcomes, plan.threads[0]).filter(|_| !plan.quick);
+        let ratio_plot = plot.with_file_name(format!("{}-ratio.svg", name.trim_end_matches(".svg")));
+        let mut linked = report;
+        if !plan.quick {
+            linked += &format!("\n![Times]({name})\n");
+        }
+        if let Some(panel) = ratios {
+            picture::write(&ratio_plot, &[panel])?;
+            let name = ratio_plot.file_name().unwrap_or_default().to_string_lossy();
+            linked += &format!("\n![Time against the ratio of sizes]({name})\n");
+        }
         std::fs::write(file, linked).map_err(|error| format!("{}: {error}", file.display()))?;
         if !plan.quick {
             bars::write(&plot, &outcomes.iter().map(report::bars).collect::<Vec<_>>())?;

@@ -10,8 +10,10 @@ pub(crate) const USAGE: &str = "\
 usage: peers [--sets A,B,...] [--engines A,B,...] [--external NAME=COMMAND]... [--simd LEVEL] [--threads N,M,...]
              [--rounds N] [--budget SECONDS] [--patience SECONDS] [--counts N,M,...] [--quick] [--out FILE]
 
-  --sets      of gas100k, gas1m, dense1m, sparse1m, outlier1m, gas2d1m; all if not given
-  --engines   of rows, rows-avx2, rows-cold, nbs: ours; the first is what the others are compared with
+  --sets      of gas100k, gas1m, dense1m, sparse1m, outlier1m, gas2d1m, poly400k, logn1m, ratio1, ratio3, ratio10, ratio30, ratio100,
+              ratio1000, boxes1m; all if not given
+  --engines   of rows, rows-avx2, rows-cold, nbs, auto: ours; the first is what the others are compared with; if not given, auto and rows for
+              unlike sizes and boxes, all but auto for points
   --external  a rival that is a program, see external/README.md; may be repeated
   --simd      portable, neon, avx2 or avx512 for rows; the best of this processor if not given
   --threads   for all that can, one table for each number; all is one for each processor; 1 if not given
@@ -19,14 +21,14 @@ usage: peers [--sets A,B,...] [--engines A,B,...] [--external NAME=COMMAND]... [
   --budget    a search whose times of one set add up to more, 3 s if not given, takes no further round
   --patience  a search that would take longer than this, 15 s if not given, is left out
   --counts    points of the gas that rows counts, to show the time per element; 1000000,10000000 if not given, 0 for none
-  --quick     10,000 points: compares the couples, takes no times, writes nothing unless --out is given
+  --quick     10,000 bodies: compares the couples, takes no times, writes nothing unless --out is given
   --out       Markdown with the tables, and the plot beside it as SVG; RESULTS.md of this package if not given
 ";
 
 /// What to run, and where the results go.
 pub(crate) struct Plan {
     pub(crate) sets: Vec<&'static Set>,
-    pub(crate) engines: Vec<Kind>,
+    engines: Option<Vec<Kind>>,
     pub(crate) external: Vec<Command>,
     pub(crate) simd: Simd,
     pub(crate) threads: Vec<usize>,
@@ -42,7 +44,7 @@ impl Plan {
     pub(crate) fn from_arguments(arguments: &[String]) -> Option<Self> {
         let mut plan = Self {
             sets: SETS.iter().collect(),
-            engines: Kind::available(),
+            engines: None,
             external: Vec::new(),
             simd: Simd::best(),
             threads: vec![1],
@@ -63,8 +65,8 @@ impl Plan {
             match argument.as_str() {
                 "--sets" => plan.sets = listed(value, |name| SETS.iter().find(|set| set.name == name))?,
                 "--engines" => {
-                    plan.engines =
-                        listed(value, |name| Kind::ALL.into_iter().find(|kind| kind.name() == name))?;
+                    let kinds = listed(value, |name| Kind::ALL.into_iter().find(|kind| kind.name() == name))?;
+                    plan.engines = Some(kinds);
                 }
                 "--external" => plan.external.push(Command::parse(value)?),
                 "--simd" => {
@@ -95,6 +97,15 @@ impl Plan {
     }
 }
 
+impl Plan {
+    /// Ours on this set; the first is what the others are compared with.
+    pub(crate) fn engines(&self, set: &Set) -> Vec<Kind> {
+        let kinds = self.engines.as_deref();
+        let available = || set.group.kinds().iter().copied().filter(|kind| kind.is_available()).collect();
+        kinds.map_or_else(available, <[Kind]>::to_vec)
+    }
+}
+
 /// The entries of a list separated by commas; none if one of them is not known.
 fn listed<T>(list: &str, find: impl Fn(&str) -> Option<T>) -> Option<Vec<T>> {
     list.split(',').map(find).collect()
@@ -107,9 +118,12 @@ mod tests {
     #[test]
     fn arguments() {
         let plan = |line: &str| Plan::from_arguments(&line.split(' ').map(str::to_owned).collect::<Vec<_>>());
+        let all = plan("--quick").unwrap();
+        let kinds = |name: &str| all.engines(all.sets.iter().find(|set| set.name == name).unwrap())[0];
+        assert_eq!(["gas1m", "logn1m", "boxes1m"].map(kinds), [Kind::Rows, Kind::Auto, Kind::Auto]);
         let some = plan("--quick --sets gas1m,gas2d1m --engines nbs --threads 1,3 --counts 0 --external a=b")
             .unwrap();
-        assert_eq!((some.sets.len(), some.engines, some.out), (2, vec![Kind::Nbs], None));
+        assert_eq!((some.sets.len(), some.engines, some.out), (2, Some(vec![Kind::Nbs]), None));
         assert_eq!((some.threads, some.counts, some.external.len()), (vec![1, 3], vec![], 1));
         for wrong in
             ["--sets gas", "--rounds 0", "--simd", "--speed 3", "--threads 0", "--external a", "--counts x"]

@@ -4,7 +4,8 @@ use std::fmt::Write as _;
 
 use fdem_bench::bars::{Bar, Bars};
 use fdem_bench::peers::Kind;
-use fdem_bench::peers::sets::Set;
+use fdem_bench::peers::sets::{Group, Set};
+use fdem_bench::picture::{Axis, Curve, Panel};
 use fdem_bench::{Table, Times, grouped, machine, significant};
 
 use crate::compare::ROUNDED;
@@ -21,17 +22,16 @@ pub(crate) fn report(
     outcomes: &[Outcome],
     counted: &[Counted],
 ) -> Result<String, std::fmt::Error> {
-    let first = plan.engines[0].name();
     let mut text = String::from("# Rows and its peers\n\n");
     writeln!(text, "{}; {}.\n", machine(&plan.threads), flags())?;
     writeln!(
         text,
-        "From raw `f64` coordinates in memory to all couples at most the cut-off apart as pairs of
+        "From raw `f64` coordinates in memory to all couples that touch (points: at most the cut-off apart) as pairs of
 numbers in memory, the structure included. The couples of every search were compared with those
-of `{first}` first, by number and a sum over them; of a program by number."
+of the first of its table, by number and a sum over them; of a program by number."
     )?;
     let one = |threads: usize| outcomes.iter().filter(move |outcome| outcome.threads == threads);
-    let mut sets = Table::new(&["set", "what", "points", "couples"]);
+    let mut sets = Table::new(&["set", "what", "bodies", "couples"]);
     for outcome in one(plan.threads[0]) {
         sets.row([
             outcome.set.name.to_owned(),
@@ -45,7 +45,7 @@ of `{first}` first, by number and a sum over them; of a program by number."
         writeln!(
             text,
             "\nMedian of {} rounds in turns, of fewer where a search took more than {} s for them; what takes less than 0.3 s runs once
-uncounted before each. In brackets: times that of `{first}`.",
+uncounted before each. In brackets: times that of the first search of the table.",
             plan.rounds, plan.budget
         )?;
         if outcomes.iter().flat_map(|outcome| &outcome.searches).any(|search| search.rounded.is_some()) {
@@ -55,19 +55,30 @@ uncounted before each. In brackets: times that of `{first}`.",
             )?;
         }
         for &count in &plan.threads {
-            let outcomes: Vec<&Outcome> = one(count).collect();
-            writeln!(text, "\n## {}: median [ms]\n", threads(count))?;
-            write!(text, "{}", matrix(called, &outcomes, |times| times.median))?;
-            writeln!(text, "\n## {}: `{first}` and the fastest peer, medians\n", threads(count))?;
-            write!(text, "{}", fastest(&outcomes))?;
-            writeln!(text, "\n## {}: best round [ms]\n", threads(count))?;
-            write!(text, "{}", matrix(called, &outcomes, |times| times.best))?;
+            for group in Group::ALL {
+                let outcomes: Vec<&Outcome> =
+                    one(count).filter(|outcome| outcome.set.group == group).collect();
+                let Some(first) = outcomes.first().and_then(|outcome| outcome.searches.first()) else {
+                    continue;
+                };
+                let title = format!("## {}, {}", threads(count), group.title());
+                writeln!(text, "\n{title}: median [ms]\n")?;
+                write!(text, "{}", matrix(called, &outcomes, |times| times.median))?;
+                writeln!(text, "\n{title}: `{}` and the fastest peer, medians\n", first.name)?;
+                write!(text, "{}", fastest(&outcomes))?;
+                writeln!(text, "\n{title}: best round [ms]\n")?;
+                write!(text, "{}", matrix(called, &outcomes, |times| times.best))?;
+            }
         }
         if plan.threads.len() > 1 {
-            writeln!(text, "\n## `{first}`: times as fast as on {}\n", threads(plan.threads[0]))?;
+            writeln!(
+                text,
+                "\n## Ours, the first of each table: times as fast as on {}\n",
+                threads(plan.threads[0])
+            )?;
             write!(text, "{}", speedup(plan, outcomes))?;
         }
-        writeln!(text, "\n## Memory of `rows`, beyond points and couples\n")?;
+        writeln!(text, "\n## Memory of `rows`, beyond bodies and couples\n")?;
         write!(text, "{}", memory(outcomes))?;
         if !counted.is_empty() {
             writeln!(text, "\n## Counting: the gas with 12 neighbours, `rows`, {}\n", plan.simd.name())?;
@@ -109,7 +120,10 @@ fn matrix(called: &[Called], outcomes: &[&Outcome], of: fn(Times) -> f64) -> Tab
     headings.extend(outcomes.iter().map(|outcome| outcome.set.name));
     let mut table = Table::new(&headings);
     let mut names: Vec<&str> = Vec::new();
-    for call in called {
+    // Those that have a time, or a reason for having none, on one of these sets.
+    for call in
+        called.iter().filter(|call| outcomes.iter().any(|outcome| outcome.search(&call.name).is_some()))
+    {
         if !names.contains(&call.name.as_str()) {
             names.push(&call.name);
         }
@@ -134,7 +148,9 @@ fn matrix(called: &[Called], outcomes: &[&Outcome], of: fn(Times) -> f64) -> Tab
 /// What the fastest rival takes, relative to ours.
 fn fastest(outcomes: &[&Outcome]) -> Table {
     let avx2 = Kind::RowsAvx2.name();
-    let mut table = Table::new(&[
+    // Only where it takes part.
+    let has_avx2 = outcomes.iter().any(|outcome| outcome.times(avx2).is_some());
+    let headings = [
         "set",
         "ours [ms]",
         "ns per element",
@@ -144,14 +160,16 @@ fn fastest(outcomes: &[&Outcome]) -> Table {
         "times ours",
         &format!("times {avx2}"),
         &format!("{avx2}, ns per couple"),
-    ]);
+    ];
+    let columns = if has_avx2 { headings.len() } else { headings.len() - 2 };
+    let mut table = Table::new(&headings[..columns]);
     for outcome in outcomes {
         let Some(ours) = outcome.ours() else { continue };
         let rival = outcome.fastest_rival();
         let limited = outcome.times(avx2);
         let shown = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), significant);
         let per_couple = |times: Times| 1e9 * times.median / outcome.couples.max(1) as f64;
-        table.row([
+        let cells = [
             outcome.set.name.to_owned(),
             significant(1e3 * ours.median),
             significant(1e9 * ours.median / outcome.n as f64),
@@ -161,7 +179,8 @@ fn fastest(outcomes: &[&Outcome]) -> Table {
             shown(rival.map(|(_, times)| times.median / ours.median)),
             shown(rival.zip(limited).map(|((_, times), limited)| times.median / limited.median)),
             shown(limited.map(per_couple)),
-        ]);
+        ];
+        table.row(cells.into_iter().take(columns));
     }
     table
 }
@@ -243,6 +262,36 @@ fn flags() -> String {
 
 fn threads(count: usize) -> String {
     format!("{count} thread{}", if count == 1 { "" } else { "s" })
+}
+
+/// The times on the sets that are compared by their ratio of sizes, against it; none without two such sets.
+pub(crate) fn by_ratio(outcomes: &[Outcome], threads: usize) -> Option<Panel> {
+    let of = |outcome: &&Outcome| outcome.threads == threads && outcome.set.ratio.is_some();
+    let outcomes: Vec<&Outcome> = outcomes.iter().filter(of).collect();
+    let ratios: Vec<f64> = outcomes.iter().filter_map(|outcome| outcome.set.ratio).collect();
+    let mut curves: Vec<Curve> = Vec::new();
+    for search in outcomes.iter().flat_map(|outcome| &outcome.searches) {
+        if curves.iter().any(|curve| curve.name == search.name) {
+            continue;
+        }
+        let time = |outcome: &&Outcome| Some((outcome.set.ratio?, 1e3 * outcome.times(&search.name)?.median));
+        let points: Vec<(f64, f64)> = outcomes.iter().filter_map(time).collect();
+        if !points.is_empty() {
+            let colour = if search.ours { curves.len().min(1) } else { 2 };
+            curves.push(Curve { name: search.name.clone(), colour, hollow: !search.ours, points });
+        }
+    }
+    (ratios.len() > 1 && !curves.is_empty()).then(|| Panel {
+        title: "Time against the ratio of sizes, 1,000,000 spheres".to_owned(),
+        x: Axis::within("largest / smallest radius", &[1.0, 10.0, 100.0, 1000.0], ratios),
+        y: Axis::covering(
+            "time [ms]",
+            10.0,
+            1.0,
+            curves.iter().flat_map(|curve| &curve.points).map(|&(_, time)| time),
+        ),
+        curves,
+    })
 }
 
 /// The times of one outcome, the least first.
