@@ -245,7 +245,7 @@ impl<const D: usize> MeshSearch<D> {
     /// The same on `threads` threads; 0 is one for each processor.
     ///
     /// # Errors
-    /// [`Error::NoThreads`](crate::Error::NoThreads).
+    /// [`Error::NoThreads`].
     pub fn with_threads(mut self, threads: usize) -> Result<Self, DiscretisedError> {
         self.pool = Pool::new(threads)?;
         self.detector = self.detector.with_pool(self.pool.clone());

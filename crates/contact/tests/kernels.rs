@@ -65,6 +65,16 @@ fn check_all<T: Real, const D: usize>() {
             check(&Elements::spheres(&points, T::HALF).unwrap().with_tolerance(tolerance).unwrap());
             check(&Elements::spheres_with_radii(&points, &radii).unwrap());
             check(&Elements::spheres_with_radii(&points, &radii).unwrap().with_tolerance(tolerance).unwrap());
+            // The first box is as long as all are wide; of the others, which have no width, most begin where another does.
+            let short: Box<[[T; D]]> =
+                points.iter().map(|point| point.map(|x| x * T::at_least(0.1))).collect();
+            let mut far = short.clone();
+            far[0] = far[0].map(|x| x + T::at_least(5.0));
+            for (min, max) in [(&points, &points), (&short, &far)] {
+                check(&Elements::boxes(min, max).unwrap());
+                check(&Elements::boxes(min, max).unwrap().with_tolerance(tolerance).unwrap());
+                check_filters(&Elements::boxes(min, max).unwrap());
+            }
             check_filters(&Elements::points(&points, T::HALF).unwrap());
             check_filters(&Elements::spheres_with_radii(&points, &radii).unwrap());
         }

@@ -13,7 +13,7 @@ use crate::real::Real;
 use crate::search::rows::layout::Layout;
 use crate::search::rows::reach::RowsInReach;
 use crate::search::rows::scan::{PART, Scan};
-use crate::simd::kernel::{Arrays, Neighbour, Output, ROOM, Span, Task};
+use crate::simd::kernel::{Arrays, Looks, Neighbour, Output, ROOM, Span, Task};
 
 /// Neighbouring points that are searched for with one reach: enough to share the rows in reach, few enough to have similar neighbours.
 const STRETCH: usize = 32;
@@ -191,7 +191,11 @@ impl<T: Real, const D: usize> Nearest<'_, T, D> {
             let first = along.partition_point(|&x| x < low);
             let len = along[first..].partition_point(|&x| x <= high);
             if len > 0 {
-                neighbours.push(Neighbour { row: Span { start: row.start, len: row.len() }, low: first });
+                neighbours.push(Neighbour {
+                    row: Span { start: row.start, len: row.len() },
+                    low: first,
+                    looks: Looks::Back,
+                });
             }
             let fits = len <= room && neighbours.len() <= MAX_ROWS;
             room = if fits { room - len } else { 0 };

@@ -16,7 +16,7 @@ use crate::search::rows::layout::Layout;
 use crate::search::rows::reserve;
 use crate::search::rows::scan::{Scan, Scanner, Scans, Sink};
 use crate::simd::Simd;
-use crate::simd::kernel::{Arrays, Output, Span, Task};
+use crate::simd::kernel::{Arrays, Looks, Output, Span, Task};
 
 pub use levels::Level;
 use levels::Model;
@@ -297,18 +297,19 @@ fn in_windows<T: Real, const D: usize>(task: &Task<'_, T, D>) -> [u64; 2] {
     };
     let own = &task.own.coordinates[along(&task.own, task.row)];
     let mut counted = [0; 2];
-    let mut count = |x: T, others: &[T]| {
-        let first = others.partition_point(|&other| other < x - task.reach);
+    let mut count = |x: T, low: T, others: &[T]| {
+        let first = others.partition_point(|&other| other < low);
         let behind = others[first..].partition_point(|&other| other <= x + task.reach);
         counted[0] += 1;
         counted[1] += behind as u64;
     };
     for (k, &x) in (task.from..).zip(&own[task.from..task.to]) {
         if !task.two_sets {
-            count(x, &own[k + 1..]);
+            count(x, x, &own[k + 1..]);
         }
         for neighbour in task.neighbours {
-            count(x, &task.other.coordinates[along(&task.other, neighbour.row)]);
+            let low = if neighbour.looks == Looks::Back { x - task.reach } else { x };
+            count(x, low, &task.other.coordinates[along(&task.other, neighbour.row)]);
         }
     }
     counted

@@ -38,7 +38,8 @@ use scan::{PART, Scan, Scanner, Scans, Sink};
 ///
 /// # Order
 /// Rows ascend by cell, the axis with the most cells left out; elements ascend along their row; the partners of an element are first those in
-/// its own row, then those in the rows of the mask, each ascending. A function of the input alone.
+/// its own row, then those in the rows of the mask, each ascending. Where most boxes are much shorter than the longest, the partners of a box are those that
+/// begin later along the row, in all rows around it. A function of the input alone.
 ///
 /// # Cost
 /// Time proportional to N for similar sizes: some tens of nanoseconds per element and core. Memory per

@@ -26,7 +26,8 @@ use std::ops::Range;
 
 use crate::real::Real;
 use crate::simd::kernel::{
-    BOXES, EQUAL, Estimate, FEW, Output, RADII, Rows, Task, Vector, Window, Writer, first_from, variant,
+    BOXES, EQUAL, Estimate, FEW, FEW_AHEAD, Output, RADII, Rows, Task, Vector, Window, Writer, first_from,
+    variant,
 };
 use crate::simd::labels::NO_LABEL;
 
@@ -173,7 +174,7 @@ unsafe fn all<T, V, C, const D: usize, const SHAPE: u8, const COUNT: bool, const
     V: Vector<T>,
     C: Estimate,
 {
-    let (mut few, mut many) = ([const { MaybeUninit::uninit() }; FEW], Vec::new());
+    let (mut few, mut many) = ([const { MaybeUninit::uninit() }; FEW_AHEAD], Vec::new());
     let mut rows = Rows::new::<SHAPE, FILTER>(task, WIDTH.max(V::LANES), &mut few, &mut many);
     let mut copies = MaybeUninit::<Copies>::uninit();
     let mut writer = Writer::new(out);
@@ -247,8 +248,8 @@ where
             let (row, start, mut end) = if index == 0 {
                 (own, range.start, range.end)
             } else {
-                let Window { row, low } = &mut rows.windows[index - 1];
-                *low = first_from(row.along, *low, row.len, lows);
+                let Window { row, low, .. } = &mut rows.windows[index - 1];
+                *low = first_from::<_, _, false>(row.along, *low, row.len, lows);
                 (*row, *low, *low)
             };
             let most = row.len.min(start + CAPACITY - PAD);
@@ -425,7 +426,7 @@ unsafe fn clusters<T, V, C, const D: usize, const SHAPE: u8, const COUNT: bool, 
                 let mut j = base + 1;
                 if !own {
                     // What is behind a piece is far to the right.
-                    piece.low = first_from(piece.along, piece.low, usize::MAX, lows);
+                    piece.low = first_from::<_, _, false>(piece.along, piece.low, usize::MAX, lows);
                     j = piece.low;
                 }
                 let least = j + if own { 1 } else { WIDTH };

@@ -24,6 +24,18 @@ pub(crate) struct Neighbour {
     pub(crate) row: Span,
     /// Elements before this one are too far to the left of all elements still to come.
     pub(crate) low: usize,
+    pub(crate) looks: Looks,
+}
+
+/// From where on along a row elements are looked for, seen from one at `x`; spheres look back.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Looks {
+    /// From the reach before `x` on.
+    Back,
+    /// From `x` on, and elements of that row look at this one from beyond their own: of two boxes the one that begins first looks for the other.
+    Ahead,
+    /// From beyond `x` on.
+    Beyond,
 }
 
 /// The arrays of a layout.
@@ -292,7 +304,7 @@ unsafe fn all<
     T: Real,
     V: Vector<T>,
 {
-    let (mut few, mut many) = ([const { MaybeUninit::uninit() }; FEW], Vec::new());
+    let (mut few, mut many) = ([const { MaybeUninit::uninit() }; FEW_AHEAD], Vec::new());
     let mut rows = Rows::new::<SHAPE, FILTER>(task, V::LANES, &mut few, &mut many);
     let mut writer = Writer::new(out);
     // SAFETY: the contract of `search`.
@@ -351,10 +363,14 @@ impl<T, const D: usize> Row<T, D> {
 pub(super) struct Window<T, const D: usize> {
     pub(super) row: Row<T, D>,
     pub(super) low: usize,
+    looks: Looks,
 }
 
-/// Up to 3D there are at most so many neighbour rows, and nothing is allocated.
+/// Up to 3D there are at most so many neighbour rows of spheres.
 pub(super) const FEW: usize = 4;
+
+/// And so many of boxes that look ahead. Nothing is allocated for these.
+pub(super) const FEW_AHEAD: usize = 8;
 
 /// A task, by address.
 pub(super) struct Rows<'a, T, const D: usize> {
@@ -375,7 +391,7 @@ impl<'a, T: Real, const D: usize> Rows<'a, T, D> {
     pub(super) fn new<const SHAPE: u8, const FILTER: bool>(
         task: &'a Task<'a, T, D>,
         lanes: usize,
-        few: &'a mut [MaybeUninit<Window<T, D>>; FEW],
+        few: &'a mut [MaybeUninit<Window<T, D>>; FEW_AHEAD],
         many: &'a mut Vec<Window<T, D>>,
     ) -> Self {
         let neighbours = task.neighbours.iter().map(|neighbour| (&task.other, neighbour.row));
@@ -391,11 +407,12 @@ impl<'a, T: Real, const D: usize> Rows<'a, T, D> {
             if FILTER { (Labels::new(&task.own), Labels::new(&task.other)) } else { (NO_LABELS, NO_LABELS) };
         assert!(!FILTER || own_labels.are_like(&labels));
 
-        let windows = task
-            .neighbours
-            .iter()
-            .map(|&Neighbour { row, low }| Window { row: Row::new(&task.other, task.long, row), low });
-        let windows = if task.neighbours.len() <= FEW {
+        let windows = task.neighbours.iter().map(|&Neighbour { row, low, looks }| Window {
+            row: Row::new(&task.other, task.long, row),
+            low,
+            looks,
+        });
+        let windows = if task.neighbours.len() <= FEW_AHEAD {
             few.iter_mut().zip(windows).for_each(|(place, window)| {
                 place.write(window);
             });
@@ -461,8 +478,16 @@ impl<'a, T: Real, const D: usize> Rows<'a, T, D> {
                 }
 
                 let lows = V::splat(x - task.reach);
-                for Window { row, low } in &mut *self.windows {
-                    *low = first_from(row.along, *low, row.len, lows);
+                for Window { row, low, looks } in &mut *self.windows {
+                    *low = match looks {
+                        Looks::Ahead if SHAPE == BOXES => {
+                            first_from::<_, _, false>(row.along, *low, row.len, V::splat(x))
+                        }
+                        Looks::Beyond if SHAPE == BOXES => {
+                            first_from::<_, _, true>(row.along, *low, row.len, V::splat(x))
+                        }
+                        _ => first_from::<_, _, false>(row.along, *low, row.len, lows),
+                    };
                     window::<T, V, D, TWO_SETS, SHAPE, COUNT, FILTER>(
                         row,
                         *low,
@@ -479,16 +504,25 @@ impl<'a, T: Real, const D: usize> Rows<'a, T, D> {
     }
 }
 
-/// The first element of a row, from `low` on, that is not below `lows`; or the length of the row.
+/// The first element of a row, from `low` on, that is not below `lows`, or is beyond; or the length of the row.
 ///
 /// # Safety
 /// `low` is at most `len`, and LANES entries from any element up to there are readable.
 #[inline(always)]
-pub(super) unsafe fn first_from<T, V: Vector<T>>(along: *const T, low: usize, len: usize, lows: V) -> usize {
+pub(super) unsafe fn first_from<T, V: Vector<T>, const BEYOND: bool>(
+    along: *const T,
+    low: usize,
+    len: usize,
+    lows: V,
+) -> usize {
     let mut first = low;
     loop {
         // SAFETY: the contract of this function.
-        let passed = unsafe { V::load(along.add(first)).below(lows) }.trailing_ones() as usize;
+        let passed = unsafe {
+            let along = V::load(along.add(first));
+            if BEYOND { along.at_most(lows) } else { along.below(lows) }
+        };
+        let passed = passed.trailing_ones() as usize;
         first += passed;
         if passed < V::LANES || first >= len {
             // Lanes behind the row count for nothing.

@@ -2,7 +2,7 @@
 
 use crate::couple::Couple;
 use crate::real::Real;
-use crate::simd::kernel::{Arrays, Output, ROOM, Span, Task};
+use crate::simd::kernel::{Arrays, Looks, Output, ROOM, Span, Task};
 
 pub(crate) fn search<T: Real, const D: usize>(task: &Task<'_, T, D>, out: &mut Output<'_>) {
     let Task { own, other, reach_squared, tolerance, .. } = *task;
@@ -67,8 +67,12 @@ fn scan<'a, T: Real, const D: usize>(
             window(own, row, k + 1);
         }
         for neighbour in &mut neighbours {
-            let passed =
-                along(other, neighbour.row)[neighbour.low..].iter().take_while(|&&x| x < low).count();
+            let is_passed = |&&other: &&T| match neighbour.looks {
+                Looks::Back => other < low,
+                Looks::Ahead => other < x,
+                Looks::Beyond => other <= x,
+            };
+            let passed = along(other, neighbour.row)[neighbour.low..].iter().take_while(is_passed).count();
             neighbour.low += passed;
             window(other, neighbour.row, neighbour.low);
         }

@@ -17,6 +17,7 @@
 //! - `numbers`: coordinates of 1e12, more couples than 32 bits count, domains of 10^15 cells.
 //! - `doubt`: distances at the limit and just beside it, where the kernels must not trust 32 bits; lattices, and crowds.
 //! - `golden`: the numbers printed in the book.
+//! - `../boxes.rs`: boxes of which most are much shorter than the longest.
 //! - `../kernels.rs`, a program of its own for valgrind: the vector kernels on short rows, at every level.
 //! - `../memory.rs`, a program of its own because it counts allocations: the memory law.
 

@@ -31,6 +31,8 @@ pub(crate) struct Layout<T, const D: usize> {
     pub(crate) coordinates: Vec<T>,
     /// The upper ends of boxes, with the tolerance added, in the order of `coordinates`; empty for spheres.
     far: Vec<T>,
+    /// Of boxes, tolerance included, along the long axis: that of some of them.
+    mean_width: f64,
     /// Empty for elements of one radius.
     pub(crate) radii: Vec<T>,
     pub(crate) ids: Vec<u32>,
@@ -148,6 +150,9 @@ const FEW_FOR_TWO: usize = 150_000;
 /// Points that are looked at before all are.
 const SAMPLE: usize = 512;
 
+/// So many candidates cost as much time as another window.
+const WINDOW: f64 = 10.0;
+
 /// A block that holds a larger part of the elements than one in so many shows that most bins are empty.
 const SKEWED: usize = 8;
 
@@ -156,6 +161,7 @@ impl<T: Real, const D: usize> Layout<T, D> {
         Self {
             coordinates: Vec::new(),
             far: Vec::new(),
+            mean_width: 0.0,
             radii: Vec::new(),
             ids: Vec::new(),
             labels: Labels::default(),
@@ -256,7 +262,23 @@ impl<T: Real, const D: usize> Layout<T, D> {
                 }
             }
         });
+        let width = |place: usize| {
+            let row = self.row(self.row_of(place));
+            let at = D * row.start + self.axes[0] * row.len() + place - row.start;
+            self.far[at].to_f64() - self.coordinates[at].to_f64()
+        };
+        let sample = (0..n).step_by(n.div_ceil(SAMPLE));
+        let count = sample.len() as f64;
+        self.mean_width = sample.map(|place| width(place) / count).sum();
         Ok(())
+    }
+
+    /// Whether boxes look ahead in all rows around them, instead of ahead and back in half of them: where most are so much shorter than the longest that this leaves
+    /// enough candidates out to pay for twice as many windows.
+    pub(crate) fn looks_ahead(&self, reach: T) -> bool {
+        let [low, high] = self.grid.span(self.axes[0]);
+        let along_rows = self.len() as f64 / (self.rows() as f64 * (high - low));
+        !self.far.is_empty() && (reach.to_f64() - self.mean_width) * along_rows > WINDOW
     }
 
     /// Puts the numbers of a filter into the order that has been built.

@@ -13,7 +13,7 @@ use crate::search::make_room;
 use crate::search::rows::cursor::{Cursor, half_mask};
 use crate::search::rows::layout::Layout;
 use crate::search::rows::reach::RowsInReach;
-use crate::simd::kernel::{Arrays, Neighbour, Output, Span, Task};
+use crate::simd::kernel::{Arrays, Looks, Neighbour, Output, Span, Task};
 
 /// Elements of one part of the work, where each has about as many partners: enough to forget its start, few enough for its couples to stay in cache.
 pub(crate) const PART: usize = 4096;
@@ -240,18 +240,29 @@ impl<T: Real, const D: usize> Scan<'_, T, D> {
     fn rows_of_one_set(&self, range: Range<usize>, out: &mut Output<'_>) {
         let layout = self.layout;
         let first = layout.row_of(range.start);
-        let mut cursors: Vec<_> =
-            half_mask::<D>().into_iter().map(|offset| Cursor::new(layout, offset, first)).collect();
+        let cursor = |offset| Cursor::new(layout, offset, first);
+        let mut cursors = Vec::new();
+        if layout.looks_ahead(self.reach) {
+            for offset in half_mask::<D>() {
+                cursors.push((cursor(offset), Looks::Ahead));
+                cursors.push((cursor(offset.map(|step| -step)), Looks::Beyond));
+            }
+        } else {
+            cursors.extend(half_mask::<D>().into_iter().map(|offset| (cursor(offset), Looks::Back)));
+        }
         let mut neighbours = Vec::with_capacity(cursors.len());
         for (row, places, stretch) in self.stretches(&range) {
-            let low = layout.along(&places)[stretch.start] - self.reach;
+            let x = layout.along(&places)[stretch.start];
             let cells = layout.row_cells(row);
             neighbours.clear();
-            for row in cursors.iter_mut().filter_map(|cursor| cursor.find(layout, &cells)) {
+            for (cursor, looks) in &mut cursors {
+                let Some(row) = cursor.find(layout, &cells) else { continue };
                 let row = layout.row(row);
+                let low = if *looks == Looks::Back { x - self.reach } else { x };
                 let low =
                     if stretch.start == 0 { 0 } else { layout.along(&row).partition_point(|&x| x < low) };
-                neighbours.push(Neighbour { row: Span { start: row.start, len: row.len() }, low });
+                let row = Span { start: row.start, len: row.len() };
+                neighbours.push(Neighbour { row, low, looks: *looks });
             }
             self.stretch(&places, stretch, &neighbours, out);
         }
@@ -273,7 +284,8 @@ impl<T: Real, const D: usize> Scan<'_, T, D> {
                     let along = other.along(&row);
                     let low = along.partition_point(|&x| x < low);
                     if low < row.len() && along[low] <= high {
-                        neighbours.push(Neighbour { row: Span { start: row.start, len: row.len() }, low });
+                        let row = Span { start: row.start, len: row.len() };
+                        neighbours.push(Neighbour { row, low, looks: Looks::Back });
                     }
                     true
                 });
