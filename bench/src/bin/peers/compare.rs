@@ -45,7 +45,7 @@ struct BodyFile(PathBuf);
 impl BodyFile {
     fn new<const D: usize>(bodies: Bodies<'_, D>) -> std::io::Result<Self> {
         let file = Self(std::env::temp_dir().join(format!("fdem-peers-{}.f64", std::process::id())));
-        let bytes: Vec<u8> = bodies.numbers().into_iter().flat_map(|x| x.to_le_bytes()).collect();
+        let bytes: Vec<u8> = bodies.numbers().into_iter().flat_map(f64::to_le_bytes).collect();
         std::fs::write(&file.0, bytes)?;
         Ok(file)
     }

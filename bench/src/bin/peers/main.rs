@@ -11,6 +11,7 @@ mod outcome;
 mod report;
 
 use std::error::Error;
+use std::fmt::Write as _;
 use std::process::ExitCode;
 
 use fdem_bench::peers::sets::{Scene, Set};
@@ -76,12 +77,12 @@ fn run(plan: &Plan) -> Result<(), Box<dyn Error>> {
         let ratio_plot = plot.with_file_name(format!("{}-ratio.svg", name.trim_end_matches(".svg")));
         let mut linked = report;
         if !plan.quick {
-            linked += &format!("\n![Times]({name})\n");
+            writeln!(linked, "\n![Times]({name})")?;
         }
         if let Some(panel) = ratios {
             picture::write(&ratio_plot, &[panel])?;
             let name = ratio_plot.file_name().unwrap_or_default().to_string_lossy();
-            linked += &format!("\n![Time against the ratio of sizes]({name})\n");
+            writeln!(linked, "\n![Time against the ratio of sizes]({name})")?;
         }
         std::fs::write(file, linked).map_err(|error| format!("{}: {error}", file.display()))?;
         if !plan.quick {
