@@ -96,14 +96,18 @@ impl<T: Real, const D: usize> CGrid<T, D> {
         Levels::new(Spans::new(elements)).each().to_vec()
     }
 
-    /// The same where cells may be worth it, with the nanoseconds that the search is predicted to take: for boxes of which most are several times longer than
-    /// they are wide.
-    pub(crate) fn levels_for_long_boxes(elements: &Elements<'_, T, D>) -> Option<(Vec<Level>, f64)> {
+    /// The same with the nanoseconds that the search is predicted to take, if these are less than `limit`: for boxes of which most are several times longer
+    /// than they are wide.
+    pub(crate) fn levels_for_long_boxes(
+        elements: &Elements<'_, T, D>,
+        limit: f64,
+    ) -> Option<(Vec<Level>, f64)> {
         let spans = Spans::new(elements);
-        spans.are_long_boxes().then(|| {
-            let levels = Levels::new(spans);
-            (levels.each().to_vec(), levels.cost())
-        })
+        if Levels::<T, D>::least_cost(elements.len()) >= limit || !spans.are_long_boxes() {
+            return None;
+        }
+        let levels = Levels::new(spans);
+        (levels.cost() < limit).then(|| (levels.each().to_vec(), levels.cost()))
     }
 
     /// Bytes that the engine holds now.

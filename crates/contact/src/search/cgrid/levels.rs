@@ -155,6 +155,11 @@ impl<'e, 'a, T: Real, const D: usize> Levels<'e, 'a, T, D> {
         self.cost
     }
 
+    /// What it is for any elements, from below.
+    pub(super) fn least_cost(elements: usize) -> f64 {
+        elements as f64 * (SORT + ENTRY)
+    }
+
     pub(super) fn each(&self) -> &[Level] {
         &self.each
     }
