@@ -35,7 +35,9 @@ pub(crate) enum Task {
 ///
 /// Meshes (Gmsh, STL, OBJ, PLY, VTK, VTU, VTP, Abaqus, tables of triangles) are told by their content: couples are of elements of different bodies
 /// then, as `i,j,body_i,body_j,kind,measure,x,y,z,nx,ny,nz`, with their numbers in the files. Bodies are counted from 0 over all files; the summary as
-/// JSON says which is which. Only tetrahedra count where a file has some, else its triangles.
+/// JSON says which is which. Only tetrahedra count where a file has some, else its triangles; beside tetrahedra of another file triangles are bodies without volume:
+/// what touches is found, its measure is 0, and shared boundary is that of tetrahedra. Flat meshes, with z = 0 everywhere, are 2D.
+/// A table of triangles has the columns `vertex1_X` to `vertex3_Z`, between blanks or tabs.
 ///
 /// In a box that repeats (`--periodic`) elements outside are wrapped into it, every image that touches counts, and couples have their shift
 /// besides, `sx,sy,sz`: element j, displaced by so many edges of the box from where the file has it, touches element i where the file has it.
@@ -71,7 +73,8 @@ pub(crate) struct ContactsArguments {
     #[command(flatten)]
     pub(crate) labels: LabelArguments,
 
-    /// Print what the search would take and do not search: engine, cells, rows, images, about how many couples, memory.
+    /// Print what the search would take, and no couples: engine, cells, rows, images, about how many couples, memory. Of levels also what they do, which is
+    /// counted: windows on rows of cells that elements open, candidates in these windows, couples, each beside what was predicted.
     #[arg(long, conflicts_with_all = ["output", "count", "picture", "verify"])]
     pub(crate) explain: bool,
 
@@ -137,7 +140,7 @@ pub(crate) struct MeshArguments {
 #[derive(Debug, Args)]
 pub(crate) struct LabelArguments {
     /// FILE is an image, 2D or 3D (NumPy .npy or .npz, or the pages of a TIFF file), in which each number is a body: find which bodies touch,
-    /// with the faces that they share, their area, and the mean place and direction of the contact. x is along the last axis of the array.
+    /// with the faces that they share, their area, and the mean place and direction of the contact. x is along the last axis of the array; the origin is the centre of the first grid square.
     #[arg(long, conflicts_with_all = [
         "columns", "radius", "cutoff", "tolerance", "skip_bad_lines", "ignore_ids", "engine", "bodies", "periodic", "limits", "edges",
         "origin", "explain", "picture", "verify", "more", "body_table", "self_contact",

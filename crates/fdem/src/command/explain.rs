@@ -83,7 +83,7 @@ fn table(works: &[ToldWork]) -> String {
             _ = write!(text, " {cell:>14}");
         }
     };
-    line(["levels", "windows", "predicted", "candidates", "predicted", "couples"].map(str::to_owned));
+    line(["levels", "windows", "predicted w.", "candidates", "predicted c.", "couples"].map(str::to_owned));
     for work in works {
         let [level, other] = work.levels.map(|level| level + 1);
         line([
@@ -95,6 +95,7 @@ fn table(works: &[ToldWork]) -> String {
             work.couples.to_string(),
         ]);
     }
+    text.push('\n');
     text
 }
 
@@ -118,7 +119,9 @@ impl Told {
         if plan.engine == Engine::Multilevel && space.cell.is_none() {
             let works = Multilevel::new().with_threads(threads)?.work(&request.elements(space.centres)?)?;
             work = works.iter().map(ToldWork::from).collect();
-            text += &table(&work);
+            if !work.is_empty() {
+                text += &table(&work);
+            }
         }
         Ok(Self {
             elements,

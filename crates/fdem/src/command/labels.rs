@@ -232,7 +232,7 @@ impl Task<'_> {
             faces: sum(ImageContact::faces),
             edges: columns.edges.then(|| sum(ImageContact::edges)),
             vertices: columns.vertices.then(|| sum(ImageContact::vertices)),
-            area: contacts.iter().map(|contact| contact.area(&spacing)).sum(),
+            area: contacts.iter().fold(0.0, |sum, contact| sum + contact.area(&spacing)),
             seconds,
             peak_bytes: None,
         })

@@ -35,6 +35,18 @@ pub(crate) fn run(
     for file in &arguments.more {
         files.push(read(arguments, input::open(file, progress)?, progress, &mut seconds)?);
     }
+    if files.iter().all(|file| matches!(file.content, Content::Mesh(_))) {
+        let of_spheres = [
+            ("--radius", arguments.input.radius.is_some()),
+            ("--columns", arguments.input.columns.is_some()),
+        ];
+        if let Some((option, _)) = of_spheres.into_iter().find(|(_, given)| *given) {
+            return Err(Failure::Unusable(format!(
+                "{}: {option} is for packings, these are meshes",
+                files[0].name
+            )));
+        }
+    }
     let task = Task { arguments, progress, files: &files };
     let mut summary = task.find(&mut outputs, seconds)?;
     summary.measure_peak();
@@ -414,8 +426,8 @@ impl Task<'_> {
             body_contacts: found.bodies.len(),
             mean_coordination: if bodies == 0 { 0.0 } else { 2.0 * between as f64 / bodies as f64 },
             without_contact: in_contact.iter().filter(|&&touched| !touched).count(),
-            overlap: found.bodies.iter().map(|contact| contact.overlap).sum(),
-            shared: found.bodies.iter().map(|contact| contact.shared).sum(),
+            overlap: found.bodies.iter().fold(0.0, |sum, contact| sum + contact.overlap),
+            shared: found.bodies.iter().fold(0.0, |sum, contact| sum + contact.shared),
             verified: found.verified,
             seconds,
             peak_bytes: None,

@@ -124,7 +124,7 @@ fn levels_are_timed_where_sizes_are_unlike() {
     let predicted = work.iter().map(|of| of["predicted_candidates"].as_f64().unwrap()).sum::<f64>();
     let counted = sum("candidates") as f64;
     assert!((0.3 * counted..3.0 * counted).contains(&predicted), "{predicted} predicted, {counted} counted");
-    assert!(told.stdout.contains("\n  2 in 1 "), "{}", told.stdout);
+    assert!(told.stdout.contains("\n  2 in 1 ") && told.stdout.ends_with('\n'), "{}", told.stdout);
 }
 
 #[test]

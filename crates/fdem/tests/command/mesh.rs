@@ -170,6 +170,7 @@ fn what_does_not_fit_is_refused() {
         assert_eq!(bench.files(), before);
     };
     refused(&["spheres.csv"], &["spheres.csv: --body-table is for meshes"]);
+    refused(&["floor.stl", "--radius", "5"], &["floor.stl: --radius is for packings"]);
     refused(&["floor.stl", "bad.obj"], &["bad.obj:2: element 0 (triangle) names node 2"]);
     refused(&["floor.stl", "line.obj"], &["line.obj: the mesh has segments only"]);
     refused(&["floor.stl", "missing.csv"], &["cannot read missing.csv: "]);
