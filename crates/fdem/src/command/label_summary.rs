@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::Serialize;
 
-use crate::command::summary::{Seconds, brief, grouped, peak_bytes};
+use crate::command::summary::{Seconds, brief, grouped, peak_bytes, write_end};
 
 /// Written as JSON by `--json`, and as text to standard error. Axes are in the order x, y, z.
 #[derive(Debug, Serialize)]
@@ -72,12 +72,7 @@ impl fmt::Display for LabelSummary {
         if let Some(vertices) = self.vertices {
             line("shared vertices", format!("{} besides", grouped(vertices)))?;
         }
-        let Seconds { read, detect, write, .. } = self.seconds;
-        line("time", format!("read {read:.3} s, detect {detect:.3} s, write {write:.3} s"))?;
-        if let Some(bytes) = self.peak_bytes {
-            line("peak memory", format!("{:.1} MB", bytes as f64 / 1e6))?;
-        }
-        Ok(())
+        write_end(out, None, &self.seconds, self.peak_bytes)
     }
 }
 

@@ -5,7 +5,7 @@ use std::fmt;
 use serde::Serialize;
 
 use crate::command::args::EngineName;
-use crate::command::summary::{Seconds, brief, grouped, peak_bytes};
+use crate::command::summary::{Seconds, brief, grouped, peak_bytes, write_end};
 
 /// Written as JSON by `--json`, and as text to standard error.
 #[derive(Debug, Serialize)]
@@ -151,15 +151,6 @@ impl fmt::Display for MeshSummary {
             line("overlap", brief(self.overlap))?;
             line("shared boundary", brief(self.shared))?;
         }
-        if let Some(verified) = self.verified {
-            line("verified", format!("{} elements by brute force: no difference", grouped(verified as u64)))?;
-        }
-        let Seconds { read, detect, verify, write } = self.seconds;
-        let verify = verify.map(|verify| format!(", verify {verify:.3} s")).unwrap_or_default();
-        line("time", format!("read {read:.3} s, detect {detect:.3} s{verify}, write {write:.3} s"))?;
-        if let Some(bytes) = self.peak_bytes {
-            line("peak memory", format!("{:.1} MB", bytes as f64 / 1e6))?;
-        }
-        Ok(())
+        write_end(out, self.verified, &self.seconds, self.peak_bytes)
     }
 }

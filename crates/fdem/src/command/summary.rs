@@ -216,17 +216,28 @@ impl fmt::Display for Summary {
             };
             line("largest overlap", format!("{}{unit}, of {i} and {j}{across}", brief(overlap)))?;
         }
-        if let Some(verified) = self.verified {
-            line("verified", format!("{} elements by brute force: no difference", grouped(verified as u64)))?;
-        }
-        let Seconds { read, detect, verify, write } = self.seconds;
-        let verify = verify.map(|verify| format!(", verify {verify:.3} s")).unwrap_or_default();
-        line("time", format!("read {read:.3} s, detect {detect:.3} s{verify}, write {write:.3} s"))?;
-        if let Some(bytes) = self.peak_bytes {
-            line("peak memory", format!("{:.1} MB", bytes as f64 / 1e6))?;
-        }
-        Ok(())
+        write_end(out, self.verified, &self.seconds, self.peak_bytes)
     }
+}
+
+/// The last lines of every summary: what was verified, if anything, the time, and the largest memory.
+pub(crate) fn write_end(
+    out: &mut fmt::Formatter<'_>,
+    verified: Option<usize>,
+    seconds: &Seconds,
+    peak_bytes: Option<u64>,
+) -> fmt::Result {
+    let mut line = |label: &str, text: String| writeln!(out, "{label:<16} {text}");
+    if let Some(verified) = verified {
+        line("verified", format!("{} elements by brute force: no difference", grouped(verified as u64)))?;
+    }
+    let Seconds { read, detect, verify, write } = seconds;
+    let verify = verify.map(|verify| format!(", verify {verify:.3} s")).unwrap_or_default();
+    line("time", format!("read {read:.3} s, detect {detect:.3} s{verify}, write {write:.3} s"))?;
+    if let Some(bytes) = peak_bytes {
+        line("peak memory", format!("{:.1} MB", bytes as f64 / 1e6))?;
+    }
+    Ok(())
 }
 
 /// Six digits, without trailing zeros; JSON has all of them.
