@@ -434,7 +434,7 @@ impl<T: Real, const D: usize> Index<T, D> {
             tolerance,
             one_numbering: false,
             part: PART,
-            search_row: &|task, out| T::search(simd, task, out),
+            search_row: &|task, out| T::search::<D>(simd, task, out),
         };
         Scans { each: &[scan], pool, parts: &mut self.waiting }.all(sink)
     }

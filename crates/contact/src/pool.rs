@@ -101,40 +101,51 @@ impl Pool {
     /// work asks for.
     pub(crate) fn run<I: Send>(&self, tasks: impl Iterator<Item = I>, work: impl Fn(I) + Sync + Send) {
         #[cfg(feature = "rayon")]
-        if let Some(Others { pool, spread }) = self.others.as_deref()
+        if let Some(others) = self.others.as_deref()
             // Inside work of this pool its other threads may all be waiting.
-            && pool.current_thread_index().is_none()
+            && others.pool.current_thread_index().is_none()
         {
             let tasks: Vec<I> = tasks.collect();
-            let others = pool.current_num_threads().min(tasks.len().saturating_sub(1));
+            let count = tasks.len();
             let tasks = Mutex::new(tasks.into_iter());
             let next = || tasks.lock().ok().and_then(|mut tasks| tasks.next());
-            let take_all = || std::iter::from_fn(next).for_each(&work);
-            let run = || {
-                spread.before();
-                pool.in_place_scope(|scope| {
-                    for _ in 0..others {
-                        scope.spawn(|_| {
-                            spread.start();
-                            take_all();
-                        });
-                    }
-                    spread.look(others);
-                    take_all();
-                });
-            };
-            if rayon::current_thread_index().is_none() {
-                run();
-            } else {
-                std::thread::scope(|scope| {
-                    if let Err(panic) = scope.spawn(run).join() {
-                        std::panic::resume_unwind(panic);
-                    }
-                });
-            }
+            others.run(count, &|| std::iter::from_fn(next).for_each(&work));
             return;
         }
         tasks.for_each(work);
+    }
+}
+
+#[cfg(feature = "rayon")]
+impl Others {
+    /// Runs `take_all`, which takes tasks until none of `tasks` is left, on the caller and as many others as are of use.
+    ///
+    /// Not generic: what threads cost to compile is paid once.
+    fn run(&self, tasks: usize, take_all: &(dyn Fn() + Sync)) {
+        let Self { pool, spread } = self;
+        let run = || {
+            let others = pool.current_num_threads().min(tasks.saturating_sub(1));
+            spread.before();
+            pool.in_place_scope(|scope| {
+                for _ in 0..others {
+                    scope.spawn(|_| {
+                        spread.start();
+                        take_all();
+                    });
+                }
+                spread.look(others);
+                take_all();
+            });
+        };
+        if rayon::current_thread_index().is_none() {
+            run();
+        } else {
+            std::thread::scope(|scope| {
+                if let Err(panic) = scope.spawn(run).join() {
+                    std::panic::resume_unwind(panic);
+                }
+            });
+        }
     }
 }
 

@@ -48,34 +48,63 @@ macro_rules! one_instruction {
     };
 }
 
-/// The kernels, compiled for a set of instructions, with the vectors that these have.
+/// The kernels, compiled for a set of instructions, with the vectors that these have, in 2D and 3D. Not one of them is generic: they are compiled
+/// with this crate, and not again with all that use it.
 #[allow(unused_macros, reason = "as above")]
 macro_rules! entry_points {
     ($features:literal, $f64:ident, $f32:ident) => {
-        entry_points!($features, $f64, $f32, f64: search_f64, clusters_f64);
-        entry_points!($features, $f32, $f32, f32: search_f32, clusters_f32);
+        entry_points!($features, 2, plane, $f64, $f32);
+        entry_points!($features, 3, space, $f64, $f32);
     };
-    ($features:literal, $vector:ident, $f32:ident, $type:ident: $search:ident, $clusters:ident) => {
+    ($features:literal, $dimensions:literal, $module:ident, $f64:ident, $f32:ident) => {
+        pub(crate) mod $module {
+            use super::{$f32, $f64};
+            use crate::simd::kernel::{Output, Task};
+            use crate::simd::{cluster, kernel};
+
+            entry_points!($features, $dimensions, $f64, $f32, f64: search_f64, rows_f64, two_sets_f64, clusters_f64);
+            entry_points!($features, $dimensions, $f32, $f32, f32: search_f32, rows_f32, two_sets_f32, clusters_f32);
+        }
+    };
+    ($features:literal, $dimensions:literal, $vector:ident, $f32:ident,
+        $type:ident: $search:ident, $rows:ident, $two_sets:ident, $clusters:ident) => {
         /// # Safety
-        /// The processor has the features, and `task` is as its fields say, `TWO_SETS` among them.
-        #[target_feature(enable = $features)]
-        pub(crate) unsafe fn $search<const D: usize, const TWO_SETS: bool>(
-            task: &crate::simd::kernel::Task<'_, $type, D>,
-            out: &mut crate::simd::kernel::Output<'_>,
-        ) {
-            // SAFETY: the contract of this function.
-            unsafe { crate::simd::kernel::search::<$type, $vector, D, TWO_SETS>(task, out) }
+        /// The processor has the features, and `task` is as its fields say.
+        pub(crate) unsafe fn $search(task: &Task<'_, $type>, out: &mut Output<'_>) {
+            // SAFETY: the contract of this function, and what is looked at here.
+            unsafe {
+                if task.two_sets && !task.one_numbering {
+                    $two_sets(task, out);
+                } else if cluster::pays(task) {
+                    $clusters(task, out);
+                } else {
+                    $rows(task, out);
+                }
+            }
         }
 
         /// # Safety
-        /// As above, with one set, and `cluster::pays`.
+        /// As above, with one numbering.
         #[target_feature(enable = $features)]
-        pub(crate) unsafe fn $clusters<const D: usize>(
-            task: &crate::simd::kernel::Task<'_, $type, D>,
-            out: &mut crate::simd::kernel::Output<'_>,
-        ) {
+        unsafe fn $rows(task: &Task<'_, $type>, out: &mut Output<'_>) {
             // SAFETY: the contract of this function.
-            unsafe { crate::simd::cluster::search::<$type, $vector, $f32, D>(task, out) }
+            unsafe { kernel::search::<$type, $vector, $dimensions, false>(task, out) }
+        }
+
+        /// # Safety
+        /// As above, with two numberings.
+        #[target_feature(enable = $features)]
+        unsafe fn $two_sets(task: &Task<'_, $type>, out: &mut Output<'_>) {
+            // SAFETY: the contract of this function.
+            unsafe { kernel::search::<$type, $vector, $dimensions, true>(task, out) }
+        }
+
+        /// # Safety
+        /// As above, with `cluster::pays`.
+        #[target_feature(enable = $features)]
+        unsafe fn $clusters(task: &Task<'_, $type>, out: &mut Output<'_>) {
+            // SAFETY: the contract of this function.
+            unsafe { cluster::search::<$type, $vector, $f32, $dimensions>(task, out) }
         }
     };
 }
@@ -165,54 +194,44 @@ impl fmt::Display for Simd {
     }
 }
 
-/// Whether there are vectors for so many dimensions. Each costs its users the time to compile some fifty kernels, whether they run or not.
+/// Whether there are vectors for so many dimensions. Each costs the time to compile some fifty kernels.
 pub(crate) const fn has_vectors(dimensions: usize) -> bool {
     dimensions == 2 || dimensions == 3
 }
 
 /// The kernels of one float type; the sealed half of [`Real`](crate::Real).
 pub trait Kernels: Copy {
-    /// Searches one stretch of a row. `level` must be available.
+    /// Searches one stretch of a row in `D` dimensions. `level` must be available.
     #[doc(hidden)]
-    fn search<const D: usize>(level: Simd, task: &Task<'_, Self, D>, out: &mut Output<'_>);
+    fn search<const D: usize>(level: Simd, task: &Task<'_, Self>, out: &mut Output<'_>);
 }
 
 macro_rules! kernels {
-    ($type:ty, $search:ident, $clusters:ident) => {
+    ($type:ty, $search:ident) => {
         impl Kernels for $type {
-            fn search<const D: usize>(level: Simd, task: &Task<'_, Self, D>, out: &mut Output<'_>) {
-                #[allow(unused_macros, reason = "only processors with vectors use it")]
-                macro_rules! vectors {
-                    ($level:ident) => {
-                        if task.two_sets && !task.one_numbering {
-                            // SAFETY: the caller has chosen a level that this processor has.
-                            unsafe { $level::$search::<D, true>(task, out) }
-                        } else if cluster::pays(task) {
-                            // SAFETY: as above.
-                            unsafe { $level::$clusters::<D>(task, out) }
-                        } else {
-                            // SAFETY: as above.
-                            unsafe { $level::$search::<D, false>(task, out) }
-                        }
-                    };
-                }
-                if const { has_vectors(D) } {
-                    match level {
+            fn search<const D: usize>(level: Simd, task: &Task<'_, Self>, out: &mut Output<'_>) {
+                // SAFETY: the caller has chosen a level that this processor has.
+                unsafe {
+                    match (level, D) {
                         #[cfg(target_arch = "x86_64")]
-                        Simd::Avx512 => vectors!(avx512),
+                        (Simd::Avx512, 2) => avx512::plane::$search(task, out),
                         #[cfg(target_arch = "x86_64")]
-                        Simd::Avx2 => vectors!(avx2),
+                        (Simd::Avx512, 3) => avx512::space::$search(task, out),
+                        #[cfg(target_arch = "x86_64")]
+                        (Simd::Avx2, 2) => avx2::plane::$search(task, out),
+                        #[cfg(target_arch = "x86_64")]
+                        (Simd::Avx2, 3) => avx2::space::$search(task, out),
                         #[cfg(target_arch = "aarch64")]
-                        Simd::Neon => vectors!(neon),
-                        _ => portable::search(task, out),
+                        (Simd::Neon, 2) => neon::plane::$search(task, out),
+                        #[cfg(target_arch = "aarch64")]
+                        (Simd::Neon, 3) => neon::space::$search(task, out),
+                        _ => portable::search::<$type, D>(task, out),
                     }
-                } else {
-                    portable::search(task, out);
                 }
             }
         }
     };
 }
 
-kernels!(f32, search_f32, clusters_f32);
-kernels!(f64, search_f64, clusters_f64);
+kernels!(f32, search_f32);
+kernels!(f64, search_f64);

@@ -41,7 +41,7 @@ impl<T: Real, const D: usize> Index<T, D> {
         let Self { layout, moving, centres, places, parts, order, bounds, pool, simd, .. } = self;
         let (layout, moving, bounds, simd) = (&*layout, &*moving, &*bounds, *simd);
         parts.resize_with(points.len().div_ceil(PART), Part::default);
-        let search_row = |task: &Task<'_, T, D>, out: &mut Output<'_>| T::search(simd, task, out);
+        let search_row = |task: &Task<'_, T>, out: &mut Output<'_>| T::search::<D>(simd, task, out);
         let scan = Scan {
             layout: moving,
             against: Some(layout),

@@ -161,7 +161,7 @@ impl<T: Real, const D: usize> Index<T, D> {
         }
         let Self { layout, moving, centres, places, parts, order, pool, simd, .. } = self;
         let (layout, moving, simd) = (&*layout, &*moving, *simd);
-        let search_row = |task: &Task<'_, T, D>, out: &mut Output<'_>| T::search(simd, task, out);
+        let search_row = |task: &Task<'_, T>, out: &mut Output<'_>| T::search::<D>(simd, task, out);
         let with_distances = values.is_some();
         let scan = Scan {
             layout: moving,

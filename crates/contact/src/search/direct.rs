@@ -21,7 +21,12 @@ use crate::search::Search;
 pub struct Direct;
 
 impl<T: Real, const D: usize> Search<T, D> for Direct {
-    fn for_each(&mut self, elements: &Elements<'_, T, D>, visit: impl FnMut(Couple)) -> Result<(), Error> {
+    fn for_each(
+        &mut self,
+        elements: &Elements<'_, T, D>,
+        mut visit: impl FnMut(Couple),
+    ) -> Result<(), Error> {
+        let visit = &mut visit;
         match elements.shape {
             Shape::Equal(equal) => filtered(equal, elements.filter(), visit),
             Shape::Spheres(spheres) => filtered(spheres, elements.filter(), visit),
@@ -31,14 +36,14 @@ impl<T: Real, const D: usize> Search<T, D> for Direct {
     }
 }
 
-fn filtered(geometry: impl Geometry, filter: Option<Filter<'_>>, visit: impl FnMut(Couple)) {
+fn filtered(geometry: impl Geometry, filter: Option<Filter<'_>>, visit: &mut dyn FnMut(Couple)) {
     match filter {
         None => all_against_all(geometry, visit),
         Some(filter) => all_against_all(Filtered { geometry, filter }, visit),
     }
 }
 
-fn all_against_all(geometry: impl Geometry, mut visit: impl FnMut(Couple)) {
+fn all_against_all(geometry: impl Geometry, visit: &mut dyn FnMut(Couple)) {
     let n = geometry.len();
     for i in 0..n {
         for j in i + 1..n {

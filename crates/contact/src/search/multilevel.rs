@@ -188,11 +188,11 @@ impl<T: Real, const D: usize> Multilevel<T, D> {
         }
         let simd = self.simd;
         let [windows, candidates] = [AtomicU64::new(0), AtomicU64::new(0)];
-        let search_row = |task: &Task<'_, T, D>, out: &mut Output<'_>| {
-            let counted = in_windows(task);
+        let search_row = |task: &Task<'_, T>, out: &mut Output<'_>| {
+            let counted = in_windows::<T, D>(task);
             windows.fetch_add(counted[0], Ordering::Relaxed);
             candidates.fetch_add(counted[1], Ordering::Relaxed);
-            T::search(simd, task, out);
+            T::search::<D>(simd, task, out);
         };
         let mut works = Vec::new();
         self.with_scans_by(elements, &search_row, |model, pairs, Scans { each, pool, parts }| {
@@ -290,7 +290,7 @@ pub struct Work {
 }
 
 /// The windows of the elements of a stretch, and the elements in them.
-fn in_windows<T: Real, const D: usize>(task: &Task<'_, T, D>) -> [u64; 2] {
+fn in_windows<T: Real, const D: usize>(task: &Task<'_, T>) -> [u64; 2] {
     let along = |arrays: &Arrays<'_, T>, row: Span| {
         let start = D * row.start + task.long * row.len;
         start..start + row.len.min(arrays.coordinates.len() - start)
@@ -322,7 +322,7 @@ impl<T: Real, const D: usize> Scanner<T, D> for Multilevel<T, D> {
         search: impl FnOnce(Scans<'_, T, D>) -> Result<(), Error>,
     ) -> Result<(), Error> {
         let simd = self.simd;
-        let search_row = |task: &Task<'_, T, D>, out: &mut Output<'_>| T::search(simd, task, out);
+        let search_row = |task: &Task<'_, T>, out: &mut Output<'_>| T::search::<D>(simd, task, out);
         self.with_scans_by(elements, &search_row, |_, _, scans| search(scans))
     }
 }
@@ -332,7 +332,7 @@ impl<T: Real, const D: usize> Multilevel<T, D> {
     fn with_scans_by(
         &mut self,
         elements: &Elements<'_, T, D>,
-        search_row: &(dyn Fn(&Task<'_, T, D>, &mut Output<'_>) + Sync),
+        search_row: &(dyn Fn(&Task<'_, T>, &mut Output<'_>) + Sync),
         search: impl FnOnce(&Model<'_, '_, T, D>, &[[usize; 2]], Scans<'_, T, D>) -> Result<(), Error>,
     ) -> Result<(), Error> {
         if elements.is_empty() {

@@ -155,12 +155,12 @@ impl<const D: usize> Nbs<D> {
         &mut self,
         elements: &Elements<'_, T, D>,
         observer: &mut impl Observer<D>,
-        visit: impl FnMut(Couple),
+        mut visit: impl FnMut(Couple),
     ) -> Result<(), Error> {
         match elements.shape {
-            Shape::Equal(equal) => self.filtered(elements, equal, observer, visit),
-            Shape::Spheres(spheres) => self.filtered(elements, spheres, observer, visit),
-            Shape::Boxes(boxes) => self.filtered(elements, boxes, observer, visit),
+            Shape::Equal(equal) => self.filtered(elements, equal, observer, &mut visit),
+            Shape::Spheres(spheres) => self.filtered(elements, spheres, observer, &mut visit),
+            Shape::Boxes(boxes) => self.filtered(elements, boxes, observer, &mut visit),
         }
     }
 
@@ -169,7 +169,7 @@ impl<const D: usize> Nbs<D> {
         elements: &Elements<'_, T, D>,
         geometry: impl Geometry,
         observer: &mut impl Observer<D>,
-        visit: impl FnMut(Couple),
+        visit: &mut dyn FnMut(Couple),
     ) -> Result<(), Error> {
         match elements.filter() {
             None => self.search(elements, geometry, observer, visit),
@@ -182,7 +182,7 @@ impl<const D: usize> Nbs<D> {
         elements: &Elements<'_, T, D>,
         geometry: impl Geometry,
         observer: &mut impl Observer<D>,
-        visit: impl FnMut(Couple),
+        visit: &mut dyn FnMut(Couple),
     ) -> Result<(), Error> {
         let grid = self.plan(elements)?;
         for (axis, (lists, cells)) in self.lists.iter_mut().zip(grid.cells()).enumerate() {
@@ -234,17 +234,18 @@ struct Unobserved;
 impl<const D: usize> Observer<D> for Unobserved {}
 
 /// One detection in progress.
-struct Pass<'a, G, O, V, const D: usize> {
+struct Pass<'a, G, O, const D: usize> {
     geometry: G,
     grid: Grid<D>,
     lists: &'a mut [Lists; D],
     /// The central list of each axis visited so far.
     cell: [u32; D],
     observer: &'a mut O,
-    visit: V,
+    /// One instance for all visitors, which would make the crate long to compile.
+    visit: &'a mut dyn FnMut(Couple),
 }
 
-impl<G: Geometry, O: Observer<D>, V: FnMut(Couple), const D: usize> Pass<'_, G, O, V, D> {
+impl<G: Geometry, O: Observer<D>, const D: usize> Pass<'_, G, O, D> {
     /// Spreads a central list of the axis above over the lists of `axis`, with its neighbours, and visits each.
     ///
     /// `central` and `neighbours` are first elements of lists of the axis above; above the last axis there is one

@@ -208,7 +208,7 @@ impl<T: Real, const D: usize> Scanner<T, D> for Rows<T, D> {
             tolerance: elements.tolerance(),
             one_numbering: true,
             part: PART,
-            search_row: &|task, out| T::search(simd, task, out),
+            search_row: &|task, out| T::search::<D>(simd, task, out),
         };
         search(Scans { each: &[scan], pool, parts })
     }

@@ -133,7 +133,7 @@ impl Patience {
 }
 
 /// Whether clusters can be made of a stretch, and pay.
-pub(super) fn pays<T: Real, const D: usize>(task: &Task<'_, T, D>) -> bool {
+pub(super) fn pays<T: Real>(task: &Task<'_, T>) -> bool {
     let reach = task.reach.to_f64();
     !task.two_sets
         && task.shape() != BOXES
@@ -149,7 +149,7 @@ pub(super) fn pays<T: Real, const D: usize>(task: &Task<'_, T, D>) -> bool {
 /// # Safety
 /// As `kernel::search`, with [`WIDTH`] entries after the last element of each row; and [`pays`].
 #[inline(always)]
-pub(super) unsafe fn search<T, V, C, const D: usize>(task: &Task<'_, T, D>, out: &mut Output<'_>)
+pub(super) unsafe fn search<T, V, C, const D: usize>(task: &Task<'_, T>, out: &mut Output<'_>)
 where
     T: Real,
     V: Vector<T>,
@@ -167,7 +167,7 @@ where
 
 #[inline(always)]
 unsafe fn all<T, V, C, const D: usize, const SHAPE: u8, const COUNT: bool, const FILTER: bool>(
-    task: &Task<'_, T, D>,
+    task: &Task<'_, T>,
     out: &mut Output<'_>,
 ) where
     T: Real,
@@ -175,7 +175,7 @@ unsafe fn all<T, V, C, const D: usize, const SHAPE: u8, const COUNT: bool, const
     C: Estimate,
 {
     let (mut few, mut many) = ([const { MaybeUninit::uninit() }; FEW_AHEAD], Vec::new());
-    let mut rows = Rows::new::<SHAPE, FILTER>(task, WIDTH.max(V::LANES), &mut few, &mut many);
+    let mut rows = Rows::<T, D>::new::<SHAPE, FILTER>(task, WIDTH.max(V::LANES), &mut few, &mut many);
     let mut copies = MaybeUninit::<Copies>::uninit();
     let mut writer = Writer::new(out);
     let mut from = task.from;
@@ -213,7 +213,7 @@ unsafe fn all<T, V, C, const D: usize, const SHAPE: u8, const COUNT: bool, const
 /// As [`search`]; `copies` are not used by another copy.
 #[inline(always)]
 unsafe fn copy<T, V, const D: usize, const SHAPE: u8>(
-    task: &Task<'_, T, D>,
+    task: &Task<'_, T>,
     rows: &mut Rows<'_, T, D>,
     range: Range<usize>,
     copies: &mut MaybeUninit<Copies>,
@@ -307,7 +307,7 @@ unsafe fn shorten<T, V: Vector<T>>(from: *const T, n: usize, origin: V, scale: V
 
 impl<C: Estimate> Limits<C> {
     #[inline(always)]
-    unsafe fn new<T: Real, const D: usize>(task: &Task<'_, T, D>, segment: &Segment<D>) -> Self {
+    unsafe fn new<T: Real, const D: usize>(task: &Task<'_, T>, segment: &Segment<D>) -> Self {
         let Segment { error, scale, .. } = *segment;
         let (slope, rest) = (4.0 * error + 1.0 / 262_144.0, 4.0 * error * error);
         let limit = task.reach_squared.to_f64() * scale * scale;
@@ -390,7 +390,7 @@ impl<C: Estimate, const D: usize> Cluster<C, D> {
 /// As [`search`].
 #[inline(always)]
 unsafe fn clusters<T, V, C, const D: usize, const SHAPE: u8, const COUNT: bool, const FILTER: bool>(
-    task: &Task<'_, T, D>,
+    task: &Task<'_, T>,
     rows: &mut Rows<'_, T, D>,
     segment: &mut Segment<D>,
     range: Range<usize>,

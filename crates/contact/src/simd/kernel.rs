@@ -59,7 +59,7 @@ pub(crate) struct Arrays<'a, T> {
 ///
 /// The neighbour rows may belong to another set of elements. Then the rest of the own row is left out, and unless both sets are numbered together couples are not
 /// ordered by number: `i` is of the stretch, `j` of the other set.
-pub struct Task<'a, T, const D: usize> {
+pub struct Task<'a, T> {
     /// Where the row is.
     pub(crate) own: Arrays<'a, T>,
     /// Where the neighbour rows are: the same arrays, unless there are two sets. Either both have radii or none, and either both
@@ -83,7 +83,7 @@ pub struct Task<'a, T, const D: usize> {
     pub(crate) spread: f64,
 }
 
-impl<T, const D: usize> Task<'_, T, D> {
+impl<T> Task<'_, T> {
     #[inline(always)]
     pub(super) fn shape(&self) -> u8 {
         match (self.own.far.is_empty(), self.own.radii.is_empty()) {
@@ -272,7 +272,7 @@ pub(super) use variant;
 /// after the last element of each.
 #[inline(always)]
 pub(crate) unsafe fn search<T, V, const D: usize, const TWO_SETS: bool>(
-    task: &Task<'_, T, D>,
+    task: &Task<'_, T>,
     out: &mut Output<'_>,
 ) where
     T: Real,
@@ -298,14 +298,14 @@ unsafe fn all<
     const COUNT: bool,
     const FILTER: bool,
 >(
-    task: &Task<'_, T, D>,
+    task: &Task<'_, T>,
     out: &mut Output<'_>,
 ) where
     T: Real,
     V: Vector<T>,
 {
     let (mut few, mut many) = ([const { MaybeUninit::uninit() }; FEW_AHEAD], Vec::new());
-    let mut rows = Rows::new::<SHAPE, FILTER>(task, V::LANES, &mut few, &mut many);
+    let mut rows = Rows::<T, D>::new::<SHAPE, FILTER>(task, V::LANES, &mut few, &mut many);
     let mut writer = Writer::new(out);
     // SAFETY: the contract of `search`.
     unsafe {
@@ -374,7 +374,7 @@ pub(super) const FEW_AHEAD: usize = 8;
 
 /// A task, by address.
 pub(super) struct Rows<'a, T, const D: usize> {
-    task: &'a Task<'a, T, D>,
+    task: &'a Task<'a, T>,
     pub(super) own: Row<T, D>,
     pub(super) windows: &'a mut [Window<T, D>],
     pub(super) own_labels: Labels<'a>,
@@ -389,7 +389,7 @@ impl<'a, T: Real, const D: usize> Rows<'a, T, D> {
     /// Unless all rows are inside the arrays, with `lanes` entries after the last element.
     #[inline(always)]
     pub(super) fn new<const SHAPE: u8, const FILTER: bool>(
-        task: &'a Task<'a, T, D>,
+        task: &'a Task<'a, T>,
         lanes: usize,
         few: &'a mut [MaybeUninit<Window<T, D>>; FEW_AHEAD],
         many: &'a mut Vec<Window<T, D>>,

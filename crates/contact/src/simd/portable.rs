@@ -4,9 +4,9 @@ use crate::couple::Couple;
 use crate::real::Real;
 use crate::simd::kernel::{Arrays, Looks, Output, ROOM, Span, Task};
 
-pub(crate) fn search<T: Real, const D: usize>(task: &Task<'_, T, D>, out: &mut Output<'_>) {
+pub(crate) fn search<T: Real, const D: usize>(task: &Task<'_, T>, out: &mut Output<'_>) {
     let Task { own, other, reach_squared, tolerance, .. } = *task;
-    scan(task, out, |row, k, their_row, j| {
+    scan::<T, D>(task, out, |row, k, their_row, j| {
         let at =
             |numbers: &[T], row: Span, axis: usize, k: usize| numbers[D * row.start + axis * row.len + k];
         let touch = if own.far.is_empty() {
@@ -40,7 +40,7 @@ pub(crate) fn search<T: Real, const D: usize>(task: &Task<'_, T, D>, out: &mut O
 
 /// Calls `touch(row, k, other, j)` for element `k` of the row and those in reach along it: `j` of a neighbour row, or of the same.
 fn scan<'a, T: Real, const D: usize>(
-    task: &Task<'a, T, D>,
+    task: &Task<'a, T>,
     out: &mut Output<'_>,
     touch: impl Fn(Span, usize, Span, usize) -> bool,
 ) {

@@ -202,7 +202,7 @@ pub(crate) struct Scan<'a, T, const D: usize> {
     pub(crate) one_numbering: bool,
     /// Elements of one part of the work.
     pub(crate) part: usize,
-    pub(crate) search_row: &'a (dyn Fn(&Task<'_, T, D>, &mut Output<'_>) + Sync),
+    pub(crate) search_row: &'a (dyn Fn(&Task<'_, T>, &mut Output<'_>) + Sync),
 }
 
 impl<T: Real, const D: usize> Scan<'_, T, D> {
@@ -428,7 +428,7 @@ mod tests {
                 [Some(ours), Some(theirs)] => ours.admits_of(i as usize, &theirs, j as usize),
                 _ => true,
             });
-            let search_row = |task: &Task<'_, f64, D>, out: &mut Output<'_>| f64::search(simd, task, out);
+            let search_row = |task: &Task<'_, f64>, out: &mut Output<'_>| f64::search::<D>(simd, task, out);
             let scan = Scan {
                 layout: &own,
                 against: Some(&other),
