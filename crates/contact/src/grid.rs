@@ -167,7 +167,7 @@ impl<const D: usize> Grid<D> {
     }
 
     #[inline]
-    fn quotient(&self, axis: usize, x: f64) -> f64 {
+    pub(crate) fn quotient(&self, axis: usize, x: f64) -> f64 {
         (x - self.origin[axis]) * self.inverse
     }
 

@@ -432,6 +432,7 @@ impl<T: Real, const D: usize> Index<T, D> {
             reach: T::at_least(reach.max(T::MIN_RESOLVED)),
             reach_squared,
             tolerance,
+            largest: 0.5 * elements.largest(),
             one_numbering: false,
             part: PART,
             search_row: &|task, out| T::search::<D>(simd, task, out),

@@ -194,6 +194,34 @@ impl fmt::Display for Simd {
     }
 }
 
+/// The bit `7 - SHIFT` of each byte, that of the first lowest.
+#[inline(always)]
+pub(crate) fn bits_of_bytes<const SHIFT: i32>(bytes: &[u8; 64]) -> u64 {
+    #[cfg(target_arch = "x86_64")]
+    {
+        use std::arch::x86_64::*;
+
+        (0..4).rev().fold(0, |bits, quarter| {
+            // SAFETY: every x86-64 has SSE2, and 16 bytes are read inside the array.
+            let quarter = unsafe {
+                let bytes = _mm_loadu_si128(bytes.as_ptr().add(16 * quarter).cast());
+                // Shifted as numbers of 16 bits: what comes from the byte below is not a highest bit.
+                _mm_movemask_epi8(_mm_slli_epi16::<SHIFT>(bytes))
+            };
+            bits << 16 | u64::from(quarter.cast_unsigned())
+        })
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    {
+        let (words, _) = bytes.as_chunks::<8>();
+        words.iter().rev().fold(0, |bits, word| {
+            // Each product of a lowest bit with one of the eight powers of two that matters is in the highest byte, and no other reaches it.
+            let lowest = u64::from_le_bytes(*word) >> (7 - SHIFT) & 0x0101_0101_0101_0101;
+            bits << 8 | lowest.wrapping_mul(0x0102_0408_1020_4080) >> 56
+        })
+    }
+}
+
 /// Whether there are vectors for so many dimensions. Each costs the time to compile some fifty kernels.
 pub(crate) const fn has_vectors(dimensions: usize) -> bool {
     dimensions == 2 || dimensions == 3

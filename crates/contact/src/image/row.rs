@@ -3,6 +3,7 @@
 use crate::error::Error;
 use crate::image::{Label, Neighbourhood};
 use crate::search::rows::resize;
+use crate::simd::bits_of_bytes;
 
 /// Directions to half of the neighbours of a voxel.
 pub(super) const DIRECTIONS: usize = 13;
@@ -187,18 +188,11 @@ impl Scan {
     ) -> Result<(), Error> {
         let (groups, _) = self.marks[..count.next_multiple_of(GROUP)].as_chunks::<GROUP>();
         for (group, marks) in groups.iter().enumerate() {
-            let (words, _) = marks.as_chunks::<8>();
-            let words: [u64; 8] = std::array::from_fn(|word| u64::from_le_bytes(words[word]));
-            if words.iter().fold(0, |all, word| all | word) == 0 {
-                continue;
+            let starts = bits_of_bytes::<{ 7 - START.trailing_zeros().cast_signed() }>(marks);
+            let lasts = bits_of_bytes::<{ 7 - LAST.trailing_zeros().cast_signed() }>(marks);
+            if starts | lasts != 0 {
+                act(group * GROUP, starts, lasts)?;
             }
-            let bits = |mark: u8| {
-                words
-                    .iter()
-                    .rev()
-                    .fold(0, |bits, word| bits << 8 | lowest_bits(word >> mark.trailing_zeros()))
-            };
-            act(group * GROUP, bits(START), bits(LAST))?;
         }
         Ok(())
     }
@@ -225,13 +219,6 @@ fn mark<L: Label>(marks: &mut [u8], earlier: &[L], later: &[L], background: Opti
             }
         }
     }
-}
-
-/// The lowest bit of each of eight bytes, next to each other: each product with one of the eight powers of two that matters is in the highest byte,
-/// and no other reaches it.
-#[inline]
-fn lowest_bits(word: u64) -> u64 {
-    (word & 0x0101_0101_0101_0101).wrapping_mul(0x0102_0408_1020_4080) >> 56
 }
 
 /// What is a body: 1, or 0 for the background. Without branches, for vectors.

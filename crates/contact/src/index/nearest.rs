@@ -55,6 +55,7 @@ impl<T: Real, const D: usize> Index<T, D> {
             reach: T::ZERO,
             reach_squared: T::ZERO,
             tolerance: T::ZERO,
+            largest: 0.0,
             one_numbering: false,
             part: PART,
             search_row: &search_row,
@@ -98,7 +99,7 @@ struct Nearest<'a, T, const D: usize> {
     best: BinaryHeap<u128>,
     keys: Vec<u128>,
     /// Rows in reach of a stretch.
-    neighbours: Vec<Neighbour>,
+    neighbours: Vec<Neighbour<T>>,
     /// Rows of the last box, ascending, and those of the next.
     seen: Vec<usize>,
     rows_now: Vec<usize>,
@@ -195,6 +196,7 @@ impl<T: Real, const D: usize> Nearest<'_, T, D> {
                     row: Span { start: row.start, len: row.len() },
                     low: first,
                     looks: Looks::Back,
+                    reach,
                 });
             }
             let fits = len <= room && neighbours.len() <= MAX_ROWS;

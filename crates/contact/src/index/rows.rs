@@ -179,6 +179,7 @@ impl<T: Real, const D: usize> Index<T, D> {
             reach: T::at_least(elements.reach().max(T::MIN_RESOLVED)),
             reach_squared: r * r,
             tolerance: T::ZERO,
+            largest: 0.0,
             one_numbering: false,
             part: PART,
             search_row: &search_row,

@@ -25,8 +25,8 @@ use levels::Model;
 ///
 /// One cell size serves similar sizes only: cells as wide as the largest element hold thousands of small ones. Here the elements are split by
 /// size, each level is sorted into rows of its own cells, as [`Rows`](crate::Rows) does, and compared with itself and with every other level. Between two
-/// levels the elements of one look for those of the other in windows of half of both sizes, never of the largest
-/// size of all.
+/// levels each element of one looks for those of the other in the rows around it: as far as its own radius and the largest of the other level reach, less
+/// along a row that is farther away, and never as far as the largest size of all.
 ///
 /// Where one level ends and the next begins, and which of two levels looks, is decided by a model of the cost, from the sizes and the extent of the domain:
 /// neighbouring classes of size (two to an octave) become one level as long as that makes the predicted time less.
@@ -297,19 +297,19 @@ fn in_windows<T: Real, const D: usize>(task: &Task<'_, T>) -> [u64; 2] {
     };
     let own = &task.own.coordinates[along(&task.own, task.row)];
     let mut counted = [0; 2];
-    let mut count = |x: T, low: T, others: &[T]| {
+    let mut count = |low: T, high: T, others: &[T]| {
         let first = others.partition_point(|&other| other < low);
-        let behind = others[first..].partition_point(|&other| other <= x + task.reach);
+        let behind = others[first..].partition_point(|&other| other <= high);
         counted[0] += 1;
         counted[1] += behind as u64;
     };
     for (k, &x) in (task.from..).zip(&own[task.from..task.to]) {
         if !task.two_sets {
-            count(x, x, &own[k + 1..]);
+            count(x, x + task.reach, &own[k + 1..]);
         }
         for neighbour in task.neighbours {
-            let low = if neighbour.looks == Looks::Back { x - task.reach } else { x };
-            count(x, low, &task.other.coordinates[along(&task.other, neighbour.row)]);
+            let low = if neighbour.looks == Looks::Back { x - neighbour.reach } else { x };
+            count(low, x + neighbour.reach, &task.other.coordinates[along(&task.other, neighbour.row)]);
         }
     }
     counted
@@ -360,6 +360,7 @@ impl<T: Real, const D: usize> Multilevel<T, D> {
                         T::ZERO
                     },
                     tolerance: elements.tolerance(),
+                    largest: 0.5 * levels[own].largest,
                     one_numbering: true,
                     part: model.part(&levels[own], &levels[other]),
                     search_row,

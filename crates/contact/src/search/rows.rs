@@ -206,6 +206,7 @@ impl<T: Real, const D: usize> Scanner<T, D> for Rows<T, D> {
                 T::ZERO
             },
             tolerance: elements.tolerance(),
+            largest: 0.5 * elements.largest(),
             one_numbering: true,
             part: PART,
             search_row: &|task, out| T::search::<D>(simd, task, out),

@@ -20,11 +20,13 @@ pub(crate) struct Span {
 
 /// A neighbour row and where the search in it starts.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Neighbour {
+pub(crate) struct Neighbour<T> {
     pub(crate) row: Span,
     /// Elements before this one are too far to the left of all elements still to come.
     pub(crate) low: usize,
     pub(crate) looks: Looks,
+    /// No element touches one of this row that is farther away along it; of boxes that touch, none begins so much earlier.
+    pub(crate) reach: T,
 }
 
 /// From where on along a row elements are looked for, seen from one at `x`; spheres look back.
@@ -71,7 +73,7 @@ pub struct Task<'a, T> {
     /// The stretch of the row whose couples are wanted, as first elements of couples.
     pub(crate) from: usize,
     pub(crate) to: usize,
-    pub(crate) neighbours: &'a [Neighbour],
+    pub(crate) neighbours: &'a [Neighbour<T>],
     /// The axis along which rows are sorted.
     pub(crate) long: usize,
     /// No two elements touch that are farther apart along an axis.
@@ -315,15 +317,13 @@ unsafe fn all<
 }
 
 /// One element, spread over all lanes.
-struct Element<T, V, const D: usize> {
+struct Element<V, const D: usize> {
     /// The centre, or the lower ends of a box.
     centre: [V; D],
     /// The upper ends of a box, with the tolerance.
     far: [V; D],
     radius: V,
     id: u32,
-    /// Elements beyond this coordinate do not touch it.
-    high: T,
     label: Label,
 }
 
@@ -364,6 +364,7 @@ pub(super) struct Window<T, const D: usize> {
     pub(super) row: Row<T, D>,
     pub(super) low: usize,
     looks: Looks,
+    reach: T,
 }
 
 /// Up to 3D there are at most so many neighbour rows of spheres.
@@ -407,10 +408,11 @@ impl<'a, T: Real, const D: usize> Rows<'a, T, D> {
             if FILTER { (Labels::new(&task.own), Labels::new(&task.other)) } else { (NO_LABELS, NO_LABELS) };
         assert!(!FILTER || own_labels.are_like(&labels));
 
-        let windows = task.neighbours.iter().map(|&Neighbour { row, low, looks }| Window {
+        let windows = task.neighbours.iter().map(|&Neighbour { row, low, looks, reach }| Window {
             row: Row::new(&task.other, task.long, row),
             low,
             looks,
+            reach,
         });
         let windows = if task.neighbours.len() <= FEW_AHEAD {
             few.iter_mut().zip(windows).for_each(|(place, window)| {
@@ -463,11 +465,12 @@ impl<'a, T: Real, const D: usize> Rows<'a, T, D> {
                     }
                     high = *own.far[task.long].add(k);
                 }
-                let element = Element { centre, far, radius, id: *own.ids.add(k), high, label };
+                let element = Element { centre, far, radius, id: *own.ids.add(k), label };
                 if !TWO_SETS && !task.two_sets {
                     window::<T, V, D, TWO_SETS, SHAPE, COUNT, FILTER>(
                         &own,
                         k + 1,
+                        high,
                         &element,
                         &labels,
                         reach_squared,
@@ -477,8 +480,7 @@ impl<'a, T: Real, const D: usize> Rows<'a, T, D> {
                     );
                 }
 
-                let lows = V::splat(x - task.reach);
-                for Window { row, low, looks } in &mut *self.windows {
+                for Window { row, low, looks, reach } in &mut *self.windows {
                     *low = match looks {
                         Looks::Ahead if SHAPE == BOXES => {
                             first_from::<_, _, false>(row.along, *low, row.len, V::splat(x))
@@ -486,11 +488,13 @@ impl<'a, T: Real, const D: usize> Rows<'a, T, D> {
                         Looks::Beyond if SHAPE == BOXES => {
                             first_from::<_, _, true>(row.along, *low, row.len, V::splat(x))
                         }
-                        _ => first_from::<_, _, false>(row.along, *low, row.len, lows),
+                        _ => first_from::<_, _, false>(row.along, *low, row.len, V::splat(x - *reach)),
                     };
+                    let high = if SHAPE == BOXES { high } else { x + *reach };
                     window::<T, V, D, TWO_SETS, SHAPE, COUNT, FILTER>(
                         row,
                         *low,
+                        high,
                         &element,
                         &labels,
                         reach_squared,
@@ -531,7 +535,7 @@ pub(super) unsafe fn first_from<T, V: Vector<T>, const BEYOND: bool>(
     }
 }
 
-/// One element against those of `row` from `first` on.
+/// One element against those of `row` from `first` on, as far as `high`.
 ///
 /// # Safety
 /// As [`search`]; `first` is at most the length of the row.
@@ -548,7 +552,8 @@ unsafe fn window<
 >(
     row: &Row<T, D>,
     first: usize,
-    element: &Element<T, V, D>,
+    high: T,
+    element: &Element<V, D>,
     labels: &Labels<'_>,
     reach_squared: V,
     tolerance: V,
@@ -592,7 +597,7 @@ unsafe fn window<
             }
             writer.take::<T, V, TWO_SETS, COUNT>(element.id, row.ids.add(j), hits, out);
             j += V::LANES;
-            if j >= row.len || *row.along.add(j) > element.high {
+            if j >= row.len || *row.along.add(j) > high {
                 return;
             }
         }

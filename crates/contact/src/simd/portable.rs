@@ -49,8 +49,8 @@ fn scan<'a, T: Real, const D: usize>(
     let mut neighbours = task.neighbours.to_vec();
     for k in task.from..task.to {
         let x = along(own, row)[k];
-        let (low, high) = (x - reach, x + reach);
-        let mut window = |set: Arrays<'a, T>, their_row: Span, first: usize| {
+        let mut window = |set: Arrays<'a, T>, their_row: Span, first: usize, reach: T| {
+            let high = x + reach;
             let inside = along(set, their_row)[first..].iter().take_while(|&&x| x <= high);
             for (j, _) in (first..).zip(inside).filter(|&(j, _)| touch(row, k, their_row, j)) {
                 out.count += 1;
@@ -64,17 +64,17 @@ fn scan<'a, T: Real, const D: usize>(
             }
         };
         if !two_sets {
-            window(own, row, k + 1);
+            window(own, row, k + 1, reach);
         }
         for neighbour in &mut neighbours {
             let is_passed = |&&other: &&T| match neighbour.looks {
-                Looks::Back => other < low,
+                Looks::Back => other < x - neighbour.reach,
                 Looks::Ahead => other < x,
                 Looks::Beyond => other <= x,
             };
             let passed = along(other, neighbour.row)[neighbour.low..].iter().take_while(is_passed).count();
             neighbour.low += passed;
-            window(other, neighbour.row, neighbour.low);
+            window(other, neighbour.row, neighbour.low, neighbour.reach);
         }
     }
 }

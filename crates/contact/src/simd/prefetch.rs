@@ -13,6 +13,18 @@ pub(crate) fn write<V>(place: *mut V) {
     hint::<true>(place.cast::<i8>().wrapping_add(WRITE_AHEAD));
 }
 
+/// Asks for the cache lines that hold `count` values from `values[from]` on, of which the last may be left out.
+#[inline(always)]
+pub(crate) fn lines<V>(values: &[V], from: usize, count: usize) {
+    let place = values.as_ptr().wrapping_add(from).cast::<i8>();
+    for line in 0..(count * size_of::<V>()).div_ceil(LINE) {
+        hint::<false>(place.wrapping_add(line * LINE));
+    }
+}
+
+/// Bytes of a cache line.
+const LINE: usize = 64;
+
 /// Bytes, half a page.
 const READ_AHEAD: usize = 2048;
 

@@ -24,9 +24,9 @@ const SORT: f64 = 25.0;
 /// Among elements of one level: to begin with a row, and for each element that is near along it.
 const WINDOW: f64 = 4.0;
 const CANDIDATE: f64 = 0.4;
-/// The same for those of another level, which are seldom in cache.
-const WINDOW_ACROSS: f64 = 8.0;
-const CANDIDATE_ACROSS: f64 = 1.0;
+/// The same for those of another level, which are seldom in cache: each element looks for the rows near it by itself.
+const WINDOW_ACROSS: f64 = 25.0;
+const CANDIDATE_ACROSS: f64 = 0.5;
 /// To find a row near another, and where to begin in it.
 const PAIR_OF_ROWS: f64 = 60.0;
 const PAIR_OF_LEVELS: f64 = 5_000.0;
@@ -194,10 +194,7 @@ impl<'e, 'a, T: Real, const D: usize> Model<'e, 'a, T, D> {
     }
 
     fn cost_to_look(&self, level: &Level, other: &Level) -> f64 {
-        let windows = self.windows(level, other);
-        level.elements as f64 * self.cost_of_element(level, other)
-            + self.rows(level) * windows * PAIR_OF_ROWS
-            + PAIR_OF_LEVELS
+        level.elements as f64 * self.cost_of_element(level, other) + PAIR_OF_LEVELS
     }
 
     /// The time that one element of a level looks for those of another.
@@ -207,11 +204,9 @@ impl<'e, 'a, T: Real, const D: usize> Model<'e, 'a, T, D> {
         windows * WINDOW_ACROSS + candidates * CANDIDATE_ACROSS
     }
 
-    /// Rows of the other level that are near a row of this one.
+    /// Rows of the other level that are near an element of this one.
     fn windows(&self, level: &Level, other: &Level) -> f64 {
-        // A row with one element is as wide as that.
-        let width = level.cell_size * (1.0 - self.rows(level) / level.elements as f64);
-        self.rows_around(other, width + 2.0 * self.reach(level, other))
+        self.rows_around(other, 2.0 * self.reach(level, other))
     }
 
     /// Elements of `level` that look for those of `other` at a time, so many that all parts take about as long.

@@ -453,6 +453,19 @@ impl<T: Real, const D: usize> Layout<T, D> {
         &self.coordinates[D * row.start + self.axes[0] * row.len()..][..row.len()]
     }
 
+    /// About where in a row the coordinate along it is `x`, if elements are spread evenly.
+    pub(crate) fn guess(&self, row: &Range<usize>, x: T) -> usize {
+        let [low, high] = self.grid.span(self.axes[0]);
+        let guess = (x.to_f64() - low) / (high - low) * row.len() as f64;
+        // Saturates.
+        (guess as usize).min(row.len())
+    }
+
+    /// The radii of a row, none if the elements have one radius or are boxes.
+    pub(crate) fn radii(&self, row: &Range<usize>) -> &[T] {
+        self.radii.get(row.clone()).unwrap_or_default()
+    }
+
     /// The point at the place `k` of a row.
     pub(crate) fn point(&self, row: &Range<usize>, k: usize) -> [T; D] {
         std::array::from_fn(|axis| self.coordinates[D * row.start + axis * row.len() + k])

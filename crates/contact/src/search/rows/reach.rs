@@ -34,6 +34,55 @@ impl<'a, T: Real, const D: usize> RowsInReach<'a, T, D> {
         reach: f64,
         mut found: impl FnMut(usize) -> bool,
     ) -> bool {
+        self.walk(min, max, reach, |row, _| found(row))
+    }
+
+    /// Calls `found` with all rows, ascending, that may hold an element within `reach` of one in the box from `min` to `max`, as the crow flies if the
+    /// reach is `round` and on every axis if not, and how far apart along the row the two may be at most.
+    ///
+    /// Elements of a row are at least as far from the box as the cells of the row. Quotients are those of the grid, which err by less than `2^-51` of themselves: what is
+    /// taken off for that is more. What the root loses to rounding, some `2^-52` of the reach, is less than what every reach has been given for it.
+    pub(crate) fn find_around(
+        &mut self,
+        min: &[T; D],
+        max: &[T; D],
+        reach: f64,
+        round: bool,
+        mut found: impl FnMut(usize, f64),
+    ) {
+        let grid = self.layout.grid;
+        let mut lateral = [[0.0; 3]; D];
+        for (lateral, &axis) in lateral.iter_mut().zip(self.layout.axes[1..].iter().rev()) {
+            let [min, max] = [min, max].map(|corner| grid.quotient(axis, corner[axis].to_f64()));
+            let doubt = (min.abs() + max.abs() + grid.cells()[axis] as f64) * 2.0_f64.powi(-50);
+            *lateral = [min, max, 0.5 + doubt];
+        }
+        let cell_size = grid.cell_size();
+        self.walk(min, max, reach, |row, cells| {
+            if !round {
+                found(row, reach);
+                return true;
+            }
+            let mut left = reach * reach;
+            for (cell, [min, max, half]) in cells.iter().zip(lateral).take(D - 1) {
+                let cell = *cell as f64;
+                let apart = (cell - max - half).max(min - cell - half).max(0.0) * cell_size;
+                left -= apart * apart;
+            }
+            if left >= 0.0 {
+                found(row, left.sqrt());
+            }
+            true
+        });
+    }
+
+    fn walk(
+        &mut self,
+        min: &[T; D],
+        max: &[T; D],
+        reach: f64,
+        mut found: impl FnMut(usize, &[i64; D]) -> bool,
+    ) -> bool {
         let layout = self.layout;
         let (mut low, mut high) = ([0; D], [0; D]);
         for (level, &axis) in layout.axes[1..].iter().rev().enumerate() {
@@ -58,7 +107,7 @@ impl<'a, T: Real, const D: usize> RowsInReach<'a, T, D> {
                 let cells = layout.row_cells(row);
                 let outside = (0..D).find(|&level| cells[level] < low[level] || cells[level] > high[level]);
                 let Some(level) = outside else {
-                    if !found(row) {
+                    if !found(row, &cells) {
                         return false;
                     }
                     row += 1;

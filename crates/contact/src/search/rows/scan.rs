@@ -14,12 +14,16 @@ use crate::search::rows::cursor::{Cursor, half_mask};
 use crate::search::rows::layout::Layout;
 use crate::search::rows::reach::RowsInReach;
 use crate::simd::kernel::{Arrays, Looks, Neighbour, Output, Span, Task};
+use crate::simd::prefetch;
 
 /// Elements of one part of the work, where each has about as many partners: enough to forget its start, few enough for its couples to stay in cache.
 pub(crate) const PART: usize = 4096;
 
 /// Parts that each thread has in a batch.
 const PARTS_AT_ONCE: usize = 8;
+
+/// So many elements before and behind a guess are asked for from memory.
+const NEAR: usize = 16;
 
 /// Room for couples to begin with: they stay in the first-level cache.
 pub(crate) const FIRST_ROOM: usize = 1024;
@@ -198,6 +202,8 @@ pub(crate) struct Scan<'a, T, const D: usize> {
     pub(crate) reach: T,
     pub(crate) reach_squared: T,
     pub(crate) tolerance: T,
+    /// The largest radius of the first set; of no meaning without radii.
+    pub(crate) largest: f64,
     /// Whether both sets are parts of one, whose couples come with the smaller number first.
     pub(crate) one_numbering: bool,
     /// Elements of one part of the work.
@@ -262,7 +268,7 @@ impl<T: Real, const D: usize> Scan<'_, T, D> {
                 let low =
                     if stretch.start == 0 { 0 } else { layout.along(&row).partition_point(|&x| x < low) };
                 let row = Span { start: row.start, len: row.len() };
-                neighbours.push(Neighbour { row, low, looks: *looks });
+                neighbours.push(Neighbour { row, low, looks: *looks, reach: self.reach });
             }
             self.stretch(&places, stretch, &neighbours, out);
         }
@@ -271,27 +277,57 @@ impl<T: Real, const D: usize> Scan<'_, T, D> {
     fn rows_of_two_sets(&self, other: &Layout<T, D>, range: Range<usize>, out: &mut Output<'_>) {
         let mut rows = RowsInReach::new(other);
         let mut neighbours = Vec::new();
-        let far = self.reach + self.reach;
+        // Elements of one set in levels are of unlike sizes, each with a reach of its own.
+        let far = if self.one_numbering { T::ZERO } else { self.reach + self.reach };
         for (_, places, stretch) in self.stretches(&range) {
             let whole = self.layout.along(&places);
             for piece in Self::pieces(whole, stretch, far) {
                 let along = &whole[piece.clone()];
-                let (low, high) = (along[0] - self.reach, along[along.len() - 1] + self.reach);
+                let (first, last) = (along[0], along[along.len() - 1]);
                 neighbours.clear();
                 let [min, max] = self.layout.extremes(&places, &piece);
-                rows.find(&min, &max, self.reach.to_f64(), |row| {
-                    let row = other.row(row);
-                    let along = other.along(&row);
-                    let low = along.partition_point(|&x| x < low);
-                    if low < row.len() && along[low] <= high {
-                        let row = Span { start: row.start, len: row.len() };
-                        neighbours.push(Neighbour { row, low, looks: Looks::Back });
-                    }
-                    true
+                let reach = self.reach_of(&places, &piece);
+                // What is needed of each row has been asked for before the first is looked at.
+                rows.find_around(&min, &max, reach, self.arrays[0].far.is_empty(), |row, reach| {
+                    let (row, reach) = (other.row(row), T::at_least(reach));
+                    let low = other.guess(&row, first - reach);
+                    self.ask_for(&row, low);
+                    let row = Span { start: row.start, len: row.len() };
+                    neighbours.push(Neighbour { row, low, looks: Looks::Back, reach });
+                });
+                neighbours.retain_mut(|Neighbour { row, low, reach, .. }| {
+                    let along = other.along(&(row.start..row.start + row.len));
+                    *low = first_near(along, first - *reach, *low);
+                    *low < row.len && along[*low] <= last + *reach
                 });
                 if !neighbours.is_empty() {
                     self.stretch(&places, piece, &neighbours, out);
                 }
+            }
+        }
+    }
+
+    /// Asks for what the kernel reads of the other set around an element of a row.
+    fn ask_for(&self, row: &Range<usize>, element: usize) {
+        let theirs = &self.arrays[1];
+        let first = element.saturating_sub(NEAR);
+        for axis in 0..D {
+            prefetch::lines(theirs.coordinates, D * row.start + axis * row.len() + first, 2 * NEAR);
+        }
+        prefetch::lines(theirs.radii, row.start + first, 2 * NEAR);
+        prefetch::lines(theirs.ids, row.start + first, 2 * NEAR);
+    }
+
+    /// The reach of the elements of a stretch, which may be smaller than others of their set.
+    ///
+    /// The reach less the difference of radii reaches farther than it must, by what rounding has been allowed for larger numbers.
+    fn reach_of(&self, places: &Range<usize>, stretch: &Range<usize>) -> f64 {
+        let reach = self.reach.to_f64();
+        match self.layout.radii(places).get(stretch.clone()) {
+            None => reach,
+            Some(radii) => {
+                let largest = radii.iter().fold(0.0, |largest, radius| f64::max(largest, radius.to_f64()));
+                reach - (self.largest - largest)
             }
         }
     }
@@ -328,7 +364,7 @@ impl<T: Real, const D: usize> Scan<'_, T, D> {
         &self,
         places: &Range<usize>,
         stretch: Range<usize>,
-        neighbours: &[Neighbour],
+        neighbours: &[Neighbour<T>],
         out: &mut Output<'_>,
     ) {
         let task = Task {
@@ -348,6 +384,18 @@ impl<T: Real, const D: usize> Scan<'_, T, D> {
         };
         (self.search_row)(&task, out);
     }
+}
+
+/// The first number that is not below `low`, among ascending ones; quick where it is near `guess`.
+fn first_near<T: Real>(along: &[T], low: T, guess: usize) -> usize {
+    let (mut from, mut to) = (guess.saturating_sub(NEAR), along.len().min(guess + NEAR));
+    if from > 0 && along[from - 1] >= low {
+        from = 0;
+    }
+    if to < along.len() && along[to] < low {
+        to = along.len();
+    }
+    from + along[from..to].partition_point(|&x| x < low)
 }
 
 /// Doubles the room for couples; without memory for that, what was found is given up, and `room` says so.
@@ -436,6 +484,7 @@ mod tests {
                 reach: elements.reach(),
                 reach_squared: reach * reach,
                 tolerance: 0.0,
+                largest: 0.0,
                 one_numbering: false,
                 part: PART,
                 search_row: &search_row,
