@@ -73,9 +73,9 @@ pub(super) struct Scan {
     marks: Vec<u8>,
 }
 
-/// Bits of a mark: a run starts here, and here is its last place.
-const START: u8 = 1;
-const LAST: u8 = 2;
+/// Bits of a mark: here is a pair of different bodies (or a label that may be new), and that of the next place is not the same.
+const PAIR: u8 = 1;
+const ENDS: u8 = 2;
 
 /// Places whose marks are looked at together: the bits of a `u64`.
 const GROUP: usize = 64;
@@ -128,10 +128,10 @@ impl Scan {
                 }
             }
         }
-        self.groups(row.len(), |first, mut starts, _| {
-            while starts != 0 {
-                note(row[first + starts.trailing_zeros() as usize])?;
-                starts &= starts - 1;
+        self.groups(row.len(), |first, mut places, _| {
+            while places != 0 {
+                note(row[first + places.trailing_zeros() as usize])?;
+                places &= places - 1;
             }
             Ok(())
         })
@@ -151,9 +151,11 @@ impl Scan {
         let count = later.len() - usize::from(along != 0);
         let (earlier, later) = (&earlier[from..][..count], &later[to..][..count]);
         mark(self.marks(count), earlier, later, background);
-        // Of the run that goes on from one group into the next.
-        let mut open = None;
-        self.groups(count, |first, mut starts, mut lasts| {
+        // Of the run that goes on from one group into the next, and whether there is none because the group before ended with the end of a run.
+        let (mut open, mut ended) = (None, 1);
+        self.groups(count, |first, pairs, ends| {
+            let (mut starts, mut lasts) = (pairs & (ends << 1 | ended), pairs & ends);
+            ended = ends >> (GROUP - 1);
             let next = |bits: &mut u64| {
                 let at = first + bits.trailing_zeros() as usize;
                 *bits &= bits.wrapping_sub(1);
@@ -179,7 +181,7 @@ impl Scan {
         &mut self.marks[..count]
     }
 
-    /// Calls `act` with the first place of each group that has marks, the starts in it and the last places, a bit for each place.
+    /// Calls `act` with the first place of each group, and for either mark with a bit for each place.
     #[inline]
     fn groups(
         &self,
@@ -188,37 +190,27 @@ impl Scan {
     ) -> Result<(), Error> {
         let (groups, _) = self.marks[..count.next_multiple_of(GROUP)].as_chunks::<GROUP>();
         for (group, marks) in groups.iter().enumerate() {
-            let starts = bits_of_bytes::<{ 7 - START.trailing_zeros().cast_signed() }>(marks);
-            let lasts = bits_of_bytes::<{ 7 - LAST.trailing_zeros().cast_signed() }>(marks);
-            if starts | lasts != 0 {
-                act(group * GROUP, starts, lasts)?;
-            }
+            act(
+                group * GROUP,
+                bits_of_bytes::<{ 7 - PAIR.trailing_zeros().cast_signed() }>(marks),
+                bits_of_bytes::<{ 7 - ENDS.trailing_zeros().cast_signed() }>(marks),
+            )?;
         }
         Ok(())
     }
 }
 
-/// Marks where runs of equal pairs start, and where they have their last place; all slices are of the same length.
+/// Marks pairs of different bodies, and where runs of equal pairs end; all slices are of the same length.
 fn mark<L: Label>(marks: &mut [u8], earlier: &[L], later: &[L], background: Option<L>) {
     let body = Body::new(background);
-    let pair = |at: usize| {
-        let (a, b) = (earlier[at], later[at]);
-        u8::from(a != b) & body.is(a) & body.is(b)
-    };
-    // Whether the pair of this place is not that of the next.
-    let ends = |at: usize| u8::from(earlier[at] != earlier[at + 1]) | u8::from(later[at] != later[at + 1]);
-    match marks {
-        [] => {}
-        [only] => *only = pair(0) * (START | LAST),
-        [first, inner @ .., last] => {
-            let at_last = inner.len() + 1;
-            *first = pair(0) * (START | (LAST * ends(0)));
-            *last = pair(at_last) * ((START * ends(at_last - 1)) | LAST);
-            for (at, mark) in inner.iter_mut().enumerate() {
-                *mark = pair(at + 1).wrapping_neg() & ((ends(at) * START) | (ends(at + 1) * LAST));
-            }
-        }
+    let Some((last, marks)) = marks.split_last_mut() else { return };
+    let pair = |a: L, b: L| u8::from(a != b) & body.is(a) & body.is(b);
+    let next = earlier[1..].iter().zip(&later[1..]);
+    for ((mark, (&a, &b)), (&next_a, &next_b)) in marks.iter_mut().zip(earlier.iter().zip(later)).zip(next) {
+        let ends = u8::from(a != next_a) | u8::from(b != next_b);
+        *mark = pair(a, b) * PAIR | ends * ENDS;
     }
+    *last = pair(earlier[marks.len()], later[marks.len()]) * PAIR | ENDS;
 }
 
 /// What is a body: 1, or 0 for the background. Without branches, for vectors.

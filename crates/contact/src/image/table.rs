@@ -24,8 +24,8 @@ struct Recent<L> {
     place: u32,
 }
 
-/// A power of two: about as many as a plane of some hundred squares each way crosses, and few enough for a cache.
-const RECENT: usize = 1 << 13;
+/// A power of two: more than a plane of a thousand squares each way crosses, and few enough for the second cache.
+const RECENT: usize = 1 << 15;
 
 impl<L: Label, const D: usize> Table<L, D> {
     pub(super) fn new() -> Self {
