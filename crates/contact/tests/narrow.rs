@@ -681,9 +681,7 @@ fn tetrahedra_agree_with_exact_numbers_and_slices() {
         }
         if let Measure::Volume(volume) = contact.measure {
             touching += 1;
-            if touching % 4 == 0 {
-                assert!(close(volume, volume_in_common(&p, &q), 1e-10), "{p:?} {q:?}: {volume}");
-            }
+            assert!(close(volume, volume_in_common(&p, &q), 1e-10), "{p:?} {q:?}: {volume}");
             for vertices in [&p, &q] {
                 for axis in 0..3 {
                     let low = vertices.iter().map(|x| x[axis]).fold(f64::INFINITY, f64::min);
@@ -694,7 +692,7 @@ fn tetrahedra_agree_with_exact_numbers_and_slices() {
             }
         }
     }
-    println!("tetrahedra: {touching} of {} pairs touch, every fourth has its volume compared", 2 * PAIRS);
+    assert!(touching >= PAIRS, "{touching} of {} pairs have a volume to compare", 2 * PAIRS);
 }
 
 #[test]

@@ -179,3 +179,48 @@ fn auto_takes_levels_where_they_pay() {
     assert_eq!(unlike.engine, Engine::Multilevel);
     assert!(unlike.reason.contains("ratio"), "{}", unlike.reason);
 }
+
+/// Small spheres all around large ones, which they touch in one point: at distances that are whole numbers, along all rows, near and far from the origin. The large ones
+/// are of several sizes, each of which reaches less far than its level.
+#[test]
+fn contacts_in_one_point_in_any_direction() {
+    // x² + y² + z² is a square.
+    let directions: [[f64; 3]; 6] = [
+        [0.0, 0.0, 1.0],
+        [3.0, 4.0, 0.0],
+        [1.0, 2.0, 2.0],
+        [2.0, 3.0, 6.0],
+        [4.0, 4.0, 7.0],
+        [1.0, 4.0, 8.0],
+    ];
+    for (origin, unit) in [(0.0, 1.0), (1e9, 0.25), (-1e12, 1.0)] {
+        let (mut centres, mut radii) = (Vec::new(), Vec::new());
+        for large in 0..24_u32 {
+            let scale = f64::from(40 + large % 8 * 8);
+            let centre =
+                [0, 1, 2].map(|axis| origin + 4096.0 * f64::from(large / 3_u32.pow(axis) % 3) * unit);
+            let centre = [centre[0], centre[1], centre[2] + 4096.0 * f64::from(large / 12) * unit];
+            let mut nearest = f64::INFINITY;
+            for turn in 0..48_usize {
+                let mut offset = directions[turn % 6];
+                let length = offset.iter().map(|x| x * x).sum::<f64>().sqrt();
+                offset.rotate_left(turn / 6 % 3);
+                let sign = |axis: usize| if (turn / 6 + turn) >> axis & 1 == 0 { 1.0 } else { -1.0 };
+                // Whole multiples of the direction, about as long as the large radius.
+                let times = (scale / length).floor();
+                nearest = nearest.min(times * length);
+                centres.push([0, 1, 2].map(|axis| centre[axis] + sign(axis) * offset[axis] * times * unit));
+                radii.push(times * length);
+            }
+            // The small ones are what is left to the surface of the large one.
+            let large_radius = nearest - 1.0;
+            let first = radii.len() - 48;
+            radii[first..].iter_mut().for_each(|radius| *radius = (*radius - large_radius) * unit);
+            centres.push(centre);
+            radii.push(large_radius * unit);
+        }
+        let elements = Elements::spheres_with_radii(&centres, &radii).unwrap();
+        let couples = equals_direct(&format!("touching spheres at {origin}"), &elements);
+        assert!(couples >= 24 * 48, "each small one touches its large one: {couples}");
+    }
+}
