@@ -166,6 +166,26 @@ fn bodies_without_size() {
 }
 
 /// Corners on the faces of cells, sizes that are whole steps: touching is exact, and common.
+/// Sizes below the normal numbers: a search for the cells that fit them once multiplied such a number by 1.25 for ever.
+#[test]
+fn bodies_smaller_than_normal_numbers() {
+    let centres = |scale: f64| -> Vec<[f64; 3]> {
+        (0..40)
+            .map(|k| [f64::from(k % 4), f64::from(k / 4 % 4), f64::from(k / 16)].map(|x| x * scale))
+            .collect()
+    };
+    for size in [5e-324, 4e-323, 1e-320, f64::MIN_POSITIVE] {
+        for scale in [size, 1.0] {
+            let spheres = centres(scale);
+            let elements = Elements::spheres(&spheres, size).unwrap();
+            equals_direct(&format!("radius {size:e}, {scale:e} apart"), &elements);
+            let far: Vec<_> = spheres.iter().map(|low| low.map(|x| x + size)).collect();
+            let elements = Elements::boxes(&spheres, &far).unwrap();
+            equals_direct(&format!("edges {size:e}, {scale:e} apart"), &elements);
+        }
+    }
+}
+
 #[test]
 fn bodies_on_the_faces_of_cells() {
     let centres: Vec<[f64; 2]> = (0..900).map(|k| [f64::from(k % 30), f64::from(k / 30)]).collect();

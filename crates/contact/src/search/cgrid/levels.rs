@@ -105,7 +105,8 @@ fn longest<const D: usize>(widths: &[f64; D]) -> f64 {
 /// About the smallest cells of which an element covers no more than it may.
 fn needed<const D: usize>(widths: &[f64; D]) -> f64 {
     let most = most_cells::<D>();
-    let mut edge = longest(widths) / (most - 1.0);
+    // Below the normal numbers a product may be no larger than its factor.
+    let mut edge = (longest(widths) / (most - 1.0)).max(f64::MIN_POSITIVE);
     while cover(widths, edge) > most {
         edge *= 1.25;
     }

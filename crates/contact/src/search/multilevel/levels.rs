@@ -24,11 +24,18 @@ const SORT: f64 = 25.0;
 /// Among elements of one level: to begin with a row, and for each element that is near along it.
 const WINDOW: f64 = 4.0;
 const CANDIDATE: f64 = 0.4;
-/// The same for those of another level, which are seldom in cache: each element looks for the rows near it by itself.
-const WINDOW_ACROSS: f64 = 25.0;
-const CANDIDATE_ACROSS: f64 = 0.5;
 /// To find a row near another, and where to begin in it.
 const PAIR_OF_ROWS: f64 = 60.0;
+/// The same among elements of two levels, which are seldom in cache.
+struct Across {
+    window: f64,
+    candidate: f64,
+    pair_of_rows: f64,
+}
+/// Each sphere finds the rows near it by itself.
+const SPHERES: Across = Across { window: 25.0, candidate: 0.5, pair_of_rows: 0.0 };
+/// Boxes that are near each other do so together.
+const BOXES: Across = Across { window: 8.0, candidate: 1.0, pair_of_rows: PAIR_OF_ROWS };
 const PAIR_OF_LEVELS: f64 = 5_000.0;
 
 /// That of an element among others of its size.
@@ -194,19 +201,30 @@ impl<'e, 'a, T: Real, const D: usize> Model<'e, 'a, T, D> {
     }
 
     fn cost_to_look(&self, level: &Level, other: &Level) -> f64 {
-        level.elements as f64 * self.cost_of_element(level, other) + PAIR_OF_LEVELS
+        level.elements as f64 * self.cost_of_element(level, other)
+            + self.rows(level) * self.windows(level, other) * self.across().pair_of_rows
+            + PAIR_OF_LEVELS
     }
 
     /// The time that one element of a level looks for those of another.
     fn cost_of_element(&self, level: &Level, other: &Level) -> f64 {
         let windows = self.windows(level, other);
         let candidates = 2.0 * self.reach(level, other) * windows * self.along_rows(other);
-        windows * WINDOW_ACROSS + candidates * CANDIDATE_ACROSS
+        let Across { window, candidate, .. } = self.across();
+        windows * window + candidates * candidate
+    }
+
+    fn across(&self) -> &'static Across {
+        if matches!(self.elements.shape, Shape::Boxes(_)) { &BOXES } else { &SPHERES }
     }
 
     /// Rows of the other level that are near an element of this one.
     fn windows(&self, level: &Level, other: &Level) -> f64 {
-        self.rows_around(other, 2.0 * self.reach(level, other))
+        // Boxes of a row, if there are several, look from all of its width.
+        let boxes = matches!(self.elements.shape, Shape::Boxes(_));
+        let width =
+            if boxes { level.cell_size * (1.0 - self.rows(level) / level.elements as f64) } else { 0.0 };
+        self.rows_around(other, width + 2.0 * self.reach(level, other))
     }
 
     /// Elements of `level` that look for those of `other` at a time, so many that all parts take about as long.

@@ -277,8 +277,9 @@ impl<T: Real, const D: usize> Scan<'_, T, D> {
     fn rows_of_two_sets(&self, other: &Layout<T, D>, range: Range<usize>, out: &mut Output<'_>) {
         let mut rows = RowsInReach::new(other);
         let mut neighbours = Vec::new();
-        // Elements of one set in levels are of unlike sizes, each with a reach of its own.
-        let far = if self.one_numbering { T::ZERO } else { self.reach + self.reach };
+        // Spheres of one set in levels are of unlike sizes, each with a reach of its own.
+        let alone = self.one_numbering && self.arrays[0].far.is_empty();
+        let far = if alone { T::ZERO } else { self.reach + self.reach };
         for (_, places, stretch) in self.stretches(&range) {
             let whole = self.layout.along(&places);
             for piece in Self::pieces(whole, stretch, far) {
