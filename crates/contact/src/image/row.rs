@@ -208,9 +208,9 @@ fn mark<L: Label>(marks: &mut [u8], earlier: &[L], later: &[L], background: Opti
     let next = earlier[1..].iter().zip(&later[1..]);
     for ((mark, (&a, &b)), (&next_a, &next_b)) in marks.iter_mut().zip(earlier.iter().zip(later)).zip(next) {
         let ends = u8::from(a != next_a) | u8::from(b != next_b);
-        *mark = pair(a, b) * PAIR | ends * ENDS;
+        *mark = (pair(a, b) * PAIR) | (ends * ENDS);
     }
-    *last = pair(earlier[marks.len()], later[marks.len()]) * PAIR | ENDS;
+    *last = (pair(earlier[marks.len()], later[marks.len()]) * PAIR) | ENDS;
 }
 
 /// What is a body: 1, or 0 for the background. Without branches, for vectors.
