@@ -26,17 +26,22 @@ const WINDOW: f64 = 4.0;
 const CANDIDATE: f64 = 0.4;
 /// To find a row near another, and where to begin in it.
 const PAIR_OF_ROWS: f64 = 60.0;
+const PAIR_OF_LEVELS: f64 = 5_000.0;
+
 /// The same among elements of two levels, which are seldom in cache.
 struct Across {
     window: f64,
     candidate: f64,
     pair_of_rows: f64,
+    /// Part of the width of its row from which an element looks, if there are several in the row.
+    width: f64,
 }
+
 /// Each sphere finds the rows near it by itself.
-const SPHERES: Across = Across { window: 25.0, candidate: 0.5, pair_of_rows: 0.0 };
+const SPHERES: Across = Across { window: 25.0, candidate: 0.5, pair_of_rows: 0.0, width: 0.0 };
+
 /// Boxes that are near each other do so together.
-const BOXES: Across = Across { window: 8.0, candidate: 1.0, pair_of_rows: PAIR_OF_ROWS };
-const PAIR_OF_LEVELS: f64 = 5_000.0;
+const BOXES: Across = Across { window: 8.0, candidate: 1.0, pair_of_rows: PAIR_OF_ROWS, width: 1.0 };
 
 /// That of an element among others of its size.
 const USUAL: f64 = 40.0;
@@ -220,10 +225,8 @@ impl<'e, 'a, T: Real, const D: usize> Model<'e, 'a, T, D> {
 
     /// Rows of the other level that are near an element of this one.
     fn windows(&self, level: &Level, other: &Level) -> f64 {
-        // Boxes of a row, if there are several, look from all of its width.
-        let boxes = matches!(self.elements.shape, Shape::Boxes(_));
-        let width =
-            if boxes { level.cell_size * (1.0 - self.rows(level) / level.elements as f64) } else { 0.0 };
+        let several = 1.0 - self.rows(level) / level.elements as f64;
+        let width = self.across().width * level.cell_size * several;
         self.rows_around(other, width + 2.0 * self.reach(level, other))
     }
 
