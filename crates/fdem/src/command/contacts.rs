@@ -9,17 +9,18 @@ use fdem_io::{Centres, CoupleRow, Packing};
 use serde::Serialize;
 
 use crate::command::args::ContactsArguments;
-use crate::command::detect::{Couples, Request, Sizes, check, detect, overlap, unshifted};
+use crate::command::detect::{Request, check, detect};
 use crate::command::explain::Told;
 use crate::command::failure::Failure;
 use crate::command::input::{self, Input, id, refused, sizes};
 use crate::command::labels;
 use crate::command::meshes;
 use crate::command::output::{Output, Table, is_stdout, refuse_to_overwrite};
-use crate::command::periodic::{Space, periodic_box};
+use crate::command::periodic::periodic_box;
 use crate::command::picture;
 use crate::command::progress::Progress;
 use crate::command::summary::{Seconds, Summary};
+use crate::network::{Couples, Network, Sizes, Space, unshifted};
 
 pub(crate) fn run(arguments: &ContactsArguments) -> Result<(), Failure> {
     if arguments.labels.labels {
@@ -159,8 +160,9 @@ fn find<const D: usize>(
     });
     written?;
     seconds.write = writing;
+    let network = Network { space, sizes: request.sizes, couples: &found.couples };
     if let Some(picture) = &mut outputs.picture {
-        picture.write(|out| picture::draw(out, centres, request.sizes, &found.couples.without_shift()))?;
+        picture.write(|out| picture::draw(out, &network))?;
     }
     Ok(Summary::new(input, &space, &request, &found, verified, seconds))
 }
@@ -176,7 +178,7 @@ fn row<const D: usize, const S: usize>(
         i: id(packing, couple.i as usize),
         j: id(packing, couple.j as usize),
         distance: space.distance(couple),
-        overlap: overlap(space, sizes, couple),
+        overlap: space.overlap(sizes, couple),
         shift,
     }
 }

@@ -3,40 +3,13 @@
 use std::sync::atomic::Ordering;
 
 use fdem_contact::{
-    Couple, Detector, Elements, Engine, Error, Filter, PeriodicBox, PeriodicCouple, PeriodicSearch, Plan,
-    Search, verify,
+    Detector, Elements, Engine, Error, Filter, PeriodicBox, PeriodicCouple, PeriodicSearch, Plan, Search,
+    verify,
 };
 
-use crate::command::periodic::{self, Space};
+use crate::command::periodic;
 use crate::command::progress::Position;
-
-/// The sizes of the elements, as file and options give them.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum Sizes<'a> {
-    Each(&'a [f64]),
-    All(f64),
-    Cutoff(f64),
-}
-
-impl Sizes<'_> {
-    /// Distance at which two elements touch, rounded as the library rounds it.
-    pub(crate) fn contact_distance(&self, couple: Couple) -> f64 {
-        match *self {
-            Self::Each(radii) => radii[couple.i as usize] + radii[couple.j as usize],
-            Self::All(radius) => radius + radius,
-            Self::Cutoff(cutoff) => cutoff,
-        }
-    }
-
-    /// Radius of one element.
-    pub(crate) fn radius(&self, index: usize) -> f64 {
-        match *self {
-            Self::Each(radii) => radii[index],
-            Self::All(radius) => radius,
-            Self::Cutoff(cutoff) => cutoff / 2.0,
-        }
-    }
-}
+use crate::network::{Couples, Sizes, Space, unshifted};
 
 /// What to find.
 pub(crate) struct Request<'a> {
@@ -82,37 +55,6 @@ pub(crate) struct Found<const D: usize> {
     pub(crate) statistics: Statistics<D>,
 }
 
-/// Couples with a shift only where there are any.
-pub(crate) enum Couples<const D: usize> {
-    Plain(Vec<Couple>),
-    Periodic(Vec<PeriodicCouple<D>>),
-}
-
-impl<const D: usize> Couples<D> {
-    pub(crate) fn len(&self) -> usize {
-        match self {
-            Self::Plain(couples) => couples.len(),
-            Self::Periodic(couples) => couples.len(),
-        }
-    }
-
-    /// Those between elements where the file has them.
-    pub(crate) fn without_shift(&self) -> Vec<Couple> {
-        match self {
-            Self::Plain(couples) => couples.clone(),
-            Self::Periodic(couples) => {
-                let unshifted = couples.iter().filter(|couple| couple.shift == [0; D]);
-                unshifted.map(|&PeriodicCouple { i, j, .. }| Couple { i, j }).collect()
-            }
-        }
-    }
-}
-
-/// The same with a shift of 0.
-pub(crate) fn unshifted<const D: usize>(Couple { i, j }: Couple) -> PeriodicCouple<D> {
-    PeriodicCouple { i, j, shift: [0; D] }
-}
-
 /// Sums over the couples that do not depend on their order.
 #[derive(Debug, PartialEq)]
 pub(crate) struct Statistics<const D: usize> {
@@ -151,15 +93,6 @@ impl<const D: usize> Statistics<D> {
     }
 }
 
-/// Sum of the radii less the distance, or what is left of the cut-off.
-pub(crate) fn overlap<const D: usize>(
-    space: &Space<'_, D>,
-    sizes: Sizes<'_>,
-    couple: PeriodicCouple<D>,
-) -> f64 {
-    sizes.contact_distance(Couple { i: couple.i, j: couple.j }) - space.distance(couple)
-}
-
 /// Finds the couples. `position` counts them for whoever watches.
 pub(crate) fn detect<const D: usize>(
     space: &Space<'_, D>,
@@ -169,7 +102,7 @@ pub(crate) fn detect<const D: usize>(
     let elements = request.elements(space.centres)?;
     let mut statistics = Statistics::new(elements.len());
     let add = |couple| {
-        statistics.add(couple, overlap(space, request.sizes, couple));
+        statistics.add(couple, space.overlap(request.sizes, couple));
         position.store(statistics.couples, Ordering::Relaxed);
     };
     let (couples, plan) = match &space.cell {
@@ -242,15 +175,10 @@ pub(crate) fn check<const D: usize>(
     }
 }
 
-/// Distance of the centres of a couple, summed in the order in which the library sums it.
-pub(crate) fn distance<const D: usize>(centres: &[[f64; D]], couple: Couple) -> f64 {
-    let (a, b) = (&centres[couple.i as usize], &centres[couple.j as usize]);
-    a.iter().zip(b).fold(0.0, |sum, (a, b)| sum + (a - b) * (a - b)).sqrt()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use fdem_contact::Couple;
 
     /// The largest overlap does not depend on the order of the couples.
     #[test]
@@ -268,19 +196,5 @@ mod tests {
         assert_eq!(forward.max_overlap, Some((0.75, unshifted(Couple { i: 1, j: 2 }))));
         assert_eq!(forward.rattlers(), 1);
         assert_eq!(forward.mean_coordination(), 8.0 / 6.0);
-    }
-
-    /// Elements that touch by the library's comparison never have a negative overlap.
-    #[test]
-    fn touching_couples_overlap_by_at_least_zero() {
-        let radii: Vec<f64> = (1..2000).map(|k| 0.1 + 1.0 / f64::from(k)).collect();
-        for pair in radii.windows(2) {
-            let reach = pair[0] + pair[1];
-            let centres = [[0.0, 0.0], [reach * 0.6, reach * 0.8]];
-            let couple = Couple::new(0, 1);
-            if Elements::spheres_with_radii(&centres, pair).unwrap().touch(0, 1) {
-                assert!(reach - distance(&centres, couple) >= 0.0, "{pair:?}");
-            }
-        }
     }
 }

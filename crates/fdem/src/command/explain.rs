@@ -6,7 +6,7 @@ use fdem_contact::{Detector, Engine, Error, Explanation, Level, Multilevel, Peri
 use serde::Serialize;
 
 use crate::command::detect::Request;
-use crate::command::periodic::Space;
+use crate::network::Space;
 
 /// Written as JSON by `--json`, and as text to standard output.
 #[derive(Debug, Serialize)]

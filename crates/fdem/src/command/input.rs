@@ -9,10 +9,10 @@ use fdem_contact::Error;
 use fdem_io::{Format, MeshFormat, Packing, ReadError, ReadOptions};
 
 use crate::command::args::InputArguments;
-use crate::command::detect::Sizes;
 use crate::command::failure::{Failure, display_name};
 use crate::command::output::is_stdout;
 use crate::command::progress::{Position, Progress};
+use crate::network::Sizes;
 
 /// A packing that has been read.
 pub(crate) struct Input {

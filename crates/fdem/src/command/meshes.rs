@@ -15,13 +15,13 @@ use fdem_io::{
 
 use crate::command::args::ContactsArguments;
 use crate::command::contacts::{Outputs, wrong};
-use crate::command::detect::Sizes;
 use crate::command::failure::Failure;
 use crate::command::input::{self, Input, Opened, id, sizes};
 use crate::command::mesh_summary::{BodyOf, Couples, FileOf, LeftOut, MeshSummary};
 use crate::command::output::{Output, Table};
 use crate::command::progress::Progress;
 use crate::command::summary::Seconds;
+use crate::network::Sizes;
 
 pub(crate) fn run(
     arguments: &ContactsArguments,

@@ -1,10 +1,11 @@
-//! Packings in a box that repeats: the box from the options, distances through images, and the check by brute force.
+//! Packings in a box that repeats: the box from the options, and the check by brute force.
 
-use fdem_contact::{Couple, PeriodicBox, PeriodicCouple};
+use fdem_contact::{PeriodicBox, PeriodicCouple};
 
 use crate::command::args::PeriodicArguments;
-use crate::command::detect::{Request, Sizes, distance};
+use crate::command::detect::Request;
 use crate::command::failure::Failure;
+use crate::network::{Sizes, Space};
 
 /// The box that the options describe, if any.
 pub(crate) fn periodic_box<const D: usize>(
@@ -46,30 +47,6 @@ pub(crate) fn periodic_box<const D: usize>(
         (None, None) => Err(unusable("--periodic", "the box is missing: give --box or --edges".to_owned())),
     };
     made.map(Some)
-}
-
-/// Where the elements are, in a box that repeats or without one.
-#[derive(Clone, Copy)]
-pub(crate) struct Space<'a, const D: usize> {
-    pub(crate) centres: &'a [[f64; D]],
-    pub(crate) cell: Option<PeriodicBox<f64, D>>,
-}
-
-impl<const D: usize> Space<'_, D> {
-    /// Distance of the first element of a couple to the image of the second, between the points that the library compares, so that
-    /// couples that touch by its comparison overlap by at least zero.
-    pub(crate) fn distance(&self, couple: PeriodicCouple<D>) -> f64 {
-        let PeriodicCouple { i, j, shift } = couple;
-        let Some(cell) = &self.cell else { return distance(self.centres, Couple { i, j }) };
-        let ((a, of_a), (b, of_b)) = (self.wrapped(cell, i), self.wrapped(cell, j));
-        let shift = std::array::from_fn(|edge| shift[edge] - of_a[edge] + of_b[edge]);
-        distance(&[a, cell.displaced(&b, &shift)], Couple::new(0, 1))
-    }
-
-    /// The centre in the box, and the periods that it was away from there.
-    fn wrapped(&self, cell: &PeriodicBox<f64, D>, element: u32) -> ([f64; D], [i32; D]) {
-        cell.wrap(self.centres[element as usize]).expect("elements that were searched can be wrapped")
-    }
 }
 
 /// Compares the couples of `sample` elements with all images of all elements; returns how many were checked, or what is wrong.

@@ -2,10 +2,8 @@
 
 use std::io::{self, Write};
 
-use fdem_contact::Couple;
-
-use crate::command::detect::{Sizes, distance};
 use crate::command::failure::Failure;
+use crate::network::{Network, Sizes};
 
 /// More elements than this are neither told apart nor opened by a browser.
 const MAX_ELEMENTS: usize = 100_000;
@@ -28,13 +26,9 @@ pub(crate) fn check(elements: usize, file: &str) -> Result<(), Failure> {
 /// Draws discs, or spheres from the front and a little from above, and a line for each couple coloured by its overlap.
 ///
 /// What lies in front is drawn last.
-pub(crate) fn draw<const D: usize>(
-    out: &mut dyn Write,
-    centres: &[[f64; D]],
-    sizes: Sizes<'_>,
-    couples: &[Couple],
-) -> io::Result<()> {
-    let view = View::new(centres, sizes);
+pub(crate) fn draw<const D: usize>(out: &mut dyn Write, network: &Network<'_, D>) -> io::Result<()> {
+    let Network { space, sizes, couples } = *network;
+    let view = View::new(space.centres, sizes);
     let [width, height] = view.size;
     writeln!(
         out,
@@ -48,12 +42,13 @@ pub(crate) fn draw<const D: usize>(
     }
     writeln!(out, "</g>")?;
 
-    let overlap = |couple: Couple| sizes.contact_distance(couple) - distance(centres, couple);
-    let largest = couples.iter().map(|&couple| overlap(couple)).fold(f64::MIN_POSITIVE, f64::max);
+    // A line across a face of the box would lead to an image that is not drawn.
+    let drawn = || couples.iter().filter(|couple| couple.shift == [0; D]);
+    let largest = drawn().map(|couple| network.overlap(couple)).fold(f64::MIN_POSITIVE, f64::max);
     writeln!(out, r#"<g stroke-width="2.2">"#)?;
-    for &couple in couples {
+    for couple in drawn() {
         let ([x1, y1], [x2, y2]) = (view.at[couple.i as usize], view.at[couple.j as usize]);
-        let colour = colour(overlap(couple) / largest);
+        let colour = colour(network.overlap(couple) / largest);
         writeln!(out, r#"<path d="M{x1:.2} {y1:.2}L{x2:.2} {y2:.2}" stroke="{colour}"/>"#)?;
     }
     writeln!(out, "</g>\n</svg>")
@@ -134,6 +129,15 @@ fn colour(share: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::network::{Couples, Space};
+    use fdem_contact::Couple;
+
+    fn drawn<const D: usize>(centres: &[[f64; D]], radius: f64, couples: Vec<Couple>) -> String {
+        let mut svg = Vec::new();
+        let (space, couples) = (Space { centres, cell: None }, Couples::Plain(couples));
+        draw(&mut svg, &Network { space, sizes: Sizes::All(radius), couples: &couples }).unwrap();
+        String::from_utf8(svg).unwrap()
+    }
 
     #[test]
     fn colours_run_from_pale_to_dark() {
@@ -146,9 +150,7 @@ mod tests {
     #[test]
     fn every_element_and_couple_is_drawn_inside_the_picture() {
         let centres = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [9.0, 5.0, 2.0]];
-        let mut svg = Vec::new();
-        draw(&mut svg, &centres, Sizes::All(0.5), &[Couple::new(0, 1)]).unwrap();
-        let svg = String::from_utf8(svg).unwrap();
+        let svg = drawn(&centres, 0.5, vec![Couple::new(0, 1)]);
         assert_eq!(svg.matches("<circle").count(), 3);
         assert_eq!(svg.matches("<path").count(), 1);
         assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
@@ -161,9 +163,7 @@ mod tests {
     #[test]
     fn nothing_and_one_point_can_be_drawn() {
         for centres in [vec![], vec![[1.0, 2.0]]] {
-            let mut svg = Vec::new();
-            draw(&mut svg, &centres, Sizes::All(0.0), &[]).unwrap();
-            assert!(!String::from_utf8(svg).unwrap().contains("NaN"));
+            assert!(!drawn(&centres, 0.0, Vec::new()).contains("NaN"));
         }
     }
 }

@@ -4,9 +4,9 @@ use std::fmt;
 
 use serde::Serialize;
 
-use crate::command::detect::{Found, Request, Sizes};
+use crate::command::detect::{Found, Request};
 use crate::command::input::{Input, id};
-use crate::command::periodic::Space;
+use crate::network::{Sizes, Space};
 
 /// Written as JSON by `--json`, and as text to standard error.
 #[derive(Debug, Serialize)]
