@@ -28,7 +28,7 @@ pub struct CoupleRow<const S: usize = 0> {
 const SHIFTS: [&str; 3] = ["sx", "sy", "sz"];
 
 /// The names that a row with `S` shifts needs.
-fn shifts<const S: usize>() -> &'static [&'static str] {
+pub(crate) fn shifts<const S: usize>() -> &'static [&'static str] {
     const { assert!(S <= SHIFTS.len(), "a box has three edges at most") };
     &SHIFTS[..S]
 }

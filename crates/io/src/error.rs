@@ -4,7 +4,10 @@ use thiserror::Error;
 
 use crate::columns::Role;
 use crate::excerpt;
+use crate::kind::PackingFormat;
+use crate::mesh::error::Place;
 use crate::table::MOST_COLUMNS;
+use crate::unpack::Compression;
 
 /// Why a file could not be read: what is wrong, where, and what would be right.
 ///
@@ -267,6 +270,62 @@ pub enum ReadError {
         /// How many rows there are.
         elements: usize,
     },
+    /// There is no memory for the content of a compressed file.
+    #[error("no memory for {bytes} bytes of unpacked content")]
+    NoMemory {
+        /// How many bytes, at least.
+        bytes: u64,
+    },
+    /// A compressed file cannot be unpacked.
+    #[error("{compression}-compressed data, damaged or cut off after {unpacked} unpacked bytes: {problem}")]
+    Packed {
+        /// How it is compressed.
+        compression: Compression,
+        /// Bytes that could be unpacked.
+        unpacked: u64,
+        /// What is wrong, in the words of the decoder.
+        problem: String,
+    },
+    /// The content does not keep to the format.
+    #[error("{}{problem}", at_byte(*place))]
+    Broken {
+        /// Where.
+        place: Place,
+        /// What is wrong.
+        problem: String,
+    },
+    /// A frame of several cannot be read.
+    #[error("frame {frame} (counted from 0): {error}")]
+    InFrame {
+        /// The frame, counted from 0.
+        frame: usize,
+        /// What is wrong with it.
+        error: Box<ReadError>,
+    },
+    /// There is no such frame.
+    #[error("no frame {wanted}: the file has {}", frames_of(*frames))]
+    NoFrame {
+        /// The frame asked for.
+        wanted: usize,
+        /// How many there are.
+        frames: usize,
+    },
+    /// There are several frames where one is wanted.
+    #[error("the file has {frames} frames: one is wanted")]
+    SeveralFrames {
+        /// How many there are.
+        frames: usize,
+    },
+    /// The content is that of no format, though the name promises one.
+    #[error("the name promises a {promised} file, but {expected}; and read as a table: {error}")]
+    NotPromised {
+        /// The format that goes by such names.
+        promised: PackingFormat,
+        /// What such a file looks like.
+        expected: &'static str,
+        /// Why it is no table either.
+        error: Box<ReadError>,
+    },
     /// A row of an array cannot be read.
     #[error("{problem}: {text}")]
     BadRow {
@@ -285,7 +344,9 @@ impl ReadError {
         match self {
             Self::NotText { line, .. }
             | Self::Malformed { line, .. }
-            | Self::DuplicateId { second: line, .. } => Some(*line),
+            | Self::DuplicateId { second: line, .. }
+            | Self::Broken { place: Place::Line(line), .. } => Some(*line),
+            Self::InFrame { error, .. } | Self::NotPromised { error, .. } => error.line(),
             Self::AllBad { line, .. }
             | Self::TooManyColumns { line }
             | Self::MissingColumn { line, .. }
@@ -306,8 +367,28 @@ impl ReadError {
             | Self::NpyShape { .. }
             | Self::NpySize { .. }
             | Self::OutOfMemory { .. }
+            | Self::NoMemory { .. }
+            | Self::Packed { .. }
+            | Self::Broken { .. }
+            | Self::NoFrame { .. }
+            | Self::SeveralFrames { .. }
             | Self::BadRow { .. } => None,
         }
+    }
+}
+
+/// Lines stand before the message, bytes in it.
+fn at_byte(place: Place) -> String {
+    match place {
+        Place::Byte(byte) => format!("at byte {byte}: "),
+        Place::Line(_) | Place::File => String::new(),
+    }
+}
+
+fn frames_of(frames: usize) -> String {
+    match frames {
+        1 => "1 frame, which is frame 0".into(),
+        frames => format!("{frames} frames, counted from 0"),
     }
 }
 

@@ -1,12 +1,13 @@
 //! Packings and meshes in and contact couples out, in the formats of the discrete element field.
 //!
-//! The crate knows bytes, not paths: [`read`] turns the content of a file into a [`Packing`], and
+//! The crate knows bytes, not paths: [`unpack`] undoes compression, [`Series`] turns the content of a file of any format, frame by frame, into
+//! [`Packing`]s, [`read`] that of a table into one, and
 //! [`write_csv`], [`write_npy`], [`write_packing_csv`] and [`write_packing_npy`] send results to any
 //! [`std::io::Write`]. [`read_mesh`] does the same for nodes and elements. Who opens the file adds its name to the errors.
 //!
 //! ```text
-//! bytes ── read ──┬─ delimited text ─┬─> Packing ── (contact detection) ──> couples ── write_csv, write_npy
-//!                 └─ NumPy array ────┘
+//! bytes ── Series ──┬─ read: delimited text, NumPy array ───────┬─> Packing ── (contact detection) ──> couples ── write_csv, write_npy
+//!                   └─ LAMMPS, XYZ, MercuryDPM, VTK, NumPy archive ┘
 //! bytes ── read_mesh ── Gmsh, STL, OBJ, PLY, VTK, Abaqus ──> Mesh
 //! ```
 //!
@@ -28,9 +29,13 @@
 
 mod packing;
 mod read;
+mod series;
+mod kind;
+mod unpack;
 
 mod columns;
 mod elements;
+mod lines;
 mod npy;
 mod npy_header;
 mod row;
@@ -41,6 +46,7 @@ mod mesh;
 mod labels;
 
 mod couples;
+mod series_couples;
 mod label_contacts;
 mod mesh_contacts;
 mod error;
@@ -50,6 +56,7 @@ mod write_packing;
 pub use columns::{Columns, ColumnsError, Role};
 pub use couples::{CoupleRow, write_csv, write_npy};
 pub use error::ReadError;
+pub use kind::{FileKind, PackingFormat};
 pub use label_contacts::{LabelColumns, LabelContactRow, write_label_contacts_csv, write_label_contacts_npy};
 pub use labels::{LabelError, LabelImage, LabelKind, LabelValue, with_label_image};
 pub use mesh::error::{MeshError, MeshProblem, Place};
@@ -58,6 +65,13 @@ pub use mesh_contacts::{
     BodyContactRow, ElementContactRow, write_body_contacts_csv, write_body_contacts_npy,
     write_element_contacts_csv, write_element_contacts_npy,
 };
-pub use packing::{BadLine, Centres, Column, Delimiter, Format, Packing, Skipped, Source};
+pub use packing::{
+    BadLine, Centres, Column, Delimiter, Format, Frame, Packing, SimulationBox, Skipped, Source,
+};
 pub use read::{ReadOptions, read};
+pub use series::{Series, read_packing};
+pub use series_couples::{
+    write_frame_csv, write_frame_npy, write_series_header_csv, write_series_header_npy,
+};
+pub use unpack::{Compression, unpack};
 pub use write_packing::{write_packing_csv, write_packing_npy};

@@ -4,7 +4,7 @@
 
 use std::fmt;
 
-mod cursor;
+pub(crate) mod cursor;
 pub(crate) mod error;
 mod build;
 
@@ -16,6 +16,7 @@ mod stl;
 mod triangles;
 mod vtk;
 mod vtk_data;
+pub(crate) mod vtk_points;
 mod vtk_xml;
 
 use crate::excerpt;

@@ -6,7 +6,7 @@ use crate::columns::{Name, Role};
 use crate::elements::Elements;
 use crate::error::ReadError;
 use crate::npy_header::{Dtype, Header, Scalar};
-use crate::packing::{BadLine, Column, Format, Packing, Source};
+use crate::packing::{BadLine, Column, Format, Frame, Packing, Source};
 use crate::read::ReadOptions;
 use crate::row::{Row, SIZE, check_size, whole};
 use crate::table::{MOST_COLUMNS, Table};
@@ -58,6 +58,8 @@ pub(crate) fn read_npy(
         ids: elements.ids,
         bodies: elements.bodies,
         row_numbers: elements.row_numbers,
+        cell: None,
+        frame: Frame::default(),
         source: Source {
             columns: Column::all(&names, &roles, array.named),
             format: Format::Npy { dtype: header.descr },
@@ -293,7 +295,7 @@ fn float(bytes: &[u8], big_endian: bool) -> f64 {
 
 /// Any number as a float, which must be exact.
 #[inline]
-fn number(bytes: &[u8], scalar: &Scalar) -> Result<f64, String> {
+pub(crate) fn number(bytes: &[u8], scalar: &Scalar) -> Result<f64, String> {
     if scalar.kind == 'f' {
         return Ok(float(bytes, scalar.big_endian));
     }
@@ -318,7 +320,7 @@ fn integer(bytes: &[u8], scalar: &Scalar) -> i128 {
 }
 
 /// An id or a body.
-fn whole_number(bytes: &[u8], scalar: &Scalar) -> Result<i64, String> {
+pub(crate) fn whole_number(bytes: &[u8], scalar: &Scalar) -> Result<i64, String> {
     if scalar.kind == 'f' {
         let value = float(bytes, scalar.big_endian);
         return whole(value).ok_or_else(|| format!("is {value}, not a whole number up to 2^53"));

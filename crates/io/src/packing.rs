@@ -65,26 +65,74 @@ pub struct Packing {
     /// Rows are counted from 0. Skipped rows count; the header, comments and blank lines do not. So an element
     /// without id keeps the number it has in the whole file.
     pub row_numbers: Option<Vec<u64>>,
+    /// The box that the file gives its elements, whether it repeats or not; `None` where the file has none.
+    pub cell: Option<SimulationBox>,
+    /// Which frame of the file this is.
+    pub frame: Frame,
     /// How the file was understood.
     pub source: Source,
+}
+
+/// A box as a file has it, with edges of any lengths and directions.
+///
+/// # Shapes
+/// Three edges of three components; in 2D the first two of each count.
+///
+/// # Units
+/// The length unit of the file.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SimulationBox {
+    /// The corner where the edges start.
+    pub origin: [f64; 3],
+    /// The edges, one after the other; that of an axis without extent is 0.
+    pub edges: [[f64; 3]; 3],
+    /// Along which of them the box repeats; false where the file does not say so.
+    pub repeats: [bool; 3],
+}
+
+impl SimulationBox {
+    /// A box with edges along the axes.
+    pub(crate) fn orthogonal(low: [f64; 3], high: [f64; 3], repeats: [bool; 3]) -> Self {
+        let edge = |axis: usize| {
+            let mut edge = [0.0; 3];
+            edge[axis] = high[axis] - low[axis];
+            edge
+        };
+        Self { origin: low, edges: [edge(0), edge(1), edge(2)], repeats }
+    }
+
+    pub(crate) fn is_finite(&self) -> bool {
+        self.origin.iter().chain(self.edges.as_flattened()).all(|value| value.is_finite())
+    }
+}
+
+/// A frame of a file: the elements at one time.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Frame {
+    /// Its place among the frames of the file, counted from 0; 0 where there is only one.
+    pub index: usize,
+    /// The number of the time step, where the file has one.
+    pub step: Option<i64>,
+    /// The time, in the unit of the file, where the file has one.
+    pub time: Option<f64>,
 }
 
 /// How a file was understood: what a person needs to see that the right columns were read.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Source {
-    /// Text with its delimiter, or NumPy array with its dtype.
+    /// The format.
     pub format: Format,
     /// Every column of the file in its order; those without a role were ignored.
     pub columns: Vec<Column>,
     /// The length unit written in the names of the columns, such as `mm` in `PosX[mm]`.
     pub unit: Option<String>,
-    /// Lines of a text file, comments and blank lines included; rows of an array.
+    /// Lines of a text file, comments and blank lines included, of several frames those of this one; rows of an array.
     pub lines: u64,
     /// The lines left out, when asked for with [`ReadOptions::skip_bad_lines`](crate::ReadOptions).
     pub skipped: Skipped,
 }
 
-/// Kind of a file, told from its content.
+/// Kind of a file, with what was found in it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Format {
     /// Rows of text.
@@ -97,18 +145,43 @@ pub enum Format {
         /// The dtype as the file spells it, such as `<f8`; a long one is cut.
         dtype: String,
     },
+    /// A NumPy archive as `numpy.savez` writes it.
+    Npz,
+    /// A dump of LAMMPS or LIGGGHTS.
+    LammpsDump,
+    /// A data file of LAMMPS or LIGGGHTS.
+    LammpsData {
+        /// The atom style that the file tells.
+        style: Option<String>,
+    },
+    /// XYZ.
+    Xyz {
+        /// Whether the comment says what the columns are.
+        extended: bool,
+    },
+    /// A `.data` file of MercuryDPM.
+    Mercury,
+    /// Points of a legacy VTK file.
+    Vtk,
+    /// Points of a VTU or VTP file.
+    VtkXml,
 }
 
 impl Format {
     /// What a place in such a file is called, for messages: `line` or `lines` of text, `row` or `rows` of an
     /// array. Lines are counted from 1, rows from 0; see [`BadLine::line`].
     pub fn noun(&self, count: u64) -> &'static str {
-        match (self, count) {
-            (Self::Text { .. }, 1) => "line",
-            (Self::Text { .. }, _) => "lines",
-            (Self::Npy { .. }, 1) => "row",
-            (Self::Npy { .. }, _) => "rows",
+        match (self.has_lines(), count) {
+            (true, 1) => "line",
+            (true, _) => "lines",
+            (false, 1) => "row",
+            (false, _) => "rows",
         }
+    }
+
+    /// Whether places in such a file are lines of text, not rows of arrays.
+    pub fn has_lines(&self) -> bool {
+        !matches!(self, Self::Npy { .. } | Self::Npz | Self::Vtk | Self::VtkXml)
     }
 }
 
@@ -117,6 +190,15 @@ impl fmt::Display for Format {
         match self {
             Self::Text { delimiter } => write!(f, "{delimiter}-separated text"),
             Self::Npy { dtype } => write!(f, "NumPy array of {dtype}"),
+            Self::Npz => f.write_str("NumPy archive"),
+            Self::LammpsDump => f.write_str("LAMMPS dump"),
+            Self::LammpsData { style: None } => f.write_str("LAMMPS data"),
+            Self::LammpsData { style: Some(style) } => write!(f, "LAMMPS data, atom style {style}"),
+            Self::Xyz { extended: false } => f.write_str("XYZ"),
+            Self::Xyz { extended: true } => f.write_str("extended XYZ"),
+            Self::Mercury => f.write_str("MercuryDPM data"),
+            Self::Vtk => f.write_str("VTK points"),
+            Self::VtkXml => f.write_str("XML VTK points"),
         }
     }
 }

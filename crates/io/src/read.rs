@@ -1,4 +1,4 @@
-//! The one door for reading: looks at the first bytes and picks the format.
+//! Tables of elements: looks at the first bytes and picks the format.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -24,7 +24,7 @@ pub struct ReadOptions {
     pub bodies: Option<String>,
 }
 
-/// Reads a packing from the content of a file.
+/// Reads a packing from a table: delimited text or a NumPy array. [`read_packing`](crate::read_packing) and [`Series`](crate::Series) read these and all other formats.
 ///
 /// The format is told from the content, never from a name. A file that starts with `\x93NUMPY` is a NumPy
 /// array (floats of 32 or 64 bits, integers, either byte order, C or Fortran order, or a structured array with
@@ -35,7 +35,7 @@ pub struct ReadOptions {
 ///   line; blank lines, CRLF line ends and a byte order mark are fine.
 /// - A header line names the columns: `x`, `PosX[m]`, `X (mm)`, `x_mm`, `Points:0`; `radius`, `r`, `diameter`,
 ///   `d`, `id` and their like, in any case. Other columns are ignored. A comment line just above the first row
-///   serves as well if it fits. Without a header, 2 columns are x y, 3 are x y z, 4 are x y z radius.
+///   serves as well if it fits, and so does `#format x_y_z_r_matId` of YADE. Without a header, 2 columns are x y, 3 are x y z, 4 are x y z radius.
 /// - Without z the packing is 2D. Diameters are halved.
 ///
 /// # Shapes
@@ -67,8 +67,8 @@ pub fn read(bytes: &[u8], options: &ReadOptions, progress: &AtomicU64) -> Result
     if bytes.is_empty() || bytes == BYTE_ORDER_MARK {
         return Err(ReadError::Empty);
     }
-    if let Some((_, format, advice)) = FOREIGN.iter().find(|(magic, ..)| bytes.starts_with(magic)) {
-        return Err(ReadError::Foreign { format, advice });
+    if let Some(error) = foreign(bytes) {
+        return Err(error);
     }
     let packing = if bytes.starts_with(b"\x93NUMPY") {
         read_npy(bytes, options, progress)
@@ -77,6 +77,12 @@ pub fn read(bytes: &[u8], options: &ReadOptions, progress: &AtomicU64) -> Result
     }?;
     progress.store(bytes.len() as u64, Ordering::Relaxed);
     Ok(packing)
+}
+
+/// The error of a file that starts like one of some other format.
+pub(crate) fn foreign(bytes: &[u8]) -> Option<ReadError> {
+    let (_, format, advice) = FOREIGN.iter().find(|(magic, ..)| bytes.starts_with(magic))?;
+    Some(ReadError::Foreign { format, advice })
 }
 
 /// What some programs write before text in UTF-8.

@@ -6,7 +6,8 @@ use crate::columns::{Columns, Name, Role};
 use crate::elements::Elements;
 use crate::error::ReadError;
 use crate::excerpt;
-use crate::packing::{BadLine, Column, Delimiter, Format, Packing, Source};
+use crate::lines::Lines;
+use crate::packing::{BadLine, Column, Delimiter, Format, Frame, Packing, Source};
 use crate::read::{BYTE_ORDER_MARK, ReadOptions};
 use crate::row::{RowReader, TORN, content, is_torn, slip, split, text};
 use crate::table::{MOST_COLUMNS, Table};
@@ -69,6 +70,8 @@ pub(crate) fn read_text(
         ids: elements.ids,
         bodies: elements.bodies,
         row_numbers: elements.row_numbers,
+        cell: None,
+        frame: Frame::default(),
         source: Source {
             format: Format::Text { delimiter: opening.delimiter },
             columns: opening.columns,
@@ -80,7 +83,7 @@ pub(crate) fn read_text(
 }
 
 /// Refuses bytes that no text file holds.
-fn check_text(bytes: &[u8]) -> Result<(), ReadError> {
+pub(crate) fn check_text(bytes: &[u8]) -> Result<(), ReadError> {
     let not_text = |offset: usize, found: String, advice: &'static str| ReadError::NotText {
         line: memchr::memchr_iter(b'\n', &bytes[..offset]).count() as u64 + 1,
         offset: offset as u64,
@@ -121,42 +124,6 @@ fn check_text(bytes: &[u8]) -> Result<(), ReadError> {
     Ok(())
 }
 
-/// The lines of a text with their numbers, counted from 1.
-#[derive(Debug, Clone)]
-struct Lines<'a> {
-    bytes: &'a [u8],
-    at: usize,
-    number: u64,
-}
-
-impl<'a> Lines<'a> {
-    fn rest(&self) -> &'a [u8] {
-        &self.bytes[self.at..]
-    }
-
-    /// The next line that is neither blank nor a comment, without its comment.
-    fn next_content(&mut self) -> Option<(u64, &'a [u8])> {
-        self.by_ref().map(|(number, line)| (number, content(line))).find(|(_, line)| !line.is_empty())
-    }
-}
-
-impl<'a> Iterator for Lines<'a> {
-    type Item = (u64, &'a [u8]);
-
-    #[inline]
-    fn next(&mut self) -> Option<Self::Item> {
-        let rest = self.rest();
-        if rest.is_empty() {
-            return None;
-        }
-        let end = memchr::memchr(b'\n', rest);
-        let line = &rest[..end.unwrap_or(rest.len())];
-        self.at += end.map_or(rest.len(), |end| end + 1);
-        self.number += 1;
-        Some((self.number, line))
-    }
-}
-
 /// What the lines before the first row, and that row, say about the file.
 #[derive(Debug)]
 struct Opening {
@@ -170,8 +137,8 @@ struct Opening {
 impl Opening {
     /// Reads up to the first row, and gives the lines from there on.
     fn read<'a>(bytes: &'a [u8], options: &ReadOptions) -> Result<(Self, Lines<'a>), ReadError> {
-        let mut lines = Lines { bytes, at: 0, number: 0 };
-        let mut comment = None;
+        let mut lines = Lines::new(bytes);
+        let (mut comment, mut format) = (None, None);
         let mut separated = None;
         let (mut rows, number, first) = loop {
             let before = lines.clone();
@@ -199,7 +166,9 @@ impl Opening {
             }
             let comments = line.trim_ascii_start();
             if comments.starts_with(b"#") || comments.starts_with(b"%") {
-                comment = Some((number, without_marks(comments)));
+                let text = without_marks(comments);
+                comment = Some((number, text));
+                format = format.or_else(|| Some((number, text.trim_ascii().strip_prefix(b"format ")?)));
             }
         };
         let mut delimiter = separated.unwrap_or_else(|| delimiter_of(first));
@@ -222,7 +191,9 @@ impl Opening {
                 }
                 _ => (names, true, number),
             }
-        } else if let Some((names, line)) = comment_names(comment, delimiter, fields.len(), choice) {
+        } else if let Some((names, line)) = yade_names(format, fields.len(), choice)
+            .or_else(|| comment_names(comment, delimiter, fields.len(), choice))
+        {
             (names, true, line)
         } else {
             if choice.is_none()
@@ -362,6 +333,21 @@ fn comment_names(
     })
 }
 
+/// The names after `#format`, as YADE writes them: `x_y_z_r_matId`. The last may stand for several columns if it is `attrs`.
+fn yade_names(
+    format: Option<(u64, &[u8])>,
+    columns: usize,
+    choice: Option<&Columns>,
+) -> Option<(Vec<Name>, u64)> {
+    let (number, line) = format?;
+    let line = text(line.trim_ascii());
+    let mut names: Vec<Name> = line.split('_').take(MOST_COLUMNS).map(Name::unsuffixed).collect();
+    if names.last().is_some_and(|name| name.plain == "attrs") {
+        names.resize_with(columns.max(names.len()), || Name::unsuffixed("attrs"));
+    }
+    (names.len() == columns && fits(&names, choice)).then_some((names, number))
+}
+
 /// Between blanks, what starts with a bracket belongs to the name before it, up to the closing bracket.
 fn names_of(fields: &[&[u8]], delimiter: Delimiter) -> Vec<Name> {
     let mut names: Vec<String> = Vec::new();
@@ -425,15 +411,5 @@ mod tests {
         assert!(header("1st a b", "_,x,y"));
         assert!(!header("1 2", "x=PosX,y=PosY"), "rows without names");
         assert!(header("1 PosX PosY", "x=PosX,y=PosY"));
-    }
-
-    #[test]
-    fn lines_count_from_one_and_the_last_needs_no_newline() {
-        let mut lines = Lines { bytes: b"a\n\nb", at: 0, number: 0 };
-        assert_eq!(lines.next(), Some((1, b"a".as_slice())));
-        assert_eq!(lines.next(), Some((2, b"".as_slice())));
-        assert_eq!(lines.next(), Some((3, b"b".as_slice())));
-        assert_eq!(lines.next(), None);
-        assert_eq!(Lines { bytes: b"a\n", at: 0, number: 0 }.count(), 1);
     }
 }

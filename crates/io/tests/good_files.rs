@@ -28,7 +28,7 @@ fn chosen(text: &str, columns: &str) -> Packing {
 fn delimiter(packing: &Packing) -> Delimiter {
     match packing.source.format {
         Format::Text { delimiter } => delimiter,
-        Format::Npy { .. } => panic!("not text"),
+        _ => panic!("not text"),
     }
 }
 

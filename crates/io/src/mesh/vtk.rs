@@ -7,24 +7,32 @@ use crate::mesh::error::{Fault, Place, malformed, unsupported};
 use crate::mesh::vtk_data::{
     BodyData, CellList, POLY_LINE, POLY_VERTEX, POLYGON, STRIP, names_bodies, whole,
 };
+use crate::mesh::vtk_points::{PointCloud, is_time};
+use crate::series::values::Values;
 
 pub(crate) fn read(bytes: &[u8]) -> Result<Draft, Fault> {
-    let mut cursor = Cursor::new(bytes);
-    let (binary, offsets) = header(&mut cursor)?;
-    let mut reader = Reader {
-        cursor,
-        binary,
-        offsets,
-        draft: Draft::new(Numbering::From(0)),
-        sections: Default::default(),
-        of_cells: false,
-        rows: 0,
-        bodies: BodyData::default(),
-    };
-    while reader.cursor.peek().is_some() {
-        reader.keyword()?;
-    }
-    reader.finish()
+    Reader::new(bytes, Want::Mesh)?.read_all()?.finish()
+}
+
+/// Whether there are cells other than vertices.
+pub(crate) fn has_cells(bytes: &[u8]) -> Result<bool, Fault> {
+    let reader = Reader::new(bytes, Want::Cells)?.read_all()?;
+    Ok(reader.sections.iter().any(|(list, _)| list.has_cells()))
+}
+
+/// The points with their data, whatever the cells.
+pub(crate) fn points(bytes: &[u8]) -> Result<PointCloud, Fault> {
+    Ok(Reader::new(bytes, Want::Points)?.read_all()?.cloud)
+}
+
+/// What a file is read for; all else is stepped over.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Want {
+    /// Points, cells, and the data that tell bodies apart.
+    Mesh,
+    Cells,
+    /// Points and their data.
+    Points,
 }
 
 /// Whether the file is binary, and whether cells have offsets, as from version 5 on.
@@ -58,21 +66,54 @@ enum Kind {
     Bit,
 }
 
+/// What data belong to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Of {
+    Cells,
+    Points,
+}
+
 struct Reader<'a> {
+    want: Want,
+    cloud: PointCloud,
     cursor: Cursor<'a>,
     binary: bool,
     offsets: bool,
     draft: Draft,
     /// Cells of an unstructured grid; or vertices, lines, polygons, strips, as they are numbered.
     sections: [(CellList, Option<Place>); 4],
-    /// Whether the data that follow are those of cells.
-    of_cells: bool,
+    /// What the data that follow belong to; nothing stands for the file.
+    of: Option<Of>,
     /// How many cells or points the data that follow have.
     rows: usize,
     bodies: BodyData,
 }
 
-impl Reader<'_> {
+impl<'a> Reader<'a> {
+    fn new(bytes: &'a [u8], want: Want) -> Result<Self, Fault> {
+        let mut cursor = Cursor::new(bytes);
+        let (binary, offsets) = header(&mut cursor)?;
+        Ok(Self {
+            want,
+            cloud: PointCloud::default(),
+            cursor,
+            binary,
+            offsets,
+            draft: Draft::new(Numbering::From(0)),
+            sections: Default::default(),
+            of: None,
+            rows: 0,
+            bodies: BodyData::default(),
+        })
+    }
+
+    fn read_all(mut self) -> Result<Self, Fault> {
+        while self.cursor.peek().is_some() {
+            self.keyword()?;
+        }
+        Ok(self)
+    }
+
     fn keyword(&mut self) -> Result<(), Fault> {
         let keyword = self.cursor.word("a keyword")?.to_ascii_uppercase();
         match keyword.as_slice() {
@@ -99,7 +140,7 @@ impl Reader<'_> {
                 Ok(())
             }
             b"CELL_DATA" | b"POINT_DATA" => {
-                self.of_cells = keyword == b"CELL_DATA";
+                self.of = Some(if keyword == b"CELL_DATA" { Of::Cells } else { Of::Points });
                 self.rows = self.cursor.word_count("number of data")?;
                 Ok(())
             }
@@ -118,11 +159,18 @@ impl Reader<'_> {
         }
         let count = self.cursor.word_count("number of points")?;
         let kind = self.kind()?;
+        if self.want == Want::Cells {
+            return self.skip(3, count as i64, kind);
+        }
         for node in 0..count as i64 {
             let place = self.cursor.place();
             let mut point = [0.0; 3];
             for value in &mut point {
                 *value = self.real(kind, "coordinate of a point")?;
+            }
+            if self.want == Want::Points {
+                self.cloud.points.push(point);
+                continue;
             }
             let place = if self.binary { place } else { self.cursor.place() };
             self.draft.push_point(point, place, node)?;
@@ -269,7 +317,11 @@ impl Reader<'_> {
     }
 
     fn array(&mut self, name: &str, kind: Kind, components: i64, rows: i64) -> Result<(), Fault> {
-        if !self.of_cells || !names_bodies(name) || components != 1 {
+        if self.want == Want::Points && components == 1 && self.keeps(name, rows) {
+            return self.point_array(name, kind, rows);
+        }
+        let bodies = self.of == Some(Of::Cells) && names_bodies(name) && components == 1;
+        if self.want != Want::Mesh || !bodies {
             return self.skip(components, rows, kind);
         }
         let place = self.cursor.place();
@@ -285,6 +337,39 @@ impl Reader<'_> {
             _ => self.integers(rows, kind, "value of cell data")?,
         };
         self.bodies.push(name, place, &values);
+        Ok(())
+    }
+
+    /// Whether the array is one of points, or the time of the file.
+    fn keeps(&self, name: &str, rows: i64) -> bool {
+        match self.of {
+            Some(Of::Points) => true,
+            Some(Of::Cells) => false,
+            None => rows == 1 && is_time(name),
+        }
+    }
+
+    fn point_array(&mut self, name: &str, kind: Kind, rows: i64) -> Result<(), Fault> {
+        if kind == Kind::Bit && self.binary {
+            return self.skip(1, rows, kind);
+        }
+        let place = self.cursor.place();
+        let rows = self.cursor.checked_count(rows, 1, "number of data")?;
+        let is_real = matches!(kind, Kind::Scalar(scalar) if scalar.is_float());
+        let values = if is_real || self.of.is_none() {
+            let values: Result<Vec<f64>, Fault> =
+                (0..rows).map(|_| self.real(kind, "value of point data")).collect();
+            Values::Real(values?)
+        } else {
+            Values::Whole(self.integers(rows, kind, "value of point data")?)
+        };
+        match (self.of, &values) {
+            (None, Values::Real(values)) => values.iter().for_each(|&value| self.cloud.note(name, value)),
+            _ if self.cloud.arrays.iter().any(|(known, _)| known == name) => {
+                return Err((place, malformed(format!("point data {name} for the second time"))));
+            }
+            _ => self.cloud.push(name, values),
+        }
         Ok(())
     }
 

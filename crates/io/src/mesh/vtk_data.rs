@@ -25,12 +25,19 @@ pub(crate) struct CellList {
 }
 
 /// Types of cells where the file says what they are by the section they stand in.
+const EMPTY: i64 = 0;
+const VERTEX: i64 = 1;
 pub(crate) const POLY_VERTEX: i64 = 2;
 pub(crate) const POLY_LINE: i64 = 4;
 pub(crate) const STRIP: i64 = 6;
 pub(crate) const POLYGON: i64 = 7;
 
 impl CellList {
+    /// Whether any cell is more than vertices.
+    pub(crate) fn has_cells(&self) -> bool {
+        self.types.iter().any(|kind| ![EMPTY, VERTEX, POLY_VERTEX].contains(kind))
+    }
+
     /// Adds the cells to the draft, numbered from `first` on, between the points of a piece that start at `base`.
     pub(crate) fn add(&self, draft: &mut Draft, first: u64, base: usize, place: Place) -> Result<(), Fault> {
         if self.types.len() != self.ends.len() {

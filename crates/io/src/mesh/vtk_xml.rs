@@ -14,8 +14,67 @@ use crate::mesh::error::{Fault, MeshProblem, Place, malformed, unsupported};
 use crate::mesh::vtk_data::{
     BodyData, CellList, POLY_LINE, POLY_VERTEX, POLYGON, STRIP, names_bodies, whole,
 };
+use crate::mesh::vtk_points::{PointCloud, is_time};
+use crate::series::values::Values;
 
 pub(crate) fn read(bytes: &[u8]) -> Result<Draft, Fault> {
+    with_file(bytes, |file| {
+        let mut draft = Draft::new(Numbering::From(0));
+        let (mut cells, mut bodies) = (0, BodyData::default());
+        for piece in file.pieces() {
+            cells += file.piece(piece, cells, &mut draft, &mut bodies)?;
+        }
+        bodies.apply(&mut draft, cells)?;
+        Ok(draft)
+    })
+}
+
+/// Whether there are cells other than vertices.
+pub(crate) fn has_cells(bytes: &[u8]) -> Result<bool, Fault> {
+    with_file(bytes, |file| {
+        for piece in file.pieces() {
+            let counts =
+                ["NumberOfLines", "NumberOfPolys", "NumberOfStrips"].map(|counted| count(piece, counted));
+            for counted in counts {
+                if counted? > 0 {
+                    return Ok(true);
+                }
+            }
+            if file.is_grid() && count(piece, "NumberOfCells")? > 0 && file.types(piece)?.has_cells() {
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    })
+}
+
+/// The points with their data, whatever the cells.
+pub(crate) fn points(bytes: &[u8]) -> Result<PointCloud, Fault> {
+    with_file(bytes, |file| {
+        let mut cloud = PointCloud::default();
+        for piece in file.pieces() {
+            file.cloud(piece, &mut cloud)?;
+        }
+        for array in children(child(file.data_set, "FieldData")).filter(|node| node.has_tag_name("DataArray"))
+        {
+            let label = array.attribute("Name").unwrap_or("");
+            if is_time(label)
+                && let Ok(values) = file.array(array)
+            {
+                match values {
+                    Values::Real(values) => values.iter().take(1).for_each(|&value| cloud.note(label, value)),
+                    Values::Whole(values) => {
+                        values.iter().take(1).for_each(|&value| cloud.note(label, value as f64));
+                    }
+                }
+            }
+        }
+        Ok(cloud)
+    })
+}
+
+/// Opens a file for `act`.
+fn with_file<T>(bytes: &[u8], act: impl FnOnce(&File<'_, '_>) -> Result<T, Fault>) -> Result<T, Fault> {
     let (xml, appended) = split(bytes);
     let text = match str::from_utf8(&xml) {
         Ok(text) => text,
@@ -28,13 +87,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Draft, Fault> {
         (Place::Line(u64::from(line)), malformed(format!("XML: {}", excerpt::line(said.as_bytes()))))
     })?;
     let file = File::new(&document, appended)?;
-    let mut draft = Draft::new(Numbering::From(0));
-    let (mut cells, mut bodies) = (0, BodyData::default());
-    for piece in file.data_set.children().filter(|node| node.has_tag_name("Piece")) {
-        cells += file.piece(piece, cells, &mut draft, &mut bodies)?;
-    }
-    bodies.apply(&mut draft, cells)?;
-    Ok(draft)
+    act(&file)
 }
 
 /// The XML without appended data, which may be no text, and those data from the byte behind `_`.
@@ -66,12 +119,6 @@ struct File<'a, 'input> {
 enum Coding {
     Base64,
     Raw,
-}
-
-/// The values of an array.
-enum Values {
-    Whole(Vec<i64>),
-    Real(Vec<f64>),
 }
 
 impl<'a, 'input> File<'a, 'input> {
@@ -118,6 +165,55 @@ impl<'a, 'input> File<'a, 'input> {
             _ => None,
         };
         Ok(Self { data_set, endian, header, zlib, appended })
+    }
+
+    fn pieces(&self) -> impl Iterator<Item = Node<'a, 'input>> + use<'a, 'input> {
+        self.data_set.children().filter(|node| node.has_tag_name("Piece"))
+    }
+
+    fn is_grid(&self) -> bool {
+        self.data_set.has_tag_name("UnstructuredGrid")
+    }
+
+    /// The types of the cells of a grid, and nothing else of them.
+    fn types(&self, piece: Node<'a, 'input>) -> Result<CellList, Fault> {
+        let mut list = CellList::default();
+        for array in children(child(piece, "Cells")).filter(|node| node.attribute("Name") == Some("types")) {
+            if let Values::Whole(types) = self.array(array)? {
+                list.types = types;
+            }
+        }
+        Ok(list)
+    }
+
+    /// Adds the points of a piece and their data.
+    fn cloud(&self, piece: Node<'a, 'input>, cloud: &mut PointCloud) -> Result<(), Fault> {
+        let before = cloud.points.len();
+        if let Some((_, coordinates)) = self.coordinates(piece)? {
+            cloud.points.extend_from_slice(coordinates.as_chunks::<3>().0);
+        }
+        let (base, points) = (before, cloud.points.len() - before);
+        for array in children(child(piece, "PointData")).filter(|node| node.has_tag_name("DataArray")) {
+            // Some write 0 for one.
+            if !matches!(array.attribute("NumberOfComponents"), None | Some("1" | "0"))
+                || scalar(array.attribute("type").unwrap_or("")).is_none()
+            {
+                continue;
+            }
+            let label = name(array.attribute("Name").unwrap_or("").as_bytes());
+            let values = self.array(array)?;
+            check(array, &format!("point data {label}"), points, values.len())?;
+            let known =
+                cloud.arrays.iter().find(|(known, _)| *known == label).map_or(0, |(_, known)| known.len());
+            if known != base {
+                return Err((
+                    place(array),
+                    malformed(format!("point data {label} is not in every piece once")),
+                ));
+            }
+            cloud.push(&label, values);
+        }
+        Ok(())
     }
 
     /// Adds the points and cells of a piece to the draft; the number of its cells.
@@ -170,10 +266,19 @@ impl<'a, 'input> File<'a, 'input> {
     }
 
     fn points(&self, piece: Node<'a, 'input>, draft: &mut Draft) -> Result<(), Fault> {
+        let Some((at, coordinates)) = self.coordinates(piece)? else { return Ok(()) };
+        for (point, node) in coordinates.as_chunks::<3>().0.iter().zip(draft.points.len() as i64..) {
+            draft.push_point(*point, at, node)?;
+        }
+        Ok(())
+    }
+
+    /// The coordinates of a piece, and where they stand; `None` where there are none.
+    fn coordinates(&self, piece: Node<'a, 'input>) -> Result<Option<(Place, Vec<f64>)>, Fault> {
         let expected = count(piece, "NumberOfPoints")?;
         let arrays = children(child(piece, "Points"));
         let Some(array) = arrays.into_iter().find(|node| node.has_tag_name("DataArray")) else {
-            return check(piece, "points", expected, 0);
+            return check(piece, "points", expected, 0).map(|()| None);
         };
         if array.attribute("NumberOfComponents") != Some("3") {
             return Err((place(array), malformed("expected points of 3 components")));
@@ -184,11 +289,7 @@ impl<'a, 'input> File<'a, 'input> {
         };
         check(array, "coordinates", expected.saturating_mul(3), coordinates.len())?;
         // Places are found by counting lines from the start.
-        let at = place(array);
-        for (point, node) in coordinates.as_chunks::<3>().0.iter().zip(draft.points.len() as i64..) {
-            draft.push_point(*point, at, node)?;
-        }
-        Ok(())
+        Ok(Some((place(array), coordinates)))
     }
 
     /// Connectivity, offsets, and the types of cells or `kind` for all.

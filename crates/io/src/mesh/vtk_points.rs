@@ -1,0 +1,72 @@
+//! VTK files without cells: points and their data.
+
+use crate::mesh::error::Fault;
+use crate::mesh::{vtk, vtk_xml};
+use crate::series::values::Values;
+
+/// Points, and data of one component.
+#[derive(Debug, Default)]
+pub(crate) struct PointCloud {
+    /// Any numbers, also infinite ones.
+    pub(crate) points: Vec<[f64; 3]>,
+    /// By their names, in the order of the file.
+    pub(crate) arrays: Vec<(String, Values)>,
+    pub(crate) step: Option<i64>,
+    pub(crate) time: Option<f64>,
+}
+
+impl PointCloud {
+    /// Adds values behind those that the same name has already.
+    pub(crate) fn push(&mut self, name: &str, values: Values) {
+        let Some((_, known)) = self.arrays.iter_mut().find(|(known, _)| known == name) else {
+            self.arrays.push((name.to_owned(), values));
+            return;
+        };
+        match (known, values) {
+            (Values::Whole(known), Values::Whole(more)) => known.extend(more),
+            (Values::Real(known), Values::Real(more)) => known.extend(more),
+            (Values::Real(known), Values::Whole(more)) => {
+                known.extend(more.into_iter().map(|value| value as f64));
+            }
+            (known @ Values::Whole(_), Values::Real(more)) => {
+                let Values::Whole(whole) = &*known else { return };
+                let whole = whole.iter().map(|&value| value as f64);
+                *known = Values::Real(whole.chain(more).collect());
+            }
+        }
+    }
+
+    /// Notes the time or the step, if field data of this name are one.
+    pub(crate) fn note(&mut self, name: &str, value: f64) {
+        match name {
+            "TimeValue" | "TIME" if value.is_finite() => self.time = Some(value),
+            "CYCLE" => self.step = crate::row::whole(value),
+            _ => {}
+        }
+    }
+}
+
+/// Whether field data of this name are looked at.
+pub(crate) fn is_time(name: &str) -> bool {
+    matches!(name, "TimeValue" | "TIME" | "CYCLE")
+}
+
+/// Whether a legacy file has cells other than vertices; also where it is damaged, which the reader of meshes will say.
+pub(crate) fn is_mesh(bytes: &[u8]) -> bool {
+    vtk::has_cells(bytes).unwrap_or(true)
+}
+
+/// The same of a VTU or VTP file.
+pub(crate) fn is_xml_mesh(bytes: &[u8]) -> bool {
+    vtk_xml::has_cells(bytes).unwrap_or(true)
+}
+
+/// The points of a legacy file.
+pub(crate) fn points(bytes: &[u8]) -> Result<PointCloud, Fault> {
+    vtk::points(bytes)
+}
+
+/// The points of a VTU or VTP file.
+pub(crate) fn xml_points(bytes: &[u8]) -> Result<PointCloud, Fault> {
+    vtk_xml::points(bytes)
+}

@@ -1,0 +1,229 @@
+//! Files of elements of any format, as one or several frames.
+
+use std::borrow::Cow;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use crate::error::ReadError;
+use crate::kind::{FileKind, PackingFormat};
+use crate::lines::Lines;
+use crate::mesh::error::Place;
+use crate::npy::read_npy;
+use crate::packing::Packing;
+use crate::read::{BYTE_ORDER_MARK, ReadOptions};
+use crate::text::{check_text, read_text};
+
+pub(crate) mod dump;
+pub(crate) mod lammps_data;
+pub(crate) mod mercury;
+mod npz;
+mod rows;
+pub(crate) mod values;
+mod vtk;
+pub(crate) mod xyz;
+
+/// The frames of a file, each read when it is asked for.
+///
+/// The formats are those of [`PackingFormat`]; see there and [`Self::read`]. Dumps, XYZ and MercuryDPM files may have many frames; all others have one.
+///
+/// # Example
+/// ```
+/// use std::sync::atomic::AtomicU64;
+/// use fdem_io::{PackingFormat, ReadOptions, Series};
+///
+/// let text = b"1\nLattice=\"4 0 0 0 4 0 0 0 4\" Properties=species:S:1:pos:R:3:radius:R:1 step=10\nSi 1 2 3 0.5\n\
+///              1\nLattice=\"4 0 0 0 4 0 0 0 4\" Properties=species:S:1:pos:R:3:radius:R:1 step=20\nSi 1 2 4 0.5\n";
+/// let series = Series::open(text, "run.xyz", None)?;
+/// assert_eq!((series.format(), series.frames()), (PackingFormat::Xyz, 2));
+/// let packing = series.read(1, &ReadOptions::default(), &AtomicU64::new(0))?;
+/// assert_eq!(packing.frame.step, Some(20));
+/// assert_eq!(packing.radii, Some(vec![0.5]));
+/// assert_eq!(packing.cell.map(|cell| cell.repeats), Some([true; 3]));
+/// # Ok::<(), fdem_io::ReadError>(())
+/// ```
+#[derive(Debug)]
+pub struct Series<'a> {
+    bytes: &'a [u8],
+    format: PackingFormat,
+    /// What the name promises, where the content is no such thing.
+    promised: Option<(PackingFormat, &'static str)>,
+    /// Where each frame starts; of formats without frames one.
+    starts: Vec<Start>,
+}
+
+/// Where a frame starts.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(crate) struct Start {
+    pub(crate) byte: usize,
+    /// Lines before it.
+    pub(crate) lines: u64,
+}
+
+impl<'a> Series<'a> {
+    /// Finds out what a file is and where its frames start.
+    ///
+    /// `name`: that of the file, without the end that says how it was compressed. `format`: what the file is, instead of what it looks like.
+    ///
+    /// # Cost
+    /// Of formats with several frames, a walk over the lines, and 16 bytes of memory a frame.
+    ///
+    /// # Errors
+    /// [`ReadError::Empty`]; [`ReadError::Foreign`] and [`ReadError::NotText`]: bytes of no format that is read. A mesh is not told from a table of
+    /// text here: see [`FileKind::of`]. What is wrong with a frame is said by [`Self::read`].
+    pub fn open(bytes: &'a [u8], name: &str, format: Option<PackingFormat>) -> Result<Self, ReadError> {
+        let bytes = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes);
+        if bytes.is_empty() {
+            return Err(ReadError::Empty);
+        }
+        let format = match format {
+            Some(format) => format,
+            None => match FileKind::of(bytes, name)? {
+                FileKind::Packing(format) => format,
+                FileKind::Mesh(_) => PackingFormat::Text,
+            },
+        };
+        let promised = PackingFormat::promised_by(name)
+            .filter(|&(promised, _)| format == PackingFormat::Text && promised != format);
+        let next: Option<fn(&mut Lines<'_>) -> bool> = match format {
+            PackingFormat::LammpsDump => Some(dump::pass),
+            PackingFormat::Xyz => Some(xyz::pass),
+            PackingFormat::Mercury => Some(mercury::pass),
+            _ => None,
+        };
+        if next.is_some() || format == PackingFormat::LammpsData {
+            check_text(bytes)?;
+        }
+        let starts = next.map_or_else(|| vec![Start::default()], |next| starts(bytes, next));
+        Ok(Self { bytes, format, promised, starts })
+    }
+
+    /// The format that the frames are read as.
+    pub fn format(&self) -> PackingFormat {
+        self.format
+    }
+
+    /// How many frames there are; at least one, which may be damaged.
+    pub fn frames(&self) -> usize {
+        self.starts.len()
+    }
+
+    /// Reads a frame, counted from 0.
+    ///
+    /// - Text and NumPy arrays: see [`read`](crate::read). YADE's `#format x_y_z_r` names columns.
+    /// - NumPy archives: an array alone as if it were a file of its own; else `positions` (n, 2) or (n, 3), or `x`, `y`, `z`, and `radii` or `diameters` and `ids`,
+    ///   under these and similar names, n each.
+    /// - LAMMPS and LIGGGHTS dumps: `x y z`, else the scaled `xs ys zs`, the unwrapped `xu yu zu`, or `xsu ysu zsu`; `radius` or `diameter`; `id`.
+    ///   The box in its three forms, repeating along edges marked `pp`.
+    /// - LAMMPS and LIGGGHTS data: columns by the atom style behind `Atoms #`, or by [`ReadOptions::columns`]. Whether the box repeats these files do not say.
+    /// - XYZ: the columns after `Properties=`, or a name and x y z; more columns are passed over. `Lattice=` with `Origin=` is the box, which repeats
+    ///   along the edges of `pbc=`, without it along all.
+    /// - MercuryDPM: 14 columns in 3D, 8 in 2D; the limits do not repeat.
+    /// - VTK: points; of their data the first of radius, diameter and the like. `Scale` is a diameter, as for the spheres of `ParaView`.
+    ///
+    /// # Shapes
+    /// `progress`: set to the number of bytes of the file parsed so far; the end of the frame on success.
+    ///
+    /// # Units
+    /// Those of the file.
+    ///
+    /// # Cost
+    /// Time proportional to the bytes of the frame, of compressed VTK arrays and archives to what they hold; memory: the packing, and of VTK files
+    /// and archives the arrays.
+    ///
+    /// # Errors
+    /// [`ReadError`]; within [`ReadError::InFrame`] where there are several frames.
+    ///
+    /// # Source
+    /// LAMMPS documentation of `dump` and `read_data`; ASE, "Extended XYZ"; `MercuryDPM` documentation, "The data file"; VTK file formats.
+    pub fn read(
+        &self,
+        frame: usize,
+        options: &ReadOptions,
+        progress: &AtomicU64,
+    ) -> Result<Packing, ReadError> {
+        let Some(&start) = self.starts.get(frame) else {
+            return Err(ReadError::NoFrame { wanted: frame, frames: self.frames() });
+        };
+        let end = self.starts.get(frame + 1).map_or(self.bytes.len(), |next| next.byte);
+        let lines = Lines::of_frame(&self.bytes[..end], start);
+        progress.store(start.byte as u64, Ordering::Relaxed);
+        let read = match self.format {
+            PackingFormat::Text => self.read_text(options, progress),
+            PackingFormat::Npy if !self.bytes.starts_with(b"\x93NUMPY") => {
+                let problem = "NumPy header: it does not start with \\x93NUMPY".to_owned();
+                Err(ReadError::Broken { place: Place::File, problem })
+            }
+            PackingFormat::Npy => read_npy(self.bytes, options, progress),
+            PackingFormat::Npz => npz::read(self.bytes, options),
+            PackingFormat::LammpsDump => dump::read(lines, options, progress),
+            PackingFormat::LammpsData => lammps_data::read(lines, options, progress),
+            PackingFormat::Xyz => xyz::read(lines, options, progress),
+            PackingFormat::Mercury => mercury::read(lines, options, progress),
+            PackingFormat::Vtk => vtk::read(self.bytes, options),
+            PackingFormat::VtkXml => vtk::read_xml(self.bytes, options),
+        };
+        let mut packing = match read {
+            Err(error) if self.frames() > 1 => {
+                return Err(ReadError::InFrame { frame, error: Box::new(error) });
+            }
+            read => read?,
+        };
+        packing.frame.index = frame;
+        progress.store(end as u64, Ordering::Relaxed);
+        Ok(packing)
+    }
+
+    fn read_text(&self, options: &ReadOptions, progress: &AtomicU64) -> Result<Packing, ReadError> {
+        let read = match crate::read::foreign(self.bytes) {
+            Some(error) => Err(error),
+            None => read_text(self.bytes, options, progress),
+        };
+        match (read, self.promised) {
+            (Err(error), Some((promised, expected))) => {
+                Err(ReadError::NotPromised { promised, expected, error: Box::new(error) })
+            }
+            (read, _) => read,
+        }
+    }
+}
+
+/// Reads a file that has one frame; [`Series`] reads those that have more.
+///
+/// # Shapes
+/// `name`: the file's name, `progress` as in [`Series::read`].
+///
+/// # Errors
+/// As [`Series::open`] and [`Series::read`]; [`ReadError::SeveralFrames`].
+///
+/// # Example
+/// ```
+/// use std::sync::atomic::AtomicU64;
+///
+/// let packing = fdem_io::read_packing(b"1\n\nC 0 1 2\n", "a.xyz", &Default::default(), &AtomicU64::new(0))?;
+/// assert_eq!(packing.centres, fdem_io::Centres::Three(vec![[0.0, 1.0, 2.0]]));
+/// # Ok::<(), fdem_io::ReadError>(())
+/// ```
+pub fn read_packing(
+    bytes: &[u8],
+    name: &str,
+    options: &ReadOptions,
+    progress: &AtomicU64,
+) -> Result<Packing, ReadError> {
+    let (bytes, _) = crate::unpack::unpack(Cow::Borrowed(bytes), |_| true)?;
+    let series = Series::open(&bytes, name, None)?;
+    match series.frames() {
+        1 => series.read(0, options, progress),
+        frames => Err(ReadError::SeveralFrames { frames }),
+    }
+}
+
+/// Where frames start, up to one that cannot be passed or the end.
+fn starts(bytes: &[u8], pass: fn(&mut Lines<'_>) -> bool) -> Vec<Start> {
+    let mut lines = Lines::new(bytes);
+    let mut starts = Vec::new();
+    loop {
+        starts.push(lines.start());
+        if !pass(&mut lines) || !lines.more() {
+            return starts;
+        }
+    }
+}

@@ -1,0 +1,138 @@
+//! Elements from arrays of numbers, one for each column.
+
+use crate::columns::{Name, Role};
+use crate::elements::Elements;
+use crate::error::ReadError;
+use crate::excerpt;
+use crate::packing::{BadLine, Column, Format, Frame, Packing, Source};
+use crate::read::ReadOptions;
+use crate::row::{Row, SIZE, check_size, whole};
+use crate::table::Table;
+
+/// The values of one column.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Values {
+    Whole(Vec<i64>),
+    Real(Vec<f64>),
+}
+
+impl Values {
+    pub(crate) fn len(&self) -> usize {
+        match self {
+            Self::Whole(values) => values.len(),
+            Self::Real(values) => values.len(),
+        }
+    }
+
+    fn real(&self, row: usize) -> f64 {
+        match self {
+            Self::Whole(values) => values[row] as f64,
+            Self::Real(values) => values[row],
+        }
+    }
+
+    /// An id or a body.
+    fn whole(&self, row: usize) -> Option<i64> {
+        match self {
+            Self::Whole(values) => Some(values[row]),
+            Self::Real(values) => whole(values[row]),
+        }
+    }
+}
+
+/// Makes a packing of `rows` elements out of columns with these names; only those that have a role are asked for.
+pub(super) fn packing(
+    names: &[Name],
+    rows: usize,
+    mut column: impl FnMut(usize) -> Result<Values, ReadError>,
+    format: Format,
+    frame: Frame,
+    options: &ReadOptions,
+) -> Result<Packing, ReadError> {
+    let shown =
+        format!("{} of {}", excerpt::count(names.len() as u64, "column"), excerpt::count(rows as u64, "row"));
+    let table = Table { names, header: true, line: None, row: &shown };
+    let roles = table.roles_and_body(options)?;
+    let unit = table.unit(&roles)?;
+    let mut chosen = Vec::new();
+    for (place, role) in roles.iter().enumerate() {
+        if let Some(role) = *role {
+            chosen.push((role, &names[place], column(place)?));
+        }
+    }
+    let mut elements = Elements::new(&roles, rows)?;
+    for at in 0..rows {
+        match row(&chosen, at) {
+            Ok(row) => elements.push(&row, at as u64),
+            Err(problem) => {
+                let values = chosen.iter().map(|(role, _, values)| format!("{role} {}", values.real(at)));
+                let text = excerpt::line(values.collect::<Vec<_>>().join(", ").as_bytes());
+                let problem = format!("row {at} (counted from 0): {problem}");
+                if !options.skip_bad_lines {
+                    return Err(ReadError::BadRow { row: at as u64, text, problem });
+                }
+                elements.skip(BadLine { line: at as u64, text, problem });
+            }
+        }
+    }
+    if let Some(bad) = elements.all_bad() {
+        let (text, problem) = (bad.text.clone(), bad.problem.clone());
+        return Err(ReadError::AllBad { count: elements.skipped.count, line: None, text, problem });
+    }
+    if let Some(twice) = elements.duplicate() {
+        return Err(ReadError::DuplicateIdRow { id: twice.id, first: twice.first, second: twice.second });
+    }
+    Ok(Packing {
+        centres: elements.centres,
+        radii: elements.radii,
+        ids: elements.ids,
+        bodies: elements.bodies,
+        row_numbers: elements.row_numbers,
+        cell: None,
+        frame,
+        source: Source {
+            format,
+            columns: Column::all(names, &roles, true),
+            unit,
+            lines: rows as u64,
+            skipped: elements.skipped,
+        },
+    })
+}
+
+fn row(chosen: &[(Role, &Name, Values)], at: usize) -> Result<Row, String> {
+    let mut row = Row::default();
+    for (role, name, values) in chosen {
+        let value = values.real(at);
+        let place = match role {
+            Role::Id | Role::Body => {
+                let number = values.whole(at).ok_or_else(|| {
+                    format!("the {role} in column {} is {value}, not a whole number up to 2^53", name.shown())
+                })?;
+                *(if *role == Role::Id { &mut row.id } else { &mut row.body }) = number;
+                continue;
+            }
+            Role::X => 0,
+            Role::Y => 1,
+            Role::Z => 2,
+            Role::Radius | Role::Diameter => SIZE,
+        };
+        if !value.is_finite() {
+            return Err(format!("{role} (column {}) is {value}, not a finite number", name.shown()));
+        }
+        if let Values::Whole(values) = values
+            && value as i128 != i128::from(values[at])
+        {
+            return Err(format!(
+                "{role} (column {}) is {}, which a 64-bit float cannot hold exactly",
+                name.shown(),
+                values[at]
+            ));
+        }
+        row.values[place] = value;
+        if place == SIZE {
+            check_size(value, *role, &name.shown())?;
+        }
+    }
+    Ok(row)
+}

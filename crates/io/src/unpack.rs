@@ -1,0 +1,145 @@
+//! Compressed files: told by their first bytes, unpacked as a stream.
+
+use std::borrow::Cow;
+use std::fmt;
+use std::io::Read;
+
+use flate2::bufread::MultiGzDecoder;
+use ruzstd::decoding::StreamingDecoder;
+
+use crate::error::ReadError;
+
+/// How a file is compressed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Compression {
+    /// RFC 1952.
+    Gzip,
+    /// RFC 8878.
+    Zstd,
+}
+
+impl fmt::Display for Compression {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Gzip => "gzip",
+            Self::Zstd => "zstd",
+        })
+    }
+}
+
+const GZIP: &[u8] = b"\x1f\x8b";
+const ZSTD: &[u8] = b"\x28\xb5\x2f\xfd";
+/// The second to fourth byte of a frame of zstd to be stepped over; the first is 0x50 to 0x5f.
+const SKIPPABLE: &[u8] = b"\x2a\x4d\x18";
+/// The largest window that the program zstd unpacks without being told to.
+const MOST_WINDOW: u64 = 1 << 27;
+/// Bytes unpacked between two looks at the memory.
+const PIECE: usize = 1 << 18;
+/// Bytes after which content that cannot be read is given up: a small file may unpack to terabytes of zeros.
+const TRIAL: usize = 1 << 20;
+
+impl Compression {
+    /// The compression by the first bytes of a file; `None` where it is not compressed.
+    pub fn of(bytes: &[u8]) -> Option<Self> {
+        if bytes.starts_with(GZIP) {
+            return Some(Self::Gzip);
+        }
+        (bytes.starts_with(ZSTD) || skipped(bytes).is_some()).then_some(Self::Zstd)
+    }
+}
+
+/// Unpacks gzip and zstd, several members or frames one after another too; other bytes are given back as they are.
+///
+/// `wanted`: looks at the first 2^20 unpacked bytes, or all if there are fewer, and says whether to go on. If not, these are all there is.
+///
+/// # Cost
+/// Time and memory proportional to what comes out. Memory is asked for piece by piece, as content arrives, whatever a header claims; zstd
+/// windows go up to 128 MiB.
+///
+/// # Errors
+/// [`ReadError::Packed`]: damaged or cut off, also where a checksum does not fit. [`ReadError::NoMemory`].
+///
+/// # Example
+/// ```
+/// let (bytes, compression) = fdem_io::unpack(b"x,y\n0,1\n".as_slice().into(), |_| true)?;
+/// assert_eq!((bytes.as_ref(), compression), (b"x,y\n0,1\n".as_slice(), None));
+/// # Ok::<(), fdem_io::ReadError>(())
+/// ```
+pub fn unpack(
+    bytes: Cow<'_, [u8]>,
+    wanted: impl Fn(&[u8]) -> bool,
+) -> Result<(Cow<'_, [u8]>, Option<Compression>), ReadError> {
+    let Some(compression) = Compression::of(&bytes) else { return Ok((bytes, None)) };
+    let mut out = Unpacked { bytes: Vec::new(), compression, wanted, tried: false };
+    match compression {
+        Compression::Gzip => {
+            out.take(&mut MultiGzDecoder::new(&*bytes))?;
+        }
+        Compression::Zstd => zstd(&bytes, &mut out)?,
+    }
+    Ok((Cow::Owned(out.bytes), Some(compression)))
+}
+
+/// What has come out so far.
+struct Unpacked<W> {
+    bytes: Vec<u8>,
+    compression: Compression,
+    wanted: W,
+    tried: bool,
+}
+
+impl<W: Fn(&[u8]) -> bool> Unpacked<W> {
+    /// Takes all that there is; false if that is not wanted.
+    fn take(&mut self, input: &mut dyn Read) -> Result<bool, ReadError> {
+        loop {
+            let from = self.bytes.len();
+            let no_memory = |_| ReadError::NoMemory { bytes: from as u64 + PIECE as u64 };
+            self.bytes.try_reserve(PIECE).map_err(no_memory)?;
+            let read = input.take(PIECE as u64).read_to_end(&mut self.bytes);
+            let read = read.map_err(|error| self.damaged(error.to_string()))?;
+            if !self.tried && self.bytes.len() >= TRIAL {
+                self.tried = true;
+                if !(self.wanted)(&self.bytes) {
+                    return Ok(false);
+                }
+            }
+            if read == 0 {
+                return Ok(true);
+            }
+        }
+    }
+
+    fn damaged(&self, problem: impl Into<String>) -> ReadError {
+        let problem = crate::excerpt::line(problem.into().as_bytes());
+        ReadError::Packed { compression: self.compression, unpacked: self.bytes.len() as u64, problem }
+    }
+}
+
+fn zstd<W: Fn(&[u8]) -> bool>(mut rest: &[u8], out: &mut Unpacked<W>) -> Result<(), ReadError> {
+    while !rest.is_empty() {
+        if let Some(length) = skipped(rest) {
+            rest = rest.get(length..).ok_or_else(|| out.damaged("it is cut off"))?;
+            continue;
+        }
+        let decoder = StreamingDecoder::new_with_max_window_size(rest, MOST_WINDOW);
+        let mut decoder = decoder.map_err(|error| out.damaged(error.to_string()))?;
+        if !out.take(&mut decoder)? {
+            return Ok(());
+        }
+        let (after, frame) = decoder.into_parts();
+        let (told, found) = (frame.get_checksum_from_data(), frame.get_calculated_checksum());
+        if told.is_some_and(|told| Some(told) != found) {
+            return Err(out.damaged("the checksum does not fit"));
+        }
+        rest = after;
+    }
+    Ok(())
+}
+
+/// The length of a frame to be stepped over, if one starts here.
+fn skipped(bytes: &[u8]) -> Option<usize> {
+    let header = bytes.get(..8)?;
+    let length: [u8; 4] = header[4..].try_into().ok()?;
+    let skippable = header[0] & 0xf0 == 0x50 && &header[1..4] == SKIPPABLE;
+    skippable.then_some(8 + u32::from_le_bytes(length) as usize)
+}
