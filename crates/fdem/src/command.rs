@@ -9,6 +9,7 @@ mod contacts;
 mod detect;
 mod explain;
 mod failure;
+mod frames;
 mod generate;
 mod input;
 mod label_summary;
@@ -19,6 +20,8 @@ mod output;
 mod periodic;
 mod picture;
 mod progress;
+mod series;
+mod series_summary;
 mod summary;
 
 use std::ffi::OsString;

@@ -102,10 +102,10 @@ pub fn write_frame_npy<const S: usize>(
             out.write_all(&chunk)?;
             chunk.clear();
         }
-        let whole = [frame.index as i64, frame.step.unwrap_or(NO_STEP), row.i, row.j];
-        whole.iter().for_each(|value| chunk.extend_from_slice(&value.to_le_bytes()));
-        [row.distance, row.overlap].iter().for_each(|value| chunk.extend_from_slice(&value.to_le_bytes()));
-        row.shift.iter().for_each(|value| chunk.extend_from_slice(&value.to_le_bytes()));
+        let whole = [(frame.index as u64).cast_signed(), frame.step.unwrap_or(NO_STEP), row.i, row.j];
+        chunk.extend(whole.into_iter().flat_map(i64::to_le_bytes));
+        chunk.extend([row.distance, row.overlap].into_iter().flat_map(f64::to_le_bytes));
+        chunk.extend(row.shift.into_iter().flat_map(i32::to_le_bytes));
         count += 1;
     }
     out.write_all(&chunk)?;

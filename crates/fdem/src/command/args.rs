@@ -5,8 +5,10 @@ use std::str::FromStr;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use fdem_contact::{Engine, Simd};
-use fdem_io::Columns;
+use fdem_io::{Columns, PackingFormat};
 use fdem_scenes::Sizes;
+
+use crate::command::frames::Frames;
 
 /// Contact detection and the combined finite-discrete element method.
 #[derive(Debug, Parser)]
@@ -33,6 +35,13 @@ pub(crate) enum Task {
 /// (x, PosX[m], X (mm), `x_mm`, radius, diameter, d, id, …). Without a header 2 columns are x y, 3 are x y z, 4 are x y z radius.
 /// NumPy .npy arrays of numbers: the same columns. Without z the packing is 2D.
 ///
+/// Other formats are told by their content, or by --format: dumps and data files of LAMMPS and LIGGGHTS, XYZ and extended XYZ, YADE's text, MercuryDPM's .data,
+/// VTK, VTU and VTP with points only and a radius among their data, NumPy .npz with arrays `positions` and `radii`. All, and meshes, may be compressed by
+/// gzip or zstd. If the file says that its box repeats, it does, unless --periodic says otherwise.
+///
+/// A file of several frames is a series: couples get the columns `frame,step` in front (a step of -1 where the file has none), --json becomes an array, --count
+/// prints a line for each frame. With `{frame}` in the name of an output each frame has a file of its own. See --frames.
+///
 /// Meshes (Gmsh, STL, OBJ, PLY, VTK, VTU, VTP, Abaqus, tables of triangles) are told by their content: couples are of elements of different bodies
 /// then, as `i,j,body_i,body_j,kind,measure,x,y,z,nx,ny,nz`, with their numbers in the files. Bodies are counted from 0 over all files; the summary as
 /// JSON says which is which. Only tetrahedra count where a file has some, else its triangles; beside tetrahedra of another file triangles are bodies without volume:
@@ -41,7 +50,7 @@ pub(crate) enum Task {
 ///
 /// In a box that repeats (`--periodic`) elements outside are wrapped into it, every image that touches counts, and couples have their shift
 /// besides, `sx,sy,sz`: element j, displaced by so many edges of the box from where the file has it, touches element i where the file has it.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 #[command(after_help = "Example: fdem contacts packing.csv --output couples.csv --json summary.json")]
 pub(crate) struct ContactsArguments {
     #[command(flatten)]
@@ -104,9 +113,10 @@ pub(crate) struct ContactsArguments {
 }
 
 /// The box that repeats.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub(crate) struct PeriodicArguments {
-    /// The edges along which the box repeats, the first being x: `x`, `xy`, `xyz`, `z`, …
+    /// The edges along which the box repeats, the first being x: `x`, `xy`, `xyz`, `z`, … The box is that of the file, unless --box or --edges gives one.
+    /// `none`: the box of the file does not repeat, whatever it says.
     #[arg(long, value_name = "AXES", value_parser = axes)]
     pub(crate) periodic: Option<Axes>,
 
@@ -124,7 +134,7 @@ pub(crate) struct PeriodicArguments {
 }
 
 /// Meshes instead of packings.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub(crate) struct MeshArguments {
     /// Of meshes: also write which bodies touch to FILE.csv or FILE.npy, as `i,j,couples,overlap,shared,x,y,z,nx,ny,nz`: how many elements, how much
     /// overlaps, how much boundary they share, where, and in which direction.
@@ -137,12 +147,12 @@ pub(crate) struct MeshArguments {
 }
 
 /// Images of bodies instead of packings.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub(crate) struct LabelArguments {
     /// FILE is an image, 2D or 3D (NumPy .npy or .npz, or the pages of a TIFF file), in which each number is a body: find which bodies touch,
     /// with the faces that they share, their area, and the mean place and direction of the contact. x is along the last axis of the array; the origin is the centre of the first grid square.
     #[arg(long, conflicts_with_all = [
-        "columns", "radius", "cutoff", "tolerance", "skip_bad_lines", "ignore_ids", "engine", "bodies", "periodic", "limits", "edges",
+        "columns", "radius", "cutoff", "tolerance", "format", "frames", "skip_bad_lines", "ignore_ids", "engine", "bodies", "periodic", "limits", "edges",
         "origin", "explain", "picture", "verify", "more", "body_table", "self_contact",
     ])]
     pub(crate) labels: bool,
@@ -196,7 +206,7 @@ pub(crate) struct Axes(pub(crate) [bool; 3]);
 pub(crate) struct Numbers(pub(crate) Vec<f64>);
 
 /// What to read, and what the elements are.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub(crate) struct InputArguments {
     /// Packing or mesh to read; `-` reads standard input.
     pub(crate) file: PathBuf,
@@ -216,6 +226,16 @@ pub(crate) struct InputArguments {
     /// Gap that still counts as contact, in the unit of the file.
     #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = length, default_value_t = 0.0)]
     pub(crate) tolerance: f64,
+
+    /// What FILE is, whatever it looks like: `text`, `npy`, `npz`, `lammps-dump`, `lammps-data`, `xyz`, `mercury`, `vtk` (the points of a legacy file) or
+    /// `vtk-xml` (those of VTU and VTP).
+    #[arg(long, value_name = "NAME", value_parser = PackingFormat::from_str)]
+    pub(crate) format: Option<PackingFormat>,
+
+    /// Which frames of FILE, counted from 0, as Python slices: `7`, `-1` for the last, `0:100:10` for every tenth of the first 100 [default: all].
+    /// One number gives what a file of one frame gives, a slice what a series does.
+    #[arg(long, value_name = "START:STOP:STEP", allow_hyphen_values = true, value_parser = Frames::from_str)]
+    pub(crate) frames: Option<Frames>,
 
     /// Leave lines that cannot be read out, and report them, instead of stopping at the first.
     #[arg(long)]
@@ -507,9 +527,12 @@ fn background(text: &str) -> Result<Background, String> {
     Ok(Background(Some(number)))
 }
 
-/// Letters, each once.
+/// Letters, each once; or none of them.
 fn axes(text: &str) -> Result<Axes, String> {
     let mut axes = [false; 3];
+    if text == "none" {
+        return Ok(Axes(axes));
+    }
     for letter in text.chars() {
         let axis = "xyz".find(letter).ok_or_else(|| format!("'{letter}' is not one of x, y, z"))?;
         if std::mem::replace(&mut axes[axis], true) {
@@ -578,6 +601,7 @@ mod tests {
     #[test]
     fn axes_and_lists_of_numbers_are_read() {
         assert_eq!(axes("zx"), Ok(Axes([true, false, true])));
+        assert_eq!(axes("none"), Ok(Axes([false; 3])));
         assert_eq!(axes("xw"), Err("'w' is not one of x, y, z".to_owned()));
         assert_eq!(axes("xx"), Err("x is given twice".to_owned()));
         assert_eq!(axes(""), Err("no axis is given".to_owned()));

@@ -25,7 +25,7 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<(), Failure> {
     refuse_to_overwrite(&[("the input", Some(&arguments.input.file)), ("--json", arguments.json.as_ref())])?;
     let mut json = arguments.json.as_deref().map(|path| Output::open(Some(path))).transpose()?;
     let mut table = Output::open(None)?;
-    let Input { name, packing, .. } = input::read(&arguments.input, None, &Progress::new(false))?;
+    let Input { name, packing, .. } = input::read(&arguments.input, &Progress::new(false))?;
     let report = match &packing.centres {
         Centres::Two(centres) => measure(arguments, &name, &packing, centres),
         Centres::Three(centres) => measure(arguments, &name, &packing, centres),

@@ -5,20 +5,22 @@ use std::io::{self, Write};
 use std::sync::atomic::Ordering;
 
 use fdem_contact::PeriodicCouple;
-use fdem_io::{Centres, CoupleRow, Packing};
+use fdem_io::{Centres, CoupleRow, Frame, Packing};
 use serde::Serialize;
 
 use crate::command::args::ContactsArguments;
 use crate::command::detect::{Request, check, detect};
 use crate::command::explain::Told;
 use crate::command::failure::Failure;
+use crate::command::frames::Selection;
 use crate::command::input::{self, Input, id, refused, sizes};
 use crate::command::labels;
 use crate::command::meshes;
-use crate::command::output::{Output, Table, is_stdout, refuse_to_overwrite};
-use crate::command::periodic::periodic_box;
+use crate::command::output::{Output, Table, Written, is_stdout, refuse_to_overwrite};
+use crate::command::periodic::{periodic_box, takes_file_box};
 use crate::command::picture;
 use crate::command::progress::Progress;
+use crate::command::series::{self, SeriesTable};
 use crate::command::summary::{Seconds, Summary};
 use crate::network::{Couples, Network, Sizes, Space, unshifted};
 
@@ -40,9 +42,9 @@ pub(crate) fn run(arguments: &ContactsArguments) -> Result<(), Failure> {
         ])?;
     }
     let progress = Progress::new(arguments.quiet);
-    let mut outputs = Outputs::open(arguments)?;
+    let outputs = Outputs::open(arguments)?;
 
-    let opened = input::open(&arguments.input.file, &progress)?;
+    let opened = input::open(&arguments.input.file, arguments.input.format, &progress)?;
     if opened.is_mesh() || !arguments.more.is_empty() {
         return meshes::run(arguments, opened, &progress, outputs);
     }
@@ -53,22 +55,49 @@ pub(crate) fn run(arguments: &ContactsArguments) -> Result<(), Failure> {
     if let Some((option, _)) = only_of_meshes.into_iter().find(|(_, given)| *given) {
         return Err(Failure::Unusable(format!("{}: {option} is for meshes, this is a packing", opened.name)));
     }
-    let input = input::understand(opened, &arguments.input, arguments.bodies.as_deref(), &progress)?;
-    if arguments.picture.is_some() {
-        picture::check(input.packing.centres.len(), &input.name)?;
-    }
-
+    let frames = opened.series()?;
+    let frame = match opened.select(&frames, arguments.input.frames)? {
+        Selection::One(frame) => frame,
+        Selection::Series(chosen) => {
+            drop(outputs);
+            return series::run(arguments, &opened, &frames, &chosen, &progress);
+        }
+    };
+    let named;
+    let (arguments, mut outputs) = if series::names_frames(arguments) {
+        drop(outputs);
+        named = series::of_frame(arguments, frame)?;
+        (&named, Outputs::open(&named)?)
+    } else {
+        (arguments, outputs)
+    };
+    let mut input = opened.frame(&frames, frame, &arguments.input, arguments.bodies.as_deref(), &progress)?;
+    input.seconds += opened.seconds;
+    drop(opened);
     if arguments.explain {
         return explain(arguments, &input, outputs);
     }
-    let mut summary = match &input.packing.centres {
-        Centres::Two(centres) => find(arguments, &progress, &input, centres, &mut outputs),
-        Centres::Three(centres) => find(arguments, &progress, &input, centres, &mut outputs),
-    }?;
+    let mut summary = treat(arguments, &progress, &input, &mut outputs)?;
 
     // The last output is the summary, which tells how long the others took.
     summary.measure_peak();
     outputs.finish(&summary, arguments.quiet)
+}
+
+/// Finds the contacts of a packing and writes them.
+pub(crate) fn treat(
+    arguments: &ContactsArguments,
+    progress: &Progress,
+    input: &Input,
+    outputs: &mut Outputs,
+) -> Result<Summary, Failure> {
+    if arguments.picture.is_some() {
+        picture::check(input.packing.centres.len(), &input.name)?;
+    }
+    match &input.packing.centres {
+        Centres::Two(centres) => find(arguments, progress, input, centres, outputs),
+        Centres::Three(centres) => find(arguments, progress, input, centres, outputs),
+    }
 }
 
 /// What the search would take, instead of the search.
@@ -93,7 +122,7 @@ fn told<const D: usize>(
     centres: &[[f64; D]],
 ) -> Result<Told, Failure> {
     let Input { name, packing, bodies, .. } = input;
-    let space = Space { centres, cell: periodic_box(&arguments.periodic)? };
+    let space = Space { centres, cell: periodic_box(&arguments.periodic, input)? };
     let bodies = bodies.as_ref().map(|bodies| bodies.count);
     Told::of(&space, &request(arguments, input)?, bodies).map_err(|error| refused(name, packing, &error))
 }
@@ -120,7 +149,7 @@ fn find<const D: usize>(
     let Input { name, packing, .. } = input;
     let mut seconds = Seconds { read: input.seconds, ..Seconds::default() };
     let request = request(arguments, input)?;
-    let space = Space { centres, cell: periodic_box(&arguments.periodic)? };
+    let space = Space { centres, cell: periodic_box(&arguments.periodic, input)? };
     let (found, detection) =
         progress.step("detecting, couples", None, |position| detect(&space, &request, position));
     seconds.detect = detection;
@@ -139,7 +168,8 @@ fn find<const D: usize>(
         if arguments.count {
             return outputs.couples.write(|out| writeln!(out, "{}", found.statistics.couples));
         }
-        let Outputs { table, couples: out, .. } = outputs;
+        let Outputs { table, couples: out, series, .. } = outputs;
+        let series = series.as_mut();
         let tick = |written: usize| position.store(written as u64, Ordering::Relaxed);
         match &found.couples {
             Couples::Plain(couples) => {
@@ -147,14 +177,14 @@ fn find<const D: usize>(
                     tick(written);
                     row(packing, &space, request.sizes, unshifted(couple), [])
                 });
-                write_rows(out, *table, rows)
+                write_rows(out, *table, series, packing.frame, rows)
             }
             Couples::Periodic(couples) => {
                 let rows = couples.iter().enumerate().map(|(written, &couple)| {
                     tick(written);
                     row(packing, &space, request.sizes, couple, couple.shift)
                 });
-                write_rows(out, *table, rows)
+                write_rows(out, *table, series, packing.frame, rows)
             }
         }
     });
@@ -164,7 +194,8 @@ fn find<const D: usize>(
     if let Some(picture) = &mut outputs.picture {
         picture.write(|out| picture::draw(out, &network))?;
     }
-    Ok(Summary::new(input, &space, &request, &found, verified, seconds))
+    let of_file = takes_file_box(&arguments.periodic);
+    Ok(Summary::new(input, &space, of_file, &request, &found, verified, seconds))
 }
 
 fn row<const D: usize, const S: usize>(
@@ -186,8 +217,13 @@ fn row<const D: usize, const S: usize>(
 fn write_rows<const S: usize>(
     output: &mut Output,
     table: Table,
+    series: Option<&mut SeriesTable>,
+    frame: Frame,
     rows: impl ExactSizeIterator<Item = CoupleRow<S>>,
 ) -> Result<(), Failure> {
+    if let Some(series) = series {
+        return series.write(frame, rows);
+    }
     output.write(|mut out| match table {
         Table::Csv => fdem_io::write_csv(&mut out, rows).map(drop),
         Table::Npy => fdem_io::write_npy(&mut out, rows),
@@ -196,6 +232,8 @@ fn write_rows<const S: usize>(
 
 /// The files that the command writes; all appear together, at the end.
 pub(crate) struct Outputs {
+    /// The one table of several frames, in place of `couples`.
+    pub(crate) series: Option<SeriesTable>,
     pub(crate) table: Table,
     pub(crate) couples: Output,
     pub(crate) json: Option<Output>,
@@ -209,6 +247,7 @@ impl Outputs {
         let output = arguments.output.as_deref();
         let optional = |path: &Option<_>| path.as_deref().map(|path| Output::open(Some(path))).transpose();
         Ok(Self {
+            series: None,
             table: Table::of(output)?,
             couples: Output::open(output)?,
             json: optional(&arguments.json)?,
@@ -226,18 +265,28 @@ impl Outputs {
         summary: &(impl Serialize + fmt::Display),
         quiet: bool,
     ) -> Result<(), Failure> {
-        if let Some(json) = &mut self.json {
-            json.write(|out| {
-                serde_json::to_writer_pretty(&mut *out, summary)?;
-                out.write_all(b"\n")
-            })?;
-        }
+        self.tell(summary)?;
         self.commit()?;
         if !quiet {
             // A summary that nobody can see any more is no failure.
             let _ = write!(io::stderr(), "{summary}");
         }
         Ok(())
+    }
+
+    /// Writes the summary as JSON.
+    pub(crate) fn tell(&mut self, summary: &impl Serialize) -> Result<(), Failure> {
+        let Some(json) = &mut self.json else { return Ok(()) };
+        json.write(|out| {
+            serde_json::to_writer_pretty(&mut *out, summary)?;
+            out.write_all(b"\n")
+        })
+    }
+
+    /// Closes all files, which appear at [`Written::commit`].
+    pub(crate) fn close(self) -> Result<Vec<Written>, Failure> {
+        let others = [self.bodies.map(|(_, output)| output), self.json, self.picture];
+        std::iter::once(self.couples).chain(others.into_iter().flatten()).map(Output::close).collect()
     }
 
     fn commit(self) -> Result<(), Failure> {

@@ -6,10 +6,13 @@ use std::path::Path;
 use std::sync::atomic::Ordering;
 
 use fdem_contact::Error;
-use fdem_io::{Format, MeshFormat, Packing, ReadError, ReadOptions};
+use fdem_io::{
+    Compression, FileKind, MeshFormat, Packing, PackingFormat, ReadError, ReadOptions, Series, unpack,
+};
 
 use crate::command::args::InputArguments;
 use crate::command::failure::{Failure, display_name};
+use crate::command::frames::{Frames, Selection};
 use crate::command::output::is_stdout;
 use crate::command::progress::{Position, Progress};
 use crate::network::Sizes;
@@ -48,7 +51,9 @@ impl Bodies {
 pub(crate) struct Opened {
     /// As messages call it.
     pub(crate) name: String,
+    /// Unpacked.
     pub(crate) bytes: Vec<u8>,
+    pub(crate) kind: FileKind,
     /// Time it took.
     pub(crate) seconds: f64,
 }
@@ -56,49 +61,106 @@ pub(crate) struct Opened {
 impl Opened {
     /// Whether the content, or else the name, is that of a mesh.
     pub(crate) fn is_mesh(&self) -> bool {
-        MeshFormat::of(&self.bytes, &self.name).is_some()
+        matches!(self.kind, FileKind::Mesh(_))
+    }
+
+    /// The frames of a packing.
+    pub(crate) fn series(&self) -> Result<Series<'_>, Failure> {
+        let format = match self.kind {
+            FileKind::Packing(format) => format,
+            FileKind::Mesh(_) => PackingFormat::Text,
+        };
+        Series::open(&self.bytes, bare_name(&self.name), Some(format))
+            .map_err(|error| unreadable(&self.name, &error))
+    }
+
+    /// Those that are treated.
+    pub(crate) fn select(&self, series: &Series<'_>, frames: Option<Frames>) -> Result<Selection, Failure> {
+        Frames::select(frames, series.frames())
+            .map_err(|problem| Failure::Unusable(format!("{}: {problem}", self.name)))
+    }
+
+    /// Reads a frame, with the column `bodies` if there are any; warns of lines that were left out.
+    pub(crate) fn frame(
+        &self,
+        series: &Series<'_>,
+        frame: usize,
+        arguments: &InputArguments,
+        bodies: Option<&str>,
+        progress: &Progress,
+    ) -> Result<Input, Failure> {
+        let options = ReadOptions {
+            columns: arguments.columns.clone(),
+            skip_bad_lines: arguments.skip_bad_lines,
+            ignore_ids: arguments.ignore_ids,
+            bodies: bodies.map(str::to_owned),
+        };
+        let (packing, seconds) = progress.step("reading", Some(self.bytes.len() as u64), |position| {
+            series.read(frame, &options, position).map_err(|error| unreadable(&self.name, &error))
+        });
+        let mut packing = packing?;
+        report_skipped(&self.name, &packing, series.frames() > 1);
+        let bodies = packing.bodies.take().map(|names| Bodies::new(&names));
+        Ok(Input { name: self.name.clone(), packing, bodies, seconds })
     }
 }
 
-/// Opens the file, or standard input for `-`.
-pub(crate) fn open(file: &Path, progress: &Progress) -> Result<Opened, Failure> {
+/// Opens and unpacks the file, or standard input for `-`. `format`: what it is, instead of what it looks like.
+pub(crate) fn open(
+    file: &Path,
+    format: Option<PackingFormat>,
+    progress: &Progress,
+) -> Result<Opened, Failure> {
     let name = if is_stdout(file) { "standard input".to_owned() } else { display_name(file) };
-    let (bytes, seconds) =
-        progress.step("opening, bytes", None, |position| read_bytes(file, &name, position));
-    Ok(Opened { bytes: bytes?, name, seconds })
+    let (opened, seconds) = progress.step("opening, bytes", None, |position| {
+        let bytes = read_bytes(file, &name, position)?;
+        let wanted = |start: &[u8]| !is_rubbish(start, bytes.len() as u64, &name);
+        let unpacked = match unpack((&bytes).into(), wanted).map_err(|error| unreadable(&name, &error))? {
+            (_, None) => None,
+            (unpacked, Some(_)) => Some(unpacked.into_owned()),
+        };
+        let bytes = unpacked.unwrap_or(bytes);
+        let kind = match format {
+            Some(format) => FileKind::Packing(format),
+            None => FileKind::of(&bytes, bare_name(&name)).map_err(|error| unreadable(&name, &error))?,
+        };
+        Ok::<_, Failure>((bytes, kind))
+    });
+    let (bytes, kind) = opened?;
+    Ok(Opened { name, bytes, kind, seconds })
 }
 
-/// Opens and reads the file, with the column `bodies` if there are any; warns of lines that were left out.
-pub(crate) fn read(
-    arguments: &InputArguments,
-    bodies: Option<&str>,
-    progress: &Progress,
-) -> Result<Input, Failure> {
-    understand(open(&arguments.file, progress)?, arguments, bodies, progress)
+/// A name without the end that says how the file is compressed.
+fn bare_name(name: &str) -> &str {
+    [".gz", ".zst", ".zstd"].iter().find_map(|end| name.strip_suffix(end)).unwrap_or(name)
+}
+
+/// Opens and reads a file of one frame, or the frame that is asked for.
+pub(crate) fn read(arguments: &InputArguments, progress: &Progress) -> Result<Input, Failure> {
+    understand(open(&arguments.file, arguments.format, progress)?, arguments, progress)
 }
 
 /// As [`read`], of a file that is open.
 pub(crate) fn understand(
     opened: Opened,
     arguments: &InputArguments,
-    bodies: Option<&str>,
     progress: &Progress,
 ) -> Result<Input, Failure> {
-    let Opened { name, bytes, seconds: opening } = opened;
-    let options = ReadOptions {
-        columns: arguments.columns.clone(),
-        skip_bad_lines: arguments.skip_bad_lines,
-        ignore_ids: arguments.ignore_ids,
-        bodies: bodies.map(str::to_owned),
+    let series = opened.series()?;
+    let frame = match opened.select(&series, arguments.frames)? {
+        Selection::One(frame) => frame,
+        Selection::Series(frames) => {
+            return Err(Failure::Unusable(format!(
+                "{}: {} frames, where one is wanted: choose it with --frames N",
+                opened.name,
+                frames.len()
+            )));
+        }
     };
-    let (packing, reading) = progress.step("reading", Some(bytes.len() as u64), |position| {
-        fdem_io::read(&bytes, &options, position).map_err(|error| unreadable(&name, &error))
-    });
-    drop(bytes);
-    let mut packing = packing?;
-    report_skipped(&name, &packing);
-    let bodies = packing.bodies.take().map(|names| Bodies::new(&names));
-    Ok(Input { name, packing, bodies, seconds: opening + reading })
+    let mut input = opened.frame(&series, frame, arguments, None, progress)?;
+    input.seconds += opened.seconds;
+    drop(opened);
+    Ok(input)
 }
 
 fn read_bytes(file: &Path, name: &str, position: &Position) -> Result<Vec<u8>, Failure> {
@@ -116,28 +178,32 @@ fn read_bytes(file: &Path, name: &str, position: &Position) -> Result<Vec<u8>, F
 
 /// Reads to the end, but no further than the first block of what can be neither a packing nor a mesh: `/dev/zero` has no end.
 fn read_all(mut input: impl Read, size: u64, name: &str, position: &Position) -> io::Result<Vec<u8>> {
-    const BLOCK: u64 = 1 << 20;
     let mut bytes = Vec::new();
     bytes.try_reserve_exact(usize::try_from(size).unwrap_or(0)).map_err(|_| io::ErrorKind::OutOfMemory)?;
     loop {
         let read = input.by_ref().take(BLOCK).read_to_end(&mut bytes)?;
         position.store(bytes.len() as u64, Ordering::Relaxed);
-        let is_array = bytes.starts_with(b"\x93NUMPY");
-        let is_rubbish = bytes.len() as u64 <= BLOCK
-            && !is_array
-            && bytes.contains(&0)
-            && !may_be_mesh(&bytes, size, name);
-        if read == 0 || is_rubbish {
+        if read == 0 || (bytes.len() as u64 <= BLOCK && is_rubbish(&bytes, size, name)) {
             return Ok(bytes);
         }
     }
+}
+
+/// Bytes that tell rubbish from the rest.
+const BLOCK: u64 = 1 << 20;
+
+/// Whether nothing that is read starts with these bytes.
+fn is_rubbish(start: &[u8], size: u64, name: &str) -> bool {
+    const ARRAYS: [&[u8]; 2] = [b"\x93NUMPY", b"PK\x03\x04"];
+    let is_array = ARRAYS.iter().any(|magic| start.starts_with(magic));
+    !is_array && start.contains(&0) && Compression::of(start).is_none() && !may_be_mesh(start, size, name)
 }
 
 /// Whether a file of this size that starts with these bytes may be a mesh. That of a binary STL file tells more than its content.
 fn may_be_mesh(start: &[u8], size: u64, name: &str) -> bool {
     let facets = start.get(80..84).and_then(|count| count.try_into().ok()).map(u32::from_le_bytes);
     let is_stl = facets.is_some_and(|facets| size == 84 + 50 * u64::from(facets));
-    is_stl || MeshFormat::of(start, name).is_some()
+    is_stl || MeshFormat::of(start, bare_name(name)).is_some()
 }
 
 /// `file:line: what is wrong`, so that an editor can jump there.
@@ -149,19 +215,19 @@ fn unreadable(name: &str, error: &ReadError) -> Failure {
 }
 
 /// Lines left out are never left out in silence, not even with `--quiet`.
-fn report_skipped(name: &str, packing: &Packing) {
+fn report_skipped(name: &str, packing: &Packing, of_several: bool) {
     const SHOWN: usize = 5;
     let skipped = &packing.source.skipped;
     if skipped.count == 0 {
         return;
     }
     let format = &packing.source.format;
+    let frame = if of_several { format!(" of frame {}", packing.frame.index) } else { String::new() };
     let mut text =
-        vec![format!("warning: {name}: skipped {} bad {}", skipped.count, format.noun(skipped.count))];
+        vec![format!("warning: {name}: skipped {} bad {}{frame}", skipped.count, format.noun(skipped.count))];
     text.extend(skipped.first.iter().take(SHOWN).map(|bad| {
         // Of an array the problem itself names the row.
-        let place =
-            if matches!(format, Format::Npy { .. }) { String::new() } else { format!("{}:", bad.line) };
+        let place = if format.has_lines() { format!("{}:", bad.line) } else { String::new() };
         format!("  {name}:{place} {}: {}", bad.problem, bad.text)
     }));
     if skipped.count > SHOWN as u64 {

@@ -13,7 +13,7 @@ use fdem_io::{
     write_element_contacts_csv, write_element_contacts_npy,
 };
 
-use crate::command::args::ContactsArguments;
+use crate::command::args::{ContactsArguments, PeriodicArguments};
 use crate::command::contacts::{Outputs, wrong};
 use crate::command::failure::Failure;
 use crate::command::input::{self, Input, Opened, id, sizes};
@@ -33,7 +33,7 @@ pub(crate) fn run(
     let mut seconds = Seconds::default();
     let mut files = vec![read(arguments, first, progress, &mut seconds)?];
     for file in &arguments.more {
-        files.push(read(arguments, input::open(file, progress)?, progress, &mut seconds)?);
+        files.push(read(arguments, input::open(file, None, progress)?, progress, &mut seconds)?);
     }
     if files.iter().all(|file| matches!(file.content, Content::Mesh(_))) {
         let of_spheres = [
@@ -59,7 +59,7 @@ fn refuse_options_of_packings(arguments: &ContactsArguments, name: &str) -> Resu
         ("--cutoff", arguments.input.cutoff.is_some()),
         ("--tolerance", arguments.input.tolerance > 0.0),
         ("--bodies", arguments.bodies.is_some()),
-        ("--periodic", arguments.periodic.periodic.is_some()),
+        ("--periodic", arguments.periodic.periodic.is_some_and(|axes| axes.0 != [false; 3])),
         ("--explain", arguments.explain),
         ("--picture", arguments.picture.is_some()),
     ];
@@ -69,6 +69,18 @@ fn refuse_options_of_packings(arguments: &ContactsArguments, name: &str) -> Resu
         ))),
         None => Ok(()),
     }
+}
+
+/// A box that repeats is not passed over either.
+fn refuse_periodic(input: &Input, arguments: &PeriodicArguments) -> Result<(), Failure> {
+    let repeats = input.packing.cell.is_some_and(|cell| cell.repeats.contains(&true));
+    if repeats && arguments.periodic.is_none() {
+        return Err(Failure::Unusable(format!(
+            "{}: its box repeats, which it cannot beside other files: --periodic none leaves it alone",
+            input.name
+        )));
+    }
+    Ok(())
 }
 
 /// A file of bodies.
@@ -100,7 +112,8 @@ fn read(
         }
         return Ok(Source { name, content: Content::Mesh(mesh) });
     }
-    let mut input = input::understand(opened, &arguments.input, None, progress)?;
+    let mut input = input::understand(opened, &arguments.input, progress)?;
+    refuse_periodic(&input, &arguments.periodic)?;
     seconds.read += input.seconds;
     let radii = match sizes(&arguments.input, &name, &input.packing)? {
         Sizes::Each(radii) => radii.to_vec(),

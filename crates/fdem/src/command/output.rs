@@ -6,7 +6,7 @@ use std::io::{self, BufWriter, Stdout, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-use tempfile::NamedTempFile;
+use tempfile::{NamedTempFile, TempPath};
 
 use crate::command::failure::{Failure, display_name};
 
@@ -110,15 +110,35 @@ impl Output {
 
     /// Makes the output appear under its name. Dropped without this, a file written aside is removed.
     pub(crate) fn commit(self) -> Result<(), Failure> {
-        let To::Aside { file, target } = self.to else { return Ok(()) };
-        let file = file.into_inner().map_err(|error| Failure::writing(&self.name, error.error()))?;
-        file.as_file().sync_all().map_err(|error| Failure::writing(&self.name, error))?;
+        self.close()?.commit()
+    }
+
+    /// Closes the output; a file written aside still has to be put under its name.
+    pub(crate) fn close(self) -> Result<Written, Failure> {
+        let Self { name, to } = self;
+        let To::Aside { file, target } = to else { return Ok(Written { name, aside: None }) };
+        let file = file.into_inner().map_err(|error| Failure::writing(&name, error.error()))?;
+        file.as_file().sync_all().map_err(|error| Failure::writing(&name, error))?;
+        Ok(Written { name, aside: Some((file.into_temp_path(), target)) })
+    }
+}
+
+/// An output that is written and closed: of these there may be more than the system has open files. Dropped without
+/// [`Self::commit`], a file written aside is removed.
+pub(crate) struct Written {
+    name: PathBuf,
+    aside: Option<(TempPath, PathBuf)>,
+}
+
+impl Written {
+    /// Makes the output appear under its name.
+    pub(crate) fn commit(self) -> Result<(), Failure> {
+        let Some((file, target)) = self.aside else { return Ok(()) };
         partial_outputs(|partial| {
-            partial.retain(|path| path != file.path());
+            partial.retain(|path| *path != *file);
             file.persist(target)
         })
-        .map_err(|error| Failure::writing(&self.name, error.error))?;
-        Ok(())
+        .map_err(|error| Failure::writing(&self.name, error.error))
     }
 }
 

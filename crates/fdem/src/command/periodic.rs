@@ -1,20 +1,44 @@
 //! Packings in a box that repeats: the box from the options, and the check by brute force.
 
 use fdem_contact::{PeriodicBox, PeriodicCouple};
+use fdem_io::SimulationBox;
 
-use crate::command::args::PeriodicArguments;
+use crate::command::args::{Axes, PeriodicArguments};
 use crate::command::detect::Request;
 use crate::command::failure::Failure;
+use crate::command::input::Input;
 use crate::network::{Sizes, Space};
 
-/// The box that the options describe, if any.
+/// The box that repeats, if any: that of the options, or else that of the file, where it or the options say along which edges.
 pub(crate) fn periodic_box<const D: usize>(
     arguments: &PeriodicArguments,
+    input: &Input,
 ) -> Result<Option<PeriodicBox<f64, D>>, Failure> {
-    let Some(axes) = arguments.periodic else { return Ok(None) };
-    let unusable = |option: &str, why: String| Failure::Unusable(format!("{option}: {why}"));
-    if let Some(axis) = (D..3).find(|&axis| axes.0[axis]) {
-        return Err(unusable("--periodic", format!("a packing in {D}D has no {}", ["x", "y", "z"][axis])));
+    if let Some(axis) = arguments.periodic.and_then(|axes| (D..3).find(|&axis| axes.0[axis])) {
+        let axis = ["x", "y", "z"][axis];
+        return Err(unusable("--periodic", &format!("a packing in {D}D has no {axis}")));
+    }
+    match (&input.packing.cell, arguments.periodic) {
+        (Some(cell), None) => file_box(cell, Axes(cell.repeats), input),
+        (Some(cell), Some(axes)) if takes_file_box(arguments) => file_box(cell, axes, input),
+        (_, Some(axes)) => box_of_options(arguments, axes),
+        (None, None) => Ok(None),
+    }
+}
+
+fn unusable(option: &str, why: &str) -> Failure {
+    Failure::Unusable(format!("{option}: {why}"))
+}
+
+fn box_of_options<const D: usize>(
+    arguments: &PeriodicArguments,
+    axes: Axes,
+) -> Result<Option<PeriodicBox<f64, D>>, Failure> {
+    if axes == Axes([false; 3]) {
+        if takes_file_box(arguments) {
+            return Ok(None);
+        }
+        return Err(unusable("--periodic none", "--box and --edges give a box that repeats"));
     }
     let periodic = std::array::from_fn(|axis| axes.0[axis]);
     let count = |option: &str, numbers: &[f64], expected: usize, what: &str| {
@@ -22,14 +46,14 @@ pub(crate) fn periodic_box<const D: usize>(
             return Ok(());
         }
         let found = numbers.len();
-        Err(unusable(option, format!("a packing in {D}D needs {expected} numbers, {what}, not {found}")))
+        Err(unusable(option, &format!("a packing in {D}D needs {expected} numbers, {what}, not {found}")))
     };
     let made = match (&arguments.limits, &arguments.edges) {
         (Some(limits), _) => {
             count("--box", &limits.0, 2 * D, "the limits of each axis")?;
             let side = |which: usize| std::array::from_fn(|axis| limits.0[2 * axis + which]);
             PeriodicBox::orthogonal(side(0), side(1), periodic)
-                .map_err(|error| unusable("--box", error.to_string()))
+                .map_err(|error| unusable("--box", &error.to_string()))
         }
         (None, Some(edges)) => {
             count("--edges", &edges.0, D * D, "the components of each edge")?;
@@ -42,11 +66,46 @@ pub(crate) fn periodic_box<const D: usize>(
             };
             let edges = std::array::from_fn(|edge| std::array::from_fn(|axis| edges.0[D * edge + axis]));
             PeriodicBox::triclinic(origin, edges, periodic)
-                .map_err(|error| unusable("--edges", error.to_string()))
+                .map_err(|error| unusable("--edges", &error.to_string()))
         }
-        (None, None) => Err(unusable("--periodic", "the box is missing: give --box or --edges".to_owned())),
+        (None, None) => Err(unusable("--periodic", "the box is missing: give --box or --edges")),
     };
     made.map(Some)
+}
+
+/// Whether the box is that of the file, if it has one.
+pub(crate) fn takes_file_box(arguments: &PeriodicArguments) -> bool {
+    arguments.limits.is_none() && arguments.edges.is_none()
+}
+
+/// The box of a file, repeating along these axes if along any.
+fn file_box<const D: usize>(
+    cell: &SimulationBox,
+    Axes(axes): Axes,
+    input: &Input,
+) -> Result<Option<PeriodicBox<f64, D>>, Failure> {
+    if !axes[..D].contains(&true) {
+        return Ok(None);
+    }
+    let unusable = |why: String| {
+        let advice = "--periodic none leaves it alone, --box and --edges give another";
+        Failure::Unusable(format!("{}: the box of the file: {why}. {advice}", input.name))
+    };
+    if D == 2 && cell.edges[..2].iter().any(|edge| edge[2] != 0.0) {
+        return Err(unusable("its edges leave the plane of the elements, which are 2D".to_owned()));
+    }
+    let mut edges: [[f64; D]; D] =
+        std::array::from_fn(|edge| std::array::from_fn(|axis| cell.edges[edge][axis]));
+    let longest = edges.as_flattened().iter().fold(0.0_f64, |longest, x| longest.max(x.abs()));
+    for edge in (0..D).filter(|&edge| !axes[edge]) {
+        // What does not repeat needs no extent, but the box does.
+        if edges[edge].iter().all(|x| *x == 0.0) {
+            edges[edge][edge] = if longest > 0.0 { longest } else { 1.0 };
+        }
+    }
+    let origin = std::array::from_fn(|axis| cell.origin[axis]);
+    let periodic = std::array::from_fn(|axis| axes[axis]);
+    PeriodicBox::triclinic(origin, edges, periodic).map(Some).map_err(|error| unusable(error.to_string()))
 }
 
 /// Compares the couples of `sample` elements with all images of all elements; returns how many were checked, or what is wrong.

@@ -11,15 +11,23 @@ use crate::network::{Sizes, Space};
 /// Written as JSON by `--json`, and as text to standard error.
 #[derive(Debug, Serialize)]
 pub(crate) struct Summary {
-    file: String,
-    format: String,
-    /// Columns that were read, as `role=name`.
-    columns: Vec<String>,
+    pub(crate) file: String,
+    pub(crate) format: String,
+    /// Of several, counted from 0.
     #[serde(skip_serializing_if = "Option::is_none")]
-    unit: Option<String>,
+    pub(crate) frame: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) step: Option<i64>,
+    /// As the file has it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) time: Option<f64>,
+    /// Columns that were read, as `role=name`.
+    pub(crate) columns: Vec<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) unit: Option<String>,
     skipped_lines: u64,
-    elements: usize,
-    dimensions: usize,
+    pub(crate) elements: usize,
+    pub(crate) dimensions: usize,
     /// Elements of radius zero.
     points: usize,
     /// Parts of one of these form no couple.
@@ -35,33 +43,44 @@ pub(crate) struct Summary {
     tolerance: f64,
     /// The box that repeats.
     #[serde(skip_serializing_if = "Option::is_none")]
-    periodic: Option<Periodic>,
+    pub(crate) periodic: Option<Periodic>,
+    /// A box of the file that does not repeat.
+    #[serde(rename = "box", skip_serializing_if = "Option::is_none")]
+    still_box: Option<StillBox>,
     engine: &'static str,
     reason: String,
     cell_size: Option<f64>,
     cells: Option<Vec<u64>>,
     /// As asked for; 0 is one for each processor.
     threads: usize,
-    couples: u64,
-    mean_coordination: f64,
+    pub(crate) couples: u64,
+    pub(crate) mean_coordination: f64,
     /// Elements without contact.
-    rattlers: u64,
-    max_overlap: Option<f64>,
+    pub(crate) rattlers: u64,
+    pub(crate) max_overlap: Option<f64>,
     /// The two elements that overlap most.
     max_overlap_couple: Option<[i64; 2]>,
     /// By how many edges the second of them is displaced.
     #[serde(skip_serializing_if = "Option::is_none")]
     max_overlap_shift: Option<Vec<i32>>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    verified: Option<usize>,
-    seconds: Seconds,
+    pub(crate) verified: Option<usize>,
+    pub(crate) seconds: Seconds,
     peak_bytes: Option<u64>,
 }
 
 #[derive(Debug, Serialize)]
-struct Periodic {
+pub(crate) struct Periodic {
     /// Letters of the edges that repeat.
-    axes: String,
+    pub(crate) axes: String,
+    origin: Vec<f64>,
+    edges: Vec<Vec<f64>>,
+    /// `file` or `options`.
+    pub(crate) from: &'static str,
+}
+
+#[derive(Debug, Serialize)]
+struct StillBox {
     origin: Vec<f64>,
     edges: Vec<Vec<f64>>,
 }
@@ -80,6 +99,7 @@ impl Summary {
     pub(crate) fn new<const D: usize>(
         input: &Input,
         space: &Space<'_, D>,
+        box_of_file: bool,
         request: &Request<'_>,
         found: &Found<D>,
         verified: Option<usize>,
@@ -96,6 +116,11 @@ impl Summary {
                 .collect(),
             origin: cell.origin().to_vec(),
             edges: cell.edges().iter().map(|edge| edge.to_vec()).collect(),
+            from: if box_of_file { "file" } else { "options" },
+        });
+        let still_box = packing.cell.filter(|_| periodic.is_none()).map(|cell| StillBox {
+            origin: cell.origin[..D].to_vec(),
+            edges: cell.edges[..D].iter().map(|edge| edge[..D].to_vec()).collect(),
         });
         let cutoff = if let Sizes::Cutoff(cutoff) = request.sizes { Some(cutoff) } else { None };
         let extent = |index| if cutoff.is_some() { 0.0 } else { request.sizes.radius(index) };
@@ -114,6 +139,9 @@ impl Summary {
         Self {
             file: name.clone(),
             format: packing.source.format.to_string(),
+            frame: None,
+            step: packing.frame.step,
+            time: packing.frame.time,
             columns: columns.filter_map(|column| Some(format!("{}={}", column.role?, column.name))).collect(),
             unit: packing.source.unit.clone(),
             skipped_lines: packing.source.skipped.count,
@@ -140,6 +168,7 @@ impl Summary {
                 .filter(|_| periodic.is_some())
                 .map(|(_, couple)| couple.shift.to_vec()),
             periodic,
+            still_box,
             verified,
             seconds,
             peak_bytes: None,
@@ -168,6 +197,9 @@ impl fmt::Display for Summary {
             Some([min, max]) if min == max => format!(", radius {}{unit}", brief(min)),
             Some([min, max]) => format!(", radius {} to {}{unit}", brief(min), brief(max)),
         };
+        if let Some(frame) = told_frame(self.frame, self.step, self.time) {
+            line("frame", frame)?;
+        }
         let plural = if self.elements == 1 { "" } else { "s" };
         line(
             "elements",
@@ -192,14 +224,19 @@ impl fmt::Display for Summary {
         if self.tolerance > 0.0 {
             line("tolerance", format!("{}{unit}", self.tolerance))?;
         }
-        if let Some(Periodic { axes, origin, edges }) = &self.periodic {
-            let point = |point: &Vec<f64>| {
-                let numbers: Vec<_> = point.iter().map(|&x| brief(x)).collect();
-                format!("[{}]", numbers.join(", "))
-            };
-            let edges: Vec<_> = edges.iter().map(point).collect();
-            let (origin, edges) = (point(origin), edges.join(", "));
-            line("periodic", format!("along {axes}: edges {edges}{unit} from {origin}"))?;
+        let point = |point: &Vec<f64>| {
+            let numbers: Vec<_> = point.iter().map(|&x| brief(x)).collect();
+            format!("[{}]", numbers.join(", "))
+        };
+        let edges_of = |edges: &[Vec<f64>]| edges.iter().map(point).collect::<Vec<_>>().join(", ");
+        if let Some(Periodic { axes, origin, edges, from }) = &self.periodic {
+            let from = if *from == "file" { ", the box of the file" } else { "" };
+            let (origin, edges) = (point(origin), edges_of(edges));
+            line("periodic", format!("along {axes}: edges {edges}{unit} from {origin}{from}"))?;
+        }
+        if let Some(StillBox { origin, edges }) = &self.still_box {
+            let (origin, edges) = (point(origin), edges_of(edges));
+            line("box", format!("edges {edges}{unit} from {origin}, of the file: it does not repeat"))?;
         }
         line("engine", format!("{}: {}", self.engine, self.reason))?;
         if let (Some(size), Some(cells)) = (self.cell_size, &self.cells) {
@@ -218,6 +255,17 @@ impl fmt::Display for Summary {
         }
         write_end(out, self.verified, &self.seconds, self.peak_bytes)
     }
+}
+
+/// What is known of a frame; nothing of a file that has only one and says nothing of it.
+fn told_frame(frame: Option<usize>, step: Option<i64>, time: Option<f64>) -> Option<String> {
+    let parts = [
+        frame.map(|frame| frame.to_string()),
+        step.map(|step| format!("time step {step}")),
+        time.map(|time| format!("time {}", brief(time))),
+    ];
+    let parts: Vec<_> = parts.into_iter().flatten().collect();
+    (!parts.is_empty()).then(|| parts.join(", "))
 }
 
 /// The last lines of every summary: what was verified, if anything, the time, and the largest memory.
