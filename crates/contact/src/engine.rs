@@ -1,6 +1,8 @@
 //! The choice of an engine, and one search that holds them all.
 
 use std::fmt;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use crate::couple::Couple;
 use crate::elements::Elements;
@@ -118,6 +120,33 @@ impl<T: Real, const D: usize> Detector<T, D> {
     /// [`Error::NoThreads`].
     pub fn with_threads(self, threads: usize) -> Result<Self, Error> {
         Ok(self.with_pool(Pool::new(threads)?))
+    }
+
+    /// The same, but a list of couples ends with [`Error::Stopped`] soon after `stop` is set, by whichever thread; the list is empty then.
+    ///
+    /// [`Rows`] and [`Multilevel`] look before each part of the search, some thousand elements; sorting runs to its end, and so do other engines, of
+    /// which a visitor that panics is the way out.
+    ///
+    /// # Example
+    /// ```
+    /// use std::sync::Arc;
+    /// use std::sync::atomic::{AtomicBool, Ordering};
+    /// use fdem_contact::{Detector, Elements, Engine, Error, Search};
+    ///
+    /// let stop = Arc::new(AtomicBool::new(false));
+    /// let mut detector = Detector::new(Engine::Rows).stopped_by(stop.clone());
+    /// let points = [[0.0, 0.0], [1.0, 0.0]];
+    /// let (elements, mut couples) = (Elements::points(&points, 1.0)?, Vec::new());
+    /// detector.couples(&elements, &mut couples)?;
+    /// stop.store(true, Ordering::Relaxed);
+    /// assert_eq!(detector.couples(&elements, &mut couples), Err(Error::Stopped));
+    /// # Ok::<(), Error>(())
+    /// ```
+    #[doc(alias = "cancel")]
+    #[must_use]
+    pub fn stopped_by(self, stop: Arc<AtomicBool>) -> Self {
+        let pool = self.rows.pool().stopped_by(stop);
+        self.with_pool(pool)
     }
 
     /// The same with other vector instructions, where the engine has them ([`Rows`]); the couples and their order are the same.

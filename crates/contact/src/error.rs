@@ -267,6 +267,8 @@ pub enum Error {
         /// Why not.
         reason: String,
     },
+    /// The search was [stopped](crate::Detector::stopped_by) before its end.
+    Stopped,
     /// The system has no memory left for the arrays of an engine.
     OutOfMemory {
         /// Bytes that were asked for.
@@ -425,6 +427,7 @@ impl fmt::Display for Error {
             }
             Self::SimdUnavailable { simd } => write!(out, "this processor has no {simd}"),
             Self::NoThreads { threads, reason } => write!(out, "{threads} threads cannot be had: {reason}"),
+            Self::Stopped => write!(out, "the search was stopped before its end"),
             Self::OutOfMemory { bytes } => write!(out, "no memory for {bytes} bytes"),
         }
     }

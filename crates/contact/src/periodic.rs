@@ -3,6 +3,9 @@
 pub(crate) mod cell;
 mod images;
 
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
 use crate::couple::Couple;
 use crate::elements::{Elements, Shape};
 use crate::engine::{Detector, Engine, Plan};
@@ -147,6 +150,15 @@ impl<T: Real, const D: usize> PeriodicSearch<T, D> {
         self.detector = self.detector.with_pool(self.pool.clone());
         self.outer_detector = self.outer_detector.with_pool(self.pool.clone());
         Ok(self)
+    }
+
+    /// The same, but a list of couples ends with [`Error::Stopped`] soon after `stop` is set, as [`Detector::stopped_by`].
+    #[must_use]
+    pub fn stopped_by(mut self, stop: Arc<AtomicBool>) -> Self {
+        self.pool = self.pool.stopped_by(stop);
+        self.detector = self.detector.with_pool(self.pool.clone());
+        self.outer_detector = self.outer_detector.with_pool(self.pool.clone());
+        self
     }
 
     /// The same with other vector instructions, where the engine has them ([`Rows`](crate::Rows)); the couples and their order are the same.

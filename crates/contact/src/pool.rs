@@ -3,9 +3,10 @@
 #[cfg(feature = "rayon")]
 mod spread;
 
-use std::sync::OnceLock;
 #[cfg(feature = "rayon")]
-use std::sync::{Arc, Mutex};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, OnceLock};
 
 use crate::error::Error;
 #[cfg(feature = "rayon")]
@@ -23,6 +24,8 @@ const MAX_THREADS: usize = 1024;
 pub(crate) struct Pool {
     #[cfg(feature = "rayon")]
     others: Option<Arc<Others>>,
+    /// Set by whoever wants searches to stop.
+    stop: Option<Arc<AtomicBool>>,
 }
 
 /// All threads but the caller's, which works too: to wake one fewer is quicker.
@@ -60,7 +63,7 @@ impl Pool {
             move |index| spread.enter(index)
         });
         let pool = pool.build().map_err(|error| Error::NoThreads { threads, reason: error.to_string() })?;
-        Ok(Self { others: Some(Others { pool, spread }.into()) })
+        Ok(Self { others: Some(Others { pool, spread }.into()), stop: None })
     }
 
     /// One thread: this build has no other.
@@ -70,6 +73,25 @@ impl Pool {
             return Ok(Self::default());
         }
         Err(Error::NoThreads { threads, reason: "built without the feature `rayon`".to_owned() })
+    }
+
+    /// The same, with work that ends with [`Error::Stopped`] once `stop` is set.
+    pub(crate) fn stopped_by(mut self, stop: Arc<AtomicBool>) -> Self {
+        self.stop = Some(stop);
+        self
+    }
+
+    /// Whether work may have to stop before its end.
+    pub(crate) fn may_stop(&self) -> bool {
+        self.stop.is_some()
+    }
+
+    /// Asked for before each part of a search.
+    pub(crate) fn go_on(&self) -> Result<(), Error> {
+        match &self.stop {
+            Some(stop) if stop.load(Ordering::Relaxed) => Err(Error::Stopped),
+            _ => Ok(()),
+        }
     }
 
     pub(crate) fn threads(&self) -> usize {

@@ -34,12 +34,17 @@ use args::{Arguments, Task};
 
 /// Runs the command with `arguments`, the first of which is the program's name, and returns its exit code.
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+    ExitCode::from(run(arguments))
+}
+
+/// As [`main`], with the exit code as a number, for programs that do not end with it.
+pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let arguments = match Arguments::try_parse_from(arguments) {
         Ok(arguments) => arguments,
         // Help and version are "errors" of the parser too: it knows which stream and code each needs.
         Err(error) => {
             let _ = error.print();
-            return ExitCode::from(error.exit_code() as u8);
+            return error.exit_code() as u8;
         }
     };
     let done = output::remove_partial_output_when_interrupted().and_then(|()| match arguments.task {
@@ -48,7 +53,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Task::Generate(arguments) => generate::run(&arguments),
     });
     match done {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(()) => 0,
         Err(failure) => {
             // Nothing is left to do if even the error cannot be printed.
             let _ = writeln!(std::io::stderr(), "error: {failure}");

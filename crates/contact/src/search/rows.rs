@@ -102,6 +102,10 @@ impl<T: Real, const D: usize> Rows<T, D> {
     }
 
     /// The same on threads that others use too.
+    pub(crate) fn pool(&self) -> Pool {
+        self.pool.clone()
+    }
+
     pub(crate) fn with_pool(mut self, pool: Pool) -> Self {
         self.pool = pool;
         self

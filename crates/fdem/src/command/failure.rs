@@ -3,7 +3,6 @@
 use std::fmt;
 use std::io;
 use std::path::Path;
-use std::process::ExitCode;
 
 #[derive(Debug)]
 pub(crate) enum Failure {
@@ -14,11 +13,11 @@ pub(crate) enum Failure {
 }
 
 impl Failure {
-    pub(crate) fn exit_code(&self) -> ExitCode {
-        ExitCode::from(match self {
+    pub(crate) fn exit_code(&self) -> u8 {
+        match self {
             Self::Unusable(_) => 2,
             Self::Wrong(_) => 1,
-        })
+        }
     }
 
     /// An input that cannot be opened or read.

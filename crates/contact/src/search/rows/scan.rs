@@ -147,8 +147,9 @@ impl<T: Real, const D: usize> Scans<'_, T, D> {
                     visit(found);
                     found.clear();
                 };
-                for scan in scans {
-                    scan.part(0..scan.layout.len(), waiting, &mut take);
+                for (scan, range) in stretches(scans, pool) {
+                    pool.go_on()?;
+                    scan.part(range, waiting, &mut take);
                 }
                 take(waiting);
                 Ok(())
@@ -156,6 +157,7 @@ impl<T: Real, const D: usize> Scans<'_, T, D> {
             Sink::Visit(visit) => {
                 // Searched at the same time and visited in their order, a batch after the other, so that couples wait in cache.
                 for batch in parts(scans).chunks(PARTS_AT_ONCE * pool.threads()) {
+                    pool.go_on()?;
                     memory.resize_with(memory.len().max(batch.len()), Vec::new);
                     pool.try_run(memory.iter_mut().zip(batch), |(couples, (scan, range))| {
                         couples.clear();
@@ -176,6 +178,17 @@ fn parts<'s, 'a, T: Real, const D: usize>(
     scans.iter().flat_map(|scan| scan.ranges().map(move |range| (scan, range))).collect()
 }
 
+/// The same, in as few parts as the threads allow: one thread that nobody stops does each scan in one go.
+fn stretches<'s, 'a, T: Real, const D: usize>(
+    scans: &'s [Scan<'a, T, D>],
+    pool: &Pool,
+) -> Vec<(&'s Scan<'a, T, D>, Range<usize>)> {
+    if pool.threads() == 1 && !pool.may_stop() {
+        return scans.iter().map(|scan| (scan, 0..scan.layout.len())).collect();
+    }
+    parts(scans)
+}
+
 /// Appends what `fill` finds in each part to `list`, in their order.
 fn append<'a, T: Real, V: Copy + Send, const D: usize>(
     scans: &[Scan<'a, T, D>],
@@ -184,11 +197,14 @@ fn append<'a, T: Real, V: Copy + Send, const D: usize>(
     memory: &mut Vec<Vec<V>>,
     list: &mut Vec<V>,
 ) -> Result<(), Error> {
+    let parts = stretches(scans, pool);
+    let fill = |part: usize, list: &mut Vec<V>| {
+        pool.go_on()?;
+        fill(parts[part].0, parts[part].1.clone(), list)
+    };
     if pool.threads() == 1 {
-        return scans.iter().try_for_each(|scan| fill(scan, 0..scan.layout.len(), list));
+        return (0..parts.len()).try_for_each(|part| fill(part, list));
     }
-    let parts = parts(scans);
-    let fill = |part: usize, list: &mut Vec<V>| fill(parts[part].0, parts[part].1.clone(), list);
     ordered::append(list, parts.len(), fill, pool, memory)
 }
 

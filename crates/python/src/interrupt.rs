@@ -1,0 +1,63 @@
+//! Work without the interpreter's lock, which Ctrl-C ends.
+
+use std::panic::resume_unwind;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::thread;
+use std::time::Duration;
+
+use pyo3::prelude::*;
+
+use crate::problem::Problem;
+
+/// How often signals are asked for: too seldom to cost anything, too often for a person to notice.
+const PERIOD: Duration = Duration::from_millis(20);
+
+/// Set when the work is to stop.
+pub(crate) type Stop = Arc<AtomicBool>;
+
+/// Runs `work` without the interpreter's lock.
+///
+/// Long work runs on a thread of its own while this one runs the handlers of signals. When one of them raises, as that of Ctrl-C does, `stop` is set, the work is
+/// waited for, since it reads the caller's arrays, and the exception is raised.
+///
+/// # Errors
+/// That of `work`, or what a handler raised.
+pub(crate) fn run<R: Send>(
+    py: Python<'_>,
+    is_long: bool,
+    stop: &Stop,
+    work: impl FnOnce() -> Result<R, Problem> + Send,
+) -> PyResult<R> {
+    stop.store(false, Ordering::Relaxed);
+    if !is_long {
+        return Ok(py.detach(work)?);
+    }
+    let mut raised = None;
+    let done = py.detach(|| {
+        thread::scope(|scope| {
+            let (ends, ended) = channel::<()>();
+            let work = move || {
+                // Dropped at the end, however that comes.
+                let _ends = ends;
+                work()
+            };
+            let thread = thread::Builder::new().spawn_scoped(scope, work);
+            let thread = thread.map_err(|error| Problem::System(format!("no thread can be had: {error}")))?;
+            while ended.recv_timeout(PERIOD) == Err(RecvTimeoutError::Timeout) {
+                #[allow(clippy::redundant_closure_for_method_calls, reason = "the method is not general enough")]
+                let handled = Python::attach(|py| py.check_signals());
+                if let Err(error) = handled {
+                    stop.store(true, Ordering::Relaxed);
+                    raised.get_or_insert(error);
+                }
+            }
+            thread.join().unwrap_or_else(|panic| resume_unwind(panic))
+        })
+    });
+    match raised {
+        Some(error) => Err(error),
+        None => Ok(done?),
+    }
+}

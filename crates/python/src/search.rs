@@ -1,0 +1,230 @@
+//! The search over all elements, its check, and its explanation.
+
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::sync::atomic::Ordering;
+
+use fdem_contact::{
+    Couple, Detector, Engine, Error, PeriodicBox, PeriodicCouple, PeriodicSearch, Search,
+    verify as verify_couples,
+};
+use numpy::{IntoPyArray, PyArray2, PyArrayMethods, PyReadonlyArray2};
+use pyo3::prelude::*;
+
+use crate::elements::{Elements, Set};
+use crate::interrupt::{self, Stop};
+use crate::number::{Number, rows_of, with_kind};
+use crate::problem::Problem;
+
+/// Up to so many elements are searched in less than a tenth of a second by any engine, and in less time than it takes to start threads by most.
+const FEW: usize = 8192;
+
+/// Couples as rows of two numbers, and the shifts of the last of them, rows of D; all before have shift 0.
+pub(crate) type Found<'py> = (Bound<'py, PyArray2<u32>>, Bound<'py, PyArray2<i32>>);
+
+/// The engine of this name.
+pub(crate) fn engine_of(name: &str) -> Result<Engine, Problem> {
+    let engines =
+        [Engine::Auto, Engine::Rows, Engine::Multilevel, Engine::CGrid, Engine::Nbs, Engine::Direct];
+    engines.into_iter().find(|engine| engine.name() == name).ok_or_else(|| {
+        let names = engines.map(Engine::name).join(", ");
+        Problem::Arguments(format!("there is no engine '{name}': choose one of {names}"))
+    })
+}
+
+/// 0 is one thread for each processor, but not to search few elements: the result is the same.
+pub(crate) fn threads_for(threads: usize, elements: usize) -> usize {
+    if threads == 0 && elements <= FEW { 1 } else { threads }
+}
+
+/// Whether a search takes long enough to be watched.
+pub(crate) fn is_long(elements: usize) -> bool {
+    elements > FEW
+}
+
+/// Two numbers a row, in the memory in which the search has written them.
+pub(crate) fn into_pairs(py: Python<'_>, couples: Vec<Couple>) -> PyResult<Bound<'_, PyArray2<u32>>> {
+    let rows = couples.len();
+    flattened(couples).into_pyarray(py).reshape([rows, 2])
+}
+
+#[allow(unsafe_code, reason = "a list changes its type where it is")]
+fn flattened(mut couples: Vec<Couple>) -> Vec<u32> {
+    const { assert!(size_of::<Couple>() == 2 * size_of::<u32>() && align_of::<Couple>() == align_of::<u32>()) };
+    // What the system has given in advance goes back: a list may have twice the memory that it needs.
+    couples.shrink_to_fit();
+    let mut couples = std::mem::ManuallyDrop::new(couples);
+    let (start, len, capacity) = (couples.as_mut_ptr(), couples.len(), couples.capacity());
+    // SAFETY: the memory comes from a vector that is not used again. A couple is `repr(C)` and two `u32`, of which any is valid; so the layout of
+    // `2 * capacity` of these is that with which the memory was allocated, and the first `2 * len` are initialised.
+    unsafe { Vec::from_raw_parts(start.cast(), 2 * len, 2 * capacity) }
+}
+
+/// What a visitor throws to end a search.
+struct Interrupted;
+
+/// A search that is stopped by its visitor.
+struct Stoppable<'a, S> {
+    search: S,
+    stop: &'a Stop,
+}
+
+impl<T: Number, const D: usize, S: Search<T, D>> Search<T, D> for Stoppable<'_, S> {
+    fn for_each(
+        &mut self,
+        elements: &fdem_contact::Elements<'_, T, D>,
+        mut visit: impl FnMut(Couple),
+    ) -> Result<(), Error> {
+        let Self { search, stop } = self;
+        stoppable(|| {
+            search.for_each(elements, |couple| {
+                look_at(stop);
+                visit(couple);
+            })
+        })
+    }
+}
+
+fn look_at(stop: &Stop) {
+    if stop.load(Ordering::Relaxed) {
+        resume_unwind(Box::new(Interrupted));
+    }
+}
+
+fn stoppable(search: impl FnOnce() -> Result<(), Error>) -> Result<(), Error> {
+    catch_unwind(AssertUnwindSafe(search)).unwrap_or_else(|panic| {
+        if panic.is::<Interrupted>() { Err(Error::Stopped) } else { resume_unwind(panic) }
+    })
+}
+
+/// Whether an engine stops by itself when it is asked to.
+fn stops(engine: Engine) -> bool {
+    matches!(engine, Engine::Auto | Engine::Rows | Engine::Multilevel)
+}
+
+fn search_open<T: Number, const D: usize>(
+    set: Set<'_, T, D>,
+    engine: Engine,
+    threads: usize,
+    stop: &Stop,
+) -> Result<Vec<Couple>, Problem> {
+    let elements = set.checked()?;
+    let mut detector = Detector::new(engine).with_threads(threads)?.stopped_by(stop.clone());
+    let mut couples = Vec::new();
+    if stops(detector.plan(&elements)?.engine) {
+        detector.couples(&elements, &mut couples)?;
+    } else {
+        Stoppable { search: detector, stop }.couples(&elements, &mut couples)?;
+    }
+    Ok(couples)
+}
+
+fn search_periodic<T: Number, const D: usize>(
+    set: Set<'_, T, D>,
+    cell: &PeriodicBox<T, D>,
+    engine: Engine,
+    threads: usize,
+    stop: &Stop,
+) -> Result<(Vec<Couple>, Vec<[i32; D]>), Problem> {
+    let elements = set.checked()?;
+    let mut search = PeriodicSearch::new(engine).with_threads(threads)?.stopped_by(stop.clone());
+    let (mut couples, mut shifted) = (Vec::new(), Vec::new());
+    if stops(engine) {
+        search.couples_by_shift(&elements, cell, &mut couples, &mut shifted)?;
+    } else {
+        let mut all = Vec::new();
+        stoppable(|| {
+            search.for_each(&elements, cell, |couple| {
+                look_at(stop);
+                all.push(couple);
+            })
+        })?;
+        let (unshifted, others): (Vec<_>, Vec<_>) =
+            all.into_iter().partition(|couple| couple.shift == [0; D]);
+        couples.extend(unshifted.iter().map(|&PeriodicCouple { i, j, .. }| Couple { i, j }));
+        shifted = others;
+    }
+    let bytes = shifted.len().saturating_mul(size_of::<Couple>());
+    couples.try_reserve(shifted.len()).map_err(|_| Error::OutOfMemory { bytes })?;
+    couples.extend(shifted.iter().map(|&PeriodicCouple { i, j, .. }| Couple { i, j }));
+    Ok((couples, shifted.iter().map(|couple| couple.shift).collect()))
+}
+
+/// All couples that touch.
+#[pyfunction]
+pub(crate) fn contacts<'py>(
+    py: Python<'py>,
+    elements: &Elements,
+    engine: &str,
+    threads: usize,
+) -> PyResult<Found<'py>> {
+    let engine = engine_of(engine)?;
+    let stop = Stop::default();
+    with_kind!(elements.kind, T, D => {
+        let held = elements.hold::<T>(py)?;
+        let set = held.set::<D>(elements)?;
+        let n = set.points.len();
+        let threads = threads_for(threads, n);
+        let (couples, shifts) = match elements.cell::<T, D>()? {
+            None => {
+                let search = || search_open(set, engine, threads, &stop);
+                (interrupt::run(py, is_long(n), &stop, search)?, Vec::new())
+            }
+            Some(cell) => {
+                let search = || search_periodic(set, &cell, engine, threads, &stop);
+                // A small box has any number of images.
+                interrupt::run(py, true, &stop, search)?
+            }
+        };
+        let rows = shifts.len();
+        let shifts = shifts.into_flattened().into_pyarray(py).reshape([rows, D])?;
+        Ok((into_pairs(py, couples)?, shifts))
+    })
+}
+
+/// Compares the couples of `sample` elements with brute force: how many were checked, and what is wrong with the first that is.
+#[pyfunction]
+pub(crate) fn verify(
+    py: Python<'_>,
+    elements: &Elements,
+    pairs: PyReadonlyArray2<'_, u32>,
+    sample: usize,
+    seed: u64,
+) -> PyResult<(usize, Option<String>)> {
+    let pairs = rows_of::<u32, 2>(&pairs)?;
+    let stop = Stop::default();
+    with_kind!(elements.kind, T, D => {
+        let held = elements.hold::<T>(py)?;
+        elements.check_unchanged(&held)?;
+        let set = held.set::<D>(elements)?;
+        interrupt::run(py, false, &stop, || {
+            let checked = set.checked()?;
+            let couples: Vec<Couple> = pairs.iter().map(|&[i, j]| Couple { i, j }).collect();
+            Ok(match verify_couples(&checked, &couples, sample, seed) {
+                Ok(checked) => (checked, None),
+                Err(mismatch) => (0, Some(mismatch.to_string())),
+            })
+        })
+    })
+}
+
+/// What a search would do, in words.
+#[pyfunction]
+pub(crate) fn explain(py: Python<'_>, elements: &Elements, engine: &str, threads: usize) -> PyResult<String> {
+    let engine = engine_of(engine)?;
+    let stop = Stop::default();
+    with_kind!(elements.kind, T, D => {
+        let held = elements.hold::<T>(py)?;
+        let set = held.set::<D>(elements)?;
+        let cell = elements.cell::<T, D>()?;
+        let threads = threads_for(threads, set.points.len());
+        interrupt::run(py, false, &stop, || {
+            let checked = set.checked()?;
+            Ok(match cell {
+                None => Detector::new(engine).with_threads(threads)?.explain(&checked)?.to_string(),
+                Some(cell) => {
+                    PeriodicSearch::new(engine).with_threads(threads)?.explain(&checked, &cell)?.to_string()
+                }
+            })
+        })
+    })
+}
