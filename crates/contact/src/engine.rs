@@ -309,7 +309,7 @@ impl<T: Real, const D: usize> Detector<T, D> {
     }
 
     /// Bytes that the engines hold now.
-    pub(crate) fn bytes(&self) -> usize {
+    pub fn bytes(&self) -> usize {
         self.rows.bytes()
             + self.multilevel.bytes()
             + self.cgrid.bytes()

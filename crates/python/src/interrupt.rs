@@ -46,7 +46,10 @@ pub(crate) fn run<R: Send>(
             let thread = thread::Builder::new().spawn_scoped(scope, work);
             let thread = thread.map_err(|error| Problem::System(format!("no thread can be had: {error}")))?;
             while ended.recv_timeout(PERIOD) == Err(RecvTimeoutError::Timeout) {
-                #[allow(clippy::redundant_closure_for_method_calls, reason = "the method is not general enough")]
+                #[allow(
+                    clippy::redundant_closure_for_method_calls,
+                    reason = "the method is not general enough"
+                )]
                 let handled = Python::attach(|py| py.check_signals());
                 if let Err(error) = handled {
                     stop.store(true, Ordering::Relaxed);

@@ -12,6 +12,7 @@
 #![allow(clippy::needless_pass_by_value, reason = "arguments from Python come by value")]
 
 mod interrupt;
+mod kept;
 mod number;
 mod problem;
 

@@ -12,6 +12,7 @@ use pyo3::prelude::*;
 
 use crate::elements::{Elements, Set};
 use crate::interrupt::{self, Stop};
+use crate::kept;
 use crate::number::{Number, rows_of, with_kind};
 use crate::problem::Problem;
 
@@ -64,7 +65,7 @@ struct Interrupted;
 
 /// A search that is stopped by its visitor.
 struct Stoppable<'a, S> {
-    search: S,
+    search: &'a mut S,
     stop: &'a Stop,
 }
 
@@ -108,12 +109,19 @@ fn search_open<T: Number, const D: usize>(
     stop: &Stop,
 ) -> Result<Vec<Couple>, Problem> {
     let elements = set.checked()?;
-    let mut detector = Detector::new(engine).with_threads(threads)?.stopped_by(stop.clone());
+    let is_auto = engine == Engine::Auto;
+    let detector = if is_auto { kept::take() } else { None };
+    let detector = detector.unwrap_or_else(|| Detector::new(engine));
+    let mut detector = detector.with_threads(threads)?.stopped_by(stop.clone());
     let mut couples = Vec::new();
     if stops(detector.plan(&elements)?.engine) {
         detector.couples(&elements, &mut couples)?;
     } else {
-        Stoppable { search: detector, stop }.couples(&elements, &mut couples)?;
+        Stoppable { search: &mut detector, stop }.couples(&elements, &mut couples)?;
+    }
+    if is_auto {
+        let bytes = detector.bytes();
+        kept::keep(detector.with_threads(1)?, bytes);
     }
     Ok(couples)
 }
@@ -126,7 +134,10 @@ fn search_periodic<T: Number, const D: usize>(
     stop: &Stop,
 ) -> Result<(Vec<Couple>, Vec<[i32; D]>), Problem> {
     let elements = set.checked()?;
-    let mut search = PeriodicSearch::new(engine).with_threads(threads)?.stopped_by(stop.clone());
+    let is_auto = engine == Engine::Auto;
+    let search = if is_auto { kept::take() } else { None };
+    let search = search.unwrap_or_else(|| PeriodicSearch::new(engine));
+    let mut search = search.with_threads(threads)?.stopped_by(stop.clone());
     let (mut couples, mut shifted) = (Vec::new(), Vec::new());
     if stops(engine) {
         search.couples_by_shift(&elements, cell, &mut couples, &mut shifted)?;
@@ -142,6 +153,10 @@ fn search_periodic<T: Number, const D: usize>(
             all.into_iter().partition(|couple| couple.shift == [0; D]);
         couples.extend(unshifted.iter().map(|&PeriodicCouple { i, j, .. }| Couple { i, j }));
         shifted = others;
+    }
+    if is_auto {
+        let bytes = search.bytes();
+        kept::keep(search.with_threads(1)?, bytes);
     }
     let bytes = shifted.len().saturating_mul(size_of::<Couple>());
     couples.try_reserve(shifted.len()).map_err(|_| Error::OutOfMemory { bytes })?;

@@ -1,0 +1,66 @@
+"""What several tests share."""
+
+import itertools
+import os
+import pathlib
+
+import numpy as np
+import pytest
+
+ROOT = pathlib.Path(__file__).resolve().parents[3]
+
+
+@pytest.fixture
+def rng():
+    return np.random.default_rng(20260101)
+
+
+@pytest.fixture(scope="session")
+def command():
+    """The command: what FDEM names, or else the one that the package has installed."""
+    return os.environ.get("FDEM", "fdem")
+
+
+def gas(n, neighbours, dimensions, seed=0):
+    """Random points in a cube, with about so many neighbours at a distance of 1."""
+    ball = {2: np.pi, 3: 4 / 3 * np.pi}[dimensions]
+    edge = (n * ball / neighbours) ** (1 / dimensions)
+    return np.random.default_rng(seed).random((n, dimensions)) * edge, edge
+
+
+def brute_force(positions, reach, groups=None):
+    """Couples of an array of reaches, by testing all, in the type of the positions."""
+    n = len(positions)
+    i, j = np.triu_indices(n, 1)
+    squares = (positions[i] - positions[j]) ** 2
+    sums = squares[:, 0]
+    for axis in range(1, positions.shape[1]):
+        sums = sums + squares[:, axis]
+    limit = reach[i, j] if np.ndim(reach) else reach
+    kept = sums <= limit * limit
+    if groups is not None:
+        kept &= groups[i] != groups[j]
+    return set(zip(i[kept].tolist(), j[kept].tolist()))
+
+
+def brute_force_images(positions, radii, edges, periodic, images):
+    """Couples with shifts, by testing so many images along each edge."""
+    found = set()
+    ranges = [range(-images, images + 1) if repeats else (0,) for repeats in periodic]
+    for shift in itertools.product(*ranges):
+        moved = positions + np.array(shift) @ edges
+        distance = np.linalg.norm(positions[:, None] - moved[None], axis=-1)
+        for i, j in np.argwhere(distance <= radii[:, None] + radii[None]):
+            if i < j or (i == j and shift > (0,) * len(shift)):
+                found.add((int(i), int(j), *shift))
+    return found
+
+
+def with_shifts(contacts):
+    return {(i, j, *shift) for (i, j), shift in zip(contacts.pairs.tolist(), contacts.shift.tolist())}
+
+
+def couples(contacts):
+    pairs = list(map(tuple, contacts.pairs.tolist()))
+    assert len(set(pairs)) == len(pairs), "each couple once"
+    return set(pairs)

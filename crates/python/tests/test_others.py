@@ -1,0 +1,250 @@
+"""Detector, queries, images, meshes, files, exports and the command."""
+
+import os
+import pathlib
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from conftest import ROOT, couples, gas
+
+import fdem
+
+EXAMPLES = ROOT / "examples"
+
+
+# Detector
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_a_detector_finds_what_a_search_finds(dtype, rng):
+    positions = gas(5000, 8, 3)[0].astype(dtype)
+    groups = rng.integers(0, 500, 5000)
+    detector = fdem.Detector(cutoff=1.0, groups=groups, buffer=0.2)
+    redetected = []
+    for _ in range(12):
+        positions += rng.normal(0, 0.01, positions.shape).astype(dtype) + dtype(0.3)
+        redetected.append(detector.update(positions))
+        found = fdem.contacts(positions, cutoff=1.0, groups=groups)
+        assert couples(detector.contacts) == couples(found)
+        assert np.allclose(np.sort(detector.contacts.distance), np.sort(found.distance))
+    assert redetected[0] and not all(redetected)
+    assert detector.updates == 12 and detector.redetections == sum(redetected)
+    assert (detector.reason is None) == (not redetected[-1])
+    assert "12 updates" in repr(detector)
+
+
+def test_a_detector_takes_other_elements_and_recovers(rng):
+    detector = fdem.Detector(radii=0.5, buffer=0.5)
+    assert detector.update(np.zeros((2, 2))) and len(detector.contacts) == 1
+    assert detector.update(np.zeros((3, 2))) and "2 elements became 3" in detector.reason
+    assert detector.update(np.zeros((3, 3), np.float32)) and len(detector.contacts) == 3
+    with pytest.raises(ValueError, match="element 1"):
+        detector.update([[0, 0, 0], [0, 0, np.nan]])
+    assert detector.update(np.zeros((3, 3))) and not detector.update(np.zeros((3, 3)))
+
+
+# Queries
+
+
+@pytest.mark.parametrize("dimensions", [2, 3])
+def test_queries_are_those_of_scipy(dimensions, rng):
+    from scipy.spatial import cKDTree
+
+    positions = gas(2000, 10, dimensions)[0]
+    at = np.concatenate([positions[:50], rng.random((200, dimensions)) * positions.max() * 1.2])
+    tree = cKDTree(positions)
+    found = fdem.query(positions, 1.0, at=at)
+    expected = tree.query_ball_point(at, 1.0, return_sorted=True)
+    assert len(found.offsets) == len(at) + 1
+    for k, indices in enumerate(expected):
+        stretch = slice(*found.offsets[k : k + 2])
+        assert found.indices[stretch].tolist() == indices
+        assert np.allclose(found.distances[stretch], np.linalg.norm(positions[indices] - at[k], axis=1))
+    nearest = fdem.query(positions, k=5, at=at)
+    distances, indices = tree.query(at, 5)
+    assert (nearest.indices.reshape(-1, 5) == indices).all()
+    assert np.allclose(nearest.distances.reshape(-1, 5), distances)
+    assert len(fdem.query(positions, 0.0).indices) == 2000, "each finds itself"
+
+
+# Images
+
+
+@pytest.mark.parametrize("dtype", ["u1", "i2", "u4", "i8", ">u2", "?"])
+def test_labels_touch_where_neighbours_differ(dtype, rng):
+    image = rng.integers(0, 2 if dtype == "?" else 6, (9, 8, 7)).astype(dtype)
+    found = fdem.labels(image, spacing=[1, 2, 3], background=None)
+    expected = {}
+    for axis, area in enumerate([6.0, 3.0, 2.0]):
+        whole = image.astype(int)
+        a, b = (np.moveaxis(whole, axis, 0)[part].ravel() for part in (slice(None, -1), slice(1, None)))
+        for i, j in zip(a[a != b].tolist(), b[a != b].tolist()):
+            key = (min(i, j), max(i, j))
+            faces, areas = expected.get(key, (0, 0.0))
+            expected[key] = (faces + 1, areas + area)
+    ours = {(i, j): (f, a) for i, j, f, a in zip(found.i.tolist(), found.j.tolist(), found.faces.tolist(), found.area.tolist())}
+    assert ours == expected
+    assert found.bodies == len(np.unique(image)) and len(found) == len(expected)
+    assert f"{len(found)} contacts" in repr(found)
+
+
+def test_labels_of_negative_numbers_and_backgrounds():
+    image = np.array([[-1, -1, 5], [7, 7, 5]], np.int16)
+    assert list(zip(fdem.labels(image).i, fdem.labels(image).j)) == [(-1, 5), (-1, 7), (5, 7)]
+    assert fdem.labels(image, background=-1).i.tolist() == [5]
+    assert fdem.labels(image.astype(np.int64)[:, ::2], background=300).bodies == 3
+    with pytest.raises(ValueError, match="no neighbourhood 'all'"):
+        fdem.labels(image, neighbourhood="all")
+    with pytest.raises(TypeError, match="whole numbers"):
+        fdem.labels(image * 0.5)
+    with pytest.raises(ValueError, match="2 or 3 axes"):
+        fdem.labels(np.zeros(4, int))
+    with pytest.raises(ValueError, match="spacing"):
+        fdem.labels(image, spacing=-1.0)
+
+
+def test_the_image_of_the_examples():
+    found = fdem.labels(np.load(EXAMPLES / "grains.npy"), spacing=0.5)
+    assert (len(found), found.bodies) == (105, 27)
+    assert found.faces.sum() == 4922 and found.area.sum() == 1230.5
+
+
+# Meshes
+
+
+def test_tetrahedra_that_overlap_by_a_known_volume():
+    corners = np.array([[0, 0, 0], [6, 0, 0], [0, 6, 0], [0, 0, 6.0]])
+    nodes = np.concatenate([corners, corners + [1, 1, 1], corners + 100])
+    cells = np.arange(12).reshape(3, 4)
+    found = fdem.mesh(nodes, cells, bodies=[-5, 30, 30])
+    # What both have in common is the same shape with an edge of 3.
+    assert len(found) == 1 and np.isclose(found.measure[0], 3**3 / 6)
+    assert found.bodies.i.tolist() == [-5] and found.bodies.j.tolist() == [30]
+    assert np.isclose(found.bodies.overlap[0], 4.5) and np.isclose(np.linalg.norm(found.normal), 1)
+    assert len(fdem.mesh(nodes, cells, self_contact=True)) == 1
+    with pytest.raises(TypeError, match="give bodies"):
+        fdem.mesh(nodes, cells)
+    with pytest.raises(ValueError, match="element 1: there is no node 77 among 12"):
+        fdem.mesh(nodes, [[0, 1, 2, 3], [4, 5, 77, 6]], bodies=[0, 1])
+    with pytest.raises(ValueError, match="3 or 4 nodes each, not 2 in 3D"):
+        fdem.mesh(nodes, [[0, 1]], bodies=[0])
+    with pytest.raises(ValueError, match="one number for each of 3"):
+        fdem.mesh(nodes, cells, bodies=[0, 1])
+
+
+def test_the_mesh_of_the_examples():
+    mesh = fdem.read(EXAMPLES / "squares.msh")
+    assert isinstance(mesh, fdem.Mesh) and "triangles" in repr(mesh)
+    found = fdem.mesh(mesh.nodes, mesh.triangles, mesh.triangles_bodies)
+    run = subprocess.run([*fdem_command(), "contacts", str(EXAMPLES / "squares.msh"), "--body-table", "-"], capture_output=True, text=True)
+    assert run.returncode == 0, run.stderr
+    assert len(found.bodies) == len(run.stdout.splitlines()) - 1
+
+
+# Files
+
+
+def fdem_command():
+    return [os.environ["FDEM"]] if "FDEM" in os.environ else [sys.executable, "-m", "fdem"]
+
+
+def test_the_packing_of_the_examples_and_the_command(tmp_path):
+    packing = fdem.read(EXAMPLES / "packing.csv")
+    found = fdem.contacts(packing.positions, packing.radii).sorted()
+    assert len(packing) == 600 and len(found) == 1132
+    table = tmp_path / "couples.csv"
+    run = subprocess.run([*fdem_command(), "contacts", str(EXAMPLES / "packing.csv"), "-o", str(table)], capture_output=True, text=True)
+    assert run.returncode == 0, run.stderr
+    theirs = np.loadtxt(table, delimiter=",", skiprows=1)
+    assert (theirs[:, :2] == found.pairs).all()
+    assert (theirs[:, 2] == found.distance).all() and (theirs[:, 3] == found.overlap).all()
+
+
+def test_the_command_of_the_package(tmp_path):
+    run = subprocess.run([sys.executable, "-m", "fdem", "contacts", "missing.csv"], capture_output=True, text=True, cwd=tmp_path)
+    assert run.returncode == 2 and "missing.csv" in run.stderr
+    run = subprocess.run([sys.executable, "-m", "fdem", "--version"], capture_output=True, text=True)
+    assert run.returncode == 0 and fdem.__version__ in run.stdout
+    script = pathlib.Path(sys.executable).with_name("fdem")
+    run = subprocess.run([script, "generate", "gas", "--elements", "50", "--seed", "1", "--output", "gas.csv"], cwd=tmp_path)
+    assert run.returncode == 0 and len(fdem.read(tmp_path / "gas.csv")) == 50
+
+
+def bed():
+    path = ROOT.parent / "shared/data/roundrobin/penetration/25KParticles.txt"
+    return path if path.exists() else None
+
+
+@pytest.mark.skipif(bed() is None, reason="the data is not there")
+def test_the_bed_of_25_000_spheres():
+    with pytest.raises(ValueError, match="25KParticles.txt:25002:"):
+        fdem.read(bed())
+    packing = fdem.read(bed(), skip_bad_lines=True)
+    assert len(packing) == 25_000 and packing.skipped == 1 and ":25002:" in packing.bad_lines[0]
+    found = fdem.contacts(packing.positions, packing.radii)
+    assert len(found) == 53_876 and f"{found.coordination.mean():.4f}" == "4.3101"
+    assert f"{found.overlap.max():.4e}" == "9.0117e-07"
+    assert found.verify(100) == 100
+    for engine in ("rows", "nbs"):
+        other = fdem.contacts(packing.positions, packing.radii, engine=engine)
+        assert np.array_equal(other.sorted().pairs, found.sorted().pairs)
+
+
+def test_files_that_cannot_be_read(tmp_path):
+    with pytest.raises(FileNotFoundError):
+        fdem.read(tmp_path / "missing.csv")
+    path = tmp_path / "bad.csv"
+    path.write_text("x,y,radius\n0,0,1\n1,abc,1\n")
+    with pytest.raises(ValueError, match="bad.csv:3: cannot read 'abc'"):
+        fdem.read(path)
+    assert len(fdem.read(path, skip_bad_lines=True)) == 1
+    path.write_text("0 0 1 3\n1 0 1 4\n")
+    named = fdem.read(path, columns="x,y,radius,-")
+    assert named.radii.tolist() == [1.0, 1.0]
+    path.write_text("x,y,radius,clump\n0,0,1,3\n1,0,1,3\n")
+    assert fdem.read(path, bodies="clump").bodies.tolist() == [3, 3]
+    mesh = tmp_path / "bad.obj"
+    mesh.write_text("v 0 0 0\nf 1 2 3\n")
+    with pytest.raises(ValueError, match="bad.obj:2: .*node 2"):
+        fdem.read(mesh)
+    with pytest.raises(ValueError, match="mesh, which has no columns"):
+        fdem.read(EXAMPLES / "squares.msh", columns="x,y")
+
+
+# Exports
+
+
+def test_exports():
+    pytest.importorskip("networkx")
+    positions, edge = gas(300, 8, 3)
+    open_, closed = fdem.contacts(positions, cutoff=1), fdem.contacts(positions, cutoff=1, box=[edge] * 3, periodic=True)
+    matrix = open_.to_scipy()
+    assert matrix.shape == (300, 300) and matrix.nnz == 2 * len(open_)
+    assert (matrix != matrix.T).nnz == 0 and np.allclose(matrix[open_.i, open_.j], open_.distance)
+    assert open_.to_scipy(None, full=False).sum() == len(open_)
+    assert np.allclose(open_.to_scipy("overlap", full=False).sum(), open_.overlap.sum())
+    with pytest.raises(ValueError, match="no values 'radius'"):
+        open_.to_scipy("radius")
+
+    graph = open_.to_networkx()
+    assert graph.number_of_nodes() == 300 and graph.number_of_edges() == len(open_)
+    assert [graph.degree(k) for k in range(300)] == open_.coordination.tolist()
+    graph = closed.to_networkx()
+    assert graph.is_multigraph() and [graph.degree(k) for k in range(300)] == closed.coordination.tolist()
+    assert sum(any(shift) for *_, shift in graph.edges(data="shift")) == len(closed._shifts) > 0
+
+    table = open_.to_pandas()
+    assert list(table) == ["i", "j", "distance", "overlap"] and (table["j"] == open_.j).all()
+    table = closed.to_pandas()
+    assert list(table)[4:] == ["sx", "sy", "sz"] and (table[["sx", "sy", "sz"]].to_numpy() == closed.shift).all()
+
+
+@pytest.mark.parametrize("export", ["to_scipy", "to_networkx", "to_pandas"])
+def test_exports_say_what_they_need(export, monkeypatch):
+    found = fdem.contacts([[0, 0], [1, 0]], cutoff=1)
+    for name in ("scipy", "scipy.sparse", "networkx", "pandas"):
+        monkeypatch.setitem(sys.modules, name, None)
+    with pytest.raises(ImportError, match="pip install"):
+        getattr(found, export)()
