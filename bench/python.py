@@ -13,7 +13,6 @@ import os
 import pathlib
 import platform
 import statistics
-import subprocess
 import sys
 import time
 
@@ -91,17 +90,25 @@ def matscipy_list(points, edge):
 
 
 def neighborlist_rs(points, edge):
-    import neighborlist_rs
+    import neighborlist_rs as package
+
+    # Makes its box itself.
+    def find(parallel):
+        return tuple(package.build_neighborlists(None, points, CUTOFF, parallel)["edge_index"])
+
+    return {1: lambda: find(False), "all": lambda: find(True)}
+
+
+def molar(points, edge):
     import numpy as np
+    import pymolar
 
-    cell = np.eye(3) * (edge + 2 * CUTOFF)
-
-    def find(threads):
-        neighborlist_rs.set_num_threads(threads)
-        found = neighborlist_rs.build_from_arrays(points, cutoff=CUTOFF)
-        return found["local"]["edge_i"], found["local"]["edge_j"]
-
-    return {"all": lambda: find(0)}
+    # Points get in one by one: that is not timed. Computes in float32.
+    system, atom = pymolar.System(), pymolar.Atom()
+    for point in points.astype(np.float32):
+        system.append(atom, point)
+    everything = system("all")
+    return {"all": lambda: tuple(pymolar.distance_search(CUTOFF, everything)[0].T)}
 
 
 PACKAGES = {
@@ -112,4 +119,126 @@ PACKAGES = {
     "vesin": ("vesin", vesin_list),
     "matscipy": ("matscipy", matscipy_list),
     "neighborlist-rs": ("neighborlist-rs", neighborlist_rs),
+    "molar": ("pymolar", molar),
 }
+
+SINGLE = ("freud AABBQuery", "freud LinkCell", "molar")
+"""Those that compute in float32, and may decide otherwise where the distance is within rounding of the cut-off."""
+
+
+def gas(n, seed):
+    """Random points with so many neighbours on average, in a cube; float32 holds them too."""
+    import numpy as np
+
+    edge = (n * 4 / 3 * math.pi * CUTOFF**3 / NEIGHBOURS) ** (1 / 3)
+    return (np.random.default_rng(seed).random((n, 3)) * edge).astype(np.float32).astype(np.float64), edge
+
+
+def measure(n, rounds):
+    """Times in seconds by package and threads, the number of pairs of each, and why some are left out."""
+    points, edge = gas(n, seed=n)
+    runs, missing = {}, {}
+    for name, (distribution, prepare) in PACKAGES.items():
+        try:
+            importlib.metadata.version(distribution)
+            for threads, find in prepare(points, edge).items():
+                runs[name, threads] = find
+        except (ImportError, importlib.metadata.PackageNotFoundError) as error:
+            missing[name] = str(error)
+    pairs, times = {}, {key: [] for key in runs}
+    # The first round is not counted: it loads code and fills caches.
+    for turn in range(rounds + 1):
+        for key, find in runs.items():
+            begin = time.perf_counter()
+            i, j = find()
+            end = time.perf_counter()
+            if turn > 0:
+                times[key].append(end - begin)
+            elif key[0] not in pairs:
+                # Some list both directions.
+                once = len(i) if (i < j).all() or not (i > j).any() else int((i < j).sum())
+                pairs[key[0]] = once
+            del i, j
+    expected = pairs["fdem"]
+    for name, count in pairs.items():
+        slack = 1e-5 * expected if name in SINGLE else 0
+        assert abs(count - expected) <= slack, f"{name} finds {count} pairs, fdem {expected}"
+    return {key: statistics.median(seconds) for key, seconds in times.items()}, pairs, missing
+
+
+def seconds(value):
+    return f"{1e3 * value:,.1f}" if value < 1 else f"{1e3 * value:,.0f}"
+
+
+def processor():
+    try:
+        lines = pathlib.Path("/proc/cpuinfo").read_text().splitlines()
+        return next(line.split(":")[1].strip() for line in lines if line.startswith("model name"))
+    except (OSError, StopIteration):
+        return platform.processor() or platform.machine()
+
+
+def report(results, rounds):
+    versions = []
+    for distribution in dict.fromkeys(distribution for distribution, _ in PACKAGES.values()):
+        try:
+            versions.append(f"{distribution} {importlib.metadata.version(distribution)}")
+        except importlib.metadata.PackageNotFoundError:
+            pass
+    load = f", load {os.getloadavg()[0]:.1f} at the end" if hasattr(os, "getloadavg") else ""
+    lines = [
+        "# Python packages side by side",
+        "",
+        "Written by `python bench/python.py --write bench/PYTHON.md`; what is timed is said there. Random points with about 12 neighbours at the cut-off, float64",
+        "arrays in, arrays of pairs out, everything between counted. Milliseconds, medians of rounds that go through all packages in turn.",
+        "",
+        f"{processor()}, {os.cpu_count()} processors{load}; Python {platform.python_version()}; {', '.join(versions)}; {rounds} rounds.",
+        "",
+    ]
+    for n, (times, pairs, missing) in results.items():
+        lines += [f"## {n:,} points, {pairs['fdem']:,} pairs", ""]
+        lines += ["| package | one thread | times fdem | all threads | times fdem |", "|---|---:|---:|---:|---:|"]
+        for name in PACKAGES:
+            if name not in pairs:
+                continue
+            cells = [name + (" (float32)" if name in SINGLE else "")]
+            for threads in (1, "all"):
+                value = times.get((name, threads))
+                # What has one thread only stands in both columns.
+                shown = value if value is not None else (times.get((name, 1)) if threads == "all" else None)
+                if shown is None:
+                    cells += ["", ""]
+                    continue
+                ratio = shown / times["fdem", threads]
+                cells += [seconds(shown) + ("" if value is not None else " (one thread)"), f"{ratio:.1f}"]
+            lines.append(f"| {' | '.join(cells)} |")
+        for name, why in missing.items():
+            lines += ["", f"{name} is left out: {why}."]
+        lines.append("")
+    worst = [
+        min(value / times["fdem", threads] for (name, of), value in times.items() if name != "fdem" and (of == threads or (threads == "all" and of == 1)))
+        for times, _, _ in results.values()
+        for threads in (1, "all")
+        if len(times) > 2
+    ]
+    if worst:
+        lines += [f"The fastest other package takes at least {min(worst):.1f} times as long as fdem in every column.", ""]
+    return "\n".join(lines)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--quick", action="store_true", help="few points, to see that all works")
+    parser.add_argument("--rounds", type=int, default=9)
+    parser.add_argument("--write", type=pathlib.Path, help="the file for the table, besides standard output")
+    arguments = parser.parse_args()
+    rounds = 2 if arguments.quick else arguments.rounds
+    sizes = (2_000, 10_000) if arguments.quick else (100_000, 1_000_000)
+    text = report({n: measure(n, rounds) for n in sizes}, rounds)
+    print(text)
+    if arguments.write:
+        arguments.write.write_text(text, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -131,17 +131,11 @@ def test_engines_agree_in_a_large_box_that_repeats(engine):
 
 def test_the_ways_to_say_a_box():
     positions = np.array([[0.1, 0.5], [3.9, 0.5]])
-    ways = [
-        ([4, 2], None),
-        ([[0, 4], [0, 2]], None),
-        ([[4, 0], [0, 2]], None),
-        (fdem.Box([[4, 0], [0, 2]]), None),
-        (fdem.Box.from_bounds([0, 0], [4, 2]), None),
-    ]
-    for box, _ in ways:
+    edges = [[4, 0], [0, 2]]
+    for box in ([4, 2], [[0, 4], [0, 2]], edges, fdem.Box(edges), fdem.Box.from_bounds([0, 0], [4, 2])):
         found = fdem.contacts(positions, cutoff=0.5, box=box, periodic=True)
         assert with_shifts(found) == {(0, 1, -1, 0)}, box
-    bounds = fdem.contacts(positions - 7, cutoff=0.5, box=[[-7, -3], [-7, -5]], periodic=[True, False])
+    bounds = fdem.contacts(positions - 7, cutoff=0.5, box=fdem.Box.from_bounds([-7, -7], [-3, -5]), periodic=[True, False])
     assert len(bounds) == 1
     with pytest.raises(ValueError, match="edges or bounds"):
         fdem.contacts(positions, cutoff=0.5, box=[[1, 5], [-1, 3]], periodic=True)

@@ -110,7 +110,7 @@ TWO = [[0.0, 0.0], [1.0, 0.0]]
         (TypeError, "radii, or the cutoff", lambda: fdem.contacts(TWO)),
         (TypeError, "radii, or the cutoff", lambda: fdem.contacts(TWO, 1.0, 1.0)),
         (TypeError, "cutoff is one number", lambda: fdem.contacts(TWO, cutoff=[1, 1])),
-        (TypeError, "cutoff must be a number, not str", lambda: fdem.contacts(TWO, cutoff="1")),
+        (TypeError, "cutoff is one number", lambda: fdem.contacts(TWO, cutoff="1")),
         (TypeError, "positions must be real numbers, not complex", lambda: fdem.contacts(np.zeros((2, 2), complex), cutoff=1)),
         (TypeError, "positions must be real numbers, not bool", lambda: fdem.contacts(np.zeros((2, 2), bool), cutoff=1)),
         (TypeError, "positions must be real numbers", lambda: fdem.contacts([["a", "b"]], cutoff=1)),

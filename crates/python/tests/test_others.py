@@ -134,13 +134,17 @@ def test_tetrahedra_that_overlap_by_a_known_volume():
         fdem.mesh(nodes, cells, bodies=[0, 1])
 
 
-def test_the_mesh_of_the_examples():
+def test_the_mesh_of_the_examples(tmp_path):
     mesh = fdem.read(EXAMPLES / "squares.msh")
     assert isinstance(mesh, fdem.Mesh) and "triangles" in repr(mesh)
     found = fdem.mesh(mesh.nodes, mesh.triangles, mesh.triangles_bodies)
-    run = subprocess.run([*fdem_command(), "contacts", str(EXAMPLES / "squares.msh"), "--body-table", "-"], capture_output=True, text=True)
-    assert run.returncode == 0, run.stderr
-    assert len(found.bodies) == len(run.stdout.splitlines()) - 1
+    command = [*fdem_command(), "contacts", str(EXAMPLES / "squares.msh")]
+    for option, ours in [("-o", found), ("--body-table", found.bodies)]:
+        table = tmp_path / f"table{option}.csv"
+        run = subprocess.run([*command, option, str(table)], capture_output=True, text=True)
+        assert run.returncode == 0, run.stderr
+        theirs = np.loadtxt(table, delimiter=",", skiprows=1, usecols=(0, 1), ndmin=2)
+        assert (theirs == np.stack([ours.i, ours.j], 1)).all() and len(theirs) > 0
 
 
 # Files

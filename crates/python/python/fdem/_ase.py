@@ -97,9 +97,9 @@ def neighbor_list(
     margin = limits.largest * _MARGIN
     if margin > 0 or len(centres) == 0:
         found = _search(centres, limits, margin, edges * signs[:, None], repeats, cell_origin, threads)
-        starts, j, couples = _fdem.csr(found.n, found.pairs, True)
+        starts, partners, couples = _fdem.csr(found.n, found.pairs, True)
         i = np.repeat(np.arange(found.n), np.diff(starts))
-        j = j.astype(np.int64)
+        j = partners.astype(np.int64)
         shift = found.shift[np.where(couples < 0, ~couples, couples)].astype(np.int64)
         shift[couples < 0] *= -1
         shift *= signs.astype(np.int64)

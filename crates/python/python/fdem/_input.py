@@ -48,7 +48,7 @@ def floats(value: Any, name: str) -> Floats:
         wrong = (back != array) & ~(np.isnan(exact) & (array != array))
         if dtype.kind in "iu":
             # As whole numbers: 2**63 - 1 and 2**63 are one float64.
-            wrong = np.abs(exact) > 2.0**53
+            wrong = np.abs(exact) >= 2.0**53
             wrong[wrong] = [int(a) != int(b) for a, b in zip(exact[wrong], array[wrong])]
         if wrong.any():
             place = tuple(int(k) for k in np.argwhere(wrong)[0])

@@ -93,6 +93,7 @@ def labels(
         raise TypeError(f"labels must be whole numbers, not {array.dtype}")
     if array.ndim not in (2, 3):
         raise ValueError(f"an image has 2 or 3 axes, not {array.ndim}")
+    dtype: np.dtype[Any]
     if array.dtype.kind == "b":
         dtype = np.dtype(np.uint8)
     elif array.dtype.kind == "i" and array.dtype.itemsize < 4:
