@@ -57,7 +57,7 @@ def pages():
 
 
 @pytest.mark.parametrize("page", pages(), ids=lambda page: str(page.relative_to(ROOT)))
-def test_python_blocks_run(page, tmp_path, monkeypatch):
+def test_python_blocks_run(page, tmp_path, monkeypatch, capsys):
     """The blocks of a page run one after the other, as a reader would type them, in the folder of the repository's examples."""
     (tmp_path / "examples").symlink_to(ROOT / "examples")
     monkeypatch.chdir(tmp_path)
@@ -71,3 +71,9 @@ def test_python_blocks_run(page, tmp_path, monkeypatch):
             names.update(parsed.globs)
         else:
             exec(compile(block, str(page), "exec"), names)  # noqa: S102
+            # What `print` is said to print.
+            expected = re.findall(r"^print\(.*\) *# (.*)$", block, re.M)
+            printed = capsys.readouterr().out.splitlines()
+            assert not expected or len(expected) == len(printed)
+            for want, got in zip(expected, printed):
+                assert doctest.OutputChecker().check_output(want + "\n", got + "\n", doctest.ELLIPSIS), (want, got)
