@@ -139,12 +139,13 @@ def test_the_mesh_of_the_examples(tmp_path):
     assert isinstance(mesh, fdem.Mesh) and "triangles" in repr(mesh)
     found = fdem.mesh(mesh.nodes, mesh.triangles, mesh.triangles_bodies)
     command = [*fdem_command(), "contacts", str(EXAMPLES / "squares.msh")]
-    for option, ours in [("-o", found), ("--body-table", found.bodies)]:
+    # In the file elements are numbered from 1.
+    for option, ours, first in [("-o", found, 1), ("--body-table", found.bodies, 0)]:
         table = tmp_path / f"table{option}.csv"
         run = subprocess.run([*command, option, str(table)], capture_output=True, text=True)
         assert run.returncode == 0, run.stderr
         theirs = np.loadtxt(table, delimiter=",", skiprows=1, usecols=(0, 1), ndmin=2)
-        assert (theirs == np.stack([ours.i, ours.j], 1)).all() and len(theirs) > 0
+        assert (theirs - first == np.stack([ours.i, ours.j], 1)).all() and len(theirs) > 0
 
 
 # Files

@@ -4,6 +4,27 @@ from typing import Any, Optional, final
 import numpy as np
 import numpy.typing as npt
 
+__all__ = [
+    "__version__",
+    "Buffered",
+    "Elements",
+    "ascending",
+    "contacts",
+    "coordination",
+    "csr",
+    "explain",
+    "is_mesh",
+    "labels",
+    "main",
+    "measure",
+    "mesh",
+    "nearest",
+    "read_mesh",
+    "read_packing",
+    "verify",
+    "within",
+]
+
 __version__: str
 
 _Floats = npt.NDArray[Any]
