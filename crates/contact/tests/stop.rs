@@ -1,0 +1,87 @@
+//! Searches that another thread ends.
+
+#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::Duration;
+
+use fdem_contact::{Detector, Elements, Engine, Error, PeriodicBox, PeriodicSearch, Search};
+
+const ENGINES: [Engine; 3] = [Engine::Auto, Engine::Rows, Engine::Multilevel];
+
+/// A grid whose points are 1 apart, in an order of its own.
+fn points(edge: u32) -> Vec<[f64; 3]> {
+    let n = edge * edge * edge;
+    // Odd steps through a number that they do not divide.
+    let step = (0..).map(|k| n / 2 + k).find(|step| gcd(*step, n) == 1).unwrap();
+    (0..n)
+        .map(|k| (u64::from(k) * u64::from(step) % u64::from(n)) as u32)
+        .map(|k| [k % edge, k / edge % edge, k / edge / edge].map(f64::from))
+        .collect()
+}
+
+fn gcd(a: u32, b: u32) -> u32 {
+    if b == 0 { a } else { gcd(b, a % b) }
+}
+
+#[test]
+fn who_may_be_stopped_finds_the_same_in_the_same_order() {
+    let centres = points(24);
+    let radii: Vec<f64> = (0..centres.len()).map(|k| if k % 50 == 0 { 3.0 } else { 0.6 }).collect();
+    let elements = Elements::spheres_with_radii(&centres, &radii).unwrap();
+    let cell = PeriodicBox::orthogonal([0.0; 3], [24.0; 3], [true; 3]).unwrap();
+    for engine in ENGINES {
+        let (mut expected, mut couples) = (Vec::new(), Vec::new());
+        let (mut in_cell, mut shifted) = (Vec::new(), Vec::new());
+        Detector::new(engine).couples(&elements, &mut expected).unwrap();
+        PeriodicSearch::new(engine).couples(&elements, &cell, &mut in_cell).unwrap();
+        for threads in [1, 2, 3] {
+            let stop = Arc::new(AtomicBool::new(false));
+            let mut detector = Detector::new(engine).with_threads(threads).unwrap().stopped_by(stop.clone());
+            detector.couples(&elements, &mut couples).unwrap();
+            assert_eq!(couples, expected, "{engine}, {threads} threads");
+            let search = PeriodicSearch::new(engine).with_threads(threads).unwrap();
+            search.stopped_by(stop).couples(&elements, &cell, &mut shifted).unwrap();
+            assert_eq!(shifted, in_cell, "{engine}, {threads} threads");
+        }
+    }
+}
+
+#[test]
+fn a_search_ends_soon_after_it_is_stopped_and_may_run_again() {
+    // Some 10^8 couples: without an end, this takes seconds.
+    let centres = points(48);
+    let many = Elements::points(&centres, 12.0).unwrap();
+    let few = Elements::points(&centres, 1.0).unwrap();
+    let cell = PeriodicBox::orthogonal([0.0; 3], [100.0; 3], [true; 3]).unwrap();
+    for engine in [Engine::Rows, Engine::Multilevel] {
+        for threads in [1, 2] {
+            let stop = Arc::new(AtomicBool::new(false));
+            let mut detector = Detector::new(engine).with_threads(threads).unwrap().stopped_by(stop.clone());
+            let search = PeriodicSearch::new(engine).with_threads(threads).unwrap();
+            let mut search = search.stopped_by(stop.clone());
+            let (mut couples, mut shifted) = (Vec::new(), Vec::new());
+            let soon = |found: &mut dyn FnMut() -> Result<(), Error>| {
+                stop.store(false, Ordering::Relaxed);
+                thread::scope(|scope| {
+                    scope.spawn(|| {
+                        thread::sleep(Duration::from_millis(20));
+                        stop.store(true, Ordering::Relaxed);
+                    });
+                    assert_eq!(found(), Err(Error::Stopped), "{engine}, {threads} threads");
+                });
+                stop.store(false, Ordering::Relaxed);
+            };
+            soon(&mut || detector.couples(&many, &mut couples));
+            assert!(couples.is_empty());
+            soon(&mut || search.couples(&many, &cell, &mut shifted));
+            assert!(shifted.is_empty());
+            detector.couples(&few, &mut couples).unwrap();
+            assert_eq!(couples.len(), 3 * 47 * 48 * 48);
+            search.couples(&few, &cell, &mut shifted).unwrap();
+            assert_eq!(shifted.len(), 3 * 47 * 48 * 48);
+        }
+    }
+}
