@@ -18,3 +18,8 @@ pub use fdem_scenes as scenes;
 #[cfg(doctest)]
 #[doc = include_str!("../../../README.md")]
 pub struct ReadmeDoctests;
+
+/// The Rust code in the book compiles and runs.
+#[cfg(doctest)]
+#[doc = include_str!("../../../book/src/quick-start/rust.md")]
+pub struct BookDoctests;

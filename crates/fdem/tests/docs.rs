@@ -6,6 +6,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+#[path = "../examples/book_figures/main.rs"]
+mod book_figures;
+
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
@@ -14,21 +17,36 @@ fn read(name: &str) -> String {
     fs::read_to_string(root().join(name)).unwrap()
 }
 
+/// The pages of the book, by their paths.
+fn pages() -> Vec<String> {
+    let summary = read("book/src/SUMMARY.md");
+    let pages = summary.split("](").skip(1).filter_map(|rest| rest.split(')').next());
+    pages.map(|page| format!("book/src/{page}")).collect()
+}
+
 /// Every `path/like/this` in backticks and every link between our own files.
 #[test]
 fn every_path_that_a_document_names_exists() {
     let mut checked = 0;
-    for document in ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md"] {
+    let pages = pages();
+    let documents = ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "book/src/SUMMARY.md"];
+    for document in documents.into_iter().chain(pages.iter().map(String::as_str)) {
         let text = read(document);
+        let folder = Path::new(document).parent().unwrap();
         let quoted = text.split('`').skip(1).step_by(2).filter(|quoted| is_path(quoted));
         let linked = text.split("](").skip(1).filter_map(|rest| rest.split(')').next());
         for link in quoted.chain(linked.filter(|link| !link.contains("://"))) {
             let (path, heading) = link.split_once('#').unwrap_or((link, ""));
-            let path = if path.is_empty() { document } else { path };
-            assert!(root().join(path).exists(), "{document} names {path}, which does not exist");
+            // Paths in backticks are of the repository, links of the page that they are on.
+            let linked = if path.is_empty() { document.into() } else { folder.join(path) };
+            let path = if root().join(path).exists() && !path.is_empty() { path.into() } else { linked };
+            assert!(root().join(&path).exists(), "{document} names {link}, which does not exist");
             if !heading.is_empty() {
-                let headings =
-                    read(path).lines().filter(|line| line.starts_with('#')).map(anchor).collect::<Vec<_>>();
+                let headings = read(path.to_str().unwrap())
+                    .lines()
+                    .filter(|line| line.starts_with('#'))
+                    .map(anchor)
+                    .collect::<Vec<_>>();
                 assert!(
                     headings.iter().any(|anchor| anchor == heading),
                     "{document} names {link}: {headings:?}"
@@ -37,7 +55,7 @@ fn every_path_that_a_document_names_exists() {
             checked += 1;
         }
     }
-    assert!(checked > 30, "only {checked} paths were found: has the format of the documents changed?");
+    assert!(checked > 60, "only {checked} paths were found: has the format of the documents changed?");
 }
 
 /// The name by which a link reaches a heading: lower case, hyphens for blanks, nothing else but letters and digits.
@@ -47,42 +65,15 @@ fn anchor(heading: &str) -> String {
 }
 
 fn is_path(quoted: &str) -> bool {
-    let starts = ["crates/", "scenes/", "bench/", "examples/", "docs/", "fuzz/"];
+    let starts = ["crates/", "scenes/", "bench/", "book/", "examples/", "docs/", "fuzz/"];
     starts.iter().any(|start| quoted.starts_with(start)) && !quoted.contains(' ')
 }
 
 /// The commands of the README run as they are printed, one after the other, and say what is printed below them.
 #[test]
 fn the_commands_of_the_readme_run() {
-    let folder = tempfile::tempdir().unwrap();
-    fs::create_dir(folder.path().join("examples")).unwrap();
-    for example in ["packing.csv", "grains.npy", "squares.msh", "floor.stl", "balls.csv"] {
-        let example = format!("examples/{example}");
-        fs::copy(root().join(&example), folder.path().join(&example)).unwrap();
-    }
-    let mut ran = 0;
-    for block in read("README.md").split("```console\n").skip(1).map(|rest| rest.split("```").next().unwrap())
-    {
-        for command in block.split("$ ").skip(1) {
-            let (line, printed) = command.split_once('\n').unwrap();
-            let line = line.replace("cargo run --release --", "fdem");
-            let Some(arguments) = line.strip_prefix("fdem ") else { continue };
-            let output = Command::new(assert_cmd::cargo::cargo_bin!("fdem"))
-                .args(arguments.split_whitespace())
-                .current_dir(folder.path())
-                .output()
-                .unwrap();
-            let said = String::from_utf8(output.stderr).unwrap();
-            assert!(output.status.success(), "{line}\n{said}");
-            // Times and memory differ from run to run.
-            for printed in
-                printed.lines().filter(|line| !line.starts_with("time") && !line.starts_with("peak"))
-            {
-                assert!(said.contains(printed), "{line} does not say\n{printed}\nbut\n{said}");
-            }
-            ran += 1;
-        }
-    }
+    let folder = folder_with_examples();
+    let ran = run_commands("README.md", folder.path());
     assert!(ran >= 5, "only {ran} commands were found: has the format of the README changed?");
     let picture = fs::read_to_string(folder.path().join("packing.svg")).unwrap();
     assert_eq!(
@@ -90,6 +81,62 @@ fn the_commands_of_the_readme_run() {
         read("docs/packing.svg"),
         "the picture in the README is the one that its command draws"
     );
+}
+
+/// So do those of the book, page by page.
+#[test]
+fn the_commands_of_the_book_run() {
+    let ran: usize = pages().iter().map(|page| run_commands(page, folder_with_examples().path())).sum();
+    assert!(ran >= 10, "only {ran} commands were found: has the format of the book changed?");
+}
+
+fn folder_with_examples() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    fs::create_dir(folder.path().join("examples")).unwrap();
+    for example in fs::read_dir(root().join("examples")).unwrap() {
+        let example = example.unwrap();
+        fs::copy(example.path(), folder.path().join("examples").join(example.file_name())).unwrap();
+    }
+    folder
+}
+
+/// Runs the commands of a document, and returns how many there are.
+fn run_commands(document: &str, folder: &Path) -> usize {
+    let mut ran = 0;
+    for block in read(document).split("```console\n").skip(1).map(|rest| rest.split("```").next().unwrap()) {
+        for command in block.split("$ ").skip(1) {
+            let (line, printed) = command.split_once('\n').unwrap();
+            let line = line.replace("cargo run --release --", "fdem");
+            let Some(arguments) = line.strip_prefix("fdem ") else { continue };
+            let output = Command::new(assert_cmd::cargo::cargo_bin!("fdem"))
+                .args(arguments.split_whitespace())
+                .current_dir(folder)
+                .output()
+                .unwrap();
+            let said = String::from_utf8(output.stderr).unwrap();
+            assert!(output.status.success(), "{document}: {line}\n{said}");
+            // Times and memory differ from run to run.
+            for printed in
+                printed.lines().filter(|line| !line.starts_with("time") && !line.starts_with("peak"))
+            {
+                assert!(said.contains(printed), "{document}: {line} does not say\n{printed}\nbut\n{said}");
+            }
+            ran += 1;
+        }
+    }
+    ran
+}
+
+/// The figures of the book are those that the searches draw.
+#[test]
+fn the_figures_of_the_book_are_up_to_date() {
+    for (name, svg) in book_figures::figures().unwrap() {
+        assert_eq!(
+            svg,
+            read(&format!("book/src/figures/{name}")),
+            "cargo run -p fdem --example book_figures -- book/src/figures"
+        );
+    }
 }
 
 #[test]
