@@ -73,12 +73,14 @@ pub(crate) fn run(arguments: &ContactsArguments) -> Result<(), Failure> {
     };
     let mut input = opened.frame(&frames, frame, &arguments.input, arguments.bodies.as_deref(), &progress)?;
     input.seconds += opened.seconds;
+    let of_several = frames.frames() > 1;
     drop(opened);
     if arguments.explain {
         return explain(arguments, &input, outputs);
     }
     let mut summary = treat(arguments, &progress, &input, &mut outputs)?;
 
+    summary.frame = of_several.then_some(frame);
     // The last output is the summary, which tells how long the others took.
     summary.measure_peak();
     outputs.finish(&summary, arguments.quiet)

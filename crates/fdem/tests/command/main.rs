@@ -8,6 +8,7 @@
 //! - `bodies`: elements that are parts of bodies.
 //! - `labels`: images of bodies.
 //! - `mesh`: meshes, several files, spheres against walls.
+//! - `series`: files of several frames, with boxes of their own, of any format.
 //! - `beds`: a real bed that this project did not make.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failed unwrap is a failed test")]
@@ -21,6 +22,7 @@ mod generate;
 mod labels;
 mod mesh;
 mod periodic;
+mod series;
 
 use std::fs;
 use std::path::{Path, PathBuf};

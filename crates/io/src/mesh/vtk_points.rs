@@ -51,14 +51,14 @@ pub(crate) fn is_time(name: &str) -> bool {
     matches!(name, "TimeValue" | "TIME" | "CYCLE")
 }
 
-/// Whether a legacy file has cells other than vertices; also where it is damaged, which the reader of meshes will say.
+/// Whether a legacy file has cells other than vertices; not where it is damaged, which the reader of points will say.
 pub(crate) fn is_mesh(bytes: &[u8]) -> bool {
-    vtk::has_cells(bytes).unwrap_or(true)
+    vtk::has_cells(bytes).unwrap_or(false)
 }
 
 /// The same of a VTU or VTP file.
 pub(crate) fn is_xml_mesh(bytes: &[u8]) -> bool {
-    vtk_xml::has_cells(bytes).unwrap_or(true)
+    vtk_xml::has_cells(bytes).unwrap_or(false)
 }
 
 /// The points of a legacy file.

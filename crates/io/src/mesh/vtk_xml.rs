@@ -33,14 +33,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Draft, Fault> {
 pub(crate) fn has_cells(bytes: &[u8]) -> Result<bool, Fault> {
     with_file(bytes, |file| {
         for piece in file.pieces() {
-            let counts =
-                ["NumberOfLines", "NumberOfPolys", "NumberOfStrips"].map(|counted| count(piece, counted));
-            for counted in counts {
-                if counted? > 0 {
-                    return Ok(true);
-                }
-            }
-            if file.is_grid() && count(piece, "NumberOfCells")? > 0 && file.types(piece)?.has_cells() {
+            if file.piece_has_cells(piece)? {
                 return Ok(true);
             }
         }
@@ -53,6 +46,8 @@ pub(crate) fn points(bytes: &[u8]) -> Result<PointCloud, Fault> {
     with_file(bytes, |file| {
         let mut cloud = PointCloud::default();
         for piece in file.pieces() {
+            // Whatever keeps a file from being a mesh is told here.
+            file.piece_has_cells(piece)?;
             file.cloud(piece, &mut cloud)?;
         }
         for array in children(child(file.data_set, "FieldData")).filter(|node| node.has_tag_name("DataArray"))
@@ -173,6 +168,16 @@ impl<'a, 'input> File<'a, 'input> {
 
     fn is_grid(&self) -> bool {
         self.data_set.has_tag_name("UnstructuredGrid")
+    }
+
+    /// Whether a piece has cells other than vertices.
+    fn piece_has_cells(&self, piece: Node<'a, 'input>) -> Result<bool, Fault> {
+        for counted in ["NumberOfLines", "NumberOfPolys", "NumberOfStrips"] {
+            if count(piece, counted)? > 0 {
+                return Ok(true);
+            }
+        }
+        Ok(self.is_grid() && count(piece, "NumberOfCells")? > 0 && self.types(piece)?.has_cells())
     }
 
     /// The types of the cells of a grid, and nothing else of them.

@@ -1,0 +1,209 @@
+//! Files of several frames, with boxes of their own, of any format, compressed or not.
+
+use crate::Bench;
+
+/// Two spheres that touch across the face x of the box, and one by itself.
+const FRAME_0: &str = "ITEM: TIMESTEP\n500\nITEM: NUMBER OF ATOMS\n3\nITEM: BOX BOUNDS pp pp ff\n0 10\n0 10\n0 10\n\
+                       ITEM: ATOMS id x y z radius\n1 0.25 5 5 0.5\n2 9.75 5 5 0.5\n7 5 5 5 0.5\n";
+/// The same two in a sheared box, scaled, beside another that touches the second inside.
+const FRAME_1: &str = "ITEM: TIMESTEP\n600\nITEM: NUMBER OF ATOMS\n3\nITEM: BOX BOUNDS xy xz yz pp pp pp\n0 12 2\n0 10 0\n0 10 0\n\
+                       ITEM: ATOMS id xs ys zs radius\n1 0.03125 0.5 0.5 0.5\n2 0.96875 0.5 0.5 0.5\n3 0.90625 0.5 0.5 0.5\n";
+const COUPLES: &str = "frame,step,i,j,distance,overlap,sx,sy,sz\n0,500,1,2,0.5,0.5,-1,0,0\n\
+                       1,600,1,2,0.625,0.375,-1,0,0\n1,600,2,3,0.625,0.375,0,0,0\n";
+
+fn dump() -> Bench {
+    let bench = Bench::new();
+    bench.write("run.dump", [FRAME_0, FRAME_1].concat());
+    bench
+}
+
+#[test]
+fn a_series_is_one_table_with_the_box_of_each_frame() {
+    let bench = dump();
+    let run = bench.run(&["contacts", "run.dump", "--json", "all.json", "--verify", "3"]).succeeds();
+    assert_eq!(run.stdout, COUPLES);
+    for part in [
+        "frames           2\n",
+        "each frame in its own box",
+        "in all           6 elements, 3 couples",
+        "verified         6",
+    ] {
+        assert!(run.stderr.contains(part), "{part:?} is not in\n{}", run.stderr);
+    }
+    let lines: Vec<Vec<&str>> = run.stderr.lines().map(|line| line.split_whitespace().collect()).collect();
+    assert!(lines.contains(&vec!["0", "500", "-", "3", "1", "0.6667", "1", "0.5"]), "{}", run.stderr);
+    let json = bench.json("all.json");
+    assert_eq!(json.as_array().unwrap().len(), 2);
+    assert_eq!(
+        (&json[1]["frame"], &json[1]["step"], &json[1]["couples"]),
+        (&1.into(), &600.into(), &2.into())
+    );
+    assert_eq!(json[0]["periodic"]["axes"], "xy");
+    assert_eq!(
+        json[1]["periodic"]["edges"],
+        serde_json::json!([[10.0, 0.0, 0.0], [2.0, 10.0, 0.0], [0.0, 0.0, 10.0]])
+    );
+    assert_eq!(json[1]["periodic"]["from"], "file");
+
+    bench.run(&["contacts", "run.dump", "-o", "all.csv", "-q"]).succeeds();
+    assert_eq!(bench.read("all.csv"), COUPLES);
+    assert_eq!(bench.run(&["contacts", "run.dump", "--count", "-q"]).succeeds().stdout, "1\n2\n");
+    bench.run(&["contacts", "run.dump", "-o", "all.npy", "-q"]).succeeds();
+    let array = npyz::NpyFile::new(std::fs::File::open(bench.path("all.npy")).unwrap()).unwrap();
+    assert_eq!(array.shape(), &[3]);
+    let names: Vec<&str> = COUPLES.lines().next().unwrap().split(',').collect();
+    let npyz::DType::Record(fields) = array.dtype() else { panic!("no fields") };
+    assert_eq!(fields.iter().map(|field| field.name.as_str()).collect::<Vec<_>>(), names);
+}
+
+#[test]
+fn frames_are_chosen_as_python_slices() {
+    let bench = dump();
+    let run = bench.run(&["contacts", "run.dump", "--frames", "-1"]).succeeds();
+    assert_eq!(run.stdout, "i,j,distance,overlap,sx,sy,sz\n1,2,0.625,0.375,-1,0,0\n2,3,0.625,0.375,0,0,0\n");
+    assert!(run.stderr.contains("frame            1, time step 600\n"), "{}", run.stderr);
+    let run = bench.run(&["contacts", "run.dump", "--frames", "::-1", "--count", "-q"]).succeeds();
+    assert_eq!(run.stdout, "2\n1\n");
+    let run = bench.run(&["contacts", "run.dump", "--frames", "0:1", "-q"]).succeeds();
+    assert_eq!(run.stdout, COUPLES.lines().take(2).map(|line| format!("{line}\n")).collect::<String>());
+    for (frames, part) in
+        [("2", "0 to 1"), ("5:", "none of the 2 frames"), ("a", "no frame"), ("::0", "leads nowhere")]
+    {
+        bench.run(&["contacts", "run.dump", "--frames", frames]).refused_with(&[part]);
+    }
+    bench.run(&["bench", "run.dump"]).refused_with(&["2 frames", "--frames N"]);
+    bench.run(&["bench", "run.dump", "--frames", "0", "--repeat", "1"]).succeeds();
+    bench.run(&["contacts", "run.dump", "--explain"]).refused_with(&["--explain", "--frames N"]);
+    assert!(
+        bench
+            .run(&["contacts", "run.dump", "--explain", "--frames", "0"])
+            .succeeds()
+            .stdout
+            .contains("engine")
+    );
+}
+
+#[test]
+fn each_frame_may_have_files_of_its_own() {
+    let bench = dump();
+    let outputs = ["-o", "c{frame}.csv", "--json", "s{frame}.json", "--picture", "p{frame}.svg"];
+    bench.run(&[&["contacts", "run.dump", "-q"], &outputs[..]].concat()).succeeds();
+    assert_eq!(bench.files(), ["c0.csv", "c1.csv", "p0.svg", "p1.svg", "run.dump", "s0.json", "s1.json"]);
+    assert_eq!(bench.read("c0.csv"), "i,j,distance,overlap,sx,sy,sz\n1,2,0.5,0.5,-1,0,0\n");
+    assert_eq!(bench.json("s1.json")["frame"], 1);
+    bench
+        .run(&["contacts", "run.dump", "--frames", "1", "-o", "one{frame}.csv", "--json", "one.json"])
+        .succeeds();
+    assert_eq!(bench.read("one1.csv"), bench.read("c1.csv"));
+    assert_eq!(bench.json("one.json")["couples"], 2);
+    bench.run(&["contacts", "run.dump", "--picture", "p.svg"]).refused_with(&["--picture", "{frame}"]);
+    bench.write("c1.csv", FRAME_0);
+    bench.run(&["contacts", "c1.csv", "--frames", "0:", "-o", "c{frame}.csv"]).succeeds();
+    bench.write("c0.csv", FRAME_0);
+    bench
+        .run(&["contacts", "c0.csv", "-o", "c{frame}.csv"])
+        .refused_with(&["--output c0.csv is the input too"]);
+}
+
+/// The second frame is cut off: no file of the first appears either.
+#[test]
+fn outputs_of_a_series_are_whole_or_absent() {
+    let bench = Bench::new();
+    bench.write("run.dump", [FRAME_0, &FRAME_1[..FRAME_1.len() - 30]].concat());
+    let outputs = ["--json", "all.json", "--picture", "p{frame}.svg"];
+    for output in ["all.csv", "all.npy", "c{frame}.csv"] {
+        bench
+            .run(&[&["contacts", "run.dump", "-o", output], &outputs[..]].concat())
+            .refused_with(&["run.dump:24: frame 1 (counted from 0): ", "expected 5 fields"]);
+        assert_eq!(bench.files(), ["run.dump"]);
+    }
+    assert_eq!(
+        bench.run(&["contacts", "run.dump", "--frames", "0", "--count", "-q"]).succeeds().stdout,
+        "1\n"
+    );
+}
+
+#[test]
+fn options_win_over_the_box_of_the_file() {
+    let bench = Bench::new();
+    bench.write("a.dump", FRAME_0);
+    let count = |options: &[&str]| {
+        bench
+            .run(&[&["contacts", "a.dump", "--count", "--json", "s.json"], options].concat())
+            .succeeds()
+            .stdout
+    };
+    assert_eq!(count(&[]), "1\n");
+    let run = bench.run(&["contacts", "a.dump"]).succeeds();
+    assert!(
+        run.stderr.contains("edges [10, 0, 0], [0, 10, 0], [0, 0, 10] from [0, 0, 0], the box of the file\n"),
+        "{}",
+        run.stderr
+    );
+    assert_eq!(count(&["--periodic", "none"]), "0\n");
+    let summary = bench.json("s.json");
+    assert_eq!(summary["periodic"], serde_json::Value::Null);
+    assert_eq!(summary["box"]["edges"][2], serde_json::json!([0.0, 0.0, 10.0]));
+    assert_eq!(count(&["--periodic", "z"]), "0\n", "the box of the file, along another edge");
+    assert_eq!(bench.json("s.json")["periodic"]["axes"], "z");
+    assert_eq!(count(&["--periodic", "x", "--box", "0,20,0,10,0,10"]), "0\n");
+    assert_eq!(bench.json("s.json")["periodic"]["from"], "options");
+    bench
+        .run(&["contacts", "a.dump", "--periodic", "none", "--box", "0,20,0,10,0,10"])
+        .refused_with(&["--periodic none", "--box"]);
+    bench.write(
+        "flat.xyz",
+        "1\nLattice=\"4 0 0 0 4 0 0 0 0\" pbc=\"T T F\" Properties=pos:R:3:radius:R:1\n0 0 0 2\n",
+    );
+    let run = bench.run(&["contacts", "flat.xyz", "-q"]).succeeds();
+    assert_eq!(run.stdout, "i,j,distance,overlap,sx,sy,sz\n0,0,4.0,0.0,0,1,0\n0,0,4.0,0.0,1,0,0\n");
+    bench.write("bad.xyz", "1\nLattice=\"4 0 0 8 0 0 0 0 4\" Properties=pos:R:3:radius:R:1\n0 0 0 1\n");
+    bench.run(&["contacts", "bad.xyz"]).refused_with(&["bad.xyz: the box of the file", "--periodic none"]);
+    bench.write("wall.stl", "solid w\nfacet\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid w\n");
+    bench
+        .run(&["contacts", "a.dump", "wall.stl"])
+        .refused_with(&["a.dump: its box repeats", "--periodic none"]);
+    bench.run(&["contacts", "a.dump", "wall.stl", "--periodic", "none"]).succeeds();
+}
+
+#[test]
+fn frames_that_do_not_fit_one_table_are_refused() {
+    let open = "1\nProperties=pos:R:3:radius:R:1\n0 0 0 1\n";
+    let closed = "1\nLattice=\"2 0 0 0 9 0 0 0 9\" Properties=pos:R:3:radius:R:1\n0 0 0 1\n";
+    let bench = Bench::new();
+    bench.write("a.xyz", [closed, open].concat());
+    let run = bench.run(&["contacts", "a.xyz", "-q"]).succeeds();
+    assert_eq!(run.stdout, "frame,step,i,j,distance,overlap,sx,sy,sz\n0,-1,0,0,2.0,0.0,1,0,0\n");
+    bench.write("b.xyz", [open, closed].concat());
+    bench.run(&["contacts", "b.xyz", "-o", "b.csv"]).refused_with(&["frame 1", "one table cannot hold both"]);
+    assert_eq!(bench.files(), ["a.xyz", "b.xyz"]);
+    bench.run(&["contacts", "b.xyz", "-o", "b{frame}.csv"]).succeeds();
+    assert_eq!(
+        bench.run(&["contacts", "b.xyz", "-q", "--periodic", "none"]).succeeds().stdout,
+        "frame,step,i,j,distance,overlap\n"
+    );
+}
+
+#[test]
+fn the_format_is_told_by_content_or_by_option() {
+    let bench = Bench::new();
+    bench.write("a.csv", "3\n\nA 0 0 0\nA 1 0 0\nA 5 0 0\n");
+    assert_eq!(bench.run(&["contacts", "a.csv", "--cutoff", "1", "--count", "-q"]).succeeds().stdout, "1\n");
+    bench.run(&["contacts", "a.csv"]).refused_with(&["no column for radius", "--radius R"]);
+    bench
+        .run(&["contacts", "a.csv", "--format", "text"])
+        .refused_with(&["a.csv:1:", "1 column and no header"]);
+    bench.run(&["contacts", "a.csv", "--format", "lammps-dump"]).refused_with(&["a.csv:1:", "ITEM:"]);
+    bench.run(&["contacts", "a.csv", "--format", "stl"]).refused_with(&["lammps-dump"]);
+    bench.write(
+        "wide.csv",
+        "x,y,radius\n0,0,1\n".encode_utf16().flat_map(u16::to_le_bytes).collect::<Vec<u8>>(),
+    );
+    bench.run(&["contacts", "wide.csv"]).refused_with(&["wide.csv: ", "UTF-16", "save it as UTF-8"]);
+    bench.write("no.xyz", "x,y,radius\n0,0,1\n1,0\n");
+    bench.run(&["contacts", "no.xyz"]).refused_with(&[
+        "no.xyz:3:",
+        "promises a XYZ file",
+        "expected 3 fields",
+    ]);
+}
