@@ -114,7 +114,7 @@ fn outputs_of_a_series_are_whole_or_absent() {
     for output in ["all.csv", "all.npy", "c{frame}.csv"] {
         bench
             .run(&[&["contacts", "run.dump", "-o", output], &outputs[..]].concat())
-            .refused_with(&["run.dump:24: frame 1 (counted from 0): ", "expected 5 fields"]);
+            .refused_with(&["run.dump:23: frame 1 (counted from 0): ", "expected 5 fields"]);
         assert_eq!(bench.files(), ["run.dump"]);
     }
     assert_eq!(
