@@ -88,7 +88,7 @@ fn one_packing_is_the_same_in_every_format() {
                 assert_eq!(only(&text).centres, Centres::Three(CENTRES.to_vec()), "{name}");
             }
             // Without its last line a file is cut off, or its counts are wrong; a table has none.
-            let short = &text[..text.trim_end().rfind('\n').unwrap() + 1];
+            let short = &text[..=text.trim_end().rfind('\n').unwrap()];
             if format != PackingFormat::Text {
                 let series = Series::open(short.as_bytes(), "a", None).unwrap();
                 let read = series.read(0, &ReadOptions::default(), &AtomicU64::new(0));
@@ -154,16 +154,15 @@ fn tilted_boxes_are_found_in_their_bounds() {
 
 #[test]
 fn frames_are_read_in_any_order() {
-    let xyz: String =
-        (0..5).map(|k| format!("{k}\nstep={} Time={}.5\n{}", 10 * k, k, "A 1 2 3\n".repeat(k))).collect();
-    let mercury: String =
-        (0..5).map(|k| format!("{k} {k}.5 0 0 4 4\n{}", "1 2 0 0 0.5 0 0 0\n".repeat(k))).collect();
-    let dump: String = (0..5)
-        .map(|k| {
-            let rows: String = (0..k).map(|id| format!("{id} 1 2 3\n")).collect();
-            format!("ITEM: TIMESTEP\n{}\nITEM: NUMBER OF ATOMS\n{k}\nITEM: BOX BOUNDS ff ff ff\n0 4\n0 4\n0 4\nITEM: ATOMS id x y z\n{rows}", 10 * k)
-        })
-        .collect();
+    let frames = |frame: &dyn Fn(usize) -> String| (0..5).map(frame).collect::<Vec<_>>().concat();
+    let xyz = frames(&|k| format!("{k}\nstep={} Time={k}.5\n{}", 10 * k, "A 1 2 3\n".repeat(k)));
+    let mercury = frames(&|k| format!("{k} {k}.5 0 0 4 4\n{}", "1 2 0 0 0.5 0 0 0\n".repeat(k)));
+    let dump = frames(&|k| {
+        let rows: Vec<String> = (0..k).map(|id| format!("{id} 1 2 3\n")).collect();
+        let bounds = "ITEM: BOX BOUNDS ff ff ff\n0 4\n0 4\n0 4\n";
+        let (step, rows) = (10 * k, rows.concat());
+        format!("ITEM: TIMESTEP\n{step}\nITEM: NUMBER OF ATOMS\n{k}\n{bounds}ITEM: ATOMS id x y z\n{rows}")
+    });
     for (format, text) in
         [(PackingFormat::Xyz, xyz), (PackingFormat::Mercury, mercury), (PackingFormat::LammpsDump, dump)]
     {
@@ -172,7 +171,10 @@ fn frames_are_read_in_any_order() {
         for k in [3, 0, 4, 1, 2] {
             let packing = series.read(k, &ReadOptions::default(), &AtomicU64::new(0)).unwrap();
             assert_eq!((packing.centres.len(), packing.frame.index), (k, k), "{format}");
-            assert_eq!(packing.frame.step, (format != PackingFormat::Mercury).then_some(10 * k as i64));
+            assert_eq!(
+                packing.frame.step,
+                (format != PackingFormat::Mercury).then_some(10 * i64::try_from(k).unwrap())
+            );
             assert_eq!(packing.frame.time, (format != PackingFormat::LammpsDump).then_some(k as f64 + 0.5));
         }
         let error = series.read(5, &ReadOptions::default(), &AtomicU64::new(0)).unwrap_err();

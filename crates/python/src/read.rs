@@ -30,7 +30,7 @@ pub(crate) fn read_packing<'py>(
     let options = ReadOptions { columns, skip_bad_lines, ignore_ids: false, bodies };
     let packing = py.detach(|| fdem_io::read(bytes, &options, &AtomicU64::new(0)));
     let packing = packing.map_err(|error| PyValueError::new_err(unreadable(name, &error)))?;
-    let Packing { centres, radii, ids, bodies, row_numbers, source } = packing;
+    let Packing { centres, radii, ids, bodies, row_numbers, source, .. } = packing;
     let found = PyDict::new(py);
     match centres {
         Centres::Two(centres) => found.set_item("positions", rows(py, centres)?)?,

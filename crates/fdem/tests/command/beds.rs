@@ -47,3 +47,26 @@ fn drum_with_two_sizes() {
     assert!(couples[0] == couples[1] && couples[0] == couples[2], "all engines write identical couples");
     assert!(couples[0].lines().count() > 38_000);
 }
+
+/// The bed of 25,000 spheres as two frames of a dump.
+#[test]
+fn bed_as_a_series() {
+    let Some(bed) = foreign_data("roundrobin/penetration/25KParticles.txt") else { return };
+    let text = std::fs::read_to_string(bed).unwrap();
+    let rows: Vec<&str> = text.lines().skip(1).filter(|line| line.split_whitespace().count() == 4).collect();
+    let frame = |step: usize| {
+        let bounds = "ITEM: BOX BOUNDS ff ff ff\n-1 1\n-1 1\n-1 1\n";
+        let columns = "ITEM: ATOMS radius x y z";
+        format!(
+            "ITEM: TIMESTEP\n{step}\nITEM: NUMBER OF ATOMS\n{}\n{bounds}{columns}\n{}\n",
+            rows.len(),
+            rows.join("\n")
+        )
+    };
+    let bench = Bench::new();
+    bench.write("bed.dump", [frame(10), frame(20)].concat());
+    let run = bench.run(&["contacts", "bed.dump", "--count", "--json", "all.json"]).succeeds();
+    assert_eq!(run.stdout, "53876\n53876\n");
+    assert!(run.stderr.contains("50,000 elements, 107,752 couples"), "{}", run.stderr);
+    assert_eq!(bench.json("all.json")[1]["step"], 20);
+}

@@ -65,7 +65,7 @@ fn frames_are_chosen_as_python_slices() {
     let run = bench.run(&["contacts", "run.dump", "--frames", "::-1", "--count", "-q"]).succeeds();
     assert_eq!(run.stdout, "2\n1\n");
     let run = bench.run(&["contacts", "run.dump", "--frames", "0:1", "-q"]).succeeds();
-    assert_eq!(run.stdout, COUPLES.lines().take(2).map(|line| format!("{line}\n")).collect::<String>());
+    assert_eq!(run.stdout.lines().collect::<Vec<_>>(), COUPLES.lines().take(2).collect::<Vec<_>>());
     for (frames, part) in
         [("2", "0 to 1"), ("5:", "none of the 2 frames"), ("a", "no frame"), ("::0", "leads nowhere")]
     {

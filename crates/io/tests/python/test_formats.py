@@ -12,6 +12,7 @@ import json
 import os
 import subprocess
 import warnings
+from importlib import import_module
 
 import numpy as np
 import pytest
@@ -95,7 +96,7 @@ def check_frames(file, frames, *options, first=0):
 
 @pytest.mark.parametrize("pbc", [(True, True, True), (True, False, True), (False, False, False)])
 def test_extended_xyz_of_ase(tmp_path, pbc):
-    ase, io = pytest.importorskip("ase"), pytest.importorskip("ase.io")
+    ase, io = import_module("ase"), import_module("ase.io")
     frames = []
     for seed in range(FRAMES):
         positions, radii = spheres(seed)
@@ -117,7 +118,7 @@ def test_extended_xyz_of_ase(tmp_path, pbc):
 
 @pytest.mark.parametrize("cell", [STRAIGHT, CELL])
 def test_lammps_data_of_ase(tmp_path, cell):
-    ase, io = pytest.importorskip("ase"), pytest.importorskip("ase.io")
+    ase, io = import_module("ase"), import_module("ase.io")
     positions, _ = spheres(5, cell)
     file = tmp_path / "bed.data"
     io.write(file, ase.Atoms("Si" * N, positions=positions, cell=cell, pbc=True), format="lammps-data", masses=True)
@@ -155,7 +156,7 @@ def dump(cell, pbc, scaled, seeds):
 @pytest.mark.parametrize("cell", [STRAIGHT, CELL])
 @pytest.mark.parametrize("pbc", [(True, True, True), (True, True, False)])
 def test_lammps_dump_beside_ase_and_mdanalysis(tmp_path, cell, pbc, scaled):
-    io, mda = pytest.importorskip("ase.io"), pytest.importorskip("MDAnalysis")
+    io, mda = import_module("ase.io"), import_module("MDAnalysis")
     file = tmp_path / "run.lammpstrj"
     file.write_text(dump(cell, pbc, scaled, range(FRAMES)))
     read = io.read(file, index=":", format="lammps-dump-text")
@@ -174,7 +175,7 @@ def test_lammps_dump_beside_ase_and_mdanalysis(tmp_path, cell, pbc, scaled):
 
 
 def test_xyz_of_mdanalysis(tmp_path):
-    mda = pytest.importorskip("MDAnalysis")
+    mda = import_module("MDAnalysis")
     universe = mda.Universe.empty(N, trajectory=True)
     universe.add_TopologyAttr("names", ["Si"] * N)
     file = tmp_path / "run.xyz"
@@ -195,7 +196,7 @@ def blocks(file, size):
 
 
 def test_lammps_data_of_mdanalysis(tmp_path):
-    mda = pytest.importorskip("MDAnalysis")
+    mda = import_module("MDAnalysis")
     universe = mda.Universe.empty(N, trajectory=True, atom_resindex=[0] * N)
     for name, values in {"types": ["1"] * N, "masses": [1.0] * N, "charges": [0.0] * N, "resids": [1]}.items():
         universe.add_TopologyAttr(name, values)
@@ -217,7 +218,7 @@ def test_lammps_data_of_mdanalysis(tmp_path):
 
 @pytest.mark.parametrize("name,options", [("a.vtp", {}), ("a.vtp", {"binary": False}), ("a.vtk", {}), ("a.vtk", {"binary": False})])
 def test_poly_data_of_pyvista(tmp_path, name, options):
-    pyvista = pytest.importorskip("pyvista")
+    pyvista = import_module("pyvista")
     positions, radii = spheres(1)
     cloud = pyvista.PolyData(positions)
     cloud["velocity"] = np.zeros((N, 3))
@@ -230,7 +231,7 @@ def test_poly_data_of_pyvista(tmp_path, name, options):
 
 @pytest.mark.parametrize("name,options", [("a.vtu", {}), ("a.vtu", {"binary": False}), ("a.vtk", {}), ("a.vtk", {"binary": False})])
 def test_grids_of_pyvista(tmp_path, name, options):
-    pyvista = pytest.importorskip("pyvista")
+    pyvista = import_module("pyvista")
     positions, radii = spheres(2)
     cells = np.column_stack([np.ones(N, int), np.arange(N)]).ravel()
     grid = pyvista.UnstructuredGrid(cells, np.full(N, 1, np.uint8), positions)
@@ -252,7 +253,7 @@ def check_vtk(file, read, name, first=0):
     [("a.vtu", {}), ("a.vtu", {"binary": False}), ("a.vtu", {"compression": None}), ("a.vtk", {}), ("a.vtk", {"binary": False})],
 )
 def test_vertices_of_meshio(tmp_path, name, options):
-    meshio, pyvista = pytest.importorskip("meshio"), pytest.importorskip("pyvista")
+    meshio, pyvista = import_module("meshio"), import_module("pyvista")
     positions, radii = spheres(4)
     mesh = meshio.Mesh(positions, [("vertex", np.arange(N)[:, None])], point_data={"diameter": 2 * radii})
     file = tmp_path / name
@@ -265,21 +266,21 @@ def test_vertices_of_meshio(tmp_path, name, options):
 
 
 def test_compressors_that_are_not_read_are_named(tmp_path):
-    meshio = pytest.importorskip("meshio")
+    meshio = import_module("meshio")
     mesh = meshio.Mesh(spheres(4)[0], [("vertex", np.arange(N)[:, None])])
     meshio.write(tmp_path / "a.vtu", mesh, compression="lzma")
     assert "the compressor vtkLZMADataCompressor" in refusal(tmp_path / "a.vtu")
 
 
 def test_cells_make_a_mesh(tmp_path):
-    pyvista = pytest.importorskip("pyvista")
+    pyvista = import_module("pyvista")
     pyvista.Sphere(theta_resolution=8, phi_resolution=8).triangulate().save(tmp_path / "a.vtp")
     _, summary = fdem(tmp_path / "a.vtp")
     assert summary["files"][0]["format"] == "XML VTK" and summary["bodies_of_meshes"]
 
 
 def test_a_hand_written_file_of_vtk(tmp_path):
-    pyvista = pytest.importorskip("pyvista")
+    pyvista = import_module("pyvista")
     file = tmp_path / "a.vtk"
     positions, radii = spheres(6)
     text = "# vtk DataFile Version 2.0\nspheres\nASCII\nDATASET UNSTRUCTURED_GRID\n"

@@ -6,11 +6,11 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use fdem_io::PackingFormat;
 
-pub const CENTRES: [[f64; 3]; 3] = [[0.5, 1.0, 1.5], [2.0, 2.25, 2.5], [3.0, -1.0, 0.0]];
-pub const RADII: [f64; 3] = [0.5, 0.25, 1.0];
+pub(crate) const CENTRES: [[f64; 3]; 3] = [[0.5, 1.0, 1.5], [2.0, 2.25, 2.5], [3.0, -1.0, 0.0]];
+pub(crate) const RADII: [f64; 3] = [0.5, 0.25, 1.0];
 
 /// Those that are text.
-pub const FILES: [(PackingFormat, &str); 11] = [
+pub(crate) const FILES: [(PackingFormat, &str); 11] = [
     (PackingFormat::Text, "x,y,z,radius\n0.5,1,1.5,0.5\n2,2.25,2.5,0.25\n3,-1,0,1\n"),
     (PackingFormat::Text, "#format x_y_z_r_matId\n0.5 1 1.5 0.5 1\n2 2.25 2.5 0.25 1\n3 -1 0 1 1\n"),
     (
@@ -69,7 +69,7 @@ pub const FILES: [(PackingFormat, &str); 11] = [
 ];
 
 /// VTU files as arrays of bytes: in base64, appended raw, and packed with zlib.
-pub fn vtu() -> Vec<(&'static str, Vec<u8>)> {
+pub(crate) fn vtu() -> Vec<(&'static str, Vec<u8>)> {
     let bytes = |values: &[f64]| values.iter().flat_map(|value| value.to_le_bytes()).collect::<Vec<u8>>();
     let arrays = [bytes(&CENTRES.concat()), bytes(&RADII)];
     let with_length = |data: &[u8]| [&(data.len() as u32).to_le_bytes(), data].concat();
@@ -108,7 +108,7 @@ pub fn vtu() -> Vec<(&'static str, Vec<u8>)> {
 }
 
 /// An archive of arrays: name, values, columns (1 for an array of one axis).
-pub fn npz(arrays: &[(&str, &[f64], usize)]) -> Vec<u8> {
+pub(crate) fn npz(arrays: &[(&str, &[f64], usize)]) -> Vec<u8> {
     let mut archive = zip::ZipWriter::new(Cursor::new(Vec::new()));
     for (at, (name, values, width)) in arrays.iter().enumerate() {
         let method = [zip::CompressionMethod::Stored, zip::CompressionMethod::Deflated][at % 2];
@@ -127,12 +127,12 @@ pub fn npz(arrays: &[(&str, &[f64], usize)]) -> Vec<u8> {
     archive.finish().unwrap().into_inner()
 }
 
-pub fn gzip(bytes: &[u8]) -> Vec<u8> {
+pub(crate) fn gzip(bytes: &[u8]) -> Vec<u8> {
     let mut encoder = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::default());
     encoder.write_all(bytes).unwrap();
     encoder.finish().unwrap()
 }
 
-pub fn zstd(bytes: &[u8]) -> Vec<u8> {
+pub(crate) fn zstd(bytes: &[u8]) -> Vec<u8> {
     ruzstd::encoding::compress_to_vec(bytes, ruzstd::encoding::CompressionLevel::Fastest)
 }

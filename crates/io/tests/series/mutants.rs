@@ -74,7 +74,7 @@ fn read(bytes: &[u8]) {
                 .cell
                 .into_iter()
                 .flat_map(|cell| [cell.origin, cell.edges[0], cell.edges[1], cell.edges[2]]);
-            assert!(cell.flatten().all(|x| x.is_finite()));
+            assert!(cell.flatten().all(f64::is_finite));
             assert_eq!(packing.frame.index, frame);
         }
     }
