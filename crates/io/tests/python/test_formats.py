@@ -62,7 +62,7 @@ def expected(positions, radii, cell=None, pbc=(False,) * 3):
                 touch = np.linalg.norm(positions[i] - images[j]) <= radii[i] + radii[j]
                 if touch and (i < j or (i == j and shift > (0, 0, 0))):
                     found.add((i, j, shift))
-    assert len(found) > len(positions) // 4, "too few couples to compare"
+    assert len(found) > len(positions) // 6, "too few couples to compare"
     return found
 
 
