@@ -3,6 +3,7 @@
 //! Exit code 0: done; 1: a check that was asked for failed; 2: bad input, bad usage, or an output that cannot be
 //! written; 128 and the number of the signal: interrupted. Unless it is 0 no output file is left behind, not even a part of one.
 
+mod analyse;
 mod args;
 mod bench;
 mod contacts;
@@ -23,6 +24,7 @@ mod progress;
 mod series;
 mod series_summary;
 mod summary;
+mod tables;
 
 use std::ffi::OsString;
 use std::io::Write;

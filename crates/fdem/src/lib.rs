@@ -1,12 +1,13 @@
 //! fdem: contact detection and the combined finite-discrete element method.
 //!
-//! This crate holds the `fdem` command, as a library, and what it says of contact networks ([`network`]); the rest is in the crates below:
+//! This crate holds the `fdem` command, as a library, and what it says of contact networks ([`network`], [`analysis`]); the rest is in the crates below:
 //! - [`contact`]: which of N elements touch (package `fdem-contact`);
 //! - [`io`]: packings in, couples out, in the field's formats (package `fdem-io`);
 //! - [`scenes`]: seeded packings (package `fdem-scenes`).
 //!
 //! A program of yours that needs couples depends on `fdem-contact` alone, whose one dependency, rayon, is optional.
 
+pub mod analysis;
 pub mod command;
 pub mod network;
 

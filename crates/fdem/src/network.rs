@@ -126,12 +126,20 @@ impl<const D: usize> Couples<D> {
         self.len() == 0
     }
 
-    /// All of them in their order; those of open space with a shift of 0.
-    pub fn iter(&self) -> impl ExactSizeIterator<Item = PeriodicCouple<D>> + '_ {
-        (0..self.len()).map(|k| match self {
+    /// One of them, by its place in the order; of open space with a shift of 0.
+    ///
+    /// # Panics
+    /// If there are not so many.
+    pub fn get(&self, k: usize) -> PeriodicCouple<D> {
+        match self {
             Self::Plain(couples) => unshifted(couples[k]),
             Self::Periodic(couples) => couples[k],
-        })
+        }
+    }
+
+    /// All of them in their order; those of open space with a shift of 0.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = PeriodicCouple<D>> + '_ {
+        (0..self.len()).map(|k| self.get(k))
     }
 }
 

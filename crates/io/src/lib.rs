@@ -2,17 +2,16 @@
 //!
 //! The crate knows bytes, not paths: [`unpack`] undoes compression, [`Series`] turns the content of a file of any format, frame by frame, into
 //! [`Packing`]s, [`read`] that of a table into one, and
-//! [`write_csv`], [`write_npy`], [`write_packing_csv`] and [`write_packing_npy`] send results to any
+//! [`write_csv`], [`write_npz`], [`write_parquet`], [`write_vtp`], [`write_graphml`] and their likes send a [`Table`] to any
 //! [`std::io::Write`]. [`read_mesh`] does the same for nodes and elements. Who opens the file adds its name to the errors.
 //!
 //! ```text
-//! bytes ── Series ──┬─ read: delimited text, NumPy array ───────┬─> Packing ── (contact detection) ──> couples ── write_csv, write_npy
+//! bytes ── Series ──┬─ read: delimited text, NumPy array ───────┬─> Packing ── (contact detection) ──> couples ── Table ── write_csv, …
 //!                   └─ LAMMPS, XYZ, MercuryDPM, VTK, NumPy archive ┘
 //! bytes ── read_mesh ── Gmsh, STL, OBJ, PLY, VTK, Abaqus ──> Mesh
 //! ```
 //!
-//! Labelled images are read plane by plane: [`with_label_image`]. Their contacts are written by [`write_label_contacts_csv`] and
-//! [`write_label_contacts_npy`], those of meshes by [`write_element_contacts_csv`], [`write_body_contacts_csv`] and their likes.
+//! Labelled images are read plane by plane: [`with_label_image`]. What is written is a [`Table`], whatever it is of.
 //!
 //! # Example
 //! ```
@@ -45,33 +44,25 @@ mod text;
 mod mesh;
 mod labels;
 
-mod couples;
-mod series_couples;
-mod label_contacts;
-mod mesh_contacts;
+mod written;
 mod error;
 mod excerpt;
 mod write_packing;
 
 pub use columns::{Columns, ColumnsError, Role};
-pub use couples::{CoupleRow, write_csv, write_npy};
 pub use error::ReadError;
 pub use kind::{FileKind, PackingFormat};
-pub use label_contacts::{LabelColumns, LabelContactRow, write_label_contacts_csv, write_label_contacts_npy};
 pub use labels::{LabelError, LabelImage, LabelKind, LabelValue, with_label_image};
 pub use mesh::error::{MeshError, MeshProblem, Place};
 pub use mesh::{BodiesFrom, Cells, Mesh, MeshBody, MeshFormat, MeshSource, read_mesh};
-pub use mesh_contacts::{
-    BodyContactRow, ElementContactRow, write_body_contacts_csv, write_body_contacts_npy,
-    write_element_contacts_csv, write_element_contacts_npy,
-};
 pub use packing::{
     BadLine, Centres, Column, Delimiter, Format, Frame, Packing, SimulationBox, Skipped, Source,
 };
 pub use read::{ReadOptions, read};
 pub use series::{Series, read_packing};
-pub use series_couples::{
-    write_frame_csv, write_frame_npy, write_series_header_csv, write_series_header_npy,
-};
 pub use unpack::{Compression, unpack};
 pub use write_packing::{write_packing_csv, write_packing_npy};
+pub use written::{
+    Table, Values, write_csv, write_csv_rows, write_graphml, write_node_link, write_npy, write_npy_header,
+    write_npy_rows, write_npz, write_parquet, write_vtp,
+};

@@ -2,9 +2,12 @@
 
 use std::io::{self, Write};
 
-use crate::couples::{CHUNK, LONGEST_ROW};
 use crate::npy_header::header;
 use crate::packing::Centres;
+use crate::written::CHUNK;
+
+/// No row is longer: four floats of 24 characters and delimiters.
+const LONGEST_ROW: usize = 160;
 
 /// Writes a packing as text under the header `x,y[,z][,radius]`.
 ///

@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use std::sync::atomic::AtomicU64;
 
 use fdem_io::{
-    Centres, CoupleRow, Packing, ReadError, ReadOptions, read, write_csv, write_packing_csv,
+    Centres, Packing, ReadError, ReadOptions, Table, Values, read, write_csv, write_packing_csv,
     write_packing_npy,
 };
 use proptest::prelude::*;
@@ -253,7 +253,12 @@ proptest! {
     #[test]
     fn couples_read_back_bit_for_bit(i in any::<i64>(), j in any::<i64>(), distance in float(), overlap in float()) {
         let mut out = Vec::new();
-        write_csv(&mut out, std::iter::once(CoupleRow { i, j, distance, overlap, shift: [] })).unwrap();
+        let table = Table::new(1)
+            .with("i", Values::i64(|_| i))
+            .with("j", Values::i64(|_| j))
+            .with("distance", Values::f64(|_| distance))
+            .with("overlap", Values::f64(|_| overlap));
+        write_csv(&mut out, &table).unwrap();
         let text = String::from_utf8(out).unwrap();
         let fields: Vec<_> = text.lines().nth(1).unwrap().split(',').collect();
         prop_assert_eq!(fields[0].parse::<i64>().unwrap(), i);

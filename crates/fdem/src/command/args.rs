@@ -82,12 +82,18 @@ pub(crate) struct ContactsArguments {
     #[command(flatten)]
     pub(crate) labels: LabelArguments,
 
+    #[command(flatten)]
+    pub(crate) analysis: AnalyseArguments,
+
     /// Print what the search would take, and no couples: engine, cells, rows, images, about how many couples, memory. Of levels also what they do, which is
     /// counted: windows on rows of cells that elements open, candidates in these windows, couples, each beside what was predicted.
-    #[arg(long, conflicts_with_all = ["output", "count", "picture", "verify"])]
+    #[arg(long, conflicts_with_all = ["output", "count", "picture", "verify", "analyse"])]
     pub(crate) explain: bool,
 
-    /// Write the couples to FILE.csv or FILE.npy instead of standard output.
+    /// Write the couples to FILE instead of standard output, in the format that its name ends in. Tables: `.csv`, `.npy` (records), `.parquet`, and `.npz`, one
+    /// array for each column; of a packing `i` and `j` are rows of `positions` there, and `ids` has what the file calls them. A packing and its couples: `.vtp` (ParaView: centres are
+    /// points, couples lines; those across a face of the box end at images, points with `image` 1), `.graphml`, and `.json`
+    /// (networkx from 3.4: `node_link_graph(data, edges="edges")`).
     #[arg(long, short, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
 
@@ -133,10 +139,32 @@ pub(crate) struct PeriodicArguments {
     pub(crate) origin: Option<Numbers>,
 }
 
+/// What the network says.
+#[derive(Clone, Debug, Args)]
+pub(crate) struct AnalyseArguments {
+    /// Also tell what the network says, in the summary and in full in its JSON: contacts of an element with and without rattlers, fabric and directions, clusters and whether they reach
+    /// all the way along an axis, overlaps and gaps, packing fraction, radial distribution.
+    #[arg(long)]
+    pub(crate) analyse: bool,
+
+    /// Where `--analyse` measures the packing fraction: `X0,X1,Y0,Y1` and in 3D `Z0,Z1` [default: the domain, shrunk by the largest diameter on both sides where
+    /// the box does not repeat].
+    #[arg(long, value_name = "LIMITS", allow_hyphen_values = true, value_parser = numbers, requires = "analyse")]
+    pub(crate) inner: Option<Numbers>,
+
+    /// Largest distance of the radial distribution of `--analyse`, and its number of bins [default: 3 mean diameters, or less in small domains; 150].
+    #[arg(long, value_name = "R[,BINS]", allow_hyphen_values = true, value_parser = numbers, requires = "analyse")]
+    pub(crate) rdf: Option<Numbers>,
+
+    /// For `--analyse`, elements with fewer contacts are rattlers [default: 3 in 2D, 4 in 3D; with friction take 2].
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole::<u32>, requires = "analyse")]
+    pub(crate) rattlers: Option<u32>,
+}
+
 /// Meshes instead of packings.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct MeshArguments {
-    /// Of meshes: also write which bodies touch to FILE.csv or FILE.npy, as `i,j,couples,overlap,shared,x,y,z,nx,ny,nz`: how many elements, how much
+    /// Of meshes: also write which bodies touch to FILE.csv, .npy, .npz or .parquet, as `i,j,couples,overlap,shared,x,y,z,nx,ny,nz`: how many elements, how much
     /// overlaps, how much boundary they share, where, and in which direction.
     #[arg(long, value_name = "FILE")]
     pub(crate) body_table: Option<PathBuf>,
@@ -153,7 +181,7 @@ pub(crate) struct LabelArguments {
     /// with the faces that they share, their area, and the mean place and direction of the contact. x is along the last axis of the array; the origin is the centre of the first grid square.
     #[arg(long, conflicts_with_all = [
         "columns", "radius", "cutoff", "tolerance", "format", "frames", "skip_bad_lines", "ignore_ids", "engine", "bodies", "periodic", "limits", "edges",
-        "origin", "explain", "picture", "verify", "more", "body_table", "self_contact",
+        "origin", "explain", "picture", "verify", "more", "body_table", "self_contact", "analyse",
     ])]
     pub(crate) labels: bool,
 

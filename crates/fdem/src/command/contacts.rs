@@ -2,27 +2,27 @@
 
 use std::fmt;
 use std::io::{self, Write};
-use std::sync::atomic::Ordering;
 
-use fdem_contact::PeriodicCouple;
-use fdem_io::{Centres, CoupleRow, Frame, Packing};
+use fdem_io::Centres;
 use serde::Serialize;
 
+use crate::command::analyse;
 use crate::command::args::ContactsArguments;
 use crate::command::detect::{Request, check, detect};
 use crate::command::explain::Told;
 use crate::command::failure::Failure;
 use crate::command::frames::Selection;
-use crate::command::input::{self, Input, id, refused, sizes};
+use crate::command::input::{self, Input, refused, sizes};
 use crate::command::labels;
 use crate::command::meshes;
-use crate::command::output::{Output, Table, Written, is_stdout, refuse_to_overwrite};
+use crate::command::output::{Output, TABLES, TableFormat, Written, is_stdout, refuse_to_overwrite};
 use crate::command::periodic::{periodic_box, takes_file_box};
 use crate::command::picture;
 use crate::command::progress::Progress;
 use crate::command::series::{self, SeriesTable};
 use crate::command::summary::{Seconds, Summary};
-use crate::network::{Couples, Network, Sizes, Space, unshifted};
+use crate::command::tables::write_network;
+use crate::network::{Network, Space};
 
 pub(crate) fn run(arguments: &ContactsArguments) -> Result<(), Failure> {
     if arguments.labels.labels {
@@ -136,7 +136,10 @@ fn request<'a>(arguments: &ContactsArguments, input: &'a Input) -> Result<Reques
         bodies: input.bodies.as_ref().map(|bodies| bodies.numbers.as_slice()),
         engine: arguments.engine.into(),
         threads: arguments.threads,
-        keep: !arguments.count || arguments.picture.is_some() || arguments.verify.is_some(),
+        keep: !arguments.count
+            || arguments.picture.is_some()
+            || arguments.verify.is_some()
+            || arguments.analysis.analyse,
     })
 }
 
@@ -165,83 +168,41 @@ fn find<const D: usize>(
         verified = Some(checked.map_err(|mismatch| wrong(name, &mismatch))?);
     }
 
+    let network = Network { space, sizes: request.sizes, couples: &found.couples };
+    let (analysis, analysing) =
+        progress.step("analysing", None, |_| analyse::run(&arguments.analysis, &network, name));
+    let analysis = analysis?;
+    seconds.analyse = analysis.is_some().then_some(analysing);
+
     let total = found.couples.len() as u64;
     let (written, writing) = progress.step("writing", Some(total), |position| {
         if arguments.count {
             return outputs.couples.write(|out| writeln!(out, "{}", found.statistics.couples));
         }
-        let Outputs { table, couples: out, series, .. } = outputs;
-        let series = series.as_mut();
-        let tick = |written: usize| position.store(written as u64, Ordering::Relaxed);
-        match &found.couples {
-            Couples::Plain(couples) => {
-                let rows = couples.iter().enumerate().map(|(written, &couple)| {
-                    tick(written);
-                    row(packing, &space, request.sizes, unshifted(couple), [])
-                });
-                write_rows(out, *table, series, packing.frame, rows)
-            }
-            Couples::Periodic(couples) => {
-                let rows = couples.iter().enumerate().map(|(written, &couple)| {
-                    tick(written);
-                    row(packing, &space, request.sizes, couple, couple.shift)
-                });
-                write_rows(out, *table, series, packing.frame, rows)
-            }
+        match &mut outputs.series {
+            Some(series) => series.write(packing, &network, position),
+            None => write_network(&mut outputs.couples, outputs.table, packing, &network, position),
         }
     });
     written?;
     seconds.write = writing;
-    let network = Network { space, sizes: request.sizes, couples: &found.couples };
     if let Some(picture) = &mut outputs.picture {
         picture.write(|out| picture::draw(out, &network))?;
     }
     let of_file = takes_file_box(&arguments.periodic);
-    Ok(Summary::new(input, &space, of_file, &request, &found, verified, seconds))
-}
-
-fn row<const D: usize, const S: usize>(
-    packing: &Packing,
-    space: &Space<'_, D>,
-    sizes: Sizes<'_>,
-    couple: PeriodicCouple<D>,
-    shift: [i32; S],
-) -> CoupleRow<S> {
-    CoupleRow {
-        i: id(packing, couple.i as usize),
-        j: id(packing, couple.j as usize),
-        distance: space.distance(couple),
-        overlap: space.overlap(sizes, couple),
-        shift,
-    }
-}
-
-fn write_rows<const S: usize>(
-    output: &mut Output,
-    table: Table,
-    series: Option<&mut SeriesTable>,
-    frame: Frame,
-    rows: impl ExactSizeIterator<Item = CoupleRow<S>>,
-) -> Result<(), Failure> {
-    if let Some(series) = series {
-        return series.write(frame, rows);
-    }
-    output.write(|mut out| match table {
-        Table::Csv => fdem_io::write_csv(&mut out, rows).map(drop),
-        Table::Npy => fdem_io::write_npy(&mut out, rows),
-    })
+    Ok(Summary::new(input, &space, of_file, &request, &found, verified, seconds).with_analysis(analysis))
 }
 
 /// The files that the command writes; all appear together, at the end.
 pub(crate) struct Outputs {
     /// The one table of several frames, in place of `couples`.
     pub(crate) series: Option<SeriesTable>,
-    pub(crate) table: Table,
+    pub(crate) table: TableFormat,
     pub(crate) couples: Output,
     pub(crate) json: Option<Output>,
     picture: Option<Output>,
     /// Which bodies of meshes touch.
-    pub(crate) bodies: Option<(Table, Output)>,
+    pub(crate) bodies: Option<(TableFormat, Output)>,
 }
 
 impl Outputs {
@@ -250,12 +211,12 @@ impl Outputs {
         let optional = |path: &Option<_>| path.as_deref().map(|path| Output::open(Some(path))).transpose();
         Ok(Self {
             series: None,
-            table: Table::of(output)?,
+            table: TableFormat::of(output)?,
             couples: Output::open(output)?,
             json: optional(&arguments.json)?,
             picture: optional(&arguments.picture)?,
             bodies: match &arguments.meshes.body_table {
-                Some(path) => Some((Table::of(Some(path))?, Output::open(Some(path))?)),
+                Some(path) => Some((TableFormat::among(&TABLES, Some(path))?, Output::open(Some(path))?)),
                 None => None,
             },
         })

@@ -7,12 +7,12 @@ use fdem_scenes::{Cloud, Error, book, clusters, deposit, gas, jittered_lattice, 
 
 use crate::command::args::{BookPacking, Common, GenerateArguments, Kind};
 use crate::command::failure::{Failure, display_name};
-use crate::command::output::{Output, Table, is_stdout};
+use crate::command::output::{Output, TableFormat, is_stdout};
 
 pub(crate) fn run(arguments: &GenerateArguments) -> Result<(), Failure> {
     let (common, dims) = shape(&arguments.kind);
     let path = common.output.as_deref();
-    let table = Table::of(path)?;
+    let table = TableFormat::among(&[TableFormat::Csv, TableFormat::Npy], path)?;
     let mut output = Output::open(path)?;
     let (centres, radii) = if dims == 2 {
         let cloud = planar(&arguments.kind)?;
@@ -22,8 +22,8 @@ pub(crate) fn run(arguments: &GenerateArguments) -> Result<(), Failure> {
         (Centres::Three(cloud.centres), cloud.radii)
     };
     output.write(|mut out| match table {
-        Table::Csv => fdem_io::write_packing_csv(&mut out, &centres, Some(&radii)),
-        Table::Npy => fdem_io::write_packing_npy(&mut out, &centres, Some(&radii)),
+        TableFormat::Npy => fdem_io::write_packing_npy(&mut out, &centres, Some(&radii)),
+        _ => fdem_io::write_packing_csv(&mut out, &centres, Some(&radii)),
     })?;
     output.commit()?;
     if let Some(path) = path.filter(|path| !is_stdout(path)) {

@@ -8,18 +8,16 @@ use std::time::Instant;
 
 use fdem_contact::Error;
 use fdem_contact::image::{ImageContact, ImageContacts, Label, Neighbourhood, Spacing};
-use fdem_io::{
-    LabelColumns, LabelContactRow, LabelError, LabelImage, LabelKind, LabelValue, with_label_image,
-    write_label_contacts_csv, write_label_contacts_npy,
-};
+use fdem_io::{LabelError, LabelImage, LabelKind, LabelValue, Table, Values, with_label_image};
 
 use crate::command::args::{ContactsArguments, NeighbourhoodName};
 use crate::command::contacts::Outputs;
 use crate::command::failure::{Failure, display_name};
 use crate::command::label_summary::LabelSummary;
-use crate::command::output::{Table, is_stdout, refuse_to_overwrite};
+use crate::command::output::{is_stdout, refuse_to_overwrite};
 use crate::command::progress::{Position, Progress};
 use crate::command::summary::Seconds;
+use crate::command::tables::{normal, point, write_table};
 
 pub(crate) fn run(arguments: &ContactsArguments) -> Result<(), Failure> {
     let file = &arguments.input.file;
@@ -30,6 +28,7 @@ pub(crate) fn run(arguments: &ContactsArguments) -> Result<(), Failure> {
     ])?;
     let progress = Progress::new(arguments.quiet);
     let mut outputs = Outputs::open(arguments)?;
+    outputs.table.is_table("bodies of an image")?;
     let name = if is_stdout(file) { "standard input".to_owned() } else { display_name(file) };
     let task = Task { arguments, progress: &progress, name: &name };
     let visit = |image: &mut LabelImage<'_>| task.visit(image, &mut outputs);
@@ -193,22 +192,14 @@ impl Task<'_> {
         });
         let (contacts, bodies) = found?;
 
-        let columns = LabelColumns {
-            edges: D == 3 && neighbourhood >= Neighbourhood::Edge,
-            vertices: neighbourhood == Neighbourhood::Vertex,
-            unsigned: L::KIND == LabelKind::U64,
-        };
-        let rows = contacts.iter().map(|contact| row(contact, &spacing, order));
+        let edges = D == 3 && neighbourhood >= Neighbourhood::Edge;
+        let vertices = neighbourhood == Neighbourhood::Vertex;
         let (written, writing) = self.progress.step("writing", Some(contacts.len() as u64), |position| {
-            let rows = rows.inspect(|_| _ = position.fetch_add(1, Ordering::Relaxed));
             if self.arguments.count {
                 return outputs.couples.write(|out| writeln!(out, "{}", contacts.len()));
             }
-            let table = outputs.table;
-            outputs.couples.write(|mut out| match table {
-                Table::Csv => write_label_contacts_csv(&mut out, columns, rows),
-                Table::Npy => write_label_contacts_npy(&mut out, columns, rows),
-            })
+            let table = table(&contacts, [edges, vertices], &spacing, order, position);
+            write_table(&mut outputs.couples, outputs.table, &table)
         });
         written.map_err(Stop::Failed)?;
         seconds.write = writing;
@@ -230,8 +221,8 @@ impl Task<'_> {
             mean_coordination: if bodies == 0 { 0.0 } else { 2.0 * contacts.len() as f64 / bodies as f64 },
             without_contact: bodies - in_contact.len(),
             faces: sum(ImageContact::faces),
-            edges: columns.edges.then(|| sum(ImageContact::edges)),
-            vertices: columns.vertices.then(|| sum(ImageContact::vertices)),
+            edges: edges.then(|| sum(ImageContact::edges)),
+            vertices: vertices.then(|| sum(ImageContact::vertices)),
             area: contacts.iter().fold(0.0, |sum, contact| sum + contact.area(&spacing)),
             seconds,
             peak_bytes: None,
@@ -283,22 +274,42 @@ fn stream<L: Label + LabelValue, const D: usize>(
     Ok((contacts, bodies))
 }
 
-fn row<L: Label, const D: usize>(
-    contact: &ImageContact<L, D>,
-    spacing: &Spacing<D>,
+/// A row for each contact, with the counts of edges and of vertices if they were counted. `position` counts the rows.
+fn table<'a, L: Label + LabelValue, const D: usize>(
+    contacts: &'a [ImageContact<L, D>],
+    [edges, vertices]: [bool; 2],
+    spacing: &'a Spacing<D>,
     order: AxisOrder,
-) -> LabelContactRow<D> {
-    let [i, j] = contact.labels().map(Into::into);
-    LabelContactRow {
-        i,
-        j,
-        faces: contact.faces(),
-        edges: contact.edges(),
-        vertices: contact.vertices(),
-        area: contact.area(spacing),
-        centroid: order.xyz(contact.centroid(spacing)),
-        normal: order.xyz(contact.normal(spacing)),
+    position: &'a Position,
+) -> Table<'a> {
+    let label = |which: usize| {
+        let at = move |k: usize| -> i128 { contacts[k].labels()[which].into() };
+        // Labels are no wider than their type.
+        if L::KIND == LabelKind::U64 {
+            Values::u64(move |k| at(k) as u64)
+        } else {
+            Values::i64(move |k| at(k) as i64)
+        }
+    };
+    let faces = move |k: usize| {
+        position.store(k as u64, Ordering::Relaxed);
+        contacts[k].faces()
+    };
+    let mut table =
+        Table::new(contacts.len()).with("i", label(0)).with("j", label(1)).with("faces", Values::u64(faces));
+    if edges {
+        table = table.with("edges", Values::u64(move |k| contacts[k].edges()));
     }
+    if vertices {
+        table = table.with("vertices", Values::u64(move |k| contacts[k].vertices()));
+    }
+    let area = Values::f64(move |k| contacts[k].area(spacing));
+    let centroid = Values::f64(move |k| order.xyz(contacts[k / D].centroid(spacing))[k % D]);
+    let direction = Values::f64(move |k| order.xyz(contacts[k / D].normal(spacing))[k % D]);
+    table
+        .with(if D == 2 { "length" } else { "area" }, area)
+        .with_components("centroid", point::<D>(), centroid)
+        .with_components("normal", normal::<D>(), direction)
 }
 
 impl From<NeighbourhoodName> for Neighbourhood {

@@ -8,19 +8,16 @@ use fdem_contact::discretised::{
 };
 use fdem_contact::narrow::{Contact, Measure, Sphere, sphere_sphere};
 use fdem_contact::{Couple, Detector, Elements, Error, Search, verify};
-use fdem_io::{
-    BodyContactRow, Centres, ElementContactRow, write_body_contacts_csv, write_body_contacts_npy,
-    write_element_contacts_csv, write_element_contacts_npy,
-};
+use fdem_io::{Centres, Table, Values};
 
 use crate::command::args::{ContactsArguments, PeriodicArguments};
 use crate::command::contacts::{Outputs, wrong};
 use crate::command::failure::Failure;
 use crate::command::input::{self, Input, Opened, id, sizes};
 use crate::command::mesh_summary::{BodyOf, Couples, FileOf, LeftOut, MeshSummary};
-use crate::command::output::{Output, Table};
-use crate::command::progress::Progress;
+use crate::command::progress::{Position, Progress};
 use crate::command::summary::Seconds;
+use crate::command::tables::{normal, point, write_table};
 use crate::network::Sizes;
 
 pub(crate) fn run(
@@ -30,6 +27,7 @@ pub(crate) fn run(
     mut outputs: Outputs,
 ) -> Result<(), Failure> {
     refuse_options_of_packings(arguments, &first.name)?;
+    outputs.table.is_table("elements of meshes or of several files")?;
     let mut seconds = Seconds::default();
     let mut files = vec![read(arguments, first, progress, &mut seconds)?];
     for file in &arguments.more {
@@ -62,6 +60,7 @@ fn refuse_options_of_packings(arguments: &ContactsArguments, name: &str) -> Resu
         ("--periodic", arguments.periodic.periodic.is_some_and(|axes| axes.0 != [false; 3])),
         ("--explain", arguments.explain),
         ("--picture", arguments.picture.is_some()),
+        ("--analyse", arguments.analysis.analyse),
     ];
     match given.into_iter().find(|(_, given)| *given) {
         Some((option, _)) => Err(Failure::Unusable(format!(
@@ -396,21 +395,14 @@ impl Task<'_> {
     ) -> Result<MeshSummary, Failure> {
         let (written, writing) =
             self.progress.step("writing", Some(found.contacts.len() as u64), |position| {
-                let rows = found.contacts.iter().map(|(couple, contact)| {
-                    position.fetch_add(1, Ordering::Relaxed);
-                    model.row(*couple, contact)
-                });
                 if self.arguments.count {
                     outputs.couples.write(|out| writeln!(out, "{}", found.contacts.len()))?;
                 } else {
-                    let table = outputs.table;
-                    outputs.couples.write(|mut out| match table {
-                        Table::Csv => write_element_contacts_csv(&mut out, rows),
-                        Table::Npy => write_element_contacts_npy(&mut out, rows),
-                    })?;
+                    let table = model.table(&found.contacts, position);
+                    write_table(&mut outputs.couples, outputs.table, &table)?;
                 }
                 match &mut outputs.bodies {
-                    Some((table, output)) => write_bodies(*table, output, &found.bodies),
+                    Some((format, output)) => write_table(output, *format, &body_table(&found.bodies)),
                     None => Ok(()),
                 }
             });
@@ -558,43 +550,55 @@ impl<const D: usize, const N: usize> Model<D, N> {
         [couple.i, couple.j].map(|k| self.bodies[k as usize])
     }
 
-    fn row(&self, couple: Couple, contact: &Contact<D>) -> ElementContactRow<D> {
-        let [i, j] = [couple.i, couple.j].map(|k| self.ids[k as usize]);
-        let kind = match contact.measure {
-            Measure::Gap(_) => "gap",
-            Measure::Depth(_) => "depth",
-            Measure::Length(_) => "length",
-            Measure::Area(_) => "area",
-            Measure::Volume(_) => "volume",
+    /// A row for each contact of elements, with their numbers in the files. `position` counts them.
+    fn table<'a>(&'a self, contacts: &'a [(Couple, Contact<D>)], position: &'a Position) -> Table<'a> {
+        let bodies = move |k: usize| self.bodies_of(contacts[k].0).map(i64::from);
+        let first = move |k: usize| {
+            position.store(k as u64, Ordering::Relaxed);
+            self.ids[contacts[k].0.i as usize]
         };
         // Plus zero: minus zero is zero.
-        ElementContactRow {
-            i,
-            j,
-            bodies: self.bodies_of(couple),
-            kind,
-            measure: contact.measure.value(),
-            point: contact.point.map(|x| x + 0.0),
-            normal: contact.normal.map(|x| x + 0.0),
-        }
+        Table::new(contacts.len())
+            .with("i", Values::i64(first))
+            .with("j", Values::i64(move |k| self.ids[contacts[k].0.j as usize]))
+            .with("body_i", Values::i64(move |k| bodies(k)[0]))
+            .with("body_j", Values::i64(move |k| bodies(k)[1]))
+            .with("kind", Values::text(LONGEST_KIND, move |k| kind(contacts[k].1.measure)))
+            .with("measure", Values::f64(move |k| contacts[k].1.measure.value()))
+            .with_components(
+                "point",
+                point::<D>(),
+                Values::f64(move |k| contacts[k / D].1.point[k % D] + 0.0),
+            )
+            .with_components(
+                "normal",
+                normal::<D>(),
+                Values::f64(move |k| contacts[k / D].1.normal[k % D] + 0.0),
+            )
     }
 }
 
-fn write_bodies<const D: usize>(
-    table: Table,
-    output: &mut Output,
-    bodies: &[BodyContact<D>],
-) -> Result<(), Failure> {
-    let rows = bodies.iter().map(|contact| BodyContactRow {
-        bodies: contact.bodies,
-        couples: contact.couples,
-        overlap: contact.overlap,
-        shared: contact.shared,
-        point: contact.point.map(|x| x + 0.0),
-        normal: contact.normal.map(|x| x + 0.0),
-    });
-    output.write(|mut out| match table {
-        Table::Csv => write_body_contacts_csv(&mut out, rows),
-        Table::Npy => write_body_contacts_npy(&mut out, rows),
-    })
+/// Bytes of the longest word of [`kind`].
+const LONGEST_KIND: usize = 6;
+
+fn kind(measure: Measure) -> &'static str {
+    match measure {
+        Measure::Gap(_) => "gap",
+        Measure::Depth(_) => "depth",
+        Measure::Length(_) => "length",
+        Measure::Area(_) => "area",
+        Measure::Volume(_) => "volume",
+    }
+}
+
+/// A row for each contact of bodies.
+fn body_table<const D: usize>(contacts: &[BodyContact<D>]) -> Table<'_> {
+    Table::new(contacts.len())
+        .with("i", Values::i64(|k| contacts[k].bodies[0].into()))
+        .with("j", Values::i64(|k| contacts[k].bodies[1].into()))
+        .with("couples", Values::i64(|k| contacts[k].couples.cast_signed()))
+        .with("overlap", Values::f64(|k| contacts[k].overlap))
+        .with("shared", Values::f64(|k| contacts[k].shared))
+        .with_components("point", point::<D>(), Values::f64(|k| contacts[k / D].point[k % D] + 0.0))
+        .with_components("normal", normal::<D>(), Values::f64(|k| contacts[k / D].normal[k % D] + 0.0))
 }

@@ -12,21 +12,70 @@ use crate::command::failure::{Failure, display_name};
 
 /// Format of couples and packings, by the extension of the output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Table {
+pub(crate) enum TableFormat {
     Csv,
     Npy,
+    Npz,
+    Parquet,
+    /// Points and lines for ParaView.
+    Vtp,
+    GraphMl,
+    /// A graph as nodes and edges.
+    Json,
 }
 
-impl Table {
+/// The formats of tables of any kind.
+pub(crate) const TABLES: [TableFormat; 4] =
+    [TableFormat::Csv, TableFormat::Npy, TableFormat::Npz, TableFormat::Parquet];
+
+impl TableFormat {
     /// Standard output gets CSV.
     pub(crate) fn of(path: Option<&Path>) -> Result<Self, Failure> {
+        use TableFormat::{Csv, GraphMl, Json, Npy, Npz, Parquet, Vtp};
+        let any = [Csv, Npy, Npz, Parquet, Vtp, GraphMl, Json];
+        Self::among(&any, path)
+    }
+
+    /// The format, if it is one of these.
+    pub(crate) fn among(formats: &[Self], path: Option<&Path>) -> Result<Self, Failure> {
         let Some(path) = path.filter(|path| !is_stdout(path)) else { return Ok(Self::Csv) };
-        match path.extension().map(OsStr::to_ascii_lowercase) {
-            Some(extension) if extension == "csv" => Ok(Self::Csv),
-            Some(extension) if extension == "npy" => Ok(Self::Npy),
-            // A device has no extension and no format of its own; what is wrong with a folder is not its name.
-            _ if is_device(path) || path.is_dir() => Ok(Self::Csv),
-            _ => Err(Failure::writing(path, "its name does not tell the format: end it in .csv or .npy")),
+        let extension = path.extension().map(OsStr::to_ascii_lowercase);
+        let is_named = |format: &&Self| extension.as_deref() == Some(OsStr::new(format.extension()));
+        if let Some(format) = formats.iter().find(is_named) {
+            return Ok(*format);
+        }
+        // A device has no extension and no format of its own; what is wrong with a folder is not its name.
+        if is_device(path) || path.is_dir() {
+            return Ok(Self::Csv);
+        }
+        let names: Vec<_> = formats.iter().map(|format| format!(".{}", format.extension())).collect();
+        let names = match &names[..] {
+            [names @ .., last] => format!("{} or {last}", names.join(", ")),
+            [] => String::new(),
+        };
+        Err(Failure::writing(path, format!("its name does not tell the format: end it in {names}")))
+    }
+
+    /// Refuses formats that hold networks of the elements of one packing.
+    pub(crate) fn is_table(self, what: &str) -> Result<Self, Failure> {
+        match self {
+            Self::Csv | Self::Npy | Self::Npz | Self::Parquet => Ok(self),
+            Self::Vtp | Self::GraphMl | Self::Json => Err(Failure::Unusable(format!(
+                "--output: .{} holds a packing and its couples, not {what}: end the name in .csv, .npy, .npz or .parquet",
+                self.extension()
+            ))),
+        }
+    }
+
+    fn extension(self) -> &'static str {
+        match self {
+            Self::Csv => "csv",
+            Self::Npy => "npy",
+            Self::Npz => "npz",
+            Self::Parquet => "parquet",
+            Self::Vtp => "vtp",
+            Self::GraphMl => "graphml",
+            Self::Json => "json",
         }
     }
 }
@@ -95,9 +144,9 @@ impl Output {
     /// A reader of standard output that leaves early (`| head`) has what it wants: no error.
     pub(crate) fn write(
         &mut self,
-        write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+        write: impl FnOnce(&mut (dyn Write + Send)) -> io::Result<()>,
     ) -> Result<(), Failure> {
-        let (writer, is_stdout): (&mut dyn Write, _) = match &mut self.to {
+        let (writer, is_stdout): (&mut (dyn Write + Send), _) = match &mut self.to {
             To::Stdout(writer) => (writer, true),
             To::Device(writer) => (writer, false),
             To::Aside { file, .. } => (file, false),

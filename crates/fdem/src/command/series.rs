@@ -4,18 +4,17 @@ use std::fs::File;
 use std::io::{self, Seek, Write};
 use std::path::{Path, PathBuf};
 
-use fdem_io::{
-    CoupleRow, Frame, Series, write_frame_csv, write_frame_npy, write_series_header_csv,
-    write_series_header_npy,
-};
+use fdem_io::{Packing, Series, write_csv, write_csv_rows, write_npy_header, write_npy_rows};
 
 use crate::command::args::ContactsArguments;
 use crate::command::contacts::{self, Outputs};
 use crate::command::failure::Failure;
 use crate::command::input::Opened;
-use crate::command::output::{Output, Table, Written, refuse_to_overwrite};
-use crate::command::progress::Progress;
+use crate::command::output::{Output, TableFormat, Written, refuse_to_overwrite};
+use crate::command::progress::{Position, Progress};
 use crate::command::series_summary::SeriesSummary;
+use crate::command::tables::{frame_table, no_frames};
+use crate::network::Network;
 
 /// What stands for the number of a frame in the name of an output.
 const PLACE: &str = "{frame}";
@@ -129,53 +128,51 @@ pub(crate) struct SeriesTable {
 
 impl SeriesTable {
     fn open(path: Option<&Path>) -> Result<Self, Failure> {
-        let (table, output) = (Table::of(path)?, Output::open(path)?);
+        let format = TableFormat::of(path)?;
+        if !matches!(format, TableFormat::Csv | TableFormat::Npy) {
+            return Err(Failure::Unusable(format!(
+                "--output: one table of several frames ends in .csv or .npy; for a file for each put {PLACE} into its name"
+            )));
+        }
+        let output = Output::open(path)?;
         let name = path.map_or_else(|| PathBuf::from("standard output"), Path::to_owned);
-        let rows = match table {
-            Table::Csv => None,
-            Table::Npy => {
+        let rows = match format {
+            TableFormat::Npy => {
                 let folder = name.parent().filter(|folder| !folder.as_os_str().is_empty());
                 let file = tempfile::tempfile_in(folder.unwrap_or(Path::new(".")));
                 let failed = |error: io::Error| Failure::writing(&name, io::Error::from(error.kind()));
                 Some((file.map_err(failed)?, 0))
             }
+            _ => None,
         };
         Ok(Self { name, output, shifts: None, rows })
     }
 
     /// Adds the couples of a frame.
-    pub(crate) fn write<const S: usize>(
+    pub(crate) fn write<const D: usize>(
         &mut self,
-        frame: Frame,
-        rows: impl Iterator<Item = CoupleRow<S>>,
+        packing: &Packing,
+        network: &Network<'_, D>,
+        position: &Position,
     ) -> Result<(), Failure> {
-        if self.shifts.is_none() && self.rows.is_none() {
-            self.output.write(write_series_header_csv::<S>)?;
-        }
-        match *self.shifts.get_or_insert(S) {
-            shifts if shifts == S => self.add(frame, rows),
-            // What does not repeat is not displaced.
-            2 if S == 0 => self.add(frame, rows.map(widened::<S, 2>)),
-            3 if S == 0 => self.add(frame, rows.map(widened::<S, 3>)),
-            _ => Err(Failure::Unusable(format!(
+        let is_first = self.shifts.is_none();
+        let shifts = if network.space.cell.is_some() { D } else { 0 };
+        let columns = *self.shifts.get_or_insert(shifts);
+        // What does not repeat is not displaced.
+        if shifts != columns && shifts != 0 {
+            return Err(Failure::Unusable(format!(
                 "frame {}: its box repeats along other edges than that of the first frame, or in another dimension: one table cannot hold both. Put \
                  {PLACE} into the name of the output, or give --periodic",
-                frame.index
-            ))),
+                packing.frame.index
+            )));
         }
-    }
-
-    fn add<const S: usize>(
-        &mut self,
-        frame: Frame,
-        rows: impl Iterator<Item = CoupleRow<S>>,
-    ) -> Result<(), Failure> {
+        let table = frame_table(packing, network, columns, position);
         match &mut self.rows {
-            None => self.output.write(|out| write_frame_csv(out, frame, rows)),
+            None if is_first => self.output.write(|mut out| write_csv(&mut out, &table)),
+            None => self.output.write(|mut out| write_csv_rows(&mut out, &table)),
             Some((file, count)) => {
-                let added = write_frame_npy(file, frame, rows);
-                *count += added.map_err(|error| Failure::writing(&self.name, error))?;
-                Ok(())
+                *count += table.rows() as u64;
+                write_npy_rows(file, &table).map_err(|error| Failure::writing(&self.name, error))
             }
         }
     }
@@ -183,21 +180,12 @@ impl SeriesTable {
     fn close(mut self) -> Result<Written, Failure> {
         if let Some((mut file, count)) = self.rows.take() {
             let shifts = self.shifts.unwrap_or(0);
-            self.output.write(|out| {
-                match shifts {
-                    2 => write_series_header_npy::<2>(out, count),
-                    3 => write_series_header_npy::<3>(out, count),
-                    _ => write_series_header_npy::<0>(out, count),
-                }?;
+            self.output.write(|mut out| {
+                write_npy_header(&mut out, &no_frames(shifts), count)?;
                 file.rewind()?;
-                io::copy(&mut file, out).map(drop)
+                io::copy(&mut file, &mut out).map(drop)
             })?;
         }
         self.output.close()
     }
-}
-
-fn widened<const S: usize, const W: usize>(row: CoupleRow<S>) -> CoupleRow<W> {
-    let CoupleRow { i, j, distance, overlap, .. } = row;
-    CoupleRow { i, j, distance, overlap, shift: [0; W] }
 }

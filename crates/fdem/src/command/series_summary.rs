@@ -24,12 +24,15 @@ impl SeriesSummary {
     }
 
     pub(crate) fn push(&mut self, frame: Summary) {
-        let Seconds { read, detect, verify, write } = frame.seconds;
+        let Seconds { read, detect, verify, analyse, write } = frame.seconds;
         self.seconds.read += read;
         self.seconds.detect += detect;
         self.seconds.write += write;
         if let Some(verify) = verify {
             *self.seconds.verify.get_or_insert(0.0) += verify;
+        }
+        if let Some(analyse) = analyse {
+            *self.seconds.analyse.get_or_insert(0.0) += analyse;
         }
         self.frames.push(frame);
     }

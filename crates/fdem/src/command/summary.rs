@@ -4,6 +4,8 @@ use std::fmt;
 
 use serde::Serialize;
 
+use crate::analysis::Analysis;
+use crate::command::analyse::write_lines;
 use crate::command::detect::{Found, Request};
 use crate::command::input::{Input, id};
 use crate::network::{Sizes, Space};
@@ -65,6 +67,8 @@ pub(crate) struct Summary {
     max_overlap_shift: Option<Vec<i32>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) verified: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    analysis: Option<Analysis>,
     pub(crate) seconds: Seconds,
     peak_bytes: Option<u64>,
 }
@@ -92,6 +96,8 @@ pub(crate) struct Seconds {
     pub(crate) detect: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) verify: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) analyse: Option<f64>,
     pub(crate) write: f64,
 }
 
@@ -170,9 +176,15 @@ impl Summary {
             periodic,
             still_box,
             verified,
+            analysis: None,
             seconds,
             peak_bytes: None,
         }
+    }
+
+    pub(crate) fn with_analysis(mut self, analysis: Option<Analysis>) -> Self {
+        self.analysis = analysis;
+        self
     }
 
     /// Notes the largest memory the process has had so far.
@@ -253,6 +265,9 @@ impl fmt::Display for Summary {
             };
             line("largest overlap", format!("{}{unit}, of {i} and {j}{across}", brief(overlap)))?;
         }
+        if let Some(analysis) = &self.analysis {
+            write_lines(out, analysis, &unit)?;
+        }
         write_end(out, self.verified, &self.seconds, self.peak_bytes)
     }
 }
@@ -279,9 +294,10 @@ pub(crate) fn write_end(
     if let Some(verified) = verified {
         line("verified", format!("{} elements by brute force: no difference", grouped(verified as u64)))?;
     }
-    let Seconds { read, detect, verify, write } = seconds;
+    let Seconds { read, detect, verify, analyse, write } = seconds;
     let verify = verify.map(|verify| format!(", verify {verify:.3} s")).unwrap_or_default();
-    line("time", format!("read {read:.3} s, detect {detect:.3} s{verify}, write {write:.3} s"))?;
+    let analyse = analyse.map(|analyse| format!(", analyse {analyse:.3} s")).unwrap_or_default();
+    line("time", format!("read {read:.3} s, detect {detect:.3} s{verify}{analyse}, write {write:.3} s"))?;
     if let Some(bytes) = peak_bytes {
         line("peak memory", format!("{:.1} MB", bytes as f64 / 1e6))?;
     }

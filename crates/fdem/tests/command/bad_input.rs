@@ -108,7 +108,10 @@ fn an_output_that_cannot_be_written_is_named() {
         assert_eq!(bench.files(), ["in.csv"]);
     };
     refused(&["-o", "nowhere/out.csv"], &["nowhere/out.csv", "no folder"]);
-    refused(&["-o", "out.xlsx"], &["out.xlsx", ".csv or .npy"]);
+    refused(
+        &["-o", "out.xlsx"],
+        &["out.xlsx", "end it in .csv, .npy, .npz, .parquet, .vtp, .graphml or .json"],
+    );
     refused(&["-o", "new\nline.txt"], &["new\\nline.txt"]);
     refused(&["-o", "."], &["directory"]);
     refused(&["-o", "in.csv"], &["--output in.csv is the input too"]);

@@ -3,6 +3,8 @@
 //! - `contacts`: good packings of every form and what is written for them.
 //! - `bad_input`: files, options and outputs that must be refused.
 //! - `bench`: the timings of the engines.
+//! - `formats`: the formats of what is written.
+//! - `analyse`: what the network says.
 //! - `generate`: packings from seeds.
 //! - `periodic`: boxes that repeat, threads, and what is told before a search.
 //! - `bodies`: elements that are parts of bodies.
@@ -13,11 +15,13 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failed unwrap is a failed test")]
 
+mod analyse;
 mod bad_input;
 mod beds;
 mod bench;
 mod bodies;
 mod contacts;
+mod formats;
 mod generate;
 mod labels;
 mod mesh;

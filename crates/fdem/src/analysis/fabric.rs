@@ -1,0 +1,139 @@
+//! The fabric tensor.
+
+use serde::Serialize;
+
+use crate::analysis::directions::unit;
+use crate::network::Network;
+
+/// Where contacts point on the whole: `F = 1/m Σ n ⊗ n` over the `m` couples with a direction, `n` the unit vector from centre to centre.
+///
+/// Its trace is 1; `F = 1/D` in every direction if contacts point everywhere alike. The density of directions that has this fabric and no finer detail is
+/// `E(n) = (1 + a n·F'n) / (area of the unit sphere)` with `F' = F - 1/D` and `a = D (D + 2) / 2`; in 2D this is `(1 + a_c cos 2(θ - θ_1)) / 2π`.
+///
+/// # Source
+/// M. Satake, "Fabric tensor in granular materials", IUTAM Conf. on Deformation and Failure of Granular Materials (1982) 63–68; M. Oda, Soils Found. 22 (4)
+/// (1982) 96–108; K. Kanatani, Int. J. Engng Sci. 22 (1984) 149–164. `a_c`: L. Rothenburg, R.J. Bathurst, Géotechnique 39 (1989) 601–614 in 2D; N. Guo, J. Zhao,
+/// Comput. Geotech. 47 (2013) 1–15 in 3D, `√(3/2 a:a)` of `a = 15/2 F'`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Fabric {
+    /// `F`, row by row.
+    pub tensor: Vec<Vec<f64>>,
+    /// The eigenvalues, the largest first.
+    pub eigenvalues: Vec<f64>,
+    /// The principal directions in the same order: unit vectors, the largest component of each positive.
+    pub principal_directions: Vec<Vec<f64>>,
+    /// `√(D / (D - 1) F':F')`, the size of the deviator: 0 for contacts everywhere, 1 for contacts in one direction; in 2D the difference of the eigenvalues.
+    pub deviator: f64,
+    /// `a_c`: `2 deviator` in 2D, `15/2 deviator` in 3D.
+    pub anisotropy: f64,
+}
+
+impl Fabric {
+    /// `None` without a couple that has a direction.
+    pub(crate) fn of<const D: usize>(network: &Network<'_, D>) -> Option<Self> {
+        let mut sum = [[0.0; D]; D];
+        let mut couples = 0_u64;
+        for couple in network.couples.iter() {
+            let Some(normal) = unit(network.space.branch(couple)) else { continue };
+            couples += 1;
+            for (row, a) in sum.iter_mut().zip(normal) {
+                for (entry, b) in row.iter_mut().zip(normal) {
+                    *entry += a * b;
+                }
+            }
+        }
+        if couples == 0 {
+            return None;
+        }
+        let tensor = sum.map(|row| row.map(|entry| entry / couples as f64));
+        let (eigenvalues, directions) = eigen(tensor);
+        let d = D as f64;
+        let mut squares = 0.0;
+        for (row, entries) in tensor.iter().enumerate() {
+            for (column, entry) in entries.iter().enumerate() {
+                let part = if row == column { entry - 1.0 / d } else { *entry };
+                squares += part * part;
+            }
+        }
+        let deviator = (d / (d - 1.0) * squares).sqrt();
+        let anisotropy = deviator * if D == 2 { 2.0 } else { 7.5 };
+        Some(Self {
+            tensor: tensor.iter().map(|row| row.to_vec()).collect(),
+            eigenvalues: eigenvalues.to_vec(),
+            principal_directions: directions.iter().map(|row| row.to_vec()).collect(),
+            deviator,
+            anisotropy,
+        })
+    }
+}
+
+/// Eigenvalues of a symmetric matrix, the largest first, and their unit vectors, by rotations that make one entry zero each (Jacobi 1846).
+fn eigen<const D: usize>(mut matrix: [[f64; D]; D]) -> ([f64; D], [[f64; D]; D]) {
+    /// Convergence is quadratic: 3 x 3 matrices take some 6 sweeps.
+    const MOST_SWEEPS: usize = 50;
+    let mut vectors: [[f64; D]; D] =
+        std::array::from_fn(|row| std::array::from_fn(|column| f64::from(u8::from(row == column))));
+    for _ in 0..MOST_SWEEPS {
+        let mut rotated = false;
+        for p in 0..D {
+            for q in p + 1..D {
+                let off = matrix[p][q];
+                // Too small to change the eigenvalues.
+                if matrix[p][p].abs() + off == matrix[p][p].abs()
+                    && matrix[q][q].abs() + off == matrix[q][q].abs()
+                {
+                    continue;
+                }
+                rotated = true;
+                let cot = (matrix[q][q] - matrix[p][p]) / (2.0 * off);
+                let tan = cot.signum() / (cot.abs() + cot.hypot(1.0));
+                let cos = 1.0 / tan.hypot(1.0);
+                let sin = tan * cos;
+                for row in &mut matrix {
+                    (row[p], row[q]) = (cos * row[p] - sin * row[q], sin * row[p] + cos * row[q]);
+                }
+                for column in 0..D {
+                    let (a, b) = (matrix[p][column], matrix[q][column]);
+                    (matrix[p][column], matrix[q][column]) = (cos * a - sin * b, sin * a + cos * b);
+                    let (a, b) = (vectors[p][column], vectors[q][column]);
+                    (vectors[p][column], vectors[q][column]) = (cos * a - sin * b, sin * a + cos * b);
+                }
+            }
+        }
+        if !rotated {
+            break;
+        }
+    }
+    let mut order: [usize; D] = std::array::from_fn(|k| k);
+    order.sort_by(|&a, &b| matrix[b][b].total_cmp(&matrix[a][a]));
+    let signed = |vector: [f64; D]| {
+        let largest =
+            vector.iter().fold(0.0_f64, |largest, &x| if x.abs() > largest.abs() { x } else { largest });
+        // Plus zero: minus zero is zero.
+        if largest < 0.0 { vector.map(|x| -x + 0.0) } else { vector.map(|x| x + 0.0) }
+    };
+    (order.map(|k| matrix[k][k]), order.map(|k| signed(vectors[k])))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn eigenvectors_make_the_matrix() {
+        let matrix = [[2.0, -1.0, 0.25], [-1.0, 0.5, 3.0], [0.25, 3.0, -1.5]];
+        let (values, vectors) = eigen(matrix);
+        assert!(values[0] > values[1] && values[1] > values[2], "{values:?}");
+        for row in 0..3 {
+            for column in 0..3 {
+                let sum: f64 = (0..3).map(|k| values[k] * vectors[k][row] * vectors[k][column]).sum();
+                assert!((sum - matrix[row][column]).abs() < 1e-14);
+                let product: f64 = (0..3).map(|k| vectors[row][k] * vectors[column][k]).sum();
+                assert!((product - f64::from(u8::from(row == column))).abs() < 1e-14);
+            }
+        }
+        assert_eq!(eigen([[0.0, 0.0], [0.0, 1.0]]), ([1.0, 0.0], [[0.0, 1.0], [1.0, 0.0]]));
+        let (values, _) = eigen([[0.5, 0.5], [0.5, 0.5]]);
+        assert!((values[0] - 1.0).abs() < 1e-15 && values[1].abs() < 1e-15);
+    }
+}

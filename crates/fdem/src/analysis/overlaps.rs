@@ -1,0 +1,88 @@
+//! How deep elements overlap, and how far they are apart.
+
+use serde::Serialize;
+
+use crate::network::{Network, Sizes};
+
+/// Overlaps of the couples, and gaps where a tolerance makes couples of elements that do not touch.
+///
+/// # Units
+/// The length unit of the centres.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Overlaps {
+    /// Of the couples that touch, the sum of radii less the distance, at least 0; `None` without any.
+    pub overlaps: Option<Spread>,
+    /// Of the others, the distance less the sum of radii, above 0; `None` without any.
+    pub gaps: Option<Spread>,
+    /// Mean radius of the elements; `None` for points and without elements.
+    pub mean_radius: Option<f64>,
+    /// The mean overlap of the couples that touch in units of the mean radius.
+    pub mean_over_radius: Option<f64>,
+}
+
+/// What is said of many lengths.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Spread {
+    /// How many.
+    pub count: u64,
+    /// The smallest.
+    pub min: f64,
+    /// Their mean.
+    pub mean: f64,
+    /// The largest.
+    pub max: f64,
+    /// From 0 to the largest.
+    pub histogram: Histogram,
+}
+
+/// Lengths in bins of equal width.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Histogram {
+    /// Of a bin; the first starts at 0.
+    pub width: f64,
+    /// Lengths in each bin, the lower limit included; the last one includes its upper limit too.
+    pub counts: Vec<u64>,
+}
+
+/// Bins of a histogram.
+const BINS: usize = 20;
+
+impl Overlaps {
+    pub(crate) fn of<const D: usize>(network: &Network<'_, D>) -> Self {
+        let all = || network.couples.iter().map(|couple| network.overlap(couple));
+        let overlaps = Spread::of(|| all().filter(|&overlap| overlap >= 0.0));
+        let gaps = Spread::of(|| all().filter(|&overlap| overlap < 0.0).map(|overlap| -overlap));
+        let n = network.space.centres.len();
+        let of_points = matches!(network.sizes, Sizes::Cutoff(_));
+        let mean_radius = (n > 0 && !of_points)
+            .then(|| (0..n).fold(0.0, |sum, index| sum + network.sizes.radius(index)) / n as f64);
+        let mean_over_radius = match (&overlaps, mean_radius) {
+            (Some(overlaps), Some(radius)) if radius > 0.0 => Some(overlaps.mean / radius),
+            _ => None,
+        };
+        Self { overlaps, gaps, mean_radius, mean_over_radius }
+    }
+}
+
+impl Spread {
+    fn of<I: Iterator<Item = f64>>(lengths: impl Fn() -> I) -> Option<Self> {
+        let (mut count, mut sum) = (0, 0.0);
+        let (mut min, mut max) = (f64::INFINITY, 0.0_f64);
+        for length in lengths() {
+            count += 1;
+            sum += length;
+            (min, max) = (min.min(length), max.max(length));
+        }
+        if count == 0 {
+            return None;
+        }
+        let mut counts = vec![0; BINS];
+        for length in lengths() {
+            // All of them may be 0.
+            let place = if max > 0.0 { length / max * BINS as f64 } else { 0.0 };
+            counts[(place as usize).min(BINS - 1)] += 1;
+        }
+        let histogram = Histogram { width: max / BINS as f64, counts };
+        Some(Self { count, min, mean: sum / count as f64, max, histogram })
+    }
+}

@@ -1,0 +1,349 @@
+//! How much of the space is filled.
+
+use std::f64::consts::PI;
+
+use serde::Serialize;
+
+use crate::analysis::AnalysisError;
+use crate::analysis::volumes::{disc_in_rectangle, sphere_in_box};
+use crate::network::{Network, Sizes};
+
+/// How much of a region is filled: its area in 2D, its volume in 3D.
+///
+/// The parts of elements inside the region are summed up in closed form ([`sphere_in_box`](crate::analysis::sphere_in_box)), all images included where the box
+/// repeats. What two elements have in common is in that sum twice; `overlap` is what the couples have in common, the lens of two discs or spheres, and
+/// `fraction_without_overlap` has it once. (What three have in common is then taken off too often: far less, where overlaps are small.)
+///
+/// A lens that the border of the region cuts is counted by the part of the ball around it that is inside; `overlap_error` bounds what this may be wrong by.
+///
+/// # Units
+/// The length unit of the centres, squared in 2D, cubed in 3D.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PackingFraction {
+    /// `[min, max]` along each axis; in a sheared box at right angles to its faces, from the face that the origin is on.
+    pub region: Vec<[f64; 2]>,
+    /// Area or volume of the region.
+    pub measure: f64,
+    /// Of the parts of elements in it, together.
+    pub solid: f64,
+    /// `solid / measure`.
+    pub fraction: f64,
+    /// Of the lenses of the couples in it.
+    pub overlap: f64,
+    /// The error of `overlap` is no larger.
+    pub overlap_error: f64,
+    /// `(solid - overlap) / measure`.
+    pub fraction_without_overlap: f64,
+}
+
+/// Coordinates in which the faces of the domain lie at right angles to an axis each: those of the centres, or in a sheared box the distances from its faces.
+pub(crate) struct Frame<const D: usize> {
+    /// Along which axes the box repeats, and after which length.
+    pub(crate) periods: [Option<f64>; D],
+    /// The box where it repeats, elsewhere that around all elements with their radii; empty without elements.
+    pub(crate) domain: [[f64; 2]; D],
+    pub(crate) largest_radius: f64,
+    /// Whether the coordinates are those of the centres.
+    pub(crate) along_axes: bool,
+    /// Volume of the parallelepiped of the box over that of a box of its heights; 1 unless it is sheared.
+    stretch: f64,
+}
+
+impl<const D: usize> Frame<D> {
+    pub(crate) fn of(network: &Network<'_, D>) -> Self {
+        let n = network.space.centres.len();
+        let mut frame = Self {
+            periods: [None; D],
+            domain: [[f64::INFINITY, f64::NEG_INFINITY]; D],
+            largest_radius: (0..n).map(|k| network.sizes.radius(k)).fold(0.0, f64::max),
+            along_axes: true,
+            stretch: 1.0,
+        };
+        if let Some(cell) = &network.space.cell {
+            let (edges, heights) = (cell.edges(), cell.heights());
+            frame.along_axes = (0..D).all(|edge| {
+                (0..D)
+                    .all(|axis| if edge == axis { edges[edge][axis] > 0.0 } else { edges[edge][axis] == 0.0 })
+            });
+            for axis in (0..D).filter(|&axis| cell.periodic()[axis]) {
+                let (start, length) = if frame.along_axes {
+                    (cell.origin()[axis], edges[axis][axis])
+                } else {
+                    (0.0, heights[axis])
+                };
+                frame.periods[axis] = Some(length);
+                frame.domain[axis] = [start, start + length];
+            }
+            if !frame.along_axes {
+                frame.stretch = determinant(&edges) / heights.iter().product::<f64>();
+            }
+        }
+        for element in 0..n {
+            let (x, r) = (frame.coordinates(network, element), network.sizes.radius(element));
+            for axis in (0..D).filter(|&axis| frame.periods[axis].is_none()) {
+                let [low, high] = &mut frame.domain[axis];
+                (*low, *high) = (low.min(x[axis] - r), high.max(x[axis] + r));
+            }
+        }
+        frame
+    }
+
+    pub(crate) fn coordinates(&self, network: &Network<'_, D>, element: usize) -> [f64; D] {
+        self.transformed(network, network.space.centres[element])
+    }
+
+    pub(crate) fn transformed(&self, network: &Network<'_, D>, point: [f64; D]) -> [f64; D] {
+        match &network.space.cell {
+            Some(cell) if !self.along_axes => {
+                let (fractions, heights) = (cell.fractions(&point), cell.heights());
+                std::array::from_fn(|axis| fractions[axis] * heights[axis])
+            }
+            _ => point,
+        }
+    }
+
+    /// Area or volume between limits.
+    pub(crate) fn measure(&self, limits: &[[f64; 2]; D]) -> f64 {
+        limits.iter().fold(self.stretch, |product, [low, high]| product * (high - low))
+    }
+}
+
+/// The fraction in `inner`, or in the region that is measured by default; or why there is none.
+pub(crate) fn fraction<const D: usize>(
+    network: &Network<'_, D>,
+    inner: Option<[[f64; 2]; D]>,
+) -> Result<Result<PackingFraction, String>, AnalysisError> {
+    let wrong = |axis: &usize| inner.is_some_and(|limits| !is_region(limits[*axis]));
+    if let Some(axis) = (0..D).find(wrong) {
+        return Err(AnalysisError::Region { axis, limits: inner.map_or([0.0; 2], |limits| limits[axis]) });
+    }
+    if let Sizes::Cutoff(_) = network.sizes {
+        return Ok(Err("points fill no space".to_owned()));
+    }
+    if network.space.centres.is_empty() {
+        return Ok(Err("there are no elements".to_owned()));
+    }
+    let frame = Frame::of(network);
+    if inner.is_some() && !frame.along_axes {
+        return Err(AnalysisError::ShearedBox);
+    }
+    let margin = 2.0 * frame.largest_radius;
+    let region = inner.unwrap_or_else(|| {
+        std::array::from_fn(|axis| {
+            let [low, high] = frame.domain[axis];
+            if frame.periods[axis].is_some() { [low, high] } else { [low + margin, high - margin] }
+        })
+    });
+    if let Some(axis) = (0..D).find(|&axis| !is_region(region[axis])) {
+        let name = ["x", "y", "z"][axis];
+        return Ok(Err(format!(
+            "nothing is left along {name} when the domain is shrunk by the largest diameter on both sides"
+        )));
+    }
+    // Where the region is the whole box around, every image has its place: nothing cuts.
+    let whole: [bool; D] = std::array::from_fn(|axis| inner.is_none() && frame.periods[axis].is_some());
+    if !frame.along_axes && whole.iter().filter(|whole| !**whole).count() > 1 {
+        return Ok(Err(
+            "the box is sheared and has more than one edge along which it does not repeat".to_owned()
+        ));
+    }
+    Ok(Ok(measured(network, &frame, region, whole)))
+}
+
+fn is_region([low, high]: [f64; 2]) -> bool {
+    low < high && (high - low).is_finite()
+}
+
+fn measured<const D: usize>(
+    network: &Network<'_, D>,
+    frame: &Frame<D>,
+    region: [[f64; 2]; D],
+    whole: [bool; D],
+) -> PackingFraction {
+    let inside = Inside { frame, region, whole };
+    let mut solid = 0.0;
+    for element in 0..network.space.centres.len() {
+        let (centre, radius) = (frame.coordinates(network, element), network.sizes.radius(element));
+        inside.for_each_part(centre, radius, |part| solid += part);
+    }
+    let (mut overlap, mut overlap_error) = (0.0, 0.0);
+    for couple in network.couples.iter() {
+        let radii = [couple.i, couple.j].map(|k| network.sizes.radius(k as usize));
+        let Some(lens) = Lens::<D>::of(radii, network.space.distance(couple)) else { continue };
+        let [a, b] = network.space.ends(couple);
+        let middle = std::array::from_fn(|axis| a[axis] + lens.at * (b[axis] - a[axis]));
+        let around = ball::<D>(lens.radius);
+        inside.for_each_part(frame.transformed(network, middle), lens.radius, |part| {
+            let part = (part / around).min(1.0);
+            overlap += lens.measure * part;
+            if part > 0.0 && part < 1.0 {
+                overlap_error += lens.measure * part.max(1.0 - part);
+            }
+        });
+    }
+    let measure = frame.measure(&region);
+    PackingFraction {
+        region: region.to_vec(),
+        measure,
+        solid,
+        fraction: solid / measure,
+        overlap,
+        overlap_error,
+        fraction_without_overlap: (solid - overlap) / measure,
+    }
+}
+
+/// The region, and where it has no border.
+struct Inside<'a, const D: usize> {
+    frame: &'a Frame<D>,
+    region: [[f64; 2]; D],
+    whole: [bool; D],
+}
+
+impl<const D: usize> Inside<'_, D> {
+    /// What is inside of a disc or sphere, and of each of its images.
+    fn for_each_part(&self, centre: [f64; D], radius: f64, mut visit: impl FnMut(f64)) {
+        let limits: [[f64; 2]; D] = std::array::from_fn(|axis| {
+            if self.whole[axis] { [f64::NEG_INFINITY, f64::INFINITY] } else { self.region[axis] }
+        });
+        let mut images = [[0.0; 2]; D];
+        for axis in 0..D {
+            if let (Some(period), false) = (self.frame.periods[axis], self.whole[axis]) {
+                let [low, high] = limits[axis];
+                images[axis] = [
+                    ((low - radius - centre[axis]) / period).ceil(),
+                    ((high + radius - centre[axis]) / period).floor(),
+                ];
+                if images[axis][0] > images[axis][1] {
+                    return;
+                }
+            }
+        }
+        let mut shift: [f64; D] = std::array::from_fn(|axis| images[axis][0]);
+        loop {
+            let at = std::array::from_fn(|axis| {
+                centre[axis] + shift[axis] * self.frame.periods[axis].unwrap_or(0.0)
+            });
+            visit(ball_in_box(at, radius, limits));
+            // The next one, as an odometer counts.
+            let Some(axis) = (0..D).find(|&axis| shift[axis] < images[axis][1]) else { return };
+            shift[axis] += 1.0;
+            for before in 0..axis {
+                shift[before] = images[before][0];
+            }
+        }
+    }
+}
+
+fn ball_in_box<const D: usize>(centre: [f64; D], radius: f64, limits: [[f64; 2]; D]) -> f64 {
+    let [x, y] = [0, 1].map(|axis| (centre[axis], limits[axis]));
+    if D == 2 {
+        disc_in_rectangle([x.0, y.0], radius, [x.1, y.1])
+    } else {
+        sphere_in_box([x.0, y.0, centre[D - 1]], radius, [x.1, y.1, limits[D - 1]])
+    }
+}
+
+/// Area of a disc, volume of a sphere, rounded as those of discs and spheres that are inside of a box.
+pub(crate) fn ball<const D: usize>(radius: f64) -> f64 {
+    if D == 2 { PI * radius * radius } else { 4.0 * PI / 3.0 * radius.powi(3) }
+}
+
+/// What two discs or spheres have in common.
+struct Lens<const D: usize> {
+    measure: f64,
+    /// Where its middle is, from the first centre towards the second, in units of the distance.
+    at: f64,
+    /// It is inside a ball of this radius around its middle.
+    radius: f64,
+}
+
+impl<const D: usize> Lens<D> {
+    fn of([a, b]: [f64; 2], distance: f64) -> Option<Self> {
+        let smaller = a.min(b);
+        if distance >= a + b || smaller <= 0.0 {
+            return None;
+        }
+        if distance <= (a - b).abs() {
+            // The smaller one is inside the other.
+            let measure = ball::<D>(smaller);
+            return Some(Self { measure, at: if a < b { 0.0 } else { 1.0 }, radius: smaller });
+        }
+        let d = distance;
+        // From the first centre to the plane of the rim, and half the chord, from factors that lose no digits (Heron).
+        let to_plane = (d * d + (a - b) * (a + b)) / (2.0 * d);
+        let rim = ((a + b + d) * (a + b - d) * (d + a - b) * (d - a + b)).max(0.0).sqrt() / (2.0 * d);
+        let measure = if D == 2 {
+            let segment = |r: f64, x: f64| r * r * rim.atan2(x) - x * rim;
+            segment(a, to_plane) + segment(b, d - to_plane)
+        } else {
+            let depth = a + b - d;
+            PI * depth * depth * (d * d + 2.0 * d * (a + b) - 3.0 * (a - b) * (a - b)) / (12.0 * d)
+        };
+        let radius = rim.max(a - to_plane).max(b - (d - to_plane));
+        Some(Self { measure, at: to_plane / d, radius })
+    }
+}
+
+/// Of two or three edges.
+fn determinant<const D: usize>(edges: &[[f64; D]; D]) -> f64 {
+    let minor = |row: usize, other: usize, a: usize, b: usize| {
+        edges[row][a] * edges[other][b] - edges[row][b] * edges[other][a]
+    };
+    if D == 2 {
+        return minor(0, 1, 0, 1);
+    }
+    edges[0][0] * minor(1, 2, 1, 2) - edges[0][1] * minor(1, 2, 0, 2) + edges[0][2] * minor(1, 2, 0, 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Twice the integral of the height of the lens, or of the area of its slices.
+    fn by_slices(d_is_3: bool, a: f64, b: f64, distance: f64) -> f64 {
+        const SLICES: usize = 1_000_000;
+        let low = (-a).max(distance - b);
+        let high = a.min(distance + b);
+        let width = (high - low) / SLICES as f64;
+        (0..SLICES)
+            .map(|slice| {
+                let x = low + (slice as f64 + 0.5) * width;
+                let squared = (a * a - x * x).min(b * b - (distance - x) * (distance - x)).max(0.0);
+                width * if d_is_3 { PI * squared } else { 2.0 * squared.sqrt() }
+            })
+            .sum()
+    }
+
+    #[test]
+    fn lenses_are_what_discs_and_spheres_have_in_common() {
+        for (a, b, distance) in [
+            (1.0, 1.0, 1.9),
+            (1.0, 0.5, 1.4),
+            (1.0, 0.5, 0.7),
+            (0.3, 2.0, 2.1),
+            (1.0, 0.4, 0.2),
+            (1.0, 1.0, 1e-3),
+        ] {
+            let (flat, solid) =
+                (Lens::<2>::of([a, b], distance).unwrap(), Lens::<3>::of([a, b], distance).unwrap());
+            assert!(
+                (flat.measure / by_slices(false, a, b, distance) - 1.0).abs() < 1e-5,
+                "{a} {b} {distance}"
+            );
+            assert!(
+                (solid.measure / by_slices(true, a, b, distance) - 1.0).abs() < 1e-5,
+                "{a} {b} {distance}"
+            );
+        }
+        assert!(Lens::<3>::of([1.0, 1.0], 2.0).is_none());
+        assert!(Lens::<2>::of([1.0, 0.0], 0.5).is_none());
+    }
+
+    #[test]
+    fn determinants() {
+        assert_eq!(determinant(&[[2.0, 0.5], [1.0, 3.0]]), 5.5);
+        assert_eq!(determinant(&[[2.0, 0.0, 0.0], [1.0, 3.0, 0.0], [4.0, 5.0, 0.5]]), 3.0);
+        assert_eq!(determinant(&[[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]]), 1.0);
+    }
+}

@@ -1,0 +1,149 @@
+//! The radial distribution function.
+
+use fdem_contact::{Detector, Elements, Engine, PeriodicSearch, Search};
+use serde::Serialize;
+
+use crate::analysis::packing::{Frame, ball};
+use crate::analysis::{AnalysisError, RadialOptions};
+use crate::network::{Network, unshifted};
+
+/// How often centres are at a distance `r` from each other, in units of how often they would be if they were anywhere: `g(r)`.
+///
+/// `g_k = counts_k / (references * density * V_k)`, `V_k` the area or volume of the shell of bin `k`. Where the box repeats every element is a reference, all images
+/// that are near enough count, an element's own included, and the density is `n` by the box: exact, whatever the distance. Elsewhere references are the centres at
+/// least `r_max` from the faces of the box around all centres, so that no shell sticks out, and the density is that of these centres.
+///
+/// For independent random centres in a box that repeats the mean of `g` is `1 - 1/n`.
+///
+/// # Units
+/// Lengths in the unit of the centres.
+///
+/// # Source
+/// M.P. Allen, D.J. Tildesley, "Computer Simulation of Liquids" (1987), section 2.6.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Radial {
+    /// The largest distance.
+    pub r_max: f64,
+    /// Middle of each bin.
+    pub r: Vec<f64>,
+    /// The function in each bin.
+    pub g: Vec<f64>,
+    /// Centres in the shell of a reference, summed over all references; the lower limit of a bin belongs to it, `r_max` to the last one.
+    pub counts: Vec<u64>,
+    /// Elements in the middle of shells.
+    pub references: u64,
+    /// Centres by area or volume.
+    pub density: f64,
+}
+
+const DEFAULT_BINS: usize = 150;
+const MOST_BINS: usize = 1_000_000;
+
+/// The distribution, or why there is none.
+pub(crate) fn distribution<const D: usize>(
+    network: &Network<'_, D>,
+    options: RadialOptions,
+) -> Result<Result<Radial, String>, AnalysisError> {
+    let refused = |problem: String| Err(AnalysisError::Radial { problem });
+    let bins = options.bins.unwrap_or(DEFAULT_BINS);
+    if bins == 0 || bins > MOST_BINS {
+        return refused(format!("{bins} bins are not between 1 and {MOST_BINS}"));
+    }
+    if let Some(r_max) = options.r_max.filter(|r_max| !(*r_max > 0.0 && r_max.is_finite())) {
+        return refused(format!("the largest distance {r_max} is not above 0"));
+    }
+    let n = network.space.centres.len();
+    if n == 0 {
+        return Ok(Err("there are no elements".to_owned()));
+    }
+    let mut frame = Frame::of(network);
+    around_centres(&mut frame, network);
+    let r_max = options.r_max.unwrap_or_else(|| usual_distance(&frame, network));
+    if r_max <= 0.0 {
+        return Ok(Err("the elements, or the box around their centres, have no width".to_owned()));
+    }
+
+    let inner: [[f64; 2]; D] = std::array::from_fn(|axis| {
+        let [low, high] = frame.domain[axis];
+        if frame.periods[axis].is_some() { [low, high] } else { [low + r_max, high - r_max] }
+    });
+    // The lower limits only, so that of layers at equal distances as many count as fit.
+    let is_reference: Vec<_> = (0..n)
+        .map(|element| {
+            let x = frame.coordinates(network, element);
+            (0..D).all(|axis| {
+                frame.periods[axis].is_some() || (inner[axis][0] <= x[axis] && x[axis] < inner[axis][1])
+            })
+        })
+        .collect();
+    let references = is_reference.iter().filter(|&&reference| reference).count() as u64;
+    if references == 0 {
+        let problem = format!("no centre is {r_max} away from all faces of the box around the centres");
+        return if options.r_max.is_some() { refused(problem) } else { Ok(Err(problem)) };
+    }
+    let density = references as f64 / frame.measure(&inner);
+
+    let counts = count(network, r_max, bins, &is_reference)?;
+    let width = r_max / bins as f64;
+    let shell = |k: usize| {
+        let (low, high) = (k as f64 * width, (k + 1) as f64 * width);
+        ball::<D>(high) - ball::<D>(low)
+    };
+    let expected = |k: usize| references as f64 * density * shell(k);
+    Ok(Ok(Radial {
+        r_max,
+        r: (0..bins).map(|k| (k as f64 + 0.5) * width).collect(),
+        g: counts.iter().enumerate().map(|(k, &count)| count as f64 / expected(k)).collect(),
+        counts,
+        references,
+        density,
+    }))
+}
+
+/// The domain without radii.
+fn around_centres<const D: usize>(frame: &mut Frame<D>, network: &Network<'_, D>) {
+    for axis in (0..D).filter(|&axis| frame.periods[axis].is_none()) {
+        let places =
+            (0..network.space.centres.len()).map(|element| frame.coordinates(network, element)[axis]);
+        frame.domain[axis] =
+            places.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)]);
+    }
+}
+
+/// Three mean diameters, but no more than half of what repeats, nor a quarter of a domain that does not.
+fn usual_distance<const D: usize>(frame: &Frame<D>, network: &Network<'_, D>) -> f64 {
+    let n = network.space.centres.len();
+    let mean = (0..n).fold(0.0, |sum, element| sum + network.sizes.radius(element)) / n as f64;
+    let mut r_max = 6.0 * mean;
+    for axis in 0..D {
+        let [low, high] = frame.domain[axis];
+        r_max = match (frame.periods[axis], &network.space.cell) {
+            (Some(_), Some(cell)) => r_max.min(cell.heights()[axis] / 2.0),
+            _ => r_max.min((high - low) / 4.0),
+        };
+    }
+    r_max
+}
+
+/// Centres around references, by distance.
+fn count<const D: usize>(
+    network: &Network<'_, D>,
+    r_max: f64,
+    bins: usize,
+    is_reference: &[bool],
+) -> Result<Vec<u64>, AnalysisError> {
+    let space = network.space;
+    let points = Elements::points(space.centres, r_max).map_err(AnalysisError::Search)?;
+    let mut counts = vec![0_u64; bins];
+    let mut add = |couple: fdem_contact::PeriodicCouple<D>| {
+        let ends = [couple.i, couple.j].map(|k| u64::from(is_reference[k as usize]));
+        let place = space.distance(couple) / r_max * bins as f64;
+        counts[(place as usize).min(bins - 1)] += ends[0] + ends[1];
+    };
+    match &space.cell {
+        None => Detector::new(Engine::Auto).for_each(&points, |couple| add(unshifted(couple))),
+        Some(cell) => PeriodicSearch::new(Engine::Auto).for_each(&points, cell, add),
+    }
+    .map_err(AnalysisError::Search)?;
+    Ok(counts)
+}

@@ -1,0 +1,195 @@
+//! `fdem contacts --analyse`: what the network says, for people.
+
+use std::fmt;
+
+use crate::analysis::{Analysis, AnalysisError, Options, RadialOptions, analyse};
+use crate::command::args::AnalyseArguments;
+use crate::command::failure::Failure;
+use crate::command::summary::{brief, grouped};
+use crate::network::Network;
+
+/// The analysis, if it is asked for.
+pub(crate) fn run<const D: usize>(
+    arguments: &AnalyseArguments,
+    network: &Network<'_, D>,
+    name: &str,
+) -> Result<Option<Analysis>, Failure> {
+    if !arguments.analyse {
+        return Ok(None);
+    }
+    let inner = match &arguments.inner {
+        Some(limits) if limits.0.len() == 2 * D => {
+            Some(std::array::from_fn(|axis| [limits.0[2 * axis], limits.0[2 * axis + 1]]))
+        }
+        Some(limits) => {
+            return Err(Failure::Unusable(format!(
+                "--inner: a packing in {D}D needs {} numbers, the limits of each axis, not {}",
+                2 * D,
+                limits.0.len()
+            )));
+        }
+        None => None,
+    };
+    let radial = match &arguments.rdf {
+        Some(numbers) => radial(&numbers.0)?,
+        None => RadialOptions::default(),
+    };
+    let options = Options { min_contacts: arguments.rattlers, inner, radial };
+    analyse(network, &options).map(Some).map_err(|error| {
+        Failure::Unusable(match error {
+            AnalysisError::Region { .. } | AnalysisError::ShearedBox => format!("--inner: {error}"),
+            AnalysisError::Radial { .. } => format!("--rdf: {error}"),
+            _ => format!("{name}: --analyse: {error}"),
+        })
+    })
+}
+
+/// `R` or `R,BINS`.
+fn radial(numbers: &[f64]) -> Result<RadialOptions, Failure> {
+    let wrong = |why: String| Err(Failure::Unusable(format!("--rdf: {why}")));
+    match numbers {
+        [r_max] => Ok(RadialOptions { r_max: Some(*r_max), bins: None }),
+        // Too many bins are refused where they are made.
+        [r_max, bins] if bins.fract() == 0.0 && *bins >= 0.0 => {
+            Ok(RadialOptions { r_max: Some(*r_max), bins: Some(*bins as usize) })
+        }
+        [_, bins] => wrong(format!("{bins} is no number of bins")),
+        _ => wrong(format!(
+            "give the largest distance, or that and the number of bins, not {} numbers",
+            numbers.len()
+        )),
+    }
+}
+
+/// The lines of the summary.
+pub(crate) fn write_lines(out: &mut fmt::Formatter<'_>, analysis: &Analysis, unit: &str) -> fmt::Result {
+    let mut line = |label: &str, text: String| writeln!(out, "{label:<16} {text}");
+    line("contacts each", distribution(&analysis.coordination.distribution))?;
+    let rest = &analysis.without_rattlers;
+    let others = match rest.elements {
+        0 => "none is left".to_owned(),
+        left => format!("{} are left with {:.4} contacts each", grouped(left), rest.mean),
+    };
+    line(
+        "rattlers",
+        format!(
+            "{} with fewer than {} contacts, again and again; {others}",
+            grouped(rest.rattlers),
+            rest.min_contacts
+        ),
+    )?;
+    if let Some(fabric) = &analysis.fabric {
+        let first = vector(&fabric.principal_directions[0]);
+        line(
+            "fabric",
+            format!(
+                "eigenvalues {}, most contacts along {first}; anisotropy {:.4}",
+                fabric.eigenvalues.iter().map(|x| format!("{x:.4}")).collect::<Vec<_>>().join(", "),
+                fabric.anisotropy
+            ),
+        )?;
+    }
+    let clusters = &analysis.clusters;
+    line(
+        "clusters",
+        format!(
+            "{}, the largest of {} elements; {}",
+            grouped(clusters.count),
+            grouped(clusters.largest),
+            percolation(analysis)
+        ),
+    )?;
+    let of_radius = analysis.overlaps.mean_over_radius;
+    for (label, spread, part) in
+        [("overlaps", &analysis.overlaps.overlaps, of_radius), ("gaps", &analysis.overlaps.gaps, None)]
+    {
+        if let Some(spread) = spread {
+            let part = part.map(|part| format!(", {} of the mean radius", brief(part))).unwrap_or_default();
+            line(
+                label,
+                format!(
+                    "{}, {} to {}{unit}, mean {}{unit}{part}",
+                    grouped(spread.count),
+                    brief(spread.min),
+                    brief(spread.max),
+                    brief(spread.mean)
+                ),
+            )?;
+        }
+    }
+    match (&analysis.packing, &analysis.no_packing) {
+        (Some(packing), _) => {
+            let sides: Vec<_> = packing
+                .region
+                .iter()
+                .map(|[min, max]| format!("[{}, {}]", brief(*min), brief(*max)))
+                .collect();
+            line(
+                "packing fraction",
+                format!(
+                    "{:.5} in {}{unit}, {:.5} with overlaps counted once",
+                    packing.fraction,
+                    sides.join(" x "),
+                    packing.fraction_without_overlap
+                ),
+            )
+        }
+        (None, reason) => {
+            line("packing fraction", format!("none: {}", reason.as_deref().unwrap_or_default()))
+        }
+    }?;
+    match (&analysis.radial, &analysis.no_radial) {
+        (Some(radial), _) => {
+            let peak = radial
+                .g
+                .iter()
+                .zip(&radial.r)
+                .fold((0.0, 0.0), |peak: (f64, f64), (&g, &r)| if g > peak.0 { (g, r) } else { peak });
+            line(
+                "g(r)",
+                format!(
+                    "up to {}{unit}, largest {:.3} at {}{unit}",
+                    brief(radial.r_max),
+                    peak.0,
+                    brief(peak.1)
+                ),
+            )
+        }
+        (None, reason) => line("g(r)", format!("none: {}", reason.as_deref().unwrap_or_default())),
+    }
+}
+
+/// `0: 12, 1: 345, …`, the numbers of elements with so many contacts.
+fn distribution(counts: &[u64]) -> String {
+    /// More fill more than a line.
+    const MOST: usize = 14;
+    let mut parts: Vec<_> = counts.iter().enumerate().filter(|(_, count)| **count > 0).collect();
+    let more = parts.len().saturating_sub(MOST);
+    parts.truncate(MOST);
+    let mut text: Vec<_> = parts.iter().map(|(k, count)| format!("{k}: {}", grouped(**count))).collect();
+    if more > 0 {
+        text.push(format!("… up to {}", counts.len() - 1));
+    }
+    text.join(", ")
+}
+
+fn vector(components: &[f64]) -> String {
+    let numbers: Vec<_> = components.iter().map(|x| format!("{x:.3}")).collect();
+    format!("[{}]", numbers.join(", "))
+}
+
+fn percolation(analysis: &Analysis) -> String {
+    let axes = |periodic: bool| {
+        let along = analysis.clusters.percolation.iter().filter(|along| along.percolates);
+        let names = along.filter(|along| along.periodic == periodic).map(|along| ["x", "y", "z"][along.axis]);
+        names.collect::<Vec<_>>().join(", ")
+    };
+    match (axes(true), axes(false)) {
+        (around, faces) if around.is_empty() && faces.is_empty() => {
+            "none reaches all the way along an axis".to_owned()
+        }
+        (around, faces) if faces.is_empty() => format!("around the box along {around}"),
+        (around, faces) if around.is_empty() => format!("from face to face along {faces}"),
+        (around, faces) => format!("around the box along {around}, from face to face along {faces}"),
+    }
+}

@@ -1,0 +1,266 @@
+//! Couples and elements as tables, and the tables in the format that the name of the output tells.
+
+use std::sync::atomic::Ordering;
+
+use fdem_io::{Packing, Table, Values};
+
+use crate::command::failure::Failure;
+use crate::command::input::id;
+use crate::command::output::{Output, TableFormat};
+use crate::command::progress::Position;
+use crate::network::{Network, Sizes};
+
+const POINT: [&str; 3] = ["x", "y", "z"];
+const SHIFT: [&str; 3] = ["sx", "sy", "sz"];
+const NORMAL: [&str; 3] = ["nx", "ny", "nz"];
+
+/// Names of coordinates.
+pub(crate) fn point<const D: usize>() -> &'static [&'static str] {
+    &POINT[..D]
+}
+
+/// Names of the components of a direction.
+pub(crate) fn normal<const D: usize>() -> &'static [&'static str] {
+    &NORMAL[..D]
+}
+
+/// Writes a table that is no network of elements.
+pub(crate) fn write_table(
+    output: &mut Output,
+    format: TableFormat,
+    table: &Table<'_>,
+) -> Result<(), Failure> {
+    output.write(|mut out| match format {
+        TableFormat::Npy => fdem_io::write_npy(&mut out, table),
+        TableFormat::Npz => fdem_io::write_npz(&mut out, &[table]),
+        TableFormat::Parquet => fdem_io::write_parquet(&mut out, table),
+        // Networks have been refused before.
+        _ => fdem_io::write_csv(&mut out, table),
+    })
+}
+
+/// Writes the couples of a packing, with the elements where the format has a place for them. `position` counts the couples.
+pub(crate) fn write_network<const D: usize>(
+    output: &mut Output,
+    format: TableFormat,
+    packing: &Packing,
+    network: &Network<'_, D>,
+    position: &Position,
+) -> Result<(), Failure> {
+    let drawn = Drawn { packing, network, position };
+    output.write(|mut out| match format {
+        TableFormat::Csv => fdem_io::write_csv(&mut out, &drawn.couples()),
+        TableFormat::Npy => fdem_io::write_npy(&mut out, &drawn.couples()),
+        TableFormat::Parquet => fdem_io::write_parquet(&mut out, &drawn.couples()),
+        TableFormat::Npz => {
+            let (couples, elements, cell) = (drawn.couples_by_row(), drawn.elements_by_row(), drawn.cell());
+            fdem_io::write_npz(&mut out, &[&couples, &elements, &cell])
+        }
+        TableFormat::Vtp => {
+            let degrees = drawn.degrees();
+            let across = drawn.across();
+            fdem_io::write_vtp(&mut out, &drawn.points(&degrees, &across), &drawn.lines(&across))
+        }
+        TableFormat::GraphMl => {
+            let degrees = drawn.degrees();
+            fdem_io::write_graphml(&mut out, &drawn.nodes(&degrees), &drawn.couples())
+        }
+        TableFormat::Json => {
+            let degrees = drawn.degrees();
+            let several = network.space.cell.is_some();
+            fdem_io::write_node_link(&mut out, &drawn.nodes(&degrees), &drawn.couples(), several)
+        }
+    })
+}
+
+/// The number written where a frame has no time step.
+const NO_STEP: i64 = -1;
+
+/// The couples of one frame of several, with its number and its step, and `shifts` columns of shifts: those of its box, or zeros.
+pub(crate) fn frame_table<'a, const D: usize>(
+    packing: &'a Packing,
+    network: &'a Network<'a, D>,
+    shifts: usize,
+    position: &'a Position,
+) -> Table<'a> {
+    let drawn = Drawn { packing, network, position };
+    let (number, step) = (packing.frame.index, packing.frame.step.unwrap_or(NO_STEP));
+    let table = Table::new(network.couples.len())
+        .with("frame", Values::i64(move |_| number.cast_signed() as i64))
+        .with("step", Values::i64(move |_| step));
+    let table = drawn.measures(drawn.ids(table));
+    match (shifts, network.space.cell.is_some()) {
+        (0, _) => table,
+        (_, true) => drawn.shifts(table),
+        (_, false) => table.with_components("shift", &SHIFT[..shifts], Values::i32(|_| 0)),
+    }
+}
+
+/// The columns of [`frame_table`], without rows.
+pub(crate) fn no_frames(shifts: usize) -> Table<'static> {
+    let whole = || Values::i64(|_| 0);
+    let table =
+        ["frame", "step", "i", "j"].into_iter().fold(Table::new(0), |table, name| table.with(name, whole()));
+    let table = table.with("distance", Values::f64(|_| 0.0)).with("overlap", Values::f64(|_| 0.0));
+    if shifts == 0 { table } else { table.with_components("shift", &SHIFT[..shifts], Values::i32(|_| 0)) }
+}
+
+/// A packing and its couples, in the words of its file.
+struct Drawn<'a, const D: usize> {
+    packing: &'a Packing,
+    network: &'a Network<'a, D>,
+    position: &'a Position,
+}
+
+impl<'a, const D: usize> Drawn<'a, D> {
+    /// Couples with the ids of the file; with shifts where the box repeats.
+    fn couples(&self) -> Table<'a> {
+        let table = self.measures(self.ids(Table::new(self.network.couples.len())));
+        if self.network.space.cell.is_some() { self.shifts(table) } else { table }
+    }
+
+    fn ids(&self, table: Table<'a>) -> Table<'a> {
+        let Self { packing, network, .. } = *self;
+        let couples = network.couples;
+        table
+            .with("i", self.counted(move |k| id(packing, couples.get(k).i as usize)))
+            .with("j", Values::i64(move |k| id(packing, couples.get(k).j as usize)))
+    }
+
+    /// Couples with the rows of the elements, and shifts in any case.
+    fn couples_by_row(&self) -> Table<'a> {
+        let couples = self.network.couples;
+        let table = Table::new(couples.len())
+            .with("i", self.counted(move |k| i64::from(couples.get(k).i)))
+            .with("j", Values::i64(move |k| i64::from(couples.get(k).j)));
+        self.shifts(self.measures(table))
+    }
+
+    fn counted(&self, at: impl Fn(usize) -> i64 + 'a) -> Values<'a> {
+        let position = self.position;
+        Values::i64(move |k| {
+            position.store(k as u64, Ordering::Relaxed);
+            at(k)
+        })
+    }
+
+    fn measures(&self, table: Table<'a>) -> Table<'a> {
+        let network = self.network;
+        let couples = network.couples;
+        table
+            .with("distance", Values::f64(move |k| network.space.distance(couples.get(k))))
+            .with("overlap", Values::f64(move |k| network.overlap(couples.get(k))))
+    }
+
+    fn shifts(&self, table: Table<'a>) -> Table<'a> {
+        let couples = self.network.couples;
+        let at = Values::i32(move |k| couples.get(k / D).shift[k % D]);
+        table.with_components("shift", &SHIFT[..D], at)
+    }
+
+    /// Where the elements are, how large, and what the file calls them if it does.
+    fn elements_by_row(&self) -> Table<'a> {
+        let Self { packing, network, .. } = *self;
+        let centres = network.space.centres;
+        let mut table = Table::new(centres.len()).with_components(
+            "positions",
+            point::<D>(),
+            Values::f64(move |k| centres[k / D][k % D]),
+        );
+        if !matches!(network.sizes, Sizes::Cutoff(_)) {
+            table = table.with("radii", Values::f64(move |k| network.sizes.radius(k)));
+        }
+        if packing.ids.is_some() || packing.row_numbers.is_some() {
+            table = table.with("ids", Values::i64(move |k| id(packing, k)));
+        }
+        table
+    }
+
+    /// The box that repeats, one row for each edge; without columns if there is none.
+    fn cell(&self) -> Table<'a> {
+        let table = Table::new(D);
+        let Some(cell) = self.network.space.cell else { return table };
+        let (edges, origin, periodic) = (cell.edges(), cell.origin(), cell.periodic());
+        table
+            .with_components("edges", point::<D>(), Values::f64(move |k| edges[k / D][k % D]))
+            .with("origin", Values::f64(move |k| origin[k]))
+            .with("periodic", Values::i32(move |k| i32::from(periodic[k])))
+    }
+
+    /// Nodes of a graph.
+    fn nodes(&self, degrees: &'a [u32]) -> Table<'a> {
+        let Self { packing, network, .. } = *self;
+        let centres = network.space.centres;
+        let table = Table::new(centres.len())
+            .with("id", Values::i64(move |k| id(packing, k)))
+            .with_components("positions", point::<D>(), Values::f64(move |k| centres[k / D][k % D]));
+        self.described(table, degrees, |k| k)
+    }
+
+    /// With radius and coordination of the elements that `element` names.
+    fn described(
+        &self,
+        table: Table<'a>,
+        degrees: &'a [u32],
+        element: impl Fn(usize) -> usize + Copy + 'a,
+    ) -> Table<'a> {
+        let network = self.network;
+        let table = match network.sizes {
+            Sizes::Cutoff(_) => table,
+            sizes => table.with("radius", Values::f64(move |k| sizes.radius(element(k)))),
+        };
+        table.with("coordination", Values::i32(move |k| degrees[element(k)].cast_signed()))
+    }
+
+    /// Contacts of each element.
+    fn degrees(&self) -> Vec<u32> {
+        let mut degrees = vec![0; self.network.space.centres.len()];
+        for couple in self.network.couples.iter() {
+            degrees[couple.i as usize] += 1;
+            degrees[couple.j as usize] += 1;
+        }
+        degrees
+    }
+
+    /// Couples across a face of the box, ascending: their lines end at points of their own.
+    fn across(&self) -> Vec<usize> {
+        let couples = self.network.couples;
+        (0..couples.len()).filter(|&k| couples.get(k).shift != [0; D]).collect()
+    }
+
+    /// The elements where the file has them, then the images at which lines across a face end.
+    fn points(&self, degrees: &'a [u32], across: &'a [usize]) -> Table<'a> {
+        let Self { packing, network, .. } = *self;
+        let (space, couples) = (network.space, network.couples);
+        let n = space.centres.len();
+        let element = move |k: usize| if k < n { k } else { couples.get(across[k - n]).j as usize };
+        let position = move |k: usize| {
+            let centre = space.centres[element(k)];
+            match &space.cell {
+                Some(cell) if k >= n => cell.displaced(&centre, &couples.get(across[k - n]).shift),
+                _ => centre,
+            }
+        };
+        let at = move |k: usize| if k % 3 < D { position(k / 3)[k % 3] } else { 0.0 };
+        let table = Table::new(n + across.len())
+            .with_components("positions", &POINT, Values::f64(at))
+            .with("id", Values::i64(move |k| id(packing, element(k))));
+        self.described(table, degrees, element).with("image", Values::i32(move |k| i32::from(k >= n)))
+    }
+
+    /// A line for each couple.
+    fn lines(&self, across: &'a [usize]) -> Table<'a> {
+        let (couples, n) = (self.network.couples, self.network.space.centres.len());
+        let end = move |k: usize| {
+            let couple = couples.get(k / 2);
+            match (k % 2, couple.shift == [0; D]) {
+                (0, _) => i64::from(couple.i),
+                (_, true) => i64::from(couple.j),
+                (_, false) => (n + across.partition_point(|&earlier| earlier < k / 2)).cast_signed() as i64,
+            }
+        };
+        let table = Table::new(couples.len()).with_components("ends", &["first", "second"], Values::i64(end));
+        let shift = move |k: usize| if k % 3 < D { couples.get(k / 3).shift[k % 3] } else { 0 };
+        self.measures(table).with_components("shift", &SHIFT, Values::i32(shift))
+    }
+}
