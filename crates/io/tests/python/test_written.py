@@ -101,7 +101,8 @@ def test_vtp(case):
     folder, file, options, table, csv, edges = case
     mesh = pv.read(contacts(folder, file, "couples.vtp", *options))
     n, d = len(table), len(axes(table))
-    assert (mesh.n_lines, mesh.n_cells) == (len(csv), len(csv))
+    # pyvista makes cells of the points of a file that has none.
+    assert (mesh.n_lines, mesh.n_cells) == (len(csv), len(csv) or n)
     assert np.array_equal(mesh.points[:n, :d], table[axes(table)])
     assert not mesh.points[:, d:].any()
     assert np.array_equal(mesh["id"][:n], table["id"])
