@@ -16,8 +16,11 @@ use crate::kept;
 use crate::number::{Number, rows_of, with_kind};
 use crate::problem::Problem;
 
-/// Up to so many elements are searched in less than a tenth of a second by any engine, and in less time than it takes to start threads by most.
-const FEW: usize = 8192;
+/// Up to so many elements are searched in less time than it takes to start threads and to meet again.
+const FEW_FOR_THREADS: usize = 1 << 15;
+
+/// Up to so many are searched in less than a tenth of a second by any engine.
+const FEW_TO_WATCH: usize = 1 << 13;
 
 /// Couples as rows of two numbers, and the shifts of the last of them, rows of D; all before have shift 0.
 pub(crate) type Found<'py> = (Bound<'py, PyArray2<u32>>, Bound<'py, PyArray2<i32>>);
@@ -34,12 +37,12 @@ pub(crate) fn engine_of(name: &str) -> Result<Engine, Problem> {
 
 /// 0 is one thread for each processor, but not to search few elements: the result is the same.
 pub(crate) fn threads_for(threads: usize, elements: usize) -> usize {
-    if threads == 0 && elements <= FEW { 1 } else { threads }
+    if threads == 0 && elements <= FEW_FOR_THREADS { 1 } else { threads }
 }
 
 /// Whether a search takes long enough to be watched.
 pub(crate) fn is_long(elements: usize) -> bool {
-    elements > FEW
+    elements > FEW_TO_WATCH
 }
 
 /// Two numbers a row, in the memory in which the search has written them.

@@ -24,7 +24,8 @@ code written for SciPy, ASE, matscipy or freud    :class:`KDTree`, :func:`neighb
 
 Touching counts. Each couple comes once, ``i < j``. Results do not depend on the engine, and neither they nor their order on the number of threads.
 NaN, a negative radius, arrays of unlike length: a ``ValueError`` that names the element. While a search runs, other threads of Python go on, and must not
-write to its arrays; Ctrl-C ends it.
+write to its arrays. Ctrl-C ends searches for contacts, of spheres, boxes and labels, within a fraction of a second; queries, meshes and checks are finished first. The
+working memory of the last search, up to 128 MB, is kept for the next.
 """
 
 from ._ase import neighbor_list

@@ -53,7 +53,8 @@ def contacts(
     engine : {"auto", "rows", "multilevel", "cgrid", "nbs", "direct"}
         How to search. The couples are the same; their order is not.
     threads : int, optional
-        How many threads search, one for each processor by default. Neither the couples nor their order depend on it.
+        How many threads search; by default one for each processor, or one if there are too few elements for more to be of use. Neither the couples nor their
+        order depend on it.
 
     Returns
     -------
