@@ -1,9 +1,9 @@
 """Python packages that list neighbours, side by side: from arrays to arrays, in one run.
 
-    python bench/python.py [--quick] [--write bench/PYTHON.md]
+    python bench/python.py [--quick] [--points N ...] [--rounds N] [--write bench/PYTHON.md]
 
-Each package gets the same float64 points, in C order, and must hand over an array (or two) of all pairs at most 1 apart, each once. What is not installed is left out. Rounds go
-through all packages in turn, so that what disturbs the machine disturbs all; the table has medians.
+Each package gets the same float64 points, in C order, and must hand over arrays of all pairs at most 1 apart; the numbers of different pairs are compared. What is not
+installed is left out. Rounds go through all packages in turn, so that what disturbs the machine disturbs all; the table has medians.
 """
 
 import argparse
@@ -182,7 +182,8 @@ def report(results, rounds):
             versions.append(f"{distribution} {importlib.metadata.version(distribution)}")
         except importlib.metadata.PackageNotFoundError:
             pass
-    load = f", load {os.getloadavg()[0]:.1f} at the end" if hasattr(os, "getloadavg") else ""
+    load = f", load {os.getloadavg()[0]:.1f}" if hasattr(os, "getloadavg") else ""
+    busy = hasattr(os, "getloadavg") and os.getloadavg()[0] > os.cpu_count() + 1
     lines = [
         "# Python packages side by side",
         "",
@@ -192,6 +193,8 @@ def report(results, rounds):
         f"{processor()}, {os.cpu_count()} processors{load}; Python {platform.python_version()}; {', '.join(versions)}; {rounds} rounds.",
         "",
     ]
+    if busy:
+        lines += ["**The machine was busy with other work: only orders of magnitude can be read from this.**", ""]
     for n, (times, pairs, missing) in results.items():
         lines += [f"## {n:,} points, {pairs['fdem']:,} pairs", ""]
         lines += ["| package | one thread | times fdem | all threads | times fdem |", "|---|---:|---:|---:|---:|"]
@@ -226,11 +229,12 @@ def report(results, rounds):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--quick", action="store_true", help="few points, to see that all works")
+    parser.add_argument("--points", type=int, nargs="+", default=[100_000, 1_000_000])
     parser.add_argument("--rounds", type=int, default=9)
     parser.add_argument("--write", type=pathlib.Path, help="the file for the table, besides standard output")
     arguments = parser.parse_args()
     rounds = 2 if arguments.quick else arguments.rounds
-    sizes = (2_000, 10_000) if arguments.quick else (100_000, 1_000_000)
+    sizes = [2_000, 10_000] if arguments.quick else arguments.points
     text = report({n: measure(n, rounds) for n in sizes}, rounds)
     print(text)
     if arguments.write:

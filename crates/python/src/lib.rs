@@ -53,9 +53,7 @@ fn _fdem(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(index::nearest, module)?)?;
     module.add_function(wrap_pyfunction!(image::labels, module)?)?;
     module.add_function(wrap_pyfunction!(mesh::mesh, module)?)?;
-    module.add_function(wrap_pyfunction!(read::read_packing, module)?)?;
-    module.add_function(wrap_pyfunction!(read::read_mesh, module)?)?;
-    module.add_function(wrap_pyfunction!(read::is_mesh, module)?)?;
+    module.add_function(wrap_pyfunction!(read::read, module)?)?;
     module.add_function(wrap_pyfunction!(main, module)?)?;
     Ok(())
 }

@@ -2,35 +2,67 @@
 
 use std::sync::atomic::AtomicU64;
 
-use fdem_io::{Cells, Centres, MeshFormat, Packing, ReadError, ReadOptions};
+use fdem_io::{Cells, Centres, FileKind, Packing, PackingFormat, ReadError, ReadOptions, Series, unpack};
 use numpy::{IntoPyArray, PyArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// Whether the content of a file, or else its name, is that of a mesh.
-#[pyfunction]
-pub(crate) fn is_mesh(bytes: &[u8], name: &str) -> bool {
-    MeshFormat::of(bytes, name).is_some()
-}
+/// What a file holds: "packing" or "mesh", and its columns.
+type Read<'py> = (&'static str, Bound<'py, PyDict>);
 
-/// The columns of a packing.
+/// Reads a file by its content.
+///
+/// `frame`: that of a packing, from the end if it is negative; it must be given if there are several.
 #[pyfunction]
-pub(crate) fn read_packing<'py>(
+#[allow(clippy::too_many_arguments, reason = "one for each option")]
+pub(crate) fn read<'py>(
     py: Python<'py>,
     bytes: &[u8],
     name: &str,
+    format: Option<&str>,
+    frame: Option<isize>,
     columns: Option<&str>,
     bodies: Option<String>,
     skip_bad_lines: bool,
-) -> PyResult<Bound<'py, PyDict>> {
+) -> PyResult<Read<'py>> {
     let refused = |error: String| PyValueError::new_err(format!("{name}: {error}"));
+    let unreadable = |error: ReadError| PyValueError::new_err(unreadable(name, &error));
+    let format = format.map(str::parse::<PackingFormat>).transpose().map_err(refused)?;
+    let is_packing = format.is_some();
     let columns = columns.map(str::parse).transpose();
     let columns = columns.map_err(|error: fdem_io::ColumnsError| refused(error.to_string()))?;
+    let has_choices = columns.is_some() || bodies.is_some() || frame.is_some();
     let options = ReadOptions { columns, skip_bad_lines, ignore_ids: false, bodies };
-    let packing = py.detach(|| fdem_io::read(bytes, &options, &AtomicU64::new(0)));
-    let packing = packing.map_err(|error| PyValueError::new_err(unreadable(name, &error)))?;
-    let Packing { centres, radii, ids, bodies, row_numbers, source, .. } = packing;
+
+    let bytes = py.detach(|| unpack(bytes.into(), |_| true)).map_err(unreadable)?.0;
+    let bare = [".gz", ".zst", ".zstd"].iter().find_map(|end| name.strip_suffix(end)).unwrap_or(name);
+    if !is_packing && matches!(FileKind::of(&bytes, bare).map_err(unreadable)?, FileKind::Mesh(_)) {
+        if has_choices {
+            return Err(refused("this is a mesh: it has no columns, bodies or frames to choose".to_owned()));
+        }
+        return Ok(("mesh", read_mesh(py, &bytes, name)?));
+    }
+    let series = py.detach(|| Series::open(&bytes, bare, format)).map_err(unreadable)?;
+    let frames = series.frames();
+    let frame = match frame {
+        None if frames == 1 => 0,
+        None => return Err(refused(format!("{frames} frames: choose one of 0 to {}", frames - 1))),
+        Some(frame) => {
+            let place = if frame < 0 { frame.checked_add_unsigned(frames) } else { Some(frame) };
+            let place = place.and_then(|place| usize::try_from(place).ok()).filter(|&place| place < frames);
+            place.ok_or_else(|| refused(format!("there is no frame {frame} among {frames}")))?
+        }
+    };
+    let packing = py.detach(|| series.read(frame, &options, &AtomicU64::new(0))).map_err(unreadable)?;
+    let found = packing_columns(py, name, packing)?;
+    found.set_item("frames", frames)?;
+    Ok(("packing", found))
+}
+
+/// The columns of a packing.
+fn packing_columns<'py>(py: Python<'py>, name: &str, packing: Packing) -> PyResult<Bound<'py, PyDict>> {
+    let Packing { centres, radii, ids, bodies, row_numbers, cell, frame, source } = packing;
     let found = PyDict::new(py);
     match centres {
         Centres::Two(centres) => found.set_item("positions", rows(py, centres)?)?,
@@ -40,6 +72,10 @@ pub(crate) fn read_packing<'py>(
     found.set_item("ids", ids.map(|ids| ids.into_pyarray(py)))?;
     found.set_item("bodies", bodies.map(|bodies| bodies.into_pyarray(py)))?;
     found.set_item("row_numbers", row_numbers.map(|numbers| numbers.into_pyarray(py)))?;
+    found.set_item("cell", cell.map(|cell| (cell.origin, cell.edges, cell.repeats)))?;
+    found.set_item("frame", frame.index)?;
+    found.set_item("step", frame.step)?;
+    found.set_item("time", frame.time)?;
     found.set_item("format", source.format.to_string())?;
     found.set_item("unit", source.unit)?;
     found.set_item("skipped", source.skipped.count)?;
@@ -64,8 +100,7 @@ fn rows<V: numpy::Element, const D: usize>(py: Python<'_>, rows: Vec<[V; D]>) ->
 }
 
 /// The nodes and elements of a mesh.
-#[pyfunction]
-pub(crate) fn read_mesh<'py>(py: Python<'py>, bytes: &[u8], name: &str) -> PyResult<Bound<'py, PyDict>> {
+fn read_mesh<'py>(py: Python<'py>, bytes: &[u8], name: &str) -> PyResult<Bound<'py, PyDict>> {
     let mesh = py.detach(|| fdem_io::read_mesh(bytes, name));
     let mesh = mesh.map_err(|error| PyValueError::new_err(error.to_string()))?;
     let found = PyDict::new(py);

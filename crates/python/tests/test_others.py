@@ -214,8 +214,42 @@ def test_files_that_cannot_be_read(tmp_path):
     mesh.write_text("v 0 0 0\nf 1 2 3\n")
     with pytest.raises(ValueError, match="bad.obj:2: .*node 2"):
         fdem.read(mesh)
-    with pytest.raises(ValueError, match="mesh, which has no columns"):
+    with pytest.raises(ValueError, match="mesh: it has no columns"):
         fdem.read(EXAMPLES / "squares.msh", columns="x,y")
+
+
+XYZ = """2
+Lattice="4 0 0 0 4 0 0 0 4" Properties=species:S:1:pos:R:3:radius:R:1 step={step}
+A 0.25 1 1 0.5
+B {x} 1 1 0.5
+"""
+
+
+def test_frames_and_boxes_of_files(tmp_path):
+    import gzip
+
+    path = tmp_path / "run.xyz.gz"
+    path.write_bytes(gzip.compress((XYZ.format(step=10, x=2) + XYZ.format(step=20, x=3.5)).encode()))
+    with pytest.raises(ValueError, match="run.xyz.gz: 2 frames: choose one of 0 to 1"):
+        fdem.read(path)
+    with pytest.raises(ValueError, match="no frame 2 among 2"):
+        fdem.read(path, 2)
+    found = []
+    for frame in (0, 1, -1):
+        packing = fdem.read(path, frame)
+        assert packing.frames == 2 and packing.frame == frame % 2 and packing.step == 10 * (1 + frame % 2)
+        assert packing.box == fdem.Box(np.eye(3) * 4) and packing.periodic == (True, True, True)
+        contacts = fdem.contacts(packing.positions, packing.radii, box=packing.box, periodic=packing.periodic)
+        found.append(contacts.shift.tolist())
+    assert found == [[], [[-1, 0, 0]], [[-1, 0, 0]]]
+    assert "a box that repeats, frame 1 of 2" in repr(packing)
+
+    plain = fdem.read(EXAMPLES / "packing.csv")
+    assert plain.box is None and plain.periodic == (False, False) and (plain.frames, plain.frame, plain.step) == (1, 0, None)
+    again = fdem.contacts(plain.positions, plain.radii, box=plain.box, periodic=plain.periodic)
+    assert len(again) == 1132
+    with pytest.raises(ValueError, match="'csv' is none of text, npy"):
+        fdem.read(EXAMPLES / "packing.csv", format="csv")
 
 
 # Exports

@@ -13,14 +13,12 @@ __all__ = [
     "coordination",
     "csr",
     "explain",
-    "is_mesh",
     "labels",
     "main",
     "measure",
     "mesh",
     "nearest",
-    "read_mesh",
-    "read_packing",
+    "read",
     "verify",
     "within",
 ]
@@ -63,7 +61,13 @@ def labels(image: npt.NDArray[Any], neighbourhood: str, background: Optional[int
 def mesh(
     nodes: npt.NDArray[np.float64], cells: npt.NDArray[np.uint32], bodies: npt.NDArray[np.uint32], self_contact: bool, threads: int
 ) -> tuple[dict[str, Any], dict[str, Any]]: ...
-def read_packing(bytes: bytes, name: str, columns: Optional[str], bodies: Optional[str], skip_bad_lines: bool) -> dict[str, Any]: ...
-def read_mesh(bytes: bytes, name: str) -> dict[str, Any]: ...
-def is_mesh(bytes: bytes, name: str) -> bool: ...
+def read(
+    bytes: bytes,
+    name: str,
+    format: Optional[str],
+    frame: Optional[int],
+    columns: Optional[str],
+    bodies: Optional[str],
+    skip_bad_lines: bool,
+) -> tuple[str, dict[str, Any]]: ...
 def main(arguments: list[str]) -> int: ...

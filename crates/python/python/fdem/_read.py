@@ -10,6 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _fdem
+from ._box import Box
+from ._input import whole
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,6 +28,18 @@ class Packing:
     """``[n]``: the body of each, of the column that was asked for."""
     row_numbers: Optional[npt.NDArray[np.uint64]]
     """``[n]``: the row of each, from 0, if rows were left out."""
+    box: Optional[Box]
+    """The box of the file, as :func:`contacts` takes it; None if it has none, or one without extent along an axis."""
+    periodic: tuple[bool, ...]
+    """``(D,)``: along which edges of the box the file says that it repeats."""
+    frames: int
+    """How many frames the file has."""
+    frame: int
+    """Which of them this is, from 0."""
+    step: Optional[int]
+    """The number of its time step, if the file has one."""
+    time: Optional[float]
+    """Its time, if the file has one."""
     format: str
     """How the file was understood."""
     unit: Optional[str]
@@ -40,6 +54,10 @@ class Packing:
 
     def __repr__(self) -> str:
         sizes = "no radii" if self.radii is None else "radii"
+        if any(self.periodic):
+            sizes += ", a box that repeats"
+        if self.frames > 1:
+            sizes += f", frame {self.frame} of {self.frames}"
         left_out = f", {self.skipped} bad lines left out" if self.skipped else ""
         return f"<fdem.Packing: {len(self):,} elements in {self.positions.shape[1]}D, {sizes}; {self.format}{left_out}>"
 
@@ -74,7 +92,9 @@ class Mesh:
 
 def read(
     path: Union[str, os.PathLike[str]],
+    frame: Optional[int] = None,
     *,
+    format: Optional[str] = None,
     columns: Optional[str] = None,
     bodies: Optional[str] = None,
     skip_bad_lines: bool = False,
@@ -84,8 +104,12 @@ def read(
     Parameters
     ----------
     path : str or path
-        Packings: delimited text and NumPy ``.npy``, with columns for x, y, z, radius or diameter, and id. Meshes: Gmsh, STL, OBJ, PLY, VTK, VTU, VTP, Abaqus. The
-        content says which it is.
+        Packings: delimited text, also of YADE; NumPy ``.npy`` and ``.npz``; dumps and data of LAMMPS and LIGGGHTS; XYZ, also extended; MercuryDPM; points of VTK, VTU
+        and VTP. Meshes: Gmsh, STL, OBJ, PLY, VTK, VTU, VTP, Abaqus. Compressed by gzip or zstd or not. The content says which it is, and then the name.
+    frame : int, optional
+        Which frame of a dump, an XYZ or a MercuryDPM file, from 0, or from the end if it is negative. Of several one must be chosen.
+    format : str, optional
+        What a packing is, if neither content nor name say: "text", "npy", "npz", "lammps-dump", "lammps-data", "xyz", "mercury", "vtk", "vtk-xml".
     columns : str, optional
         What the columns of a packing are, if the file does not say: ``"id,x,y,z,radius"``; ``-`` is one that is left out.
     bodies : str, optional
@@ -119,10 +143,25 @@ def read(
     name = os.fspath(path)
     with open(name, "rb") as file:
         content = file.read()
-    if _fdem.is_mesh(content, name):
-        for option, value in (("columns", columns), ("bodies", bodies)):
-            if value is not None:
-                raise ValueError(f"{name}: this is a mesh, which has no {option} to choose")
-        return Mesh(**_fdem.read_mesh(content, name))
-    found: dict[str, Any] = _fdem.read_packing(content, name, columns, bodies, bool(skip_bad_lines))
-    return Packing(**found)
+    chosen = None if frame is None else whole(frame, "frame", -(2**62))
+    kind, found = _fdem.read(content, name, format, chosen, columns, bodies, bool(skip_bad_lines))
+    if kind == "mesh":
+        return Mesh(**found)
+    box = _box_of(name, found.pop("cell"), found["positions"].shape[1])
+    return Packing(**found, **box)
+
+
+def _box_of(name: str, cell: Any, dimensions: int) -> dict[str, Any]:
+    """The box of a file, in so many dimensions, and where it repeats."""
+    if cell is None:
+        return {"box": None, "periodic": (False,) * dimensions}
+    origin, edges, repeats = (np.array(part)[:dimensions] for part in cell)
+    if (edges[:, dimensions:] != 0).any():
+        raise ValueError(f"{name}: the box is sheared along z, and the positions have two coordinates")
+    edges = edges[:, :dimensions]
+    periodic = tuple(bool(edge) for edge in repeats)
+    if np.linalg.det(edges) == 0:
+        if any(periodic):
+            raise ValueError(f"{name}: the box repeats, and has no volume")
+        return {"box": None, "periodic": periodic}
+    return {"box": Box(edges, origin), "periodic": periodic}
