@@ -291,6 +291,7 @@ fn overlaps_and_gaps() {
 /// The packing fraction of a region is the part of random points in it that are in a sphere; also where the region is beyond a face of the box.
 #[test]
 fn packing_of_a_region_by_random_points() {
+    const POINTS: usize = 400_000;
     let mut random = Random(7);
     let centres = random.points::<3>(60, 4.0);
     let radii: Vec<_> = (0..60).map(|_| 0.2 + 0.3 * random.next()).collect();
@@ -300,7 +301,6 @@ fn packing_of_a_region_by_random_points() {
         let options = Options { inner: Some(inner), ..Options::default() };
         let packing = analysed(&centres, Sizes::Each(&radii), cell, 0.0, &options).unwrap().packing.unwrap();
         assert_eq!(packing.measure, 4.5 * 3.25 * 2.0);
-        const POINTS: usize = 400_000;
         let (mut inside, mut pairs) = (0_u32, 0_u32);
         for _ in 0..POINTS {
             let point: [f64; 3] = std::array::from_fn(|axis| {

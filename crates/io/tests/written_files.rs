@@ -1,5 +1,7 @@
 //! What is written has the promised bytes, and other readers take it.
 
+#![allow(clippy::cast_possible_wrap, reason = "tables of tests are short")]
+
 use std::io::{self, Write};
 
 use fdem_io::{

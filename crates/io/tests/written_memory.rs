@@ -1,5 +1,7 @@
 //! What is written is never kept: every format takes blocks of the table, however long it is.
 
+#![allow(clippy::cast_possible_wrap, reason = "tables of tests are short")]
+
 use std::io;
 
 use fdem_io::{

@@ -4,11 +4,9 @@ use crate::{Bench, foreign_data};
 
 /// A cube of 4 x 4 x 4 touching spheres.
 fn cube() -> String {
-    let mut text = "x,y,z,radius\n".to_owned();
-    for k in 0..64 {
-        text += &format!("{}.5,{}.5,{}.5,0.5\n", k % 4, k / 4 % 4, k / 16);
-    }
-    text
+    let row = |k: u32| format!("{}.5,{}.5,{}.5,0.5", k % 4, k / 4 % 4, k / 16);
+    let rows: Vec<_> = (0..64).map(row).collect();
+    format!("x,y,z,radius\n{}\n", rows.join("\n"))
 }
 
 #[test]
