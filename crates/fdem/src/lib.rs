@@ -1,6 +1,6 @@
 //! fdem: contact detection and the combined finite-discrete element method.
 //!
-//! This crate holds the `fdem` command, as a library, and what it says of contact networks ([`network`], [`analysis`]); the rest is in the crates below:
+//! This crate holds the `fdem` command, as a library, and what it says of contact networks ([`network`], [`analysis`]) and shows of them ([`picture`], [`report`]); the rest is in the crates below:
 //! - [`contact`]: which of N elements touch (package `fdem-contact`);
 //! - [`io`]: packings in, couples out, in the field's formats (package `fdem-io`);
 //! - [`scenes`]: seeded packings (package `fdem-scenes`).
@@ -10,6 +10,9 @@
 pub mod analysis;
 pub mod command;
 pub mod network;
+mod numbers;
+pub mod picture;
+pub mod report;
 
 pub use fdem_contact as contact;
 pub use fdem_io as io;

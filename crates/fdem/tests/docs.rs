@@ -75,12 +75,12 @@ fn the_commands_of_the_readme_run() {
     let folder = folder_with_examples();
     let ran = run_commands("README.md", folder.path());
     assert!(ran >= 5, "only {ran} commands were found: has the format of the README changed?");
-    let picture = fs::read_to_string(folder.path().join("packing.svg")).unwrap();
-    assert_eq!(
-        picture,
-        read("docs/packing.svg"),
-        "the picture in the README is the one that its command draws"
-    );
+    for picture in ["packing.svg", "spheres.png"] {
+        let drawn = fs::read(folder.path().join(picture)).unwrap();
+        let shown = fs::read(root().join("docs").join(picture)).unwrap();
+        assert!(drawn == shown, "docs/{picture} is the picture that the command of the README draws");
+        assert!(shown.len() < 300_000, "docs/{picture} is for a page that opens quickly");
+    }
 }
 
 /// So do those of the book, page by page.

@@ -8,6 +8,7 @@ use fdem_contact::{Engine, Simd};
 use fdem_io::{Columns, PackingFormat};
 use fdem_scenes::Sizes;
 
+use crate::command::drawings::DrawingArguments;
 use crate::command::frames::Frames;
 
 /// Contact detection and the combined finite-discrete element method.
@@ -87,7 +88,7 @@ pub(crate) struct ContactsArguments {
 
     /// Print what the search would take, and no couples: engine, cells, rows, images, about how many couples, memory. Of levels also what they do, which is
     /// counted: windows on rows of cells that elements open, candidates in these windows, couples, each beside what was predicted.
-    #[arg(long, conflicts_with_all = ["output", "count", "picture", "verify", "analyse"])]
+    #[arg(long, conflicts_with_all = ["output", "count", "picture", "plots", "report", "verify", "analyse"])]
     pub(crate) explain: bool,
 
     /// Write the couples to FILE instead of standard output, in the format that its name ends in. Tables: `.csv`, `.npy` (records), `.parquet`, and `.npz`, one
@@ -105,9 +106,8 @@ pub(crate) struct ContactsArguments {
     #[arg(long, value_name = "FILE")]
     pub(crate) json: Option<PathBuf>,
 
-    /// Draw the elements and their contacts (up to 100,000 elements), without contacts across a face of the box.
-    #[arg(long, value_name = "FILE.svg", value_parser = svg)]
-    pub(crate) picture: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) drawings: DrawingArguments,
 
     /// Check the couples of K random elements against all others by brute force; exit code 1 if any differ.
     #[arg(long, value_name = "K", allow_negative_numbers = true, value_parser = at_least_one)]
@@ -181,7 +181,7 @@ pub(crate) struct LabelArguments {
     /// with the faces that they share, their area, and the mean place and direction of the contact. x is along the last axis of the array; the origin is the centre of the first grid square.
     #[arg(long, conflicts_with_all = [
         "columns", "radius", "cutoff", "tolerance", "format", "frames", "skip_bad_lines", "ignore_ids", "engine", "bodies", "periodic", "limits", "edges",
-        "origin", "explain", "picture", "verify", "more", "body_table", "self_contact", "analyse",
+        "origin", "explain", "picture", "plots", "report", "verify", "more", "body_table", "self_contact", "analyse",
     ])]
     pub(crate) labels: bool,
 
@@ -583,13 +583,6 @@ fn at_least_one(text: &str) -> Result<usize, String> {
 fn runs(text: &str) -> Result<usize, String> {
     whole(text)
         .and_then(|value| if value == 0 { Err("0 runs measure nothing".to_owned()) } else { Ok(value) })
-}
-
-/// The only format of pictures.
-fn svg(text: &str) -> Result<PathBuf, String> {
-    let path = PathBuf::from(text);
-    let is_svg = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("svg"));
-    if is_svg { Ok(path) } else { Err(format!("'{text}' does not end in .svg, the one format of pictures")) }
 }
 
 fn sizes(text: &str) -> Result<Sizes, String> {

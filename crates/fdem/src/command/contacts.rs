@@ -9,6 +9,7 @@ use serde::Serialize;
 use crate::command::analyse;
 use crate::command::args::ContactsArguments;
 use crate::command::detect::{Request, check, detect};
+use crate::command::drawings::Drawings;
 use crate::command::explain::Told;
 use crate::command::failure::Failure;
 use crate::command::frames::Selection;
@@ -17,7 +18,6 @@ use crate::command::labels;
 use crate::command::meshes;
 use crate::command::output::{Output, TABLES, TableFormat, Written, is_stdout, refuse_to_overwrite};
 use crate::command::periodic::{periodic_box, takes_file_box};
-use crate::command::picture;
 use crate::command::progress::Progress;
 use crate::command::series::{self, SeriesTable};
 use crate::command::summary::{Seconds, Summary};
@@ -33,13 +33,14 @@ pub(crate) fn run(arguments: &ContactsArguments) -> Result<(), Failure> {
         return Err(Failure::Unusable("standard input can be read once only".to_owned()));
     }
     for input in inputs() {
-        refuse_to_overwrite(&[
+        let mut files = vec![
             ("the input", Some(input)),
             ("--output", arguments.output.as_ref()),
             ("--json", arguments.json.as_ref()),
-            ("--picture", arguments.picture.as_ref()),
-            ("--body-table", arguments.meshes.body_table.as_ref()),
-        ])?;
+        ];
+        files.extend(arguments.drawings.files());
+        files.push(("--body-table", arguments.meshes.body_table.as_ref()));
+        refuse_to_overwrite(&files)?;
     }
     let progress = Progress::new(arguments.quiet);
     let outputs = Outputs::open(arguments)?;
@@ -75,6 +76,7 @@ pub(crate) fn run(arguments: &ContactsArguments) -> Result<(), Failure> {
     input.seconds += opened.seconds;
     let of_several = frames.frames() > 1;
     drop(opened);
+    arguments.drawings.check(input.packing.centres.len(), &input.name)?;
     if arguments.explain {
         return explain(arguments, &input, outputs);
     }
@@ -137,7 +139,7 @@ fn request<'a>(arguments: &ContactsArguments, input: &'a Input) -> Result<Reques
         engine: arguments.engine.into(),
         threads: arguments.threads,
         keep: !arguments.count
-            || arguments.picture.is_some()
+            || arguments.drawings.any()
             || arguments.verify.is_some()
             || arguments.analysis.analyse,
     })
@@ -186,11 +188,12 @@ fn find<const D: usize>(
     });
     written?;
     seconds.write = writing;
-    if let Some(picture) = &mut outputs.picture {
-        picture.write(|out| picture::draw(out, &network))?;
-    }
     let of_file = takes_file_box(&arguments.periodic);
-    Ok(Summary::new(input, &space, of_file, &request, &found, verified, seconds).with_analysis(analysis))
+    let summary =
+        Summary::new(input, &space, of_file, &request, &found, verified, seconds).with_analysis(analysis);
+    let (drawn, _) =
+        progress.step("drawing", None, |_| outputs.drawings.write(input, &network, || summary.to_string()));
+    drawn.map(|()| summary)
 }
 
 /// The files that the command writes; all appear together, at the end.
@@ -200,7 +203,7 @@ pub(crate) struct Outputs {
     pub(crate) table: TableFormat,
     pub(crate) couples: Output,
     pub(crate) json: Option<Output>,
-    picture: Option<Output>,
+    drawings: Drawings,
     /// Which bodies of meshes touch.
     pub(crate) bodies: Option<(TableFormat, Output)>,
 }
@@ -214,7 +217,7 @@ impl Outputs {
             table: TableFormat::of(output)?,
             couples: Output::open(output)?,
             json: optional(&arguments.json)?,
-            picture: optional(&arguments.picture)?,
+            drawings: Drawings::open(&arguments.drawings)?,
             bodies: match &arguments.meshes.body_table {
                 Some(path) => Some((TableFormat::among(&TABLES, Some(path))?, Output::open(Some(path))?)),
                 None => None,
@@ -248,16 +251,18 @@ impl Outputs {
 
     /// Closes all files, which appear at [`Written::commit`].
     pub(crate) fn close(self) -> Result<Vec<Written>, Failure> {
-        let others = [self.bodies.map(|(_, output)| output), self.json, self.picture];
-        std::iter::once(self.couples).chain(others.into_iter().flatten()).map(Output::close).collect()
+        let others = [self.bodies.map(|(_, output)| output), self.json].into_iter().flatten();
+        std::iter::once(self.couples)
+            .chain(others)
+            .chain(self.drawings.outputs())
+            .map(Output::close)
+            .collect()
     }
 
     fn commit(self) -> Result<(), Failure> {
         self.couples.commit()?;
-        [self.bodies.map(|(_, output)| output), self.json, self.picture]
-            .into_iter()
-            .flatten()
-            .try_for_each(Output::commit)
+        self.drawings.commit()?;
+        [self.bodies.map(|(_, output)| output), self.json].into_iter().flatten().try_for_each(Output::commit)
     }
 }
 

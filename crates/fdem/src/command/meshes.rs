@@ -59,7 +59,9 @@ fn refuse_options_of_packings(arguments: &ContactsArguments, name: &str) -> Resu
         ("--bodies", arguments.bodies.is_some()),
         ("--periodic", arguments.periodic.periodic.is_some_and(|axes| axes.0 != [false; 3])),
         ("--explain", arguments.explain),
-        ("--picture", arguments.picture.is_some()),
+        ("--picture", arguments.drawings.picture.is_some()),
+        ("--plots", arguments.drawings.plots.is_some()),
+        ("--report", arguments.drawings.report.is_some()),
         ("--analyse", arguments.analysis.analyse),
     ];
     match given.into_iter().find(|(_, given)| *given) {

@@ -76,10 +76,12 @@ fn refuse_options_of_one_frame(arguments: &ContactsArguments, name: &str) -> Res
     if arguments.explain {
         return refused("--explain tells of one frame: choose it with --frames N");
     }
-    if arguments.picture.as_deref().is_some_and(|path| !names_frame(path)) {
-        return refused(
-            "--picture draws one frame: choose it with --frames N, or put {frame} into the name of the picture",
-        );
+    for (option, path) in arguments.drawings.files() {
+        if path.is_some_and(|path| !names_frame(path)) {
+            return refused(&format!(
+                "{option} shows one frame: choose it with --frames N, or put {{frame}} into the name of the file"
+            ));
+        }
     }
     Ok(())
 }
@@ -89,8 +91,9 @@ fn names_frame(path: &Path) -> bool {
 }
 
 /// The outputs that may be named after frames.
-fn names(arguments: &ContactsArguments) -> [&Option<PathBuf>; 3] {
-    [&arguments.output, &arguments.json, &arguments.picture]
+fn names(arguments: &ContactsArguments) -> [&Option<PathBuf>; 5] {
+    let drawings = &arguments.drawings;
+    [&arguments.output, &arguments.json, &drawings.picture, &drawings.plots, &drawings.report]
 }
 
 /// Whether any output is named after its frame.
@@ -101,18 +104,21 @@ pub(crate) fn names_frames(arguments: &ContactsArguments) -> bool {
 /// The arguments with the number of the frame in the names of the outputs.
 pub(crate) fn of_frame(arguments: &ContactsArguments, frame: usize) -> Result<ContactsArguments, Failure> {
     let mut own = arguments.clone();
-    for path in [&mut own.output, &mut own.json, &mut own.picture].into_iter().flatten() {
+    let drawings = &mut own.drawings;
+    let names =
+        [&mut own.output, &mut own.json, &mut drawings.picture, &mut drawings.plots, &mut drawings.report];
+    for path in names.into_iter().flatten() {
         if let Some(name) = path.to_str().filter(|name| name.contains(PLACE)) {
             *path = name.replace(PLACE, &frame.to_string()).into();
         }
     }
-    let [output, json, picture] = names(&own).map(Option::as_ref);
-    refuse_to_overwrite(&[
+    let mut files = vec![
         ("the input", Some(&own.input.file)),
-        ("--output", output),
-        ("--json", json),
-        ("--picture", picture),
-    ])?;
+        ("--output", own.output.as_ref()),
+        ("--json", own.json.as_ref()),
+    ];
+    files.extend(own.drawings.files());
+    refuse_to_overwrite(&files)?;
     Ok(own)
 }
 

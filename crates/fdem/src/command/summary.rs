@@ -10,6 +10,8 @@ use crate::command::detect::{Found, Request};
 use crate::command::input::{Input, id};
 use crate::network::{Sizes, Space};
 
+pub(crate) use crate::numbers::{brief, grouped};
+
 /// Written as JSON by `--json`, and as text to standard error.
 #[derive(Debug, Serialize)]
 pub(crate) struct Summary {
@@ -304,30 +306,6 @@ pub(crate) fn write_end(
     Ok(())
 }
 
-/// Six digits, without trailing zeros; JSON has all of them.
-pub(crate) fn brief(x: f64) -> String {
-    // Plus zero: minus zero is zero to a person.
-    let rounded = format!("{x:.5e}").parse().unwrap_or(x) + 0.0;
-    if rounded == 0.0 || (1e-4..1e6).contains(&f64::abs(rounded)) {
-        rounded.to_string()
-    } else {
-        format!("{rounded:e}")
-    }
-}
-
-/// `1234567` as `1,234,567`.
-pub(crate) fn grouped(number: u64) -> String {
-    let digits = number.to_string();
-    let mut text = String::new();
-    for (k, digit) in digits.chars().enumerate() {
-        if k > 0 && (digits.len() - k).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
-}
-
 /// The largest resident memory of this process, where the system tells.
 ///
 /// Not from `getrusage`: what that reports survives the start of a program, so that `cargo run` would be measured too.
@@ -356,29 +334,6 @@ pub(crate) fn peak_bytes() -> Option<u64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn thousands_are_grouped() {
-        for (number, text) in [(0, "0"), (999, "999"), (1000, "1,000"), (1_234_567, "1,234,567")] {
-            assert_eq!(grouped(number), text);
-        }
-    }
-
-    #[test]
-    fn numbers_are_brief() {
-        for (x, text) in [
-            (0.0, "0"),
-            (-0.0, "0"),
-            (0.001, "0.001"),
-            (-0.049_000_316, "-0.0490003"),
-            (1.198_942_518_9, "1.19894"),
-            (9.011_707_7e-7, "9.01171e-7"),
-            (1e12, "1e12"),
-            (25_000.0, "25000"),
-        ] {
-            assert_eq!(brief(x), text);
-        }
-    }
 
     #[cfg(target_os = "linux")]
     #[test]

@@ -72,7 +72,7 @@ fn a_domain_too_wide_for_the_engine_names_the_element_and_what_instead() {
 
 #[test]
 fn options_that_make_no_sense_are_refused() {
-    let options: [(&[&str], &str); 11] = [
+    let options: [(&[&str], &str); 13] = [
         (&["--radius", "-1"], "negative"),
         (&["--radius", "nan"], "not a finite number"),
         (&["--radius", "0,5"], "decimal comma"),
@@ -81,7 +81,9 @@ fn options_that_make_no_sense_are_refused() {
         (&["--radius", "1", "--cutoff", "1"], "cannot be used with"),
         (&["--verify", "-3"], "'-3' is not a whole number"),
         (&["--verify", "0"], "checks nothing"),
-        (&["--picture", "p.png"], ".svg"),
+        (&["--picture", "p.jpg"], ".svg or .png"),
+        (&["--plots", "p"], ".svg or .png"),
+        (&["--report", "p.pdf"], ".html"),
         (&["--columns", "x,x"], "--columns"),
         (&["--count"], "cannot be used with"),
     ];
@@ -209,15 +211,25 @@ fn more_than_2_to_the_32_couples_for_the_memory() {
     assert_eq!(bench.files(), ["heap.csv"]);
 }
 
-/// A picture of too many elements is refused before the work, not after.
+/// A report of too many elements is refused before the work, not after.
 #[test]
-fn a_picture_of_too_many_elements() {
+fn a_report_of_too_many_elements() {
     let bench = Bench::new();
-    bench.run(&["generate", "lattice", "-n", "100001", "-o", "in.csv"]).succeeds();
+    bench.run(&["generate", "lattice", "-n", "1000001", "-o", "in.npy"]).succeeds();
     bench
-        .run(&["contacts", "in.csv", "-o", "out.csv", "--picture", "out.svg"])
-        .refused_with(&["in.csv: 100001 elements are too many for --picture"]);
-    assert_eq!(bench.files(), ["in.csv"]);
+        .run(&["contacts", "in.npy", "-o", "out.csv", "--report", "out.html"])
+        .refused_with(&["in.npy: 1000001 elements are too many for a report"]);
+    assert_eq!(bench.files(), ["in.npy"]);
+}
+
+/// Coordinates whose extent is no number any more.
+#[test]
+fn a_domain_that_is_too_wide_to_draw() {
+    let bench = Bench::new();
+    bench.write("wide.csv", "x,y,r\n-1.7e308,0,1\n1.7e308,0,1\n");
+    let run = bench.run(&["contacts", "wide.csv", "--picture", "p.png"]);
+    run.refused_with(&["wide.csv"]);
+    assert_eq!(bench.files(), ["wide.csv"]);
 }
 
 /// A full disk, on systems that have one to offer.

@@ -169,16 +169,6 @@ fn elements_none_and_zero_radius() {
 }
 
 #[test]
-fn a_picture_shows_every_element_and_couple() {
-    let bench = Bench::new();
-    bench.write("row.csv", ROW);
-    bench.run(&["contacts", "row.csv", "--count", "--picture", "row.svg"]).succeeds();
-    let svg = bench.read("row.svg");
-    assert_eq!(svg.matches("<circle").count(), 3);
-    assert_eq!(svg.matches("<path").count(), 2);
-}
-
-#[test]
 fn the_cutoff_is_shown_and_points_have_no_size() {
     let bench = Bench::new();
     bench.write("points.txt", "0 0\n3 4\n");

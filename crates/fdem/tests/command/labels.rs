@@ -187,6 +187,8 @@ fn options_that_do_not_fit_are_refused() {
         &["--bodies", "body"],
         &["--periodic", "x", "--box", "0,1,0,1"],
         &["--picture", "p.svg"],
+        &["--plots", "p.png"],
+        &["--report", "p.html"],
         &["--verify", "3"],
     ] {
         refused(&[&["--labels"], other].concat(), &["cannot be used with", "--labels", other[0]]);

@@ -11,6 +11,7 @@
 //! - `labels`: images of bodies.
 //! - `mesh`: meshes, several files, spheres against walls.
 //! - `series`: files of several frames, with boxes of their own, of any format.
+//! - `drawings`: pictures, plots and reports.
 //! - `beds`: a real bed that this project did not make.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failed unwrap is a failed test")]
@@ -21,6 +22,7 @@ mod beds;
 mod bench;
 mod bodies;
 mod contacts;
+mod drawings;
 mod formats;
 mod generate;
 mod labels;

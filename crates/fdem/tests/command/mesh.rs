@@ -191,6 +191,8 @@ fn what_does_not_fit_is_refused() {
         &["--bodies", "body"],
         &["--periodic", "x", "--box", "0,1,0,1"],
         &["--picture", "p.svg"],
+        &["--plots", "p.png"],
+        &["--report", "p.html"],
     ] {
         refused(&[&["squares.msh"], option].concat(), &["squares.msh: ", option[0], "not for meshes"]);
     }

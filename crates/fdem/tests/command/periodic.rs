@@ -38,7 +38,11 @@ fn contacts_across_a_face_have_a_shift() {
     let run = bench.run(&[&options[..], &["xy", "--count"]].concat()).succeeds();
     assert_eq!(run.stdout, "1\n");
     bench.run(&[&options[..], &["xy", "--count", "--picture", "p.svg"]].concat()).succeeds();
-    assert_eq!(bench.read("p.svg").matches("<path").count(), 0, "the contact across the face is not drawn");
+    assert_eq!(
+        bench.read("p.svg").matches("<path").count(),
+        2,
+        "the contact across the face is drawn as two halves"
+    );
 }
 
 /// One edge of 1.5 and discs of diameter 1 to 2: an element touches its own image, and another one from both sides.
@@ -211,7 +215,8 @@ fn a_search_is_explained_and_not_run() {
         "{}",
         run.stdout
     );
-    for option in ["--count", "--verify=3", "-o=x.csv", "--picture=x.svg"] {
+    for option in ["--count", "--verify=3", "-o=x.csv", "--picture=x.svg", "--plots=x.svg", "--report=x.html"]
+    {
         bench
             .run(&["contacts", "few.csv", "--explain", option])
             .refused_with(&["--explain", "cannot be used with"]);

@@ -1,0 +1,186 @@
+//! What `fdem contacts` draws: `--picture`, `--plots`, `--report`.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use crate::command::failure::Failure;
+use crate::command::input::{Input, id};
+use crate::command::output::Output;
+use crate::network::Network;
+use crate::picture::{self, Caption, PictureError};
+use crate::report::{self, Report};
+
+/// Pictures, and a page to look at.
+#[derive(Clone, Debug, Args)]
+pub(crate) struct DrawingArguments {
+    /// Draw the elements and their contacts, coloured by overlap: discs in 2D, shaded spheres and a view of the contacts in 3D. A contact across a face of
+    /// the box is drawn as two halves.
+    #[arg(long, value_name = "FILE.svg|FILE.png", value_parser = drawing)]
+    pub(crate) picture: Option<PathBuf>,
+
+    /// Draw how contacts, overlaps, sizes and directions are distributed.
+    #[arg(long, value_name = "FILE.svg|FILE.png", value_parser = drawing)]
+    pub(crate) plots: Option<PathBuf>,
+
+    /// Pixels that PNG pictures are wide [default: twice those of an SVG].
+    #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(200..=10_000))]
+    pub(crate) picture_width: Option<u32>,
+
+    /// Write a page for a browser, all in one file: the summary, the distributions, a view to turn, cut and pick elements in, and a table of all elements.
+    #[arg(long, value_name = "FILE.html", value_parser = page)]
+    pub(crate) report: Option<PathBuf>,
+}
+
+impl DrawingArguments {
+    /// Each option and what it was given.
+    pub(crate) fn files(&self) -> [(&'static str, Option<&PathBuf>); 3] {
+        [
+            ("--picture", self.picture.as_ref()),
+            ("--plots", self.plots.as_ref()),
+            ("--report", self.report.as_ref()),
+        ]
+    }
+
+    /// Whether couples are needed for any.
+    pub(crate) fn any(&self) -> bool {
+        self.files().iter().any(|(_, file)| file.is_some())
+    }
+
+    /// Refuses what cannot be shown, before the work.
+    pub(crate) fn check(&self, elements: usize, name: &str) -> Result<(), Failure> {
+        if self.report.is_some() && elements > report::MOST_ELEMENTS {
+            let error =
+                PictureError::TooMany { what: "elements", found: elements, most: report::MOST_ELEMENTS };
+            return Err(failed(name, &error));
+        }
+        Ok(())
+    }
+}
+
+/// The files, opened before the work.
+pub(crate) struct Drawings {
+    picture: Option<(Form, Output)>,
+    plots: Option<(Form, Output)>,
+    report: Option<Output>,
+    /// Of PNG pictures, in pixels.
+    width: Option<u32>,
+}
+
+#[derive(Clone, Copy)]
+enum Form {
+    Svg,
+    Png,
+}
+
+impl Drawings {
+    pub(crate) fn open(arguments: &DrawingArguments) -> Result<Self, Failure> {
+        let drawing = |path: &Option<PathBuf>| -> Result<_, Failure> {
+            let Some(path) = path else { return Ok(None) };
+            let form = if has_extension(path, "png") { Form::Png } else { Form::Svg };
+            Ok(Some((form, Output::open(Some(path))?)))
+        };
+        Ok(Self {
+            picture: drawing(&arguments.picture)?,
+            plots: drawing(&arguments.plots)?,
+            report: arguments.report.as_deref().map(|path| Output::open(Some(path))).transpose()?,
+            width: arguments.picture_width,
+        })
+    }
+
+    /// Draws; `summary` is what the command says of the network, in lines.
+    pub(crate) fn write<const D: usize>(
+        &mut self,
+        input: &Input,
+        network: &Network<'_, D>,
+        summary: impl FnOnce() -> String,
+    ) -> Result<(), Failure> {
+        let title = Path::new(&input.name)
+            .file_name()
+            .map_or(input.name.clone(), |name| name.to_string_lossy().into());
+        let caption = Caption { title: &title, unit: input.packing.source.unit.as_deref() };
+        let wrong = |error: PictureError| failed(&input.name, &error);
+        if let Some((form, output)) = &mut self.picture {
+            let bytes = match form {
+                Form::Svg => picture::svg(network, &caption).map(String::into_bytes),
+                Form::Png => picture::png(network, &caption, self.width),
+            };
+            let bytes = bytes.map_err(wrong)?;
+            output.write(|out| out.write_all(&bytes))?;
+        }
+        if let Some((form, output)) = &mut self.plots {
+            let bytes = match form {
+                Form::Svg => picture::plots_svg(network, &caption).map(String::into_bytes),
+                Form::Png => picture::plots_png(network, &caption, self.width),
+            };
+            let bytes = bytes.map_err(wrong)?;
+            output.write(|out| out.write_all(&bytes))?;
+        }
+        if let Some(output) = &mut self.report {
+            let ids: Vec<i64> =
+                (0..network.space.centres.len()).map(|index| id(&input.packing, index)).collect();
+            let summary = summary();
+            let facts = facts(&summary);
+            let page = report::html(&Report { network: *network, caption, ids: Some(&ids), facts: &facts })
+                .map_err(wrong)?;
+            output.write(|out| out.write_all(page.as_bytes()))?;
+        }
+        Ok(())
+    }
+
+    pub(crate) fn commit(self) -> Result<(), Failure> {
+        self.outputs().try_for_each(Output::commit)
+    }
+
+    pub(crate) fn outputs(self) -> impl Iterator<Item = Output> {
+        let drawings = [self.picture, self.plots].into_iter().flatten().map(|(_, output)| output);
+        drawings.chain(self.report)
+    }
+}
+
+/// The lines of a summary, each a name and what it says, but for those that differ from run to run.
+fn facts(summary: &str) -> Vec<(&str, &str)> {
+    /// Columns of the names.
+    const NAMES: usize = 17;
+    let lines = summary.lines().filter_map(|line| line.split_at_checked(NAMES));
+    lines
+        .map(|(name, text)| (name.trim(), text))
+        .filter(|(name, _)| !matches!(*name, "time" | "peak memory"))
+        .collect()
+}
+
+fn failed(name: &str, error: &PictureError) -> Failure {
+    Failure::Unusable(format!("{name}: {error}"))
+}
+
+fn has_extension(path: &Path, wanted: &str) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(wanted))
+}
+
+fn drawing(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    if has_extension(&path, "svg") || has_extension(&path, "png") {
+        return Ok(path);
+    }
+    Err(format!("'{text}' does not end in .svg or .png, the formats of pictures"))
+}
+
+fn page(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    if has_extension(&path, "html") || has_extension(&path, "htm") {
+        return Ok(path);
+    }
+    Err(format!("'{text}' does not end in .html, the format of reports"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_summary_becomes_facts() {
+        let summary =
+            "file             a.csv, text\n                 2 of radius zero\ntime             read 1 s\n";
+        assert_eq!(facts(summary), [("file", "a.csv, text"), ("", "2 of radius zero")]);
+    }
+}

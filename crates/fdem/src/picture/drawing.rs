@@ -1,0 +1,298 @@
+//! Elements and contacts on paper: one area in 2D, two in 3D.
+
+use std::ops::RangeInclusive;
+
+use crate::picture::PictureError;
+use crate::picture::camera::{Camera, outline};
+use crate::picture::colour::{HEAT, Rgb, at, hex};
+use crate::picture::encode::{self, Layer};
+use crate::picture::flat::Flat;
+use crate::picture::furniture::{self, Counts, FOOT, HEAD};
+use crate::picture::raster::{Raster, SAMPLES};
+use crate::picture::scene::{Bond, Scene};
+use crate::picture::svg::Svg;
+
+/// More discs or contacts than this are an image in an SVG file, too.
+const MOST_SHAPES: usize = 50_000;
+
+/// Pixels of a PNG for a unit of the drawing.
+const SCALE: f64 = 2.0;
+
+/// Pixels that a PNG may be wide: less cannot be read, more would not fit into memory.
+const WIDTHS: RangeInclusive<u32> = 200..=10_000;
+
+const MARGIN: f64 = 24.0;
+
+const TOUCHING: Rgb = [219, 228, 238];
+const FREE: Rgb = [255, 255, 255];
+const RIM: Rgb = [134, 149, 166];
+const BOX: Rgb = [120, 130, 140];
+/// Elements where the contacts are shown.
+const NODE: Rgb = [186, 193, 201];
+
+pub(crate) fn svg(scene: &Scene) -> Result<String, PictureError> {
+    let page = Page::new(scene)?;
+    if scene.dimensions == 2 && scene.centres.len().max(scene.bonds.len()) <= MOST_SHAPES {
+        return Ok(page.svg(|svg| page.shapes(svg)));
+    }
+    let layers = page.layers(SCALE);
+    let images = layers.iter().map(|layer| encode::file(layer.size.map(|n| n as u32), &layer.pixels));
+    let images = images.collect::<Result<Vec<_>, _>>()?;
+    Ok(page.svg(|svg| {
+        svg.background();
+        for (layer, image) in layers.iter().zip(&images) {
+            svg.image(layer.at, page.camera.area, image);
+        }
+    }))
+}
+
+/// So many pixels wide, or twice as wide as the drawing.
+pub(crate) fn png(scene: &Scene, width: Option<u32>) -> Result<Vec<u8>, PictureError> {
+    let page = Page::new(scene)?;
+    page.png(scale(width, page.size[0])?)
+}
+
+/// Pixels for a unit of a drawing.
+pub(crate) fn scale(pixels: Option<u32>, width: f64) -> Result<f64, PictureError> {
+    match pixels {
+        None => Ok(SCALE),
+        Some(pixels) if WIDTHS.contains(&pixels) => Ok(f64::from(pixels) / width),
+        Some(found) => Err(PictureError::Width { found, least: *WIDTHS.start(), most: *WIDTHS.end() }),
+    }
+}
+
+/// A smaller one, for those who cannot turn it.
+pub(crate) fn preview(scene: &Scene) -> Result<Vec<u8>, PictureError> {
+    Page::new(scene)?.png(1.0)
+}
+
+/// Where everything stands.
+struct Page<'a> {
+    scene: &'a Scene,
+    camera: Camera,
+    counts: Counts,
+    /// Left sides of the areas.
+    lefts: Vec<f64>,
+    size: [f64; 2],
+}
+
+impl<'a> Page<'a> {
+    fn new(scene: &'a Scene) -> Result<Self, PictureError> {
+        let (least, most, areas) = if scene.dimensions == 2 {
+            ([520.0, 60.0], [900.0, 860.0], 1)
+        } else {
+            ([470.0, 120.0], [600.0, 640.0], 2)
+        };
+        let camera = Camera::new(scene, least, most).ok_or(PictureError::TooWide)?;
+        let [width, height] = camera.area;
+        let lefts: Vec<f64> = (0..areas).map(|k| MARGIN + f64::from(k) * (width + 2.0 * MARGIN)).collect();
+        let right = lefts.last().map_or(0.0, |left| left + width);
+        Ok(Self {
+            scene,
+            camera,
+            counts: Counts::new(&scene.coordination),
+            lefts,
+            size: [right + MARGIN, HEAD + height + FOOT],
+        })
+    }
+
+    fn png(&self, scale: f64) -> Result<Vec<u8>, PictureError> {
+        encode::png(&self.svg(|_| ()), &self.layers(scale), scale)
+    }
+
+    /// All that is text; `draw` puts the rest below it.
+    fn svg(&self, draw: impl FnOnce(&mut Svg)) -> String {
+        let Self { scene, camera, .. } = self;
+        let [width, height] = self.size;
+        let description = format!("{}. {}", furniture::counts(scene), self.description());
+        let mut svg = Svg::new(width, height, &format!("Contact network of {}", scene.title), &description);
+        draw(&mut svg);
+        furniture::title(&mut svg, scene, MARGIN, width - 2.0 * MARGIN);
+        let foot = HEAD + camera.area[1] + 12.0;
+        let right = |k: usize| self.lefts[k] + camera.area[0] - 6.0;
+        furniture::scale_bar(&mut svg, scene, [self.lefts[0], foot], camera.scale);
+        if self.lefts.len() > 1 {
+            furniture::coordination_bar(&mut svg, self.counts, [right(0), foot]);
+            furniture::axes(&mut svg, [self.lefts[1] + 36.0, foot + 34.0], &camera.axes());
+        }
+        furniture::overlap_bar(&mut svg, scene, [right(self.lefts.len() - 1), foot]);
+        svg.finish()
+    }
+
+    fn description(&self) -> &'static str {
+        if self.scene.dimensions == 2 {
+            "Discs, those without contact white, and a line for each contact, coloured by its overlap."
+        } else {
+            "Left the elements, coloured by their number of contacts; right the contacts, coloured by their overlap."
+        }
+    }
+
+    /// Discs and lines of 2D as SVG.
+    fn shapes(&self, svg: &mut Svg) {
+        let Self { scene, camera, .. } = self;
+        svg.background();
+        for ends in outline(scene) {
+            let [a, b] = ends.map(|end| self.on_paper(end));
+            svg.put(format_args!(
+                r#"<line x1="{:.2}" y1="{:.2}" x2="{:.2}" y2="{:.2}" stroke="{}" stroke-dasharray="6 4"/>"#,
+                a[0],
+                a[1],
+                b[0],
+                b[1],
+                hex(BOX)
+            ));
+        }
+        for (free, fill) in [(false, TOUCHING), (true, FREE)] {
+            svg.put(format_args!(r#"<g fill="{}" stroke="{}">"#, hex(fill), hex(RIM)));
+            for (index, centre) in scene.centres.iter().enumerate() {
+                if (scene.coordination[index] == 0) == free {
+                    let ([x, y], r) = (self.on_paper(*centre), (scene.radii[index] * camera.scale).max(0.4));
+                    let rim = rim(r);
+                    svg.put(format_args!(
+                        r#"<circle cx="{x:.2}" cy="{y:.2}" r="{:.2}" stroke-width="{rim:.2}"/>"#,
+                        (r - rim / 2.0).max(0.1)
+                    ));
+                }
+            }
+            svg.put(format_args!("</g>"));
+        }
+        svg.put(format_args!(r#"<g stroke-linecap="round">"#));
+        for bond in self.pale_to_dark() {
+            let (colour, width) = (hex(self.colour(bond)), self.width(bond));
+            for [a, b] in lines(scene, bond).into_iter().flatten() {
+                let ([x1, y1], [x2, y2]) = (self.on_paper(a), self.on_paper(b));
+                svg.put(format_args!(
+                    r#"<path d="M{x1:.2} {y1:.2}L{x2:.2} {y2:.2}" stroke="{colour}" stroke-width="{width:.2}"/>"#
+                ));
+            }
+        }
+        svg.put(format_args!("</g>"));
+    }
+
+    fn layers(&self, scale: f64) -> Vec<Layer> {
+        let size = self.camera.area.map(|side| (side * scale).round() as usize);
+        let layer = |k: usize, pixels| Layer { at: [self.lefts[k], HEAD], size, pixels };
+        if self.scene.dimensions == 2 {
+            vec![layer(0, self.discs(size, scale))]
+        } else {
+            let zoom = scale * SAMPLES as f64;
+            vec![layer(0, self.spheres(size, zoom)), layer(1, self.rods(size, zoom))]
+        }
+    }
+
+    fn discs(&self, size: [usize; 2], zoom: f64) -> Vec<u8> {
+        let Self { scene, camera, .. } = self;
+        let mut flat = Flat::new(size);
+        let place = |point: [f64; 3]| {
+            let [x, y, _] = camera.place(point);
+            [x * zoom, y * zoom]
+        };
+        for [a, b] in outline(scene) {
+            flat.line([place(a), place(b)], zoom, BOX);
+        }
+        for (free, fill) in [(false, TOUCHING), (true, FREE)] {
+            for (index, centre) in scene.centres.iter().enumerate() {
+                if (scene.coordination[index] == 0) == free {
+                    let r = (scene.radii[index] * camera.scale).max(0.4);
+                    let rim = rim(r);
+                    flat.disc(place(*centre), (r - rim / 2.0) * zoom, fill, RIM, rim * zoom);
+                }
+            }
+        }
+        for bond in self.pale_to_dark() {
+            for [a, b] in lines(scene, bond).into_iter().flatten() {
+                flat.line([place(a), place(b)], self.width(bond) * zoom, self.colour(bond));
+            }
+        }
+        flat.into_pixels()
+    }
+
+    /// Elements in 3D.
+    fn spheres(&self, size: [usize; 2], zoom: f64) -> Vec<u8> {
+        let mut raster = Raster::new(size);
+        self.draw_box(&mut raster, zoom);
+        for (index, centre) in self.scene.centres.iter().enumerate() {
+            let radius = self.scene.radii[index] * self.camera.scale * zoom;
+            let colour = self.counts.colour(self.scene.coordination[index]);
+            raster.sphere(self.camera.place(*centre).map(|x| x * zoom), radius, colour);
+        }
+        raster.shade(self.typical_radius() * zoom, 0.12);
+        raster.pixels()
+    }
+
+    /// Contacts in 3D, with small elements where they meet.
+    fn rods(&self, size: [usize; 2], zoom: f64) -> Vec<u8> {
+        let Self { scene, camera, .. } = self;
+        let mut raster = Raster::new(size);
+        self.draw_box(&mut raster, zoom);
+        let place = |point: [f64; 3]| camera.place(point).map(|x| x * zoom);
+        for (index, centre) in scene.centres.iter().enumerate() {
+            let radius = scene.radii[index] * camera.scale * zoom * 0.16;
+            raster.sphere(place(*centre), radius, NODE);
+        }
+        for bond in &scene.bonds {
+            for [a, b] in lines(scene, bond).into_iter().flatten() {
+                raster.rod([place(a), place(b)], self.width(bond) / 2.0 * zoom, self.colour(bond));
+            }
+        }
+        raster.shade(self.typical_radius() * zoom, 0.5);
+        raster.pixels()
+    }
+
+    fn draw_box(&self, raster: &mut Raster, zoom: f64) {
+        for ends in outline(self.scene) {
+            raster.rod(ends.map(|end| self.camera.place(end).map(|x| x * zoom)), 0.7 * zoom, BOX);
+        }
+    }
+
+    /// In pixels of the drawing.
+    fn typical_radius(&self) -> f64 {
+        let sum: f64 = self.scene.radii.iter().map(|radius| radius * self.camera.scale).sum();
+        sum / self.scene.radii.len().max(1) as f64
+    }
+
+    fn on_paper(&self, point: [f64; 3]) -> [f64; 2] {
+        let [x, y, _] = self.camera.place(point);
+        [x + self.lefts[0], y + HEAD]
+    }
+
+    /// The smallest overlaps first, so that the largest are on top.
+    fn pale_to_dark(&self) -> Vec<&'a Bond> {
+        let mut bonds: Vec<&Bond> = self.scene.bonds.iter().collect();
+        bonds.sort_by(|a, b| a.overlap.total_cmp(&b.overlap));
+        bonds
+    }
+
+    fn share(&self, bond: &Bond) -> f64 {
+        self.scene.overlaps.map_or(0.0, |overlaps| overlaps.share(bond.overlap))
+    }
+
+    fn colour(&self, bond: &Bond) -> Rgb {
+        at(&HEAT, self.share(bond))
+    }
+
+    /// In pixels of the drawing: of the smaller element a part, so that lines do not hide what they join.
+    fn width(&self, bond: &Bond) -> f64 {
+        let smaller = self.scene.radii[bond.i as usize].min(self.scene.radii[bond.j as usize]);
+        let flat = self.scene.dimensions == 2;
+        let least = if flat { 0.5 } else { 0.6 };
+        let wide = if flat { 0.14 + 0.24 * self.share(bond) } else { 0.22 + 0.33 * self.share(bond) };
+        (smaller * self.camera.scale * wide).clamp(least, 6.0)
+    }
+}
+
+/// Width of the outline of a disc of radius `r`.
+fn rim(r: f64) -> f64 {
+    (r * 0.12).min(0.8)
+}
+
+/// The line of a contact; two halves if it leads to an image.
+fn lines(scene: &Scene, bond: &Bond) -> [Option<[[f64; 3]; 2]>; 2] {
+    let [a, b] = [bond.i, bond.j].map(|k| scene.centres[k as usize]);
+    if !bond.leaves {
+        return [Some([a, b]), None];
+    }
+    let half =
+        |from: [f64; 3], sign: f64| std::array::from_fn(|axis| from[axis] + sign * bond.branch[axis] / 2.0);
+    [Some([a, half(a, 1.0)]), Some([b, half(b, -1.0)])]
+}

@@ -1,0 +1,149 @@
+//! What stands around a drawing: title, colour bars, scale bar, axes.
+
+use crate::numbers::{brief, grouped};
+use crate::picture::colour::{ALONE, HEAT, Rgb, SEA, at};
+use crate::picture::scene::{Overlaps, Scene};
+use crate::picture::svg::{Anchor, INK, PALE, Svg, shortened};
+use crate::picture::ticks::{round_below, tick_text, ticks};
+
+/// Height of the lines above the drawing, and of the strip below.
+pub(crate) const HEAD: f64 = 66.0;
+pub(crate) const FOOT: f64 = 74.0;
+
+const BAR: f64 = 230.0;
+
+/// Counts of contacts that the colours tell apart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Counts {
+    pub(crate) high: u32,
+    pub(crate) largest: u32,
+}
+
+impl Counts {
+    /// Up to the count that 99.5 % do not exceed; a few large elements would leave the others without colours.
+    pub(crate) fn new(coordination: &[u32]) -> Self {
+        let mut sorted = coordination.to_vec();
+        let Some(last) = sorted.len().checked_sub(1) else { return Self { high: 1, largest: 0 } };
+        let (_, &mut high, _) = sorted.select_nth_unstable((last as f64 * 0.995) as usize);
+        let largest = sorted.iter().copied().max().unwrap_or(0);
+        Self { high: if largest <= high + 2 { largest } else { high }.max(1), largest }
+    }
+
+    pub(crate) fn colour(self, contacts: u32) -> Rgb {
+        if contacts == 0 {
+            return ALONE;
+        }
+        at(&SEA, f64::from(contacts - 1) / f64::from(self.high.max(2) - 1))
+    }
+}
+
+/// The sentence of counts.
+pub(crate) fn counts(scene: &Scene) -> String {
+    let n = scene.centres.len();
+    let mut text = format!(
+        "{} {}, {} {}, {} per element",
+        grouped(n as u64),
+        scene.noun(),
+        grouped(scene.bonds.len() as u64),
+        if scene.bonds.len() == 1 { "contact" } else { "contacts" },
+        brief((scene.mean_coordination() * 1e4).round() / 1e4),
+    );
+    if scene.alone() > 0 {
+        text = format!("{text}, {} without", grouped(scene.alone() as u64));
+    }
+    text
+}
+
+pub(crate) fn title(svg: &mut Svg, scene: &Scene, x: f64, width: f64) {
+    svg.bold([x, 30.0], 17.0, &shortened(&scene.title, (width / 11.0) as usize));
+    svg.label([x, 51.0], 12.5, Anchor::Start, PALE, &counts(scene));
+}
+
+/// A length of about 90 pixels, at the lower left.
+pub(crate) fn scale_bar(svg: &mut Svg, scene: &Scene, [x, y]: [f64; 2], scale: f64) {
+    let length = round_below(150.0 / scale);
+    let width = length * scale;
+    if !(1.0..=200.0).contains(&width) {
+        return;
+    }
+    svg.line([x, y + 20.0], [x + width, y + 20.0], 2.0, INK);
+    for end in [x, x + width] {
+        svg.line([end, y + 15.0], [end, y + 25.0], 1.2, INK);
+    }
+    let text = format!("{}{}", brief(length), scene.after_number());
+    svg.label([x, y + 42.0], 12.0, Anchor::Start, INK, &text);
+}
+
+/// The directions of x, y and z.
+pub(crate) fn axes(svg: &mut Svg, [x, y]: [f64; 2], axes: &[(&str, [f64; 2])]) {
+    for (name, [dx, dy]) in axes {
+        let tip = [x + 26.0 * dx, y + 26.0 * dy];
+        svg.line([x, y], tip, 1.6, INK);
+        svg.label([x + 36.0 * dx, y + 36.0 * dy + 4.0], 11.5, Anchor::Middle, INK, name);
+    }
+}
+
+/// Colours of overlaps, right aligned.
+pub(crate) fn overlap_bar(svg: &mut Svg, scene: &Scene, [right, y]: [f64; 2]) {
+    let Some(Overlaps { low, high, largest }) = scene.overlaps else { return };
+    let x = right - BAR;
+    let name = format!("overlap{}", scene.after_name());
+    svg.label([x, y + 10.0], 12.0, Anchor::Start, INK, &name);
+    if largest > high {
+        svg.label([right, y + 10.0], 11.0, Anchor::End, PALE, &format!("largest {}", brief(largest)));
+    }
+    if high <= low {
+        svg.rect([x, y + 18.0], [BAR, 13.0], at(&HEAT, 0.5));
+        svg.label([x + BAR / 2.0, y + 46.0], 11.5, Anchor::Middle, INK, &brief(high));
+        return;
+    }
+    strips(svg, [x, y], |share| at(&HEAT, share));
+    let over = if largest > high { "≥ " } else { "" };
+    for tick in ticks(low, high, 4) {
+        let share = (tick - low) / (high - low);
+        svg.line([x + share * BAR, y + 31.0], [x + share * BAR, y + 35.0], 1.0, INK);
+        svg.label([x + share * BAR, y + 47.0], 11.5, Anchor::Middle, INK, &tick_text(tick));
+    }
+    if !over.is_empty() {
+        svg.label([right + 4.0, y + 29.0], 11.5, Anchor::Start, INK, "+");
+    }
+}
+
+/// Colours of coordination, right aligned.
+pub(crate) fn coordination_bar(svg: &mut Svg, counts: Counts, [right, y]: [f64; 2]) {
+    let x = right - BAR;
+    svg.label([x, y + 10.0], 12.0, Anchor::Start, INK, "contacts of an element");
+    let high = counts.high;
+    if counts.largest > high {
+        let largest = format!("largest {}", grouped(u64::from(counts.largest)));
+        svg.label([right, y + 10.0], 11.0, Anchor::End, PALE, &largest);
+    }
+    let over = |count: u32| if count == high && counts.largest > high { "+" } else { "" };
+    if high <= 15 {
+        let width = BAR / f64::from(high + 1);
+        for count in 0..=high {
+            let at = x + width * f64::from(count);
+            svg.rect([at, y + 18.0], [width - 1.0, 13.0], counts.colour(count));
+            let text = format!("{count}{}", over(count));
+            svg.label([at + width / 2.0, y + 47.0], 11.5, Anchor::Middle, INK, &text);
+        }
+        return;
+    }
+    strips(svg, [x, y], |share| counts.colour((share * f64::from(high)).round() as u32));
+    for tick in ticks(0.0, f64::from(high), 4) {
+        let share = tick / f64::from(high);
+        svg.line([x + share * BAR, y + 31.0], [x + share * BAR, y + 35.0], 1.0, INK);
+        svg.label([x + share * BAR, y + 47.0], 11.5, Anchor::Middle, INK, &tick_text(tick));
+    }
+}
+
+fn strips(svg: &mut Svg, [x, y]: [f64; 2], colour: impl Fn(f64) -> Rgb) {
+    const STRIPS: usize = 64;
+    let width = BAR / STRIPS as f64;
+    for strip in 0..STRIPS {
+        // A little wider than their distance: no gap shines through.
+        let width = if strip + 1 < STRIPS { width + 0.5 } else { width };
+        let share = (strip as f64 + 0.5) / STRIPS as f64;
+        svg.rect([x + strip as f64 * BAR / STRIPS as f64, y + 18.0], [width, 13.0], colour(share));
+    }
+}

@@ -1,0 +1,231 @@
+//! Spheres and rods by pixel, with a depth for each: no graphics card, the same pixels everywhere.
+//!
+//! Everything is drawn twice as large along each axis as it is shown, and averaged.
+
+use crate::picture::colour::Rgb;
+
+/// Samples along each axis of a pixel.
+pub(crate) const SAMPLES: usize = 2;
+
+/// Direction to the light, from the left, above and in front.
+const LIGHT: [f32; 3] = [-0.42, 0.62, 0.662_4];
+
+/// What the eye sees, in samples; depths grow towards it.
+pub(crate) struct Raster {
+    width: usize,
+    height: usize,
+    depth: Vec<f32>,
+    colour: Vec<Rgb>,
+}
+
+impl Raster {
+    /// Of so many pixels, empty.
+    pub(crate) fn new([width, height]: [usize; 2]) -> Self {
+        let (width, height) = (width * SAMPLES, height * SAMPLES);
+        Self {
+            width,
+            height,
+            depth: vec![f32::NEG_INFINITY; width * height],
+            colour: vec![[255; 3]; width * height],
+        }
+    }
+
+    /// A sphere at a point of the paper, in samples, x to the right, y down, z towards the eye.
+    ///
+    /// Spheres that fall between the samples would be lost: none is smaller than one.
+    pub(crate) fn sphere(&mut self, [x, y, z]: [f64; 3], radius: f64, colour: Rgb) {
+        let radius = radius.max(0.75);
+        let (columns, rows) = (self.columns(x, radius), self.rows(y, radius));
+        let inverse = 1.0 / radius;
+        for row in rows {
+            let v = (row as f64 + 0.5 - y) * inverse;
+            for column in columns.clone() {
+                let u = (column as f64 + 0.5 - x) * inverse;
+                let rest = 1.0 - u * u - v * v;
+                if rest < 0.0 {
+                    continue;
+                }
+                let w = rest.sqrt();
+                let depth = (z + w * radius) as f32;
+                let place = row * self.width + column;
+                if depth > self.depth[place] {
+                    self.depth[place] = depth;
+                    self.colour[place] = lit(colour, [u as f32, -v as f32, w as f32]);
+                }
+            }
+        }
+    }
+
+    /// A rod with round ends.
+    pub(crate) fn rod(&mut self, [a, b]: [[f64; 3]; 2], radius: f64, colour: Rgb) {
+        let radius = radius.max(0.75);
+        let along = [b[0] - a[0], b[1] - a[1]];
+        let squared = along[0] * along[0] + along[1] * along[1];
+        let (low, high) = ([a[0].min(b[0]), a[1].min(b[1])], [a[0].max(b[0]), a[1].max(b[1])]);
+        let columns = self.columns(low[0], radius).start..self.columns(high[0], radius).end;
+        for row in self.rows(low[1], radius).start..self.rows(high[1], radius).end {
+            let v = row as f64 + 0.5 - a[1];
+            for column in columns.clone() {
+                let u = column as f64 + 0.5 - a[0];
+                let share = if squared > 0.0 {
+                    ((u * along[0] + v * along[1]) / squared).clamp(0.0, 1.0)
+                } else {
+                    0.0
+                };
+                let (du, dv) = ((u - share * along[0]) / radius, (v - share * along[1]) / radius);
+                let rest = 1.0 - du * du - dv * dv;
+                if rest < 0.0 {
+                    continue;
+                }
+                let w = rest.sqrt();
+                let depth = (a[2] + share * (b[2] - a[2]) + w * radius) as f32;
+                let place = row * self.width + column;
+                if depth > self.depth[place] {
+                    self.depth[place] = depth;
+                    self.colour[place] = lit(colour, [du as f32, -dv as f32, w as f32]);
+                }
+            }
+        }
+    }
+
+    /// Darkens what lies in hollows, and pales what lies far behind. `reach`: how far what stands in front casts its shadow, in samples.
+    pub(crate) fn shade(&mut self, reach: f64, haze: f32) {
+        // Two rings of eight directions; whole numbers, so that the same samples are looked at everywhere.
+        const DIRECTIONS: [[f64; 2]; 8] = [
+            [1.0, 0.0],
+            [0.707, 0.707],
+            [0.0, 1.0],
+            [-0.707, 0.707],
+            [-1.0, 0.0],
+            [-0.707, -0.707],
+            [0.0, -1.0],
+            [0.707, -0.707],
+        ];
+        let reach = reach.clamp(2.0, 60.0);
+        let rings = [0.45, 1.0, 2.2].map(|share| {
+            let far = reach * share;
+            (far as f32, DIRECTIONS.map(|[x, y]| [(x * far).round() as isize, (y * far).round() as isize]))
+        });
+        let drawn = || self.depth.iter().copied().filter(|depth| depth.is_finite());
+        let (nearest, farthest) = drawn()
+            .fold((f32::NEG_INFINITY, f32::INFINITY), |(near, far), depth| (near.max(depth), far.min(depth)));
+        let range = (nearest - farthest).max(f32::MIN_POSITIVE);
+        let (width, height) = (self.width.cast_signed(), self.height.cast_signed());
+        for row in 0..height {
+            for column in 0..width {
+                let place = (row * width + column).cast_unsigned();
+                let depth = self.depth[place];
+                if !depth.is_finite() {
+                    continue;
+                }
+                let mut hidden = 0.0;
+                for (far, offsets) in &rings {
+                    for [x, y] in offsets {
+                        let (u, v) = (column + x, row + y);
+                        if u < 0 || v < 0 || u >= width || v >= height {
+                            continue;
+                        }
+                        let above = self.depth[(v * width + u).cast_unsigned()] - depth;
+                        // As much as the sky is higher there, less if that is far above: another layer.
+                        if above > 0.0 {
+                            let slope = above / far;
+                            hidden += slope.min(1.0) * if slope > 3.0 { 0.75 } else { 1.0 };
+                        }
+                    }
+                }
+                let open = 1.0 - 0.68 * (hidden / 24.0);
+                let pale = haze * (nearest - depth) / range;
+                self.colour[place] = self.colour[place].map(|channel| {
+                    let shaded = f32::from(channel) * open;
+                    (shaded + (250.0 - shaded) * pale).round() as u8
+                });
+            }
+        }
+    }
+
+    /// Red, green and blue of each pixel, row after row from the top.
+    pub(crate) fn pixels(&self) -> Vec<u8> {
+        let (width, height) = (self.width / SAMPLES, self.height / SAMPLES);
+        let mut pixels = Vec::with_capacity(3 * width * height);
+        for row in 0..height {
+            for column in 0..width {
+                for channel in 0..3 {
+                    let mut sum = 0;
+                    for sample in 0..SAMPLES * SAMPLES {
+                        let (v, u) = (row * SAMPLES + sample / SAMPLES, column * SAMPLES + sample % SAMPLES);
+                        sum += u32::from(self.colour[v * self.width + u][channel]);
+                    }
+                    let samples = (SAMPLES * SAMPLES) as u32;
+                    pixels.push(((sum + samples / 2) / samples) as u8);
+                }
+            }
+        }
+        pixels
+    }
+
+    fn columns(&self, x: f64, radius: f64) -> std::ops::Range<usize> {
+        range(x, radius, self.width)
+    }
+
+    fn rows(&self, y: f64, radius: f64) -> std::ops::Range<usize> {
+        range(y, radius, self.height)
+    }
+}
+
+fn range(middle: f64, radius: f64, end: usize) -> std::ops::Range<usize> {
+    ((middle - radius).max(0.0) as usize).min(end)..((middle + radius + 1.0).max(0.0) as usize).min(end)
+}
+
+/// A surface in the light; its rim is a little darker, so that neighbours of one colour are told apart.
+fn lit(colour: Rgb, normal: [f32; 3]) -> Rgb {
+    let lambert = normal.iter().zip(LIGHT).map(|(n, l)| n * l).sum::<f32>().max(0.0);
+    let rim = 0.80 + 0.20 * normal[2];
+    let light = (0.62 + 0.50 * lambert) * rim;
+    // A soft highlight: the fourth power of a half vector is cheap and has no seam.
+    let shine = (normal[0] * -0.23 + normal[1] * 0.34 + normal[2] * 0.912).max(0.0).powi(24) * 26.0;
+    colour.map(|channel| (f32::from(channel) * light + shine).min(255.0).round() as u8)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn painted(raster: &Raster) -> usize {
+        raster.pixels().chunks(3).filter(|pixel| *pixel != [255; 3]).count()
+    }
+
+    #[test]
+    fn a_sphere_covers_its_disc_and_hides_what_is_behind() {
+        let mut raster = Raster::new([100, 100]);
+        raster.sphere([100.0, 100.0, 0.0], 80.0, [200, 0, 0]);
+        let area = painted(&raster) as f64;
+        assert!((area / (std::f64::consts::PI * 1600.0) - 1.0).abs() < 0.03, "{area}");
+        let before = raster.pixels();
+        raster.sphere([100.0, 100.0, -90.0], 70.0, [0, 200, 0]);
+        assert_eq!(raster.pixels(), before);
+        raster.sphere([100.0, 100.0, 90.0], 70.0, [0, 200, 0]);
+        let middle = &raster.pixels()[3 * (50 * 100 + 50)..][..3];
+        assert!(middle[1] > middle[0], "{middle:?}");
+    }
+
+    #[test]
+    fn nothing_is_too_small_and_what_is_outside_is_cut_off() {
+        let mut raster = Raster::new([10, 10]);
+        raster.sphere([7.9, 7.9, 0.0], 0.0, [0; 3]);
+        assert!(painted(&raster) > 0);
+        raster.sphere([-50.0, 1e12, 0.0], 3.0, [0; 3]);
+        raster.rod([[-1e9, 5.0, 0.0], [1e9, 5.0, 0.0]], 1.0, [0; 3]);
+        raster.rod([[3.0, 3.0, 0.0], [3.0, 3.0, 9.0]], 1.0, [0; 3]);
+        raster.shade(4.0, 0.3);
+        assert_eq!(raster.pixels().len(), 300);
+    }
+
+    #[test]
+    fn a_rod_reaches_from_end_to_end() {
+        let mut raster = Raster::new([60, 20]);
+        raster.rod([[10.0, 20.0, 0.0], [110.0, 20.0, 5.0]], 4.0, [10, 10, 10]);
+        let pixels = raster.pixels();
+        let dark = |column: usize| pixels[3 * (10 * 60 + column)] < 255;
+        assert!(dark(5) && dark(30) && dark(54) && !dark(1) && !dark(58));
+    }
+}

@@ -1,0 +1,66 @@
+//! Round numbers for axes, colour bars and scale bars.
+
+use crate::numbers::brief;
+
+/// The largest of 1, 2 and 5 times a power of ten that is not above `x`; 0 if `x` is not above 0.
+pub(crate) fn round_below(x: f64) -> f64 {
+    if x.is_nan() || x <= 0.0 || x.is_infinite() {
+        return 0.0;
+    }
+    // Read from its digits: powers of ten that are multiplied up are not the nearest numbers, nor the same everywhere.
+    let text = format!("{x:e}");
+    let (digits, exponent) = text.split_once('e').unwrap_or(("1", "0"));
+    let first = match digits.as_bytes().first() {
+        Some(b'5'..=b'9') => 5,
+        Some(b'2'..=b'4') => 2,
+        _ => 1,
+    };
+    format!("{first}e{exponent}").parse().unwrap_or(0.0)
+}
+
+/// Round numbers from `low` to `high`, about `count` of them.
+pub(crate) fn ticks(low: f64, high: f64, count: usize) -> Vec<f64> {
+    let width = high - low;
+    let mut step = round_below(width / count as f64 * 1.5);
+    if step <= 0.0 || !step.is_finite() {
+        return vec![low];
+    }
+    while width / step > 2.0 * count as f64 {
+        step *= 2.0;
+    }
+    let first = (low / step - 1e-9).ceil();
+    // Differences of neighbouring floats do not count on for ever.
+    let most = ((width / step) as usize).min(4 * count);
+    (0..=most + 1).map(|k| (first + k as f64) * step).filter(|&x| x <= high + step * 1e-9).collect()
+}
+
+/// A tick without the noise of its multiplication.
+pub(crate) fn tick_text(x: f64) -> String {
+    brief(x)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_round() {
+        for (x, round) in
+            [(1.0, 1.0), (0.3, 0.2), (7e-7, 5e-7), (19.9, 10.0), (0.0, 0.0), (-1.0, 0.0), (5e200, 5e200)]
+        {
+            assert_eq!(round_below(x), round);
+        }
+        assert_eq!(round_below(f64::NAN), 0.0);
+    }
+
+    #[test]
+    fn ticks_lie_in_their_range() {
+        assert_eq!(ticks(0.0, 1.0, 5), [0.0, 0.2, 0.4, 0.600_000_000_000_000_1, 0.8, 1.0]);
+        for (low, high) in
+            [(0.0, 9.01e-7), (-3.0, 17.0), (5.0, 5.0), (1e300, 2e300), (1.0, 1.0 + f64::EPSILON)]
+        {
+            let ticks = ticks(low, high, 5);
+            assert!(!ticks.is_empty() && ticks.len() <= 21, "{low} {high} {ticks:?}");
+        }
+    }
+}

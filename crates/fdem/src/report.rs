@@ -1,0 +1,300 @@
+//! A page for a browser: a network to look at, turn, cut, pick and read, all in one file.
+//!
+//! ```text
+//! Network ──> Scene ──┬─> arrays, deflated, base64 ─┐
+//!                     ├─> distributions as SVG ─────┼─> page.html with style.css and the scripts
+//! facts ──────────────┴─> text and tables ──────────┘
+//! ```
+//! The page asks nothing of the network, and its content security policy forbids all scripts and styles but its own, by their hashes. Texts from outside
+//! (the name of a file) are escaped besides.
+
+mod arrays;
+
+use std::fmt::Write;
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use serde_json::json;
+use sha2::{Digest, Sha256};
+
+use crate::network::{Network, Sizes};
+use crate::numbers::{brief, grouped};
+use crate::picture::camera::outline;
+use crate::picture::colour::{ALONE, HEAT, SEA};
+use crate::picture::furniture::{Counts, counts};
+use crate::picture::scene::Scene;
+use crate::picture::svg::escape;
+use crate::picture::{Caption, PictureError, panels, preview};
+
+/// Of more a browser would run out of memory.
+pub const MOST_ELEMENTS: usize = 1_000_000;
+
+/// Of more a browser would run out of memory.
+pub const MOST_CONTACTS: usize = 5_000_000;
+
+const PAGE: &str = include_str!("report/page.html");
+const STYLE: &str = include_str!("report/style.css");
+const SCRIPTS: [&str; 4] = [
+    include_str!("report/data.js"),
+    include_str!("report/view.js"),
+    include_str!("report/table.js"),
+    include_str!("report/main.js"),
+];
+
+/// What a report is made of.
+///
+/// # Shapes
+/// `ids`: one for each element, or none: then they are numbered from 0. `facts`: the rows of the summary, a name and what it says; rows without a
+/// name go on with the one before.
+#[derive(Clone, Copy, Debug)]
+pub struct Report<'a, const D: usize> {
+    /// Elements and contacts.
+    pub network: Network<'a, D>,
+    /// Title and unit.
+    pub caption: Caption<'a>,
+    /// What the elements are called.
+    pub ids: Option<&'a [i64]>,
+    /// The summary.
+    pub facts: &'a [(&'a str, &'a str)],
+}
+
+/// The page.
+///
+/// Numbers of single elements and contacts are shown as the 64-bit numbers that they are.
+///
+/// # Errors
+/// [`PictureError::TooMany`] for more than [`MOST_ELEMENTS`] or [`MOST_CONTACTS`], and those of [`crate::picture::png()`].
+///
+/// # Panics
+/// If a couple was not found among these elements, or there are ids for some elements only.
+///
+/// # Cost
+/// About 60 bytes for an element with three contacts.
+///
+/// # Example
+/// ```
+/// use fdem::contact::Couple;
+/// use fdem::network::{Couples, Network, Sizes, Space};
+/// use fdem::picture::Caption;
+/// use fdem::report::{Report, html};
+///
+/// let centres = [[0.0, 0.0], [1.9, 0.0]];
+/// let couples = Couples::Plain(vec![Couple::new(0, 1)]);
+/// let space = Space { centres: &centres, cell: None };
+/// let network = Network { space, sizes: Sizes::All(1.0), couples: &couples };
+/// let caption = Caption { title: "two <b>discs</b>", unit: None };
+/// let page = html(&Report { network, caption, ids: None, facts: &[("elements", "2")] })?;
+/// assert!(page.contains("two &lt;b&gt;discs"));
+/// # Ok::<(), fdem::picture::PictureError>(())
+/// ```
+pub fn html<const D: usize>(report: &Report<'_, D>) -> Result<String, PictureError> {
+    let Report { network, caption, ids, facts } = *report;
+    let too_many = |what, found, most| Err(PictureError::TooMany { what, found, most });
+    let (elements, contacts) = (network.space.centres.len(), network.couples.len());
+    if elements > MOST_ELEMENTS {
+        return too_many("elements", elements, MOST_ELEMENTS);
+    }
+    if contacts > MOST_CONTACTS {
+        return too_many("contacts", contacts, MOST_CONTACTS);
+    }
+    if let Some(ids) = ids {
+        assert_eq!(ids.len(), elements, "every element has an id");
+    }
+    let scene = Scene::new(&network, &caption)?;
+    // The usual numbers need no place in the file.
+    let ids = ids.filter(|ids| ids.iter().enumerate().any(|(index, &id)| id != index.cast_signed() as i64));
+    let (meta, data) = data(&scene, &network, ids);
+    let script = format!("(() => {{\n\"use strict\";\n{}\n}})();", SCRIPTS.concat());
+    let policy = format!(
+        "default-src 'none'; script-src '{}'; style-src '{}'; img-src data:; base-uri 'none'; form-action 'none'",
+        hash(&script),
+        hash(STYLE)
+    );
+    let value = |name: &str| -> Result<String, PictureError> {
+        Ok(match name {
+            "policy" => policy.clone(),
+            "style" => STYLE.to_owned(),
+            "title" => escape(&scene.title),
+            "counts" => escape(&counts(&scene)),
+            "preview" => STANDARD.encode(preview(&scene)?),
+            "sentence" => escape(&sentence(&scene)),
+            "facts" => rows(facts),
+            "plots" => plots(&scene),
+            "version" => env!("CARGO_PKG_VERSION").to_owned(),
+            "meta" => meta.clone(),
+            "data" => data.clone(),
+            "script" => script.clone(),
+            _ => unreachable!("the page has no other places"),
+        })
+    };
+    filled(PAGE, value)
+}
+
+/// The template with its `{{names}}` replaced, what replaces them not searched again.
+fn filled(
+    template: &str,
+    value: impl Fn(&str) -> Result<String, PictureError>,
+) -> Result<String, PictureError> {
+    let mut parts = template.split("{{");
+    let mut page = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let (name, rest) = part.split_once("}}").unwrap_or((part, ""));
+        page += &value(name)?;
+        page += rest;
+    }
+    Ok(page)
+}
+
+/// As a content security policy names a script or a style.
+fn hash(text: &str) -> String {
+    format!("sha256-{}", STANDARD.encode(Sha256::digest(text)))
+}
+
+/// What the arrays are, and the arrays.
+fn data<const D: usize>(scene: &Scene, network: &Network<'_, D>, ids: Option<&[i64]>) -> (String, String) {
+    let mut arrays = arrays::Arrays::default();
+    arrays.f64("centre", scene.centres.iter().flat_map(|centre| centre[..D].iter().copied()));
+    let equal = scene.sizes.is_some_and(|[low, high]| low == high);
+    let count = if equal { 1 } else { scene.centres.len() };
+    arrays.f64("radius", (0..count).map(|index| network.sizes.radius(index)));
+    arrays.f64("distance", scene.bonds.iter().map(|bond| bond.distance));
+    if let Some(ids) = ids {
+        arrays.i64("id", ids.iter().copied());
+    }
+    arrays.u32("i", scene.bonds.iter().map(|bond| bond.i));
+    arrays.u32("j", scene.bonds.iter().map(|bond| bond.j));
+    if network.space.cell.is_some() {
+        arrays.f32("branch", scene.bonds.iter().flat_map(|bond| bond.branch[..D].iter().map(|&x| x as f32)));
+        arrays.i32("shift", network.couples.iter().flat_map(|couple| couple.shift));
+    }
+    let counts = Counts::new(&scene.coordination);
+    let cutoff = if let Sizes::Cutoff(cutoff) = network.sizes { Some(cutoff) } else { None };
+    let meta = json!({
+        "title": scene.title,
+        "unit": scene.unit,
+        "dimensions": D,
+        "elements": scene.centres.len(),
+        "cutoff": cutoff,
+        // Of the radius, what is drawn.
+        "drawn": scene.drawn,
+        "sizes": scene.sizes,
+        "overlaps": scene.overlaps.map(|o| json!({ "low": o.low, "high": o.high, "largest": o.largest })),
+        "counts": { "high": counts.high, "largest": counts.largest },
+        "heat": HEAT,
+        "sea": SEA,
+        "alone": ALONE,
+        "alone_count": scene.alone(),
+        "outline": outline(scene),
+        "ids": ids.is_some(),
+        "bytes": arrays.bytes.len(),
+        "arrays": arrays.index,
+    });
+    // A text in a script element ends at "</script": no "<" is left in it.
+    let meta = meta.to_string().replace('<', "\\u003c");
+    let deflated = miniz_oxide::deflate::compress_to_vec(&arrays.bytes, 6);
+    (meta, STANDARD.encode(deflated))
+}
+
+fn sentence(scene: &Scene) -> String {
+    let n = scene.centres.len();
+    if n == 0 {
+        return "There are no elements.".to_owned();
+    }
+    let mut text = format!(
+        "{} {} in {}D have {} {}: on average an element touches {} others",
+        grouped(n as u64),
+        scene.noun(),
+        scene.dimensions,
+        grouped(scene.bonds.len() as u64),
+        if scene.bonds.len() == 1 { "contact" } else { "contacts" },
+        brief((scene.mean_coordination() * 100.0).round() / 100.0),
+    );
+    if scene.alone() > 0 {
+        text = format!("{text}, and {} of them {} none", grouped(scene.alone() as u64), touch(scene.alone()));
+    }
+    text.push('.');
+    if let Some(overlaps) = scene.overlaps {
+        text = format!("{text} The largest overlap is {}{}.", brief(overlaps.largest), scene.after_number());
+    }
+    text
+}
+
+fn touch(count: usize) -> &'static str {
+    if count == 1 { "touches" } else { "touch" }
+}
+
+fn rows(facts: &[(&str, &str)]) -> String {
+    let mut rows = String::new();
+    for (name, text) in facts {
+        // Writing to a string does not fail.
+        let _ = writeln!(rows, "<tr><th scope=\"row\">{}</th><td>{}</td></tr>", escape(name), escape(text));
+    }
+    rows
+}
+
+fn plots(scene: &Scene) -> String {
+    let mut plots = String::new();
+    for panel in panels(scene) {
+        let _ = write!(plots, "<figure>{}</figure>", panel.svg());
+    }
+    plots
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::network::{Couples, Space};
+    use fdem_contact::Couple;
+
+    fn page(title: &str, facts: &[(&str, &str)]) -> String {
+        let centres = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [5.0, 5.0, 5.0]];
+        let couples = Couples::Plain(vec![Couple::new(0, 1)]);
+        let space = Space { centres: &centres, cell: None };
+        let network = Network { space, sizes: Sizes::All(0.5), couples: &couples };
+        html(&Report { network, caption: Caption { title, unit: None }, ids: Some(&[7, 8, 9]), facts })
+            .unwrap()
+    }
+
+    /// Neither elements nor attributes nor the end of the script come from outside.
+    #[test]
+    fn names_are_text() {
+        let hostile = r#"</script><img src=x onerror="alert(1)">'{{script}}"#;
+        let page = page(hostile, &[(hostile, hostile)]);
+        assert!(!page.contains("<img src=x"));
+        assert_eq!(page.matches("</script>").count(), 3);
+        assert!(
+            page.contains("&lt;/script&gt;&lt;img src=x onerror=&quot;alert(1)&quot;&gt;&#39;{{script}}")
+        );
+    }
+
+    #[test]
+    fn a_page_is_whole_and_asks_for_nothing() {
+        let page = page("p.csv", &[]);
+        assert!(page.starts_with("<!DOCTYPE html>") && page.ends_with("</html>\n"));
+        assert!(!page.contains("{{") || page.contains("p.csv"));
+        for address in ["http://", "https://"] {
+            let named: Vec<&str> = page.split(address).skip(1).map(|rest| &rest[..10]).collect();
+            assert!(named.iter().all(|name| name.starts_with("www.w3.org")), "{named:?}");
+        }
+        for handler in ["onclick=", "onload=", "javascript:", " style="] {
+            assert!(!page.contains(handler), "{handler} would need a weaker policy");
+        }
+    }
+
+    #[test]
+    fn too_many_are_refused() {
+        let centres = vec![[0.0, 0.0]; MOST_ELEMENTS + 1];
+        let couples = Couples::Plain(vec![]);
+        let network = Network {
+            space: Space { centres: &centres, cell: None },
+            sizes: Sizes::All(0.5),
+            couples: &couples,
+        };
+        let report = Report { network, caption: Caption::default(), ids: None, facts: &[] };
+        let error = html(&report).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "1000001 elements are too many for a report, which shows up to 1000000"
+        );
+    }
+}
