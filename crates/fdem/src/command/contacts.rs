@@ -76,7 +76,7 @@ pub(crate) fn run(arguments: &ContactsArguments) -> Result<(), Failure> {
     input.seconds += opened.seconds;
     let of_several = frames.frames() > 1;
     drop(opened);
-    arguments.drawings.check(input.packing.centres.len(), &input.name)?;
+
     if arguments.explain {
         return explain(arguments, &input, outputs);
     }
@@ -95,9 +95,7 @@ pub(crate) fn treat(
     input: &Input,
     outputs: &mut Outputs,
 ) -> Result<Summary, Failure> {
-    if arguments.picture.is_some() {
-        picture::check(input.packing.centres.len(), &input.name)?;
-    }
+    arguments.drawings.check(input.packing.centres.len(), &input.name)?;
     match &input.packing.centres {
         Centres::Two(centres) => find(arguments, progress, input, centres, outputs),
         Centres::Three(centres) => find(arguments, progress, input, centres, outputs),

@@ -139,11 +139,10 @@ pub(crate) fn coordination_bar(svg: &mut Svg, counts: Counts, [right, y]: [f64; 
 
 fn strips(svg: &mut Svg, [x, y]: [f64; 2], colour: impl Fn(f64) -> Rgb) {
     const STRIPS: usize = 64;
-    let width = BAR / STRIPS as f64;
     for strip in 0..STRIPS {
-        // A little wider than their distance: no gap shines through.
-        let width = if strip + 1 < STRIPS { width + 0.5 } else { width };
+        // Each to the end, below those after it: no gap shines through.
+        let left = BAR * strip as f64 / STRIPS as f64;
         let share = (strip as f64 + 0.5) / STRIPS as f64;
-        svg.rect([x + strip as f64 * BAR / STRIPS as f64, y + 18.0], [width, 13.0], colour(share));
+        svg.rect([x + left, y + 18.0], [BAR - left, 13.0], colour(share));
     }
 }

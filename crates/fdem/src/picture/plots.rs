@@ -248,7 +248,7 @@ fn size(scene: &Scene) -> Panel {
             kind: Kind::Nothing("points have no radius"),
         };
     }
-    histogram(&scene.radii, "radius", &scene.after_name(), "elements", SEA[13])
+    histogram(&scene.radii, "radius", &scene.after_name(), "elements", SEA[10])
 }
 
 fn histogram(values: &[f64], name: &str, unit: &str, up: &'static str, colour: Rgb) -> Panel {
