@@ -84,7 +84,8 @@ fn extremes_are_drawn() {
         let files = ["--picture", "p.svg", "--plots", "d.svg", "--report", "r.html", "--count"];
         bench.run(&[&["contacts", "in.csv"], &files[..], options].concat()).succeeds();
         for file in ["p.svg", "d.svg"] {
-            let svg = bench.read(file);
+            // An image within may spell anything.
+            let svg: String = bench.read(file).lines().filter(|line| !line.contains(";base64,")).collect();
             assert!(!svg.contains("NaN") && !svg.contains("inf\""), "{rows}{file}");
         }
         bench
