@@ -4,7 +4,7 @@
 //! borrowed, searched without the interpreter's lock, and what is found is moved into arrays of NumPy without a copy.
 //!
 //! ```text
-//! Python ── elements ──┬─ search ──> pairs, shifts ── measure, rows
+//! Python ── elements ──┬─ search ──> pairs, shifts ── measure, rows, network
 //!                      └─ buffered
 //! arrays ── index, image, mesh; files ── read; words ── command
 //! ```
@@ -19,6 +19,7 @@ mod problem;
 mod elements;
 mod search;
 mod measure;
+mod network;
 mod rows;
 mod buffered;
 
@@ -46,6 +47,8 @@ fn _fdem(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(search::verify, module)?)?;
     module.add_function(wrap_pyfunction!(search::explain, module)?)?;
     module.add_function(wrap_pyfunction!(measure::measure, module)?)?;
+    module.add_function(wrap_pyfunction!(network::analyse, module)?)?;
+    module.add_function(wrap_pyfunction!(network::draw, module)?)?;
     module.add_function(wrap_pyfunction!(rows::csr, module)?)?;
     module.add_function(wrap_pyfunction!(rows::coordination, module)?)?;
     module.add_function(wrap_pyfunction!(rows::ascending, module)?)?;

@@ -28,6 +28,7 @@ write to its arrays. Ctrl-C ends searches for contacts, of spheres, boxes and la
 working memory of the last search, up to 128 MB, is kept for the next.
 """
 
+from ._analysis import Analysis
 from ._ase import neighbor_list
 from ._box import Box
 from ._contacts import Contacts, Csr, boxes, contacts
@@ -40,6 +41,7 @@ from ._query import KDTree, Neighbours, query
 from ._read import Mesh, Packing, read
 
 __all__ = [
+    "Analysis",
     "BodyContacts",
     "Box",
     "Contacts",

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import pathlib
+import tempfile
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple, Optional, Union
 
@@ -14,6 +17,7 @@ from ._input import AXES, Floats, alike, floats, is_number, number, numbers, poi
 from ._verify import verify_periodic
 
 if TYPE_CHECKING:
+    from ._analysis import Analysis
     from ._neighbors import NeighborList
 
 
@@ -474,6 +478,110 @@ class Contacts:
         engine...
         """
         return _fdem.explain(self._elements, self._engine, self._threads)
+
+    def analyse(
+        self,
+        *,
+        min_contacts: Optional[int] = None,
+        inner: Optional[npt.ArrayLike] = None,
+        rdf: Union[float, tuple[float, int], None] = None,
+    ) -> Analysis:
+        """Coordination, rattlers, fabric, clusters, overlaps, packing fraction, radial distribution.
+
+        Parameters
+        ----------
+        min_contacts : int, optional
+            Elements with fewer contacts are rattlers: D + 1 unless given, the fewest that hold an element without friction; 2 for elements with friction.
+        inner : array [D, 2], optional
+            Where the packing fraction is measured, the limits of each axis. Unless given: the whole box where it repeats, elsewhere what is more than the largest
+            diameter away from the faces of the domain.
+        rdf : number or (number, int), optional
+            The largest distance of the radial distribution, and the number of its bins; 3 mean diameters and 150 unless given.
+
+        Returns
+        -------
+        Analysis
+            Its parts are attributes: `coordination`, `without_rattlers`, `directions`, `fabric`, `clusters`, `overlaps`, `packing`, `radial`.
+
+        Raises
+        ------
+        ValueError
+            For boxes, which have no centres, and for regions and distances that cannot be.
+        RuntimeError
+            As `distance`.
+
+        Examples
+        --------
+        A sphere in a cube that repeats is the simple cubic lattice:
+
+        >>> import fdem
+        >>> said = fdem.contacts([[0.5, 0.5, 0.5]], radii=0.5, box=[1, 1, 1], periodic=True).analyse()
+        >>> said.coordination.mean, round(said.packing.fraction, 4), said.fabric.eigenvalues.round(4).tolist()
+        (6.0, 0.5236, [0.3333, 0.3333, 0.3333])
+        """
+        from ._analysis import analysed
+
+        return analysed(self, min_contacts, inner, rdf)
+
+    def picture(self, path: Union[str, os.PathLike[str]], *, title: str = "", width: Optional[int] = None) -> None:
+        """Draws the elements and their contacts to a file, ``.png`` or ``.svg``.
+
+        Discs with their contacts in 2D; in 3D shaded spheres coloured by contacts, beside the contacts coloured by overlap. No display is needed.
+
+        Parameters
+        ----------
+        path : str or path
+            Written whole or not at all.
+        title : str
+            Stands above the picture.
+        width : int, optional
+            Pixels that a PNG is wide.
+
+        Raises
+        ------
+        ValueError
+            For other ends of the name, and for boxes.
+        OSError
+            If the file cannot be written.
+
+        Examples
+        --------
+        >>> import os, tempfile, fdem
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     fdem.contacts([[0.0, 0], [1, 0]], radii=0.5).picture(os.path.join(folder, "two.png"))
+        ...     os.listdir(folder)
+        ['two.png']
+        """
+        self._draw("picture", path, ("png", "svg"), title, width)
+
+    def plots(self, path: Union[str, os.PathLike[str]], *, title: str = "", width: Optional[int] = None) -> None:
+        """Draws how contacts, overlaps, sizes and directions are distributed, to a ``.png`` or ``.svg`` file, as :meth:`picture`."""
+        self._draw("plots", path, ("png", "svg"), title, width)
+
+    def report(self, path: Union[str, os.PathLike[str]], *, title: str = "") -> None:
+        """Writes a page for a browser, ``.html``, all in one file: plots, a view to turn, cut and pick elements in, and a table; as :meth:`picture`."""
+        self._draw("report", path, ("html",), title, None)
+
+    def _draw(self, what: str, path: Union[str, os.PathLike[str]], forms: tuple[str, ...], title: str, width: Optional[int]) -> None:
+        target = pathlib.Path(path)
+        form = target.suffix[1:].lower()
+        if form not in forms:
+            raise ValueError(f"{target}: end the name in {' or '.join('.' + each for each in forms)}")
+        wide = None if width is None else whole(width, "width", 1)
+        drawn = _fdem.draw(self._elements, self._pairs, self._shifts, what, form, title, wide)
+        # Aside first: a full disk leaves the old file as it was.
+        with tempfile.NamedTemporaryFile(dir=target.parent, prefix=target.name, delete=False) as aside:
+            try:
+                aside.write(drawn)
+                aside.close()
+                # As any file that is created, and not for its owner alone.
+                mask = os.umask(0)
+                os.umask(mask)
+                os.chmod(aside.name, 0o666 & ~mask)
+                os.replace(aside.name, target)
+            except BaseException:
+                os.unlink(aside.name)
+                raise
 
     def _noun(self) -> str:
         flat = self._positions.shape[1] == 2

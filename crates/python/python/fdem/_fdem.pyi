@@ -8,10 +8,12 @@ __all__ = [
     "__version__",
     "Buffered",
     "Elements",
+    "analyse",
     "ascending",
     "contacts",
     "coordination",
     "csr",
+    "draw",
     "explain",
     "labels",
     "main",
@@ -52,6 +54,24 @@ def contacts(elements: Elements, engine: str, threads: int) -> _Found: ...
 def verify(elements: Elements, pairs: npt.NDArray[np.uint32], sample: int, seed: int) -> tuple[int, Optional[str]]: ...
 def explain(elements: Elements, engine: str, threads: int) -> str: ...
 def measure(elements: Elements, pairs: npt.NDArray[np.uint32], shifts: npt.NDArray[np.int32], overlap: bool, threads: int) -> _Floats: ...
+def analyse(
+    elements: Elements,
+    pairs: npt.NDArray[np.uint32],
+    shifts: npt.NDArray[np.int32],
+    min_contacts: Optional[int],
+    inner: Optional[list[list[float]]],
+    r_max: Optional[float],
+    bins: Optional[int],
+) -> tuple[str, npt.NDArray[np.uint32], npt.NDArray[np.uint32], npt.NDArray[np.bool_]]: ...
+def draw(
+    elements: Elements,
+    pairs: npt.NDArray[np.uint32],
+    shifts: npt.NDArray[np.int32],
+    what: str,
+    form: str,
+    title: str,
+    width: Optional[int],
+) -> bytes: ...
 def csr(elements: int, pairs: npt.NDArray[np.uint32], full: bool) -> _Rows: ...
 def coordination(elements: int, pairs: npt.NDArray[np.uint32]) -> npt.NDArray[np.int64]: ...
 def ascending(pairs: npt.NDArray[np.uint32], shifts: npt.NDArray[np.int32]) -> _Found: ...
