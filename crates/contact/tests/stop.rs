@@ -15,7 +15,7 @@ const ENGINES: [Engine; 3] = [Engine::Auto, Engine::Rows, Engine::Multilevel];
 fn points(edge: u32) -> Vec<[f64; 3]> {
     let n = edge * edge * edge;
     // Odd steps through a number that they do not divide.
-    let step = (0..).map(|k| n / 2 + k).find(|step| gcd(*step, n) == 1).unwrap();
+    let step = (n / 2..n).find(|step| gcd(*step, n) == 1).unwrap();
     (0..n)
         .map(|k| (u64::from(k) * u64::from(step) % u64::from(n)) as u32)
         .map(|k| [k % edge, k / edge % edge, k / edge / edge].map(f64::from))
