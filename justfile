@@ -9,6 +9,15 @@ test:
 figures:
     cargo run -p fdem-contact --example ten_bodies
 
+# The book, in target/book, with its figures drawn anew. Needs `cargo install mdbook`.
+book:
+    cargo run -p fdem --example book_figures -- book/src/figures
+    mdbook build book
+
+# The Python packages side by side; needs them, and fdem, installed.
+bench-python:
+    python bench/python.py --write bench/PYTHON.md
+
 # The paper's experiments; rewrites the curves in docs/.
 bench:
     cargo run --release -p fdem-bench --bin paper
@@ -26,6 +35,7 @@ fuzz SECONDS="60":
     cargo +nightly fuzz run cgrid_equals_direct -- -max_total_time={{SECONDS}} -max_len=2048 -len_control=0
     cargo +nightly fuzz run index_equals_all -- -max_total_time={{SECONDS}} -max_len=2048 -len_control=0
     cargo +nightly fuzz run read_packing -- -max_total_time={{SECONDS}} -max_len=2048 -dict=fuzz/read_packing.dict
+    cargo +nightly fuzz run read_series -- -max_total_time={{SECONDS}} -max_len=4096
     cargo +nightly fuzz run read_mesh -- -max_total_time={{SECONDS}} -max_len=4096
 
 deny:
