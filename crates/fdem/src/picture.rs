@@ -6,7 +6,7 @@
 //!                     └─> distributions ─────────────────┘
 //! ```
 //! [`svg`] and [`png()`] draw the elements and the contacts, [`plots_svg`] and [`plots_png`] how contacts, overlaps, sizes and directions
-//! are distributed.
+//! are distributed. [`mesh_svg`] and [`mesh_png`] draw meshed bodies in a plane.
 
 pub(crate) mod camera;
 pub(crate) mod colour;
@@ -14,6 +14,7 @@ mod encode;
 mod flat;
 pub(crate) mod furniture;
 mod drawing;
+mod mesh;
 mod plots;
 mod raster;
 pub(crate) mod scene;
@@ -178,6 +179,8 @@ pub fn plots_png<const D: usize>(
     let scene = Scene::new(network, caption)?;
     encode::png(&plots::svg(&scene), &[], drawing::scale(width, plots::width(&scene))?)
 }
+
+pub use mesh::{MeshDrawing, mesh_png, mesh_svg};
 
 pub(crate) use drawing::preview;
 pub(crate) use plots::panels;

@@ -201,7 +201,7 @@ pub(crate) struct Outputs {
     pub(crate) table: TableFormat,
     pub(crate) couples: Output,
     pub(crate) json: Option<Output>,
-    drawings: Drawings,
+    pub(crate) drawings: Drawings,
     /// Which bodies of meshes touch.
     pub(crate) bodies: Option<(TableFormat, Output)>,
 }

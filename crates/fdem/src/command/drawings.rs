@@ -8,14 +8,14 @@ use crate::command::failure::Failure;
 use crate::command::input::{Input, id};
 use crate::command::output::Output;
 use crate::network::Network;
-use crate::picture::{self, Caption, PictureError};
+use crate::picture::{self, Caption, MeshDrawing, PictureError};
 use crate::report::{self, Report};
 
 /// Pictures, and a page to look at.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct DrawingArguments {
     /// Draw the elements and their contacts, coloured by overlap: discs in 2D, shaded spheres and a view of the contacts in 3D. A contact across a face of
-    /// the box is drawn as two halves.
+    /// the box is drawn as two halves. Of meshes in a plane: the triangles by body, and which bodies touch.
     #[arg(long, value_name = "FILE.svg|FILE.png", value_parser = drawing)]
     pub(crate) picture: Option<PathBuf>,
 
@@ -95,9 +95,7 @@ impl Drawings {
         network: &Network<'_, D>,
         summary: impl FnOnce() -> String,
     ) -> Result<(), Failure> {
-        let title = Path::new(&input.name)
-            .file_name()
-            .map_or(input.name.clone(), |name| name.to_string_lossy().into());
+        let title = title(&input.name);
         let caption = Caption { title: &title, unit: input.packing.source.unit.as_deref() };
         let wrong = |error: PictureError| failed(&input.name, &error);
         if let Some((form, output)) = &mut self.picture {
@@ -128,6 +126,19 @@ impl Drawings {
         Ok(())
     }
 
+    /// Draws meshed bodies in a plane.
+    pub(crate) fn write_mesh(&mut self, name: &str, drawing: &MeshDrawing<'_>) -> Result<(), Failure> {
+        let Some((form, output)) = &mut self.picture else { return Ok(()) };
+        let title = title(name);
+        let caption = Caption { title: &title, unit: None };
+        let bytes = match form {
+            Form::Svg => picture::mesh_svg(drawing, &caption).map(String::into_bytes),
+            Form::Png => picture::mesh_png(drawing, &caption, self.width),
+        };
+        let bytes = bytes.map_err(|error| failed(name, &error))?;
+        output.write(|out| out.write_all(&bytes))
+    }
+
     pub(crate) fn commit(self) -> Result<(), Failure> {
         self.outputs().try_for_each(Output::commit)
     }
@@ -136,6 +147,11 @@ impl Drawings {
         let drawings = [self.picture, self.plots].into_iter().flatten().map(|(_, output)| output);
         drawings.chain(self.report)
     }
+}
+
+/// The file without its folder.
+fn title(name: &str) -> String {
+    Path::new(name).file_name().map_or(name.to_owned(), |name| name.to_string_lossy().into())
 }
 
 /// The lines of a summary, each a name and what it says, but for those that differ from run to run.

@@ -19,6 +19,7 @@ use crate::command::progress::{Position, Progress};
 use crate::command::summary::Seconds;
 use crate::command::tables::{normal, point, write_table};
 use crate::network::Sizes;
+use crate::picture::MeshDrawing;
 
 pub(crate) fn run(
     arguments: &ContactsArguments,
@@ -59,7 +60,6 @@ fn refuse_options_of_packings(arguments: &ContactsArguments, name: &str) -> Resu
         ("--bodies", arguments.bodies.is_some()),
         ("--periodic", arguments.periodic.periodic.is_some_and(|axes| axes.0 != [false; 3])),
         ("--explain", arguments.explain),
-        ("--picture", arguments.drawings.picture.is_some()),
         ("--plots", arguments.drawings.plots.is_some()),
         ("--report", arguments.drawings.report.is_some()),
         ("--analyse", arguments.analysis.analyse),
@@ -174,6 +174,13 @@ impl Task<'_> {
         };
         let spheres = self.files.iter().find(|file| matches!(file.content, Content::Spheres { .. }));
         let solid = meshes().find(|(_, mesh)| !mesh.tetrahedra.is_empty());
+        let flat = spheres.is_none() && meshes().all(|(_, mesh)| mesh.dimensions == 2);
+        if !flat && self.arguments.drawings.picture.is_some() {
+            return Err(Failure::Unusable(format!(
+                "{}: --picture draws packings, and meshes in a plane; this is in space",
+                self.files[0].name
+            )));
+        }
         match (spheres, solid) {
             (Some(spheres), Some((solid, _))) => Err(Failure::Unusable(format!(
                 "{solid} has tetrahedra, {} has spheres: spheres are compared with triangles; give the surface of the body",
@@ -187,13 +194,21 @@ impl Task<'_> {
                 )?;
                 self.finish(&model, self.search(&model, |_, _, _| Ok(()), seconds)?, outputs)
             }
-            (None, None) if meshes().all(|(_, mesh)| mesh.dimensions == 2) => {
+            (None, None) if flat => {
                 let model = self.model(
                     |[x, y, _]| [x, y],
                     |nodes: [u32; 3]| nodes,
                     |_| unreachable!("no tetrahedra"),
                 )?;
-                self.finish(&model, self.search(&model, |_, _, _| Ok(()), seconds)?, outputs)
+                let (found, seconds) = self.search(&model, |_, _, _| Ok(()), seconds)?;
+                let drawing = MeshDrawing {
+                    points: &model.points,
+                    triangles: &model.elements,
+                    bodies: &model.mesh_bodies,
+                    contacts: &found.bodies,
+                };
+                outputs.drawings.write_mesh(&self.files[0].name, &drawing)?;
+                self.finish(&model, (found, seconds), outputs)
             }
             (_, None) => {
                 let model = self.model(|p| p, |nodes: [u32; 3]| nodes, |_| unreachable!("no tetrahedra"))?;

@@ -110,12 +110,15 @@ impl<'a> Page<'a> {
         furniture::title(&mut svg, scene, MARGIN, width - 2.0 * MARGIN);
         let foot = HEAD + camera.area[1] + 12.0;
         let right = |k: usize| self.lefts[k] + camera.area[0] - 6.0;
-        furniture::scale_bar(&mut svg, scene, [self.lefts[0], foot], camera.scale);
+        furniture::scale_bar(&mut svg, &scene.after_number(), [self.lefts[0], foot], camera.scale);
         if self.lefts.len() > 1 {
             furniture::coordination_bar(&mut svg, self.counts, [right(0), foot]);
             furniture::axes(&mut svg, [self.lefts[1] + 36.0, foot + 34.0], &camera.axes());
         }
-        furniture::overlap_bar(&mut svg, scene, [right(self.lefts.len() - 1), foot]);
+        if let Some(overlaps) = scene.overlaps {
+            let name = format!("overlap{}", scene.after_name());
+            furniture::overlap_bar(&mut svg, &name, overlaps, [right(self.lefts.len() - 1), foot]);
+        }
         svg.finish()
     }
 

@@ -60,7 +60,8 @@ pub(crate) fn title(svg: &mut Svg, scene: &Scene, x: f64, width: f64) {
 }
 
 /// A length of about 90 pixels, at the lower left.
-pub(crate) fn scale_bar(svg: &mut Svg, scene: &Scene, [x, y]: [f64; 2], scale: f64) {
+/// `unit` follows the number.
+pub(crate) fn scale_bar(svg: &mut Svg, unit: &str, [x, y]: [f64; 2], scale: f64) {
     let length = round_below(150.0 / scale);
     let width = length * scale;
     if !(1.0..=200.0).contains(&width) {
@@ -70,7 +71,7 @@ pub(crate) fn scale_bar(svg: &mut Svg, scene: &Scene, [x, y]: [f64; 2], scale: f
     for end in [x, x + width] {
         svg.line([end, y + 15.0], [end, y + 25.0], 1.2, INK);
     }
-    let text = format!("{}{}", brief(length), scene.after_number());
+    let text = format!("{}{unit}", brief(length));
     svg.label([x, y + 42.0], 12.0, Anchor::Start, INK, &text);
 }
 
@@ -84,11 +85,10 @@ pub(crate) fn axes(svg: &mut Svg, [x, y]: [f64; 2], axes: &[(&str, [f64; 2])]) {
 }
 
 /// Colours of overlaps, right aligned.
-pub(crate) fn overlap_bar(svg: &mut Svg, scene: &Scene, [right, y]: [f64; 2]) {
-    let Some(Overlaps { low, high, largest }) = scene.overlaps else { return };
+pub(crate) fn overlap_bar(svg: &mut Svg, name: &str, overlaps: Overlaps, [right, y]: [f64; 2]) {
+    let Overlaps { low, high, largest } = overlaps;
     let x = right - BAR;
-    let name = format!("overlap{}", scene.after_name());
-    svg.label([x, y + 10.0], 12.0, Anchor::Start, INK, &name);
+    svg.label([x, y + 10.0], 12.0, Anchor::Start, INK, name);
     if largest > high {
         svg.label([right, y + 10.0], 11.0, Anchor::End, PALE, &format!("largest {}", brief(largest)));
     }

@@ -56,6 +56,18 @@ pub(crate) struct Overlaps {
 }
 
 impl Overlaps {
+    /// `None` of none.
+    pub(crate) fn of(mut values: Vec<f64>) -> Option<Self> {
+        let last = values.len().checked_sub(1)?;
+        let (_, &mut high, _) = values.select_nth_unstable_by((last as f64 * SHOWN) as usize, f64::total_cmp);
+        let largest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let smallest = values.iter().copied().fold(f64::INFINITY, f64::min);
+        // No overlap has a place of its own; gaps within a tolerance are beyond it. One step of rounding is no spread.
+        let low = smallest.min(0.0);
+        let high = if largest <= high * 1.25 { largest } else { high };
+        Some(Self { low, high, largest })
+    }
+
     /// Place among the colours, 0 to 1.
     pub(crate) fn share(&self, overlap: f64) -> f64 {
         if self.high > self.low {
@@ -118,7 +130,7 @@ impl Scene {
             centres,
             radii: (0..n).map(|index| sizes.radius(index) * drawn).collect(),
             coordination,
-            overlaps: overlaps(&bonds),
+            overlaps: Overlaps::of(bonds.iter().map(|bond| bond.overlap).collect()),
             bonds,
             cell,
             are_points: drawn < 1.0,
@@ -159,16 +171,4 @@ impl Scene {
     pub(crate) fn after_name(&self) -> String {
         if self.unit.is_empty() { String::new() } else { format!(" ({})", self.unit) }
     }
-}
-
-fn overlaps(bonds: &[Bond]) -> Option<Overlaps> {
-    let mut sorted: Vec<f64> = bonds.iter().map(|bond| bond.overlap).collect();
-    let last = sorted.len().checked_sub(1)?;
-    let (_, &mut high, _) = sorted.select_nth_unstable_by((last as f64 * SHOWN) as usize, f64::total_cmp);
-    let largest = sorted.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let smallest = sorted.iter().copied().fold(f64::INFINITY, f64::min);
-    // No overlap has a place of its own; gaps within a tolerance are beyond it. One step of rounding is no spread.
-    let low = smallest.min(0.0);
-    let high = if largest <= high * 1.25 { largest } else { high };
-    Some(Overlaps { low, high, largest })
 }

@@ -129,3 +129,21 @@ fn drawings_are_refused_whole() {
         .refused_with(&["--plots a.svg is --picture too"]);
     assert_eq!(bench.files(), ["row.csv"]);
 }
+
+#[test]
+fn meshes_in_a_plane_are_drawn() {
+    let bench = Bench::new();
+    let squares = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/squares.msh");
+    let run =
+        bench.run(&["contacts", squares, "--count", "--picture", "m.svg", "--json", "m.json"]).succeeds();
+    let (svg, json) = (bench.read("m.svg"), bench.read("m.json"));
+    let number = |key: &str| -> usize {
+        let rest = json.split(&format!("\"{key}\": ")).nth(1).unwrap();
+        rest.split(|c: char| !c.is_ascii_digit()).next().unwrap().parse().unwrap()
+    };
+    assert_eq!(svg.matches("<polygon").count(), number("elements"), "{}", run.stderr);
+    assert_eq!(svg.matches("<path").count(), number("body_contacts"));
+    assert!(svg.contains("squares.msh"));
+    bench.run(&["contacts", squares, "--count", "--picture", "m.png", "--picture-width", "400"]).succeeds();
+    assert_eq!(png_size(&std::fs::read(bench.path("m.png")).unwrap())[0], 400);
+}

@@ -190,12 +190,12 @@ fn what_does_not_fit_is_refused() {
         &["--cutoff", "1"],
         &["--bodies", "body"],
         &["--periodic", "x", "--box", "0,1,0,1"],
-        &["--picture", "p.svg"],
         &["--plots", "p.png"],
         &["--report", "p.html"],
     ] {
         refused(&[&["squares.msh"], option].concat(), &["squares.msh: ", option[0], "not for meshes"]);
     }
+    refused(&["floor.stl", "--picture", "p.svg"], &["floor.stl: --picture", "in a plane"]);
     refused(&["squares.msh", "--threads", "100000"], &["squares.msh: --threads: "]);
     refused(&["squares.msh", "--labels"], &["cannot be used with"]);
     bench
