@@ -429,3 +429,24 @@ fn what_cannot_be_is_refused() {
     let network = Network { space, sizes: Sizes::All(0.5), couples: &line };
     assert_eq!(analyse(&network, &Options::default()), Err(AnalysisError::Dimensions { dimensions: 1 }));
 }
+
+/// Four discs nearly in one place: what three have in common is taken off too often, and so much that nothing would be left.
+#[test]
+fn overlaps_of_many_leave_a_lower_bound() {
+    let centres = [[0.0, 0.0], [0.1, 0.0], [0.0, 0.1], [0.1, 0.1]];
+    let options = Options { inner: Some([[-2.0, 2.0]; 2]), ..Options::default() };
+    let packing = analysed(&centres, Sizes::All(1.0), None, 0.0, &options).unwrap().packing.unwrap();
+    assert!(close(packing.fraction, 4.0 * PI / 16.0, 1e-14), "{packing:?}");
+    assert_eq!(packing.fraction_without_overlap, 0.0);
+}
+
+/// Sums that overflow are no packing fraction.
+#[test]
+fn areas_beyond_all_numbers_are_said() {
+    let centres: Vec<_> = (0..40).map(|k| [1e99 * f64::from(k % 7), 1e99 * f64::from(k / 7)]).collect();
+    let analysis = analysed(&centres, Sizes::All(0.6e99), None, 0.0, &Options::default()).unwrap();
+    let finite = analysis.packing.as_ref().is_none_or(|packing| {
+        packing.overlap.is_finite() && packing.fraction_without_overlap <= packing.fraction
+    });
+    assert!(finite && analysis.packing.is_some() != analysis.no_packing.is_some(), "{analysis:?}");
+}

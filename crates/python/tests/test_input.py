@@ -176,3 +176,21 @@ def test_results_are_given_out_without_a_copy_and_let_go():
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert peak < 1 << 20, "nothing is copied by NumPy"
+
+
+@pytest.mark.parametrize("cutoff", [np.nan, -1.0, [0.5, np.nan], [0.5, -1.0], {(1, 1): -1.0}, {(1, 1): np.inf}])
+def test_cutoffs_of_neighbour_lists_that_cannot_be(cutoff):
+    with pytest.raises(ValueError, match="cutoff"):
+        fdem.neighbor_list("ij", positions=[[0.0, 0, 0], [1, 0, 0]], numbers=[1, 1], cutoff=cutoff)
+
+
+@pytest.mark.parametrize("boxsize", [-1, np.nan, [1, np.inf, 1], [1, 1]])
+def test_boxes_of_trees_that_cannot_be(boxsize):
+    with pytest.raises(ValueError, match="boxsize"):
+        fdem.KDTree(np.zeros((3, 3)), boxsize=boxsize)
+
+
+@pytest.mark.parametrize("box", [1, 1.0, True])
+def test_a_box_is_no_number(box):
+    with pytest.raises(TypeError, match="not one number"):
+        fdem.contacts(np.zeros((3, 3)), radii=1, box=box, periodic=True)

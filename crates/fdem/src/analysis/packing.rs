@@ -12,7 +12,8 @@ use crate::network::{Network, Sizes};
 ///
 /// The parts of elements inside the region are summed up in closed form ([`sphere_in_box`](crate::analysis::sphere_in_box)), all images included where the box
 /// repeats. What two elements have in common is in that sum twice; `overlap` is what the couples have in common, the lens of two discs or spheres, and
-/// `fraction_without_overlap` has it once. (What three have in common is then taken off too often: far less, where overlaps are small.)
+/// `fraction_without_overlap` has it once. What three elements have in common is then taken off too often: where they have, the part that is covered lies between
+/// the two fractions; where overlaps are small, as in packings of hard grains, the second one is it.
 ///
 /// A lens that the border of the region cuts is counted by the part of the ball around it that is inside; `overlap_error` bounds what this may be wrong by.
 ///
@@ -32,7 +33,7 @@ pub struct PackingFraction {
     pub overlap: f64,
     /// The error of `overlap` is no larger.
     pub overlap_error: f64,
-    /// `(solid - overlap) / measure`.
+    /// `(solid - overlap) / measure`, at least 0: no more than the part that is covered, and all of it where no three elements overlap in one place.
     pub fraction_without_overlap: f64,
 }
 
@@ -147,7 +148,14 @@ pub(crate) fn fraction<const D: usize>(
             "the box is sheared and has more than one edge along which it does not repeat".to_owned()
         ));
     }
-    Ok(Ok(measured(network, &frame, region, whole)))
+    let packing = measured(network, &frame, region, whole);
+    let sums = [packing.measure, packing.solid, packing.overlap, packing.overlap_error];
+    if !sums.iter().all(|sum| sum.is_finite()) {
+        return Ok(
+            Err("lengths are too large, or too small, for areas and volumes to be numbers".to_owned()),
+        );
+    }
+    Ok(Ok(packing))
 }
 
 fn is_region([low, high]: [f64; 2]) -> bool {
@@ -189,7 +197,7 @@ fn measured<const D: usize>(
         fraction: solid / measure,
         overlap,
         overlap_error,
-        fraction_without_overlap: (solid - overlap) / measure,
+        fraction_without_overlap: ((solid - overlap) / measure).max(0.0),
     }
 }
 

@@ -127,7 +127,7 @@ pub(crate) fn write_lines(out: &mut fmt::Formatter<'_>, analysis: &Analysis, uni
             line(
                 "packing fraction",
                 format!(
-                    "{:.5} in {}{unit}, {:.5} with overlaps counted once",
+                    "{:.5} in {}{unit}, at least {:.5} with overlaps counted once",
                     packing.fraction,
                     sides.join(" x "),
                     packing.fraction_without_overlap

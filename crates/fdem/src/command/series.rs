@@ -76,6 +76,11 @@ fn refuse_options_of_one_frame(arguments: &ContactsArguments, name: &str) -> Res
     if arguments.explain {
         return refused("--explain tells of one frame: choose it with --frames N");
     }
+    if arguments.analysis.analyse && arguments.json.is_none() {
+        return refused(
+            "--analyse of several frames is told by --json only: give it a file, or choose a frame with --frames N",
+        );
+    }
     for (option, path) in arguments.drawings.files() {
         if path.is_some_and(|path| !names_frame(path)) {
             return refused(&format!(

@@ -22,7 +22,7 @@ fn a_lattice_is_told() {
         "fabric           eigenvalues 0.3333, 0.3333, 0.3333, most contacts along ",
         "clusters         1, the largest of 64 elements; from face to face along x, y, z\n",
         "overlaps         144, 0 to 0, mean 0, 0 of the mean radius\n",
-        "packing fraction 0.52360 in [1, 3] x [1, 3] x [1, 3], 0.52360 with overlaps counted once\n",
+        "packing fraction 0.52360 in [1, 3] x [1, 3] x [1, 3], at least 0.52360 with overlaps counted once\n",
         "g(r)             up to 0.75, largest 0.000 at 0\n",
         ", analyse 0.",
     ] {

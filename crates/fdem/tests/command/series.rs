@@ -207,3 +207,20 @@ fn the_format_is_told_by_content_or_by_option() {
         "expected 3 fields",
     ]);
 }
+
+/// What is written with its box is read with its box: it was passed over, and couples across its faces were lost.
+#[test]
+fn the_box_of_an_archive_is_read_back() {
+    let bench = dump();
+    for (frame, couples) in [("0", "1\n"), ("1", "2\n")] {
+        bench.run(&["contacts", "run.dump", "--frames", frame, "-o", "a.npz", "-q"]).succeeds();
+        let run = bench.run(&["contacts", "a.npz", "--count", "--json", "s.json", "-q"]).succeeds();
+        assert_eq!(run.stdout, couples, "frame {frame}");
+        assert_eq!(bench.json("s.json")["periodic"]["from"], "file");
+        let run = bench.run(&["contacts", "a.npz", "--count", "--periodic", "none", "-q"]).succeeds();
+        assert_eq!(run.stdout, if frame == "0" { "0\n" } else { "1\n" }, "frame {frame}");
+    }
+    bench.run(&["contacts", "run.dump", "--count", "--analyse"]).refused_with(&["--analyse", "--json"]);
+    bench.run(&["contacts", "run.dump", "--count", "--analyse", "--json", "all.json", "-q"]).succeeds();
+    assert!(bench.json("all.json")[1]["analysis"]["coordination"]["mean"].is_number());
+}

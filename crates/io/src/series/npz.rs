@@ -10,7 +10,7 @@ use crate::excerpt;
 use crate::mesh::error::Place;
 use crate::npy::{number, read_npy, whole_number};
 use crate::npy_header::{Dtype, Header, Scalar};
-use crate::packing::{Format, Frame, Packing};
+use crate::packing::{Format, Frame, Packing, SimulationBox};
 use crate::read::ReadOptions;
 use crate::series::values::{self, Values};
 
@@ -85,7 +85,52 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Packing, ReadE
         last = Some((at, header, array));
         values
     };
-    values::packing(&names, rows, column, Format::Npz, Frame::default(), options)
+    let mut packing = values::packing(&names, rows, column, Format::Npz, Frame::default(), options)?;
+    packing.cell = simulation_box(&mut archive, packing.centres.dimensions())?;
+    Ok(packing)
+}
+
+/// The box in arrays `edges` (D, D), an edge a row, `origin` (D) and `periodic` (D), as `fdem` writes them; without `origin` from 0, without `periodic` it does
+/// not repeat.
+fn simulation_box(archive: &mut Archive<'_>, dimensions: usize) -> Result<Option<SimulationBox>, ReadError> {
+    let mut numbers = |wanted: &str, shape: &[u64]| -> Result<Option<Vec<f64>>, ReadError> {
+        let Some(at) = (0..archive.len()).find(|&at| label(archive, at) == wanted) else { return Ok(None) };
+        let (header, array) = member(archive, at, true)?;
+        if header.shape != shape {
+            return Ok(None);
+        }
+        let width = shape.get(1).map_or(1, |&width| width as usize);
+        let columns: Vec<Vec<f64>> = (0..width)
+            .map(|component| {
+                Ok(match decode(&header, &array, component, wanted, dimensions)? {
+                    Values::Real(values) => values,
+                    Values::Whole(values) => values.into_iter().map(|value| value as f64).collect(),
+                })
+            })
+            .collect::<Result<_, ReadError>>()?;
+        let values: Vec<f64> =
+            (0..dimensions * width).map(|place| columns[place % width][place / width]).collect();
+        match values.iter().find(|value| !value.is_finite()) {
+            Some(value) => Err(broken(format!("array {wanted}: {value} is not a finite number"))),
+            None => Ok(Some(values)),
+        }
+    };
+    let n = dimensions as u64;
+    let Some(edges) = numbers("edges", &[n, n])? else { return Ok(None) };
+    let origin = numbers("origin", &[n])?;
+    let periodic = numbers("periodic", &[n])?;
+    let of = |values: &Option<Vec<f64>>, axis: usize| {
+        values.as_ref().and_then(|values| values.get(axis)).copied().unwrap_or(0.0)
+    };
+    Ok(Some(SimulationBox {
+        origin: std::array::from_fn(|axis| of(&origin, axis)),
+        edges: std::array::from_fn(|edge| {
+            std::array::from_fn(|axis| {
+                if edge < dimensions && axis < dimensions { edges[edge * dimensions + axis] } else { 0.0 }
+            })
+        }),
+        repeats: std::array::from_fn(|axis| of(&periodic, axis) != 0.0),
+    }))
 }
 
 fn broken(problem: String) -> ReadError {

@@ -46,7 +46,8 @@ class Analysis(Numbers):
                        `principal_directions`, `deviator`, `anisotropy`
     clusters           `count`, `largest`, `sizes`, `percolation` for each axis, `of_each` ``[n]``
     overlaps           `overlaps` and, within a tolerance, `gaps`: `count`, `min`, `mean`, `max`, `histogram`
-    packing            `fraction` of the `region` that is solid, `fraction_without_overlap`
+    packing            `fraction` of the `region` that is solid, with overlaps counted twice; `fraction_without_overlap`: counted once, and a lower bound where
+                       three elements overlap in one place
     radial             the radial distribution: `r`, `g`, `counts`
     ================== ==============================================================================================================================
     """

@@ -133,8 +133,7 @@ def _search(
 ) -> Contacts:
     box = Box(edges, origin) if repeats.any() else None
     if limits.radii is not None:
-        radii = np.maximum(limits.radii, 0.0)
-        return contacts(centres, radii, tolerance=margin, box=box, periodic=repeats.tolist(), threads=threads)
+        return contacts(centres, limits.radii, tolerance=margin, box=box, periodic=repeats.tolist(), threads=threads)
     return contacts(centres, cutoff=limits.largest + margin, box=box, periodic=repeats.tolist(), threads=threads)
 
 
@@ -177,14 +176,16 @@ class _Limits:
             for pair, distance in cutoff.items():
                 a, b = (_number_of(kind) for kind in pair)
                 if a < kinds and b < kinds:
-                    self._table[a, b] = self._table[b, a] = number(distance, "cutoff")
+                    self._table[a, b] = self._table[b, a] = _checked(number(distance, "cutoff"))
             self.largest = float(self._table.max(initial=0.0))
         elif is_number(cutoff):
-            self.largest = number(cutoff, "cutoff")
+            self.largest = _checked(number(cutoff, "cutoff"))
         else:
             self.radii = array_of(cutoff, "cutoff").astype(np.float64)
             if self.radii.shape != (n,):
                 raise ValueError(f"cutoff must be one number, or a radius for each of {n} atoms, not of the shape {self.radii.shape}")
+            for atom in np.flatnonzero(~(np.isfinite(self.radii) & (self.radii >= 0)))[:1]:
+                raise ValueError(f"atom {atom}: a cutoff must be finite and not negative, not {self.radii[atom]}")
             self.largest = 2.0 * float(self.radii.max(initial=0.0))
 
     def of(self, i: npt.NDArray[np.int64], j: npt.NDArray[np.int64]) -> Any:
@@ -193,6 +194,12 @@ class _Limits:
         if self._table is not None:
             return self._table[self._kinds[i], self._kinds[j]]
         return self.largest
+
+
+def _checked(distance: float) -> float:
+    if not 0 <= distance < np.inf:
+        raise ValueError(f"a cutoff must be finite and not negative, not {distance}")
+    return distance
 
 
 def _number_of(kind: Union[str, int]) -> int:

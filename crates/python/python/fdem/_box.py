@@ -85,6 +85,8 @@ class Box:
             if len(box.origin) != dimensions:
                 raise ValueError(f"the box has {len(box.origin)} dimensions, the positions have {dimensions}")
             return box
+        if np.ndim(box) == 0:
+            raise TypeError(f"box must be lengths, pairs (lower, upper), or edges: {dimensions} of them, not one number")
         array = floats(box, "box").astype(np.float64)
         if array.shape == (dimensions,):
             return cls.from_bounds(np.zeros(dimensions), array)

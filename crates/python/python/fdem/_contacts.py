@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import pathlib
 import tempfile
@@ -569,6 +570,8 @@ class Contacts:
             raise ValueError(f"{target}: end the name in {' or '.join('.' + each for each in forms)}")
         wide = None if width is None else whole(width, "width", 1)
         drawn = _fdem.draw(self._elements, self._pairs, self._shifts, what, form, title, wide)
+        if not target.parent.is_dir():
+            raise FileNotFoundError(errno.ENOENT, "there is no such folder", str(target.parent))
         # Aside first: a full disk leaves the old file as it was.
         with tempfile.NamedTemporaryFile(dir=target.parent, prefix=target.name, delete=False) as aside:
             try:

@@ -114,7 +114,14 @@ class KDTree:
     ) -> None:
         self.data = points(data, "data")
         self.n, self.m = self.data.shape
-        self.boxsize = None if boxsize is None else np.broadcast_to(np.asarray(boxsize, np.float64), (self.m,))
+        self.boxsize: Optional[npt.NDArray[np.float64]] = None
+        if boxsize is not None:
+            sides = np.asarray(boxsize, np.float64)
+            if sides.shape not in ((), (self.m,)):
+                raise ValueError(f"boxsize must be one number or {self.m}, not of the shape {sides.shape}")
+            if not (np.isfinite(sides) & (sides >= 0)).all():
+                raise ValueError(f"boxsize must be finite and not negative, not {boxsize}")
+            self.boxsize = np.broadcast_to(sides, (self.m,))
 
     def query_pairs(self, r: float, p: float = 2.0, eps: float = 0.0, output_type: str = "set") -> Any:
         """All couples of points that are at most `r` apart.
