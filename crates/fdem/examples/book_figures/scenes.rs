@@ -56,7 +56,6 @@ pub(crate) fn rows() -> Figure {
     let middle = frame.origin.map(|x| x + frame.size[0] / 2.0);
     let from = |body: &usize| (centres[*body][0] - middle[0]).hypot(centres[*body][1] - middle[1]);
     let central = *order.iter().min_by(|a, b| from(a).total_cmp(&from(b))).ok_or("no bodies")?;
-    let place = order.iter().position(|&body| body == central).ok_or("no central body")?;
 
     let mut paper = Paper::new();
     paper.text(
@@ -70,11 +69,10 @@ pub(crate) fn rows() -> Figure {
     let shade = format!("fill=\"{NEIGHBOUR}\" fill-opacity=\"0.35\"");
     frame.rect(&mut paper, [x, bottom], [reach, edge], &shade);
     frame.rect(&mut paper, [x - reach, bottom - edge], [2.0 * reach, edge], &shade);
-    let shifted = Frame { origin: [frame.origin[0], frame.origin[1]], ..frame };
     for k in 0..=((frame.size[1] - radius) / edge).floor() as u32 {
         let y = low[1] + f64::from(k) * edge;
         let style = format!("stroke=\"{FAINT}\" stroke-width=\"1\"");
-        shifted.line(&mut paper, [frame.origin[0], y], [frame.origin[0] + frame.size[0], y], &style);
+        frame.line(&mut paper, [frame.origin[0], y], [frame.origin[0] + frame.size[0], y], &style);
     }
     let looked_at = |body: usize| {
         let distance = centres[body][0] - x;
@@ -100,15 +98,12 @@ pub(crate) fn rows() -> Figure {
         let style = format!("stroke=\"{INK}\" stroke-width=\"0.8\" stroke-dasharray=\"2 3\"");
         frame.line(&mut paper, centres[pair[0]], centres[pair[1]], &style);
     }
-    // A couple is found by the later of the two, in its own row or in the one below.
-    let rank = |body: u32| order.iter().position(|&other| other == body as usize);
     let of_central: Vec<Couple> = couples
         .iter()
         .copied()
         .filter(|couple| {
             let other = if couple.i as usize == central { couple.j } else { couple.i };
-            (couple.i as usize == central || couple.j as usize == central)
-                && (looked_at(other as usize) || rank(other) == Some(place))
+            (couple.i as usize == central || couple.j as usize == central) && looked_at(other as usize)
         })
         .collect();
     lines(&mut paper, &frame, &centres, &of_central);
