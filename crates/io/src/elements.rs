@@ -2,7 +2,7 @@
 
 use crate::columns::Role;
 use crate::error::ReadError;
-use crate::packing::{BadLine, Centres, Skipped};
+use crate::packing::{BadLine, Centres, Frame, Packing, Skipped, Source};
 use crate::row::{Row, SIZE};
 
 /// A packing in the making.
@@ -76,6 +76,20 @@ impl Elements {
     pub(crate) fn skip(&mut self, bad: BadLine) {
         self.row_numbers.get_or_insert_with(|| (0..self.centres.len() as u64).collect());
         self.skipped.push(bad);
+    }
+
+    /// The packing, in a file without a box; `source` says where it is from.
+    pub(crate) fn into_packing(self, frame: Frame, source: impl FnOnce(Skipped) -> Source) -> Packing {
+        Packing {
+            centres: self.centres,
+            radii: self.radii,
+            ids: self.ids,
+            bodies: self.bodies,
+            row_numbers: self.row_numbers,
+            cell: None,
+            frame,
+            source: source(self.skipped),
+        }
     }
 
     /// The first bad row, when there is no good one.

@@ -45,6 +45,7 @@ mod mesh;
 mod labels;
 
 mod written;
+mod results;
 mod error;
 mod excerpt;
 mod write_packing;
@@ -59,6 +60,7 @@ pub use packing::{
     BadLine, Centres, Column, Delimiter, Format, Frame, Packing, SimulationBox, Skipped, Source,
 };
 pub use read::{ReadOptions, read};
+pub use results::{pvd, write_vtu};
 pub use series::{Series, read_packing};
 pub use unpack::{Compression, unpack};
 pub use write_packing::{write_packing_csv, write_packing_npy};

@@ -52,22 +52,13 @@ pub(crate) fn read_npy(
         return Err(ReadError::DuplicateIdRow { id: twice.id, first: twice.first, second: twice.second });
     }
     let names: Vec<Name> = array.columns.iter().map(|column| column.name.clone()).collect();
-    Ok(Packing {
-        centres: elements.centres,
-        radii: elements.radii,
-        ids: elements.ids,
-        bodies: elements.bodies,
-        row_numbers: elements.row_numbers,
-        cell: None,
-        frame: Frame::default(),
-        source: Source {
-            columns: Column::all(&names, &roles, array.named),
-            format: Format::Npy { dtype: header.descr },
-            unit,
-            lines: array.rows as u64,
-            skipped: elements.skipped,
-        },
-    })
+    Ok(elements.into_packing(Frame::default(), |skipped| Source {
+        columns: Column::all(&names, &roles, array.named),
+        format: Format::Npy { dtype: header.descr },
+        unit,
+        lines: array.rows as u64,
+        skipped,
+    }))
 }
 
 /// The data of an array, seen as a table.

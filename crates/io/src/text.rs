@@ -64,22 +64,13 @@ pub(crate) fn read_text(
     if let Some(twice) = elements.duplicate() {
         return Err(ReadError::DuplicateId { id: twice.id, first: twice.first, second: twice.second });
     }
-    Ok(Packing {
-        centres: elements.centres,
-        radii: elements.radii,
-        ids: elements.ids,
-        bodies: elements.bodies,
-        row_numbers: elements.row_numbers,
-        cell: None,
-        frame: Frame::default(),
-        source: Source {
-            format: Format::Text { delimiter: opening.delimiter },
-            columns: opening.columns,
-            unit: opening.unit,
-            lines: lines.number,
-            skipped: elements.skipped,
-        },
-    })
+    Ok(elements.into_packing(Frame::default(), |skipped| Source {
+        format: Format::Text { delimiter: opening.delimiter },
+        columns: opening.columns,
+        unit: opening.unit,
+        lines: lines.number,
+        skipped,
+    }))
 }
 
 /// Refuses bytes that no text file holds.

@@ -29,6 +29,8 @@ def test_ctrl_c_ends_a_search(engine, threads):
     program = f"""
         import sys, threading, os, signal, time
         import numpy as np, fdem
+        # A shell starts what runs in its background with Ctrl-C ignored, and Python leaves it so.
+        signal.signal(signal.SIGINT, signal.default_int_handler)
         rng = np.random.default_rng(0)
         few = rng.random((5000, 3))
         def interrupt():

@@ -256,7 +256,6 @@ def test_frames_and_boxes_of_files(tmp_path):
 
 
 def test_exports():
-    pytest.importorskip("networkx")
     positions, edge = gas(300, 8, 3)
     open_, closed = fdem.contacts(positions, cutoff=1), fdem.contacts(positions, cutoff=1, box=[edge] * 3, periodic=True)
     matrix = open_.to_scipy()

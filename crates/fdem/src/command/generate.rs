@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use fdem_io::Centres;
-use fdem_scenes::{Cloud, Error, book, clusters, deposit, gas, jittered_lattice, lattice};
+use fdem_scenes::{Cloud, Error, book, clusters, deposit, gas, gas_edge, jittered_lattice, lattice};
 
 use crate::command::args::{BookPacking, Common, GenerateArguments, Kind};
 use crate::command::failure::{Failure, display_name};
@@ -28,10 +28,22 @@ pub(crate) fn run(arguments: &GenerateArguments) -> Result<(), Failure> {
     output.commit()?;
     if let Some(path) = path.filter(|path| !is_stdout(path)) {
         let what = if dims == 2 { "discs" } else { "spheres" };
+        let edge = edge(&arguments.kind, &radii)?;
+        let place = edge.map_or_else(String::new, |edge| format!(" (in a box of edge {edge} from the origin)"));
         // A message that nobody can see any more is no failure.
-        let _ = writeln!(io::stderr(), "wrote {} {what} to {}", centres.len(), display_name(path));
+        let _ = writeln!(io::stderr(), "wrote {} {what} to {}{place}", centres.len(), display_name(path));
     }
     Ok(())
+}
+
+/// Of the box that a gas fills: what a periodic search needs, and nobody can tell from the elements.
+fn edge(kind: &Kind, radii: &[f64]) -> Result<Option<f64>, Failure> {
+    let Kind::Gas { dims, neighbours, .. } = kind else { return Ok(None) };
+    if radii.is_empty() {
+        return Ok(None);
+    }
+    let edge = if dims.dims == 2 { gas_edge::<2> } else { gas_edge::<3> };
+    Ok(Some(edge(radii, *neighbours)?))
 }
 
 impl From<Error> for Failure {

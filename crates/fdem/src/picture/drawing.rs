@@ -27,6 +27,9 @@ const TOUCHING: Rgb = [219, 228, 238];
 const FREE: Rgb = [255, 255, 255];
 const RIM: Rgb = [134, 149, 166];
 const BOX: Rgb = [120, 130, 140];
+/// Radii of the smallest dots, in pixels of the drawing: points, and what would be less than a pixel, must be seen.
+const DOTS: [f64; 2] = [0.6, 2.0];
+
 /// Elements where the contacts are shown.
 const NODE: Rgb = [186, 193, 201];
 
@@ -74,6 +77,8 @@ struct Page<'a> {
     /// Left sides of the areas.
     lefts: Vec<f64>,
     size: [f64; 2],
+    /// The least radius of an element: larger where there are few.
+    dot: f64,
 }
 
 impl<'a> Page<'a> {
@@ -93,6 +98,7 @@ impl<'a> Page<'a> {
             counts: Counts::new(&scene.coordination),
             lefts,
             size: [right + MARGIN, HEAD + height + FOOT],
+            dot: (0.3 * (width * height / scene.centres.len().max(1) as f64).sqrt()).clamp(DOTS[0], DOTS[1]),
         })
     }
 
@@ -149,11 +155,12 @@ impl<'a> Page<'a> {
             svg.put(format_args!(r#"<g fill="{}" stroke="{}">"#, hex(fill), hex(RIM)));
             for (index, centre) in scene.centres.iter().enumerate() {
                 if (scene.coordination[index] == 0) == free {
-                    let ([x, y], r) = (self.on_paper(*centre), (scene.radii[index] * camera.scale).max(0.4));
+                    let ([x, y], r) = (self.on_paper(*centre), self.radius(index));
                     let rim = rim(r);
+                    let dot = if r > self.dot { String::new() } else { format!(r#" fill="{}""#, hex(RIM)) };
                     svg.put(format_args!(
-                        r#"<circle cx="{x:.2}" cy="{y:.2}" r="{:.2}" stroke-width="{rim:.2}"/>"#,
-                        (r - rim / 2.0).max(0.1)
+                        r#"<circle cx="{x:.2}" cy="{y:.2}" r="{:.2}" stroke-width="{rim:.2}"{dot}/>"#,
+                        r - rim / 2.0
                     ));
                 }
             }
@@ -196,8 +203,8 @@ impl<'a> Page<'a> {
         for (free, fill) in [(false, TOUCHING), (true, FREE)] {
             for (index, centre) in scene.centres.iter().enumerate() {
                 if (scene.coordination[index] == 0) == free {
-                    let r = (scene.radii[index] * camera.scale).max(0.4);
-                    let rim = rim(r);
+                    let r = self.radius(index);
+                    let (rim, fill) = (rim(r), if r > self.dot { fill } else { RIM });
                     flat.disc(place(*centre), (r - rim / 2.0) * zoom, fill, RIM, rim * zoom);
                 }
             }
@@ -215,7 +222,7 @@ impl<'a> Page<'a> {
         let mut raster = Raster::new(size);
         self.draw_box(&mut raster, zoom);
         for (index, centre) in self.scene.centres.iter().enumerate() {
-            let radius = self.scene.radii[index] * self.camera.scale * zoom;
+            let radius = self.radius(index) * zoom;
             let colour = self.counts.colour(self.scene.coordination[index]);
             raster.sphere(self.camera.place(*centre).map(|x| x * zoom), radius, colour);
         }
@@ -230,7 +237,7 @@ impl<'a> Page<'a> {
         self.draw_box(&mut raster, zoom);
         let place = |point: [f64; 3]| camera.place(point).map(|x| x * zoom);
         for (index, centre) in scene.centres.iter().enumerate() {
-            let radius = scene.radii[index] * camera.scale * zoom * 0.16;
+            let radius = (0.16 * self.radius(index)).max(self.dot / 2.0) * zoom;
             raster.sphere(place(*centre), radius, NODE);
         }
         for bond in &scene.bonds {
@@ -250,8 +257,13 @@ impl<'a> Page<'a> {
 
     /// In pixels of the drawing.
     fn typical_radius(&self) -> f64 {
-        let sum: f64 = self.scene.radii.iter().map(|radius| radius * self.camera.scale).sum();
+        let sum: f64 = (0..self.scene.radii.len()).map(|index| self.radius(index)).sum();
         sum / self.scene.radii.len().max(1) as f64
+    }
+
+    /// Of an element, in pixels of the drawing.
+    fn radius(&self, index: usize) -> f64 {
+        (self.scene.radii[index] * self.camera.scale).max(self.dot)
     }
 
     fn on_paper(&self, point: [f64; 3]) -> [f64; 2] {

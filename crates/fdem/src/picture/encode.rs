@@ -19,6 +19,12 @@ pub(crate) struct Layer {
 
 /// Draws the text over the layers over white, each unit of the drawing as so many pixels.
 pub(crate) fn png(svg: &str, layers: &[Layer], scale: f64) -> Result<Vec<u8>, PictureError> {
+    let (size, pixels) = pixels(svg, layers, scale)?;
+    file(size, &pixels)
+}
+
+/// As [`png`], as red, green and blue, row after row, with the two sides.
+pub(crate) fn pixels(svg: &str, layers: &[Layer], scale: f64) -> Result<([u32; 2], Vec<u8>), PictureError> {
     let failed = |message: String| PictureError::Png { message };
     let mut fonts = fontdb::Database::new();
     fonts.load_font_data(dejavu::sans::regular().to_vec());
@@ -26,8 +32,8 @@ pub(crate) fn png(svg: &str, layers: &[Layer], scale: f64) -> Result<Vec<u8>, Pi
     fonts.set_sans_serif_family("DejaVu Sans");
     let options = usvg::Options { fontdb: Arc::new(fonts), ..usvg::Options::default() };
     let tree = usvg::Tree::from_str(svg, &options).map_err(|error| failed(error.to_string()))?;
-    let pixels = |side: f32| (f64::from(side) * scale).round() as u32;
-    let (width, height) = (pixels(tree.size().width()), pixels(tree.size().height()));
+    let round = |side: f32| (f64::from(side) * scale).round() as u32;
+    let (width, height) = (round(tree.size().width()), round(tree.size().height()));
     let mut pixmap = Pixmap::new(width, height).ok_or_else(|| failed("it is too large".to_owned()))?;
     pixmap.fill(resvg::tiny_skia::Color::WHITE);
     for layer in layers {
@@ -35,9 +41,8 @@ pub(crate) fn png(svg: &str, layers: &[Layer], scale: f64) -> Result<Vec<u8>, Pi
     }
     let zoom = scale as f32;
     resvg::render(&tree, Transform::from_scale(zoom, zoom), &mut pixmap.as_mut());
-    let opaque: Vec<u8> =
-        pixmap.data().chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
-    file([width, height], &opaque)
+    let opaque = pixmap.data().chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
+    Ok(([width, height], opaque))
 }
 
 /// Red, green and blue as a PNG file.

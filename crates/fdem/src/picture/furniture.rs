@@ -10,7 +10,8 @@ use crate::picture::ticks::{round_below, tick_text, ticks};
 pub(crate) const HEAD: f64 = 66.0;
 pub(crate) const FOOT: f64 = 74.0;
 
-const BAR: f64 = 230.0;
+/// Width of a colour bar.
+pub(crate) const BAR: f64 = 230.0;
 
 /// Counts of contacts that the colours tell apart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -137,7 +138,8 @@ pub(crate) fn coordination_bar(svg: &mut Svg, counts: Counts, [right, y]: [f64; 
     }
 }
 
-fn strips(svg: &mut Svg, [x, y]: [f64; 2], colour: impl Fn(f64) -> Rgb) {
+/// The colours of a bar, its upper left corner 18 above them.
+pub(crate) fn strips(svg: &mut Svg, [x, y]: [f64; 2], colour: impl Fn(f64) -> Rgb) {
     const STRIPS: usize = 64;
     for strip in 0..STRIPS {
         // Each to the end, below those after it: no gap shines through.

@@ -82,22 +82,13 @@ pub(super) fn packing(
     if let Some(twice) = elements.duplicate() {
         return Err(ReadError::DuplicateIdRow { id: twice.id, first: twice.first, second: twice.second });
     }
-    Ok(Packing {
-        centres: elements.centres,
-        radii: elements.radii,
-        ids: elements.ids,
-        bodies: elements.bodies,
-        row_numbers: elements.row_numbers,
-        cell: None,
-        frame,
-        source: Source {
-            format,
-            columns: Column::all(names, &roles, true),
-            unit,
-            lines: rows as u64,
-            skipped: elements.skipped,
-        },
-    })
+    Ok(elements.into_packing(frame, |skipped| Source {
+        format,
+        columns: Column::all(names, &roles, true),
+        unit,
+        lines: rows as u64,
+        skipped,
+    }))
 }
 
 fn row(chosen: &[(Role, &Name, Values)], at: usize) -> Result<Row, String> {

@@ -1,0 +1,78 @@
+//! Arrays behind the header of a VTK file, each compressed once.
+
+use std::io::{self, Write};
+
+use flate2::Compression;
+use flate2::write::ZlibEncoder;
+
+use crate::written::{Column, Values};
+
+/// Bytes that are compressed at a time: a multiple of the size of every value.
+const BLOCK: usize = 1 << 20;
+
+/// What stands behind the `_` of a file, as it will be written.
+#[derive(Default)]
+pub(super) struct Appended {
+    pub(super) bytes: Vec<u8>,
+    block: Vec<u8>,
+}
+
+impl Appended {
+    /// Adds a column of so many rows; the result is the element that announces it.
+    pub(super) fn column(&mut self, column: &Column<'_>, rows: usize) -> io::Result<String> {
+        let of_type = match column.values {
+            Values::I32(_) => "Int32",
+            Values::I64(_) => "Int64",
+            Values::U64(_) => "UInt64",
+            Values::F64(_) => "Float64",
+            Values::Text { .. } => {
+                let problem = format!("the array {} is of text, which a VTK file cannot have", column.name);
+                return Err(io::Error::new(io::ErrorKind::InvalidInput, problem));
+            }
+        };
+        let head = announcement(of_type, column.name, column.components, self.bytes.len());
+        let size = column.values.size();
+        self.array(rows * column.width() * size, |bytes, block| {
+            column.values.write_le(bytes.start / size..bytes.end / size, block);
+        })?;
+        Ok(head)
+    }
+
+    /// Adds as many bytes, all the same.
+    pub(super) fn repeated(&mut self, name: &str, byte: u8, count: usize) -> io::Result<String> {
+        let head = announcement("UInt8", name, &[], self.bytes.len());
+        self.array(count, |bytes, block| block.resize(bytes.len(), byte))?;
+        Ok(head)
+    }
+
+    /// `part` appends what is between two places in the array.
+    fn array(&mut self, size: usize, part: impl Fn(std::ops::Range<usize>, &mut Vec<u8>)) -> io::Result<()> {
+        let blocks = size.div_ceil(BLOCK);
+        for number in [blocks, BLOCK, size % BLOCK] {
+            self.bytes.extend((number as u64).to_le_bytes());
+        }
+        // Their sizes come before them and are not known yet.
+        let sizes = self.bytes.len();
+        self.bytes.resize(sizes + 8 * blocks, 0);
+        for block in 0..blocks {
+            self.block.clear();
+            part(block * BLOCK..size.min((block + 1) * BLOCK), &mut self.block);
+            let before = self.bytes.len();
+            let mut encoder = ZlibEncoder::new(&mut self.bytes, Compression::fast());
+            encoder.write_all(&self.block)?;
+            encoder.finish()?;
+            let compressed = (self.bytes.len() - before) as u64;
+            self.bytes[sizes + 8 * block..sizes + 8 * (block + 1)].copy_from_slice(&compressed.to_le_bytes());
+        }
+        Ok(())
+    }
+}
+
+fn announcement(of_type: &str, name: &str, components: &[&str], offset: usize) -> String {
+    let names: String =
+        components.iter().enumerate().map(|(k, part)| format!(" ComponentName{k}=\"{part}\"")).collect();
+    let count = components.len().max(1);
+    format!(
+        "<DataArray type=\"{of_type}\" Name=\"{name}\" NumberOfComponents=\"{count}\"{names} format=\"appended\" offset=\"{offset}\"/>\n"
+    )
+}

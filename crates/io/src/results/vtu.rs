@@ -1,0 +1,99 @@
+//! A mesh of triangles for ParaView.
+
+use std::io::{self, Write};
+
+use super::appended::Appended;
+use crate::written::{Column, Table, Values};
+
+/// Of `VTK_TRIANGLE`.
+const TRIANGLE: u8 = 5;
+
+/// Writes triangles, with what is known of their corners and of themselves, as a VTK file of an `UnstructuredGrid`: binary, compressed.
+///
+/// # Shapes
+/// The first column of `points` is where they are: three components, floats. The first column of `triangles` is their corners, points by their number
+/// from 0: three components of 64 bits. All others become arrays of the points and of the triangles (cells), with the names of their components.
+///
+/// # Units
+/// `time` is the `TimeValue` of the file, which ParaView shows.
+///
+/// # Cost
+/// Each array is compressed once; the compressed file is in memory until it is written. `out` is not flushed. The bytes depend on the
+/// arguments alone.
+///
+/// # Errors
+/// Those of `out`; [`io::ErrorKind::InvalidInput`] if the first columns are not what they should be, or a column is of text.
+///
+/// # Source
+/// The VTK User's Guide, "VTK File Formats", XML formats, appended data.
+///
+/// # Example
+/// ```
+/// use fdem_io::{Table, Values, write_vtu};
+///
+/// let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+/// let points = Table::new(3).with_components("positions", &["x", "y", "z"], Values::f64(|k| corners[k / 3][k % 3]));
+/// let triangles = Table::new(1)
+///     .with_components("nodes", &["a", "b", "c"], Values::i64(|k| k as i64))
+///     .with("damage", Values::f64(|_| 0.25));
+/// let mut out = Vec::new();
+/// write_vtu(&mut out, &points, &triangles, 0.5)?;
+/// assert!(out.starts_with(b"<?xml"));
+/// # Ok::<(), std::io::Error>(())
+/// ```
+pub fn write_vtu<W: Write>(
+    out: &mut W,
+    points: &Table<'_>,
+    triangles: &Table<'_>,
+    time: f64,
+) -> io::Result<()> {
+    let invalid = |problem: &str| io::Error::new(io::ErrorKind::InvalidInput, problem.to_owned());
+    let (Some((positions, of_points)), Some((corners, of_triangles))) =
+        (points.columns().split_first(), triangles.columns().split_first())
+    else {
+        return Err(invalid("points without positions, or triangles without corners"));
+    };
+    let (3, Values::F64(place)) = (positions.width(), &positions.values) else {
+        return Err(invalid("positions are three floats each"));
+    };
+    let (3, Values::I64(at)) = (corners.width(), &corners.values) else {
+        return Err(invalid("the corners of a triangle are three whole numbers"));
+    };
+    // Three numbers for each triangle, but no array of triples.
+    let connectivity = plain("connectivity", Values::i64(at));
+    // Where each triangle ends in the list of corners.
+    let offsets = plain("offsets", Values::i64(|k| 3 * (k.cast_signed() as i64 + 1)));
+    let instant = plain("TimeValue", Values::f64(|_| time));
+    let places = Column { name: "Points", components: &["x", "y", "z"], values: Values::f64(place) };
+
+    let (n, m) = (points.rows(), triangles.rows());
+    let mut body = Appended::default();
+    let mut head = String::from(
+        "<?xml version=\"1.0\"?>\n\
+         <VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\">\n\
+         <UnstructuredGrid>\n<FieldData>\n",
+    );
+    head += &body.column(&instant, 1)?.replace(" NumberOfComponents=\"1\"", " NumberOfTuples=\"1\"");
+    head += &format!("</FieldData>\n<Piece NumberOfPoints=\"{n}\" NumberOfCells=\"{m}\">\n<PointData>\n");
+    for column in of_points {
+        head += &body.column(column, n)?;
+    }
+    head += "</PointData>\n<CellData>\n";
+    for column in of_triangles {
+        head += &body.column(column, m)?;
+    }
+    head += "</CellData>\n<Points>\n";
+    head += &body.column(&places, n)?;
+    head += "</Points>\n<Cells>\n";
+    head += &body.column(&connectivity, 3 * m)?;
+    head += &body.column(&offsets, m)?;
+    head += &body.repeated("types", TRIANGLE, m)?;
+    head += "</Cells>\n</Piece>\n</UnstructuredGrid>\n<AppendedData encoding=\"raw\">\n_";
+    out.write_all(head.as_bytes())?;
+    out.write_all(&body.bytes)?;
+    out.write_all(b"\n</AppendedData>\n</VTKFile>\n")
+}
+
+fn plain<'a>(name: &'static str, values: Values<'a>) -> Column<'a> {
+    Column { name, components: &[], values }
+}
