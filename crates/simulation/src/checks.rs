@@ -1,0 +1,186 @@
+//! Whether the numbers of a model can be: once, before anything is computed.
+
+use crate::error::ModelError;
+use crate::model::{Load, Model, Plane, Schedule, Strength, Target};
+use crate::potential::{cross, minus};
+
+pub(crate) fn check(model: &Model) -> Result<(), ModelError> {
+    mesh(model)?;
+    for material in &model.materials {
+        let place = format!("material '{}'", material.name);
+        positive(&place, "density", material.density)?;
+        positive(&place, "Young's modulus", material.youngs_modulus)?;
+        let nu = material.poissons_ratio;
+        match model.plane {
+            Plane::Stress if !(nu > -1.0 && nu <= 0.5) => {
+                return Err(out_of_range(&place, "Poisson's ratio", nu, "above -1 and at most 0.5"));
+            }
+            Plane::Strain if !(nu > -1.0 && nu < 0.5) => {
+                return Err(out_of_range(&place, "Poisson's ratio", nu, "above -1 and below 0.5"));
+            }
+            _ => {}
+        }
+        not_negative(&place, "damping", material.damping)?;
+        not_negative(&place, "friction", material.friction)?;
+        material.strength.iter().try_for_each(|strength| strength_of(&place, strength))?;
+    }
+    for interface in &model.interfaces {
+        let [a, b] = interface.materials;
+        let place = format!("interface of materials {a} and {b}");
+        for index in interface.materials {
+            if index as usize >= model.materials.len() {
+                return Err(ModelError::Missing { what: "material", index, place });
+            }
+        }
+        not_negative(&place, "friction", interface.friction)?;
+        interface.penalty.map_or(Ok(()), |penalty| positive(&place, "penalty", penalty))?;
+        interface.strength.iter().try_for_each(|strength| strength_of(&place, strength))?;
+    }
+    boundaries(model)?;
+    positive("the model", "thickness", model.thickness)?;
+    for (what, values) in [("gravity", [model.gravity].as_slice()), ("initial velocity", &model.velocities)] {
+        finite("the model", what, values.iter().flatten())?;
+    }
+    finite("the model", "initial stress", model.stresses.iter().flatten())?;
+    let contact = &model.contact;
+    positive("contact", "penalty", contact.penalty)?;
+    not_negative("contact", "tangential stiffness", contact.tangential_stiffness)?;
+    not_negative("contact", "damping", contact.damping)?;
+    not_negative("contact", "buffer", contact.buffer)?;
+    positive("fracture", "joint penalty", model.fracture.joint_penalty)?;
+    let time = &model.time;
+    time.step.map_or(Ok(()), |step| positive("time", "step", step))?;
+    if !(time.safety > 0.0 && time.safety <= 1.0) {
+        return Err(out_of_range("time", "safety", time.safety, "above 0 and at most 1"));
+    }
+    if !(0.0..1.0).contains(&time.local_damping) {
+        return Err(out_of_range("time", "local damping", time.local_damping, "from 0 to below 1"));
+    }
+    positive("time", "energy bound", time.energy_bound)
+}
+
+fn mesh(model: &Model) -> Result<(), ModelError> {
+    let mesh = &model.mesh;
+    let (nodes, elements) = (mesh.nodes.len(), mesh.triangles.len());
+    if elements == 0 {
+        return Err(ModelError::Empty);
+    }
+    if elements > u32::MAX as usize / 3 - 1 || nodes > u32::MAX as usize / 3 - 1 {
+        return Err(ModelError::TooLarge { elements });
+    }
+    let lengths = [
+        ("bodies", mesh.bodies.len(), elements, false),
+        ("materials", mesh.materials.len(), elements, false),
+        ("initial velocities", model.velocities.len(), nodes, true),
+        ("initial stresses", model.stresses.len(), elements, true),
+    ];
+    for (what, found, expected, optional) in lengths {
+        if found != expected && !(optional && found == 0) {
+            return Err(ModelError::Length { what, found, expected });
+        }
+    }
+    for (node, coordinates) in mesh.nodes.iter().enumerate() {
+        finite(&format!("node {node}"), "a coordinate", coordinates)?;
+    }
+    let mut body_of = vec![None; nodes];
+    for (element, triangle) in mesh.triangles.iter().enumerate() {
+        let place = || format!("element {element}");
+        for &node in triangle {
+            let Some(known) = body_of.get_mut(node as usize) else {
+                return Err(ModelError::Missing { what: "node", index: node, place: place() });
+            };
+            let body = mesh.bodies[element];
+            match *known {
+                Some(other) if other != body => {
+                    return Err(ModelError::SharedNode { node, bodies: [other, body] });
+                }
+                _ => *known = Some(body),
+            }
+        }
+        let [a, b, c] = triangle.map(|node| mesh.nodes[node as usize]);
+        let area = 0.5 * cross(minus(b, a), minus(c, a));
+        if area <= 0.0 || !area.is_finite() {
+            return Err(ModelError::Area { element, area });
+        }
+        let material = mesh.materials[element];
+        if material as usize >= model.materials.len() {
+            return Err(ModelError::Missing { what: "material", index: material, place: place() });
+        }
+    }
+    Ok(())
+}
+
+fn boundaries(model: &Model) -> Result<(), ModelError> {
+    for boundary in &model.boundaries {
+        let place = format!("boundary '{}'", boundary.name);
+        let nodes: Vec<u32> = match &boundary.target {
+            Target::Nodes(nodes) => nodes.clone(),
+            Target::Edges(edges) => edges.iter().flatten().copied().collect(),
+        };
+        if let Some(&index) = nodes.iter().find(|&&node| node as usize >= model.mesh.nodes.len()) {
+            return Err(ModelError::Missing { what: "node", index, place });
+        }
+        let values: Vec<f64> = match boundary.load {
+            Load::Velocity(values) | Load::Displacement(values) => values.into_iter().flatten().collect(),
+            Load::Force(values) | Load::Traction(values) => values.to_vec(),
+            Load::Pressure(value) => vec![value],
+            Load::Absorbing => Vec::new(),
+        };
+        finite(&place, "a value", &values)?;
+        match &boundary.schedule {
+            Schedule::Constant => {}
+            Schedule::Ramp(duration) => positive(&place, "the duration of the ramp", *duration)?,
+            Schedule::Table(rows) => {
+                finite(&place, "a value of the table", rows.iter().flatten())?;
+                if rows.is_empty() {
+                    return Err(out_of_range(&place, "the number of rows of the table", 0.0, "at least 1"));
+                }
+                if let Some(pair) = rows.windows(2).find(|pair| pair[0][0] >= pair[1][0]) {
+                    return Err(out_of_range(
+                        &place,
+                        "a time of the table",
+                        pair[1][0],
+                        "later than the one before",
+                    ));
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+fn strength_of(place: &str, strength: &Strength) -> Result<(), ModelError> {
+    positive(place, "tensile strength", strength.tensile)?;
+    positive(place, "cohesion", strength.cohesion)?;
+    not_negative(place, "internal friction", strength.friction)?;
+    positive(place, "fracture energy of opening", strength.energy_i)?;
+    positive(place, "fracture energy of sliding", strength.energy_ii)?;
+    strength.weibull_modulus.map_or(Ok(()), |modulus| positive(place, "Weibull modulus", modulus))
+}
+
+fn out_of_range(place: &str, what: &'static str, value: f64, range: &'static str) -> ModelError {
+    ModelError::OutOfRange { place: place.to_owned(), what, value, range }
+}
+
+fn positive(place: &str, what: &'static str, value: f64) -> Result<(), ModelError> {
+    if value > 0.0 && value.is_finite() { Ok(()) } else { Err(out_of_range(place, what, value, "positive")) }
+}
+
+fn not_negative(place: &str, what: &'static str, value: f64) -> Result<(), ModelError> {
+    if value >= 0.0 && value.is_finite() {
+        Ok(())
+    } else {
+        Err(out_of_range(place, what, value, "0 or positive"))
+    }
+}
+
+fn finite<'a>(
+    place: &str,
+    what: &'static str,
+    values: impl IntoIterator<Item = &'a f64>,
+) -> Result<(), ModelError> {
+    match values.into_iter().find(|value| !value.is_finite()) {
+        Some(&value) => Err(out_of_range(place, what, value, "a finite number")),
+        None => Ok(()),
+    }
+}

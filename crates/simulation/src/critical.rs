@@ -1,0 +1,144 @@
+//! The longest stable time step.
+//!
+//! Central differences are stable up to 2/ω, with ω the highest frequency of all that is elastic (book, (5.34)). A bound that holds for any mesh: with λ the square of the highest
+//! frequency of an element alone, a spring k between two nodes at most as stiff as 2 k on each,
+//!
+//! ```text
+//! ω² ≤ max over nodes of (Σ λ mₑ + 2 Σ k) / Σ mₑ
+//! ```
+//! over the elements and *all* springs at the node: joints, and contacts on every edge that is, or may become, free. A node is counted as small as it can get: all edges
+//! around it that may part have parted.
+
+use crate::contacts;
+use crate::error::ModelError;
+use crate::joints::{Joints, penalty};
+use crate::model::Model;
+use crate::potential::{cross, minus};
+use crate::solid::{highest_square, triangle_of};
+use crate::topology::{NONE, Topology};
+
+/// The longest stable time step, and what sets it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CriticalStep {
+    /// s.
+    pub step: f64,
+    /// At one of its corners.
+    pub element: u32,
+    /// Which stiffness is the largest there.
+    pub cause: Cause,
+}
+
+/// Of the stiffness of a node.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cause {
+    /// Of elements.
+    Bulk,
+    /// Of joints.
+    Joint,
+    /// Of contacts.
+    Contact,
+}
+
+impl std::fmt::Display for Cause {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        out.write_str(match self {
+            Self::Bulk => "bulk",
+            Self::Joint => "joint",
+            Self::Contact => "contact",
+        })
+    }
+}
+
+impl CriticalStep {
+    /// Of a model as it may become.
+    ///
+    /// # Errors
+    /// What makes the model impossible to simulate.
+    pub fn of(model: &Model) -> Result<Self, ModelError> {
+        crate::checks::check(model)?;
+        let topology = Topology::new(&model.mesh)?;
+        let joints = Joints::new(model, &topology);
+        Ok(Self::new(model, &topology, &joints))
+    }
+
+    pub(crate) fn new(model: &Model, topology: &Topology, joints: &Joints) -> Self {
+        let mesh = &model.mesh;
+        let corners: Vec<Corner> = (0..mesh.triangles.len())
+            .flat_map(|element| element_corners(model, topology, joints, element))
+            .collect();
+        let (mut worst, mut element, mut cause) = (0.0, 0, Cause::Bulk);
+        let mut groups = Vec::new();
+        for vertex in 0..topology.vertex_count() as u32 {
+            topology.groups(vertex, |edge| !joints.may_part(edge), &mut groups);
+            let at = topology.corners_of(vertex);
+            for leader in 0..at.len() as u32 {
+                let mut sum = Corner::default();
+                let mut own = 0;
+                for (&corner, _) in at.iter().zip(&groups).filter(|(_, group)| **group == leader) {
+                    let corner_of = &corners[corner as usize];
+                    sum.mass += corner_of.mass;
+                    sum.bulk += corner_of.bulk;
+                    sum.joint += corner_of.joint;
+                    sum.contact += corner_of.contact;
+                    own = corner / 3;
+                }
+                let square = (sum.bulk + 2.0 * (sum.joint + sum.contact)) / sum.mass;
+                if sum.mass > 0.0 && square > worst {
+                    (worst, element) = (square, own);
+                    cause = if sum.bulk >= 2.0 * sum.joint.max(sum.contact) {
+                        Cause::Bulk
+                    } else if sum.joint >= sum.contact {
+                        Cause::Joint
+                    } else {
+                        Cause::Contact
+                    };
+                }
+            }
+        }
+        let damping = model.materials.iter().map(|material| material.damping).fold(0.0, f64::max);
+        let damping = damping.max(model.contact.damping);
+        // With a share ξ of critical damping, by velocities half a step old.
+        let factor = (1.0 + damping * damping).sqrt() - damping;
+        Self { step: 2.0 / f64::sqrt(worst) * factor, element, cause }
+    }
+}
+
+/// What a corner of an element adds to its node.
+#[derive(Clone, Copy, Default)]
+struct Corner {
+    mass: f64,
+    bulk: f64,
+    joint: f64,
+    contact: f64,
+}
+
+fn element_corners(model: &Model, topology: &Topology, joints: &Joints, element: usize) -> [Corner; 3] {
+    let triangle = triangle_of(&model.mesh, element);
+    let number = model.mesh.materials[element];
+    let material = &model.materials[number as usize];
+    let area = 0.5 * cross(minus(triangle[1], triangle[0]), minus(triangle[2], triangle[0]));
+    let mass = material.density * area * model.thickness / 3.0;
+    let bulk = highest_square(&triangle, material, model.plane) * mass;
+    let mut corners = [Corner { mass, bulk, ..Corner::default() }; 3];
+    for k in 0..3 {
+        let edge = topology.edge_of[element][k];
+        if edge != NONE && !joints.may_part(edge) {
+            continue;
+        }
+        let contact = contacts::stiffness(model, &triangle, k, number);
+        let joint = if edge == NONE {
+            0.0
+        } else {
+            let side = minus(triangle[(k + 1) % 3], triangle[k]);
+            0.5 * side[0].hypot(side[1]) * model.thickness * penalty(model, &topology.edges[edge as usize])
+        };
+        for corner in [k, (k + 1) % 3] {
+            if joint >= contact {
+                corners[corner].joint += joint;
+            } else {
+                corners[corner].contact += contact;
+            }
+        }
+    }
+    corners
+}

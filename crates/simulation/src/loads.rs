@@ -1,0 +1,290 @@
+//! What acts from outside: held and moved nodes, forces, pressures, edges that let waves out.
+
+use crate::elastic::Moduli;
+use crate::error::ModelError;
+use crate::model::{Load, Model, Schedule, Target};
+use crate::potential::{Point, dot, minus};
+use crate::solid::Solid;
+use crate::topology::{NONE, Topology, follower};
+
+/// What moves a node along one axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Hold {
+    pub(crate) boundary: u32,
+    motion: Motion,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Motion {
+    /// m/s.
+    Velocity(f64),
+    /// m.
+    Displacement(f64),
+}
+
+impl Hold {
+    /// The velocity in the step from `time`, of a node that has moved by `displacement` so far.
+    #[inline]
+    pub(crate) fn velocity(&self, schedules: &[Schedule], time: f64, step: f64, displacement: f64) -> f64 {
+        let schedule = &schedules[self.boundary as usize];
+        match self.motion {
+            Motion::Velocity(velocity) => velocity * schedule.factor(time + 0.5 * step),
+            Motion::Displacement(goal) => (goal * schedule.factor(time + step) - displacement) / step,
+        }
+    }
+}
+
+impl Schedule {
+    /// The factor at a time, s.
+    pub fn factor(&self, time: f64) -> f64 {
+        match self {
+            Self::Ramp(duration) if time < *duration => {
+                0.5 * (1.0 - (std::f64::consts::PI * time.max(0.0) / duration).cos())
+            }
+            Self::Constant | Self::Ramp(_) => 1.0,
+            Self::Table(rows) => {
+                let after = rows.partition_point(|row| row[0] <= time);
+                match (after.checked_sub(1).map(|k| rows[k]), rows.get(after).copied()) {
+                    (Some([t, f]), Some([u, g])) => f + (g - f) * (time - t) / (u - t),
+                    (Some([_, f]), None) | (None, Some([_, f])) => f,
+                    (None, None) => 0.0,
+                }
+            }
+        }
+    }
+}
+
+/// A force on a corner of an element, applied in this step.
+#[derive(Clone, Copy, Debug)]
+struct Applied {
+    corner: u32,
+    boundary: u32,
+    force: Point,
+}
+
+/// An outer edge, by its two corners.
+#[derive(Clone, Copy, Debug)]
+struct Side {
+    corners: [u32; 2],
+    length: f64,
+}
+
+/// All that acts on a model from outside.
+#[derive(Debug)]
+pub(crate) struct Loads {
+    pub(crate) schedules: Vec<Schedule>,
+    /// By axis; nodes have numbers of these.
+    pub(crate) holds: Vec<[Option<Hold>; 2]>,
+    /// Boundaries with forces on corners.
+    forces: Vec<(u32, Point, Vec<u32>)>,
+    /// Boundaries on edges.
+    sides: Vec<(u32, Load, Vec<Side>)>,
+    applied: Vec<Applied>,
+    /// Density times the speeds of waves of compression and of shear, of each material.
+    impedances: Vec<[f64; 2]>,
+}
+
+impl Loads {
+    /// Checks the boundaries, and tells the nodes what holds them.
+    pub(crate) fn new(model: &Model, topology: &Topology, solid: &mut Solid) -> Result<Self, ModelError> {
+        let mut loads = Self {
+            schedules: model.boundaries.iter().map(|boundary| boundary.schedule.clone()).collect(),
+            holds: Vec::new(),
+            forces: Vec::new(),
+            sides: Vec::new(),
+            applied: Vec::new(),
+            impedances: model
+                .materials
+                .iter()
+                .map(|material| {
+                    let moduli = Moduli::new(material, model.plane);
+                    [moduli.wave(), moduli.shear].map(|modulus| (material.density * modulus).sqrt())
+                })
+                .collect(),
+        };
+        for (number, boundary) in model.boundaries.iter().enumerate() {
+            let number = number as u32;
+            let wrong = |needs| ModelError::Target { boundary: boundary.name.clone(), needs };
+            match (boundary.load, &boundary.target) {
+                (Load::Velocity(velocity), target) => {
+                    let nodes = nodes_of(target);
+                    loads.hold(model, solid, number, &nodes, velocity.map(|v| v.map(Motion::Velocity)))?;
+                }
+                (Load::Displacement(goal), target) => {
+                    let nodes = nodes_of(target);
+                    loads.hold(model, solid, number, &nodes, goal.map(|u| u.map(Motion::Displacement)))?;
+                }
+                (Load::Force(force), target) => {
+                    let corners: Vec<u32> = nodes_of(target)
+                        .iter()
+                        .flat_map(|&node| topology.corners_of(node))
+                        .copied()
+                        .collect();
+                    // Equal parts for the nodes of the mesh; a node's part is shared by its corners, which may come apart.
+                    let nodes = nodes_of(target);
+                    let each = force.map(|f| f / nodes.len().max(1) as f64);
+                    for &node in &nodes {
+                        let corners = topology.corners_of(node).to_vec();
+                        let part = each.map(|f| f / corners.len() as f64);
+                        loads.forces.push((number, part, corners));
+                    }
+                    if corners.is_empty() {
+                        return Err(wrong("nodes"));
+                    }
+                }
+                (load, Target::Edges(edges)) if !edges.is_empty() => {
+                    let sides = edges.iter().map(|&edge| outer_side(model, topology, edge, &boundary.name));
+                    loads.sides.push((number, load, sides.collect::<Result<_, _>>()?));
+                }
+                _ => return Err(wrong("edges")),
+            }
+        }
+        Ok(loads)
+    }
+
+    fn hold(
+        &mut self,
+        model: &Model,
+        solid: &mut Solid,
+        boundary: u32,
+        nodes: &[u32],
+        motion: [Option<Motion>; 2],
+    ) -> Result<(), ModelError> {
+        if nodes.is_empty() {
+            let boundary = model.boundaries[boundary as usize].name.clone();
+            return Err(ModelError::Target { boundary, needs: "nodes" });
+        }
+        for &number in nodes {
+            let node = &mut solid.nodes[number as usize];
+            if node.hold == NONE {
+                node.hold = self.holds.len() as u32;
+                self.holds.push([None; 2]);
+            }
+            let held = &mut self.holds[node.hold as usize];
+            for axis in 0..2 {
+                let Some(motion) = motion[axis] else { continue };
+                match held[axis] {
+                    None => held[axis] = Some(Hold { boundary, motion }),
+                    // At a corner two boundaries may both say that nothing moves.
+                    Some(other) if other.motion == motion && motion == Motion::Velocity(0.0) => {}
+                    Some(other) => {
+                        let name = |k: u32| model.boundaries[k as usize].name.clone();
+                        let boundaries = [name(other.boundary), name(boundary)];
+                        return Err(ModelError::HeldTwice { node: number, axis, boundaries });
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds all forces to the corners on which they act.
+    pub(crate) fn apply(&mut self, solid: &mut Solid, time: f64) {
+        self.applied.clear();
+        for (boundary, force, corners) in &self.forces {
+            let factor = self.schedules[*boundary as usize].factor(time);
+            let force = force.map(|f| f * factor);
+            self.applied.extend(corners.iter().map(|&corner| Applied { corner, boundary: *boundary, force }));
+        }
+        for (boundary, load, sides) in &self.sides {
+            let factor = self.schedules[*boundary as usize].factor(time);
+            for side in sides {
+                let ends = side.corners.map(|corner| *solid.at_corner(corner));
+                let along = minus(ends[1].position, ends[0].position);
+                let half = 0.5 * solid.thickness;
+                let forces: [Point; 2] = match *load {
+                    Load::Traction(traction) => [traction.map(|t| t * factor * half * side.length); 2],
+                    // Against the outward normal, whose length is the edge's.
+                    Load::Pressure(pressure) => {
+                        [[-along[1], along[0]].map(|n| pressure * factor * half * n); 2]
+                    }
+                    Load::Absorbing => {
+                        let long = along[0].hypot(along[1]);
+                        let tangent = along.map(|x| x / long);
+                        let normal = [tangent[1], -tangent[0]];
+                        let material = solid.elements[side.corners[0] as usize / 3].material;
+                        let [compression, shear] = self.impedances[material as usize];
+                        ends.map(|node| {
+                            let (n, t) = (dot(node.velocity, normal), dot(node.velocity, tangent));
+                            std::array::from_fn(|axis| {
+                                -half
+                                    * side.length
+                                    * (compression * n * normal[axis] + shear * t * tangent[axis])
+                            })
+                        })
+                    }
+                    Load::Velocity(_) | Load::Displacement(_) | Load::Force(_) => [[0.0; 2]; 2],
+                };
+                for (corner, force) in side.corners.into_iter().zip(forces) {
+                    self.applied.push(Applied { corner, boundary: *boundary, force });
+                }
+            }
+        }
+        for &Applied { corner, force, .. } in &self.applied {
+            let on = &mut solid.elements[corner as usize / 3].forces[corner as usize % 3];
+            on[0] += force[0];
+            on[1] += force[1];
+        }
+    }
+
+    /// Work of the applied forces in half a step at the nodes' velocities: of loads, and of edges that absorb.
+    pub(crate) fn half_work(&self, solid: &Solid, model: &Model, step: f64) -> [f64; 2] {
+        let mut work = [0.0; 2];
+        for applied in &self.applied {
+            let absorbs = matches!(model.boundaries[applied.boundary as usize].load, Load::Absorbing);
+            work[usize::from(absorbs)] +=
+                0.5 * step * dot(applied.force, solid.at_corner(applied.corner).velocity);
+        }
+        work
+    }
+
+    /// Adds what each boundary applied in the last step.
+    pub(crate) fn add_forces(&self, totals: &mut [Point]) {
+        for applied in &self.applied {
+            let total = &mut totals[applied.boundary as usize];
+            total[0] += applied.force[0];
+            total[1] += applied.force[1];
+        }
+    }
+}
+
+/// Each once, ascending.
+fn nodes_of(target: &Target) -> Vec<u32> {
+    let mut nodes: Vec<u32> = match target {
+        Target::Nodes(nodes) => nodes.clone(),
+        Target::Edges(edges) => edges.iter().flatten().copied().collect(),
+    };
+    nodes.sort_unstable();
+    nodes.dedup();
+    nodes
+}
+
+fn outer_side(model: &Model, topology: &Topology, edge: [u32; 2], name: &str) -> Result<Side, ModelError> {
+    let [a, b] = edge;
+    let corner = topology
+        .corners_of(a)
+        .iter()
+        .copied()
+        .find(|&corner| {
+            let outer = topology.edge_of[corner as usize / 3][corner as usize % 3] == NONE;
+            outer && topology.vertices[follower(corner) as usize] == b
+        })
+        .ok_or_else(|| ModelError::NotOuter { boundary: name.to_owned(), edge })?;
+    let along = minus(model.mesh.nodes[b as usize], model.mesh.nodes[a as usize]);
+    Ok(Side { corners: [corner, follower(corner)], length: along[0].hypot(along[1]) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn schedules_at_their_ends_and_between() {
+        assert_eq!(Schedule::Constant.factor(3.0), 1.0);
+        let ramp = Schedule::Ramp(2.0);
+        assert_eq!([0.0, 2.0, 5.0].map(|t| ramp.factor(t)), [0.0, 1.0, 1.0]);
+        assert!((ramp.factor(1.0) - 0.5).abs() < 1e-15);
+        let table = Schedule::Table(vec![[1.0, 2.0], [3.0, 4.0], [4.0, 0.0]]);
+        assert_eq!([0.0, 1.0, 2.0, 3.0, 3.5, 9.0].map(|t| table.factor(t)), [2.0, 2.0, 3.0, 4.0, 2.0, 0.0]);
+    }
+}

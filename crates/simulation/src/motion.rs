@@ -1,0 +1,136 @@
+//! Motion of the nodes: central differences (book, (5.12)-(5.13)).
+//!
+//! Velocities stand half a step before positions. With `v₋` before and `v₊` after a step, `m v₋·v₊ / 2` is the kinetic energy at the positions between them: with it, the sum of
+//! kinetic and strain energy of a linear system is constant to rounding, and the work of a force in the step is `F·(v₋ + v₊) h / 2`.
+
+use crate::contacts::Contacts;
+use crate::joints::Joints;
+use crate::loads::Loads;
+use crate::model::Model;
+use crate::potential::{Point, dot};
+use crate::solid::{Node, Solid};
+use crate::team::Team;
+use crate::topology::{NONE, Nodes, Topology};
+
+/// What moves the nodes in this step.
+pub(crate) struct Motion<'a> {
+    pub(crate) model: &'a Model,
+    pub(crate) topology: &'a Topology,
+    pub(crate) joints: &'a Joints,
+    pub(crate) contacts: &'a Contacts,
+    pub(crate) loads: &'a Loads,
+    pub(crate) time: f64,
+    pub(crate) step: f64,
+    pub(crate) speed_limit: f64,
+}
+
+/// What the motion of all nodes adds up to.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Moved {
+    pub(crate) kinetic: f64,
+    /// Work of gravity and of what holds nodes, up to the positions at the beginning of the step and after.
+    pub(crate) external: [f64; 2],
+    /// Dissipated by local damping, likewise.
+    pub(crate) damping: [f64; 2],
+    /// On the nodes that each boundary holds.
+    pub(crate) reactions: Vec<Point>,
+    /// The first node that is too fast.
+    pub(crate) runaway: Option<(u32, f64)>,
+}
+
+/// Gathers the forces on each node, and moves it.
+pub(crate) fn advance(solid: &mut Solid, motion: &Motion<'_>, team: &Team) -> Moved {
+    let Solid { nodes, elements, corners, .. } = solid;
+    let found = team.change(nodes, |first, chunk| {
+        let mut sum = Moved::default();
+        for (k, node) in chunk.iter_mut().enumerate() {
+            let force = gather(first + k, node, elements, corners, motion);
+            move_node(node, force, motion, &mut sum);
+            let speed = node.velocity[0].hypot(node.velocity[1]);
+            if (speed > motion.speed_limit || speed.is_nan()) && sum.runaway.is_none() {
+                sum.runaway = Some(((first + k) as u32, speed));
+            }
+        }
+        sum
+    });
+    let mut all = Moved { reactions: vec![[0.0; 2]; motion.model.boundaries.len()], ..Moved::default() };
+    for chunk in found {
+        all.kinetic += chunk.kinetic;
+        for half in 0..2 {
+            all.external[half] += chunk.external[half];
+            all.damping[half] += chunk.damping[half];
+        }
+        for (total, reaction) in all.reactions.iter_mut().zip(&chunk.reactions) {
+            total[0] += reaction[0];
+            total[1] += reaction[1];
+        }
+        all.runaway = all.runaway.or(chunk.runaway);
+    }
+    all
+}
+
+/// The force on a node: of its corners in their order, each of its element, its joints and its contacts.
+#[inline]
+fn gather(
+    number: usize,
+    node: &Node,
+    elements: &[crate::solid::Element],
+    corners: &Nodes,
+    motion: &Motion<'_>,
+) -> Point {
+    let mut force = [0.0; 2];
+    let joined = motion.joints.at_vertex[node.vertex as usize];
+    let mut corner = corners.first[number];
+    while corner != NONE {
+        let element = &elements[corner as usize / 3];
+        let k = corner as usize % 3;
+        force[0] += element.forces[k][0];
+        force[1] += element.forces[k][1];
+        if joined {
+            motion.joints.add_force(corner, motion.topology, &mut force);
+        }
+        if element.contacts[0] != element.contacts[1] {
+            motion.contacts.add_force(element.contacts, k, &mut force);
+        }
+        corner = corners.next[corner as usize];
+    }
+    force
+}
+
+#[inline]
+fn move_node(node: &mut Node, mut force: Point, motion: &Motion<'_>, sum: &mut Moved) {
+    let step = motion.step;
+    let before = node.velocity;
+    let weight: Point = std::array::from_fn(|axis| node.mass * motion.model.gravity[axis]);
+    let held = motion.loads.holds.get(node.hold as usize);
+    let damping = motion.model.time.local_damping;
+    let mut external = weight;
+    let mut damped = [0.0; 2];
+    for axis in 0..2 {
+        force[axis] += weight[axis];
+        let hold = held.and_then(|held| held[axis]);
+        let after = if let Some(hold) = hold {
+            let moved = node.position[axis] - node.origin[axis];
+            let after = hold.velocity(&motion.loads.schedules, motion.time, step, moved);
+            let reaction = node.mass * (after - before[axis]) / step - force[axis];
+            external[axis] += reaction;
+            if sum.reactions.is_empty() {
+                sum.reactions = vec![[0.0; 2]; motion.model.boundaries.len()];
+            }
+            sum.reactions[hold.boundary as usize][axis] += reaction;
+            after
+        } else {
+            if before[axis] != 0.0 {
+                damped[axis] = damping * force[axis].abs() * before[axis].signum();
+            }
+            before[axis] + step * (force[axis] - damped[axis]) / node.mass
+        };
+        node.velocity[axis] = after;
+        node.position[axis] += step * after;
+    }
+    sum.kinetic += 0.5 * node.mass * dot(before, node.velocity);
+    for (half, velocity) in [before, node.velocity].into_iter().enumerate() {
+        sum.external[half] += 0.5 * step * dot(external, velocity);
+        sum.damping[half] += 0.5 * step * dot(damped, velocity);
+    }
+}

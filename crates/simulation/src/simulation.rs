@@ -1,0 +1,527 @@
+//! A run: the state of a model, and the step that moves it on.
+
+use std::time::{Duration, Instant};
+
+use serde::{Deserialize, Serialize};
+
+use crate::checks;
+use crate::contacts::{Contacts, Grip, Touching};
+use crate::critical::CriticalStep;
+use crate::energy::Energies;
+use crate::error::{ModelError, Stop};
+use crate::joints::{Joint, Joints, State as JointState};
+use crate::loads::Loads;
+use crate::model::{Insertion, Model};
+use crate::motion::{self, Motion};
+use crate::potential::Point;
+use crate::snapshot::{Crack, Mode, Snapshot};
+use crate::solid::{Node, Solid};
+use crate::team::Team;
+use crate::topology::{NONE, Nodes, Topology};
+
+/// Steps between two looks at the balance of energy.
+const AUDIT: u64 = 100;
+
+/// Nodes faster than this many times the speed of waves of compression have run away.
+const RUNAWAY: f64 = 10.0;
+
+/// Strain energy below that of this strain everywhere is no energy whose error matters.
+const NEGLIGIBLE_STRAIN: f64 = 1e-8;
+
+/// A model in motion.
+///
+/// # Example
+/// ```
+/// # use fdem_simulation::*;
+/// # let mesh = Mesh { nodes: vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], triangles: vec![[0, 1, 2]], bodies: vec![0], materials: vec![0] };
+/// # let material = Material { name: "rock".to_owned(), density: 2700.0, youngs_modulus: 50e9, poissons_ratio: 0.25, damping: 0.0, strength: None, friction: 0.5 };
+/// let model = Model { mesh, materials: vec![material], gravity: [0.0, -9.81], ..Model::default() };
+/// let mut run = Simulation::new(model, 1)?;
+/// run.advance(1000)?;
+/// let fallen = run.snapshot().displacements[0][1];
+/// assert!((fallen / (-9.81 / 2.0 * run.time().powi(2)) - 1.0).abs() < 2e-3);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct Simulation {
+    model: Model,
+    topology: Topology,
+    solid: Solid,
+    joints: Joints,
+    contacts: Contacts,
+    loads: Loads,
+    team: Team,
+    critical: CriticalStep,
+    time_step: f64,
+    /// m/s.
+    speed_limit: f64,
+    /// Energy whose error does not matter, J.
+    negligible: f64,
+    step: u64,
+    totals: Totals,
+    /// At the beginning of the last step, without what is in the elements.
+    energies: Energies,
+    /// Strain energy then; `None`: that of the elements as they are.
+    strain: Option<f64>,
+    /// On the bodies, by each boundary, at the beginning of the last step, N.
+    reactions: Vec<Point>,
+    touching: Touching,
+    timings: Timings,
+}
+
+/// What adds up over a run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Totals {
+    friction: f64,
+    cohesive: f64,
+    damping: f64,
+    external: f64,
+    initial: Option<f64>,
+}
+
+/// Everything about a run that its model does not say: enough to go on as if it had never stopped.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct State {
+    step: u64,
+    totals: Totals,
+    energies: Energies,
+    reactions: Vec<Point>,
+    nodes: Vec<Node>,
+    of_corner: Vec<u32>,
+    viscous: Vec<[f64; 4]>,
+    joints: Vec<Joint>,
+    watched: Vec<bool>,
+    grips: Vec<([u32; 2], Grip)>,
+}
+
+impl State {
+    /// Steps done.
+    pub fn step(&self) -> u64 {
+        self.step
+    }
+}
+
+/// Time spent in each part of the steps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Timings {
+    /// Stress and forces of elements.
+    pub bulk: Duration,
+    /// Insertion of joints and their forces.
+    pub joints: Duration,
+    /// Boxes and couples.
+    pub detection: Duration,
+    /// Forces of contacts.
+    pub contact: Duration,
+    /// Loads and motion.
+    pub integration: Duration,
+}
+
+/// How many there are of what changes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Joints that hold, whole or softening.
+    pub joints: usize,
+    /// Joints that are broken.
+    pub broken: usize,
+    /// Couples of elements that overlap.
+    pub contacts: usize,
+    /// Times that couples were detected.
+    pub detections: u64,
+    /// Nodes.
+    pub nodes: usize,
+}
+
+impl Simulation {
+    /// A run at its beginning, on so many threads; 0 is one for each processor. Results are the same for any number.
+    ///
+    /// # Errors
+    /// What makes the model impossible to simulate.
+    pub fn new(model: Model, threads: usize) -> Result<Self, ModelError> {
+        checks::check(&model)?;
+        let topology = Topology::new(&model.mesh)?;
+        let mut solid = Solid::new(&model, &topology);
+        let mut joints = Joints::new(&model, &topology);
+        // All laws can be made: a run does not find out later that one cannot.
+        for edge in 0..topology.edges.len() as u32 {
+            joints.law(edge, &model, &topology)?;
+        }
+        let loads = Loads::new(&model, &topology, &mut solid)?;
+        let contacts = Contacts::new(&model, &topology, threads)?;
+        let critical = CriticalStep::new(&model, &topology, &joints);
+        if model.fracture.insertion == Insertion::Intrinsic {
+            joints.everywhere(&model, &topology)?;
+        }
+        // Also elements that have no more than a vertex in common.
+        for vertex in 0..topology.vertex_count() as u32 {
+            joints.part(vertex, &mut solid, &model, &topology);
+        }
+        let wave = |material: &crate::model::Material| (material.youngs_modulus / material.density).sqrt();
+        let speed_limit = RUNAWAY * model.materials.iter().map(wave).fold(0.0, f64::max);
+        let modulus = |material: u32| model.materials[material as usize].youngs_modulus;
+        let stiffness: f64 =
+            solid.elements.iter().map(|element| element.volume * modulus(element.material)).sum();
+        Ok(Self {
+            time_step: model.time.step.unwrap_or(critical.step * model.time.safety),
+            negligible: 0.5 * stiffness * NEGLIGIBLE_STRAIN * NEGLIGIBLE_STRAIN,
+            reactions: vec![[0.0; 2]; model.boundaries.len()],
+            team: Team::new(threads)?,
+            step: 0,
+            totals: Totals::default(),
+            energies: Energies::default(),
+            strain: None,
+            touching: Touching::default(),
+            timings: Timings::default(),
+            model,
+            topology,
+            solid,
+            joints,
+            contacts,
+            loads,
+            critical,
+            speed_limit,
+        })
+    }
+
+    /// One step: from positions at its beginning, and velocities half a step earlier, to positions at its end.
+    fn step(&mut self) -> Result<(), Stop> {
+        let Self { model, topology, solid, joints, contacts, loads, team, totals, timings, .. } = self;
+        let (step, time) = (self.time_step, self.step as f64 * self.time_step);
+        let mut clock = Clock::new();
+
+        let deformation = solid.deform(step, team);
+        if let Some((element, ratio)) = deformation.inverted {
+            return Err(Stop::Inverted { element, step: self.step, ratio });
+        }
+        totals.damping += deformation.dissipated;
+        clock.read(&mut timings.bulk);
+
+        joints.insert(solid, model, topology, team);
+        let parting = joints.pull(solid, topology, step, time, team);
+        contacts.part(&parting.broken, joints, topology);
+        totals.cohesive += parting.work;
+        clock.read(&mut timings.joints);
+
+        contacts.detect(solid, joints, topology, team)?;
+        clock.read(&mut timings.detection);
+
+        let touching = contacts.press(solid, joints, step, team);
+        totals.friction += touching.friction;
+        totals.damping += touching.damping;
+        totals.cohesive -= touching.handed_over;
+        clock.read(&mut timings.contact);
+
+        loads.apply(solid, time);
+        let [first, absorbed] = loads.half_work(solid, model, step);
+        totals.external += first;
+        totals.damping -= absorbed;
+        let motion =
+            Motion { model, topology, joints, contacts, loads, time, step, speed_limit: self.speed_limit };
+        let moved = motion::advance(solid, &motion, team);
+        totals.external += moved.external[0];
+        totals.damping += moved.damping[0];
+        // The balance holds here, where the positions are: what the second half of the step does comes after it.
+        self.energies = Energies {
+            kinetic: moved.kinetic,
+            strain: 0.0,
+            contact: touching.energy,
+            friction: totals.friction,
+            cohesive: totals.cohesive,
+            damping: totals.damping,
+            external: totals.external,
+            initial: 0.0,
+        };
+        let [second, absorbed] = loads.half_work(solid, model, step);
+        totals.external += second + moved.external[1];
+        totals.damping += moved.damping[1] - absorbed;
+        self.reactions = moved.reactions;
+        loads.add_forces(&mut self.reactions);
+        self.touching = touching;
+        clock.read(&mut timings.integration);
+
+        self.audit()?;
+        if let Some((node, speed)) = moved.runaway {
+            let element = self.solid.corners.first[node as usize] / 3;
+            return Err(Stop::Runaway { element, step: self.step, speed, limit: self.speed_limit });
+        }
+        self.step += 1;
+        Ok(())
+    }
+
+    /// Looks at the balance of energy now and then.
+    fn audit(&mut self) -> Result<(), Stop> {
+        self.strain = None;
+        if self.totals.initial.is_none() {
+            self.totals.initial = Some(self.energies().balance());
+        }
+        if !self.step.is_multiple_of(AUDIT) {
+            return Ok(());
+        }
+        let energies = self.energies();
+        let (error, bound) = (energies.error(), self.model.time.energy_bound);
+        if energies.scale() > self.negligible && (error.abs() > bound || error.is_nan()) {
+            return Err(Stop::Energy { element: self.hottest(), step: self.step, error, bound });
+        }
+        Ok(())
+    }
+
+    /// The element that holds most energy for its mass.
+    fn hottest(&self) -> u32 {
+        let density = |element: usize| {
+            let element = &self.solid.elements[element];
+            let square = |node: u32| {
+                let [x, y] = self.solid.nodes[node as usize].velocity;
+                x * x + y * y
+            };
+            let fastest = element.nodes.into_iter().map(square).fold(0.0, f64::max);
+            let density = self.model.materials[element.material as usize].density;
+            0.5 * fastest + element.energy / (density * element.volume)
+        };
+        (0..self.solid.elements.len()).max_by(|&a, &b| density(a).total_cmp(&density(b))).unwrap_or(0) as u32
+    }
+
+    /// Goes on by so many steps.
+    ///
+    /// # Errors
+    /// Why the run cannot go on; it stands where that was found then.
+    pub fn advance(&mut self, steps: u64) -> Result<(), Stop> {
+        for _ in 0..steps {
+            self.step()?;
+        }
+        Ok(())
+    }
+
+    /// The model as it was given.
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// Steps done.
+    pub fn steps(&self) -> u64 {
+        self.step
+    }
+
+    /// s.
+    pub fn time(&self) -> f64 {
+        self.step as f64 * self.time_step
+    }
+
+    /// s.
+    pub fn time_step(&self) -> f64 {
+        self.time_step
+    }
+
+    /// The longest stable time step, and what sets it.
+    pub fn critical_step(&self) -> CriticalStep {
+        self.critical
+    }
+
+    /// At the beginning of the last step, J.
+    pub fn energies(&self) -> Energies {
+        let strain = self.strain.unwrap_or_else(|| self.solid.strain_energy(&self.team));
+        Energies { strain, initial: self.totals.initial.unwrap_or(0.0), ..self.energies }
+    }
+
+    /// What a boundary did to the bodies at the beginning of the last step, N.
+    pub fn force(&self, boundary: usize) -> Option<[f64; 2]> {
+        self.reactions.get(boundary).copied()
+    }
+
+    /// How many joints, contacts and nodes there are.
+    pub fn counts(&self) -> Counts {
+        Counts {
+            joints: self.joints.all.len() - self.joints.broken,
+            broken: self.joints.broken,
+            contacts: self.touching.count,
+            detections: self.contacts.detections,
+            nodes: self.solid.nodes.len(),
+        }
+    }
+
+    /// An element that another has penetrated to its centroid in the last step: its contact is too soft.
+    pub fn penetrated(&self) -> Option<u32> {
+        self.touching.deep
+    }
+
+    /// Where the time went.
+    pub fn timings(&self) -> Timings {
+        self.timings
+    }
+
+    /// Threads at work.
+    pub fn threads(&self) -> usize {
+        self.team.threads()
+    }
+
+    /// Displacement and velocity of a node of the mesh; of the first of its nodes where it has come apart.
+    pub fn node(&self, node: u32) -> Option<([f64; 2], [f64; 2])> {
+        let node = self.solid.nodes.get(node as usize)?;
+        let moved = [node.position[0] - node.origin[0], node.position[1] - node.origin[1]];
+        Some((moved, node.velocity))
+    }
+
+    /// Lengths of broken joints, m: broken by opening, by sliding, by both.
+    pub fn crack_lengths(&self) -> [f64; 3] {
+        let mut lengths = [0.0; 3];
+        for joint in self.joints.all.iter().filter(|joint| joint.state != JointState::Holding) {
+            lengths[mode(joint) as usize] += joint.length;
+        }
+        lengths
+    }
+
+    /// Positions, motion, stress and cracks now.
+    pub fn snapshot(&self) -> Snapshot {
+        let nodes = &self.solid.nodes;
+        let elements = &self.solid.elements;
+        let mut damage = vec![0.0_f64; elements.len()];
+        let mut cracks = Vec::new();
+        for joint in &self.joints.all {
+            let of_joint = joint.damage();
+            let edge = &self.topology.edges[joint.edge as usize];
+            for element in edge.elements() {
+                let damage = &mut damage[element as usize];
+                *damage = damage.max(of_joint);
+            }
+            if of_joint > 0.0 {
+                cracks.push(self.crack(joint, of_joint));
+            }
+        }
+        Snapshot {
+            step: self.step,
+            time: self.time(),
+            positions: nodes.iter().map(|node| node.position).collect(),
+            displacements: nodes
+                .iter()
+                .map(|node| [node.position[0] - node.origin[0], node.position[1] - node.origin[1]])
+                .collect(),
+            velocities: nodes.iter().map(|node| node.velocity).collect(),
+            triangles: elements.iter().map(|element| element.nodes).collect(),
+            stresses: elements
+                .iter()
+                .map(|element| {
+                    let [xx, yy, xy] = element.stress;
+                    [xx, yy, xy, self.solid.stress_out_of_plane(element)]
+                })
+                .collect(),
+            damage,
+            bodies: self.model.mesh.bodies.clone(),
+            materials: self.model.mesh.materials.clone(),
+            cracks,
+        }
+    }
+
+    fn crack(&self, joint: &Joint, damage: f64) -> Crack {
+        let edge = &self.topology.edges[joint.edge as usize];
+        let end = |end: usize| {
+            let [a, b] = edge.corners.map(|side| self.solid.at_corner(side[end]).position);
+            [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])]
+        };
+        Crack {
+            ends: [end(0), end(1)],
+            elements: edge.elements(),
+            damage,
+            mode: mode(joint),
+            opening: joint.opening[0],
+            sliding: joint.opening[1],
+            time: joint.time.is_finite().then_some(joint.time),
+            length: joint.length,
+        }
+    }
+
+    /// All that is needed to go on from here.
+    pub fn state(&self) -> State {
+        State {
+            step: self.step,
+            totals: self.totals,
+            energies: self.energies(),
+            reactions: self.reactions.clone(),
+            nodes: self.solid.nodes.clone(),
+            of_corner: self.solid.corners.of_corner.clone(),
+            viscous: self.solid.elements.iter().map(|element| element.viscous).collect(),
+            joints: self.joints.all.clone(),
+            watched: self.contacts.watched.clone(),
+            grips: self.contacts.grips(),
+        }
+    }
+
+    /// Goes on from a state of a run of the same model.
+    ///
+    /// # Errors
+    /// What makes the model impossible to simulate; [`ModelError::Length`] or [`ModelError::Missing`] if the state is of another one.
+    pub fn resume(model: Model, state: State, threads: usize) -> Result<Self, ModelError> {
+        let mut run = Self::new(model, threads)?;
+        let elements = run.solid.elements.len();
+        let lengths = [
+            ("elements with stresses", state.viscous.len(), elements),
+            ("corners", state.of_corner.len(), 3 * elements),
+            ("watched elements", state.watched.len(), elements),
+            ("boundaries", state.reactions.len(), run.reactions.len()),
+        ];
+        for (what, found, expected) in lengths {
+            if found != expected {
+                return Err(ModelError::Length { what, found, expected });
+            }
+        }
+        let missing =
+            |index| ModelError::Missing { what: "node", index, place: "the saved state".to_owned() };
+        if let Some(&node) = state.of_corner.iter().find(|&&node| node as usize >= state.nodes.len()) {
+            return Err(missing(node));
+        }
+        let vertices = run.topology.vertex_count() as u32;
+        let holds = run.loads.holds.len() as u32;
+        if let Some(node) = state
+            .nodes
+            .iter()
+            .find(|node| node.vertex >= vertices || (node.hold != NONE && node.hold >= holds))
+        {
+            return Err(missing(node.vertex));
+        }
+        run.solid.corners = Nodes::new(state.of_corner, state.nodes.len());
+        run.solid.nodes = state.nodes;
+        for (number, element) in run.solid.elements.iter_mut().enumerate() {
+            element.nodes = std::array::from_fn(|k| run.solid.corners.of_corner[3 * number + k]);
+            element.viscous = state.viscous[number];
+        }
+        run.joints.restore(&state.joints, &run.model, &run.topology)?;
+        run.contacts.restore(state.watched, &run.joints, &run.topology, &state.grips);
+        run.step = state.step;
+        run.totals = state.totals;
+        run.energies = state.energies;
+        run.strain = Some(state.energies.strain);
+        run.reactions = state.reactions;
+        Ok(run)
+    }
+}
+
+/// By what the damage of a joint is, or was when it broke.
+fn mode(joint: &Joint) -> Mode {
+    let modes = if joint.state == JointState::Holding {
+        let [a, b] = joint.ends.map(|end| end.modes(&joint.law));
+        [a[0] + b[0], a[1] + b[1]]
+    } else {
+        joint.modes
+    };
+    let squares = modes.map(|share| share * share);
+    let opening = squares[0] / (squares[0] + squares[1]).max(f64::MIN_POSITIVE);
+    if opening >= 0.75 {
+        Mode::Tension
+    } else if opening <= 0.25 {
+        Mode::Shear
+    } else {
+        Mode::Mixed
+    }
+}
+
+/// Time since it was read last.
+struct Clock(Instant);
+
+impl Clock {
+    fn new() -> Self {
+        Self(Instant::now())
+    }
+
+    fn read(&mut self, sum: &mut Duration) {
+        let now = Instant::now();
+        *sum += now - self.0;
+        self.0 = now;
+    }
+}

@@ -1,0 +1,275 @@
+//! Which elements hang together: corners of elements, the nodes they share, the edges between them.
+//!
+//! A *vertex* is a node of the mesh as it was given; a *node* is what moves. Where the mesh is whole a vertex is one node; where it has come apart it is several,
+//! each of them the corners of elements that still hang together there. Corner `3 e + k` is the `k`-th of element `e`.
+
+use crate::error::ModelError;
+use crate::model::Mesh;
+
+/// No edge, no joint.
+pub(crate) const NONE: u32 = u32::MAX;
+
+/// An edge between two elements. Side 0 is the element with the lower number; both sides list their corners in its direction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Edge {
+    pub(crate) corners: [[u32; 2]; 2],
+}
+
+impl Edge {
+    pub(crate) fn elements(&self) -> [u32; 2] {
+        self.corners.map(|side| side[0] / 3)
+    }
+}
+
+/// What does not change when the mesh comes apart.
+#[derive(Clone, Debug)]
+pub(crate) struct Topology {
+    /// Of each corner.
+    pub(crate) vertices: Vec<u32>,
+    /// Corners of each vertex, ascending: the slices between these offsets.
+    offsets: Vec<u32>,
+    corners: Vec<u32>,
+    /// Edges between elements.
+    pub(crate) edges: Vec<Edge>,
+    /// The edge between corners `k` and `k + 1` of each element; [`NONE`] where nothing is beyond.
+    pub(crate) edge_of: Vec<[u32; 3]>,
+}
+
+impl Topology {
+    pub(crate) fn new(mesh: &Mesh) -> Result<Self, ModelError> {
+        let vertices: Vec<u32> = mesh.triangles.iter().flatten().copied().collect();
+        let mut offsets = vec![0_u32; mesh.nodes.len() + 1];
+        for &vertex in &vertices {
+            offsets[vertex as usize + 1] += 1;
+        }
+        for k in 0..mesh.nodes.len() {
+            if offsets[k + 1] == 0 {
+                return Err(ModelError::LooseNode { node: k });
+            }
+            offsets[k + 1] += offsets[k];
+        }
+        let mut next = offsets.clone();
+        let mut corners = vec![0; vertices.len()];
+        for (corner, &vertex) in vertices.iter().enumerate() {
+            corners[next[vertex as usize] as usize] = corner as u32;
+            next[vertex as usize] += 1;
+        }
+        let (edges, edge_of) = edges(&vertices)?;
+        Ok(Self { vertices, offsets, corners, edges, edge_of })
+    }
+
+    pub(crate) fn corners_of(&self, vertex: u32) -> &[u32] {
+        let vertex = vertex as usize;
+        &self.corners[self.offsets[vertex] as usize..self.offsets[vertex + 1] as usize]
+    }
+
+    pub(crate) fn vertex_count(&self) -> usize {
+        self.offsets.len() - 1
+    }
+
+    /// The edges that meet in a corner of their element.
+    pub(crate) fn edges_at(&self, corner: u32) -> [u32; 2] {
+        let edges = &self.edge_of[corner as usize / 3];
+        let k = corner as usize % 3;
+        [edges[k], edges[(k + 2) % 3]]
+    }
+
+    /// Groups the corners of a vertex: those of elements with a common edge that `holds` are together. Group numbers are those of the lowest corner's place in
+    /// `corners_of`, at the place of each corner.
+    pub(crate) fn groups(&self, vertex: u32, holds: impl Fn(u32) -> bool, groups: &mut Vec<u32>) {
+        let corners = self.corners_of(vertex);
+        groups.clear();
+        groups.extend(0..corners.len() as u32);
+        // A vertex has a handful of corners: until nothing changes, each takes the lowest number of its neighbours.
+        loop {
+            let mut changed = false;
+            for (place, &corner) in corners.iter().enumerate() {
+                for edge in self.edges_at(corner) {
+                    if edge == NONE || !holds(edge) {
+                        continue;
+                    }
+                    let sides = self.edges[edge as usize].corners;
+                    for other in sides.into_iter().flatten() {
+                        if let Ok(beyond) = corners.binary_search(&other)
+                            && groups[beyond] < groups[place]
+                        {
+                            groups[place] = groups[beyond];
+                            changed = true;
+                        }
+                    }
+                }
+            }
+            if !changed {
+                return;
+            }
+        }
+    }
+}
+
+/// Edges between two elements, in the order of the lower element and its corner.
+fn edges(vertices: &[u32]) -> Result<(Vec<Edge>, Vec<[u32; 3]>), ModelError> {
+    let mut sides: Vec<([u32; 2], u32)> = (0..vertices.len())
+        .map(|corner| {
+            let (a, b) = (vertices[corner], vertices[follower(corner as u32) as usize]);
+            ([a.min(b), a.max(b)], corner as u32)
+        })
+        .collect();
+    sides.sort_unstable();
+    let mut pairs: Vec<[u32; 2]> = Vec::new();
+    for same in sides.chunk_by(|a, b| a.0 == b.0) {
+        match *same {
+            [_] => {}
+            [(_, a), (_, b)] => {
+                if vertices[a as usize] == vertices[b as usize] {
+                    return Err(ModelError::Folded { elements: [a / 3, b / 3] });
+                }
+                pairs.push([a, b]);
+            }
+            _ => {
+                let elements = [same[0].1 / 3, same[1].1 / 3, same[2].1 / 3];
+                return Err(ModelError::ManyOnEdge { elements });
+            }
+        }
+    }
+    pairs.sort_unstable();
+    let mut edge_of = vec![[NONE; 3]; vertices.len() / 3];
+    let edges = pairs.iter().enumerate().map(|(number, &[a, b])| {
+        for corner in [a, b] {
+            edge_of[corner as usize / 3][corner as usize % 3] = number as u32;
+        }
+        // The other element has the edge in the other direction.
+        Edge { corners: [[a, follower(a)], [follower(b), b]] }
+    });
+    Ok((edges.collect(), edge_of))
+}
+
+/// The next corner of the same element.
+pub(crate) fn follower(corner: u32) -> u32 {
+    if corner % 3 == 2 { corner - 2 } else { corner + 1 }
+}
+
+/// The corners of each node, as lists: the first of each node, the next of each corner, ascending.
+#[derive(Clone, Debug)]
+pub(crate) struct Nodes {
+    /// Of each corner.
+    pub(crate) of_corner: Vec<u32>,
+    /// First corner of each node.
+    pub(crate) first: Vec<u32>,
+    /// Next corner of the same node; [`NONE`] at the end.
+    pub(crate) next: Vec<u32>,
+}
+
+impl Nodes {
+    /// The lists for these nodes of corners.
+    pub(crate) fn new(of_corner: Vec<u32>, count: usize) -> Self {
+        let mut nodes = Self { first: vec![NONE; count], next: vec![NONE; of_corner.len()], of_corner };
+        for corner in (0..nodes.of_corner.len()).rev() {
+            let node = nodes.of_corner[corner] as usize;
+            nodes.next[corner] = nodes.first[node];
+            nodes.first[node] = corner as u32;
+        }
+        nodes
+    }
+
+    /// Gives the corners `of` a vertex nodes by `groups`: the first group of each node keeps it, others get new ones. Calls `added` with the old node and the
+    /// new one for each of these. Returns whether there were any.
+    pub(crate) fn split(&mut self, of: &[u32], groups: &[u32], mut added: impl FnMut(u32, u32)) -> bool {
+        let mut split = false;
+        for (place, &corner) in of.iter().enumerate() {
+            let leader = groups[place] as usize;
+            if leader < place {
+                let node = self.of_corner[of[leader] as usize];
+                self.of_corner[corner as usize] = node;
+                continue;
+            }
+            // The first of its group: the node is its own unless an earlier group has it.
+            let node = self.of_corner[corner as usize];
+            let taken = (0..place).any(|k| self.of_corner[of[k] as usize] == node);
+            if taken {
+                let new = self.first.len() as u32;
+                self.first.push(NONE);
+                self.of_corner[corner as usize] = new;
+                split = true;
+                added(node, new);
+            }
+        }
+        if split {
+            for &corner in of {
+                self.first[self.of_corner[corner as usize] as usize] = NONE;
+            }
+            for &corner in of.iter().rev() {
+                let node = self.of_corner[corner as usize] as usize;
+                self.next[corner as usize] = self.first[node];
+                self.first[node] = corner;
+            }
+        }
+        split
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A square of four triangles around its middle, node 4.
+    fn square() -> Mesh {
+        Mesh {
+            nodes: vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.5, 0.5]],
+            triangles: vec![[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]],
+            bodies: vec![0; 4],
+            materials: vec![0; 4],
+        }
+    }
+
+    #[test]
+    fn edges_are_found_from_both_sides() {
+        let topology = Topology::new(&square()).expect("a mesh");
+        assert_eq!(topology.edges.len(), 4);
+        for edge in &topology.edges {
+            for end in 0..2 {
+                let [a, b] = edge.corners.map(|side| topology.vertices[side[end] as usize]);
+                assert_eq!(a, b);
+            }
+            assert!(edge.elements()[0] < edge.elements()[1]);
+            assert_eq!(follower(edge.corners[0][0]), edge.corners[0][1]);
+            assert_eq!(follower(edge.corners[1][1]), edge.corners[1][0]);
+        }
+        assert_eq!(topology.edge_of.iter().filter(|edges| edges[0] == NONE).count(), 4);
+        assert_eq!(topology.corners_of(4), [2, 5, 8, 11]);
+    }
+
+    #[test]
+    fn a_vertex_comes_apart_when_two_edges_let_go() {
+        let topology = Topology::new(&square()).expect("a mesh");
+        let mut nodes = Nodes::new(topology.vertices.clone(), 5);
+        let mut groups = Vec::new();
+        topology.groups(4, |edge| edge != 0, &mut groups);
+        assert_eq!(groups, [0; 4]);
+        assert!(!nodes.split(topology.corners_of(4), &groups, |_, _| ()));
+        let (first, last) = (topology.edge_of[0][1], topology.edge_of[2][1]);
+        topology.groups(4, |edge| edge != first && edge != last, &mut groups);
+        assert_eq!(groups, [0, 1, 1, 0]);
+        let mut added = Vec::new();
+        assert!(nodes.split(topology.corners_of(4), &groups, |old, new| added.push((old, new))));
+        assert_eq!((added, nodes.first.len()), (vec![(4, 5)], 6));
+        assert_eq!([2, 5, 8, 11].map(|corner| nodes.of_corner[corner]), [4, 5, 5, 4]);
+        assert_eq!((nodes.first[4], nodes.next[2], nodes.next[11]), (2, 11, NONE));
+        assert_eq!((nodes.first[5], nodes.next[5], nodes.next[8]), (5, 8, NONE));
+        // The same again changes nothing.
+        assert!(!nodes.split(topology.corners_of(4), &groups, |_, _| ()));
+    }
+
+    #[test]
+    fn meshes_that_are_none_are_refused() {
+        let mut mesh = square();
+        mesh.nodes.push([9.0, 9.0]);
+        assert_eq!(Topology::new(&mesh).err(), Some(ModelError::LooseNode { node: 5 }));
+        let mut mesh = square();
+        mesh.triangles[1] = [2, 1, 4];
+        assert!(matches!(Topology::new(&mesh), Err(ModelError::Folded { .. })));
+        let mut mesh = square();
+        mesh.triangles.push([0, 1, 3]);
+        mesh.triangles.push([1, 0, 2]);
+        assert!(Topology::new(&mesh).is_err());
+    }
+}

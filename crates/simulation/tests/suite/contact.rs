@@ -1,0 +1,153 @@
+//! Bodies that collide, press and rub.
+
+use crate::common::*;
+use fdem_simulation::*;
+
+fn triangle(at: [[f64; 2]; 3]) -> Mesh {
+    Mesh { nodes: at.to_vec(), triangles: vec![[0, 1, 2]], bodies: vec![0], materials: vec![0] }
+}
+
+/// Runs two bodies, the second at `velocity`, until they have met and parted. Returns the kinetic energy of the motion before and after, all energy that is elastic after, and both momenta.
+fn collide(
+    first: &Mesh,
+    second: &Mesh,
+    velocity: [f64; 2],
+    material: Material,
+) -> ([f64; 2], f64, [[f64; 3]; 2]) {
+    let mesh = together(&[first.clone(), second.clone()]);
+    let velocities = [vec![[0.0; 2]; first.nodes.len()], vec![velocity; second.nodes.len()]].concat();
+    // A blow of two triangles is over within a few critical steps.
+    let time = TimeOptions { safety: 0.05, ..TimeOptions::default() };
+    let model = Model { mesh, velocities, materials: vec![material], time, ..Model::default() };
+    let mut run = Simulation::new(model, 1).expect("a model");
+    run.advance(1).expect("a step");
+    let (energy, before) = (run.energies(), momentum(&run));
+    assert_eq!(run.counts().contacts, 0);
+    let (mut met, mut apart) = (false, 0);
+    while apart < 400 {
+        run.advance(1).expect("a step");
+        let touches = run.counts().contacts > 0;
+        met |= touches;
+        apart = if met && !touches { apart + 1 } else { 0 };
+        assert!(run.steps() < 400_000, "they never met, or never part");
+    }
+    let after = run.energies();
+    ([energy.kinetic, after.kinetic], after.strain, [before, momentum(&run)])
+}
+
+#[test]
+fn two_triangles_bounce_whatever_meets_whatever() {
+    let target = triangle([[0.0, 0.0], [1.0, 0.0], [0.5, 0.8]]);
+    let vertex_first = triangle([[0.0, 0.0], [0.5, 0.8], [-0.5, 0.8]]);
+    let edge_first = triangle([[-0.5, 0.0], [0.5, 0.0], [0.1, 0.8]]);
+    let below = turned(&target, std::f64::consts::PI, [1.0, 0.0]);
+    let stiff = Material { poissons_ratio: 0.2, ..granite() };
+    let cases = [
+        ("vertex on edge", below.clone(), turned(&vertex_first, 0.0, [0.45, 0.02]), [0.0, -1.0]),
+        ("edge on edge", below.clone(), turned(&edge_first, 0.0, [0.5, 0.02]), [0.0, -1.0]),
+        ("vertex on vertex", target.clone(), turned(&vertex_first, 0.0, [0.52, 0.83]), [0.0, -1.0]),
+        ("edge on vertex", target.clone(), turned(&edge_first, 0.1, [0.5, 0.9]), [0.0, -1.0]),
+        ("obliquely", target.clone(), turned(&edge_first, 0.7, [1.0, 1.3]), [-0.4, -1.0]),
+    ];
+    for (name, first, second, velocity) in cases {
+        for turn in [0.0, 0.3, 2.1] {
+            let (sin, cos) = f64::sin_cos(turn);
+            let along = [cos * velocity[0] - sin * velocity[1], sin * velocity[0] + cos * velocity[1]];
+            let (first, second) = (turned(&first, turn, [0.0; 2]), turned(&second, turn, [0.0; 2]));
+            let (kinetic, strain, [before, after]) = collide(&first, &second, along, stiff.clone());
+            // What rings on in the triangles is strain half of the time; none of it is lost.
+            assert!(((kinetic[1] + strain) / kinetic[0] - 1.0).abs() < 1e-3, "{name}: {kinetic:?} {strain}");
+            let scale = before[0].abs() + before[1].abs();
+            for k in 0..3 {
+                assert!((after[k] - before[k]).abs() < 1e-11 * scale, "{name}: {before:?} {after:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn two_bars_part_after_the_wave_has_been_there_and_back() {
+    let (length, speed) = (0.5, f64::sqrt(50e9 / 2700.0));
+    let left = rectangle([0.0, 0.0], [length, 0.02], 100, 4);
+    let right = rectangle([length, 0.0], [2.0 * length, 0.02], 100, 4);
+    // Side by side at rest in a frame of their mean velocity: 10 m/s against each other.
+    let mesh = together(&[left.clone(), turned(&right, 0.0, [1e-7, 0.0])]);
+    let velocities = [vec![[5.0, 0.0]; left.nodes.len()], vec![[-5.0, 0.0]; right.nodes.len()]].concat();
+    let contact = ContactOptions { penalty: 10.0, ..ContactOptions::default() };
+    let model = Model { mesh, velocities, materials: vec![granite()], contact, ..Model::default() };
+    let mut run = Simulation::new(model, 2).expect("a model");
+    let (mut began, mut ended, mut stress) = (None, 0.0, 0.0_f64);
+    while began.is_none_or(|began| run.time() - began < 3.0 * length / speed) {
+        run.advance(1).expect("a step");
+        if run.counts().contacts > 0 {
+            ended = run.time();
+            began = began.or(Some(run.time()));
+        }
+        if began.is_some_and(|began| run.time() - began > 1.0 * length / speed) && stress == 0.0 {
+            // In the left bar, behind the first wave and before the second.
+            let snapshot = run.snapshot();
+            let inside: Vec<f64> = (0..left.triangles.len())
+                .filter(|&e| {
+                    let x: f64 =
+                        left.triangles[e].iter().map(|&n| left.nodes[n as usize][0]).sum::<f64>() / 3.0;
+                    x > 0.6 * length && x < 0.8 * length
+                })
+                .map(|e| snapshot.stresses[e][0])
+                .collect();
+            stress = inside.iter().sum::<f64>() / inside.len() as f64;
+        }
+    }
+    let duration = ended - began.unwrap_or(0.0);
+    assert!((duration / (2.0 * length / speed) - 1.0).abs() < 0.02, "{duration} {}", 2.0 * length / speed);
+    let expected = -2700.0 * speed * 10.0 / 2.0;
+    assert!((stress / expected - 1.0).abs() < 0.02, "{stress} {expected}");
+}
+
+/// A block on a plane that is inclined by `degrees`, which is gravity turned.
+fn slide(degrees: f64, friction: f64) -> Simulation {
+    let (sin, cos) = degrees.to_radians().sin_cos();
+    let base = rectangle([-0.2, -0.1], [1.2, 0.0], 28, 2);
+    let block = rectangle([0.0, 0.0], [0.2, 0.1], 5, 3);
+    let held = nodes_where(&base, |[_, y]| y < -0.099);
+    let model = Model {
+        mesh: together(&[base, block]),
+        materials: vec![Material { youngs_modulus: 1e8, friction, damping: 0.5, ..granite() }],
+        gravity: [9.81 * sin, -9.81 * cos],
+        boundaries: vec![Boundary {
+            name: "ground".to_owned(),
+            target: Target::Nodes(held),
+            load: Load::Velocity([Some(0.0); 2]),
+            schedule: Schedule::Constant,
+        }],
+        contact: ContactOptions { damping: 0.5, ..ContactOptions::default() },
+        ..Model::default()
+    };
+    Simulation::new(model, 2).expect("a model")
+}
+
+/// Mean velocity of the block along the plane.
+fn speed(run: &Simulation) -> f64 {
+    let base = 29 * 3;
+    let snapshot = run.snapshot();
+    let block = &snapshot.velocities[base..];
+    block.iter().map(|velocity| velocity[0]).sum::<f64>() / block.len() as f64
+}
+
+#[test]
+fn a_block_slides_above_the_angle_of_friction_and_rests_below() {
+    let mut run = slide(30.0, 0.4);
+    let mut at = |time: f64| {
+        while run.time() < time {
+            run.advance(100).expect("steps");
+        }
+        (run.time(), speed(&run))
+    };
+    let ((t, v), (u, w)) = (at(0.1), at(0.4));
+    let (found, expected) = ((w - v) / (u - t), 9.81 * (0.5 - 0.4 * 0.75_f64.sqrt()));
+    assert!((found / expected - 1.0).abs() < 0.01, "{found} {expected}");
+    let mut run = slide(15.0, 0.4);
+    while run.time() < 0.3 {
+        run.advance(100).expect("steps");
+    }
+    assert!(speed(&run).abs() < 1e-4, "{}", speed(&run));
+}

@@ -1,0 +1,73 @@
+//! Bodies that break: strength, energy, compliance.
+
+use crate::common::*;
+use fdem_simulation::*;
+
+fn brittle(strength: Strength) -> Material {
+    Material { youngs_modulus: 30e9, strength: Some(strength), ..granite() }
+}
+
+fn held(name: &str, nodes: Vec<u32>, velocity: [Option<f64>; 2], schedule: Schedule) -> Boundary {
+    Boundary { name: name.to_owned(), target: Target::Nodes(nodes), load: Load::Velocity(velocity), schedule }
+}
+
+/// A strip of 2 by 8 cells of 5 mm, pulled apart slowly along y.
+fn tension(insertion: Insertion, strength: Strength) -> Simulation {
+    let mut mesh = rectangle([0.0, 0.0], [0.01, 0.04], 2, 8);
+    // Only the joints in the middle, between two materials that are a little stronger, have this strength: it is known where the crack is to be.
+    for element in 0..mesh.triangles.len() {
+        mesh.materials[element] =
+            u32::from(mesh.triangles[element].iter().any(|&node| mesh.nodes[node as usize][1] > 0.0201));
+    }
+    let stronger = Strength { tensile: 1.05 * strength.tensile, ..strength };
+    let half = Material { damping: 0.2, ..brittle(stronger) };
+    let (bottom, top) = (nodes_where(&mesh, |[_, y]| y < 1e-9), nodes_where(&mesh, |[_, y]| y > 0.04 - 1e-9));
+    let speed = 0.001;
+    let velocities = mesh.nodes.iter().map(|[_, y]| [0.0, speed * y / 0.04]).collect();
+    let model = Model {
+        mesh,
+        velocities,
+        materials: vec![half.clone(), half],
+        interfaces: vec![Interface {
+            materials: [0, 1],
+            friction: 0.0,
+            penalty: None,
+            strength: Some(strength),
+        }],
+        boundaries: vec![
+            held("bottom", bottom, [None, Some(0.0)], Schedule::Constant),
+            held("top", top, [None, Some(speed)], Schedule::Constant),
+        ],
+        fracture: FractureOptions { insertion, joint_penalty: 20.0, ..FractureOptions::default() },
+        ..Model::default()
+    };
+    Simulation::new(model, 1).expect("a model")
+}
+
+#[test]
+fn tension_peaks_at_the_strength_and_dissipates_the_fracture_energy_in_one_crack() {
+    for insertion in [Insertion::Adaptive, Insertion::Intrinsic] {
+        let mut run = tension(insertion, Strength { energy_i: 3.0, ..rock() });
+        let mut peak = 0.0_f64;
+        while run.counts().broken == 0 {
+            run.advance(1).expect("a step");
+            peak = peak.max(run.force(1).expect("a boundary")[1] / 0.01);
+            assert!(run.time() < 1.0, "it never breaks");
+        }
+        let at_break = run.time();
+        while run.time() < 1.2 * at_break {
+            run.advance(50).expect("steps");
+        }
+        let length: f64 = run.crack_lengths().iter().sum();
+        let [opened, ..] = run.crack_lengths();
+        assert!((peak / 1e6 - 1.0).abs() < 0.005, "{insertion:?}: {peak}");
+        assert!(
+            (length / 0.01 - 1.0).abs() < 1e-9 && opened == length,
+            "{insertion:?}: {:?}",
+            run.crack_lengths()
+        );
+        let dissipated = run.energies().cohesive;
+        assert!((dissipated / (3.0 * 0.01) - 1.0).abs() < 0.01, "{insertion:?}: {dissipated}");
+        assert!(run.energies().error().abs() < 1e-3, "{:?}", run.energies());
+    }
+}

@@ -1,0 +1,104 @@
+//! Elastic bodies: waves, rotation, collisions. What is conserved, and what theory says.
+
+use crate::common::*;
+use fdem_simulation::*;
+
+/// A bar of length 1 along x.
+fn bar(cells: usize) -> Mesh {
+    rectangle([0.0, 0.0], [1.0, 0.05], cells, 2)
+}
+
+#[test]
+fn a_wave_in_a_bar_travels_at_the_speed_of_theory_and_doubles_at_the_free_end() {
+    // nu = 0: a plane wave along x. The left end is pushed at 1 m/s after a short ramp.
+    let mesh = bar(200);
+    let left = nodes_where(&mesh, |[x, _]| x < 1e-9);
+    let (middle, right) =
+        (nodes_where(&mesh, |[x, _]| (x - 0.5).abs() < 1e-9), nodes_where(&mesh, |[x, _]| x > 1.0 - 1e-9));
+    let ramp = 4e-5;
+    let model = Model {
+        mesh,
+        materials: vec![granite()],
+        boundaries: vec![Boundary {
+            name: "piston".to_owned(),
+            target: Target::Nodes(left),
+            load: Load::Velocity([Some(1.0), None]),
+            schedule: Schedule::Ramp(ramp),
+        }],
+        ..Model::default()
+    };
+    let mut run = Simulation::new(model, 1).expect("a model");
+    let speed = f64::sqrt(50e9 / 2700.0);
+    // When the middle is at half the speed of the ramp's middle.
+    let mut arrival = None;
+    while arrival.is_none() {
+        run.advance(1).expect("a step");
+        let velocity = run.node(middle[1]).expect("a node").1[0];
+        if velocity >= 0.5 {
+            arrival = Some(run.time() - 0.5 * ramp);
+        }
+    }
+    let found = 0.5 / arrival.expect("it arrived");
+    assert!((found / speed - 1.0).abs() < 0.005, "{found} {speed}");
+    while run.time() < 1.0 / speed + 3.0 * ramp {
+        run.advance(1).expect("a step");
+    }
+    let end = run.node(right[1]).expect("a node").1[0];
+    assert!((end / 2.0 - 1.0).abs() < 0.02, "{end}");
+    assert!(run.energies().error().abs() < 1e-9, "{:?}", run.energies());
+}
+
+#[test]
+fn a_block_that_spins_has_no_strain_and_keeps_its_momenta() {
+    let mesh = rectangle([-0.5, -0.25], [0.5, 0.25], 6, 3);
+    let spin = 10.0;
+    let velocities = mesh.nodes.iter().map(|[x, y]| [3.0 - spin * y, -2.0 + spin * x]).collect();
+    let model = Model {
+        mesh,
+        velocities,
+        materials: vec![Material { poissons_ratio: 0.25, ..granite() }],
+        ..Model::default()
+    };
+    let mut run = Simulation::new(model, 1).expect("a model");
+    run.advance(1).expect("a step");
+    let (before, energy) = (momentum(&run), run.energies());
+    let turn = 2.0 * std::f64::consts::PI / spin;
+    while run.time() < turn {
+        run.advance(100).expect("steps");
+    }
+    let after = momentum(&run);
+    for k in 0..3 {
+        assert!((after[k] - before[k]).abs() < 1e-11 * before[2].abs(), "{before:?} {after:?}");
+    }
+    let error = run.energies().balance() / energy.kinetic;
+    assert!(error.abs() < 1e-9, "{error}");
+}
+
+#[test]
+fn results_do_not_depend_on_threads() {
+    let mesh = together(&[bar(120), turned(&bar(120), 0.3, [1.01, 0.0])]);
+    let against: Vec<[f64; 2]> =
+        mesh.nodes.iter().map(|[x, _]| [if *x < 1.005 { 5.0 } else { -5.0 }, 0.0]).collect();
+    let strength = Strength { tensile: 2e5, cohesion: 4e5, energy_i: 0.5, energy_ii: 2.0, ..rock() };
+    for insertion in [Insertion::Adaptive, Insertion::Intrinsic] {
+        let model = Model {
+            mesh: together(&[
+                mesh.clone(),
+                turned(&rectangle([0.0, 0.0], [0.5, 0.5], 40, 40), 0.1, [0.0, 0.06]),
+            ]),
+            materials: vec![Material { strength: Some(strength), friction: 0.4, damping: 0.01, ..granite() }],
+            velocities: [against.clone(), vec![[0.0, -20.0]; 41 * 41]].concat(),
+            fracture: FractureOptions { insertion, joint_penalty: 100.0, ..FractureOptions::default() },
+            ..Model::default()
+        };
+        let mut states = Vec::new();
+        for threads in [1, 2, 5] {
+            let mut run = Simulation::new(model.clone(), threads).expect("a model");
+            run.advance(400).expect("steps");
+            let counts = run.counts();
+            assert!(counts.contacts > 0 && counts.joints > 0, "{counts:?}");
+            states.push((run.snapshot(), run.energies()));
+        }
+        assert!(states[0] == states[1] && states[0] == states[2]);
+    }
+}

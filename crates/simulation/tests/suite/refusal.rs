@@ -1,0 +1,90 @@
+use crate::common::*;
+use fdem_simulation::*;
+
+fn square() -> Model {
+    Model { mesh: rectangle([0.0; 2], [1.0; 2], 2, 2), materials: vec![granite()], ..Model::default() }
+}
+
+fn held(target: Target, load: Load) -> Boundary {
+    Boundary { name: "jaw".to_owned(), target, load, schedule: Schedule::Constant }
+}
+
+/// The message with which a changed model is refused.
+fn refusal(change: impl FnOnce(&mut Model)) -> String {
+    let mut model = square();
+    change(&mut model);
+    match Simulation::new(model, 1) {
+        Ok(_) => "accepted".to_owned(),
+        Err(error) => error.to_string(),
+    }
+}
+
+#[test]
+fn models_that_cannot_be_say_why() {
+    assert_eq!(refusal(|_| ()), "accepted");
+    assert_eq!(refusal(|m| m.mesh.triangles.clear()), "the mesh has no elements");
+    assert_eq!(
+        refusal(|m| m.materials[0].density = -1.0),
+        "material 'granite': density is -1, it must be positive"
+    );
+    assert_eq!(
+        refusal(|m| m.materials[0].youngs_modulus = f64::NAN),
+        "material 'granite': Young's modulus is NaN, it must be positive"
+    );
+    assert!(refusal(|m| m.materials[0].poissons_ratio = 0.7).contains("at most 0.5"));
+    assert!(
+        refusal(|m| (m.plane, m.materials[0].poissons_ratio) = (Plane::Strain, 0.5)).contains("below 0.5")
+    );
+    assert_eq!(refusal(|m| m.mesh.triangles[3][1] = 77), "element 3: there is no node 77");
+    assert_eq!(refusal(|m| m.mesh.materials[2] = 5), "element 2: there is no material 5");
+    assert_eq!(
+        refusal(|m| m.mesh.nodes[4][1] = f64::INFINITY),
+        "node 4: a coordinate is inf, it must be a finite number"
+    );
+    assert!(refusal(|m| m.mesh.triangles[1].swap(0, 1)).starts_with("element 1 has an area of -"));
+    assert_eq!(refusal(|m| m.mesh.nodes.push([3.0; 2])), "node 9 belongs to no element");
+    assert!(refusal(|m| m.mesh.bodies[7] = 1).contains("bodies share no nodes"));
+    assert_eq!(refusal(|m| m.velocities = vec![[0.0; 2]; 3]), "3 initial velocities for 9");
+    assert_eq!(refusal(|m| m.thickness = 0.0), "the model: thickness is 0, it must be positive");
+    assert!(refusal(|m| m.time.safety = 1.5).contains("safety is 1.5"));
+    let brittle = Strength { energy_i: 1e-9, ..rock() };
+    assert!(
+        refusal(|m| {
+            m.materials[0].strength = Some(brittle);
+            m.fracture.insertion = Insertion::Intrinsic;
+        })
+        .contains("store more than the fracture energy")
+    );
+}
+
+#[test]
+fn boundaries_that_cannot_be_say_why() {
+    let nodes = || Target::Nodes(vec![0, 1]);
+    let push = Load::Velocity([Some(1.0), None]);
+    assert_eq!(refusal(|m| m.boundaries = vec![held(nodes(), push)]), "accepted");
+    assert_eq!(
+        refusal(|m| m.boundaries = vec![held(Target::Nodes(vec![9]), push)]),
+        "boundary 'jaw': there is no node 9"
+    );
+    assert_eq!(
+        refusal(|m| m.boundaries = vec![held(nodes(), Load::Pressure(1.0))]),
+        "boundary 'jaw' needs edges"
+    );
+    assert_eq!(
+        refusal(|m| m.boundaries = vec![held(Target::Nodes(Vec::new()), push)]),
+        "boundary 'jaw' needs nodes"
+    );
+    let inner = Target::Edges(vec![[0, 4]]);
+    assert_eq!(
+        refusal(|m| m.boundaries = vec![held(inner, Load::Pressure(1.0))]),
+        "boundary 'jaw': no element has an outer edge from node 0 to node 4"
+    );
+    let twice = refusal(|m| m.boundaries = vec![held(nodes(), push), held(nodes(), push)]);
+    assert_eq!(twice, "node 0 is moved along x by boundaries 'jaw' and 'jaw'");
+    // Two that hold a corner still agree.
+    let fixed = Load::Velocity([Some(0.0), Some(0.0)]);
+    assert_eq!(refusal(|m| m.boundaries = vec![held(nodes(), fixed), held(nodes(), fixed)]), "accepted");
+    let table = |rows: Vec<[f64; 2]>| Boundary { schedule: Schedule::Table(rows), ..held(nodes(), push) };
+    assert!(refusal(|m| m.boundaries = vec![table(Vec::new())]).contains("at least 1"));
+    assert!(refusal(|m| m.boundaries = vec![table(vec![[0.0, 1.0], [0.0, 2.0]])]).contains("later than"));
+}
