@@ -20,6 +20,10 @@ pub(crate) const AREA: f64 = 0.386_307_294_743_943;
 
 /// Of the strength, what is left at damage `d`: 1 at 0, 0 at 1.
 pub(crate) fn softening(d: f64) -> f64 {
+    // Most joints are whole.
+    if d == 0.0 {
+        return 1.0;
+    }
     let rest = 1.0 - d;
     if rest <= 0.0 {
         return 0.0;

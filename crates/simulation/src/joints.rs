@@ -12,7 +12,7 @@ use crate::error::ModelError;
 use crate::model::{Insertion, Model, Strength};
 use crate::potential::{Point, dot, minus};
 use crate::random;
-use crate::solid::{Solid, height, triangle_of};
+use crate::solid::{Node, Solid, height, triangle_of};
 use crate::team::Team;
 use crate::topology::{Edge, NONE, Topology};
 
@@ -40,19 +40,31 @@ pub(crate) struct Joint {
     /// Of the undeformed edge.
     #[serde(skip)]
     pub(crate) length: f64,
+    /// Nodes on either side of each end.
+    #[serde(skip)]
+    nodes: [[u32; 2]; 2],
     pub(crate) ends: [Memory; 2],
     /// The nodes at an end are two.
     pub(crate) open: [bool; 2],
-    /// On side 0 at each end; side 1 has the opposite.
-    pub(crate) forces: [Point; 2],
-    /// Mean opening and sliding.
-    pub(crate) opening: [f64; 2],
     /// Share that has been left to contact.
     pub(crate) faded: f64,
-    /// When it broke.
+}
+
+/// When and how a joint broke.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(crate) struct Break {
+    joint: u32,
     pub(crate) time: f64,
-    /// Shares of opening and sliding in the damage when it broke.
+    /// Shares of opening and sliding in the damage.
     pub(crate) modes: [f64; 2],
+}
+
+/// What the joints have of a run, to be saved.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct Saved {
+    joints: Vec<Joint>,
+    forces: Vec<[Point; 2]>,
+    breaks: Vec<Break>,
 }
 
 impl Joint {
@@ -74,6 +86,12 @@ impl Joint {
 #[derive(Debug)]
 pub(crate) struct Joints {
     pub(crate) all: Vec<Joint>,
+    /// Of each joint on its side 0, at each end; side 1 has the opposite.
+    forces: Vec<[Point; 2]>,
+    /// Those that broke, by joint.
+    breaks: Vec<Break>,
+    /// The joints of the two edges at each corner: 4 times their number, 2 for the second end, 1 for side 1; or [`NONE`].
+    at_corner: Vec<[u32; 2]>,
     /// The joint of each edge, or [`NONE`].
     pub(crate) of_edge: Vec<u32>,
     /// What may break each edge: a number among `strengths`, or [`NONE`].
@@ -84,7 +102,6 @@ pub(crate) struct Joints {
     /// Whether an edge of a vertex has a joint.
     pub(crate) at_vertex: Vec<bool>,
     insertion: Insertion,
-    pub(crate) broken: usize,
 }
 
 /// What a pass over the joints found.
@@ -94,6 +111,7 @@ pub(crate) struct Parting {
     pub(crate) work: f64,
     /// Joints that broke.
     pub(crate) broken: Vec<u32>,
+    breaks: Vec<Break>,
 }
 
 impl Joints {
@@ -126,13 +144,15 @@ impl Joints {
         };
         Self {
             all: Vec::new(),
+            forces: Vec::new(),
+            breaks: Vec::new(),
+            at_corner: vec![[NONE; 2]; topology.vertices.len()],
             of_edge: vec![NONE; topology.edges.len()],
             class,
             strengths,
             factors,
             at_vertex: vec![false; topology.vertex_count()],
             insertion: model.fracture.insertion,
-            broken: 0,
         }
     }
 
@@ -182,50 +202,85 @@ impl Joints {
     }
 
     fn put(&mut self, edge: u32, law: Law, topology: &Topology, model: &Model) {
-        self.of_edge[edge as usize] = self.all.len() as u32;
-        let vertices =
-            topology.edges[edge as usize].corners[0].map(|corner| topology.vertices[corner as usize]);
+        let number = self.all.len() as u32;
+        self.of_edge[edge as usize] = number;
+        let sides = &topology.edges[edge as usize];
+        for (side, corners) in sides.corners.into_iter().enumerate() {
+            for (end, corner) in corners.into_iter().enumerate() {
+                let code = 4 * number + 2 * end as u32 + side as u32;
+                let slot = usize::from(topology.edges_at(corner)[0] != edge);
+                self.at_corner[corner as usize][slot] = code;
+            }
+        }
+        let vertices = sides.corners[0].map(|corner| topology.vertices[corner as usize]);
         for vertex in vertices {
             self.at_vertex[vertex as usize] = true;
         }
+        self.forces.push([[0.0; 2]; 2]);
         self.all.push(Joint {
             edge,
             state: State::Holding,
             law,
             length: length(model, vertices),
+            nodes: [[0; 2]; 2],
             ends: [Memory::default(); 2],
             open: [false; 2],
-            forces: [[0.0; 2]; 2],
-            opening: [0.0; 2],
             faded: 0.0,
-            time: f64::NAN,
-            modes: [0.0; 2],
         });
+    }
+
+    /// How many are broken.
+    pub(crate) fn broken(&self) -> usize {
+        self.breaks.len()
+    }
+
+    /// Joints that are broken, with when and how.
+    pub(crate) fn breaks(&self) -> impl Iterator<Item = (&Joint, &Break)> {
+        self.breaks.iter().map(|broken| (&self.all[broken.joint as usize], broken))
+    }
+
+    /// When and how a joint broke, if it did.
+    pub(crate) fn break_of(&self, joint: u32) -> Option<&Break> {
+        let place = self.breaks.binary_search_by_key(&joint, |broken| broken.joint).ok()?;
+        self.breaks.get(place)
+    }
+
+    pub(crate) fn save(&self) -> Saved {
+        Saved { joints: self.all.clone(), forces: self.forces.clone(), breaks: self.breaks.clone() }
     }
 
     /// Joints as they were saved.
     pub(crate) fn restore(
         &mut self,
-        saved: &[Joint],
+        saved: Saved,
         model: &Model,
         topology: &Topology,
+        solid: &Solid,
     ) -> Result<(), ModelError> {
-        self.all.clear();
-        for joint in saved {
-            if joint.edge as usize >= topology.edges.len() {
-                return Err(ModelError::Missing {
-                    what: "edge",
-                    index: joint.edge,
-                    place: "joints".to_owned(),
-                });
-            }
-            let Some(law) = self.law(joint.edge, model, topology)? else { continue };
-            self.put(joint.edge, law, topology, model);
-            if let Some(last) = self.all.last_mut() {
-                *last = Joint { law: last.law, length: last.length, ..*joint };
-            }
+        let missing = |what, index| ModelError::Missing { what, index, place: "the saved joints".to_owned() };
+        let count = saved.joints.len();
+        if saved.forces.len() != count {
+            let found = saved.forces.len();
+            return Err(ModelError::Length { what: "forces of joints", found, expected: count });
         }
-        self.broken = self.all.iter().filter(|joint| joint.state != State::Holding).count();
+        if let Some(broken) = saved.breaks.iter().find(|broken| broken.joint as usize >= count) {
+            return Err(missing("joint", broken.joint));
+        }
+        self.all.clear();
+        self.forces.clear();
+        for joint in &saved.joints {
+            let law = if (joint.edge as usize) < topology.edges.len() {
+                self.law(joint.edge, model, topology)?
+            } else {
+                None
+            };
+            self.put(joint.edge, law.ok_or_else(|| missing("edge", joint.edge))?, topology, model);
+        }
+        for (own, joint) in self.all.iter_mut().zip(&saved.joints) {
+            let nodes = nodes_at(&topology.edges[joint.edge as usize], solid);
+            *own = Joint { law: own.law, length: own.length, nodes, ..*joint };
+        }
+        (self.forces, self.breaks) = (saved.forces, saved.breaks);
         Ok(())
     }
 
@@ -305,7 +360,8 @@ impl Joints {
         let Some(joint) = self.all.get_mut(self.of_edge[edge as usize] as usize) else { return };
         let sides = &topology.edges[edge as usize];
         let end = usize::from(topology.vertices[sides.corners[0][0] as usize] != vertex);
-        let [a, b] = sides.corners.map(|side| solid.corners.of_corner[side[end] as usize]);
+        joint.nodes = nodes_at(sides, solid);
+        let [a, b] = joint.nodes[end];
         if joint.open[end] || a == b {
             return;
         }
@@ -316,25 +372,17 @@ impl Joints {
     }
 
     /// Tractions and forces of all joints, from where the nodes are.
-    pub(crate) fn pull(
-        &mut self,
-        solid: &Solid,
-        topology: &Topology,
-        step: f64,
-        time: f64,
-        team: &Team,
-    ) -> Parting {
-        let found = team.change(&mut self.all, |first, chunk| {
+    pub(crate) fn pull(&mut self, solid: &Solid, step: f64, time: f64, team: &Team) -> Parting {
+        let found = team.change_both(&mut self.all, &mut self.forces, |first, joints, forces| {
             let mut sum = Parting::default();
-            for (k, joint) in chunk.iter_mut().enumerate() {
+            for (k, (joint, forces)) in joints.iter_mut().zip(forces).enumerate() {
                 if joint.state == State::Gone {
                     continue;
                 }
-                let holding = joint.state == State::Holding;
-                sum.work += pull(joint, solid, &topology.edges[joint.edge as usize], step);
-                if holding && joint.state == State::Broken {
-                    joint.time = time;
-                    sum.broken.push((first + k) as u32);
+                let (work, modes) = pull(joint, forces, solid, step);
+                sum.work += work;
+                if let Some(modes) = modes {
+                    sum.breaks.push(Break { joint: (first + k) as u32, time, modes });
                 }
             }
             sum
@@ -342,48 +390,74 @@ impl Joints {
         let mut all = Parting::default();
         for chunk in found {
             all.work += chunk.work;
-            all.broken.extend(chunk.broken);
+            all.breaks.extend(chunk.breaks);
         }
-        self.broken += all.broken.len();
+        all.broken = all.breaks.iter().map(|broken| broken.joint).collect();
+        if !all.breaks.is_empty() {
+            self.breaks.append(&mut all.breaks);
+            self.breaks.sort_unstable_by_key(|broken| broken.joint);
+        }
         all
     }
 
     /// The force of the joints on a corner of an element.
     #[inline]
-    pub(crate) fn add_force(&self, corner: u32, topology: &Topology, force: &mut Point) {
-        let (element, k) = (corner as usize / 3, corner as usize % 3);
-        let edges = &topology.edge_of[element];
-        // The corner is the start of one edge of its element and the end of the one before.
-        for (edge, at_start) in [(edges[k], true), (edges[(k + 2) % 3], false)] {
-            if edge == NONE {
+    pub(crate) fn add_force(&self, corner: u32, force: &mut Point) {
+        for code in self.at_corner[corner as usize] {
+            if code == NONE {
                 continue;
             }
-            let Some(joint) = self.all.get(self.of_edge[edge as usize] as usize) else { continue };
-            let first = topology.edges[edge as usize].corners[0][0] as usize / 3 == element;
-            let pull = joint.forces[usize::from(first != at_start)];
-            let sign = if first { 1.0 } else { -1.0 };
+            let pull = self.forces[code as usize / 4][code as usize / 2 % 2];
+            let sign = if code % 2 == 0 { 1.0 } else { -1.0 };
             force[0] += sign * pull[0];
             force[1] += sign * pull[1];
         }
     }
+
+    /// Mean opening and sliding of a joint.
+    pub(crate) fn gap(joint: &Joint, solid: &Solid) -> [f64; 2] {
+        let frame = Frame::new(joint, solid);
+        let mut mean = [0.0; 2];
+        for [a, b] in frame.ends {
+            let gap = minus(b.position, a.position);
+            mean[0] += 0.5 * dot(gap, frame.normal);
+            mean[1] += 0.5 * dot(gap, frame.tangent);
+        }
+        mean
+    }
 }
 
-/// Forces of one joint; the work since the last time.
-fn pull(joint: &mut Joint, solid: &Solid, edge: &Edge, step: f64) -> f64 {
-    let at = |side: usize, end: usize| solid.at_corner(edge.corners[side][end]);
-    let ends = [0, 1].map(|end| [at(0, end), at(1, end)]);
-    // Half way between the two edges, seen from side 0: its outward normal is to the right.
-    let middle =
-        ends.map(|[a, b]| [0.5 * (a.position[0] + b.position[0]), 0.5 * (a.position[1] + b.position[1])]);
-    let along = minus(middle[1], middle[0]);
-    let long = along[0].hypot(along[1]);
-    let tangent = [along[0] / long, along[1] / long];
-    let normal = [tangent[1], -tangent[0]];
-    let half = 0.5 * joint.length * solid.thickness;
-    let mut work = 0.0;
-    let mut mean = [0.0; 2];
-    let mut least = f64::INFINITY;
-    let mut whole = false;
+/// Where a joint is.
+struct Frame<'a> {
+    ends: [[&'a Node; 2]; 2],
+    tangent: Point,
+    /// Outward of side 0.
+    normal: Point,
+}
+
+impl<'a> Frame<'a> {
+    #[inline]
+    fn new(joint: &Joint, solid: &'a Solid) -> Self {
+        let ends = joint.nodes.map(|end| end.map(|node| &solid.nodes[node as usize]));
+        // Half way between the two edges, seen from side 0: its outward normal is to the right.
+        let sum = ends.map(|[a, b]| [a.position[0] + b.position[0], a.position[1] + b.position[1]]);
+        let along = minus(sum[1], sum[0]);
+        let long = 1.0 / dot(along, along).sqrt();
+        let tangent = [along[0] * long, along[1] * long];
+        Self { ends, tangent, normal: [tangent[1], -tangent[0]] }
+    }
+}
+
+fn nodes_at(edge: &Edge, solid: &Solid) -> [[u32; 2]; 2] {
+    std::array::from_fn(|end| edge.corners.map(|side| solid.corners.of_corner[side[end] as usize]))
+}
+
+/// Forces of one joint; the work since the last time, and, if it broke, the modes of its damage.
+#[inline]
+fn pull(joint: &mut Joint, forces: &mut [Point; 2], solid: &Solid, step: f64) -> (f64, Option<[f64; 2]>) {
+    let Frame { ends, tangent, normal } = Frame::new(joint, solid);
+    let share = 0.5 * joint.length * solid.thickness * (1.0 - joint.faded);
+    let (mut work, mut slid, mut least, mut whole) = (0.0, 0.0, f64::INFINITY, false);
     for (end, [a, b]) in ends.into_iter().enumerate() {
         if !joint.open[end] {
             whole = true;
@@ -393,39 +467,33 @@ fn pull(joint: &mut Joint, solid: &Solid, edge: &Edge, step: f64) -> f64 {
         let rate = minus(b.velocity, a.velocity);
         let (opening, sliding) = (dot(gap, normal), dot(gap, tangent));
         let [pressure, shear] = joint.ends[end].traction(&joint.law, opening, sliding);
-        let share = half * (1.0 - joint.faded);
         let force: Point =
             std::array::from_fn(|axis| share * (pressure * normal[axis] + shear * tangent[axis]));
         // What the last force did in the second half of its step, and this one in the first half.
-        work += 0.5 * step * (dot(joint.forces[end], rate) + dot(force, rate));
-        joint.forces[end] = force;
-        mean[0] += 0.5 * opening;
-        mean[1] += 0.5 * sliding;
+        work += 0.5 * step * (dot(forces[end], rate) + dot(force, rate));
+        forces[end] = force;
+        slid += 0.5 * sliding;
         least = least.min(opening);
     }
-    joint.opening = mean;
     match joint.state {
-        State::Holding if !whole && joint.ends.iter().all(|memory| memory.damage(&joint.law) >= 1.0) => {
+        State::Holding if !whole && joint.ends.iter().all(|end| end.damage(&joint.law) >= 1.0) => {
             joint.state = State::Broken;
-            joint.modes = joint
-                .ends
-                .map(|memory| memory.modes(&joint.law))
-                .into_iter()
-                .fold([0.0; 2], |sum, modes| [sum[0] + 0.5 * modes[0], sum[1] + 0.5 * modes[1]]);
+            let [a, b] = joint.ends.map(|end| end.modes(&joint.law));
+            return (work, Some([0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])]));
         }
         State::Broken => {
-            let slid = (mean[1].abs() / joint.length - FADE[0]) / (FADE[1] - FADE[0]);
-            joint.faded = joint.faded.max(slid.clamp(0.0, 1.0));
+            let share = (slid.abs() / joint.length - FADE[0]) / (FADE[1] - FADE[0]);
+            joint.faded = joint.faded.max(share.clamp(0.0, 1.0));
             // Open, neither a joint nor a contact acts.
             if least >= 0.0 || joint.faded >= 1.0 {
                 joint.faded = 1.0;
-                joint.forces = [[0.0; 2]; 2];
+                *forces = [[0.0; 2]; 2];
                 joint.state = State::Gone;
             }
         }
-        _ => {}
+        State::Holding | State::Gone => {}
     }
-    work
+    (work, None)
 }
 
 /// Normal (tension positive) and tangential traction across an edge: the mean of the two elements.

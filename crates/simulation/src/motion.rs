@@ -10,12 +10,11 @@ use crate::model::Model;
 use crate::potential::{Point, dot};
 use crate::solid::{Node, Solid};
 use crate::team::Team;
-use crate::topology::{NONE, Nodes, Topology};
+use crate::topology::{NONE, Nodes};
 
 /// What moves the nodes in this step.
 pub(crate) struct Motion<'a> {
     pub(crate) model: &'a Model,
-    pub(crate) topology: &'a Topology,
     pub(crate) joints: &'a Joints,
     pub(crate) contacts: &'a Contacts,
     pub(crate) loads: &'a Loads,
@@ -87,7 +86,7 @@ fn gather(
         force[0] += element.forces[k][0];
         force[1] += element.forces[k][1];
         if joined {
-            motion.joints.add_force(corner, motion.topology, &mut force);
+            motion.joints.add_force(corner, &mut force);
         }
         if element.contacts[0] != element.contacts[1] {
             motion.contacts.add_force(element.contacts, k, &mut force);

@@ -9,7 +9,7 @@ use crate::contacts::{Contacts, Grip, Touching};
 use crate::critical::CriticalStep;
 use crate::energy::Energies;
 use crate::error::{ModelError, Stop};
-use crate::joints::{Joint, Joints, State as JointState};
+use crate::joints::{Break, Joint, Joints, Saved};
 use crate::loads::Loads;
 use crate::model::{Insertion, Model};
 use crate::motion::{self, Motion};
@@ -89,7 +89,7 @@ pub struct State {
     nodes: Vec<Node>,
     of_corner: Vec<u32>,
     viscous: Vec<[f64; 4]>,
-    joints: Vec<Joint>,
+    joints: Saved,
     watched: Vec<bool>,
     grips: Vec<([u32; 2], Grip)>,
 }
@@ -196,7 +196,7 @@ impl Simulation {
         clock.read(&mut timings.bulk);
 
         joints.insert(solid, model, topology, team);
-        let parting = joints.pull(solid, topology, step, time, team);
+        let parting = joints.pull(solid, step, time, team);
         contacts.part(&parting.broken, joints, topology);
         totals.cohesive += parting.work;
         clock.read(&mut timings.joints);
@@ -214,8 +214,7 @@ impl Simulation {
         let [first, absorbed] = loads.half_work(solid, model, step);
         totals.external += first;
         totals.damping -= absorbed;
-        let motion =
-            Motion { model, topology, joints, contacts, loads, time, step, speed_limit: self.speed_limit };
+        let motion = Motion { model, joints, contacts, loads, time, step, speed_limit: self.speed_limit };
         let moved = motion::advance(solid, &motion, team);
         totals.external += moved.external[0];
         totals.damping += moved.damping[0];
@@ -329,8 +328,8 @@ impl Simulation {
     /// How many joints, contacts and nodes there are.
     pub fn counts(&self) -> Counts {
         Counts {
-            joints: self.joints.all.len() - self.joints.broken,
-            broken: self.joints.broken,
+            joints: self.joints.all.len() - self.joints.broken(),
+            broken: self.joints.broken(),
             contacts: self.touching.count,
             detections: self.contacts.detections,
             nodes: self.solid.nodes.len(),
@@ -362,8 +361,8 @@ impl Simulation {
     /// Lengths of broken joints, m: broken by opening, by sliding, by both.
     pub fn crack_lengths(&self) -> [f64; 3] {
         let mut lengths = [0.0; 3];
-        for joint in self.joints.all.iter().filter(|joint| joint.state != JointState::Holding) {
-            lengths[mode(joint) as usize] += joint.length;
+        for (joint, broken) in self.joints.breaks() {
+            lengths[mode(broken.modes) as usize] += joint.length;
         }
         lengths
     }
@@ -374,7 +373,7 @@ impl Simulation {
         let elements = &self.solid.elements;
         let mut damage = vec![0.0_f64; elements.len()];
         let mut cracks = Vec::new();
-        for joint in &self.joints.all {
+        for (number, joint) in self.joints.all.iter().enumerate() {
             let of_joint = joint.damage();
             let edge = &self.topology.edges[joint.edge as usize];
             for element in edge.elements() {
@@ -382,7 +381,7 @@ impl Simulation {
                 *damage = damage.max(of_joint);
             }
             if of_joint > 0.0 {
-                cracks.push(self.crack(joint, of_joint));
+                cracks.push(self.crack(joint, of_joint, self.joints.break_of(number as u32)));
             }
         }
         Snapshot {
@@ -409,20 +408,28 @@ impl Simulation {
         }
     }
 
-    fn crack(&self, joint: &Joint, damage: f64) -> Crack {
+    fn crack(&self, joint: &Joint, damage: f64, broken: Option<&Break>) -> Crack {
         let edge = &self.topology.edges[joint.edge as usize];
         let end = |end: usize| {
             let [a, b] = edge.corners.map(|side| self.solid.at_corner(side[end]).position);
             [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])]
         };
+        let [opening, sliding] = Joints::gap(joint, &self.solid);
+        let modes = broken.map_or_else(
+            || {
+                let [a, b] = joint.ends.map(|end| end.modes(&joint.law));
+                [a[0] + b[0], a[1] + b[1]]
+            },
+            |broken| broken.modes,
+        );
         Crack {
             ends: [end(0), end(1)],
             elements: edge.elements(),
             damage,
-            mode: mode(joint),
-            opening: joint.opening[0],
-            sliding: joint.opening[1],
-            time: joint.time.is_finite().then_some(joint.time),
+            mode: mode(modes),
+            opening,
+            sliding,
+            time: broken.map(|broken| broken.time),
             length: joint.length,
         }
     }
@@ -437,7 +444,7 @@ impl Simulation {
             nodes: self.solid.nodes.clone(),
             of_corner: self.solid.corners.of_corner.clone(),
             viscous: self.solid.elements.iter().map(|element| element.viscous).collect(),
-            joints: self.joints.all.clone(),
+            joints: self.joints.save(),
             watched: self.contacts.watched.clone(),
             grips: self.contacts.grips(),
         }
@@ -481,7 +488,7 @@ impl Simulation {
             element.nodes = std::array::from_fn(|k| run.solid.corners.of_corner[3 * number + k]);
             element.viscous = state.viscous[number];
         }
-        run.joints.restore(&state.joints, &run.model, &run.topology)?;
+        run.joints.restore(state.joints, &run.model, &run.topology, &run.solid)?;
         run.contacts.restore(state.watched, &run.joints, &run.topology, &state.grips);
         run.step = state.step;
         run.totals = state.totals;
@@ -492,14 +499,8 @@ impl Simulation {
     }
 }
 
-/// By what the damage of a joint is, or was when it broke.
-fn mode(joint: &Joint) -> Mode {
-    let modes = if joint.state == JointState::Holding {
-        let [a, b] = joint.ends.map(|end| end.modes(&joint.law));
-        [a[0] + b[0], a[1] + b[1]]
-    } else {
-        joint.modes
-    };
+/// By what the damage of a joint is, of shares of opening and sliding.
+fn mode(modes: [f64; 2]) -> Mode {
     let squares = modes.map(|share| share * share);
     let opening = squares[0] / (squares[0] + squares[1]).max(f64::MIN_POSITIVE);
     if opening >= 0.75 {

@@ -51,6 +51,25 @@ impl Team {
         }
     }
 
+    /// The same on chunks of two lists of one length.
+    pub(crate) fn change_both<A: Send, B: Send, R: Send>(
+        &self,
+        first: &mut [A],
+        second: &mut [B],
+        work: impl Fn(usize, &mut [A], &mut [B]) -> R + Sync,
+    ) -> Vec<R> {
+        match &self.pool {
+            Some(pool) if first.len() >= WORTH_IT => pool.install(|| {
+                let pairs = first.par_chunks_mut(CHUNK).zip(second.par_chunks_mut(CHUNK));
+                pairs.enumerate().map(|(k, (a, b))| work(k * CHUNK, a, b)).collect()
+            }),
+            _ => {
+                let pairs = first.chunks_mut(CHUNK).zip(second.chunks_mut(CHUNK));
+                pairs.enumerate().map(|(k, (a, b))| work(k * CHUNK, a, b)).collect()
+            }
+        }
+    }
+
     /// The same on chunks of the numbers below `count`.
     pub(crate) fn look<R: Send>(
         &self,
