@@ -6,6 +6,7 @@
 mod analyse;
 mod args;
 mod bench;
+mod check;
 mod contacts;
 mod detect;
 mod drawings;
@@ -18,9 +19,11 @@ mod label_summary;
 mod labels;
 mod mesh_summary;
 mod meshes;
+mod new;
 mod output;
 mod periodic;
 mod progress;
+mod run;
 mod series;
 mod series_summary;
 mod summary;
@@ -49,10 +52,19 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
             return error.exit_code() as u8;
         }
     };
-    let done = output::remove_partial_output_when_interrupted().and_then(|()| match arguments.task {
+    // Runs of models do not lose what they have when they are interrupted.
+    let watched = match arguments.task {
+        Task::Run(_) | Task::Resume(_) => Ok(()),
+        _ => output::remove_partial_output_when_interrupted(),
+    };
+    let done = watched.and_then(|()| match arguments.task {
         Task::Contacts(arguments) => contacts::run(&arguments),
         Task::Bench(arguments) => bench::run(&arguments),
         Task::Generate(arguments) => generate::run(&arguments),
+        Task::New(arguments) => new::run(&arguments),
+        Task::Check(arguments) => check::run(&arguments),
+        Task::Run(arguments) => run::run(&arguments),
+        Task::Resume(arguments) => run::resume(&arguments),
     });
     match done {
         Ok(()) => 0,

@@ -10,16 +10,16 @@
 
 pub(crate) mod camera;
 pub(crate) mod colour;
-mod encode;
+pub(crate) mod encode;
 mod flat;
 pub(crate) mod furniture;
-mod drawing;
+pub(crate) mod drawing;
 mod mesh;
 mod plots;
 mod raster;
 pub(crate) mod scene;
 pub(crate) mod svg;
-mod ticks;
+pub(crate) mod ticks;
 
 use std::fmt;
 

@@ -33,8 +33,11 @@ pub const MOST_ELEMENTS: usize = 1_000_000;
 pub const MOST_CONTACTS: usize = 5_000_000;
 
 const PAGE: &str = include_str!("report/page.html");
-const STYLE: &str = include_str!("report/style.css");
-const SCRIPTS: [&str; 4] = [
+pub(crate) const STYLE: &str = include_str!("report/style.css");
+/// What the page of a run has too.
+pub(crate) const SHARED: &str = include_str!("report/shared.js");
+const SCRIPTS: [&str; 5] = [
+    SHARED,
     include_str!("report/data.js"),
     include_str!("report/view.js"),
     include_str!("report/table.js"),
@@ -131,7 +134,7 @@ pub fn html<const D: usize>(report: &Report<'_, D>) -> Result<String, PictureErr
 }
 
 /// The template with its `{{names}}` replaced, what replaces them not searched again.
-fn filled(
+pub(crate) fn filled(
     template: &str,
     value: impl Fn(&str) -> Result<String, PictureError>,
 ) -> Result<String, PictureError> {
@@ -146,7 +149,7 @@ fn filled(
 }
 
 /// As a content security policy names a script or a style.
-fn hash(text: &str) -> String {
+pub(crate) fn hash(text: &str) -> String {
     format!("sha256-{}", STANDARD.encode(Sha256::digest(text)))
 }
 
@@ -223,7 +226,7 @@ fn touch(count: usize) -> &'static str {
     if count == 1 { "touches" } else { "touch" }
 }
 
-fn rows(facts: &[(&str, &str)]) -> String {
+pub(crate) fn rows(facts: &[(&str, &str)]) -> String {
     let mut rows = String::new();
     for (name, text) in facts {
         // Writing to a string does not fail.

@@ -10,7 +10,7 @@ use crate::error::ModelError;
 const CHUNK: usize = 512;
 
 /// Fewer items than this are not worth waking threads for.
-const WORTH_IT: usize = 4 * CHUNK;
+const WORTH_IT: usize = 8 * CHUNK;
 
 /// The threads of a simulation.
 #[derive(Debug)]

@@ -10,6 +10,11 @@ pub(crate) enum Failure {
     Unusable(String),
     /// A check that was asked for failed: exit code 1.
     Wrong(String),
+    /// A signal asked to end: exit code 128 and its number.
+    Interrupted {
+        message: String,
+        signal: i32,
+    },
 }
 
 impl Failure {
@@ -17,6 +22,7 @@ impl Failure {
         match self {
             Self::Unusable(_) => 2,
             Self::Wrong(_) => 1,
+            Self::Interrupted { signal, .. } => (128 + signal) as u8,
         }
     }
 
@@ -34,7 +40,9 @@ impl Failure {
 impl fmt::Display for Failure {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Unusable(message) | Self::Wrong(message) => out.write_str(message),
+            Self::Unusable(message) | Self::Wrong(message) | Self::Interrupted { message, .. } => {
+                out.write_str(message)
+            }
         }
     }
 }

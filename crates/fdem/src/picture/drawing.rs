@@ -138,7 +138,7 @@ impl<'a> Page<'a> {
 
     /// Discs and lines of 2D as SVG.
     fn shapes(&self, svg: &mut Svg) {
-        let Self { scene, camera, .. } = self;
+        let Self { scene, .. } = self;
         svg.background();
         for ends in outline(scene) {
             let [a, b] = ends.map(|end| self.on_paper(end));

@@ -1,31 +1,5 @@
 // The page: what its controls do.
 
-const $ = (id) => document.getElementById(id);
-const svg = (name, attributes, text = "") => {
-  const made = document.createElementNS("http://www.w3.org/2000/svg", name);
-  for (const key in attributes) made.setAttribute(key, attributes[key]);
-  made.textContent = text;
-  return made;
-};
-
-function theme() {
-  const system = window.matchMedia("(prefers-color-scheme: dark)");
-  const root = document.documentElement;
-  const isDark = () => (root.dataset.theme ? root.dataset.theme === "dark" : system.matches);
-  const show = () => {
-    $("theme").setAttribute("aria-pressed", isDark());
-    $("theme").textContent = isDark() ? "Light mode" : "Dark mode";
-    $("theme").setAttribute("aria-label", "Dark mode");
-    window.dispatchEvent(new Event("fdem-theme"));
-  };
-  $("theme").addEventListener("click", () => {
-    root.dataset.theme = isDark() ? "light" : "dark";
-    show();
-  });
-  system.addEventListener("change", show);
-  show();
-}
-
 function preview(why) {
   $("why").textContent = why;
   $("preview").hidden = false;

@@ -395,8 +395,3 @@ function overlapShare() {
   if (!range || !(range.high > range.low)) return () => 0.5;
   return (x) => Math.max(0, Math.min(1, (x - range.low) / (range.high - range.low)));
 }
-
-function ramp(stops, share) {
-  const place = Math.max(0, Math.min(1, share)) * (stops.length - 1), k = Math.min(Math.floor(place), stops.length - 2);
-  return stops[k].map((x, channel) => Math.round(x + (stops[k + 1][channel] - x) * (place - k)));
-}

@@ -10,6 +10,8 @@
 //! - `bodies`: elements that are parts of bodies.
 //! - `labels`: images of bodies.
 //! - `mesh`: meshes, several files, spheres against walls.
+//! - `model`: new models, and models checked without a run.
+//! - `runs`: simulations, interrupted and killed.
 //! - `series`: files of several frames, with boxes of their own, of any format.
 //! - `drawings`: pictures, plots and reports.
 //! - `beds`: a real bed that this project did not make.
@@ -27,7 +29,9 @@ mod formats;
 mod generate;
 mod labels;
 mod mesh;
+mod model;
 mod periodic;
+mod runs;
 mod series;
 
 use std::fs;

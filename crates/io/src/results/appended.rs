@@ -69,10 +69,16 @@ impl Appended {
 }
 
 fn announcement(of_type: &str, name: &str, components: &[&str], offset: usize) -> String {
-    let names: String =
-        components.iter().enumerate().map(|(k, part)| format!(" ComponentName{k}=\"{part}\"")).collect();
-    let count = components.len().max(1);
+    let mut names = String::new();
+    for (k, part) in components.iter().enumerate() {
+        names = format!("{names} ComponentName{k}=\"{part}\"");
+    }
+    // Some readers make a column of a number of components that is 1.
+    let count = match components.len() {
+        0 | 1 => String::new(),
+        count => format!(" NumberOfComponents=\"{count}\""),
+    };
     format!(
-        "<DataArray type=\"{of_type}\" Name=\"{name}\" NumberOfComponents=\"{count}\"{names} format=\"appended\" offset=\"{offset}\"/>\n"
+        "<DataArray type=\"{of_type}\" Name=\"{name}\"{count}{names} format=\"appended\" offset=\"{offset}\"/>\n"
     )
 }

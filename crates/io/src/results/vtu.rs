@@ -73,8 +73,8 @@ pub fn write_vtu<W: Write>(
          <VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\">\n\
          <UnstructuredGrid>\n<FieldData>\n",
     );
-    head += &body.column(&instant, 1)?.replace(" NumberOfComponents=\"1\"", " NumberOfTuples=\"1\"");
-    head += &format!("</FieldData>\n<Piece NumberOfPoints=\"{n}\" NumberOfCells=\"{m}\">\n<PointData>\n");
+    head += &body.column(&instant, 1)?.replace(" format=", " NumberOfTuples=\"1\" format=");
+    head = format!("{head}</FieldData>\n<Piece NumberOfPoints=\"{n}\" NumberOfCells=\"{m}\">\n<PointData>\n");
     for column in of_points {
         head += &body.column(column, n)?;
     }

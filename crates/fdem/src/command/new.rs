@@ -1,0 +1,22 @@
+//! `fdem new`: a model to start from.
+
+use std::io::Write;
+
+use crate::command::args::NewArguments;
+use crate::command::failure::{Failure, display_name};
+use crate::command::output::Output;
+use crate::model::STARTER;
+
+pub(crate) fn run(arguments: &NewArguments) -> Result<(), Failure> {
+    let path = &arguments.name;
+    if !arguments.force && path.symlink_metadata().is_ok() {
+        return Err(Failure::writing(path, "it is there already; --force replaces it"));
+    }
+    let mut output = Output::open(Some(path))?;
+    output.write(|out| out.write_all(STARTER.as_bytes()))?;
+    output.commit()?;
+    // A message that nobody can see any more is no failure.
+    let name = display_name(path);
+    let _ = writeln!(std::io::stderr(), "wrote {name}; next: fdem check {name}");
+    Ok(())
+}

@@ -1,0 +1,181 @@
+//! The text of a model file as a tree with the place of every key and value.
+
+use std::ops::Range;
+
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use crate::model::fault::Fault;
+
+/// A parsed file.
+pub(crate) struct Document<'a> {
+    root: Spanned<DeTable<'a>>,
+}
+
+/// A table of the file by name, and which of several.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Table {
+    pub(crate) name: &'static str,
+    pub(crate) index: Option<usize>,
+}
+
+impl Table {
+    /// `[name]`.
+    pub(crate) fn one(name: &'static str) -> Self {
+        Self { name, index: None }
+    }
+
+    /// `[[name]]` number `index`, from 0.
+    pub(crate) fn of(name: &'static str, index: usize) -> Self {
+        Self { name, index: Some(index) }
+    }
+}
+
+impl<'a> Document<'a> {
+    /// Reads TOML.
+    ///
+    /// # Errors
+    /// What is no TOML, one fault for each of the first lines that are wrong.
+    pub(crate) fn parse(text: &'a str) -> Result<Self, Vec<Fault>> {
+        let (root, errors) = DeTable::parse_recoverable(text);
+        if errors.is_empty() {
+            return Ok(Self { root });
+        }
+        let mut faults: Vec<(usize, Fault)> = Vec::new();
+        for error in &errors {
+            let span = error.span().unwrap_or(0..0);
+            let line = text.get(..span.start).unwrap_or(text).matches('\n').count();
+            if faults.iter().all(|(other, _)| *other != line) {
+                faults.push((line, syntax(text, &span, error.message())));
+            }
+        }
+        faults.truncate(5);
+        Err(faults.into_iter().map(|(_, fault)| fault).collect())
+    }
+
+    pub(crate) fn root(&self) -> &Spanned<DeTable<'a>> {
+        &self.root
+    }
+
+    /// Where a key of a table stands; the deepest part of `dotted.key` that is there, else the table.
+    pub(crate) fn key(&self, table: Table, dotted: &str) -> Range<usize> {
+        self.find(table, dotted).0
+    }
+
+    /// Where its value stands.
+    pub(crate) fn value(&self, table: Table, dotted: &str) -> Range<usize> {
+        self.find(table, dotted).1
+    }
+
+    /// Entry of a list that is the value of a key.
+    pub(crate) fn entry(&self, table: Table, dotted: &str, index: usize) -> Range<usize> {
+        let Some(spot) = self.walk(table, dotted).and_then(|value| value.get_ref().as_array()) else {
+            return self.value(table, dotted);
+        };
+        spot.get(index).map_or_else(|| self.value(table, dotted), Spanned::span)
+    }
+
+    fn walk(&self, table: Table, dotted: &str) -> Option<&Spanned<DeValue<'a>>> {
+        let mut value = lookup(self.root.get_ref(), table.name)?.1;
+        if let Some(index) = table.index {
+            value = value.get_ref().as_array()?.get(index)?;
+        }
+        for key in dotted.split('.').filter(|key| !key.is_empty()) {
+            value = lookup(value.get_ref().as_table()?, key)?.1;
+        }
+        Some(value)
+    }
+
+    fn find(&self, table: Table, dotted: &str) -> (Range<usize>, Range<usize>) {
+        let nowhere = (0..0, 0..0);
+        let Some((key, value)) = lookup(self.root.get_ref(), table.name) else { return nowhere };
+        let mut found = (key.span(), value.span());
+        let mut value = value;
+        if let (Some(index), Some(list)) = (table.index, value.get_ref().as_array()) {
+            let Some(item) = list.get(index) else { return found };
+            value = item;
+            found = (item.span(), item.span());
+        }
+        for key in dotted.split('.').filter(|key| !key.is_empty()) {
+            let Some((key, inner)) = value.get_ref().as_table().and_then(|table| lookup(table, key)) else {
+                break;
+            };
+            found = (key.span(), inner.span());
+            value = inner;
+        }
+        found
+    }
+}
+
+/// An entry of a table.
+fn lookup<'t, 'a>(
+    table: &'t DeTable<'a>,
+    name: &str,
+) -> Option<(&'t Spanned<std::borrow::Cow<'a, str>>, &'t Spanned<DeValue<'a>>)> {
+    table.iter().find(|(key, _)| key.get_ref() == name)
+}
+
+/// A syntax error in words of the people who make it.
+fn syntax(text: &str, span: &Range<usize>, message: &str) -> Fault {
+    let start = span.start.min(text.len());
+    let begin = text.as_bytes()[..start].iter().rposition(|&byte| byte == b'\n').map_or(0, |at| at + 1);
+    let end =
+        text.as_bytes()[begin..].iter().position(|&byte| byte == b'\n').map_or(text.len(), |at| begin + at);
+    // Fine where the spans of the parser are on borders of characters, which they are.
+    let line = text.get(begin..end).unwrap_or("");
+    if let Some(place) = decimal_comma(line) {
+        let wrong = &line[place.clone()];
+        let right = wrong.replace(',', ".");
+        return Fault::at(begin + place.start..begin + place.end, format!("a decimal comma: {wrong}"))
+            .label("comma")
+            .help(format!("write {right}"));
+    }
+    let span = if span.is_empty() { start..(start + 1).min(text.len()) } else { span.clone() };
+    let fault = Fault::at(span, format!("this is not TOML: {message}"));
+    match line.split_once('=').map(|(key, value)| (key.trim(), value.trim())) {
+        Some((key, "")) if !key.is_empty() => fault.help(format!("\"{key}\" has no value")),
+        Some((key, value)) if is_word(value) => {
+            fault.help(format!("text goes in quotes: {key} = \"{value}\""))
+        }
+        None if line.contains(':') => fault.help("a key and its value go with an equals sign: key = value"),
+        _ => fault,
+    }
+}
+
+fn is_word(value: &str) -> bool {
+    value.starts_with(|c: char| c.is_alphabetic())
+        && value.chars().all(|c| c.is_alphanumeric() || " _-./".contains(c))
+        && value != "true"
+        && value != "false"
+}
+
+/// Where a line like `key = 0,25` has its number.
+fn decimal_comma(line: &str) -> Option<Range<usize>> {
+    let equals = line.find('=')?;
+    let value = line[equals + 1..].split('#').next().unwrap_or("");
+    let trimmed = value.trim();
+    let (whole, fraction) = trimmed.split_once(',')?;
+    let digits = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
+    let mantissa = fraction.split(['e', 'E']).next().unwrap_or("");
+    let number = trimmed.replacen(',', ".", 1).parse::<f64>().is_ok();
+    if !number || !digits(whole.trim_start_matches(['+', '-'])) || !digits(mantissa) {
+        return None;
+    }
+    let start = equals + 1 + (value.len() - value.trim_start().len());
+    Some(start..start + trimmed.len())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_decimal_comma_is_seen_where_there_is_one() {
+        let line = "poissons_ratio = 0,25 # measured";
+        assert_eq!(decimal_comma(line).map(|place| &line[place]), Some("0,25"));
+        assert!(decimal_comma("x = -1,5e3").is_some());
+        for line in ["x = [0,25]", "x = 0.25", "x = a,b", "x = 1,", "no equals 0,25"] {
+            assert_eq!(decimal_comma(line), None, "{line}");
+        }
+    }
+}

@@ -1,0 +1,339 @@
+//! Unstructured meshes of triangles, of even size and good angles.
+//!
+//! Outlines and lines are cut into equal pieces; the inside is filled with points that keep a distance from each other (Poisson discs); all is triangulated
+//! by Delaunay's rule under the constraint of the outlines; then each point inside moves to the centroid of the triangles around it, and all is triangulated again, several
+//! times. Directions of edges are random, as cracks along edges need it, and the same seed gives the same mesh.
+//!
+//! # Sources
+//! R. Bridson, "Fast Poisson disk sampling in arbitrary dimensions", SIGGRAPH 2007; Q. Du, V. Faber, M. Gunzburger, "Centroidal Voronoi tessellations", SIAM
+//! Review 41 (1999), for the idea of the smoothing.
+
+use std::collections::BTreeMap;
+
+use fdem_scenes::random::Random;
+use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
+
+use crate::model::outline::{Domain, Inside, Point, distance, twice_area};
+
+/// No loop: nodes inside.
+pub(crate) const INSIDE: u32 = u32::MAX;
+
+/// Elements beyond which a mesh size is taken for a mistake.
+const MOST: f64 = 2e7;
+
+/// Distance of points over the edge that is asked for, so that the mean edge is that one.
+const SPACING: f64 = 0.71;
+
+/// Attempts to find a place beside a point before it is given up.
+const ATTEMPTS: usize = 16;
+
+/// Rounds of smoothing.
+const ROUNDS: usize = 8;
+
+/// A meshed domain.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Meshed {
+    pub(crate) nodes: Vec<Point>,
+    /// Counter-clockwise.
+    pub(crate) triangles: Vec<[u32; 3]>,
+    /// The loop of each node, or [`INSIDE`].
+    pub(crate) loops: Vec<u32>,
+    /// Edges along the lines of the domain.
+    pub(crate) lines: Vec<[u32; 2]>,
+}
+
+/// Meshes a domain with edges of about `size`.
+///
+/// # Errors
+/// In words: an outline that crosses or touches itself, a size that gives no element or too many.
+pub(crate) fn mesh(domain: &Domain, size: f64, seed: u64) -> Result<Meshed, String> {
+    let expected = domain.area() / (3.0_f64.sqrt() / 4.0 * size * size);
+    if expected.is_nan() || expected > MOST {
+        return Err(format!("a mesh size of {size} gives about {expected:.0} elements"));
+    }
+    let mut frame = Frame::new(domain, size)?;
+    let fixed = frame.nodes.len();
+    let inside = Inside::new(&domain.loops);
+    fill(&mut frame.nodes, domain, &inside, size, seed)?;
+    let mut triangles = triangulate(&frame)?;
+    for _ in 0..ROUNDS {
+        smooth(&mut frame.nodes, fixed, &triangles, &inside);
+        triangles = triangulate(&frame)?;
+    }
+    if triangles.is_empty() {
+        return Err("the outline has no area".to_owned());
+    }
+    frame.loops.resize(frame.nodes.len(), INSIDE);
+    let numbers = drop_unused(&mut frame.nodes, &mut frame.loops, &mut triangles);
+    let number = |node: u32| Some(numbers[node as usize]).filter(|&number| number != INSIDE);
+    let lines = frame.lines.iter().filter_map(|&[a, b]| Some([number(a)?, number(b)?])).collect();
+    Ok(Meshed { nodes: frame.nodes, triangles, loops: frame.loops, lines })
+}
+
+/// Points on outlines and lines, and the edges between them.
+struct Frame {
+    nodes: Vec<Point>,
+    loops: Vec<u32>,
+    /// Of outlines and lines.
+    edges: Vec<[usize; 2]>,
+    /// Those of lines.
+    lines: Vec<[u32; 2]>,
+}
+
+impl Frame {
+    fn new(domain: &Domain, size: f64) -> Result<Self, String> {
+        let mut frame = Self { nodes: Vec::new(), loops: Vec::new(), edges: Vec::new(), lines: Vec::new() };
+        let mut known: BTreeMap<[u64; 2], usize> = BTreeMap::new();
+        let key = |point: Point| point.map(|x| (x + 0.0).to_bits());
+        for (number, corners) in (0..).zip(&domain.loops) {
+            for &corner in corners {
+                if known.insert(key(corner), frame.nodes.len()).is_some() {
+                    return Err(format!("the outline comes to the point {corner:?} twice"));
+                }
+                frame.push(corner, number);
+            }
+        }
+        let mut first = 0;
+        for (number, corners) in (0..).zip(&domain.loops) {
+            for k in 0..corners.len() {
+                frame.divide(first + k, first + (k + 1) % corners.len(), number, size);
+            }
+            first += corners.len();
+        }
+        for &[a, b] in &domain.lines {
+            let mut end = |point: Point| {
+                *known.entry(key(point)).or_insert_with(|| {
+                    frame.push(point, INSIDE);
+                    frame.nodes.len() - 1
+                })
+            };
+            let (a, b) = (end(a), end(b));
+            let before = frame.edges.len();
+            frame.divide(a, b, INSIDE, size);
+            let lines = frame.edges[before..].iter().map(|&[a, b]| [a as u32, b as u32]);
+            frame.lines.extend(lines);
+        }
+        Ok(frame)
+    }
+
+    fn push(&mut self, point: Point, number: u32) {
+        self.nodes.push(point);
+        self.loops.push(number);
+    }
+
+    /// Cuts the line between two nodes into equal pieces.
+    fn divide(&mut self, a: usize, b: usize, number: u32, size: f64) {
+        let (from, to) = (self.nodes[a], self.nodes[b]);
+        let pieces = (distance(from, to) / size).round().clamp(1.0, 1e8) as usize;
+        let mut last = a;
+        for piece in 1..pieces {
+            let t = piece as f64 / pieces as f64;
+            let next = self.nodes.len();
+            // On a line along an axis all have its very coordinate.
+            self.push([0, 1].map(|axis| from[axis] + t * (to[axis] - from[axis])), number);
+            self.edges.push([last, next]);
+            last = next;
+        }
+        self.edges.push([last, b]);
+    }
+}
+
+/// Fills the inside with points that keep a distance from each other and from those that are there.
+fn fill(
+    nodes: &mut Vec<Point>,
+    domain: &Domain,
+    inside: &Inside,
+    size: f64,
+    seed: u64,
+) -> Result<(), String> {
+    let least = SPACING * size;
+    let mut cells = Cells::new(domain, least)?;
+    for (node, &point) in (0..).zip(nodes.iter()) {
+        cells.insert(node, point);
+    }
+    let mut random = Random::new(seed);
+    let mut active: Vec<u32> = (0..nodes.len() as u32).collect();
+    while !active.is_empty() {
+        let place = random.below(active.len() as u64) as usize;
+        let [x, y] = nodes[active[place] as usize];
+        let found = (0..ATTEMPTS).find_map(|_| {
+            let [dx, dy] = ring(&mut random);
+            let point = [x + least * dx, y + least * dy];
+            (inside.contains(point) && cells.is_free(nodes, point, least)).then_some(point)
+        });
+        match found {
+            Some(point) => {
+                cells.insert(nodes.len() as u32, point);
+                active.push(nodes.len() as u32);
+                nodes.push(point);
+            }
+            None => {
+                active.swap_remove(place);
+            }
+        }
+    }
+    Ok(())
+}
+
+/// A point between the circles of radius 1 and 2; no sine is needed, which differs from platform to platform.
+fn ring(random: &mut Random) -> Point {
+    loop {
+        let [x, y] = [random.between(-2.0, 2.0), random.between(-2.0, 2.0)];
+        if (1.0..=4.0).contains(&(x * x + y * y)) {
+            return [x, y];
+        }
+    }
+}
+
+/// Singly connected lists of points by square cells.
+struct Cells {
+    origin: Point,
+    per_length: f64,
+    columns: usize,
+    rows: usize,
+    head: Vec<u32>,
+    next: Vec<u32>,
+}
+
+impl Cells {
+    fn new(domain: &Domain, edge: f64) -> Result<Self, String> {
+        let [low, high] = domain.bounds();
+        let [columns, rows] = [0, 1].map(|axis| ((high[axis] - low[axis]) / edge).floor() + 1.0);
+        // A thin outline around much of nothing would need memory for nothing.
+        if (columns * rows).is_nan() || columns * rows > 50.0 * MOST {
+            return Err("the mesh size is too small for this outline".to_owned());
+        }
+        let (columns, rows) = (columns as usize, rows as usize);
+        let head = vec![INSIDE; columns * rows];
+        Ok(Self { origin: low, per_length: 1.0 / edge, columns, rows, head, next: Vec::new() })
+    }
+
+    fn cell(&self, [x, y]: Point) -> [usize; 2] {
+        let column = ((x - self.origin[0]) * self.per_length) as usize;
+        let row = ((y - self.origin[1]) * self.per_length) as usize;
+        [column.min(self.columns - 1), row.min(self.rows - 1)]
+    }
+
+    /// Nodes have to come in order.
+    fn insert(&mut self, node: u32, point: Point) {
+        let [column, row] = self.cell(point);
+        let head = &mut self.head[row * self.columns + column];
+        self.next.push(*head);
+        *head = node;
+    }
+
+    /// Whether no node is nearer than `least`, which is the edge of a cell.
+    fn is_free(&self, nodes: &[Point], point: Point, least: f64) -> bool {
+        let [column, row] = self.cell(point);
+        for row in row.saturating_sub(1)..=(row + 1).min(self.rows - 1) {
+            for column in column.saturating_sub(1)..=(column + 1).min(self.columns - 1) {
+                let mut node = self.head[row * self.columns + column];
+                while node != INSIDE {
+                    let [x, y] = nodes[node as usize];
+                    let (dx, dy) = (x - point[0], y - point[1]);
+                    if dx * dx + dy * dy < least * least {
+                        return false;
+                    }
+                    node = self.next[node as usize];
+                }
+            }
+        }
+        true
+    }
+}
+
+/// The triangles inside, counter-clockwise.
+fn triangulate(frame: &Frame) -> Result<Vec<[u32; 3]>, String> {
+    let points: Vec<_> = frame.nodes.iter().map(|&[x, y]| Point2::new(x, y)).collect();
+    let count = points.len();
+    let mut crossing = None;
+    let triangulation = ConstrainedDelaunayTriangulation::<Point2<f64>>::try_bulk_load_cdt(
+        points,
+        frame.edges.clone(),
+        |[a, _]| crossing = crossing.or(Some(a)),
+    )
+    .map_err(|error| format!("coordinates of the outline: {error}"))?;
+    if triangulation.num_vertices() != count {
+        return Err("two points of the outline coincide".to_owned());
+    }
+    if let Some(node) = crossing {
+        return Err(format!("the outline crosses or touches itself near {:?}", frame.nodes[node]));
+    }
+    Ok(faces_inside(&triangulation, &frame.lines))
+}
+
+/// The triangles that are parted from the outside by an odd number of outlines: found from triangle to triangle, so that no rounding decides.
+fn faces_inside(
+    triangulation: &ConstrainedDelaunayTriangulation<Point2<f64>>,
+    lines: &[[u32; 2]],
+) -> Vec<[u32; 3]> {
+    let mut sorted: Vec<[u32; 2]> = lines.iter().map(|&[a, b]| if a < b { [a, b] } else { [b, a] }).collect();
+    sorted.sort_unstable();
+    let mut inside: Vec<Option<bool>> = vec![None; triangulation.num_all_faces()];
+    let mut open = Vec::new();
+    for face in triangulation.inner_faces() {
+        for edge in face.adjacent_edges() {
+            if edge.rev().face().is_outer() && inside[face.fix().index()].is_none() {
+                inside[face.fix().index()] = Some(edge.is_constraint_edge());
+                open.push(face.fix());
+            }
+        }
+    }
+    while let Some(face) = open.pop() {
+        let here = inside[face.index()] == Some(true);
+        for edge in triangulation.face(face).adjacent_edges() {
+            let Some(next) = edge.rev().face().as_inner() else { continue };
+            if inside[next.fix().index()].is_none() {
+                let [a, b] = edge.vertices().map(|node| node.fix().index() as u32);
+                let outline =
+                    edge.is_constraint_edge() && sorted.binary_search(&[a.min(b), a.max(b)]).is_err();
+                inside[next.fix().index()] = Some(here != outline);
+                open.push(next.fix());
+            }
+        }
+    }
+    let kept = triangulation.inner_faces().filter(|face| inside[face.fix().index()] == Some(true));
+    kept.map(|face| face.vertices().map(|node| node.fix().index() as u32)).collect()
+}
+
+/// Moves each node that is not fixed to the centroid of what its triangles cover.
+fn smooth(nodes: &mut [Point], fixed: usize, triangles: &[[u32; 3]], inside: &Inside) {
+    let mut sums = vec![[0.0; 3]; nodes.len()];
+    for &triangle in triangles {
+        let [a, b, c] = triangle.map(|node| nodes[node as usize]);
+        let weight = twice_area(a, b, c);
+        for node in triangle {
+            let sum = &mut sums[node as usize];
+            sum[0] += weight;
+            sum[1] += weight * (a[0] + b[0] + c[0]) / 3.0;
+            sum[2] += weight * (a[1] + b[1] + c[1]) / 3.0;
+        }
+    }
+    for (node, [weight, x, y]) in nodes.iter_mut().zip(sums).skip(fixed) {
+        let moved = [x / weight, y / weight];
+        if weight > 0.0 && inside.contains(moved) {
+            *node = moved;
+        }
+    }
+}
+
+/// Removes nodes without triangles; returns the new number of each, [`INSIDE`] for those.
+fn drop_unused(nodes: &mut Vec<Point>, loops: &mut Vec<u32>, triangles: &mut [[u32; 3]]) -> Vec<u32> {
+    let mut numbers = vec![INSIDE; nodes.len()];
+    for node in triangles.iter().flatten() {
+        numbers[*node as usize] = 0;
+    }
+    let mut count = 0;
+    for (node, number) in numbers.iter_mut().enumerate().filter(|(_, number)| **number == 0) {
+        nodes[count as usize] = nodes[node];
+        loops[count as usize] = loops[node];
+        *number = count;
+        count += 1;
+    }
+    nodes.truncate(count as usize);
+    loops.truncate(count as usize);
+    for node in triangles.iter_mut().flatten() {
+        *node = numbers[*node as usize];
+    }
+    numbers
+}

@@ -1,0 +1,174 @@
+//! What a run would take, told before it starts.
+
+use std::fmt;
+
+use fdem_simulation::{CriticalStep, Model};
+use serde::Serialize;
+
+use crate::model::{Prepared, Quality};
+use crate::numbers::{brief, grouped};
+
+/// Elements times steps in a second on one core.
+const SPEED: f64 = 3e6;
+
+/// Bytes for each element.
+const MEMORY: f64 = 1e3;
+
+/// The time step beyond which the integration is not stable, and what sets it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Critical {
+    /// s.
+    pub step: f64,
+    /// The element that it belongs to.
+    pub element: u32,
+    /// What is stiff there: "bulk", "joint" or "contact".
+    pub cause: String,
+}
+
+impl Critical {
+    /// Of a model.
+    ///
+    /// # Errors
+    /// In words: what of the model cannot be run.
+    pub fn of(model: &Model) -> Result<Self, String> {
+        let critical = CriticalStep::of(model).map_err(|error| error.to_string())?;
+        Ok(Self { step: critical.step, element: critical.element, cause: critical.cause.to_string() })
+    }
+}
+
+/// What a run would take. Shown as lines of text.
+#[derive(Debug, Clone, Serialize)]
+pub struct Preflight {
+    /// Of the model; empty if it has none.
+    pub title: String,
+    /// Number of bodies.
+    pub bodies: usize,
+    /// Their names; of packings each piece.
+    pub names: Vec<String>,
+    /// Sizes and shapes of elements.
+    pub quality: Quality,
+    /// The critical time step.
+    pub critical: Critical,
+    /// The time step that the run takes, s.
+    pub step: f64,
+    /// Until the end time.
+    pub steps: u64,
+    /// On one core, s.
+    pub seconds: f64,
+    /// Bytes.
+    pub memory: f64,
+    /// What may not be meant.
+    pub warnings: Vec<String>,
+    /// Of the model.
+    pub hash: String,
+}
+
+impl Preflight {
+    /// Of a model that is ready to run.
+    ///
+    /// # Errors
+    /// In words: what of the model cannot be run.
+    pub fn of(prepared: &Prepared) -> Result<Self, String> {
+        let model = &prepared.model;
+        let critical = Critical::of(model)?;
+        let step = model.time.step.unwrap_or(critical.step * model.time.safety);
+        let steps = (prepared.end_time / step).ceil();
+        let mut warnings = prepared.warnings.clone();
+        if step > critical.step {
+            warnings.push(format!(
+                "the time step {} s is above the critical one, {} s: the run will not be stable",
+                brief(step),
+                brief(critical.step)
+            ));
+        }
+        Ok(Self {
+            title: prepared.title.clone(),
+            bodies: prepared.bodies.len(),
+            names: prepared.bodies.iter().map(|body| body.name.clone()).collect(),
+            quality: prepared.quality.clone(),
+            critical,
+            step,
+            steps: steps as u64,
+            seconds: prepared.quality.elements as f64 * steps / SPEED,
+            memory: prepared.quality.elements as f64 * MEMORY,
+            warnings,
+            hash: prepared.hash.clone(),
+        })
+    }
+}
+
+/// Names beyond which the rest is counted.
+const NAMES: usize = 6;
+
+impl fmt::Display for Preflight {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let quality = &self.quality;
+        if !self.title.is_empty() {
+            writeln!(out, "title            {}", self.title)?;
+        }
+        let mut names = self.names[..self.names.len().min(NAMES)].join(", ");
+        if self.names.len() > NAMES {
+            names.push_str(", …");
+        }
+        writeln!(out, "bodies           {}: {names}", grouped(self.bodies as u64))?;
+        writeln!(
+            out,
+            "mesh             {} elements, {} nodes",
+            grouped(quality.elements as u64),
+            grouped(quality.nodes as u64)
+        )?;
+        let [least, mean, most] = quality.edges.map(brief);
+        writeln!(out, "edges            {least} to {most} m, mean {mean} m")?;
+        let [x, y] = quality.worst_at.map(brief);
+        writeln!(
+            out,
+            "quality          smallest angle {:.1} degrees (element {} at [{x}, {y}]), in the mean {:.1}; below 25 degrees: {:.2} %",
+            quality.smallest_angle[0],
+            quality.worst,
+            quality.smallest_angle[1],
+            100.0 * quality.below_25
+        )?;
+        writeln!(
+            out,
+            "critical step    {} s, set by the {} of element {}",
+            brief(self.critical.step),
+            self.critical.cause,
+            self.critical.element
+        )?;
+        writeln!(out, "steps            {} of {} s", grouped(self.steps), brief(self.step))?;
+        writeln!(out, "run time         about {} on one core", duration(self.seconds))?;
+        writeln!(out, "memory           about {}", size(self.memory))?;
+        writeln!(out, "model            {}", &self.hash[..self.hash.len().min(16)])?;
+        for warning in &self.warnings {
+            writeln!(out, "warning          {warning}")?;
+        }
+        Ok(())
+    }
+}
+
+/// `75` as `1 min 15 s`.
+fn duration(seconds: f64) -> String {
+    if seconds < 60.0 {
+        format!("{seconds:.1} s")
+    } else if seconds < 7200.0 {
+        format!("{:.0} min {:02.0} s", (seconds / 60.0).floor(), seconds % 60.0)
+    } else if seconds < 48.0 * 3600.0 {
+        format!("{:.1} h", seconds / 3600.0)
+    } else {
+        format!("{:.1} days", seconds / 86_400.0)
+    }
+}
+
+fn size(bytes: f64) -> String {
+    if bytes < 1e9 { format!("{:.1} MB", bytes / 1e6) } else { format!("{:.1} GB", bytes / 1e9) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn durations_are_told_as_people_tell_them() {
+        assert_eq!([3.21, 75.0, 7300.0, 1e6].map(duration), ["3.2 s", "1 min 15 s", "2.0 h", "11.6 days"]);
+    }
+}

@@ -1,0 +1,217 @@
+//! What is written, and what is recorded over time.
+
+use serde::Serialize;
+
+use crate::model::bodies::{self, Placed};
+use crate::model::document::{Document, Table};
+use crate::model::fault::{Fault, suggestion};
+use crate::model::file::{Animate, Field, ModelFile};
+use crate::model::outline::{Point, distance};
+
+/// Time on the clock between checkpoints, s.
+const CHECKPOINT: f64 = 60.0;
+
+/// Result files after that of the beginning.
+const FRAMES: u32 = 50;
+
+/// Rows of the history.
+const ROWS: f64 = 1000.0;
+
+/// What is written, and when.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct OutputSettings {
+    /// Between result files, s.
+    pub interval: f64,
+    /// What pictures and the report show; at least one.
+    pub fields: Vec<Field>,
+    /// What an animation shows; `None`: there is none.
+    pub animate: Option<Field>,
+    /// When checkpoints are written.
+    pub checkpoint: Checkpoint,
+    /// Between rows of the history, s.
+    pub history_interval: f64,
+}
+
+/// When checkpoints are written.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub enum Checkpoint {
+    /// After so much time on the clock, s.
+    Seconds(f64),
+    /// After so many steps.
+    Steps(u64),
+}
+
+/// A quantity that is recorded over time.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct History {
+    /// Of its columns.
+    pub name: String,
+    /// What it is.
+    pub quantity: Quantity,
+}
+
+/// What is recorded.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub enum Quantity {
+    /// Displacement and velocity of this node of the mesh.
+    Node(u32),
+    /// The force that this boundary, by its place in [`Model::boundaries`](fdem_simulation::Model), exerts on the bodies, N.
+    Force(usize),
+    /// The energies, which are recorded anyway.
+    Energy,
+    /// The length of what is broken, which is recorded anyway.
+    CrackLength,
+}
+
+/// What can be said of the output before anything is meshed.
+pub(crate) fn check(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<Fault>) {
+    let output = &file.output;
+    for (first, second, both) in [
+        ("interval", "frames", output.interval.is_some() && output.frames.is_some()),
+        (
+            "checkpoint_interval",
+            "checkpoint_steps",
+            output.checkpoint_interval.is_some() && output.checkpoint_steps.is_some(),
+        ),
+    ] {
+        if both {
+            faults.push(
+                Fault::at(
+                    document.key(Table::one("output"), second),
+                    format!("[output] has both {first} and {second}"),
+                )
+                .label("take one of them"),
+            );
+        }
+    }
+    if output.fields.as_ref().is_some_and(Vec::is_empty) {
+        faults.push(
+            Fault::at(document.value(Table::one("output"), "fields"), "\"fields\" is an empty list")
+                .label("empty"),
+        );
+    }
+    for (index, history) in file.history.iter().enumerate() {
+        let table = Table::of("history", index);
+        let given = [history.node.is_some(), history.force.is_some(), history.energy, history.crack_length];
+        if given.into_iter().filter(|given| *given).count() != 1 {
+            faults.push(
+                Fault::at(
+                    document.key(table, "name"),
+                    format!("[[history]] \"{}\" is of one quantity", history.name),
+                )
+                .label("this history")
+                .help("give it one of node = [x, y], force = \"name of a boundary\", energy = true, crack_length = true"),
+            );
+        }
+        if let Some(name) = &history.body {
+            if history.node.is_none() {
+                faults.push(
+                    Fault::at(document.key(table, "body"), "\"body\" goes with node").label("take it out"),
+                );
+            } else if !name.is_empty()
+                && !file.body.iter().any(|body| body.name == *name || is_piece(&body.name, name))
+            {
+                faults.push(
+                    Fault::at(document.value(table, "body"), format!("there is no body \"{name}\""))
+                        .label("unknown body")
+                        .maybe_help(bodies::suggestion(file, name)),
+                );
+            }
+        }
+        if let Some(force) = &history.force
+            && !file.boundary.iter().any(|boundary| boundary.name == *force)
+        {
+            let names: Vec<&str> = file.boundary.iter().map(|boundary| boundary.name.as_str()).collect();
+            faults.push(
+                Fault::at(document.value(table, "force"), format!("there is no boundary \"{force}\""))
+                    .label("unknown boundary")
+                    .maybe_help(suggestion(force, &names, "[[boundary]]")),
+            );
+        }
+    }
+}
+
+/// Whether a name is that of a piece of a packing, `heap-12`.
+pub(crate) fn is_piece(body: &str, name: &str) -> bool {
+    name.strip_prefix(body)
+        .and_then(|rest| rest.strip_prefix('-'))
+        .is_some_and(|rest| rest.parse::<u32>().is_ok())
+}
+
+/// The settings, with defaults.
+pub(crate) fn settings(file: &ModelFile) -> OutputSettings {
+    let output = &file.output;
+    let fields = output.fields.clone().filter(|fields| !fields.is_empty());
+    let fields = fields.unwrap_or_else(|| vec![Field::MaxPrincipal, Field::Velocity, Field::Damage]);
+    let interval = output.history_interval.unwrap_or(file.model.end_time / ROWS);
+    OutputSettings {
+        interval: output
+            .interval
+            .unwrap_or_else(|| file.model.end_time / f64::from(output.frames.unwrap_or(FRAMES))),
+        animate: match output.animate {
+            Some(Animate::Switch(true)) => fields.first().copied(),
+            Some(Animate::Field(field)) => Some(field),
+            None | Some(Animate::Switch(false)) => None,
+        },
+        fields,
+        checkpoint: match output.checkpoint_steps {
+            Some(steps) => Checkpoint::Steps(steps),
+            None => Checkpoint::Seconds(output.checkpoint_interval.unwrap_or(CHECKPOINT)),
+        },
+        history_interval: file.history.iter().filter_map(|history| history.interval).fold(interval, f64::min),
+    }
+}
+
+/// The histories, with the nodes and boundaries that they are of. `boundaries` and `file` have been checked.
+pub(crate) fn histories(
+    file: &ModelFile,
+    nodes: &[Point],
+    placed: &[Placed],
+    warnings: &mut Vec<String>,
+) -> Vec<History> {
+    let mut histories = Vec::with_capacity(file.history.len());
+    for history in &file.history {
+        let quantity = if let Some(point) = history.node {
+            let bodies = match &history.body {
+                Some(name) => bodies::named(placed, file, name),
+                None => (0..placed.len()).collect(),
+            };
+            let Some((node, gap)) = nearest(nodes, placed, &bodies, point) else { continue };
+            let size = bodies.iter().map(|&body| edge(&placed[body])).fold(0.0, f64::max);
+            if gap > 2.0 * size {
+                let [x, y] = nodes[node as usize];
+                warnings.push(format!(
+                    "[[history]] \"{}\": the nearest node to {point:?} is {gap:.3e} m away, at [{x:.6}, {y:.6}]",
+                    history.name
+                ));
+            }
+            Quantity::Node(node)
+        } else if let Some(name) = &history.force {
+            let Some(place) = file.boundary.iter().position(|boundary| boundary.name == *name) else {
+                continue;
+            };
+            Quantity::Force(place)
+        } else if history.energy {
+            Quantity::Energy
+        } else {
+            Quantity::CrackLength
+        };
+        histories.push(History { name: history.name.clone(), quantity });
+    }
+    histories
+}
+
+/// The nearest node of some bodies, and how far it is.
+fn nearest(nodes: &[Point], placed: &[Placed], bodies: &[usize], point: Point) -> Option<(u32, f64)> {
+    let all = bodies.iter().flat_map(|&body| {
+        let first = placed[body].first[0];
+        first..first + placed[body].piece.nodes.len() as u32
+    });
+    all.map(|node| (node, distance(nodes[node as usize], point))).min_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+/// An edge of a body, m.
+fn edge(placed: &Placed) -> f64 {
+    let [a, b, _] = placed.piece.triangles.first().copied().unwrap_or_default();
+    distance(placed.piece.nodes[a as usize], placed.piece.nodes[b as usize])
+}

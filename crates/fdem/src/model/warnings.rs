@@ -1,0 +1,226 @@
+//! What may not be meant.
+
+use std::collections::BTreeMap;
+
+use fdem_contact::discretised::{self, Mesh as Detected};
+use fdem_contact::narrow::Measure;
+use fdem_simulation::{Boundary, Load, Model, Plane, Schedule, Target};
+
+use crate::model::outline::{bounds, distance, twice_area};
+use crate::model::{Body, Quality};
+use crate::numbers::brief;
+
+/// Elements in the fracture process zone that are needed for an objective result (Guo, 2016).
+const IN_PROCESS_ZONE: f64 = 3.0;
+
+/// Share of elements with equal angles from which a mesh is regular.
+const REGULAR: f64 = 0.5;
+
+/// Penalty over Young's modulus below which bodies sink into each other.
+const SOFT: f64 = 0.5;
+
+/// All warnings, in words.
+pub(crate) fn warnings(model: &Model, bodies: &[Body], quality: &Quality) -> Vec<String> {
+    let mut warnings = Vec::new();
+    process_zone(model, &mut warnings);
+    platens(model, &mut warnings);
+    for boundary in &model.boundaries {
+        stepped(boundary, &mut warnings);
+    }
+    prescribed_twice(model, &mut warnings);
+    let breaks = model.materials.iter().any(|material| material.strength.is_some());
+    if breaks && quality.regular > REGULAR {
+        warnings.push(format!(
+            "{:.0} % of the elements have the angles of a regular mesh: cracks follow its lines; take an unstructured one",
+            100.0 * quality.regular
+        ));
+    }
+    if quality.smallest_angle[0] < 10.0 {
+        warnings.push(format!(
+            "element {} near {} has an angle of {:.1} degrees: it is stiff, and sets the time step",
+            quality.worst,
+            place(quality.worst_at),
+            quality.smallest_angle[0]
+        ));
+    }
+    if model.contact.penalty < SOFT && (bodies.len() > 1 || breaks) {
+        warnings.push(format!(
+            "[contact] penalty = {}: bodies are softer where they touch than inside, and sink into each other; 1 to 10 is usual",
+            brief(model.contact.penalty)
+        ));
+    }
+    overlaps(model, bodies, &mut warnings);
+    warnings
+}
+
+/// E' of a material, Pa.
+fn plane_modulus(model: &Model, material: usize) -> f64 {
+    let material = &model.materials[material];
+    match model.plane {
+        Plane::Stress => material.youngs_modulus,
+        Plane::Strain => material.youngs_modulus / (1.0 - material.poissons_ratio.powi(2)),
+    }
+}
+
+/// Elements larger than a third of the zone in which a material softens, E' G/f².
+fn process_zone(model: &Model, warnings: &mut Vec<String>) {
+    let mut longest = vec![0.0_f64; model.materials.len()];
+    let mut large = vec![0_usize; model.materials.len()];
+    let mut count = vec![0_usize; model.materials.len()];
+    let zone = |number: usize| {
+        let strength = model.materials[number].strength?;
+        Some(plane_modulus(model, number) * strength.energy_i / strength.tensile.powi(2))
+    };
+    for (nodes, &number) in model.mesh.triangles.iter().zip(&model.mesh.materials) {
+        let number = number as usize;
+        let Some(zone) = zone(number) else { continue };
+        let [a, b, c] = nodes.map(|node| model.mesh.nodes[node as usize]);
+        let mean = (distance(a, b) + distance(b, c) + distance(c, a)) / 3.0;
+        longest[number] = longest[number].max(mean);
+        count[number] += 1;
+        // A tenth more is the scatter of a mesh whose size is the limit.
+        large[number] += usize::from(mean > 1.1 * zone / IN_PROCESS_ZONE);
+    }
+    for (number, material) in model.materials.iter().enumerate() {
+        if let (Some(zone), true) = (zone(number), 20 * large[number] > count[number]) {
+            warnings.push(format!(
+                "{} of {} elements of \"{}\" are larger than a third of its fracture process zone (E' G/f² = {} m; the largest has edges of {} m): \
+                 strength will depend on the mesh; take elements of {} m",
+                large[number],
+                count[number],
+                material.name,
+                brief(zone),
+                brief(longest[number]),
+                brief(zone / IN_PROCESS_ZONE)
+            ));
+        }
+    }
+}
+
+/// One side held while the opposite one is driven: stress waves load them unequally.
+fn platens(model: &Model, warnings: &mut Vec<String>) {
+    let components = |boundary: &Boundary| match boundary.load {
+        Load::Velocity(components) | Load::Displacement(components) => components,
+        _ => [None; 2],
+    };
+    let middle = |boundary: &Boundary, axis: usize| {
+        let nodes: Vec<u32> = match &boundary.target {
+            Target::Nodes(nodes) => nodes.clone(),
+            Target::Edges(edges) => edges.iter().flatten().copied().collect(),
+        };
+        let [low, high] = bounds(nodes.iter().map(|&node| model.mesh.nodes[node as usize]));
+        f64::midpoint(low[axis], high[axis])
+    };
+    for moving in &model.boundaries {
+        for axis in 0..2 {
+            let Some(speed) = components(moving)[axis].filter(|speed| *speed != 0.0) else { continue };
+            // What is driven towards something that is held, or away from it.
+            let held = model.boundaries.iter().find(|held| {
+                components(held)[axis] == Some(0.0) && middle(held, axis) != middle(moving, axis)
+            });
+            if let Some(held) = held {
+                let name = ["x", "y"][axis];
+                warnings.push(format!(
+                    "\"{}\" is fixed along {name} while \"{}\" moves: the two sides are not loaded alike; move both, with {} and {}",
+                    held.name,
+                    moving.name,
+                    brief(speed / 2.0),
+                    brief(-speed / 2.0)
+                ));
+                return;
+            }
+        }
+    }
+}
+
+/// Velocities, displacements and loads that are there at once.
+fn stepped(boundary: &Boundary, warnings: &mut Vec<String>) {
+    let starts = match &boundary.schedule {
+        Schedule::Constant => true,
+        Schedule::Ramp(_) => false,
+        Schedule::Table(table) => table.first().is_some_and(|[_, factor]| *factor != 0.0),
+    };
+    let moves = |components: [Option<f64>; 2]| components.iter().flatten().any(|speed| *speed != 0.0);
+    let what = match boundary.load {
+        Load::Velocity(velocity) if moves(velocity) => "velocity",
+        Load::Displacement(by) if moves(by) => "displacement",
+        _ => return,
+    };
+    if starts {
+        warnings.push(format!(
+            "\"{}\": its {what} is there at once, and sends a shock into the body; give it a ramp",
+            boundary.name
+        ));
+    }
+}
+
+/// Components of nodes that two boundaries prescribe.
+fn prescribed_twice(model: &Model, warnings: &mut Vec<String>) {
+    let mut owner: BTreeMap<(u32, usize), usize> = BTreeMap::new();
+    let mut told: Vec<[usize; 2]> = Vec::new();
+    for (number, boundary) in model.boundaries.iter().enumerate() {
+        let (Load::Velocity(components) | Load::Displacement(components), Target::Nodes(nodes)) =
+            (boundary.load, &boundary.target)
+        else {
+            continue;
+        };
+        for axis in (0..2).filter(|&axis| components[axis].is_some()) {
+            for &node in nodes {
+                let first = *owner.entry((node, axis)).or_insert(number);
+                let other = &model.boundaries[first];
+                let alike = other.load == boundary.load && other.schedule == boundary.schedule;
+                let held = |load: &Load| matches!(load, Load::Velocity(c) | Load::Displacement(c) if c[axis] == Some(0.0));
+                let both_held = held(&other.load) && held(&boundary.load);
+                if first != number && !alike && !both_held && !told.contains(&[first, number]) {
+                    told.push([first, number]);
+                    let axis = ["x", "y"][axis];
+                    warnings.push(format!(
+                        "\"{}\" and \"{}\" both prescribe how node {node} moves along {axis}",
+                        other.name, boundary.name
+                    ));
+                }
+            }
+        }
+    }
+}
+
+/// Bodies that lie in each other at the beginning.
+fn overlaps(model: &Model, bodies: &[Body], warnings: &mut Vec<String>) {
+    if bodies.len() < 2 {
+        return;
+    }
+    let mesh = &model.mesh;
+    let found = Detected::new(&mesh.nodes, &mesh.triangles, &mesh.bodies)
+        .and_then(|mesh| discretised::contacts(&mesh));
+    // What cannot be detected cannot be run either, and is told there.
+    let Ok(found) = found else { return };
+    let element_area = |element: u32| {
+        let [a, b, c] = mesh.triangles[element as usize].map(|node| mesh.nodes[node as usize]);
+        twice_area(a, b, c) / 2.0
+    };
+    let mut pairs: BTreeMap<[u32; 2], f64> = BTreeMap::new();
+    for contact in found {
+        let Measure::Area(area) = contact.contact.measure else { continue };
+        if area > 1e-4 * element_area(contact.i).min(element_area(contact.j)) {
+            let pair = [contact.i, contact.j].map(|element| mesh.bodies[element as usize]);
+            *pairs.entry(pair).or_default() += area;
+        }
+    }
+    let largest = pairs.iter().max_by(|a, b| a.1.total_cmp(b.1).then(b.0.cmp(a.0)));
+    if let Some((&[a, b], area)) = largest {
+        let more = match pairs.len() {
+            1 => String::new(),
+            count => format!(" ({count} pairs of bodies do, these most)"),
+        };
+        warnings.push(format!(
+            "\"{}\" and \"{}\" overlap by {} m² at the beginning{more}: they will be driven apart",
+            bodies[a as usize].name,
+            bodies[b as usize].name,
+            brief(*area)
+        ));
+    }
+}
+
+fn place([x, y]: [f64; 2]) -> String {
+    format!("[{}, {}]", brief(x), brief(y))
+}

@@ -1,0 +1,212 @@
+//! Curves over one axis, as SVG.
+
+use std::fmt::Write;
+
+use crate::picture::colour::{Rgb, hex};
+use crate::picture::svg::{Anchor, INK, PALE, Svg, shortened};
+use crate::picture::ticks::{tick_text, ticks};
+use crate::results::unit::prefixed;
+
+/// Of a chart, its axes and texts included.
+pub(crate) const WIDTH: f64 = 640.0;
+const HEIGHT: f64 = 360.0;
+
+const LEFT: f64 = 66.0;
+const TOP: f64 = 56.0;
+const BOTTOM: f64 = 52.0;
+/// Characters of the names of curves, beside the chart.
+const LONGEST: usize = 24;
+const RIGHT: f64 = 20.0;
+
+/// A curve has not many more points than there are pixels.
+const MOST_POINTS: usize = 1600;
+
+/// By turns; they are told apart on white paper and on black, and, besides, by their dashes.
+const COLOURS: [Rgb; 8] = [
+    [31, 119, 190],
+    [226, 105, 30],
+    [42, 155, 90],
+    [150, 90, 190],
+    [214, 58, 85],
+    [140, 112, 62],
+    [5, 142, 153],
+    [112, 124, 138],
+];
+const DASHES: [&str; 3] = ["", "7 3", "2 3"];
+
+/// What an axis is of.
+pub(crate) struct Axis<'a> {
+    pub(crate) name: &'a str,
+    pub(crate) unit: &'a str,
+}
+
+/// Values over others; those that are not finite are gaps.
+pub(crate) struct Curve<'a> {
+    pub(crate) name: &'a str,
+    pub(crate) across: &'a [f64],
+    pub(crate) up: &'a [f64],
+}
+
+/// Curves over one axis.
+pub(crate) struct Chart<'a> {
+    pub(crate) name: &'a str,
+    /// In words, for those who cannot see it.
+    pub(crate) description: String,
+    pub(crate) across: Axis<'a>,
+    pub(crate) up: Axis<'a>,
+    pub(crate) curves: Vec<Curve<'a>>,
+}
+
+/// From the numbers of an axis to its place on the paper.
+struct Scale {
+    /// In the unit that is shown.
+    low: f64,
+    high: f64,
+    factor: f64,
+    unit: String,
+}
+
+impl Scale {
+    fn of(values: impl Iterator<Item = f64>, unit: &str) -> Self {
+        let (mut low, mut high) = (0.0_f64, 0.0_f64);
+        for value in values.filter(|value| value.is_finite()) {
+            (low, high) = (low.min(value), high.max(value));
+        }
+        let (factor, unit) = prefixed(unit, high.max(-low));
+        let (mut low, mut high) = (low * factor, high * factor);
+        if low == high || !(high - low).is_finite() {
+            (low, high) = (0.0, 1.0);
+        }
+        // Curves keep off the edges, but begin at 0 where all do.
+        let gap = 0.04 * (high - low);
+        Self { low: if low < 0.0 { low - gap } else { 0.0 }, high: high + gap, factor, unit }
+    }
+
+    fn share(&self, value: f64) -> f64 {
+        (value * self.factor - self.low) / (self.high - self.low)
+    }
+
+    fn label(&self, name: &str) -> String {
+        if self.unit.is_empty() { name.to_owned() } else { format!("{name} ({})", self.unit) }
+    }
+}
+
+impl Chart<'_> {
+    pub(crate) fn svg(&self) -> String {
+        let mut svg = Svg::new(WIDTH, HEIGHT, self.name, &self.description);
+        svg.background();
+        svg.label([8.0, 20.0], 13.5, Anchor::Start, INK, self.name);
+        let longest = self.curves.iter().map(|curve| curve.name.chars().count()).max().unwrap_or(0);
+        let legend = if self.curves.len() > 1 { 46.0 + 7.0 * longest.clamp(8, LONGEST) as f64 } else { 0.0 };
+        let (width, height) = (WIDTH - LEFT - RIGHT - legend, HEIGHT - TOP - BOTTOM);
+        let across =
+            Scale::of(self.curves.iter().flat_map(|curve| curve.across.iter().copied()), self.across.unit);
+        let up = Scale::of(self.curves.iter().flat_map(|curve| curve.up.iter().copied()), self.up.unit);
+        let place = |[x, y]: [f64; 2]| [LEFT + across.share(x) * width, TOP + (1.0 - up.share(y)) * height];
+
+        for tick in ticks(up.low, up.high, 5) {
+            let [_, y] = place([0.0, tick / up.factor]);
+            svg.put(format_args!(
+                r##"<line class="grid" x1="{LEFT:.1}" y1="{y:.1}" x2="{:.1}" y2="{y:.1}" stroke="#e3e7eb" stroke-width="1"/>"##,
+                LEFT + width
+            ));
+            svg.label([LEFT - 7.0, y + 4.0], 11.0, Anchor::End, INK, &tick_text(tick));
+        }
+        for tick in ticks(across.low, across.high, 6) {
+            let [x, _] = place([tick / across.factor, 0.0]);
+            svg.line([x, TOP + height], [x, TOP + height + 4.0], 1.0, INK);
+            svg.label([x, TOP + height + 17.0], 11.0, Anchor::Middle, INK, &tick_text(tick));
+        }
+        svg.line([LEFT, TOP + height], [LEFT + width, TOP + height], 1.2, INK);
+        if up.low < 0.0 {
+            let [_, zero] = place([0.0, 0.0]);
+            svg.line([LEFT, zero], [LEFT + width, zero], 0.8, PALE);
+        }
+        svg.label([LEFT - 58.0, TOP - 12.0], 12.0, Anchor::Start, PALE, &up.label(self.up.name));
+        let middle = LEFT + width / 2.0;
+        svg.label([middle, HEIGHT - 12.0], 12.0, Anchor::Middle, PALE, &across.label(self.across.name));
+
+        for (k, curve) in self.curves.iter().enumerate() {
+            let colour = hex(COLOURS[k % COLOURS.len()]);
+            let dash = match DASHES[k % DASHES.len()] {
+                "" => String::new(),
+                dash => format!(r#" stroke-dasharray="{dash}""#),
+            };
+            svg.put(format_args!(
+                r#"<path class="curve" d="{}" fill="none" stroke="{colour}" stroke-width="1.7" stroke-linejoin="round"{dash}/>"#,
+                path(curve, place)
+            ));
+            if legend > 0.0 {
+                let (x, y) = (LEFT + width + 14.0, TOP + 8.0 + 19.0 * k as f64);
+                svg.put(format_args!(
+                    r#"<line x1="{x:.1}" y1="{y:.1}" x2="{:.1}" y2="{y:.1}" stroke="{colour}" stroke-width="2"{dash}/>"#,
+                    x + 20.0
+                ));
+                svg.label([x + 26.0, y + 4.0], 11.5, Anchor::Start, INK, &shortened(curve.name, LONGEST));
+            }
+        }
+        svg.finish()
+    }
+}
+
+/// Lines between points that follow each other, none to what is not finite.
+fn path(curve: &Curve<'_>, place: impl Fn([f64; 2]) -> [f64; 2]) -> String {
+    let mut path = String::new();
+    let mut drawing = false;
+    for k in shown(curve.up) {
+        let [x, y] = place([curve.across[k], curve.up[k]]);
+        if x.is_finite() && y.is_finite() {
+            // Writing to a string does not fail.
+            let _ = write!(path, "{}{x:.1} {y:.1}", if drawing { 'L' } else { 'M' });
+        }
+        drawing = x.is_finite() && y.is_finite();
+    }
+    path
+}
+
+/// The places of a curve that are drawn: of many, stretch by stretch the first, the least, the largest and the last, so that no peak is lost.
+fn shown(values: &[f64]) -> Vec<usize> {
+    if values.len() <= MOST_POINTS {
+        return (0..values.len()).collect();
+    }
+    let stretch = values.len().div_ceil(MOST_POINTS / 4);
+    let mut places = Vec::with_capacity(MOST_POINTS);
+    for start in (0..values.len()).step_by(stretch) {
+        let all = start..values.len().min(start + stretch);
+        let by_value = |a: &usize, b: &usize| values[*a].total_cmp(&values[*b]);
+        let finite = || all.clone().filter(|&k| values[k].is_finite());
+        let mut four = vec![all.start, all.end - 1];
+        four.extend(finite().min_by(by_value));
+        four.extend(finite().max_by(by_value));
+        four.sort_unstable();
+        four.dedup();
+        places.extend(four);
+    }
+    places
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_single_peak_among_many_points_is_drawn() {
+        let mut values = vec![0.0; 100_000];
+        values[54_321] = 3.0;
+        values[10] = f64::NAN;
+        let places = shown(&values);
+        assert!(places.len() <= MOST_POINTS && places.is_sorted());
+        assert!(places.contains(&54_321) && places.contains(&0) && places.contains(&99_999));
+    }
+
+    #[test]
+    fn gaps_stay_gaps_and_constants_have_an_axis() {
+        let across = [0.0, 1.0, 2.0, 3.0];
+        let curve = Curve { name: "a", across: &across, up: &[1.0, f64::NAN, 2.0, f64::INFINITY] };
+        assert_eq!(path(&curve, |point| point), "M0.0 1.0M2.0 2.0");
+        let scale = Scale::of([f64::NAN, 0.0].into_iter(), "J");
+        assert_eq!((scale.low, scale.high), (0.0, 1.04));
+        let scale = Scale::of([-2e3, 0.0].into_iter(), "J");
+        assert_eq!((scale.share(0.0) > 0.9, scale.label("energy").as_str()), (true, "energy (kJ)"));
+    }
+}

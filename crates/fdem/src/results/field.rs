@@ -1,0 +1,245 @@
+//! What elements are coloured by.
+
+use fdem_simulation::Snapshot;
+
+use crate::picture::colour::{self, HEAT, Rgb, SEA};
+use crate::results::frame::Frame;
+use crate::results::stress::{principal, von_mises};
+
+/// What elements are coloured by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[non_exhaustive]
+pub enum Field {
+    /// The largest principal stress in the plane, Pa, tension positive.
+    MaxPrincipal,
+    /// The smallest principal stress in the plane, Pa, tension positive.
+    MinPrincipal,
+    /// Von Mises' equivalent stress, Pa.
+    VonMises,
+    /// How fast the element is: of the mean of its corners, m/s.
+    Velocity,
+    /// How far it has moved: of the mean of its corners, m.
+    Displacement,
+    /// The largest of its joints, 0 to 1.
+    Damage,
+    /// Which body it is of.
+    Body,
+    /// What it is made of.
+    Material,
+}
+
+/// Those that are numbers on a scale, in the order in which frames have them.
+pub(crate) const SCALES: [Field; 6] = [
+    Field::MaxPrincipal,
+    Field::MinPrincipal,
+    Field::VonMises,
+    Field::Velocity,
+    Field::Displacement,
+    Field::Damage,
+];
+
+/// Compression blue, tension red, pale where there is none: of equal lightness at equal distance from the middle.
+const SIGNED: [Rgb; 17] = [
+    [9, 48, 112],
+    [20, 70, 146],
+    [36, 93, 176],
+    [64, 118, 194],
+    [99, 143, 208],
+    [137, 170, 219],
+    [175, 197, 229],
+    [209, 220, 236],
+    [235, 235, 235],
+    [242, 218, 205],
+    [243, 193, 170],
+    [239, 163, 133],
+    [229, 131, 100],
+    [213, 97, 73],
+    [189, 63, 54],
+    [158, 32, 42],
+    [117, 8, 32],
+];
+
+/// Bodies and materials by turns.
+pub(crate) const NUMBERED: [Rgb; 8] = [
+    [127, 172, 214],
+    [176, 157, 211],
+    [126, 192, 153],
+    [222, 180, 120],
+    [150, 180, 188],
+    [216, 143, 167],
+    [184, 197, 118],
+    [155, 165, 196],
+];
+
+/// What has no value.
+pub(crate) const NO_VALUE: Rgb = [203, 205, 208];
+
+impl Field {
+    /// All of them.
+    pub const ALL: [Self; 8] = [
+        Self::MaxPrincipal,
+        Self::MinPrincipal,
+        Self::VonMises,
+        Self::Velocity,
+        Self::Displacement,
+        Self::Damage,
+        Self::Body,
+        Self::Material,
+    ];
+
+    /// In one word, for options and files.
+    pub fn key(self) -> &'static str {
+        match self {
+            Self::MaxPrincipal => "max-principal",
+            Self::MinPrincipal => "min-principal",
+            Self::VonMises => "von-mises",
+            Self::Velocity => "velocity",
+            Self::Displacement => "displacement",
+            Self::Damage => "damage",
+            Self::Body => "body",
+            Self::Material => "material",
+        }
+    }
+
+    /// The one of this [`Self::key`].
+    pub fn from_key(key: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|field| field.key() == key)
+    }
+
+    /// For people.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::MaxPrincipal => "largest principal stress",
+            Self::MinPrincipal => "smallest principal stress",
+            Self::VonMises => "von Mises stress",
+            Self::Velocity => "velocity",
+            Self::Displacement => "displacement",
+            Self::Damage => "damage",
+            Self::Body => "body",
+            Self::Material => "material",
+        }
+    }
+
+    /// Of its numbers, empty for none.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::MaxPrincipal | Self::MinPrincipal | Self::VonMises => "Pa",
+            Self::Velocity => "m/s",
+            Self::Displacement => "m",
+            Self::Damage | Self::Body | Self::Material => "",
+        }
+    }
+
+    /// Its place among those on a scale.
+    pub(crate) fn scale(self) -> Option<usize> {
+        SCALES.iter().position(|&other| other == self)
+    }
+
+    /// Has a sign: its colours are pale at 0.
+    pub(crate) fn signed(self) -> bool {
+        matches!(self, Self::MaxPrincipal | Self::MinPrincipal)
+    }
+
+    /// From the lowest value to the highest.
+    pub(crate) fn ramp(self) -> &'static [Rgb; 17] {
+        match self {
+            Self::MaxPrincipal | Self::MinPrincipal => &SIGNED,
+            Self::VonMises | Self::Damage => &HEAT,
+            Self::Velocity | Self::Displacement | Self::Body | Self::Material => &SEA,
+        }
+    }
+
+    /// Of each element; `snapshot` is a checked one.
+    pub(crate) fn values(self, snapshot: &Snapshot) -> Vec<f64> {
+        let mean = |vectors: &[[f64; 2]]| -> Vec<f64> {
+            let of = |nodes: &[u32; 3]| {
+                let [x, y] =
+                    [0, 1].map(|axis| nodes.iter().map(|&node| vectors[node as usize][axis]).sum::<f64>());
+                x.hypot(y) / 3.0
+            };
+            snapshot.triangles.iter().map(of).collect()
+        };
+        match self {
+            Self::MaxPrincipal => snapshot.stresses.iter().map(|&stress| principal(stress)[0]).collect(),
+            Self::MinPrincipal => snapshot.stresses.iter().map(|&stress| principal(stress)[1]).collect(),
+            Self::VonMises => snapshot.stresses.iter().map(|&stress| von_mises(stress)).collect(),
+            Self::Velocity => mean(&snapshot.velocities),
+            Self::Displacement => mean(&snapshot.displacements),
+            Self::Damage => snapshot.damage.clone(),
+            Self::Body => snapshot.bodies.iter().map(|&body| f64::from(body)).collect(),
+            Self::Material => snapshot.materials.iter().map(|&material| f64::from(material)).collect(),
+        }
+    }
+
+    /// Of a value, on a scale of that range.
+    pub(crate) fn colour(self, value: f64, range: Range) -> Rgb {
+        if value.is_nan() {
+            return NO_VALUE;
+        }
+        colour::at(self.ramp(), range.share(value))
+    }
+}
+
+/// Of a body or a material, by turns: those next to each other in number differ.
+pub(crate) fn numbered_colour(number: u32) -> Rgb {
+    NUMBERED[number as usize % NUMBERED.len()]
+}
+
+/// The values at the two ends of the colours; what is beyond has the colour of the end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Range {
+    /// At the start.
+    pub low: f64,
+    /// At the end.
+    pub high: f64,
+}
+
+impl Range {
+    /// That of a whole series: what 98 % of the elements do not leave in any frame, so that single elements under a load do not take the colours from all
+    /// others. Stresses have as much on either side of 0, other quantities begin at 0, damage ends at 1.
+    pub fn of<'a>(frames: impl IntoIterator<Item = &'a Frame>, field: Field) -> Self {
+        let Some(scale) = field.scale().filter(|_| field != Field::Damage) else {
+            return Self { low: 0.0, high: 1.0 };
+        };
+        let mut largest = 0.0_f64;
+        for frame in frames {
+            let [low, high] = frame.usual(scale);
+            largest = largest.max(high);
+            if field.signed() {
+                largest = largest.max(-low);
+            }
+        }
+        let high = if largest > 0.0 { largest } else { 1.0 };
+        Self { low: if field.signed() { -high } else { 0.0 }, high }
+    }
+
+    /// Of the way from the low end to the high one.
+    pub(crate) fn share(self, value: f64) -> f64 {
+        (value - self.low) / (self.high - self.low)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_lead_back_to_their_fields() {
+        for field in Field::ALL {
+            assert_eq!(Field::from_key(field.key()), Some(field));
+        }
+        assert_eq!(Field::from_key("pressure"), None);
+    }
+
+    #[test]
+    fn no_stress_is_pale_and_both_signs_are_as_dark() {
+        let range = Range { low: -2.0, high: 2.0 };
+        assert_eq!(Field::MaxPrincipal.colour(0.0, range), SIGNED[8]);
+        assert_eq!(Field::MaxPrincipal.colour(9.0, range), SIGNED[16]);
+        assert_eq!(Field::MaxPrincipal.colour(f64::NAN, range), NO_VALUE);
+        let light = |[r, g, b]: Rgb| 2 * i32::from(r) + 5 * i32::from(g) + i32::from(b);
+        for k in 0..8 {
+            assert!(light(SIGNED[k]) < light(SIGNED[k + 1]) && light(SIGNED[16 - k]) < light(SIGNED[15 - k]));
+        }
+    }
+}

@@ -1,0 +1,358 @@
+//! The history of a run: a row of numbers for every instant, as a text that grows.
+
+use std::fmt;
+use std::io::{self, Write};
+
+use fdem_simulation::{Crack, Energies};
+
+use crate::results::frame::code;
+
+/// Columns that every history has. Energies in J, lengths in m, times in s.
+const COLUMNS: [&str; 16] = [
+    "step",
+    "time",
+    "kinetic",
+    "strain",
+    "contact",
+    "friction",
+    "cohesive",
+    "damping",
+    "external",
+    "balance",
+    "error",
+    "broken_joints",
+    "crack_length",
+    "crack_length_tension",
+    "crack_length_shear",
+    "crack_length_mixed",
+];
+
+/// What the run is like at one instant.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Row {
+    /// Steps done.
+    pub step: u64,
+    /// s.
+    pub time: f64,
+    /// J.
+    pub energies: Energies,
+    /// How many.
+    pub broken: u64,
+    /// Of what is broken by tension, by shear and by both, m.
+    pub lengths: [f64; 3],
+    /// What the user asked for, in the order of the names.
+    pub values: Vec<f64>,
+}
+
+impl Row {
+    /// How many of the joints are broken, and their lengths by tension, shear and both, m: for [`Row::broken`] and [`Row::lengths`].
+    pub fn broken_joints(cracks: &[Crack]) -> (u64, [f64; 3]) {
+        let (mut count, mut lengths) = (0, [0.0; 3]);
+        for crack in cracks.iter().filter(|crack| crack.time.is_some()) {
+            count += 1;
+            lengths[usize::from(code(crack.mode))] += crack.length;
+        }
+        (count, lengths)
+    }
+}
+
+/// Writes rows as they come: delimited text with one line of names, numbers in the shortest form that reads back as the same.
+///
+/// Names of the user's columns end with their unit in brackets: `load [N]`.
+///
+/// # Example
+/// ```
+/// use fdem::results::{History, HistoryWriter, Row};
+///
+/// let mut text = Vec::new();
+/// let mut writer = HistoryWriter::new(&mut text, &["load [N]".to_owned()])?;
+/// writer.row(&Row { step: 10, time: 1e-6, values: vec![2.5], ..Row::default() })?;
+/// let history = History::read(&text)?;
+/// assert_eq!(history.column("load [N]"), Some(&[2.5][..]));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct HistoryWriter<W> {
+    out: W,
+    width: usize,
+    line: String,
+}
+
+impl<W: Write> HistoryWriter<W> {
+    /// Writes the names.
+    ///
+    /// # Errors
+    /// Those of `out`.
+    pub fn new(mut out: W, names: &[String]) -> io::Result<Self> {
+        let mut line = COLUMNS.join(",");
+        for name in names {
+            line.push(',');
+            line.push_str(&quoted(name));
+        }
+        line.push('\n');
+        out.write_all(line.as_bytes())?;
+        Ok(Self { out, width: names.len(), line })
+    }
+
+    /// Goes on with a text that has its names already, of so many columns of the user.
+    pub fn going_on(out: W, width: usize) -> Self {
+        Self { out, width, line: String::new() }
+    }
+
+    /// Writes a row in one piece.
+    ///
+    /// # Errors
+    /// Those of `out`; [`io::ErrorKind::InvalidInput`] if it has not as many values as there are names.
+    pub fn row(&mut self, row: &Row) -> io::Result<()> {
+        if row.values.len() != self.width {
+            let problem = format!("a row of {} values, where {} have names", row.values.len(), self.width);
+            return Err(io::Error::new(io::ErrorKind::InvalidInput, problem));
+        }
+        let Row { energies: e, lengths: [tension, shear, mixed], .. } = row;
+        self.line.clear();
+        self.line.push_str(&row.step.to_string());
+        let energies = [e.kinetic, e.strain, e.contact, e.friction, e.cohesive, e.damping, e.external];
+        for number in [row.time].into_iter().chain(energies).chain([e.balance(), e.error()]) {
+            self.number(number);
+        }
+        self.line.push(',');
+        self.line.push_str(&row.broken.to_string());
+        for number in
+            [tension + shear + mixed, *tension, *shear, *mixed].into_iter().chain(row.values.iter().copied())
+        {
+            self.number(number);
+        }
+        self.line.push('\n');
+        self.out.write_all(self.line.as_bytes())
+    }
+
+    fn number(&mut self, number: f64) {
+        use std::fmt::Write;
+        // As short as it can be, also where that is with an exponent. Writing to a string does not fail.
+        let plain = number == 0.0 || (1e-4..1e16).contains(&number.abs());
+        let _ = if plain { write!(self.line, ",{number}") } else { write!(self.line, ",{number:e}") };
+    }
+
+    /// What is written to.
+    pub fn get_mut(&mut self) -> &mut W {
+        &mut self.out
+    }
+}
+
+/// A name as a field of delimited text.
+fn quoted(name: &str) -> String {
+    // A line of names is one line.
+    let name: String = name.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+    if name.contains([',', '"']) { format!("\"{}\"", name.replace('"', "\"\"")) } else { name }
+}
+
+/// A history that was read.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct History {
+    names: Vec<String>,
+    columns: Vec<Vec<f64>>,
+}
+
+/// A text that is no history.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct HistoryError {
+    /// From 1.
+    pub line: usize,
+    /// What is wrong with it.
+    pub problem: String,
+}
+
+impl fmt::Display for HistoryError {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(out, "line {} of the history: {}", self.line, self.problem)
+    }
+}
+
+impl std::error::Error for HistoryError {}
+
+impl History {
+    /// What a [`HistoryWriter`] wrote. A last line without an end was not written whole, and is left out.
+    ///
+    /// # Errors
+    /// The first line that is not as it should be.
+    pub fn read(text: &[u8]) -> Result<Self, HistoryError> {
+        let mut lines = whole_lines(text);
+        let head = lines.next().ok_or_else(|| HistoryError::at(1, "there are no names of columns"))?;
+        let names = fields(&utf8(head, 1)?);
+        if names.iter().map(String::as_str).take(COLUMNS.len()).ne(COLUMNS) {
+            return Err(HistoryError::at(1, "the names of the columns are not those of a history"));
+        }
+        let mut columns = vec![Vec::new(); names.len()];
+        for (k, line) in lines.enumerate() {
+            let line_text = utf8(line, k + 2)?;
+            let values: Vec<&str> = line_text.trim_end_matches('\r').split(',').collect();
+            if values.len() != names.len() {
+                let problem = format!("{} values, where there are {} columns", values.len(), names.len());
+                return Err(HistoryError::at(k + 2, problem));
+            }
+            for ((column, value), name) in columns.iter_mut().zip(values).zip(&names) {
+                let number = value
+                    .parse()
+                    .map_err(|_| HistoryError::at(k + 2, format!("{name}: {value:?} is no number")))?;
+                column.push(number);
+            }
+        }
+        Ok(Self { names, columns })
+    }
+
+    /// Of all columns.
+    pub fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// The first column of that name.
+    pub fn column(&self, name: &str) -> Option<&[f64]> {
+        let place = self.names.iter().position(|other| other == name)?;
+        Some(&self.columns[place])
+    }
+
+    /// Name and values of each of the user's columns.
+    pub fn of_user(&self) -> impl Iterator<Item = (&str, &[f64])> {
+        let all = self.names.iter().zip(&self.columns).skip(COLUMNS.len());
+        all.map(|(name, values)| (name.as_str(), values.as_slice()))
+    }
+
+    /// How many rows there are.
+    pub fn rows(&self) -> usize {
+        self.columns.first().map_or(0, Vec::len)
+    }
+}
+
+impl HistoryError {
+    fn at(line: usize, problem: impl Into<String>) -> Self {
+        Self { line, problem: problem.into() }
+    }
+}
+
+/// How many bytes of a history to keep so that nothing after `step` is in it, nor a line that was not written whole: for a run that goes on from there.
+///
+/// # Errors
+/// The first line of which the step cannot be read.
+pub fn kept(text: &[u8], step: u64) -> Result<usize, HistoryError> {
+    let mut end = 0;
+    for (k, line) in whole_lines(text).enumerate() {
+        if k > 0 {
+            let first = utf8(line, k + 1)?.split(',').next().unwrap_or_default().to_owned();
+            let found: u64 = first
+                .parse()
+                .map_err(|_| HistoryError::at(k + 1, format!("step: {first:?} is no number of steps")))?;
+            if found > step {
+                break;
+            }
+        }
+        end += line.len() + 1;
+    }
+    Ok(end)
+}
+
+/// Lines that end, without their ends.
+fn whole_lines(text: &[u8]) -> impl Iterator<Item = &[u8]> {
+    let end = text.iter().rposition(|&byte| byte == b'\n').unwrap_or(0);
+    text[..end].split(|&byte| byte == b'\n').filter(move |_| end > 0)
+}
+
+fn utf8(line: &[u8], number: usize) -> Result<String, HistoryError> {
+    String::from_utf8(line.to_vec()).map_err(|_| HistoryError::at(number, "this is no text"))
+}
+
+/// The fields of a line of delimited text.
+fn fields(line: &str) -> Vec<String> {
+    let mut fields = vec![String::new()];
+    let mut within = false;
+    let mut characters = line.trim_end_matches('\r').chars().peekable();
+    while let Some(c) = characters.next() {
+        match c {
+            '"' if within && characters.peek() == Some(&'"') => {
+                characters.next();
+                if let Some(field) = fields.last_mut() {
+                    field.push('"');
+                }
+            }
+            '"' => within = !within,
+            ',' if !within => fields.push(String::new()),
+            c => {
+                if let Some(field) = fields.last_mut() {
+                    field.push(c);
+                }
+            }
+        }
+    }
+    fields
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn history(steps: &[u64]) -> Vec<u8> {
+        let mut text = Vec::new();
+        let names = ["load, \"upper\" [N]".to_owned(), "gap [m]".to_owned()];
+        let mut writer = HistoryWriter::new(&mut text, &names).unwrap();
+        for &step in steps {
+            let energies = Energies { kinetic: 0.1, external: 1.0 / 3.0, ..Energies::default() };
+            let values = vec![-1e-300 * step as f64, f64::NAN];
+            let row =
+                Row { step, time: 1e-7 * step as f64, energies, broken: 2, lengths: [0.1, 0.2, 0.0], values };
+            writer.row(&row).unwrap();
+        }
+        text
+    }
+
+    #[test]
+    fn numbers_read_back_as_they_were() {
+        let text = history(&[0, 7]);
+        let read = History::read(&text).unwrap();
+        assert_eq!(read.rows(), 2);
+        assert_eq!(read.column("time"), Some(&[0.0, 7.0 * 1e-7][..]));
+        assert_eq!(read.column("external"), Some(&[1.0 / 3.0; 2][..]));
+        assert_eq!(read.column("balance"), Some(&[0.1 - 1.0 / 3.0; 2][..]));
+        assert_eq!(read.column("crack_length"), Some(&[0.1 + 0.2; 2][..]));
+        let user: Vec<(&str, &[f64])> = read.of_user().collect();
+        assert_eq!(user[0].0, "load, \"upper\" [N]");
+        assert_eq!(user[0].1[1], -1e-300 * 7.0);
+        assert!(user[1].1[0].is_nan());
+    }
+
+    #[test]
+    fn a_run_that_goes_on_keeps_what_it_had_done() {
+        let text = history(&[0, 10, 20, 30]);
+        assert_eq!(kept(&text, 30), Ok(text.len()));
+        assert_eq!(&text[..kept(&text, 25).unwrap()], &history(&[0, 10, 20])[..]);
+        assert_eq!(
+            &text[..kept(&text[..text.len() - 3], 99).unwrap()],
+            &history(&[0, 10, 20])[..],
+            "a torn line"
+        );
+        assert_eq!(History::read(&text[..text.len() - 3]).unwrap().rows(), 3);
+        assert_eq!(kept(b"", 1), Ok(0));
+        let mut going_on = history(&[0, 10]);
+        let mut writer = HistoryWriter::going_on(&mut going_on, 2);
+        assert!(writer.row(&Row::default()).is_err(), "two values have names");
+    }
+
+    #[test]
+    fn what_is_wrong_is_named_with_its_line() {
+        let error = |text: &[u8]| History::read(text).unwrap_err().to_string();
+        assert_eq!(error(b""), "line 1 of the history: there are no names of columns");
+        assert_eq!(
+            error(b"a,b\n1,2\n"),
+            "line 1 of the history: the names of the columns are not those of a history"
+        );
+        let mut text = history(&[0]);
+        text.extend(b"1,2\n");
+        assert_eq!(error(&text), "line 3 of the history: 2 values, where there are 18 columns");
+        let mut text = history(&[]);
+        text.extend("0,".repeat(16).as_bytes());
+        text.extend(b"1,x\n");
+        assert_eq!(error(&text), "line 2 of the history: gap [m]: \"x\" is no number");
+        let mut text = history(&[0]);
+        text.extend(b"1.5,\xff\n");
+        assert_eq!(error(&text), "line 3 of the history: this is no text");
+        assert_eq!(kept(&history(&[0]).repeat(2), 9).unwrap_err().line, 3);
+    }
+}

@@ -1,0 +1,91 @@
+//! Numbers as 16 bits each: their place between two others.
+
+/// What is not a number, or not within reach.
+const NONE: u16 = u16::MAX;
+const STEPS: f64 = 65_534.0;
+
+/// Arrays of numbers of 16 bits, one after the other: of each first the upper bytes, which differ little, then the lower.
+#[derive(Default)]
+pub(crate) struct Packed {
+    pub(crate) bytes: Vec<u8>,
+}
+
+impl Packed {
+    /// Appends an array.
+    pub(crate) fn numbers(&mut self, numbers: &[u16]) {
+        self.bytes.extend(numbers.iter().map(|number| (number >> 8) as u8));
+        self.bytes.extend(numbers.iter().map(|number| (number & 255) as u8));
+    }
+
+    /// Appends places between `low` and `high`.
+    pub(crate) fn places(&mut self, values: &[f64], [low, high]: [f64; 2]) {
+        let place = |&value: &f64| {
+            if value.is_finite() && (low..=high).contains(&value) {
+                // A range of no width has all its values at its start.
+                let share = if high > low { (value - low) / (high - low) } else { 0.0 };
+                (share * STEPS).round() as u16
+            } else {
+                NONE
+            }
+        };
+        let numbers: Vec<u16> = values.iter().map(place).collect();
+        self.numbers(&numbers);
+    }
+}
+
+/// Arrays read back in the order in which they were packed.
+pub(crate) struct Unpacked<'a> {
+    bytes: &'a [u8],
+}
+
+impl<'a> Unpacked<'a> {
+    pub(crate) fn new(bytes: &'a [u8]) -> Self {
+        Self { bytes }
+    }
+
+    /// The next array; `None` if there are not as many bytes.
+    pub(crate) fn numbers(&mut self, count: usize) -> Option<Vec<u16>> {
+        let (array, rest) = self.bytes.split_at_checked(count.checked_mul(2)?)?;
+        self.bytes = rest;
+        let (upper, lower) = array.split_at(count);
+        Some(upper.iter().zip(lower).map(|(&upper, &lower)| u16::from_be_bytes([upper, lower])).collect())
+    }
+
+    /// The next array, of places between `low` and `high`; what was not a number is not one again.
+    pub(crate) fn places(&mut self, count: usize, [low, high]: [f64; 2]) -> Option<Vec<f64>> {
+        let value = |place: u16| match place {
+            NONE => f64::NAN,
+            place => low + f64::from(place) / STEPS * (high - low),
+        };
+        Some(self.numbers(count)?.into_iter().map(value).collect())
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.bytes.is_empty()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_come_back_within_half_a_step() {
+        let values = [-3.0, 5.0, 0.1, f64::NAN, 7.0, f64::INFINITY];
+        let mut packed = Packed::default();
+        packed.places(&values, [-3.0, 5.0]);
+        packed.numbers(&[513]);
+        packed.places(&[2.5], [2.5, 2.5]);
+        assert_eq!(packed.bytes[12..14], [2, 1], "upper bytes first");
+        let mut unpacked = Unpacked::new(&packed.bytes);
+        let back = unpacked.places(6, [-3.0, 5.0]).unwrap();
+        assert_eq!(back[..2], [-3.0, 5.0]);
+        assert!((back[2] - 0.1).abs() <= 4.0 / STEPS);
+        assert!(back[3..].iter().all(|x| x.is_nan()), "beyond the ends is nowhere");
+        assert_eq!(unpacked.numbers(1), Some(vec![513]));
+        assert_eq!(unpacked.places(1, [2.5, 2.5]), Some(vec![2.5]));
+        assert!(
+            unpacked.is_empty() && unpacked.numbers(1).is_none() && unpacked.numbers(usize::MAX).is_none()
+        );
+    }
+}

@@ -1,0 +1,347 @@
+//! Frames as pictures: elements by colour, cracks as lines, the same view and the same colours in all of a series.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+use fdem_simulation::Mode;
+
+use crate::numbers::{brief, grouped};
+use crate::picture::colour::{Rgb, hex};
+use crate::picture::encode::{self, Layer};
+use crate::picture::furniture::{self, BAR, FOOT, HEAD};
+use crate::picture::svg::{Anchor, INK, PALE, Svg, shortened};
+use crate::picture::ticks::{tick_text, ticks};
+use crate::picture::{PictureError, drawing};
+use crate::results::field::{Field, Range, numbered_colour};
+use crate::results::fill::Fill;
+use crate::results::frame::{Frame, Opened, code};
+use crate::results::unit::prefixed;
+
+const MARGIN: f64 = 24.0;
+/// The area of the drawing is not larger, nor narrower than what stands around it: with the margins 900 wide.
+const MOST: [f64; 2] = [852.0, 700.0];
+const NARROWEST: f64 = 620.0;
+
+/// More triangles than a browser opens with ease are an image.
+const MOST_VECTORS: usize = 20_000;
+
+/// Of cracks by tension, by shear, by both: their colours stand beside those of no field, and a white seam parts them from these.
+pub(crate) const CRACKS: [(&str, Rgb); 3] =
+    [("tension", [17, 24, 39]), ("shear", [200, 0, 170]), ("mixed", [232, 116, 0])];
+const CRACK: f64 = 2.0;
+const SEAM: f64 = 4.0;
+
+/// What a series of pictures shows: the same place in all of them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FrameView {
+    low: [f64; 2],
+    high: [f64; 2],
+    /// The last time, by which times are told.
+    last: f64,
+}
+
+impl FrameView {
+    /// All that is in any of the frames, but no farther from what is in the first than half of its size: fragments that fly away leave the picture.
+    pub fn of<'a>(frames: impl IntoIterator<Item = &'a Frame>) -> Self {
+        let mut frames = frames.into_iter();
+        let Some(first) = frames.next() else { return Self { low: [0.0; 2], high: [1.0; 2], last: 0.0 } };
+        let [mut low, mut high] = [0, 1].map(|end| [first.bounds[0][end], first.bounds[1][end]]);
+        let most = (high[0] - low[0]).max(high[1] - low[1]) / 2.0;
+        let (least, largest) = (low.map(|x| x - most), high.map(|x| x + most));
+        let mut last = first.time;
+        for frame in frames {
+            for axis in 0..2 {
+                low[axis] = low[axis].min(frame.bounds[axis][0]).max(least[axis]);
+                high[axis] = high[axis].max(frame.bounds[axis][1]).min(largest[axis]);
+            }
+            last = last.max(frame.time);
+        }
+        Self { low, high, last }
+    }
+
+    /// What is in the middle, and how far it is from there to the sides, m: not nothing, whatever there is.
+    pub(crate) fn middle_and_half(&self) -> ([f64; 2], [f64; 2]) {
+        let half = [0, 1].map(|axis| (self.high[axis] - self.low[axis]) / 2.0);
+        let middle = [0, 1].map(|axis| self.low[axis] + half[axis]);
+        let good = half[0].max(half[1]) > 0.0 && half.iter().chain(&middle).all(|x| x.is_finite());
+        if good { (middle, half) } else { ([0.0; 2], [1.0; 2]) }
+    }
+
+    /// A time, with as many digits at every frame.
+    pub(crate) fn time(&self, time: f64) -> String {
+        let (factor, unit) = prefixed("s", self.last);
+        let decimals = match self.last * factor {
+            last if last >= 100.0 => 1,
+            last if last >= 10.0 => 2,
+            _ => 3,
+        };
+        format!("{:.decimals$} {unit}", time * factor)
+    }
+}
+
+/// How the frames of a series are drawn.
+///
+/// # Example
+/// ```
+/// use fdem::results::{Field, Frame, FrameView, Pictures, Range};
+/// use fdem_simulation::Snapshot;
+///
+/// let snapshot = Snapshot {
+///     positions: vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]],
+///     displacements: vec![[0.0; 2]; 3],
+///     velocities: vec![[0.0; 2]; 3],
+///     triangles: vec![[0, 1, 2]],
+///     stresses: vec![[1e6, 0.0, 0.0, 0.0]],
+///     damage: vec![0.0],
+///     bodies: vec![0],
+///     materials: vec![0],
+///     ..Snapshot::default()
+/// };
+/// let frames = [Frame::new(&snapshot)?];
+/// let field = Field::VonMises;
+/// let pictures =
+///     Pictures { title: "a triangle", field, range: Range::of(&frames, field), view: FrameView::of(&frames) };
+/// assert!(pictures.svg(&frames[0])?.contains("von Mises stress (MPa)"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct Pictures<'a> {
+    /// The first line.
+    pub title: &'a str,
+    /// What elements are coloured by.
+    pub field: Field,
+    /// What the ends of the colours are.
+    pub range: Range,
+    /// What is seen.
+    pub view: FrameView,
+}
+
+impl Pictures<'_> {
+    /// A frame as SVG. More than 20,000 elements are an image within.
+    ///
+    /// # Errors
+    /// [`PictureError::Png`], also for a frame that is damaged; [`PictureError::TooWide`].
+    pub fn svg(&self, frame: &Frame) -> Result<String, PictureError> {
+        let (page, opened) = (self.page()?, opened(frame)?);
+        let mut svg = self.sheet(&page, frame);
+        svg.background();
+        if frame.elements > MOST_VECTORS {
+            let layer = self.layer(&page, &opened, drawing::scale(None, page.size[0])?);
+            let png = encode::file(layer.size.map(|side| side as u32), &layer.pixels)?;
+            svg.image([MARGIN, HEAD], page.area, &png);
+        } else {
+            self.vectors(&page, &opened, &mut svg);
+        }
+        self.surroundings(&page, frame, &mut svg);
+        Ok(svg.finish())
+    }
+
+    /// A frame as a PNG file, `width` pixels wide, 200 to 10,000, or as wide as the SVG: 900 at the most.
+    ///
+    /// # Errors
+    /// Those of [`Self::svg`]; [`PictureError::Width`].
+    pub fn png(&self, frame: &Frame, width: Option<u32>) -> Result<Vec<u8>, PictureError> {
+        let (size, pixels) = self.pixels(frame, width)?;
+        encode::file(size, &pixels)
+    }
+
+    /// As [`Self::png`], as red, green and blue, row after row, with the two sides.
+    pub(crate) fn pixels(
+        &self,
+        frame: &Frame,
+        width: Option<u32>,
+    ) -> Result<([u32; 2], Vec<u8>), PictureError> {
+        let (page, opened) = (self.page()?, opened(frame)?);
+        let scale = if width.is_some() { drawing::scale(width, page.size[0])? } else { 1.0 };
+        let mut svg = self.sheet(&page, frame);
+        self.surroundings(&page, frame, &mut svg);
+        encode::pixels(&svg.finish(), &[self.layer(&page, &opened, scale)], scale)
+    }
+
+    fn page(&self) -> Result<Page, PictureError> {
+        let FrameView { low, high, .. } = self.view;
+        let extent = [high[0] - low[0], high[1] - low[1]];
+        if !extent.iter().all(|side| side.is_finite()) {
+            return Err(PictureError::TooWide);
+        }
+        // Nothing touches the edge of the drawing.
+        let fits =
+            |axis: usize| if extent[axis] > 0.0 { (MOST[axis] - 8.0) / extent[axis] } else { f64::INFINITY };
+        let scale = fits(0).min(fits(1));
+        let scale = if scale.is_finite() { scale } else { 1.0 };
+        let area = [(extent[0] * scale + 8.0).max(NARROWEST).round(), (extent[1] * scale + 8.0).round()];
+        let middle = [low[0] + extent[0] / 2.0, low[1] + extent[1] / 2.0];
+        Ok(Page { middle, scale, area, size: [area[0] + 2.0 * MARGIN, HEAD + area[1] + FOOT] })
+    }
+
+    fn sheet(&self, page: &Page, frame: &Frame) -> Svg {
+        let name = format!("{} at {}", self.title, self.view.time(frame.time));
+        let description = format!("Elements coloured by {}; {}.", self.field.name(), self.sentence(frame));
+        Svg::new(page.size[0], page.size[1], &name, &description)
+    }
+
+    /// Of a frame.
+    fn sentence(&self, frame: &Frame) -> String {
+        let mut text = format!(
+            "t = {}, step {}, {} elements",
+            self.view.time(frame.time),
+            grouped(frame.step),
+            grouped(frame.elements as u64)
+        );
+        if frame.cracks > 0 {
+            let total: f64 = frame.lengths.iter().sum();
+            let (factor, unit) = prefixed("m", total);
+            // Writing to a string does not fail.
+            let _ = write!(text, ", {} {unit} of cracks", brief((total * factor * 100.0).round() / 100.0));
+        }
+        text
+    }
+
+    fn colour(&self, opened: &Opened, element: usize) -> Rgb {
+        match self.field.scale() {
+            Some(scale) => self.field.colour(opened.values[scale][element], self.range),
+            None if self.field == Field::Material => numbered_colour(opened.materials[element]),
+            None => numbered_colour(opened.bodies[element]),
+        }
+    }
+
+    /// Elements and cracks as pixels.
+    fn layer(&self, page: &Page, opened: &Opened, scale: f64) -> Layer {
+        let size = page.area.map(|side| (side * scale).round() as usize);
+        let mut fill = Fill::new(size);
+        let pixel = |point: [f64; 2]| page.place(point).map(|x| x * scale);
+        for (element, corners) in opened.corners.iter().enumerate() {
+            fill.triangle(corners.map(pixel), self.colour(opened, element));
+        }
+        for (ends, _) in &opened.cracks {
+            fill.line(ends.map(pixel), SEAM * scale, [255; 3]);
+        }
+        for (ends, mode) in &opened.cracks {
+            fill.line(ends.map(pixel), CRACK * scale, crack_colour(*mode));
+        }
+        Layer { at: [MARGIN, HEAD], size, pixels: fill.into_pixels() }
+    }
+
+    /// Elements and cracks as paths, one for each colour.
+    fn vectors(&self, page: &Page, opened: &Opened, svg: &mut Svg) {
+        let mut paths: BTreeMap<Rgb, String> = BTreeMap::new();
+        for (element, corners) in opened.corners.iter().enumerate() {
+            let [a, b, c] = corners.map(|corner| page.place(corner));
+            if [a, b, c].iter().flatten().all(|x| x.is_finite()) {
+                let path = paths.entry(self.colour(opened, element)).or_default();
+                // Writing to a string does not fail.
+                let _ =
+                    write!(path, "M{:.2} {:.2}L{:.2} {:.2}L{:.2} {:.2}Z", a[0], a[1], b[0], b[1], c[0], c[1]);
+            }
+        }
+        svg.put(format_args!(
+            r#"<svg x="{MARGIN}" y="{HEAD}" width="{0}" height="{1}" viewBox="0 0 {0} {1}"><g stroke-width="0.4" stroke-linejoin="round">"#,
+            page.area[0], page.area[1]
+        ));
+        for (colour, path) in paths {
+            let colour = hex(colour);
+            svg.put(format_args!(r#"<path class="elements" fill="{colour}" stroke="{colour}" d="{path}"/>"#));
+        }
+        svg.put(format_args!(r#"</g><g fill="none" stroke-linecap="round">"#));
+        let mut lines: [String; 3] = Default::default();
+        for (ends, mode) in &opened.cracks {
+            let [a, b] = ends.map(|end| page.place(end));
+            if [a, b].iter().flatten().all(|x| x.is_finite()) {
+                let _ = write!(
+                    lines[usize::from(code(*mode))],
+                    "M{:.2} {:.2}L{:.2} {:.2}",
+                    a[0],
+                    a[1],
+                    b[0],
+                    b[1]
+                );
+            }
+        }
+        let all = lines.concat();
+        if !all.is_empty() {
+            svg.put(format_args!(r#"<path d="{all}" stroke="white" stroke-width="{SEAM}"/>"#));
+        }
+        for ((name, colour), line) in CRACKS.iter().zip(&lines).filter(|(_, line)| !line.is_empty()) {
+            svg.put(format_args!(
+                r#"<path class="{name}" d="{line}" stroke="{}" stroke-width="{CRACK}"/>"#,
+                hex(*colour)
+            ));
+        }
+        svg.put(format_args!("</g></svg>"));
+    }
+
+    /// Title, scale bar, colour bar and what the lines are.
+    fn surroundings(&self, page: &Page, frame: &Frame, svg: &mut Svg) {
+        svg.bold([MARGIN, 30.0], 17.0, &shortened(self.title, (page.area[0] / 11.0) as usize));
+        svg.label([MARGIN, 51.0], 12.5, Anchor::Start, PALE, &self.sentence(frame));
+        let (right, foot) = (page.size[0] - MARGIN - 6.0, HEAD + page.area[1] + 12.0);
+        let (factor, unit) = prefixed("m", 150.0 / page.scale);
+        furniture::scale_bar(svg, &format!(" {unit}"), [MARGIN, foot], page.scale / factor);
+        let mut x = MARGIN + 215.0;
+        for ((name, colour), length) in CRACKS.iter().zip(frame.lengths) {
+            if length > 0.0 {
+                svg.put(format_args!(
+                    r#"<line x1="{x}" y1="{0}" x2="{1}" y2="{0}" stroke="{2}" stroke-width="3"/>"#,
+                    foot + 20.0,
+                    x + 20.0,
+                    hex(*colour)
+                ));
+                svg.label([x, foot + 42.0], 12.0, Anchor::Start, INK, name);
+                x += 64.0;
+            }
+        }
+        self.bar(svg, [right, foot]);
+    }
+
+    /// Which colour is which value, right aligned.
+    fn bar(&self, svg: &mut Svg, [right, y]: [f64; 2]) {
+        let (Range { low, high }, x) = (self.range, right - BAR);
+        if self.field.scale().is_none() {
+            svg.label(
+                [right, y + 10.0],
+                12.0,
+                Anchor::End,
+                INK,
+                &format!("coloured by {}", self.field.name()),
+            );
+            return;
+        }
+        let (factor, unit) = prefixed(self.field.unit(), high.abs().max(low.abs()));
+        let unit = if unit.is_empty() { unit } else { format!(" ({unit})") };
+        svg.label([x, y + 10.0], 12.0, Anchor::Start, INK, &format!("{}{unit}", self.field.name()));
+        furniture::strips(svg, [x, y], |share| self.field.colour(low + share * (high - low), self.range));
+        for tick in ticks(low * factor, high * factor, 4) {
+            let at = x + (tick - low * factor) / ((high - low) * factor) * BAR;
+            svg.line([at, y + 31.0], [at, y + 35.0], 1.0, INK);
+            svg.label([at, y + 47.0], 11.5, Anchor::Middle, INK, &tick_text(tick));
+        }
+    }
+}
+
+pub(crate) fn crack_colour(mode: Mode) -> Rgb {
+    CRACKS[usize::from(code(mode))].1
+}
+
+fn opened(frame: &Frame) -> Result<Opened, PictureError> {
+    frame.open().map_err(|error| PictureError::Png { message: error.to_string() })
+}
+
+/// Where everything stands.
+struct Page {
+    /// What is in the middle of the area, m.
+    middle: [f64; 2],
+    /// Units of the drawing for a metre.
+    scale: f64,
+    area: [f64; 2],
+    size: [f64; 2],
+}
+
+impl Page {
+    /// From the upper left of the area.
+    fn place(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        [
+            self.area[0] / 2.0 + (x - self.middle[0]) * self.scale,
+            self.area[1] / 2.0 - (y - self.middle[1]) * self.scale,
+        ]
+    }
+}

@@ -1,0 +1,33 @@
+//! Numbers that a state of stress, `[xx, yy, xy, zz]`, is judged by. Tension is positive.
+
+/// The largest and the smallest principal stress in the plane.
+pub(crate) fn principal([xx, yy, xy, _]: [f64; 4]) -> [f64; 2] {
+    let (middle, radius) = (f64::midpoint(xx, yy), ((xx - yy) / 2.0).hypot(xy));
+    [middle + radius, middle - radius]
+}
+
+/// Von Mises' equivalent stress, out of the plane included.
+pub(crate) fn von_mises([xx, yy, xy, zz]: [f64; 4]) -> f64 {
+    let squares = (xx - yy).powi(2) + (yy - zz).powi(2) + (zz - xx).powi(2);
+    (squares / 2.0 + 3.0 * xy * xy).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn principal_stresses_of_states_that_are_known() {
+        assert_eq!(principal([3.0, -1.0, 0.0, 9.0]), [3.0, -1.0]);
+        assert_eq!(principal([0.0, 0.0, 2.0, 0.0]), [2.0, -2.0]);
+        assert_eq!(principal([1.0, 1.0, 0.0, 0.0]), [1.0, 1.0]);
+        assert_eq!(principal([4.0, -4.0, 3.0, 0.0]), [5.0, -5.0]);
+    }
+
+    #[test]
+    fn the_equivalent_stress_of_tension_shear_and_pressure() {
+        assert_eq!(von_mises([7.0, 0.0, 0.0, 0.0]), 7.0);
+        assert!((von_mises([0.0, 0.0, 2.0, 0.0]) - 2.0 * 3_f64.sqrt()).abs() < 1e-15);
+        assert_eq!(von_mises([-5.0, -5.0, 0.0, -5.0]), 0.0);
+    }
+}

@@ -1,0 +1,78 @@
+//! `fdem new` and `fdem check`: what is printed, exit codes, and files beside the model.
+
+use crate::Bench;
+
+#[test]
+fn a_new_model_is_one_that_checks() {
+    let bench = Bench::new();
+    let run = bench.run(&["new"]).succeeds();
+    assert!(run.stderr.contains("wrote model.toml; next: fdem check model.toml"), "{}", run.stderr);
+    let run = bench.run(&["check", "model.toml"]).succeeds();
+    for part in ["bodies           3: disc, upper platen, lower platen", "critical step", "steps", "run time"]
+    {
+        assert!(run.stdout.contains(part), "{}", run.stdout);
+    }
+    assert!(!run.stdout.contains("warning"), "{}", run.stdout);
+    assert_eq!(bench.files(), ["model.toml"]);
+}
+
+#[test]
+fn a_model_that_is_there_is_replaced_only_if_that_is_asked_for() {
+    let bench = Bench::new();
+    bench.write("mine.toml", "precious");
+    bench.run(&["new", "mine.toml"]).refused_with(&["mine.toml", "--force"]);
+    assert_eq!(bench.read("mine.toml"), "precious");
+    bench.run(&["new", "mine.toml", "--force"]).succeeds();
+    assert!(bench.read("mine.toml").starts_with("# A model"));
+    bench.run(&["new", "no/such/folder.toml"]).refused_with(&["folder.toml"]);
+}
+
+#[test]
+fn mistakes_are_drawn_with_file_line_and_pointer() {
+    let bench = Bench::new();
+    bench.run(&["new"]).succeeds();
+    let text = bench
+        .read("model.toml")
+        .replacen("density", "densty", 1)
+        .replace("plane = \"stress\"", "plane = \"strss\"");
+    bench.write("model.toml", text);
+    bench.run(&["check", "model.toml"]).refused_with(&[
+        "2 things are wrong with model.toml",
+        "[model.toml:11:",
+        "did you mean \"stress\"?",
+        "did you mean \"density\"?",
+        "^^^",
+    ]);
+}
+
+#[test]
+fn files_are_looked_for_beside_the_model() {
+    let bench = Bench::new();
+    std::fs::create_dir(bench.path("folder")).unwrap();
+    bench.write("folder/mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    let model = "[model]\nend_time = 1\n[[body]]\nname = \"a\"\nmaterial = \"m\"\nmesh = \"mesh.obj\"\n\
+        [[material]]\nname = \"m\"\ndensity = 1\nyoungs_modulus = 1\npoissons_ratio = 0\n";
+    bench.write("folder/model.toml", model);
+    let run = bench.run(&["check", "folder/model.toml", "--json"]).succeeds();
+    let json: serde_json::Value = serde_json::from_str(&run.stdout).unwrap();
+    assert_eq!(json["quality"]["elements"], 1);
+    bench.write("folder/model.toml", model.replace("mesh.obj", "gone.obj"));
+    bench.run(&["check", "folder/model.toml"]).refused_with(&["cannot read gone.obj", "model.toml:6:"]);
+}
+
+#[test]
+fn what_is_no_model_is_refused() {
+    let bench = Bench::new();
+    bench.run(&["check"]).refused_with(&["MODEL"]);
+    bench.run(&["check", "gone.toml"]).refused_with(&["cannot read gone.toml"]);
+    bench.write("bytes.toml", b"[model]\n\xff\xfe");
+    bench.run(&["check", "bytes.toml"]).refused_with(&["bytes.toml:2: this is no text in UTF-8"]);
+}
+
+#[test]
+fn the_schema_is_json() {
+    let bench = Bench::new();
+    let run = bench.run(&["check", "--schema"]).succeeds();
+    let schema: serde_json::Value = serde_json::from_str(&run.stdout).unwrap();
+    assert_eq!(schema["properties"]["body"]["type"], "array");
+}

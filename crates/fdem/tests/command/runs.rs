@@ -1,0 +1,229 @@
+//! `fdem run` and `fdem resume`: results, interrupts, kills, runs that cannot go on.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+use crate::Bench;
+
+/// A block falls on a floor and breaks: some hundred elements.
+const CRASH: &str = r#"
+[model]
+title = "crash"
+plane = "strain"
+end_time = 0.8e-3
+[[body]]
+name = "floor"
+material = "rock"
+rectangle = { min = [-0.2, -0.1], max = [0.2, 0] }
+mesh_size = 0.03
+[[body]]
+name = "block"
+material = "rock"
+rectangle = { min = [-0.05, 0.0005], max = [0.05, 0.1] }
+mesh_size = 0.015
+velocity = [1, -20]
+[[material]]
+name = "rock"
+density = 2700
+youngs_modulus = 10e9
+poissons_ratio = 0.2
+damping = 0.05
+friction = 0.4
+tensile_strength = 1e6
+cohesion = 3e6
+friction_angle = 30
+fracture_energy_i = 5
+fracture_energy_ii = 20
+[[boundary]]
+name = "ground"
+body = "floor"
+side = "bottom"
+fixed = "xy"
+[output]
+frames = 8
+checkpoint_steps = 40
+[[history]]
+name = "ground"
+force = "ground"
+[[history]]
+name = "corner"
+node = [0.05, 0.1]
+body = "block"
+"#;
+
+impl Bench {
+    fn of(model: &str) -> Self {
+        let bench = Self::new();
+        bench.write("crash.toml", model);
+        bench
+    }
+
+    fn summary(&self, folder: &str) -> Value {
+        self.json(&format!("{folder}/run.json"))
+    }
+
+    fn start(&self, arguments: &[&str]) -> Child {
+        self.command(arguments).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap()
+    }
+
+    /// What must not depend on how often a run was interrupted.
+    fn fingerprint(&self, folder: &str) -> (String, String, Vec<(String, Vec<u8>)>) {
+        let json = self.summary(folder);
+        assert_eq!(json["status"], "finished");
+        let mut frames: Vec<(String, Vec<u8>)> = fs::read_dir(self.path(folder).join("frames"))
+            .unwrap()
+            .map(|entry| entry.unwrap())
+            .map(|entry| (entry.file_name().into_string().unwrap(), fs::read(entry.path()).unwrap()))
+            .filter(|(name, _)| Path::new(name).extension().is_none_or(|extension| extension != "part"))
+            .collect();
+        frames.sort();
+        (json["state_hash"].to_string(), self.read(&format!("{folder}/history.csv")), frames)
+    }
+}
+
+#[test]
+fn a_run_writes_all_that_it_promises_and_is_not_overwritten() {
+    let bench = Bench::of(CRASH);
+    let told = bench.run(&["run", "crash.toml", "--threads", "1"]).succeeds();
+    assert!(told.stdout.contains("results are in crash_results"), "{}", told.stdout);
+    assert!(told.stderr.contains("100 %") && told.stderr.contains("balance"), "{}", told.stderr);
+    for file in
+        ["results.pvd", "cracks.pvd", "report.html", "picture.png", "run.log", "checkpoint", "model.toml"]
+    {
+        assert!(bench.path("crash_results").join(file).metadata().unwrap().len() > 0, "{file}");
+    }
+    for plot in ["energies", "energy_error", "crack_growth"] {
+        for format in ["svg", "png"] {
+            assert!(
+                bench.path("crash_results/plots").join(format!("{plot}.{format}")).exists(),
+                "{plot}.{format}"
+            );
+        }
+    }
+    let json = bench.summary("crash_results");
+    assert!(json["broken_joints"].as_u64().unwrap() > 5, "{json}");
+    assert!(json["energies"]["error"].as_f64().unwrap().abs() < 0.02, "{json}");
+    let frames = bench.fingerprint("crash_results").2;
+    assert_eq!(frames.len(), 3 * 9, "a frame at the beginning and eight more");
+    let history = bench.read("crash_results/history.csv");
+    let names = history.lines().next().unwrap();
+    assert!(
+        names.ends_with(
+            "ground fx [N],ground fy [N],corner ux [m],corner uy [m],corner vx [m/s],corner vy [m/s]"
+        ),
+        "{names}"
+    );
+
+    bench.run(&["run", "crash.toml"]).refused_with(&["not empty", "--force"]);
+    bench.write("crash_results/notes.txt", "mine");
+    let forced = bench.run(&["run", "crash.toml", "--force", "--threads", "2", "--quiet"]).succeeds();
+    assert_eq!(forced.stderr, "");
+    assert_eq!(bench.read("crash_results/notes.txt"), "mine");
+    assert_eq!(bench.summary("crash_results")["state_hash"], json["state_hash"], "threads change nothing");
+
+    // Resuming what has finished changes nothing either.
+    bench.run(&["resume", "crash_results"]).succeeds();
+    assert_eq!(bench.summary("crash_results")["state_hash"], json["state_hash"]);
+}
+
+#[test]
+fn a_run_killed_at_any_moment_goes_on_to_the_same_end() {
+    let bench = Bench::of(CRASH);
+    let start = Instant::now();
+    bench.run(&["run", "crash.toml", "--output", "whole", "--threads", "1"]).succeeds();
+    let usual = start.elapsed();
+    let whole = bench.fingerprint("whole");
+    let (mut kills, mut resumed, mut state) = (0, 0, 99_u64);
+    while kills < 50 {
+        // From the first instants to the end, in no order.
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        let share = (state >> 40) as f64 / f64::from(1 << 24);
+        let patience = Duration::from_secs_f64(usual.as_secs_f64() * share * 0.6);
+        let exists = bench.path("cut/checkpoint").exists();
+        let mut child = if exists {
+            resumed += 1;
+            bench.start(&["resume", "cut", "--threads", if kills % 2 == 0 { "1" } else { "2" }])
+        } else {
+            bench.start(&["run", "crash.toml", "--output", "cut", "--force", "--threads", "1"])
+        };
+        thread::sleep(patience);
+        if child.try_wait().unwrap().is_some() {
+            // It was through: what it left is what an uninterrupted run leaves. Begin anew.
+            assert_eq!(bench.fingerprint("cut"), whole);
+            fs::remove_dir_all(bench.path("cut")).unwrap();
+            continue;
+        }
+        child.kill().unwrap();
+        child.wait().unwrap();
+        kills += 1;
+    }
+    if bench.path("cut/checkpoint").exists() {
+        bench.run(&["resume", "cut"]).succeeds();
+        assert_eq!(bench.fingerprint("cut"), whole);
+    }
+    assert!(resumed > 20, "most should have been killed after a checkpoint: {resumed}");
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupt_saves_where_the_run_stands() {
+    // Long enough to be interrupted, and without checkpoints on the way.
+    let model =
+        CRASH.replace("0.8e-3", "20e-3").replace("checkpoint_steps = 40", "checkpoint_interval = 1000");
+    let bench = Bench::of(&model);
+    let child = bench.start(&["run", "crash.toml", "--output", "cut"]);
+    let begun = || bench.path("cut/history.csv").exists() && bench.path("cut/frames/00001.vtu").exists();
+    while !begun() {
+        thread::sleep(Duration::from_millis(20));
+    }
+    let sent = Command::new("kill").args(["-TERM", &child.id().to_string()]).status().unwrap();
+    assert!(sent.success());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(128 + 15));
+    let json = bench.summary("cut");
+    assert_eq!(json["status"], "interrupted");
+    let steps = json["steps"].as_u64().unwrap();
+    assert!(steps > 10, "{json}");
+    assert!(bench.path("cut/report.html").exists());
+    // It stands where it was interrupted: the last row of the history is of no later step, and the run goes on from there.
+    bench.write("cut/model.toml", model.replace("-20", "-21"));
+    bench.run(&["resume", "cut"]).refused_with(&["not the model of this run"]);
+}
+
+#[test]
+fn a_run_that_blows_up_says_where_and_keeps_its_checkpoint() {
+    let model = CRASH.replace("title", "time_step = 2e-5\nsafety = 1.0\ntitle");
+    let bench = Bench::of(&model);
+    let told = bench.run(&["run", "crash.toml", "--output", "bad", "--quiet"]);
+    assert_eq!(told.code, Some(1), "{}", told.stderr);
+    assert!(told.stderr.contains("step ") && told.stderr.contains("element "), "{}", told.stderr);
+    let json = bench.summary("bad");
+    assert!(json["status"].as_str().unwrap().starts_with("stopped: "), "{json}");
+    assert!(bench.path("bad/checkpoint").exists() && bench.path("bad/frames/00001.vtu").exists());
+}
+
+#[test]
+fn what_cannot_run_leaves_no_folder() {
+    let bench = Bench::of(&CRASH.replace("density = 2700", "density = -1"));
+    bench.run(&["run", "crash.toml"]).refused_with(&["density"]);
+    assert!(!bench.path("crash_results").exists());
+    for (folder, message) in
+        [("nothing", "no checkpoint"), ("torn", "damaged"), ("old", "not a checkpoint of this version")]
+    {
+        if folder != "nothing" {
+            fs::create_dir(bench.path(folder)).unwrap();
+        }
+        if folder == "torn" {
+            bench.write("torn/checkpoint", [b"fdem checkpoint 1\n".as_slice(), &[7; 100]].concat());
+        }
+        if folder == "old" {
+            bench.write("old/checkpoint", "fdem checkpoint 0\n");
+        }
+        bench.run(&["resume", folder]).refused_with(&[message]);
+    }
+}

@@ -1,0 +1,46 @@
+//! Model files: what is read, what is refused and how it is told, and the meshes.
+//!
+//! - `mistakes`: every kind of error, with its line, its key and what is suggested.
+//! - `meshes`: shapes, sizes, angles, grains, packings, mesh files.
+//! - `prepared`: what a model file becomes: boundaries, materials, histories, warnings.
+//! - `examples`: the examples, the starter and the schema.
+
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a failed unwrap is a failed test")]
+
+#[path = "model/examples.rs"]
+mod examples;
+#[path = "model/meshes.rs"]
+mod meshes;
+#[path = "model/mistakes.rs"]
+mod mistakes;
+#[path = "model/prepared.rs"]
+mod prepared;
+
+use fdem::model::{ModelErrors, Prepared, prepare};
+
+/// A small model that is right.
+const SMALL: &str = r#"[model]
+end_time = 1e-3
+
+[[body]]
+name = "block"
+material = "rock"
+rectangle = { min = [0, 0], max = [1.0, 0.5] }
+mesh_size = 0.1
+
+[[material]]
+name = "rock"
+density = 2700
+youngs_modulus = 30e9
+poissons_ratio = 0.25
+"#;
+
+/// Reads a model that names no files.
+fn read(text: &str) -> Result<Prepared, ModelErrors> {
+    prepare(text, "model.toml", &mut |_| Err("there is no such file".to_owned()))
+}
+
+#[track_caller]
+fn right(text: &str) -> Prepared {
+    read(text).unwrap_or_else(|errors| panic!("{errors}"))
+}

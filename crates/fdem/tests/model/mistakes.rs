@@ -1,0 +1,390 @@
+//! Every kind of error: the line, the key or value that is pointed at, and what is suggested.
+
+use fdem::model::{Drawing, ModelErrors, prepare};
+
+use crate::{SMALL, read, right};
+
+/// The model with one piece of text replaced.
+#[track_caller]
+fn changed(from: &str, to: &str) -> String {
+    assert_eq!(SMALL.matches(from).count(), 1, "{from}");
+    SMALL.replace(from, to)
+}
+
+/// Refused with one error, which points at `at` in the line that has it and says all of `parts`, in the list and in the drawing.
+#[track_caller]
+fn refused(text: &str, at: &str, parts: &[&str]) {
+    let errors = read(text).unwrap_err();
+    assert_eq!(errors.faults.len(), 1, "{errors}");
+    told(text, &errors, at, parts);
+}
+
+#[track_caller]
+fn told(text: &str, errors: &ModelErrors, at: &str, parts: &[&str]) {
+    let spot =
+        errors.faults.iter().find(|fault| fault.span.as_ref().is_some_and(|span| text[span.clone()] == *at));
+    let spots: Vec<_> =
+        errors.faults.iter().map(|fault| fault.span.clone().map(|span| &text[span])).collect();
+    let Some(fault) = spot else { panic!("nothing points at {at:?}, but {spots:?}:\n{errors}") };
+    let start = fault.span.as_ref().unwrap().start;
+    let line = text[..start].lines().count().max(1) + usize::from(text[..start].ends_with('\n'));
+    assert_eq!(errors.line(fault), Some(line));
+    let drawn = errors.render(Drawing::Plain);
+    let list = errors.to_string();
+    assert!(list.contains(&format!("model.toml:{line}: ")), "{list}");
+    assert!(drawn.contains(&format!("[model.toml:{line}:")), "the drawing has file and line:\n{drawn}");
+    assert!(
+        drawn.contains(['^', '`']) && !drawn.contains(['─', '│', '╭', '\u{1b}']),
+        "a pointer, in ASCII:\n{drawn}"
+    );
+    let source = text.lines().nth(line - 1).unwrap();
+    assert!(drawn.contains(source.trim()), "the drawing has the line:\n{drawn}");
+    for part in parts {
+        assert!(list.contains(part), "{part:?} is not in\n{list}");
+        // Long messages are broken into lines.
+        let unbroken: String =
+            drawn.replace(['\n', '|'], " ").split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(unbroken.contains(part), "{part:?} is not in\n{drawn}");
+    }
+}
+
+#[test]
+fn the_small_model_is_right() {
+    let prepared = right(SMALL);
+    assert_eq!(prepared.warnings, Vec::<String>::new());
+}
+
+#[test]
+fn an_unknown_key_is_pointed_at_with_the_nearest_one() {
+    for (from, to, key, meant) in [
+        ("density", "densty", "densty", "did you mean \"density\"?"),
+        ("youngs_modulus", "E", "E", "did you mean \"youngs_modulus\"?"),
+        ("mesh_size", "mesh_sise", "mesh_sise", "did you mean \"mesh_size\"?"),
+        ("end_time", "endtime", "endtime", "did you mean \"end_time\"?"),
+        ("max =", "maxx =", "maxx", "did you mean \"max\"?"),
+    ] {
+        let text = changed(from, to);
+        refused(&text, key, &[&format!("has no key \"{key}\""), meant]);
+    }
+}
+
+#[test]
+fn a_key_of_another_table_is_said_to_be_one() {
+    let text = changed("end_time = 1e-3", "end_time = 1e-3\njoint_penalty = 5");
+    refused(&text, "joint_penalty", &["[model] has no key \"joint_penalty\"", "it is a key of [fracture]"]);
+}
+
+#[test]
+fn an_unknown_table_is_pointed_at_with_the_nearest_one() {
+    let text = format!("{SMALL}\n[[bondary]]\nname = \"a\"\n");
+    refused(&text, "bondary", &["the file has no key \"bondary\"", "did you mean \"boundary\"?"]);
+}
+
+#[test]
+fn a_missing_key_is_named_at_its_table() {
+    let text = changed("density = 2700\n", "");
+    refused(&text, "[[material]]", &["[[material]] \"rock\" lacks the key \"density\" (kg/m³)"]);
+    let text = changed("[model]\nend_time = 1e-3\n", "");
+    let errors = read(&text).unwrap_err();
+    assert!(errors.to_string().contains("the file lacks the key \"model\""), "{errors}");
+}
+
+#[test]
+fn a_wrong_type_is_told_with_what_is_expected() {
+    for (from, to, at, parts) in [
+        ("density = 2700", "density = true", "true", ["\"density\" is true or false, not a number", ""]),
+        (
+            "density = 2700",
+            "density = \"2700\"",
+            "\"2700\"",
+            ["not a number", "a number has no quotes: 2700"],
+        ),
+        (
+            "density = 2700",
+            "density = \"2700 kg/m3\"",
+            "\"2700 kg/m3\"",
+            ["not a number", "without quotes: 2700"],
+        ),
+        ("name = \"block\"", "name = 3", "3", ["\"name\" is a number, not text in quotes", ""]),
+        ("min = [0, 0]", "min = [0, 0, 0]", "[0, 0, 0]", ["\"min\" is a list of 3, not a list of 2", ""]),
+        ("min = [0, 0]", "min = 0", "0", ["\"min\" is a number, not a list of 2", ""]),
+    ] {
+        refused(&changed(from, to), at, &parts);
+    }
+}
+
+#[test]
+fn a_decimal_comma_is_seen_in_all_its_forms() {
+    refused(&changed("0.25", "0,25"), "0,25", &["a decimal comma: 0,25", "write 0.25"]);
+    refused(&changed("0.25", "\"0,25\""), "\"0,25\"", &["not a number", "no decimal comma, no quotes: 0.25"]);
+    let text = changed("max = [1.0, 0.5]", "max = [1,0, 0,5]");
+    refused(&text, "[1,0, 0,5]", &["a list of 4, not a list of 2", "decimal point"]);
+}
+
+#[test]
+fn words_that_do_not_exist_are_told_with_those_that_do() {
+    let text = changed("end_time", "plane = \"stres\"\nend_time");
+    refused(&text, "\"stres\"", &["it is \"stress\" or \"strain\"", "did you mean \"stress\"?"]);
+    let text = changed("end_time", "time_step = \"automatic\"\nend_time");
+    refused(&text, "\"automatic\"", &["\"time_step\" cannot be \"automatic\"", "did you mean \"auto\"?"]);
+    let text = changed("end_time", "gravity = 9.81\nend_time");
+    refused(&text, "9.81", &["\"gravity\" is a number, not a list of 2, each a number or \"none\""]);
+}
+
+#[test]
+fn numbers_out_of_range_are_told_with_the_range() {
+    for (from, to, at, part) in [
+        ("density = 2700", "density = -2700", "-2700", "\"density\" is -2700: it has to be above 0"),
+        ("poissons_ratio = 0.25", "poissons_ratio = 0.6", "0.6", "it has to be at most 0.5"),
+        ("mesh_size = 0.1", "mesh_size = 0", "0", "\"mesh_size\" is 0: it has to be above 0"),
+        ("end_time = 1e-3", "end_time = inf", "inf", "\"end_time\" is not a finite number"),
+        ("end_time = 1e-3", "end_time = nan", "nan", "\"end_time\" is not a finite number"),
+        ("end_time = 1e-3", "end_time = 1\nsafety = 1.5", "1.5", "\"safety\" is 1.5: it has to be at most 1"),
+    ] {
+        refused(&changed(from, to), at, &[part]);
+    }
+    let text = changed("end_time", "plane = \"strain\"\nend_time").replace("= 0.25", "= 0.5");
+    refused(&text, "0.5", &["in plane strain Poisson's ratio is below 0.5"]);
+}
+
+#[test]
+fn what_is_no_toml_is_pointed_at() {
+    refused(&changed("\"block\"", "block"), "block", &["text goes in quotes: name = \"block\""]);
+    let errors = read(&changed("[model]", "[model")).unwrap_err();
+    assert!(errors.to_string().starts_with("model.toml:1: this is not TOML"), "{errors}");
+    let errors = read(&changed("density = 2700", "density: 2700")).unwrap_err();
+    assert!(errors.to_string().contains("an equals sign"), "{errors}");
+    let errors = read(&changed("density = 2700", "density = 2700\ndensity = 2800")).unwrap_err();
+    assert!(errors.to_string().contains("model.toml:13: "), "{errors}");
+    assert!(read("").unwrap_err().to_string().contains("lacks the key \"model\""));
+}
+
+#[test]
+fn several_errors_are_told_at_once_in_the_order_of_the_file() {
+    let text = changed("density", "densty").replace("mesh_size = 0.1", "mesh_size = -1");
+    let errors = read(&text).unwrap_err();
+    let lines: Vec<_> = errors.faults.iter().map(|fault| errors.line(fault).unwrap()).collect();
+    assert_eq!(lines, [8, 12], "{errors}");
+    assert_eq!(errors.render(Drawing::Plain).matches("[model.toml:").count(), 2);
+}
+
+#[test]
+fn names_that_are_not_there_are_told_with_the_nearest() {
+    refused(
+        &changed("material = \"rock\"", "material = \"rok\""),
+        "\"rok\"",
+        &["there is no material \"rok\"", "did you mean \"rock\"?"],
+    );
+    let boundary = "\n[[boundary]]\nname = \"ground\"\nbody = \"block\"\nside = \"bottom\"\nfixed = \"xy\"\n";
+    let text = format!("{SMALL}{boundary}");
+    right(&text);
+    refused(
+        &text.replace("body = \"block\"", "body = \"blok\""),
+        "\"blok\"",
+        &["there is no body \"blok\"", "did you mean \"block\"?"],
+    );
+    refused(
+        &text.replace("side = \"bottom\"", "group = \"outher\""),
+        "\"outher\"",
+        &["no body here has a group \"outher\"", "did you mean \"outer\"?"],
+    );
+    refused(
+        &text.replace("side = \"bottom\"", "side = \"below\""),
+        "\"below\"",
+        &["it is \"left\", \"right\", \"top\" or \"bottom\""],
+    );
+    refused(
+        &format!("{text}\n[[history]]\nname = \"load\"\nforce = \"grund\"\n"),
+        "\"grund\"",
+        &["there is no boundary \"grund\"", "did you mean \"ground\"?"],
+    );
+    refused(
+        &format!("{SMALL}\n[initial]\nvelocity = {{ blok = [0, 1] }}\n"),
+        "blok",
+        &["there is no body \"blok\"", "did you mean \"block\"?"],
+    );
+    refused(
+        &format!("{SMALL}\n[[interface]]\nmaterials = [\"rock\", \"rocc\"]\n"),
+        "\"rocc\"",
+        &["there is no material \"rocc\"", "did you mean \"rock\"?"],
+    );
+}
+
+#[test]
+fn a_body_has_one_shape_and_a_size() {
+    refused(
+        &changed("mesh_size = 0.1", "mesh_size = 0.1\ndisc = { radius = 1 }"),
+        "disc",
+        &["has two shapes, rectangle and disc"],
+    );
+    refused(&changed("mesh_size = 0.1\n", ""), "rectangle", &["lacks the key \"mesh_size\""]);
+    let (start, rest) = SMALL.split_once("rectangle").unwrap();
+    let text = format!("{start}{}", rest.split_once('\n').unwrap().1);
+    refused(&text, "name", &["\"block\" has no shape"]);
+    refused(
+        &changed("max = [1.0, 0.5]", "max = [-1.0, 0.5]"),
+        "{ min = [0, 0], max = [-1.0, 0.5] }",
+        &["the rectangle has no area"],
+    );
+    let polygon = |points: &str| {
+        let (start, rest) = SMALL.split_once("rectangle").unwrap();
+        format!("{start}polygon = {{ points = {points} }}\n{}", rest.split_once('\n').unwrap().1)
+    };
+    let bow = "{ points = [[0, 0], [2, 0], [0, 1.5], [1.9, 1.4]] }";
+    refused(
+        &polygon("[[0, 0], [2, 0], [0, 1.5], [1.9, 1.4]]"),
+        bow,
+        &["the outline crosses or touches itself"],
+    );
+    refused(&polygon("[[0, 0], [1, 0]]"), "[[0, 0], [1, 0]]", &["\"points\" is a list of 2"]);
+    refused(&polygon("[[0, 0], [1, 0], [2, 0]]"), "[[0, 0], [1, 0], [2, 0]]", &["the polygon has no area"]);
+    refused(
+        &changed("mesh_size = 0.1", "mesh_size = 1e-6"),
+        "{ min = [0, 0], max = [1.0, 0.5] }",
+        &["a mesh size of 0.000001 gives about"],
+    );
+}
+
+#[test]
+fn a_boundary_has_one_load_and_is_somewhere() {
+    let with = |keys: &str| format!("{SMALL}\n[[boundary]]\nname = \"side\"\n{keys}\n");
+    refused(&with("side = \"left\""), "name", &["[[boundary]] \"side\" does nothing"]);
+    refused(&with("fixed = \"x\"\nforce = [1, 2]"), "force", &["has two loads, fixed and force"]);
+    refused(
+        &with("fixed = \"x\"\nside = \"left\"\nbox = [0, 0, 1, 1]"),
+        "box",
+        &["is in two places, side and box"],
+    );
+    refused(&with("force = [1, 0]\nramp = 1\ntable = [[0, 1]]"), "table", &["has both ramp and table"]);
+    refused(
+        &with("force = [1, 0]\ntable = [[0, 1], [0, 2]]"),
+        "[[0, 1], [0, 2]]",
+        &["the times of its table do not ascend"],
+    );
+    refused(
+        &with("fixed = \"x\"\nbox = [5, 5, 6, 6]"),
+        "[5, 5, 6, 6]",
+        &["is in a place where there is no node"],
+    );
+    refused(&with("fixed = \"x\"\nbox = [1, 0, 0, 1]"), "[1, 0, 0, 1]", &["its box is turned inside out"]);
+    refused(
+        &with("pressure = 1\nbox = [0.4, 0.1, 0.6, 0.3]"),
+        "[0.4, 0.1, 0.6, 0.3]",
+        &["there is no edge of an outline"],
+    );
+    refused(&with("velocity = [\"fre\", 0]"), "\"fre\"", &["did you mean \"free\"?"]);
+}
+
+#[test]
+fn names_come_once() {
+    let again = &SMALL[SMALL.find("[[material]]").unwrap()..];
+    let text = format!("{SMALL}\n{again}");
+    let errors = read(&text).unwrap_err();
+    assert_eq!(
+        errors.to_string(),
+        "model.toml:17: there is a [[material]] \"rock\" already; names come once"
+    );
+}
+
+#[test]
+fn a_strength_is_complete_or_not_there() {
+    let text = changed("poissons_ratio", "tensile_strength = 1e6\ncohesion = 3e6\npoissons_ratio");
+    refused(
+        &text,
+        "tensile_strength",
+        &["has a strength that is not complete", "add friction_angle, fracture_energy_i, fracture_energy_ii"],
+    );
+}
+
+#[test]
+fn histories_and_output_are_of_one_kind() {
+    refused(
+        &format!("{SMALL}\n[[history]]\nname = \"a\"\n"),
+        "name",
+        &["[[history]] \"a\" is of one quantity"],
+    );
+    refused(
+        &format!("{SMALL}\n[output]\nframes = 5\ninterval = 1e-4\n"),
+        "frames",
+        &["[output] has both interval and frames"],
+    );
+    refused(
+        &format!("{SMALL}\n[output]\nfields = [\"velocty\"]\n"),
+        "\"velocty\"",
+        &["did you mean \"velocity\"?"],
+    );
+    refused(
+        &format!("{SMALL}\n[output]\nframes = 2.5\n"),
+        "2.5",
+        &["not a whole number", "without a decimal point"],
+    );
+    refused(&format!("{SMALL}\n[[output]]\nframes = 2\n"), "[[output]]", &["[name], with one bracket"]);
+}
+
+#[test]
+fn mesh_files_are_refused_with_their_name_and_element() {
+    let with = |keys: &str| {
+        let (start, rest) = SMALL.split_once("rectangle").unwrap();
+        format!("{start}{keys}\n{}", rest.split_once("mesh_size = 0.1\n").unwrap().1)
+    };
+    let refused = |keys: &str, bytes: &'static [u8], at: &str, parts: &[&str]| {
+        let text = with(keys);
+        let errors = prepare(&text, "model.toml", &mut |_| Ok(bytes.to_vec())).unwrap_err();
+        told(&text, &errors, at, parts);
+    };
+    let squares = include_bytes!("../../../../examples/squares.msh");
+    refused(
+        "mesh = \"a.msh\"\nonly = [\"lef\"]",
+        squares,
+        "[\"lef\"]",
+        &["no surface group \"lef\"", "did you mean \"left\"?"],
+    );
+    refused(
+        "mesh = \"a.msh\"\ngroups = { rigt = \"rock\" }",
+        squares,
+        "\"rock\"",
+        &["no surface group \"rigt\"", "did you mean \"right\"?"],
+    );
+    refused("mesh = \"a.msh\"\nmesh_size = 1", squares, "mesh_size", &["not for meshes from files"]);
+    let quadrilateral = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n";
+    refused("mesh = \"a.obj\"", quadrilateral, "\"a.obj\"", &["a.obj has 1 quadrilaterals"]);
+    let flat = b"v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n";
+    refused("mesh = \"a.obj\"", flat, "\"a.obj\"", &["a.obj: element 0 (triangle) has no area"]);
+    let steep = b"v 0 0 0\nv 1 0 0\nv 2 0 1\nf 1 2 3\n";
+    refused("mesh = \"a.obj\"", steep, "\"a.obj\"", &["a.obj is not flat"]);
+    let twice = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0.5 2 0\nf 1 2 3\nf 1 2 4\n";
+    refused("mesh = \"a.obj\"", twice, "\"a.obj\"", &["elements lie on top of each other"]);
+    refused("mesh = \"a.obj\"", b"f 1 2 9\n", "\"a.obj\"", &["a.obj:1: element 0 (triangle) names node 1"]);
+    let text = with("mesh = \"gone.msh\"");
+    let errors = read(&text).unwrap_err();
+    told(&text, &errors, "\"gone.msh\"", &["cannot read gone.msh: there is no such file"]);
+}
+
+#[test]
+fn packings_that_find_no_room_say_how_far_they_came() {
+    let (start, rest) = SMALL.split_once("rectangle").unwrap();
+    let packing = "{ count = 50, radius = [0.1, 0.2], within = { min = [0, 0], max = [1, 1] } }";
+    let text = format!("{start}packing = {packing}\n{}", rest.split_once('\n').unwrap().1);
+    refused(&text, packing, &["of 50 found room", "take fewer or smaller ones"]);
+    let text = text.replace("count = 50, ", "");
+    refused(
+        &text,
+        &packing.replace("count = 50, ", ""),
+        &["a packing has a file, or count, radius and within"],
+    );
+}
+
+#[test]
+fn no_text_makes_it_panic() {
+    let characters: Vec<char> = SMALL.chars().collect();
+    for cut in (0..characters.len()).step_by(7) {
+        let _ = read(&characters[..cut].iter().collect::<String>());
+        let mut changed = characters.clone();
+        for odd in ['"', '[', '=', '-', '\u{85}', '9', '\n'] {
+            changed[cut] = odd;
+            if let Err(errors) = read(&changed.iter().collect::<String>()) {
+                assert!(!errors.render(Drawing::Plain).is_empty());
+            }
+        }
+    }
+}

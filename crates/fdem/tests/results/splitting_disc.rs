@@ -1,0 +1,173 @@
+//! A disc that is pressed from above and below and splits: snapshots as a simulation would give them, by formulas instead of steps.
+
+use std::f64::consts::PI;
+
+use fdem_simulation::{Crack, Energies, Mode, Snapshot};
+
+/// Of the disc, m.
+pub(crate) const RADIUS: f64 = 0.025;
+/// Of the whole, s.
+pub(crate) const END: f64 = 2e-3;
+/// When the first edge breaks, as a share of that.
+const BREAKS: f64 = 0.4;
+
+/// A disc of rings of triangles in two halves, which share no nodes.
+pub(crate) struct Disc {
+    nodes: Vec<[f64; 2]>,
+    triangles: Vec<[u32; 3]>,
+    /// Edges between the halves: left element, right element, ends, from the middle outwards.
+    seam: Vec<([u32; 2], [[f64; 2]; 2])>,
+}
+
+impl Disc {
+    /// Of `rings` rings: 6 rings² elements.
+    pub(crate) fn new(rings: u32) -> Self {
+        let place = |ring: u32, k: u32| {
+            // Rings are turned against each other by parts of an edge, so that the seam is jagged.
+            let edge = 2.0 * PI / f64::from(6 * ring).max(1.0);
+            let angle = edge * (f64::from(k) + 0.3 * f64::from(ring * ring % 3));
+            let radius = RADIUS * f64::from(ring) / f64::from(rings);
+            [radius * angle.sin(), radius * angle.cos()]
+        };
+        let first = |ring: u32| if ring == 0 { 0 } else { 3 * ring * (ring - 1) + 1 };
+        let node = |ring: u32, k: u32| first(ring) + if ring == 0 { 0 } else { k % (6 * ring) };
+        let mut nodes = Vec::new();
+        for ring in 0..=rings {
+            nodes.extend((0..(6 * ring).max(1)).map(|k| place(ring, k)));
+        }
+        let mut triangles = Vec::new();
+        for ring in 1..=rings {
+            let (mut inner, mut outer) = (0, 0);
+            while inner < 6 * (ring - 1) || outer < 6 * ring {
+                let (a, b) = (node(ring - 1, inner), node(ring, outer));
+                let goes_out = outer * (ring - 1) <= inner * ring && outer < 6 * ring;
+                let c = if goes_out { node(ring, outer + 1) } else { node(ring - 1, inner + 1) };
+                if goes_out {
+                    outer += 1;
+                } else {
+                    inner += 1;
+                }
+                let corners = [a, b, c].map(|k| nodes[k as usize]);
+                triangles.push(if doubled(corners) > 0.0 { [a, b, c] } else { [a, c, b] });
+            }
+        }
+        Self::cut(&nodes, &triangles)
+    }
+
+    /// Every half gets its own nodes.
+    fn cut(nodes: &[[f64; 2]], triangles: &[[u32; 3]]) -> Self {
+        let left = |nodes_of: &[u32; 3]| nodes_of.iter().map(|&k| nodes[k as usize][0]).sum::<f64>() < 0.0;
+        let mut edges = std::collections::BTreeMap::new();
+        let mut seam = Vec::new();
+        for (element, corners) in triangles.iter().enumerate() {
+            for k in 0..3 {
+                let (a, b) = (corners[k], corners[(k + 1) % 3]);
+                if let Some(other) = edges.insert((a.min(b), a.max(b)), element)
+                    && left(&triangles[other]) != left(corners)
+                {
+                    let pair = if left(corners) { [element, other] } else { [other, element] };
+                    seam.push((pair.map(|k| k as u32), [a, b].map(|k| nodes[k as usize])));
+                }
+            }
+        }
+        let far = |ends: &[[f64; 2]; 2]| (ends[0][1] + ends[1][1]).abs();
+        seam.sort_by(|a, b| far(&a.1).total_cmp(&far(&b.1)).then(a.0.cmp(&b.0)));
+        let count = nodes.len() as u32;
+        let triangles = triangles
+            .iter()
+            .map(|corners| if left(corners) { *corners } else { corners.map(|k| k + count) })
+            .collect();
+        Self { nodes: nodes.repeat(2), triangles, seam }
+    }
+
+    /// At a share of the whole time.
+    pub(crate) fn snapshot(&self, share: f64) -> Snapshot {
+        let n = self.nodes.len();
+        let load =
+            10e6 * if share < BREAKS { share / BREAKS } else { (1.0 - 3.0 * (share - BREAKS)).max(0.05) };
+        let apart = (share - BREAKS).max(0.0);
+        let time = share * END;
+        let side = |k: usize| if k < n / 2 { -1.0 } else { 1.0 };
+        let mut snapshot = Snapshot { step: (share * 1e5).round() as u64, time, ..Snapshot::default() };
+        for (k, &[x, y]) in self.nodes.iter().enumerate() {
+            // The halves turn about their lower ends when they part.
+            let opening = side(k) * 0.12 * apart * (y + 1.2 * RADIUS);
+            let moved = [opening + 2e-10 * load * x, -6e-10 * load * y];
+            snapshot.positions.push([x + moved[0], y + moved[1]]);
+            snapshot.displacements.push(moved);
+            let speed = if apart > 0.0 { side(k) * 0.12 * (y + 1.2 * RADIUS) / END } else { 0.0 };
+            snapshot.velocities.push([speed, -6e-10 * y * 10e6 / (BREAKS * END)]);
+        }
+        let broken = ((apart * 2.5).min(1.0) * self.seam.len() as f64).round() as usize;
+        let mut damage = vec![0.0; self.triangles.len()];
+        for (k, (elements, ends)) in self.seam.iter().enumerate() {
+            let ahead = k as f64 - broken as f64;
+            let share_of_damage = if ahead < 0.0 {
+                1.0
+            } else {
+                (1.0 - (ahead + 1.0) / 6.0) * f64::from(u8::from(apart > 0.0))
+            };
+            if share_of_damage <= 0.0 {
+                continue;
+            }
+            for &element in elements {
+                damage[element as usize] = f64::max(damage[element as usize], share_of_damage);
+            }
+            let middle = f64::midpoint(ends[0][1], ends[1][1]);
+            let mode = match middle.abs() / RADIUS {
+                far if far > 0.92 => Mode::Shear,
+                far if far > 0.84 => Mode::Mixed,
+                _ => Mode::Tension,
+            };
+            snapshot.cracks.push(Crack {
+                ends: ends.map(|[x, y]| [x, y * (1.0 - 6e-10 * load)]),
+                elements: *elements,
+                damage: share_of_damage,
+                mode,
+                opening: 0.24 * apart * (middle + 1.2 * RADIUS),
+                sliding: 1e-7 * middle / RADIUS,
+                time: (ahead < 0.0).then(|| END * (BREAKS + k as f64 / self.seam.len() as f64 / 2.5)),
+                length: (ends[1][0] - ends[0][0]).hypot(ends[1][1] - ends[0][1]),
+            });
+        }
+        for corners in &self.triangles {
+            let middle: [f64; 2] =
+                [0, 1].map(|axis| corners.iter().map(|&k| self.nodes[k as usize][axis]).sum::<f64>() / 3.0);
+            snapshot.stresses.push(stress(middle, load));
+        }
+        snapshot.triangles.clone_from(&self.triangles);
+        snapshot.damage = damage;
+        snapshot.bodies =
+            self.triangles.iter().map(|corners| u32::from(corners[0] as usize >= n / 2)).collect();
+        snapshot.materials = vec![0; self.triangles.len()];
+        snapshot
+    }
+
+    /// Energies at a share of the whole time, J.
+    pub(crate) fn energies(share: f64) -> Energies {
+        let strain =
+            0.5 * (share.min(BREAKS) / BREAKS).powi(2) * (1.0 - 1.8 * (share - BREAKS).clamp(0.0, 0.5));
+        let cohesive = 0.08 * ((share - BREAKS).max(0.0) * 2.5).min(1.0);
+        let damping = 0.05 * share;
+        let kinetic = 0.004 + 0.3 * (share - BREAKS).clamp(0.0, 0.4);
+        let external = strain + cohesive + damping + kinetic - 1e-4 * share;
+        Energies { kinetic, strain, cohesive, damping, external, ..Energies::default() }
+    }
+}
+
+/// Of a disc under two opposite loads (Hondros' solution for point loads, cut off near them), `xx` at the centre being `centre`.
+fn stress([x, y]: [f64; 2], centre: f64) -> [f64; 4] {
+    let (r, p) = (RADIUS, -centre * RADIUS);
+    let of = |dy: f64| {
+        let square = (x * x + dy * dy).max(0.01 * r * r);
+        [x * x * dy / square.powi(2), dy.powi(3) / square.powi(2), x * dy * dy / square.powi(2)]
+    };
+    let ([ax, ay, axy], [bx, by, bxy]) = (of(r - y), of(r + y));
+    let half = 1.0 / (2.0 * r);
+    [2.0 * p * (ax + bx - half), 2.0 * p * (ay + by - half), -2.0 * p * (axy - bxy), 0.0]
+}
+
+/// Twice the area, positive counter-clockwise.
+fn doubled([a, b, c]: [[f64; 2]; 3]) -> f64 {
+    (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+}
