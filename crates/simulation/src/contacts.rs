@@ -23,6 +23,8 @@ pub(crate) struct Couple {
     /// On the corners of both: of potential, damping and friction.
     forces: [[Point; 3]; 2],
     pub(crate) grip: Grip,
+    /// Has hung together until now, and may overlap already.
+    born: bool,
     pub(crate) touches: bool,
     pub(crate) deep: bool,
 }
@@ -36,8 +38,27 @@ pub(crate) struct Grip {
     damping: Point,
     /// Shares of the corners in both: where it acted.
     shares: [[f64; 3]; 2],
-    /// Of the contact's potential that counted.
+    /// Share of the contact's potential that counted.
     weight: f64,
+    /// Potential energy that does not count: see [`count_from`].
+    spared: f64,
+}
+
+impl Couple {
+    fn new(elements: [u32; 2], joint: u32) -> Self {
+        let grip = Grip::default();
+        Self { elements, joint, forces: [[[0.0; 2]; 3]; 2], grip, born: false, touches: false, deep: false }
+    }
+}
+
+/// What contacts have of a run, to be saved.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct Saved {
+    watched: Vec<bool>,
+    /// Couples that touch, and what they remember.
+    grips: Vec<([u32; 2], Grip)>,
+    /// Couples that could touch but do not.
+    apart: Vec<[u32; 2]>,
 }
 
 /// Elements that may touch, and how they are found.
@@ -238,49 +259,55 @@ impl Contacts {
         self.list.extend((0..self.watched.len() as u32).filter(|&element| self.watched[element as usize]));
     }
 
-    /// The elements that are watched, as they were saved.
+    /// What is saved of contacts.
+    pub(crate) fn save(&self) -> Saved {
+        let all = self.couples.iter();
+        Saved {
+            watched: self.watched.clone(),
+            grips: all
+                .clone()
+                .filter(|couple| couple.touches)
+                .map(|couple| (couple.elements, couple.grip))
+                .collect(),
+            apart: all.filter(|couple| !couple.touches).map(|couple| couple.elements).collect(),
+        }
+    }
+
+    /// Contacts as they were saved. Joints are restored already.
     pub(crate) fn restore(
         &mut self,
-        watched: Vec<bool>,
+        saved: Saved,
         joints: &Joints,
         topology: &Topology,
-        grips: &[([u32; 2], Grip)],
-    ) {
+    ) -> Result<(), ModelError> {
+        let (found, expected) = (saved.watched.len(), self.watched.len());
+        if found != expected {
+            return Err(ModelError::Length { what: "watched elements", found, expected });
+        }
         let broken: Vec<u32> = (0..joints.all.len() as u32)
             .filter(|&joint| joints.all[joint as usize].state != State::Holding)
             .collect();
         self.part(&broken, joints, topology);
-        self.watched = watched;
+        self.watched = saved.watched;
         self.list.clear();
         self.list.extend((0..self.watched.len() as u32).filter(|&element| self.watched[element as usize]));
         self.unwatched = self.list.is_empty();
-        self.couples = grips
-            .iter()
-            .map(|&(elements, grip)| Couple {
-                elements,
-                joint: NONE,
-                forces: [[[0.0; 2]; 3]; 2],
-                grip,
-                touches: true,
-                deep: false,
-            })
-            .collect();
-    }
-
-    /// What contacts remember, in the order of their elements.
-    pub(crate) fn grips(&self) -> Vec<([u32; 2], Grip)> {
-        self.couples
-            .iter()
-            .filter(|couple| couple.touches)
-            .map(|couple| (couple.elements, couple.grip))
-            .collect()
+        let touching = saved.grips.into_iter().map(|(elements, grip)| Couple {
+            grip,
+            touches: true,
+            ..Couple::new(elements, NONE)
+        });
+        self.couples =
+            touching.chain(saved.apart.into_iter().map(|elements| Couple::new(elements, NONE))).collect();
+        self.couples.sort_unstable_by_key(|couple| couple.elements);
+        Ok(())
     }
 
     /// The candidates that may touch now; those that did keep what they remember.
     fn choose(&mut self, solid: &mut Solid, joints: &Joints, topology: &Topology) {
-        let mut before =
-            std::mem::take(&mut self.couples).into_iter().filter(|couple| couple.touches).peekable();
+        let mut before = std::mem::take(&mut self.couples).into_iter().peekable();
         for &elements in &self.candidates {
+            let mut born = false;
             let joint = match relation(elements, topology) {
                 Relation::Apart => NONE,
                 Relation::Edge(edge) => {
@@ -294,18 +321,14 @@ impl Contacts {
                     if self.groups[corners[0] as usize] == self.groups[corners[1] as usize] {
                         continue;
                     }
+                    born = true;
                     NONE
                 }
             };
             while before.next_if(|couple| couple.elements < elements).is_some() {}
-            let grip = before.next_if(|couple| couple.elements == elements).map(|couple| couple.grip);
-            self.couples.push(Couple {
-                elements,
-                joint,
-                forces: [[[0.0; 2]; 3]; 2],
-                touches: grip.is_some(),
-                grip: grip.unwrap_or_default(),
-                deep: false,
+            self.couples.push(match before.next_if(|couple| couple.elements == elements) {
+                Some(known) => Couple { joint, forces: [[[0.0; 2]; 3]; 2], ..known },
+                None => Couple { born, ..Couple::new(elements, joint) },
             });
         }
         // Couples side by side for each element, in their order.
@@ -386,18 +409,20 @@ fn press(couple: &mut Couple, solid: &Solid, law: &Law, weight: f64, step: f64, 
         sum.damping -= 0.5 * step * dot(before.damping, rate);
     }
     let Some(Interaction { mut forces, energy, point, deep }) = found else {
-        couple.touches = false;
-        couple.deep = false;
-        couple.grip = Grip::default();
+        (couple.touches, couple.born, couple.deep) = (false, false, false);
+        couple.grip = Grip { weight, ..Grip::default() };
         return;
     };
-    let scale = law.penalty * weight;
+    let potential = law.penalty * energy;
+    let spared = if couple.born { potential } else { before.spared.min(potential) };
+    couple.born = false;
+    let (energy, slope) = count_from(spared, potential);
+    let scale = law.penalty * weight * slope;
     for force in forces.iter_mut().flatten().flatten() {
         *force *= scale;
     }
-    let energy = law.penalty * energy;
     sum.energy += weight * energy;
-    if couple.touches {
+    if couple.joint != NONE {
         sum.handed_over += (weight - before.weight) * energy;
     }
     sum.count += 1;
@@ -405,7 +430,7 @@ fn press(couple: &mut Couple, solid: &Solid, law: &Law, weight: f64, step: f64, 
     if deep && sum.deep.is_none() {
         sum.deep = Some(couple.elements[0]);
     }
-    let mut grip = Grip { weight, ..Grip::default() };
+    let mut grip = Grip { weight, spared, ..Grip::default() };
     if law.friction > 0.0 || law.damping > 0.0 {
         grip.shares = [area_coordinates(&a, point), area_coordinates(&b, point)];
         let push = forces[0].iter().fold([0.0; 2], |sum, force| [sum[0] + force[0], sum[1] + force[1]]);
@@ -443,6 +468,18 @@ fn press(couple: &mut Couple, solid: &Solid, law: &Law, weight: f64, step: f64, 
     couple.grip = grip;
     couple.touches = true;
     couple.forces = forces;
+}
+
+/// What counts of a potential energy, and its derivative, if `spared` was there before the two elements could touch.
+///
+/// Elements that hung together until a joint at their vertex broke overlap by what that joint has slid. To count this overlap at once would give them energy from
+/// nothing. `(U - U₀)² / U` begins without energy and without force and soon is `U`; what they give up of the overlap is spared no longer.
+fn count_from(spared: f64, potential: f64) -> (f64, f64) {
+    if potential <= spared {
+        return (0.0, 0.0);
+    }
+    let share = spared / potential;
+    (potential * (1.0 - share) * (1.0 - share), 1.0 - share * share)
 }
 
 /// Of the first element against the second, where these shares of their corners are.

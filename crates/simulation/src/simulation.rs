@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use serde::{Deserialize, Serialize};
 
 use crate::checks;
-use crate::contacts::{Contacts, Grip, Touching};
+use crate::contacts::{Contacts, Saved as SavedContacts, Touching};
 use crate::critical::CriticalStep;
 use crate::energy::Energies;
 use crate::error::{ModelError, Stop};
@@ -90,8 +90,7 @@ pub struct State {
     of_corner: Vec<u32>,
     viscous: Vec<[f64; 4]>,
     joints: Saved,
-    watched: Vec<bool>,
-    grips: Vec<([u32; 2], Grip)>,
+    contacts: SavedContacts,
 }
 
 impl State {
@@ -445,8 +444,7 @@ impl Simulation {
             of_corner: self.solid.corners.of_corner.clone(),
             viscous: self.solid.elements.iter().map(|element| element.viscous).collect(),
             joints: self.joints.save(),
-            watched: self.contacts.watched.clone(),
-            grips: self.contacts.grips(),
+            contacts: self.contacts.save(),
         }
     }
 
@@ -460,7 +458,6 @@ impl Simulation {
         let lengths = [
             ("elements with stresses", state.viscous.len(), elements),
             ("corners", state.of_corner.len(), 3 * elements),
-            ("watched elements", state.watched.len(), elements),
             ("boundaries", state.reactions.len(), run.reactions.len()),
         ];
         for (what, found, expected) in lengths {
@@ -489,7 +486,7 @@ impl Simulation {
             element.viscous = state.viscous[number];
         }
         run.joints.restore(state.joints, &run.model, &run.topology, &run.solid)?;
-        run.contacts.restore(state.watched, &run.joints, &run.topology, &state.grips);
+        run.contacts.restore(state.contacts, &run.joints, &run.topology)?;
         run.step = state.step;
         run.totals = state.totals;
         run.energies = state.energies;
