@@ -38,8 +38,6 @@ pub(crate) struct Grip {
     damping: Point,
     /// Shares of the corners in both: where it acted.
     shares: [[f64; 3]; 2],
-    /// Share of the contact's potential that counted.
-    weight: f64,
     /// Potential energy that does not count: see [`count_from`].
     spared: f64,
 }
@@ -366,8 +364,9 @@ impl Contacts {
             for couple in chunk {
                 let pair = couple.elements.map(|element| &solid.elements[element as usize]);
                 let law = &options[pair[0].material as usize * materials + pair[1].material as usize];
-                let weight = joints.all.get(couple.joint as usize).map_or(1.0, |joint| joint.faded);
-                press(couple, solid, law, weight, step, &mut sum);
+                let joint = joints.all.get(couple.joint as usize);
+                let share = joint.map_or([1.0, 0.0], |joint| [joint.faded, joint.fading]);
+                press(couple, solid, law, share, step, &mut sum);
             }
             sum
         });
@@ -397,8 +396,15 @@ impl Contacts {
     }
 }
 
-/// Forces of one couple.
-fn press(couple: &mut Couple, solid: &Solid, law: &Law, weight: f64, step: f64, sum: &mut Touching) {
+/// Forces of one couple, of which a share counts; and how much more than in the last step.
+fn press(
+    couple: &mut Couple,
+    solid: &Solid,
+    law: &Law,
+    [weight, fading]: [f64; 2],
+    step: f64,
+    sum: &mut Touching,
+) {
     let [a, b] = couple.elements.map(|element| solid.triangle(element));
     let found = if weight > 0.0 && boxes_meet(&a, &b) { interaction(&a, &b) } else { None };
     // What the last friction did in the second half of its step.
@@ -410,7 +416,7 @@ fn press(couple: &mut Couple, solid: &Solid, law: &Law, weight: f64, step: f64, 
     }
     let Some(Interaction { mut forces, energy, point, deep }) = found else {
         (couple.touches, couple.born, couple.deep) = (false, false, false);
-        couple.grip = Grip { weight, ..Grip::default() };
+        couple.grip = Grip::default();
         return;
     };
     let potential = law.penalty * energy;
@@ -422,15 +428,13 @@ fn press(couple: &mut Couple, solid: &Solid, law: &Law, weight: f64, step: f64, 
         *force *= scale;
     }
     sum.energy += weight * energy;
-    if couple.joint != NONE {
-        sum.handed_over += (weight - before.weight) * energy;
-    }
+    sum.handed_over += fading * energy;
     sum.count += 1;
     couple.deep = deep;
     if deep && sum.deep.is_none() {
         sum.deep = Some(couple.elements[0]);
     }
-    let mut grip = Grip { weight, spared, ..Grip::default() };
+    let mut grip = Grip { spared, ..Grip::default() };
     if law.friction > 0.0 || law.damping > 0.0 {
         grip.shares = [area_coordinates(&a, point), area_coordinates(&b, point)];
         let push = forces[0].iter().fold([0.0; 2], |sum, force| [sum[0] + force[0], sum[1] + force[1]]);

@@ -48,6 +48,8 @@ pub(crate) struct Joint {
     pub(crate) open: [bool; 2],
     /// Share that has been left to contact.
     pub(crate) faded: f64,
+    /// Of that, in the last step.
+    pub(crate) fading: f64,
 }
 
 /// When and how a joint broke.
@@ -226,6 +228,7 @@ impl Joints {
             ends: [Memory::default(); 2],
             open: [false; 2],
             faded: 0.0,
+            fading: 0.0,
         });
     }
 
@@ -377,6 +380,7 @@ impl Joints {
             let mut sum = Parting::default();
             for (k, (joint, forces)) in joints.iter_mut().zip(forces).enumerate() {
                 if joint.state == State::Gone {
+                    joint.fading = 0.0;
                     continue;
                 }
                 let (work, modes) = pull(joint, forces, solid, step);
@@ -482,6 +486,7 @@ fn pull(joint: &mut Joint, forces: &mut [Point; 2], solid: &Solid, step: f64) ->
             return (work, Some([0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])]));
         }
         State::Broken => {
+            let before = joint.faded;
             let share = (slid.abs() / joint.length - FADE[0]) / (FADE[1] - FADE[0]);
             joint.faded = joint.faded.max(share.clamp(0.0, 1.0));
             // Open, neither a joint nor a contact acts.
@@ -490,6 +495,7 @@ fn pull(joint: &mut Joint, forces: &mut [Point; 2], solid: &Solid, step: f64) ->
                 *forces = [[0.0; 2]; 2];
                 joint.state = State::Gone;
             }
+            joint.fading = joint.faded - before;
         }
         State::Holding | State::Gone => {}
     }

@@ -88,6 +88,7 @@ pub struct State {
     reactions: Vec<Point>,
     nodes: Vec<Node>,
     of_corner: Vec<u32>,
+    stresses: Vec<[f64; 3]>,
     viscous: Vec<[f64; 4]>,
     joints: Saved,
     contacts: SavedContacts,
@@ -442,6 +443,7 @@ impl Simulation {
             reactions: self.reactions.clone(),
             nodes: self.solid.nodes.clone(),
             of_corner: self.solid.corners.of_corner.clone(),
+            stresses: self.solid.elements.iter().map(|element| element.stress).collect(),
             viscous: self.solid.elements.iter().map(|element| element.viscous).collect(),
             joints: self.joints.save(),
             contacts: self.contacts.save(),
@@ -456,7 +458,8 @@ impl Simulation {
         let mut run = Self::new(model, threads)?;
         let elements = run.solid.elements.len();
         let lengths = [
-            ("elements with stresses", state.viscous.len(), elements),
+            ("stresses", state.stresses.len(), elements),
+            ("viscous stresses", state.viscous.len(), elements),
             ("corners", state.of_corner.len(), 3 * elements),
             ("boundaries", state.reactions.len(), run.reactions.len()),
         ];
@@ -483,6 +486,7 @@ impl Simulation {
         run.solid.nodes = state.nodes;
         for (number, element) in run.solid.elements.iter_mut().enumerate() {
             element.nodes = std::array::from_fn(|k| run.solid.corners.of_corner[3 * number + k]);
+            element.stress = state.stresses[number];
             element.viscous = state.viscous[number];
         }
         run.joints.restore(state.joints, &run.model, &run.topology, &run.solid)?;

@@ -178,7 +178,7 @@ fn any_limit_of_memory_ends_in_an_answer_or_an_error() {
     let fdem = assert_cmd::cargo::cargo_bin!("fdem").display().to_string();
     let mut ends = [0, 0];
     // With less the program itself, the fonts of its pictures included, does not fit: it ends before it starts.
-    for kilobytes in (16_000..64_000).step_by(2_000) {
+    for kilobytes in (26_000..74_000).step_by(2_000) {
         let line = format!("ulimit -v {kilobytes} && exec {fdem} contacts gas.npy --count");
         let run =
             std::process::Command::new("sh").args(["-c", &line]).current_dir(bench.folder.path()).output();

@@ -71,6 +71,21 @@ impl Bench {
         self.command(arguments).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap()
     }
 
+    /// Fails with the first difference, shortly.
+    fn is_like(&self, folder: &str, (hash, history, frames): &(String, String, Vec<(String, Vec<u8>)>)) {
+        let found = self.fingerprint(folder);
+        for (line, (a, b)) in found.1.lines().zip(history.lines()).enumerate() {
+            assert_eq!(a, b, "line {}", line + 1);
+        }
+        assert_eq!(found.1.len(), history.len());
+        assert_eq!(found.0, *hash);
+        for ((name, bytes), (other, expected)) in found.2.iter().zip(frames) {
+            assert_eq!(name, other);
+            assert!(bytes == expected, "{name}");
+        }
+        assert_eq!(found.2.len(), frames.len());
+    }
+
     /// What must not depend on how often a run was interrupted.
     fn fingerprint(&self, folder: &str) -> (String, String, Vec<(String, Vec<u8>)>) {
         let json = self.summary(folder);
@@ -154,7 +169,7 @@ fn a_run_killed_at_any_moment_goes_on_to_the_same_end() {
         thread::sleep(patience);
         if child.try_wait().unwrap().is_some() {
             // It was through: what it left is what an uninterrupted run leaves. Begin anew.
-            assert_eq!(bench.fingerprint("cut"), whole);
+            bench.is_like("cut", &whole);
             fs::remove_dir_all(bench.path("cut")).unwrap();
             continue;
         }
@@ -164,7 +179,7 @@ fn a_run_killed_at_any_moment_goes_on_to_the_same_end() {
     }
     if bench.path("cut/checkpoint").exists() {
         bench.run(&["resume", "cut"]).succeeds();
-        assert_eq!(bench.fingerprint("cut"), whole);
+        bench.is_like("cut", &whole);
     }
     assert!(resumed > 20, "most should have been killed after a checkpoint: {resumed}");
 }

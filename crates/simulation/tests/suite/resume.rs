@@ -50,6 +50,26 @@ fn a_run_that_was_saved_goes_on_bit_for_bit() {
 }
 
 #[test]
+fn a_run_that_is_saved_again_and_again_is_the_same() {
+    for insertion in [Insertion::Adaptive, Insertion::Intrinsic] {
+        let model = crash(insertion);
+        let mut whole = Simulation::new(model.clone(), 1).expect("a model");
+        let mut patched = Simulation::new(model.clone(), 1).expect("a model");
+        for part in 0..120 {
+            let steps = 3 + part % 17;
+            whole.advance(steps).expect("steps");
+            patched.advance(steps).expect("steps");
+            let saved = postcard::to_allocvec(&patched.state()).expect("bytes");
+            let state = postcard::from_bytes(&saved).expect("a state");
+            patched = Simulation::resume(model.clone(), state, 1).expect("the same model");
+            assert!(patched.energies() == whole.energies(), "{insertion:?}, step {}: {:?} {:?}", whole.steps(), patched.energies(), whole.energies());
+            assert!(patched.snapshot() == whole.snapshot(), "{insertion:?}, step {}", whole.steps());
+        }
+        assert!(whole.counts().broken > 5, "{:?}", whole.counts());
+    }
+}
+
+#[test]
 fn a_state_of_another_model_is_refused() {
     let mut run = Simulation::new(crash(Insertion::Adaptive), 1).expect("a model");
     run.advance(10).expect("steps");

@@ -198,6 +198,6 @@ fn field_of(asked: Asked) -> Field {
         Asked::Displacement => Field::Displacement,
         Asked::Damage => Field::Damage,
         Asked::Body => Field::Body,
-        Asked::Material => Field::Body,
+        Asked::Material => Field::Material,
     }
 }

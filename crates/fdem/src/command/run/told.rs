@@ -182,8 +182,17 @@ pub(crate) fn json(run: &Simulation, prepared: &Prepared, status: &str, seconds:
 /// SHA-256 of all that the run is at this instant: equal for equal runs, whatever the threads.
 fn state_hash(run: &Simulation) -> String {
     match postcard::to_allocvec(&run.state()) {
-        Ok(bytes) => Sha256::digest(&bytes).iter().map(|byte| format!("{byte:02x}")).collect(),
+        Ok(bytes) => hexadecimal(&Sha256::digest(&bytes)),
         // It has been written as a checkpoint the same way.
         Err(error) => error.to_string(),
     }
+}
+
+fn hexadecimal(bytes: &[u8]) -> String {
+    use std::fmt::Write;
+    bytes.iter().fold(String::new(), |mut text, byte| {
+        // Writing to a string does not fail.
+        let _ = write!(text, "{byte:02x}");
+        text
+    })
 }
