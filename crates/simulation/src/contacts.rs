@@ -27,6 +27,17 @@ pub(crate) struct Couple {
     born: bool,
     pub(crate) touches: bool,
     pub(crate) deep: bool,
+    /// Since the last pass.
+    works: Works,
+}
+
+/// Energy of a contact, and works since the last pass.
+#[derive(Clone, Copy, Debug, Default)]
+struct Works {
+    energy: f64,
+    friction: f64,
+    damping: f64,
+    handed_over: f64,
 }
 
 /// What a contact remembers of friction and damping.
@@ -45,7 +56,16 @@ pub(crate) struct Grip {
 impl Couple {
     fn new(elements: [u32; 2], joint: u32) -> Self {
         let grip = Grip::default();
-        Self { elements, joint, forces: [[[0.0; 2]; 3]; 2], grip, born: false, touches: false, deep: false }
+        Self {
+            elements,
+            joint,
+            forces: [[[0.0; 2]; 3]; 2],
+            grip,
+            born: false,
+            touches: false,
+            deep: false,
+            works: Works::default(),
+        }
     }
 }
 
@@ -359,25 +379,26 @@ impl Contacts {
     /// Forces of all couples.
     pub(crate) fn press(&mut self, solid: &Solid, joints: &Joints, step: f64, team: &Team) -> Touching {
         let (options, materials) = (&self.options, self.materials);
-        let found = team.change(&mut self.couples, |_, chunk| {
-            let mut sum = Touching::default();
+        team.change(&mut self.couples, |_, chunk| {
             for couple in chunk {
                 let pair = couple.elements.map(|element| &solid.elements[element as usize]);
                 let law = &options[pair[0].material as usize * materials + pair[1].material as usize];
                 let joint = joints.all.get(couple.joint as usize);
                 let share = joint.map_or([1.0, 0.0], |joint| [joint.faded, joint.fading]);
-                press(couple, solid, law, share, step, &mut sum);
+                couple.works = press(couple, solid, law, share, step);
             }
-            sum
         });
+        // One after the other: chunks would depend on how many couples there are that do not touch, which a run that was resumed may have other ones of.
         let mut all = Touching::default();
-        for chunk in found {
-            all.energy += chunk.energy;
-            all.friction += chunk.friction;
-            all.damping += chunk.damping;
-            all.handed_over += chunk.handed_over;
-            all.count += chunk.count;
-            all.deep = all.deep.or(chunk.deep);
+        for couple in &self.couples {
+            all.energy += couple.works.energy;
+            all.friction += couple.works.friction;
+            all.damping += couple.works.damping;
+            all.handed_over += couple.works.handed_over;
+            if couple.touches {
+                all.count += 1;
+                all.deep = all.deep.or(couple.deep.then_some(couple.elements[0]));
+            }
         }
         all
     }
@@ -397,14 +418,8 @@ impl Contacts {
 }
 
 /// Forces of one couple, of which a share counts; and how much more than in the last step.
-fn press(
-    couple: &mut Couple,
-    solid: &Solid,
-    law: &Law,
-    [weight, fading]: [f64; 2],
-    step: f64,
-    sum: &mut Touching,
-) {
+fn press(couple: &mut Couple, solid: &Solid, law: &Law, [weight, fading]: [f64; 2], step: f64) -> Works {
+    let mut sum = Works::default();
     let [a, b] = couple.elements.map(|element| solid.triangle(element));
     let found = if weight > 0.0 && boxes_meet(&a, &b) { interaction(&a, &b) } else { None };
     // What the last friction did in the second half of its step.
@@ -417,7 +432,7 @@ fn press(
     let Some(Interaction { mut forces, energy, point, deep }) = found else {
         (couple.touches, couple.born, couple.deep) = (false, false, false);
         couple.grip = Grip::default();
-        return;
+        return sum;
     };
     let potential = law.penalty * energy;
     let spared = if couple.born { potential } else { before.spared.min(potential) };
@@ -429,11 +444,7 @@ fn press(
     }
     sum.energy += weight * energy;
     sum.handed_over += fading * energy;
-    sum.count += 1;
     couple.deep = deep;
-    if deep && sum.deep.is_none() {
-        sum.deep = Some(couple.elements[0]);
-    }
     let mut grip = Grip { spared, ..Grip::default() };
     if law.friction > 0.0 || law.damping > 0.0 {
         grip.shares = [area_coordinates(&a, point), area_coordinates(&b, point)];
@@ -472,6 +483,7 @@ fn press(
     couple.grip = grip;
     couple.touches = true;
     couple.forces = forces;
+    sum
 }
 
 /// What counts of a potential energy, and its derivative, if `spared` was there before the two elements could touch.

@@ -3,11 +3,13 @@
 //! A joint acts between the two nodes at either end of its edge, each end for half of it (Newton-Cotes). As long as the two nodes at an end are one, that end cannot open
 //! and is left out: an edge that reaches its strength within whole material opens when a second one at the same vertex does, which is how cracks begin and end.
 //!
-//! A joint that is put in under load (adaptive insertion) begins with the traction that the two elements carry, so that nothing is released.
+//! A joint that is put in under load (adaptive insertion, `joints/insertion.rs`) begins with the traction that acts there, so that nothing is released.
+
+mod insertion;
 
 use serde::{Deserialize, Serialize};
 
-use crate::cohesive::{Law, Memory, reaches};
+use crate::cohesive::{Law, Memory};
 use crate::error::ModelError;
 use crate::model::{Insertion, Model, Strength};
 use crate::potential::{Point, dot, minus};
@@ -104,6 +106,10 @@ pub(crate) struct Joints {
     /// Whether an edge of a vertex has a joint.
     pub(crate) at_vertex: Vec<bool>,
     insertion: Insertion,
+    /// Vertices on free surfaces and with joints, where edges may part, each once.
+    tips: Vec<u32>,
+    /// Whether a vertex is among these.
+    is_tip: Vec<bool>,
 }
 
 /// What a pass over the joints found.
@@ -144,7 +150,18 @@ impl Joints {
         } else {
             Vec::new()
         };
+        // The ends of outer edges.
+        let mut is_tip = vec![false; topology.vertex_count()];
+        for (element, edges) in topology.edge_of.iter().enumerate() {
+            for k in (0..3).filter(|&k| edges[k] == NONE) {
+                for corner in [k, (k + 1) % 3] {
+                    is_tip[topology.vertices[3 * element + corner] as usize] = true;
+                }
+            }
+        }
         Self {
+            tips: (0..is_tip.len() as u32).filter(|&vertex| is_tip[vertex as usize]).collect(),
+            is_tip,
             all: Vec::new(),
             forces: Vec::new(),
             breaks: Vec::new(),
@@ -217,6 +234,9 @@ impl Joints {
         let vertices = sides.corners[0].map(|corner| topology.vertices[corner as usize]);
         for vertex in vertices {
             self.at_vertex[vertex as usize] = true;
+            if !std::mem::replace(&mut self.is_tip[vertex as usize], true) {
+                self.tips.push(vertex);
+            }
         }
         self.forces.push([[0.0; 2]; 2]);
         self.all.push(Joint {
@@ -285,93 +305,6 @@ impl Joints {
         }
         (self.forces, self.breaks) = (saved.forces, saved.breaks);
         Ok(())
-    }
-
-    /// Puts joints on the edges whose traction has reached their strength, and parts the nodes that nothing holds together any more. Returns the vertices at which
-    /// there are new joints.
-    pub(crate) fn insert(
-        &mut self,
-        solid: &mut Solid,
-        model: &Model,
-        topology: &Topology,
-        team: &Team,
-    ) -> Vec<u32> {
-        if self.insertion == Insertion::Intrinsic || self.strengths.is_empty() {
-            return Vec::new();
-        }
-        let failing: Vec<u32> = team
-            .look(topology.edges.len(), |range| {
-                let fails = |edge: &u32| {
-                    self.of_edge[*edge as usize] == NONE
-                        && self.strength(*edge).is_some_and(|strength| {
-                            reaches(&strength, traction(solid, &topology.edges[*edge as usize]))
-                        })
-                };
-                (range.start as u32..range.end as u32).filter(fails).collect::<Vec<u32>>()
-            })
-            .concat();
-        let mut vertices = Vec::new();
-        for edge in failing {
-            // Checked for all edges when the model was.
-            if let Ok(Some(law)) = self.law(edge, model, topology) {
-                self.put(edge, law, topology, model);
-                let corners = topology.edges[edge as usize].corners[0];
-                vertices.extend(corners.map(|corner| topology.vertices[corner as usize]));
-            }
-        }
-        vertices.sort_unstable();
-        vertices.dedup();
-        for &vertex in &vertices {
-            self.part(vertex, solid, model, topology);
-        }
-        vertices
-    }
-
-    /// Gives the groups of elements that joints separate at a vertex a node each, and joints whose ends come free the traction that acts there.
-    pub(crate) fn part(&mut self, vertex: u32, solid: &mut Solid, model: &Model, topology: &Topology) {
-        let corners = topology.corners_of(vertex);
-        let mut groups = Vec::new();
-        topology.groups(vertex, |edge| self.of_edge[edge as usize] == NONE, &mut groups);
-        let Solid { nodes, corners: lists, .. } = solid;
-        let mut all = Vec::new();
-        let split = lists.split(corners, &groups, |old, new| {
-            let copy = nodes[old as usize];
-            nodes.push(copy);
-            all.extend([old, new]);
-        });
-        if split {
-            for &corner in corners {
-                let node = solid.corners.of_corner[corner as usize];
-                solid.elements[corner as usize / 3].nodes[corner as usize % 3] = node;
-            }
-            for node in all {
-                solid.weigh(node, model);
-            }
-        }
-        for &corner in corners {
-            for edge in topology.edges_at(corner) {
-                self.open(edge, vertex, solid, topology);
-            }
-        }
-    }
-
-    /// Notes that the nodes at an end of a joint are two now.
-    fn open(&mut self, edge: u32, vertex: u32, solid: &Solid, topology: &Topology) {
-        if edge == NONE {
-            return;
-        }
-        let Some(joint) = self.all.get_mut(self.of_edge[edge as usize] as usize) else { return };
-        let sides = &topology.edges[edge as usize];
-        let end = usize::from(topology.vertices[sides.corners[0][0] as usize] != vertex);
-        joint.nodes = nodes_at(sides, solid);
-        let [a, b] = joint.nodes[end];
-        if joint.open[end] || a == b {
-            return;
-        }
-        joint.open[end] = true;
-        if self.insertion == Insertion::Adaptive {
-            joint.ends[end] = Memory::under(&joint.law, traction(solid, sides));
-        }
     }
 
     /// Tractions and forces of all joints, from where the nodes are.

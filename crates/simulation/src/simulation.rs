@@ -153,7 +153,7 @@ impl Simulation {
         }
         // Also elements that have no more than a vertex in common.
         for vertex in 0..topology.vertex_count() as u32 {
-            joints.part(vertex, &mut solid, &model, &topology);
+            joints.part(vertex, &mut solid, None, &model, &topology);
         }
         let wave = |material: &crate::model::Material| (material.youngs_modulus / material.density).sqrt();
         let speed_limit = RUNAWAY * model.materials.iter().map(wave).fold(0.0, f64::max);
@@ -195,7 +195,6 @@ impl Simulation {
         totals.damping += deformation.dissipated;
         clock.read(&mut timings.bulk);
 
-        joints.insert(solid, model, topology, team);
         let parting = joints.pull(solid, step, time, team);
         contacts.part(&parting.broken, joints, topology);
         totals.cohesive += parting.work;
@@ -236,6 +235,10 @@ impl Simulation {
         loads.add_forces(&mut self.reactions);
         self.touching = touching;
         clock.read(&mut timings.integration);
+
+        // By the forces of this step, for the next one.
+        joints.insert(solid, contacts, model, topology, team);
+        clock.read(&mut timings.joints);
 
         self.audit()?;
         if let Some((node, speed)) = moved.runaway {

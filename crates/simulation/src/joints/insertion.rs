@@ -1,0 +1,301 @@
+//! Where joints are put in, and what they begin with.
+//!
+//! In whole material an edge gets a joint when the mean traction of its two elements reaches the strength. At a free surface and at the tip of a crack elements see less than the node:
+//! there the traction is that of the force which holds the two sides of an edge together at the node,
+//!
+//! ```text
+//! R = m₁ a - f₁
+//! ```
+//! with `f₁` all forces on the elements of side 1 there, `m₁` what they weigh, and `a` the acceleration that the two sides share as long as they are one; over the area that the edge,
+//! and a joint behind the tip whose end is still closed, have at that node. When the two come apart their joints begin with just that traction: nothing jumps.
+
+use crate::cohesive::{Memory, reaches};
+use crate::contacts::Contacts;
+use crate::joints::{Joints, length, nodes_at, traction};
+use crate::model::{Insertion, Model};
+use crate::potential::{Point, dot, minus};
+use crate::solid::Solid;
+use crate::team::Team;
+use crate::topology::{Edge, NONE, Topology};
+
+/// Edges whose mean traction is below this share of their strength are not looked at closely.
+const SUSPECT: f64 = 0.1;
+
+/// What insertion looks at.
+#[derive(Clone, Copy)]
+struct State<'a> {
+    solid: &'a Solid,
+    contacts: &'a Contacts,
+    model: &'a Model,
+    topology: &'a Topology,
+}
+
+impl Joints {
+    /// Puts joints on the edges whose traction has reached their strength, and parts the nodes that nothing holds together any more.
+    pub(crate) fn insert(
+        &mut self,
+        solid: &mut Solid,
+        contacts: &Contacts,
+        model: &Model,
+        topology: &Topology,
+        team: &Team,
+    ) {
+        if self.insertion == Insertion::Intrinsic || self.strengths.is_empty() {
+            return;
+        }
+        let state = State { solid, contacts, model, topology };
+        let mut failing = team
+            .look(topology.edges.len(), |range| {
+                let fails = |&edge: &u32| self.overstressed(edge, state, 1.0);
+                (range.start as u32..range.end as u32).filter(fails).collect::<Vec<u32>>()
+            })
+            .concat();
+        let tips = team.look(self.tips.len(), |range| {
+            let mut failing = Vec::new();
+            for &vertex in &self.tips[range] {
+                self.failing_at(vertex, state, &mut failing);
+            }
+            failing
+        });
+        failing.extend(tips.concat());
+        failing.sort_unstable();
+        failing.dedup();
+        let mut vertices = Vec::new();
+        for edge in failing {
+            // Checked for all edges when the model was.
+            if let Ok(Some(law)) = self.law(edge, model, topology) {
+                self.put(edge, law, topology, model);
+                let corners = topology.edges[edge as usize].corners[0];
+                vertices.extend(corners.map(|corner| topology.vertices[corner as usize]));
+            }
+        }
+        vertices.sort_unstable();
+        vertices.dedup();
+        for &vertex in &vertices {
+            self.part(vertex, solid, Some(contacts), model, topology);
+        }
+    }
+
+    /// Whether the mean traction of the two elements of an edge without joint reaches a share of its strength.
+    fn overstressed(&self, edge: u32, state: State<'_>, share: f64) -> bool {
+        self.of_edge[edge as usize] == NONE
+            && self.strength(edge).is_some_and(|strength| {
+                let traction = traction(state.solid, &state.topology.edges[edge as usize]);
+                reaches(&strength, traction.map(|t| t / share))
+            })
+    }
+
+    /// Edges at a vertex on a free surface or at the tip of a crack whose two sides are no longer held together there.
+    fn failing_at(&self, vertex: u32, state: State<'_>, failing: &mut Vec<u32>) {
+        let State { solid, topology, .. } = state;
+        let corners = topology.corners_of(vertex);
+        // What moves a node that is held is not known; the mean traction decides there.
+        if solid.at_corner(corners[0]).hold != NONE {
+            return;
+        }
+        let mut groups = Vec::new();
+        for &corner in corners {
+            for edge in topology.edges_at(corner) {
+                // Each edge once, from its side 0.
+                if edge == NONE || topology.edges[edge as usize].elements()[0] != corner / 3 {
+                    continue;
+                }
+                if !self.overstressed(edge, state, SUSPECT) {
+                    continue;
+                }
+                topology.groups(
+                    vertex,
+                    |other| other != edge && self.of_edge[other as usize] == NONE,
+                    &mut groups,
+                );
+                let fan = Fan { corners, groups: &groups, joints: self, state };
+                let sides = fan.groups_beside(edge);
+                // Held on the other way round.
+                if sides[0] == sides[1] {
+                    continue;
+                }
+                let own = half_length(edge, state);
+                let [normal, tangential] =
+                    components(fan.held_by(sides, own), solid, &topology.edges[edge as usize]);
+                if self.strength(edge).is_some_and(|strength| reaches(&strength, [normal, tangential])) {
+                    failing.push(edge);
+                }
+            }
+        }
+    }
+
+    /// Gives the groups of elements that joints separate at a vertex a node each, and joints whose ends come free the traction that acts there.
+    pub(crate) fn part(
+        &mut self,
+        vertex: u32,
+        solid: &mut Solid,
+        contacts: Option<&Contacts>,
+        model: &Model,
+        topology: &Topology,
+    ) {
+        let corners = topology.corners_of(vertex);
+        let mut groups = Vec::new();
+        topology.groups(vertex, |edge| self.of_edge[edge as usize] == NONE, &mut groups);
+        // The tractions of ends that come free now, before the nodes know of it.
+        let mut begin: Vec<(u32, [f64; 2])> = Vec::new();
+        if let Some(contacts) = contacts.filter(|_| solid.at_corner(corners[0]).hold == NONE) {
+            let state = State { solid, contacts, model, topology };
+            let fan = Fan { corners, groups: &groups, joints: self, state };
+            for &corner in corners {
+                for edge in topology.edges_at(corner) {
+                    if edge == NONE || topology.edges[edge as usize].elements()[0] != corner / 3 {
+                        continue;
+                    }
+                    let sides = fan.groups_beside(edge);
+                    if sides[0] != sides[1] && fan.closed(edge) && fan.groups_of_node(corner) == 2 {
+                        let traction = fan.held_by(sides, 0.0);
+                        begin.push((edge, components(traction, solid, &topology.edges[edge as usize])));
+                    }
+                }
+            }
+        }
+        let Solid { nodes, corners: lists, .. } = solid;
+        let mut all = Vec::new();
+        let split = lists.split(corners, &groups, |old, new| {
+            let copy = nodes[old as usize];
+            nodes.push(copy);
+            all.extend([old, new]);
+        });
+        if split {
+            for &corner in corners {
+                let node = solid.corners.of_corner[corner as usize];
+                solid.elements[corner as usize / 3].nodes[corner as usize % 3] = node;
+            }
+            for node in all {
+                solid.weigh(node, model);
+            }
+        }
+        for &corner in corners {
+            for edge in topology.edges_at(corner) {
+                let known = begin.iter().find(|(other, _)| *other == edge).map(|(_, traction)| *traction);
+                self.open(edge, vertex, known, solid, topology);
+            }
+        }
+    }
+
+    /// Notes that the nodes at an end of a joint are two now. `known`: the traction that held them together.
+    fn open(&mut self, edge: u32, vertex: u32, known: Option<[f64; 2]>, solid: &Solid, topology: &Topology) {
+        if edge == NONE {
+            return;
+        }
+        let Some(joint) = self.all.get_mut(self.of_edge[edge as usize] as usize) else { return };
+        let sides = &topology.edges[edge as usize];
+        let end = end_at(sides, vertex, topology);
+        joint.nodes = nodes_at(sides, solid);
+        let [a, b] = joint.nodes[end];
+        if joint.open[end] || a == b {
+            return;
+        }
+        joint.open[end] = true;
+        if self.insertion == Insertion::Adaptive {
+            let traction = known.unwrap_or_else(|| traction(solid, sides));
+            joint.ends[end] = Memory::under(&joint.law, traction);
+        }
+    }
+}
+
+/// Of an edge, undeformed.
+fn half_length(edge: u32, state: State<'_>) -> f64 {
+    let corners = state.topology.edges[edge as usize].corners[0];
+    0.5 * length(state.model, corners.map(|corner| state.topology.vertices[corner as usize]))
+}
+
+/// The elements around a vertex, in groups.
+struct Fan<'a> {
+    corners: &'a [u32],
+    groups: &'a [u32],
+    joints: &'a Joints,
+    state: State<'a>,
+}
+
+impl Fan<'_> {
+    fn group(&self, corner: u32) -> u32 {
+        self.corners.binary_search(&corner).map_or(NONE, |place| self.groups[place])
+    }
+
+    /// Groups on the two sides of an edge.
+    fn groups_beside(&self, edge: u32) -> [u32; 2] {
+        let edge = &self.state.topology.edges[edge as usize];
+        edge.corners.map(|side| {
+            let here = side.into_iter().find(|corner| self.corners.binary_search(corner).is_ok());
+            here.map_or(NONE, |corner| self.group(corner))
+        })
+    }
+
+    /// Whether the end of a joint at this vertex is closed: one node on both sides.
+    fn closed(&self, edge: u32) -> bool {
+        let sides = self.state.topology.edges[edge as usize].corners;
+        let node = |side: [u32; 2]| {
+            let here = side.into_iter().find(|corner| self.corners.binary_search(corner).is_ok());
+            here.map(|corner| self.state.solid.corners.of_corner[corner as usize])
+        };
+        node(sides[0]) == node(sides[1])
+    }
+
+    /// How many groups share the node of a corner.
+    fn groups_of_node(&self, corner: u32) -> usize {
+        let of_corner = &self.state.solid.corners.of_corner;
+        let node = of_corner[corner as usize];
+        let all = self.corners.iter().zip(self.groups);
+        let mut groups: Vec<u32> =
+            all.filter(|(corner, _)| of_corner[**corner as usize] == node).map(|(_, &group)| group).collect();
+        groups.sort_unstable();
+        groups.dedup();
+        groups.len()
+    }
+
+    /// The traction, Pa, with which group `sides[1]` holds group `sides[0]`, on `more` half lengths of edges besides those of the closed joints between the two.
+    fn held_by(&self, sides: [u32; 2], more: f64) -> Point {
+        let State { solid, contacts, model, topology } = self.state;
+        let (mut force, mut mass) = ([[0.0; 2]; 2], [0.0; 2]);
+        for (&corner, &group) in self.corners.iter().zip(self.groups) {
+            let Some(side) = sides.iter().position(|&side| side == group) else { continue };
+            let element = &solid.elements[corner as usize / 3];
+            let k = corner as usize % 3;
+            let mut total = element.forces[k];
+            self.joints.add_force(corner, &mut total);
+            contacts.add_force(element.contacts, k, &mut total);
+            for axis in 0..2 {
+                force[side][axis] += total[axis];
+            }
+            mass[side] += model.materials[element.material as usize].density * element.volume / 3.0;
+        }
+        let mut width = more;
+        for &corner in self.corners {
+            for edge in topology.edges_at(corner) {
+                let first = edge != NONE && topology.edges[edge as usize].elements()[0] == corner / 3;
+                if first && self.joints.of_edge[edge as usize] != NONE && self.closed(edge) {
+                    let beside = self.groups_beside(edge);
+                    if beside == sides || beside == [sides[1], sides[0]] {
+                        width += half_length(edge, self.state);
+                    }
+                }
+            }
+        }
+        // Weight is the same for both sides, and cancels.
+        let share = mass[0] / (mass[0] + mass[1]);
+        std::array::from_fn(|axis| {
+            let held = share * (force[0][axis] + force[1][axis]) - force[0][axis];
+            held / (width * solid.thickness)
+        })
+    }
+}
+
+/// The end of an edge that is at a vertex.
+fn end_at(edge: &Edge, vertex: u32, topology: &Topology) -> usize {
+    usize::from(topology.vertices[edge.corners[0][0] as usize] != vertex)
+}
+
+/// Components of a traction on side 0 of an edge: normal (tension positive) and tangential.
+fn components(traction: Point, solid: &Solid, edge: &Edge) -> [f64; 2] {
+    let [a, b] = edge.corners[0].map(|corner| solid.at_corner(corner).position);
+    let along = minus(b, a);
+    let long = dot(along, along).sqrt();
+    let tangent = along.map(|x| x / long);
+    [traction[0] * tangent[1] - traction[1] * tangent[0], dot(traction, tangent)]
+}
