@@ -27,6 +27,10 @@ example:
     cargo run --release -- generate deposit -n 600 --seed 1 --sizes lognormal:0.5:0.3 --width 30 --output examples/packing.csv
     cargo run --release -- contacts examples/packing.csv --count --picture docs/packing.svg
 
+# Every model of examples/ at full length, in target/models.
+models:
+    for model in examples/*.toml; do cargo run --release -- run "$model" --force --output "target/models/$(basename "$model" .toml)" || exit 1; done
+
 # Each fuzz target for SECONDS, under AddressSanitizer. Needs a nightly toolchain and `cargo install cargo-fuzz`.
 fuzz SECONDS="60":
     cargo +nightly fuzz run rows_equals_direct -- -max_total_time={{SECONDS}} -max_len=2048 -len_control=0

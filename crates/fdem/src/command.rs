@@ -28,6 +28,7 @@ mod series;
 mod series_summary;
 mod summary;
 mod tables;
+mod validate;
 
 use std::ffi::OsString;
 use std::io::Write;
@@ -65,6 +66,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         Task::Check(arguments) => check::run(&arguments),
         Task::Run(arguments) => run::run(&arguments),
         Task::Resume(arguments) => run::resume(&arguments),
+        Task::Validate(arguments) => validate::run(&arguments),
     });
     match done {
         Ok(()) => 0,

@@ -16,6 +16,7 @@ mod numbers;
 pub mod picture;
 pub mod report;
 pub mod results;
+pub mod validate;
 
 pub use fdem_contact as contact;
 pub use fdem_io as io;

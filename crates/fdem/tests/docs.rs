@@ -1,6 +1,6 @@
 //! What the documents promise: paths exist, commands run, the version is one.
 
-#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a failed unwrap is a failed test")]
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -8,6 +8,8 @@ use std::process::Command;
 
 #[path = "../examples/book_figures/main.rs"]
 mod book_figures;
+#[path = "docs/model_keys.rs"]
+mod model_keys;
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
@@ -107,18 +109,23 @@ fn run_commands(document: &str, folder: &Path) -> usize {
         for command in block.split("$ ").skip(1) {
             let (line, printed) = command.split_once('\n').unwrap();
             let line = line.replace("cargo run --release --", "fdem");
+            if line.starts_with("sed ") {
+                // What a reader does in an editor.
+                let done = Command::new("sh").args(["-c", &line]).current_dir(folder).status().unwrap();
+                assert!(done.success(), "{document}: {line}");
+                continue;
+            }
             let Some(arguments) = line.strip_prefix("fdem ") else { continue };
             let output = Command::new(assert_cmd::cargo::cargo_bin!("fdem"))
                 .args(arguments.split_whitespace())
                 .current_dir(folder)
                 .output()
                 .unwrap();
-            let said = String::from_utf8(output.stderr).unwrap();
+            let said = String::from_utf8([output.stderr, output.stdout].concat()).unwrap();
             assert!(output.status.success(), "{document}: {line}\n{said}");
             // Times and memory differ from run to run.
-            for printed in
-                printed.lines().filter(|line| !line.starts_with("time") && !line.starts_with("peak"))
-            {
+            let differ = ["time", "peak", "run time"];
+            for printed in printed.lines().filter(|line| !differ.iter().any(|word| line.starts_with(word))) {
                 assert!(said.contains(printed), "{document}: {line} does not say\n{printed}\nbut\n{said}");
             }
             ran += 1;
@@ -137,6 +144,53 @@ fn the_figures_of_the_book_are_up_to_date() {
             "cargo run -p fdem --example book_figures -- book/src/figures"
         );
     }
+}
+
+/// The book's list of keys is that of the schema; `BLESS=1` writes it anew.
+#[test]
+fn every_key_of_a_model_file_is_in_the_book() {
+    let (name, page) = ("book/src/simulation/keys.md", model_keys::page(&fdem::model::schema()));
+    if std::env::var_os("BLESS").is_some() {
+        fs::write(root().join(name), &page).unwrap();
+    }
+    assert!(page == read(name), "BLESS=1 cargo test -p fdem --test docs writes {name} anew");
+}
+
+/// What the book shows as a whole model passes `fdem check`.
+#[test]
+fn every_model_in_the_book_is_right() {
+    let mut checked = 0;
+    for page in pages() {
+        let text = read(&page);
+        let blocks = text.split("```toml\n").skip(1).map(|rest| rest.split("```").next().unwrap());
+        for block in blocks.filter(|block| block.contains("[[body]]")) {
+            let prepared =
+                fdem::model::prepare(block, &page, &mut |file| Err(format!("{file} is not there")));
+            assert!(prepared.is_ok_and(|prepared| prepared.warnings.is_empty()), "{page}:\n{block}");
+            checked += 1;
+        }
+    }
+    assert!(checked >= 1, "no model was found: has the format of the book changed?");
+}
+
+/// Every model of `examples/` has its command and its picture in the book's gallery.
+#[test]
+fn every_example_is_in_the_gallery() {
+    let gallery = read("book/src/simulation/examples.md");
+    let (mut models, mut bytes) = (0, 0);
+    for example in fs::read_dir(root().join("examples")).unwrap() {
+        let file = example.unwrap().file_name().into_string().unwrap();
+        let Some(name) = file.strip_suffix(".toml") else { continue };
+        let picture = format!("figures/simulation/{name}.png");
+        assert!(gallery.contains(&format!("fdem run examples/{file}")), "no command runs {file}");
+        assert!(gallery.contains(&format!("(../{picture})")), "no picture shows {file}");
+        let size = fs::metadata(root().join("book/src").join(&picture)).unwrap().len();
+        assert!(size < 60_000, "{picture} has {size} bytes: the page should open quickly");
+        bytes += size;
+        models += 1;
+    }
+    assert!(models >= 8, "only {models} models");
+    assert!(bytes < 600_000, "all pictures have {bytes} bytes");
 }
 
 #[test]

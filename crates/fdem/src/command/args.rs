@@ -28,6 +28,7 @@ pub(crate) enum Task {
     Check(CheckArguments),
     Run(RunArguments),
     Resume(ResumeArguments),
+    Validate(ValidateArguments),
 }
 
 /// Find which elements of a packing, or of meshes, touch.
@@ -451,6 +452,27 @@ pub(crate) struct ResumeArguments {
     pub(crate) threads: usize,
 
     /// Show no progress.
+    #[arg(short, long)]
+    pub(crate) quiet: bool,
+}
+
+/// Run the verification ladder: cases whose answer is known, against what the simulation says. Exit code 1 if one fails.
+#[derive(Debug, Args)]
+#[command(after_help = "Example: fdem validate 1 4 --html ladder.html")]
+pub(crate) struct ValidateArguments {
+    /// Numbers of cases, or words of their names; all without any.
+    #[arg(value_name = "CASE")]
+    pub(crate) cases: Vec<String>,
+
+    /// Finer models and more variants: minutes instead of seconds.
+    #[arg(long)]
+    pub(crate) full: bool,
+
+    /// Write the table as a page for a browser, too.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) html: Option<PathBuf>,
+
+    /// Do not tell how long it has taken so far.
     #[arg(short, long)]
     pub(crate) quiet: bool,
 }

@@ -1,0 +1,50 @@
+//! `fdem validate`: the verification ladder, case by case.
+
+use std::io::{self, Write};
+use std::time::Instant;
+
+use crate::command::args::ValidateArguments;
+use crate::command::failure::Failure;
+use crate::command::output::Output;
+use crate::validate::{Case, Size, cases, html, table};
+
+pub(crate) fn run(arguments: &ValidateArguments) -> Result<(), Failure> {
+    let size = if arguments.full { Size::Full } else { Size::Reduced };
+    let chosen = chosen(&arguments.cases)?;
+    let mut output = arguments.html.as_deref().map(|path| Output::open(Some(path))).transpose()?;
+    let start = Instant::now();
+    let mut reports = Vec::new();
+    for case in chosen {
+        let report = case.report(size);
+        let seconds = start.elapsed().as_secs_f64();
+        // A message that nobody can see any more is no failure.
+        let _ = writeln!(io::stdout(), "{}", table(std::slice::from_ref(&report)).trim_end());
+        if !arguments.quiet {
+            let _ = writeln!(io::stderr(), "after {seconds:.0} s");
+        }
+        reports.push(report);
+    }
+    if let Some(output) = &mut output {
+        output.write(|out| out.write_all(html(&reports, size).as_bytes()))?;
+    }
+    output.map_or(Ok(()), Output::commit)?;
+    let failed = reports.iter().filter(|report| !report.passed()).count();
+    if failed > 0 {
+        return Err(Failure::Wrong(format!("{failed} of {} cases failed", reports.len())));
+    }
+    let _ = writeln!(io::stdout(), "all {} cases passed", reports.len());
+    Ok(())
+}
+
+/// The cases of these numbers, or of names that contain these words; all for none.
+fn chosen(asked: &[String]) -> Result<Vec<&'static Case>, Failure> {
+    if let Some(unknown) = asked.iter().find(|asked| !cases().iter().any(|case| is(case, asked))) {
+        let known: Vec<String> = cases().iter().map(|case| format!("{} {}", case.number, case.name)).collect();
+        return Err(Failure::Unusable(format!("there is no case '{unknown}': {}", known.join(", "))));
+    }
+    Ok(cases().iter().filter(|case| asked.is_empty() || asked.iter().any(|asked| is(case, asked))).collect())
+}
+
+fn is(case: &Case, asked: &str) -> bool {
+    asked.parse() == Ok(case.number) || (asked.parse::<u32>().is_err() && case.name.contains(asked))
+}

@@ -1,0 +1,247 @@
+//! The verification ladder: cases whose answer is known, and what the simulation says.
+//!
+//! Each [`Case`] runs one or more models and compares quantities with theory; a [`CaseReport`] has what came of it. [`table`] and [`html`] show them.
+//!
+//! ```
+//! use fdem::validate::{Size, cases, table};
+//!
+//! let compliance = cases().iter().find(|case| case.name == "artificial compliance").expect("a case");
+//! let reports = [compliance.report(Size::Reduced)];
+//! assert!(reports[0].passed());
+//! println!("{}", table(&reports));
+//! ```
+
+mod brazilian;
+mod cantilever;
+mod compliance;
+mod compression;
+mod heaps;
+mod hertz;
+mod impact;
+mod incline;
+mod models;
+mod page;
+mod rocks;
+mod rotation;
+mod shear;
+mod tension;
+mod wave;
+
+pub use page::{html, table};
+
+/// How large the models are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Size {
+    /// As small as theory still holds: all cases in about a minute.
+    Reduced,
+    /// Finer, and in more variants: minutes.
+    Full,
+}
+
+impl Size {
+    fn choose<T>(self, reduced: T, full: T) -> T {
+        match self {
+            Self::Reduced => reduced,
+            Self::Full => full,
+        }
+    }
+}
+
+/// What an error is a share of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Measure {
+    /// Of what is expected.
+    Relative,
+    /// Of nothing: it has the unit of the quantity.
+    Absolute,
+}
+
+/// A quantity, what it should be and what it is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outcome {
+    /// What it is.
+    pub quantity: String,
+    /// By theory.
+    pub expected: f64,
+    /// By the simulation.
+    pub found: f64,
+    /// Of both; empty for a number.
+    pub unit: &'static str,
+    /// Found less expected, by `measure`.
+    pub error: f64,
+    /// What the size of the error may be.
+    pub bound: f64,
+    /// What error and bound are a share of.
+    pub measure: Measure,
+}
+
+impl Outcome {
+    /// With an error that is a share of what is expected.
+    pub fn relative(
+        quantity: impl Into<String>,
+        expected: f64,
+        found: f64,
+        bound: f64,
+        unit: &'static str,
+    ) -> Self {
+        let error = found / expected - 1.0;
+        Self { quantity: quantity.into(), expected, found, unit, error, bound, measure: Measure::Relative }
+    }
+
+    /// With an error in the unit of the quantity.
+    pub fn absolute(
+        quantity: impl Into<String>,
+        expected: f64,
+        found: f64,
+        bound: f64,
+        unit: &'static str,
+    ) -> Self {
+        let error = found - expected;
+        Self { quantity: quantity.into(), expected, found, unit, error, bound, measure: Measure::Absolute }
+    }
+
+    /// The error is within its bound. What is not a number is not.
+    pub fn passed(&self) -> bool {
+        self.error.abs() <= self.bound
+    }
+}
+
+/// A question whose answer is known.
+#[derive(Clone, Copy, Debug)]
+pub struct Case {
+    /// Of the ladder; parts of one rung share it.
+    pub number: u32,
+    /// In a few words.
+    pub name: &'static str,
+    /// What is run, and what it is compared with, in a few sentences.
+    pub what: &'static str,
+    /// Where the answer is from.
+    pub source: &'static str,
+    /// Runs it, and compares. The error is why it could not be run to its end.
+    pub run: fn(Size) -> Result<Vec<Outcome>, String>,
+}
+
+impl Case {
+    /// Runs the case.
+    pub fn report(&'static self, size: Size) -> CaseReport {
+        CaseReport { case: self, result: (self.run)(size) }
+    }
+}
+
+/// What came of a case.
+#[derive(Clone, Debug)]
+pub struct CaseReport {
+    /// Which.
+    pub case: &'static Case,
+    /// What it compared, or why it could not be run to its end.
+    pub result: Result<Vec<Outcome>, String>,
+}
+
+impl CaseReport {
+    /// It ran, something was compared, and all is within bounds.
+    pub fn passed(&self) -> bool {
+        matches!(&self.result, Ok(outcomes) if !outcomes.is_empty() && outcomes.iter().all(Outcome::passed))
+    }
+}
+
+const JOHNSON: &str = "K. L. Johnson, Contact Mechanics (1985), 4.2 and 5.6";
+const WAVES: &str = "K. F. Graff, Wave Motion in Elastic Solids (1975), ch. 2";
+const BOOK: &str = "A. Munjiza, The Combined Finite-Discrete Element Method (2004)";
+
+const CASES: &[Case] = &[
+    Case {
+        number: 1,
+        name: "waves in bars",
+        what: "A piston pushes a bar (ν = 0). Its wave travels at √(E/ρ), whether or not the bar could break, and doubles the velocity of the free end. Two equal bars that meet touch for \
+               2 L/c, under the stress ρ c v/2.",
+        source: WAVES,
+        run: wave::run,
+    },
+    Case {
+        number: 2,
+        name: "artificial compliance",
+        what: "A strip with joints across it, pulled below its strength. Joints that are there from the beginning soften it to E/(1 + E/(p h)), with p = α E/h; joints that are put in where \
+               the strength is reached do not.",
+        source: "springs in series",
+        run: compliance::run,
+    },
+    Case {
+        number: 3,
+        name: "rotation",
+        what: "A block that is led through a full turn has no strain. One that flies and spins freely for a turn keeps its energy and its momenta.",
+        source: "objectivity and conservation",
+        run: rotation::run,
+    },
+    Case {
+        number: 4,
+        name: "uniaxial tension",
+        what: "A strip is pulled apart slowly. The traction peaks at the strength, one crack opens, and it dissipates the fracture energy times its area; with the customary critical opening, \
+               3 G/f, it dissipates 1.159 G.",
+        source: BOOK,
+        run: tension::run,
+    },
+    Case {
+        number: 5,
+        name: "shear under normal stress",
+        what: "A shear box: two blocks with one row of joints, pressed and sheared. The shear stress peaks at c + σₙ tan φ and falls to σₙ tan φ, which holds on when the broken joints \
+               are left to contact; the work above that is the fracture energy of sliding times the area.",
+        source: "Mohr and Coulomb",
+        run: shear::run,
+    },
+    Case {
+        number: 6,
+        name: "impact",
+        what: "Two triangles, and two discs of many elements, collide without friction and damping, in many orientations. What they have of energy and momentum before, they have after. \
+               Where the contact is much softer than the bodies, that energy is kinetic.",
+        source: BOOK,
+        run: impact::run,
+    },
+    Case {
+        number: 6,
+        name: "heaps of fragments",
+        what: "Four heaps of triangles, squares and hexagons collide and scatter, without friction and damping. The energy after is the energy before.",
+        source: "A. Munjiza, The Combined Finite-Discrete Element Method (2004), p. 51",
+        run: heaps::run,
+    },
+    Case {
+        number: 7,
+        name: "block on an incline",
+        what: "Below the angle of friction the block rests; above it slides with a = g (sin θ − µ cos θ).",
+        source: "Coulomb",
+        run: incline::run,
+    },
+    Case {
+        number: 7,
+        name: "Hertz contact",
+        what: "Half a disc is pressed on a rigid plane, without friction, in plane strain. Compared are load against approach, half-width and greatest pressure.",
+        source: JOHNSON,
+        run: hertz::run,
+    },
+    Case {
+        number: 8,
+        name: "Brazilian disc",
+        what: "A disc between two platens that move alike. Before it breaks, the stress in its centre is that of an elastic disc under two point loads; it splits along the loaded diameter, \
+               at the load that its tensile strength gives. Unstructured meshes; fracture energies of 3 and 30 J/m².",
+        source: "G. Hondros, Aust. J. Appl. Sci. 10 (1959) 243-268",
+        run: brazilian::run,
+    },
+    Case {
+        number: 9,
+        name: "uniaxial compression",
+        what: "A block twice as high as wide between platens without friction. Its strength is the bound of Mohr and Coulomb, 2 c cos φ/(1 - sin φ).",
+        source: "Mohr and Coulomb",
+        run: compression::run,
+    },
+    Case {
+        number: 10,
+        name: "double cantilever beam",
+        what: "Two arms are peeled apart slowly. Load and opening follow the line of linear elastic fracture mechanics, with K = P (3.46 a + 2.38 h)/h^1.5.",
+        source: "B. Gross and J. E. Srawley, NASA TN D-3295 (1966)",
+        run: cantilever::run,
+    },
+];
+
+/// All cases, in the order of the ladder.
+pub fn cases() -> &'static [Case] {
+    CASES
+}

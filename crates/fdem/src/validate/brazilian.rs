@@ -1,0 +1,164 @@
+//! A disc that is pressed between two platens: elastic stress, tensile strength, a crack along the diameter.
+
+use std::f64::consts::PI;
+
+use super::models::{advance, start};
+use super::rocks::{prepared, stress_near};
+use super::{Outcome, Size};
+
+/// m.
+const DIAMETER: f64 = 0.05;
+/// Pa.
+const STRENGTH: f64 = 1e6;
+
+pub(super) fn run(size: Size) -> Result<Vec<Outcome>, String> {
+    let mut outcomes = elastic(size)?;
+    let seeds = size.choose(1..=2, 1..=5);
+    let count = seeds.clone().count();
+    let (mut strengths, mut imbalance, mut away, mut balance) = (Vec::new(), 0.0_f64, 0.0_f64, 0.0_f64);
+    for seed in seeds {
+        let split = split(size, seed)?;
+        strengths.push(split.strength);
+        imbalance = imbalance.max(split.imbalance);
+        away = away.max(split.away);
+        balance = balance.max(split.balance.abs());
+    }
+    let mean = strengths.iter().sum::<f64>() / count as f64;
+    let scatter = strengths.iter().map(|s| (s - mean).powi(2)).sum::<f64>() / (count as f64 - 1.0);
+    outcomes.extend([
+        Outcome::relative(format!("mean strength of {count} meshes, 2 P/(π D)"), STRENGTH, mean, 0.1, "Pa"),
+        Outcome::absolute("scatter of the strength over its mean", 0.0, scatter.sqrt() / mean, 0.15, ""),
+        Outcome::absolute("difference of the two loads at the peak over the load", 0.0, imbalance, 0.05, ""),
+        Outcome::absolute("mean distance of the crack from the diameter over the radius", 0.0, away, 0.2, ""),
+        Outcome::absolute("error of the energy balance", 0.0, balance, 1e-2, ""),
+    ]);
+    Ok(outcomes)
+}
+
+/// A model of the disc. `rock`: the keys of its strength, empty for none.
+fn model(mesh_size: f64, seed: u32, end: f64, damping: f64, rock: &str) -> String {
+    format!(
+        r#"
+[model]
+plane = "stress"
+gravity = "none"
+end_time = {end:e}
+[[body]]
+name = "disc"
+material = "rock"
+disc = {{ centre = [0, 0], radius = 0.025 }}
+mesh_size = {mesh_size}
+seed = {seed}
+[[body]]
+name = "upper platen"
+material = "steel"
+rectangle = {{ min = [-0.008, 0.025], max = [0.008, 0.029] }}
+mesh_size = {mesh_size}
+[[body]]
+name = "lower platen"
+material = "steel"
+rectangle = {{ min = [-0.008, -0.029], max = [0.008, -0.025] }}
+mesh_size = {mesh_size}
+[[material]]
+name = "rock"
+density = 2700
+youngs_modulus = 30e9
+poissons_ratio = 0.3
+damping = {damping}
+friction = 0.3
+{rock}
+[[material]]
+name = "steel"
+density = 7800
+youngs_modulus = 200e9
+poissons_ratio = 0.3
+damping = {damping}
+friction = 0.1
+[[boundary]]
+name = "upper"
+body = "upper platen"
+side = "top"
+velocity = [0, -0.02]
+ramp = 0.2e-3
+[[boundary]]
+name = "lower"
+body = "lower platen"
+side = "bottom"
+velocity = [0, 0.02]
+ramp = 0.2e-3
+"#
+    )
+}
+
+/// Stress in the centre of a disc that does not break.
+fn elastic(size: Size) -> Result<Vec<Outcome>, String> {
+    let mesh_size = size.choose(1.4e-3, 0.9e-3);
+    let end = 0.5e-3;
+    let mut run = start(prepared(&model(mesh_size, 1, end, 0.5, ""))?)?;
+    // The mean over the last tenth of the time: a little of the ramp swings on.
+    let (mut stress, mut load, samples) = ([0.0; 2], 0.0, 50);
+    let steps = (end / run.time_step()) as u64;
+    advance(&mut run, steps * 9 / 10)?;
+    for _ in 0..samples {
+        advance(&mut run, steps / 10 / samples)?;
+        let [xx, yy, _] = stress_near(&run, [0.0, 0.0], 0.003);
+        let forces = [0, 1].map(|boundary| run.force(boundary).unwrap_or_default()[1].abs());
+        stress = [stress[0] + xx, stress[1] + yy];
+        load += 0.5 * (forces[0] + forces[1]);
+    }
+    let [xx, yy] = stress.map(|s| s / samples as f64);
+    let unit = 2.0 * load / samples as f64 / (PI * DIAMETER);
+    Ok(vec![
+        Outcome::relative("elastic stress across the diameter in the centre, 2 P/(π D)", unit, xx, 0.03, "Pa"),
+        Outcome::relative("elastic stress along it, -6 P/(π D)", -3.0 * unit, yy, 0.03, "Pa"),
+    ])
+}
+
+struct Split {
+    strength: f64,
+    imbalance: f64,
+    away: f64,
+    balance: f64,
+}
+
+fn split(size: Size, seed: u32) -> Result<Split, String> {
+    let mesh_size = size.choose(2e-3, 1.4e-3);
+    let rock = "tensile_strength = 1e6\ncohesion = 3e6\nfriction_angle = 16.7\nfracture_energy_i = 3\nfracture_energy_ii = 30";
+    let end = 1e-3;
+    let mut run = start(prepared(&model(mesh_size, seed, end, 0.1, rock))?)?;
+    let steps = (end / run.time_step()) as u64;
+    let samples = 1000;
+    let (mut peak, mut imbalance) = (0.0_f64, 0.0);
+    for _ in 0..samples {
+        // Means over a while: single steps have waves in them.
+        let mut forces = [0.0; 2];
+        for _ in 0..4 {
+            advance(&mut run, (steps / samples / 4).max(1))?;
+            for (boundary, force) in forces.iter_mut().enumerate() {
+                *force += 0.25 * run.force(boundary).unwrap_or_default()[1].abs();
+            }
+        }
+        let load = 0.5 * (forces[0] + forces[1]);
+        if load > peak {
+            peak = load;
+            imbalance = (forces[0] - forces[1]).abs() / load;
+        }
+        if load < 0.3 * peak && run.counts().broken > 10 {
+            break;
+        }
+    }
+    // The crack in the middle half of the diameter, away from the platens.
+    let (mut sum, mut length) = (0.0, 0.0);
+    for crack in run.snapshot().cracks.iter().filter(|crack| crack.time.is_some()) {
+        let [x, y] = [0, 1].map(|axis| 0.5 * (crack.ends[0][axis] + crack.ends[1][axis]));
+        if y.abs() < 0.25 * DIAMETER {
+            sum += x.abs() * crack.length;
+            length += crack.length;
+        }
+    }
+    if length < 0.25 * DIAMETER {
+        return Err(format!("the disc of mesh {seed} does not split"));
+    }
+    let away = sum / length / (0.5 * DIAMETER);
+    Ok(Split { strength: 2.0 * peak / (PI * DIAMETER), imbalance, away, balance: run.energies().error() })
+}

@@ -1,0 +1,30 @@
+//! Models of rock from model files, as users write them.
+
+use fdem_simulation::{Model, Simulation};
+
+use super::models::centroid;
+use crate::model::prepare;
+
+/// The model of a file.
+pub(super) fn prepared(text: &str) -> Result<Model, String> {
+    let prepared = prepare(text, "case.toml", &mut |name| Err(format!("{name}: there are no files")));
+    prepared.map(|prepared| prepared.model).map_err(|errors| errors.to_string())
+}
+
+/// Mean stress of the elements whose centroids were within a distance of a point, `[xx, yy, xy]` in Pa.
+pub(super) fn stress_near(run: &Simulation, [x, y]: [f64; 2], distance: f64) -> [f64; 3] {
+    let mesh = &run.model().mesh;
+    let near = |element: &usize| {
+        let [u, v] = centroid(mesh, *element);
+        (u - x).hypot(v - y) <= distance
+    };
+    let stresses = run.snapshot().stresses;
+    let (mut sum, mut count) = ([0.0; 3], 0.0);
+    for element in (0..mesh.triangles.len()).filter(near) {
+        for (total, stress) in sum.iter_mut().zip(stresses[element]) {
+            *total += stress;
+        }
+        count += 1.0;
+    }
+    sum.map(|total| total / f64::max(count, 1.0))
+}

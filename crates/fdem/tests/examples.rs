@@ -1,0 +1,104 @@
+//! The models of `examples/`: checked without a warning, and run at reduced time, with all that a run leaves behind.
+
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a failed unwrap is a failed test")]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use serde_json::Value;
+
+/// Elements times steps of a reduced run: about a second.
+const WORK: f64 = 1e6;
+
+fn examples() -> Vec<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
+    let files = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let mut models: Vec<_> = files.filter(|path| path.extension().is_some_and(|end| end == "toml")).collect();
+    models.sort();
+    models
+}
+
+/// What the command says on standard output.
+fn fdem(folder: &Path, arguments: &[&str]) -> String {
+    let output = Command::new(assert_cmd::cargo::cargo_bin!("fdem"))
+        .args(arguments)
+        .current_dir(folder)
+        .output()
+        .unwrap();
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.success(), "fdem {}\n{said}", arguments.join(" "));
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// The model with another value of a key that stands on a line of its own.
+fn with(model: &str, key: &str, value: &str) -> String {
+    let mut found = false;
+    let lines = model.lines().map(|line| {
+        if line.split('=').next().is_some_and(|word| word.trim() == key) {
+            found = true;
+            format!("{key} = {value}\n")
+        } else {
+            format!("{line}\n")
+        }
+    });
+    let text = lines.collect();
+    assert!(found, "the model does not say {key}");
+    text
+}
+
+#[test]
+fn every_example_runs_and_leaves_all_results() {
+    let models = examples();
+    assert!(models.len() >= 8, "{models:?}");
+    let folder = tempfile::tempdir().unwrap();
+    for path in models {
+        let name = path.file_stem().unwrap().to_str().unwrap();
+        let (file, results) = (format!("{name}.toml"), folder.path().join(format!("{name}_results")));
+        let model = fs::read_to_string(&path).unwrap();
+        fs::write(folder.path().join(&file), &model).unwrap();
+        let preflight: Value =
+            serde_json::from_str(&fdem(folder.path(), &["check", &file, "--json"])).unwrap();
+        assert_eq!(preflight["warnings"], serde_json::json!([]), "{name}");
+
+        let steps = WORK / preflight["quality"]["elements"].as_f64().unwrap();
+        let end = preflight["step"].as_f64().unwrap() * steps.round();
+        let shorter = with(&with(&model, "end_time", &format!("{end:e}")), "frames", "3");
+        fs::write(folder.path().join(&file), shorter).unwrap();
+        let said = fdem(folder.path(), &["run", &file, "--quiet"]);
+        assert!(said.contains(&format!("results are in {name}_results")), "{name}: {said}");
+
+        let run: Value =
+            serde_json::from_str(&fs::read_to_string(results.join("run.json")).unwrap()).unwrap();
+        assert_eq!(run["status"], "finished", "{name}");
+        let error = run["energies"]["error"].as_f64().unwrap();
+        assert!(error.abs() < 0.01, "{name}: the balance of energy is off by {error}");
+        let mut expected: Vec<String> = [
+            "model.toml",
+            "checkpoint",
+            "history.csv",
+            "results.pvd",
+            "cracks.pvd",
+            "picture.png",
+            "report.html",
+            "run.log",
+            "plots/energies.svg",
+            "plots/energies.png",
+            "plots/energy_error.svg",
+        ]
+        .map(str::to_owned)
+        .to_vec();
+        expected.extend(
+            (0..=3).flat_map(|k| [format!("frames/{k:05}.vtu"), format!("frames/{k:05}_cracks.vtp")]),
+        );
+        if model.contains("animate = true") {
+            expected.push("animation.gif".to_owned());
+        }
+        for file in expected {
+            let length = fs::metadata(results.join(&file)).map_or(0, |file| file.len());
+            assert!(length > 0, "{name} left no {file}");
+        }
+        let rows = fs::read_to_string(results.join("history.csv")).unwrap().lines().count();
+        assert!(rows >= 2, "{name}: a history of {rows} lines");
+    }
+}
