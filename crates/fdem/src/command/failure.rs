@@ -11,10 +11,7 @@ pub(crate) enum Failure {
     /// A check that was asked for failed: exit code 1.
     Wrong(String),
     /// A signal asked to end: exit code 128 and its number.
-    Interrupted {
-        message: String,
-        signal: i32,
-    },
+    Interrupted { message: String, signal: i32 },
 }
 
 impl Failure {

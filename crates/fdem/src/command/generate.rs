@@ -29,7 +29,8 @@ pub(crate) fn run(arguments: &GenerateArguments) -> Result<(), Failure> {
     if let Some(path) = path.filter(|path| !is_stdout(path)) {
         let what = if dims == 2 { "discs" } else { "spheres" };
         let edge = edge(&arguments.kind, &radii)?;
-        let place = edge.map_or_else(String::new, |edge| format!(" (in a box of edge {edge} from the origin)"));
+        let place =
+            edge.map_or_else(String::new, |edge| format!(" (in a box of edge {edge} from the origin)"));
         // A message that nobody can see any more is no failure.
         let _ = writeln!(io::stderr(), "wrote {} {what} to {}{place}", centres.len(), display_name(path));
     }

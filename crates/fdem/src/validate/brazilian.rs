@@ -109,7 +109,13 @@ fn elastic(size: Size) -> Result<Vec<Outcome>, String> {
     let [xx, yy] = stress.map(|s| s / samples as f64);
     let unit = 2.0 * load / samples as f64 / (PI * DIAMETER);
     Ok(vec![
-        Outcome::relative("elastic stress across the diameter in the centre, 2 P/(π D)", unit, xx, 0.03, "Pa"),
+        Outcome::relative(
+            "elastic stress across the diameter in the centre, 2 P/(π D)",
+            unit,
+            xx,
+            0.03,
+            "Pa",
+        ),
         Outcome::relative("elastic stress along it, -6 P/(π D)", -3.0 * unit, yy, 0.03, "Pa"),
     ])
 }

@@ -34,8 +34,8 @@ friction = 0.3
 tensile_strength = 1e6
 cohesion = {COHESION}
 friction_angle = {angle}
-fracture_energy_i = 10
-fracture_energy_ii = 50
+fracture_energy_i = 1
+fracture_energy_ii = 5
 [[boundary]]
 name = "upper"
 body = "block"

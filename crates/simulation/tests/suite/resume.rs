@@ -62,7 +62,13 @@ fn a_run_that_is_saved_again_and_again_is_the_same() {
             let saved = postcard::to_allocvec(&patched.state()).expect("bytes");
             let state = postcard::from_bytes(&saved).expect("a state");
             patched = Simulation::resume(model.clone(), state, 1).expect("the same model");
-            assert!(patched.energies() == whole.energies(), "{insertion:?}, step {}: {:?} {:?}", whole.steps(), patched.energies(), whole.energies());
+            assert!(
+                patched.energies() == whole.energies(),
+                "{insertion:?}, step {}: {:?} {:?}",
+                whole.steps(),
+                patched.energies(),
+                whole.energies()
+            );
             assert!(patched.snapshot() == whole.snapshot(), "{insertion:?}, step {}", whole.steps());
         }
         assert!(whole.counts().broken > 5, "{:?}", whole.counts());
