@@ -19,7 +19,7 @@ pub(super) fn run(_size: Size) -> Result<Vec<Outcome>, String> {
     for alpha in [10.0, 20.0, 50.0, 100.0] {
         let found = stiffness(Insertion::Intrinsic, alpha)?;
         let quantity = format!("stiffness with joints, α = {alpha}");
-        outcomes.push(Outcome::relative(quantity, 1.0 / (1.0 + 1.0 / alpha), found, 0.01, "E"));
+        outcomes.push(Outcome::relative(quantity, 1.0 / (1.0 + 1.0 / alpha), found, 0.001, "E"));
     }
     let found = stiffness(Insertion::Adaptive, 10.0)?;
     outcomes.push(Outcome::relative("stiffness with adaptive joints", 1.0, found, 0.001, "E"));
