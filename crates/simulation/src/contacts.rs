@@ -454,19 +454,21 @@ fn press(couple: &mut Couple, solid: &Solid, law: &Law, [weight, fading]: [f64; 
             let normal = [push[0] / size, push[1] / size];
             let tangent = [-normal[1], normal[0]];
             let rate = relative_velocity(couple.elements, &grip.shares, solid);
-            if law.friction > 0.0 {
-                let limit = law.friction * size;
-                let held = if couple.touches { dot(before.friction, tangent) } else { 0.0 };
-                let trial = held - weight * law.tangential * step * dot(rate, tangent);
-                let friction = trial.clamp(-limit, limit);
-                grip.friction = tangent.map(|t| friction * t);
-            }
+            let mut pressed = size;
             if law.damping > 0.0 {
                 let [m, n] = couple.elements.map(|element| mass(solid, element));
                 let critical = 2.0 * (law.penalty * m * n / (m + n)).sqrt();
                 // Never more than what presses the two apart, so that nothing sticks.
                 let damping = (-law.damping * weight * critical * dot(rate, normal)).clamp(-size, size);
                 grip.damping = normal.map(|n| damping * n);
+                pressed += damping;
+            }
+            if law.friction > 0.0 {
+                let limit = law.friction * pressed;
+                let held = if couple.touches { dot(before.friction, tangent) } else { 0.0 };
+                let trial = held - weight * law.tangential * step * dot(rate, tangent);
+                let friction = trial.clamp(-limit, limit);
+                grip.friction = tangent.map(|t| friction * t);
             }
             sum.friction -= 0.5 * step * dot(grip.friction, rate);
             sum.damping -= 0.5 * step * dot(grip.damping, rate);

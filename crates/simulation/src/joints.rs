@@ -21,6 +21,10 @@ use crate::topology::{Edge, NONE, Topology};
 /// Sliding of a broken joint over its length at which it begins to leave the two elements to contact, and at which it is done.
 const FADE: [f64; 2] = [0.1, 0.3];
 
+/// Distance between the two sides of a broken end, over the length of the joint, beyond which it does not press: two elements that turn about the other end
+/// may come so far round that open looks like closed.
+const APART: f64 = 0.5;
+
 /// What becomes of a joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum State {
@@ -403,14 +407,19 @@ fn pull(joint: &mut Joint, forces: &mut [Point; 2], solid: &Solid, step: f64) ->
         let gap = minus(b.position, a.position);
         let rate = minus(b.velocity, a.velocity);
         let (opening, sliding) = (dot(gap, normal), dot(gap, tangent));
-        let [pressure, shear] = joint.ends[end].traction(&joint.law, opening, sliding);
+        let apart = dot(gap, gap) > (APART * joint.length) * (APART * joint.length);
+        let [pressure, shear] = if apart && joint.ends[end].damage(&joint.law) >= 1.0 {
+            [0.0; 2]
+        } else {
+            least = least.min(opening);
+            joint.ends[end].traction(&joint.law, opening, sliding)
+        };
         let force: Point =
             std::array::from_fn(|axis| share * (pressure * normal[axis] + shear * tangent[axis]));
         // What the last force did in the second half of its step, and this one in the first half.
         work += 0.5 * step * (dot(forces[end], rate) + dot(force, rate));
         forces[end] = force;
         slid += 0.5 * sliding;
-        least = least.min(opening);
     }
     match joint.state {
         State::Holding if !whole && joint.ends.iter().all(|end| end.damage(&joint.law) >= 1.0) => {
@@ -477,5 +486,67 @@ fn strength_between(model: &Model, a: u32, b: u32) -> Option<Strength> {
     match [a, b].map(|material| model.materials[material as usize].strength) {
         [Some(one), Some(two)] => Some(if two.tensile < one.tensile { two } else { one }),
         [one, two] => one.or(two),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::{Material, Mesh};
+
+    /// Elements that turn about one end of a joint, whose other end is broken, may come so far round that the frame of the joint is turned, too.
+    #[test]
+    fn a_broken_end_that_came_round_does_not_press() {
+        let strength = Strength {
+            tensile: 1e6,
+            cohesion: 3e6,
+            friction: 0.3,
+            energy_i: 10.0,
+            energy_ii: 50.0,
+            weibull_modulus: None,
+            seed: 0,
+        };
+        let material = Material {
+            name: String::new(),
+            density: 2700.0,
+            youngs_modulus: 30e9,
+            poissons_ratio: 0.2,
+            damping: 0.0,
+            strength: Some(strength),
+            friction: 0.0,
+        };
+        let mesh = Mesh {
+            nodes: vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0]],
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            bodies: vec![0; 2],
+            materials: vec![0; 2],
+        };
+        let model = Model { mesh, materials: vec![material], ..Model::default() };
+        let topology = Topology::new(&model.mesh).expect("a mesh");
+        let mut solid = Solid::new(&model, &topology);
+        let mut joints = Joints::new(&model, &topology);
+        joints.everywhere(&model, &topology).expect("enough energy");
+        for vertex in 0..4 {
+            joints.part(vertex, &mut solid, None, &model, &topology);
+        }
+        // The upper end, far round; the lower one as if it were a hinge.
+        let joint = &mut joints.all[0];
+        let end = usize::from(solid.nodes[joint.nodes[0][0] as usize].vertex != 2);
+        joint.open[1 - end] = false;
+        joint.ends[end].beyond = [1.0, 0.0];
+        let [a, b] = joint.nodes[end];
+        for (node, place) in [(a, [0.9, -0.5]), (b, [-0.9, -0.5])] {
+            solid.nodes[node as usize].position = place;
+        }
+        let mut forces = [[0.0; 2]; 2];
+        let (_, modes) = pull(joint, &mut forces, &solid, 1e-6);
+        assert_eq!((forces, modes), ([[0.0; 2]; 2], None));
+        // Near, and closed, it does press.
+        for (node, place) in [(a, [-0.01, 1.0]), (b, [0.01, 1.0])] {
+            solid.nodes[node as usize].position = place;
+        }
+        let mut forces = [[0.0; 2]; 2];
+        pull(&mut joints.all[0], &mut forces, &solid, 1e-6);
+        assert!(forces[end].iter().any(|force| force.abs() > 1.0), "{forces:?}");
     }
 }
