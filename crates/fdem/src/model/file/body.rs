@@ -137,7 +137,7 @@ pub struct Voronoi {
     #[serde(default = "rounds")]
     #[schemars(range(max = 100))]
     pub rounds: u32,
-    /// Materials of the grains, spread so that neighbours differ where that is possible (with four or more they do nearly everywhere); an [[interface]] of two says
+    /// Materials of the grains, spread so that neighbours differ where that is possible (with four or more they do nearly everywhere); an `[[interface]]` of two says
     /// how such neighbours hold together. Default: the material of the body.
     #[serde(default)]
     pub materials: Vec<String>,

@@ -23,7 +23,7 @@ pub struct Material {
     #[serde(default)]
     #[schemars(extend("minimum" = 0))]
     pub damping: f64,
-    /// Coefficient of friction where the material touches, unless an [[interface]] says otherwise. Default: 0.
+    /// Coefficient of friction where the material touches, unless an `[[interface]]` says otherwise. Default: 0.
     #[serde(default)]
     #[schemars(extend("minimum" = 0))]
     pub friction: f64,
@@ -66,7 +66,7 @@ pub struct Interface {
     #[serde(default)]
     #[schemars(extend("minimum" = 0))]
     pub friction: Option<f64>,
-    /// Penalty of contacts, Pa. Default: as [contact] says.
+    /// Penalty of contacts, Pa. Default: as `[contact]` says.
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub penalty: Option<f64>,

@@ -89,7 +89,7 @@ pub struct History {
     /// true: length of what is broken, m; it is recorded whether or not this is here.
     #[serde(default)]
     pub crack_length: bool,
-    /// Time between records, s. The history is one table: the shortest of all intervals holds. Default: that of [output].
+    /// Time between records, s. The history is one table: the shortest of all intervals holds. Default: that of `[output]`.
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub interval: Option<f64>,
