@@ -14,7 +14,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import sync_playwright
+from playwright.sync_api import expect, sync_playwright
 
 FDEM = os.environ.get("FDEM", "fdem")
 ROOT = Path(__file__).resolve().parents[4]
@@ -143,8 +143,9 @@ def test_a_click_names_the_element_and_all_its_contacts(browser, bed):
         rows = page.locator("#picked tbody tr").all()
         shown = {int(row.locator("td").nth(0).text_content()): row.locator("td").all_text_contents()[1:3] for row in rows}
         assert {k: tuple(map(float, numbers)) for k, numbers in shown.items()} == expected
-        assert page.locator("#overlay circle.mine").count() == 1
-        assert page.locator("#overlay circle.neighbour").count() == len(expected)
+        # Marks are drawn with the next frame.
+        expect(page.locator("#overlay circle.mine")).to_have_count(1)
+        expect(page.locator("#overlay circle.neighbour")).to_have_count(len(expected))
         watched.shot("picked")
         # A contact in the list leads to the other element.
         if expected:
@@ -153,7 +154,7 @@ def test_a_click_names_the_element_and_all_its_contacts(browser, bed):
             assert watched.picked("contacts") == str(len(network.contacts[other]))
         page.keyboard.press("Escape")
         assert page.evaluate("fdem.picked()") == -1
-        assert page.locator("#overlay circle").count() == 0
+        expect(page.locator("#overlay circle")).to_have_count(0)
         watched.check()
 
 
