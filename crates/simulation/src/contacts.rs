@@ -145,18 +145,10 @@ impl Contacts {
             .with_threads(threads)
             .and_then(|detector| Buffered::with_search(detector, model.contact.buffer * mean_edge(model)))
             .map_err(|error| ModelError::Threads { message: error.to_string() })?;
-        let mut free = vec![false; topology.vertex_count()];
-        for (element, edges) in topology.edge_of.iter().enumerate() {
-            for k in (0..3).filter(|&k| edges[k] == NONE) {
-                for corner in [k, (k + 1) % 3] {
-                    free[topology.vertices[3 * element + corner] as usize] = true;
-                }
-            }
-        }
         let mut contacts = Self {
             options,
             materials,
-            free,
+            free: topology.outer_vertices(),
             groups: vec![0; topology.vertices.len()],
             watched: vec![false; model.mesh.triangles.len()],
             list: Vec::new(),
@@ -226,14 +218,9 @@ impl Contacts {
         };
         min.resize(list.len(), [0.0; 2]);
         max.resize(list.len(), [0.0; 2]);
-        team.change(min, |first, chunk| {
-            for (k, corner) in chunk.iter_mut().enumerate() {
-                *corner = bounds(list[first + k]).0;
-            }
-        });
-        team.change(max, |first, chunk| {
-            for (k, corner) in chunk.iter_mut().enumerate() {
-                *corner = bounds(list[first + k]).1;
+        team.change_both(min, max, |first, least, most| {
+            for (k, (least, most)) in least.iter_mut().zip(most).enumerate() {
+                (*least, *most) = bounds(list[first + k]);
             }
         });
         let update = self.search.update(&Boxes::boxes(min, max)?)?;
@@ -273,6 +260,11 @@ impl Contacts {
             }
             near = next;
         }
+        self.list_watched();
+    }
+
+    /// The list of the elements that are watched, ascending.
+    fn list_watched(&mut self) {
         self.list.clear();
         self.list.extend((0..self.watched.len() as u32).filter(|&element| self.watched[element as usize]));
     }
@@ -307,8 +299,7 @@ impl Contacts {
             .collect();
         self.part(&broken, joints, topology);
         self.watched = saved.watched;
-        self.list.clear();
-        self.list.extend((0..self.watched.len() as u32).filter(|&element| self.watched[element as usize]));
+        self.list_watched();
         self.unwatched = self.list.is_empty();
         let touching = saved.grips.into_iter().map(|(elements, grip)| Couple {
             grip,
@@ -565,10 +556,7 @@ fn may_ever_touch(pair: [u32; 2], joints: &Joints, topology: &Topology) -> bool 
 }
 
 fn law(model: &Model, a: u32, b: u32) -> Law {
-    let interface = model
-        .interfaces
-        .iter()
-        .find(|interface| interface.materials == [a, b] || interface.materials == [b, a]);
+    let interface = model.interface(a, b);
     let [one, two] = [a, b].map(|material| &model.materials[material as usize]);
     let penalty = interface
         .and_then(|interface| interface.penalty)

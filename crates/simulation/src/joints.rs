@@ -154,15 +154,7 @@ impl Joints {
         } else {
             Vec::new()
         };
-        // The ends of outer edges.
-        let mut is_tip = vec![false; topology.vertex_count()];
-        for (element, edges) in topology.edge_of.iter().enumerate() {
-            for k in (0..3).filter(|&k| edges[k] == NONE) {
-                for corner in [k, (k + 1) % 3] {
-                    is_tip[topology.vertices[3 * element + corner] as usize] = true;
-                }
-            }
-        }
+        let is_tip = topology.outer_vertices();
         Self {
             tips: (0..is_tip.len() as u32).filter(|&vertex| is_tip[vertex as usize]).collect(),
             is_tip,
@@ -476,11 +468,7 @@ fn length(model: &Model, vertices: [u32; 2]) -> f64 {
 
 /// What may break between two materials: what an interface says, or the weaker of the two.
 fn strength_between(model: &Model, a: u32, b: u32) -> Option<Strength> {
-    let interface = model
-        .interfaces
-        .iter()
-        .find(|interface| interface.materials == [a, b] || interface.materials == [b, a]);
-    if let Some(strength) = interface.and_then(|interface| interface.strength) {
+    if let Some(strength) = model.interface(a, b).and_then(|interface| interface.strength) {
         return Some(strength);
     }
     match [a, b].map(|material| model.materials[material as usize].strength) {

@@ -115,21 +115,16 @@ impl Loads {
                     loads.hold(model, solid, number, &nodes, goal.map(|u| u.map(Motion::Displacement)))?;
                 }
                 (Load::Force(force), target) => {
-                    let corners: Vec<u32> = nodes_of(target)
-                        .iter()
-                        .flat_map(|&node| topology.corners_of(node))
-                        .copied()
-                        .collect();
-                    // Equal parts for the nodes of the mesh; a node's part is shared by its corners, which may come apart.
                     let nodes = nodes_of(target);
-                    let each = force.map(|f| f / nodes.len().max(1) as f64);
+                    if nodes.is_empty() {
+                        return Err(wrong("nodes"));
+                    }
+                    // Equal parts for the nodes of the mesh; a node's part is shared by its corners, which may come apart.
+                    let each = force.map(|f| f / nodes.len() as f64);
                     for &node in &nodes {
                         let corners = topology.corners_of(node).to_vec();
                         let part = each.map(|f| f / corners.len() as f64);
                         loads.forces.push((number, part, corners));
-                    }
-                    if corners.is_empty() {
-                        return Err(wrong("nodes"));
                     }
                 }
                 (load, Target::Edges(edges)) if !edges.is_empty() => {

@@ -9,7 +9,7 @@ pub struct Model {
     pub mesh: Mesh,
     /// What the elements are made of.
     pub materials: Vec<Material>,
-    /// Pairs of materials whose contacts are not the mean of what the two materials say.
+    /// Pairs of materials whose contacts and joints are not the lesser of what the two materials say.
     pub interfaces: Vec<Interface>,
     /// What holds, moves and loads the bodies.
     pub boundaries: Vec<Boundary>,
@@ -29,6 +29,15 @@ pub struct Model {
     pub fracture: FractureOptions,
     /// Steps in time.
     pub time: TimeOptions,
+}
+
+impl Model {
+    /// What is said of the contacts and joints of two materials, if anything is.
+    pub(crate) fn interface(&self, a: u32, b: u32) -> Option<&Interface> {
+        self.interfaces
+            .iter()
+            .find(|interface| interface.materials == [a, b] || interface.materials == [b, a])
+    }
 }
 
 impl Default for Model {

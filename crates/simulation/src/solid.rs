@@ -43,6 +43,13 @@ pub(crate) struct Element {
     pub(crate) contacts: [u32; 2],
 }
 
+impl Element {
+    /// What it weighs at each of its corners, kg.
+    pub(crate) fn corner_mass(&self, model: &Model) -> f64 {
+        model.materials[self.material as usize].density * self.volume / 3.0
+    }
+}
+
 /// The material of an element, as its forces need it.
 #[derive(Clone, Copy, Debug)]
 struct Response {
@@ -142,8 +149,7 @@ impl Solid {
     pub(crate) fn weigh(&mut self, node: u32, model: &Model) {
         let (mut mass, mut corner) = (0.0, self.corners.first[node as usize]);
         while corner != NONE {
-            let element = &self.elements[corner as usize / 3];
-            mass += model.materials[element.material as usize].density * element.volume / 3.0;
+            mass += self.elements[corner as usize / 3].corner_mass(model);
             corner = self.corners.next[corner as usize];
         }
         self.nodes[node as usize].mass = mass;

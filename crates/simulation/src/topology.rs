@@ -67,6 +67,28 @@ impl Topology {
         self.offsets.len() - 1
     }
 
+    /// Whether each vertex is at an end of an outer edge.
+    pub(crate) fn outer_vertices(&self) -> Vec<bool> {
+        let mut outer = vec![false; self.vertex_count()];
+        for (element, edges) in self.edge_of.iter().enumerate() {
+            for k in (0..3).filter(|&k| edges[k] == NONE) {
+                for corner in [k, (k + 1) % 3] {
+                    outer[self.vertices[3 * element + corner] as usize] = true;
+                }
+            }
+        }
+        outer
+    }
+
+    /// The edges between elements that meet at a vertex, each once, each with the corner of its side 0.
+    pub(crate) fn edges_around(&self, vertex: u32) -> impl Iterator<Item = (u32, u32)> + '_ {
+        self.corners_of(vertex).iter().flat_map(move |&corner| {
+            let own =
+                move |edge: &u32| *edge != NONE && self.edges[*edge as usize].elements()[0] == corner / 3;
+            self.edges_at(corner).into_iter().filter(own).map(move |edge| (edge, corner))
+        })
+    }
+
     /// The edges that meet in a corner of their element.
     pub(crate) fn edges_at(&self, corner: u32) -> [u32; 2] {
         let edges = &self.edge_of[corner as usize / 3];

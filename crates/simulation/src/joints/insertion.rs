@@ -94,32 +94,22 @@ impl Joints {
             return;
         }
         let mut groups = Vec::new();
-        for &corner in corners {
-            for edge in topology.edges_at(corner) {
-                // Each edge once, from its side 0.
-                if edge == NONE || topology.edges[edge as usize].elements()[0] != corner / 3 {
-                    continue;
-                }
-                if !self.overstressed(edge, state, SUSPECT) {
-                    continue;
-                }
-                topology.groups(
-                    vertex,
-                    |other| other != edge && self.of_edge[other as usize] == NONE,
-                    &mut groups,
-                );
-                let fan = Fan { corners, groups: &groups, joints: self, state };
-                let sides = fan.groups_beside(edge);
-                // Held on the other way round.
-                if sides[0] == sides[1] {
-                    continue;
-                }
-                let own = half_length(edge, state);
-                let [normal, tangential] =
-                    components(fan.held_by(sides, own), solid, &topology.edges[edge as usize]);
-                if self.strength(edge).is_some_and(|strength| reaches(&strength, [normal, tangential])) {
-                    failing.push(edge);
-                }
+        for (edge, _) in topology.edges_around(vertex) {
+            if !self.overstressed(edge, state, SUSPECT) {
+                continue;
+            }
+            let holds = |other| other != edge && self.of_edge[other as usize] == NONE;
+            topology.groups(vertex, holds, &mut groups);
+            let fan = Fan { vertex, groups: &groups, joints: self, state };
+            let sides = fan.groups_beside(edge);
+            // Held on the other way round.
+            if sides[0] == sides[1] {
+                continue;
+            }
+            let held = fan.held_by(sides, half_length(edge, state));
+            let traction = components(held, solid, &topology.edges[edge as usize]);
+            if self.strength(edge).is_some_and(|strength| reaches(&strength, traction)) {
+                failing.push(edge);
             }
         }
     }
@@ -140,17 +130,12 @@ impl Joints {
         let mut begin: Vec<(u32, [f64; 2])> = Vec::new();
         if let Some(contacts) = contacts.filter(|_| solid.at_corner(corners[0]).hold == NONE) {
             let state = State { solid, contacts, model, topology };
-            let fan = Fan { corners, groups: &groups, joints: self, state };
-            for &corner in corners {
-                for edge in topology.edges_at(corner) {
-                    if edge == NONE || topology.edges[edge as usize].elements()[0] != corner / 3 {
-                        continue;
-                    }
-                    let sides = fan.groups_beside(edge);
-                    if sides[0] != sides[1] && fan.closed(edge) && fan.groups_of_node(corner) == 2 {
-                        let traction = fan.held_by(sides, 0.0);
-                        begin.push((edge, components(traction, solid, &topology.edges[edge as usize])));
-                    }
+            let fan = Fan { vertex, groups: &groups, joints: self, state };
+            for (edge, corner) in topology.edges_around(vertex) {
+                let sides = fan.groups_beside(edge);
+                if sides[0] != sides[1] && fan.closed(edge) && fan.groups_of_node(corner) == 2 {
+                    let traction = fan.held_by(sides, 0.0);
+                    begin.push((edge, components(traction, solid, &topology.edges[edge as usize])));
                 }
             }
         }
@@ -207,41 +192,42 @@ fn half_length(edge: u32, state: State<'_>) -> f64 {
 
 /// The elements around a vertex, in groups.
 struct Fan<'a> {
-    corners: &'a [u32],
+    vertex: u32,
     groups: &'a [u32],
     joints: &'a Joints,
     state: State<'a>,
 }
 
 impl Fan<'_> {
-    fn group(&self, corner: u32) -> u32 {
-        self.corners.binary_search(&corner).map_or(NONE, |place| self.groups[place])
+    fn corners(&self) -> &[u32] {
+        self.state.topology.corners_of(self.vertex)
+    }
+
+    /// The corners at this vertex on the two sides of an edge.
+    fn beside(&self, edge: u32) -> [u32; 2] {
+        let edge = &self.state.topology.edges[edge as usize];
+        let end = end_at(edge, self.vertex, self.state.topology);
+        edge.corners.map(|side| side[end])
     }
 
     /// Groups on the two sides of an edge.
     fn groups_beside(&self, edge: u32) -> [u32; 2] {
-        let edge = &self.state.topology.edges[edge as usize];
-        edge.corners.map(|side| {
-            let here = side.into_iter().find(|corner| self.corners.binary_search(corner).is_ok());
-            here.map_or(NONE, |corner| self.group(corner))
-        })
+        let group =
+            |corner: u32| self.corners().binary_search(&corner).map_or(NONE, |place| self.groups[place]);
+        self.beside(edge).map(group)
     }
 
     /// Whether the end of a joint at this vertex is closed: one node on both sides.
     fn closed(&self, edge: u32) -> bool {
-        let sides = self.state.topology.edges[edge as usize].corners;
-        let node = |side: [u32; 2]| {
-            let here = side.into_iter().find(|corner| self.corners.binary_search(corner).is_ok());
-            here.map(|corner| self.state.solid.corners.of_corner[corner as usize])
-        };
-        node(sides[0]) == node(sides[1])
+        let [a, b] = self.beside(edge).map(|corner| self.state.solid.corners.of_corner[corner as usize]);
+        a == b
     }
 
     /// How many groups share the node of a corner.
     fn groups_of_node(&self, corner: u32) -> usize {
         let of_corner = &self.state.solid.corners.of_corner;
         let node = of_corner[corner as usize];
-        let all = self.corners.iter().zip(self.groups);
+        let all = self.corners().iter().zip(self.groups);
         let mut groups: Vec<u32> =
             all.filter(|(corner, _)| of_corner[**corner as usize] == node).map(|(_, &group)| group).collect();
         groups.sort_unstable();
@@ -253,7 +239,7 @@ impl Fan<'_> {
     fn held_by(&self, sides: [u32; 2], more: f64) -> Point {
         let State { solid, contacts, model, topology } = self.state;
         let (mut force, mut mass) = ([[0.0; 2]; 2], [0.0; 2]);
-        for (&corner, &group) in self.corners.iter().zip(self.groups) {
+        for (&corner, &group) in self.corners().iter().zip(self.groups) {
             let Some(side) = sides.iter().position(|&side| side == group) else { continue };
             let element = &solid.elements[corner as usize / 3];
             let k = corner as usize % 3;
@@ -263,17 +249,14 @@ impl Fan<'_> {
             for axis in 0..2 {
                 force[side][axis] += total[axis];
             }
-            mass[side] += model.materials[element.material as usize].density * element.volume / 3.0;
+            mass[side] += element.corner_mass(model);
         }
         let mut width = more;
-        for &corner in self.corners {
-            for edge in topology.edges_at(corner) {
-                let first = edge != NONE && topology.edges[edge as usize].elements()[0] == corner / 3;
-                if first && self.joints.of_edge[edge as usize] != NONE && self.closed(edge) {
-                    let beside = self.groups_beside(edge);
-                    if beside == sides || beside == [sides[1], sides[0]] {
-                        width += half_length(edge, self.state);
-                    }
+        for (edge, _) in topology.edges_around(self.vertex) {
+            if self.joints.of_edge[edge as usize] != NONE && self.closed(edge) {
+                let beside = self.groups_beside(edge);
+                if beside == sides || beside == [sides[1], sides[0]] {
+                    width += half_length(edge, self.state);
                 }
             }
         }
