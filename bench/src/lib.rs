@@ -1,6 +1,7 @@
-//! Shared by the benchmarks: a timer, a table, the machine, the packings, the rivals and the pictures.
+//! Shared by the benchmarks: a timer, a table, the machine, the packings and bodies, the rivals and the pictures.
 
 pub mod bars;
+pub mod bodies;
 mod packing;
 pub mod peers;
 pub mod picture;

@@ -10,6 +10,7 @@
 //! the fracture energy. A joint does not break by compression, and one that is broken still presses and rubs.
 
 use crate::model::{CriticalOpening, Strength};
+use crate::potential::length;
 
 /// Of the softening curve (7.12), from the experiments that the book fits.
 const A: f64 = 0.63;
@@ -30,7 +31,7 @@ pub(crate) fn softening(d: f64) -> f64 {
     }
     // (a + c b) / ((a + b)(1 - a - b)) with c = 6.
     let rate = (A + 6.0 * B) / ((A + B) * (1.0 - A - B));
-    let factor = 1.0 - (A + B - 1.0) / (A + B) * (d * rate).exp();
+    let factor = 1.0 - (A + B - 1.0) / (A + B) * libm::exp(d * rate);
     let sixth = (rest * rest * rest) * (rest * rest * rest);
     factor * (A * rest + B * sixth)
 }
@@ -110,25 +111,33 @@ impl Memory {
 
     /// 0 whole, 1 broken.
     pub(crate) fn damage(&self, law: &Law) -> f64 {
+        // Most joints are whole.
+        if self.beyond == [0.0; 2] {
+            return 0.0;
+        }
         let [opening, sliding] = self.modes(law);
         // A square root of a square rounds; pure modes are exact.
-        let damage = if sliding == 0.0 { opening } else { opening.hypot(sliding) };
+        let damage = if sliding == 0.0 { opening } else { length([opening, sliding]) };
         damage.min(1.0)
     }
 
     /// The traction, normal (tension positive) and tangential, at this opening and sliding, Pa. Remembers what gives way.
     pub(crate) fn traction(&mut self, law: &Law, opening: f64, sliding: f64) -> [f64; 2] {
         let (opening, sliding) = (opening + self.offset[0], sliding + self.offset[1]);
-        let elastic = law.tensile / law.penalty;
+        let elastic = law.penalty * opening;
+        if elastic > law.tensile {
+            self.beyond[0] = self.beyond[0].max(opening - law.tensile / law.penalty);
+        }
+        let left = softening(self.damage(law));
         let normal = if opening <= 0.0 {
-            law.penalty * opening
+            elastic
+        } else if self.beyond[0] == 0.0 {
+            left * elastic
         } else {
-            self.beyond[0] = self.beyond[0].max(opening - elastic);
-            let strength = softening(self.damage(law)) * law.tensile;
-            strength * (opening / (elastic + self.beyond[0])).min(1.0)
+            left * law.tensile * (opening / (law.tensile / law.penalty + self.beyond[0])).min(1.0)
         };
         let trial = law.penalty * (sliding - self.slip);
-        let limit = softening(self.damage(law)) * law.cohesion + law.friction * (-normal).max(0.0);
+        let limit = left * law.cohesion + law.friction * (-normal).max(0.0);
         let tangential = trial.clamp(-limit, limit);
         if tangential != trial {
             let slip = (trial - tangential) / law.penalty;

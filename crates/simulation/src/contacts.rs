@@ -9,26 +9,37 @@ use serde::{Deserialize, Serialize};
 use crate::error::{ModelError, Stop};
 use crate::joints::{Joints, State};
 use crate::model::Model;
-use crate::potential::{Interaction, Point, Triangle, area_coordinates, cross, dot, interaction, minus};
+use crate::potential::{Interaction, Point, Triangle, area_coordinates, cross, dot, interaction, length, minus};
 use crate::solid::{Solid, height, triangle_of};
 use crate::team::Team;
 use crate::topology::{NONE, Topology};
 
+/// Part of the buffer that is kept for the steps in which nobody looks where the elements are.
+const SLACK: f64 = 0.25;
+
 /// Two elements that may touch.
-#[derive(Clone, Copy, Debug)]
+#[derive(Debug)]
 pub(crate) struct Couple {
-    pub(crate) elements: [u32; 2],
+    elements: [u32; 2],
     /// The joint between the two, if there was one.
     joint: u32,
-    /// On the corners of both: of potential, damping and friction.
-    forces: [[Point; 3]; 2],
-    pub(crate) grip: Grip,
     /// Has hung together until now, and may overlap already.
     born: bool,
-    pub(crate) touches: bool,
-    pub(crate) deep: bool,
+    /// Most couples do not touch.
+    contact: Option<Box<Contact>>,
+}
+
+/// What two elements that touch do to each other.
+#[derive(Debug, Default)]
+struct Contact {
+    /// On the corners of both: of potential, damping and friction.
+    forces: [[Point; 3]; 2],
+    grip: Grip,
     /// Since the last pass.
     works: Works,
+    /// Not any more, in the last pass over it.
+    touches: bool,
+    deep: bool,
 }
 
 /// Energy of a contact, and works since the last pass.
@@ -42,31 +53,15 @@ struct Works {
 
 /// What a contact remembers of friction and damping.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Grip {
+struct Grip {
     /// Friction on the first element.
-    pub(crate) friction: Point,
+    friction: Point,
     /// Damping on the first element.
     damping: Point,
     /// Shares of the corners in both: where it acted.
     shares: [[f64; 3]; 2],
     /// Potential energy that does not count: see [`count_from`].
     spared: f64,
-}
-
-impl Couple {
-    fn new(elements: [u32; 2], joint: u32) -> Self {
-        let grip = Grip::default();
-        Self {
-            elements,
-            joint,
-            forces: [[[0.0; 2]; 3]; 2],
-            grip,
-            born: false,
-            touches: false,
-            deep: false,
-            works: Works::default(),
-        }
-    }
 }
 
 /// What contacts have of a run, to be saved.
@@ -93,14 +88,17 @@ pub(crate) struct Contacts {
     list: Vec<u32>,
     boxes: [Vec<[f64; 2]>; 2],
     search: Buffered<f64, 2>,
-    /// All couples of boxes at the last detection, without those that can never touch.
-    candidates: Vec<[u32; 2]>,
+    /// All couples with a smaller gap are among the candidates whenever the search has looked, m.
+    slack: f64,
+    /// How far a node may have moved since then, m.
+    moved: f64,
     /// Those that may touch as joints are now, ascending.
-    pub(crate) couples: Vec<Couple>,
-    /// For each watched element its couples, as twice their number and 1 for the second of the two.
+    couples: Vec<Couple>,
+    /// Of each element the couples, as twice their number and 1 for the second of the two: the slices between `first` of it and of the next one.
     entries: Vec<u32>,
-    /// Joints have broken since the couples were chosen.
-    outdated: bool,
+    first: Vec<u32>,
+    /// Elements that have come apart since the couples were listed: at a vertex, or along an edge.
+    parted: Vec<[u32; 2]>,
     /// An element on a free surface is not watched.
     unwatched: bool,
     pub(crate) detections: u64,
@@ -141,9 +139,11 @@ impl Contacts {
         let options = (0..materials * materials)
             .map(|k| law(model, (k / materials) as u32, (k % materials) as u32))
             .collect();
+        let buffer = model.contact.buffer * mean_edge(model);
+        let slack = SLACK * buffer;
         let search = Detector::new(Engine::Auto)
             .with_threads(threads)
-            .and_then(|detector| Buffered::with_search(detector, model.contact.buffer * mean_edge(model)))
+            .and_then(|detector| Buffered::with_search(detector, buffer - slack))
             .map_err(|error| ModelError::Threads { message: error.to_string() })?;
         let mut contacts = Self {
             options,
@@ -154,10 +154,12 @@ impl Contacts {
             list: Vec::new(),
             boxes: [Vec::new(), Vec::new()],
             search,
-            candidates: Vec::new(),
+            slack,
+            moved: f64::INFINITY,
             couples: Vec::new(),
             entries: Vec::new(),
-            outdated: true,
+            first: vec![0; model.mesh.triangles.len() + 1],
+            parted: Vec::new(),
             unwatched: true,
             detections: 0,
         };
@@ -182,6 +184,8 @@ impl Contacts {
             let edge = &topology.edges[joints.all[joint as usize].edge as usize];
             for corner in edge.corners[0] {
                 let vertex = topology.vertices[corner as usize];
+                let corners = topology.corners_of(vertex);
+                let before: Vec<u32> = corners.iter().map(|&corner| self.groups[corner as usize]).collect();
                 self.group(vertex, topology, |edge| {
                     joints
                         .all
@@ -189,17 +193,24 @@ impl Contacts {
                         .is_none_or(|joint| joint.state == State::Holding)
                 });
                 self.free[vertex as usize] = true;
-                self.unwatched |=
-                    topology.corners_of(vertex).iter().any(|&corner| !self.watched[corner as usize / 3]);
+                self.unwatched |= corners.iter().any(|&corner| !self.watched[corner as usize / 3]);
+                for (k, &one) in corners.iter().enumerate() {
+                    for (l, &other) in corners.iter().enumerate().skip(k + 1) {
+                        let [a, b] = [one, other].map(|corner| self.groups[corner as usize]);
+                        if before[k] == before[l] && a != b {
+                            self.parted.push([one / 3, other / 3]);
+                        }
+                    }
+                }
             }
-            self.outdated = true;
+            self.parted.push(edge.elements());
         }
     }
 
     /// Finds the couples, again if need be.
     pub(crate) fn detect(
         &mut self,
-        solid: &mut Solid,
+        solid: &Solid,
         joints: &Joints,
         topology: &Topology,
         team: &Team,
@@ -207,7 +218,29 @@ impl Contacts {
         if self.unwatched {
             self.watch(topology);
             self.unwatched = false;
+            self.moved = f64::INFINITY;
         }
+        if 2.0 * self.moved > self.slack {
+            self.look(solid, joints, topology, team)?;
+            self.moved = 0.0;
+        }
+        self.add_parted(joints, topology);
+        Ok(())
+    }
+
+    /// Notes that no node has moved farther than this in a step, m.
+    pub(crate) fn note_motion(&mut self, distance: f64) {
+        self.moved += distance;
+    }
+
+    /// Shows the boxes of all watched elements to the search.
+    fn look(
+        &mut self,
+        solid: &Solid,
+        joints: &Joints,
+        topology: &Topology,
+        team: &Team,
+    ) -> Result<(), Stop> {
         let list = &self.list;
         let [min, max] = &mut self.boxes;
         let bounds = |element: u32| {
@@ -223,23 +256,16 @@ impl Contacts {
                 (*least, *most) = bounds(list[first + k]);
             }
         });
-        let update = self.search.update(&Boxes::boxes(min, max)?)?;
+        let update = self.search.update(&Boxes::boxes(min, max)?.with_tolerance(self.slack)?)?;
         if update.redetected() {
             self.detections += 1;
-            self.candidates.clear();
-            self.candidates.extend(
-                update
-                    .candidates()
-                    .iter()
-                    .map(|&Pair { i, j }| [list[i as usize], list[j as usize]])
-                    .filter(|&pair| may_ever_touch(pair, joints, topology)),
-            );
-            self.candidates.sort_unstable();
-            self.outdated = true;
-        }
-        if self.outdated {
-            self.choose(solid, joints, topology);
-            self.outdated = false;
+            let (groups, candidates) = (&self.groups, update.candidates());
+            let found = team.look(candidates.len(), |range| {
+                let elements = |&Pair { i, j }: &Pair| [list[i as usize], list[j as usize]];
+                let all = candidates[range].iter().map(elements);
+                all.filter_map(|pair| couple(pair, groups, joints, topology)).collect::<Vec<_>>()
+            });
+            self.choose(found.into_iter().flatten().collect());
         }
         Ok(())
     }
@@ -271,16 +297,14 @@ impl Contacts {
 
     /// What is saved of contacts.
     pub(crate) fn save(&self) -> Saved {
-        let all = self.couples.iter();
-        Saved {
-            watched: self.watched.clone(),
-            grips: all
-                .clone()
-                .filter(|couple| couple.touches)
-                .map(|couple| (couple.elements, couple.grip))
-                .collect(),
-            apart: all.filter(|couple| !couple.touches).map(|couple| couple.elements).collect(),
+        let (mut grips, mut apart) = (Vec::new(), Vec::new());
+        for couple in &self.couples {
+            match &couple.contact {
+                Some(contact) if contact.touches => grips.push((couple.elements, contact.grip)),
+                _ => apart.push(couple.elements),
+            }
         }
+        Saved { watched: self.watched.clone(), grips, apart }
     }
 
     /// Contacts as they were saved. Joints are restored already.
@@ -301,106 +325,105 @@ impl Contacts {
         self.watched = saved.watched;
         self.list_watched();
         self.unwatched = self.list.is_empty();
-        let touching = saved.grips.into_iter().map(|(elements, grip)| Couple {
-            grip,
-            touches: true,
-            ..Couple::new(elements, NONE)
-        });
-        self.couples =
-            touching.chain(saved.apart.into_iter().map(|elements| Couple::new(elements, NONE))).collect();
+        let couple = |elements, contact| Couple { elements, joint: NONE, born: false, contact };
+        self.couples = saved.apart.into_iter().map(|elements| couple(elements, None)).collect();
+        self.couples.extend(saved.grips.into_iter().map(|(elements, grip)| {
+            let contact = Contact { grip, touches: true, ..Contact::default() };
+            couple(elements, Some(Box::new(contact)))
+        }));
         self.couples.sort_unstable_by_key(|couple| couple.elements);
         Ok(())
     }
 
-    /// The candidates that may touch now; those that did keep what they remember.
-    fn choose(&mut self, solid: &mut Solid, joints: &Joints, topology: &Topology) {
+    /// Takes these couples, which may touch now; those that did keep what they remember.
+    fn choose(&mut self, mut couples: Vec<Couple>) {
+        couples.sort_unstable_by_key(|couple| couple.elements);
         let mut before = std::mem::take(&mut self.couples).into_iter().peekable();
-        for &elements in &self.candidates {
-            let mut born = false;
-            let joint = match relation(elements, topology) {
-                Relation::Apart => NONE,
-                Relation::Edge(edge) => {
-                    let joint = joints.of_edge[edge as usize];
-                    if joints.all.get(joint as usize).is_none_or(|joint| joint.state == State::Holding) {
-                        continue;
-                    }
-                    joint
-                }
-                Relation::Vertex(corners) => {
-                    if self.groups[corners[0] as usize] == self.groups[corners[1] as usize] {
-                        continue;
-                    }
-                    born = true;
-                    NONE
-                }
-            };
-            while before.next_if(|couple| couple.elements < elements).is_some() {}
-            self.couples.push(match before.next_if(|couple| couple.elements == elements) {
-                Some(known) => Couple { joint, forces: [[[0.0; 2]; 3]; 2], ..known },
-                None => Couple { born, ..Couple::new(elements, joint) },
-            });
-        }
-        // Couples side by side for each element, in their order.
-        for element in &mut solid.elements {
-            element.contacts = [0; 2];
-        }
-        for couple in &self.couples {
-            for element in couple.elements {
-                solid.elements[element as usize].contacts[1] += 1;
+        for couple in &mut couples {
+            while before.next_if(|known| known.elements < couple.elements).is_some() {}
+            if let Some(known) = before.next_if(|known| known.elements == couple.elements) {
+                *couple = Couple { joint: couple.joint, ..known };
             }
         }
-        let mut total = 0;
-        for &element in &self.list {
-            let [first, end] = &mut solid.elements[element as usize].contacts;
-            let count = *end;
-            (*first, *end) = (total, total);
-            total += count;
+        self.couples = couples;
+        self.parted.clear();
+        self.list_couples();
+    }
+
+    /// Adds what may touch since elements have come apart.
+    fn add_parted(&mut self, joints: &Joints, topology: &Topology) {
+        let mut parted = std::mem::take(&mut self.parted);
+        parted.retain(|pair| self.couples.binary_search_by_key(pair, |couple| couple.elements).is_err());
+        parted.sort_unstable();
+        // Two that share an edge were found at both of its ends.
+        parted.dedup();
+        let new = parted.into_iter().filter_map(|pair| couple(pair, &self.groups, joints, topology));
+        let count = self.couples.len();
+        self.couples.extend(new);
+        if self.couples.len() > count {
+            // Stable sorting of two ascending runs is one merge.
+            self.couples.sort_by_key(|couple| couple.elements);
+            self.list_couples();
         }
-        self.entries.clear();
-        self.entries.resize(total as usize, 0);
+    }
+
+    /// The couples of each element, side by side in their order.
+    fn list_couples(&mut self) {
+        // Counted, then put in.
+        let first = &mut self.first;
+        first.fill(0);
+        for element in self.couples.iter().flat_map(|couple| couple.elements) {
+            first[element as usize + 1] += 1;
+        }
+        for element in 1..first.len() {
+            first[element] += first[element - 1];
+        }
+        self.entries.resize(2 * self.couples.len(), 0);
         for (number, couple) in self.couples.iter().enumerate() {
             for (side, element) in couple.elements.into_iter().enumerate() {
-                let end = &mut solid.elements[element as usize].contacts[1];
-                self.entries[*end as usize] = (2 * number + side) as u32;
-                *end += 1;
+                let next = &mut first[element as usize];
+                self.entries[*next as usize] = (2 * number + side) as u32;
+                *next += 1;
             }
         }
+        // Each stands at the end of its slice now, where the next one begins.
+        first.rotate_right(1);
+        first[0] = 0;
     }
 
     /// Forces of all couples.
     pub(crate) fn press(&mut self, solid: &Solid, joints: &Joints, step: f64, team: &Team) -> Touching {
         let (options, materials) = (&self.options, self.materials);
-        team.change(&mut self.couples, |_, chunk| {
-            for couple in chunk {
+        team.change(&mut self.couples, |_, couples| {
+            for couple in couples {
                 let pair = couple.elements.map(|element| &solid.elements[element as usize]);
                 let law = &options[pair[0].material as usize * materials + pair[1].material as usize];
                 let joint = joints.all.get(couple.joint as usize);
                 let share = joint.map_or([1.0, 0.0], |joint| [joint.faded, joint.fading]);
-                couple.works = press(couple, solid, law, share, step);
+                press(couple, solid, law, share, step);
             }
         });
         // One after the other: chunks would depend on how many couples there are that do not touch, which a run that was resumed may have other ones of.
         let mut all = Touching::default();
         for couple in &self.couples {
-            all.energy += couple.works.energy;
-            all.friction += couple.works.friction;
-            all.damping += couple.works.damping;
-            all.handed_over += couple.works.handed_over;
-            if couple.touches {
-                all.count += 1;
-                all.deep = all.deep.or(couple.deep.then_some(couple.elements[0]));
-            }
+            let Some(contact) = &couple.contact else { continue };
+            all.energy += contact.works.energy;
+            all.friction += contact.works.friction;
+            all.damping += contact.works.damping;
+            all.handed_over += contact.works.handed_over;
+            all.count += usize::from(contact.touches);
+            all.deep = all.deep.or(contact.deep.then_some(couple.elements[0]));
         }
         all
     }
 
     /// The force of the contacts on a corner of an element.
     #[inline]
-    pub(crate) fn add_force(&self, [first, end]: [u32; 2], corner: usize, force: &mut Point) {
-        for &entry in &self.entries[first as usize..end as usize] {
-            let couple = &self.couples[entry as usize / 2];
-            if couple.touches {
-                let [x, y] = couple.forces[entry as usize % 2][corner];
+    pub(crate) fn add_force(&self, corner: u32, force: &mut Point) {
+        let element = corner as usize / 3;
+        for &entry in &self.entries[self.first[element] as usize..self.first[element + 1] as usize] {
+            if let Some(contact) = &self.couples[entry as usize / 2].contact {
+                let [x, y] = contact.forces[entry as usize % 2][corner as usize % 3];
                 force[0] += x;
                 force[1] += y;
             }
@@ -409,25 +432,29 @@ impl Contacts {
 }
 
 /// Forces of one couple, of which a share counts; and how much more than in the last step.
-fn press(couple: &mut Couple, solid: &Solid, law: &Law, [weight, fading]: [f64; 2], step: f64) -> Works {
-    let mut sum = Works::default();
+fn press(couple: &mut Couple, solid: &Solid, law: &Law, [weight, fading]: [f64; 2], step: f64) {
     let [a, b] = couple.elements.map(|element| solid.triangle(element));
     let found = if weight > 0.0 && boxes_meet(&a, &b) { interaction(&a, &b) } else { None };
-    // What the last friction did in the second half of its step.
-    let before = couple.grip;
-    if couple.touches {
+    let born = std::mem::take(&mut couple.born);
+    // What the last friction and damping did in the second half of their step.
+    let mut sum = Works::default();
+    let before = couple.contact.as_ref().filter(|contact| contact.touches).map(|contact| contact.grip);
+    if let Some(before) = &before {
         let rate = relative_velocity(couple.elements, &before.shares, solid);
         sum.friction -= 0.5 * step * dot(before.friction, rate);
         sum.damping -= 0.5 * step * dot(before.damping, rate);
     }
     let Some(Interaction { mut forces, energy, point, deep }) = found else {
-        (couple.touches, couple.born, couple.deep) = (false, false, false);
-        couple.grip = Grip::default();
-        return sum;
+        // For one pass more, so that this work is counted.
+        couple.contact = before.map(|_| Box::new(Contact { works: sum, ..Contact::default() }));
+        return;
     };
     let potential = law.penalty * energy;
-    let spared = if couple.born { potential } else { before.spared.min(potential) };
-    couple.born = false;
+    let spared = match &before {
+        _ if born => potential,
+        Some(before) => before.spared.min(potential),
+        None => 0.0,
+    };
     let (energy, slope) = count_from(spared, potential);
     let scale = law.penalty * weight * slope;
     for force in forces.iter_mut().flatten().flatten() {
@@ -435,12 +462,11 @@ fn press(couple: &mut Couple, solid: &Solid, law: &Law, [weight, fading]: [f64; 
     }
     sum.energy += weight * energy;
     sum.handed_over += fading * energy;
-    couple.deep = deep;
     let mut grip = Grip { spared, ..Grip::default() };
     if law.friction > 0.0 || law.damping > 0.0 {
         grip.shares = [area_coordinates(&a, point), area_coordinates(&b, point)];
         let push = forces[0].iter().fold([0.0; 2], |sum, force| [sum[0] + force[0], sum[1] + force[1]]);
-        let size = push[0].hypot(push[1]);
+        let size = length(push);
         if size > 0.0 {
             let normal = [push[0] / size, push[1] / size];
             let tangent = [-normal[1], normal[0]];
@@ -456,7 +482,7 @@ fn press(couple: &mut Couple, solid: &Solid, law: &Law, [weight, fading]: [f64; 
             }
             if law.friction > 0.0 {
                 let limit = law.friction * pressed;
-                let held = if couple.touches { dot(before.friction, tangent) } else { 0.0 };
+                let held = before.map_or(0.0, |before| dot(before.friction, tangent));
                 let trial = held - weight * law.tangential * step * dot(rate, tangent);
                 let friction = trial.clamp(-limit, limit);
                 grip.friction = tangent.map(|t| friction * t);
@@ -473,10 +499,8 @@ fn press(couple: &mut Couple, solid: &Solid, law: &Law, [weight, fading]: [f64; 
             }
         }
     }
-    couple.grip = grip;
-    couple.touches = true;
-    couple.forces = forces;
-    sum
+    let contact = couple.contact.get_or_insert_default();
+    **contact = Contact { forces, grip, works: sum, touches: true, deep };
 }
 
 /// What counts of a potential energy, and its derivative, if `spared` was there before the two elements could touch.
@@ -496,7 +520,7 @@ fn relative_velocity(elements: [u32; 2], shares: &[[f64; 3]; 2], solid: &Solid) 
     let mut rate = [0.0; 2];
     for (side, sign) in [(0, 1.0), (1, -1.0)] {
         for corner in 0..3 {
-            let node = solid.elements[elements[side] as usize].nodes[corner];
+            let node = solid.nodes_of(elements[side])[corner];
             let velocity = solid.nodes[node as usize].velocity;
             for axis in 0..2 {
                 rate[axis] += sign * shares[side][corner] * velocity[axis];
@@ -508,7 +532,7 @@ fn relative_velocity(elements: [u32; 2], shares: &[[f64; 3]; 2], solid: &Solid) 
 
 /// Of the nodes of an element, without what others share of them.
 fn mass(solid: &Solid, element: u32) -> f64 {
-    solid.elements[element as usize].nodes.iter().map(|&node| solid.nodes[node as usize].mass / 3.0).sum()
+    solid.nodes_of(element).iter().map(|&node| solid.constants[node as usize].mass / 3.0).sum()
 }
 
 #[inline]
@@ -547,11 +571,20 @@ fn relation([a, b]: [u32; 2], topology: &Topology) -> Relation {
     Relation::Apart
 }
 
-/// Elements with a common edge that cannot part never do; others may.
-fn may_ever_touch(pair: [u32; 2], joints: &Joints, topology: &Topology) -> bool {
-    match relation(pair, topology) {
-        Relation::Edge(edge) => joints.may_part(edge),
-        Relation::Vertex(_) | Relation::Apart => true,
+/// A new couple of two elements, if they may touch as joints are now.
+fn couple(elements: [u32; 2], groups: &[u32], joints: &Joints, topology: &Topology) -> Option<Couple> {
+    let couple = Couple { elements, joint: NONE, born: false, contact: None };
+    match relation(elements, topology) {
+        Relation::Apart => Some(couple),
+        Relation::Edge(edge) => {
+            let joint = joints.of_edge[edge as usize];
+            let broken = joints.all.get(joint as usize).is_some_and(|joint| joint.state != State::Holding);
+            broken.then_some(Couple { joint, ..couple })
+        }
+        Relation::Vertex([a, b]) => {
+            let parted = groups[a as usize] != groups[b as usize];
+            parted.then_some(Couple { born: true, ..couple })
+        }
     }
 }
 
@@ -578,7 +611,7 @@ pub(crate) fn stiffness(model: &Model, triangle: &Triangle, k: usize, material: 
         .fold(0.0_f64, f64::max);
     let edge = minus(triangle[(k + 1) % 3], triangle[k]);
     // φ grows by 3 over the height; half of the edge's pressure goes to an end; each of the two presses the other.
-    let normal = 3.0 * penalty / height(triangle, k) * 0.5 * edge[0].hypot(edge[1]);
+    let normal = 3.0 * penalty / height(triangle, k) * 0.5 * length(edge);
     2.0 * normal.max(model.contact.tangential_stiffness * penalty)
 }
 
@@ -590,7 +623,7 @@ pub(crate) fn mean_edge(model: &Model) -> f64 {
         let triangle = triangle_of(mesh, element);
         for k in 0..3 {
             let edge = minus(triangle[(k + 1) % 3], triangle[k]);
-            sum += edge[0].hypot(edge[1]);
+            sum += length(edge);
         }
         debug_assert!(cross(minus(triangle[1], triangle[0]), minus(triangle[2], triangle[0])) > 0.0);
     }

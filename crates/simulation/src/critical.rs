@@ -13,7 +13,7 @@ use crate::contacts;
 use crate::error::ModelError;
 use crate::joints::{Joints, penalty};
 use crate::model::Model;
-use crate::potential::{cross, minus};
+use crate::potential::{cross, length, minus};
 use crate::solid::{highest_square, triangle_of};
 use crate::topology::{NONE, Topology};
 
@@ -130,7 +130,7 @@ fn element_corners(model: &Model, topology: &Topology, joints: &Joints, element:
             0.0
         } else {
             let side = minus(triangle[(k + 1) % 3], triangle[k]);
-            0.5 * side[0].hypot(side[1]) * model.thickness * penalty(model, &topology.edges[edge as usize])
+            0.5 * length(side) * model.thickness * penalty(model, &topology.edges[edge as usize])
         };
         for corner in [k, (k + 1) % 3] {
             if joint >= contact {

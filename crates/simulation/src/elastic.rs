@@ -9,6 +9,7 @@
 //! whose stress `P = ∂W/∂F` is his to the first order of the strain and vanishes under any rotation.
 
 use crate::model::{Material, Plane};
+use crate::potential::length;
 
 /// A tensor of the plane: `[xx, xy, yx, yy]`.
 pub(crate) type Tensor = [f64; 4];
@@ -102,7 +103,7 @@ pub(crate) fn viscous_stress(viscosity: f64, f: &Tensor, j: f64, rate: &Tensor) 
 /// Largest and smallest eigenvalue of a stress `[xx, yy, xy]`.
 pub fn principal_stresses([xx, yy, xy]: [f64; 3]) -> [f64; 2] {
     let (mean, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
-    let radius = half.hypot(xy);
+    let radius = length([half, xy]);
     [mean + radius, mean - radius]
 }
 

@@ -6,13 +6,15 @@
 //! A joint that is put in under load (adaptive insertion, `joints/insertion.rs`) begins with the traction that acts there, so that nothing is released.
 
 mod insertion;
+mod near;
 
 use serde::{Deserialize, Serialize};
 
 use crate::cohesive::{Law, Memory};
 use crate::error::ModelError;
+use crate::joints::near::{Near, Weakest};
 use crate::model::{Insertion, Model, Strength};
-use crate::potential::{Point, dot, minus};
+use crate::potential::{Point, dot, length, minus};
 use crate::random;
 use crate::solid::{Node, Solid, height, triangle_of};
 use crate::team::Team;
@@ -112,8 +114,11 @@ pub(crate) struct Joints {
     insertion: Insertion,
     /// Vertices on free surfaces and with joints, where edges may part, each once.
     tips: Vec<u32>,
-    /// Whether a vertex is among these.
+    /// Whether a vertex is, or was, among these.
     is_tip: Vec<bool>,
+    /// What the weakest edge of each element bears, and how near it is to that; empty if joints are not inserted.
+    weakest: Vec<Weakest>,
+    near: Vec<Near>,
 }
 
 /// What a pass over the joints found.
@@ -155,7 +160,7 @@ impl Joints {
             Vec::new()
         };
         let is_tip = topology.outer_vertices();
-        Self {
+        let mut joints = Self {
             tips: (0..is_tip.len() as u32).filter(|&vertex| is_tip[vertex as usize]).collect(),
             is_tip,
             all: Vec::new(),
@@ -168,7 +173,19 @@ impl Joints {
             factors,
             at_vertex: vec![false; topology.vertex_count()],
             insertion: model.fracture.insertion,
+            weakest: Vec::new(),
+            near: Vec::new(),
+        };
+        if model.fracture.insertion == Insertion::Adaptive && !joints.strengths.is_empty() {
+            joints.weakest = (0..mesh.triangles.len())
+                .map(|element| {
+                    let edges = topology.edge_of[element].into_iter().filter(|&edge| edge != NONE);
+                    Weakest::of(edges.filter_map(|edge| joints.strength(edge)))
+                })
+                .collect();
+            joints.near = vec![Near::Far; mesh.triangles.len()];
         }
+        joints
     }
 
     /// Whether an edge may ever part.
@@ -208,6 +225,9 @@ impl Joints {
 
     /// Puts joints on all edges that may part, whole and without load.
     pub(crate) fn everywhere(&mut self, model: &Model, topology: &Topology) -> Result<(), ModelError> {
+        let count = self.class.iter().filter(|&&class| class != NONE).count();
+        self.all.reserve_exact(count);
+        self.forces.reserve_exact(count);
         for edge in 0..topology.edges.len() as u32 {
             if let Some(law) = self.law(edge, model, topology)? {
                 self.put(edge, law, topology, model);
@@ -239,13 +259,20 @@ impl Joints {
             edge,
             state: State::Holding,
             law,
-            length: length(model, vertices),
+            length: edge_length(model, vertices),
             nodes: [[0; 2]; 2],
             ends: [Memory::default(); 2],
             open: [false; 2],
             faded: 0.0,
             fading: 0.0,
         });
+    }
+
+    /// Looks up the nodes of all joints again.
+    pub(crate) fn find_nodes(&mut self, topology: &Topology, solid: &Solid) {
+        for joint in &mut self.all {
+            joint.nodes = nodes_at(&topology.edges[joint.edge as usize], solid);
+        }
     }
 
     /// How many are broken.
@@ -295,10 +322,10 @@ impl Joints {
             };
             self.put(joint.edge, law.ok_or_else(|| missing("edge", joint.edge))?, topology, model);
         }
-        for (own, joint) in self.all.iter_mut().zip(&saved.joints) {
-            let nodes = nodes_at(&topology.edges[joint.edge as usize], solid);
-            *own = Joint { law: own.law, length: own.length, nodes, ..*joint };
+        for (own, joint) in self.all.iter_mut().zip(saved.joints) {
+            *own = Joint { law: own.law, length: own.length, ..joint };
         }
+        self.find_nodes(topology, solid);
         (self.forces, self.breaks) = (saved.forces, saved.breaks);
         Ok(())
     }
@@ -382,7 +409,7 @@ impl<'a> Frame<'a> {
 }
 
 fn nodes_at(edge: &Edge, solid: &Solid) -> [[u32; 2]; 2] {
-    std::array::from_fn(|end| edge.corners.map(|side| solid.corners.of_corner[side[end] as usize]))
+    std::array::from_fn(|end| edge.corners.map(|side| solid.corners.node_at(side[end])))
 }
 
 /// Forces of one joint; the work since the last time, and, if it broke, the modes of its damage.
@@ -399,8 +426,8 @@ fn pull(joint: &mut Joint, forces: &mut [Point; 2], solid: &Solid, step: f64) ->
         let gap = minus(b.position, a.position);
         let rate = minus(b.velocity, a.velocity);
         let (opening, sliding) = (dot(gap, normal), dot(gap, tangent));
-        let apart = dot(gap, gap) > (APART * joint.length) * (APART * joint.length);
-        let [pressure, shear] = if apart && joint.ends[end].damage(&joint.law) >= 1.0 {
+        let apart = || dot(gap, gap) > (APART * joint.length) * (APART * joint.length);
+        let [pressure, shear] = if joint.ends[end].damage(&joint.law) >= 1.0 && apart() {
             [0.0; 2]
         } else {
             least = least.min(opening);
@@ -441,7 +468,7 @@ fn traction(solid: &Solid, edge: &Edge) -> [f64; 2] {
     let [a, b] = edge.corners[0].map(|corner| solid.at_corner(corner).position);
     let along = minus(b, a);
     let squared = dot(along, along);
-    let [one, two] = edge.elements().map(|element| solid.elements[element as usize].stress);
+    let [one, two] = edge.elements().map(|element| solid.strained[element as usize].stress);
     let [xx, yy, xy]: [f64; 3] = std::array::from_fn(|i| 0.5 * (one[i] + two[i]));
     // With tangent t and outward normal n = (t_y, -t_x).
     let [x, y] = along;
@@ -461,9 +488,10 @@ pub(crate) fn penalty(model: &Model, edge: &Edge) -> f64 {
     model.fracture.joint_penalty * modulus / (0.5 * (heights[0] + heights[1]))
 }
 
-fn length(model: &Model, vertices: [u32; 2]) -> f64 {
+/// Of an edge, undeformed.
+fn edge_length(model: &Model, vertices: [u32; 2]) -> f64 {
     let [a, b] = vertices.map(|vertex| model.mesh.nodes[vertex as usize]);
-    (b[0] - a[0]).hypot(b[1] - a[1])
+    length(minus(b, a))
 }
 
 /// What may break between two materials: what an interface says, or the weaker of the two.
@@ -511,7 +539,7 @@ mod tests {
         };
         let model = Model { mesh, materials: vec![material], ..Model::default() };
         let topology = Topology::new(&model.mesh).expect("a mesh");
-        let mut solid = Solid::new(&model, &topology);
+        let mut solid = Solid::new(&model);
         let mut joints = Joints::new(&model, &topology);
         joints.everywhere(&model, &topology).expect("enough energy");
         for vertex in 0..4 {
@@ -519,7 +547,7 @@ mod tests {
         }
         // The upper end, far round; the lower one as if it were a hinge.
         let joint = &mut joints.all[0];
-        let end = usize::from(solid.nodes[joint.nodes[0][0] as usize].vertex != 2);
+        let end = usize::from(solid.constants[joint.nodes[0][0] as usize].vertex != 2);
         joint.open[1 - end] = false;
         joint.ends[end].beyond = [1.0, 0.0];
         let [a, b] = joint.nodes[end];

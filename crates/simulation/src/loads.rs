@@ -3,7 +3,7 @@
 use crate::elastic::Moduli;
 use crate::error::ModelError;
 use crate::model::{Load, Model, Schedule, Target};
-use crate::potential::{Point, dot, minus};
+use crate::potential::{Point, dot, length, minus};
 use crate::solid::Solid;
 use crate::topology::{NONE, Topology, follower};
 
@@ -39,7 +39,7 @@ impl Schedule {
     pub fn factor(&self, time: f64) -> f64 {
         match self {
             Self::Ramp(duration) if time < *duration => {
-                0.5 * (1.0 - (std::f64::consts::PI * time.max(0.0) / duration).cos())
+                0.5 * (1.0 - libm::cos(std::f64::consts::PI * time.max(0.0) / duration))
             }
             Self::Constant | Self::Ramp(_) => 1.0,
             Self::Table(rows) => {
@@ -150,7 +150,7 @@ impl Loads {
             return Err(ModelError::Target { boundary, needs: "nodes" });
         }
         for &number in nodes {
-            let node = &mut solid.nodes[number as usize];
+            let node = &mut solid.constants[number as usize];
             if node.hold == NONE {
                 node.hold = self.holds.len() as u32;
                 self.holds.push([None; 2]);
@@ -194,7 +194,7 @@ impl Loads {
                         [[-along[1], along[0]].map(|n| pressure * factor * half * n); 2]
                     }
                     Load::Absorbing => {
-                        let long = along[0].hypot(along[1]);
+                        let long = length(along);
                         let tangent = along.map(|x| x / long);
                         let normal = [tangent[1], -tangent[0]];
                         let material = solid.elements[side.corners[0] as usize / 3].material;
@@ -216,7 +216,7 @@ impl Loads {
             }
         }
         for &Applied { corner, force, .. } in &self.applied {
-            let on = &mut solid.elements[corner as usize / 3].forces[corner as usize % 3];
+            let on = &mut solid.strained[corner as usize / 3].forces[corner as usize % 3];
             on[0] += force[0];
             on[1] += force[1];
         }
@@ -266,7 +266,7 @@ fn outer_side(model: &Model, topology: &Topology, edge: [u32; 2], name: &str) ->
         })
         .ok_or_else(|| ModelError::NotOuter { boundary: name.to_owned(), edge })?;
     let along = minus(model.mesh.nodes[b as usize], model.mesh.nodes[a as usize]);
-    Ok(Side { corners: [corner, follower(corner)], length: along[0].hypot(along[1]) })
+    Ok(Side { corners: [corner, follower(corner)], length: length(along) })
 }
 
 #[cfg(test)]

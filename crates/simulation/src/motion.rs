@@ -8,7 +8,7 @@ use crate::joints::Joints;
 use crate::loads::Loads;
 use crate::model::Model;
 use crate::potential::{Point, dot};
-use crate::solid::{Node, Solid};
+use crate::solid::{Constants, Node, Solid, Strained};
 use crate::team::Team;
 use crate::topology::{NONE, Nodes};
 
@@ -33,21 +33,26 @@ pub(crate) struct Moved {
     pub(crate) damping: [f64; 2],
     /// On the nodes that each boundary holds.
     pub(crate) reactions: Vec<Point>,
+    /// Of the fastest node, m/s.
+    pub(crate) fastest: f64,
     /// The first node that is too fast.
     pub(crate) runaway: Option<(u32, f64)>,
 }
 
 /// Gathers the forces on each node, and moves it.
 pub(crate) fn advance(solid: &mut Solid, motion: &Motion<'_>, team: &Team) -> Moved {
-    let Solid { nodes, elements, corners, .. } = solid;
+    let Solid { nodes, constants, strained, corners, .. } = solid;
+    let limit = motion.speed_limit * motion.speed_limit;
     let found = team.change(nodes, |first, chunk| {
         let mut sum = Moved::default();
         for (k, node) in chunk.iter_mut().enumerate() {
-            let force = gather(first + k, node, elements, corners, motion);
-            move_node(node, force, motion, &mut sum);
-            let speed = node.velocity[0].hypot(node.velocity[1]);
-            if (speed > motion.speed_limit || speed.is_nan()) && sum.runaway.is_none() {
-                sum.runaway = Some(((first + k) as u32, speed));
+            let constants = &constants[first + k];
+            let force = gather(first + k, constants, strained, corners, motion);
+            move_node(node, constants, force, motion, &mut sum);
+            let squared = dot(node.velocity, node.velocity);
+            sum.fastest = sum.fastest.max(squared);
+            if (squared > limit || squared.is_nan()) && sum.runaway.is_none() {
+                sum.runaway = Some(((first + k) as u32, squared.sqrt()));
             }
         }
         sum
@@ -55,6 +60,7 @@ pub(crate) fn advance(solid: &mut Solid, motion: &Motion<'_>, team: &Team) -> Mo
     let mut all = Moved { reactions: vec![[0.0; 2]; motion.model.boundaries.len()], ..Moved::default() };
     for chunk in found {
         all.kinetic += chunk.kinetic;
+        all.fastest = all.fastest.max(chunk.fastest.sqrt());
         for half in 0..2 {
             all.external[half] += chunk.external[half];
             all.damping[half] += chunk.damping[half];
@@ -72,36 +78,40 @@ pub(crate) fn advance(solid: &mut Solid, motion: &Motion<'_>, team: &Team) -> Mo
 #[inline]
 fn gather(
     number: usize,
-    node: &Node,
-    elements: &[crate::solid::Element],
+    constants: &Constants,
+    strained: &[Strained],
     corners: &Nodes,
     motion: &Motion<'_>,
 ) -> Point {
     let mut force = [0.0; 2];
-    let joined = motion.joints.at_vertex[node.vertex as usize];
+    let joined = motion.joints.at_vertex[constants.vertex as usize];
     let mut corner = corners.first[number];
     while corner != NONE {
-        let element = &elements[corner as usize / 3];
-        let k = corner as usize % 3;
-        force[0] += element.forces[k][0];
-        force[1] += element.forces[k][1];
+        let [x, y] = strained[corner as usize / 3].forces[corner as usize % 3];
+        force[0] += x;
+        force[1] += y;
         if joined {
             motion.joints.add_force(corner, &mut force);
         }
-        if element.contacts[0] != element.contacts[1] {
-            motion.contacts.add_force(element.contacts, k, &mut force);
-        }
+        motion.contacts.add_force(corner, &mut force);
         corner = corners.next[corner as usize];
     }
     force
 }
 
 #[inline]
-fn move_node(node: &mut Node, mut force: Point, motion: &Motion<'_>, sum: &mut Moved) {
+fn move_node(
+    node: &mut Node,
+    constants: &Constants,
+    mut force: Point,
+    motion: &Motion<'_>,
+    sum: &mut Moved,
+) {
+    let mass = constants.mass;
     let step = motion.step;
     let before = node.velocity;
-    let weight: Point = std::array::from_fn(|axis| node.mass * motion.model.gravity[axis]);
-    let held = motion.loads.holds.get(node.hold as usize);
+    let weight: Point = std::array::from_fn(|axis| mass * motion.model.gravity[axis]);
+    let held = motion.loads.holds.get(constants.hold as usize);
     let damping = motion.model.time.local_damping;
     let mut external = weight;
     let mut damped = [0.0; 2];
@@ -109,9 +119,9 @@ fn move_node(node: &mut Node, mut force: Point, motion: &Motion<'_>, sum: &mut M
         force[axis] += weight[axis];
         let hold = held.and_then(|held| held[axis]);
         let after = if let Some(hold) = hold {
-            let moved = node.position[axis] - node.origin[axis];
+            let moved = node.position[axis] - constants.origin[axis];
             let after = hold.velocity(&motion.loads.schedules, motion.time, step, moved);
-            let reaction = node.mass * (after - before[axis]) / step - force[axis];
+            let reaction = mass * (after - before[axis]) / step - force[axis];
             external[axis] += reaction;
             if sum.reactions.is_empty() {
                 sum.reactions = vec![[0.0; 2]; motion.model.boundaries.len()];
@@ -122,12 +132,12 @@ fn move_node(node: &mut Node, mut force: Point, motion: &Motion<'_>, sum: &mut M
             if before[axis] != 0.0 {
                 damped[axis] = damping * force[axis].abs() * before[axis].signum();
             }
-            before[axis] + step * (force[axis] - damped[axis]) / node.mass
+            before[axis] + step * (force[axis] - damped[axis]) / mass
         };
         node.velocity[axis] = after;
         node.position[axis] += step * after;
     }
-    sum.kinetic += 0.5 * node.mass * dot(before, node.velocity);
+    sum.kinetic += 0.5 * mass * dot(before, node.velocity);
     for (half, velocity) in [before, node.velocity].into_iter().enumerate() {
         sum.external[half] += 0.5 * step * dot(external, velocity);
         sum.damping[half] += 0.5 * step * dot(damped, velocity);

@@ -88,14 +88,17 @@ fn press(
         [1.0 - one - two, one, two]
     };
     let edges: [Point; 3] = std::array::from_fn(|k| minus(contactor[(k + 1) % 3], contactor[k]));
+    let at_corners = contactor.map(lambda);
     let mut energy = 0.0;
     for k in 0..3 {
         // Where λ_k is the least: it is 0 on the edge opposite of corner k.
-        let least = |point: Point| {
-            let lambda = lambda(point);
-            [lambda[k], lambda[(k + 1) % 3] - lambda[k], lambda[(k + 2) % 3] - lambda[k]]
-        };
-        let mut part = Clipped::new(contactor, least);
+        let signs =
+            at_corners.map(|lambda| [lambda[k], lambda[(k + 1) % 3] - lambda[k], lambda[(k + 2) % 3] - lambda[k]]);
+        // All beyond one of the lines: most contacts are with one of the three alone.
+        if (0..3).any(|side| signs.iter().all(|sign| sign[side] <= 0.0)) {
+            continue;
+        }
+        let mut part = Clipped::new(contactor, signs);
         for side in 0..3 {
             part.cut(side);
         }
@@ -164,18 +167,19 @@ struct Clipped {
 }
 
 impl Clipped {
-    fn new(triangle: &Triangle, signs: impl Fn(Point) -> [f64; 3]) -> Self {
+    fn new(triangle: &Triangle, signs: [[f64; 3]; 3]) -> Self {
         let mut all =
             Self { points: [[0.0; 2]; 6], signs: [[0.0; 3]; 6], edges: [0, 1, 2, 0, 0, 0], count: 3 };
-        for k in 0..3 {
-            all.points[k] = triangle[k];
-            all.signs[k] = signs(triangle[k]);
-        }
+        all.points[..3].copy_from_slice(triangle);
+        all.signs[..3].copy_from_slice(&signs);
         all
     }
 
     /// Keeps the side on which function `side` is not negative (Sutherland and Hodgman).
     fn cut(&mut self, side: usize) {
+        if self.signs[..self.count].iter().all(|sign| sign[side] >= 0.0) {
+            return;
+        }
         let before = Self { ..*self };
         self.count = 0;
         for i in 0..before.count {
@@ -220,6 +224,12 @@ pub(crate) fn minus(a: Point, b: Point) -> Point {
 #[inline]
 pub(crate) fn dot(a: Point, b: Point) -> f64 {
     a[0] * b[0] + a[1] * b[1]
+}
+
+/// By a square root, which is the same on every platform, unlike `hypot`.
+#[inline]
+pub(crate) fn length(a: Point) -> f64 {
+    dot(a, a).sqrt()
 }
 
 #[inline]

@@ -15,7 +15,7 @@ use crate::model::{Insertion, Model};
 use crate::motion::{self, Motion};
 use crate::potential::Point;
 use crate::snapshot::{Crack, Mode, Snapshot};
-use crate::solid::{Node, Solid};
+use crate::solid::{Constants, Node, Solid};
 use crate::team::Team;
 use crate::topology::{NONE, Nodes, Topology};
 
@@ -87,7 +87,8 @@ pub struct State {
     energies: Energies,
     reactions: Vec<Point>,
     nodes: Vec<Node>,
-    of_corner: Vec<u32>,
+    constants: Vec<Constants>,
+    of_corner: Vec<[u32; 3]>,
     stresses: Vec<[f64; 3]>,
     viscous: Vec<[f64; 4]>,
     joints: Saved,
@@ -139,7 +140,7 @@ impl Simulation {
     pub fn new(model: Model, threads: usize) -> Result<Self, ModelError> {
         checks::check(&model)?;
         let topology = Topology::new(&model.mesh)?;
-        let mut solid = Solid::new(&model, &topology);
+        let mut solid = Solid::new(&model);
         let mut joints = Joints::new(&model, &topology);
         // All laws can be made: a run does not find out later that one cannot.
         for edge in 0..topology.edges.len() as u32 {
@@ -149,11 +150,16 @@ impl Simulation {
         let contacts = Contacts::new(&model, &topology, threads)?;
         let critical = CriticalStep::new(&model, &topology, &joints);
         if model.fracture.insertion == Insertion::Intrinsic {
+            solid.reserve_nodes(3 * model.mesh.triangles.len());
             joints.everywhere(&model, &topology)?;
         }
         // Also elements that have no more than a vertex in common.
         for vertex in 0..topology.vertex_count() as u32 {
             joints.part(vertex, &mut solid, None, &model, &topology);
+        }
+        if model.fracture.insertion == Insertion::Intrinsic {
+            solid.number_by_corners();
+            joints.find_nodes(&topology, &solid);
         }
         let wave = |material: &crate::model::Material| (material.youngs_modulus / material.density).sqrt();
         let speed_limit = RUNAWAY * model.materials.iter().map(wave).fold(0.0, f64::max);
@@ -215,6 +221,7 @@ impl Simulation {
         totals.damping -= absorbed;
         let motion = Motion { model, joints, contacts, loads, time, step, speed_limit: self.speed_limit };
         let moved = motion::advance(solid, &motion, team);
+        contacts.note_motion(step * moved.fastest);
         totals.external += moved.external[0];
         totals.damping += moved.damping[0];
         // The balance holds here, where the positions are: what the second half of the step does comes after it.
@@ -268,15 +275,15 @@ impl Simulation {
 
     /// The element that holds most energy for its mass.
     fn hottest(&self) -> u32 {
-        let density = |element: usize| {
-            let element = &self.solid.elements[element];
+        let density = |number: usize| {
+            let element = &self.solid.elements[number];
             let square = |node: u32| {
                 let [x, y] = self.solid.nodes[node as usize].velocity;
                 x * x + y * y
             };
-            let fastest = element.nodes.into_iter().map(square).fold(0.0, f64::max);
+            let fastest = self.solid.nodes_of(number as u32).into_iter().map(square).fold(0.0, f64::max);
             let density = self.model.materials[element.material as usize].density;
-            0.5 * fastest + element.energy / (density * element.volume)
+            0.5 * fastest + self.solid.strained[number].energy / (density * element.volume)
         };
         (0..self.solid.elements.len()).max_by(|&a, &b| density(a).total_cmp(&density(b))).unwrap_or(0) as u32
     }
@@ -356,9 +363,11 @@ impl Simulation {
 
     /// Displacement and velocity of a node of the mesh; of the first of its nodes where it has come apart.
     pub fn node(&self, node: u32) -> Option<([f64; 2], [f64; 2])> {
-        let node = self.solid.nodes.get(node as usize)?;
-        let moved = [node.position[0] - node.origin[0], node.position[1] - node.origin[1]];
-        Some((moved, node.velocity))
+        if node as usize >= self.topology.vertex_count() {
+            return None;
+        }
+        let node = self.solid.corners.node_at(self.topology.corners_of(node)[0]) as usize;
+        Some((self.solid.displacement(node), self.solid.nodes[node].velocity))
     }
 
     /// Lengths of broken joints, m: broken by opening, by sliding, by both.
@@ -373,8 +382,8 @@ impl Simulation {
     /// Positions, motion, stress and cracks now.
     pub fn snapshot(&self) -> Snapshot {
         let nodes = &self.solid.nodes;
-        let elements = &self.solid.elements;
-        let mut damage = vec![0.0_f64; elements.len()];
+        let elements = self.solid.elements.len();
+        let mut damage = vec![0.0_f64; elements];
         let mut cracks = Vec::new();
         for (number, joint) in self.joints.all.iter().enumerate() {
             let of_joint = joint.damage();
@@ -391,16 +400,12 @@ impl Simulation {
             step: self.step,
             time: self.time(),
             positions: nodes.iter().map(|node| node.position).collect(),
-            displacements: nodes
-                .iter()
-                .map(|node| [node.position[0] - node.origin[0], node.position[1] - node.origin[1]])
-                .collect(),
+            displacements: (0..nodes.len()).map(|node| self.solid.displacement(node)).collect(),
             velocities: nodes.iter().map(|node| node.velocity).collect(),
-            triangles: elements.iter().map(|element| element.nodes).collect(),
-            stresses: elements
-                .iter()
+            triangles: self.solid.corners.of_corner.clone(),
+            stresses: (0..elements)
                 .map(|element| {
-                    let [xx, yy, xy] = element.stress;
+                    let [xx, yy, xy] = self.solid.strained[element].stress;
                     [xx, yy, xy, self.solid.stress_out_of_plane(element)]
                 })
                 .collect(),
@@ -445,9 +450,10 @@ impl Simulation {
             energies: self.energies(),
             reactions: self.reactions.clone(),
             nodes: self.solid.nodes.clone(),
+            constants: self.solid.constants.clone(),
             of_corner: self.solid.corners.of_corner.clone(),
-            stresses: self.solid.elements.iter().map(|element| element.stress).collect(),
-            viscous: self.solid.elements.iter().map(|element| element.viscous).collect(),
+            stresses: self.solid.strained.iter().map(|strained| strained.stress).collect(),
+            viscous: self.solid.strained.iter().map(|strained| strained.viscous).collect(),
             joints: self.joints.save(),
             contacts: self.contacts.save(),
         }
@@ -463,7 +469,8 @@ impl Simulation {
         let lengths = [
             ("stresses", state.stresses.len(), elements),
             ("viscous stresses", state.viscous.len(), elements),
-            ("corners", state.of_corner.len(), 3 * elements),
+            ("elements", state.of_corner.len(), elements),
+            ("constants of nodes", state.constants.len(), state.nodes.len()),
             ("boundaries", state.reactions.len(), run.reactions.len()),
         ];
         for (what, found, expected) in lengths {
@@ -473,24 +480,22 @@ impl Simulation {
         }
         let missing =
             |index| ModelError::Missing { what: "node", index, place: "the saved state".to_owned() };
-        if let Some(&node) = state.of_corner.iter().find(|&&node| node as usize >= state.nodes.len()) {
+        if let Some(&node) = state.of_corner.iter().flatten().find(|&&node| node as usize >= state.nodes.len()) {
             return Err(missing(node));
         }
         let vertices = run.topology.vertex_count() as u32;
         let holds = run.loads.holds.len() as u32;
         if let Some(node) = state
-            .nodes
+            .constants
             .iter()
             .find(|node| node.vertex >= vertices || (node.hold != NONE && node.hold >= holds))
         {
             return Err(missing(node.vertex));
         }
         run.solid.corners = Nodes::new(state.of_corner, state.nodes.len());
-        run.solid.nodes = state.nodes;
-        for (number, element) in run.solid.elements.iter_mut().enumerate() {
-            element.nodes = std::array::from_fn(|k| run.solid.corners.of_corner[3 * number + k]);
-            element.stress = state.stresses[number];
-            element.viscous = state.viscous[number];
+        (run.solid.nodes, run.solid.constants) = (state.nodes, state.constants);
+        for (number, strained) in run.solid.strained.iter_mut().enumerate() {
+            (strained.stress, strained.viscous) = (state.stresses[number], state.viscous[number]);
         }
         run.joints.restore(state.joints, &run.model, &run.topology, &run.solid)?;
         run.contacts.restore(state.contacts, &run.joints, &run.topology)?;

@@ -4,9 +4,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::elastic::{Moduli, Tensor, contraction, determinant, product, product_transposed, viscous_stress};
 use crate::model::{Model, Plane};
-use crate::potential::{Point, Triangle, cross, minus};
+use crate::potential::{Point, Triangle, cross, length, minus};
 use crate::team::Team;
-use crate::topology::{NONE, Nodes, Topology};
+use crate::topology::{NONE, Nodes};
 
 /// What moves.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -14,6 +14,11 @@ pub(crate) struct Node {
     pub(crate) position: Point,
     /// Half a step before the position.
     pub(crate) velocity: Point,
+}
+
+/// Of a node, what its motion does not change. Apart from what moves, which a step reads far more often.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Constants {
     /// Where it was at the beginning.
     pub(crate) origin: Point,
     pub(crate) mass: f64,
@@ -26,12 +31,16 @@ pub(crate) struct Node {
 /// A triangle of constant strain.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Element {
-    pub(crate) nodes: [u32; 3],
     pub(crate) material: u32,
     /// Inverse of the undeformed edges from corner 0, as columns.
     gradients: Tensor,
     /// Undeformed area times thickness.
     pub(crate) volume: f64,
+}
+
+/// What its deformation makes in an element.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Strained {
     /// On its corners.
     pub(crate) forces: [Point; 3],
     /// Cauchy, `[xx, yy, xy]`.
@@ -39,8 +48,6 @@ pub(crate) struct Element {
     pub(crate) energy: f64,
     /// The viscous part of the stress (first Piola-Kirchhoff).
     pub(crate) viscous: Tensor,
-    /// Among the entries of the contacts: first, and one past the last.
-    pub(crate) contacts: [u32; 2],
 }
 
 impl Element {
@@ -62,7 +69,10 @@ struct Response {
 #[derive(Debug)]
 pub(crate) struct Solid {
     pub(crate) nodes: Vec<Node>,
+    pub(crate) constants: Vec<Constants>,
     pub(crate) elements: Vec<Element>,
+    /// Of each element.
+    pub(crate) strained: Vec<Strained>,
     pub(crate) corners: Nodes,
     pub(crate) thickness: f64,
     responses: Vec<Response>,
@@ -82,23 +92,17 @@ pub(crate) struct Deformation {
 }
 
 impl Solid {
-    pub(crate) fn new(model: &Model, topology: &Topology) -> Self {
+    pub(crate) fn new(model: &Model) -> Self {
         let mesh = &model.mesh;
         let mut elements = Vec::with_capacity(mesh.triangles.len());
-        for (number, &nodes) in mesh.triangles.iter().enumerate() {
-            let [a, b, c] = nodes.map(|node| mesh.nodes[node as usize]);
+        for number in 0..mesh.triangles.len() {
+            let [a, b, c] = triangle_of(mesh, number);
             let (e, f) = (minus(b, a), minus(c, a));
             let double = cross(e, f);
             elements.push(Element {
-                nodes,
                 material: mesh.materials[number],
                 gradients: [f[1] / double, -f[0] / double, -e[1] / double, e[0] / double],
                 volume: 0.5 * double * model.thickness,
-                forces: [[0.0; 2]; 3],
-                stress: [0.0; 3],
-                energy: 0.0,
-                viscous: [0.0; 4],
-                contacts: [0; 2],
             });
         }
         let responses: Vec<Response> = model
@@ -116,22 +120,21 @@ impl Solid {
         } else {
             Vec::new()
         };
-        let nodes = mesh
-            .nodes
-            .iter()
-            .enumerate()
+        let all = || mesh.nodes.iter().enumerate();
+        let nodes = all()
             .map(|(vertex, &position)| Node {
                 position,
                 velocity: model.velocities.get(vertex).copied().unwrap_or_default(),
-                origin: position,
-                mass: 0.0,
-                vertex: vertex as u32,
-                hold: NONE,
             })
             .collect();
-        let corners = Nodes::new(topology.vertices.clone(), mesh.nodes.len());
+        let constants = all()
+            .map(|(vertex, &origin)| Constants { origin, mass: 0.0, vertex: vertex as u32, hold: NONE })
+            .collect();
+        let corners = Nodes::new(mesh.triangles.clone(), mesh.nodes.len());
         let mut solid = Self {
             nodes,
+            constants,
+            strained: vec![Strained::default(); elements.len()],
             elements,
             corners,
             thickness: model.thickness,
@@ -145,6 +148,28 @@ impl Solid {
         solid
     }
 
+    /// Room for so many nodes in all.
+    pub(crate) fn reserve_nodes(&mut self, count: usize) {
+        let more = count.saturating_sub(self.nodes.len());
+        self.nodes.reserve_exact(more);
+        self.constants.reserve_exact(more);
+        self.corners.first.reserve_exact(more);
+    }
+
+    /// Numbers the nodes by their first corners: where each element has its own, a step goes through them as it goes through the elements.
+    pub(crate) fn number_by_corners(&mut self) {
+        let mut order: Vec<u32> = (0..self.nodes.len() as u32).collect();
+        order.sort_unstable_by_key(|&node| self.corners.first[node as usize]);
+        self.nodes = order.iter().map(|&node| self.nodes[node as usize]).collect();
+        self.constants = order.iter().map(|&node| self.constants[node as usize]).collect();
+        let mut number = vec![0; order.len()];
+        for (new, &old) in (0..).zip(&order) {
+            number[old as usize] = new;
+        }
+        let of_corner = self.corners.of_corner.iter().map(|nodes| nodes.map(|node| number[node as usize]));
+        self.corners = Nodes::new(of_corner.collect(), order.len());
+    }
+
     /// Gives a node the mass of its corners.
     pub(crate) fn weigh(&mut self, node: u32, model: &Model) {
         let (mut mass, mut corner) = (0.0, self.corners.first[node as usize]);
@@ -152,31 +177,46 @@ impl Solid {
             mass += self.elements[corner as usize / 3].corner_mass(model);
             corner = self.corners.next[corner as usize];
         }
-        self.nodes[node as usize].mass = mass;
+        self.constants[node as usize].mass = mass;
+    }
+
+    /// The nodes of an element now.
+    #[inline]
+    pub(crate) fn nodes_of(&self, element: u32) -> [u32; 3] {
+        self.corners.of_corner[element as usize]
     }
 
     /// The corners of an element now.
     #[inline]
     pub(crate) fn triangle(&self, element: u32) -> Triangle {
-        self.elements[element as usize].nodes.map(|node| self.nodes[node as usize].position)
+        self.nodes_of(element).map(|node| self.nodes[node as usize].position)
     }
 
     #[inline]
     pub(crate) fn at_corner(&self, corner: u32) -> &Node {
-        &self.nodes[self.corners.of_corner[corner as usize] as usize]
+        &self.nodes[self.corners.node_at(corner) as usize]
+    }
+
+    /// How far a node has moved.
+    pub(crate) fn displacement(&self, node: usize) -> Point {
+        minus(self.nodes[node].position, self.constants[node].origin)
+    }
+
+    /// What holds the node of a corner, or [`NONE`].
+    pub(crate) fn hold_at(&self, corner: u32) -> u32 {
+        self.constants[self.corners.node_at(corner) as usize].hold
     }
 
     /// Stress and forces of all elements, from where their nodes are and how they move.
     pub(crate) fn deform(&mut self, step: f64, team: &Team) -> Deformation {
-        let Self { nodes, elements, responses, heights, prestress, .. } = self;
-        let (nodes, responses, heights, prestress) =
-            (&nodes[..], &responses[..], &heights[..], &prestress[..]);
-        let found = team.change(elements, |first, chunk| {
+        let Self { nodes, elements, strained, corners, responses, heights, prestress, .. } = self;
+        let found = team.change(strained, |first, chunk| {
             let mut sum = Deformation::default();
-            for (k, element) in chunk.iter_mut().enumerate() {
+            for (k, strained) in chunk.iter_mut().enumerate() {
                 let number = first + k;
+                let element = &elements[number];
                 let response = &responses[element.material as usize];
-                let [a, b, c] = element.nodes.map(|node| &nodes[node as usize]);
+                let [a, b, c] = corners.of_corner[number].map(|node| &nodes[node as usize]);
                 let (e, f) = (minus(b.position, a.position), minus(c.position, a.position));
                 let gradient = product(&[e[0], f[0], e[1], f[1]], &element.gradients);
                 let j = determinant(&gradient);
@@ -197,17 +237,17 @@ impl Solid {
                     let rate = product(&[e[0], f[0], e[1], f[1]], &element.gradients);
                     let viscous = viscous_stress(response.viscosity * heights[number], &gradient, j, &rate);
                     // What the last force did in the second half of its step, and this one in the first half.
-                    let power = contraction(&element.viscous, &rate) + contraction(&viscous, &rate);
+                    let power = contraction(&strained.viscous, &rate) + contraction(&viscous, &rate);
                     sum.dissipated += 0.5 * step * power * element.volume;
-                    element.viscous = viscous;
+                    strained.viscous = viscous;
                     stress = std::array::from_fn(|i| stress[i] + viscous[i]);
                 }
-                element.energy = energy * element.volume;
+                strained.energy = energy * element.volume;
                 let cauchy = product_transposed(&stress, &gradient);
-                element.stress = [cauchy[0] / j, cauchy[3] / j, 0.5 * (cauchy[1] + cauchy[2]) / j];
+                strained.stress = [cauchy[0] / j, cauchy[3] / j, 0.5 * (cauchy[1] + cauchy[2]) / j];
                 let forces = product_transposed(&stress, &element.gradients).map(|f| -element.volume * f);
                 let (one, two) = ([forces[0], forces[2]], [forces[1], forces[3]]);
-                element.forces = [[-one[0] - two[0], -one[1] - two[1]], one, two];
+                strained.forces = [[-one[0] - two[0], -one[1] - two[1]], one, two];
             }
             sum
         });
@@ -222,16 +262,16 @@ impl Solid {
     /// Stored in the elements by the last pass.
     pub(crate) fn strain_energy(&self, team: &Team) -> f64 {
         team.look(self.elements.len(), |range| {
-            self.elements[range].iter().map(|element| element.energy).sum::<f64>()
+            self.strained[range].iter().map(|strained| strained.energy).sum::<f64>()
         })
         .into_iter()
         .sum()
     }
 
     /// The stress out of the plane of an element.
-    pub(crate) fn stress_out_of_plane(&self, element: &Element) -> f64 {
-        self.responses[element.material as usize].moduli.out_of_plane
-            * (element.stress[0] + element.stress[1])
+    pub(crate) fn stress_out_of_plane(&self, element: usize) -> f64 {
+        let [xx, yy, _] = self.strained[element].stress;
+        self.responses[self.elements[element].material as usize].moduli.out_of_plane * (xx + yy)
     }
 }
 
@@ -244,7 +284,7 @@ pub(crate) fn triangle_of(mesh: &crate::model::Mesh, element: usize) -> Triangle
 pub(crate) fn height(triangle: &Triangle, k: usize) -> f64 {
     let [a, b, c] = [k, (k + 1) % 3, (k + 2) % 3].map(|k| triangle[k]);
     let edge = minus(b, a);
-    cross(edge, minus(c, a)) / edge[0].hypot(edge[1])
+    cross(edge, minus(c, a)) / length(edge)
 }
 
 pub(crate) fn least_height(triangle: &Triangle) -> f64 {

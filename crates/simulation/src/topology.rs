@@ -173,8 +173,8 @@ pub(crate) fn follower(corner: u32) -> u32 {
 /// The corners of each node, as lists: the first of each node, the next of each corner, ascending.
 #[derive(Clone, Debug)]
 pub(crate) struct Nodes {
-    /// Of each corner.
-    pub(crate) of_corner: Vec<u32>,
+    /// Of the corners of each element.
+    pub(crate) of_corner: Vec<[u32; 3]>,
     /// First corner of each node.
     pub(crate) first: Vec<u32>,
     /// Next corner of the same node; [`NONE`] at the end.
@@ -183,14 +183,29 @@ pub(crate) struct Nodes {
 
 impl Nodes {
     /// The lists for these nodes of corners.
-    pub(crate) fn new(of_corner: Vec<u32>, count: usize) -> Self {
-        let mut nodes = Self { first: vec![NONE; count], next: vec![NONE; of_corner.len()], of_corner };
-        for corner in (0..nodes.of_corner.len()).rev() {
-            let node = nodes.of_corner[corner] as usize;
-            nodes.next[corner] = nodes.first[node];
-            nodes.first[node] = corner as u32;
+    pub(crate) fn new(of_corner: Vec<[u32; 3]>, count: usize) -> Self {
+        let mut nodes = Self { first: vec![NONE; count], next: vec![NONE; 3 * of_corner.len()], of_corner };
+        for corner in (0..nodes.next.len() as u32).rev() {
+            nodes.put_first(corner);
         }
         nodes
+    }
+
+    /// The node of a corner.
+    #[inline]
+    pub(crate) fn node_at(&self, corner: u32) -> u32 {
+        self.of_corner[corner as usize / 3][corner as usize % 3]
+    }
+
+    fn set(&mut self, corner: u32, node: u32) {
+        self.of_corner[corner as usize / 3][corner as usize % 3] = node;
+    }
+
+    /// Puts a corner in front of the list of its node.
+    fn put_first(&mut self, corner: u32) {
+        let node = self.node_at(corner) as usize;
+        self.next[corner as usize] = self.first[node];
+        self.first[node] = corner;
     }
 
     /// Gives the corners `of` a vertex nodes by `groups`: the first group of each node keeps it, others get new ones. Calls `added` with the old node and the
@@ -200,29 +215,27 @@ impl Nodes {
         for (place, &corner) in of.iter().enumerate() {
             let leader = groups[place] as usize;
             if leader < place {
-                let node = self.of_corner[of[leader] as usize];
-                self.of_corner[corner as usize] = node;
+                self.set(corner, self.node_at(of[leader]));
                 continue;
             }
             // The first of its group: the node is its own unless an earlier group has it.
-            let node = self.of_corner[corner as usize];
-            let taken = (0..place).any(|k| self.of_corner[of[k] as usize] == node);
+            let node = self.node_at(corner);
+            let taken = (0..place).any(|k| self.node_at(of[k]) == node);
             if taken {
                 let new = self.first.len() as u32;
                 self.first.push(NONE);
-                self.of_corner[corner as usize] = new;
+                self.set(corner, new);
                 split = true;
                 added(node, new);
             }
         }
         if split {
             for &corner in of {
-                self.first[self.of_corner[corner as usize] as usize] = NONE;
+                let node = self.node_at(corner) as usize;
+                self.first[node] = NONE;
             }
             for &corner in of.iter().rev() {
-                let node = self.of_corner[corner as usize] as usize;
-                self.next[corner as usize] = self.first[node];
-                self.first[node] = corner;
+                self.put_first(corner);
             }
         }
         split
@@ -263,7 +276,7 @@ mod tests {
     #[test]
     fn a_vertex_comes_apart_when_two_edges_let_go() {
         let topology = Topology::new(&square()).expect("a mesh");
-        let mut nodes = Nodes::new(topology.vertices.clone(), 5);
+        let mut nodes = Nodes::new(square().triangles, 5);
         let mut groups = Vec::new();
         topology.groups(4, |edge| edge != 0, &mut groups);
         assert_eq!(groups, [0; 4]);
@@ -274,7 +287,7 @@ mod tests {
         let mut added = Vec::new();
         assert!(nodes.split(topology.corners_of(4), &groups, |old, new| added.push((old, new))));
         assert_eq!((added, nodes.first.len()), (vec![(4, 5)], 6));
-        assert_eq!([2, 5, 8, 11].map(|corner| nodes.of_corner[corner]), [4, 5, 5, 4]);
+        assert_eq!([2, 5, 8, 11].map(|corner| nodes.node_at(corner)), [4, 5, 5, 4]);
         assert_eq!((nodes.first[4], nodes.next[2], nodes.next[11]), (2, 11, NONE));
         assert_eq!((nodes.first[5], nodes.next[5], nodes.next[8]), (5, 8, NONE));
         // The same again changes nothing.

@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 
 use fdem_simulation::{Simulation, Stop};
 
-use crate::command::args::{ResumeArguments, RunArguments};
+use crate::command::args::{ResumeArguments, RunArguments, RunOptions};
 use crate::command::check::{read_text, refused};
 use crate::command::failure::{Failure, display_name};
 use crate::model::{Checkpoint as When, Preflight, Prepared, prepare};
@@ -38,12 +38,12 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     let prepared = prepare(&text, &display_name(path), &mut load).map_err(|errors| refused(&errors))?;
     let preflight = Preflight::of(&prepared)
         .map_err(|why| Failure::Unusable(format!("{} cannot run: {why}", display_name(path))))?;
-    let simulation = Simulation::new(prepared.model.clone(), arguments.threads)
+    let simulation = Simulation::new(prepared.model.clone(), arguments.options.threads)
         .map_err(|error| Failure::Unusable(format!("{} cannot run: {error}", display_name(path))))?;
     let target = arguments.output.clone().unwrap_or_else(|| default_folder(path));
     let folder = Folder::create(&target, arguments.force, text.as_bytes(), &inputs)?;
     let recorder = Recorder::new(&folder, &prepared)?;
-    let mut going = Going::new(folder, prepared, simulation, recorder, 0.0, arguments.quiet)?;
+    let mut going = Going::new(folder, prepared, simulation, recorder, 0.0, &arguments.options)?;
     for line in preflight.to_string().lines() {
         going.told.say(line);
     }
@@ -72,11 +72,11 @@ pub(crate) fn resume(arguments: &ResumeArguments) -> Result<(), Failure> {
     let Checkpoint { frames, seconds, state, .. } = checkpoint;
     let step = state.step();
     let simulation =
-        Simulation::resume(prepared.model.clone(), state, arguments.threads).map_err(|error| {
+        Simulation::resume(prepared.model.clone(), state, arguments.options.threads).map_err(|error| {
             Failure::Unusable(format!("{} cannot go on: {error}", display_name(&arguments.folder)))
         })?;
     let recorder = Recorder::going_on(&folder, &prepared, step, frames)?;
-    let mut going = Going::new(folder, prepared, simulation, recorder, seconds, arguments.quiet)?;
+    let mut going = Going::new(folder, prepared, simulation, recorder, seconds, &arguments.options)?;
     going.told.say(&format!("goes on after step {}", grouped(step)));
     going.go()
 }
@@ -119,15 +119,18 @@ enum End {
 impl Going {
     fn new(
         folder: Folder,
-        prepared: Prepared,
+        mut prepared: Prepared,
         run: Simulation,
         recorder: Recorder,
         before: f64,
-        quiet: bool,
+        options: &RunOptions,
     ) -> Result<Self, Failure> {
+        if let Some(asked) = options.animate {
+            prepared.output.animate = asked.or(prepared.output.fields.first().copied());
+        }
         let step = run.time_step();
         let total = ((prepared.end_time / step).ceil() as u64).max(1);
-        let told = Told::new(&folder, &run, total, quiet)?;
+        let told = Told::new(&folder, &run, total, options.quiet)?;
         let every = [prepared.output.interval / step, prepared.output.history_interval / step];
         Ok(Self {
             folder,

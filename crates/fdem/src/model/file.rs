@@ -13,7 +13,7 @@ use serde::Deserialize;
 pub use body::{Body, Disc, Hole, Outline, Packing, Piece, Polygon, Rectangle, Ring, Voronoi};
 pub use boundary::{Boundary, Component, Fixed, Side};
 pub use material::{Interface, Material};
-pub use output::{Animate, Field, History, Output};
+pub use output::{Animate, History, Output};
 
 /// A model of the combined finite-discrete element method in two dimensions. SI units: m, kg, s, N, Pa; angles in degrees.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]

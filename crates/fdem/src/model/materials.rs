@@ -92,10 +92,10 @@ pub(crate) fn interfaces(
             );
             continue;
         }
-        let mean = materials.iter().map(|&m| file.material[m as usize].friction).sum::<f64>() / 2.0;
+        let lesser = materials.map(|m| file.material[m as usize].friction).into_iter().fold(f64::INFINITY, f64::min);
         interfaces.push(Interface {
             materials,
-            friction: interface.friction.unwrap_or(mean),
+            friction: interface.friction.unwrap_or(lesser),
             penalty: interface.penalty,
             strength,
         });

@@ -64,7 +64,7 @@ pub(crate) fn mesh(domain: &Domain, size: f64, seed: u64) -> Result<Meshed, Stri
         return Err("the outline has no area".to_owned());
     }
     frame.loops.resize(frame.nodes.len(), INSIDE);
-    let numbers = drop_unused(&mut frame.nodes, &mut frame.loops, &mut triangles);
+    let numbers = renumber(&mut frame.nodes, &mut frame.loops, &mut triangles);
     let number = |node: u32| Some(numbers[node as usize]).filter(|&number| number != INSIDE);
     let lines = frame.lines.iter().filter_map(|&[a, b]| Some([number(a)?, number(b)?])).collect();
     Ok(Meshed { nodes: frame.nodes, triangles, loops: frame.loops, lines })
@@ -317,23 +317,54 @@ fn smooth(nodes: &mut [Point], fixed: usize, triangles: &[[u32; 3]], inside: &In
     }
 }
 
-/// Removes nodes without triangles; returns the new number of each, [`INSIDE`] for those.
-fn drop_unused(nodes: &mut Vec<Point>, loops: &mut Vec<u32>, triangles: &mut [[u32; 3]]) -> Vec<u32> {
+/// Removes nodes without triangles, and numbers nodes and triangles along Hilbert's curve: what is near in the body is near in memory. Returns the new number of
+/// each node, [`INSIDE`] for those that are gone.
+fn renumber(nodes: &mut Vec<Point>, loops: &mut Vec<u32>, triangles: &mut [[u32; 3]]) -> Vec<u32> {
+    let mut used = vec![false; nodes.len()];
+    for &node in triangles.iter().flatten() {
+        used[node as usize] = true;
+    }
+    let curve = Curve::around(nodes);
+    let mut order: Vec<u32> = (0..nodes.len() as u32).filter(|&node| used[node as usize]).collect();
+    order.sort_by_cached_key(|&node| curve.place(nodes[node as usize]));
     let mut numbers = vec![INSIDE; nodes.len()];
-    for node in triangles.iter().flatten() {
-        numbers[*node as usize] = 0;
+    for (number, &node) in (0..).zip(&order) {
+        numbers[node as usize] = number;
     }
-    let mut count = 0;
-    for (node, number) in numbers.iter_mut().enumerate().filter(|(_, number)| **number == 0) {
-        nodes[count as usize] = nodes[node];
-        loops[count as usize] = loops[node];
-        *number = count;
-        count += 1;
-    }
-    nodes.truncate(count as usize);
-    loops.truncate(count as usize);
+    triangles.sort_by_cached_key(|triangle| {
+        let corners = triangle.map(|node| nodes[node as usize]);
+        curve.place([0, 1].map(|axis| corners.iter().map(|corner| corner[axis]).sum::<f64>() / 3.0))
+    });
     for node in triangles.iter_mut().flatten() {
         *node = numbers[*node as usize];
     }
+    *nodes = order.iter().map(|&node| nodes[node as usize]).collect();
+    *loops = order.iter().map(|&node| loops[node as usize]).collect();
     numbers
+}
+
+/// Hilbert's curve through a square around points.
+struct Curve {
+    origin: Point,
+    per_length: f64,
+}
+
+impl Curve {
+    /// Squares along an edge, as a power of 2.
+    const ORDER: u8 = 16;
+
+    fn around(points: &[Point]) -> Self {
+        let bound = |axis: usize, of: fn(f64, f64) -> f64, from: f64| {
+            points.iter().map(|point| point[axis]).fold(from, of)
+        };
+        let origin = [0, 1].map(|axis| bound(axis, f64::min, f64::INFINITY));
+        let size = [0, 1].map(|axis| bound(axis, f64::max, f64::NEG_INFINITY) - origin[axis]);
+        Self { origin, per_length: f64::from(u16::MAX) / size[0].max(size[1]) }
+    }
+
+    /// How far along the curve a point is.
+    fn place(&self, point: Point) -> u64 {
+        let [x, y] = [0, 1].map(|axis| ((point[axis] - self.origin[axis]) * self.per_length) as u32);
+        fast_hilbert::xy2h(x, y, Self::ORDER)
+    }
 }

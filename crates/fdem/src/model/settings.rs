@@ -5,8 +5,9 @@ use serde::Serialize;
 use crate::model::bodies::{self, Placed};
 use crate::model::document::{Document, Table};
 use crate::model::fault::{Fault, suggestion};
-use crate::model::file::{Animate, Field, ModelFile};
+use crate::model::file::{Animate, ModelFile};
 use crate::model::outline::{Point, distance};
+use crate::results::Field;
 
 /// Time on the clock between checkpoints, s.
 const CHECKPOINT: f64 = 60.0;

@@ -1,30 +1,36 @@
 //! What elements are coloured by.
 
 use fdem_simulation::Snapshot;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use crate::picture::colour::{self, HEAT, Rgb, SEA};
 use crate::results::frame::Frame;
 use crate::results::stress::{principal, von_mises};
 
-/// What elements are coloured by.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+/// A quantity to be shown: what elements are coloured by.
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema, clap::ValueEnum,
+)]
+#[serde(rename_all = "snake_case")]
+#[value(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Field {
-    /// The largest principal stress in the plane, Pa, tension positive.
+    /// The larger principal stress in the plane, tension positive, Pa.
     MaxPrincipal,
-    /// The smallest principal stress in the plane, Pa, tension positive.
+    /// The lesser principal stress in the plane, Pa.
     MinPrincipal,
-    /// Von Mises' equivalent stress, Pa.
+    /// The equivalent stress of von Mises, Pa.
     VonMises,
-    /// How fast the element is: of the mean of its corners, m/s.
+    /// The length of the velocity, m/s.
     Velocity,
-    /// How far it has moved: of the mean of its corners, m.
+    /// The length of the displacement, m.
     Displacement,
-    /// The largest of its joints, 0 to 1.
+    /// Of joints, 0 to 1.
     Damage,
-    /// Which body it is of.
+    /// Number of the body.
     Body,
-    /// What it is made of.
+    /// Number of the material.
     Material,
 }
 
@@ -87,23 +93,18 @@ impl Field {
         Self::Material,
     ];
 
-    /// In one word, for options and files.
+    /// In one word, for options, model files and reports.
     pub fn key(self) -> &'static str {
         match self {
-            Self::MaxPrincipal => "max-principal",
-            Self::MinPrincipal => "min-principal",
-            Self::VonMises => "von-mises",
+            Self::MaxPrincipal => "max_principal",
+            Self::MinPrincipal => "min_principal",
+            Self::VonMises => "von_mises",
             Self::Velocity => "velocity",
             Self::Displacement => "displacement",
             Self::Damage => "damage",
             Self::Body => "body",
             Self::Material => "material",
         }
-    }
-
-    /// The one of this [`Self::key`].
-    pub fn from_key(key: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|field| field.key() == key)
     }
 
     /// For people.
@@ -224,11 +225,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn keys_lead_back_to_their_fields() {
+    fn options_and_model_files_call_fields_by_their_keys() {
         for field in Field::ALL {
-            assert_eq!(Field::from_key(field.key()), Some(field));
+            assert_eq!(<Field as clap::ValueEnum>::from_str(field.key(), false), Ok(field));
+            assert_eq!(serde_json::json!(field), field.key());
         }
-        assert_eq!(Field::from_key("pressure"), None);
+        assert_eq!(<Field as clap::ValueEnum>::value_variants(), Field::ALL);
     }
 
     #[test]

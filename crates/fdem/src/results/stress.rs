@@ -1,9 +1,10 @@
 //! Numbers that a state of stress, `[xx, yy, xy, zz]`, is judged by. Tension is positive.
 
+use fdem_simulation::principal_stresses;
+
 /// The largest and the smallest principal stress in the plane.
 pub(crate) fn principal([xx, yy, xy, _]: [f64; 4]) -> [f64; 2] {
-    let (middle, radius) = (f64::midpoint(xx, yy), ((xx - yy) / 2.0).hypot(xy));
-    [middle + radius, middle - radius]
+    principal_stresses([xx, yy, xy])
 }
 
 /// Von Mises' equivalent stress, out of the plane included.

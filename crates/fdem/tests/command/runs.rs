@@ -102,6 +102,21 @@ impl Bench {
 }
 
 #[test]
+fn an_animation_is_written_if_it_is_asked_for() {
+    let bench = Bench::of(&CRASH.replace("0.8e-3", "0.01e-3"));
+    let unknown = bench.run(&["run", "crash.toml", "--animate=damaged"]).fails();
+    assert!(unknown.contains("damaged") && unknown.contains("max_principal"), "{unknown}");
+    assert!(!bench.path("crash_results").exists());
+    bench.run(&["run", "--quiet", "crash.toml"]).succeeds();
+    assert!(!bench.path("crash_results/animation.gif").exists());
+    for option in ["--animate", "--animate=damage"] {
+        bench.run(&["run", "--quiet", "--force", option, "crash.toml"]).succeeds();
+        let gif = fs::read(bench.path("crash_results/animation.gif")).unwrap();
+        assert!(gif.starts_with(b"GIF89a"), "{option}");
+    }
+}
+
+#[test]
 fn a_run_writes_all_that_it_promises_and_is_not_overwritten() {
     let bench = Bench::of(CRASH);
     let told = bench.run(&["run", "crash.toml", "--threads", "1"]).succeeds();

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use fdem::model::file::Field;
+use fdem::results::Field;
 use fdem::model::{Checkpoint, Preflight, Quantity};
 use fdem::simulation::{Load, Schedule, Target};
 

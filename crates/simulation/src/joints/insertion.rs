@@ -11,15 +11,13 @@
 
 use crate::cohesive::{Memory, reaches};
 use crate::contacts::Contacts;
-use crate::joints::{Joints, length, nodes_at, traction};
+use crate::joints::near::{Near, SUSPECT};
+use crate::joints::{Joints, edge_length, nodes_at, traction};
 use crate::model::{Insertion, Model};
-use crate::potential::{Point, dot, minus};
+use crate::potential::{Point, dot, length, minus};
 use crate::solid::Solid;
 use crate::team::Team;
 use crate::topology::{Edge, NONE, Topology};
-
-/// Edges whose mean traction is below this share of their strength are not looked at closely.
-const SUSPECT: f64 = 0.1;
 
 /// What insertion looks at.
 #[derive(Clone, Copy)]
@@ -44,12 +42,20 @@ impl Joints {
             return;
         }
         let state = State { solid, contacts, model, topology };
-        let mut failing = team
-            .look(topology.edges.len(), |range| {
-                let fails = |&edge: &u32| self.overstressed(edge, state, 1.0);
-                (range.start as u32..range.end as u32).filter(fails).collect::<Vec<u32>>()
-            })
-            .concat();
+        let mut near = std::mem::take(&mut self.near);
+        let whole = team.change(&mut near, |first, chunk| {
+            let mut failing = Vec::new();
+            for (k, near) in chunk.iter_mut().enumerate() {
+                let element = first + k;
+                *near = self.weakest[element].reached_by(solid.strained[element].stress);
+                if *near == Near::Failing {
+                    let edges = topology.edge_of[element].into_iter().filter(|&edge| edge != NONE);
+                    failing.extend(edges.filter(|&edge| self.overstressed(edge, state, 1.0)));
+                }
+            }
+            failing
+        });
+        self.near = near;
         let tips = team.look(self.tips.len(), |range| {
             let mut failing = Vec::new();
             for &vertex in &self.tips[range] {
@@ -57,7 +63,7 @@ impl Joints {
             }
             failing
         });
-        failing.extend(tips.concat());
+        let mut failing = [whole, tips].concat().concat();
         failing.sort_unstable();
         failing.dedup();
         let mut vertices = Vec::new();
@@ -74,6 +80,12 @@ impl Joints {
         for &vertex in &vertices {
             self.part(vertex, solid, Some(contacts), model, topology);
         }
+        if !vertices.is_empty() {
+            // Where all edges have joints nothing is left to look at.
+            let of_edge = &self.of_edge;
+            let may_fail = |edge: u32| of_edge[edge as usize] == NONE;
+            self.tips.retain(|&vertex| topology.edges_around(vertex).any(|(edge, _)| may_fail(edge)));
+        }
     }
 
     /// Whether the mean traction of the two elements of an edge without joint reaches a share of its strength.
@@ -89,8 +101,11 @@ impl Joints {
     fn failing_at(&self, vertex: u32, state: State<'_>, failing: &mut Vec<u32>) {
         let State { solid, topology, .. } = state;
         let corners = topology.corners_of(vertex);
+        if corners.iter().all(|&corner| self.near[corner as usize / 3] == Near::Far) {
+            return;
+        }
         // What moves a node that is held is not known; the mean traction decides there.
-        if solid.at_corner(corners[0]).hold != NONE {
+        if solid.hold_at(corners[0]) != NONE {
             return;
         }
         let mut groups = Vec::new();
@@ -128,7 +143,7 @@ impl Joints {
         topology.groups(vertex, |edge| self.of_edge[edge as usize] == NONE, &mut groups);
         // The tractions of ends that come free now, before the nodes know of it.
         let mut begin: Vec<(u32, [f64; 2])> = Vec::new();
-        if let Some(contacts) = contacts.filter(|_| solid.at_corner(corners[0]).hold == NONE) {
+        if let Some(contacts) = contacts.filter(|_| solid.hold_at(corners[0]) == NONE) {
             let state = State { solid, contacts, model, topology };
             let fan = Fan { vertex, groups: &groups, joints: self, state };
             for (edge, corner) in topology.edges_around(vertex) {
@@ -139,21 +154,15 @@ impl Joints {
                 }
             }
         }
-        let Solid { nodes, corners: lists, .. } = solid;
+        let Solid { nodes, constants, corners: lists, .. } = solid;
         let mut all = Vec::new();
-        let split = lists.split(corners, &groups, |old, new| {
-            let copy = nodes[old as usize];
-            nodes.push(copy);
+        lists.split(corners, &groups, |old, new| {
+            nodes.push(nodes[old as usize]);
+            constants.push(constants[old as usize]);
             all.extend([old, new]);
         });
-        if split {
-            for &corner in corners {
-                let node = solid.corners.of_corner[corner as usize];
-                solid.elements[corner as usize / 3].nodes[corner as usize % 3] = node;
-            }
-            for node in all {
-                solid.weigh(node, model);
-            }
+        for node in all {
+            solid.weigh(node, model);
         }
         for &corner in corners {
             for edge in topology.edges_at(corner) {
@@ -187,7 +196,7 @@ impl Joints {
 /// Of an edge, undeformed.
 fn half_length(edge: u32, state: State<'_>) -> f64 {
     let corners = state.topology.edges[edge as usize].corners[0];
-    0.5 * length(state.model, corners.map(|corner| state.topology.vertices[corner as usize]))
+    0.5 * edge_length(state.model, corners.map(|corner| state.topology.vertices[corner as usize]))
 }
 
 /// The elements around a vertex, in groups.
@@ -219,17 +228,17 @@ impl Fan<'_> {
 
     /// Whether the end of a joint at this vertex is closed: one node on both sides.
     fn closed(&self, edge: u32) -> bool {
-        let [a, b] = self.beside(edge).map(|corner| self.state.solid.corners.of_corner[corner as usize]);
+        let [a, b] = self.beside(edge).map(|corner| self.state.solid.corners.node_at(corner));
         a == b
     }
 
     /// How many groups share the node of a corner.
     fn groups_of_node(&self, corner: u32) -> usize {
-        let of_corner = &self.state.solid.corners.of_corner;
-        let node = of_corner[corner as usize];
+        let nodes = &self.state.solid.corners;
+        let node = nodes.node_at(corner);
         let all = self.corners().iter().zip(self.groups);
         let mut groups: Vec<u32> =
-            all.filter(|(corner, _)| of_corner[**corner as usize] == node).map(|(_, &group)| group).collect();
+            all.filter(|(corner, _)| nodes.node_at(**corner) == node).map(|(_, &group)| group).collect();
         groups.sort_unstable();
         groups.dedup();
         groups.len()
@@ -241,15 +250,13 @@ impl Fan<'_> {
         let (mut force, mut mass) = ([[0.0; 2]; 2], [0.0; 2]);
         for (&corner, &group) in self.corners().iter().zip(self.groups) {
             let Some(side) = sides.iter().position(|&side| side == group) else { continue };
-            let element = &solid.elements[corner as usize / 3];
-            let k = corner as usize % 3;
-            let mut total = element.forces[k];
+            let mut total = solid.strained[corner as usize / 3].forces[corner as usize % 3];
             self.joints.add_force(corner, &mut total);
-            contacts.add_force(element.contacts, k, &mut total);
+            contacts.add_force(corner, &mut total);
             for axis in 0..2 {
                 force[side][axis] += total[axis];
             }
-            mass[side] += element.corner_mass(model);
+            mass[side] += solid.elements[corner as usize / 3].corner_mass(model);
         }
         let mut width = more;
         for (edge, _) in topology.edges_around(self.vertex) {
@@ -278,7 +285,7 @@ fn end_at(edge: &Edge, vertex: u32, topology: &Topology) -> usize {
 fn components(traction: Point, solid: &Solid, edge: &Edge) -> [f64; 2] {
     let [a, b] = edge.corners[0].map(|corner| solid.at_corner(corner).position);
     let along = minus(b, a);
-    let long = dot(along, along).sqrt();
+    let long = length(along);
     let tangent = along.map(|x| x / long);
     [traction[0] * tangent[1] - traction[1] * tangent[0], dot(traction, tangent)]
 }

@@ -7,7 +7,6 @@ use fdem_simulation::Simulation;
 
 use crate::command::failure::Failure;
 use crate::command::run::folder::{Folder, HISTORY, PLOTS, cracks_file, mesh_file, packed_file};
-use crate::model::file::Field as Asked;
 use crate::model::{Prepared, Quantity};
 use crate::results::{
     Animation, Field, Frame, FrameView, History, HistoryWriter, Pictures, Range, Report, Row, kept, plots,
@@ -153,13 +152,13 @@ impl Recorder {
         let title = if prepared.title.is_empty() { "fdem" } else { &prepared.title };
         let view = FrameView::of(&frames);
         let pictures = |field| Pictures { title, field, range: Range::of(&frames, field), view };
-        let field = prepared.output.fields.first().map_or(Field::MaxPrincipal, |&field| field_of(field));
+        let field = prepared.output.fields.first().copied().unwrap_or(Field::MaxPrincipal);
         if let Some(last) = frames.last() {
             let png = pictures(field).png(last, None).map_err(|error| broken("picture.png", &error))?;
             self.folder.write("picture.png", &png)?;
         }
         if let Some(asked) = prepared.output.animate {
-            let mut animation = Animation::new(pictures(field_of(asked)), None, DELAY);
+            let mut animation = Animation::new(pictures(asked), None, DELAY);
             for frame in &frames {
                 animation.push(frame).map_err(|error| broken("animation.gif", &error))?;
             }
@@ -187,17 +186,4 @@ fn names(prepared: &Prepared) -> Vec<String> {
         names.extend(parts.iter().map(|part| format!("{} {part}", history.name)));
     }
     names
-}
-
-fn field_of(asked: Asked) -> Field {
-    match asked {
-        Asked::MaxPrincipal => Field::MaxPrincipal,
-        Asked::MinPrincipal => Field::MinPrincipal,
-        Asked::VonMises => Field::VonMises,
-        Asked::Velocity => Field::Velocity,
-        Asked::Displacement => Field::Displacement,
-        Asked::Damage => Field::Damage,
-        Asked::Body => Field::Body,
-        Asked::Material => Field::Material,
-    }
 }

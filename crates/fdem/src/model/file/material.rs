@@ -62,7 +62,7 @@ pub struct Material {
 pub struct Interface {
     /// Names of the two.
     pub materials: [String; 2],
-    /// Coefficient of friction of contacts. Default: the mean of the two materials.
+    /// Coefficient of friction of contacts. Default: the lesser of the two materials.
     #[serde(default)]
     #[schemars(extend("minimum" = 0))]
     pub friction: Option<f64>,

@@ -1,7 +1,9 @@
 //! `[output]` and `[[history]]`.
 
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
+
+use crate::results::Field;
 
 /// What is written.
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
@@ -33,28 +35,6 @@ pub struct Output {
     #[serde(default)]
     #[schemars(range(min = 1))]
     pub checkpoint_steps: Option<u64>,
-}
-
-/// A quantity to be shown.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Field {
-    /// The larger principal stress in the plane, tension positive, Pa.
-    MaxPrincipal,
-    /// The lesser principal stress in the plane, Pa.
-    MinPrincipal,
-    /// The equivalent stress of von Mises, Pa.
-    VonMises,
-    /// The length of the velocity, m/s.
-    Velocity,
-    /// The length of the displacement, m.
-    Displacement,
-    /// Of joints, 0 to 1.
-    Damage,
-    /// Number of the body.
-    Body,
-    /// Number of the material.
-    Material,
 }
 
 /// Whether there is an animation, and of what.

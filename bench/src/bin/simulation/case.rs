@@ -1,0 +1,208 @@
+//! One body of one size: times, memory, shares.
+
+use std::error::Error;
+use std::fmt::{self, Write as _};
+use std::process::Command;
+use std::time::{Duration, Instant};
+
+use fdem_bench::bodies::Body;
+use fdem_simulation::{Mesh, Simulation, Timings};
+
+/// A time is taken over at least so many seconds.
+const FILL: f64 = 0.5;
+
+/// A body, and how it is timed.
+pub(crate) struct Case {
+    body: Body,
+    elements: usize,
+    threads: usize,
+    rounds: usize,
+    external: Vec<(String, String)>,
+}
+
+/// What came out, as `key value` pairs in one line.
+#[derive(Debug)]
+pub(crate) struct Outcome {
+    pub(crate) elements: usize,
+    pub(crate) contacts: usize,
+    pub(crate) detections: u64,
+    pub(crate) broken: usize,
+    /// Bytes for each element, at most so far, without what was there before.
+    pub(crate) memory: f64,
+    /// Seconds for one step, medians: one thread, several, and the others.
+    pub(crate) seconds: Vec<(String, f64)>,
+    /// Bulk, joints, detection, contact, integration, on one thread.
+    pub(crate) shares: [f64; 5],
+}
+
+impl Case {
+    pub(crate) fn from_arguments(arguments: &[String]) -> Option<Self> {
+        let [name, elements, threads, rounds, external @ ..] = arguments else { return None };
+        let split = |text: &String| text.split_once('=').map(|(name, command)| (name.to_owned(), command.to_owned()));
+        Some(Self {
+            body: super::body(name)?,
+            elements: elements.parse().ok()?,
+            threads: threads.parse().ok()?,
+            rounds: rounds.parse().ok()?,
+            external: external.iter().map(split).collect::<Option<_>>()?,
+        })
+    }
+
+    /// Runs of the same model by turns: what slows the machine down for a while slows all of them.
+    pub(crate) fn run(&self) -> Result<Outcome, Box<dyn Error>> {
+        let before = resident("VmRSS")?;
+        let mut one = Simulation::new(self.body.model(self.elements), 1)?;
+        let elements = one.model().mesh.triangles.len();
+        // Until detection has what it needs, and fragments have met.
+        let steps = self.warm(&mut one)?;
+        let memory = (resident("VmHWM")? - before) / elements as f64;
+        let mut many = Simulation::new(self.body.model(self.elements), self.threads)?;
+        many.advance(one.steps())?;
+        let mesh = std::env::temp_dir().join(format!("fdem-bench-{}.msh", std::process::id()));
+        if !self.external.is_empty() {
+            std::fs::write(&mesh, gmsh(&one.model().mesh))?;
+        }
+        let start = one.timings();
+        let mut samples = vec![Vec::new(); 2 + self.external.len()];
+        for _ in 0..self.rounds {
+            for (run, samples) in [&mut one, &mut many].into_iter().zip(&mut samples) {
+                let clock = Instant::now();
+                run.advance(steps)?;
+                samples.push(clock.elapsed().as_secs_f64() / steps as f64);
+            }
+            for ((name, command), samples) in self.external.iter().zip(&mut samples[2..]) {
+                samples.push(self.outside(name, command, &mesh, steps)?);
+            }
+        }
+        let _ = std::fs::remove_file(&mesh);
+        let (a, b) = (one.snapshot(), many.snapshot());
+        if a.positions != b.positions || a.velocities != b.velocities || a.cracks != b.cracks {
+            return Err(format!("{} threads give another result than one", self.threads).into());
+        }
+        let names = ["one", "many"].map(str::to_owned).into_iter().chain(self.external.iter().map(|(name, _)| name.clone()));
+        let counts = one.counts();
+        Ok(Outcome {
+            elements,
+            contacts: counts.contacts,
+            detections: counts.detections,
+            broken: counts.broken,
+            memory,
+            seconds: names.zip(samples.into_iter().map(median)).collect(),
+            shares: shares(&start, &one.timings()),
+        })
+    }
+
+    /// Goes on until a pace is known; so many steps fill a sample.
+    fn warm(&self, run: &mut Simulation) -> Result<u64, Box<dyn Error>> {
+        let mut steps = 1;
+        loop {
+            let clock = Instant::now();
+            run.advance(steps)?;
+            let seconds = clock.elapsed().as_secs_f64();
+            if seconds >= 0.2 * FILL || self.rounds == 1 {
+                return Ok(((FILL / seconds * steps as f64) as u64).max(2));
+            }
+            steps *= 2;
+        }
+    }
+
+    /// Seconds for one step of another program, which gets the mesh and the number of steps, and prints seconds for all of them.
+    fn outside(&self, name: &str, command: &str, mesh: &std::path::Path, steps: u64) -> Result<f64, Box<dyn Error>> {
+        let mut words = command.split_whitespace();
+        let output = Command::new(words.next().ok_or("an empty command")?)
+            .args(words)
+            .arg(mesh)
+            .arg(steps.to_string())
+            .output()
+            .map_err(|error| format!("{name}: {error}"))?;
+        let text = String::from_utf8_lossy(&output.stdout);
+        let seconds = text.split_whitespace().last().and_then(|word| word.parse::<f64>().ok());
+        match seconds.filter(|_| output.status.success()) {
+            Some(seconds) => Ok(seconds / steps as f64),
+            None => Err(format!("{name}: {}", String::from_utf8_lossy(&output.stderr).trim()).into()),
+        }
+    }
+}
+
+impl Outcome {
+    /// Element-steps in a second of the program with this number.
+    pub(crate) fn rate(&self, program: usize) -> f64 {
+        self.elements as f64 / self.seconds[program].1
+    }
+
+    /// From the line that [`fmt::Display`] writes.
+    pub(crate) fn read(text: &str) -> Option<Self> {
+        let mut words = text.split_whitespace();
+        let mut outcome = Self {
+            elements: words.next()?.parse().ok()?,
+            contacts: words.next()?.parse().ok()?,
+            detections: words.next()?.parse().ok()?,
+            broken: words.next()?.parse().ok()?,
+            memory: words.next()?.parse().ok()?,
+            seconds: Vec::new(),
+            shares: [0.0; 5],
+        };
+        for share in &mut outcome.shares {
+            *share = words.next()?.parse().ok()?;
+        }
+        while let Some(name) = words.next() {
+            outcome.seconds.push((name.to_owned(), words.next()?.parse().ok()?));
+        }
+        (outcome.seconds.len() >= 2).then_some(outcome)
+    }
+}
+
+impl fmt::Display for Outcome {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(out, "{} {} {} {} {}", self.elements, self.contacts, self.detections, self.broken, self.memory)?;
+        for share in self.shares {
+            write!(out, " {share}")?;
+        }
+        for (name, seconds) in &self.seconds {
+            write!(out, " {name} {seconds}")?;
+        }
+        Ok(())
+    }
+}
+
+fn median(mut samples: Vec<f64>) -> f64 {
+    samples.sort_unstable_by(f64::total_cmp);
+    f64::midpoint(samples[(samples.len() - 1) / 2], samples[samples.len() / 2])
+}
+
+/// Of the time between two readings.
+fn shares(start: &Timings, end: &Timings) -> [f64; 5] {
+    let parts = |timings: &Timings| {
+        [timings.bulk, timings.joints, timings.detection, timings.contact, timings.integration]
+    };
+    let spent: Vec<f64> =
+        parts(start).into_iter().zip(parts(end)).map(|(a, b): (Duration, Duration)| (b - a).as_secs_f64()).collect();
+    let all = spent.iter().sum::<f64>().max(f64::MIN_POSITIVE);
+    std::array::from_fn(|part| spent[part] / all)
+}
+
+/// Bytes of this process, as Linux tells them.
+fn resident(key: &str) -> Result<f64, Box<dyn Error>> {
+    let status = std::fs::read_to_string("/proc/self/status")?;
+    let line = status.lines().find_map(|line| line.strip_prefix(key)?.strip_prefix(':')).ok_or("no memory is told here")?;
+    let kilobytes: f64 = line.trim().trim_end_matches("kB").trim().parse()?;
+    Ok(1024.0 * kilobytes)
+}
+
+/// As a Gmsh file, version 2.2.
+pub(crate) fn gmsh(mesh: &Mesh) -> String {
+    let mut text = format!(
+        "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n2 1 \"body\"\n$EndPhysicalNames\n$Nodes\n{}\n",
+        mesh.nodes.len()
+    );
+    for (number, [x, y]) in mesh.nodes.iter().enumerate() {
+        let _ = writeln!(text, "{} {x} {y} 0", number + 1);
+    }
+    let _ = write!(text, "$EndNodes\n$Elements\n{}\n", mesh.triangles.len());
+    for (number, nodes) in mesh.triangles.iter().enumerate() {
+        let [a, b, c] = nodes.map(|node| node + 1);
+        let _ = writeln!(text, "{} 2 2 1 1 {a} {b} {c}", number + 1);
+    }
+    text.push_str("$EndElements\n");
+    text
+}

@@ -1,0 +1,140 @@
+//! How fast a step of the simulation is: element-steps per second, for bodies and numbers of elements, on one thread and on several.
+//!
+//! Each case runs in a process of its own, which tells the memory that it took, and what this machine can do at best.
+
+mod case;
+mod limits;
+mod report;
+
+use std::error::Error;
+use std::io::Write as _;
+use std::path::PathBuf;
+use std::process::{Command, ExitCode};
+
+use case::{Case, Outcome};
+use fdem_bench::bodies::Body;
+
+const USAGE: &str = "\
+usage: simulation [--quick] [--bodies NAMES] [--elements N,M] [--threads N] [--rounds N] [--external NAME=COMMAND]... [--write FILE]
+
+  --quick                  1,000 elements, one round: shows that all runs
+  --bodies NAMES           some of bar,disc,adaptive,intrinsic,heap
+  --elements N,M           10000,100000,1000000 if not given
+  --threads N              to compare with one thread; 2 if not given
+  --rounds N               5 if not given
+  --external NAME=COMMAND  a program that simulates the bar and the disc as well, see README.md; may be repeated
+  --write FILE             writes what is printed to a file, too
+";
+
+/// What to run.
+struct Plan {
+    bodies: Vec<Body>,
+    elements: Vec<usize>,
+    threads: usize,
+    rounds: usize,
+    /// Names and command lines.
+    external: Vec<(String, String)>,
+    write: Option<PathBuf>,
+}
+
+impl Plan {
+    fn from_arguments(arguments: &[String]) -> Option<Self> {
+        let mut plan = Self {
+            bodies: Body::ALL.to_vec(),
+            elements: vec![10_000, 100_000, 1_000_000],
+            threads: 2,
+            rounds: 5,
+            external: Vec::new(),
+            write: None,
+        };
+        let mut rest = arguments.iter();
+        while let Some(argument) = rest.next() {
+            match argument.as_str() {
+                "--quick" => (plan.elements, plan.rounds) = (vec![1_000], 1),
+                "--bodies" => plan.bodies = rest.next()?.split(',').map(body).collect::<Option<_>>()?,
+                "--elements" => {
+                    plan.elements = rest.next()?.split(',').map(|n| n.parse().ok()).collect::<Option<_>>()?;
+                }
+                "--threads" => plan.threads = rest.next()?.parse().ok()?,
+                "--rounds" => plan.rounds = rest.next()?.parse().ok().filter(|&rounds| rounds > 0)?,
+                "--external" => {
+                    let (name, command) = rest.next()?.split_once('=')?;
+                    plan.external.push((name.to_owned(), command.to_owned()));
+                }
+                "--write" => plan.write = Some(PathBuf::from(rest.next()?)),
+                _ => return None,
+            }
+        }
+        Some(plan)
+    }
+}
+
+fn body(name: &str) -> Option<Body> {
+    Body::ALL.into_iter().find(|body| body.name() == name)
+}
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let done = match arguments.split_first() {
+        // Of this program itself.
+        Some((task, rest)) if task == "case" => alone(rest),
+        Some((task, rest)) if task == "mesh" => mesh(rest),
+        _ => match Plan::from_arguments(&arguments) {
+            Some(plan) => compare(&plan),
+            None => {
+                eprint!("{USAGE}");
+                return ExitCode::from(2);
+            }
+        },
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("simulation: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// One case, in this process; its outcome goes to standard output.
+fn alone(arguments: &[String]) -> Result<(), Box<dyn Error>> {
+    let case = Case::from_arguments(arguments).ok_or("case: a body, and numbers of elements, threads and rounds")?;
+    writeln!(std::io::stdout(), "{}", case.run()?)?;
+    Ok(())
+}
+
+/// Writes the mesh of a body for other programs.
+fn mesh(arguments: &[String]) -> Result<(), Box<dyn Error>> {
+    let [name, elements, file] = arguments else { return Err("mesh: a body, a number of elements, a file".into()) };
+    let body = body(name).ok_or_else(|| format!("there is no body {name}"))?;
+    std::fs::write(file, case::gmsh(&body.model(elements.parse()?).mesh)).map_err(|error| format!("{file}: {error}"))?;
+    Ok(())
+}
+
+fn compare(plan: &Plan) -> Result<(), Box<dyn Error>> {
+    let own = std::env::current_exe()?;
+    let limits = limits::measure(plan.threads)?;
+    let mut outcomes = Vec::new();
+    for &elements in &plan.elements {
+        for &body in &plan.bodies {
+            let arguments =
+                ["case", body.name()].map(str::to_owned).into_iter().chain([elements, plan.threads, plan.rounds].map(|n| n.to_string()));
+            let output = Command::new(&own)
+                .args(arguments)
+                .args(plan.external.iter().filter(|_| matches!(body, Body::Bar | Body::Disc)).map(|(name, command)| format!("{name}={command}")))
+                .output()?;
+            let text = String::from_utf8(output.stdout)?;
+            let outcome = Outcome::read(&text).filter(|_| output.status.success()).ok_or_else(|| {
+                format!("{} with {elements} elements: {}", body.name(), String::from_utf8_lossy(&output.stderr).trim())
+            })?;
+            eprintln!("{:9} {elements:9} elements: {:.2} million element-steps per second", body.name(), outcome.rate(0) / 1e6);
+            outcomes.push((body, outcome));
+        }
+    }
+    let report = report::report(plan.threads, plan.rounds, &limits, &outcomes);
+    std::io::stdout().write_all(report.as_bytes())?;
+    if let Some(file) = &plan.write {
+        std::fs::write(file, report).map_err(|error| format!("{}: {error}", file.display()))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,191 @@
+//! Bodies of triangles for the benchmarks of the simulation.
+
+use fdem_simulation::{FractureOptions, Insertion, Material, Mesh, Model, Strength};
+
+/// Edge of a square of two elements, m.
+const CELL: f64 = 1e-3;
+
+/// What is simulated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Body {
+    /// A bar, 50 times as long as high, whose left half hits its right one: waves.
+    Bar,
+    /// A disc that rings.
+    Disc,
+    /// A square that rings, and could break: every edge is watched, no joint is put in.
+    Adaptive,
+    /// Two squares, with joints on all edges from the beginning, that hit each other.
+    Intrinsic,
+    /// Fragments of 18 elements, with joints on all edges, that are thrown together.
+    Heap,
+}
+
+impl Body {
+    /// All of them.
+    pub const ALL: [Self; 5] = [Self::Bar, Self::Disc, Self::Adaptive, Self::Intrinsic, Self::Heap];
+
+    /// In one word.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Bar => "bar",
+            Self::Disc => "disc",
+            Self::Adaptive => "adaptive",
+            Self::Intrinsic => "intrinsic",
+            Self::Heap => "heap",
+        }
+    }
+
+    /// In a few.
+    pub fn what(self) -> &'static str {
+        match self {
+            Self::Bar => "elastic bar, 50 : 1, waves",
+            Self::Disc => "elastic disc, ringing",
+            Self::Adaptive => "square that may break anywhere, and does not yet",
+            Self::Intrinsic => "two squares that collide, joints on every edge",
+            Self::Heap => "fragments of 18 elements thrown together, joints on every edge",
+        }
+    }
+
+    /// About so many elements.
+    pub fn model(self, elements: usize) -> Model {
+        let cells = elements as f64 / 2.0;
+        let side = cells.sqrt();
+        let count = |x: f64| (x.round() as usize).max(1);
+        let square = |side: f64| grid(count(side), count(side));
+        let (mesh, velocities) = match self {
+            Self::Bar => {
+                let mesh = grid(count((cells * 50.0).sqrt()), count((cells / 50.0).sqrt()));
+                let middle = 0.5 * mesh.nodes.iter().map(|node| node[0]).fold(0.0, f64::max);
+                let velocities = mesh.nodes.iter().map(|&[x, _]| [if x < middle { 1.0 } else { 0.0 }, 0.0]);
+                (mesh.clone(), velocities.collect())
+            }
+            Self::Disc => {
+                let mesh = round(square(side));
+                let velocities = ringing(&mesh);
+                (mesh, velocities)
+            }
+            Self::Adaptive => {
+                let mesh = square(side);
+                let velocities = ringing(&mesh);
+                (mesh, velocities)
+            }
+            Self::Intrinsic => {
+                let lower = square((cells / 2.0).sqrt());
+                let height = lower.nodes.iter().map(|node| node[1]).fold(0.0, f64::max);
+                // Not node on node.
+                let upper = moved(&lower, 0.0, [0.37 * CELL, height]);
+                let mesh = together(&[lower, upper]);
+                let velocities =
+                    mesh.nodes.iter().zip(owners(&mesh)).map(|(_, body)| [0.0, [0.2, -0.2][body as usize]]).collect();
+                (mesh, velocities)
+            }
+            Self::Heap => {
+                let fragment = grid(3, 3);
+                let rows = count((elements as f64 / 18.0).sqrt());
+                let spacing = 3.35 * CELL;
+                let parts: Vec<Mesh> = (0..rows * rows)
+                    .map(|k| {
+                        let (i, j) = (k % rows, k / rows);
+                        let angle = ((7 * i + 13 * j) % 17) as f64 * 0.02 - 0.16;
+                        moved(&fragment, angle, [i as f64 * spacing, j as f64 * spacing])
+                    })
+                    .collect();
+                let mesh = together(&parts);
+                let middle = 0.5 * rows as f64 * spacing;
+                // The strain rate of the whole is the same for any size.
+                let velocities = mesh.nodes.iter().map(|node| node.map(|x| 240.0 * (middle - x))).collect();
+                (mesh, velocities)
+            }
+        };
+        let breaks = !matches!(self, Self::Bar | Self::Disc);
+        let joints = matches!(self, Self::Intrinsic | Self::Heap);
+        let strength = Strength {
+            tensile: 5e6,
+            cohesion: 15e6,
+            friction: 0.6,
+            energy_i: 100.0,
+            energy_ii: 500.0,
+            weibull_modulus: None,
+            seed: 0,
+        };
+        let rock = Material {
+            name: "rock".to_owned(),
+            density: 2700.0,
+            youngs_modulus: 30e9,
+            poissons_ratio: 0.25,
+            damping: 0.0,
+            strength: breaks.then_some(strength),
+            friction: 0.4,
+        };
+        Model {
+            mesh,
+            materials: vec![rock],
+            velocities,
+            fracture: FractureOptions {
+                insertion: if joints { Insertion::Intrinsic } else { Insertion::Adaptive },
+                ..FractureOptions::default()
+            },
+            ..Model::default()
+        }
+    }
+}
+
+/// So many squares of two triangles.
+fn grid(columns: usize, rows: usize) -> Mesh {
+    let node = |i: usize, j: usize| (j * (columns + 1) + i) as u32;
+    let nodes =
+        (0..=rows).flat_map(|j| (0..=columns).map(move |i| [i as f64 * CELL, j as f64 * CELL])).collect();
+    let mut triangles = Vec::with_capacity(2 * columns * rows);
+    for j in 0..rows {
+        for i in 0..columns {
+            let [a, b, c, d] = [node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)];
+            triangles.extend(if (i + j) % 2 == 0 { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] });
+        }
+    }
+    let count = triangles.len();
+    Mesh { nodes, triangles, bodies: vec![0; count], materials: vec![0; count] }
+}
+
+/// A square as a disc: squares around its middle become circles.
+fn round(mesh: Mesh) -> Mesh {
+    let half = 0.5 * mesh.nodes.iter().map(|node| node[0]).fold(0.0, f64::max);
+    let nodes = mesh.nodes.iter().map(|node| {
+        let [x, y] = node.map(|x| x / half - 1.0);
+        [half * x * (1.0 - 0.5 * y * y).sqrt(), half * y * (1.0 - 0.5 * x * x).sqrt()]
+    });
+    Mesh { nodes: nodes.collect(), ..mesh }
+}
+
+fn ringing(mesh: &Mesh) -> Vec<[f64; 2]> {
+    mesh.nodes.iter().map(|&[x, y]| [0.01 * (300.0 * x).sin(), 0.01 * (200.0 * y).cos()]).collect()
+}
+
+fn moved(mesh: &Mesh, angle: f64, by: [f64; 2]) -> Mesh {
+    let (sin, cos) = angle.sin_cos();
+    let place = |&[x, y]: &[f64; 2]| [cos * x - sin * y + by[0], sin * x + cos * y + by[1]];
+    Mesh { nodes: mesh.nodes.iter().map(place).collect(), ..mesh.clone() }
+}
+
+/// Several as bodies of one.
+fn together(parts: &[Mesh]) -> Mesh {
+    let mut all = Mesh::default();
+    for (body, part) in parts.iter().enumerate() {
+        let first = all.nodes.len() as u32;
+        all.nodes.extend(&part.nodes);
+        all.triangles.extend(part.triangles.iter().map(|nodes| nodes.map(|node| node + first)));
+        all.bodies.extend(part.triangles.iter().map(|_| body as u32));
+        all.materials.extend(&part.materials);
+    }
+    all
+}
+
+/// The body of each node.
+fn owners(mesh: &Mesh) -> Vec<u32> {
+    let mut owners = vec![0; mesh.nodes.len()];
+    for (nodes, &body) in mesh.triangles.iter().zip(&mesh.bodies) {
+        for &node in nodes {
+            owners[node as usize] = body;
+        }
+    }
+    owners
+}

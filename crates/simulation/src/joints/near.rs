@@ -1,0 +1,127 @@
+//! Which elements are near to what their edges bear, in any direction: only these are looked at closely.
+//!
+//! An edge fails by the mean traction of its two elements, `σ` normal and `τ` tangential, if `σ ≥ f_t`, or if `|τ| ≥ c` and `|τ| + µ σ ≥ c`. Both `σ` and `|τ| + µ σ` are convex in the
+//! traction: if the mean reaches a limit, so does one of the two elements. Over all directions, with the mean stress `s` and the radius `R` of Mohr's circle, they are at
+//! most `s + R` and `µ s + R √(1 + µ²)`.
+
+use crate::model::Strength;
+
+/// Below this share of their strength, edges at a free surface or at the tip of a crack are not looked at. The traction at a node exceeds that of the elements
+/// around it: by 1.6 ahead of a crack, where stress goes with 1/√r; by less elsewhere.
+pub(crate) const SUSPECT: f64 = 0.25;
+
+/// Bounds are computed in another way than tractions, and rounded otherwise.
+const ROUNDING: f64 = 1e-9;
+
+/// How near an element is to what its edges bear.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Near {
+    Far,
+    /// One of them may reach [`SUSPECT`].
+    Suspect,
+    /// One of them may fail.
+    Failing,
+}
+
+/// What the weakest of the edges of an element bears.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Weakest {
+    tensile: f64,
+    cohesion: f64,
+    /// The least and the largest tangent of the angle of internal friction: what is convex in it is largest at one of them.
+    friction: [f64; 2],
+}
+
+impl Weakest {
+    /// Of these; of none, what nothing reaches.
+    pub(crate) fn of(strengths: impl Iterator<Item = Strength>) -> Self {
+        let none =
+            Self { tensile: f64::INFINITY, cohesion: f64::INFINITY, friction: [f64::INFINITY, 0.0] };
+        strengths.fold(none, |weakest, strength| Self {
+            tensile: weakest.tensile.min(strength.tensile),
+            cohesion: weakest.cohesion.min(strength.cohesion),
+            friction: [
+                weakest.friction[0].min(strength.friction),
+                weakest.friction[1].max(strength.friction),
+            ],
+        })
+    }
+
+    /// How near a stress, `[xx, yy, xy]`, is to it.
+    #[inline]
+    pub(crate) fn reached_by(&self, [xx, yy, xy]: [f64; 3]) -> Near {
+        if self.tensile == f64::INFINITY {
+            return Near::Far;
+        }
+        let (mean, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
+        let radius = (half * half + xy * xy).sqrt();
+        let sheared = |friction: f64| friction * mean + (1.0 + friction * friction).sqrt() * radius;
+        let [least, most] = self.friction;
+        let shear = if least == most { sheared(least) } else { sheared(least).max(sheared(most)) };
+        let reaches = |share: f64| {
+            let share = share * (1.0 - ROUNDING);
+            mean + radius >= share * self.tensile || shear >= share * self.cohesion
+        };
+        if reaches(1.0) {
+            Near::Failing
+        } else if reaches(SUSPECT) {
+            Near::Suspect
+        } else {
+            Near::Far
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cohesive::reaches;
+    use crate::random;
+
+    /// No edge that fails by the mean of two stresses escapes, and no share of one either.
+    #[test]
+    fn what_the_mean_of_two_elements_reaches_one_of_them_reaches() {
+        let strength = |tensile, friction| Strength {
+            tensile,
+            cohesion: 3.0,
+            friction,
+            energy_i: 1.0,
+            energy_ii: 1.0,
+            weibull_modulus: None,
+            seed: 0,
+        };
+        let (strong, weak) = (strength(1.5, 0.2), strength(1.0, 0.7));
+        let weakest = Weakest::of([strong, weak].into_iter());
+        let mut next = (0..).map(|k| 2.0 * random::uniform(7, k) - 1.0);
+        let mut random = |scale: f64| scale * next.next().unwrap_or(0.0);
+        let (mut failed, mut suspected, mut near, mut far) = (0, 0, 0, 0);
+        for k in 0..200_000 {
+            let size = [0.3, 1.0, 3.0, 10.0][k % 4];
+            let pair: [[f64; 3]; 2] = std::array::from_fn(|_| std::array::from_fn(|_| random(size)));
+            let [xx, yy, xy]: [f64; 3] = std::array::from_fn(|i| 0.5 * (pair[0][i] + pair[1][i]));
+            let (sin, cos) = random(4.0).sin_cos();
+            let normal = xx * sin * sin - 2.0 * xy * sin * cos + yy * cos * cos;
+            let tangential = (xx - yy) * sin * cos + xy * (sin * sin - cos * cos);
+            let found = pair.map(|stress| weakest.reached_by(stress)).into_iter().max();
+            let share = |share: f64| {
+                let traction = [normal / share, tangential / share];
+                reaches(&strong, traction) || reaches(&weak, traction)
+            };
+            if share(1.0) {
+                failed += 1;
+                assert_eq!(found, Some(Near::Failing), "{pair:?}");
+            } else if share(SUSPECT) {
+                suspected += 1;
+                assert!(found >= Some(Near::Suspect), "{pair:?}");
+            }
+            near += usize::from(found == Some(Near::Suspect));
+            far += usize::from(found == Some(Near::Far));
+        }
+        assert!([failed, suspected, near, far].into_iter().all(|count| count > 1000));
+    }
+
+    #[test]
+    fn nothing_reaches_what_cannot_break() {
+        assert_eq!(Weakest::of([].into_iter()).reached_by([1e300, 1e300, 1e300]), Near::Far);
+    }
+}
