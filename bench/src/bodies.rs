@@ -16,7 +16,7 @@ pub enum Body {
     Adaptive,
     /// Two squares, with joints on all edges from the beginning, that hit each other.
     Intrinsic,
-    /// Fragments of 18 elements, with joints on all edges, that are thrown together.
+    /// Fragments of 18 elements, with joints on all edges, that press each other on all sides.
     Heap,
 }
 
@@ -42,7 +42,7 @@ impl Body {
             Self::Disc => "elastic disc, ringing",
             Self::Adaptive => "square that may break anywhere, and does not yet",
             Self::Intrinsic => "two squares that collide, joints on every edge",
-            Self::Heap => "fragments of 18 elements thrown together, joints on every edge",
+            Self::Heap => "fragments of 18 elements that press each other, joints on every edge",
         }
     }
 
@@ -73,7 +73,7 @@ impl Body {
                 let lower = square((cells / 2.0).sqrt());
                 let height = lower.nodes.iter().map(|node| node[1]).fold(0.0, f64::max);
                 // Not node on node.
-                let upper = moved(&lower, 0.0, [0.37 * CELL, height]);
+                let upper = moved(&lower, [0.37 * CELL, height]);
                 let mesh = together(&[lower, upper]);
                 let velocities =
                     mesh.nodes.iter().zip(owners(&mesh)).map(|(_, body)| [0.0, [0.2, -0.2][body as usize]]).collect();
@@ -82,18 +82,19 @@ impl Body {
             Self::Heap => {
                 let fragment = grid(3, 3);
                 let rows = count((elements as f64 / 18.0).sqrt());
-                let spacing = 3.35 * CELL;
+                // As bricks in a wall, so near that all touch their neighbours from the beginning.
+                let spacing = 3.0 * CELL * (1.0 - 1e-6);
                 let parts: Vec<Mesh> = (0..rows * rows)
                     .map(|k| {
-                        let (i, j) = (k % rows, k / rows);
-                        let angle = ((7 * i + 13 * j) % 17) as f64 * 0.02 - 0.16;
-                        moved(&fragment, angle, [i as f64 * spacing, j as f64 * spacing])
+                        let (i, j) = ((k % rows) as f64, k / rows);
+                        let shift = if j % 2 == 0 { 0.0 } else { 0.45 };
+                        moved(&fragment, [(i + shift) * spacing, j as f64 * spacing])
                     })
                     .collect();
                 let mesh = together(&parts);
                 let middle = 0.5 * rows as f64 * spacing;
-                // The strain rate of the whole is the same for any size.
-                let velocities = mesh.nodes.iter().map(|node| node.map(|x| 240.0 * (middle - x))).collect();
+                // The rate of strain is the same for any size.
+                let velocities = mesh.nodes.iter().map(|node| node.map(|x| 20.0 * (middle - x))).collect();
                 (mesh, velocities)
             }
         };
@@ -160,10 +161,8 @@ fn ringing(mesh: &Mesh) -> Vec<[f64; 2]> {
     mesh.nodes.iter().map(|&[x, y]| [0.01 * (300.0 * x).sin(), 0.01 * (200.0 * y).cos()]).collect()
 }
 
-fn moved(mesh: &Mesh, angle: f64, by: [f64; 2]) -> Mesh {
-    let (sin, cos) = angle.sin_cos();
-    let place = |&[x, y]: &[f64; 2]| [cos * x - sin * y + by[0], sin * x + cos * y + by[1]];
-    Mesh { nodes: mesh.nodes.iter().map(place).collect(), ..mesh.clone() }
+fn moved(mesh: &Mesh, by: [f64; 2]) -> Mesh {
+    Mesh { nodes: mesh.nodes.iter().map(|[x, y]| [x + by[0], y + by[1]]).collect(), ..mesh.clone() }
 }
 
 /// Several as bodies of one.

@@ -25,6 +25,8 @@ pub(crate) struct Couple {
     joint: u32,
     /// Has hung together until now, and may overlap already.
     born: bool,
+    /// The two do not touch before nodes have travelled as far, m.
+    apart_until: f64,
     /// Most couples do not touch.
     contact: Option<Box<Contact>>,
 }
@@ -90,8 +92,9 @@ pub(crate) struct Contacts {
     search: Buffered<f64, 2>,
     /// All couples with a smaller gap are among the candidates whenever the search has looked, m.
     slack: f64,
-    /// How far a node may have moved since then, m.
-    moved: f64,
+    /// How far a node may have come in all steps so far, m, and what this was when the search looked last.
+    travel: f64,
+    looked: f64,
     /// Those that may touch as joints are now, ascending.
     couples: Vec<Couple>,
     /// Of each element the couples, as twice their number and 1 for the second of the two: the slices between `first` of it and of the next one.
@@ -155,7 +158,8 @@ impl Contacts {
             boxes: [Vec::new(), Vec::new()],
             search,
             slack,
-            moved: f64::INFINITY,
+            travel: 0.0,
+            looked: f64::NEG_INFINITY,
             couples: Vec::new(),
             entries: Vec::new(),
             first: vec![0; model.mesh.triangles.len() + 1],
@@ -218,11 +222,12 @@ impl Contacts {
         if self.unwatched {
             self.watch(topology);
             self.unwatched = false;
-            self.moved = f64::INFINITY;
+            self.looked = f64::NEG_INFINITY;
         }
-        if 2.0 * self.moved > self.slack {
+        // Both of a couple may have come this far.
+        if 2.0 * (self.travel - self.looked) > self.slack {
             self.look(solid, joints, topology, team)?;
-            self.moved = 0.0;
+            self.looked = self.travel;
         }
         self.add_parted(joints, topology);
         Ok(())
@@ -230,7 +235,7 @@ impl Contacts {
 
     /// Notes that no node has moved farther than this in a step, m.
     pub(crate) fn note_motion(&mut self, distance: f64) {
-        self.moved += distance;
+        self.travel += distance;
     }
 
     /// Shows the boxes of all watched elements to the search.
@@ -325,7 +330,7 @@ impl Contacts {
         self.watched = saved.watched;
         self.list_watched();
         self.unwatched = self.list.is_empty();
-        let couple = |elements, contact| Couple { elements, joint: NONE, born: false, contact };
+        let couple = |elements, contact| Couple { contact, ..apart(elements) };
         self.couples = saved.apart.into_iter().map(|elements| couple(elements, None)).collect();
         self.couples.extend(saved.grips.into_iter().map(|(elements, grip)| {
             let contact = Contact { grip, touches: true, ..Contact::default() };
@@ -393,14 +398,17 @@ impl Contacts {
 
     /// Forces of all couples.
     pub(crate) fn press(&mut self, solid: &Solid, joints: &Joints, step: f64, team: &Team) -> Touching {
-        let (options, materials) = (&self.options, self.materials);
+        let (options, materials, travel) = (&self.options, self.materials, self.travel);
         team.change(&mut self.couples, |_, couples| {
             for couple in couples {
+                if couple.apart_until > travel {
+                    continue;
+                }
                 let pair = couple.elements.map(|element| &solid.elements[element as usize]);
                 let law = &options[pair[0].material as usize * materials + pair[1].material as usize];
                 let joint = joints.all.get(couple.joint as usize);
                 let share = joint.map_or([1.0, 0.0], |joint| [joint.faded, joint.fading]);
-                press(couple, solid, law, share, step);
+                press(couple, solid, law, share, step, travel);
             }
         });
         // One after the other: chunks would depend on how many couples there are that do not touch, which a run that was resumed may have other ones of.
@@ -432,9 +440,22 @@ impl Contacts {
 }
 
 /// Forces of one couple, of which a share counts; and how much more than in the last step.
-fn press(couple: &mut Couple, solid: &Solid, law: &Law, [weight, fading]: [f64; 2], step: f64) {
+fn press(
+    couple: &mut Couple,
+    solid: &Solid,
+    law: &Law,
+    [weight, fading]: [f64; 2],
+    step: f64,
+    travel: f64,
+) {
     let [a, b] = couple.elements.map(|element| solid.triangle(element));
-    let found = if weight > 0.0 && boxes_meet(&a, &b) { interaction(&a, &b) } else { None };
+    let gap = gap(&a, &b);
+    // A joint that holds its share of the two still has nothing to do with how far they are apart.
+    let found = match (weight > 0.0, gap < 0.0) {
+        (true, true) => interaction(&a, &b),
+        (true, false) => Err(gap),
+        (false, _) => Err(0.0),
+    };
     let born = std::mem::take(&mut couple.born);
     // What the last friction and damping did in the second half of their step.
     let mut sum = Works::default();
@@ -444,10 +465,17 @@ fn press(couple: &mut Couple, solid: &Solid, law: &Law, [weight, fading]: [f64; 
         sum.friction -= 0.5 * step * dot(before.friction, rate);
         sum.damping -= 0.5 * step * dot(before.damping, rate);
     }
-    let Some(Interaction { mut forces, energy, point, deep }) = found else {
-        // For one pass more, so that this work is counted.
-        couple.contact = before.map(|_| Box::new(Contact { works: sum, ..Contact::default() }));
-        return;
+    let Interaction { mut forces, energy, point, deep } = match found {
+        Ok(interaction) => interaction,
+        Err(distance) => {
+            // For one pass more, so that this work is counted.
+            couple.contact = before.map(|_| Box::new(Contact { works: sum, ..Contact::default() }));
+            if couple.contact.is_none() {
+                // Both may come nearer; a little less, for the roundings of the travel.
+                couple.apart_until = travel + 0.499 * distance;
+            }
+            return;
+        }
     };
     let potential = law.penalty * energy;
     let spared = match &before {
@@ -535,15 +563,17 @@ fn mass(solid: &Solid, element: u32) -> f64 {
     solid.nodes_of(element).iter().map(|&node| solid.constants[node as usize].mass / 3.0).sum()
 }
 
+/// Between the boxes around two triangles along the axis on which they are farthest apart; negative if they overlap.
 #[inline]
-fn boxes_meet(a: &Triangle, b: &Triangle) -> bool {
-    (0..2).all(|axis| {
+fn gap(a: &Triangle, b: &Triangle) -> f64 {
+    let along = |axis: usize| {
         let [a, b] = [a, b].map(|t| {
             let [p, q, r] = [t[0][axis], t[1][axis], t[2][axis]];
             [p.min(q).min(r), p.max(q).max(r)]
         });
-        a[0] < b[1] && b[0] < a[1]
-    })
+        (a[0] - b[1]).max(b[0] - a[1])
+    };
+    along(0).max(along(1))
 }
 
 /// How two elements lie in the undeformed mesh.
@@ -571,9 +601,14 @@ fn relation([a, b]: [u32; 2], topology: &Topology) -> Relation {
     Relation::Apart
 }
 
+/// A couple of two elements that were never together.
+fn apart(elements: [u32; 2]) -> Couple {
+    Couple { elements, joint: NONE, born: false, apart_until: 0.0, contact: None }
+}
+
 /// A new couple of two elements, if they may touch as joints are now.
 fn couple(elements: [u32; 2], groups: &[u32], joints: &Joints, topology: &Topology) -> Option<Couple> {
-    let couple = Couple { elements, joint: NONE, born: false, contact: None };
+    let couple = apart(elements);
     match relation(elements, topology) {
         Relation::Apart => Some(couple),
         Relation::Edge(edge) => {

@@ -200,7 +200,7 @@ pub struct ContactOptions {
 
 impl Default for ContactOptions {
     fn default() -> Self {
-        Self { penalty: 2.0, tangential_stiffness: 0.5, damping: 0.0, buffer: 0.1 }
+        Self { penalty: 2.0, tangential_stiffness: 0.5, damping: 0.0, buffer: 0.2 }
     }
 }
 

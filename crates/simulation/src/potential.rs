@@ -10,13 +10,18 @@
 //! the reaction, shared by `λ_b`, and, because `φ_B` moves with them, `−U_B ∇λ_b` besides. That last part sums to zero; without it, bodies whose elements
 //! deform while they touch would gain or lose energy.
 //!
-//! `φ_B` is linear on each of the three triangles that the centroid makes of B. A is clipped by each of them, and the edges of what is left that are parts of edges
-//! of A give the boundary integral.
+//! All of it follows from φ along the edges of A alone, where it is linear between a few points. The integral over the overlap, too: with `w = 1 − φ`, the distance from
+//! the centroid c of B in parts of that to its boundary, the field `(x − c) h`, `h = 1/2 − w/3 + C/w²`, has the divergence φ for any C. With C = −1/6 it vanishes on the
+//! boundary of B, and what flows out of the edges of A, `h = −φ² (3 − 2 φ)/(6 w²)` without cancellation, is the integral; if c is in A, less a third of the area of B. Where an edge of A passes near
+//! c that is 0/0 nearly: there C = 0 serves, and the edges of B inside A, where h = 1/6, count too.
 
 /// A point or vector of the plane.
 pub(crate) type Point = [f64; 2];
 /// Corners, counter-clockwise.
 pub(crate) type Triangle = [Point; 3];
+
+/// Nearer to the centroid than this, in parts of the distance of the boundary, an edge passes near it.
+const NEAR: f64 = 0.1;
 
 /// What two triangles do to each other, for a penalty of 1 and a thickness of 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -31,37 +36,28 @@ pub(crate) struct Interaction {
     pub(crate) deep: bool,
 }
 
-/// The forces on the corners of `a` and `b`; `None` if they do not overlap.
-pub(crate) fn interaction(a: &Triangle, b: &Triangle) -> Option<Interaction> {
-    if apart(a, b) || apart(b, a) {
-        return None;
-    }
-    let mut sum = Sum::default();
+/// The forces on the corners of `a` and `b`. If they do not overlap, a distance that they are apart at least.
+pub(crate) fn interaction(a: &Triangle, b: &Triangle) -> Result<Interaction, f64> {
+    let coordinates = [Coordinates::of(a), Coordinates::of(b)];
+    let in_b = a.map(|corner| coordinates[1].at(corner));
+    coordinates[1].beyond(&in_b)?;
+    let in_a = b.map(|corner| coordinates[0].at(corner));
+    coordinates[0].beyond(&in_a)?;
+    let chords = [chords(&in_b), chords(&in_a)];
     let mut result = Interaction::default();
-    {
-        let [first, second] = &mut result.forces;
-        press(a, b, first, second, &mut sum);
-        press(b, a, second, first, &mut sum);
-    }
+    let [first, second] = &mut result.forces;
+    let mut sum = Sum::default();
+    press(a, b, &coordinates[1], [&chords[0], &chords[1]], [first, second], &mut sum);
+    press(b, a, &coordinates[0], [&chords[1], &chords[0]], [second, first], &mut sum);
     // Triangles that touch in a point or along a line.
     if sum.energy <= 0.0 {
-        return None;
+        return Err(0.0);
     }
     result.energy = sum.energy;
     // Without a resultant there is no friction, wherever it would act.
     result.point = if sum.weight > 0.0 { sum.moment.map(|x| x / sum.weight) } else { a[0] };
     result.deep = sum.deep;
-    Some(result)
-}
-
-/// All of `b` lies outside of an edge of `a`, or on it.
-#[inline]
-fn apart(a: &Triangle, b: &Triangle) -> bool {
-    (0..3).any(|k| {
-        let (from, to) = (a[k], a[(k + 1) % 3]);
-        let along = minus(to, from);
-        b.iter().all(|&corner| cross(along, minus(corner, from)) <= 0.0)
-    })
+    Ok(result)
 }
 
 #[derive(Default)]
@@ -72,148 +68,178 @@ struct Sum {
     deep: bool,
 }
 
-/// Adds what the potential of `target` does to the boundary of `contactor`, and the reaction.
+/// Adds what the potential of `target` does to the boundary of `contactor`, and the reaction. `chords`: of the edges of the contactor in the target, and the reverse.
 fn press(
     contactor: &Triangle,
     target: &Triangle,
-    on_contactor: &mut [Point; 3],
-    on_target: &mut [Point; 3],
+    coordinates: &Coordinates,
+    chords: [&[Chord; 3]; 2],
+    [on_contactor, on_target]: [&mut [Point; 3]; 2],
     sum: &mut Sum,
 ) {
-    let gradients = gradients(target);
-    let origin = target[0];
-    let lambda = |point: Point| {
-        let from = minus(point, origin);
-        let (one, two) = (dot(gradients[1], from), dot(gradients[2], from));
-        [1.0 - one - two, one, two]
-    };
-    let edges: [Point; 3] = std::array::from_fn(|k| minus(contactor[(k + 1) % 3], contactor[k]));
-    let at_corners = contactor.map(lambda);
-    let mut energy = 0.0;
-    for k in 0..3 {
-        // Where λ_k is the least: it is 0 on the edge opposite of corner k.
-        let signs =
-            at_corners.map(|lambda| [lambda[k], lambda[(k + 1) % 3] - lambda[k], lambda[(k + 2) % 3] - lambda[k]]);
-        // All beyond one of the lines: most contacts are with one of the three alone.
-        if (0..3).any(|side| signs.iter().all(|sign| sign[side] <= 0.0)) {
+    let centroid: Point =
+        std::array::from_fn(|axis| (target[0][axis] + target[1][axis] + target[2][axis]) / 3.0);
+    let area = 0.5 * coordinates.double;
+    let (mut outside, mut near, mut inside) = (0.0, 0.0, true);
+    let mut passes_near = false;
+    for (k, chord) in chords[0].iter().enumerate() {
+        let next = (k + 1) % 3;
+        let along = minus(contactor[next], contactor[k]);
+        // As long as the edge.
+        let normal = [along[1], -along[0]];
+        let beyond = dot(minus(contactor[k], centroid), normal);
+        inside &= beyond >= 0.0;
+        let pressure = chord.at_start + chord.at_end;
+        if pressure == 0.0 {
             continue;
         }
-        let mut part = Clipped::new(contactor, signs);
-        for side in 0..3 {
-            part.cut(side);
+        outside += beyond * chord.outside;
+        near += beyond * chord.near;
+        passes_near |= chord.least < NEAR;
+        add(&mut on_contactor[k], normal, -chord.at_start);
+        add(&mut on_contactor[next], normal, -chord.at_end);
+        let [start, end] = [k, next].map(|corner| coordinates.at(contactor[corner]));
+        for corner in 0..3 {
+            add(&mut on_target[corner], normal, start[corner] * chord.at_start + end[corner] * chord.at_end);
         }
-        let count = part.count;
-        for i in 0..count {
-            let (p, q) = (part.points[i], part.points[(i + 1) % count]);
-            let (phi_p, phi_q) =
-                (3.0 * part.signs[i][0].max(0.0), 3.0 * part.signs[(i + 1) % count][0].max(0.0));
-            // The integral of a linear function over a polygon, as a fan of triangles.
-            if i > 0 && i + 1 < count {
-                let corner = part.points[0];
-                let area = 0.5 * cross(minus(p, corner), minus(q, corner));
-                energy += area * (3.0 * part.signs[0][0].max(0.0) + phi_p + phi_q) / 3.0;
-            }
-            let edge = part.edges[i];
-            if edge == INNER {
-                continue;
-            }
-            let (edge, along) = (usize::from(edge), edges[usize::from(edge)]);
-            let squared = dot(along, along);
-            let share = |point: Point| dot(minus(point, contactor[edge]), along) / squared;
-            let length = dot(minus(q, p), along) / squared.sqrt();
-            // ∫ φ g over the segment, for φ and g linear.
-            let integral = |g: f64, h: f64| length / 6.0 * (phi_p * (2.0 * g + h) + phi_q * (g + 2.0 * h));
-            let (s, t) = (share(p), share(q));
-            let normal = [along[1], -along[0]].map(|x| x / squared.sqrt());
-            let (at_start, at_end) = (integral(1.0 - s, 1.0 - t), integral(s, t));
-            add(&mut on_contactor[edge], normal, -at_start);
-            add(&mut on_contactor[(edge + 1) % 3], normal, -at_end);
-            let (lambda_p, lambda_q) = (lambda(p), lambda(q));
-            for corner in 0..3 {
-                add(&mut on_target[corner], normal, integral(lambda_p[corner], lambda_q[corner]));
-            }
-            sum.weight += at_start + at_end;
-            for axis in 0..2 {
-                sum.moment[axis] += integral(p[axis], q[axis]);
-            }
+        let long = length(normal);
+        sum.weight += long * pressure;
+        for axis in 0..2 {
+            let moment = contactor[k][axis] * chord.at_start + contactor[next][axis] * chord.at_end;
+            sum.moment[axis] += long * moment;
         }
     }
+    let energy = if passes_near {
+        near + area / 9.0 * chords[1].iter().map(|chord| chord.long).sum::<f64>()
+    } else if inside {
+        outside + area / 3.0
+    } else {
+        outside
+    };
     for corner in 0..3 {
-        add(&mut on_target[corner], gradients[corner], -energy);
+        add(&mut on_target[corner], coordinates.gradients[corner], -energy);
     }
     sum.energy += energy;
-    let centroid = std::array::from_fn(|axis| (target[0][axis] + target[1][axis] + target[2][axis]) / 3.0);
-    sum.deep |= (0..3).all(|k| cross(edges[k], minus(centroid, contactor[k])) >= 0.0);
+    sum.deep |= inside;
 }
 
-/// Of the area coordinates.
-fn gradients(triangle: &Triangle) -> [Point; 3] {
-    let [a, b, c] = *triangle;
-    let double = cross(minus(b, a), minus(c, a));
-    [minus(c, b), minus(a, c), minus(b, a)].map(|[x, y]| [-y / double, x / double])
+/// Area coordinates of a triangle.
+struct Coordinates {
+    origin: Point,
+    gradients: [Point; 3],
+    /// Twice the area.
+    double: f64,
 }
 
-/// An edge that a cut has made.
-const INNER: u8 = 3;
-
-/// A triangle, cut by up to three lines: at most six corners.
-struct Clipped {
-    points: [Point; 6],
-    /// At each corner the three functions whose positive sides are kept: linear, so that they are interpolated with the points.
-    signs: [[f64; 3]; 6],
-    /// The edge of the triangle that follows each corner, or [`INNER`].
-    edges: [u8; 6],
-    count: usize,
-}
-
-impl Clipped {
-    fn new(triangle: &Triangle, signs: [[f64; 3]; 3]) -> Self {
-        let mut all =
-            Self { points: [[0.0; 2]; 6], signs: [[0.0; 3]; 6], edges: [0, 1, 2, 0, 0, 0], count: 3 };
-        all.points[..3].copy_from_slice(triangle);
-        all.signs[..3].copy_from_slice(&signs);
-        all
+impl Coordinates {
+    #[inline]
+    fn of(triangle: &Triangle) -> Self {
+        let [a, b, c] = *triangle;
+        let double = cross(minus(b, a), minus(c, a));
+        let per_double = 1.0 / double;
+        let gradient = |[x, y]: Point| [-y * per_double, x * per_double];
+        let gradients = [gradient(minus(c, b)), gradient(minus(a, c)), gradient(minus(b, a))];
+        Self { origin: a, gradients, double }
     }
 
-    /// Keeps the side on which function `side` is not negative (Sutherland and Hodgman).
-    fn cut(&mut self, side: usize) {
-        if self.signs[..self.count].iter().all(|sign| sign[side] >= 0.0) {
-            return;
-        }
-        let before = Self { ..*self };
-        self.count = 0;
-        for i in 0..before.count {
-            let j = if i + 1 == before.count { 0 } else { i + 1 };
-            let (here, there) = (before.signs[i][side], before.signs[j][side]);
-            if here >= 0.0 {
-                self.push(
-                    before.points[i],
-                    before.signs[i],
-                    if there < 0.0 && here == 0.0 { INNER } else { before.edges[i] },
-                );
-            }
-            if (here > 0.0 && there < 0.0) || (here < 0.0 && there > 0.0) {
-                let share = here / (here - there);
-                let between = |a: f64, b: f64| a + share * (b - a);
-                let point =
-                    std::array::from_fn(|axis| between(before.points[i][axis], before.points[j][axis]));
-                let mut signs: [f64; 3] =
-                    std::array::from_fn(|k| between(before.signs[i][k], before.signs[j][k]));
-                signs[side] = 0.0;
-                self.push(point, signs, if here > 0.0 { INNER } else { before.edges[i] });
+    #[inline]
+    fn at(&self, point: Point) -> [f64; 3] {
+        let from = minus(point, self.origin);
+        let (one, two) = (dot(self.gradients[1], from), dot(self.gradients[2], from));
+        [1.0 - one - two, one, two]
+    }
+
+    /// `Err` if corners with these coordinates are all beyond one of the edges, or on it: how far at least.
+    #[inline]
+    fn beyond(&self, corners: &[[f64; 3]; 3]) -> Result<(), f64> {
+        let mut distance = None;
+        for k in 0..3 {
+            let most = corners[0][k].max(corners[1][k]).max(corners[2][k]);
+            if most <= 0.0 {
+                // The gradient is one over the height.
+                let beyond = -most / length(self.gradients[k]);
+                distance = Some(distance.map_or(beyond, |other: f64| other.max(beyond)));
             }
         }
+        distance.map_or(Ok(()), Err)
     }
+}
 
-    fn push(&mut self, point: Point, signs: [f64; 3], edge: u8) {
-        // A convex polygon gains at most one corner by a cut; a sliver whose signs contradict each other by a rounding must not write beyond.
-        if self.count < self.points.len() {
-            self.points[self.count] = point;
-            self.signs[self.count] = signs;
-            self.edges[self.count] = edge;
-            self.count += 1;
+/// The part of an edge in another triangle, with integrals along the edge, whose length is 1.
+#[derive(Clone, Copy, Default)]
+struct Chord {
+    /// Of the edge.
+    long: f64,
+    /// ∫ φ (1 − s) and ∫ φ s.
+    at_start: f64,
+    at_end: f64,
+    /// ∫ h with C = −1/6, and with C = 0.
+    outside: f64,
+    near: f64,
+    /// The least w.
+    least: f64,
+}
+
+/// Of the three edges of a triangle whose corners have these coordinates in the other.
+#[inline]
+fn chords(corners: &[[f64; 3]; 3]) -> [Chord; 3] {
+    [0, 1, 2].map(|k| chord(&corners[k], &corners[(k + 1) % 3]))
+}
+
+/// Of an edge, by the coordinates of its ends.
+#[inline]
+fn chord(start: &[f64; 3], end: &[f64; 3]) -> Chord {
+    let (mut from, mut to) = (0.0_f64, 1.0_f64);
+    for k in 0..3 {
+        let (x, y) = (start[k], end[k]);
+        if x < 0.0 && y < 0.0 {
+            return Chord::default();
+        }
+        if x < 0.0 {
+            from = from.max(x / (x - y));
+        } else if y < 0.0 {
+            to = to.min(x / (x - y));
         }
     }
+    if from >= to {
+        return Chord::default();
+    }
+    // Ends of the pieces on which one coordinate is the least: there two are equal.
+    let (mut cuts, mut count) = ([from, to, to, to, to], 1);
+    for (k, l) in [(0, 1), (1, 2), (2, 0)] {
+        let (x, y) = (start[k] - start[l], end[k] - end[l]);
+        if (x < 0.0 && y > 0.0) || (x > 0.0 && y < 0.0) {
+            let cut = x / (x - y);
+            if cut > from && cut < to {
+                let mut place = count;
+                while cuts[place - 1] > cut {
+                    cuts[place] = cuts[place - 1];
+                    place -= 1;
+                }
+                cuts[place] = cut;
+                count += 1;
+            }
+        }
+    }
+    cuts[count] = to;
+    let potential = |s: f64| {
+        let at = |k: usize| start[k] + s * (end[k] - start[k]);
+        3.0 * at(0).min(at(1)).min(at(2)).max(0.0)
+    };
+    let mut chord = Chord { long: to - from, least: 1.0, ..Chord::default() };
+    let (mut s, mut a) = (from, potential(from));
+    for &t in &cuts[1..=count] {
+        let (b, long) = (potential(t), t - s);
+        let (v, w) = (1.0 - a, 1.0 - b);
+        chord.at_start += long / 6.0 * (a * (3.0 - 2.0 * s - t) + b * (3.0 - s - 2.0 * t));
+        chord.at_end += long / 6.0 * (a * (2.0 * s + t) + b * (s + 2.0 * t));
+        // Of -φ² (3 - 2 φ)/(6 w²), φ from a to b.
+        chord.outside -= long * (a * a + a * b + b * b - a * b * (a + b)) / (6.0 * v * w);
+        chord.near += long * (0.5 - (v + w) / 6.0);
+        chord.least = chord.least.min(v).min(w);
+        (s, a) = (t, b);
+    }
+    chord
 }
 
 #[inline]
@@ -245,10 +271,7 @@ fn add(to: &mut Point, direction: Point, factor: f64) {
 
 /// Area coordinates of a point.
 pub(crate) fn area_coordinates(triangle: &Triangle, point: Point) -> [f64; 3] {
-    let g = gradients(triangle);
-    let from = minus(point, triangle[0]);
-    let (one, two) = (dot(g[1], from), dot(g[2], from));
-    [1.0 - one - two, one, two]
+    Coordinates::of(triangle).at(point)
 }
 
 #[cfg(test)]
@@ -280,7 +303,7 @@ mod tests {
     fn forces_are_the_gradient_of_the_energy() {
         let mut overlapping = 0;
         for (a, b) in pairs() {
-            let Some(found) = interaction(&a, &b) else { continue };
+            let Ok(found) = interaction(&a, &b) else { continue };
             overlapping += 1;
             for side in 0..2 {
                 for corner in 0..3 {
@@ -304,10 +327,62 @@ mod tests {
         assert!(overlapping > 1000, "{overlapping}");
     }
 
+    /// The integral of the potential of `target` over what `contactor` covers of it, by many small triangles.
+    fn summed(contactor: &Triangle, target: &Triangle) -> f64 {
+        let (n, mut sum) = (120, 0.0);
+        let coordinates = Coordinates::of(contactor);
+        for i in 0..n {
+            for j in 0..n - i {
+                for (share, last) in [(1.0 / 3.0, n - i), (2.0 / 3.0, n - i - 1)] {
+                    if j >= last {
+                        continue;
+                    }
+                    let lambda = [(i as f64 + share) / n as f64, (j as f64 + share) / n as f64];
+                    let lambda = [lambda[0], lambda[1], 1.0 - lambda[0] - lambda[1]];
+                    let point = std::array::from_fn(|axis| (0..3).map(|k| lambda[k] * target[k][axis]).sum());
+                    if coordinates.at(point).iter().all(|&own| own >= 0.0) {
+                        sum += 3.0 * lambda[0].min(lambda[1]).min(lambda[2]);
+                    }
+                }
+            }
+        }
+        0.5 * Coordinates::of(target).double * sum / (n * n) as f64
+    }
+
+    #[test]
+    fn the_energy_is_the_integral_over_the_overlap() {
+        let mut deep = 0;
+        for (a, b) in pairs().take(300) {
+            let found = interaction(&a, &b).map_or(0.0, |found| found.energy);
+            let expected = summed(&a, &b) + summed(&b, &a);
+            assert!((found - expected).abs() < 3e-3, "{a:?} {b:?}: {found} {expected}");
+            deep += usize::from(interaction(&a, &b).is_ok_and(|found| found.deep));
+        }
+        assert!(deep > 30, "{deep}");
+    }
+
+    /// Where both forms of the integral are good they agree; where an edge goes through the centroid, the one that is used is continuous.
+    #[test]
+    fn an_edge_through_the_centroid_is_as_one_that_passes_near() {
+        let target = [[0.0, 0.0], [3.0, 0.0], [0.0, 3.0]];
+        let contactor = |x: f64| [[x, -5.0], [x + 9.0, 0.3], [x, 5.0]];
+        let energy = |x: f64| interaction(&contactor(x), &target).map_or(f64::NAN, |found| found.energy);
+        let through = energy(1.0);
+        for shift in [1e-12, 1e-9, 1e-6] {
+            for sign in [-1.0, 1.0] {
+                let passing = energy(1.0 + sign * shift);
+                assert!((passing - through).abs() < 3.0 * shift + 1e-14, "{shift}: {passing} {through}");
+            }
+        }
+        // Across the limit between the two forms, where w along the edge is 0.1 at least.
+        let (one, other) = (energy(0.9 - 1e-9), energy(0.9 + 1e-9));
+        assert!((one - other).abs() < 1e-8, "{one} {other}");
+    }
+
     #[test]
     fn momentum_is_kept_to_rounding() {
         for (a, b) in pairs() {
-            let Some(found) = interaction(&a, &b) else { continue };
+            let Ok(found) = interaction(&a, &b) else { continue };
             let (mut force, mut torque) = ([0.0; 2], 0.0);
             for (corners, forces) in [a, b].iter().zip(&found.forces) {
                 for (corner, f) in corners.iter().zip(forces) {
@@ -322,9 +397,9 @@ mod tests {
     #[test]
     fn triangles_that_touch_do_nothing() {
         let a = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
-        assert_eq!(interaction(&a, &[[1.0, 0.0], [2.0, 0.0], [1.0, 1.0]]), None);
-        assert_eq!(interaction(&a, &[[0.0, 0.0], [0.0, -1.0], [1.0, 0.0]]), None);
-        assert_eq!(interaction(&a, &[[5.0, 0.0], [6.0, 0.0], [5.0, 1.0]]), None);
+        assert_eq!(interaction(&a, &[[1.0, 0.0], [2.0, 0.0], [1.0, 1.0]]), Err(0.0));
+        assert_eq!(interaction(&a, &[[0.0, 0.0], [0.0, -1.0], [1.0, 0.0]]), Err(0.0));
+        assert_eq!(interaction(&a, &[[5.0, 0.0], [6.0, 0.0], [5.0, 1.0]]), Err(4.0));
     }
 
     #[test]

@@ -293,10 +293,10 @@ impl Simulation {
     /// # Errors
     /// Why the run cannot go on; it stands where that was found then.
     pub fn advance(&mut self, steps: u64) -> Result<(), Stop> {
-        for _ in 0..steps {
-            self.step()?;
+        match self.team.pool() {
+            Some(pool) => pool.install(|| (0..steps).try_for_each(|_| self.step())),
+            None => (0..steps).try_for_each(|_| self.step()),
         }
-        Ok(())
     }
 
     /// The model as it was given.

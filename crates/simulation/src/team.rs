@@ -2,6 +2,8 @@
 //!
 //! Items are cut into chunks of a fixed size; what a chunk sums up is added in the order of the chunks.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
 use crate::error::ModelError;
@@ -16,7 +18,7 @@ const WORTH_IT: usize = 8 * CHUNK;
 #[derive(Debug)]
 pub(crate) struct Team {
     /// `None`: the caller's alone.
-    pool: Option<rayon::ThreadPool>,
+    pool: Option<Arc<rayon::ThreadPool>>,
 }
 
 impl Team {
@@ -30,11 +32,16 @@ impl Team {
             .thread_name(|k| format!("fdem-{k}"))
             .build()
             .map_err(|error| ModelError::Threads { message: error.to_string() })?;
-        Ok(Self { pool: (pool.current_num_threads() > 1).then_some(pool) })
+        Ok(Self { pool: (pool.current_num_threads() > 1).then(|| Arc::new(pool)) })
     }
 
     pub(crate) fn threads(&self) -> usize {
-        self.pool.as_ref().map_or(1, rayon::ThreadPool::current_num_threads)
+        self.pool.as_ref().map_or(1, |pool| pool.current_num_threads())
+    }
+
+    /// These threads, to be given long work as a whole: each piece of it then goes from one of them to the others, and no other thread has to be woken.
+    pub(crate) fn pool(&self) -> Option<Arc<rayon::ThreadPool>> {
+        self.pool.clone()
     }
 
     /// Has `work` done on chunks of `items`, given the number of the first; its results in the order of the chunks.
