@@ -12,6 +12,8 @@ pub enum Body {
     Bar,
     /// A disc that rings.
     Disc,
+    /// The disc, with joints on all edges from the beginning.
+    Joined,
     /// A square that rings, and could break: every edge is watched, no joint is put in.
     Adaptive,
     /// Two squares, with joints on all edges from the beginning, that hit each other.
@@ -22,13 +24,15 @@ pub enum Body {
 
 impl Body {
     /// All of them.
-    pub const ALL: [Self; 5] = [Self::Bar, Self::Disc, Self::Adaptive, Self::Intrinsic, Self::Heap];
+    pub const ALL: [Self; 6] =
+        [Self::Bar, Self::Disc, Self::Joined, Self::Adaptive, Self::Intrinsic, Self::Heap];
 
     /// In one word.
     pub fn name(self) -> &'static str {
         match self {
             Self::Bar => "bar",
             Self::Disc => "disc",
+            Self::Joined => "joined",
             Self::Adaptive => "adaptive",
             Self::Intrinsic => "intrinsic",
             Self::Heap => "heap",
@@ -40,10 +44,16 @@ impl Body {
         match self {
             Self::Bar => "elastic bar, 50 : 1, waves",
             Self::Disc => "elastic disc, ringing",
+            Self::Joined => "disc, ringing, joints on every edge",
             Self::Adaptive => "square that may break anywhere, and does not yet",
             Self::Intrinsic => "two squares that collide, joints on every edge",
             Self::Heap => "fragments of 18 elements that press each other, joints on every edge",
         }
+    }
+
+    /// Has joints on all edges from the beginning.
+    pub fn has_joints(self) -> bool {
+        matches!(self, Self::Joined | Self::Intrinsic | Self::Heap)
     }
 
     /// About so many elements.
@@ -59,7 +69,7 @@ impl Body {
                 let velocities = mesh.nodes.iter().map(|&[x, _]| [if x < middle { 1.0 } else { 0.0 }, 0.0]);
                 (mesh.clone(), velocities.collect())
             }
-            Self::Disc => {
+            Self::Disc | Self::Joined => {
                 let mesh = round(square(side));
                 let velocities = ringing(&mesh);
                 (mesh, velocities)
@@ -75,8 +85,12 @@ impl Body {
                 // Not node on node.
                 let upper = moved(&lower, [0.37 * CELL, height]);
                 let mesh = together(&[lower, upper]);
-                let velocities =
-                    mesh.nodes.iter().zip(owners(&mesh)).map(|(_, body)| [0.0, [0.2, -0.2][body as usize]]).collect();
+                let velocities = mesh
+                    .nodes
+                    .iter()
+                    .zip(owners(&mesh))
+                    .map(|(_, body)| [0.0, [0.2, -0.2][body as usize]])
+                    .collect();
                 (mesh, velocities)
             }
             Self::Heap => {
@@ -99,7 +113,7 @@ impl Body {
             }
         };
         let breaks = !matches!(self, Self::Bar | Self::Disc);
-        let joints = matches!(self, Self::Intrinsic | Self::Heap);
+        let joints = self.has_joints();
         let strength = Strength {
             tensile: 5e6,
             cohesion: 15e6,

@@ -9,7 +9,9 @@ use serde::{Deserialize, Serialize};
 use crate::error::{ModelError, Stop};
 use crate::joints::{Joints, State};
 use crate::model::Model;
-use crate::potential::{Interaction, Point, Triangle, area_coordinates, cross, dot, interaction, length, minus};
+use crate::potential::{
+    Interaction, Point, Triangle, area_coordinates, cross, dot, interaction, length, minus,
+};
 use crate::solid::{Solid, height, triangle_of};
 use crate::team::Team;
 use crate::topology::{NONE, Topology};
@@ -88,7 +90,6 @@ pub(crate) struct Contacts {
     /// Whether an element is watched.
     pub(crate) watched: Vec<bool>,
     list: Vec<u32>,
-    boxes: [Vec<[f64; 2]>; 2],
     search: Buffered<f64, 2>,
     /// All couples with a smaller gap are among the candidates whenever the search has looked, m.
     slack: f64,
@@ -155,7 +156,6 @@ impl Contacts {
             groups: vec![0; topology.vertices.len()],
             watched: vec![false; model.mesh.triangles.len()],
             list: Vec::new(),
-            boxes: [Vec::new(), Vec::new()],
             search,
             slack,
             travel: 0.0,
@@ -239,29 +239,21 @@ impl Contacts {
     }
 
     /// Shows the boxes of all watched elements to the search.
-    fn look(
-        &mut self,
-        solid: &Solid,
-        joints: &Joints,
-        topology: &Topology,
-        team: &Team,
-    ) -> Result<(), Stop> {
+    fn look(&mut self, solid: &Solid, joints: &Joints, topology: &Topology, team: &Team) -> Result<(), Stop> {
         let list = &self.list;
-        let [min, max] = &mut self.boxes;
         let bounds = |element: u32| {
             let [a, b, c] = solid.triangle(element);
             let least = |axis: usize| a[axis].min(b[axis]).min(c[axis]);
             let most = |axis: usize| a[axis].max(b[axis]).max(c[axis]);
             ([least(0), least(1)], [most(0), most(1)])
         };
-        min.resize(list.len(), [0.0; 2]);
-        max.resize(list.len(), [0.0; 2]);
-        team.change_both(min, max, |first, least, most| {
+        let [mut min, mut max] = [vec![[0.0; 2]; list.len()], vec![[0.0; 2]; list.len()]];
+        team.change_both(&mut min, &mut max, |first, least, most| {
             for (k, (least, most)) in least.iter_mut().zip(most).enumerate() {
                 (*least, *most) = bounds(list[first + k]);
             }
         });
-        let update = self.search.update(&Boxes::boxes(min, max)?.with_tolerance(self.slack)?)?;
+        let update = self.search.update(&Boxes::boxes(&min, &max)?.with_tolerance(self.slack)?)?;
         if update.redetected() {
             self.detections += 1;
             let (groups, candidates) = (&self.groups, update.candidates());
@@ -270,7 +262,9 @@ impl Contacts {
                 let all = candidates[range].iter().map(elements);
                 all.filter_map(|pair| couple(pair, groups, joints, topology)).collect::<Vec<_>>()
             });
-            self.choose(found.into_iter().flatten().collect());
+            let mut couples = Vec::with_capacity(found.iter().map(Vec::len).sum());
+            couples.extend(found.into_iter().flatten());
+            self.choose(couples);
         }
         Ok(())
     }
@@ -440,14 +434,7 @@ impl Contacts {
 }
 
 /// Forces of one couple, of which a share counts; and how much more than in the last step.
-fn press(
-    couple: &mut Couple,
-    solid: &Solid,
-    law: &Law,
-    [weight, fading]: [f64; 2],
-    step: f64,
-    travel: f64,
-) {
+fn press(couple: &mut Couple, solid: &Solid, law: &Law, [weight, fading]: [f64; 2], step: f64, travel: f64) {
     let [a, b] = couple.elements.map(|element| solid.triangle(element));
     let gap = gap(&a, &b);
     // A joint that holds its share of the two still has nothing to do with how far they are apart.

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::cohesive::{Law, Memory};
 use crate::error::ModelError;
-use crate::joints::near::{Near, Weakest};
+use crate::joints::near::{Near, Slopes, Weakest};
 use crate::model::{Insertion, Model, Strength};
 use crate::potential::{Point, dot, length, minus};
 use crate::random;
@@ -119,6 +119,7 @@ pub(crate) struct Joints {
     /// What the weakest edge of each element bears, and how near it is to that; empty if joints are not inserted.
     weakest: Vec<Weakest>,
     near: Vec<Near>,
+    slopes: Slopes,
 }
 
 /// What a pass over the joints found.
@@ -160,6 +161,7 @@ impl Joints {
             Vec::new()
         };
         let is_tip = topology.outer_vertices();
+        let slopes = Slopes::of(&strengths);
         let mut joints = Self {
             tips: (0..is_tip.len() as u32).filter(|&vertex| is_tip[vertex as usize]).collect(),
             is_tip,
@@ -175,6 +177,7 @@ impl Joints {
             insertion: model.fracture.insertion,
             weakest: Vec::new(),
             near: Vec::new(),
+            slopes,
         };
         if model.fracture.insertion == Insertion::Adaptive && !joints.strengths.is_empty() {
             joints.weakest = (0..mesh.triangles.len())

@@ -100,13 +100,7 @@ fn gather(
 }
 
 #[inline]
-fn move_node(
-    node: &mut Node,
-    constants: &Constants,
-    mut force: Point,
-    motion: &Motion<'_>,
-    sum: &mut Moved,
-) {
+fn move_node(node: &mut Node, constants: &Constants, mut force: Point, motion: &Motion<'_>, sum: &mut Moved) {
     let mass = constants.mass;
     let step = motion.step;
     let before = node.velocity;
@@ -119,7 +113,7 @@ fn move_node(
         force[axis] += weight[axis];
         let hold = held.and_then(|held| held[axis]);
         let after = if let Some(hold) = hold {
-            let moved = node.position[axis] - constants.origin[axis];
+            let moved = node.position[axis] - motion.model.mesh.nodes[constants.vertex as usize][axis];
             let after = hold.velocity(&motion.loads.schedules, motion.time, step, moved);
             let reaction = mass * (after - before[axis]) / step - force[axis];
             external[axis] += reaction;

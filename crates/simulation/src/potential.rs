@@ -329,7 +329,7 @@ mod tests {
 
     /// The integral of the potential of `target` over what `contactor` covers of it, by many small triangles.
     fn summed(contactor: &Triangle, target: &Triangle) -> f64 {
-        let (n, mut sum) = (120, 0.0);
+        let (n, mut sum) = (120_u32, 0.0);
         let coordinates = Coordinates::of(contactor);
         for i in 0..n {
             for j in 0..n - i {
@@ -337,7 +337,7 @@ mod tests {
                     if j >= last {
                         continue;
                     }
-                    let lambda = [(i as f64 + share) / n as f64, (j as f64 + share) / n as f64];
+                    let lambda = [i, j].map(|step| (f64::from(step) + share) / f64::from(n));
                     let lambda = [lambda[0], lambda[1], 1.0 - lambda[0] - lambda[1]];
                     let point = std::array::from_fn(|axis| (0..3).map(|k| lambda[k] * target[k][axis]).sum());
                     if coordinates.at(point).iter().all(|&own| own >= 0.0) {
@@ -346,7 +346,7 @@ mod tests {
                 }
             }
         }
-        0.5 * Coordinates::of(target).double * sum / (n * n) as f64
+        0.5 * Coordinates::of(target).double * sum / f64::from(n * n)
     }
 
     #[test]

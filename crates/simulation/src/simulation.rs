@@ -367,7 +367,7 @@ impl Simulation {
             return None;
         }
         let node = self.solid.corners.node_at(self.topology.corners_of(node)[0]) as usize;
-        Some((self.solid.displacement(node), self.solid.nodes[node].velocity))
+        Some((self.solid.displacement(node, &self.model), self.solid.nodes[node].velocity))
     }
 
     /// Lengths of broken joints, m: broken by opening, by sliding, by both.
@@ -400,7 +400,7 @@ impl Simulation {
             step: self.step,
             time: self.time(),
             positions: nodes.iter().map(|node| node.position).collect(),
-            displacements: (0..nodes.len()).map(|node| self.solid.displacement(node)).collect(),
+            displacements: (0..nodes.len()).map(|node| self.solid.displacement(node, &self.model)).collect(),
             velocities: nodes.iter().map(|node| node.velocity).collect(),
             triangles: self.solid.corners.of_corner.clone(),
             stresses: (0..elements)
@@ -480,7 +480,9 @@ impl Simulation {
         }
         let missing =
             |index| ModelError::Missing { what: "node", index, place: "the saved state".to_owned() };
-        if let Some(&node) = state.of_corner.iter().flatten().find(|&&node| node as usize >= state.nodes.len()) {
+        if let Some(&node) =
+            state.of_corner.iter().flatten().find(|&&node| node as usize >= state.nodes.len())
+        {
             return Err(missing(node));
         }
         let vertices = run.topology.vertex_count() as u32;

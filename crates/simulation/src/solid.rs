@@ -19,8 +19,6 @@ pub(crate) struct Node {
 /// Of a node, what its motion does not change. Apart from what moves, which a step reads far more often.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Constants {
-    /// Where it was at the beginning.
-    pub(crate) origin: Point,
     pub(crate) mass: f64,
     /// The node of the mesh.
     pub(crate) vertex: u32,
@@ -127,9 +125,8 @@ impl Solid {
                 velocity: model.velocities.get(vertex).copied().unwrap_or_default(),
             })
             .collect();
-        let constants = all()
-            .map(|(vertex, &origin)| Constants { origin, mass: 0.0, vertex: vertex as u32, hold: NONE })
-            .collect();
+        let constants =
+            all().map(|(vertex, _)| Constants { mass: 0.0, vertex: vertex as u32, hold: NONE }).collect();
         let corners = Nodes::new(mesh.triangles.clone(), mesh.nodes.len());
         let mut solid = Self {
             nodes,
@@ -198,8 +195,8 @@ impl Solid {
     }
 
     /// How far a node has moved.
-    pub(crate) fn displacement(&self, node: usize) -> Point {
-        minus(self.nodes[node].position, self.constants[node].origin)
+    pub(crate) fn displacement(&self, node: usize, model: &Model) -> Point {
+        minus(self.nodes[node].position, model.mesh.nodes[self.constants[node].vertex as usize])
     }
 
     /// What holds the node of a corner, or [`NONE`].

@@ -38,7 +38,8 @@ pub(crate) struct Outcome {
 impl Case {
     pub(crate) fn from_arguments(arguments: &[String]) -> Option<Self> {
         let [name, elements, threads, rounds, external @ ..] = arguments else { return None };
-        let split = |text: &String| text.split_once('=').map(|(name, command)| (name.to_owned(), command.to_owned()));
+        let split =
+            |text: &String| text.split_once('=').map(|(name, command)| (name.to_owned(), command.to_owned()));
         Some(Self {
             body: super::body(name)?,
             elements: elements.parse().ok()?,
@@ -50,6 +51,8 @@ impl Case {
 
     /// Runs of the same model by turns: what slows the machine down for a while slows all of them.
     pub(crate) fn run(&self) -> Result<Outcome, Box<dyn Error>> {
+        // What the program itself takes is not of this model.
+        Simulation::new(self.body.model(200), 1)?.advance(100)?;
         let before = resident("VmRSS")?;
         let mut one = Simulation::new(self.body.model(self.elements), 1)?;
         let elements = one.model().mesh.triangles.len();
@@ -71,7 +74,7 @@ impl Case {
                 samples.push(clock.elapsed().as_secs_f64() / steps as f64);
             }
             for ((name, command), samples) in self.external.iter().zip(&mut samples[2..]) {
-                samples.push(self.outside(name, command, &mesh, steps)?);
+                samples.push(outside(name, command, &mesh, steps)?);
             }
         }
         let _ = std::fs::remove_file(&mesh);
@@ -79,7 +82,10 @@ impl Case {
         if a.positions != b.positions || a.velocities != b.velocities || a.cracks != b.cracks {
             return Err(format!("{} threads give another result than one", self.threads).into());
         }
-        let names = ["one", "many"].map(str::to_owned).into_iter().chain(self.external.iter().map(|(name, _)| name.clone()));
+        let names = ["one", "many"]
+            .map(str::to_owned)
+            .into_iter()
+            .chain(self.external.iter().map(|(name, _)| name.clone()));
         let counts = one.counts();
         Ok(Outcome {
             elements,
@@ -105,22 +111,22 @@ impl Case {
             steps *= 2;
         }
     }
+}
 
-    /// Seconds for one step of another program, which gets the mesh and the number of steps, and prints seconds for all of them.
-    fn outside(&self, name: &str, command: &str, mesh: &std::path::Path, steps: u64) -> Result<f64, Box<dyn Error>> {
-        let mut words = command.split_whitespace();
-        let output = Command::new(words.next().ok_or("an empty command")?)
-            .args(words)
-            .arg(mesh)
-            .arg(steps.to_string())
-            .output()
-            .map_err(|error| format!("{name}: {error}"))?;
-        let text = String::from_utf8_lossy(&output.stdout);
-        let seconds = text.split_whitespace().last().and_then(|word| word.parse::<f64>().ok());
-        match seconds.filter(|_| output.status.success()) {
-            Some(seconds) => Ok(seconds / steps as f64),
-            None => Err(format!("{name}: {}", String::from_utf8_lossy(&output.stderr).trim()).into()),
-        }
+/// Seconds for one step of another program, which gets the mesh and the number of steps, and prints seconds for all of them.
+fn outside(name: &str, command: &str, mesh: &std::path::Path, steps: u64) -> Result<f64, Box<dyn Error>> {
+    let mut words = command.split_whitespace();
+    let output = Command::new(words.next().ok_or("an empty command")?)
+        .args(words)
+        .arg(mesh)
+        .arg(steps.to_string())
+        .output()
+        .map_err(|error| format!("{name}: {error}"))?;
+    let text = String::from_utf8_lossy(&output.stdout);
+    let seconds = text.split_whitespace().last().and_then(|word| word.parse::<f64>().ok());
+    match seconds.filter(|_| output.status.success()) {
+        Some(seconds) => Ok(seconds / steps as f64),
+        None => Err(format!("{name}: {}", String::from_utf8_lossy(&output.stderr).trim()).into()),
     }
 }
 
@@ -154,7 +160,11 @@ impl Outcome {
 
 impl fmt::Display for Outcome {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(out, "{} {} {} {} {}", self.elements, self.contacts, self.detections, self.broken, self.memory)?;
+        write!(
+            out,
+            "{} {} {} {} {}",
+            self.elements, self.contacts, self.detections, self.broken, self.memory
+        )?;
         for share in self.shares {
             write!(out, " {share}")?;
         }
@@ -175,8 +185,11 @@ fn shares(start: &Timings, end: &Timings) -> [f64; 5] {
     let parts = |timings: &Timings| {
         [timings.bulk, timings.joints, timings.detection, timings.contact, timings.integration]
     };
-    let spent: Vec<f64> =
-        parts(start).into_iter().zip(parts(end)).map(|(a, b): (Duration, Duration)| (b - a).as_secs_f64()).collect();
+    let spent: Vec<f64> = parts(start)
+        .into_iter()
+        .zip(parts(end))
+        .map(|(a, b): (Duration, Duration)| b.saturating_sub(a).as_secs_f64())
+        .collect();
     let all = spent.iter().sum::<f64>().max(f64::MIN_POSITIVE);
     std::array::from_fn(|part| spent[part] / all)
 }
@@ -184,7 +197,10 @@ fn shares(start: &Timings, end: &Timings) -> [f64; 5] {
 /// Bytes of this process, as Linux tells them.
 fn resident(key: &str) -> Result<f64, Box<dyn Error>> {
     let status = std::fs::read_to_string("/proc/self/status")?;
-    let line = status.lines().find_map(|line| line.strip_prefix(key)?.strip_prefix(':')).ok_or("no memory is told here")?;
+    let line = status
+        .lines()
+        .find_map(|line| line.strip_prefix(key)?.strip_prefix(':'))
+        .ok_or("no memory is told here")?;
     let kilobytes: f64 = line.trim().trim_end_matches("kB").trim().parse()?;
     Ok(1024.0 * kilobytes)
 }

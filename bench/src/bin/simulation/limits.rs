@@ -23,7 +23,9 @@ pub(crate) fn measure(threads: usize) -> Result<Limits, Box<dyn std::error::Erro
         for _ in 0..3 {
             let rates = thread::scope(|scope| {
                 let all: Vec<_> = (0..threads).map(|_| scope.spawn(task)).collect();
-                all.into_iter().map(|one| one.join().map_err(|_| "a thread failed")).collect::<Result<Vec<f64>, _>>()
+                all.into_iter()
+                    .map(|one| one.join().map_err(|_| "a thread failed"))
+                    .collect::<Result<Vec<f64>, _>>()
             })?;
             best = best.max(rates.into_iter().sum());
         }
@@ -35,7 +37,7 @@ pub(crate) fn measure(threads: usize) -> Result<Limits, Box<dyn std::error::Erro
     })
 }
 
-/// `a = b + s c` through memory (McCalpin's triad): 24 bytes for each number.
+/// `a = b + s c` through memory (the triad of the STREAM benchmark): 24 bytes for each number.
 fn triad() -> f64 {
     let (mut a, b, c) = (vec![0.0_f64; NUMBERS], vec![1.0_f64; NUMBERS], vec![2.0_f64; NUMBERS]);
     let mut best = 0.0_f64;

@@ -15,16 +15,22 @@ use case::{Case, Outcome};
 use fdem_bench::bodies::Body;
 
 const USAGE: &str = "\
-usage: simulation [--quick] [--bodies NAMES] [--elements N,M] [--threads N] [--rounds N] [--external NAME=COMMAND]... [--write FILE]
+usage: simulation [--quick] [--bodies NAMES] [--elements N,M] [--threads N] [--rounds N] [--external NAME=COMMAND]...
+                  [--external-joints NAME=COMMAND]... [--write FILE]
 
   --quick                  1,000 elements, one round: shows that all runs
-  --bodies NAMES           some of bar,disc,adaptive,intrinsic,heap
+  --bodies NAMES           some of bar,disc,joined,adaptive,intrinsic,heap
   --elements N,M           10000,100000,1000000 if not given
   --threads N              to compare with one thread; 2 if not given
   --rounds N               5 if not given
   --external NAME=COMMAND  a program that simulates the bar and the disc as well, see README.md; may be repeated
+  --external-joints NAME=COMMAND
+                           one that simulates the disc with joints on every edge
   --write FILE             writes what is printed to a file, too
 ";
+
+/// Elements beyond which other programs are left out: they take minutes to begin.
+const LARGEST: usize = 200_000;
 
 /// What to run.
 struct Plan {
@@ -32,8 +38,8 @@ struct Plan {
     elements: Vec<usize>,
     threads: usize,
     rounds: usize,
-    /// Names and command lines.
-    external: Vec<(String, String)>,
+    /// `NAME=COMMAND`: for bodies without joints, and for those with.
+    external: [Vec<String>; 2],
     write: Option<PathBuf>,
 }
 
@@ -44,7 +50,7 @@ impl Plan {
             elements: vec![10_000, 100_000, 1_000_000],
             threads: 2,
             rounds: 5,
-            external: Vec::new(),
+            external: [Vec::new(), Vec::new()],
             write: None,
         };
         let mut rest = arguments.iter();
@@ -57,10 +63,8 @@ impl Plan {
                 }
                 "--threads" => plan.threads = rest.next()?.parse().ok()?,
                 "--rounds" => plan.rounds = rest.next()?.parse().ok().filter(|&rounds| rounds > 0)?,
-                "--external" => {
-                    let (name, command) = rest.next()?.split_once('=')?;
-                    plan.external.push((name.to_owned(), command.to_owned()));
-                }
+                "--external" => plan.external[0].push(rest.next()?.clone()),
+                "--external-joints" => plan.external[1].push(rest.next()?.clone()),
                 "--write" => plan.write = Some(PathBuf::from(rest.next()?)),
                 _ => return None,
             }
@@ -79,13 +83,13 @@ fn main() -> ExitCode {
         // Of this program itself.
         Some((task, rest)) if task == "case" => alone(rest),
         Some((task, rest)) if task == "mesh" => mesh(rest),
-        _ => match Plan::from_arguments(&arguments) {
-            Some(plan) => compare(&plan),
-            None => {
+        _ => {
+            let Some(plan) = Plan::from_arguments(&arguments) else {
                 eprint!("{USAGE}");
                 return ExitCode::from(2);
-            }
-        },
+            };
+            compare(&plan)
+        }
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
@@ -98,16 +102,20 @@ fn main() -> ExitCode {
 
 /// One case, in this process; its outcome goes to standard output.
 fn alone(arguments: &[String]) -> Result<(), Box<dyn Error>> {
-    let case = Case::from_arguments(arguments).ok_or("case: a body, and numbers of elements, threads and rounds")?;
+    let case =
+        Case::from_arguments(arguments).ok_or("case: a body, and numbers of elements, threads and rounds")?;
     writeln!(std::io::stdout(), "{}", case.run()?)?;
     Ok(())
 }
 
 /// Writes the mesh of a body for other programs.
 fn mesh(arguments: &[String]) -> Result<(), Box<dyn Error>> {
-    let [name, elements, file] = arguments else { return Err("mesh: a body, a number of elements, a file".into()) };
+    let [name, elements, file] = arguments else {
+        return Err("mesh: a body, a number of elements, a file".into());
+    };
     let body = body(name).ok_or_else(|| format!("there is no body {name}"))?;
-    std::fs::write(file, case::gmsh(&body.model(elements.parse()?).mesh)).map_err(|error| format!("{file}: {error}"))?;
+    std::fs::write(file, case::gmsh(&body.model(elements.parse()?).mesh))
+        .map_err(|error| format!("{file}: {error}"))?;
     Ok(())
 }
 
@@ -117,17 +125,27 @@ fn compare(plan: &Plan) -> Result<(), Box<dyn Error>> {
     let mut outcomes = Vec::new();
     for &elements in &plan.elements {
         for &body in &plan.bodies {
-            let arguments =
-                ["case", body.name()].map(str::to_owned).into_iter().chain([elements, plan.threads, plan.rounds].map(|n| n.to_string()));
-            let output = Command::new(&own)
-                .args(arguments)
-                .args(plan.external.iter().filter(|_| matches!(body, Body::Bar | Body::Disc)).map(|(name, command)| format!("{name}={command}")))
-                .output()?;
+            let numbers = [elements, plan.threads, plan.rounds].map(|number| number.to_string());
+            let external = match body {
+                Body::Bar | Body::Disc if elements <= LARGEST => &plan.external[0][..],
+                Body::Joined if elements <= LARGEST => &plan.external[1],
+                _ => &[],
+            };
+            let output =
+                Command::new(&own).args(["case", body.name()]).args(numbers).args(external).output()?;
             let text = String::from_utf8(output.stdout)?;
             let outcome = Outcome::read(&text).filter(|_| output.status.success()).ok_or_else(|| {
-                format!("{} with {elements} elements: {}", body.name(), String::from_utf8_lossy(&output.stderr).trim())
+                format!(
+                    "{} with {elements} elements: {}",
+                    body.name(),
+                    String::from_utf8_lossy(&output.stderr).trim()
+                )
             })?;
-            eprintln!("{:9} {elements:9} elements: {:.2} million element-steps per second", body.name(), outcome.rate(0) / 1e6);
+            eprintln!(
+                "{:9} {elements:9} elements: {:.2} million element-steps per second",
+                body.name(),
+                outcome.rate(0) / 1e6
+            );
             outcomes.push((body, outcome));
         }
     }

@@ -19,85 +19,126 @@ const ELEMENT_WORK: f64 = 120.0;
 const JOINT_WORK: f64 = 90.0;
 const NODE_WORK: f64 = 30.0;
 
-pub(crate) fn report(threads: usize, rounds: usize, limits: &Limits, outcomes: &[(Body, Outcome)]) -> String {
+type Outcomes = [(Body, Outcome)];
+
+pub(crate) fn report(threads: usize, rounds: usize, limits: &Limits, outcomes: &Outcomes) -> String {
     let mut out = format!(
-        "# Steps of the simulation\n\n{}.\n\nMillions of element-steps in a second; medians of {rounds} rounds in which all take turns. Results are compared at the end: they are the same on any number of threads.\n\n",
+        "# Steps of the simulation\n\n{}.\n\nMillions of element-steps in a second; medians of {rounds} rounds in which all take turns. \
+         Results are compared at the end: they are the same on any number of threads.\n\n",
         machine(&[1, threads])
     );
-    let mut bodies = Table::new(&["body", "what"]);
-    for body in Body::ALL.into_iter().filter(|body| outcomes.iter().any(|(other, _)| other == body)) {
-        bodies.row([body.name().to_owned(), body.what().to_owned()]);
-    }
-    let _ = writeln!(out, "{bodies}");
-    let many = format!("{threads} threads");
-    let ratio = format!("{threads} threads / 1");
-    let mut speed = Table::new(&["body", "elements", "1 thread", &many, &ratio, "bytes per element", "contacts", "broken joints"]);
-    for (body, outcome) in outcomes {
-        speed.row([
-            body.name().to_owned(),
-            grouped(outcome.elements as u64),
-            significant(outcome.rate(0) / 1e6),
-            significant(outcome.rate(1) / 1e6),
-            significant(outcome.rate(1) / outcome.rate(0)),
-            format!("{:.0}", outcome.memory),
-            grouped(outcome.contacts as u64),
-            grouped(outcome.broken as u64),
-        ]);
-    }
-    let _ = writeln!(out, "{speed}\nMemory is the most that the process had on one thread, the model included, without what it had before.\n\n## Where the time goes, 1 thread\n");
-    let mut shares = Table::new(&["body", "elements", "bulk", "joints", "detection", "contact", "integration", "detections"]);
-    for (body, outcome) in outcomes {
-        let percent = outcome.shares.map(|share| format!("{:.1} %", 100.0 * share));
-        shares.row(
-            [body.name().to_owned(), grouped(outcome.elements as u64)]
-                .into_iter()
-                .chain(percent)
-                .chain([grouped(outcome.detections)]),
-        );
-    }
-    let _ = writeln!(out, "{shares}\n## Against the bounds\n");
+    let _ = writeln!(out, "{}\n{}", bodies(outcomes), speed(threads, outcomes));
+    let _ = writeln!(
+        out,
+        "Memory is the most that the process had on one thread, the model included, without what it had before.\n\n\
+         ## Where the time goes, 1 thread\n\n{}\n## Against the bounds\n",
+        shares(outcomes)
+    );
     let giga = |rates: [f64; 2]| rates.map(|rate| significant(rate / 1e9));
     let ([one, all], [slow, fast]) = (giga(limits.bytes), giga(limits.operations));
     let _ = writeln!(
         out,
-        "What no program can beat here: {one} GB/s through memory on one thread and {all} on {threads} (triad), {slow} and {fast} GFLOP/s (additions and multiplications in registers, with the instructions of our build). \
-         A step moves at least {NODE} bytes for a node, {ELEMENT} for an element, {JOINT} for a joint, and takes {NODE_WORK}, {ELEMENT_WORK} and {JOINT_WORK} operations; contacts are not counted. In brackets: the time of a step over the bound.\n"
+        "What no program can beat here: {one} GB/s through memory on one thread and {all} on {threads} (triad), {slow} and {fast} GFLOP/s \
+         (additions and multiplications in registers, with the instructions of our build). A step moves at least {NODE} bytes for a node, \
+         {ELEMENT} for an element, {JOINT} for a joint, and takes {NODE_WORK}, {ELEMENT_WORK} and {JOINT_WORK} operations; contacts are not counted. \
+         In brackets: the time of a step over the bound.\n\n{}",
+        bounds(limits, outcomes)
     );
-    let mut bounds = Table::new(&["body", "elements", "1 thread", "bytes", "operations"]);
+    let others: String =
+        [Body::Bar, Body::Disc, Body::Joined].into_iter().filter_map(|body| others(body, outcomes)).collect();
+    if !others.is_empty() {
+        let _ = writeln!(
+            out,
+            "## Other programs, 1 thread\n\nThe same meshes, linear triangles, explicit central differences. \
+             In brackets: how many times as long as ours they take.\n{others}"
+        );
+    }
+    out
+}
+
+fn bodies(outcomes: &Outcomes) -> Table {
+    let mut table = Table::new(&["body", "what"]);
+    for body in Body::ALL.into_iter().filter(|body| outcomes.iter().any(|(other, _)| other == body)) {
+        table.row([body.name().to_owned(), body.what().to_owned()]);
+    }
+    table
+}
+
+/// The first two cells of a row.
+fn head(body: Body, outcome: &Outcome) -> [String; 2] {
+    [body.name().to_owned(), grouped(outcome.elements as u64)]
+}
+
+fn millions(rate: f64) -> String {
+    significant(rate / 1e6)
+}
+
+fn speed(threads: usize, outcomes: &Outcomes) -> Table {
+    let (many, ratio) = (format!("{threads} threads"), format!("{threads} threads / 1"));
+    let headings =
+        ["body", "elements", "1 thread", &many, &ratio, "bytes per element", "contacts", "broken joints"];
+    let mut table = Table::new(&headings);
     for (body, outcome) in outcomes {
-        let joined = matches!(body, Body::Intrinsic | Body::Heap);
+        table.row(head(*body, outcome).into_iter().chain([
+            millions(outcome.rate(0)),
+            millions(outcome.rate(1)),
+            significant(outcome.rate(1) / outcome.rate(0)),
+            format!("{:.0}", outcome.memory),
+            grouped(outcome.contacts as u64),
+            grouped(outcome.broken as u64),
+        ]));
+    }
+    table
+}
+
+fn shares(outcomes: &Outcomes) -> Table {
+    let mut table = Table::new(&[
+        "body",
+        "elements",
+        "bulk",
+        "joints",
+        "detection",
+        "contact",
+        "integration",
+        "detections",
+    ]);
+    for (body, outcome) in outcomes {
+        let percent = outcome.shares.map(|share| format!("{:.1} %", 100.0 * share));
+        table.row(head(*body, outcome).into_iter().chain(percent).chain([grouped(outcome.detections)]));
+    }
+    table
+}
+
+fn bounds(limits: &Limits, outcomes: &Outcomes) -> Table {
+    let mut table = Table::new(&["body", "elements", "1 thread", "bytes", "operations"]);
+    for (body, outcome) in outcomes {
+        let joined = body.has_joints();
         let (nodes, joints) = if joined { (3.0, 1.5) } else { (0.5, 0.0) };
         let bytes = limits.bytes[0] / (ELEMENT + nodes * NODE + joints * JOINT);
         let work = limits.operations[0] / (ELEMENT_WORK + nodes * NODE_WORK + joints * JOINT_WORK);
-        let bound = |rate: f64| format!("{} ({})", significant(rate / 1e6), significant(rate / outcome.rate(0)));
-        bounds.row([
-            body.name().to_owned(),
-            grouped(outcome.elements as u64),
-            significant(outcome.rate(0) / 1e6),
+        let bound = |rate: f64| format!("{} ({})", millions(rate), significant(rate / outcome.rate(0)));
+        table.row(head(*body, outcome).into_iter().chain([
+            millions(outcome.rate(0)),
             bound(bytes),
             bound(work),
-        ]);
+        ]));
     }
-    let _ = writeln!(out, "{bounds}");
-    let others: Vec<&str> = outcomes
-        .iter()
-        .map(|(_, outcome)| &outcome.seconds[2..])
-        .find(|others| !others.is_empty())
-        .map(|others| others.iter().map(|(name, _)| name.as_str()).collect())
-        .unwrap_or_default();
-    if !others.is_empty() {
-        let _ = writeln!(out, "## Other programs, 1 thread\n\nThe same mesh, linear triangles, explicit central differences, elastic. In brackets: how many times as long as ours they take.\n");
-        let headings: Vec<&str> = ["body", "elements", "fdem"].into_iter().chain(others).collect();
-        let mut table = Table::new(&headings);
-        for (body, outcome) in outcomes.iter().filter(|(_, outcome)| outcome.seconds.len() > 2) {
-            let theirs = (2..outcome.seconds.len()).map(|program| {
-                let rate = outcome.rate(program);
-                format!("{} ({})", significant(rate / 1e6), significant(outcome.rate(0) / rate))
-            });
-            let ours = [body.name().to_owned(), grouped(outcome.elements as u64), significant(outcome.rate(0) / 1e6)];
-            table.row(ours.into_iter().chain(theirs));
-        }
-        let _ = writeln!(out, "{table}");
+    table
+}
+
+/// `None` if there were none.
+fn others(body: Body, outcomes: &Outcomes) -> Option<String> {
+    let with = || outcomes.iter().filter(|(other, outcome)| *other == body && outcome.seconds.len() > 2);
+    let (_, first) = with().next()?;
+    let names = first.seconds[2..].iter().map(|(name, _)| name.as_str());
+    let headings: Vec<&str> = ["body", "elements", "fdem"].into_iter().chain(names).collect();
+    let mut table = Table::new(&headings);
+    for (body, outcome) in with() {
+        let theirs = (2..outcome.seconds.len()).map(|program| {
+            let rate = outcome.rate(program);
+            format!("{} ({})", millions(rate), significant(outcome.rate(0) / rate))
+        });
+        table.row(head(*body, outcome).into_iter().chain([millions(outcome.rate(0))]).chain(theirs));
     }
-    out
+    Some(format!("\n{table}"))
 }

@@ -92,7 +92,8 @@ pub(crate) fn interfaces(
             );
             continue;
         }
-        let lesser = materials.map(|m| file.material[m as usize].friction).into_iter().fold(f64::INFINITY, f64::min);
+        let lesser =
+            materials.map(|m| file.material[m as usize].friction).into_iter().fold(f64::INFINITY, f64::min);
         interfaces.push(Interface {
             materials,
             friction: interface.friction.unwrap_or(lesser),

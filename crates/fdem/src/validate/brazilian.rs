@@ -130,7 +130,7 @@ struct Split {
 fn split(size: Size, seed: u32) -> Result<Split, String> {
     let mesh_size = size.choose(2e-3, 1.4e-3);
     let rock = "tensile_strength = 1e6\ncohesion = 3e6\nfriction_angle = 16.7\nfracture_energy_i = 3\nfracture_energy_ii = 30";
-    let end = 1e-3;
+    let end = 1.4e-3;
     let mut run = start(prepared(&model(mesh_size, seed, end, 0.1, rock))?)?;
     let steps = (end / run.time_step()) as u64;
     let samples = 1000;
@@ -149,7 +149,7 @@ fn split(size: Size, seed: u32) -> Result<Split, String> {
             peak = load;
             imbalance = (forces[0] - forces[1]).abs() / load;
         }
-        if load < 0.3 * peak && run.counts().broken > 10 {
+        if load < 0.02 * peak && run.counts().broken > 10 {
             break;
         }
     }

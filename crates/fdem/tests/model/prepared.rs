@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
-use fdem::results::Field;
 use fdem::model::{Checkpoint, Preflight, Quantity};
+use fdem::results::Field;
 use fdem::simulation::{Load, Schedule, Target};
 
 use crate::{SMALL, right};
@@ -132,7 +132,7 @@ critical_opening = "customary"
     assert_eq!((strength.weibull_modulus, strength.seed), (Some(8.0), 1));
     assert_eq!(prepared.model.materials[0].strength, None);
     let interface = &prepared.model.interfaces[0];
-    assert_eq!((interface.materials, interface.friction, interface.penalty), ([0, 1], 0.3, Some(5e9)));
+    assert_eq!((interface.materials, interface.friction, interface.penalty), ([0, 1], 0.0, Some(5e9)));
     assert_eq!(prepared.model.fracture.insertion, fdem::simulation::Insertion::Intrinsic);
     assert_eq!(prepared.model.fracture.critical_opening, fdem::simulation::CriticalOpening::Customary);
 }

@@ -47,7 +47,7 @@ impl Joints {
             let mut failing = Vec::new();
             for (k, near) in chunk.iter_mut().enumerate() {
                 let element = first + k;
-                *near = self.weakest[element].reached_by(solid.strained[element].stress);
+                *near = self.slopes.near(self.weakest[element], solid.strained[element].stress);
                 if *near == Near::Failing {
                     let edges = topology.edge_of[element].into_iter().filter(|&edge| edge != NONE);
                     failing.extend(edges.filter(|&edge| self.overstressed(edge, state, 1.0)));

@@ -23,48 +23,47 @@ pub(crate) enum Near {
     Failing,
 }
 
-/// What the weakest of the edges of an element bears.
+/// What the weakest of the edges of an element bears, Pa: tension, and cohesion.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Weakest {
     tensile: f64,
     cohesion: f64,
-    /// The least and the largest tangent of the angle of internal friction: what is convex in it is largest at one of them.
-    friction: [f64; 2],
 }
 
 impl Weakest {
     /// Of these; of none, what nothing reaches.
     pub(crate) fn of(strengths: impl Iterator<Item = Strength>) -> Self {
-        let none =
-            Self { tensile: f64::INFINITY, cohesion: f64::INFINITY, friction: [f64::INFINITY, 0.0] };
+        let none = Self { tensile: f64::INFINITY, cohesion: f64::INFINITY };
         strengths.fold(none, |weakest, strength| Self {
             tensile: weakest.tensile.min(strength.tensile),
             cohesion: weakest.cohesion.min(strength.cohesion),
-            friction: [
-                weakest.friction[0].min(strength.friction),
-                weakest.friction[1].max(strength.friction),
-            ],
         })
     }
+}
 
-    /// How near a stress, `[xx, yy, xy]`, is to it.
+/// The least and the largest tangent of the angle of internal friction, each with `√(1 + µ²)`: what is convex in µ is largest at one of them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Slopes([[f64; 2]; 2]);
+
+impl Slopes {
+    /// Of all strengths of a model.
+    pub(crate) fn of(strengths: &[Strength]) -> Self {
+        let all = strengths.iter().map(|strength| strength.friction);
+        let ends = [all.clone().fold(f64::INFINITY, f64::min), all.fold(0.0, f64::max)];
+        Self(ends.map(|friction| [friction, (1.0 + friction * friction).sqrt()]))
+    }
+
+    /// How near a stress, `[xx, yy, xy]`, is to what an element bears.
     #[inline]
-    pub(crate) fn reached_by(&self, [xx, yy, xy]: [f64; 3]) -> Near {
-        if self.tensile == f64::INFINITY {
-            return Near::Far;
-        }
+    pub(crate) fn near(&self, weakest: Weakest, [xx, yy, xy]: [f64; 3]) -> Near {
         let (mean, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
         let radius = (half * half + xy * xy).sqrt();
-        let sheared = |friction: f64| friction * mean + (1.0 + friction * friction).sqrt() * radius;
-        let [least, most] = self.friction;
-        let shear = if least == most { sheared(least) } else { sheared(least).max(sheared(most)) };
-        let reaches = |share: f64| {
-            let share = share * (1.0 - ROUNDING);
-            mean + radius >= share * self.tensile || shear >= share * self.cohesion
-        };
-        if reaches(1.0) {
+        let [one, other] = self.0.map(|[friction, secant]| friction * mean + secant * radius);
+        let (tension, shear) = (mean + radius, one.max(other));
+        let reaches = |share: f64| tension >= share * weakest.tensile || shear >= share * weakest.cohesion;
+        if reaches(1.0 - ROUNDING) {
             Near::Failing
-        } else if reaches(SUSPECT) {
+        } else if reaches(SUSPECT - ROUNDING) {
             Near::Suspect
         } else {
             Near::Far
@@ -78,10 +77,8 @@ mod tests {
     use crate::cohesive::reaches;
     use crate::random;
 
-    /// No edge that fails by the mean of two stresses escapes, and no share of one either.
-    #[test]
-    fn what_the_mean_of_two_elements_reaches_one_of_them_reaches() {
-        let strength = |tensile, friction| Strength {
+    fn strength(tensile: f64, friction: f64) -> Strength {
+        Strength {
             tensile,
             cohesion: 3.0,
             friction,
@@ -89,9 +86,14 @@ mod tests {
             energy_ii: 1.0,
             weibull_modulus: None,
             seed: 0,
-        };
+        }
+    }
+
+    /// No edge that fails by the mean of two stresses escapes, and no share of one either.
+    #[test]
+    fn what_the_mean_of_two_elements_reaches_one_of_them_reaches() {
         let (strong, weak) = (strength(1.5, 0.2), strength(1.0, 0.7));
-        let weakest = Weakest::of([strong, weak].into_iter());
+        let (weakest, slopes) = (Weakest::of([strong, weak].into_iter()), Slopes::of(&[strong, weak]));
         let mut next = (0..).map(|k| 2.0 * random::uniform(7, k) - 1.0);
         let mut random = |scale: f64| scale * next.next().unwrap_or(0.0);
         let (mut failed, mut suspected, mut near, mut far) = (0, 0, 0, 0);
@@ -102,7 +104,7 @@ mod tests {
             let (sin, cos) = random(4.0).sin_cos();
             let normal = xx * sin * sin - 2.0 * xy * sin * cos + yy * cos * cos;
             let tangential = (xx - yy) * sin * cos + xy * (sin * sin - cos * cos);
-            let found = pair.map(|stress| weakest.reached_by(stress)).into_iter().max();
+            let found = pair.map(|stress| slopes.near(weakest, stress)).into_iter().max();
             let share = |share: f64| {
                 let traction = [normal / share, tangential / share];
                 reaches(&strong, traction) || reaches(&weak, traction)
@@ -122,6 +124,9 @@ mod tests {
 
     #[test]
     fn nothing_reaches_what_cannot_break() {
-        assert_eq!(Weakest::of([].into_iter()).reached_by([1e300, 1e300, 1e300]), Near::Far);
+        assert_eq!(
+            Slopes::of(&[strength(1.0, 0.5)]).near(Weakest::of([].into_iter()), [1e150; 3]),
+            Near::Far
+        );
     }
 }
