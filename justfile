@@ -18,6 +18,10 @@ book:
 bench-python:
     python bench/python.py --write bench/PYTHON.md
 
+# Steps of the simulation, against bounds. Minutes; other programs are added as bench/README.md says.
+bench-simulation:
+    cargo run --release -p fdem-bench --bin simulation -- --write bench/SIMULATION.md
+
 # The paper's experiments; rewrites the curves in docs/.
 bench:
     cargo run --release -p fdem-bench --bin paper

@@ -96,33 +96,38 @@ impl Topology {
         [edges[k], edges[(k + 2) % 3]]
     }
 
+    /// The corner at the same vertex in the element beyond an edge.
+    fn across(&self, edge: u32, corner: u32) -> u32 {
+        let [one, other] = self.edges[edge as usize].corners;
+        let end = |side: [u32; 2]| usize::from(side[1] == corner);
+        if one.contains(&corner) { other[end(one)] } else { one[end(other)] }
+    }
+
     /// Groups the corners of a vertex: those of elements with a common edge that `holds` are together. Group numbers are those of the lowest corner's place in
     /// `corners_of`, at the place of each corner.
     pub(crate) fn groups(&self, vertex: u32, holds: impl Fn(u32) -> bool, groups: &mut Vec<u32>) {
         let corners = self.corners_of(vertex);
         groups.clear();
-        groups.extend(0..corners.len() as u32);
-        // A vertex has a handful of corners: until nothing changes, each takes the lowest number of its neighbours.
-        loop {
-            let mut changed = false;
-            for (place, &corner) in corners.iter().enumerate() {
-                for edge in self.edges_at(corner) {
-                    if edge == NONE || !holds(edge) {
-                        continue;
-                    }
-                    let sides = self.edges[edge as usize].corners;
-                    for other in sides.into_iter().flatten() {
-                        if let Ok(beyond) = corners.binary_search(&other)
-                            && groups[beyond] < groups[place]
-                        {
-                            groups[place] = groups[beyond];
-                            changed = true;
-                        }
-                    }
-                }
+        groups.resize(corners.len(), NONE);
+        for first in 0..corners.len() {
+            if groups[first] != NONE {
+                continue;
             }
-            if !changed {
-                return;
+            groups[first] = first as u32;
+            // Around the vertex, one way and the other, as far as edges hold.
+            for start in self.edges_at(corners[first]) {
+                let (mut corner, mut edge) = (corners[first], start);
+                while edge != NONE && holds(edge) {
+                    corner = self.across(edge, corner);
+                    let place = corners.iter().position(|&other| other == corner);
+                    let Some(group) = place.map(|place| &mut groups[place]).filter(|group| **group == NONE)
+                    else {
+                        break;
+                    };
+                    *group = first as u32;
+                    let [one, other] = self.edges_at(corner);
+                    edge = if one == edge { other } else { one };
+                }
             }
         }
     }

@@ -206,7 +206,7 @@ fn resident(key: &str) -> Result<f64, Box<dyn Error>> {
 }
 
 /// As a Gmsh file, version 2.2.
-pub(crate) fn gmsh(mesh: &Mesh) -> String {
+fn gmsh(mesh: &Mesh) -> String {
     let mut text = format!(
         "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n2 1 \"body\"\n$EndPhysicalNames\n$Nodes\n{}\n",
         mesh.nodes.len()

@@ -82,7 +82,6 @@ fn main() -> ExitCode {
     let done = match arguments.split_first() {
         // Of this program itself.
         Some((task, rest)) if task == "case" => alone(rest),
-        Some((task, rest)) if task == "mesh" => mesh(rest),
         _ => {
             let Some(plan) = Plan::from_arguments(&arguments) else {
                 eprint!("{USAGE}");
@@ -105,17 +104,6 @@ fn alone(arguments: &[String]) -> Result<(), Box<dyn Error>> {
     let case =
         Case::from_arguments(arguments).ok_or("case: a body, and numbers of elements, threads and rounds")?;
     writeln!(std::io::stdout(), "{}", case.run()?)?;
-    Ok(())
-}
-
-/// Writes the mesh of a body for other programs.
-fn mesh(arguments: &[String]) -> Result<(), Box<dyn Error>> {
-    let [name, elements, file] = arguments else {
-        return Err("mesh: a body, a number of elements, a file".into());
-    };
-    let body = body(name).ok_or_else(|| format!("there is no body {name}"))?;
-    std::fs::write(file, case::gmsh(&body.model(elements.parse()?).mesh))
-        .map_err(|error| format!("{file}: {error}"))?;
     Ok(())
 }
 

@@ -30,7 +30,7 @@ pub(crate) fn report(threads: usize, rounds: usize, limits: &Limits, outcomes: &
     let _ = writeln!(out, "{}\n{}", bodies(outcomes), speed(threads, outcomes));
     let _ = writeln!(
         out,
-        "Memory is the most that the process had on one thread, the model included, without what it had before.\n\n\
+        "Memory is the most that the process had on one thread, the model included, without what it had before; a contact takes 240 bytes, of which a heap has up to 1.6 for each element.\n\n\
          ## Where the time goes, 1 thread\n\n{}\n## Against the bounds\n",
         shares(outcomes)
     );

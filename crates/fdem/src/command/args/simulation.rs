@@ -70,6 +70,7 @@ pub(crate) struct ResumeArguments {
 
 /// How a simulation runs.
 #[derive(Debug, Args)]
+#[expect(clippy::option_option, reason = "so clap has options whose value may be left out")]
 pub(crate) struct RunOptions {
     /// Threads; 0: one for each processor. Results are the same for any number.
     #[arg(long, value_name = "N", default_value_t = 0)]
