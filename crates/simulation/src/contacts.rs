@@ -2,17 +2,21 @@
 //!
 //! Only elements near a free surface can touch another that they do not hang together with. Those within two rings of elements around a vertex that an outer edge or
 //! a broken joint touches are *watched*: their boxes go to the detection, with a buffer, and when a crack comes to an element that is not watched, the set is made anew.
+//! The search looks only when something may have come as far as a part of the buffer, and a couple that does not touch sleeps until nodes may have come half as far as the two
+//! are apart. Both bounds add up the speed of the fastest node, so that no contact is late.
+
+mod forces;
 
 use fdem_contact::{Buffered, Couple as Pair, Detector, Elements as Boxes, Engine};
 use serde::{Deserialize, Serialize};
 
+pub(crate) use crate::contacts::forces::stiffness;
+use crate::contacts::forces::{Contact, Grip, Law, law, press};
 use crate::error::{ModelError, Stop};
 use crate::joints::{Joints, State};
 use crate::model::Model;
-use crate::potential::{
-    Interaction, Point, Triangle, area_coordinates, cross, dot, interaction, length, minus,
-};
-use crate::solid::{Solid, height, triangle_of};
+use crate::potential::{Point, cross, length, minus};
+use crate::solid::{Solid, triangle_of};
 use crate::team::Team;
 use crate::topology::{NONE, Topology};
 
@@ -31,41 +35,6 @@ pub(crate) struct Couple {
     apart_until: f64,
     /// Most couples do not touch.
     contact: Option<Box<Contact>>,
-}
-
-/// What two elements that touch do to each other.
-#[derive(Debug, Default)]
-struct Contact {
-    /// On the corners of both: of potential, damping and friction.
-    forces: [[Point; 3]; 2],
-    grip: Grip,
-    /// Since the last pass.
-    works: Works,
-    /// Not any more, in the last pass over it.
-    touches: bool,
-    deep: bool,
-}
-
-/// Energy of a contact, and works since the last pass.
-#[derive(Clone, Copy, Debug, Default)]
-struct Works {
-    energy: f64,
-    friction: f64,
-    damping: f64,
-    handed_over: f64,
-}
-
-/// What a contact remembers of friction and damping.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-struct Grip {
-    /// Friction on the first element.
-    friction: Point,
-    /// Damping on the first element.
-    damping: Point,
-    /// Shares of the corners in both: where it acted.
-    shares: [[f64; 3]; 2],
-    /// Potential energy that does not count: see [`count_from`].
-    spared: f64,
 }
 
 /// What contacts have of a run, to be saved.
@@ -106,18 +75,6 @@ pub(crate) struct Contacts {
     /// An element on a free surface is not watched.
     unwatched: bool,
     pub(crate) detections: u64,
-}
-
-/// How elements of two materials touch.
-#[derive(Clone, Copy, Debug)]
-struct Law {
-    /// Pa times thickness.
-    penalty: f64,
-    friction: f64,
-    /// N/m.
-    tangential: f64,
-    /// Share of critical.
-    damping: f64,
 }
 
 /// What a pass over the couples found.
@@ -433,136 +390,6 @@ impl Contacts {
     }
 }
 
-/// Forces of one couple, of which a share counts; and how much more than in the last step.
-fn press(couple: &mut Couple, solid: &Solid, law: &Law, [weight, fading]: [f64; 2], step: f64, travel: f64) {
-    let [a, b] = couple.elements.map(|element| solid.triangle(element));
-    let gap = gap(&a, &b);
-    // A joint that holds its share of the two still has nothing to do with how far they are apart.
-    let found = match (weight > 0.0, gap < 0.0) {
-        (true, true) => interaction(&a, &b),
-        (true, false) => Err(gap),
-        (false, _) => Err(0.0),
-    };
-    let born = std::mem::take(&mut couple.born);
-    // What the last friction and damping did in the second half of their step.
-    let mut sum = Works::default();
-    let before = couple.contact.as_ref().filter(|contact| contact.touches).map(|contact| contact.grip);
-    if let Some(before) = &before {
-        let rate = relative_velocity(couple.elements, &before.shares, solid);
-        sum.friction -= 0.5 * step * dot(before.friction, rate);
-        sum.damping -= 0.5 * step * dot(before.damping, rate);
-    }
-    let Interaction { mut forces, energy, point, deep } = match found {
-        Ok(interaction) => interaction,
-        Err(distance) => {
-            // For one pass more, so that this work is counted.
-            couple.contact = before.map(|_| Box::new(Contact { works: sum, ..Contact::default() }));
-            if couple.contact.is_none() {
-                // Both may come nearer; a little less, for the roundings of the travel.
-                couple.apart_until = travel + 0.499 * distance;
-            }
-            return;
-        }
-    };
-    let potential = law.penalty * energy;
-    let spared = match &before {
-        _ if born => potential,
-        Some(before) => before.spared.min(potential),
-        None => 0.0,
-    };
-    let (energy, slope) = count_from(spared, potential);
-    let scale = law.penalty * weight * slope;
-    for force in forces.iter_mut().flatten().flatten() {
-        *force *= scale;
-    }
-    sum.energy += weight * energy;
-    sum.handed_over += fading * energy;
-    let mut grip = Grip { spared, ..Grip::default() };
-    if law.friction > 0.0 || law.damping > 0.0 {
-        grip.shares = [area_coordinates(&a, point), area_coordinates(&b, point)];
-        let push = forces[0].iter().fold([0.0; 2], |sum, force| [sum[0] + force[0], sum[1] + force[1]]);
-        let size = length(push);
-        if size > 0.0 {
-            let normal = [push[0] / size, push[1] / size];
-            let tangent = [-normal[1], normal[0]];
-            let rate = relative_velocity(couple.elements, &grip.shares, solid);
-            let mut pressed = size;
-            if law.damping > 0.0 {
-                let [m, n] = couple.elements.map(|element| mass(solid, element));
-                let critical = 2.0 * (law.penalty * m * n / (m + n)).sqrt();
-                // Never more than what presses the two apart, so that nothing sticks.
-                let damping = (-law.damping * weight * critical * dot(rate, normal)).clamp(-size, size);
-                grip.damping = normal.map(|n| damping * n);
-                pressed += damping;
-            }
-            if law.friction > 0.0 {
-                let limit = law.friction * pressed;
-                let held = before.map_or(0.0, |before| dot(before.friction, tangent));
-                let trial = held - weight * law.tangential * step * dot(rate, tangent);
-                let friction = trial.clamp(-limit, limit);
-                grip.friction = tangent.map(|t| friction * t);
-            }
-            sum.friction -= 0.5 * step * dot(grip.friction, rate);
-            sum.damping -= 0.5 * step * dot(grip.damping, rate);
-            for (side, sign) in [(0, 1.0), (1, -1.0)] {
-                for corner in 0..3 {
-                    let share = sign * grip.shares[side][corner];
-                    for axis in 0..2 {
-                        forces[side][corner][axis] += share * (grip.friction[axis] + grip.damping[axis]);
-                    }
-                }
-            }
-        }
-    }
-    let contact = couple.contact.get_or_insert_default();
-    **contact = Contact { forces, grip, works: sum, touches: true, deep };
-}
-
-/// What counts of a potential energy, and its derivative, if `spared` was there before the two elements could touch.
-///
-/// Elements that hung together until a joint at their vertex broke overlap by what that joint has slid. To count this overlap at once would give them energy from
-/// nothing. `(U - U₀)² / U` begins without energy and without force and soon is `U`; what they give up of the overlap is spared no longer.
-fn count_from(spared: f64, potential: f64) -> (f64, f64) {
-    if potential <= spared {
-        return (0.0, 0.0);
-    }
-    let share = spared / potential;
-    (potential * (1.0 - share) * (1.0 - share), 1.0 - share * share)
-}
-
-/// Of the first element against the second, where these shares of their corners are.
-fn relative_velocity(elements: [u32; 2], shares: &[[f64; 3]; 2], solid: &Solid) -> Point {
-    let mut rate = [0.0; 2];
-    for (side, sign) in [(0, 1.0), (1, -1.0)] {
-        for corner in 0..3 {
-            let node = solid.nodes_of(elements[side])[corner];
-            let velocity = solid.nodes[node as usize].velocity;
-            for axis in 0..2 {
-                rate[axis] += sign * shares[side][corner] * velocity[axis];
-            }
-        }
-    }
-    rate
-}
-
-/// Of the nodes of an element, without what others share of them.
-fn mass(solid: &Solid, element: u32) -> f64 {
-    solid.nodes_of(element).iter().map(|&node| solid.constants[node as usize].mass / 3.0).sum()
-}
-
-/// Between the boxes around two triangles along the axis on which they are farthest apart; negative if they overlap.
-#[inline]
-fn gap(a: &Triangle, b: &Triangle) -> f64 {
-    let along = |axis: usize| {
-        let [a, b] = [a, b].map(|t| {
-            let [p, q, r] = [t[0][axis], t[1][axis], t[2][axis]];
-            [p.min(q).min(r), p.max(q).max(r)]
-        });
-        (a[0] - b[1]).max(b[0] - a[1])
-    };
-    along(0).max(along(1))
-}
-
 /// How two elements lie in the undeformed mesh.
 enum Relation {
     Apart,
@@ -608,33 +435,6 @@ fn couple(elements: [u32; 2], groups: &[u32], joints: &Joints, topology: &Topolo
             parted.then_some(Couple { born: true, ..couple })
         }
     }
-}
-
-fn law(model: &Model, a: u32, b: u32) -> Law {
-    let interface = model.interface(a, b);
-    let [one, two] = [a, b].map(|material| &model.materials[material as usize]);
-    let penalty = interface
-        .and_then(|interface| interface.penalty)
-        .unwrap_or(model.contact.penalty * one.youngs_modulus.min(two.youngs_modulus))
-        * model.thickness;
-    let friction = interface.map_or(one.friction.min(two.friction), |interface| interface.friction);
-    Law {
-        penalty,
-        friction,
-        tangential: model.contact.tangential_stiffness * penalty,
-        damping: model.contact.damping,
-    }
-}
-
-/// Stiffness of a contact over an edge of an element of this material at either of its ends, N/m: an upper bound.
-pub(crate) fn stiffness(model: &Model, triangle: &Triangle, k: usize, material: u32) -> f64 {
-    let penalty = (0..model.materials.len() as u32)
-        .map(|other| law(model, material, other).penalty)
-        .fold(0.0_f64, f64::max);
-    let edge = minus(triangle[(k + 1) % 3], triangle[k]);
-    // φ grows by 3 over the height; half of the edge's pressure goes to an end; each of the two presses the other.
-    let normal = 3.0 * penalty / height(triangle, k) * 0.5 * length(edge);
-    2.0 * normal.max(model.contact.tangential_stiffness * penalty)
 }
 
 /// Of all edges of elements.

@@ -30,7 +30,7 @@ fn every_example_is_right_small_and_gives_no_warning() {
         println!("{name}\n{preflight}");
         let (elements, steps) = (preflight.quality.elements, preflight.steps);
         let work = elements as f64 * steps as f64;
-        if !preflight.warnings.is_empty() || !(1_000..=6_500).contains(&elements) || work > 3e8 {
+        if !preflight.warnings.is_empty() || !(1_000..=6_500).contains(&elements) || work > 5e8 {
             wrong.push(format!(
                 "{name}: {elements} elements, {work:e} element-steps, {:?}",
                 preflight.warnings
