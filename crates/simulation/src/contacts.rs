@@ -358,6 +358,8 @@ impl Contacts {
                 let pair = couple.elements.map(|element| &solid.elements[element as usize]);
                 let law = &options[pair[0].material as usize * materials + pair[1].material as usize];
                 let joint = joints.all.get(couple.joint as usize);
+                // What overlaps behind a joint that has gone astray was never pressed by it.
+                couple.born |= joint.is_some_and(|joint| joint.fading > 0.0 && joint.astray != [false; 2]);
                 let share = joint.map_or([1.0, 0.0], |joint| [joint.faded, joint.fading]);
                 press(couple, solid, law, share, step, travel);
             }

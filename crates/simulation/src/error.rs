@@ -193,6 +193,17 @@ pub enum Stop {
         /// The bound.
         bound: f64,
     },
+    /// Joints have given back more than they may: what is dissipated does not come back.
+    Returned {
+        /// The element that holds most energy for its mass.
+        element: u32,
+        /// The step.
+        step: u64,
+        /// Share of what has been in the system.
+        share: f64,
+        /// The bound.
+        bound: f64,
+    },
     /// Detection failed.
     Detection(
         /// Why.
@@ -214,6 +225,12 @@ impl fmt::Display for Stop {
                 out,
                 "step {step}: the energy balance is off by {:.2} %, more than {:.2} %; element {element} holds most for its mass",
                 100.0 * error,
+                100.0 * bound
+            ),
+            Self::Returned { element, step, share, bound } => write!(
+                out,
+                "step {step}: joints have given back {:.2} % of the energy, more than {:.2} %; element {element} holds most for its mass",
+                100.0 * share,
                 100.0 * bound
             ),
             Self::Detection(error) => write!(out, "contact detection: {error}"),

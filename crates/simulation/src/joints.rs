@@ -23,8 +23,10 @@ use crate::topology::{Edge, NONE, Topology};
 /// Sliding of a broken joint over its length at which it begins to leave the two elements to contact, and at which it is done.
 const FADE: [f64; 2] = [0.1, 0.3];
 
-/// Distance between the two sides of a broken end, over the length of the joint, beyond which it does not press: two elements that turn about the other end
-/// may come so far round that open looks like closed.
+/// Distance between the two sides of a broken end, over the length of the joint, beyond which it has gone astray: two elements that turn about the other end
+/// as about a hinge. Half way round the joint has no direction any more, and farther round open looks like closed; so the other end, whose fracture process is long over but for the
+/// two points at which a joint is looked at, is broken with it. Where the other end is a single node still, the end presses again only after it was seen open nearer by: it takes hold
+/// where there is no force yet.
 const APART: f64 = 0.5;
 
 /// What becomes of a joint.
@@ -54,6 +56,8 @@ pub(crate) struct Joint {
     pub(crate) ends: [Memory; 2],
     /// The nodes at an end are two.
     pub(crate) open: [bool; 2],
+    /// See [`APART`].
+    pub(crate) astray: [bool; 2],
     /// Share that has been left to contact.
     pub(crate) faded: f64,
     /// Of that, in the last step.
@@ -266,6 +270,7 @@ impl Joints {
             nodes: [[0; 2]; 2],
             ends: [Memory::default(); 2],
             open: [false; 2],
+            astray: [false; 2],
             faded: 0.0,
             fading: 0.0,
         });
@@ -429,8 +434,11 @@ fn pull(joint: &mut Joint, forces: &mut [Point; 2], solid: &Solid, step: f64) ->
         let gap = minus(b.position, a.position);
         let rate = minus(b.velocity, a.velocity);
         let (opening, sliding) = (dot(gap, normal), dot(gap, tangent));
-        let apart = || dot(gap, gap) > (APART * joint.length) * (APART * joint.length);
-        let [pressure, shear] = if joint.ends[end].damage(&joint.law) >= 1.0 && apart() {
+        if joint.ends[end].damage(&joint.law) >= 1.0 {
+            let apart = dot(gap, gap) > (APART * joint.length) * (APART * joint.length);
+            joint.astray[end] = apart || (joint.astray[end] && opening < 0.0);
+        }
+        let [pressure, shear] = if joint.astray[end] {
             [0.0; 2]
         } else {
             least = least.min(opening);
@@ -443,27 +451,38 @@ fn pull(joint: &mut Joint, forces: &mut [Point; 2], solid: &Solid, step: f64) ->
         forces[end] = force;
         slid += 0.5 * sliding;
     }
+    let strayed = joint.astray != [false; 2] && !whole;
+    let broken = joint.ends.iter().all(|end| end.damage(&joint.law) >= 1.0) && !whole;
+    let before = joint.faded;
+    let mut modes = None;
     match joint.state {
-        State::Holding if !whole && joint.ends.iter().all(|end| end.damage(&joint.law) >= 1.0) => {
+        State::Holding if strayed || broken => {
             joint.state = State::Broken;
             let [a, b] = joint.ends.map(|end| end.modes(&joint.law));
-            return (work, Some([0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])]));
+            modes = Some([0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])]);
+            if strayed {
+                leave(joint, forces);
+            }
         }
         State::Broken => {
-            let before = joint.faded;
             let share = (slid.abs() / joint.length - FADE[0]) / (FADE[1] - FADE[0]);
             joint.faded = joint.faded.max(share.clamp(0.0, 1.0));
             // Open, neither a joint nor a contact acts.
-            if least >= 0.0 || joint.faded >= 1.0 {
-                joint.faded = 1.0;
-                *forces = [[0.0; 2]; 2];
-                joint.state = State::Gone;
+            if least >= 0.0 || joint.faded >= 1.0 || strayed {
+                leave(joint, forces);
             }
-            joint.fading = joint.faded - before;
         }
         State::Holding | State::Gone => {}
     }
-    (work, None)
+    joint.fading = joint.faded - before;
+    (work, modes)
+}
+
+/// Leaves the two elements to contact.
+fn leave(joint: &mut Joint, forces: &mut [Point; 2]) {
+    joint.faded = 1.0;
+    joint.state = State::Gone;
+    *forces = [[0.0; 2]; 2];
 }
 
 /// Normal (tension positive) and tangential traction across an edge: the mean of the two elements.
@@ -513,9 +532,7 @@ mod tests {
     use super::*;
     use crate::model::{Material, Mesh};
 
-    /// Elements that turn about one end of a joint, whose other end is broken, may come so far round that the frame of the joint is turned, too.
-    #[test]
-    fn a_broken_end_that_came_round_does_not_press() {
+    fn two_triangles() -> (Model, Topology) {
         let strength = Strength {
             tensile: 1e6,
             cohesion: 3e6,
@@ -542,6 +559,13 @@ mod tests {
         };
         let model = Model { mesh, materials: vec![material], ..Model::default() };
         let topology = Topology::new(&model.mesh).expect("a mesh");
+        (model, topology)
+    }
+
+    /// Elements that turn about one end of a joint, whose other end is broken, may come so far round that the frame of the joint is turned, too.
+    #[test]
+    fn a_broken_end_that_came_round_does_not_press() {
+        let (model, topology) = two_triangles();
         let mut solid = Solid::new(&model);
         let mut joints = Joints::new(&model, &topology);
         joints.everywhere(&model, &topology).expect("enough energy");
@@ -560,12 +584,39 @@ mod tests {
         let mut forces = [[0.0; 2]; 2];
         let (_, modes) = pull(joint, &mut forces, &solid, 1e-6);
         assert_eq!((forces, modes), ([[0.0; 2]; 2], None));
-        // Near, and closed, it does press.
-        for (node, place) in [(a, [-0.01, 1.0]), (b, [0.01, 1.0])] {
-            solid.nodes[node as usize].position = place;
-        }
-        let mut forces = [[0.0; 2]; 2];
-        pull(&mut joints.all[0], &mut forces, &solid, 1e-6);
+        // Near it presses if it comes from the open side only.
+        let mut at = |x: f64| {
+            for (node, place) in [(a, [x, 1.0]), (b, [-x, 1.0])] {
+                solid.nodes[node as usize].position = place;
+            }
+            let mut forces = [[0.0; 2]; 2];
+            pull(&mut joints.all[0], &mut forces, &solid, 1e-6);
+            forces
+        };
+        assert_eq!([at(-0.01), at(0.01)], [[[0.0; 2]; 2]; 2]);
+        let forces = at(-0.01);
         assert!(forces[end].iter().any(|force| force.abs() > 1.0), "{forces:?}");
+    }
+
+    /// Where both ends are two nodes, a joint breaks as a whole when one end has come far round the other, and is contact's from then on.
+    #[test]
+    fn a_joint_that_opens_as_a_hinge_is_broken_at_both_ends() {
+        let (model, topology) = two_triangles();
+        let (mut solid, mut joints) = (Solid::new(&model), Joints::new(&model, &topology));
+        joints.everywhere(&model, &topology).expect("enough energy");
+        for vertex in 0..4 {
+            joints.part(vertex, &mut solid, None, &model, &topology);
+        }
+        let joint = &mut joints.all[0];
+        joint.ends[0].beyond = [1.0, 0.0];
+        let [a, b] = joint.nodes[0];
+        let [x, y] = solid.nodes[a as usize].position;
+        for (node, shift) in [(a, 0.3), (b, -0.3)] {
+            solid.nodes[node as usize].position = [x + shift, y];
+        }
+        let mut forces = [[1.0; 2]; 2];
+        let (_, modes) = pull(joint, &mut forces, &solid, 1e-6);
+        assert!(modes.is_some());
+        assert_eq!((joint.state, joint.faded, joint.fading, forces), (State::Gone, 1.0, 1.0, [[0.0; 2]; 2]));
     }
 }

@@ -74,6 +74,8 @@ pub struct Simulation {
 struct Totals {
     friction: f64,
     cohesive: f64,
+    /// The most that this has been.
+    most_cohesive: f64,
     damping: f64,
     external: f64,
     initial: Option<f64>,
@@ -213,6 +215,7 @@ impl Simulation {
         totals.friction += touching.friction;
         totals.damping += touching.damping;
         totals.cohesive -= touching.handed_over;
+        totals.most_cohesive = totals.most_cohesive.max(totals.cohesive);
         clock.read(&mut timings.contact);
 
         loads.apply(solid, time);
@@ -267,8 +270,20 @@ impl Simulation {
         }
         let energies = self.energies();
         let (error, bound) = (energies.error(), self.model.time.energy_bound);
-        if energies.scale() > self.negligible && (error.abs() > bound || error.is_nan()) {
+        if energies.scale() <= self.negligible {
+            return Ok(());
+        }
+        if error.abs() > bound || error.is_nan() {
             return Err(Stop::Energy { element: self.hottest(), step: self.step, error, bound });
+        }
+        // Joints that are there from the beginning store energy as the elements do, and give it back.
+        let returned = match self.model.fracture.insertion {
+            Insertion::Adaptive => self.totals.most_cohesive - energies.cohesive,
+            Insertion::Intrinsic => -energies.cohesive,
+        };
+        let share = returned / energies.scale();
+        if share > bound {
+            return Err(Stop::Returned { element: self.hottest(), step: self.step, share, bound });
         }
         Ok(())
     }
