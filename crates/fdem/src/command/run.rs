@@ -17,7 +17,7 @@ use crate::command::check::{read_text, refused};
 use crate::command::failure::{Failure, display_name};
 use crate::model::{Checkpoint as When, Preflight, Prepared, prepare};
 use crate::numbers::{brief, grouped};
-use folder::{Checkpoint, Folder, MODEL};
+use folder::{Checkpoint, Folder, MODEL, SUMMARY};
 use recorder::Recorder;
 use told::Told;
 use watch::Watch;
@@ -169,7 +169,7 @@ impl Going {
         self.output += start.elapsed();
         let seconds = self.before + self.told.seconds();
         let json = told::json(&self.run, &self.prepared, &status, seconds, self.output.as_secs_f64());
-        self.folder.write("run.json", format!("{json:#}\n").as_bytes())?;
+        self.folder.write(SUMMARY, format!("{json:#}\n").as_bytes())?;
         for (name, text) in &facts {
             self.told.say(&format!("{name:<16} {text}"));
         }

@@ -51,6 +51,7 @@ pub(crate) fn mesh(domain: &Domain, size: f64, seed: u64) -> Result<Meshed, Stri
     if expected.is_nan() || expected > MOST {
         return Err(format!("a mesh size of {size} gives about {expected:.0} elements"));
     }
+    holes_are_inside(domain)?;
     let mut frame = Frame::new(domain, size)?;
     let fixed = frame.nodes.len();
     let inside = Inside::new(&domain.loops);
@@ -68,6 +69,23 @@ pub(crate) fn mesh(domain: &Domain, size: f64, seed: u64) -> Result<Meshed, Stri
     let number = |node: u32| Some(numbers[node as usize]).filter(|&number| number != INSIDE);
     let lines = frame.lines.iter().filter_map(|&[a, b]| Some([number(a)?, number(b)?])).collect();
     Ok(Meshed { nodes: frame.nodes, triangles, loops: frame.loops, lines })
+}
+
+/// Every hole inside the outline, none in another: else it would be a body of its own, or part of one.
+fn holes_are_inside(domain: &Domain) -> Result<(), String> {
+    let Some((outer, holes)) = domain.loops.split_first() else { return Ok(()) };
+    let outline = Inside::new(std::slice::from_ref(outer));
+    for (number, hole) in holes.iter().enumerate() {
+        if let Some(corner) = hole.iter().find(|&&corner| !outline.contains(corner)) {
+            return Err(format!("hole {} is not inside the outline: {corner:?} is beyond", number + 1));
+        }
+        for (other, around) in holes.iter().enumerate().filter(|(other, _)| *other != number) {
+            if hole.iter().all(|&corner| Inside::new(std::slice::from_ref(around)).contains(corner)) {
+                return Err(format!("hole {} is in hole {}", number + 1, other + 1));
+            }
+        }
+    }
+    Ok(())
 }
 
 /// Points on outlines and lines, and the edges between them.

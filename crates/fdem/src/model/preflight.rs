@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use fdem_simulation::{CriticalStep, Model};
+use fdem_simulation::{Model, Simulation};
 use serde::Serialize;
 
 use crate::model::{Prepared, Quality};
@@ -31,7 +31,9 @@ impl Critical {
     /// # Errors
     /// In words: what of the model cannot be run.
     pub fn of(model: &Model) -> Result<Self, String> {
-        let critical = CriticalStep::of(model).map_err(|error| error.to_string())?;
+        // All that a run would find is found here.
+        let run = Simulation::new(model.clone(), 1).map_err(|error| error.to_string())?;
+        let critical = run.critical_step();
         Ok(Self { step: critical.step, element: critical.element, cause: critical.cause.to_string() })
     }
 }

@@ -388,3 +388,20 @@ fn no_text_makes_it_panic() {
         }
     }
 }
+
+#[test]
+fn holes_beyond_the_outline_or_in_one_another_are_refused() {
+    for (holes, what) in [
+        ("{ centre = [3, 1], radius = 0.05 }", "hole 1 is not inside the outline"),
+        ("{ centre = [0.5, 0.25], radius = 2 }", "hole 1 is not inside the outline"),
+        ("{ centre = [0, 0.25], radius = 0.1 }", "hole 1 is not inside the outline"),
+        (
+            "{ centre = [0.5, 0.25], radius = 0.2 }, { centre = [0.5, 0.25], radius = 0.05 }",
+            "hole 2 is in hole 1",
+        ),
+    ] {
+        let text = changed("max = [1.0, 0.5] }", &format!("max = [1.0, 0.5], holes = [{holes}] }}"));
+        let errors = read(&text).unwrap_err();
+        assert!(errors.to_string().contains(what), "{holes}: {errors}");
+    }
+}

@@ -6,14 +6,15 @@
 //! history.csv           a row for each instant
 //! results.pvd, cracks.pvd, frames/   for ParaView
 //! plots/, report.html, animation.gif   made when the run ends
-//! run.json, run.log     what ran, on what, for how long
+//! run.json, run.log     what ran, on what, for how long; run.json tells that this is the folder of a run
 //! ```
 //! Every file but the two that grow, history and log, is written aside, synced and renamed: at any instant the folder holds whole files only. A checkpoint says how many frames there were
 //! and up to which step the history counts; what is later than that is removed when the run goes on.
 
-use std::fs::{self, File};
+use std::fs::{self, File, TryLockError};
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use fdem_simulation::State;
 use serde::{Deserialize, Serialize};
@@ -29,14 +30,16 @@ const FRAMES: &str = "frames";
 const INPUTS: &str = "inputs";
 pub(crate) const PLOTS: &str = "plots";
 
+/// What tells that a folder is of a run: made first, and never removed.
+pub(crate) const SUMMARY: &str = "run.json";
+
 /// All that a run makes, for `--force`.
-const FILES: [&str; 11] = [
-    // First, so that a folder of which the rest is gone is not taken for a run.
+const FILES: [&str; 10] = [
+    // First, so that nobody goes on with a run of which the rest is gone.
     CHECKPOINT,
     MODEL,
     HISTORY,
     LOG,
-    "run.json",
     "results.pvd",
     "cracks.pvd",
     "report.html",
@@ -65,14 +68,19 @@ pub(crate) struct Checkpoint {
 #[derive(Debug, Clone)]
 pub(crate) struct Folder {
     path: PathBuf,
+    /// The model's file, locked as long as somebody is at work here.
+    lock: Option<Arc<File>>,
 }
 
 impl Folder {
     /// One for a new run, with the model's text and the files that it names.
     pub(crate) fn create(path: &Path, force: bool, text: &[u8], inputs: &[Vec<u8>]) -> Result<Self, Failure> {
-        let folder = Self { path: path.to_owned() };
+        let mut folder = Self { path: path.to_owned(), lock: None };
         let there = match fs::read_dir(path) {
-            Ok(mut entries) => entries.next().is_some(),
+            // The first file, if a run was killed before it was whole.
+            Ok(mut entries) => {
+                entries.any(|entry| entry.is_ok_and(|entry| entry.file_name() != "run.json.part"))
+            }
             Err(error) if error.kind() == io::ErrorKind::NotFound => false,
             Err(error) => return Err(Failure::writing(path, error)),
         };
@@ -83,14 +91,25 @@ impl Folder {
             )));
         }
         if there {
-            folder.clear()?;
+            if ![SUMMARY, CHECKPOINT].iter().any(|name| folder.path(name).exists()) {
+                return Err(Failure::Unusable(format!(
+                    "{} is not empty, and holds no run that --force could replace: choose another folder with --output",
+                    display_name(path)
+                )));
+            }
+            folder.lock()?;
         }
         folder.make("")?;
+        folder.write(SUMMARY, b"{ \"status\": \"begun\" }\n")?;
+        if there {
+            folder.clear()?;
+        }
         folder.make(FRAMES)?;
         if !inputs.is_empty() {
             folder.make(INPUTS)?;
         }
         folder.write(MODEL, text)?;
+        folder.lock()?;
         for (number, bytes) in inputs.iter().enumerate() {
             folder.write(&format!("{INPUTS}/{number}"), bytes)?;
         }
@@ -99,32 +118,38 @@ impl Folder {
 
     /// That of a run which has been.
     pub(crate) fn open(path: &Path) -> Result<(Self, Checkpoint), Failure> {
-        let folder = Self { path: path.to_owned() };
+        let mut folder = Self { path: path.to_owned(), lock: None };
+        folder.lock()?;
         let checkpoint = folder.checkpoint()?;
         Ok((folder, checkpoint))
     }
 
+    /// Takes the folder for this process alone, until it ends. Where there is no model nobody is at work; a file system without locks has none.
+    fn lock(&mut self) -> Result<(), Failure> {
+        let Ok(file) = File::open(self.path(MODEL)) else { return Ok(()) };
+        if matches!(file.try_lock(), Err(TryLockError::WouldBlock)) {
+            return Err(Failure::Unusable(format!(
+                "another fdem is at work in {}",
+                display_name(&self.path)
+            )));
+        }
+        self.lock = Some(Arc::new(file));
+        Ok(())
+    }
+
     /// Removes what a run makes, and nothing else.
     fn clear(&self) -> Result<(), Failure> {
-        for name in FILES {
-            let file = self.path(name);
-            match fs::remove_file(&file) {
-                Err(error) if error.kind() != io::ErrorKind::NotFound => {
-                    return Err(Failure::writing(&file, error));
-                }
-                _ => {}
+        let (first, rest) = FILES.split_at(1);
+        let remove = |name: &&str, how: fn(PathBuf) -> io::Result<()>| {
+            let path = self.path(name);
+            match how(path.clone()) {
+                Err(error) if error.kind() != io::ErrorKind::NotFound => Err(Failure::writing(&path, error)),
+                _ => Ok(()),
             }
-        }
-        for name in FOLDERS {
-            let folder = self.path(name);
-            match fs::remove_dir_all(&folder) {
-                Err(error) if error.kind() != io::ErrorKind::NotFound => {
-                    return Err(Failure::writing(&folder, error));
-                }
-                _ => {}
-            }
-        }
-        Ok(())
+        };
+        first.iter().try_for_each(|name| remove(name, fs::remove_file))?;
+        FOLDERS.iter().try_for_each(|name| remove(name, fs::remove_dir_all))?;
+        rest.iter().try_for_each(|name| remove(name, fs::remove_file))
     }
 
     /// Makes a folder in it.
