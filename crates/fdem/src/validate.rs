@@ -32,7 +32,7 @@ pub use page::{html, table};
 /// How large the models are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Size {
-    /// As small as theory still holds: all cases in about a minute.
+    /// As small as theory still holds: all cases in a minute or two.
     Reduced,
     /// Finer, and in more variants: minutes.
     Full,

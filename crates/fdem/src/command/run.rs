@@ -69,13 +69,13 @@ pub(crate) fn resume(arguments: &ResumeArguments) -> Result<(), Failure> {
             display_name(&path)
         )));
     }
-    let Checkpoint { frames, seconds, state, .. } = checkpoint;
+    let Checkpoint { frames, history, seconds, state, .. } = checkpoint;
     let step = state.step();
     let simulation =
         Simulation::resume(prepared.model.clone(), state, arguments.options.threads).map_err(|error| {
             Failure::Unusable(format!("{} cannot go on: {error}", display_name(&arguments.folder)))
         })?;
-    let recorder = Recorder::going_on(&folder, &prepared, step, frames)?;
+    let recorder = Recorder::going_on(&folder, &prepared, step, frames, history)?;
     let mut going = Going::new(folder, prepared, simulation, recorder, seconds, &arguments.options)?;
     going.told.say(&format!("goes on after step {}", grouped(step)));
     going.go()
@@ -255,6 +255,7 @@ impl Going {
         self.folder.save(&Checkpoint {
             model: self.prepared.hash.clone(),
             frames: self.recorder.frames.clone(),
+            history: self.recorder.length()?,
             seconds: self.before + self.told.seconds(),
             state: self.run.state(),
         })?;

@@ -192,6 +192,28 @@ fn one_folder_has_one_run_at_a_time() {
 }
 
 #[test]
+fn what_is_missing_of_a_run_is_found_before_it_goes_on() {
+    let bench = Bench::of(&CRASH.replace("0.8e-3", "0.05e-3"));
+    bench.run(&["run", "crash.toml", "-q", "-o", "run"]).succeeds();
+    for (name, says) in [
+        ("history.csv", ["history.csv", "rows before step"]),
+        ("frames/00001.frame", ["frames", "00001.frame"]),
+        ("frames/00002.vtu", ["cannot read", "00002.vtu"]),
+    ] {
+        let file = bench.path("run").join(name);
+        let whole = fs::read(&file).unwrap();
+        if name.ends_with("vtu") {
+            fs::remove_file(&file).unwrap();
+        } else {
+            fs::write(&file, &whole[..whole.len() / 2]).unwrap();
+        }
+        bench.run(&["resume", "-q", "run"]).refused_with(&says);
+        fs::write(&file, whole).unwrap();
+    }
+    bench.run(&["resume", "-q", "run"]).succeeds();
+}
+
+#[test]
 fn an_animation_is_written_if_it_is_asked_for() {
     let bench = Bench::of(&CRASH.replace("0.8e-3", "0.01e-3"));
     bench.run(&["run", "crash.toml", "--animate=damaged"]).refused_with(&["damaged", "max_principal"]);

@@ -50,7 +50,7 @@ const FILES: [&str; 10] = [
 const FOLDERS: [&str; 4] = [FRAMES, INPUTS, PLOTS, "animation"];
 
 /// The first line of a checkpoint: another version of its contents has another one.
-const MAGIC: &[u8] = b"fdem checkpoint 1\n";
+const MAGIC: &[u8] = b"fdem checkpoint 2\n";
 
 /// Where a run stands.
 #[derive(Debug, Serialize, Deserialize)]
@@ -59,6 +59,8 @@ pub(crate) struct Checkpoint {
     pub(crate) model: String,
     /// Step and time of the frames that have been written.
     pub(crate) frames: Vec<(u64, f64)>,
+    /// Length of the history, bytes.
+    pub(crate) history: u64,
     /// Time on the clock until here, s.
     pub(crate) seconds: f64,
     pub(crate) state: State,

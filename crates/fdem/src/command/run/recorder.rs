@@ -5,7 +5,7 @@ use std::io::{BufWriter, Write};
 
 use fdem_simulation::Simulation;
 
-use crate::command::failure::Failure;
+use crate::command::failure::{Failure, display_name};
 use crate::command::run::folder::{Folder, HISTORY, PLOTS, cracks_file, mesh_file, packed_file};
 use crate::model::{Prepared, Quantity};
 use crate::results::{
@@ -35,17 +35,35 @@ impl Recorder {
         Ok(Self { folder: folder.clone(), history, frames: Vec::new() })
     }
 
-    /// For a run that goes on after `step` with these frames: what is later is removed.
+    /// For a run that goes on after a checkpoint: what is later is removed, what was there before has to be there still.
     pub(crate) fn going_on(
         folder: &Folder,
         prepared: &Prepared,
         step: u64,
         frames: Vec<(u64, f64)>,
+        length: u64,
     ) -> Result<Self, Failure> {
         let path = folder.path(HISTORY);
         let text = folder.read(HISTORY)?;
         let end =
             kept(&text, step).map_err(|error| Failure::Unusable(format!("{}: {error}", path.display())))?;
+        if (end as u64) < length {
+            return Err(Failure::Unusable(format!(
+                "{}: rows before step {step} are missing: {} of {length} bytes are left",
+                display_name(&path),
+                text.len()
+            )));
+        }
+        for number in 0..frames.len() {
+            for name in [mesh_file(number), cracks_file(number)] {
+                let path = folder.path(&name);
+                fs::metadata(&path).map_err(|error| Failure::reading(&display_name(&path), &error))?;
+            }
+            let name = packed_file(number);
+            Frame::from_bytes(&folder.read(&name)?).map_err(|error| {
+                Failure::Unusable(format!("{}: {error}", display_name(&folder.path(&name))))
+            })?;
+        }
         let history = OpenOptions::new()
             .append(true)
             .open(&path)
@@ -118,6 +136,14 @@ impl Recorder {
             self.folder.write(name, pvd(entries).as_bytes())?;
         }
         Ok(())
+    }
+
+    /// Of the history as it is on the disk, bytes.
+    pub(crate) fn length(&self) -> Result<u64, Failure> {
+        let path = self.folder.path(HISTORY);
+        fs::metadata(&path)
+            .map(|metadata| metadata.len())
+            .map_err(|error| Failure::reading(&display_name(&path), &error))
     }
 
     /// The rows so far are on the disk.
