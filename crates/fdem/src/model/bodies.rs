@@ -1,5 +1,7 @@
 //! Bodies: one shape each, meshed and put together.
 
+use std::collections::BTreeSet;
+
 use std::collections::BTreeMap;
 
 use fdem_scenes::random::Random;
@@ -187,6 +189,7 @@ pub(crate) fn build(
 ) -> Result<(Mesh, Vec<Placed>), Vec<Fault>> {
     let mut faults = Vec::new();
     let mut placed: Vec<Placed> = Vec::new();
+    let mut names = BTreeSet::new();
     for (index, body) in file.body.iter().enumerate() {
         let table = Table::of("body", index);
         match pieces(file, body, load) {
@@ -196,6 +199,16 @@ pub(crate) fn build(
                     piece.place(body.angle, body.translate);
                     let name =
                         if several { format!("{}-{}", body.name, number + 1) } else { body.name.clone() };
+                    if !names.insert(name.clone()) {
+                        faults.push(
+                            Fault::at(
+                                document.value(table, "name"),
+                                format!("there is a body \"{name}\" already: bodies of a packing have its name and a number"),
+                            )
+                            .label("again"),
+                        );
+                        break;
+                    }
                     placed.push(Placed { name, table: index, piece, first: [0, 0] });
                 }
             }

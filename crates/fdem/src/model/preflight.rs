@@ -11,6 +11,9 @@ use crate::numbers::{brief, grouped};
 /// Elements times steps in a second on one core: of bodies that break; whole ones are several times as fast.
 const SPEED: f64 = 6e6;
 
+/// Steps beyond which the clock would not go on: more than whole numbers can be told apart.
+const MOST: f64 = 9e15;
+
 /// Bytes for each element.
 const MEMORY: f64 = 1e3;
 
@@ -75,6 +78,11 @@ impl Preflight {
         let critical = Critical::of(model)?;
         let step = model.time.step.unwrap_or(critical.step * model.time.safety);
         let steps = (prepared.end_time / step).ceil();
+        if !(1.0..=MOST).contains(&steps) {
+            return Err(format!(
+                "it would take {steps:e} steps of {step:e} s: look at densities, moduli, penalties, damping and end time"
+            ));
+        }
         let mut warnings = prepared.warnings.clone();
         if step > critical.step {
             warnings.push(format!(

@@ -390,6 +390,14 @@ fn no_text_makes_it_panic() {
 }
 
 #[test]
+fn bodies_of_a_packing_do_not_share_a_name_with_another() {
+    let grains = "\n[[body]]\nname = \"grain\"\nmaterial = \"rock\"\npacking = { count = 2, radius = [0.02, 0.03], within = { min = [2, 0], max = [2.3, 0.3] } }\nmesh_size = 0.02\n";
+    let text = format!("{}{grains}", SMALL.replace("\"block\"", "\"grain-2\""));
+    let errors = read(&text).unwrap_err();
+    assert!(errors.to_string().contains("there is a body \"grain-2\" already"), "{errors}");
+}
+
+#[test]
 fn holes_beyond_the_outline_or_in_one_another_are_refused() {
     for (holes, what) in [
         ("{ centre = [3, 1], radius = 0.05 }", "hole 1 is not inside the outline"),
