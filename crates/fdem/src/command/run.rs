@@ -36,10 +36,10 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<(), Failure> {
         Ok(bytes)
     };
     let prepared = prepare(&text, &display_name(path), &mut load).map_err(|errors| refused(&errors))?;
-    let preflight = Preflight::of(&prepared)
-        .map_err(|why| Failure::Unusable(format!("{} cannot run: {why}", display_name(path))))?;
+    let unusable = |why: String| Failure::Unusable(format!("{} cannot run: {why}", display_name(path)));
     let simulation = Simulation::new(prepared.model.clone(), arguments.options.threads)
-        .map_err(|error| Failure::Unusable(format!("{} cannot run: {error}", display_name(path))))?;
+        .map_err(|error| unusable(error.to_string()))?;
+    let preflight = Preflight::with(&prepared, simulation.critical_step()).map_err(unusable)?;
     let target = arguments.output.clone().unwrap_or_else(|| default_folder(path));
     let folder = Folder::create(&target, arguments.force, text.as_bytes(), &inputs)?;
     let recorder = Recorder::new(&folder, &prepared)?;

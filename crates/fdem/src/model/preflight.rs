@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use fdem_simulation::{Model, Simulation};
+use fdem_simulation::{CriticalStep, Simulation};
 use serde::Serialize;
 
 use crate::model::{Prepared, Quality};
@@ -28,16 +28,9 @@ pub struct Critical {
     pub cause: String,
 }
 
-impl Critical {
-    /// Of a model.
-    ///
-    /// # Errors
-    /// In words: what of the model cannot be run.
-    pub fn of(model: &Model) -> Result<Self, String> {
-        // All that a run would find is found here.
-        let run = Simulation::new(model.clone(), 1).map_err(|error| error.to_string())?;
-        let critical = run.critical_step();
-        Ok(Self { step: critical.step, element: critical.element, cause: critical.cause.to_string() })
+impl From<CriticalStep> for Critical {
+    fn from(critical: CriticalStep) -> Self {
+        Self { step: critical.step, element: critical.element, cause: critical.cause.to_string() }
     }
 }
 
@@ -74,8 +67,17 @@ impl Preflight {
     /// # Errors
     /// In words: what of the model cannot be run.
     pub fn of(prepared: &Prepared) -> Result<Self, String> {
-        let model = &prepared.model;
-        let critical = Critical::of(model)?;
+        // All that a run would find is found here.
+        let run = Simulation::new(prepared.model.clone(), 1).map_err(|error| error.to_string())?;
+        Self::with(prepared, run.critical_step())
+    }
+
+    /// The same, where a run was made of the model and has told its critical step.
+    ///
+    /// # Errors
+    /// In words: more steps than a clock can count.
+    pub fn with(prepared: &Prepared, critical: CriticalStep) -> Result<Self, String> {
+        let (model, critical) = (&prepared.model, Critical::from(critical));
         let step = model.time.step.unwrap_or(critical.step * model.time.safety);
         let steps = (prepared.end_time / step).ceil();
         if !(1.0..=MOST).contains(&steps) {

@@ -141,7 +141,6 @@ impl Folder {
 
     /// Removes what a run makes, and nothing else.
     fn clear(&self) -> Result<(), Failure> {
-        let (first, rest) = FILES.split_at(1);
         let remove = |name: &&str, how: fn(PathBuf) -> io::Result<()>| {
             let path = self.path(name);
             match how(path.clone()) {
@@ -149,9 +148,8 @@ impl Folder {
                 _ => Ok(()),
             }
         };
-        first.iter().try_for_each(|name| remove(name, fs::remove_file))?;
-        FOLDERS.iter().try_for_each(|name| remove(name, fs::remove_dir_all))?;
-        rest.iter().try_for_each(|name| remove(name, fs::remove_file))
+        FILES.iter().try_for_each(|name| remove(name, fs::remove_file))?;
+        FOLDERS.iter().try_for_each(|name| remove(name, fs::remove_dir_all))
     }
 
     /// Makes a folder in it.
