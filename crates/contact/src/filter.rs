@@ -336,6 +336,20 @@ fn numbers_of(filter: Option<Filter<'_>>) -> [&[u32]; 3] {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Labels {
     arrays: [Vec<u32>; 3],
+    /// All groups of [`Labels::arrange`] are below this number; 0 where it kept none.
+    groups: usize,
+}
+
+/// A filter whose numbers [`Labels`] holds in the order of a layout, checked: its groups, the padding included, are groups of its matrix.
+///
+/// Kernels look groups up without a check, so only [`Labels::arranged`] makes this.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Arranged<'a>(Filter<'a>);
+
+impl<'a> Arranged<'a> {
+    pub(crate) fn filter(&self) -> &Filter<'a> {
+        &self.0
+    }
 }
 
 impl Labels {
@@ -385,7 +399,13 @@ impl Labels {
                 gather(firsts, &|element| 1 << groups[element])?;
                 gather(seconds, &|element| matrix.row(groups[element])[0])
             }
-            Sight::Groups { groups, .. } => gather(firsts, &|element| groups[element]),
+            Sight::Groups { groups, matrix } => {
+                self.groups = matrix.groups();
+                gather(firsts, &|element| {
+                    assert!((groups[element] as usize) < matrix.groups());
+                    groups[element]
+                })
+            }
         }
     }
 
@@ -413,6 +433,18 @@ impl Labels {
             }
         }
         Ok(())
+    }
+
+    /// `filter`, with the numbers that [`Labels::arrange`] took from it.
+    ///
+    /// # Panics
+    /// If the groups were not arranged, or for a matrix of another size.
+    pub(crate) fn arranged<'a>(&'a self, filter: Filter<'a>) -> Arranged<'a> {
+        let arranged = self.filter(filter);
+        if let Some(matrix) = arranged.matrix() {
+            assert_eq!(matrix.groups(), self.groups, "groups arranged for another matrix");
+        }
+        Arranged(arranged)
     }
 
     /// `filter`, of which these are the numbers, in their order.
@@ -459,5 +491,29 @@ impl Labels {
 
     fn clear(&mut self) {
         self.arrays.iter_mut().for_each(Vec::clear);
+        self.groups = 0;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A row of the matrix of 40 groups has no bit for group 69: a kernel that looked it up would read behind the row.
+    #[test]
+    #[should_panic(expected = "another matrix")]
+    fn groups_go_with_the_matrix_that_they_were_checked_against() {
+        let (large, small) = (GroupMatrix::all(70).unwrap(), GroupMatrix::all(40).unwrap());
+        let mut labels = Labels::default();
+        labels.arrange(Some(Filter::groups(&[69], &large)), &[0], 16, &Pool::default()).unwrap();
+        labels.arranged(Filter::groups(&[0], &small));
+    }
+
+    #[test]
+    #[should_panic(expected = "matrix.groups()")]
+    fn a_group_that_the_matrix_lacks_is_not_arranged() {
+        let matrix = GroupMatrix::all(40).unwrap();
+        let unchecked = Filter::groups(&[40], &matrix);
+        Labels::default().arrange(Some(unchecked), &[0], 16, &Pool::default()).unwrap();
     }
 }

@@ -15,8 +15,8 @@ use crate::real::Real;
 use crate::search::rows::layout::{Layout, PADDING};
 use crate::search::rows::scan::{PART, Scan, Scans, Sink};
 use crate::search::rows::{reserve, resize};
-use crate::simd::Simd;
 use crate::simd::kernel::Arrays;
+use crate::simd::{Available, Simd};
 
 use rows::Part;
 
@@ -100,7 +100,7 @@ pub struct Index<T, const D: usize> {
     parts: Vec<Part<T>>,
     /// Where each point is in the order of the other set.
     order: Vec<u32>,
-    simd: Simd,
+    simd: Available,
     pool: Pool,
 }
 
@@ -150,7 +150,7 @@ impl<T: Real, const D: usize> Index<T, D> {
             waiting: Vec::new(),
             parts: Vec::new(),
             order: Vec::new(),
-            simd: Simd::best(),
+            simd: Available::best(),
             pool: Pool::default(),
         }
     }
@@ -160,10 +160,7 @@ impl<T: Real, const D: usize> Index<T, D> {
     /// # Errors
     /// [`Error::SimdUnavailable`] if this processor lacks them.
     pub fn with_simd(mut self, simd: Simd) -> Result<Self, Error> {
-        if !simd.is_available() {
-            return Err(Error::SimdUnavailable { simd });
-        }
-        self.simd = simd;
+        self.simd = Available::new(simd)?;
         Ok(self)
     }
 

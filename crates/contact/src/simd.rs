@@ -5,7 +5,7 @@
 //! same couples in the same order. To add one, write its file, add it to [`Simd`] and to the macro below; the tests pick
 //! it up from [`Simd::available`].
 
-#![allow(unsafe_code, reason = "vector instructions and pointers; the only unsafe code of the crate")]
+#![allow(unsafe_code, reason = "vector instructions, and pointers instead of slices in inner loops")]
 #![allow(
     clippy::inline_always,
     reason = "instructions must end up in the function that is compiled for them"
@@ -68,10 +68,13 @@ macro_rules! entry_points {
     };
     ($features:literal, $dimensions:literal, $vector:ident, $f32:ident,
         $type:ident: $search:ident, $rows:ident, $two_sets:ident, $clusters:ident) => {
+        /// Searches with the kernel that suits `task`.
+        ///
         /// # Safety
-        /// The processor has the features, and `task` is as its fields say.
+        /// The processor has the features. The groups of the filters are groups of their matrix, as [`Arranged`](crate::filter::Arranged) promises. The kernels
+        /// assert everything else that they rely on.
         pub(crate) unsafe fn $search(task: &Task<'_, $type>, out: &mut Output<'_>) {
-            // SAFETY: the contract of this function, and what is looked at here.
+            // SAFETY: the contract of this function; the conditions establish the rest of each contract.
             unsafe {
                 if task.two_sets && !task.one_numbering {
                     $two_sets(task, out);
@@ -83,24 +86,30 @@ macro_rules! entry_points {
             }
         }
 
+        /// The kernel of one numbering, compiled for the features.
+        ///
         /// # Safety
-        /// As above, with one numbering.
+        /// That of the search above.
         #[target_feature(enable = $features)]
         unsafe fn $rows(task: &Task<'_, $type>, out: &mut Output<'_>) {
             // SAFETY: the contract of this function.
             unsafe { kernel::search::<$type, $vector, $dimensions, false>(task, out) }
         }
 
+        /// The kernel of two numberings, compiled for the features.
+        ///
         /// # Safety
-        /// As above, with two numberings.
+        /// That of the search above.
         #[target_feature(enable = $features)]
         unsafe fn $two_sets(task: &Task<'_, $type>, out: &mut Output<'_>) {
             // SAFETY: the contract of this function.
             unsafe { kernel::search::<$type, $vector, $dimensions, true>(task, out) }
         }
 
+        /// The kernel of clusters, compiled for the features.
+        ///
         /// # Safety
-        /// As above, with `cluster::pays`.
+        /// That of the search above, and `cluster::pays(task)`.
         #[target_feature(enable = $features)]
         unsafe fn $clusters(task: &Task<'_, $type>, out: &mut Output<'_>) {
             // SAFETY: the contract of this function.
@@ -123,6 +132,7 @@ pub(crate) mod prefetch;
 
 use std::fmt;
 
+use crate::error::Error;
 use kernel::{Output, Task};
 
 /// A set of vector instructions. They are used in 2D and 3D; in other dimensions every level does as [`Simd::Portable`].
@@ -222,6 +232,27 @@ pub(crate) fn bits_of_bytes<const SHIFT: i32>(bytes: &[u8; 64]) -> u64 {
     }
 }
 
+/// A level that this processor has: the proof that its instructions may be used.
+#[derive(Clone, Copy, Debug)]
+pub struct Available(Simd);
+
+impl Available {
+    /// # Errors
+    /// [`Error::SimdUnavailable`] if this processor lacks the level.
+    pub(crate) fn new(simd: Simd) -> Result<Self, Error> {
+        if simd.is_available() { Ok(Self(simd)) } else { Err(Error::SimdUnavailable { simd }) }
+    }
+
+    /// The fastest level that this processor has.
+    pub(crate) fn best() -> Self {
+        Self(Simd::best())
+    }
+
+    pub(crate) fn level(self) -> Simd {
+        self.0
+    }
+}
+
 /// Whether there are vectors for so many dimensions. Each costs the time to compile some fifty kernels.
 pub(crate) const fn has_vectors(dimensions: usize) -> bool {
     dimensions == 2 || dimensions == 3
@@ -229,18 +260,22 @@ pub(crate) const fn has_vectors(dimensions: usize) -> bool {
 
 /// The kernels of one float type; the sealed half of [`Real`](crate::Real).
 pub trait Kernels: Copy {
-    /// Searches one stretch of a row in `D` dimensions. `level` must be available.
+    /// Searches one stretch of a row in `D` dimensions.
+    ///
+    /// # Panics
+    /// If rows of `task` are not inside its arrays.
     #[doc(hidden)]
-    fn search<const D: usize>(level: Simd, task: &Task<'_, Self>, out: &mut Output<'_>);
+    fn search<const D: usize>(level: Available, task: &Task<'_, Self>, out: &mut Output<'_>);
 }
 
 macro_rules! kernels {
     ($type:ty, $search:ident) => {
         impl Kernels for $type {
-            fn search<const D: usize>(level: Simd, task: &Task<'_, Self>, out: &mut Output<'_>) {
-                // SAFETY: the caller has chosen a level that this processor has.
+            fn search<const D: usize>(level: Available, task: &Task<'_, Self>, out: &mut Output<'_>) {
+                // SAFETY: this processor has the instructions, or there were no `Available`. The groups of the filters of `task` are checked, or
+                // there were no `Arranged`.
                 unsafe {
-                    match (level, D) {
+                    match (level.level(), D) {
                         #[cfg(target_arch = "x86_64")]
                         (Simd::Avx512, 2) => avx512::plane::$search(task, out),
                         #[cfg(target_arch = "x86_64")]

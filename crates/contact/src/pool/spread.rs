@@ -5,7 +5,7 @@
 //! than one then. A thread that has not started in time is forbidden the processor of the caller for a moment, which moves it at once; nothing
 //! stays pinned. On other systems nothing is done.
 
-#[cfg(target_os = "linux")]
+#[cfg(all(target_os = "linux", not(miri)))]
 mod threads {
     use std::sync::atomic::{AtomicBool, Ordering};
     use std::sync::{Mutex, OnceLock};
@@ -125,7 +125,7 @@ mod threads {
     }
 }
 
-#[cfg(not(target_os = "linux"))]
+#[cfg(any(not(target_os = "linux"), miri))]
 mod threads {
     #[derive(Debug)]
     pub(crate) struct Spread;

@@ -15,8 +15,8 @@ use crate::search::Search;
 use crate::search::rows::layout::Layout;
 use crate::search::rows::reserve;
 use crate::search::rows::scan::{Scan, Scanner, Scans, Sink};
-use crate::simd::Simd;
 use crate::simd::kernel::{Arrays, Looks, Output, Span, Task};
+use crate::simd::{Available, Simd};
 
 pub use levels::Level;
 use levels::Model;
@@ -58,7 +58,7 @@ pub struct Multilevel<T, const D: usize> {
     sorted: Vec<Sorted<T, D>>,
     /// Couples of each part, on their way to a visitor or into a list.
     parts: Vec<Vec<Couple>>,
-    simd: Simd,
+    simd: Available,
     pool: Pool,
 }
 
@@ -92,7 +92,7 @@ impl<T: Real, const D: usize> Multilevel<T, D> {
             limits: None,
             sorted: Vec::new(),
             parts: Vec::new(),
-            simd: Simd::best(),
+            simd: Available::best(),
             pool: Pool::default(),
         }
     }
@@ -102,10 +102,7 @@ impl<T: Real, const D: usize> Multilevel<T, D> {
     /// # Errors
     /// [`Error::SimdUnavailable`] if this processor lacks them.
     pub fn with_simd(mut self, simd: Simd) -> Result<Self, Error> {
-        if !simd.is_available() {
-            return Err(Error::SimdUnavailable { simd });
-        }
-        self.simd = simd;
+        self.simd = Available::new(simd)?;
         Ok(self)
     }
 

@@ -17,7 +17,7 @@ use crate::grid::Grid;
 use crate::pool::Pool;
 use crate::real::Real;
 use crate::search::Search;
-use crate::simd::{Simd, has_vectors};
+use crate::simd::{Available, Simd, has_vectors};
 
 use layout::Layout;
 pub(crate) use layout::{reserve, resize};
@@ -63,7 +63,7 @@ pub struct Rows<T, const D: usize> {
     layout: Layout<T, D>,
     /// Couples of each part, on their way to a visitor or into a list.
     parts: Vec<Vec<Couple>>,
-    simd: Simd,
+    simd: Available,
     pool: Pool,
 }
 
@@ -76,7 +76,7 @@ impl<T: Real, const D: usize> Default for Rows<T, D> {
 impl<T: Real, const D: usize> Rows<T, D> {
     /// A search that holds no memory yet, with the fastest instructions of this processor.
     pub fn new() -> Self {
-        Self { layout: Layout::new(), parts: Vec::new(), simd: Simd::best(), pool: Pool::default() }
+        Self { layout: Layout::new(), parts: Vec::new(), simd: Available::best(), pool: Pool::default() }
     }
 
     /// The same with other vector instructions; the couples and their order are the same.
@@ -84,10 +84,7 @@ impl<T: Real, const D: usize> Rows<T, D> {
     /// # Errors
     /// [`Error::SimdUnavailable`] if this processor lacks them.
     pub fn with_simd(mut self, simd: Simd) -> Result<Self, Error> {
-        if !simd.is_available() {
-            return Err(Error::SimdUnavailable { simd });
-        }
-        self.simd = simd;
+        self.simd = Available::new(simd)?;
         Ok(self)
     }
 
@@ -134,7 +131,7 @@ impl<T: Real, const D: usize> Rows<T, D> {
 
     /// The vector instructions that a search uses.
     pub(crate) fn simd(&self) -> Simd {
-        if has_vectors(D) { self.simd } else { Simd::Portable }
+        if has_vectors(D) { self.simd.level() } else { Simd::Portable }
     }
 
     /// The cells that a search over `elements` would use.

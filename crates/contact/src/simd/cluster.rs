@@ -147,7 +147,8 @@ pub(super) fn pays<T: Real>(task: &Task<'_, T>) -> bool {
 /// As `kernel::search`, by clusters where they are of use.
 ///
 /// # Safety
-/// As `kernel::search`, with [`WIDTH`] entries after the last element of each row; and [`pays`].
+/// The processor has the instructions of `V` and `C`, the groups of the filters are groups of their matrix, and [`pays`] is true of `task`. `Rows::new`
+/// asserts everything else: rows are inside the arrays, with [`WIDTH`] entries after the last element of each.
 #[inline(always)]
 pub(super) unsafe fn search<T, V, C, const D: usize>(task: &Task<'_, T>, out: &mut Output<'_>)
 where
@@ -165,6 +166,10 @@ where
     }
 }
 
+/// One variant of [`search`].
+///
+/// # Safety
+/// That of [`search`].
 #[inline(always)]
 unsafe fn all<T, V, C, const D: usize, const SHAPE: u8, const COUNT: bool, const FILTER: bool>(
     task: &Task<'_, T>,
@@ -181,7 +186,8 @@ unsafe fn all<T, V, C, const D: usize, const SHAPE: u8, const COUNT: bool, const
     let mut from = task.from;
     while from < task.to {
         let to = task.to.min(from + SEGMENT);
-        // SAFETY: the contract of `search`; the copies belong to the segment.
+        // SAFETY: the contract of this function; the stretch is inside the row, the writer was made from `out`, and `copies` are written again only when the
+        // segment that points to them is no longer used.
         unsafe {
             let segment = if out.patience.without > 0 {
                 out.patience.without -= 1;
@@ -203,14 +209,14 @@ unsafe fn all<T, V, C, const D: usize, const SHAPE: u8, const COUNT: bool, const
         }
         from = to;
     }
-    // SAFETY: all couples have been written.
+    // SAFETY: the writer was made from `out`.
     unsafe { writer.close(out) };
 }
 
 /// Copies the elements `range` of the row, and all that can touch them; `None` where that does not pay.
 ///
 /// # Safety
-/// As [`search`]; `copies` are not used by another copy.
+/// That of [`search`]; `range` is not empty and inside the row; no segment that points to `copies` is used afterwards.
 #[inline(always)]
 unsafe fn copy<T, V, const D: usize, const SHAPE: u8>(
     task: &Task<'_, T>,
@@ -223,8 +229,9 @@ where
     V: Vector<T>,
 {
     let own = rows.own;
-    // SAFETY: `range` is inside the row. Vectors start inside rows, or behind their last element, and so end where the arrays still are. A piece and
-    // what a vector writes behind it fit into the capacity, and then PAD entries do.
+    // SAFETY: `range` is inside the row. Vectors start inside rows, or just behind their last element, and so end inside the arrays. A piece has at most
+    // CAPACITY - PAD elements, so it and PAD entries behind it fit into the capacity; a vector writes fewer than PAD entries behind the piece. There are at
+    // most FEW neighbours, by `pays`.
     unsafe {
         let (first, last) = (*own.along.add(range.start), *own.along.add(range.end - 1));
         let middle = usize::midpoint(range.start, range.end);
@@ -289,7 +296,7 @@ where
 /// Copies `n` numbers, relative to `origin` and in units of one over `scale`, with [`FAR`] behind them.
 ///
 /// # Safety
-/// The instructions are there; LANES entries behind the numbers are readable, and PAD entries behind the copy writable.
+/// The processor has the instructions; `n` and LANES more numbers can be read from `from` on, and `n` and PAD more can be written from `to` on.
 #[inline(always)]
 unsafe fn shorten<T, V: Vector<T>>(from: *const T, n: usize, origin: V, scale: V, to: *mut f32) {
     // SAFETY: the contract of this function.
@@ -306,13 +313,15 @@ unsafe fn shorten<T, V: Vector<T>>(from: *const T, n: usize, origin: V, scale: V
 }
 
 impl<C: Estimate> Limits<C> {
+    /// # Safety
+    /// The processor has the instructions of `C`.
     #[inline(always)]
     unsafe fn new<T: Real, const D: usize>(task: &Task<'_, T>, segment: &Segment<D>) -> Self {
         let Segment { error, scale, .. } = *segment;
         let (slope, rest) = (4.0 * error + 1.0 / 262_144.0, 4.0 * error * error);
         let limit = task.reach_squared.to_f64() * scale * scale;
         let doubt = slope * limit.sqrt() + rest;
-        // SAFETY: the instructions are there.
+        // SAFETY: the contract of this function.
         unsafe {
             Self {
                 sure: C::splat((limit - doubt) as f32),
@@ -328,7 +337,7 @@ impl<C: Estimate, const D: usize> Cluster<C, D> {
     /// The elements of `piece` from `base` on.
     ///
     /// # Safety
-    /// The instructions are there, and `base` is inside the piece.
+    /// The processor has the instructions of `C`, and `base` is inside the piece.
     #[inline(always)]
     unsafe fn new<const SHAPE: u8>(piece: &Piece<D>, base: usize, tolerance: C) -> Self {
         let mut cluster = Self { centres: [[tolerance; D]; CLUSTER], radii: [tolerance; CLUSTER] };
@@ -349,7 +358,7 @@ impl<C: Estimate, const D: usize> Cluster<C, D> {
     /// Which elements of `piece` from `j` on touch each of the cluster, as [`Hits`] has it; and a bit for each lane with a doubt.
     ///
     /// # Safety
-    /// The instructions are there, and the lanes from `j` on end inside the PAD of the piece.
+    /// The processor has the instructions of `C`, and the lanes from `j` on end before the PAD entries behind the piece do.
     #[inline(always)]
     unsafe fn touch<const SHAPE: u8>(&self, piece: &Piece<D>, j: usize, limits: &Limits<C>) -> (u64, u32) {
         let (mut bits, mut doubts) = (0, 0);
@@ -387,7 +396,7 @@ impl<C: Estimate, const D: usize> Cluster<C, D> {
 /// Compares the elements `range`, of which `segment` is the copy.
 ///
 /// # Safety
-/// As [`search`].
+/// That of [`search`]; `rows` and `segment` are made from `task`, and `writer` from `out`.
 #[inline(always)]
 unsafe fn clusters<T, V, C, const D: usize, const SHAPE: u8, const COUNT: bool, const FILTER: bool>(
     task: &Task<'_, T>,
@@ -404,9 +413,9 @@ unsafe fn clusters<T, V, C, const D: usize, const SHAPE: u8, const COUNT: bool, 
     let mut found = [const { MaybeUninit::<Hits>::uninit() }; VECTORS];
     let first_hits = found.as_mut_ptr().cast::<Hits>();
     let (mut done, mut repeated) = (0, 0);
-    // SAFETY: the instructions are there. As many pieces as are counted have been written. A vector of a piece starts at most at its length,
-    // and ends inside the PAD behind it; with at most WIDTH lanes behind the last element, so do the `ids` and labels. Before
-    // there is no room for the least vectors of all pieces no more than these are written.
+    // SAFETY: the contract of this function. `copy` has written `count` pieces. A vector of a piece starts at most WIDTH - LANES entries behind its last
+    // element, and so ends inside the PAD entries behind it; the `ids` and labels of its lanes are at most WIDTH entries behind the row, inside their arrays.
+    // `found` has room: after `most`, each piece left writes only the vectors that it must, at most WIDTH / LANES.
     unsafe {
         let limits = Limits::<C>::new(task, segment);
         let tolerance = C::splat((task.tolerance.to_f64() * segment.scale) as f32);

@@ -4,7 +4,7 @@ use std::mem::MaybeUninit;
 use std::ops::Range;
 
 use crate::couple::Couple;
-use crate::filter::Filter;
+use crate::filter::Arranged;
 use crate::real::Real;
 use crate::simd::cluster::Patience;
 use crate::simd::labels::{Label, Labels, NO_LABEL, NO_LABELS};
@@ -53,8 +53,8 @@ pub(crate) struct Arrays<'a, T> {
     /// Empty for boxes and elements of one radius.
     pub(crate) radii: &'a [T],
     pub(crate) ids: &'a [u32],
-    /// Which elements see each other, by their place in the arrays; as long as `ids`. All groups are ones of the matrix, also behind the last element.
-    pub(crate) filter: Option<Filter<'a>>,
+    /// Which elements see each other, by their place in the arrays; as long as `ids`.
+    pub(crate) filter: Option<Arranged<'a>>,
 }
 
 /// A stretch of a row, to be compared with the rest of its row and with the neighbour rows.
@@ -120,42 +120,79 @@ pub(crate) const ROOM: usize = 16;
 
 /// The operations of a set of vector instructions on one float type.
 ///
+/// Comparisons return a bit for each lane, the first lane lowest; the bits above `LANES` are 0.
+///
 /// # Safety
-/// All need the instructions; those that load and store need what they say.
+/// The processor has the instructions: every method needs them. Methods that take pointers say what else they need.
 pub(crate) trait Vector<T>: Copy {
     const LANES: usize;
 
+    /// The same number in all lanes.
+    ///
+    /// # Safety
+    /// The processor has the instructions.
     unsafe fn splat(x: T) -> Self;
 
-    /// `LANES` numbers from `from` on, which must be readable.
+    /// The `LANES` numbers from `from` on.
+    ///
+    /// # Safety
+    /// The processor has the instructions, and `LANES` numbers can be read from `from` on.
     unsafe fn load(from: *const T) -> Self;
 
+    /// # Safety
+    /// The processor has the instructions.
     unsafe fn add(self, other: Self) -> Self;
 
+    /// # Safety
+    /// The processor has the instructions.
     unsafe fn sub(self, other: Self) -> Self;
 
+    /// # Safety
+    /// The processor has the instructions.
     unsafe fn mul(self, other: Self) -> Self;
 
-    /// Writes `LANES` numbers to `to`, each the nearest of 32 bits.
+    /// Writes the lanes to `to`, each rounded to the nearest number of 32 bits.
+    ///
+    /// # Safety
+    /// The processor has the instructions, and `LANES` numbers can be written from `to` on.
     unsafe fn store_short(self, to: *mut f32);
 
-    /// A bit for each lane, the first lane lowest: `self <= other`.
+    /// Lanes with `self <= other`.
+    ///
+    /// # Safety
+    /// The processor has the instructions.
     unsafe fn at_most(self, other: Self) -> u32;
 
-    /// A bit for each lane, the first lane lowest: `self < other`.
+    /// Lanes with `self < other`.
+    ///
+    /// # Safety
+    /// The processor has the instructions.
     unsafe fn below(self, other: Self) -> u32;
 
-    /// A bit for each lane, the first lane lowest: whether the number there is `number`. `LANES` of them are readable from `from` on.
+    /// Lanes whose number, from `from` on, equals `number`.
+    ///
+    /// # Safety
+    /// The processor has the instructions, and `LANES` numbers can be read from `from` on.
     unsafe fn equal(number: u32, from: *const u32) -> u32;
 
-    /// The same: whether the number there and `bits` have a bit in common.
+    /// Lanes whose number, from `from` on, has a bit in common with `bits`.
+    ///
+    /// # Safety
+    /// That of [`Vector::equal`].
     unsafe fn overlap(bits: u32, from: *const u32) -> u32;
 
-    /// The same: whether bit `g` of `row`, words of 32, is set, where `g` is the number there. `row` has a word for each of the `LANES` numbers.
+    /// Lanes whose number `g`, from `from` on, is the place of a 1 among the bits of `row`: bit `g % 32` of word `g / 32`.
+    ///
+    /// # Safety
+    /// That of [`Vector::equal`], and the word `g / 32` of `row` can be read for each of these numbers.
     unsafe fn set(row: *const u32, from: *const u32) -> u32;
 
-    /// Stores the couples of `id` with those of the `LANES` readable `ids` whose bit in `hits` is set, in order: smaller number first,
-    /// or with `TWO_SETS` that of `id`. `to` must be writable for `LANES` couples.
+    /// Stores the couples of `id` with those of the next `LANES` of `ids` whose bit in `hits` is set, in order: the smaller number first,
+    /// or with `TWO_SETS` that of `id` first.
+    ///
+    /// # Safety
+    /// The processor has the instructions, `LANES` numbers can be read from `ids` on, `LANES` couples can be written from `to` on, and only the lowest
+    /// `LANES` bits of `hits` are set.
     unsafe fn store_couples<const TWO_SETS: bool>(id: u32, ids: *const u32, hits: u32, to: *mut Couple);
 }
 
@@ -197,7 +234,7 @@ impl Writer {
     /// Hands the couples over.
     ///
     /// # Safety
-    /// All couples before `to` have been written, to the vector that the writer was made from.
+    /// The writer was made from `out`, whose vector has not been used since, and only [`Writer::take`] has moved the writer on.
     #[inline(always)]
     pub(super) unsafe fn close(self, out: &mut Output<'_>) {
         // SAFETY: `to` points into the vector, behind what was written.
@@ -211,7 +248,7 @@ impl Writer {
     /// Writes or counts the couples of `id` with those of `ids` whose bit in `hits` is set.
     ///
     /// # Safety
-    /// That of [`Vector::store_couples`], and as [`Writer::close`].
+    /// That of [`Vector::store_couples`], room for couples aside, and that of [`Writer::close`].
     #[inline(always)]
     pub(super) unsafe fn take<T, V: Vector<T>, const TWO_SETS: bool, const COUNT: bool>(
         &mut self,
@@ -225,7 +262,7 @@ impl Writer {
             self.count += found as u64;
             return;
         }
-        // SAFETY: the contract of this function; room for LANES couples is made before they are stored.
+        // SAFETY: the contract of this function. Before `full` there is room for ROOM couples, which is at least LANES; `make_room` asserts that.
         unsafe {
             if self.to >= self.full {
                 *self = self.make_room(out);
@@ -235,14 +272,20 @@ impl Writer {
         }
     }
 
+    /// Hands the couples over, has room made, and returns a writer behind them.
+    ///
     /// # Safety
-    /// As [`Writer::close`].
+    /// That of [`Writer::close`].
+    ///
+    /// # Panics
+    /// If no room was made.
     #[cold]
     #[inline(never)]
     unsafe fn make_room(self, out: &mut Output<'_>) -> Self {
         // SAFETY: the contract of this function.
         unsafe { self.close(out) };
         (out.make_room)(out.couples);
+        assert!(out.couples.capacity() - out.couples.len() >= ROOM);
         Self::new(out)
     }
 }
@@ -270,8 +313,8 @@ pub(super) use variant;
 /// For each element, in order: its own row, then the neighbour rows in the order given; partners ascend along the row.
 ///
 /// # Safety
-/// The instructions of `V` are there, and `task` is as its fields say: rows inside the arrays, and `V::LANES` readable entries
-/// after the last element of each.
+/// The processor has the instructions of `V`, and the groups of the filters are groups of their matrix. [`Rows::new`] asserts everything else: rows are
+/// inside the arrays, with `V::LANES` entries after the last element of each.
 #[inline(always)]
 pub(crate) unsafe fn search<T, V, const D: usize, const TWO_SETS: bool>(
     task: &Task<'_, T>,
@@ -290,6 +333,10 @@ pub(crate) unsafe fn search<T, V, const D: usize, const TWO_SETS: bool>(
     }
 }
 
+/// One variant of [`search`].
+///
+/// # Safety
+/// That of [`search`].
 #[inline(always)]
 unsafe fn all<
     T,
@@ -309,7 +356,7 @@ unsafe fn all<
     let (mut few, mut many) = ([const { MaybeUninit::uninit() }; FEW_AHEAD], Vec::new());
     let mut rows = Rows::<T, D>::new::<SHAPE, FILTER>(task, V::LANES, &mut few, &mut many);
     let mut writer = Writer::new(out);
-    // SAFETY: the contract of `search`.
+    // SAFETY: the contract of this function; `new` has asserted that the stretch is inside the row, and the writer was made from `out`.
     unsafe {
         rows.compare::<V, TWO_SETS, SHAPE, COUNT, FILTER>(task.from..task.to, &mut writer, out);
         writer.close(out);
@@ -404,6 +451,7 @@ impl<'a, T: Real, const D: usize> Rows<'a, T, D> {
         }
         assert!(task.neighbours.iter().all(|neighbour| neighbour.low <= neighbour.row.len));
         assert!(task.from <= task.to && task.to <= task.row.len);
+        assert!(task.long < D);
         let (own_labels, labels) =
             if FILTER { (Labels::new(&task.own), Labels::new(&task.other)) } else { (NO_LABELS, NO_LABELS) };
         assert!(!FILTER || own_labels.are_like(&labels));
@@ -418,7 +466,7 @@ impl<'a, T: Real, const D: usize> Rows<'a, T, D> {
             few.iter_mut().zip(windows).for_each(|(place, window)| {
                 place.write(window);
             });
-            // SAFETY: as many as there are neighbours have just been written.
+            // SAFETY: one window for each neighbour has just been written, and `few` has room for them all.
             unsafe { std::slice::from_raw_parts_mut(few.as_mut_ptr().cast(), task.neighbours.len()) }
         } else {
             many.extend(windows);
@@ -430,7 +478,8 @@ impl<'a, T: Real, const D: usize> Rows<'a, T, D> {
     /// The elements `range` of the row.
     ///
     /// # Safety
-    /// The instructions of `V` are there, which has at most the lanes for which this was made, and `range` is inside that of the task.
+    /// The processor has the instructions of `V`, which has at most the lanes for which this was made; `range` is inside that of the task; the groups of the
+    /// filters are groups of their matrix; `writer` was made from `out`.
     #[inline(always)]
     pub(super) unsafe fn compare<
         V: Vector<T>,
@@ -445,9 +494,9 @@ impl<'a, T: Real, const D: usize> Rows<'a, T, D> {
         out: &mut Output<'_>,
     ) {
         let (task, own, own_labels, labels) = (self.task, self.own, self.own_labels, self.labels);
-        // SAFETY: the instructions are there by the contract of this function. Rows are inside the arrays, as has been asserted. `k` is an
-        // element of its row; a vector starts at an element of a row, or behind its last one with no lane counted, and so ends at most LANES
-        // entries behind the row, where the arrays still are.
+        // SAFETY: the contract of this function gives the instructions and the groups. `new` has asserted that rows are inside the arrays. `k` is an
+        // element of its row. A vector starts at an element of a row, or just behind its last one with no lane counted; so it ends at most LANES
+        // entries behind the row, still inside the arrays.
         unsafe {
             let (reach_squared, tolerance) = (V::splat(task.reach_squared), V::splat(task.tolerance));
             for k in range {
@@ -511,7 +560,7 @@ impl<'a, T: Real, const D: usize> Rows<'a, T, D> {
 /// The first element of a row, from `low` on, that is not below `lows`, or is beyond; or the length of the row.
 ///
 /// # Safety
-/// `low` is at most `len`, and LANES entries from any element up to there are readable.
+/// The processor has the instructions, `low` is at most `len`, and LANES numbers can be read from each place up to the one that is returned.
 #[inline(always)]
 pub(super) unsafe fn first_from<T, V: Vector<T>, const BEYOND: bool>(
     along: *const T,
@@ -538,7 +587,7 @@ pub(super) unsafe fn first_from<T, V: Vector<T>, const BEYOND: bool>(
 /// One element against those of `row` from `first` on, as far as `high`.
 ///
 /// # Safety
-/// As [`search`]; `first` is at most the length of the row.
+/// That of [`Rows::compare`]; `row` is one of its rows, and `first` is at most the length of the row.
 #[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "inlined: they stay in registers")]
 unsafe fn window<
@@ -564,7 +613,7 @@ unsafe fn window<
     V: Vector<T>,
 {
     let mut j = first;
-    // SAFETY: see `Rows::compare`.
+    // SAFETY: the contract of this function, and the comment in `Rows::compare`.
     unsafe {
         loop {
             let mut hits = if SHAPE == BOXES {

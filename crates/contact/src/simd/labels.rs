@@ -32,7 +32,8 @@ impl<'a> Labels<'a> {
     #[inline(always)]
     pub(super) fn new<T>(arrays: &Arrays<'a, T>) -> Self {
         let mut labels = NO_LABELS;
-        let Some(Filter { bodies, sight }) = arrays.filter else { return labels };
+        let Some(filter) = arrays.filter else { return labels };
+        let &Filter { bodies, sight } = filter.filter();
         let len = arrays.ids.len();
         if let Some(bodies) = bodies {
             labels.bodies = bodies[..len].as_ptr();
@@ -61,7 +62,7 @@ impl<'a> Labels<'a> {
     /// The numbers of one element.
     ///
     /// # Safety
-    /// `place` is inside the arrays.
+    /// `place` is inside the arrays that this was made from.
     #[inline(always)]
     pub(super) unsafe fn of(&self, place: usize) -> Label {
         let mut label = NO_LABEL;
@@ -86,10 +87,11 @@ impl<'a> Labels<'a> {
     /// Those of `hits` that the element sees, among the elements from `place` on.
     ///
     /// # Safety
-    /// The instructions of `V` are there, `place` and the next `V::LANES` are inside the arrays, and all groups are ones of the matrix.
+    /// The processor has the instructions of `V`, the `V::LANES` places from `place` on are inside the arrays, all groups there are groups of the matrix, and
+    /// `label` comes from [`Labels::of`] of labels that are alike.
     #[inline(always)]
     pub(super) unsafe fn admitted<T, V: Vector<T>>(&self, label: &Label, place: usize, mut hits: u32) -> u32 {
-        // SAFETY: the contract of this function. A row of the matrix has a bit for each group.
+        // SAFETY: the contract of this function. A row of the matrix has a bit for each group, in whole words.
         unsafe {
             if !self.bodies.is_null() {
                 hits &= !V::equal(label.body, self.bodies.add(place));

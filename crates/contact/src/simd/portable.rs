@@ -31,7 +31,9 @@ pub(crate) fn search<T: Real, const D: usize>(task: &Task<'_, T>, out: &mut Outp
             })
         };
         let see_each_other = match (own.filter, other.filter) {
-            (Some(filter), Some(others)) => filter.admits_of(row.start + k, &others, their_row.start + j),
+            (Some(filter), Some(others)) => {
+                filter.filter().admits_of(row.start + k, others.filter(), their_row.start + j)
+            }
             _ => true,
         };
         touch && see_each_other

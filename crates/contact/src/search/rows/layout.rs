@@ -1,6 +1,6 @@
 //! Elements in row order: the lists of NBS as sorted, contiguous runs.
 
-#![allow(unsafe_code, reason = "one scatter, to places of its own for every thread")]
+#![allow(unsafe_code, reason = "threads drop elements into one array, each into places of its own")]
 
 use std::ops::Range;
 
@@ -129,8 +129,8 @@ impl Chosen for &[u32] {
 /// The widest vector is 16 lanes (`f32`, AVX-512).
 pub(crate) const PADDING: usize = 16;
 
-/// Rows are sorted in blocks of consecutive ones with about as many elements: they fit the second-level cache.
-const BLOCK: usize = 2048;
+/// Elements of a block of consecutive rows, about: so many can be sorted in the second-level cache.
+const BLOCK: usize = if cfg!(miri) { 32 } else { 2048 };
 
 /// So many blocks can be filled at once before the processor runs out of memory pages that it knows.
 const MAX_BLOCKS: usize = 1024;
@@ -142,10 +142,10 @@ const MAX_BINS: u64 = 8192;
 const FEW: usize = 64;
 
 /// Fewer elements are not worth other threads.
-const FEW_ELEMENTS: usize = 20_000;
+const FEW_ELEMENTS: usize = if cfg!(miri) { 60 } else { 20_000 };
 
 /// Fewer are not worth a second one, if that is all: blocks that both drop into go from cache to cache, which takes twice the time as long as all fits into these.
-const FEW_FOR_TWO: usize = 150_000;
+const FEW_FOR_TWO: usize = if cfg!(miri) { 60 } else { 150_000 };
 
 /// Points that are looked at before all are.
 const SAMPLE: usize = 512;
@@ -379,7 +379,7 @@ impl<T: Real, const D: usize> Layout<T, D> {
                 let place = &mut cursors[block_of[bin as usize] as usize];
                 let at = *place as usize;
                 *place += 1;
-                // SAFETY: the sums above gave every block of every stretch a range of its own, as long as its count.
+                // SAFETY: the sums above gave every block of every stretch a range of places of its own, as long as its count; one task has a stretch.
                 unsafe {
                     places.write(at, *point);
                     ids.write(at, number as u32);
@@ -423,7 +423,7 @@ impl<T: Real, const D: usize> Layout<T, D> {
 
     /// What a kernel reads; `filter` is that of [`Layout::label`].
     pub(crate) fn arrays<'a>(&'a self, filter: Option<Filter<'a>>) -> Arrays<'a, T> {
-        let filter = filter.map(|filter| self.labels.filter(filter));
+        let filter = filter.map(|filter| self.labels.arranged(filter));
         Arrays { coordinates: &self.coordinates, far: &self.far, radii: &self.radii, ids: &self.ids, filter }
     }
 

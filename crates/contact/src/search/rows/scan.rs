@@ -17,7 +17,7 @@ use crate::simd::kernel::{Arrays, Looks, Neighbour, Output, Span, Task};
 use crate::simd::prefetch;
 
 /// Elements of one part of the work, where each has about as many partners: enough to forget its start, few enough for its couples to stay in cache.
-pub(crate) const PART: usize = 4096;
+pub(crate) const PART: usize = if cfg!(miri) { 32 } else { 4096 };
 
 /// Parts that each thread has in a batch.
 const PARTS_AT_ONCE: usize = 8;
@@ -26,7 +26,7 @@ const PARTS_AT_ONCE: usize = 8;
 const NEAR: usize = 16;
 
 /// Room for couples to begin with: they stay in the first-level cache.
-pub(crate) const FIRST_ROOM: usize = 1024;
+pub(crate) const FIRST_ROOM: usize = if cfg!(miri) { 32 } else { 1024 };
 
 /// A search that sorts elements into rows.
 pub(crate) trait Scanner<T: Real, const D: usize> {
@@ -435,7 +435,7 @@ mod tests {
     use super::*;
     use crate::filter::{Filter, GroupMatrix};
     use crate::grid::Grid;
-    use crate::simd::{Kernels, Simd};
+    use crate::simd::{Available, Kernels, Simd};
 
     /// Points from 0 to `width` on each axis.
     fn scattered<const D: usize>(n: usize, width: f64, seed: u64) -> Vec<[f64; D]> {
@@ -485,7 +485,7 @@ mod tests {
         for (kind, simd) in
             (0..4).flat_map(|kind| Simd::available().into_iter().map(move |simd| (kind, simd)))
         {
-            let filters = filters(kind);
+            let (filters, level) = (filters(kind), Available::new(simd).unwrap());
             own.label(filters[0], &pool).unwrap();
             other.label(filters[1], &pool).unwrap();
             let mut expected = expected.clone();
@@ -493,7 +493,7 @@ mod tests {
                 [Some(ours), Some(theirs)] => ours.admits_of(i as usize, &theirs, j as usize),
                 _ => true,
             });
-            let search_row = |task: &Task<'_, f64>, out: &mut Output<'_>| f64::search::<D>(simd, task, out);
+            let search_row = |task: &Task<'_, f64>, out: &mut Output<'_>| f64::search::<D>(level, task, out);
             let scan = Scan {
                 layout: &own,
                 against: Some(&other),
