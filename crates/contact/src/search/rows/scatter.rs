@@ -1,4 +1,4 @@
-//! Writing to one array from several threads, each to places of its own.
+//! Writing to one array from several threads, each thread to its own places.
 
 #![allow(unsafe_code, reason = "the compiler cannot see that the threads write to different places")]
 
@@ -53,7 +53,7 @@ mod tests {
             for thread in 0..2 {
                 scope.spawn(move || {
                     for place in (thread..1000).step_by(2) {
-                        // SAFETY: even places for one thread, odd ones for the other.
+                        // One thread writes to even places, the other to odd ones.
                         unsafe { scatter.write(place, place + 1) };
                     }
                 });
