@@ -9,7 +9,7 @@ use crate::real::Real;
 use crate::simd::cluster::Patience;
 use crate::simd::labels::{Label, Labels, NO_LABEL, NO_LABELS};
 
-/// One row, as the arrays of the layout have it.
+/// The place of a row in the arrays of the layout.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Span {
     /// First element.
@@ -25,26 +25,28 @@ pub(crate) struct Neighbour<T> {
     /// Elements before this one are too far to the left of all elements still to come.
     pub(crate) low: usize,
     pub(crate) looks: Looks,
-    /// No element touches one of this row that is farther away along it; of boxes that touch, none begins so much earlier.
+    /// The largest distance along this row between touching elements; for boxes, the largest distance by which one of two touching boxes
+    /// begins earlier.
     pub(crate) reach: T,
 }
 
-/// From where on along a row elements are looked for, seen from one at `x`; spheres look back.
+/// Where along a row the search for partners of an element at `x` starts; for spheres it is always `Back`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Looks {
-    /// From the reach before `x` on.
+    /// The reach before `x`.
     Back,
-    /// From `x` on, and elements of that row look at this one from beyond their own: of two boxes the one that begins first looks for the other.
+    /// At `x`. The elements of the other row search from beyond their own place: of two boxes, the one that begins first looks for the
+    /// other.
     Ahead,
-    /// From beyond `x` on.
+    /// Just beyond `x`.
     Beyond,
 }
 
 /// The arrays of a layout.
 ///
 /// # Shapes
-/// Element `k` of a row has the coordinate `coordinates[D * start + axis * len + k]`. All arrays go on for at least one vector after
-/// the last element.
+/// Element `k` of a row has the coordinate `coordinates[D * start + axis * len + k]`. All arrays continue for at least one vector after the
+/// last element.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Arrays<'a, T> {
     pub(crate) coordinates: &'a [T],
@@ -59,29 +61,29 @@ pub(crate) struct Arrays<'a, T> {
 
 /// A stretch of a row, to be compared with the rest of its row and with the neighbour rows.
 ///
-/// The neighbour rows may belong to another set of elements. Then the rest of the own row is left out, and unless both sets are numbered together couples are not
-/// ordered by number: `i` is of the stretch, `j` of the other set.
+/// The neighbour rows may belong to another set of elements. Then the element is not compared with its own row. Unless both sets are
+/// numbered together, couples are not ordered by number: `i` belongs to the stretch, `j` to the other set.
 pub struct Task<'a, T> {
-    /// Where the row is.
+    /// The arrays that hold the row.
     pub(crate) own: Arrays<'a, T>,
-    /// Where the neighbour rows are: the same arrays, unless there are two sets. Either both have radii or none, and either both
-    /// have filters of one kind, with one matrix, or none.
+    /// The arrays that hold the neighbour rows: the same ones, unless there are two sets. Both have radii or neither, and both have filters
+    /// of the same kind and with the same matrix or neither.
     pub(crate) other: Arrays<'a, T>,
     pub(crate) two_sets: bool,
     pub(crate) one_numbering: bool,
     pub(crate) row: Span,
-    /// The stretch of the row whose couples are wanted, as first elements of couples.
+    /// The stretch of the row: couples whose first element lies in it are wanted.
     pub(crate) from: usize,
     pub(crate) to: usize,
     pub(crate) neighbours: &'a [Neighbour<T>],
     /// The axis along which rows are sorted.
     pub(crate) long: usize,
-    /// No two elements touch that are farther apart along an axis.
+    /// The largest distance along an axis between touching elements.
     pub(crate) reach: T,
-    /// Elements of one radius: the squared contact distance.
+    /// The squared contact distance of elements of one radius.
     pub(crate) reach_squared: T,
     pub(crate) tolerance: T,
-    /// Axes other than the long one: no two elements of the row and the neighbour rows are farther apart along one of them; infinite if that is not known.
+    /// The largest distance of elements of the row and the neighbour rows along any axis but the long one; infinite if unknown.
     pub(crate) spread: f64,
 }
 
@@ -98,13 +100,13 @@ impl<T> Task<'_, T> {
 
 /// Where the couples go.
 pub struct Output<'a> {
-    /// Found so far and not yet taken.
+    /// Couples found so far and not yet taken.
     pub(crate) couples: &'a mut Vec<Couple>,
-    /// Couples in total.
+    /// Number of couples found in total.
     pub(crate) count: u64,
-    /// Count only.
+    /// Whether couples are only counted.
     pub(crate) count_only: bool,
-    /// Makes room for at least [`ROOM`] couples: by growing, or by taking those found.
+    /// Makes room for at least [`ROOM`] couples, by growing the vector or by taking the couples found.
     pub(crate) make_room: &'a mut dyn FnMut(&mut Vec<Couple>),
     pub(super) patience: Patience,
 }
@@ -115,7 +117,7 @@ impl<'a> Output<'a> {
     }
 }
 
-/// A vector stores at most as many couples as it has lanes.
+/// Largest number of couples that a vector stores at once: one per lane.
 pub(crate) const ROOM: usize = 16;
 
 /// The operations of a set of vector instructions on one float type.
@@ -196,28 +198,28 @@ pub(crate) trait Vector<T>: Copy {
     unsafe fn store_couples<const TWO_SETS: bool>(id: u32, ids: *const u32, hits: u32, to: *mut Couple);
 }
 
-/// A vector whose results need not be the same everywhere.
+/// A vector for estimates, whose results may differ between instruction sets.
 ///
 /// # Safety
-/// As [`Vector`].
+/// That of [`Vector`].
 pub(super) trait Estimate: Vector<f32> {
-    /// `self * other + sum`, rounded once or twice.
+    /// `self * other + sum`, rounded once or twice depending on the instruction set.
     unsafe fn mul_add(self, other: Self, sum: Self) -> Self;
 }
 
-/// The lanes before `count`: up to 31, which is more than any vector has.
+/// The bits of the lanes before `count`, up to 31 lanes; no vector has more.
 #[inline(always)]
 fn first_lanes(count: usize) -> u32 {
     (1 << count.min(31)) - 1
 }
 
-/// The place for the next couples, in registers.
+/// Where the next couples go; kept in registers.
 #[derive(Clone, Copy)]
 pub(super) struct Writer {
     to: *mut Couple,
-    /// From here on there is no room for a vector of couples.
+    /// From here on there is not enough room for a vector of couples.
     full: *mut Couple,
-    /// Found and not written.
+    /// Couples that were counted and not written.
     count: u64,
 }
 
@@ -226,7 +228,7 @@ impl Writer {
     pub(super) fn new(out: &mut Output<'_>) -> Self {
         let (len, capacity) = (out.couples.len(), out.couples.capacity());
         let start = out.couples.as_mut_ptr();
-        // Wrapping, because without any room `full` would lie before `start`; it is only compared.
+        // Wraps: without any room `full` would lie before `start`. It is only compared.
         let full = start.wrapping_add(if capacity - len < ROOM { len } else { capacity - ROOM + 1 });
         Self { to: start.wrapping_add(len), full, count: 0 }
     }
@@ -290,12 +292,12 @@ impl Writer {
     }
 }
 
-/// What is compared: spheres of one radius, spheres with radii, boxes.
+/// The kinds of shapes: spheres of one radius, spheres with radii, boxes.
 pub(super) const EQUAL: u8 = 0;
 pub(super) const RADII: u8 = 1;
 pub(super) const BOXES: u8 = 2;
 
-/// Calls the variant of a kernel for some shape, for what a task has (a filter) and for what is wanted of it (to count only).
+/// Calls the variant of a kernel for a shape, for whether the task has a filter, and for whether couples are only counted.
 macro_rules! variant {
     ($task:expr, $out:expr, $kernel:ident::<$($generic:tt),*>, $shape:ident) => {
         match ($out.count_only, $task.own.filter.is_some()) {
@@ -310,7 +312,7 @@ pub(super) use variant;
 
 /// Compares every element of the stretch with those behind it in its row and with the neighbour rows.
 ///
-/// For each element, in order: its own row, then the neighbour rows in the order given; partners ascend along the row.
+/// Each element in turn is compared with its own row, then with the neighbour rows in their order. Partners ascend along the row.
 ///
 /// # Safety
 /// The processor has the instructions of `V`, and the groups of the filters are groups of their matrix. [`Rows::new`] asserts everything else: rows are
@@ -363,7 +365,7 @@ unsafe fn all<
     }
 }
 
-/// One element, spread over all lanes.
+/// One element of the row, each of its numbers in all lanes.
 struct Element<V, const D: usize> {
     /// The centre, or the lower ends of a box.
     centre: [V; D],
@@ -374,17 +376,17 @@ struct Element<V, const D: usize> {
     label: Label,
 }
 
-/// The arrays of one row, by address, so that the inner loop has nothing to compute.
+/// Pointers to the arrays of one row, so that the inner loop computes no addresses.
 #[derive(Clone, Copy)]
 pub(super) struct Row<T, const D: usize> {
     pub(super) axes: [*const T; D],
     /// The axis along which the row is sorted.
     pub(super) along: *const T,
-    /// As `axes`, of the upper ends of boxes.
+    /// As `axes`, for the upper ends of boxes.
     far: [*const T; D],
     pub(super) radii: *const T,
     pub(super) ids: *const u32,
-    /// Where the row starts in the arrays of a filter.
+    /// The place of the row in the arrays of a filter.
     pub(super) start: usize,
     pub(super) len: usize,
 }
@@ -406,7 +408,7 @@ impl<T, const D: usize> Row<T, D> {
     }
 }
 
-/// A neighbour row, and where the search in it starts: see [`Neighbour`].
+/// A neighbour row and the place where the search in it starts: see [`Neighbour`].
 pub(super) struct Window<T, const D: usize> {
     pub(super) row: Row<T, D>,
     pub(super) low: usize,
@@ -414,27 +416,27 @@ pub(super) struct Window<T, const D: usize> {
     reach: T,
 }
 
-/// Up to 3D there are at most so many neighbour rows of spheres.
+/// Largest number of neighbour rows of spheres up to 3D.
 pub(super) const FEW: usize = 4;
 
-/// And so many of boxes that look ahead. Nothing is allocated for these.
+/// Largest number of neighbour rows of boxes that look ahead up to 3D. Up to here nothing is allocated.
 pub(super) const FEW_AHEAD: usize = 8;
 
-/// A task, by address.
+/// A task with pointers instead of places.
 pub(super) struct Rows<'a, T, const D: usize> {
     task: &'a Task<'a, T>,
     pub(super) own: Row<T, D>,
     pub(super) windows: &'a mut [Window<T, D>],
     pub(super) own_labels: Labels<'a>,
-    /// Those of the neighbour rows.
+    /// The labels of the neighbour rows.
     pub(super) labels: Labels<'a>,
 }
 
 impl<'a, T: Real, const D: usize> Rows<'a, T, D> {
-    /// `few` and `many` are memory for the windows.
+    /// Checks the task and takes the pointers. `few` and `many` are memory for the windows.
     ///
     /// # Panics
-    /// Unless all rows are inside the arrays, with `lanes` entries after the last element.
+    /// If a row is not inside the arrays with `lanes` entries after its last element, or a place is not inside its row.
     #[inline(always)]
     pub(super) fn new<const SHAPE: u8, const FILTER: bool>(
         task: &'a Task<'a, T>,
@@ -475,7 +477,7 @@ impl<'a, T: Real, const D: usize> Rows<'a, T, D> {
         Self { task, own: Row::new(&task.own, task.long, task.row), windows, own_labels, labels }
     }
 
-    /// The elements `range` of the row.
+    /// Compares the elements `range` of the row.
     ///
     /// # Safety
     /// The processor has the instructions of `V`, which has at most the lanes for which this was made; `range` is inside that of the task; the groups of the
@@ -557,7 +559,7 @@ impl<'a, T: Real, const D: usize> Rows<'a, T, D> {
     }
 }
 
-/// The first element of a row, from `low` on, that is not below `lows`, or is beyond; or the length of the row.
+/// The place of the first element of a row, from `low` on, that is not below `lows` (`BEYOND`: that is above), or the length of the row.
 ///
 /// # Safety
 /// The processor has the instructions, `low` is at most `len`, and LANES numbers can be read from each place up to the one that is returned.
@@ -578,13 +580,13 @@ pub(super) unsafe fn first_from<T, V: Vector<T>, const BEYOND: bool>(
         let passed = passed.trailing_ones() as usize;
         first += passed;
         if passed < V::LANES || first >= len {
-            // Lanes behind the row count for nothing.
+            // Lanes behind the row do not count.
             return first.min(len);
         }
     }
 }
 
-/// One element against those of `row` from `first` on, as far as `high`.
+/// Compares one element with those of `row` from `first` on, as far as `high`.
 ///
 /// # Safety
 /// That of [`Rows::compare`]; `row` is one of its rows, and `first` is at most the length of the row.
@@ -624,7 +626,7 @@ unsafe fn window<
                 }
                 hits
             } else {
-                // The sum starts from zero by definition, and zero plus a square is the square.
+                // By definition the sum starts from zero; zero plus a square is the square.
                 let mut sum = reach_squared;
                 for (axis, x) in element.centre.iter().enumerate() {
                     let difference = x.sub(V::load(row.axes[axis].add(j)));

@@ -1,25 +1,25 @@
-//! A filter, as the kernels read it.
+//! A filter in the form that the kernels read.
 
 use crate::filter::{Filter, GroupMatrix, Sight};
 use crate::simd::kernel::{Arrays, Vector};
 
-/// The arrays of a filter, by address; null for those that it does not have.
+/// Pointers to the arrays of a filter; null for arrays that it does not have.
 #[derive(Clone, Copy)]
 pub(super) struct Labels<'a> {
     bodies: *const u32,
-    /// Categories, or groups of more than fit a word.
+    /// Categories, or groups if there are more than a word has bits.
     categories: *const u32,
     masks: *const u32,
     matrix: Option<&'a GroupMatrix>,
 }
 
-/// What a filter says of one element.
+/// The numbers of one element.
 #[derive(Clone, Copy)]
 pub(super) struct Label {
     body: u32,
     category: u32,
     mask: u32,
-    /// The groups that the element sees, a bit each.
+    /// The groups that the element sees: one bit each.
     groups: *const u32,
 }
 
@@ -52,7 +52,7 @@ impl<'a> Labels<'a> {
         labels
     }
 
-    /// Whether the two are of one kind, and of one number of groups.
+    /// Whether both have the same kinds of numbers and the same number of groups.
     pub(super) fn are_like(&self, other: &Self) -> bool {
         [self.bodies, self.categories, self.masks].map(<*const u32>::is_null)
             == [other.bodies, other.categories, other.masks].map(<*const u32>::is_null)
@@ -84,7 +84,7 @@ impl<'a> Labels<'a> {
         label
     }
 
-    /// Those of `hits` that the element sees, among the elements from `place` on.
+    /// The bits of `hits` whose element, from `place` on, may form a couple with the labelled one.
     ///
     /// # Safety
     /// The processor has the instructions of `V`, the `V::LANES` places from `place` on are inside the arrays, all groups there are groups of the matrix, and
