@@ -1,6 +1,6 @@
-//! Results of simulations for ParaView: the state of a mesh at one instant, and which file is of which instant.
+//! Results of simulations for ParaView: the state of a mesh at one time, and the list of files by time.
 //!
-//! Cracks are lines: [`write_vtp`](crate::write_vtp) has them.
+//! Cracks are lines, written by [`write_vtp`](crate::write_vtp).
 
 mod appended;
 mod pvd;
