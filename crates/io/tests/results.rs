@@ -1,4 +1,4 @@
-//! Files of a mesh at one instant: read back byte by byte, whatever their size, and refused if they could not be read.
+//! Files of a mesh at one time: read back byte by byte, for any size, and refused if they could not be read.
 
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
@@ -30,7 +30,7 @@ fn parts(file: &[u8]) -> (&str, &[u8]) {
     (std::str::from_utf8(&file[..at]).unwrap(), &file[at + mark.len()..end])
 }
 
-/// The element that announces an array, and its bytes.
+/// The XML element that describes an array, and the bytes of the array.
 fn array<'a>(file: &'a [u8], name: &str) -> (&'a str, Vec<u8>) {
     let (head, body) = parts(file);
     let line = head.lines().find(|line| line.contains(&format!("Name=\"{name}\""))).unwrap();

@@ -1,28 +1,29 @@
-//! A mesh of triangles for ParaView.
+//! Writes a mesh of triangles for ParaView.
 
 use std::io::{self, Write};
 
 use super::appended::Appended;
 use crate::written::{Column, Table, Values};
 
-/// Of `VTK_TRIANGLE`.
+/// The number of `VTK_TRIANGLE`.
 const TRIANGLE: u8 = 5;
 
-/// Writes triangles, with what is known of their corners and of themselves, as a VTK file of an `UnstructuredGrid`: binary, compressed.
+/// Writes triangles and the data of their corners and cells as a VTK file of an `UnstructuredGrid`: binary, compressed.
 ///
 /// # Shapes
-/// The first column of `points` is where they are: three components, floats. The first column of `triangles` is their corners, points by their number
-/// from 0: three components of 64 bits. All others become arrays of the points and of the triangles (cells), with the names of their components.
+/// The first column of `points` holds their positions: three components, floats. The first column of `triangles` holds the numbers of their
+/// corners, counted from 0: three components of 64 bits. All other columns become data arrays of the points and of the triangles (cells),
+/// with the names of their components.
 ///
 /// # Units
 /// `time` is the `TimeValue` of the file, which ParaView shows.
 ///
 /// # Cost
-/// Each array is compressed once; the compressed file is in memory until it is written. `out` is not flushed. The bytes depend on the
-/// arguments alone.
+/// Each array is compressed once; the compressed file is in memory until it is written. `out` is not flushed. The bytes are a function of
+/// the arguments alone.
 ///
 /// # Errors
-/// Those of `out`; [`io::ErrorKind::InvalidInput`] if the first columns are not what they should be, or a column is of text.
+/// Those of `out`; [`io::ErrorKind::InvalidInput`] if a first column has the wrong form, or a column contains text.
 ///
 /// # Source
 /// The VTK User's Guide, "VTK File Formats", XML formats, appended data.
@@ -59,9 +60,9 @@ pub fn write_vtu<W: Write>(
     let (3, Values::I64(at)) = (corners.width(), &corners.values) else {
         return Err(invalid("the corners of a triangle are three whole numbers"));
     };
-    // Three numbers for each triangle, but no array of triples.
+    // Three numbers per triangle, computed without an array of triples.
     let connectivity = plain("connectivity", Values::i64(at));
-    // Where each triangle ends in the list of corners.
+    // The end of each triangle in the list of corners.
     let offsets = plain("offsets", Values::i64(|k| 3 * (k.cast_signed() as i64 + 1)));
     let instant = plain("TimeValue", Values::f64(|_| time));
     let places = Column { name: "Points", components: &["x", "y", "z"], values: Values::f64(place) };
