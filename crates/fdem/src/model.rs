@@ -32,7 +32,9 @@ mod warnings;
 use std::io;
 use std::ops::Range;
 
-use fdem_simulation::{ContactOptions, CriticalOpening, FractureOptions, Insertion, Model, TimeOptions};
+use fdem_simulation::{
+    ContactOptions, CriticalOpening, FractureOptions, Insertion, Model, Schedule, TimeOptions,
+};
 use sha2::{Digest, Sha256};
 
 pub use bodies::Load;
@@ -172,6 +174,7 @@ fn prepare_or_faults(text: &str, load: &mut Load<'_>) -> Result<Prepared, Vec<Fa
             file::Gravity::Vector(gravity) => gravity,
             file::Gravity::None(_) => [0.0; 2],
         },
+        gravity_schedule: file.model.gravity_ramp.map_or(Schedule::Constant, Schedule::Ramp),
         contact: contact(&file),
         fracture: fracture(&file),
         time: TimeOptions {

@@ -37,6 +37,7 @@ pub(crate) fn check(model: &Model) -> Result<(), ModelError> {
         interface.strength.iter().try_for_each(|strength| strength_of(&place, strength))?;
     }
     boundaries(model)?;
+    schedule("gravity", &model.gravity_schedule)?;
     positive("the model", "thickness", model.thickness)?;
     for (what, values) in [("gravity", [model.gravity].as_slice()), ("initial velocity", &model.velocities)] {
         finite("the model", what, values.iter().flatten())?;
@@ -127,26 +128,28 @@ fn boundaries(model: &Model) -> Result<(), ModelError> {
             Load::Absorbing => Vec::new(),
         };
         finite(&place, "a value", &values)?;
-        match &boundary.schedule {
-            Schedule::Constant => {}
-            Schedule::Ramp(duration) => positive(&place, "the duration of the ramp", *duration)?,
-            Schedule::Table(rows) => {
-                finite(&place, "a value of the table", rows.iter().flatten())?;
-                if rows.is_empty() {
-                    return Err(out_of_range(&place, "the number of rows of the table", 0.0, "at least 1"));
+        schedule(&place, &boundary.schedule)?;
+    }
+    Ok(())
+}
+
+fn schedule(place: &str, schedule: &Schedule) -> Result<(), ModelError> {
+    match schedule {
+        Schedule::Constant => Ok(()),
+        Schedule::Ramp(duration) => positive(place, "the duration of the ramp", *duration),
+        Schedule::Table(rows) => {
+            finite(place, "a value of the table", rows.iter().flatten())?;
+            if rows.is_empty() {
+                return Err(out_of_range(place, "the number of rows of the table", 0.0, "at least 1"));
+            }
+            match rows.windows(2).find(|pair| pair[0][0] >= pair[1][0]) {
+                Some(pair) => {
+                    Err(out_of_range(place, "a time of the table", pair[1][0], "later than the one before"))
                 }
-                if let Some(pair) = rows.windows(2).find(|pair| pair[0][0] >= pair[1][0]) {
-                    return Err(out_of_range(
-                        &place,
-                        "a time of the table",
-                        pair[1][0],
-                        "later than the one before",
-                    ));
-                }
+                None => Ok(()),
             }
         }
     }
-    Ok(())
 }
 
 fn strength_of(place: &str, strength: &Strength) -> Result<(), ModelError> {

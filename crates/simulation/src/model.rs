@@ -17,8 +17,10 @@ pub struct Model {
     pub plane: Plane,
     /// Out of the plane, m.
     pub thickness: f64,
-    /// Acceleration, m/s².
+    /// Acceleration of gravity, m/s².
     pub gravity: [f64; 2],
+    /// Factor of gravity in time. Gravity that acts at once swings what it carries to twice its static stress.
+    pub gravity_schedule: Schedule,
     /// Velocity of each node at the beginning, m/s; empty for none.
     pub velocities: Vec<[f64; 2]>,
     /// Stress of each element at the beginning, `[xx, yy, xy]` in Pa, tension positive; empty for none.
@@ -51,6 +53,7 @@ impl Default for Model {
             plane: Plane::default(),
             thickness: 1.0,
             gravity: [0.0; 2],
+            gravity_schedule: Schedule::Constant,
             velocities: Vec::new(),
             stresses: Vec::new(),
             contact: ContactOptions::default(),

@@ -18,6 +18,8 @@ pub(crate) struct Motion<'a> {
     pub(crate) joints: &'a Joints,
     pub(crate) contacts: &'a Contacts,
     pub(crate) loads: &'a Loads,
+    /// Acceleration of gravity at the beginning of the step, m/s².
+    pub(crate) gravity: Point,
     pub(crate) time: f64,
     pub(crate) step: f64,
     pub(crate) speed_limit: f64,
@@ -104,7 +106,7 @@ fn move_node(node: &mut Node, constants: &Constants, mut force: Point, motion: &
     let mass = constants.mass;
     let step = motion.step;
     let before = node.velocity;
-    let weight: Point = std::array::from_fn(|axis| mass * motion.model.gravity[axis]);
+    let weight: Point = std::array::from_fn(|axis| mass * motion.gravity[axis]);
     let held = motion.loads.holds.get(constants.hold as usize);
     let damping = motion.model.time.local_damping;
     let mut external = weight;

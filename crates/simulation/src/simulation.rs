@@ -222,7 +222,10 @@ impl Simulation {
         let [first, absorbed] = loads.half_work(solid, model, step);
         totals.external += first;
         totals.damping -= absorbed;
-        let motion = Motion { model, joints, contacts, loads, time, step, speed_limit: self.speed_limit };
+        let factor = model.gravity_schedule.factor(time);
+        let gravity = model.gravity.map(|acceleration| factor * acceleration);
+        let motion =
+            Motion { model, joints, contacts, loads, gravity, time, step, speed_limit: self.speed_limit };
         let moved = motion::advance(solid, &motion, team);
         contacts.note_motion(step * moved.fastest);
         totals.external += moved.external[0];

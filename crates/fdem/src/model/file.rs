@@ -67,6 +67,10 @@ pub struct General {
     /// Acceleration [x, y], m/s², such as [0, -9.81], or "none". Default: "none".
     #[serde(default)]
     pub gravity: Gravity,
+    /// Gravity grows from 0 to all of it as half a cosine within this time, s. Without it gravity acts at once, and swings what it carries to twice its static stress. Default: at once.
+    #[serde(default)]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub gravity_ramp: Option<f64>,
     /// When the run ends, s.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub end_time: f64,

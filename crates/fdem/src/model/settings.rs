@@ -5,7 +5,7 @@ use serde::Serialize;
 use crate::model::bodies::{self, Placed};
 use crate::model::document::{Document, Table};
 use crate::model::fault::{Fault, suggestion};
-use crate::model::file::{Animate, ModelFile};
+use crate::model::file::{Animate, Gravity, ModelFile};
 use crate::model::outline::{Point, distance};
 use crate::results::Field;
 
@@ -66,6 +66,16 @@ pub enum Quantity {
 
 /// What can be said of the output before anything is meshed.
 pub(crate) fn check(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<Fault>) {
+    if file.model.gravity_ramp.is_some() && matches!(file.model.gravity, Gravity::None(_)) {
+        faults.push(
+            Fault::at(
+                document.key(Table::one("model"), "gravity_ramp"),
+                "\"gravity_ramp\" goes with gravity",
+            )
+            .label("there is no gravity")
+            .help("write gravity = [0, -9.81], or take gravity_ramp out"),
+        );
+    }
     let output = &file.output;
     for (first, second, both) in [
         ("interval", "frames", output.interval.is_some() && output.frames.is_some()),

@@ -1,5 +1,7 @@
 //! What may not be meant.
 
+mod gravity;
+
 use std::collections::BTreeMap;
 
 use fdem_contact::discretised::{self, Mesh as Detected};
@@ -50,6 +52,7 @@ pub(crate) fn warnings(model: &Model, bodies: &[Body], quality: &Quality) -> Vec
         ));
     }
     overlaps(model, bodies, &mut warnings);
+    gravity::sudden(model, bodies, &mut warnings);
     warnings
 }
 

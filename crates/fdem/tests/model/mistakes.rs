@@ -122,6 +122,14 @@ fn a_decimal_comma_is_seen_in_all_its_forms() {
 }
 
 #[test]
+fn a_ramp_of_gravity_without_gravity_is_refused() {
+    let text = changed("end_time", "gravity_ramp = 0.1\nend_time");
+    refused(&text, "gravity_ramp", &["\"gravity_ramp\" goes with gravity", "there is no gravity"]);
+    let text = changed("end_time", "gravity = [0, -9.81]\ngravity_ramp = 0\nend_time");
+    refused(&text, "0", &["\"gravity_ramp\""]);
+}
+
+#[test]
 fn words_that_do_not_exist_are_told_with_those_that_do() {
     let text = changed("end_time", "plane = \"stres\"\nend_time");
     refused(&text, "\"stres\"", &["it is \"stress\" or \"strain\"", "did you mean \"stress\"?"]);

@@ -269,6 +269,39 @@ fn what_may_not_be_meant_is_warned_of() {
 }
 
 #[test]
+fn gravity_that_acts_at_once_is_warned_of_where_something_rests() {
+    let sudden = |text: &str| {
+        let told = right(text).warnings;
+        assert!(told.iter().all(|warning| warning.starts_with("gravity acts at once")), "{told:?}");
+        told.into_iter().next()
+    };
+    let falling = SMALL.replace("[model]", "[model]\ngravity = [0, -9.81]");
+    let weak = "tensile_strength = 1e5\ncohesion = 3e5\nfriction_angle = 30\nfracture_energy_i = 100\nfracture_energy_ii = 100\n";
+    let held = "[[boundary]]\nname = \"ground\"\nside = \"bottom\"\nfixed = \"xy\"\n";
+    // Nothing holds the body, or its weight does not matter, or it is all held.
+    assert_eq!(sudden(&falling), None);
+    assert_eq!(sudden(&format!("{falling}{held}")), None);
+    let all = held.replace("side = \"bottom\"\n", "");
+    assert_eq!(sudden(&format!("{falling}{weak}{all}")), None);
+    // 20 passages of a wave through 0.5 m.
+    let warning = sudden(&format!("{falling}{weak}{held}")).unwrap();
+    assert!(
+        warning.contains("twice its static stress") && warning.contains("gravity_ramp = 0.003 in"),
+        "{warning}"
+    );
+    // A second body on the first, and one that is above it.
+    for (bottom, rests) in [("0.5", true), ("0.500000001", true), ("0.51", false)] {
+        let block = "[[body]]\nname = \"top\"\nmaterial = \"rock\"\nmesh_size = 0.1\n";
+        let block = format!("{block}rectangle = {{ min = [0.1, {bottom}], max = [0.4, 0.8] }}\n");
+        let two = format!("{falling}{held}body = \"block\"\n{block}");
+        assert_eq!(sudden(&two).is_some(), rests, "{bottom}");
+        let ramped = two.replace("[model]", "[model]\ngravity_ramp = 0.01");
+        assert_eq!(right(&ramped).model.gravity_schedule, Schedule::Ramp(0.01));
+        assert_eq!(sudden(&ramped), None);
+    }
+}
+
+#[test]
 fn a_regular_mesh_under_fracture_is_warned_of() {
     let mut mesh = String::new();
     for row in 0..5 {

@@ -75,6 +75,41 @@ fn a_block_that_spins_has_no_strain_and_keeps_its_momenta() {
 }
 
 #[test]
+fn gravity_at_once_doubles_the_load_and_a_ramp_does_not() {
+    let height = 1.0;
+    let mesh = rectangle([0.0, 0.0], [0.1, height], 2, 40);
+    let base = nodes_where(&mesh, |[_, y]| y < 1e-9);
+    let passage = height / f64::sqrt(50e9 / 2700.0);
+    let weight = 2700.0 * 0.1 * height * 9.81;
+    let largest_load = |gravity_schedule: Schedule| {
+        let model = Model {
+            mesh: mesh.clone(),
+            materials: vec![granite()],
+            gravity: [0.0, -9.81],
+            gravity_schedule,
+            boundaries: vec![Boundary {
+                name: "base".to_owned(),
+                target: Target::Nodes(base.clone()),
+                load: Load::Velocity([Some(0.0); 2]),
+                schedule: Schedule::Constant,
+            }],
+            ..Model::default()
+        };
+        let mut run = Simulation::new(model, 1).expect("a model");
+        let mut largest = 0.0_f64;
+        while run.time() < 30.0 * passage {
+            run.advance(1).expect("a step");
+            largest = largest.max(run.force(0).expect("the base")[1] / weight);
+        }
+        assert!(run.energies().error().abs() < 1e-6, "{:?}", run.energies());
+        largest
+    };
+    let (sudden, ramped) = (largest_load(Schedule::Constant), largest_load(Schedule::Ramp(20.0 * passage)));
+    assert!((sudden / 2.0 - 1.0).abs() < 0.03, "{sudden}");
+    assert!((ramped - 1.0).abs() < 0.02, "{ramped}");
+}
+
+#[test]
 fn results_do_not_depend_on_threads() {
     let mesh = together(&[bar(120), turned(&bar(120), 0.3, [1.01, 0.0])]);
     let against: Vec<[f64; 2]> =
