@@ -43,14 +43,15 @@ pub(crate) struct Moved {
 
 /// Gathers the forces on each node, and moves it.
 pub(crate) fn advance(solid: &mut Solid, motion: &Motion<'_>, team: &Team) -> Moved {
-    let Solid { nodes, constants, strained, corners, .. } = solid;
+    let Solid { nodes, constants, strained, corners, origin, .. } = solid;
+    let origin = *origin;
     let limit = motion.speed_limit * motion.speed_limit;
     let found = team.change(nodes, |first, chunk| {
         let mut sum = Moved::default();
         for (k, node) in chunk.iter_mut().enumerate() {
             let constants = &constants[first + k];
             let force = gather(first + k, constants, strained, corners, motion);
-            move_node(node, constants, force, motion, &mut sum);
+            move_node(node, constants, force, origin, motion, &mut sum);
             let squared = dot(node.velocity, node.velocity);
             sum.fastest = sum.fastest.max(squared);
             if (squared > limit || squared.is_nan()) && sum.runaway.is_none() {
@@ -102,7 +103,14 @@ fn gather(
 }
 
 #[inline]
-fn move_node(node: &mut Node, constants: &Constants, mut force: Point, motion: &Motion<'_>, sum: &mut Moved) {
+fn move_node(
+    node: &mut Node,
+    constants: &Constants,
+    mut force: Point,
+    origin: Point,
+    motion: &Motion<'_>,
+    sum: &mut Moved,
+) {
     let mass = constants.mass;
     let step = motion.step;
     let before = node.velocity;
@@ -115,7 +123,8 @@ fn move_node(node: &mut Node, constants: &Constants, mut force: Point, motion: &
         force[axis] += weight[axis];
         let hold = held.and_then(|held| held[axis]);
         let after = if let Some(hold) = hold {
-            let moved = node.position[axis] - motion.model.mesh.nodes[constants.vertex as usize][axis];
+            let start = motion.model.mesh.nodes[constants.vertex as usize][axis] - origin[axis];
+            let moved = node.position[axis] - start;
             let after = hold.velocity(&motion.loads.schedules, motion.time, step, moved);
             let reaction = mass * (after - before[axis]) / step - force[axis];
             external[axis] += reaction;

@@ -417,7 +417,7 @@ impl Simulation {
         Snapshot {
             step: self.step,
             time: self.time(),
-            positions: nodes.iter().map(|node| node.position).collect(),
+            positions: nodes.iter().map(|node| self.solid.place(node.position)).collect(),
             displacements: (0..nodes.len()).map(|node| self.solid.displacement(node, &self.model)).collect(),
             velocities: nodes.iter().map(|node| node.velocity).collect(),
             triangles: self.solid.corners.of_corner.clone(),
@@ -438,7 +438,7 @@ impl Simulation {
         let edge = &self.topology.edges[joint.edge as usize];
         let end = |end: usize| {
             let [a, b] = edge.corners.map(|side| self.solid.at_corner(side[end]).position);
-            [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])]
+            self.solid.place([0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])])
         };
         let [opening, sliding] = Joints::gap(joint, &self.solid);
         let modes = broken.map_or_else(

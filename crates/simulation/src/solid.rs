@@ -64,8 +64,12 @@ struct Response {
 }
 
 /// Bodies of elements.
+///
+/// Positions of nodes are relative to [`Solid::origin`], so that bodies far from the origin of the model's coordinates lose no digits.
 #[derive(Debug)]
 pub(crate) struct Solid {
+    /// In the model's coordinates, m.
+    pub(crate) origin: Point,
     pub(crate) nodes: Vec<Node>,
     pub(crate) constants: Vec<Constants>,
     pub(crate) elements: Vec<Element>,
@@ -119,9 +123,10 @@ impl Solid {
             Vec::new()
         };
         let all = || mesh.nodes.iter().enumerate();
+        let origin = middle_if_far(&mesh.nodes);
         let nodes = all()
-            .map(|(vertex, &position)| Node {
-                position,
+            .map(|(vertex, &place)| Node {
+                position: minus(place, origin),
                 velocity: model.velocities.get(vertex).copied().unwrap_or_default(),
             })
             .collect();
@@ -129,6 +134,7 @@ impl Solid {
             all().map(|(vertex, _)| Constants { mass: 0.0, vertex: vertex as u32, hold: NONE }).collect();
         let corners = Nodes::new(mesh.triangles.clone(), mesh.nodes.len());
         let mut solid = Self {
+            origin,
             nodes,
             constants,
             strained: vec![Strained::default(); elements.len()],
@@ -196,7 +202,13 @@ impl Solid {
 
     /// How far a node has moved.
     pub(crate) fn displacement(&self, node: usize, model: &Model) -> Point {
-        minus(self.nodes[node].position, model.mesh.nodes[self.constants[node].vertex as usize])
+        let vertex = self.constants[node].vertex as usize;
+        minus(self.nodes[node].position, minus(model.mesh.nodes[vertex], self.origin))
+    }
+
+    /// The place of a position in the model's coordinates, m.
+    pub(crate) fn place(&self, position: Point) -> Point {
+        [position[0] + self.origin[0], position[1] + self.origin[1]]
     }
 
     /// What holds the node of a corner, or [`NONE`].
@@ -270,6 +282,18 @@ impl Solid {
         let [xx, yy, _] = self.strained[element].stress;
         self.responses[self.elements[element].material as usize].moduli.out_of_plane * (xx + yy)
     }
+}
+
+/// The middle of the bounding box along each axis on which that is as far from 0 as the box is wide; 0 along others.
+///
+/// All coordinates are within a factor of 2 of the middle then, so that differences from it are exact (Sterbenz' lemma).
+fn middle_if_far(nodes: &[Point]) -> Point {
+    std::array::from_fn(|axis| {
+        let along = || nodes.iter().map(|node| node[axis]);
+        let [low, high] = [along().fold(f64::INFINITY, f64::min), along().fold(f64::NEG_INFINITY, f64::max)];
+        let middle = 0.5 * low + 0.5 * high;
+        if middle.abs() >= high - low { middle } else { 0.0 }
+    })
 }
 
 /// An element of the mesh.

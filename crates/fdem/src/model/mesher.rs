@@ -52,7 +52,9 @@ pub(crate) fn mesh(domain: &Domain, size: f64, seed: u64) -> Result<Meshed, Stri
         return Err(format!("a mesh size of {size} gives about {expected:.0} elements"));
     }
     holes_are_inside(domain)?;
-    let mut frame = Frame::new(domain, size)?;
+    let origin = domain.middle_if_far();
+    let domain = &domain.relative_to(origin);
+    let mut frame = Frame::new(domain, origin, size)?;
     let fixed = frame.nodes.len();
     let inside = Inside::new(&domain.loops);
     fill(&mut frame.nodes, domain, &inside, size, seed)?;
@@ -68,7 +70,8 @@ pub(crate) fn mesh(domain: &Domain, size: f64, seed: u64) -> Result<Meshed, Stri
     let numbers = renumber(&mut frame.nodes, &mut frame.loops, &mut triangles);
     let number = |node: u32| Some(numbers[node as usize]).filter(|&number| number != INSIDE);
     let lines = frame.lines.iter().filter_map(|&[a, b]| Some([number(a)?, number(b)?])).collect();
-    Ok(Meshed { nodes: frame.nodes, triangles, loops: frame.loops, lines })
+    let nodes = frame.nodes.iter().map(|&node| frame.place(node)).collect();
+    Ok(Meshed { nodes, triangles, loops: frame.loops, lines })
 }
 
 /// Every hole inside the outline, none in another: else it would be a body of its own, or part of one.
@@ -90,6 +93,8 @@ fn holes_are_inside(domain: &Domain) -> Result<(), String> {
 
 /// Points on outlines and lines, and the edges between them.
 struct Frame {
+    /// Of the coordinates of the nodes, in those of the model.
+    origin: Point,
     nodes: Vec<Point>,
     loops: Vec<u32>,
     /// Of outlines and lines.
@@ -99,14 +104,16 @@ struct Frame {
 }
 
 impl Frame {
-    fn new(domain: &Domain, size: f64) -> Result<Self, String> {
-        let mut frame = Self { nodes: Vec::new(), loops: Vec::new(), edges: Vec::new(), lines: Vec::new() };
+    fn new(domain: &Domain, origin: Point, size: f64) -> Result<Self, String> {
+        let mut frame =
+            Self { origin, nodes: Vec::new(), loops: Vec::new(), edges: Vec::new(), lines: Vec::new() };
         let mut known: BTreeMap<[u64; 2], usize> = BTreeMap::new();
         let key = |point: Point| point.map(|x| (x + 0.0).to_bits());
         for (number, corners) in (0..).zip(&domain.loops) {
             for &corner in corners {
                 if known.insert(key(corner), frame.nodes.len()).is_some() {
-                    return Err(format!("the outline comes to the point {corner:?} twice"));
+                    let place = frame.place(corner);
+                    return Err(format!("the outline comes to the point {place:?} twice"));
                 }
                 frame.push(corner, number);
             }
@@ -132,6 +139,11 @@ impl Frame {
             frame.lines.extend(lines);
         }
         Ok(frame)
+    }
+
+    /// A point in the coordinates of the model.
+    fn place(&self, point: Point) -> Point {
+        [0, 1].map(|axis| point[axis] + self.origin[axis])
     }
 
     fn push(&mut self, point: Point, number: u32) {
@@ -275,7 +287,10 @@ fn triangulate(frame: &Frame) -> Result<Vec<[u32; 3]>, String> {
         return Err("two points of the outline coincide".to_owned());
     }
     if let Some(node) = crossing {
-        return Err(format!("the outline crosses or touches itself near {:?}", frame.nodes[node]));
+        return Err(format!(
+            "the outline crosses or touches itself near {:?}",
+            frame.place(frame.nodes[node])
+        ));
     }
     Ok(faces_inside(&triangulation, &frame.lines))
 }

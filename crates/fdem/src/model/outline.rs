@@ -7,6 +7,9 @@ use crate::model::file::{Disc, Hole, Rectangle};
 /// A point or vector, m.
 pub(crate) type Point = [f64; 2];
 
+/// Distance from 0, in widths of a domain, beyond which coordinates have too few digits left for the shape of elements.
+const FAR: f64 = 1024.0;
+
 /// What is to be meshed: loops, of which the first is the outer one, and lines inside that have to be edges of the mesh.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Domain {
@@ -20,6 +23,26 @@ impl Domain {
     /// Least and largest coordinates.
     pub(crate) fn bounds(&self) -> [Point; 2] {
         bounds(self.loops.iter().flatten().copied())
+    }
+
+    /// The middle of the bounds along each axis on which that is far from 0 for a domain of this width; 0 along others.
+    ///
+    /// Differences of the corners from it are exact (Sterbenz' lemma), and a mesh that is made of them is the same wherever the domain lies.
+    pub(crate) fn middle_if_far(&self) -> Point {
+        let [low, high] = self.bounds();
+        [0, 1].map(|axis| {
+            let middle = 0.5 * low[axis] + 0.5 * high[axis];
+            if middle.abs() > FAR * (high[axis] - low[axis]) { middle } else { 0.0 }
+        })
+    }
+
+    /// The same in coordinates about another origin.
+    pub(crate) fn relative_to(&self, origin: Point) -> Self {
+        let moved = |point: Point| [0, 1].map(|axis| point[axis] - origin[axis]);
+        Self {
+            loops: self.loops.iter().map(|corners| corners.iter().copied().map(moved).collect()).collect(),
+            lines: self.lines.iter().map(|ends| ends.map(moved)).collect(),
+        }
     }
 
     /// Of the outer loop less the others, m².

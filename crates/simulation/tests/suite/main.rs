@@ -4,6 +4,8 @@
 
 mod common;
 
+/// Models far from the origin of their coordinates.
+mod coordinates;
 /// Waves, spin; the same for any number of threads.
 mod motion;
 /// Collisions, friction.
