@@ -1,4 +1,4 @@
-//! Whether the numbers of a model can be: once, before anything is computed.
+//! Checks of the numbers of a model, once before anything is computed.
 
 use crate::error::ModelError;
 use crate::model::{Load, Model, Plane, Schedule, Strength, Target};

@@ -1,17 +1,17 @@
 //! The combined finite-discrete element method in two dimensions: bodies that deform, collide and break.
 //!
 //! A [`Model`] goes in, [`Snapshot`]s and [`Energies`] come out. There is no file, no printing and no time of day in this crate. One step reads from top to bottom in
-//! `simulation.rs`; each of its lines is a file:
+//! `simulation.rs`; each part is a file:
 //!
 //! ```text
 //! solid (elastic) ─> joints (cohesive) ─> contacts (detection, potential) ─> loads ─> motion ─> energy
 //! ```
 //!
-//! Results do not depend on the number of threads: what elements, joints and contacts do is written down by each, and every node gathers its forces in one order.
-//! A run that was saved and resumed goes on bit for bit.
+//! Results do not depend on the number of threads: elements, joints and contacts store their forces, and every node adds up its forces in a fixed order.
+//! A run that is saved and resumed continues bit for bit.
 //!
 //! # Sources
-//! A. Munjiza, *The Combined Finite-Discrete Element Method* (Wiley, 2004); where this crate departs from it, the module says why.
+//! A. Munjiza, *The Combined Finite-Discrete Element Method* (Wiley, 2004); each module says where it departs from the book and why.
 
 #![allow(clippy::needless_range_loop, reason = "axes, ends and corners count through several arrays at once")]
 

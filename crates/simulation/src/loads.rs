@@ -1,4 +1,4 @@
-//! What acts from outside: held and moved nodes, forces, pressures, edges that let waves out.
+//! External actions: nodes that are held or moved, forces, pressures, absorbing edges.
 
 use crate::elastic::Moduli;
 use crate::error::ModelError;
@@ -7,7 +7,7 @@ use crate::potential::{Point, dot, length, minus};
 use crate::solid::Solid;
 use crate::topology::{NONE, Topology, follower};
 
-/// What moves a node along one axis.
+/// Prescribed motion of a node along one axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Hold {
     pub(crate) boundary: u32,
@@ -16,14 +16,14 @@ pub(crate) struct Hold {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Motion {
-    /// m/s.
+    /// Velocity, m/s.
     Velocity(f64),
-    /// m.
+    /// Displacement, m.
     Displacement(f64),
 }
 
 impl Hold {
-    /// The velocity in the step from `time`, of a node that has moved by `displacement` so far.
+    /// Velocity in the step that begins at `time`, of a node that has moved by `displacement` so far.
     #[inline]
     pub(crate) fn velocity(&self, schedules: &[Schedule], time: f64, step: f64, displacement: f64) -> f64 {
         let schedule = &schedules[self.boundary as usize];
@@ -54,7 +54,7 @@ impl Schedule {
     }
 }
 
-/// A force on a corner of an element, applied in this step.
+/// A force on a corner of an element in this step.
 #[derive(Clone, Copy, Debug)]
 struct Applied {
     corner: u32,
@@ -69,23 +69,23 @@ struct Side {
     length: f64,
 }
 
-/// All that acts on a model from outside.
+/// All external actions on a model.
 #[derive(Debug)]
 pub(crate) struct Loads {
     pub(crate) schedules: Vec<Schedule>,
-    /// By axis; nodes have numbers of these.
+    /// Prescribed motions by axis. Nodes refer to them by their numbers.
     pub(crate) holds: Vec<[Option<Hold>; 2]>,
     /// Boundaries with forces on corners.
     forces: Vec<(u32, Point, Vec<u32>)>,
     /// Boundaries on edges.
     sides: Vec<(u32, Load, Vec<Side>)>,
     applied: Vec<Applied>,
-    /// Density times the speeds of waves of compression and of shear, of each material.
+    /// Impedances of each material: density times the speeds of compression and of shear waves.
     impedances: Vec<[f64; 2]>,
 }
 
 impl Loads {
-    /// Checks the boundaries, and tells the nodes what holds them.
+    /// Checks the boundaries and marks the nodes that they hold.
     pub(crate) fn new(model: &Model, topology: &Topology, solid: &mut Solid) -> Result<Self, ModelError> {
         let mut loads = Self {
             schedules: model.boundaries.iter().map(|boundary| boundary.schedule.clone()).collect(),
@@ -119,7 +119,7 @@ impl Loads {
                     if nodes.is_empty() {
                         return Err(wrong("nodes"));
                     }
-                    // Equal parts for the nodes of the mesh; a node's part is shared by its corners, which may come apart.
+                    // Equal parts for the nodes of the mesh. The corners of a node share its part, because they may separate.
                     let each = force.map(|f| f / nodes.len() as f64);
                     for &node in &nodes {
                         let corners = topology.corners_of(node).to_vec();
@@ -160,7 +160,7 @@ impl Loads {
                 let Some(motion) = motion[axis] else { continue };
                 match held[axis] {
                     None => held[axis] = Some(Hold { boundary, motion }),
-                    // At a corner two boundaries may both say that nothing moves.
+                    // At a corner of a body two boundaries may both hold a node still.
                     Some(other) if other.motion == motion && motion == Motion::Velocity(0.0) => {}
                     Some(other) => {
                         let name = |k: u32| model.boundaries[k as usize].name.clone();
@@ -189,7 +189,7 @@ impl Loads {
                 let half = 0.5 * solid.thickness;
                 let forces: [Point; 2] = match *load {
                     Load::Traction(traction) => [traction.map(|t| t * factor * half * side.length); 2],
-                    // Against the outward normal, whose length is the edge's.
+                    // Against the outward normal, which is as long as the edge.
                     Load::Pressure(pressure) => {
                         [[-along[1], along[0]].map(|n| pressure * factor * half * n); 2]
                     }
@@ -222,7 +222,7 @@ impl Loads {
         }
     }
 
-    /// Work of the applied forces in half a step at the nodes' velocities: of loads, and of edges that absorb.
+    /// Work of the applied forces in half a step at the velocities of the nodes: of loads, and of absorbing edges.
     pub(crate) fn half_work(&self, solid: &Solid, model: &Model, step: f64) -> [f64; 2] {
         let mut work = [0.0; 2];
         for applied in &self.applied {
@@ -233,7 +233,7 @@ impl Loads {
         work
     }
 
-    /// Adds what each boundary applied in the last step.
+    /// Adds the forces that each boundary applied in the last step.
     pub(crate) fn add_forces(&self, totals: &mut [Point]) {
         for applied in &self.applied {
             let total = &mut totals[applied.boundary as usize];
@@ -243,7 +243,7 @@ impl Loads {
     }
 }
 
-/// Each once, ascending.
+/// Nodes of a target, each once, ascending.
 fn nodes_of(target: &Target) -> Vec<u32> {
     let mut nodes: Vec<u32> = match target {
         Target::Nodes(nodes) => nodes.clone(),

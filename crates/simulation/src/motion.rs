@@ -12,7 +12,7 @@ use crate::solid::{Constants, Node, Solid, Strained};
 use crate::team::Team;
 use crate::topology::{NONE, Nodes};
 
-/// What moves the nodes in this step.
+/// Everything that the motion of the nodes in a step depends on.
 pub(crate) struct Motion<'a> {
     pub(crate) model: &'a Model,
     pub(crate) joints: &'a Joints,
@@ -25,19 +25,19 @@ pub(crate) struct Motion<'a> {
     pub(crate) speed_limit: f64,
 }
 
-/// What the motion of all nodes adds up to.
+/// Sums over the motion of all nodes.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Moved {
     pub(crate) kinetic: f64,
-    /// Work of gravity and of what holds nodes, up to the positions at the beginning of the step and after.
+    /// Work of gravity and of prescribed motions, up to the positions at the beginning of the step and after them.
     pub(crate) external: [f64; 2],
-    /// Dissipated by local damping, likewise.
+    /// Energy dissipated by local damping, likewise.
     pub(crate) damping: [f64; 2],
-    /// On the nodes that each boundary holds.
+    /// Force of each boundary on the nodes that it holds.
     pub(crate) reactions: Vec<Point>,
-    /// Of the fastest node, m/s.
+    /// Speed of the fastest node, m/s.
     pub(crate) fastest: f64,
-    /// The first node that is too fast.
+    /// The first node that is too fast, and its speed, m/s.
     pub(crate) runaway: Option<(u32, f64)>,
 }
 
@@ -77,7 +77,7 @@ pub(crate) fn advance(solid: &mut Solid, motion: &Motion<'_>, team: &Team) -> Mo
     all
 }
 
-/// The force on a node: of its corners in their order, each of its element, its joints and its contacts.
+/// Force on a node: the sum over its corners in their order, for each that of its element, its joints and its contacts.
 #[inline]
 fn gather(
     number: usize,

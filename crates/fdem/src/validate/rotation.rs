@@ -1,4 +1,4 @@
-//! Turning: no strain, and nothing lost.
+//! Rotation: it causes no strain, changes no energy or momentum, and turns results with the model.
 
 use std::f64::consts::TAU;
 
@@ -17,7 +17,7 @@ fn rock() -> Material {
     Material { poissons_ratio: 0.25, ..granite() }
 }
 
-/// All nodes of a block are led through a full turn, a degree in each step. Returns the largest stress over Young's modulus.
+/// Leads all nodes of a block through a full turn, by a degree in each step. Returns the largest stress over Young's modulus.
 fn led() -> Result<f64, String> {
     let mesh = rectangle([0.2, -0.1], [0.8, 0.2], [4, 2]);
     let (steps, step) = (360, 1e-3);
@@ -39,7 +39,7 @@ fn led() -> Result<f64, String> {
     let time = TimeOptions { step: Some(step), ..TimeOptions::default() };
     let mut run = start(Model { mesh, materials: vec![rock()], boundaries, time, ..Model::default() })?;
     let mut largest = 0.0;
-    // One step more: stresses are those at the beginning of a step.
+    // One more step, because stresses are those at the beginning of a step.
     for _ in 0..=steps {
         advance(&mut run, 1)?;
         let stresses = run.snapshot().stresses;
@@ -48,7 +48,7 @@ fn led() -> Result<f64, String> {
     Ok(largest.abs() / rock().youngs_modulus)
 }
 
-/// A block flies and spins, rad/s, for a turn: its energy and its momenta.
+/// Energy and momenta of a block that flies freely and spins, in rad/s, for one turn.
 fn free(spin: f64) -> Result<[Outcome; 3], String> {
     let mesh = rectangle([-0.5, -0.25], [0.5, 0.25], [6, 3]);
     let velocities = mesh.nodes.iter().map(|[x, y]| [3.0 - spin * y, -2.0 + spin * x]).collect();

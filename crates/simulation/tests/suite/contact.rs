@@ -1,4 +1,4 @@
-//! Bodies that collide, press and rub.
+//! Collisions, contact pressure and friction.
 
 use crate::common::*;
 use fdem_simulation::*;
@@ -7,7 +7,7 @@ fn triangle(at: [[f64; 2]; 3]) -> Mesh {
     Mesh { nodes: at.to_vec(), triangles: vec![[0, 1, 2]], bodies: vec![0], materials: vec![0] }
 }
 
-/// Runs two bodies, the second at `velocity`, until they have met and parted. Returns the kinetic energy of the motion before and after, all energy that is elastic after, and both momenta.
+/// Runs two bodies, the second with `velocity`, until they have met and separated. Returns the kinetic energies before and after, the strain energy after, and both momenta.
 fn collide(
     first: &Mesh,
     second: &Mesh,
@@ -16,7 +16,7 @@ fn collide(
 ) -> ([f64; 2], f64, [[f64; 3]; 2]) {
     let mesh = together(&[first.clone(), second.clone()]);
     let velocities = [vec![[0.0; 2]; first.nodes.len()], vec![velocity; second.nodes.len()]].concat();
-    // A blow of two triangles is over within a few critical steps.
+    // An impact of two triangles lasts a few critical steps only.
     let time = TimeOptions { safety: 0.05, ..TimeOptions::default() };
     let model = Model { mesh, velocities, materials: vec![material], time, ..Model::default() };
     let mut run = Simulation::new(model, 1).expect("a model");
@@ -55,7 +55,7 @@ fn two_triangles_bounce_whatever_meets_whatever() {
             let along = [cos * velocity[0] - sin * velocity[1], sin * velocity[0] + cos * velocity[1]];
             let (first, second) = (turned(&first, turn, [0.0; 2]), turned(&second, turn, [0.0; 2]));
             let (kinetic, strain, [before, after]) = collide(&first, &second, along, stiff.clone());
-            // What rings on in the triangles is strain half of the time; none of it is lost.
+            // The triangles vibrate after the impact: part of the energy is strain energy, and none is lost.
             assert!(((kinetic[1] + strain) / kinetic[0] - 1.0).abs() < 1e-3, "{name}: {kinetic:?} {strain}");
             let scale = before[0].abs() + before[1].abs();
             for k in 0..3 {
@@ -70,7 +70,7 @@ fn two_bars_part_after_the_wave_has_been_there_and_back() {
     let (length, speed) = (0.5, f64::sqrt(50e9 / 2700.0));
     let left = rectangle([0.0, 0.0], [length, 0.02], 100, 4);
     let right = rectangle([length, 0.0], [2.0 * length, 0.02], 100, 4);
-    // Side by side at rest in a frame of their mean velocity: 10 m/s against each other.
+    // The bars approach each other with 10 m/s, symmetrically.
     let mesh = together(&[left.clone(), turned(&right, 0.0, [1e-7, 0.0])]);
     let velocities = [vec![[5.0, 0.0]; left.nodes.len()], vec![[-5.0, 0.0]; right.nodes.len()]].concat();
     let contact = ContactOptions { penalty: 10.0, ..ContactOptions::default() };
@@ -84,7 +84,7 @@ fn two_bars_part_after_the_wave_has_been_there_and_back() {
             began = began.or(Some(run.time()));
         }
         if began.is_some_and(|began| run.time() - began > 1.0 * length / speed) && stress == 0.0 {
-            // In the left bar, behind the first wave and before the second.
+            // Elements of the left bar behind the first wave and before the reflected one.
             let snapshot = run.snapshot();
             let inside: Vec<f64> = (0..left.triangles.len())
                 .filter(|&e| {
@@ -103,7 +103,7 @@ fn two_bars_part_after_the_wave_has_been_there_and_back() {
     assert!((stress / expected - 1.0).abs() < 0.02, "{stress} {expected}");
 }
 
-/// A block on a plane that is inclined by `degrees`, which is gravity turned.
+/// A block on a plane that is inclined by `degrees`: the plane is level and gravity is turned.
 fn slide(degrees: f64, friction: f64) -> Simulation {
     let (sin, cos) = degrees.to_radians().sin_cos();
     let base = rectangle([-0.2, -0.1], [1.2, 0.0], 28, 2);

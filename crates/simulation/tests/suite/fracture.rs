@@ -14,7 +14,7 @@ fn held(name: &str, nodes: Vec<u32>, velocity: [Option<f64>; 2], schedule: Sched
 /// A strip of 2 by 8 cells of 5 mm, pulled apart slowly along y.
 fn tension(insertion: Insertion, strength: Strength) -> Simulation {
     let mut mesh = rectangle([0.0, 0.0], [0.01, 0.04], 2, 8);
-    // Only the joints in the middle, between two materials that are a little stronger, have this strength: it is known where the crack is to be.
+    // Only the joints in the middle, between two materials that are a little stronger, have this strength, so that the place of the crack is known.
     for element in 0..mesh.triangles.len() {
         mesh.materials[element] =
             u32::from(mesh.triangles[element].iter().any(|&node| mesh.nodes[node as usize][1] > 0.0201));

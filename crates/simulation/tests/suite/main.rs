@@ -1,4 +1,4 @@
-//! What a simulation must do, by what could go wrong.
+//! Tests of the simulation, by the kind of failure.
 
 #![allow(clippy::expect_used, clippy::panic, reason = "tests")]
 
@@ -6,13 +6,13 @@ mod common;
 
 /// Models far from the origin of their coordinates.
 mod coordinates;
-/// Waves, spin; the same for any number of threads.
+/// Waves, rotation, gravity; independence of the number of threads.
 mod motion;
 /// Collisions, friction.
 mod contact;
 /// Strength, energy of fracture.
 mod fracture;
-/// Runs that stop and go on; runs that cannot go on.
+/// Runs that are saved and resumed; runs that stop by themselves.
 mod resume;
-/// Models that cannot be.
+/// Models that are refused.
 mod refusal;

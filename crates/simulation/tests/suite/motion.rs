@@ -1,4 +1,4 @@
-//! Elastic bodies: waves, rotation, collisions. What is conserved, and what theory says.
+//! Elastic bodies: waves, rotation, gravity. Comparison with theory and conservation laws.
 
 use crate::common::*;
 use fdem_simulation::*;
@@ -29,7 +29,7 @@ fn a_wave_in_a_bar_travels_at_the_speed_of_theory_and_doubles_at_the_free_end() 
     };
     let mut run = Simulation::new(model, 1).expect("a model");
     let speed = f64::sqrt(50e9 / 2700.0);
-    // When the middle is at half the speed of the ramp's middle.
+    // Time at which the velocity in the middle of the bar is that of the middle of the ramp.
     let mut arrival = None;
     while arrival.is_none() {
         run.advance(1).expect("a step");
