@@ -195,7 +195,10 @@ pub struct ContactOptions {
     pub penalty: f64,
     /// Stiffness of friction before it slips over that of the contact.
     pub tangential_stiffness: f64,
-    /// Share of critical damping of normal contact motion; 0 for none.
+    /// Share of critical damping of the normal motion of two elements in contact, with the masses of the two; 0 for none.
+    ///
+    /// It is no coefficient of restitution. Bodies that collide are compressed themselves; the contact between them is stiff and stores a share of the energy that vanishes as
+    /// the mesh is refined, and so does what any damping of the contact alone dissipates.
     pub damping: f64,
     /// Gap up to which couples are kept between detections over the mean edge.
     pub buffer: f64,

@@ -103,6 +103,78 @@ fn two_bars_part_after_the_wave_has_been_there_and_back() {
     assert!((stress / expected - 1.0).abs() < 0.02, "{stress} {expected}");
 }
 
+/// A disc about the origin, of rings of elements around a point.
+fn disc(radius: f64, rings: usize) -> Mesh {
+    let mut nodes = vec![[0.0; 2]];
+    let mut triangles = Vec::new();
+    let first = |ring: usize| if ring == 0 { 0 } else { 1 + 3 * ring * (ring - 1) };
+    for ring in 1..=rings {
+        let count = 6 * ring;
+        nodes.extend((0..count).map(|k| {
+            let (sin, cos) = (std::f64::consts::TAU * k as f64 / count as f64).sin_cos();
+            [cos, sin].map(|x| x * radius * ring as f64 / rings as f64)
+        }));
+        let outer = |k: usize| (first(ring) + k % count) as u32;
+        let inner = |k: usize| (first(ring - 1) + k % (count - 6).max(1)) as u32;
+        for sector in 0..6 {
+            for k in 0..ring {
+                let (o, i) = (sector * ring + k, sector * (ring - 1) + k);
+                triangles.push([outer(o), outer(o + 1), inner(i)]);
+                if k + 1 < ring {
+                    triangles.push([inner(i), outer(o + 1), inner(i + 1)]);
+                }
+            }
+        }
+    }
+    let count = triangles.len();
+    Mesh { nodes, triangles, bodies: vec![0; count], materials: vec![0; count] }
+}
+
+/// Velocity of separation of two discs over that of their approach.
+fn restitution(rings: usize, damping: f64) -> f64 {
+    let body = disc(0.5, rings);
+    let half = vec![[0.0, 2.5]; body.nodes.len()];
+    let down: Vec<_> = half.iter().map(|[u, v]| [-u, -v]).collect();
+    let model = Model {
+        mesh: together(&[body.clone(), turned(&body, 0.3, [0.0, 1.0005])]),
+        velocities: [half, down].concat(),
+        materials: vec![Material { poissons_ratio: 0.2, ..granite() }],
+        contact: ContactOptions { damping, ..ContactOptions::default() },
+        time: TimeOptions { safety: 0.5, ..TimeOptions::default() },
+        ..Model::default()
+    };
+    let mut run = Simulation::new(model, 1).expect("a model");
+    run.advance(1).expect("a step");
+    let total = 2.0 * (run.energies().kinetic / 2.5_f64.powi(2));
+    let (mut met, mut apart) = (false, 0);
+    while apart < 200 {
+        run.advance(1).expect("a step");
+        let touches = run.counts().contacts > 0;
+        met |= touches;
+        apart = if met && !touches { apart + 1 } else { 0 };
+        assert!(run.steps() < 100_000, "they never met, or never part");
+    }
+    // The momentum of the upper disc, which is half of the mass.
+    let snapshot = run.snapshot();
+    let mesh = &run.model().mesh;
+    let mut momentum = 0.0;
+    for (element, nodes) in snapshot.triangles.iter().enumerate().skip(mesh.triangles.len() / 2) {
+        let [a, b, c] = mesh.triangles[element].map(|node| mesh.nodes[node as usize]);
+        let area = 0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]));
+        momentum +=
+            nodes.iter().map(|&n| 2700.0 * area / 3.0 * snapshot.velocities[n as usize][1]).sum::<f64>();
+    }
+    momentum / (0.5 * total) / 2.5
+}
+
+/// As the book says of it.
+#[test]
+fn damping_of_contacts_takes_less_on_a_finer_mesh() {
+    let lost = |rings| restitution(rings, 0.0) - restitution(rings, 1.0);
+    let (coarse, fine) = (lost(5), lost(10));
+    assert!(coarse > 0.1 && fine > 0.005 && fine < 0.02, "{coarse} {fine}");
+}
+
 /// A block on a plane that is inclined by `degrees`: the plane is level and gravity is turned.
 fn slide(degrees: f64, friction: f64) -> Simulation {
     let (sin, cos) = degrees.to_radians().sin_cos();
