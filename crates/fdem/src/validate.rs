@@ -15,12 +15,16 @@ mod brazilian;
 mod cantilever;
 mod compliance;
 mod compression;
+mod disc;
 mod heaps;
 mod hertz;
+mod hole;
 mod impact;
 mod incline;
 mod models;
 mod page;
+mod ring;
+mod rocking;
 mod rocks;
 mod rotation;
 mod shear;
@@ -238,6 +242,48 @@ const CASES: &[Case] = &[
         what: "Two arms are peeled apart slowly. Load and opening follow the line of linear elastic fracture mechanics, with K = P (3.46 a + 2.38 h)/h^1.5.",
         source: "B. Gross and J. E. Srawley, NASA TN D-3295 (1966)",
         run: cantilever::run,
+    },
+    Case {
+        number: 11,
+        name: "thick ring",
+        what: "A quarter of a ring under pressure inside, in plane stress, at rest. The growth of its inner radius is Lamé's, with an error of the order of the square of the elements' size.",
+        source: "S. P. Timoshenko and J. N. Goodier, Theory of Elasticity (1970), 28",
+        run: ring::run,
+    },
+    Case {
+        number: 11,
+        name: "plate with a hole",
+        what: "A quarter of a plate with a circular hole under tension, at rest. Displacements and stresses along the edge of the hole are Kirsch's: three times the tension across it, and                as much pressure along it.",
+        source: "S. P. Timoshenko and J. N. Goodier, Theory of Elasticity (1970), 35",
+        run: hole::run,
+    },
+    Case {
+        number: 12,
+        name: "objectivity",
+        what: "Two discs that meet off centre, under gravity and with friction. The whole model turned by any angle does the same, turned.",
+        source: "objectivity",
+        run: rotation::objectivity,
+    },
+    Case {
+        number: 13,
+        name: "oblique impact",
+        what: "A disc strikes a rigid plane and slides all the while. Friction changes the tangential velocity by µ times the change of the normal one, and that of the rim about the middle by                twice as much.",
+        source: "W. Goldsmith, Impact (1960), ch. II; moment of inertia m R²/2",
+        run: disc::oblique_impact,
+    },
+    Case {
+        number: 14,
+        name: "disc on an incline",
+        what: "Where tan θ is below 3 µ a disc rolls with a = 2/3 g sin θ. Above it slides with a = g (sin θ − µ cos θ), and its rim turns with 2 µ g cos θ.",
+        source: "rigid body mechanics; moment of inertia m R²/2",
+        run: disc::on_an_incline,
+    },
+    Case {
+        number: 15,
+        name: "rocking block",
+        what: "A slender block on one of its corners is let go at a tilt θ. Below α, the angle of its diagonal, it falls back to its base after acosh(1/(1 − θ/α))/p, p² = 3 g/(4 R); above                it turns over.",
+        source: "G. W. Housner, Bull. Seismol. Soc. Am. 53 (1963) 403-417",
+        run: rocking::run,
     },
 ];
 
