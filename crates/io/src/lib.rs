@@ -65,6 +65,6 @@ pub use series::{Series, read_packing};
 pub use unpack::{Compression, unpack};
 pub use write_packing::{write_packing_csv, write_packing_npy};
 pub use written::{
-    Table, Values, write_csv, write_csv_rows, write_graphml, write_node_link, write_npy, write_npy_header,
-    write_npy_rows, write_npz, write_parquet, write_vtp,
+    Spool, Table, Values, write_csv, write_csv_rows, write_graphml, write_node_link, write_npy, write_npz,
+    write_parquet, write_vtp,
 };

@@ -5,6 +5,7 @@ mod graph;
 mod npy;
 mod npz;
 mod parquet;
+mod spool;
 mod vtp;
 
 use std::fmt;
@@ -13,9 +14,10 @@ use std::ops::Range;
 
 pub use csv::{write_csv, write_csv_rows};
 pub use graph::{write_graphml, write_node_link};
-pub use npy::{write_npy, write_npy_header, write_npy_rows};
+pub use npy::write_npy;
 pub use npz::write_npz;
 pub use parquet::write_parquet;
+pub use spool::Spool;
 pub use vtp::write_vtp;
 
 /// Number of bytes collected before they are written: large enough for few writes, small enough for a cache.

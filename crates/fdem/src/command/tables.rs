@@ -96,15 +96,6 @@ pub(crate) fn frame_table<'a, const D: usize>(
     }
 }
 
-/// The columns of [`frame_table`], without rows.
-pub(crate) fn no_frames(shifts: usize) -> Table<'static> {
-    let whole = || Values::i64(|_| 0);
-    let table =
-        ["frame", "step", "i", "j"].into_iter().fold(Table::new(0), |table, name| table.with(name, whole()));
-    let table = table.with("distance", Values::f64(|_| 0.0)).with("overlap", Values::f64(|_| 0.0));
-    if shifts == 0 { table } else { table.with_components("shift", &SHIFT[..shifts], Values::i32(|_| 0)) }
-}
-
 /// A packing and its couples, in the words of its file.
 struct Drawn<'a, const D: usize> {
     packing: &'a Packing,

@@ -29,26 +29,10 @@ use crate::written::{CHUNK, Plain, Table};
 /// # Ok::<(), std::io::Error>(())
 /// ```
 pub fn write_npy<W: Write>(out: &mut W, table: &Table<'_>) -> io::Result<()> {
-    write_npy_header(out, table, table.rows() as u64)?;
-    write_npy_rows(out, table)
-}
-
-/// Writes the header of an array of `rows` rows from several tables, all with the columns of this one.
-///
-/// # Errors
-/// Those of `out`.
-pub fn write_npy_header<W: Write>(out: &mut W, table: &Table<'_>, rows: u64) -> io::Result<()> {
-    let fields: Vec<_> =
-        table.plain().map(|column| format!("('{}', '{}')", column.name, column.values.dtype())).collect();
-    out.write_all(&header(&format!("[{}]", fields.join(", ")), &format!("({rows},)")))
-}
-
-/// Writes only the rows, after [`write_npy_header`].
-///
-/// # Errors
-/// Those of `out`.
-pub fn write_npy_rows<W: Write>(out: &mut W, table: &Table<'_>) -> io::Result<()> {
     let columns: Vec<Plain<'_>> = table.plain().collect();
+    let fields: Vec<_> =
+        columns.iter().map(|column| format!("('{}', '{}')", column.name, column.values.dtype())).collect();
+    out.write_all(&header(&format!("[{}]", fields.join(", ")), &format!("({},)", table.rows())))?;
     let mut chunk = Vec::with_capacity(CHUNK + CHUNK / 16);
     for row in 0..table.rows() {
         for column in &columns {

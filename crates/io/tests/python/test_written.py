@@ -181,3 +181,24 @@ def test_bed_in_paraview(tmp_path):
     assert mesh["coordination"].sum() == 2 * 53_876
     frame = pd.read_parquet(contacts(tmp_path, BED, "bed.parquet", "--skip-bad-lines"))
     assert len(frame) == 53_876
+
+
+def test_a_series_is_one_table(tmp_path):
+    frames = []
+    for step in (500, 600, 700):
+        rows = "".join(f"{k} {k * 0.9} 5 {step / 1000} 0.5\n" for k in range(1, 4 + step // 100))
+        frames.append(
+            f"ITEM: TIMESTEP\n{step}\nITEM: NUMBER OF ATOMS\n{rows.count(chr(10))}\nITEM: BOX BOUNDS pp pp ff\n0 20\n0 20\n0 10\n"
+            f"ITEM: ATOMS id x y z radius\n{rows}"
+        )
+    file = tmp_path / "run.dump"
+    file.write_text("".join(frames))
+    csv = pd.read_csv(contacts(tmp_path, file, "all.csv"))
+    assert csv["frame"].nunique() == 3 and len(csv) > 20
+    pd.testing.assert_frame_equal(pd.read_parquet(contacts(tmp_path, file, "all.parquet")), csv, check_dtype=False)
+    array = np.load(contacts(tmp_path, file, "all.npy"))
+    with np.load(contacts(tmp_path, file, "all.npz")) as archive:
+        assert sorted(archive) == sorted(["frame", "step", "i", "j", "distance", "overlap", "shift"])
+        for name in ("frame", "step", "i", "j", "distance", "overlap"):
+            assert (archive[name] == csv[name]).all() and (array[name] == csv[name]).all()
+        assert (archive["shift"] == csv[["sx", "sy", "sz"]]).all()
