@@ -91,7 +91,10 @@ fn the_picture_of_the_book_is_what_its_command_draws() {
 /// Asserts that a command of a document drew in `folder` the picture that the document shows, and that the picture is small.
 fn assert_drawn(folder: &Path, drawn: &str, shown: &str) {
     let bytes = fs::read(root().join(shown)).unwrap();
-    assert!(fs::read(folder.join(drawn)).unwrap() == bytes, "{shown} is not the picture that the command draws");
+    assert!(
+        fs::read(folder.join(drawn)).unwrap() == bytes,
+        "{shown} is not the picture that the command draws"
+    );
     assert!(bytes.len() < 300_000, "{shown} is too large for a page that should open quickly");
 }
 
