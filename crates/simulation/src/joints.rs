@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::cohesive::{Law, Memory};
 use crate::error::ModelError;
+use crate::forces::ContactForce;
 use crate::joints::near::{Near, Slopes, Weakest};
 use crate::model::{Insertion, Model, Strength};
 use crate::potential::{Point, dot, length, minus};
@@ -380,6 +381,38 @@ impl Joints {
             force[0] += sign * pull[0];
             force[1] += sign * pull[1];
         }
+    }
+
+    /// Whether the two elements at an edge hang together there.
+    pub(crate) fn holds(&self, edge: u32) -> bool {
+        self.all.get(self.of_edge[edge as usize] as usize).is_none_or(|joint| joint.state == State::Holding)
+    }
+
+    /// Forces of the joints that are broken and still press their two elements.
+    pub(crate) fn pressing(&self, solid: &Solid, topology: &Topology) -> Vec<ContactForce> {
+        let mut pressing = Vec::new();
+        for (joint, forces) in self.all.iter().zip(&self.forces) {
+            if joint.state != State::Broken || *forces == [[0.0; 2]; 2] {
+                continue;
+            }
+            let frame = Frame::new(joint, solid);
+            let weights = forces.map(length);
+            let middles =
+                frame.ends.map(|[a, b]| [0, 1].map(|axis| f64::midpoint(a.position[axis], b.position[axis])));
+            let whole = weights[0] + weights[1];
+            let sum: Point = std::array::from_fn(|axis| forces[0][axis] + forces[1][axis]);
+            let across = dot(sum, frame.normal);
+            let normal = frame.normal.map(|n| across * n);
+            // Side 0 is the element with the lower number.
+            pressing.push(ContactForce {
+                elements: topology.edges[joint.edge as usize].elements(),
+                point: [0, 1]
+                    .map(|axis| (weights[0] * middles[0][axis] + weights[1] * middles[1][axis]) / whole),
+                normal,
+                tangential: minus(sum, normal),
+            });
+        }
+        pressing
     }
 
     /// Mean opening and sliding of a joint.

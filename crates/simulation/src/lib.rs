@@ -30,6 +30,7 @@ mod loads;
 mod motion;
 mod critical;
 mod energy;
+mod forces;
 mod snapshot;
 mod simulation;
 mod error;
@@ -38,6 +39,7 @@ pub use critical::{Cause, CriticalStep};
 pub use elastic::principal_stresses;
 pub use energy::Energies;
 pub use error::{ModelError, Stop};
+pub use forces::{ContactForce, Forces};
 pub use model::{
     Boundary, ContactOptions, CriticalOpening, FractureOptions, Insertion, Interface, Load, Material, Mesh,
     Model, Plane, Schedule, Strength, Target, TimeOptions,

@@ -233,6 +233,11 @@ impl Loads {
         work
     }
 
+    /// The forces that were applied in the last step, each with its corner.
+    pub(crate) fn applied(&self) -> impl Iterator<Item = (u32, Point)> {
+        self.applied.iter().map(|applied| (applied.corner, applied.force))
+    }
+
     /// Adds the forces that each boundary applied in the last step.
     pub(crate) fn add_forces(&self, totals: &mut [Point]) {
         for applied in &self.applied {

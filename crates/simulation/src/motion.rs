@@ -35,6 +35,8 @@ pub(crate) struct Moved {
     pub(crate) damping: [f64; 2],
     /// Force of each boundary on the nodes that it holds.
     pub(crate) reactions: Vec<Point>,
+    /// Force on each node that a boundary moves.
+    pub(crate) held: Vec<(u32, Point)>,
     /// Speed of the fastest node, m/s.
     pub(crate) fastest: f64,
     /// The first node that is too fast, and its speed, m/s.
@@ -51,7 +53,10 @@ pub(crate) fn advance(solid: &mut Solid, motion: &Motion<'_>, team: &Team) -> Mo
         for (k, node) in chunk.iter_mut().enumerate() {
             let constants = &constants[first + k];
             let force = gather(first + k, constants, strained, corners, motion);
-            move_node(node, constants, force, origin, motion, &mut sum);
+            let reaction = move_node(node, constants, force, origin, motion, &mut sum);
+            if constants.hold != NONE {
+                sum.held.push(((first + k) as u32, reaction));
+            }
             let squared = dot(node.velocity, node.velocity);
             sum.fastest = sum.fastest.max(squared);
             if (squared > limit || squared.is_nan()) && sum.runaway.is_none() {
@@ -72,6 +77,7 @@ pub(crate) fn advance(solid: &mut Solid, motion: &Motion<'_>, team: &Team) -> Mo
             total[0] += reaction[0];
             total[1] += reaction[1];
         }
+        all.held.extend(chunk.held);
         all.runaway = all.runaway.or(chunk.runaway);
     }
     all
@@ -102,6 +108,7 @@ fn gather(
     force
 }
 
+/// Moves a node, and returns the force of what holds it.
 #[inline]
 fn move_node(
     node: &mut Node,
@@ -110,7 +117,8 @@ fn move_node(
     origin: Point,
     motion: &Motion<'_>,
     sum: &mut Moved,
-) {
+) -> Point {
+    let mut reactions = [0.0; 2];
     let mass = constants.mass;
     let step = motion.step;
     let before = node.velocity;
@@ -128,6 +136,7 @@ fn move_node(
             let after = hold.velocity(&motion.loads.schedules, motion.time, step, moved);
             let reaction = mass * (after - before[axis]) / step - force[axis];
             external[axis] += reaction;
+            reactions[axis] = reaction;
             if sum.reactions.is_empty() {
                 sum.reactions = vec![[0.0; 2]; motion.model.boundaries.len()];
             }
@@ -147,4 +156,5 @@ fn move_node(
         sum.external[half] += 0.5 * step * dot(external, velocity);
         sum.damping[half] += 0.5 * step * dot(damped, velocity);
     }
+    reactions
 }

@@ -9,6 +9,7 @@ use crate::contacts::{Contacts, Saved as SavedContacts, Touching};
 use crate::critical::CriticalStep;
 use crate::energy::Energies;
 use crate::error::{ModelError, Stop};
+use crate::forces::{self, Forces};
 use crate::joints::{Break, Joint, Joints, Saved};
 use crate::loads::Loads;
 use crate::model::{Insertion, Model};
@@ -65,6 +66,8 @@ pub struct Simulation {
     strain: Option<f64>,
     /// On the bodies, by each boundary, at the beginning of the last step, N.
     reactions: Vec<Point>,
+    /// On each node that a boundary moves, at the beginning of the last step, N.
+    held: Vec<(u32, Point)>,
     touching: Touching,
     timings: Timings,
 }
@@ -177,6 +180,7 @@ impl Simulation {
             totals: Totals::default(),
             energies: Energies::default(),
             strain: None,
+            held: Vec::new(),
             touching: Touching::default(),
             timings: Timings::default(),
             model,
@@ -245,6 +249,7 @@ impl Simulation {
         totals.external += second + moved.external[1];
         totals.damping += moved.damping[1] - absorbed;
         self.reactions = moved.reactions;
+        self.held = moved.held;
         loads.add_forces(&mut self.reactions);
         self.touching = touching;
         clock.read(&mut timings.integration);
@@ -430,7 +435,16 @@ impl Simulation {
             damage,
             bodies: self.model.mesh.bodies.clone(),
             materials: self.model.mesh.materials.clone(),
+            fragments: self.topology.pieces(|edge| self.joints.holds(edge)),
             cracks,
+        }
+    }
+
+    /// Forces of contacts and boundaries at the beginning of the last step.
+    pub fn forces(&self) -> Forces {
+        Forces {
+            contacts: forces::contact_forces(&self.contacts, &self.joints, &self.solid, &self.topology),
+            reactions: forces::reactions(&self.solid, &self.loads, &self.held),
         }
     }
 

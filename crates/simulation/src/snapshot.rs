@@ -23,6 +23,8 @@ pub struct Snapshot {
     pub bodies: Vec<u32>,
     /// Material of each element.
     pub materials: Vec<u32>,
+    /// Fragment of each element: elements that hang together by edges have one number. Numbers count from 0 in the order of the first element of each fragment.
+    pub fragments: Vec<u32>,
     /// Joints that are softening or broken.
     pub cracks: Vec<Crack>,
 }

@@ -80,6 +80,31 @@ impl Topology {
         outer
     }
 
+    /// Numbers the pieces that hang together by edges that `hold`, from 0 in the order of their first elements; the number of each element.
+    pub(crate) fn pieces(&self, holds: impl Fn(u32) -> bool) -> Vec<u32> {
+        let mut pieces = vec![NONE; self.edge_of.len()];
+        let (mut count, mut waiting) = (0, Vec::new());
+        for first in 0..pieces.len() {
+            if pieces[first] != NONE {
+                continue;
+            }
+            pieces[first] = count;
+            waiting.push(first);
+            while let Some(element) = waiting.pop() {
+                for edge in self.edge_of[element].into_iter().filter(|&edge| edge != NONE && holds(edge)) {
+                    for next in self.edges[edge as usize].elements() {
+                        if pieces[next as usize] == NONE {
+                            pieces[next as usize] = count;
+                            waiting.push(next as usize);
+                        }
+                    }
+                }
+            }
+            count += 1;
+        }
+        pieces
+    }
+
     /// The edges between elements that meet at a vertex, each once, each with the corner of its side 0.
     pub(crate) fn edges_around(&self, vertex: u32) -> impl Iterator<Item = (u32, u32)> + '_ {
         self.corners_of(vertex).iter().flat_map(move |&corner| {

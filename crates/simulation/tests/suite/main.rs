@@ -10,6 +10,8 @@ mod coordinates;
 mod motion;
 /// Collisions, friction.
 mod contact;
+/// Forces and fragments for results.
+mod forces;
 /// Strength, energy of fracture.
 mod fracture;
 /// Runs that are saved and resumed; runs that stop by themselves.
