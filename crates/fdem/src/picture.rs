@@ -22,6 +22,7 @@ mod raster;
 pub(crate) mod room;
 pub(crate) mod scene;
 pub(crate) mod svg;
+pub(crate) mod text;
 pub(crate) mod ticks;
 
 use std::fmt;

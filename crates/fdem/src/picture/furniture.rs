@@ -3,7 +3,8 @@
 use crate::numbers::{brief, grouped};
 use crate::picture::colour::{ALONE, HEAT, Rgb, SEA, at};
 use crate::picture::scene::{Overlaps, Scene};
-use crate::picture::svg::{Anchor, INK, PALE, Svg, shortened};
+use crate::picture::svg::{Anchor, INK, PALE, Svg};
+use crate::picture::text::{OF_TITLES, fitting};
 use crate::picture::ticks::{round_below, tick_texts, ticks};
 
 /// Height of the lines above the drawing, and of the strip below.
@@ -57,7 +58,8 @@ pub(crate) fn counts(scene: &Scene) -> String {
 }
 
 pub(crate) fn title(svg: &mut Svg, scene: &Scene, x: f64, width: f64) {
-    svg.bold([x, 30.0], 17.0, &shortened(&scene.title, (width / 11.0) as usize));
+    let (title, size) = fitting(&scene.title, width, OF_TITLES, true);
+    svg.bold([x, 30.0], size, &title);
     svg.label([x, 51.0], 12.5, Anchor::Start, PALE, &counts(scene));
 }
 
