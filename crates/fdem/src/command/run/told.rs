@@ -10,6 +10,7 @@ use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 
 use crate::command::failure::Failure;
+use crate::command::progress::{bar_of_run, columns, fitted};
 use crate::command::run::folder::{Folder, LOG};
 use crate::model::Prepared;
 use crate::numbers::{brief, grouped};
@@ -23,6 +24,8 @@ const PERCENT: u64 = 10;
 /// Progress and log of a run.
 pub(crate) struct Told {
     bar: Option<ProgressBar>,
+    /// Columns of the terminal that the bar was made for.
+    width: usize,
     lines: bool,
     log: File,
     start: Instant,
@@ -37,16 +40,11 @@ impl Told {
         let path = folder.path(LOG);
         let log = OpenOptions::new().create(true).append(true).open(&path);
         let terminal = std::io::stderr().is_terminal();
-        let bar = (!quiet && terminal).then(|| {
-            let style =
-                ProgressStyle::with_template("{wide_bar} {percent} %, {elapsed} gone, {eta} left\n{msg}");
-            ProgressBar::new(total)
-                .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
-                .with_position(run.steps())
-        });
+        let bar = (!quiet && terminal).then(|| ProgressBar::new(total).with_position(run.steps()));
         let now = Instant::now();
         Ok(Self {
             bar,
+            width: 0,
             lines: !quiet && !terminal,
             log: log.map_err(|error| Failure::writing(&path, error))?,
             start: now,
@@ -86,18 +84,24 @@ impl Told {
         let rate = (run.steps() - self.first_step) as f64 * run.model().mesh.triangles.len() as f64
             / self.seconds().max(1e-9);
         let counts = run.counts();
-        let text = format!(
-            "time {} s, step {} of {}, {:.1} million element-steps a second, kinetic energy {} J, {} joints broken",
-            brief(run.time()),
-            grouped(run.steps()),
-            grouped(self.total),
-            rate / 1e6,
-            brief(run.energies().kinetic),
-            grouped(counts.broken as u64)
-        );
+        // In the order of what is left out last where the terminal is narrow.
+        let parts = [
+            format!("time {} s", brief(run.time())),
+            format!("step {} of {}", grouped(run.steps()), grouped(self.total)),
+            format!("{} joints broken", grouped(counts.broken as u64)),
+            format!("{:.1} million element-steps a second", rate / 1e6),
+            format!("kinetic energy {} J", brief(run.energies().kinetic)),
+        ];
+        let text = parts.join(", ");
         if let Some(bar) = &self.bar {
+            let width = columns();
+            if width != self.width {
+                self.width = width;
+                let style = ProgressStyle::with_template(&format!("{}\n{{msg}}", bar_of_run(width)));
+                bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+            }
             bar.set_position(run.steps());
-            bar.set_message(text.clone());
+            bar.set_message(fitted(&parts, width));
         }
         if line {
             self.percent = percent;
