@@ -48,6 +48,7 @@ use bodies::Placed;
 use document::{Document, Table};
 use fault::nearest;
 use file::ModelFile;
+use piece::Piece;
 
 /// A model to start from: small, complete, with a word on every part.
 pub const STARTER: &str = include_str!("model/starter.toml");
@@ -65,6 +66,8 @@ pub struct Prepared {
     pub bodies: Vec<Body>,
     /// Named parts of bodies: physical groups of mesh files; the outline and the holes of other shapes.
     pub groups: Vec<Group>,
+    /// Grain of each element, numbered within its body; empty if no body has grains.
+    pub grains: Vec<u32>,
     /// What is written.
     pub output: OutputSettings,
     /// What is recorded over time.
@@ -194,6 +197,7 @@ fn prepare_or_faults(text: &str, load: &mut Load<'_>) -> Result<Prepared, Vec<Fa
         title: file.model.title.clone(),
         end_time: file.model.end_time,
         groups: groups_of(&placed),
+        grains: grains_of(&placed),
         output: settings::settings(&file),
         histories,
         hash: hash(&model),
@@ -313,6 +317,17 @@ fn bodies_of(placed: &[Placed]) -> Vec<Body> {
             elements: range(body.first[1], body.piece.triangles.len()),
         })
         .collect()
+}
+
+fn grains_of(placed: &[Placed]) -> Vec<u32> {
+    if placed.iter().all(|body| body.piece.grains.is_empty()) {
+        return Vec::new();
+    }
+    let of_body = |body: &Placed| {
+        let Piece { grains, triangles, .. } = &body.piece;
+        if grains.is_empty() { vec![0; triangles.len()] } else { grains.clone() }
+    };
+    placed.iter().flat_map(of_body).collect()
 }
 
 fn groups_of(placed: &[Placed]) -> Vec<Group> {

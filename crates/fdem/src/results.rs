@@ -1,7 +1,7 @@
 //! What a run of a simulation leaves behind: files for ParaView, pictures, an animation, a history with its plots, and a page for a browser.
 //!
 //! ```text
-//! Snapshot ──┬─> vtu, cracks_vtp ── ParaView
+//! Snapshot ──┬─> vtu, vtp ── ParaView
 //!            └─> Frame ──┬─> Pictures ── SVG, PNG, Animation (GIF)
 //!                        └─> Report ──── one page
 //! Row ── HistoryWriter ── history.csv ── History ── plots ── SVG, PNG, Report
@@ -15,6 +15,10 @@ mod field;
 mod fill;
 mod frame;
 mod history;
+mod loads;
+mod names;
+mod noise;
+mod outlines;
 mod packed;
 mod pictures;
 mod plots;
@@ -33,10 +37,12 @@ pub use fdem_io::pvd;
 pub use field::{Field, Range};
 pub use frame::{Frame, FrameError};
 pub use history::{History, HistoryError, HistoryWriter, Row, kept};
+pub use names::Names;
+pub use outlines::Outlines;
 pub use pictures::{FrameView, Pictures};
 pub use plots::{Plot, plots};
 pub use report::{MOST_FRAMES, Report};
-pub use vtk::{write_cracks_vtp, write_vtu};
+pub use vtk::{write_contacts_vtp, write_cracks_vtp, write_damaged_joints_vtp, write_vtu};
 
 /// A snapshot that contradicts itself.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -60,6 +66,13 @@ pub enum SnapshotError {
         /// How many there are.
         nodes: usize,
     },
+    /// A contact has an element that is not there.
+    Contact {
+        /// The element.
+        element: u32,
+        /// How many there are.
+        elements: usize,
+    },
 }
 
 impl fmt::Display for SnapshotError {
@@ -70,6 +83,9 @@ impl fmt::Display for SnapshotError {
             }
             Self::Node { element, node, nodes } => {
                 write!(out, "element {element} of the snapshot has node {node}, but there are {nodes}")
+            }
+            Self::Contact { element, elements } => {
+                write!(out, "a contact has element {element}, but there are {elements}")
             }
         }
     }
@@ -93,6 +109,7 @@ fn checked(snapshot: &Snapshot) -> Result<(), SnapshotError> {
         ("values of damage", snapshot.damage.len(), elements),
         ("bodies", snapshot.bodies.len(), elements),
         ("materials", snapshot.materials.len(), elements),
+        ("fragments", snapshot.fragments.len(), elements),
     ] {
         if found != expected {
             return Err(SnapshotError::Length { name, found, expected });

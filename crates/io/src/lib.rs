@@ -60,7 +60,7 @@ pub use packing::{
     BadLine, Centres, Column, Delimiter, Format, Frame, Packing, SimulationBox, Skipped, Source,
 };
 pub use read::{ReadOptions, read};
-pub use results::{pvd, write_vtu};
+pub use results::{pvd, write_poly_vtp, write_vtu};
 pub use series::{Series, read_packing};
 pub use unpack::{Compression, unpack};
 pub use write_packing::{write_packing_csv, write_packing_npy};

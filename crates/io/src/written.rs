@@ -111,6 +111,8 @@ pub(crate) struct Column<'a> {
     pub(crate) name: &'static str,
     /// Names of the components, for formats without them; empty for a column of single numbers.
     pub(crate) components: &'static [&'static str],
+    /// Unit of the values; empty for none.
+    pub(crate) unit: &'static str,
     /// Component `c` of row `k` has the index `k * width + c`.
     pub(crate) values: Values<'a>,
 }
@@ -179,7 +181,7 @@ impl<'a> Table<'a> {
     /// Names consist of letters, digits and underscores.
     #[must_use]
     pub fn with(mut self, name: &'static str, values: Values<'a>) -> Self {
-        self.columns.push(Column { name, components: &[], values });
+        self.columns.push(Column { name, components: &[], unit: "", values });
         self
     }
 
@@ -192,7 +194,17 @@ impl<'a> Table<'a> {
         components: &'static [&'static str],
         values: Values<'a>,
     ) -> Self {
-        self.columns.push(Column { name, components, values });
+        self.columns.push(Column { name, components, unit: "", values });
+        self
+    }
+
+    /// With the unit of the column that was added last: [`write_vtu`](crate::write_vtu) and [`write_poly_vtp`](crate::write_poly_vtp) write it, other
+    /// formats leave it out.
+    #[must_use]
+    pub fn in_unit(mut self, unit: &'static str) -> Self {
+        if let Some(last) = self.columns.last_mut() {
+            last.unit = unit;
+        }
         self
     }
 

@@ -327,9 +327,9 @@ fn grains(
         vec![default; grain.len()]
     } else {
         let colours = colours(&meshed, &grain, materials.len());
-        grain.into_iter().map(|grain| materials[colours[grain as usize] as usize]).collect()
+        grain.iter().map(|&grain| materials[colours[grain as usize] as usize]).collect()
     };
-    Piece::new(meshed, materials)
+    Ok(Piece { grains: grain, ..Piece::new(meshed, materials)? })
 }
 
 fn circles(packing: &Packing, load: &mut Load<'_>) -> Result<Vec<packing::Circle>, String> {

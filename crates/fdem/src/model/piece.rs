@@ -13,6 +13,8 @@ pub(crate) struct Piece {
     pub(crate) triangles: Vec<[u32; 3]>,
     /// Of each triangle.
     pub(crate) materials: Vec<u32>,
+    /// Grain of each triangle; empty if the body has no grains.
+    pub(crate) grains: Vec<u32>,
     /// Edges of one triangle only, as it has them.
     pub(crate) outline: Vec<[u32; 2]>,
     /// Parts that boundaries may name.

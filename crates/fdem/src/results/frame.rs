@@ -5,14 +5,15 @@ use std::fmt;
 use fdem_simulation::{Crack, Mode, Snapshot};
 
 use crate::results::field::SCALES;
+use crate::results::outlines::Outlines;
 use crate::results::packed::{Packed, Unpacked};
 use crate::results::{SnapshotError, checked};
 
 /// Of a file, and the version of what follows.
-const MAGIC: &[u8; 8] = b"fdemfrm1";
+const MAGIC: &[u8; 8] = b"fdemfrm2";
 
-/// Arrays with a number for each element: six coordinates of corners, the scales, two halves of the body, the material.
-const OF_ELEMENTS: usize = 6 + SCALES.len() + 3;
+/// Arrays with a number for each element: six coordinates of corners, the scales, two halves of the body, the material, the outlines.
+const OF_ELEMENTS: usize = 6 + SCALES.len() + 4;
 /// With one for each crack: four coordinates of ends, the mode.
 const OF_CRACKS: usize = 5;
 
@@ -65,6 +66,8 @@ pub(crate) struct Opened {
     pub(crate) values: Vec<Vec<f64>>,
     pub(crate) bodies: Vec<u32>,
     pub(crate) materials: Vec<u32>,
+    /// Bits as [`Outlines`] has them.
+    pub(crate) outlines: Vec<u8>,
     pub(crate) cracks: Vec<([[f64; 2]; 2], Mode)>,
 }
 
@@ -90,12 +93,24 @@ impl fmt::Display for FrameError {
 impl std::error::Error for FrameError {}
 
 impl Frame {
-    /// Of a snapshot. Numbers that are not finite are kept as such.
+    /// A frame of a snapshot, without outlines. Numbers that are not finite are kept as such.
     ///
     /// # Errors
     /// A snapshot that contradicts itself.
     pub fn new(snapshot: &Snapshot) -> Result<Self, SnapshotError> {
+        Self::outlined(snapshot, &Outlines { bits: vec![0; snapshot.triangles.len()] })
+    }
+
+    /// A frame of a snapshot, with the outlines of its bodies and grains.
+    ///
+    /// # Errors
+    /// A snapshot that contradicts itself, or outlines of another mesh.
+    pub fn outlined(snapshot: &Snapshot, outlines: &Outlines) -> Result<Self, SnapshotError> {
         checked(snapshot)?;
+        let (found, expected) = (outlines.bits.len(), snapshot.triangles.len());
+        if found != expected {
+            return Err(SnapshotError::Length { name: "outlines", found, expected });
+        }
         let corners: [[Vec<f64>; 2]; 3] = [0, 1, 2].map(|corner| {
             [0, 1].map(|axis| {
                 let place = |nodes: &[u32; 3]| snapshot.positions[nodes[corner] as usize][axis];
@@ -123,6 +138,7 @@ impl Frame {
         packed.numbers(&halves(&snapshot.bodies, 16));
         packed.numbers(&halves(&snapshot.bodies, 0));
         packed.numbers(&halves(&snapshot.materials, 0));
+        packed.numbers(&outlines.bits.iter().map(|&bits| u16::from(bits)).collect::<Vec<_>>());
 
         let broken: Vec<&Crack> = snapshot.cracks.iter().filter(|crack| crack.time.is_some()).collect();
         let mut lengths = [0.0; 3];
@@ -245,6 +261,7 @@ impl Frame {
             .map(|(&upper, &lower)| u32::from(upper) << 16 | u32::from(lower))
             .collect();
         let materials = arrays.numbers(self.elements)?.into_iter().map(u32::from).collect();
+        let outlines = arrays.numbers(self.elements)?.into_iter().map(|bits| (bits & 0xff) as u8).collect();
         let ends = self.points(&mut arrays, self.cracks)?;
         let modes = arrays.numbers(self.cracks)?.into_iter().map(|code| match code {
             0 => Mode::Tension,
@@ -252,7 +269,7 @@ impl Frame {
             _ => Mode::Mixed,
         });
         let cracks = ends.into_iter().zip(modes).collect();
-        arrays.is_empty().then_some(Opened { corners, values, bodies, materials, cracks })
+        arrays.is_empty().then_some(Opened { corners, values, bodies, materials, outlines, cracks })
     }
 }
 

@@ -9,12 +9,14 @@ use crate::numbers::{brief, grouped};
 use crate::picture::colour::{Rgb, hex};
 use crate::picture::encode::{self, Layer};
 use crate::picture::furniture::{self, BAR, FOOT, HEAD};
-use crate::picture::svg::{Anchor, INK, PALE, Svg, shortened};
+use crate::picture::svg::{Anchor, INK, PALE, Svg};
+use crate::picture::text::{OF_TITLES, fitting};
 use crate::picture::ticks::{tick_text, ticks};
 use crate::picture::{PictureError, drawing};
 use crate::results::field::{Field, Range, numbered_colour};
 use crate::results::fill::Fill;
 use crate::results::frame::{Frame, Opened, code};
+use crate::results::outlines::{OF_BODIES, OF_GRAINS, edges};
 use crate::results::unit::prefixed;
 
 const MARGIN: f64 = 24.0;
@@ -30,6 +32,13 @@ pub(crate) const CRACKS: [(&str, Rgb); 3] =
     [("tension", [17, 24, 39]), ("shear", [200, 0, 170]), ("mixed", [232, 116, 0])];
 const CRACK: f64 = 2.0;
 const SEAM: f64 = 4.0;
+
+/// Colours of the outlines of bodies and of grains, and their widths at the most.
+pub(crate) const OUTLINES: [(Rgb, f64); 2] = [([31, 41, 51], 1.3), ([84, 94, 104], 0.8)];
+/// Width of an outline over the size of what it surrounds, at the most.
+pub(crate) const OUTLINE: f64 = 0.06;
+/// Narrower outlines are not drawn: they would only darken the colours.
+pub(crate) const NARROWEST_OUTLINE: f64 = 0.12;
 
 /// What a series of pictures shows: the same place in all of them.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -95,6 +104,7 @@ impl FrameView {
 ///     damage: vec![0.0],
 ///     bodies: vec![0],
 ///     materials: vec![0],
+///     fragments: vec![0],
 ///     ..Snapshot::default()
 /// };
 /// let frames = [Frame::new(&snapshot)?];
@@ -205,13 +215,46 @@ impl Pictures<'_> {
         }
     }
 
-    /// Elements and cracks as pixels.
+    /// The lines of an outline, of bodies or of grains, in units of the drawing, and how wide they are.
+    fn outlines(page: &Page, opened: &Opened, kind: usize) -> (Vec<[[f64; 2]; 2]>, f64) {
+        let mask = [OF_BODIES, OF_GRAINS][kind];
+        let line = |(element, corner): (usize, usize)| {
+            let corners = opened.corners[element];
+            [corners[corner], corners[(corner + 1) % 3]].map(|end| page.place(end))
+        };
+        let lines: Vec<[[f64; 2]; 2]> = edges(&opened.outlines, mask)
+            .map(line)
+            .filter(|line| line.as_flattened().iter().all(|x| x.is_finite()))
+            .collect();
+        // Four times the area over the circumference: the diameter of discs.
+        let double =
+            |[a, b, c]: [[f64; 2]; 3]| ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])).abs();
+        let area =
+            opened.corners.iter().map(|&corners| 0.5 * double(corners)).filter(|area| area.is_finite());
+        let area = area.sum::<f64>() * page.scale * page.scale;
+        let length: f64 = lines.iter().map(|[a, b]| (b[0] - a[0]).hypot(b[1] - a[1])).sum();
+        let size = 4.0 * area / length.max(f64::MIN_POSITIVE);
+        (lines, OUTLINES[kind].1.min(OUTLINE * size))
+    }
+
+    /// Elements, outlines and cracks as pixels.
     fn layer(&self, page: &Page, opened: &Opened, scale: f64) -> Layer {
         let size = page.area.map(|side| (side * scale).round() as usize);
         let mut fill = Fill::new(size);
         let pixel = |point: [f64; 2]| page.place(point).map(|x| x * scale);
         for (element, corners) in opened.corners.iter().enumerate() {
             fill.triangle(corners.map(pixel), self.colour(opened, element));
+        }
+        // Grains first: outlines of bodies lie above them.
+        for kind in [1, 0] {
+            let (lines, width) = Self::outlines(page, opened, kind);
+            if width < NARROWEST_OUTLINE {
+                continue;
+            }
+            for line in lines {
+                // A line narrower than a sample would have holes.
+                fill.line(line.map(|end| end.map(|x| x * scale)), (width * scale).max(0.5), OUTLINES[kind].0);
+            }
         }
         for (ends, _) in &opened.cracks {
             fill.line(ends.map(pixel), SEAM * scale, [255; 3]);
@@ -222,7 +265,7 @@ impl Pictures<'_> {
         Layer { at: [MARGIN, HEAD], size, pixels: fill.into_pixels() }
     }
 
-    /// Elements and cracks as paths, one for each colour.
+    /// Elements, outlines and cracks as paths, one for each colour.
     fn vectors(&self, page: &Page, opened: &Opened, svg: &mut Svg) {
         let mut paths: BTreeMap<Rgb, String> = BTreeMap::new();
         for (element, corners) in opened.corners.iter().enumerate() {
@@ -243,6 +286,19 @@ impl Pictures<'_> {
             svg.put(format_args!(r#"<path class="elements" fill="{colour}" stroke="{colour}" d="{path}"/>"#));
         }
         svg.put(format_args!(r#"</g><g fill="none" stroke-linecap="round">"#));
+        for (kind, class) in [(1, "grains"), (0, "bodies")] {
+            let (all, width) = Self::outlines(page, opened, kind);
+            if width >= NARROWEST_OUTLINE && !all.is_empty() {
+                let mut path = String::new();
+                for [a, b] in all {
+                    let _ = write!(path, "M{:.2} {:.2}L{:.2} {:.2}", a[0], a[1], b[0], b[1]);
+                }
+                svg.put(format_args!(
+                    r#"<path class="{class}" d="{path}" stroke="{}" stroke-width="{width:.2}"/>"#,
+                    hex(OUTLINES[kind].0)
+                ));
+            }
+        }
         let mut lines: [String; 3] = Default::default();
         for (ends, mode) in &opened.cracks {
             let [a, b] = ends.map(|end| page.place(end));
@@ -272,7 +328,8 @@ impl Pictures<'_> {
 
     /// Title, scale bar, colour bar and what the lines are.
     fn surroundings(&self, page: &Page, frame: &Frame, svg: &mut Svg) {
-        svg.bold([MARGIN, 30.0], 17.0, &shortened(self.title, (page.area[0] / 11.0) as usize));
+        let (title, size) = fitting(self.title, page.area[0], OF_TITLES, true);
+        svg.bold([MARGIN, 30.0], size, &title);
         svg.label([MARGIN, 51.0], 12.5, Anchor::Start, PALE, &self.sentence(frame));
         let (right, foot) = (page.size[0] - MARGIN - 6.0, HEAD + page.area[1] + 12.0);
         let (factor, unit) = prefixed("m", 150.0 / page.scale);

@@ -15,12 +15,16 @@ use crate::picture::svg::escape;
 use crate::report::{SHARED, STYLE, filled, hash, rows};
 use crate::results::field::{Field, NO_VALUE, NUMBERED, Range};
 use crate::results::frame::Frame;
-use crate::results::pictures::{CRACKS, FrameView, Pictures};
+use crate::results::names::Names;
+use crate::results::pictures::{CRACKS, FrameView, NARROWEST_OUTLINE, OUTLINE, OUTLINES, Pictures};
 use crate::results::plots::Plot;
 use crate::results::unit::prefixed;
 
 /// Of more frames a part is shown.
-pub const MOST_FRAMES: usize = 60;
+pub const MOST_FRAMES: usize = 121;
+
+/// Frames that are left out are named up to so many.
+const MOST_NAMED: usize = 12;
 
 /// Of more elements a browser would run out of memory.
 const MOST_ELEMENTS: usize = 1_000_000;
@@ -37,7 +41,7 @@ const SCRIPTS: [&str; 3] =
 ///
 /// # Example
 /// ```
-/// use fdem::results::{Field, Frame, Report};
+/// use fdem::results::{Field, Frame, Names, Report};
 ///
 /// let frames = [Frame::new(&fdem_simulation::Snapshot::default())?];
 /// let report = Report {
@@ -46,7 +50,7 @@ const SCRIPTS: [&str; 3] =
 ///     plots: &[],
 ///     frames: &frames,
 ///     field: Field::MaxPrincipal,
-///     materials: &[],
+///     names: &Names::default(),
 /// };
 /// assert!(report.html()?.contains("nothing &lt;happens&gt;"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -63,8 +67,8 @@ pub struct Report<'a> {
     pub frames: &'a [Frame],
     /// What elements are coloured by at first.
     pub field: Field,
-    /// Names of the materials, by their numbers; others are shown as numbers.
-    pub materials: &'a [&'a str],
+    /// Names of bodies and materials; what has none is shown as a number.
+    pub names: &'a Names,
 }
 
 impl Report<'_> {
@@ -80,7 +84,8 @@ impl Report<'_> {
         if found > MOST_ELEMENTS {
             return Err(PictureError::TooMany { what: "elements", found, most: MOST_ELEMENTS });
         }
-        let frames = thinned(self.frames);
+        let places = thinned(self.frames);
+        let frames: Vec<&Frame> = places.iter().map(|&place| &self.frames[place]).collect();
         let view = FrameView::of(self.frames);
         let script = format!("(() => {{\n\"use strict\";\n{SHARED}\n{}\n}})();", SCRIPTS.concat());
         let style = format!("{STYLE}{STYLE_OF_RUNS}");
@@ -104,10 +109,10 @@ impl Report<'_> {
                 "preview" => preview.clone(),
                 "fields" => self.options(),
                 "last" => frames.len().saturating_sub(1).to_string(),
-                "thinned" => self.thinning(frames.len()),
+                "thinned" => self.thinning(&places),
                 "facts" => rows(self.facts),
                 "plots" => figures(self.plots),
-                "rows" => table(&frames),
+                "rows" => table(&frames, &places),
                 "version" => env!("CARGO_PKG_VERSION").to_owned(),
                 "meta" => self.meta(&frames, found, &view),
                 "frames" => frames.iter().map(|frame| text(frame)).collect(),
@@ -137,11 +142,26 @@ impl Report<'_> {
         Field::ALL.iter().map(option).collect()
     }
 
-    fn thinning(&self, shown: usize) -> String {
-        if shown == self.frames.len() {
-            return String::new();
-        }
-        format!("{shown} of {} frames are in this page.", grouped(self.frames.len() as u64))
+    /// A sentence on the frames that are not among these.
+    fn thinning(&self, places: &[usize]) -> String {
+        let total = self.frames.len();
+        let left_out: Vec<String> = (0..total)
+            .filter(|place| places.binary_search(place).is_err())
+            .map(|place| place.to_string())
+            .collect();
+        let rest = match &left_out[..] {
+            [] => return String::new(),
+            [one] => format!("frame {one} is left out"),
+            [first @ .., last] if left_out.len() <= MOST_NAMED => {
+                format!("frames {} and {last} are left out", first.join(", "))
+            }
+            _ => "the others are in the folder of frames".to_owned(),
+        };
+        let shown = places.len();
+        format!(
+            "<p class=\"hint help\" id=\"thinned\">{shown} of {} frames are in this page; {rest}.</p>",
+            grouped(total as u64)
+        )
     }
 
     /// What the scripts have to know, safe in a script element.
@@ -170,6 +190,10 @@ impl Report<'_> {
                 "lengths": frame.lengths.map(finite),
             })
         };
+        let outlines = [1, 0].map(|kind| {
+            let (colour, most) = OUTLINES[kind];
+            json!({ "colour": colour, "most": most, "share": OUTLINE, "least": NARROWEST_OUTLINE })
+        });
         let (middle, half) = view.middle_and_half();
         let unit = half[0].max(half[1]);
         let meta = json!({
@@ -179,7 +203,9 @@ impl Report<'_> {
             "numbered": NUMBERED,
             "none": NO_VALUE,
             "cracks": CRACKS.map(|(name, colour)| json!({ "name": name, "colour": colour })),
-            "materials": self.materials,
+            "outlines": outlines,
+            "bodies": self.names.bodies,
+            "materials": self.names.materials,
             "last": finite(self.frames.last().map_or(0.0, |frame| frame.time)),
             "view": { "middle": middle, "unit": unit, "half": half.map(|side| (side / unit).max(1e-6)) },
             "frames": frames.iter().map(about).collect::<Vec<_>>(),
@@ -194,19 +220,19 @@ fn finite(x: f64) -> f64 {
     if x.is_finite() { x } else { 0.0 }
 }
 
-/// As many frames as the page has room for, evenly: the first and the last are among them.
-fn thinned(frames: &[Frame]) -> Vec<&Frame> {
+/// Places of as many frames as the page has room for, evenly: the first and the last are among them.
+fn thinned(frames: &[Frame]) -> Vec<usize> {
     let mut count = frames.len().min(MOST_FRAMES);
     loop {
-        let shown: Vec<&Frame> = match count {
+        let places: Vec<usize> = match count {
             0 => Vec::new(),
-            1 => frames.last().into_iter().collect(),
-            _ => (0..count).map(|k| &frames[k * (frames.len() - 1) / (count - 1)]).collect(),
+            1 => vec![frames.len() - 1],
+            _ => (0..count).map(|k| k * (frames.len() - 1) / (count - 1)).collect(),
         };
         // Four characters for three bytes.
-        let bytes: usize = shown.iter().map(|frame| frame.deflated.len().div_ceil(3) * 4).sum();
+        let bytes: usize = places.iter().map(|&place| frames[place].deflated.len().div_ceil(3) * 4).sum();
         if bytes <= MOST_BYTES || count <= 1 {
-            return shown;
+            return places;
         }
         count = (count * MOST_BYTES / bytes).clamp(1, count - 1);
     }
@@ -227,14 +253,14 @@ fn text(frame: &Frame) -> String {
     format!("<script type=\"text/plain\" class=\"frame\">{}</script>\n", STANDARD.encode(&frame.deflated))
 }
 
-/// The rows of the table of frames.
-fn table(frames: &[&Frame]) -> String {
+/// The rows of the table of frames, which are numbered as their files are.
+fn table(frames: &[&Frame], places: &[usize]) -> String {
     let largest = |frame: &Frame, field: Field| brief(frame.scales[field.scale().unwrap_or(0)].ends[1]);
     let mut rows = String::new();
-    for (k, frame) in frames.iter().enumerate() {
+    for (k, (frame, place)) in frames.iter().zip(places).enumerate() {
         let [tension, shear, mixed] = frame.lengths;
         // Writing to a string does not fail.
-        let _ = write!(rows, "<tr><td><button type=\"button\" data-frame=\"{k}\">{}</button></td>", k + 1);
+        let _ = write!(rows, "<tr><td><button type=\"button\" data-frame=\"{k}\">{place}</button></td>");
         let _ = write!(rows, "<td>{}</td>", grouped(frame.step));
         for number in [frame.time, tension + shear + mixed, tension, shear, mixed] {
             let _ = write!(rows, "<td>{}</td>", brief(number));

@@ -250,12 +250,12 @@ fn a_run_writes_all_that_it_promises_and_is_not_overwritten() {
     assert!(json["broken_joints"].as_u64().unwrap() > 5, "{json}");
     assert!(json["energies"]["error"].as_f64().unwrap().abs() < 0.02, "{json}");
     let frames = bench.fingerprint("crash_results").2;
-    assert_eq!(frames.len(), 3 * 9, "a frame at the beginning and eight more");
+    assert_eq!(frames.len(), 5 * 9, "a frame at the beginning and eight more");
     let history = bench.read("crash_results/history.csv");
     let names = history.lines().next().unwrap();
     assert!(
         names.ends_with(
-            "ground fx [N],ground fy [N],corner ux [m],corner uy [m],corner vx [m/s],corner vy [m/s]"
+            "ground fx [N],ground fy [N],ground ux [m],ground uy [m],corner ux [m],corner uy [m],corner vx [m/s],corner vy [m/s]"
         ),
         "{names}"
     );

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use fdem_simulation::{Crack, Energies, Mode, Snapshot};
+use fdem_simulation::{ContactForce, Crack, Energies, Forces, Mesh, Mode, Snapshot};
 
 /// Of the disc, m.
 pub(crate) const RADIUS: f64 = 0.025;
@@ -80,6 +80,29 @@ impl Disc {
         Self { nodes: nodes.repeat(2), triangles, seam }
     }
 
+    /// As it is meshed: two bodies.
+    pub(crate) fn mesh(&self) -> Mesh {
+        let half = self.nodes.len() as u32 / 2;
+        Mesh {
+            nodes: self.nodes.clone(),
+            triangles: self.triangles.clone(),
+            bodies: self.triangles.iter().map(|nodes| u32::from(nodes[0] >= half)).collect(),
+            materials: vec![0; self.triangles.len()],
+        }
+    }
+
+    /// Forces between the elements beside the seam.
+    pub(crate) fn forces(snapshot: &Snapshot) -> Forces {
+        let contact = |crack: &Crack| ContactForce {
+            elements: crack.elements,
+            point: crack.ends[0],
+            normal: [-1e3 * crack.length, 0.0],
+            tangential: [0.0, 1e2 * crack.sliding],
+        };
+        let reactions = snapshot.positions.iter().map(|[_, y]| [0.0, if *y > 0.02 { -3.0 } else { 0.0 }]);
+        Forces { contacts: snapshot.cracks.iter().map(contact).collect(), reactions: reactions.collect() }
+    }
+
     /// At a share of the whole time.
     pub(crate) fn snapshot(&self, share: f64) -> Snapshot {
         let n = self.nodes.len();
@@ -140,6 +163,8 @@ impl Disc {
         snapshot.bodies =
             self.triangles.iter().map(|corners| u32::from(corners[0] as usize >= n / 2)).collect();
         snapshot.materials = vec![0; self.triangles.len()];
+        snapshot.fragments =
+            if broken < self.seam.len() { vec![0; self.triangles.len()] } else { snapshot.bodies.clone() };
         snapshot
     }
 

@@ -30,7 +30,7 @@ impl Appended {
                 return Err(io::Error::new(io::ErrorKind::InvalidInput, problem));
             }
         };
-        let head = announcement(of_type, column.name, column.components, self.bytes.len());
+        let head = announcement(of_type, column.name, column.components, column.unit, self.bytes.len());
         let size = column.values.size();
         self.array(rows * column.width() * size, |bytes, block| {
             column.values.write_le(bytes.start / size..bytes.end / size, block);
@@ -38,9 +38,26 @@ impl Appended {
         Ok(head)
     }
 
+    /// Adds the arrays that say something of the whole file: the time, and named numbers. The result is the element that announces them.
+    pub(super) fn field_data(&mut self, time: f64, named: &[(String, Vec<i64>)]) -> io::Result<String> {
+        let mut head = String::from("<FieldData>\n");
+        let mut add = |name: &str, values: Values<'_>, count: usize| -> io::Result<()> {
+            let column = Column { name: "", components: &[], unit: "", values };
+            let array = self.column(&column, count)?;
+            let tuples = format!(" Name=\"{}\" NumberOfTuples=\"{count}\"", escaped(name));
+            head += &array.replace(" Name=\"\"", &tuples);
+            Ok(())
+        };
+        add("TimeValue", Values::f64(|_| time), 1)?;
+        for (name, numbers) in named {
+            add(name, Values::i64(|k| numbers[k]), numbers.len())?;
+        }
+        Ok(head + "</FieldData>\n")
+    }
+
     /// Adds `count` equal bytes.
     pub(super) fn repeated(&mut self, name: &str, byte: u8, count: usize) -> io::Result<String> {
-        let head = announcement("UInt8", name, &[], self.bytes.len());
+        let head = announcement("UInt8", name, &[], "", self.bytes.len());
         self.array(count, |bytes, block| block.resize(bytes.len(), byte))?;
         Ok(head)
     }
@@ -68,7 +85,12 @@ impl Appended {
     }
 }
 
-fn announcement(of_type: &str, name: &str, components: &[&str], offset: usize) -> String {
+/// Text for an attribute of XML.
+pub(super) fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+fn announcement(of_type: &str, name: &str, components: &[&str], unit: &str, offset: usize) -> String {
     let mut names = String::new();
     for (k, part) in components.iter().enumerate() {
         names = format!("{names} ComponentName{k}=\"{part}\"");
@@ -78,7 +100,14 @@ fn announcement(of_type: &str, name: &str, components: &[&str], offset: usize) -
         0 | 1 => String::new(),
         count => format!(" NumberOfComponents=\"{count}\""),
     };
+    let array = format!(
+        "<DataArray type=\"{of_type}\" Name=\"{name}\"{count}{names} format=\"appended\" offset=\"{offset}\""
+    );
+    if unit.is_empty() {
+        return format!("{array}/>\n");
+    }
+    // The key by which VTK calls the unit of an array.
     format!(
-        "<DataArray type=\"{of_type}\" Name=\"{name}\"{count}{names} format=\"appended\" offset=\"{offset}\"/>\n"
+        "{array}>\n<InformationKey name=\"UNITS_LABEL\" location=\"vtkDataArray\">{unit}</InformationKey>\n</DataArray>\n"
     )
 }

@@ -2,6 +2,8 @@
 
 use std::fmt::Write;
 
+use super::appended::escaped;
+
 /// Makes a ParaView collection from times, in s, and the names of the files of these times relative to the collection.
 ///
 /// It is written anew whenever a file is added: it is short, so the moment in which it does not exist is short too.
@@ -16,8 +18,7 @@ pub fn pvd<'a>(files: impl IntoIterator<Item = (f64, &'a str)>) -> String {
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n<Collection>\n",
     );
     for (time, file) in files {
-        let file =
-            file.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;");
+        let file = escaped(file);
         // Writing to a string cannot fail.
         let _ = writeln!(text, "<DataSet timestep=\"{time}\" part=\"0\" file=\"{file}\"/>");
     }

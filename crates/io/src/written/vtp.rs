@@ -52,11 +52,12 @@ pub fn write_vtp<W: Write>(out: &mut W, points: &Table<'_>, lines: &Table<'_>) -
         return Err(invalid("the ends of a line are two whole numbers"));
     };
     // Two numbers per line, computed without an array of pairs.
-    let connectivity = Column { name: "connectivity", components: &[], values: Values::i64(at) };
+    let connectivity = Column { name: "connectivity", components: &[], unit: "", values: Values::i64(at) };
     // The end of each line in the list of points.
     let offsets = Column {
         name: "offsets",
         components: &[],
+        unit: "",
         values: Values::i64(|k| 2 * (k.cast_signed() as i64 + 1)),
     };
 

@@ -4,7 +4,7 @@
 //! model.toml, inputs/   the model as it was given, with the files that it names
 //! checkpoint            the state of the run; `fdem resume` goes on from here
 //! history.csv           a row for each instant
-//! results.pvd, cracks.pvd, frames/   for ParaView
+//! results.pvd, cracks.pvd, damaged_joints.pvd, contacts.pvd, frames/   for ParaView
 //! plots/, report.html, animation.gif   made when the run ends
 //! run.json, run.log     what ran, on what, for how long; run.json tells that this is the folder of a run
 //! ```
@@ -34,7 +34,7 @@ pub(crate) const PLOTS: &str = "plots";
 pub(crate) const SUMMARY: &str = "run.json";
 
 /// All that a run makes, for `--force`.
-const FILES: [&str; 10] = [
+const FILES: [&str; 12] = [
     // First, so that nobody goes on with a run of which the rest is gone.
     CHECKPOINT,
     MODEL,
@@ -42,6 +42,8 @@ const FILES: [&str; 10] = [
     LOG,
     "results.pvd",
     "cracks.pvd",
+    "damaged_joints.pvd",
+    "contacts.pvd",
     "report.html",
     "animation.gif",
     "picture.png",
@@ -234,10 +236,31 @@ pub(crate) fn mesh_file(number: usize) -> String {
     format!("{FRAMES}/{number:05}.vtu")
 }
 
-/// Cracks of a frame.
+/// Broken joints of a frame.
 pub(crate) fn cracks_file(number: usize) -> String {
     format!("{FRAMES}/{number:05}_cracks.vtp")
 }
+
+/// Joints of a frame that soften and hold.
+pub(crate) fn damaged_file(number: usize) -> String {
+    format!("{FRAMES}/{number:05}_damaged_joints.vtp")
+}
+
+/// Contact forces of a frame.
+pub(crate) fn contacts_file(number: usize) -> String {
+    format!("{FRAMES}/{number:05}_contacts.vtp")
+}
+
+/// Names of the files of a frame for ParaView.
+type Named = fn(usize) -> String;
+
+/// The collections that ParaView opens, and how the file of each frame is called.
+pub(crate) const COLLECTIONS: [(&str, Named); 4] = [
+    ("results.pvd", mesh_file),
+    ("cracks.pvd", cracks_file),
+    ("damaged_joints.pvd", damaged_file),
+    ("contacts.pvd", contacts_file),
+];
 
 /// A frame as the report needs it.
 pub(crate) fn packed_file(number: usize) -> String {

@@ -3,14 +3,16 @@
 use std::fs::{self, File, OpenOptions};
 use std::io::{BufWriter, Write};
 
-use fdem_simulation::Simulation;
+use fdem_simulation::{Simulation, Target};
 
 use crate::command::failure::{Failure, display_name};
-use crate::command::run::folder::{Folder, HISTORY, PLOTS, cracks_file, mesh_file, packed_file};
-use crate::model::{Prepared, Quantity};
+use crate::command::run::folder::{
+    COLLECTIONS, Folder, HISTORY, PLOTS, contacts_file, cracks_file, damaged_file, mesh_file, packed_file,
+};
+use crate::model::{History as Recorded, Prepared, Quantity};
 use crate::results::{
-    Animation, Field, Frame, FrameView, History, HistoryWriter, Pictures, Range, Report, Row, kept, plots,
-    pvd, write_cracks_vtp, write_vtu,
+    Animation, Field, Frame, FrameView, History, HistoryWriter, Names, Outlines, Pictures, Range, Report,
+    Row, kept, plots, pvd, write_contacts_vtp, write_cracks_vtp, write_damaged_joints_vtp, write_vtu,
 };
 
 /// Between two pictures of an animation, in hundredths of a second.
@@ -20,6 +22,10 @@ const DELAY: u16 = 8;
 pub(crate) struct Recorder {
     folder: Folder,
     history: HistoryWriter<BufWriter<File>>,
+    names: Names,
+    outlines: Outlines,
+    /// Nodes of the boundary of each history of a force; empty for other histories.
+    targets: Vec<Vec<u32>>,
     /// Step and time of those written.
     pub(crate) frames: Vec<(u64, f64)>,
 }
@@ -28,11 +34,30 @@ impl Recorder {
     /// For a run from the beginning.
     pub(crate) fn new(folder: &Folder, prepared: &Prepared) -> Result<Self, Failure> {
         let path = folder.path(HISTORY);
-        let names = names(prepared);
+        let names = columns(prepared);
         let history = File::create(&path)
             .and_then(|file| HistoryWriter::new(BufWriter::new(file), &names))
             .map_err(|error| Failure::writing(&path, error))?;
-        Ok(Self { folder: folder.clone(), history, frames: Vec::new() })
+        Ok(Self::with(folder, prepared, history, Vec::new()))
+    }
+
+    fn with(
+        folder: &Folder,
+        prepared: &Prepared,
+        history: HistoryWriter<BufWriter<File>>,
+        frames: Vec<(u64, f64)>,
+    ) -> Self {
+        Self {
+            folder: folder.clone(),
+            history,
+            names: Names {
+                bodies: prepared.bodies.iter().map(|body| body.name.clone()).collect(),
+                materials: prepared.model.materials.iter().map(|material| material.name.clone()).collect(),
+            },
+            outlines: Outlines::new(&prepared.model.mesh, &prepared.grains),
+            targets: prepared.histories.iter().map(|history| target(history, prepared)).collect(),
+            frames,
+        }
     }
 
     /// For a run that goes on after a checkpoint: what is later is removed, what was there before has to be there still.
@@ -55,7 +80,8 @@ impl Recorder {
             )));
         }
         for number in 0..frames.len() {
-            for name in [mesh_file(number), cracks_file(number)] {
+            for (_, file_of) in COLLECTIONS {
+                let name = file_of(number);
                 let path = folder.path(&name);
                 fs::metadata(&path).map_err(|error| Failure::reading(&display_name(&path), &error))?;
             }
@@ -71,15 +97,16 @@ impl Recorder {
             .map_err(|error| Failure::writing(&path, error))?;
         let mut later = frames.len();
         loop {
-            let files = [mesh_file(later), cracks_file(later), packed_file(later)];
-            let removed = files.iter().filter(|name| fs::remove_file(folder.path(name)).is_ok()).count();
+            let files = COLLECTIONS.map(|(_, file_of)| file_of(later));
+            let files = files.into_iter().chain([packed_file(later)]);
+            let removed = files.filter(|name| fs::remove_file(folder.path(name)).is_ok()).count();
             if removed == 0 {
                 break;
             }
             later += 1;
         }
-        let history = HistoryWriter::going_on(BufWriter::new(history), names(prepared).len());
-        let recorder = Self { folder: folder.clone(), history, frames };
+        let history = HistoryWriter::going_on(BufWriter::new(history), columns(prepared).len());
+        let recorder = Self::with(folder, prepared, history, frames);
         recorder.collections()?;
         Ok(recorder)
     }
@@ -87,13 +114,16 @@ impl Recorder {
     /// A row of the history.
     pub(crate) fn row(&mut self, run: &Simulation, prepared: &Prepared) -> Result<(), Failure> {
         let mut values = Vec::new();
-        for history in &prepared.histories {
+        for (history, target) in prepared.histories.iter().zip(&self.targets) {
             match history.quantity {
                 Quantity::Node(node) => {
                     let (moved, velocity) = run.node(node).unwrap_or_default();
                     values.extend(moved.into_iter().chain(velocity));
                 }
-                Quantity::Force(boundary) => values.extend(run.force(boundary).unwrap_or_default()),
+                Quantity::Force(boundary) => {
+                    values.extend(run.force(boundary).unwrap_or_default());
+                    values.extend(mean_displacement(run, target));
+                }
                 Quantity::Energy | Quantity::CrackLength => {}
             }
         }
@@ -110,27 +140,29 @@ impl Recorder {
 
     /// Files of the bodies and cracks as they are.
     pub(crate) fn frame(&mut self, run: &Simulation) -> Result<(), Failure> {
-        let snapshot = run.snapshot();
+        let (snapshot, forces) = (run.snapshot(), run.forces());
         let number = self.frames.len();
-        let (mut mesh, mut cracks) = (Vec::new(), Vec::new());
         // Memory does not refuse to be written to; a snapshot that contradicts itself would be a fault of ours.
-        write_vtu(&mut mesh, &snapshot)
-            .and_then(|()| write_cracks_vtp(&mut cracks, &snapshot))
-            .map_err(|error| Failure::writing(&self.folder.path(&mesh_file(number)), error))?;
-        let frame = Frame::new(&snapshot)
-            .map_err(|error| Failure::writing(&self.folder.path(&packed_file(number)), error))?;
-        self.folder.write(&mesh_file(number), &mesh)?;
-        self.folder.write(&cracks_file(number), &cracks)?;
-        self.folder.write(&packed_file(number), &frame.to_bytes())?;
+        let fault = |name: &str, error: std::io::Error| Failure::writing(&self.folder.path(name), error);
+        let write = |name: String, write: &dyn Fn(&mut Vec<u8>) -> std::io::Result<()>| {
+            let mut bytes = Vec::new();
+            write(&mut bytes).map_err(|error| fault(&name, error))?;
+            self.folder.write(&name, &bytes)
+        };
+        write(mesh_file(number), &|out| write_vtu(out, &snapshot, &forces, &self.names))?;
+        write(cracks_file(number), &|out| write_cracks_vtp(out, &snapshot))?;
+        write(damaged_file(number), &|out| write_damaged_joints_vtp(out, &snapshot))?;
+        write(contacts_file(number), &|out| write_contacts_vtp(out, &snapshot, &forces))?;
+        let name = packed_file(number);
+        let frame = Frame::outlined(&snapshot, &self.outlines).map_err(|error| fault(&name, error.into()))?;
+        self.folder.write(&name, &frame.to_bytes())?;
         self.frames.push((run.steps(), run.time()));
         self.collections()
     }
 
     /// What ParaView opens.
     fn collections(&self) -> Result<(), Failure> {
-        for (name, file_of) in
-            [("results.pvd", mesh_file as fn(usize) -> String), ("cracks.pvd", cracks_file)]
-        {
+        for (name, file_of) in COLLECTIONS {
             let files: Vec<String> = (0..self.frames.len()).map(file_of).collect();
             let entries = self.frames.iter().zip(&files).map(|(&(_, time), file)| (time, file.as_str()));
             self.folder.write(name, pvd(entries).as_bytes())?;
@@ -191,25 +223,45 @@ impl Recorder {
             let gif = animation.finish().map_err(|error| broken("animation.gif", &error))?;
             self.folder.write("animation.gif", &gif)?;
         }
-        let materials: Vec<&str> =
-            prepared.model.materials.iter().map(|material| material.name.as_str()).collect();
-        let report = Report { title, facts, plots: &drawn, frames: &frames, field, materials: &materials };
+        let report = Report { title, facts, plots: &drawn, frames: &frames, field, names: &self.names };
         let html = report.html().map_err(|error| broken("report.html", &error))?;
         self.folder.write("report.html", html.as_bytes())
     }
 }
 
 /// Columns of the histories that were asked for.
-fn names(prepared: &Prepared) -> Vec<String> {
+fn columns(prepared: &Prepared) -> Vec<String> {
     let mut names = Vec::new();
     for history in &prepared.histories {
         let parts: &[&str] = match history.quantity {
             Quantity::Node(_) => &["ux [m]", "uy [m]", "vx [m/s]", "vy [m/s]"],
-            Quantity::Force(_) => &["fx [N]", "fy [N]"],
+            Quantity::Force(_) => &["fx [N]", "fy [N]", "ux [m]", "uy [m]"],
             // These are there anyway.
             Quantity::Energy | Quantity::CrackLength => &[],
         };
         names.extend(parts.iter().map(|part| format!("{} {part}", history.name)));
     }
     names
+}
+
+/// The nodes of the boundary whose force a history records, each once.
+fn target(history: &Recorded, prepared: &Prepared) -> Vec<u32> {
+    let Quantity::Force(boundary) = history.quantity else { return Vec::new() };
+    let mut nodes = match &prepared.model.boundaries[boundary].target {
+        Target::Nodes(nodes) => nodes.clone(),
+        Target::Edges(edges) => edges.as_flattened().to_vec(),
+    };
+    nodes.sort_unstable();
+    nodes.dedup();
+    nodes
+}
+
+/// The mean displacement of some nodes, m.
+fn mean_displacement(run: &Simulation, nodes: &[u32]) -> [f64; 2] {
+    let mut sum = [0.0; 2];
+    for &node in nodes {
+        let (moved, _) = run.node(node).unwrap_or_default();
+        sum = [sum[0] + moved[0], sum[1] + moved[1]];
+    }
+    sum.map(|sum| sum / nodes.len().max(1) as f64)
 }

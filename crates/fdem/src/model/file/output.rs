@@ -60,7 +60,7 @@ pub struct History {
     /// Of `node`: only nodes of this body. Default: all.
     #[serde(default)]
     pub body: Option<String>,
-    /// Name of a boundary: the force, in all, that it exerts on the bodies, N.
+    /// Name of a boundary: its total force on the bodies, N, and the mean displacement of its nodes, m.
     #[serde(default)]
     pub force: Option<String>,
     /// true: all energies, J; they are recorded whether or not this is here.

@@ -53,6 +53,7 @@ class Frames {
     const scales = about.scales.map(() => numbers(n));
     const upper = numbers(n), lower = numbers(n), material = numbers(n);
     const body = (i) => upper[i] * 65536 + lower[i];
+    const outlines = outlinesOf(corners, numbers(n));
     const cracks = new Float32Array(4 * about.cracks);
     for (let end = 0; end < 2; end++) {
       for (let axis = 0; axis < 2; axis++) {
@@ -60,8 +61,29 @@ class Frames {
         for (let i = 0; i < about.cracks; i++) cracks[4 * i + 2 * end + axis] = (value(places[i], about.bounds[axis]) - meta.view.middle[axis]) / meta.view.unit;
       }
     }
-    return { k, about, corners, scales, body, material, cracks, modes: numbers(about.cracks), value: (scale, i) => value(scales[scale][i], about.scales[scale]) };
+    return { k, about, corners, scales, body, material, outlines, cracks, modes: numbers(about.cracks), value: (scale, i) => value(scales[scale][i], about.scales[scale]) };
   }
+}
+
+// The outlines of grains and of bodies: ends of their lines, and the size of what they surround. The bits of an element say which of its edges they are.
+function outlinesOf(corners, bits) {
+  let area = 0;
+  for (let at = 0; at < corners.length; at += 6) {
+    area += Math.abs((corners[at + 2] - corners[at]) * (corners[at + 5] - corners[at + 1]) - (corners[at + 3] - corners[at + 1]) * (corners[at + 4] - corners[at])) / 2;
+  }
+  return [3, 0].map((first) => {
+    const ends = [];
+    let length = 0;
+    bits.forEach((of, i) => {
+      for (let k = 0; k < 3; k++) {
+        if (!((of >> (first + k)) & 1)) continue;
+        const a = 6 * i + 2 * k, b = 6 * i + 2 * ((k + 1) % 3);
+        ends.push(corners[a], corners[a + 1], corners[b], corners[b + 1]);
+        length += Math.hypot(corners[b] - corners[a], corners[b + 1] - corners[a + 1]);
+      }
+    });
+    return { ends: new Float32Array(ends), size: length > 0 ? (4 * area) / length : 0 };
+  });
 }
 
 // A factor and a unit with a prefix, so that numbers are short.

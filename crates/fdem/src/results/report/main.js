@@ -131,7 +131,7 @@ class Page {
     const list = document.createElement("dl");
     const add = (name, text) => list.append(make("dt", name), make("dd", text, { "data-fact": name }));
     add("element", grouped(k));
-    add("body", String(frame.body(k)));
+    add("body", meta.bodies[frame.body(k)] ?? String(frame.body(k)));
     add("material", meta.materials[frame.material[k]] ?? String(frame.material[k]));
     const c = this.view.corners(k), middle = [0, 1].map((axis) => ((c[0][axis] + c[1][axis] + c[2][axis]) / 3) * meta.view.unit + meta.view.middle[axis]);
     add("x", quantity(middle[0], "m"));
@@ -154,7 +154,7 @@ class Page {
     const { view } = this;
     $("controls").addEventListener("submit", (event) => event.preventDefault());
     for (const id of ["field", "range"]) $(id).addEventListener("change", () => this.paint());
-    for (const name of ["cracks", "mesh"]) {
+    for (const name of ["cracks", "outlines", "mesh"]) {
       $(`show-${name}`).addEventListener("change", (event) => {
         view.visible[name] = event.target.checked;
         this.paint();

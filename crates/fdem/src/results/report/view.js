@@ -68,7 +68,7 @@ class View {
     this.gl = gl;
     this.triangles = this.program(TRIANGLES, ["pan", "zoom", "mesh"]);
     this.strips = this.program(STRIPS, ["pan", "zoom", "pixel", "width", "seam"]);
-    this.buffers = { corners: gl.createBuffer(), colours: gl.createBuffer(), ends: gl.createBuffer(), modes: gl.createBuffer() };
+    this.buffers = { corners: gl.createBuffer(), colours: gl.createBuffer(), ends: gl.createBuffer(), modes: gl.createBuffer(), outlines: [gl.createBuffer(), gl.createBuffer()], outlineColours: [gl.createBuffer(), gl.createBuffer()] };
     this.ofTriangles = gl.createVertexArray();
     gl.bindVertexArray(this.ofTriangles);
     this.attribute(0, this.buffers.corners, 2, gl.FLOAT, 8, 0, 0);
@@ -78,9 +78,17 @@ class View {
     this.attribute(0, this.buffers.ends, 2, gl.FLOAT, 16, 0, 1);
     this.attribute(1, this.buffers.ends, 2, gl.FLOAT, 16, 8, 1);
     this.attribute(2, this.buffers.modes, 4, gl.UNSIGNED_BYTE, 4, 0, 1);
+    this.ofOutlines = this.buffers.outlines.map((ends, kind) => {
+      const array = gl.createVertexArray();
+      gl.bindVertexArray(array);
+      this.attribute(0, ends, 2, gl.FLOAT, 16, 0, 1);
+      this.attribute(1, ends, 2, gl.FLOAT, 16, 8, 1);
+      this.attribute(2, this.buffers.outlineColours[kind], 4, gl.UNSIGNED_BYTE, 4, 0, 1);
+      return array;
+    });
     gl.bindVertexArray(null);
     this.frame = null;
-    this.visible = { cracks: true, mesh: false };
+    this.visible = { cracks: true, outlines: true, mesh: false };
     this.pan = [0, 0];
     this.zoomed = 1;
     this.asked = 0;
@@ -122,6 +130,11 @@ class View {
     if (this.frame !== frame) {
       fill(this.buffers.corners, frame.corners);
       fill(this.buffers.ends, frame.cracks);
+      frame.outlines.forEach(({ ends }, kind) => {
+        const [r, g, b] = meta.outlines[kind].colour;
+        fill(this.buffers.outlines[kind], ends);
+        fill(this.buffers.outlineColours[kind], new Uint32Array(ends.length / 4).fill(((255 << 24) | (b << 16) | (g << 8) | r) >>> 0));
+      });
       this.frame = frame;
     }
     fill(this.buffers.colours, colours);
@@ -158,11 +171,19 @@ class View {
     gl.uniform1f(this.triangles.mesh, this.visible.mesh ? 1 : 0);
     gl.bindVertexArray(this.ofTriangles);
     gl.drawArrays(gl.TRIANGLES, 0, this.frame.corners.length / 2);
+    gl.useProgram(this.strips.program);
+    gl.uniform2fv(this.strips.pan, pan);
+    gl.uniform2fv(this.strips.zoom, zoom);
+    gl.uniform2fv(this.strips.pixel, pixel);
+    this.frame.outlines.forEach(({ ends, size }, kind) => {
+      const { most, share, least } = meta.outlines[kind], width = Math.min(most, share * size * this.scale);
+      if (!this.visible.outlines || !ends.length || width < least) return;
+      gl.bindVertexArray(this.ofOutlines[kind]);
+      gl.uniform1f(this.strips.width, Math.max(width, 0.5) * ratio);
+      gl.uniform1f(this.strips.seam, 0);
+      gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, ends.length / 4);
+    });
     if (this.visible.cracks && this.frame.about.cracks) {
-      gl.useProgram(this.strips.program);
-      gl.uniform2fv(this.strips.pan, pan);
-      gl.uniform2fv(this.strips.zoom, zoom);
-      gl.uniform2fv(this.strips.pixel, pixel);
       gl.bindVertexArray(this.ofStrips);
       for (const [wide, seam] of [[4.2, 1], [2.2, 0]]) {
         gl.uniform1f(this.strips.width, wide * ratio);
