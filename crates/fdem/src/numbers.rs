@@ -1,8 +1,8 @@
-//! Numbers as people read them.
+//! Numbers as text for people.
 
-/// Six digits, without trailing zeros; JSON has all of them.
+/// A number with six significant digits, without trailing zeros.
 pub(crate) fn brief(x: f64) -> String {
-    // Plus zero: minus zero is zero to a person.
+    // Adding zero turns minus zero into zero.
     let rounded = format!("{x:.5e}").parse().unwrap_or(x) + 0.0;
     if rounded == 0.0 || (1e-4..1e6).contains(&f64::abs(rounded)) {
         rounded.to_string()
@@ -11,7 +11,7 @@ pub(crate) fn brief(x: f64) -> String {
     }
 }
 
-/// `1234567` as `1,234,567`.
+/// A number with its thousands grouped: `1234567` becomes `1,234,567`.
 pub(crate) fn grouped(number: u64) -> String {
     let digits = number.to_string();
     let mut text = String::new();

@@ -1,4 +1,4 @@
-//! What a run of a simulation leaves behind: files for ParaView, pictures, an animation, a history with its plots, and a page for a browser.
+//! Results of a simulation: files for ParaView, pictures, an animation, a history with its plots, and a page for a browser.
 //!
 //! ```text
 //! Snapshot ──┬─> vtu, vtp ── ParaView
@@ -6,8 +6,8 @@
 //!                        └─> Report ──── one page
 //! Row ── HistoryWriter ── history.csv ── History ── plots ── SVG, PNG, Report
 //! ```
-//! A [`Frame`] is a snapshot made small: a few bytes for each element, to be kept in memory or in a file until the series is complete and its colours
-//! are known. Everything here is text or bytes; nothing knows a path.
+//! A [`Frame`] is a compressed snapshot with a few bytes for each element. It is kept in memory or in a file until the series is complete and the range of
+//! its colours is known. This module makes text and bytes, and knows no paths.
 
 mod animation;
 mod chart;
@@ -48,29 +48,29 @@ pub use vtk::{write_contacts_vtp, write_cracks_vtp, write_damaged_joints_vtp, wr
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum SnapshotError {
-    /// An array has not as many entries as there are nodes or elements.
+    /// The number of entries of an array is not that of the nodes or elements.
     Length {
-        /// The array.
+        /// Name of the array.
         name: &'static str,
-        /// Its entries.
+        /// Number of its entries.
         found: usize,
-        /// How many there should be.
+        /// Number of entries that it should have.
         expected: usize,
     },
-    /// An element has a node that is not there.
+    /// An element has a node that does not exist.
     Node {
         /// The element.
         element: usize,
         /// The node.
         node: u32,
-        /// How many there are.
+        /// Number of nodes.
         nodes: usize,
     },
-    /// A contact has an element that is not there.
+    /// A contact has an element that does not exist.
     Contact {
         /// The element.
         element: u32,
-        /// How many there are.
+        /// Number of elements.
         elements: usize,
     },
 }
@@ -99,7 +99,7 @@ impl From<SnapshotError> for io::Error {
     }
 }
 
-/// Every array has its length and every node is there.
+/// Checks that every array has its length and that every node exists.
 fn checked(snapshot: &Snapshot) -> Result<(), SnapshotError> {
     let (nodes, elements) = (snapshot.positions.len(), snapshot.triangles.len());
     for (name, found, expected) in [

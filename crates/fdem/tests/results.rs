@@ -1,4 +1,4 @@
-//! What a run leaves behind: bytes that are the same again, pictures that show what they say, and no panic on a state that has gone wrong.
+//! Results of runs: equal bytes for equal runs, correct pictures, and no panic on invalid states.
 
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 

@@ -1,4 +1,4 @@
-//! Curves over one axis, as SVG.
+//! Charts of curves, as SVG.
 
 use std::borrow::Cow;
 use std::fmt::Write;
@@ -9,25 +9,25 @@ use crate::picture::text::{self, fitting};
 use crate::picture::ticks::{tick_text, ticks};
 use crate::results::unit::prefixed;
 
-/// Of a chart, its axes and texts included.
+/// Size of a chart with its axes and texts.
 pub(crate) const WIDTH: f64 = 640.0;
 const HEIGHT: f64 = 360.0;
 
 const LEFT: f64 = 66.0;
 const TOP: f64 = 56.0;
 const BOTTOM: f64 = 52.0;
-/// Room for the names of curves beside the chart: at least, and at most.
+/// Least and greatest width of the names of curves beside the chart.
 const NAMES: [f64; 2] = [56.0, 230.0];
-/// Sizes of letters: of names of curves, of titles, of axes; and of those that would not fit otherwise.
+/// Font sizes of curve names, titles and axes: the usual size, and the smallest to which long texts shrink.
 const OF_NAMES: [f64; 2] = [11.5, 9.0];
 const OF_TITLES: [f64; 2] = [13.5, 10.0];
 const OF_AXES: [f64; 2] = [12.0, 9.0];
 const RIGHT: f64 = 20.0;
 
-/// A curve has not many more points than there are pixels.
+/// Most points of a curve that are drawn: about as many as there are pixels.
 const MOST_POINTS: usize = 1600;
 
-/// By turns; they are told apart on white paper and on black, and, besides, by their dashes.
+/// Colours of the curves in turn, distinct on white and on black; dashes distinguish them, too.
 const COLOURS: [Rgb; 8] = [
     [31, 119, 190],
     [226, 105, 30],
@@ -40,24 +40,24 @@ const COLOURS: [Rgb; 8] = [
 ];
 const DASHES: [&str; 3] = ["", "7 3", "2 3"];
 
-/// What an axis is of.
+/// Quantity and unit of an axis.
 pub(crate) struct Axis<'a> {
     pub(crate) name: &'a str,
     pub(crate) unit: &'a str,
 }
 
-/// Values over others; those that are not finite are gaps.
+/// A curve; values that are not finite are gaps.
 pub(crate) struct Curve<'a> {
     pub(crate) name: &'a str,
     pub(crate) across: Cow<'a, [f64]>,
     pub(crate) up: Cow<'a, [f64]>,
-    /// Running mean of both over as many rows each, where the values are noisy: drawn over the pale curve of the values.
+    /// Running mean, if the values are noisy; it is drawn over the pale curve of the values.
     pub(crate) mean: Option<Mean>,
 }
 
 /// Running mean of a curve.
 pub(crate) struct Mean {
-    /// Rows of which a value is the mean.
+    /// Number of rows that are averaged.
     pub(crate) rows: usize,
     pub(crate) across: Vec<f64>,
     pub(crate) up: Vec<f64>,
@@ -70,19 +70,19 @@ impl<'a> Curve<'a> {
     }
 }
 
-/// Curves over one axis.
+/// Curves with common axes.
 pub(crate) struct Chart<'a> {
     pub(crate) name: &'a str,
-    /// In words, for those who cannot see it.
+    /// Description for screen readers.
     pub(crate) description: String,
     pub(crate) across: Axis<'a>,
     pub(crate) up: Axis<'a>,
     pub(crate) curves: Vec<Curve<'a>>,
 }
 
-/// From the numbers of an axis to its place on the paper.
+/// Conversion of the numbers of an axis to positions in the chart.
 struct Scale {
-    /// In the unit that is shown.
+    /// Limits in the unit that is shown.
     low: f64,
     high: f64,
     factor: f64,
@@ -100,7 +100,7 @@ impl Scale {
         if low == high || !(high - low).is_finite() {
             (low, high) = (0.0, 1.0);
         }
-        // Curves keep off the edges, but begin at 0 where all do.
+        // There is a margin beyond the curves, except at a lower limit of 0.
         let gap = 0.04 * (high - low);
         Self { low: if low < 0.0 { low - gap } else { 0.0 }, high: high + gap, factor, unit }
     }
@@ -189,7 +189,7 @@ impl Chart<'_> {
     }
 }
 
-/// Lines between points that follow each other, none to what is not finite.
+/// Lines between consecutive points; points that are not finite leave a gap.
 fn path(across: &[f64], up: &[f64], place: impl Fn([f64; 2]) -> [f64; 2]) -> String {
     let mut path = String::new();
     let mut drawing = false;
@@ -204,7 +204,8 @@ fn path(across: &[f64], up: &[f64], place: impl Fn([f64; 2]) -> [f64; 2]) -> Str
     path
 }
 
-/// The places of a curve that are drawn: of many, stretch by stretch the first, the least, the largest and the last, so that no peak is lost.
+/// Indices of the points of a curve that are drawn. A long curve is divided into stretches; the first, the last, the least and the greatest value of each
+/// are drawn, so that no peak is lost.
 fn shown(values: &[f64]) -> Vec<usize> {
     if values.len() <= MOST_POINTS {
         return (0..values.len()).collect();

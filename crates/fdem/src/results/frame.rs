@@ -1,4 +1,4 @@
-//! A snapshot made small.
+//! Compressed snapshots.
 
 use std::fmt;
 
@@ -9,21 +9,21 @@ use crate::results::outlines::Outlines;
 use crate::results::packed::{Packed, Unpacked};
 use crate::results::{SnapshotError, checked};
 
-/// Of a file, and the version of what follows.
+/// First bytes of a file: its kind and its version.
 const MAGIC: &[u8; 8] = b"fdemfrm2";
 
-/// Arrays with a number for each element: six coordinates of corners, the scales, two halves of the body, the material, the outlines.
+/// Number of arrays with an entry for each element: six coordinates of corners, the scales, two halves of the body, the material, the outlines.
 const OF_ELEMENTS: usize = 6 + SCALES.len() + 4;
-/// With one for each crack: four coordinates of ends, the mode.
+/// Number of arrays with an entry for each crack: four coordinates of ends, the mode.
 const OF_CRACKS: usize = 5;
 
-/// What pictures and reports show of a snapshot, in a few bytes for each element: coordinates and values as 16 bits between the least and the largest
-/// of the frame, deflated. Cracks are those that are broken.
+/// The part of a snapshot that pictures and reports show, in a few bytes for each element. Coordinates and values have 16 bits between the least and the
+/// greatest of the frame, and are deflated. Cracks are the broken joints.
 ///
-/// Elements without finite coordinates, or farther away than four times the extent of all but 2 % of them, are not drawn.
+/// Elements without finite coordinates are not drawn, nor are those farther away than four times the extent of 98 % of all elements.
 ///
 /// # Cost
-/// Of 10,000 elements: some 10 ms and 100 to 200 kB.
+/// About 10 ms and 100 to 200 kB for 10,000 elements.
 ///
 /// # Example
 /// ```
@@ -39,45 +39,45 @@ pub struct Frame {
     pub(crate) time: f64,
     pub(crate) elements: usize,
     pub(crate) cracks: usize,
-    /// The least and the largest coordinate, on each axis.
+    /// The least and the greatest coordinate on each axis.
     pub(crate) bounds: [[f64; 2]; 2],
     pub(crate) scales: [Scale; SCALES.len()],
-    /// Of what is broken by tension, by shear, by both, m.
+    /// Lengths of the joints broken by tension, by shear and by both, m.
     pub(crate) lengths: [f64; 3],
-    /// Of the arrays before they were deflated.
+    /// Size of the arrays before they were deflated, bytes.
     pub(crate) size: usize,
     pub(crate) deflated: Vec<u8>,
 }
 
-/// What the values of a quantity are like.
+/// Range of the values of a field.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Scale {
-    /// The least and the largest.
+    /// The least and the greatest value.
     pub(crate) ends: [f64; 2],
-    /// What 1 % and 99 % do not exceed.
+    /// The 1st and the 99th percentile.
     pub(crate) usual: [f64; 2],
 }
 
-/// A frame as it is drawn.
+/// A frame that is decompressed.
 pub(crate) struct Opened {
-    /// Not numbers where an element is not drawn.
+    /// Corners of the elements; not numbers where an element is not drawn.
     pub(crate) corners: Vec<[[f64; 2]; 3]>,
-    /// Of each of [`SCALES`].
+    /// Values of each field of [`SCALES`].
     pub(crate) values: Vec<Vec<f64>>,
     pub(crate) bodies: Vec<u32>,
     pub(crate) materials: Vec<u32>,
-    /// Bits as [`Outlines`] has them.
+    /// Bits of the edges of each element, as in [`Outlines`].
     pub(crate) outlines: Vec<u8>,
     pub(crate) cracks: Vec<([[f64; 2]; 2], Mode)>,
 }
 
-/// Bytes that are no frame.
+/// Error of bytes that are no frame.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum FrameError {
-    /// They begin otherwise.
+    /// The first bytes are not those of a frame.
     NotAFrame,
-    /// They end too early, or contradict themselves.
+    /// The bytes end too early, or contradict themselves.
     Damaged,
 }
 
@@ -147,7 +147,7 @@ impl Frame {
         }
         for end in 0..2 {
             for (axis, &[low, high]) in bounds.iter().enumerate() {
-                // Half way between two elements may be a little outside of both.
+                // The middle between two elements may lie slightly outside of both.
                 let inside = |crack: &&Crack| crack.ends[end][axis].clamp(low, high);
                 packed.places(&broken.iter().map(inside).collect::<Vec<_>>(), [low, high]);
             }
@@ -171,17 +171,17 @@ impl Frame {
         self.step
     }
 
-    /// s.
+    /// Time, s.
     pub fn time(&self) -> f64 {
         self.time
     }
 
-    /// What all but 1 % do not fall below, and what all but 1 % do not exceed.
+    /// The 1st and the 99th percentile of a field.
     pub(crate) fn usual(&self, scale: usize) -> [f64; 2] {
         self.scales[scale].usual
     }
 
-    /// As it may be kept in a file. The same frame is the same bytes.
+    /// The frame as bytes for a file. Equal frames have equal bytes.
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut bytes = MAGIC.to_vec();
         bytes.extend(self.step.to_le_bytes());
@@ -197,7 +197,7 @@ impl Frame {
         bytes
     }
 
-    /// What [`Self::to_bytes`] wrote.
+    /// Reads the bytes of [`Self::to_bytes`].
     ///
     /// # Errors
     /// Bytes that are no frame, or a damaged one.
@@ -223,12 +223,12 @@ impl Frame {
         Ok(frame)
     }
 
-    /// All numbers.
+    /// Decompresses the frame.
     pub(crate) fn open(&self) -> Result<Opened, FrameError> {
         self.try_open().ok_or(FrameError::Damaged)
     }
 
-    /// As many times `N` points: all first ones, x and then y, all second ones and so on.
+    /// Reads `count` times `N` points: x of all first points, y of all first points, x of all second points and so on.
     fn points<const N: usize>(&self, arrays: &mut Unpacked<'_>, count: usize) -> Option<Vec<[[f64; 2]; N]>> {
         let mut points = vec![[[f64::NAN; 2]; N]; count];
         for corner in 0..N {
@@ -273,7 +273,7 @@ impl Frame {
     }
 }
 
-/// How frames number it.
+/// Number of a mode in frames.
 pub(crate) fn code(mode: Mode) -> u16 {
     match mode {
         Mode::Tension => 0,
@@ -297,7 +297,7 @@ fn quantile(values: &mut [f64], place: usize) -> f64 {
     *values.select_nth_unstable_by(place, f64::total_cmp).1
 }
 
-/// The least and the largest coordinate of those that are drawn.
+/// The least and the greatest coordinate of the elements that are drawn.
 fn bounds(coordinates: impl Iterator<Item = f64>) -> [f64; 2] {
     let mut finite: Vec<f64> = coordinates.filter(|x| x.is_finite()).collect();
     let Some(last) = finite.len().checked_sub(1) else { return [0.0; 2] };
@@ -307,7 +307,7 @@ fn bounds(coordinates: impl Iterator<Item = f64>) -> [f64; 2] {
     near.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], &x| [low.min(x), high.max(x)])
 }
 
-/// Numbers of eight bytes.
+/// Reader of numbers of eight bytes.
 struct Words<'a> {
     bytes: &'a [u8],
 }

@@ -1,4 +1,4 @@
-//! Frames as pictures: elements by colour, cracks as lines, the same view and the same colours in all of a series.
+//! Pictures of frames: coloured elements, outlines, and cracks as lines. All pictures of a series have the same view and the same colour scale.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -20,37 +20,37 @@ use crate::results::outlines::{OF_BODIES, OF_GRAINS, edges};
 use crate::results::unit::prefixed;
 
 const MARGIN: f64 = 24.0;
-/// The area of the drawing is not larger, nor narrower than what stands around it: with the margins 900 wide.
+/// Greatest size and least width of the drawing area. With its margins a picture is at most 900 wide.
 const MOST: [f64; 2] = [852.0, 700.0];
 const NARROWEST: f64 = 620.0;
 
-/// More triangles than a browser opens with ease are an image.
+/// Most triangles that are drawn as vectors; more are an image, which browsers open faster.
 const MOST_VECTORS: usize = 20_000;
 
-/// Of cracks by tension, by shear, by both: their colours stand beside those of no field, and a white seam parts them from these.
+/// Names and colours of cracks by tension, by shear and by both. No field has these colours, and a white seam separates the cracks from the elements.
 pub(crate) const CRACKS: [(&str, Rgb); 3] =
     [("tension", [17, 24, 39]), ("shear", [200, 0, 170]), ("mixed", [232, 116, 0])];
 const CRACK: f64 = 2.0;
 const SEAM: f64 = 4.0;
 
-/// Colours of the outlines of bodies and of grains, and their widths at the most.
+/// Colours and greatest widths of the outlines of bodies and of grains.
 pub(crate) const OUTLINES: [(Rgb, f64); 2] = [([31, 41, 51], 1.3), ([84, 94, 104], 0.8)];
-/// Width of an outline over the size of what it surrounds, at the most.
+/// Greatest width of an outline, as a share of the size of the bodies or grains.
 pub(crate) const OUTLINE: f64 = 0.06;
 /// Narrower outlines are not drawn: they would only darken the colours.
 pub(crate) const NARROWEST_OUTLINE: f64 = 0.12;
 
-/// What a series of pictures shows: the same place in all of them.
+/// The part of the plane that all pictures of a series show.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrameView {
     low: [f64; 2],
     high: [f64; 2],
-    /// The last time, by which times are told.
+    /// The last time, which decides the unit and the digits of times.
     last: f64,
 }
 
 impl FrameView {
-    /// All that is in any of the frames, but no farther from what is in the first than half of its size: fragments that fly away leave the picture.
+    /// A view of all frames, which reaches beyond the first frame by at most half of its size: fragments that fly farther leave the picture.
     pub fn of<'a>(frames: impl IntoIterator<Item = &'a Frame>) -> Self {
         let mut frames = frames.into_iter();
         let Some(first) = frames.next() else { return Self { low: [0.0; 2], high: [1.0; 2], last: 0.0 } };
@@ -68,7 +68,7 @@ impl FrameView {
         Self { low, high, last }
     }
 
-    /// What is in the middle, and how far it is from there to the sides, m: not nothing, whatever there is.
+    /// The centre, and the distances from there to the sides, m: never zero, also for a view without extent.
     pub(crate) fn middle_and_half(&self) -> ([f64; 2], [f64; 2]) {
         let half = [0, 1].map(|axis| (self.high[axis] - self.low[axis]) / 2.0);
         let middle = [0, 1].map(|axis| self.low[axis] + half[axis]);
@@ -76,7 +76,7 @@ impl FrameView {
         if good { (middle, half) } else { ([0.0; 2], [1.0; 2]) }
     }
 
-    /// A time, with as many digits at every frame.
+    /// A time as text, with the same number of decimals for all frames.
     pub(crate) fn time(&self, time: f64) -> String {
         let (factor, unit) = prefixed("s", self.last);
         let decimals = match self.last * factor {
@@ -88,7 +88,7 @@ impl FrameView {
     }
 }
 
-/// How the frames of a series are drawn.
+/// Settings of the pictures of a series.
 ///
 /// # Example
 /// ```
@@ -116,21 +116,21 @@ impl FrameView {
 /// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Pictures<'a> {
-    /// The first line.
+    /// Title.
     pub title: &'a str,
-    /// What elements are coloured by.
+    /// Field by which elements are coloured.
     pub field: Field,
-    /// What the ends of the colours are.
+    /// Values at the ends of the colour scale.
     pub range: Range,
-    /// What is seen.
+    /// Part of the plane that is shown.
     pub view: FrameView,
 }
 
 impl Pictures<'_> {
-    /// A frame as SVG. More than 20,000 elements are an image within.
+    /// A frame as SVG. More than 20,000 elements are an image in it.
     ///
     /// # Errors
-    /// [`PictureError::Png`], also for a frame that is damaged; [`PictureError::TooWide`].
+    /// [`PictureError::Png`], also for a damaged frame; [`PictureError::TooWide`].
     pub fn svg(&self, frame: &Frame) -> Result<String, PictureError> {
         let (page, opened) = (self.page()?, opened(frame)?);
         let mut svg = self.sheet(&page, frame);
@@ -146,7 +146,7 @@ impl Pictures<'_> {
         Ok(svg.finish())
     }
 
-    /// A frame as a PNG file, `width` pixels wide, 200 to 10,000, or as wide as the SVG: 900 at the most.
+    /// A frame as a PNG file, `width` pixels wide (200 to 10,000), or as wide as the SVG (at most 900).
     ///
     /// # Errors
     /// Those of [`Self::svg`]; [`PictureError::Width`].
@@ -155,7 +155,7 @@ impl Pictures<'_> {
         encode::file(size, &pixels)
     }
 
-    /// As [`Self::png`], as red, green and blue, row after row, with the two sides.
+    /// The picture of [`Self::png`] as width, height, and red, green and blue of each pixel, row by row.
     pub(crate) fn pixels(
         &self,
         frame: &Frame,
@@ -174,7 +174,7 @@ impl Pictures<'_> {
         if !extent.iter().all(|side| side.is_finite()) {
             return Err(PictureError::TooWide);
         }
-        // Nothing touches the edge of the drawing.
+        // A margin of four units on each side.
         let fits =
             |axis: usize| if extent[axis] > 0.0 { (MOST[axis] - 8.0) / extent[axis] } else { f64::INFINITY };
         let scale = fits(0).min(fits(1));
@@ -190,7 +190,7 @@ impl Pictures<'_> {
         Svg::new(page.size[0], page.size[1], &name, &description)
     }
 
-    /// Of a frame.
+    /// A sentence with the time, the step and the counts of a frame.
     fn sentence(&self, frame: &Frame) -> String {
         let mut text = format!(
             "t = {}, step {}, {} elements",
@@ -215,7 +215,7 @@ impl Pictures<'_> {
         }
     }
 
-    /// The lines of an outline, of bodies or of grains, in units of the drawing, and how wide they are.
+    /// The outlines of bodies (`kind` 0) or grains (1) as lines in units of the drawing, and their width.
     fn outlines(page: &Page, opened: &Opened, kind: usize) -> (Vec<[[f64; 2]; 2]>, f64) {
         let mask = [OF_BODIES, OF_GRAINS][kind];
         let line = |(element, corner): (usize, usize)| {
@@ -226,7 +226,7 @@ impl Pictures<'_> {
             .map(line)
             .filter(|line| line.as_flattened().iter().all(|x| x.is_finite()))
             .collect();
-        // Four times the area over the circumference: the diameter of discs.
+        // Four times the area over the circumference is the diameter of a disc.
         let double =
             |[a, b, c]: [[f64; 2]; 3]| ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])).abs();
         let area =
@@ -326,7 +326,7 @@ impl Pictures<'_> {
         svg.put(format_args!("</g></svg>"));
     }
 
-    /// Title, scale bar, colour bar and what the lines are.
+    /// Title, scale bar, colour bar and legend of the cracks.
     fn surroundings(&self, page: &Page, frame: &Frame, svg: &mut Svg) {
         let (title, size) = fitting(self.title, page.area[0], OF_TITLES, true);
         svg.bold([MARGIN, 30.0], size, &title);
@@ -350,7 +350,7 @@ impl Pictures<'_> {
         self.bar(svg, [right, foot]);
     }
 
-    /// Which colour is which value, right aligned.
+    /// The colour bar, right aligned.
     fn bar(&self, svg: &mut Svg, [right, y]: [f64; 2]) {
         let (Range { low, high }, x) = (self.range, right - BAR);
         if self.field.scale().is_none() {
@@ -383,18 +383,18 @@ fn opened(frame: &Frame) -> Result<Opened, PictureError> {
     frame.open().map_err(|error| PictureError::Png { message: error.to_string() })
 }
 
-/// Where everything stands.
+/// Layout of a picture.
 struct Page {
-    /// What is in the middle of the area, m.
+    /// The point in the middle of the area, m.
     middle: [f64; 2],
-    /// Units of the drawing for a metre.
+    /// Units of the drawing per metre.
     scale: f64,
     area: [f64; 2],
     size: [f64; 2],
 }
 
 impl Page {
-    /// From the upper left of the area.
+    /// Position of a point, from the upper left of the area.
     fn place(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         [
             self.area[0] / 2.0 + (x - self.middle[0]) * self.scale,

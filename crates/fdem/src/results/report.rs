@@ -1,7 +1,7 @@
 //! A page for a browser: the frames of a run to play, its plots and its summary, all in one file.
 //!
-//! It is made as the page of a contact network is ([`crate::report`]): it asks nothing of the network, its content security policy forbids all scripts
-//! and styles but its own, and texts from outside are escaped besides.
+//! As the page of a contact network ([`crate::report`]), it needs no network, its content security policy forbids all scripts and styles but its own, and
+//! texts from outside are escaped.
 
 use std::fmt::Write;
 
@@ -20,16 +20,16 @@ use crate::results::pictures::{CRACKS, FrameView, NARROWEST_OUTLINE, OUTLINE, OU
 use crate::results::plots::Plot;
 use crate::results::unit::prefixed;
 
-/// Of more frames a part is shown.
+/// Most frames of a page; if there are more, some are left out.
 pub const MOST_FRAMES: usize = 121;
 
-/// Frames that are left out are named up to so many.
+/// Most frames that are named when they are left out.
 const MOST_NAMED: usize = 12;
 
-/// Of more elements a browser would run out of memory.
+/// Most elements; a browser would run out of memory with more.
 const MOST_ELEMENTS: usize = 1_000_000;
 
-/// What frames may take in the file, in bytes.
+/// Most bytes that all frames take in the file.
 const MOST_BYTES: usize = 40 << 20;
 
 const PAGE: &str = include_str!("report/page.html");
@@ -37,7 +37,7 @@ const STYLE_OF_RUNS: &str = include_str!("report/run.css");
 const SCRIPTS: [&str; 3] =
     [include_str!("report/frames.js"), include_str!("report/view.js"), include_str!("report/main.js")];
 
-/// What the page of a run is made of.
+/// Contents of the page of a run.
 ///
 /// # Example
 /// ```
@@ -59,15 +59,16 @@ const SCRIPTS: [&str; 3] =
 pub struct Report<'a> {
     /// Heading.
     pub title: &'a str,
-    /// The rows of the summary, a name and what it says; rows without a name go on with the one before.
+    /// Rows of the summary: name and text. A row without a name continues the row before.
     pub facts: &'a [(&'a str, &'a str)],
-    /// Shown one after the other.
+    /// Plots, in the order in which they are shown.
     pub plots: &'a [Plot],
-    /// In the order of time. Of more than [`MOST_FRAMES`], or 40 MB, only some are in the page, the first and the last among them, and the page says so.
+    /// Frames in the order of time. If there are more than [`MOST_FRAMES`], or more than 40 MB, the page has only some of them, with the first and the last,
+    /// and says so.
     pub frames: &'a [Frame],
-    /// What elements are coloured by at first.
+    /// Field by which elements are coloured at first.
     pub field: Field,
-    /// Names of bodies and materials; what has none is shown as a number.
+    /// Names of bodies and materials; bodies and materials without a name are shown as numbers.
     pub names: &'a Names,
 }
 
@@ -78,7 +79,7 @@ impl Report<'_> {
     /// [`PictureError::TooMany`] for more than a million elements; those of [`Pictures::png`].
     ///
     /// # Cost
-    /// For each frame some 15 bytes of an element, 40 MB at the most; about 1 s.
+    /// About 15 bytes for each element and frame, at most 40 MB; about 1 s.
     pub fn html(&self) -> Result<String, PictureError> {
         let found = self.frames.iter().map(|frame| frame.elements).max().unwrap_or(0);
         if found > MOST_ELEMENTS {
@@ -117,7 +118,7 @@ impl Report<'_> {
                 "meta" => self.meta(&frames, found, &view),
                 "frames" => frames.iter().map(|frame| text(frame)).collect(),
                 "script" => script.clone(),
-                // The page has no other places.
+                // The template has no other placeholders.
                 _ => String::new(),
             })
         })
@@ -142,7 +143,7 @@ impl Report<'_> {
         Field::ALL.iter().map(option).collect()
     }
 
-    /// A sentence on the frames that are not among these.
+    /// A sentence on the frames that are not in the page; empty if all are.
     fn thinning(&self, places: &[usize]) -> String {
         let total = self.frames.len();
         let left_out: Vec<String> = (0..total)
@@ -164,7 +165,7 @@ impl Report<'_> {
         )
     }
 
-    /// What the scripts have to know, safe in a script element.
+    /// Data for the scripts as JSON, safe in a script element.
     fn meta(&self, frames: &[&Frame], elements: usize, view: &FrameView) -> String {
         let fields = Field::ALL.map(|field| {
             let Range { low, high } = Range::of(self.frames, field);
@@ -210,17 +211,17 @@ impl Report<'_> {
             "view": { "middle": middle, "unit": unit, "half": half.map(|side| (side / unit).max(1e-6)) },
             "frames": frames.iter().map(about).collect::<Vec<_>>(),
         });
-        // A text in a script element ends at "</script": no "<" is left in it.
+        // A script element ends at "</script", so that no "<" may remain.
         meta.to_string().replace('<', "\\u003c")
     }
 }
 
-/// JSON has no others.
+/// Replaces numbers that JSON cannot have by 0.
 fn finite(x: f64) -> f64 {
     if x.is_finite() { x } else { 0.0 }
 }
 
-/// Places of as many frames as the page has room for, evenly: the first and the last are among them.
+/// Indices of the frames for which the page has room, evenly spaced, with the first and the last.
 fn thinned(frames: &[Frame]) -> Vec<usize> {
     let mut count = frames.len().min(MOST_FRAMES);
     loop {
@@ -229,7 +230,7 @@ fn thinned(frames: &[Frame]) -> Vec<usize> {
             1 => vec![frames.len() - 1],
             _ => (0..count).map(|k| k * (frames.len() - 1) / (count - 1)).collect(),
         };
-        // Four characters for three bytes.
+        // Base64 takes four characters for three bytes.
         let bytes: usize = places.iter().map(|&place| frames[place].deflated.len().div_ceil(3) * 4).sum();
         if bytes <= MOST_BYTES || count <= 1 {
             return places;
@@ -238,7 +239,7 @@ fn thinned(frames: &[Frame]) -> Vec<usize> {
     }
 }
 
-/// Plots one after the other.
+/// The plots as HTML.
 fn figures(plots: &[Plot]) -> String {
     let mut figures = String::new();
     for plot in plots {
@@ -248,12 +249,12 @@ fn figures(plots: &[Plot]) -> String {
     figures
 }
 
-/// A frame as an element of the page.
+/// A frame as a script element of the page.
 fn text(frame: &Frame) -> String {
     format!("<script type=\"text/plain\" class=\"frame\">{}</script>\n", STANDARD.encode(&frame.deflated))
 }
 
-/// The rows of the table of frames, which are numbered as their files are.
+/// Rows of the table of frames. Frames have the numbers of their files.
 fn table(frames: &[&Frame], places: &[usize]) -> String {
     let largest = |frame: &Frame, field: Field| brief(frame.scales[field.scale().unwrap_or(0)].ends[1]);
     let mut rows = String::new();

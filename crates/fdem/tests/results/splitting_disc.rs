@@ -1,14 +1,14 @@
-//! A disc that is pressed from above and below and splits: snapshots as a simulation would give them, by formulas instead of steps.
+//! A disc that is pressed from above and below and splits: snapshots like those of a simulation, from formulas.
 
 use std::f64::consts::PI;
 
 use fdem_simulation::{ContactForce, Crack, Energies, Forces, Mesh, Mode, Snapshot};
 
-/// Of the disc, m.
+/// Radius of the disc, m.
 pub(crate) const RADIUS: f64 = 0.025;
-/// Of the whole, s.
+/// Duration, s.
 pub(crate) const END: f64 = 2e-3;
-/// When the first edge breaks, as a share of that.
+/// Time at which the first edge breaks, as a share of the duration.
 const BREAKS: f64 = 0.4;
 
 /// A disc of rings of triangles in two halves, which share no nodes.
@@ -20,7 +20,7 @@ pub(crate) struct Disc {
 }
 
 impl Disc {
-    /// Of `rings` rings: 6 rings² elements.
+    /// A disc of `rings` rings with 6 rings² elements.
     pub(crate) fn new(rings: u32) -> Self {
         let place = |ring: u32, k: u32| {
             // Rings are turned against each other by parts of an edge, so that the seam is jagged.
@@ -54,7 +54,7 @@ impl Disc {
         Self::cut(&nodes, &triangles)
     }
 
-    /// Every half gets its own nodes.
+    /// Separates the two halves, which get nodes of their own.
     fn cut(nodes: &[[f64; 2]], triangles: &[[u32; 3]]) -> Self {
         let left = |nodes_of: &[u32; 3]| nodes_of.iter().map(|&k| nodes[k as usize][0]).sum::<f64>() < 0.0;
         let mut edges = std::collections::BTreeMap::new();
@@ -80,7 +80,7 @@ impl Disc {
         Self { nodes: nodes.repeat(2), triangles, seam }
     }
 
-    /// As it is meshed: two bodies.
+    /// The undeformed mesh: two bodies.
     pub(crate) fn mesh(&self) -> Mesh {
         let half = self.nodes.len() as u32 / 2;
         Mesh {
@@ -103,7 +103,7 @@ impl Disc {
         Forces { contacts: snapshot.cracks.iter().map(contact).collect(), reactions: reactions.collect() }
     }
 
-    /// At a share of the whole time.
+    /// The snapshot at a share of the duration.
     pub(crate) fn snapshot(&self, share: f64) -> Snapshot {
         let n = self.nodes.len();
         let load =
@@ -168,7 +168,7 @@ impl Disc {
         snapshot
     }
 
-    /// Energies at a share of the whole time, J.
+    /// Energies at a share of the duration, J.
     pub(crate) fn energies(share: f64) -> Energies {
         let strain =
             0.5 * (share.min(BREAKS) / BREAKS).powi(2) * (1.0 - 1.8 * (share - BREAKS).clamp(0.0, 0.5));
@@ -180,7 +180,7 @@ impl Disc {
     }
 }
 
-/// Of a disc under two opposite loads (Hondros' solution for point loads, cut off near them), `xx` at the centre being `centre`.
+/// Stress in a disc under two opposite point loads (Hondros' solution, bounded near the loads); `centre` is the stress `xx` at the centre.
 fn stress([x, y]: [f64; 2], centre: f64) -> [f64; 4] {
     let (r, p) = (RADIUS, -centre * RADIUS);
     let of = |dy: f64| {

@@ -1,6 +1,6 @@
-// Frames from the texts in this page, each opened when it is first looked at.
+// The frames in this page. Each is decompressed when it is shown for the first time.
 
-// Places between two numbers, of 16 bits; the last is nowhere.
+// Positions between two limits, of 16 bits; the last code means no value.
 const STEPS = 65534, NOWHERE = 65535;
 
 class Frames {
@@ -13,7 +13,7 @@ class Frames {
     return meta.frames.length;
   }
 
-  // A promise of frame k.
+  // Returns a promise of frame k.
   get(k) {
     let frame = this.opened.get(k);
     if (!frame) {
@@ -29,7 +29,7 @@ class Frames {
     this.texts[k].textContent = "";
     if (bytes.length !== about.size) throw new Error("the data is damaged");
     let at = 0;
-    // Of each array first all upper bytes, then all lower ones.
+    // Each array has all upper bytes first, then all lower bytes.
     const numbers = (count) => {
       const array = new Uint16Array(count);
       for (let i = 0; i < count; i++) array[i] = (bytes[at + i] << 8) | bytes[at + count + i];
@@ -37,7 +37,7 @@ class Frames {
       return array;
     };
     const value = (place, [low, high]) => (place === NOWHERE ? NaN : low + (place / STEPS) * (high - low));
-    // In units of half the view, from its middle: 32 bits are enough then.
+    // Coordinates are relative to the centre of the view, in units of half of it: 32 bits suffice.
     const corners = new Float32Array(6 * n);
     for (let corner = 0; corner < 3; corner++) {
       for (let axis = 0; axis < 2; axis++) {
@@ -45,7 +45,7 @@ class Frames {
         for (let i = 0; i < n; i++) corners[6 * i + 2 * corner + axis] = (value(places[i], about.bounds[axis]) - meta.view.middle[axis]) / meta.view.unit;
       }
     }
-    // Triangles that are nowhere become points.
+    // Triangles without coordinates become points.
     for (let i = 0; i < n; i++) {
       const mine = corners.subarray(6 * i, 6 * i + 6);
       if (mine.some(Number.isNaN)) mine.fill(0);
@@ -65,7 +65,7 @@ class Frames {
   }
 }
 
-// The outlines of grains and of bodies: ends of their lines, and the size of what they surround. The bits of an element say which of its edges they are.
+// The outlines of grains and of bodies: the ends of their lines, and the mean size of a grain or body. The bits of an element mark its edges that are outlines.
 function outlinesOf(corners, bits) {
   let area = 0;
   for (let at = 0; at < corners.length; at += 6) {
@@ -86,7 +86,7 @@ function outlinesOf(corners, bits) {
   });
 }
 
-// A factor and a unit with a prefix, so that numbers are short.
+// Returns a factor and a prefixed unit with which numbers are short.
 function prefixed(unit, largest) {
   if (!["Pa", "m", "m/s", "s", "J", "N"].includes(unit) || !(largest >= 1e-9 && largest < 1e15)) return [1, unit];
   const most = unit.startsWith("m") || unit === "s" ? 1 : Infinity;

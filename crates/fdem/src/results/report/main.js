@@ -1,4 +1,4 @@
-// The page: what its controls do.
+// The page and its controls.
 
 function preview(why) {
   $("why").textContent = why;
@@ -28,7 +28,7 @@ class Page {
     $("canvas").addEventListener("webglcontextlost", () => preview("This is a picture only: the graphics card was lost. Open the page again to play it."));
   }
 
-  // Shows frame k; resolves when it is there, or when another one is wanted.
+  // Shows frame k; resolves when it is shown, or when another frame was requested.
   async show(k) {
     this.wanted = Math.max(0, Math.min(this.frames.count - 1, k));
     const about = meta.frames[this.wanted];
@@ -46,7 +46,7 @@ class Page {
     this.paint();
     this.describe();
     document.querySelectorAll("#table-body tr").forEach((row, at) => (at === mine ? row.setAttribute("aria-current", "true") : row.removeAttribute("aria-current")));
-    // The next one is opened while this one is looked at.
+    // Decompresses the next frame in advance.
     if (mine + 1 < this.frames.count) this.frames.get(mine + 1).catch(() => {});
   }
 
@@ -64,7 +64,7 @@ class Page {
     return field.key === "damage" ? [0, 1] : [0, high || 1];
   }
 
-  // Colours of elements and cracks, and what they mean.
+  // Sets the colours of elements and cracks, and the legends.
   paint() {
     const frame = this.shown, n = meta.elements, field = this.field();
     if (!frame) return;
@@ -140,7 +140,7 @@ class Page {
     $("picked").replaceChildren(list, make("p", "At this frame; numbers are rounded to 1/65,534 of what they range over in it.", { class: "scale" }));
   }
 
-  // The outline of what is picked.
+  // Draws the outline of the picked element.
   ring() {
     const parts = [];
     if (this.selected >= 0 && this.view.frame) {
@@ -178,7 +178,7 @@ class Page {
     }
   }
 
-  // To a frame, at rest.
+  // Shows a frame and stops playing.
   go(k) {
     this.play(false);
     return this.show(k);
@@ -189,7 +189,7 @@ class Page {
     this.playing = on;
     $("play").textContent = on ? "Pause" : "Play";
     if (!on) return;
-    // From the end it begins again.
+    // At the end, playing starts again from the first frame.
     let restart = this.wanted === this.frames.count - 1, before = -Infinity;
     const mine = (this.turns = (this.turns ?? 0) + 1);
     const turn = async (now) => {
@@ -288,12 +288,12 @@ async function start() {
     return;
   }
   const page = new Page(view, new Frames());
-  // What came of it first; to play begins at the beginning. A run without frames has nothing to play.
+  // The last frame is shown first. Without frames there is nothing to play.
   if (page.frames.count) await page.show(page.frames.count - 1);
   else for (const control of $("player").querySelectorAll("button, input, select")) control.disabled = true;
   if (page.frames.count === 1) $("play").disabled = $("frame").disabled = true;
   $("loading").hidden = true;
-  // For the console, and for tests: where the middle of element k is on the page, what is shown, a frame at full size and how long it took.
+  // For the console and for tests: position of element k on the page, the picked element, the state, showing a frame, and the time of a redraw.
   window.fdem = {
     project: (k) => {
       const box = view.canvas.getBoundingClientRect(), corners = view.corners(k);

@@ -1,4 +1,4 @@
-// The view: triangles with a colour each, and cracks as strips of even width over them.
+// The view: coloured triangles, and above them outlines and cracks as strips of constant width.
 
 const TRIANGLES = {
   vertex: `#version 300 es
@@ -21,11 +21,11 @@ const TRIANGLES = {
     uniform float mesh;
     out vec4 colour;
     void main() {
-      // Near an edge one share is small: less than a pixel's change of it.
+      // Near an edge one of the shares is smaller than its change over a pixel.
       vec3 wide = fwidth(share);
       vec3 away = smoothstep(vec3(0.0), wide * 1.1, share);
       float edge = 1.0 - min(away.x, min(away.y, away.z));
-      // Of elements of a few pixels lines would hide all else.
+      // Elements of a few pixels have no lines, which would cover them.
       float room = clamp((0.22 - max(wide.x, max(wide.y, wide.z))) * 12.0, 0.0, 1.0);
       colour = vec4(mix(paint.rgb, paint.rgb * 0.45, mesh * edge * room), 1.0);
     }`,
@@ -56,11 +56,11 @@ const STRIPS = {
     void main() { colour = paint; }`,
 };
 
-// Pixels at the foot that the legends have.
+// Height of the legends at the bottom, in pixels.
 const FOOT = 76;
 
 class View {
-  // Throws where WebGL2 is missing.
+  // Throws an error if WebGL2 is missing.
   constructor(canvas) {
     this.canvas = canvas;
     const gl = canvas.getContext("webgl2", { alpha: false, antialias: true, powerPreference: "high-performance" });
@@ -120,7 +120,7 @@ class View {
     gl.vertexAttribDivisor(place, divisor);
   }
 
-  // What is to be seen: a frame, a colour for each corner, one for each crack.
+  // Sets the frame, a colour for each corner and a colour for each crack.
   show(frame, colours, modes) {
     const { gl } = this;
     const fill = (buffer, data) => {
@@ -146,7 +146,7 @@ class View {
     if (!this.asked) this.asked = requestAnimationFrame(() => this.draw());
   }
 
-  // Pixels of the page for a unit.
+  // Pixels of the page per unit.
   get scale() {
     const { clientWidth, clientHeight } = this.canvas;
     return 0.94 * this.zoomed * Math.min(clientWidth / (2 * meta.view.half[0]), (clientHeight - FOOT) / (2 * meta.view.half[1]));
@@ -195,7 +195,7 @@ class View {
     this.afterDraw();
   }
 
-  // From units to pixels of the canvas, and back.
+  // Conversion from units to pixels of the canvas, and back.
   project([x, y]) {
     const { clientWidth, clientHeight } = this.canvas;
     return [clientWidth / 2 + (x - this.pan[0]) * this.scale, (clientHeight - FOOT) / 2 - (y - this.pan[1]) * this.scale];
@@ -206,13 +206,13 @@ class View {
     return [this.pan[0] + (x - clientWidth / 2) / this.scale, this.pan[1] - (y - (clientHeight - FOOT) / 2) / this.scale];
   }
 
-  // By pixels.
+  // Moves the view by pixels.
   move(dx, dy) {
     this.pan = [this.pan[0] - dx / this.scale, this.pan[1] + dy / this.scale];
     this.redraw();
   }
 
-  // What is at this pixel stays there.
+  // Zooms the view about a pixel.
   zoom(factor, x = this.canvas.clientWidth / 2, y = (this.canvas.clientHeight - FOOT) / 2) {
     const before = this.unproject([x, y]);
     this.zoomed = Math.min(2000, Math.max(0.1, this.zoomed * factor));
@@ -232,7 +232,7 @@ class View {
     return [[c[0], c[1]], [c[2], c[3]], [c[4], c[5]]];
   }
 
-  // The element at a pixel, -1 for none: the last of those drawn there.
+  // Returns the element at a pixel, the last that is drawn there, or -1.
   pick(x, y) {
     if (!this.frame) return -1;
     const [px, py] = this.unproject([x, y]), { corners } = this.frame;
