@@ -130,6 +130,8 @@ pub enum Reason {
         /// The first element with other numbers; `None` if there is none, or if the filters are of different kinds.
         element: Option<usize>,
     },
+    /// The box that repeats differs: its origin, an edge, or which edges repeat.
+    BoxChanged,
     /// The buffer is zero, or no larger than the rounding of coordinates and sizes, so it covers no motion.
     BufferTooSmall,
 }
@@ -152,6 +154,7 @@ impl fmt::Display for Reason {
                 write!(out, "the filter changed, first for element {element}")
             }
             Self::FilterChanged { element: None } => out.write_str("the filter changed"),
+            Self::BoxChanged => out.write_str("the box that repeats changed"),
             Self::BufferTooSmall => {
                 out.write_str("the buffer is no more than the rounding of the coordinates")
             }
@@ -171,7 +174,7 @@ pub struct Update<'a, T, const D: usize> {
 
 /// A copy of the elements at the last detection.
 #[derive(Clone, Debug)]
-struct Reference<T, const D: usize> {
+pub(crate) struct Reference<T, const D: usize> {
     kind: Kind,
     tolerance: T,
     /// Difference between the tolerance of the detection and that of the elements.
@@ -261,7 +264,7 @@ impl<T: Real, const D: usize, S: Search<T, D>> Buffered<T, D, S> {
     pub fn update<'a>(&'a mut self, elements: &Elements<'a, T, D>) -> Result<Update<'a, T, D>, Error> {
         let reason = match &self.reference {
             None => Some(Reason::First),
-            Some(reference) => reference.outdated_by(elements),
+            Some(reference) => reference.outdated_by(elements, 0.0),
         };
         if reason.is_some() {
             self.detect(elements)?;
@@ -297,10 +300,7 @@ impl<T: Real, const D: usize, S: Search<T, D>> Buffered<T, D, S> {
         let tolerance = elements.tolerance();
         let enlarged = elements.with_tolerance(tolerance + self.buffer)?;
         self.search.couples(&enlarged, &mut self.candidates)?;
-        reference.copy(elements)?;
-        reference.tolerance = tolerance;
-        reference.buffer = enlarged.tolerance().to_f64() - tolerance.to_f64();
-        reference.rounding = enlarged.rounding();
+        reference.copy(elements, &enlarged)?;
         self.reference = Some(reference);
         Ok(())
     }
@@ -310,7 +310,7 @@ impl<T: Real, const D: usize, S: Search<T, D>> Buffered<T, D, S> {
 const SAMPLE: usize = 1024;
 
 impl<T: Real, const D: usize> Reference<T, D> {
-    fn empty() -> Self {
+    pub(crate) fn empty() -> Self {
         Self {
             kind: Kind::Equal,
             tolerance: T::ZERO,
@@ -324,7 +324,12 @@ impl<T: Real, const D: usize> Reference<T, D> {
         }
     }
 
-    fn copy(&mut self, elements: &Elements<'_, T, D>) -> Result<(), Error> {
+    /// Copies the elements; the candidates are the couples of `enlarged`, the same elements with the larger tolerance.
+    pub(crate) fn copy(
+        &mut self,
+        elements: &Elements<'_, T, D>,
+        enlarged: &Elements<'_, T, D>,
+    ) -> Result<(), Error> {
         let numbers = Numbers::of(elements);
         self.kind = numbers.kind;
         copy(numbers.points, &mut self.points)?;
@@ -332,11 +337,20 @@ impl<T: Real, const D: usize> Reference<T, D> {
         copy(numbers.radii, &mut self.radii)?;
         let matrix = elements.filter().and_then(|filter| filter.matrix());
         self.matrix = matrix.map(GroupMatrix::copy).transpose()?;
+        self.tolerance = elements.tolerance();
+        self.buffer = enlarged.tolerance().to_f64() - elements.tolerance().to_f64();
+        self.rounding = enlarged.rounding();
         self.labels.copy(elements.filter())
     }
 
-    /// The reason why the candidates may lack a couple of `elements`; `None` if they cannot.
-    fn outdated_by(&self, elements: &Elements<'_, T, D>) -> Option<Reason> {
+    /// Centres, or minimum corners.
+    pub(crate) fn points(&self) -> &[[T; D]] {
+        &self.points
+    }
+
+    /// The reason why the candidates may lack a couple of `elements`; `None` if they cannot. `rounding` bounds further errors of the distances, at the
+    /// detection and now together.
+    pub(crate) fn outdated_by(&self, elements: &Elements<'_, T, D>, rounding: f64) -> Option<Reason> {
         let now = Numbers::of(elements);
         if now.points.len() != self.points.len() {
             return Some(Reason::CountChanged { before: self.points.len(), now: now.points.len() });
@@ -358,19 +372,25 @@ impl<T: Real, const D: usize> Reference<T, D> {
         // Any common motion will do. That of a sample is tried first, which saves a pass over all elements.
         let n = now.points.len();
         let step = n.div_ceil(SAMPLE).max(1);
-        let reason = self.moved(elements, &now, step)?;
-        if step == 1 { Some(reason) } else { self.moved(elements, &now, 1) }
+        let reason = self.moved(elements, &now, step, rounding)?;
+        if step == 1 { Some(reason) } else { self.moved(elements, &now, 1, rounding) }
     }
 
     /// Whether an element moved too far relative to the mean motion of every `step`-th element.
-    fn moved(&self, elements: &Elements<'_, T, D>, now: &Numbers<'_, T, D>, step: usize) -> Option<Reason> {
+    fn moved(
+        &self,
+        elements: &Elements<'_, T, D>,
+        now: &Numbers<'_, T, D>,
+        step: usize,
+        rounding: f64,
+    ) -> Option<Reason> {
         let motions = [
             Motion { now: now.points, before: &self.points },
             Motion { now: now.far_points, before: &self.far_points },
         ];
         let mean = mean_motion(&motions, step);
 
-        let roundings = self.rounding + elements.rounding();
+        let roundings = self.rounding + elements.rounding() + rounding;
         let enlarged = self.tolerance.to_f64() + self.buffer;
         let limit = 0.5 * (self.buffer - roundings)
             - f64::EPSILON * ((D + 8) as f64 * enlarged + mean.iter().map(|c| c.abs()).sum::<f64>());

@@ -1,5 +1,6 @@
 //! Search in a periodic box: wraps the elements, adds the images that may touch them, searches them all, and reports shifts.
 
+pub(crate) mod buffered;
 pub(crate) mod cell;
 mod images;
 

@@ -1,8 +1,10 @@
 //! Periodic boxes: every contact and every image of it, against all shifts one by one.
 //!
+//! - `buffered`: elements that move.
 //! - `lattices`: numbers of contacts that are known without a search.
 //! - `laws`: properties of any elements in any box (proptest).
 
+mod buffered;
 mod lattices;
 mod laws;
 
