@@ -40,6 +40,7 @@ use std::process::ExitCode;
 use clap::Parser;
 
 use args::{Arguments, Task};
+pub use tables::network_file;
 
 /// Runs the command with `arguments`, the first of which is the program's name, and returns its exit code.
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {

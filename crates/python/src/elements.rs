@@ -21,7 +21,7 @@ pub(crate) struct Elements {
     tolerance: f64,
     cell: Option<Cell>,
     pub(crate) kind: Kind,
-    /// Of the coordinates when they were handed over.
+    /// A hash of the coordinates when they were handed over.
     fingerprint: u64,
 }
 
@@ -163,7 +163,7 @@ impl Elements {
 #[pymethods]
 impl Elements {
     #[new]
-    #[pyo3(signature = (points, kind, size, others, tolerance, groups, cell))]
+    #[pyo3(signature = (points, kind, size, others, tolerance, groups, cell, fingerprint=None))]
     #[allow(clippy::too_many_arguments, reason = "one for each thing that elements have")]
     fn new(
         py: Python<'_>,
@@ -174,6 +174,7 @@ impl Elements {
         tolerance: f64,
         groups: Option<Py<PyArray1<u32>>>,
         cell: Option<CellArgument>,
+        fingerprint: Option<u64>,
     ) -> PyResult<Self> {
         let sizes = match (kind, others) {
             ("radii", Some(radii)) => Sizes::Each(radii),
@@ -185,12 +186,19 @@ impl Elements {
         let cell = cell.map(|(origin, edges, periodic)| Cell { origin, edges, periodic });
         let kind = Kind::of(points.bind(py))?;
         let mut elements = Self { points, sizes, groups, tolerance, cell, kind, fingerprint: 0 };
-        elements.fingerprint = with_kind!(kind, T, D => {
+        let found = with_kind!(kind, T, D => {
             let held = elements.hold::<T>(py)?;
             // Says now which array cannot be borrowed.
             held.set::<D>(&elements)?;
             held.fingerprint()
         });
+        elements.fingerprint = fingerprint.unwrap_or(found);
         Ok(elements)
+    }
+
+    /// What the coordinates were when they were searched, as one number: a copy that is made of it notices later changes as the original does.
+    #[getter]
+    fn fingerprint(&self) -> u64 {
+        self.fingerprint
     }
 }

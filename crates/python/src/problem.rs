@@ -18,6 +18,13 @@ pub(crate) enum Problem {
     System(String),
 }
 
+impl Problem {
+    /// So many values do not fit.
+    pub(crate) fn out_of_memory<V>(len: usize) -> Self {
+        Error::OutOfMemory { bytes: len.saturating_mul(size_of::<V>()) }.into()
+    }
+}
+
 impl From<Error> for Problem {
     fn from(error: Error) -> Self {
         Self::Search(error)
@@ -49,8 +56,7 @@ impl From<Problem> for PyErr {
 /// A vector of `len` zeros, or `MemoryError`.
 pub(crate) fn zeros<V: Copy + Default>(len: usize) -> Result<Vec<V>, Problem> {
     let mut values = Vec::new();
-    let bytes = len.saturating_mul(size_of::<V>());
-    values.try_reserve_exact(len).map_err(|_| Error::OutOfMemory { bytes })?;
+    values.try_reserve_exact(len).map_err(|_| Problem::out_of_memory::<V>(len))?;
     values.resize(len, V::default());
     Ok(values)
 }

@@ -105,7 +105,7 @@ fn stops(engine: Engine) -> bool {
     matches!(engine, Engine::Auto | Engine::Rows | Engine::Multilevel)
 }
 
-fn search_open<T: Number, const D: usize>(
+pub(crate) fn search_open<T: Number, const D: usize>(
     set: Set<'_, T, D>,
     engine: Engine,
     threads: usize,
@@ -129,7 +129,7 @@ fn search_open<T: Number, const D: usize>(
     Ok(couples)
 }
 
-fn search_periodic<T: Number, const D: usize>(
+pub(crate) fn search_periodic<T: Number, const D: usize>(
     set: Set<'_, T, D>,
     cell: &PeriodicBox<T, D>,
     engine: Engine,
@@ -144,25 +144,36 @@ fn search_periodic<T: Number, const D: usize>(
     let (mut couples, mut shifted) = (Vec::new(), Vec::new());
     if stops(engine) {
         search.couples_by_shift(&elements, cell, &mut couples, &mut shifted)?;
-    } else {
-        let mut all = Vec::new();
-        stoppable(|| {
-            search.for_each(&elements, cell, |couple| {
-                look_at(stop);
-                all.push(couple);
-            })
-        })?;
-        let (unshifted, others): (Vec<_>, Vec<_>) =
-            all.into_iter().partition(|couple| couple.shift == [0; D]);
-        couples.extend(unshifted.iter().map(|&PeriodicCouple { i, j, .. }| Couple { i, j }));
-        shifted = others;
+        if is_auto {
+            let bytes = search.bytes();
+            kept::keep(search.with_threads(1)?, bytes);
+        }
+        return joined(couples, shifted);
     }
-    if is_auto {
-        let bytes = search.bytes();
-        kept::keep(search.with_threads(1)?, bytes);
-    }
-    let bytes = shifted.len().saturating_mul(size_of::<Couple>());
-    couples.try_reserve(shifted.len()).map_err(|_| Error::OutOfMemory { bytes })?;
+    let mut all = Vec::new();
+    stoppable(|| {
+        search.for_each(&elements, cell, |couple| {
+            look_at(stop);
+            all.push(couple);
+        })
+    })?;
+    by_shift(all)
+}
+
+/// Couples without shift, then the others; and the shifts of these.
+pub(crate) fn by_shift<const D: usize>(
+    couples: Vec<PeriodicCouple<D>>,
+) -> Result<(Vec<Couple>, Vec<[i32; D]>), Problem> {
+    let (unshifted, shifted): (Vec<_>, Vec<_>) =
+        couples.into_iter().partition(|couple| couple.shift == [0; D]);
+    joined(unshifted.iter().map(|&PeriodicCouple { i, j, .. }| Couple { i, j }).collect(), shifted)
+}
+
+fn joined<const D: usize>(
+    mut couples: Vec<Couple>,
+    shifted: Vec<PeriodicCouple<D>>,
+) -> Result<(Vec<Couple>, Vec<[i32; D]>), Problem> {
+    couples.try_reserve(shifted.len()).map_err(|_| Problem::out_of_memory::<Couple>(shifted.len()))?;
     couples.extend(shifted.iter().map(|&PeriodicCouple { i, j, .. }| Couple { i, j }));
     Ok((couples, shifted.iter().map(|couple| couple.shift).collect()))
 }

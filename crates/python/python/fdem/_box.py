@@ -27,6 +27,7 @@ class Box:
 
     Examples
     --------
+    >>> from fdem import Box
     >>> Box.of([4.0, 2.0], 2)
     Box(edges=[[4.0, 0.0], [0.0, 2.0]], origin=[0.0, 0.0])
     >>> Box.from_bounds([-1, -1], [3, 1])

@@ -1,16 +1,19 @@
-"""What users give, as the arrays that the extension module takes: in C order, aligned, in the byte order of the machine."""
+"""Converts arguments to the arrays that the extension module takes: in C order, aligned, in the byte order of the machine."""
 
 from __future__ import annotations
 
 import operator
 from collections.abc import Sequence
-from typing import Any, Optional, Union
+from typing import Any, Literal, Optional, Union
 
 import numpy as np
 import numpy.typing as npt
 
 Floats = npt.NDArray[Any]
 """An array of float32 or float64."""
+
+Engine = Literal["auto", "rows", "multilevel", "cgrid", "nbs", "direct"]
+"""The name of a search."""
 
 AXES = "xyz"
 

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Optional, Union
+from typing import Any, Literal, Optional, Union
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _fdem
 from ._input import array_of, is_number, number, threads_of, whole
-
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +46,7 @@ class LabelContacts:
 def labels(
     image: npt.ArrayLike,
     *,
-    neighbourhood: str = "face",
+    neighbourhood: Literal["face", "edge", "vertex"] = "face",
     background: Optional[int] = 0,
     spacing: Union[float, Sequence[float], None] = None,
     threads: Optional[int] = None,

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _fdem
-from ._input import array_of, floats, threads_of
+from ._input import array_of, floats, is_number, number, threads_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,7 +111,108 @@ def mesh(
     """
     if bodies is None and not self_contact:
         raise TypeError("give bodies: elements of one body form no couple unless self_contact is True")
-    coordinates = floats(nodes, "nodes").astype(np.float64)
+    coordinates, elements = _mesh_of(nodes, cells, "element")
+    names, numbers = _numbers_of(bodies, len(elements))
+    found, of_bodies = _fdem.mesh(coordinates, elements, numbers, bool(self_contact), threads_of(threads))
+    of_bodies["i"], of_bodies["j"] = names[of_bodies["i"]], names[of_bodies["j"]]
+    return MeshContacts(bodies=BodyContacts(**of_bodies), **found)
+
+
+@dataclass(frozen=True, eq=False)
+class WallContacts:
+    """Contacts of spheres with the surfaces of bodies, sorted by `i`, then `body`, then `triangle`."""
+
+    i: npt.NDArray[np.uint32]
+    """``[m]``: the sphere."""
+    triangle: npt.NDArray[np.uint32]
+    """``[m]``: the triangle; of several that have the contact, the first."""
+    body: npt.NDArray[Any]
+    """``[m]``: the body of the triangle."""
+    overlap: npt.NDArray[np.float64]
+    """``[m]``: how deep the triangle is in the sphere; 0 for a mere touch."""
+    point: npt.NDArray[np.float64]
+    """``[m, 3]``: the point of the triangle closest to the centre."""
+    normal: npt.NDArray[np.float64]
+    """``[m, 3]``: from the sphere to the triangle, of length 1."""
+
+    def __len__(self) -> int:
+        return len(self.i)
+
+    def __repr__(self) -> str:
+        return f"<fdem.WallContacts: {len(self):,} contacts of spheres with walls>"
+
+
+def walls(
+    positions: npt.ArrayLike,
+    radii: npt.ArrayLike,
+    nodes: npt.ArrayLike,
+    triangles: npt.ArrayLike,
+    bodies: Optional[npt.ArrayLike] = None,
+    *,
+    threads: Optional[int] = None,
+) -> WallContacts:
+    """Finds which spheres touch walls, which are meshes of triangles: a drum, a box, a silo.
+
+    Each face, edge and vertex of a body counts once: a sphere on a flat wall has one contact with it wherever it stands, and in a corner one with each wall.
+
+    Parameters
+    ----------
+    positions : array [n, 3]
+        The centres, computed with in float64.
+    radii : array [n] or number
+        The radii.
+    nodes : array [p, 3]
+        The corners of the triangles.
+    triangles : array [t, 3] of whole numbers
+        The nodes of each triangle.
+    bodies : array [t] of whole numbers, optional
+        The body of each triangle; all are one body by default.
+    threads : int, optional
+        Number of threads; one for each processor by default. The result does not depend on it.
+
+    Returns
+    -------
+    WallContacts
+        ``i, triangle, body, overlap, point, normal``.
+
+    Raises
+    ------
+    ValueError
+        For nodes that are not there, NaN, negative radii, coordinates beyond the range of exact arithmetic; it names the sphere, triangle or node.
+    TypeError
+        For triangles that are not whole numbers.
+
+    Examples
+    --------
+    A ball on a floor of two triangles:
+
+    >>> import fdem
+    >>> nodes = [[0, 0, 0], [4, 0, 0], [4, 4, 0], [0, 4, 0]]
+    >>> found = fdem.walls([[2.0, 2.0, 0.75]], 1.0, nodes, [[0, 1, 2], [0, 2, 3]])
+    >>> found.i.tolist(), found.overlap.tolist(), found.normal.tolist()
+    ([0], [0.25], [[0.0, 0.0, -1.0]])
+    """
+    centres = np.require(floats(positions, "positions"), np.float64, ["C", "A"])
+    if centres.ndim != 2 or centres.shape[1] != 3:
+        raise ValueError(f"positions must have the shape [n, 3], not {centres.shape}")
+    if is_number(radii):
+        each = np.full(len(centres), number(radii, "radii"))
+    else:
+        each = np.require(floats(radii, "radii"), np.float64, ["C", "A"])
+    if each.shape != (len(centres),):
+        raise ValueError(f"radii must be one number, or one for each of {len(centres)} spheres, not of the shape {each.shape}")
+    coordinates, elements = _mesh_of(nodes, triangles, "triangle")
+    if coordinates.shape[1] != 3 or elements.shape[1] != 3:
+        raise ValueError(f"walls are triangles in 3D: {elements.shape[1]} nodes each in {coordinates.shape[1]}D are not")
+    names, numbers = _numbers_of(bodies, len(elements))
+    found = _fdem.walls(centres, each, coordinates, elements, numbers, threads_of(threads))
+    found["body"] = names[found["body"]]
+    return WallContacts(**found)
+
+
+def _mesh_of(nodes: npt.ArrayLike, cells: npt.ArrayLike, noun: str) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32]]:
+    """The nodes and the elements of a mesh, each element with nodes that are there."""
+    coordinates = np.require(floats(nodes, "nodes"), np.float64, ["C", "A"])
     if coordinates.ndim != 2:
         raise ValueError(f"nodes must have the shape [n, 2] or [n, 3], not {coordinates.shape}")
     elements = array_of(cells, "cells")
@@ -122,12 +223,8 @@ def mesh(
     wrong = (elements < 0) | (elements >= len(coordinates))
     if wrong.any():
         element, corner = (int(k) for k in np.argwhere(wrong)[0])
-        raise ValueError(f"element {element}: there is no node {elements[element, corner]} among {len(coordinates)}")
-    names, numbers = _numbers_of(bodies, len(elements))
-    elements = np.require(elements, np.uint32, ["C", "A"])
-    found, of_bodies = _fdem.mesh(np.require(coordinates, np.float64, ["C", "A"]), elements, numbers, bool(self_contact), threads_of(threads))
-    of_bodies["i"], of_bodies["j"] = names[of_bodies["i"]], names[of_bodies["j"]]
-    return MeshContacts(bodies=BodyContacts(**of_bodies), **found)
+        raise ValueError(f"{noun} {element}: there is no node {elements[element, corner]} among {len(coordinates)}")
+    return coordinates, np.require(elements, np.uint32, ["C", "A"])
 
 
 def _numbers_of(bodies: Optional[npt.ArrayLike], elements: int) -> tuple[npt.NDArray[Any], npt.NDArray[np.uint32]]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
-from typing import Any, Optional, Union
+from typing import Any, Literal, Optional, Union, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -90,11 +90,51 @@ class Mesh:
         return f"<fdem.Mesh: {len(self.nodes):,} nodes, {', '.join(parts)}, {len(self.bodies)} bodies; {self.format}>"
 
 
+PackingFormat = Literal["text", "npy", "npz", "lammps-dump", "lammps-data", "xyz", "mercury", "vtk", "vtk-xml"]
+"""The name of a format of packings."""
+
+
+@overload
 def read(
     path: Union[str, os.PathLike[str]],
     frame: Optional[int] = None,
     *,
-    format: Optional[str] = None,
+    kind: Literal["packing"],
+    format: Optional[PackingFormat] = None,
+    columns: Optional[str] = None,
+    bodies: Optional[str] = None,
+    skip_bad_lines: bool = False,
+) -> Packing: ...
+@overload
+def read(path: Union[str, os.PathLike[str]], *, kind: Literal["mesh"]) -> Mesh: ...
+@overload
+def read(
+    path: Union[str, os.PathLike[str]],
+    frame: int,
+    *,
+    kind: None = None,
+    format: Optional[PackingFormat] = None,
+    columns: Optional[str] = None,
+    bodies: Optional[str] = None,
+    skip_bad_lines: bool = False,
+) -> Packing: ...
+@overload
+def read(
+    path: Union[str, os.PathLike[str]],
+    frame: None = None,
+    *,
+    kind: None = None,
+    format: Optional[PackingFormat] = None,
+    columns: Optional[str] = None,
+    bodies: Optional[str] = None,
+    skip_bad_lines: bool = False,
+) -> Any: ...
+def read(
+    path: Union[str, os.PathLike[str]],
+    frame: Optional[int] = None,
+    *,
+    kind: Optional[Literal["packing", "mesh"]] = None,
+    format: Optional[PackingFormat] = None,
     columns: Optional[str] = None,
     bodies: Optional[str] = None,
     skip_bad_lines: bool = False,
@@ -108,6 +148,8 @@ def read(
         and VTP. Meshes: Gmsh, STL, OBJ, PLY, VTK, VTU, VTP, Abaqus. Compressed by gzip or zstd or not. The content says which it is, and then the name.
     frame : int, optional
         Which frame of a dump, an XYZ or a MercuryDPM file, from 0, or from the end if it is negative. Of several one must be chosen.
+    kind : {"packing", "mesh"}, optional
+        What the file must hold. With it, or with a `frame`, type checkers know what is returned.
     format : str, optional
         What a packing is, if neither content nor name say: "text", "npy", "npz", "lammps-dump", "lammps-data", "xyz", "mercury", "vtk", "vtk-xml".
     columns : str, optional
@@ -120,13 +162,14 @@ def read(
     Returns
     -------
     Packing or Mesh
+        By the content of the file; that which `kind` names, if it is given.
 
     Raises
     ------
     OSError
         If the file cannot be opened.
     ValueError
-        If it cannot be understood, with file, line and text.
+        If it cannot be understood, with file, line and text; if it does not hold what `kind` names.
 
     Examples
     --------
@@ -134,18 +177,22 @@ def read(
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     path = pathlib.Path(folder, "packing.csv")
     ...     _ = path.write_text("x,y,radius\\n0,0,0.5\\n1,0,0.5\\n")
-    ...     packing = fdem.read(path)
+    ...     packing = fdem.read(path, kind="packing")
     >>> packing
     <fdem.Packing: 2 elements in 2D, radii; comma-separated text>
     >>> len(fdem.contacts(packing.positions, packing.radii))
     1
     """
+    if kind not in (None, "packing", "mesh"):
+        raise ValueError(f"there is no kind '{kind}': choose one of packing, mesh")
     name = os.fspath(path)
     with open(name, "rb") as file:
         content = file.read()
     chosen = None if frame is None else whole(frame, "frame", -(2**62))
-    kind, found = _fdem.read(content, name, format, chosen, columns, bodies, bool(skip_bad_lines))
-    if kind == "mesh":
+    holds, found = _fdem.read(content, name, format, chosen, columns, bodies, bool(skip_bad_lines))
+    if kind is not None and holds != kind:
+        raise ValueError(f"{name}: this is a {holds}, not a {kind}")
+    if holds == "mesh":
         return Mesh(**found)
     box = _box_of(name, found.pop("cell"), found["positions"].shape[1])
     return Packing(**found, **box)
