@@ -36,7 +36,7 @@ def fdem_contacts(points, edge):
 def scipy_tree(points, edge):
     from scipy.spatial import cKDTree
 
-    # Building and search run on one thread, whatever there is.
+    # Building and search run on one thread in any case.
     return {1: lambda: tuple(cKDTree(points).query_pairs(CUTOFF, output_type="ndarray").T)}
 
 
@@ -46,7 +46,7 @@ def freud_query(points, edge):
 
     # Computes in float32, and lists both directions. Its LinkCell takes a hundred times as long for these points.
     centred = (points - edge / 2).astype(np.float32)
-    # An open box is made of one that is larger than the points by more than the cut-off.
+    # A box that is larger than the points by more than the cut-off acts as an open one.
     box = freud.box.Box.cube(edge + 2.1 * CUTOFF)
 
     def find(threads):
@@ -85,7 +85,7 @@ def matscipy_list(points, edge):
 def neighborlist_rs(points, edge):
     import neighborlist_rs as package
 
-    # Makes its box itself.
+    # This package makes its box itself.
     def find(parallel):
         return tuple(package.build_neighborlists(None, points, CUTOFF, parallel)["edge_index"])
 
@@ -96,7 +96,7 @@ def molar(points, edge):
     import numpy as np
     import pymolar
 
-    # Points get in one by one: that is not timed. Computes in float32.
+    # Points are added one by one, which is not timed. Computes in float32.
     system, atom = pymolar.System(), pymolar.Atom()
     for point in points.astype(np.float32):
         system.append(atom, point)
@@ -167,11 +167,11 @@ SORTED = {
 }
 
 SINGLE = ("freud AABBQuery", "molar")
-"""Those that compute in float32, and may decide otherwise where the distance is within rounding of the cut-off."""
+"""Packages that compute in float32, and may decide otherwise where the distance is within rounding of the cut-off."""
 
 
 def gas(n, seed):
-    """Random points with so many neighbours on average, in a cube; float32 holds them too."""
+    """Random points in a cube with NEIGHBOURS neighbours on average, whose coordinates are exact in float32."""
     import numpy as np
 
     edge = (n * 4 / 3 * math.pi * CUTOFF**3 / NEIGHBOURS) ** (1 / 3)
@@ -179,7 +179,7 @@ def gas(n, seed):
 
 
 def count_of(i, j, n):
-    """How many different pairs there are: some packages list both directions."""
+    """The number of different pairs: some packages list both directions."""
     import numpy as np
 
     i, j = np.asarray(i, np.int64), np.asarray(j, np.int64)

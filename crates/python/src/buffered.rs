@@ -29,7 +29,7 @@ impl Buffered {
     #[new]
     fn new(buffer: f64, engine: String, threads: usize) -> PyResult<Self> {
         engine_of(&engine)?;
-        // Refuses now what it would refuse then.
+        // A bad buffer is an error now, and not at the first update.
         Search::<f64, 3>::new(buffer).map_err(Problem::from)?;
         Ok(Self { engine, threads, buffer, stop: Stop::default(), search: None })
     }
@@ -51,7 +51,7 @@ impl Buffered {
             let search = &mut self.search;
             let (couples, shifts, reason) = interrupt::run(py, is_long(n) || cell.is_some(), &self.stop, || {
                 let checked = set.checked()?;
-                // Taken while anything can fail.
+                // An update that fails leaves no search behind.
                 let before = search.take().filter(|(kind, _)| *kind == elements.kind).map(|(_, search)| search);
                 let (couples, shifts, reason, after) = match &cell {
                     None => {

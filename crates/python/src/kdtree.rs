@@ -26,7 +26,7 @@ pub(crate) struct PyTree {
 /// Distances and numbers, a row for each point that asked.
 type Nearest<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<i64>>);
 
-/// Where the rows start, the numbers, and the distances.
+/// The starts of the rows, the numbers of the points, and their distances.
 type Within<'py> = (Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<f64>>);
 
 fn norm_of(p: f64) -> Result<Norm, Problem> {
@@ -131,7 +131,7 @@ impl PyTree {
         Ok((offsets.into_pyarray(py), numbers.into_pyarray(py), distances.into_pyarray(py)))
     }
 
-    /// How many points are at most `r[q]` away from point `q` of `at`.
+    /// The number of points at most `r[q]` away from point `q` of `at`.
     fn count_within<'py>(
         &self,
         py: Python<'py>,

@@ -1,7 +1,7 @@
-//! The extension module `fdem._fdem`: what the Python package takes from the Rust crates, array by array.
+//! The extension module `fdem._fdem`: the functions of the Rust crates on arrays of NumPy.
 //!
-//! It is private. The package's own modules, in `python/fdem`, check and convert what users give, and hand over arrays in C order; here they are
-//! borrowed, searched without the interpreter's lock, and what is found is moved into arrays of NumPy without a copy.
+//! It is private. The modules of the package, in `python/fdem`, check and convert the arguments of users, and hand over arrays in C order. This module
+//! borrows the arrays, searches without the interpreter's lock, and moves the results into arrays of NumPy without a copy.
 //!
 //! ```text
 //! Python ── elements ──┬─ search ──> pairs, shifts ── measure, rows, network, neighbors

@@ -1,4 +1,4 @@
-//! Contacts as the crate `fdem` analyses and draws them: in `f64`, whatever they were found in.
+//! Contacts in `f64`, as the crate `fdem` analyses, draws and writes them.
 
 use std::path::PathBuf;
 
@@ -17,7 +17,7 @@ use crate::interrupt::{self, Stop};
 use crate::number::{Number, rows_of, with_kind};
 use crate::problem::Problem;
 
-/// What a network borrows.
+/// The arrays that a network borrows.
 struct Owned<const D: usize> {
     centres: Vec<[f64; D]>,
     sizes: OwnedSizes,
@@ -94,11 +94,11 @@ fn on_network<T: Number, const D: usize, R: Send>(
     })
 }
 
-/// The analysis as JSON; of each element its contacts, its cluster, and whether it is a rattler.
+/// The analysis as JSON; the number of contacts, the cluster, and whether it is a rattler, for each element.
 type Analysed<'py> =
     (String, Bound<'py, PyArray1<u32>>, Bound<'py, PyArray1<u32>>, Bound<'py, PyArray1<bool>>);
 
-/// What the network says. `inner` has two limits for each axis.
+/// Analyses the network. `inner` has two limits for each axis.
 #[pyfunction]
 #[pyo3(signature = (elements, pairs, shifts, min_contacts, inner, r_max, bins))]
 #[allow(clippy::too_many_arguments, reason = "one for each thing that can be asked for")]

@@ -1,4 +1,4 @@
-"""What is taken as it is, what is converted, and what is refused with which words."""
+"""Arguments that are taken as they are, that are converted, and that are refused; and the messages."""
 
 import gc
 import re
@@ -70,7 +70,7 @@ def test_single_and_double_become_double():
     found = fdem.contacts(single, radii=np.full(len(single), 0.5))
     assert found.distance.dtype == np.float64
     assert couples(found) == couples(fdem.contacts(single.astype(np.float64), radii=0.5))
-    # 0.1 is rounded to the type of the positions, where the two are just so far apart.
+    # 0.1 is rounded to the type of the positions, in which the two are exactly that far apart.
     assert len(fdem.contacts(np.array([[0, 0], [0.1, 0]], np.float32), cutoff=0.1)) == 1
 
 

@@ -1,4 +1,4 @@
-"""The drop-in forms, against what they stand in for."""
+"""Functions that replace those of other packages, compared with these."""
 
 import numpy as np
 import pytest
@@ -26,7 +26,7 @@ def atoms_in(cell, n, rng):
 
     edges, pbc = CELLS[cell]
     span = edges + np.diag((np.abs(edges).sum(axis=1) == 0) * 6.0)
-    # Some are outside.
+    # Some atoms are outside of the cell.
     positions = (rng.random((n, 3)) * 1.4 - 0.2) @ span
     return Atoms(rng.choice(["H", "O", "Si"], n), positions, cell=edges, pbc=pbc)
 

@@ -259,7 +259,7 @@ def test_tetrahedra_that_overlap_by_a_known_volume():
     nodes = np.concatenate([corners, corners + [1, 1, 1], corners + 100])
     cells = np.arange(12).reshape(3, 4)
     found = fdem.mesh(nodes, cells, bodies=[-5, 30, 30])
-    # What both have in common is the same shape with an edge of 3.
+    # The overlap has the same shape, with an edge of 3.
     assert len(found) == 1 and np.isclose(found.measure[0], 3**3 / 6)
     assert found.bodies.i.tolist() == [-5] and found.bodies.j.tolist() == [30]
     assert np.isclose(found.bodies.overlap[0], 4.5) and np.isclose(np.linalg.norm(found.normal), 1)

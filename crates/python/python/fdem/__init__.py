@@ -23,10 +23,10 @@ code written for SciPy, ASE, matscipy or freud    :class:`KDTree`, :func:`neighb
                                                   :meth:`Contacts.neighbor_list`
 ================================================= ====================================================
 
-Touching counts. Each couple comes once, ``i < j``. Results do not depend on the engine, and neither they nor their order on the number of threads.
-NaN, a negative radius, arrays of unlike length: a ``ValueError`` that names the element. While a search runs, other threads of Python go on, and must not
-write to its arrays. Ctrl-C ends searches for contacts, of spheres, boxes and labels, within a fraction of a second; queries, meshes and checks are finished first. The
-working memory of the last search, up to 128 MB, is kept for the next.
+Elements that just touch count as contacts. Each couple is listed once, ``i < j``. The couples do not depend on the engine; neither the couples nor their order depend on the
+number of threads. NaN, a negative radius or arrays of different lengths raise a ``ValueError`` that names the element. Other threads of Python run while a search runs, and must
+not write to its arrays. Ctrl-C stops searches for contacts of spheres, boxes and labels within a fraction of a second; queries, meshes and checks are finished first. Up to 128 MB of
+working memory are kept from one search to the next.
 """
 
 from ._analysis import Analysis

@@ -1,4 +1,4 @@
-"""Neighbour lists as ASE and matscipy spell them."""
+"""Neighbour lists with the arguments and results of ASE and matscipy."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def neighbor_list(
     Parameters
     ----------
     quantities : str
-        What is returned, a letter each: ``i`` first atom, ``j`` second atom, ``d`` distance, ``D`` vector from the first to the second, ``S`` shift of the second in
+        The columns to return, one letter each: ``i`` first atom, ``j`` second atom, ``d`` distance, ``D`` vector from the first to the second, ``S`` shift of the second in
         edges of the cell, so that ``D = positions[j] - positions[i] + S @ cell``.
     atoms : ase.Atoms or alike, optional
         An object with ``positions``, ``cell`` and ``pbc``, and with ``numbers`` for a `cutoff` by elements.

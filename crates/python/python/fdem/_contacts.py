@@ -30,13 +30,13 @@ class Csr(NamedTuple):
     indices: npt.NDArray[np.uint32]
     """``[indptr[n]]``: the partners, ascending for each element."""
     couples: npt.NDArray[np.int64]
-    """``[indptr[n]]``: which couple each is, as a place in the arrays of the contacts."""
+    """``[indptr[n]]``: the couple of each partner, as an index into the arrays of the contacts."""
 
 
 class Contacts:
-    """Couples of elements that touch, and what is known of them.
+    """Couples of elements that touch, with their distances, overlaps and images.
 
-    Made by :func:`contacts`, :func:`boxes` and :class:`Detector`. The couples are there at once; all else is computed when it is asked for, and kept.
+    Made by :func:`contacts`, :func:`boxes` and :class:`Detector`. The couples are there at once; everything else is computed when it is asked for, and kept.
 
     Examples
     --------
@@ -154,7 +154,7 @@ class Contacts:
 
     @property
     def distance(self) -> Floats:
-        """``[m]``, of the type of the positions: the distance of the centres, of the closest points of boxes.
+        """``[m]``, of the type of the positions: the distance of the centres, or of the closest points of boxes.
 
         Raises ``RuntimeError`` if the positions have been changed in place since the search, which a sample of them shows.
         """
@@ -164,8 +164,7 @@ class Contacts:
     def overlap(self) -> Floats:
         """``[m]``, of the type of the positions: how deep the elements overlap; negative for a gap within the tolerance.
 
-        The sum of the radii, or the cut-off, less the distance. Of boxes the smallest length, over the axes, that both have in common. Raises ``RuntimeError`` as
-        `distance`.
+        The sum of the radii, or the cut-off, less the distance. For boxes it is the smallest overlap along an axis. Raises ``RuntimeError`` as `distance`.
         """
         return self._measured("overlap")
 
@@ -194,7 +193,7 @@ class Contacts:
 
     @property
     def coordination(self) -> npt.NDArray[np.int64]:
-        """``[n]``, int64: the contacts that each element has. One with its own image counts twice: it has two ends."""
+        """``[n]``, int64: the number of contacts of each element. A contact with its own image counts twice, because it has two ends."""
         if "coordination" not in self._kept:
             self._kept["coordination"] = _fdem.coordination(self.n, self._pairs)
         counts: npt.NDArray[np.int64] = self._kept["coordination"]
@@ -278,7 +277,7 @@ class Contacts:
         Parameters
         ----------
         values : {"distance", "overlap", None}
-            What an entry is; with None it is 1. Couples that touch through several faces of a box that repeats have several entries.
+            The values of the entries; with None they are 1. Couples that touch through several faces of a box that repeats have several entries.
         full : bool, default True
             Whether the matrix is symmetric, or its upper half only.
 
@@ -421,19 +420,19 @@ class Contacts:
         Parameters
         ----------
         k : int
-            How many elements; all if there are no more.
+            Number of elements; all of them if there are fewer.
         seed : int
             The same seed picks the same elements.
 
         Returns
         -------
         int
-            How many elements were compared.
+            Number of elements that were compared.
 
         Raises
         ------
         RuntimeError
-            If a couple is missing, or is one too many.
+            If a couple is missing, or a couple is listed that does not touch.
 
         Examples
         --------
@@ -451,7 +450,7 @@ class Contacts:
         return checked
 
     def explain(self) -> str:
-        """What the search does: engine and why, cells, memory, threads, and how many couples it would expect.
+        """Describes the search: the engine and the reason for it, cells, memory, threads, and the expected number of couples.
 
         >>> import fdem
         >>> print(fdem.contacts([[0, 0], [1, 0], [2, 0]], cutoff=1).explain())  # doctest: +ELLIPSIS
@@ -471,12 +470,12 @@ class Contacts:
         Parameters
         ----------
         min_contacts : int, optional
-            Elements with fewer contacts are rattlers: D + 1 unless given, the fewest that hold an element without friction; 2 for elements with friction.
+            Elements with fewer contacts are rattlers. The default is D + 1, the least number that holds an element without friction; take 2 for elements with friction.
         inner : array [D, 2], optional
-            Where the packing fraction is measured, the limits of each axis. Unless given: the whole box where it repeats, elsewhere what is more than the largest
-            diameter away from the faces of the domain.
+            The region in which the packing fraction is measured, as limits on each axis. The default is the whole box along axes that repeat; along other axes it is the
+            domain without a margin of the largest diameter.
         rdf : number or (number, int), optional
-            The largest distance of the radial distribution, and the number of its bins; 3 mean diameters and 150 unless given.
+            The largest distance of the radial distribution, and the number of its bins. The defaults are 3 mean diameters and 150.
 
         Returns
         -------
@@ -486,7 +485,7 @@ class Contacts:
         Raises
         ------
         ValueError
-            For boxes, which have no centres, and for regions and distances that cannot be.
+            For boxes, which have no centres, and for impossible regions and distances.
         RuntimeError
             As `distance`.
 
@@ -513,9 +512,9 @@ class Contacts:
         path : str or path
             Written whole or not at all.
         title : str
-            Stands above the picture.
+            The text above the picture.
         width : int, optional
-            Pixels that a PNG is wide.
+            The width of a PNG in pixels.
 
         Raises
         ------
@@ -539,7 +538,7 @@ class Contacts:
         self._draw("plots", path, ("png", "svg"), title, width)
 
     def report(self, path: Union[str, os.PathLike[str]], *, title: str = "") -> None:
-        """Writes a page for a browser, ``.html``, all in one file: plots, a view to turn, cut and pick elements in, and a table; as :meth:`picture`."""
+        """Writes one ``.html`` file for a browser, as :meth:`picture`: plots, a table, and a view that can be turned and cut and in which elements can be picked."""
         self._draw("report", path, ("html",), title, None)
 
     def _draw(self, what: str, path: Union[str, os.PathLike[str]], forms: tuple[str, ...], title: str, width: Optional[int]) -> None:
@@ -620,7 +619,7 @@ def _write_whole(target: pathlib.Path, content: bytes) -> None:
 
 
 def optional(module: str, package: str) -> Any:
-    """A module of a package that fdem does without otherwise."""
+    """Imports a module of a package that fdem needs for one purpose only."""
     import importlib
 
     try:

@@ -130,17 +130,17 @@ class Detector:
 
     @property
     def reason(self) -> Optional[str]:
-        """Why the last update searched; None if it did not."""
+        """The reason why the last update searched; None if it did not."""
         return self._reason
 
     @property
     def updates(self) -> int:
-        """How many updates there were."""
+        """The number of updates."""
         return self._updates
 
     @property
     def redetections(self) -> int:
-        """How many of them searched, the first one included."""
+        """The number of updates that searched, including the first one."""
         return self._redetections
 
     def __repr__(self) -> str:

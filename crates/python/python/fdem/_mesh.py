@@ -23,7 +23,7 @@ class BodyContacts:
     couples: npt.NDArray[np.uint64]
     """``[b]``: couples of elements, one of each body, that touch."""
     overlap: npt.NDArray[np.float64]
-    """``[b]``: the area of what overlaps in 2D, the volume of tetrahedra, the length of the lines in which surfaces cross."""
+    """``[b]``: the area of the overlap in 2D, its volume for tetrahedra, the length of the lines in which surfaces cross."""
     shared: npt.NDArray[np.float64]
     """``[b]``: the boundary in common: length in 2D, area in 3D. 0 for bodies that meet at nodes or edges only."""
     point: npt.NDArray[np.float64]
@@ -40,16 +40,16 @@ class BodyContacts:
 
 @dataclass(frozen=True, eq=False)
 class MeshContacts:
-    """Couples of elements of a mesh that touch, sorted by `i`, then `j`, and what they amount to for the bodies."""
+    """Couples of elements of a mesh that touch, sorted by `i`, then `j`, and the contacts of the bodies that follow from them."""
 
     i: npt.NDArray[np.uint32]
     """``[m]``: the smaller element."""
     j: npt.NDArray[np.uint32]
     """``[m]``: the larger element."""
     measure: npt.NDArray[np.float64]
-    """``[m]``: the area of the overlap in 2D; the volume of tetrahedra; of surfaces the length, or the area if they are coplanar. 0 for a mere touch."""
+    """``[m]``: the area of the overlap in 2D; its volume for tetrahedra; for surfaces its length, or its area if they are coplanar. 0 for a mere touch."""
     point: npt.NDArray[np.float64]
-    """``[m, D]``: where."""
+    """``[m, D]``: the contact point."""
     normal: npt.NDArray[np.float64]
     """``[m, D]``: from `i` to `j`, of length 1."""
     bodies: BodyContacts
@@ -70,7 +70,7 @@ def mesh(
     self_contact: bool = False,
     threads: Optional[int] = None,
 ) -> MeshContacts:
-    """Finds which elements of a mesh touch elements of other bodies, where, and how much; and which bodies.
+    """Finds which elements of a mesh touch elements of other bodies, with the place and the size of each contact, and which bodies touch.
 
     Parameters
     ----------
@@ -79,23 +79,23 @@ def mesh(
     cells : array [m, 3] or [m, 4] of whole numbers
         The nodes of each element: triangles in 2D or, as surfaces, in 3D; tetrahedra in 3D.
     bodies : array [m] of whole numbers, optional
-        The body of each element. Elements of one body form no couple. Without it all are one body, which makes sense with `self_contact` only.
+        The body of each element. Elements of one body form no couple. Without it all elements are one body, which makes sense with `self_contact` only.
     self_contact : bool, default False
         Whether elements of one body form couples too, unless they have a node in common.
     threads : int, optional
-        One for each processor by default. The result does not depend on it.
+        Number of threads; one for each processor by default. The result does not depend on it.
 
     Returns
     -------
     MeshContacts
-        Touching counts: bodies that have a node in common touch there.
+        Elements that just touch count: bodies that have a node in common touch there.
 
     Raises
     ------
     ValueError
-        For nodes that are not there, NaN, coordinates beyond the range of exact arithmetic; it names the element or node.
+        For nodes that are not there, NaN, coordinates beyond the range of exact arithmetic. The message names the element or node.
     TypeError
-        For cells that are no whole numbers; without `bodies` and `self_contact`.
+        For cells that are not whole numbers; without `bodies` and `self_contact`.
 
     Examples
     --------
@@ -228,7 +228,7 @@ def _mesh_of(nodes: npt.ArrayLike, cells: npt.ArrayLike, noun: str) -> tuple[npt
 
 
 def _numbers_of(bodies: Optional[npt.ArrayLike], elements: int) -> tuple[npt.NDArray[Any], npt.NDArray[np.uint32]]:
-    """What bodies are called, ascending, and the place of that of each element."""
+    """The names of the bodies, ascending, and for each element the index of the name of its body."""
     if bodies is None:
         return np.zeros(1, np.int64), np.zeros(elements, np.uint32)
     array = array_of(bodies, "bodies")

@@ -1,4 +1,4 @@
-"""Contacts as freud has them."""
+"""Contacts as a neighbour list of freud."""
 
 from __future__ import annotations
 
@@ -17,10 +17,11 @@ if TYPE_CHECKING:
 class NeighborList:
     """Contacts seen from each element, with the names of ``freud.locality.NeighborList``.
 
-    Each couple is there twice, sorted by `query_point_indices`, then `point_indices`: what freud finds with
+    Each couple is listed twice, sorted by `query_point_indices`, then `point_indices`, as freud lists the result of
     ``AABBQuery(box, points).query(points, dict(r_max=cutoff, exclude_ii=True)).toNeighborList()``. Made by :meth:`Contacts.neighbor_list`.
 
-    Differences: distances are of the type of the positions, not always float32; points that are just `cutoff` apart are neighbours; in a small box every image counts.
+    There are three differences: distances have the type of the positions, which need not be float32; points that are exactly `cutoff` apart are neighbours; in a
+    small box every image counts.
 
     Attributes
     ----------

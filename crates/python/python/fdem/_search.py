@@ -30,8 +30,8 @@ def contacts(
     Parameters
     ----------
     positions : array [n, 2] or [n, 3], float32 or float64
-        Centres. In C order they are read where they are; other orders, strides, byte orders and whole numbers are converted, float64 never to float32. They
-        must not change before `distance`, `overlap` or `vector` of the result has been asked for.
+        Centres. Arrays in C order are read where they are; other orders, strides, byte orders and whole numbers are converted, and float64 is never converted to
+        float32. The centres must not change before `distance`, `overlap` or `vector` of the result has been asked for.
     radii : array [n] or number, optional
         The radius of each element, or of all. If positions and radii have different types, both become float64.
     cutoff : number, optional
@@ -40,30 +40,30 @@ def contacts(
         The box that repeats: ``[D]`` lengths of its edges from 0; ``[D, 2]`` where it starts and ends on each axis; ``[D, D]`` edges, one a row; or a
         :class:`Box`.
     periodic : bool or one for each axis (edge), default False
-        What repeats. Every image that touches counts, also in a box that is smaller than the elements; elements outside the box are taken for their images
-        inside it.
+        The axes (edges) that repeat. Every image that touches counts, also in a box that is smaller than the elements. An element outside the box stands for its image
+        inside the box.
     groups : array [n] of whole numbers, optional
         Elements with equal numbers are parts of one body and form no couple.
     tolerance : number, default 0
         The gap between surfaces that still counts as contact.
     engine : {"auto", "rows", "multilevel", "cgrid", "nbs", "direct"}
-        How to search. The couples are the same; their order is not.
+        The search method. All methods find the same couples, in different orders.
     threads : int, optional
-        How many threads search; by default one for each processor, or one if there are too few elements for more to be of use. Neither the couples nor their
-        order depend on it.
+        Number of threads. The default is one for each processor, or one thread if there are too few elements for more to be of use. Neither the couples nor their order
+        depend on it.
 
     Returns
     -------
     Contacts
-        Each couple once: ``i < j``, or ``i == j`` for an element that touches its own image. In the order of the engine, which depends on nothing but the
-        arguments; :meth:`Contacts.sorted` has them in ascending order.
+        Each couple once: ``i < j``, or ``i == j`` for an element that touches its own image. The order is that of the engine and depends on the arguments only;
+        :meth:`Contacts.sorted` returns the couples in ascending order.
 
     Raises
     ------
     ValueError
-        For NaN, infinity, negative sizes, arrays of unlike length, a box without volume; it names the element.
+        For NaN, infinity, negative sizes, arrays of different lengths, a box without volume. The message names the element.
     TypeError
-        For what are no numbers, and unless just one of `radii` and `cutoff` is given.
+        For arguments that are not numbers, and unless exactly one of `radii` and `cutoff` is given.
     MemoryError
         If the couples do not fit.
 
@@ -87,7 +87,7 @@ def contacts(
     >>> found.shift.tolist(), found.distance.tolist()
     ([[-1, 0]], [1.0])
 
-    What is wrong is named:
+    Errors name the element:
 
     >>> fdem.contacts([[0.0, 0.0], [1.0, float("nan")]], radii=1.0)
     Traceback (most recent call last):
@@ -124,8 +124,7 @@ def boxes(
     Returns
     -------
     Contacts
-        Its `distance` is that of the closest points, 0 if they overlap; its `overlap` the smallest length, over the axes, that both have in common, negative for a
-        gap.
+        Its `distance` is the distance of the closest points, 0 for boxes that overlap. Its `overlap` is the smallest overlap along an axis, negative for a gap.
 
     Raises
     ------
@@ -151,7 +150,7 @@ def boxes(
 def sizes_of(
     centres: Floats, radii: Optional[npt.ArrayLike], cutoff: Optional[float]
 ) -> tuple[str, float, Optional[Floats], Floats]:
-    """Which sizes there are: their kind, the one size, the array, and the centres in the type of both."""
+    """Checks the sizes: returns their kind, the size of all, the array of sizes, and the centres in the type of both."""
     if (radii is None) == (cutoff is None):
         raise TypeError("give radii, or the cutoff of points: one of the two")
     if cutoff is not None:
