@@ -329,8 +329,9 @@ function legend(name, stops, low, high, more) {
   ends.className = "ends";
   const one = !(high > low);
   bar.style.background = one ? `rgb(${ramp(stops, low === 1 ? 0 : 0.5).join(" ")})` : `linear-gradient(to right, ${stops.map((rgb) => `rgb(${rgb.join(" ")})`).join(", ")})`;
-  const texts = one ? alike([low]) : alike([low, low + (high - low) / 2, high]);
-  if (!one && more !== null) texts[2] += "+";
+  const counts = Number.isInteger(low) && Number.isInteger(high);
+  const texts = one ? alike([low]) : counts ? [low, high].map(grouped) : alike([low, low + (high - low) / 2, high]);
+  if (!one && more !== null) texts[texts.length - 1] += "+";
   for (const text of texts) {
     const end = document.createElement("span");
     end.textContent = text;
