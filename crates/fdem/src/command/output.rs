@@ -120,7 +120,6 @@ impl Output {
     pub(crate) fn open(path: Option<&Path>) -> Result<Self, Failure> {
         let Some(path) = path.filter(|path| !is_stdout(path)) else {
             let name = PathBuf::from("standard output");
-            check_stdout().map_err(|error| Failure::writing(&name, error))?;
             return Ok(Self { name, to: To::Stdout(BufWriter::new(io::stdout())) });
         };
         let name = path.to_owned();
@@ -163,7 +162,8 @@ impl Output {
             To::Device(writer) => (writer, false),
             To::Aside { file, .. } => (file, false),
         };
-        match write(writer).and_then(|()| writer.flush()) {
+        let open = if is_stdout { check_stdout() } else { Ok(()) };
+        match open.and_then(|()| write(writer)).and_then(|()| writer.flush()) {
             Err(error) if is_stdout && error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
             done => done.map_err(|error| Failure::writing(&self.name, error)),
         }
