@@ -1,4 +1,4 @@
-"""What the command writes, read by those who will read it: pyvista (VTK), pyarrow, pandas, networkx and numpy.
+"""What the command writes, read by those who will read it: pyvista (VTK), pyarrow, pandas, Polars, DuckDB, networkx and numpy.
 
 FDEM=path/to/fdem pytest test_written.py
 """
@@ -8,9 +8,11 @@ import os
 import pathlib
 import subprocess
 
+import duckdb
 import networkx as nx
 import numpy as np
 import pandas as pd
+import polars
 import pyarrow.parquet as pq
 import pytest
 import pyvista as pv
@@ -66,11 +68,24 @@ def axes(table):
 def test_parquet(case):
     folder, file, options, _, csv, _ = case
     path = contacts(folder, file, "couples.parquet", *options)
+    by_polars = pd.DataFrame(polars.read_parquet(path).to_dict(as_series=False), columns=csv.columns)
+    by_duckdb = pd.DataFrame(duckdb.read_parquet(str(path)).fetchnumpy())
+    for frame in [by_polars, by_duckdb]:
+        for name in csv:
+            assert np.array_equal(frame[name], csv[name]), name
     for frame in [pd.read_parquet(path), pq.read_table(path).to_pandas()]:
         assert list(frame.columns) == list(csv.columns)
         assert frame["i"].dtype == np.int64 and frame["overlap"].dtype == np.float64
         for name in csv:
             assert np.array_equal(frame[name], csv[name]), name
+
+
+def test_npy(case):
+    folder, file, options, _, csv, _ = case
+    records = np.load(contacts(folder, file, "couples.npy", *options))
+    assert list(records.dtype.names) == list(csv.columns)
+    for name in csv:
+        assert np.array_equal(records[name], csv[name]), name
 
 
 def test_npz(case):
