@@ -23,6 +23,7 @@ mod packed;
 mod pictures;
 mod plots;
 mod report;
+mod sample;
 mod stress;
 mod unit;
 mod vtk;
@@ -41,7 +42,7 @@ pub use names::Names;
 pub use outlines::Outlines;
 pub use pictures::{FrameView, Pictures};
 pub use plots::{Plot, plots};
-pub use report::{MOST_FRAMES, Report};
+pub use report::{MOST_ELEMENTS, MOST_FRAMES, Report, SAMPLE};
 pub use vtk::{write_contacts_vtp, write_cracks_vtp, write_damaged_joints_vtp, write_vtu};
 
 /// A snapshot that contradicts itself.

@@ -7,7 +7,7 @@ use crate::model::document::{Document, Table};
 use crate::model::fault::{Fault, suggestion};
 use crate::model::file::{Animate, Gravity, ModelFile};
 use crate::model::outline::{Point, distance};
-use crate::results::Field;
+use crate::results::{Field, MOST_ELEMENTS, SAMPLE};
 
 /// Time on the clock between checkpoints, s.
 const CHECKPOINT: f64 = 60.0;
@@ -27,6 +27,8 @@ pub struct OutputSettings {
     pub fields: Vec<Field>,
     /// What an animation shows; `None`: there is none.
     pub animate: Option<Field>,
+    /// Elements beyond which pictures and the report show a sample, and triangles of that sample.
+    pub shown: [usize; 2],
     /// When checkpoints are written.
     pub checkpoint: Checkpoint,
     /// Between rows of the history, s.
@@ -165,6 +167,7 @@ pub(crate) fn settings(file: &ModelFile) -> OutputSettings {
             None | Some(Animate::Switch(false)) => None,
         },
         fields,
+        shown: output.shown_elements.map_or([MOST_ELEMENTS, SAMPLE], |most| [most as usize; 2]),
         checkpoint: match output.checkpoint_steps {
             Some(steps) => Checkpoint::Steps(steps),
             None => Checkpoint::Seconds(output.checkpoint_interval.unwrap_or(CHECKPOINT)),

@@ -7,13 +7,16 @@ use fdem_simulation::{Crack, Mode, Snapshot};
 use crate::results::field::SCALES;
 use crate::results::outlines::Outlines;
 use crate::results::packed::{Packed, Unpacked};
+use crate::results::sample::Sample;
 use crate::results::{SnapshotError, checked};
 
 /// First bytes of a file: its kind and its version.
-const MAGIC: &[u8; 8] = b"fdemfrm2";
+const MAGIC: &[u8; 8] = b"fdemfrm3";
 
 /// Number of arrays with an entry for each element: six coordinates of corners, the scales, two halves of the body, the material, the outlines.
 const OF_ELEMENTS: usize = 6 + SCALES.len() + 4;
+/// Number of further arrays in a sample: two halves of the number of the element.
+const OF_SAMPLES: usize = 2;
 /// Number of arrays with an entry for each crack: four coordinates of ends, the mode.
 const OF_CRACKS: usize = 5;
 
@@ -37,6 +40,9 @@ const OF_CRACKS: usize = 5;
 pub struct Frame {
     pub(crate) step: u64,
     pub(crate) time: f64,
+    /// Elements of the mesh.
+    pub(crate) whole: usize,
+    /// Elements that are in the frame: all, or a sample of them.
     pub(crate) elements: usize,
     pub(crate) cracks: usize,
     /// The least and the greatest coordinate on each axis.
@@ -106,44 +112,68 @@ impl Frame {
     /// # Errors
     /// A snapshot that contradicts itself, or outlines of another mesh.
     pub fn outlined(snapshot: &Snapshot, outlines: &Outlines) -> Result<Self, SnapshotError> {
+        Self::sampled(snapshot, outlines, usize::MAX)
+    }
+
+    /// A frame with at most `most` triangles. A mesh with more elements is shown by a sample: larger triangles that cover the same place, each with the values and the number of one of the
+    /// elements, and one crack of each mode in each place. Ranges of values and lengths of cracks are those of the whole mesh.
+    ///
+    /// # Errors
+    /// A snapshot that contradicts itself, or outlines of another mesh.
+    pub fn sampled(snapshot: &Snapshot, outlines: &Outlines, most: usize) -> Result<Self, SnapshotError> {
         checked(snapshot)?;
-        let (found, expected) = (outlines.bits.len(), snapshot.triangles.len());
-        if found != expected {
-            return Err(SnapshotError::Length { name: "outlines", found, expected });
+        let whole = snapshot.triangles.len();
+        let found = outlines.bits.len();
+        if found != whole {
+            return Err(SnapshotError::Length { name: "outlines", found, expected: whole });
         }
-        let corners: [[Vec<f64>; 2]; 3] = [0, 1, 2].map(|corner| {
-            [0, 1].map(|axis| {
-                let place = |nodes: &[u32; 3]| snapshot.positions[nodes[corner] as usize][axis];
-                snapshot.triangles.iter().map(place).collect()
-            })
-        });
-        let bounds =
-            [0, 1].map(|axis| bounds(corners.iter().flat_map(|corner| corner[axis].iter().copied())));
+        let mut corners: Vec<[[f64; 2]; 3]> = snapshot
+            .triangles
+            .iter()
+            .map(|nodes| nodes.map(|node| snapshot.positions[node as usize]))
+            .collect();
+        let bounds = [0, 1].map(|axis| bounds(corners.iter().flatten().map(|corner| corner[axis])));
+        let mut sample = (whole > most).then(|| Sample::new(&corners, &snapshot.bodies, bounds, most));
+        if let Some(sample) = &mut sample {
+            corners = std::mem::take(&mut sample.corners);
+        }
 
         let mut packed = Packed::default();
-        for corner in &corners {
-            for axis in 0..2 {
-                packed.places(&corner[axis], bounds[axis]);
+        for corner in 0..3 {
+            for (axis, &bounds) in bounds.iter().enumerate() {
+                let along: Vec<f64> = corners.iter().map(|corners| corners[corner][axis]).collect();
+                packed.places(&along, bounds);
             }
         }
+        let elements = corners.len();
+        drop(corners);
         let scales = SCALES.map(|field| {
             let values = field.values(snapshot);
             let scale = Scale::of(&values);
-            packed.places(&values, scale.ends);
+            packed.places(&of_sample(sample.as_ref(), values), scale.ends);
             scale
         });
         let halves = |numbers: &[u32], shift: u32| -> Vec<u16> {
             numbers.iter().map(|number| (number >> shift & 0xffff) as u16).collect()
         };
-        packed.numbers(&halves(&snapshot.bodies, 16));
-        packed.numbers(&halves(&snapshot.bodies, 0));
-        packed.numbers(&halves(&snapshot.materials, 0));
-        packed.numbers(&outlines.bits.iter().map(|&bits| u16::from(bits)).collect::<Vec<_>>());
+        let bodies = of_sample(sample.as_ref(), snapshot.bodies.clone());
+        packed.numbers(&halves(&bodies, 16));
+        packed.numbers(&halves(&bodies, 0));
+        packed.numbers(&halves(&of_sample(sample.as_ref(), snapshot.materials.clone()), 0));
+        let bits = of_sample(sample.as_ref(), outlines.bits.clone());
+        packed.numbers(&bits.into_iter().map(u16::from).collect::<Vec<_>>());
+        if let Some(sample) = &sample {
+            packed.numbers(&halves(&sample.elements, 16));
+            packed.numbers(&halves(&sample.elements, 0));
+        }
 
-        let broken: Vec<&Crack> = snapshot.cracks.iter().filter(|crack| crack.time.is_some()).collect();
+        let mut broken: Vec<&Crack> = snapshot.cracks.iter().filter(|crack| crack.time.is_some()).collect();
         let mut lengths = [0.0; 3];
         for crack in &broken {
             lengths[usize::from(code(crack.mode))] += crack.length;
+        }
+        if let Some(sample) = &sample {
+            sample.cracks(&mut broken, |crack| crack.ends, |crack| code(crack.mode));
         }
         for end in 0..2 {
             for (axis, &[low, high]) in bounds.iter().enumerate() {
@@ -156,7 +186,8 @@ impl Frame {
         Ok(Self {
             step: snapshot.step,
             time: snapshot.time,
-            elements: snapshot.triangles.len(),
+            whole,
+            elements,
             cracks: broken.len(),
             bounds,
             scales,
@@ -176,6 +207,11 @@ impl Frame {
         self.time
     }
 
+    /// Whether the frame shows a sample of the elements.
+    pub(crate) fn is_sample(&self) -> bool {
+        self.elements < self.whole
+    }
+
     /// The 1st and the 99th percentile of a field.
     pub(crate) fn usual(&self, scale: usize) -> [f64; 2] {
         self.scales[scale].usual
@@ -186,7 +222,7 @@ impl Frame {
         let mut bytes = MAGIC.to_vec();
         bytes.extend(self.step.to_le_bytes());
         bytes.extend(self.time.to_le_bytes());
-        for number in [self.elements, self.cracks, self.size] {
+        for number in [self.whole, self.elements, self.cracks, self.size] {
             bytes.extend((number as u64).to_le_bytes());
         }
         let scales = self.scales.iter().flat_map(|scale| [scale.ends, scale.usual]).flatten();
@@ -209,6 +245,7 @@ impl Frame {
             Some(Self {
                 step: words.u64()?,
                 time: words.f64()?,
+                whole: usize::try_from(words.u64()?).ok()?,
                 elements: usize::try_from(words.u64()?).ok()?,
                 cracks: usize::try_from(words.u64()?).ok()?,
                 size: usize::try_from(words.u64()?).ok()?,
@@ -242,7 +279,11 @@ impl Frame {
     }
 
     fn try_open(&self) -> Option<Opened> {
-        let of_elements = self.elements.checked_mul(2 * OF_ELEMENTS)?;
+        if self.elements > self.whole {
+            return None;
+        }
+        let of_samples = if self.is_sample() { OF_SAMPLES } else { 0 };
+        let of_elements = self.elements.checked_mul(2 * (OF_ELEMENTS + of_samples))?;
         let expected = of_elements.checked_add(self.cracks.checked_mul(2 * OF_CRACKS)?)?;
         let bytes = miniz_oxide::inflate::decompress_to_vec_with_limit(&self.deflated, self.size).ok()?;
         if expected != self.size || bytes.len() != expected {
@@ -262,6 +303,10 @@ impl Frame {
             .collect();
         let materials = arrays.numbers(self.elements)?.into_iter().map(u32::from).collect();
         let outlines = arrays.numbers(self.elements)?.into_iter().map(|bits| (bits & 0xff) as u8).collect();
+        if self.is_sample() {
+            // Pictures do not need the numbers of the elements.
+            arrays.numbers(2 * self.elements)?;
+        }
         let ends = self.points(&mut arrays, self.cracks)?;
         let modes = arrays.numbers(self.cracks)?.into_iter().map(|code| match code {
             0 => Mode::Tension,
@@ -270,6 +315,14 @@ impl Frame {
         });
         let cracks = ends.into_iter().zip(modes).collect();
         arrays.is_empty().then_some(Opened { corners, values, bodies, materials, outlines, cracks })
+    }
+}
+
+/// Values of the elements that a frame shows.
+fn of_sample<T: Copy>(sample: Option<&Sample>, values: Vec<T>) -> Vec<T> {
+    match sample {
+        Some(sample) => sample.elements.iter().map(|&element| values[element as usize]).collect(),
+        None => values,
     }
 }
 

@@ -26,8 +26,11 @@ pub const MOST_FRAMES: usize = 121;
 /// Most frames that are named when they are left out.
 const MOST_NAMED: usize = 12;
 
-/// Most elements; a browser would run out of memory with more.
-const MOST_ELEMENTS: usize = 1_000_000;
+/// Most elements of a frame in a page: a browser would run out of memory with more. Larger meshes are shown by samples, [`Frame::sampled`].
+pub const MOST_ELEMENTS: usize = 1_000_000;
+
+/// Triangles in a sample of more than [`MOST_ELEMENTS`] elements: enough for each pixel of a screen, few enough for some ten frames in a page.
+pub const SAMPLE: usize = 250_000;
 
 /// Most bytes that all frames take in the file.
 const MOST_BYTES: usize = 40 << 20;
@@ -76,7 +79,7 @@ impl Report<'_> {
     /// The page.
     ///
     /// # Errors
-    /// [`PictureError::TooMany`] for more than a million elements; those of [`Pictures::png`].
+    /// [`PictureError::TooMany`] for a frame with more than [`MOST_ELEMENTS`] elements, which [`Frame::sampled`] would have made smaller; those of [`Pictures::png`].
     ///
     /// # Cost
     /// About 15 bytes for each element and frame, at most 40 MB; about 1 s.
@@ -85,6 +88,7 @@ impl Report<'_> {
         if found > MOST_ELEMENTS {
             return Err(PictureError::TooMany { what: "elements", found, most: MOST_ELEMENTS });
         }
+        let whole = self.frames.iter().map(|frame| frame.whole).max().unwrap_or(0);
         let places = thinned(self.frames);
         let frames: Vec<&Frame> = places.iter().map(|&place| &self.frames[place]).collect();
         let view = FrameView::of(self.frames);
@@ -106,16 +110,17 @@ impl Report<'_> {
                 ),
                 "style" => style.clone(),
                 "title" => escape(self.title),
-                "counts" => escape(&self.counts(found, &view)),
+                "counts" => escape(&self.counts(whole, &view)),
                 "preview" => preview.clone(),
                 "fields" => self.options(),
                 "last" => frames.len().saturating_sub(1).to_string(),
                 "thinned" => self.thinning(&places),
+                "sample" => self.sampling(),
                 "facts" => rows(self.facts),
                 "plots" => figures(self.plots),
                 "rows" => table(&frames, &places),
                 "version" => env!("CARGO_PKG_VERSION").to_owned(),
-                "meta" => self.meta(&frames, found, &view),
+                "meta" => self.meta(&frames, whole, &view),
                 "frames" => frames.iter().map(|frame| text(frame)).collect(),
                 "script" => script.clone(),
                 // The template has no other placeholders.
@@ -165,6 +170,20 @@ impl Report<'_> {
         )
     }
 
+    /// Says that the frames show a sample, and where the rest is.
+    fn sampling(&self) -> String {
+        let Some(frame) =
+            self.frames.iter().filter(|frame| frame.is_sample()).max_by_key(|frame| frame.elements)
+        else {
+            return String::new();
+        };
+        format!(
+            "<p class=\"hint help\" id=\"sample\">The mesh has {} elements. The view shows a sample of them: at most {} larger triangles, each with the values of one element. The files for ParaView have all elements.</p>",
+            grouped(frame.whole as u64),
+            grouped(frame.elements as u64)
+        )
+    }
+
     /// Data for the scripts as JSON, safe in a script element.
     fn meta(&self, frames: &[&Frame], elements: usize, view: &FrameView) -> String {
         let fields = Field::ALL.map(|field| {
@@ -183,6 +202,8 @@ impl Report<'_> {
             json!({
                 "step": frame.step,
                 "time": finite(frame.time),
+                "elements": frame.elements,
+                "sample": frame.is_sample(),
                 "cracks": frame.cracks,
                 "size": frame.size,
                 "bounds": frame.bounds,

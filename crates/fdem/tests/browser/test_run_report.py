@@ -1,6 +1,6 @@
 """The page of a run in a browser: real clicks and keys in headless Chromium, without a network.
 
-RUN_REPORT: the example `run_report` (default: target/release/examples/run_report beside the sources). CHROMIUM: the browser (default: chromium,
+FDEM: the command (default: target/release/fdem beside the sources). RUN_REPORT: the example `run_report` (default: target/release/examples/run_report beside the sources). CHROMIUM: the browser (default: chromium,
 chromium-browser or google-chrome on the path). FDEM_SHOTS: a folder that screenshots are kept in.
 """
 
@@ -16,6 +16,7 @@ from playwright.sync_api import sync_playwright
 
 ROOT = Path(__file__).resolve().parents[4]
 RUN_REPORT = os.environ.get("RUN_REPORT", str(ROOT / "target/release/examples/run_report"))
+FDEM = os.environ.get("FDEM", str(ROOT / "target/release/fdem"))
 ARGUMENTS = [
     "--use-angle=swiftshader",
     "--enable-unsafe-swiftshader",
@@ -322,6 +323,58 @@ def test_summary_plots_and_what_is_left_out_are_text(browser, disc):
         total = sum(crack["length"] for crack in last["cracks"] if crack["time"] is not None)
         assert float(cells[3]) == pytest.approx(total, rel=1e-5)
         assert [cells[0], cells[1], cells[2]] == ["59", "100,000", "0.002"]
+        watched.check()
+
+
+def test_a_sample_of_a_large_mesh_is_shown_and_picked(browser, tmp_path):
+    model = """
+        [model]
+        end_time = 2e-5
+        [[body]]
+        name = "block"
+        material = "rock"
+        rectangle = { min = [0, 0], max = [1, 1] }
+        mesh_size = 0.04
+        velocity = [3, 0]
+        [[material]]
+        name = "rock"
+        density = 2700
+        youngs_modulus = 10e9
+        poissons_ratio = 0.2
+        [output]
+        frames = 2
+        shown_elements = 200
+    """
+    (tmp_path / "block.toml").write_text(model)
+    subprocess.run([FDEM, "run", "block.toml", "-q", "-o", "run"], cwd=tmp_path, check=True, capture_output=True)
+    elements = json.loads((tmp_path / "run/run.json").read_text())["elements"]
+    assert elements > 1000
+    with Watched(browser, tmp_path / "run/report.html") as watched:
+        page = watched.page
+        assert f"The mesh has {elements:,} elements. The view shows a sample" in page.text_content("#sample")
+        assert f"{elements:,} elements" in page.text_content(".lead")
+        numbers = page.evaluate("Array.from({ length: fdem.triangles() }, (_, k) => fdem.number(k))")
+        assert 50 < len(numbers) <= 200
+        assert numbers == sorted(set(numbers)) and numbers[0] >= 0 and numbers[-1] < elements
+        x, y = page.evaluate("fdem.project(30)")
+        page.mouse.click(x, y)
+        picked = page.evaluate("fdem.picked()")
+        assert picked in numbers and watched.fact("element") == f"{picked:,}"
+        assert number(watched.fact("velocity")) == pytest.approx(3, rel=1e-3)
+        page.wait_for_selector("#overlay polygon", state="attached")
+        # An element that is not shown is told as such; the view goes on.
+        missing = next(k for k in range(elements) if k not in numbers)
+        page.fill("#find-id", str(missing))
+        page.keyboard.press("Enter")
+        assert f"Element {missing:,} is not in the sample" in page.text_content("#picked")
+        page.wait_for_selector("#overlay polygon", state="detached")
+        page.fill("#find-id", str(numbers[-1]))
+        page.keyboard.press("Enter")
+        assert watched.fact("element") == f"{numbers[-1]:,}"
+        before = watched.pixels()
+        page.select_option("#field", "body")
+        assert watched.pixels() != before
+        watched.shot("run-sample")
         watched.check()
 
 

@@ -23,6 +23,10 @@ pub struct Output {
     /// An animation (GIF): true, for the first of `fields`, or the name of a field. Default: false.
     #[serde(default)]
     pub animate: Option<Animate>,
+    /// Triangles that pictures and the report show at most; a larger mesh is shown by a sample of as many. Default: all, and 250,000 of more than 1,000,000.
+    #[serde(default)]
+    #[schemars(range(min = 100, max = 1_000_000))]
+    pub shown_elements: Option<u32>,
     /// Time between rows of the history, s. Default: a thousandth of the end time.
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0))]

@@ -24,7 +24,7 @@ class Frames {
   }
 
   async open(k) {
-    const about = meta.frames[k], n = meta.elements;
+    const about = meta.frames[k], n = about.elements;
     const bytes = await inflated(bytesOfBase64(this.texts[k].textContent), about.size);
     this.texts[k].textContent = "";
     if (bytes.length !== about.size) throw new Error("the data is damaged");
@@ -54,6 +54,18 @@ class Frames {
     const upper = numbers(n), lower = numbers(n), material = numbers(n);
     const body = (i) => upper[i] * 65536 + lower[i];
     const outlines = outlinesOf(corners, numbers(n));
+    // In a sample the elements have their numbers with them, from the lowest to the highest.
+    const sample = about.sample ? [numbers(n), numbers(n)] : null;
+    const number = (i) => (sample && i >= 0 ? sample[0][i] * 65536 + sample[1][i] : i);
+    const place = (element) => {
+      let low = 0, high = n;
+      while (low < high) {
+        const middle = (low + high) >> 1;
+        if (number(middle) < element) low = middle + 1;
+        else high = middle;
+      }
+      return low < n && number(low) === element ? low : -1;
+    };
     const cracks = new Float32Array(4 * about.cracks);
     for (let end = 0; end < 2; end++) {
       for (let axis = 0; axis < 2; axis++) {
@@ -61,7 +73,7 @@ class Frames {
         for (let i = 0; i < about.cracks; i++) cracks[4 * i + 2 * end + axis] = (value(places[i], about.bounds[axis]) - meta.view.middle[axis]) / meta.view.unit;
       }
     }
-    return { k, about, corners, scales, body, material, outlines, cracks, modes: numbers(about.cracks), value: (scale, i) => value(scales[scale][i], about.scales[scale]) };
+    return { k, about, corners, scales, number, place, body, material, outlines, cracks, modes: numbers(about.cracks), value: (scale, i) => value(scales[scale][i], about.scales[scale]) };
   }
 }
 

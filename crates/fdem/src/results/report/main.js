@@ -66,8 +66,9 @@ class Page {
 
   // Sets the colours of elements and cracks, and the legends.
   paint() {
-    const frame = this.shown, n = meta.elements, field = this.field();
+    const frame = this.shown, field = this.field();
     if (!frame) return;
+    const n = frame.about.elements;
     const colours = new Uint32Array(3 * n);
     const packed = ([r, g, b]) => (255 << 24) | (b << 16) | (g << 8) | r;
     if (field.scale === null) {
@@ -123,14 +124,19 @@ class Page {
   }
 
   describe() {
-    const frame = this.shown, k = this.selected;
-    if (k < 0 || !frame) {
+    const frame = this.shown;
+    if (this.selected < 0 || !frame) {
       $("picked").replaceChildren(make("p", "Click an element, or type its number, from 0.", { class: "hint" }));
+      return;
+    }
+    const k = frame.place(this.selected);
+    if (k < 0) {
+      $("picked").replaceChildren(make("p", `Element ${grouped(this.selected)} is not in the sample that this frame shows.`, { class: "hint" }));
       return;
     }
     const list = document.createElement("dl");
     const add = (name, text) => list.append(make("dt", name), make("dd", text, { "data-fact": name }));
-    add("element", grouped(k));
+    add("element", grouped(this.selected));
     add("body", meta.bodies[frame.body(k)] ?? String(frame.body(k)));
     add("material", meta.materials[frame.material[k]] ?? String(frame.material[k]));
     const c = this.view.corners(k), middle = [0, 1].map((axis) => ((c[0][axis] + c[1][axis] + c[2][axis]) / 3) * meta.view.unit + meta.view.middle[axis]);
@@ -143,8 +149,9 @@ class Page {
   // Draws the outline of the picked element.
   ring() {
     const parts = [];
-    if (this.selected >= 0 && this.view.frame) {
-      const points = this.view.corners(this.selected).map((corner) => this.view.project(corner).map((x) => x.toFixed(1)).join(","));
+    const k = this.selected >= 0 && this.view.frame ? this.view.frame.place(this.selected) : -1;
+    if (k >= 0) {
+      const points = this.view.corners(k).map((corner) => this.view.project(corner).map((x) => x.toFixed(1)).join(","));
       parts.push(svg("polygon", { points: points.join(" ") }));
     }
     $("overlay").replaceChildren(...parts);
@@ -233,7 +240,7 @@ class Page {
     });
     const up = (event) => {
       const started = down.delete(event.pointerId);
-      if (started && event.type === "pointerup" && travelled <= 3 && event.button === 0) this.pick(view.pick(...point(event)));
+      if (started && event.type === "pointerup" && travelled <= 3 && event.button === 0) this.pick(this.shown ? this.shown.number(view.pick(...point(event))) : -1);
     };
     canvas.addEventListener("pointerup", up);
     canvas.addEventListener("pointercancel", up);
@@ -293,7 +300,7 @@ async function start() {
   else for (const control of $("player").querySelectorAll("button, input, select")) control.disabled = true;
   if (page.frames.count === 1) $("play").disabled = $("frame").disabled = true;
   $("loading").hidden = true;
-  // For the console and for tests: position of element k on the page, the picked element, the state, showing a frame, and the time of a redraw.
+  // For the console and for tests: position of triangle k on the page, its element, the number of triangles, the picked element, the state, showing a frame, and the time of a redraw.
   window.fdem = {
     project: (k) => {
       const box = view.canvas.getBoundingClientRect(), corners = view.corners(k);
@@ -301,6 +308,8 @@ async function start() {
       return [box.left + x, box.top + y];
     },
     picked: () => page.selected,
+    number: (k) => view.frame.number(k),
+    triangles: () => view.frame.about.elements,
     state: () => ({ frame: page.shown?.k ?? -1, wanted: page.wanted, playing: page.playing, pan: view.pan, zoomed: view.zoomed }),
     show: (k) => page.go(k),
     time: () => {
