@@ -143,6 +143,20 @@ pub fn prepare(text: &str, name: &str, load: &mut Load<'_>) -> Result<Prepared, 
     prepare_or_faults(text, load).map_err(|faults| ModelErrors::new(name, text, faults))
 }
 
+/// The same model file with another `end_time`, s; `None` if it has none.
+///
+/// # Example
+/// ```
+/// let text = "[model]\nend_time = 1e-3 # short";
+/// assert_eq!(fdem::model::with_end_time(text, 0.25).as_deref(), Some("[model]\nend_time = 0.25 # short"));
+/// ```
+pub fn with_end_time(text: &str, seconds: f64) -> Option<String> {
+    let document = Document::parse(text).ok()?;
+    let place = document.value_if_any(Table::one("model"), "end_time")?;
+    // A TOML number with an exponent needs no point, and one without has it.
+    Some(format!("{}{seconds:?}{}", &text[..place.start], &text[place.end..]))
+}
+
 fn prepare_or_faults(text: &str, load: &mut Load<'_>) -> Result<Prepared, Vec<Fault>> {
     let document = Document::parse(text)?;
     let file = parse(text, &document)?;

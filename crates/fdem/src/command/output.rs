@@ -286,11 +286,18 @@ fn folder(path: &Path) -> &Path {
     }
 }
 
+/// Prints a text on standard output. A reader that leaves early (`| head`) has what it wants: no error.
+pub(crate) fn print(text: &str) -> Result<(), Failure> {
+    let mut output = Output::open(None)?;
+    output.write(|out| out.write_all(text.as_bytes()))
+}
+
 pub(crate) fn is_stdout(path: &Path) -> bool {
     path == Path::new("-")
 }
 
-fn is_device(path: &Path) -> bool {
+/// Whether a path is of something that is neither a file nor a folder.
+pub(crate) fn is_device(path: &Path) -> bool {
     fs::metadata(path).is_ok_and(|metadata| !metadata.is_file() && !metadata.is_dir())
 }
 

@@ -1,4 +1,4 @@
-//! Progress on a terminal, for steps that take longer than a second.
+//! Progress bars for steps that take longer than a second.
 
 use std::io::IsTerminal;
 use std::sync::Arc;
@@ -9,17 +9,17 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-/// A step that takes less is over before a bar could be read.
+/// Time after which a bar appears: nobody could read the bar of a shorter step.
 const PATIENCE: Duration = Duration::from_secs(1);
 
 const INTERVAL: Duration = Duration::from_millis(100);
 
-/// Times steps, and shows a bar on standard error while one lasts.
+/// Measures the time of steps, and shows a bar on standard error during each.
 pub(crate) struct Progress {
     visible: bool,
 }
 
-/// How far a step is, to be advanced by whoever works on it.
+/// Progress of a step. The code that works on the step advances it.
 pub(crate) type Position = Arc<AtomicU64>;
 
 impl Progress {
@@ -29,7 +29,7 @@ impl Progress {
 
     /// Runs `work` and returns its result with the seconds it took.
     ///
-    /// The bar runs up to `total`; without one it shows the position and the time only.
+    /// The bar runs up to `total`. Without a total it shows the position and the time.
     pub(crate) fn step<R>(
         &self,
         label: &'static str,
@@ -48,14 +48,14 @@ impl Progress {
     }
 }
 
-/// A thread that looks at the position, so that the work itself never waits for a terminal.
+/// A thread that draws the position, so that the work never waits for the terminal.
 struct Bar {
     done: Sender<()>,
     thread: JoinHandle<()>,
 }
 
 impl Bar {
-    /// None where no thread can be had: the work goes on unseen.
+    /// Starts the thread; `None` if the system has no thread left. The work then goes on without a bar.
     fn watch(label: &'static str, total: Option<u64>, position: &Position) -> Option<Self> {
         let (done, wait) = mpsc::channel();
         let position = Arc::clone(position);
@@ -83,7 +83,7 @@ impl Bar {
 
     fn finish(self) {
         drop(self.done);
-        // The thread only draws: if it panicked, the result is right all the same.
+        // The thread only draws: the result is right even if it panicked.
         let _ = self.thread.join();
     }
 }

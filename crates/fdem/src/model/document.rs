@@ -67,6 +67,11 @@ impl<'a> Document<'a> {
         self.find(table, dotted).1
     }
 
+    /// Where the value of a key stands, if the key is there.
+    pub(crate) fn value_if_any(&self, table: Table, dotted: &str) -> Option<Range<usize>> {
+        self.walk(table, dotted).map(Spanned::span)
+    }
+
     /// Entry of a list that is the value of a key.
     pub(crate) fn entry(&self, table: Table, dotted: &str, index: usize) -> Range<usize> {
         let Some(spot) = self.walk(table, dotted).and_then(|value| value.get_ref().as_array()) else {

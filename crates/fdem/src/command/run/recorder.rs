@@ -1,24 +1,28 @@
-//! What a run leaves behind: frames and history while it goes, plots, animation and report at its end.
+//! Writes the results of a run: frames and history during the run, plots, animation and report at its end.
 
+use std::fmt;
 use std::fs::{self, File, OpenOptions};
 use std::io::{BufWriter, Write};
+use std::sync::atomic::Ordering;
 
 use fdem_simulation::{Simulation, Target};
 
 use crate::command::failure::{Failure, display_name};
+use crate::command::progress::Position;
 use crate::command::run::folder::{
-    COLLECTIONS, Folder, HISTORY, PLOTS, contacts_file, cracks_file, damaged_file, mesh_file, packed_file,
+    COLLECTIONS, Folder, HISTORY, MODEL, PLOTS, REPORT, contacts_file, cracks_file, damaged_file, mesh_file,
+    packed_file,
 };
 use crate::model::{History as Recorded, Prepared, Quantity};
 use crate::results::{
-    Animation, Field, Frame, FrameView, History, HistoryWriter, Names, Outlines, Pictures, Range, Report,
-    Row, kept, plots, pvd, write_contacts_vtp, write_cracks_vtp, write_damaged_joints_vtp, write_vtu,
+    Animation, Field, Frame, FrameView, History, HistoryWriter, Names, Outlines, Pictures, Plot, Range,
+    Report, Row, kept, plots, pvd, write_contacts_vtp, write_cracks_vtp, write_damaged_joints_vtp, write_vtu,
 };
 
-/// Between two pictures of an animation, in hundredths of a second.
+/// Time between two pictures of an animation, in hundredths of a second.
 const DELAY: u16 = 8;
 
-/// Records a run in its folder.
+/// Writes the results of a run into its folder.
 pub(crate) struct Recorder {
     folder: Folder,
     history: HistoryWriter<BufWriter<File>>,
@@ -26,12 +30,14 @@ pub(crate) struct Recorder {
     outlines: Outlines,
     /// Nodes of the boundary of each history of a force; empty for other histories.
     targets: Vec<Vec<u32>>,
-    /// Step and time of those written.
+    /// Step and time, s, of each frame that has been written.
     pub(crate) frames: Vec<(u64, f64)>,
+    /// Elements beyond which frames for the report are samples, and triangles of a sample.
+    shown: [usize; 2],
 }
 
 impl Recorder {
-    /// For a run from the beginning.
+    /// Starts the records of a new run.
     pub(crate) fn new(folder: &Folder, prepared: &Prepared) -> Result<Self, Failure> {
         let path = folder.path(HISTORY);
         let names = columns(prepared);
@@ -57,10 +63,11 @@ impl Recorder {
             outlines: Outlines::new(&prepared.model.mesh, &prepared.grains),
             targets: prepared.histories.iter().map(|history| target(history, prepared)).collect(),
             frames,
+            shown: prepared.output.shown,
         }
     }
 
-    /// For a run that goes on after a checkpoint: what is later is removed, what was there before has to be there still.
+    /// Continues the records of a run from a checkpoint. Later frames and rows are removed; earlier ones have to be there.
     pub(crate) fn going_on(
         folder: &Folder,
         prepared: &Prepared,
@@ -70,8 +77,21 @@ impl Recorder {
     ) -> Result<Self, Failure> {
         let path = folder.path(HISTORY);
         let text = folder.read(HISTORY)?;
-        let end =
-            kept(&text, step).map_err(|error| Failure::Unusable(format!("{}: {error}", path.display())))?;
+        // The row of t = 0 is written after the first step, and once more if the run goes on before it.
+        let end = if step == 0 {
+            usize::try_from(length).map_or(text.len(), |length| length.min(text.len()))
+        } else {
+            kept(&text, step).map_err(|error| Failure::Unusable(format!("{}: {error}", path.display())))?
+        };
+        let mut head = Vec::new();
+        HistoryWriter::new(&mut head, &columns(prepared)).map_err(|error| Failure::writing(&path, error))?;
+        if !text.starts_with(&head) {
+            return Err(Failure::Unusable(format!(
+                "{}: its columns are not those of the [[history]] tables in {}: put these back",
+                display_name(&path),
+                display_name(&folder.path(MODEL))
+            )));
+        }
         if (end as u64) < length {
             return Err(Failure::Unusable(format!(
                 "{}: rows before step {step} are missing: {} of {length} bytes are left",
@@ -111,38 +131,57 @@ impl Recorder {
         Ok(recorder)
     }
 
-    /// A row of the history.
-    pub(crate) fn row(&mut self, run: &Simulation, prepared: &Prepared) -> Result<(), Failure> {
-        let mut values = Vec::new();
-        for (history, target) in prepared.histories.iter().zip(&self.targets) {
-            match history.quantity {
-                Quantity::Node(node) => {
-                    let (moved, velocity) = run.node(node).unwrap_or_default();
-                    values.extend(moved.into_iter().chain(velocity));
-                }
-                Quantity::Force(boundary) => {
-                    values.extend(run.force(boundary).unwrap_or_default());
-                    values.extend(mean_displacement(run, target));
-                }
-                Quantity::Energy | Quantity::CrackLength => {}
+    /// Returns the present values of each `[[history]]`.
+    pub(crate) fn values(&self, run: &Simulation, prepared: &Prepared) -> Vec<Vec<f64>> {
+        let values = |(history, target): (&Recorded, &Vec<u32>)| match history.quantity {
+            Quantity::Node(node) => {
+                let (moved, velocity) = run.node(node).unwrap_or_default();
+                [moved, velocity].concat()
+            }
+            Quantity::Force(boundary) => {
+                [run.force(boundary).unwrap_or_default(), mean_displacement(run, target)].concat()
+            }
+            Quantity::Energy | Quantity::CrackLength => Vec::new(),
+        };
+        prepared.histories.iter().zip(&self.targets).map(values).collect()
+    }
+
+    /// Writes the row of t = 0 after the first step. `values`: those of before that step; forces and energies are those that the step began with.
+    pub(crate) fn first_row(
+        &mut self,
+        run: &Simulation,
+        prepared: &Prepared,
+        mut values: Vec<Vec<f64>>,
+    ) -> Result<(), Failure> {
+        for (number, history) in prepared.histories.iter().enumerate() {
+            if let Quantity::Force(boundary) = history.quantity {
+                values[number][..2].copy_from_slice(&run.force(boundary).unwrap_or_default());
             }
         }
-        let row = Row {
+        self.write_row(&Row { energies: run.energies(), values: values.concat(), ..Row::default() })
+    }
+
+    /// Writes a row of the history.
+    pub(crate) fn row(&mut self, run: &Simulation, prepared: &Prepared) -> Result<(), Failure> {
+        self.write_row(&Row {
             step: run.steps(),
             time: run.time(),
             energies: run.energies(),
             broken: run.counts().broken as u64,
             lengths: run.crack_lengths(),
-            values,
-        };
-        self.history.row(&row).map_err(|error| Failure::writing(&self.folder.path(HISTORY), error))
+            values: self.values(run, prepared).concat(),
+        })
     }
 
-    /// Files of the bodies and cracks as they are.
+    fn write_row(&mut self, row: &Row) -> Result<(), Failure> {
+        self.history.row(row).map_err(|error| Failure::writing(&self.folder.path(HISTORY), error))
+    }
+
+    /// Writes the files of the bodies and cracks as they are now.
     pub(crate) fn frame(&mut self, run: &Simulation) -> Result<(), Failure> {
         let (snapshot, forces) = (run.snapshot(), run.forces());
         let number = self.frames.len();
-        // Memory does not refuse to be written to; a snapshot that contradicts itself would be a fault of ours.
+        // Writing to memory does not fail; a snapshot that contradicts itself would be a bug.
         let fault = |name: &str, error: std::io::Error| Failure::writing(&self.folder.path(name), error);
         let write = |name: String, write: &dyn Fn(&mut Vec<u8>) -> std::io::Result<()>| {
             let mut bytes = Vec::new();
@@ -154,13 +193,17 @@ impl Recorder {
         write(damaged_file(number), &|out| write_damaged_joints_vtp(out, &snapshot))?;
         write(contacts_file(number), &|out| write_contacts_vtp(out, &snapshot, &forces))?;
         let name = packed_file(number);
-        let frame = Frame::outlined(&snapshot, &self.outlines).map_err(|error| fault(&name, error.into()))?;
+        // The report shows a sample of a mesh that is too large for a page; files for ParaView are complete.
+        let [most, sample] = self.shown;
+        let most = if snapshot.triangles.len() > most { sample } else { usize::MAX };
+        let frame =
+            Frame::sampled(&snapshot, &self.outlines, most).map_err(|error| fault(&name, error.into()))?;
         self.folder.write(&name, &frame.to_bytes())?;
         self.frames.push((run.steps(), run.time()));
         self.collections()
     }
 
-    /// What ParaView opens.
+    /// Writes the collections that ParaView opens.
     fn collections(&self) -> Result<(), Failure> {
         for (name, file_of) in COLLECTIONS {
             let files: Vec<String> = (0..self.frames.len()).map(file_of).collect();
@@ -170,7 +213,7 @@ impl Recorder {
         Ok(())
     }
 
-    /// Of the history as it is on the disk, bytes.
+    /// Length of the history on the disk, bytes.
     pub(crate) fn length(&self) -> Result<u64, Failure> {
         let path = self.folder.path(HISTORY);
         fs::metadata(&path)
@@ -178,65 +221,85 @@ impl Recorder {
             .map_err(|error| Failure::reading(&display_name(&path), &error))
     }
 
-    /// The rows so far are on the disk.
+    /// Writes all rows so far to the disk.
     pub(crate) fn flush(&mut self) -> Result<(), Failure> {
         let out = self.history.get_mut();
         let done = out.flush().and_then(|()| out.get_ref().sync_all());
         done.map_err(|error| Failure::writing(&self.folder.path(HISTORY), error))
     }
 
-    /// Plots, pictures, animation and report of what has been recorded. `facts`: the rows of the summary.
-    pub(crate) fn finish(&mut self, prepared: &Prepared, facts: &[(&str, &str)]) -> Result<(), Failure> {
+    /// Draws plots, the picture, the animation and the report of what has been recorded. `facts`: the rows of the summary; `done`: frames that have been read.
+    ///
+    /// # Errors
+    /// The first thing that could not be drawn or written; everything else is drawn all the same.
+    pub(crate) fn finish(
+        &mut self,
+        prepared: &Prepared,
+        facts: &[(&str, &str)],
+        done: &Position,
+    ) -> Result<(), Failure> {
         self.flush()?;
-        let text = self.folder.read(HISTORY)?;
-        let broken =
-            |what: &str, error: &dyn std::fmt::Display| Failure::Unusable(format!("{what}: {error}"));
-        let history = History::read(&text).map_err(|error| broken(HISTORY, &error))?;
+        let history = History::read(&self.folder.read(HISTORY)?).map_err(|error| broken(HISTORY, &error))?;
         let drawn = plots(&history);
-        self.folder.make(PLOTS)?;
-        for plot in &drawn {
-            let name = format!("{PLOTS}/{}", plot.name);
-            self.folder.write(&format!("{name}.svg"), plot.svg.as_bytes())?;
-            let png = plot.png(None).map_err(|error| broken(&name, &error))?;
-            self.folder.write(&format!("{name}.png"), &png)?;
-        }
-        let frames = (0..self.frames.len())
-            .map(|number| {
-                let name = packed_file(number);
-                let bytes = self.folder.read(&name)?;
-                Frame::from_bytes(&bytes).map_err(|error| broken(&name, &error))
-            })
-            .collect::<Result<Vec<_>, _>>()?;
+        let frames = self.read_frames(done)?;
         let title = if prepared.title.is_empty() { "fdem" } else { &prepared.title };
         let view = FrameView::of(&frames);
         let pictures = |field| Pictures { title, field, range: Range::of(&frames, field), view };
         let field = prepared.output.fields.first().copied().unwrap_or(Field::MaxPrincipal);
-        if let Some(last) = frames.last() {
-            let png = pictures(field).png(last, None).map_err(|error| broken("picture.png", &error))?;
-            self.folder.write("picture.png", &png)?;
-        }
-        if let Some(asked) = prepared.output.animate {
-            let mut animation = Animation::new(pictures(asked), None, DELAY);
-            for frame in &frames {
-                animation.push(frame).map_err(|error| broken("animation.gif", &error))?;
-            }
-            let gif = animation.finish().map_err(|error| broken("animation.gif", &error))?;
-            self.folder.write("animation.gif", &gif)?;
-        }
         let report = Report { title, facts, plots: &drawn, frames: &frames, field, names: &self.names };
-        let html = report.html().map_err(|error| broken("report.html", &error))?;
-        self.folder.write("report.html", html.as_bytes())
+        [
+            self.write_plots(&drawn),
+            frames
+                .last()
+                .map_or(Ok(()), |last| self.write_drawn("picture.png", pictures(field).png(last, None))),
+            prepared.output.animate.map_or(Ok(()), |asked| {
+                let mut animation = Animation::new(pictures(asked), None, DELAY);
+                let pushed = frames.iter().try_for_each(|frame| animation.push(frame));
+                self.write_drawn("animation.gif", pushed.and_then(|()| animation.finish()))
+            }),
+            self.write_drawn(REPORT, report.html().map(String::into_bytes)),
+        ]
+        .into_iter()
+        .collect()
+    }
+
+    /// The frames as the report shows them: samples where there are too many elements for a page.
+    fn read_frames(&self, done: &Position) -> Result<Vec<Frame>, Failure> {
+        let read = |number: usize| {
+            let name = packed_file(number);
+            let bytes = self.folder.read(&name)?;
+            done.fetch_add(1, Ordering::Relaxed);
+            Frame::from_bytes(&bytes).map_err(|error| broken(&name, &error))
+        };
+        (0..self.frames.len()).map(read).collect()
+    }
+
+    fn write_plots(&self, drawn: &[Plot]) -> Result<(), Failure> {
+        self.folder.make(PLOTS)?;
+        drawn.iter().try_for_each(|plot| {
+            let name = format!("{PLOTS}/{}", plot.name);
+            self.folder.write(&format!("{name}.svg"), plot.svg.as_bytes())?;
+            self.write_drawn(&format!("{name}.png"), plot.png(None))
+        })
+    }
+
+    fn write_drawn<E: fmt::Display>(&self, name: &str, bytes: Result<Vec<u8>, E>) -> Result<(), Failure> {
+        self.folder.write(name, &bytes.map_err(|error| broken(name, &error))?)
     }
 }
 
-/// Columns of the histories that were asked for.
+fn broken(what: &str, error: &dyn fmt::Display) -> Failure {
+    Failure::Unusable(format!("{what}: {error}"))
+}
+
+/// Returns the names of the columns of all `[[history]]` tables.
 fn columns(prepared: &Prepared) -> Vec<String> {
     let mut names = Vec::new();
     for history in &prepared.histories {
         let parts: &[&str] = match history.quantity {
             Quantity::Node(_) => &["ux [m]", "uy [m]", "vx [m/s]", "vy [m/s]"],
             Quantity::Force(_) => &["fx [N]", "fy [N]", "ux [m]", "uy [m]"],
-            // These are there anyway.
+            // Every history has these columns.
             Quantity::Energy | Quantity::CrackLength => &[],
         };
         names.extend(parts.iter().map(|part| format!("{} {part}", history.name)));
