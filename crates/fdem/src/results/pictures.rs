@@ -196,7 +196,7 @@ impl Pictures<'_> {
             "t = {}, step {}, {} elements",
             self.view.time(frame.time),
             grouped(frame.step),
-            grouped(frame.elements as u64)
+            grouped(frame.whole as u64)
         );
         if frame.cracks > 0 {
             let total: f64 = frame.lengths.iter().sum();
