@@ -28,12 +28,13 @@ mod settings;
 mod preflight;
 mod quality;
 mod warnings;
+mod equilibrium;
 
 use std::io;
 use std::ops::Range;
 
 use fdem_simulation::{
-    ContactOptions, CriticalOpening, FractureOptions, Insertion, Model, Schedule, TimeOptions,
+    ContactOptions, CriticalOpening, FractureOptions, Insertion, Mesh, Model, Schedule, TimeOptions,
 };
 use sha2::{Digest, Sha256};
 
@@ -180,7 +181,7 @@ fn prepare_or_faults(text: &str, load: &mut Load<'_>) -> Result<Prepared, Vec<Fa
     let histories = settings::histories(&file, &mesh.nodes, &placed, &mut warnings);
     let model = Model {
         velocities: velocities(&file, &placed),
-        stresses: file.initial.stress.map(|stress| vec![stress; mesh.triangles.len()]).unwrap_or_default(),
+        stresses: stresses(&file, &mesh),
         mesh,
         materials,
         interfaces,
@@ -296,6 +297,23 @@ fn velocities(file: &ModelFile, placed: &[Placed]) -> Vec<[f64; 2]> {
         velocities.clear();
     }
     velocities
+}
+
+/// Initial stress of each element, that of its centroid; empty for none.
+fn stresses(file: &ModelFile, mesh: &Mesh) -> Vec<[f64; 3]> {
+    let (stress, gradient) = (file.initial.stress, file.initial.stress_gradient);
+    if stress.is_none() && gradient == [0.0; 3] {
+        return Vec::new();
+    }
+    let stress = stress.unwrap_or_default();
+    let of = |nodes: &[u32; 3]| -> [f64; 3] {
+        if gradient == [0.0; 3] {
+            return stress;
+        }
+        let height = nodes.iter().map(|&node| mesh.nodes[node as usize][1]).sum::<f64>() / 3.0;
+        std::array::from_fn(|k| stress[k] + gradient[k] * height)
+    };
+    mesh.triangles.iter().map(of).collect()
 }
 
 fn contact(file: &ModelFile) -> ContactOptions {

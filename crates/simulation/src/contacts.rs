@@ -10,8 +10,8 @@ mod forces;
 use fdem_contact::{Buffered, Couple as Pair, Detector, Elements as Boxes, Engine};
 use serde::{Deserialize, Serialize};
 
-pub(crate) use crate::contacts::forces::stiffness;
 use crate::contacts::forces::{Contact, Grip, Law, law, press};
+pub(crate) use crate::contacts::forces::{penalty_and_friction, stiffness};
 use crate::error::{ModelError, Stop};
 use crate::forces::ContactForce;
 use crate::joints::{Joints, State};

@@ -103,6 +103,11 @@ pub enum ModelError {
         /// Message of the library.
         message: String,
     },
+    /// Detection of the surfaces that touch at the beginning failed.
+    Detection {
+        /// Message of the detection.
+        message: String,
+    },
     /// There are more corners of elements than can be numbered.
     TooLarge {
         /// Number of elements.
@@ -151,6 +156,7 @@ impl fmt::Display for ModelError {
                  it must be above {least:.3} J/m², or the joint penalty larger, or joints adaptive"
             ),
             Self::Threads { message } => write!(out, "no threads: {message}"),
+            Self::Detection { message } => write!(out, "contact detection: {message}"),
             Self::TooLarge { elements } => write!(out, "{elements} elements are too many"),
         }
     }
@@ -188,10 +194,21 @@ pub enum Stop {
         element: u32,
         /// The step.
         step: u64,
-        /// Error as a share of all energy that has been in the system.
+        /// Error as a share of the energy exchanged.
         error: f64,
         /// The bound.
         bound: f64,
+    },
+    /// Kinetic energy exceeds all that could have become kinetic energy.
+    Kinetic {
+        /// The element that holds most energy for its mass.
+        element: u32,
+        /// The step.
+        step: u64,
+        /// Kinetic energy, J.
+        kinetic: f64,
+        /// Energy that was there at the beginning or was put in, J.
+        available: f64,
     },
     /// Joints have given back energy that they had dissipated.
     Returned {
@@ -199,7 +216,7 @@ pub enum Stop {
         element: u32,
         /// The step.
         step: u64,
-        /// Energy given back as a share of all energy that has been in the system.
+        /// Energy given back as a share of the energy exchanged.
         share: f64,
         /// The bound.
         bound: f64,
@@ -226,6 +243,11 @@ impl fmt::Display for Stop {
                 "step {step}: the energy balance is off by {:.2} %, more than {:.2} %; element {element} holds most for its mass",
                 100.0 * error,
                 100.0 * bound
+            ),
+            Self::Kinetic { element, step, kinetic, available } => write!(
+                out,
+                "step {step}: the kinetic energy is {kinetic:.4e} J, more than the {available:.4e} J that were there or put in; \
+                 element {element} holds most for its mass"
             ),
             Self::Returned { element, step, share, bound } => write!(
                 out,

@@ -3,7 +3,8 @@
 //! A joint acts between the two nodes at either end of its edge, each end for half of it (Newton-Cotes). As long as the two nodes at an end are one, that end cannot open
 //! and is left out: an edge that reaches its strength within whole material opens when a second one at the same vertex does, which is how cracks begin and end.
 //!
-//! A joint that is put in under load (adaptive insertion, `joints/insertion.rs`) begins with the traction that acts there, so that nothing is released.
+//! A joint that is put in under load begins with the traction that acts there, so that nothing is released: with adaptive insertion (`joints/insertion.rs`), and under initial stress if joints are
+//! there from the beginning. The elastic energy of these is counted from the beginning.
 
 mod insertion;
 mod near;
@@ -231,7 +232,7 @@ impl Joints {
         })
     }
 
-    /// Puts joints on all edges that may part, whole and without load.
+    /// Puts joints on all edges that may part, whole. [`Joints::part`] gives them the traction of the initial stress.
     pub(crate) fn everywhere(&mut self, model: &Model, topology: &Topology) -> Result<(), ModelError> {
         let count = self.class.iter().filter(|&&class| class != NONE).count();
         self.all.reserve_exact(count);
@@ -413,6 +414,29 @@ impl Joints {
             });
         }
         pressing
+    }
+
+    /// Elastic energy of all joints before they have opened or slid, J: what the initial stress has stored in those that are there from the beginning.
+    pub(crate) fn stored(&self, solid: &Solid) -> f64 {
+        let of_end = |joint: &Joint, end: usize| {
+            let offset = joint.ends[end].offset;
+            0.25 * joint.length * solid.thickness * joint.law.penalty * dot(offset, offset)
+        };
+        self.all.iter().map(|joint| of_end(joint, 0) + of_end(joint, 1)).sum()
+    }
+
+    /// Adds the force of the joints on a corner of an element before anything has moved.
+    pub(crate) fn add_initial_force(&self, corner: u32, solid: &Solid, force: &mut Point) {
+        for code in self.at_corner[corner as usize].into_iter().filter(|&code| code != NONE) {
+            let joint = &self.all[code as usize / 4];
+            let (frame, mut memory) = (Frame::new(joint, solid), joint.ends[code as usize / 2 % 2]);
+            let [pressure, shear] = memory.traction(&joint.law, 0.0, 0.0);
+            let area = 0.5 * joint.length * solid.thickness;
+            let sign = if code % 2 == 0 { area } else { -area };
+            for axis in 0..2 {
+                force[axis] += sign * (pressure * frame.normal[axis] + shear * frame.tangent[axis]);
+            }
+        }
     }
 
     /// Mean opening and sliding of a joint.

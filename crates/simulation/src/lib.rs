@@ -4,7 +4,7 @@
 //! `simulation.rs`; each part is a file:
 //!
 //! ```text
-//! solid (elastic) ─> joints (cohesive) ─> contacts (detection, potential) ─> loads ─> motion ─> energy
+//! solid (elastic) ─> joints (cohesive) ─> contacts (detection, potential) ─> seams ─> loads (ground) ─> motion ─> energy
 //! ```
 //!
 //! Results do not depend on the number of threads: elements, joints and contacts store their forces, and every node adds up its forces in a fixed order.
@@ -26,7 +26,9 @@ mod cohesive;
 mod joints;
 mod potential;
 mod contacts;
+mod seams;
 mod loads;
+mod ground;
 mod motion;
 mod critical;
 mod energy;
@@ -44,5 +46,6 @@ pub use model::{
     Boundary, ContactOptions, CriticalOpening, FractureOptions, Insertion, Interface, Load, Material, Mesh,
     Model, Plane, Schedule, Strength, Target, TimeOptions,
 };
+pub use seams::InitialContacts;
 pub use simulation::{Counts, Simulation, State, Timings};
 pub use snapshot::{Crack, Mode, Snapshot};

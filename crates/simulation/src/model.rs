@@ -23,7 +23,7 @@ pub struct Model {
     pub gravity_schedule: Schedule,
     /// Velocity of each node at the beginning, m/s; empty for none.
     pub velocities: Vec<[f64; 2]>,
-    /// Stress of each element at the beginning, `[xx, yy, xy]` in Pa, tension positive; empty for none.
+    /// Stress of each element at the beginning, `[xx, yy, xy]` in Pa, tension positive; empty for none. Surfaces that touch, joints and absorbing edges begin with its tractions.
     pub stresses: Vec<[f64; 3]>,
     /// Options of contacts.
     pub contact: ContactOptions,
@@ -172,7 +172,7 @@ pub enum Load {
     Traction([f64; 2]),
     /// A pressure on edges, Pa, against the outward normal of the deformed edge.
     Pressure(f64),
-    /// Edges that let waves out: dashpots of the material's impedances (Lysmer and Kuhlemeyer, 1969).
+    /// Edges that let waves out: dashpots of the material's impedances (Lysmer and Kuhlemeyer, 1969), the static force of the beginning, and springs as stiff as the ground beyond.
     Absorbing,
 }
 
@@ -256,7 +256,7 @@ pub struct TimeOptions {
     pub safety: f64,
     /// Local damping of nodes (Cundall): a force against their motion, as a share of the force on them; 0 for none.
     pub local_damping: f64,
-    /// Error of the energy balance at which a run stops, as a share of all energy that has been in the system.
+    /// Error of the energy balance at which a run stops, as a share of the energy exchanged.
     pub energy_bound: f64,
 }
 

@@ -80,8 +80,17 @@ pub(crate) struct Solid {
     responses: Vec<Response>,
     /// Smallest height of each element; empty without viscosity.
     heights: Vec<f64>,
-    /// Second Piola-Kirchhoff stress at the beginning, `[xx, yy, xy]`; empty for none.
-    prestress: Vec<[f64; 3]>,
+    /// Initial stress of each element; empty for none.
+    prestress: Vec<Prestress>,
+}
+
+/// The initial stress of an element.
+#[derive(Clone, Copy, Debug)]
+struct Prestress {
+    /// Second Piola-Kirchhoff, `[xx, yy, xy]`.
+    stress: [f64; 3],
+    /// What it has stored before the run, J/m³.
+    energy: f64,
 }
 
 /// What a pass over the elements found.
@@ -133,17 +142,29 @@ impl Solid {
         let constants =
             all().map(|(vertex, _)| Constants { mass: 0.0, vertex: vertex as u32, hold: NONE }).collect();
         let corners = Nodes::new(mesh.triangles.clone(), mesh.nodes.len());
+        let moduli = |element: usize| &responses[elements[element].material as usize].moduli;
+        let prestress: Vec<Prestress> = model
+            .stresses
+            .iter()
+            .enumerate()
+            .map(|(element, &stress)| Prestress { stress, energy: moduli(element).stored(stress) })
+            .collect();
+        let mut strained = vec![Strained::default(); elements.len()];
+        for ((strained, prestress), element) in strained.iter_mut().zip(&prestress).zip(&elements) {
+            strained.stress = prestress.stress;
+            strained.energy = prestress.energy * element.volume;
+        }
         let mut solid = Self {
             origin,
             nodes,
             constants,
-            strained: vec![Strained::default(); elements.len()],
+            strained,
             elements,
             corners,
             thickness: model.thickness,
             responses,
             heights,
-            prestress: model.stresses.clone(),
+            prestress,
         };
         for node in 0..solid.nodes.len() {
             solid.weigh(node as u32, model);
@@ -233,13 +254,14 @@ impl Solid {
                     sum.inverted = Some((number as u32, j));
                 }
                 let (mut stress, mut energy) = response.moduli.stress(&gradient, j);
-                if let Some(&[xx, yy, xy]) = prestress.get(number) {
+                if let Some(prestress) = prestress.get(number) {
+                    let [xx, yy, xy] = prestress.stress;
                     let second = [xx, xy, xy, yy];
                     let first = product(&gradient, &second);
                     stress = std::array::from_fn(|i| stress[i] + first[i]);
                     let [p, q, r, s] = gradient;
                     let strain = [p * p + r * r - 1.0, p * q + r * s, p * q + r * s, q * q + s * s - 1.0];
-                    energy += 0.5 * contraction(&second, &strain);
+                    energy += prestress.energy + 0.5 * contraction(&second, &strain);
                 }
                 if response.viscosity > 0.0 {
                     let (e, f) = (minus(b.velocity, a.velocity), minus(c.velocity, a.velocity));
@@ -268,13 +290,28 @@ impl Solid {
         all
     }
 
-    /// Stored in the elements by the last pass.
+    /// Strain energy by the last pass.
     pub(crate) fn strain_energy(&self, team: &Team) -> f64 {
         team.look(self.elements.len(), |range| {
             self.strained[range].iter().map(|strained| strained.energy).sum::<f64>()
         })
         .into_iter()
         .sum()
+    }
+
+    /// Whether the elements begin under stress.
+    pub(crate) fn is_prestressed(&self) -> bool {
+        !self.prestress.is_empty()
+    }
+
+    /// The force on a corner of an element by its initial stress.
+    pub(crate) fn initial_force(&self, corner: u32) -> Point {
+        let Some(prestress) = self.prestress.get(corner as usize / 3) else { return [0.0; 2] };
+        let element = &self.elements[corner as usize / 3];
+        let [xx, yy, xy] = prestress.stress;
+        let forces = product_transposed(&[xx, xy, xy, yy], &element.gradients).map(|f| -element.volume * f);
+        let (one, two) = ([forces[0], forces[2]], [forces[1], forces[3]]);
+        [[-one[0] - two[0], -one[1] - two[1]], one, two][corner as usize % 3]
     }
 
     /// The stress out of the plane of an element.

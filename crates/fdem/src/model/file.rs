@@ -85,7 +85,7 @@ pub struct General {
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "exclusiveMaximum" = 1))]
     pub local_damping: f64,
-    /// A run stops when more energy than this share of all that was in the system appears or vanishes. Default: 0.05.
+    /// A run stops when more energy than this share of what has been exchanged appears or vanishes. Default: 0.05.
     #[serde(default = "energy_bound")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub energy_bound: f64,
@@ -157,9 +157,12 @@ pub struct Initial {
     /// Velocity [x, y] of bodies by their names, m/s, such as { hammer = [0, -5] }. Bodies that are not named rest, or move as their own `velocity` says.
     #[serde(default)]
     pub velocity: BTreeMap<String, [f64; 2]>,
-    /// Stress [xx, yy, xy] in all bodies, Pa, tension positive. Default: none.
+    /// Stress [xx, yy, xy] in all bodies, Pa, tension positive. Surfaces that touch, joints and absorbing edges carry it from the beginning. Default: none.
     #[serde(default)]
     pub stress: Option<[f64; 3]>,
+    /// Change of that stress per metre of y, [xx, yy, xy] in Pa/m; `stress` is that at y = 0. A yy of density times gravity carries the weight. Default: [0, 0, 0].
+    #[serde(default)]
+    pub stress_gradient: [f64; 3],
 }
 
 /// How bodies touch.

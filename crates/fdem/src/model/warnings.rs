@@ -8,6 +8,7 @@ use fdem_contact::discretised::{self, Mesh as Detected};
 use fdem_contact::narrow::Measure;
 use fdem_simulation::{Boundary, Load, Model, Plane, Schedule, Target};
 
+use crate::model::equilibrium;
 use crate::model::outline::{bounds, distance, twice_area};
 use crate::model::{Body, Quality};
 use crate::numbers::brief;
@@ -53,6 +54,7 @@ pub(crate) fn warnings(model: &Model, bodies: &[Body], quality: &Quality) -> Vec
     }
     overlaps(model, bodies, &mut warnings);
     gravity::sudden(model, bodies, &mut warnings);
+    equilibrium::warnings(model, bodies, &mut warnings);
     warnings
 }
 

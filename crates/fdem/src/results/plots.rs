@@ -9,6 +9,9 @@ use crate::results::noise::mean;
 /// More curves are not told apart.
 const MOST_CURVES: usize = 8;
 
+/// Share of the largest strain energy in the first row from which it is that of an initial stress: without one it is rounding.
+const INITIAL: f64 = 1e-6;
+
 /// A plot of a history.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Plot {
@@ -56,11 +59,13 @@ impl Plot {
 /// ```
 pub fn plots(history: &History) -> Vec<Plot> {
     let time = history.column("time").unwrap_or_default();
+    let changed = change_of_strain(history);
     let over_time = |name: &'static str, up: Axis<'static>, curves: &[(&'static str, &'static str)]| {
-        let curves = curves
-            .iter()
-            .filter_map(|(name, column)| Some(Curve::plain(name, time, history.column(column)?)));
-        let curves: Vec<Curve<'_>> = curves.collect();
+        let curve = |(name, column): &(&'static str, &'static str)| match &changed {
+            Some(up) if *column == "strain" => Some(Curve::plain("strain (change)", time, up)),
+            _ => Some(Curve::plain(name, time, history.column(column)?)),
+        };
+        let curves: Vec<Curve<'_>> = curves.iter().filter_map(curve).collect();
         let description = described(&curves, "time");
         Chart { name, description, across: Axis { name: "time", unit: "s" }, up, curves }.svg()
     };
@@ -87,7 +92,7 @@ pub fn plots(history: &History) -> Vec<Plot> {
             "energy_error",
             over_time(
                 "Error of the energy balance",
-                Axis { name: "share of the energy in the system", unit: "" },
+                Axis { name: "share of the energy exchanged", unit: "" },
                 &[("error", "error")],
             ),
         ),
@@ -108,6 +113,14 @@ pub fn plots(history: &History) -> Vec<Plot> {
     plots.extend(by_unit(history, time));
     plots.extend(load_displacement(history));
     plots
+}
+
+/// The change of the strain energy since the beginning, where an initial stress has stored some: it would hide all other curves. `None` where the bodies begin without stress.
+fn change_of_strain(history: &History) -> Option<Vec<f64>> {
+    let strain = history.column("strain")?;
+    let most = strain.iter().copied().filter(|x| x.is_finite()).fold(0.0, f64::max);
+    let first = *strain.first().filter(|&&first| first > INITIAL * most)?;
+    Some(strain.iter().map(|now| now - first).collect())
 }
 
 /// The user's columns over time, those of one unit together.

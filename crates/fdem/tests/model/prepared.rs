@@ -352,3 +352,37 @@ fn the_preflight_knows_steps_and_time() {
     let preflight = Preflight::of(&unstable).unwrap();
     assert!(preflight.warnings[0].contains("the run will not be stable"), "{:?}", preflight.warnings);
 }
+
+#[test]
+fn an_initial_stress_may_change_with_height() {
+    let prepared = right(&with("[initial]\nstress = [-1e6, -2e6, 0.5e6]\nstress_gradient = [1e4, 3e4, 0]\n"));
+    let (mesh, stresses) = (&prepared.model.mesh, &prepared.model.stresses);
+    assert_eq!(stresses.len(), mesh.triangles.len());
+    for (nodes, stress) in mesh.triangles.iter().zip(stresses) {
+        let y = nodes.iter().map(|&node| mesh.nodes[node as usize][1]).sum::<f64>() / 3.0;
+        for (k, expected) in [-1e6 + 1e4 * y, -2e6 + 3e4 * y, 0.5e6].into_iter().enumerate() {
+            assert!((stress[k] - expected).abs() < 1e-3, "{stress:?} at {y}");
+        }
+    }
+    assert!(right(SMALL).model.stresses.is_empty());
+}
+
+#[test]
+fn what_an_initial_stress_does_not_balance_is_said() {
+    let gravity = |stress: &str| {
+        let text = SMALL.replace("end_time = 1e-3", "end_time = 1e-3\ngravity = [0, -9.81]");
+        format!("{text}\n[[boundary]]\nname = \"below\"\nside = \"bottom\"\nabsorbing = true\n{stress}")
+    };
+    let told = |text: &str, what: &str| right(text).warnings.iter().any(|warning| warning.contains(what));
+    assert!(told(&gravity(""), "is not carried by an initial stress"));
+    let carried = "[initial]\nstress = [0, -13243.5, 0]\nstress_gradient = [0, 26487, 0]\n";
+    assert!(!told(&gravity(carried), "is not carried by an initial stress"));
+
+    let touching = |stress: &str| {
+        let second = "[[body]]\nname = \"lid\"\nmaterial = \"rock\"\nrectangle = { min = [0, 0.5], max = [1.0, 0.7] }\nmesh_size = 0.08\n";
+        format!("{SMALL}\n{second}\n[initial]\nstress = {stress}\n")
+    };
+    assert!(told(&touching("[0, 1e6, 0]"), "\"block\" and \"lid\" touch, and it pulls them apart"));
+    assert!(told(&touching("[0, -1e6, 0.5e6]"), "more than friction holds"));
+    assert!(!right(&touching("[0, -1e6, 0]")).warnings.iter().any(|warning| warning.contains("[initial]")));
+}

@@ -176,7 +176,7 @@ impl Disc {
         let damping = 0.05 * share;
         let kinetic = 0.004 + 0.3 * (share - BREAKS).clamp(0.0, 0.4);
         let external = strain + cohesive + damping + kinetic - 1e-4 * share;
-        Energies { kinetic, strain, cohesive, damping, external, ..Energies::default() }
+        Energies { kinetic, strain, cohesive, damping, external, exchanged: external, ..Energies::default() }
     }
 }
 

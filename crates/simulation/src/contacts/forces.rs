@@ -87,6 +87,12 @@ pub(super) fn law(model: &Model, a: u32, b: u32) -> Law {
     }
 }
 
+/// Penalty of contacts between two materials, Pa, and their coefficient of friction.
+pub(crate) fn penalty_and_friction(model: &Model, [a, b]: [u32; 2]) -> [f64; 2] {
+    let law = law(model, a, b);
+    [law.penalty / model.thickness, law.friction]
+}
+
 /// Stiffness of a contact over an edge of an element of this material at either of its ends, N/m: an upper bound.
 pub(crate) fn stiffness(model: &Model, triangle: &Triangle, k: usize, material: u32) -> f64 {
     let penalty = (0..model.materials.len() as u32)

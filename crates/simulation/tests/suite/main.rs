@@ -16,5 +16,7 @@ mod forces;
 mod fracture;
 /// Runs that are saved and resumed; runs that stop by themselves.
 mod resume;
+/// Initial stress: what it stores, and what keeps it.
+mod stress;
 /// Models that are refused.
 mod refusal;

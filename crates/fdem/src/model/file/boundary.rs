@@ -42,7 +42,7 @@ pub struct Boundary {
     /// On edges of the outline, Pa, against their outward normals.
     #[serde(default)]
     pub pressure: Option<f64>,
-    /// true: edges of the outline let waves out (Lysmer and Kuhlemeyer).
+    /// true: edges of the outline let waves out (Lysmer and Kuhlemeyer), carry the initial stress, and support the body by the stiffness of the ground beyond.
     #[serde(default)]
     pub absorbing: bool,
     /// From 0 to all of it as half a cosine within this time, s.
