@@ -43,6 +43,11 @@
 //! behind the feature `rayon` (on by default) on rayon and, on Linux, rustix. Without that feature a search runs on one thread, with the
 //! same results.
 //!
+//! # Unsafe code
+//! Vector kernels, in `src/simd.rs` and the files below it, use vector instructions and pointers. Threads write to one array in `src/search/rows/scatter.rs`, which
+//! `src/search/rows/layout.rs` uses, and to one list in `src/ordered.rs`. No other file has unsafe code, and no safe function relies on its caller. CI runs the kernels under valgrind, and everything
+//! but the vector instructions under Miri.
+//!
 //! # Data flow
 //! [`Elements`] → [`Grid`] (cells) → [`Lists`] → [`CONTACT_MASK`] → [`Search`] ([`Direct`], [`Nbs`], [`Rows`], [`Multilevel`], [`CGrid`]) → [`Couple`].
 

@@ -1,6 +1,9 @@
 //! Threads: runs independent tasks on a thread pool, or one after the other.
 
 #[cfg(feature = "rayon")]
+#[cfg_attr(miri, path = "pool/miri.rs")]
+mod others;
+#[cfg(all(feature = "rayon", not(miri)))]
 mod spread;
 
 #[cfg(feature = "rayon")]
@@ -10,7 +13,7 @@ use std::sync::{Arc, OnceLock};
 
 use crate::error::Error;
 #[cfg(feature = "rayon")]
-use spread::Spread;
+use others::Others;
 
 /// Limit on the number of threads. More than any machine has processors would take minutes to start, and then slow each other down.
 #[cfg(feature = "rayon")]
@@ -25,14 +28,6 @@ pub(crate) struct Pool {
     others: Option<Arc<Others>>,
     /// Set by a caller that wants searches to stop.
     stop: Option<Arc<AtomicBool>>,
-}
-
-/// All threads except the caller's. The caller works too, because waking one thread fewer is faster.
-#[cfg(feature = "rayon")]
-#[derive(Debug)]
-struct Others {
-    pool: rayon::ThreadPool,
-    spread: Arc<Spread>,
 }
 
 #[cfg_attr(
@@ -56,13 +51,7 @@ impl Pool {
                 reason: format!("more than {MAX_THREADS} is not of use"),
             });
         }
-        let spread = Arc::new(Spread::new(threads - 1));
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads - 1).start_handler({
-            let spread = spread.clone();
-            move |index| spread.enter(index)
-        });
-        let pool = pool.build().map_err(|error| Error::NoThreads { threads, reason: error.to_string() })?;
-        Ok(Self { others: Some(Others { pool, spread }.into()), stop: None })
+        Ok(Self { others: Some(Others::new(threads)?.into()), stop: None })
     }
 
     /// One thread: this build cannot have more.
@@ -96,7 +85,7 @@ impl Pool {
     pub(crate) fn threads(&self) -> usize {
         #[cfg(feature = "rayon")]
         if let Some(others) = &self.others {
-            return others.pool.current_num_threads() + 1;
+            return others.count() + 1;
         }
         1
     }
@@ -124,7 +113,7 @@ impl Pool {
         #[cfg(feature = "rayon")]
         if let Some(others) = self.others.as_deref()
             // Inside work of this pool all its other threads may be waiting.
-            && others.pool.current_thread_index().is_none()
+            && !others.is_inside()
         {
             let tasks: Vec<I> = tasks.collect();
             let count = tasks.len();
@@ -134,39 +123,6 @@ impl Pool {
             return;
         }
         tasks.for_each(work);
-    }
-}
-
-#[cfg(feature = "rayon")]
-impl Others {
-    /// Runs `take_all` on the caller and on as many others as are useful. `take_all` takes tasks until none of `tasks` is left.
-    ///
-    /// Not generic, so that the code for threads is compiled once.
-    fn run(&self, tasks: usize, take_all: &(dyn Fn() + Sync)) {
-        let Self { pool, spread } = self;
-        let run = || {
-            let others = pool.current_num_threads().min(tasks.saturating_sub(1));
-            spread.before();
-            pool.in_place_scope(|scope| {
-                for _ in 0..others {
-                    scope.spawn(|_| {
-                        spread.start();
-                        take_all();
-                    });
-                }
-                spread.look(others);
-                take_all();
-            });
-        };
-        if rayon::current_thread_index().is_none() {
-            run();
-        } else {
-            std::thread::scope(|scope| {
-                if let Err(panic) = scope.spawn(run).join() {
-                    std::panic::resume_unwind(panic);
-                }
-            });
-        }
     }
 }
 

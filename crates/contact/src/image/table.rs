@@ -26,7 +26,7 @@ struct Recent<L> {
 
 /// A power of two: larger than the number of contacts in a plane of a thousand by a thousand squares, and small enough for the second-level
 /// cache.
-const RECENT: usize = 1 << 15;
+const RECENT: usize = if cfg!(miri) { 1 << 5 } else { 1 << 15 };
 
 impl<L: Label, const D: usize> Table<L, D> {
     pub(super) fn new() -> Self {

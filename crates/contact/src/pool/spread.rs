@@ -5,7 +5,7 @@
 //! two threads are then slower than one. A thread that has not started in time is excluded from the processor of the caller for a moment,
 //! which moves it at once. No thread stays pinned. On other systems nothing is done.
 
-#[cfg(all(target_os = "linux", not(miri)))]
+#[cfg(target_os = "linux")]
 mod threads {
     use std::sync::atomic::{AtomicBool, Ordering};
     use std::sync::{Mutex, OnceLock};
@@ -127,7 +127,7 @@ mod threads {
     }
 }
 
-#[cfg(any(not(target_os = "linux"), miri))]
+#[cfg(not(target_os = "linux"))]
 mod threads {
     #[derive(Debug)]
     pub(crate) struct Spread;

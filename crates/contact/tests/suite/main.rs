@@ -13,6 +13,7 @@
 //! - `periodic`: periodic boxes, sheared or not, against all images one by one.
 //! - `explain`: the prediction of a search, against the search.
 //! - `filter`: bodies, masks and groups: every search finds what filtering its list afterwards leaves, in the same order.
+//! - `unsafe_code`: unsafe code is only in the files that the documentation lists.
 //! - `two_sets`: an index against another set: shapes, sizes, tolerances, places; every element with every element.
 //! - `queries`: elements around points, and the nearest ones, against the distances to all elements.
 //! - `against_all`: no tests; shared parts of the two before.
@@ -43,6 +44,7 @@ mod properties;
 mod queries;
 mod reuse;
 mod two_sets;
+mod unsafe_code;
 
 use fdem_contact::{Couple, Elements, Real, Search};
 

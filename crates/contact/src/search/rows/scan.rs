@@ -18,7 +18,7 @@ use crate::simd::prefetch;
 
 /// Elements in one part of the work, if each has about as many partners. Enough to outweigh the start of a part, few enough for its couples
 /// to stay in cache.
-pub(crate) const PART: usize = if cfg!(miri) { 32 } else { 4096 };
+pub(crate) const PART: usize = if cfg!(miri) { 64 } else { 4096 };
 
 /// Number of parts per thread in a batch.
 const PARTS_AT_ONCE: usize = 8;
