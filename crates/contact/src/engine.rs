@@ -230,7 +230,7 @@ impl<T: Real, const D: usize> Detector<T, D> {
         let mut levels = Vec::new();
         let (engine, reason) = match self.engine {
             Engine::Auto if elements.len() <= FEW_ELEMENTS => {
-                (Engine::Direct, format!("all against all is quickest for at most {FEW_ELEMENTS} elements"))
+                (Engine::Direct, format!("all against all is fastest for up to {FEW_ELEMENTS} elements"))
             }
             Engine::Auto => {
                 let cost;
@@ -246,13 +246,13 @@ impl<T: Real, const D: usize> Detector<T, D> {
             }
             Engine::Multilevel => {
                 levels = self.multilevel.levels(elements);
-                (Engine::Multilevel, "asked for".to_owned())
+                (Engine::Multilevel, "requested".to_owned())
             }
             Engine::CGrid => {
                 levels = self.cgrid.levels(elements);
-                (Engine::CGrid, "asked for".to_owned())
+                (Engine::CGrid, "requested".to_owned())
             }
-            engine => (engine, "asked for".to_owned()),
+            engine => (engine, "requested".to_owned()),
         };
         let grid = match engine {
             Engine::Direct | Engine::Multilevel | Engine::CGrid => None,
@@ -322,7 +322,7 @@ impl<T: Real, const D: usize> Detector<T, D> {
 /// The reason for the C-grid, in words.
 fn long(times: f64) -> String {
     format!(
-        "most boxes are long and thin: cells that they span are predicted to be {times:.1} times as fast as windows of the longest edges"
+        "most boxes are long and thin: the C-grid is predicted to be {times:.1} times as fast as sorted rows"
     )
 }
 
@@ -330,7 +330,7 @@ fn long(times: f64) -> String {
 fn unlike(first: &Level, last: &Level) -> String {
     let ratio = last.largest / first.smallest.max(f64::MIN_POSITIVE);
     format!(
-        "sizes from {} to {} (ratio {ratio:.1}) are quickest in levels of their own",
+        "sizes from {} to {} (ratio {ratio:.1}) are searched fastest in separate levels",
         first.smallest, last.largest
     )
 }

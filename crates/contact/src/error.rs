@@ -342,18 +342,18 @@ impl fmt::Display for Error {
                 write!(
                     out,
                     "the domain is {width:e} wide along {name}, {cells:.3e} cells of {cell_size:e}: the list heads would \
-                     take {heads:.3e} integers, the bound is {limit}. "
+                     take {heads:.3e} integers; the limit is {limit}. "
                 )?;
                 if let Some((element, position)) = stretched_by {
                     write!(
                         out,
-                        "Element {element} at {name} = {position:e} stretches it; without it the domain may do. "
+                        "Element {element} at {name} = {position:e} is the farthest from the others. "
                     )?;
                 }
                 write!(
                     out,
-                    "An engine whose memory does not depend on the domain (`Engine::Rows`) or a higher bound \
-                     (`Nbs::with_max_heads`) will do"
+                    "Use an engine whose memory does not depend on the domain (`Engine::Rows`), or a higher limit \
+                     (`Nbs::with_max_heads`)"
                 )
             }
             Self::OutsideDomain { index, axis, value, domain: [min, max] } => write!(
@@ -380,7 +380,7 @@ impl fmt::Display for Error {
             ),
             Self::NegativeBoxVolume { volume } => write!(
                 out,
-                "the periodic box has the negative volume {volume:e}: its edges are left-handed; swap two, or turn one round"
+                "the periodic box has the negative volume {volume:e}: its edges are left-handed; swap two, or reverse one"
             ),
             Self::OutsideBox { index, edge, fraction } => write!(
                 out,
@@ -397,7 +397,7 @@ impl fmt::Display for Error {
             ),
             Self::TooManyImages { images, limit } => write!(
                 out,
-                "the periodic box is too small for the reach of its elements: they take {images:.3e} images, the bound is \
+                "the periodic box is too small for the reach of its elements: they take {images:.3e} images; the limit is \
                  {limit}"
             ),
             Self::NoEdgesIn2D => {
@@ -411,13 +411,13 @@ impl fmt::Display for Error {
                 "an image of {shape:?} grid squares is too large: sums over about 30,000 x 30,000 x 30,000 fit 64 bits"
             ),
             Self::PartialPlane { squares, plane } => {
-                write!(out, "{squares} grid squares are not a number of planes of {plane}")
+                write!(out, "{squares} grid squares are not a whole number of planes of {plane}")
             }
             Self::TooManyPlanes { found, expected } => {
-                write!(out, "the image has {expected} planes, {found} have come")
+                write!(out, "the image has {expected} planes, but {found} were given")
             }
             Self::MissingPlanes { found, expected } => {
-                write!(out, "the image has {expected} planes, only {found} have come")
+                write!(out, "the image has {expected} planes, but only {found} were given")
             }
             Self::InvalidSpacing { axis, value, limits: [low, high] } => write!(
                 out,
@@ -427,7 +427,7 @@ impl fmt::Display for Error {
                 write!(out, "the image has more than {limit} contacts or labels: they cannot be numbered")
             }
             Self::SimdUnavailable { simd } => write!(out, "this processor has no {simd}"),
-            Self::NoThreads { threads, reason } => write!(out, "{threads} threads cannot be had: {reason}"),
+            Self::NoThreads { threads, reason } => write!(out, "cannot start {threads} threads: {reason}"),
             Self::Stopped => write!(out, "the search was stopped before its end"),
             Self::OutOfMemory { bytes } => write!(out, "no memory for {bytes} bytes"),
         }

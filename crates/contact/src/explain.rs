@@ -131,7 +131,7 @@ impl<const D: usize> fmt::Display for Explanation<D> {
             writeln!(out, "couples   {}", grouped(self.couples))?;
         } else {
             let (couples, error) = (grouped(self.couples), grouped(self.couples_error.ceil()));
-            writeln!(out, "couples   about {couples}, give or take {error}")?;
+            writeln!(out, "couples   about {couples}, standard error {error}")?;
         }
         let (engine, list) = (self.bytes as f64 / 1e6, self.list_bytes / 1e6);
         writeln!(out, "memory    {engine:.1} MB for the engine, {list:.1} MB for a list of the couples")?;

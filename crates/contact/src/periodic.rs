@@ -230,7 +230,7 @@ impl<T: Real, const D: usize> PeriodicSearch<T, D> {
         let (plan, mut means) = if test {
             let small =
                 "all elements are within reach of most others: each is tested with all, and with all images";
-            (Plan::without_cells(if asked_for { "asked for" } else { small }), Means::NONE)
+            (Plan::without_cells(if asked_for { "requested" } else { small }), Means::NONE)
         } else {
             (by.plan(searched)?, by.means(searched)?)
         };

@@ -48,7 +48,7 @@ impl Pool {
         if threads > MAX_THREADS {
             return Err(Error::NoThreads {
                 threads,
-                reason: format!("more than {MAX_THREADS} is not of use"),
+                reason: format!("more than {MAX_THREADS} are not supported"),
             });
         }
         Ok(Self { others: Some(Others::new(threads)?.into()), stop: None })

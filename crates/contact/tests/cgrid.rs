@@ -359,7 +359,7 @@ fn a_detector_reports_levels_and_finds_the_same() {
     let explanation = detector.explain(&elements).unwrap();
     assert!(explanation.bytes >= bytes_of(&elements) && explanation.threads == 1);
     let text = explanation.to_string();
-    assert!(text.starts_with("engine    cgrid: asked for\n") && text.contains("\nlevel     "), "{text}");
+    assert!(text.starts_with("engine    cgrid: requested\n") && text.contains("\nlevel     "), "{text}");
 }
 
 fn bytes_of<const D: usize>(elements: &Elements<'_, f64, D>) -> usize {

@@ -271,13 +271,15 @@ pub enum ReadError {
         elements: usize,
     },
     /// There is no memory for the content of a compressed file.
-    #[error("no memory for {bytes} bytes of unpacked content")]
+    #[error("no memory for {bytes} bytes of decompressed content")]
     NoMemory {
         /// Lower bound on the number of bytes.
         bytes: u64,
     },
     /// A compressed file cannot be unpacked.
-    #[error("{compression}-compressed data, damaged or cut off after {unpacked} unpacked bytes: {problem}")]
+    #[error(
+        "{compression}-compressed data, damaged or cut off after {unpacked} decompressed bytes: {problem}"
+    )]
     Packed {
         /// How it is compressed.
         compression: Compression,
@@ -311,13 +313,13 @@ pub enum ReadError {
         frames: usize,
     },
     /// The file has several frames, but one is expected.
-    #[error("the file has {frames} frames: one is wanted")]
+    #[error("the file has {frames} frames, but one is expected")]
     SeveralFrames {
         /// Number of frames.
         frames: usize,
     },
     /// The name of the file stands for a format that the content does not have, and no other format fits.
-    #[error("the name promises a {promised} file, but {expected}; and read as a table: {error}")]
+    #[error("the name stands for a {promised} file, but {expected}; read as a table: {error}")]
     NotPromised {
         /// The format that the name stands for.
         promised: PackingFormat,

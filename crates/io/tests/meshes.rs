@@ -166,10 +166,7 @@ fn sets_of_abaqus_are_bodies() {
     assert_eq!(names(&read_sets), [Some("Left"), Some("right")]);
     assert_eq!(read_sets.triangles.bodies, [0, 1, 1]);
     let both = fails("a.inp", format!("{mesh}*ELSET,ELSET=A\n1,2\n*ELSET,ELSET=B\n2,9\n"));
-    assert_eq!(
-        both.to_string(),
-        "a.inp:13: element 2 is in set A and in set B: which body it is a part of cannot be told"
-    );
+    assert_eq!(both.to_string(), "a.inp:13: element 2 is in set A and in set B: its body is ambiguous");
     assert_eq!(fails("a.inp", format!("{mesh}*ELSET,ELSET=A\n3\n")).line(), Some(11));
 }
 

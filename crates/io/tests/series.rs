@@ -338,7 +338,10 @@ fn names_count_only_where_the_content_says_nothing() {
     for name in ["a.xyz", "a.data", "a.dump", "a.npz", "a.lmp"] {
         assert_eq!(frame(table, name, 0, &ReadOptions::default()).unwrap().radii, Some(vec![1.0]), "{name}");
         let error = fails(b"rubbish\n", name).to_string();
-        assert!(error.contains("the name promises") && error.contains("read as a table"), "{name}: {error}");
+        assert!(
+            error.contains("the name stands for") && error.contains("read as a table"),
+            "{name}: {error}"
+        );
     }
     let error = fails(b"\x00\x01\x02", "a.dump").to_string();
     assert!(

@@ -121,7 +121,7 @@ TWO = [[0.0, 0.0], [1.0, 0.0]]
         (ValueError, "no engine 'fast'", lambda: fdem.contacts(TWO, cutoff=1, engine="fast")),
         (ValueError, "threads must be at least 1", lambda: fdem.contacts(TWO, cutoff=1, threads=0)),
         (TypeError, "threads must be a whole number", lambda: fdem.contacts(TWO, cutoff=1, threads=1.5)),
-        (ValueError, "5000 threads cannot be had", lambda: fdem.contacts(TWO, cutoff=1, threads=5000)),
+        (ValueError, "cannot start 5000 threads", lambda: fdem.contacts(TWO, cutoff=1, threads=5000)),
         (ValueError, "one number for each of 2", lambda: fdem.contacts(TWO, cutoff=1, groups=[1])),
         (TypeError, "groups must be whole", lambda: fdem.contacts(TWO, cutoff=1, groups=[1.5, 2])),
         (ValueError, "periodic needs a box", lambda: fdem.contacts(TWO, cutoff=1, periodic=True)),

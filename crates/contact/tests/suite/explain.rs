@@ -129,7 +129,7 @@ fn the_text_says_it_all() {
         "rows      ",
         "at most ",
         "couples   about 1,9",
-        "give or take",
+        "standard error",
         "memory    0.",
         "threads   1, portable",
     ] {
@@ -142,7 +142,7 @@ fn the_text_says_it_all() {
     let few = Detector::new(Engine::Direct).explain(&Elements::points(&centres[..3], 2.0).unwrap()).unwrap();
     assert_eq!(
         few.to_string(),
-        "engine    direct: asked for\nelements  3\ncouples   1\nmemory    0.0 MB for the engine, 0.0 MB for a list of the \
+        "engine    direct: requested\nelements  3\ncouples   1\nmemory    0.0 MB for the engine, 0.0 MB for a list of the \
          couples\nthreads   1\n"
     );
 }
@@ -282,7 +282,7 @@ fn a_periodic_search_is_explained_in_words_or_refused() {
 
     for engine in [Engine::Direct, Engine::Nbs] {
         let told = PeriodicSearch::new(engine).explain(&elements, &cell).unwrap();
-        assert_eq!((told.plan.engine, told.plan.reason.as_str()), (engine, "asked for"));
+        assert_eq!((told.plan.engine, told.plan.reason.as_str()), (engine, "requested"));
     }
     let mut bounded = PeriodicSearch::new(Engine::Rows).with_max_images(3);
     assert!(matches!(bounded.explain(&elements, &cell), Err(Error::TooManyImages { limit: 3, .. })));

@@ -126,7 +126,7 @@ pub enum MeshProblem {
         axis: char,
     },
     /// An element belongs to two bodies.
-    #[error("{what} is in {first} and in {second}: which body it is a part of cannot be told")]
+    #[error("{what} is in {first} and in {second}: its body is ambiguous")]
     TwoBodies {
         /// The element or entity.
         what: String,
