@@ -41,7 +41,7 @@ use crate::real::Real;
 /// let reason = buffered.update(&Elements::points(&centres, 1.0)?, &cell, &mut couples)?;
 /// assert_eq!((reason, couples.len()), (Some(Reason::First), 0));
 ///
-/// centres[0][0] = 9.95; // To the left, and back into the box.
+/// centres[0][0] = 9.75; // To the left by half a unit, and put back into the box.
 /// let reason = buffered.update(&Elements::points(&centres, 1.0)?, &cell, &mut couples)?;
 /// assert!(matches!(reason, Some(Reason::Moved { element: 0, .. })));
 /// centres[1][0] += 0.1;
