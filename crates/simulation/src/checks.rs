@@ -34,7 +34,7 @@ pub(crate) fn check(model: &Model) -> Result<(), ModelError> {
         }
         not_negative(&place, "friction", interface.friction)?;
         interface.penalty.map_or(Ok(()), |penalty| positive(&place, "penalty", penalty))?;
-        interface.strength.iter().try_for_each(|strength| strength_of(&place, strength))?;
+        interface.strength.iter().try_for_each(|strength| strength_of_joints(&place, strength))?;
     }
     boundaries(model)?;
     schedule("gravity", &model.gravity_schedule)?;
@@ -159,6 +159,24 @@ fn strength_of(place: &str, strength: &Strength) -> Result<(), ModelError> {
     positive(place, "fracture energy of opening", strength.energy_i)?;
     positive(place, "fracture energy of sliding", strength.energy_ii)?;
     strength.weibull_modulus.map_or(Ok(()), |modulus| positive(place, "Weibull modulus", modulus))
+}
+
+/// Strength of joints, which may be 0 and then needs no fracture energy: that of an open joint.
+fn strength_of_joints(place: &str, strength: &Strength) -> Result<(), ModelError> {
+    not_negative(place, "tensile strength", strength.tensile)?;
+    not_negative(place, "cohesion", strength.cohesion)?;
+    let or_one = |strength: f64, energy: f64| if strength == 0.0 && energy >= 0.0 { 1.0 } else { energy };
+    let any = |strength: f64| if strength == 0.0 { 1.0 } else { strength };
+    strength_of(
+        place,
+        &Strength {
+            tensile: any(strength.tensile),
+            cohesion: any(strength.cohesion),
+            energy_i: or_one(strength.tensile, strength.energy_i),
+            energy_ii: or_one(strength.cohesion, strength.energy_ii),
+            ..*strength
+        },
+    )
 }
 
 fn out_of_range(place: &str, what: &'static str, value: f64, range: &'static str) -> ModelError {

@@ -124,7 +124,12 @@ impl fmt::Display for ModelError {
             }
             Self::Missing { what, index, place } => write!(out, "{place}: there is no {what} {index}"),
             Self::OutOfRange { place, what, value, range } => {
-                write!(out, "{place}: {what} is {value}, it must be {range}")
+                // No number has hundreds of digits.
+                if value.is_normal() && !(1e-5..1e16).contains(&value.abs()) {
+                    write!(out, "{place}: {what} is {value:e}, it must be {range}")
+                } else {
+                    write!(out, "{place}: {what} is {value}, it must be {range}")
+                }
             }
             Self::Area { element, area } => {
                 write!(

@@ -223,7 +223,9 @@ impl Joints {
         let sides = &topology.edges[edge as usize];
         let penalty = penalty(model, sides);
         let elastic = self.insertion == Insertion::Intrinsic;
-        let law = Law::new(&strength, penalty, model.fracture.critical_opening, elastic);
+        let vertices = sides.corners[0].map(|corner| topology.vertices[corner as usize]);
+        let length = edge_length(model, vertices);
+        let law = Law::new(&strength, penalty, model.fracture.critical_opening, elastic, length);
         law.map(Some).ok_or_else(|| {
             let element = sides.elements()[0];
             let material = &model.materials[model.mesh.materials[element as usize] as usize].name;

@@ -133,7 +133,7 @@ pub struct Interface {
     pub friction: f64,
     /// Penalty of contacts, Pa; `None`: as [`ContactOptions::penalty`] says.
     pub penalty: Option<f64>,
-    /// Strength of the joints between the two; `None`: the lesser of the two materials.
+    /// Strength of the joints between the two, inside bodies; `None`: the lesser of the two materials. Tensile strength and cohesion may be 0.
     pub strength: Option<Strength>,
 }
 

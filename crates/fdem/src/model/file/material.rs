@@ -56,11 +56,11 @@ pub struct Material {
     pub weibull_seed: u64,
 }
 
-/// Contacts and joints between two materials, which may be the same.
+/// Contacts between two materials, and the joints between their elements inside one body. Different bodies touch; no interface bonds them.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Interface {
-    /// Names of the two.
+    /// Names of the two. A material with itself: its contacts with other bodies of it, and all joints inside of it, in place of its own strength.
     pub materials: [String; 2],
     /// Coefficient of friction of contacts. Default: the lesser of the two materials.
     #[serde(default)]
@@ -70,25 +70,26 @@ pub struct Interface {
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub penalty: Option<f64>,
-    /// Of joints between the two, Pa; needs the four keys below. Default: the lesser of the two materials.
+    /// Tensile strength of joints between the two, inside bodies, Pa; needs the four keys below. With 0 here and for `cohesion` the joint is open and has friction only; then
+    /// it needs no fracture energies. Default: the strength of the weaker material.
     #[serde(default)]
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(extend("minimum" = 0))]
     pub tensile_strength: Option<f64>,
-    /// Shear strength without normal stress, Pa.
+    /// Shear strength of these joints without normal stress, Pa; may be 0.
     #[serde(default)]
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(extend("minimum" = 0))]
     pub cohesion: Option<f64>,
-    /// Of internal friction, degrees.
+    /// Angle of friction of these joints, degrees.
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "exclusiveMaximum" = 90))]
     pub friction_angle: Option<f64>,
-    /// Fracture energy of opening (mode I), J/m².
+    /// Fracture energy of opening (mode I), J/m². Not needed where the tensile strength is 0.
     #[serde(default)]
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(extend("minimum" = 0))]
     pub fracture_energy_i: Option<f64>,
-    /// Fracture energy of sliding (mode II), beyond friction, J/m².
+    /// Fracture energy of sliding (mode II), beyond friction, J/m². Not needed where the cohesion is 0.
     #[serde(default)]
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(extend("minimum" = 0))]
     pub fracture_energy_ii: Option<f64>,
     /// Weibull modulus of the scatter of tensile strength and cohesion from edge to edge, with a mean of 1. Default: no scatter.
     #[serde(default)]
