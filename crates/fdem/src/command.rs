@@ -19,6 +19,7 @@ mod input;
 mod label_middles;
 mod label_summary;
 mod labels;
+mod memory;
 mod mesh_summary;
 mod meshes;
 mod new;

@@ -5,14 +5,17 @@
 //! their JSON schema, and [`STARTER`] a model to start from.
 //!
 //! ```text
-//! text ── document ── schema ── file ──> materials, bodies ── mesher ──> mesh ── boundaries, settings ──> Prepared ── preflight
+//! text ── document ── schema ── file ──> extent, materials, bodies ── mesher ──> mesh ── boundaries, settings ──> Prepared ── preflight
 //! ```
 
 mod document;
 mod fault;
 pub mod file;
+mod partial;
 mod schema;
 
+mod shapes;
+mod extent;
 mod outline;
 mod mesher;
 mod voronoi;
@@ -30,6 +33,7 @@ mod quality;
 mod warnings;
 mod equilibrium;
 
+use std::collections::BTreeMap;
 use std::io;
 use std::ops::Range;
 
@@ -49,7 +53,10 @@ use bodies::Placed;
 use document::{Document, Table};
 use fault::nearest;
 use file::ModelFile;
+use partial::Partial;
 use piece::Piece;
+
+use crate::numbers::grouped;
 
 /// A model to start from: small, complete, with a word on every part.
 pub const STARTER: &str = include_str!("model/starter.toml");
@@ -114,7 +121,7 @@ pub struct Group {
 /// Mostly that of the meshes: about 20 µs an element.
 ///
 /// # Errors
-/// [`ModelErrors`]: everything that is wrong. Meshes are made, and what depends on them is checked, only if the rest is right.
+/// [`ModelErrors`]: everything that is wrong. Where something is, large meshes are not made, and what depends on them is not checked.
 ///
 /// # Example
 /// ```
@@ -141,7 +148,7 @@ pub struct Group {
 /// # Ok::<(), fdem::model::ModelErrors>(())
 /// ```
 pub fn prepare(text: &str, name: &str, load: &mut Load<'_>) -> Result<Prepared, ModelErrors> {
-    prepare_or_faults(text, load).map_err(|faults| ModelErrors::new(name, text, faults))
+    prepare_within(text, name, load, None)
 }
 
 /// The same model file with another `end_time`, s; `None` if it has none.
@@ -158,23 +165,55 @@ pub fn with_end_time(text: &str, seconds: f64) -> Option<String> {
     Some(format!("{}{seconds:?}{}", &text[..place.start], &text[place.end..]))
 }
 
-fn prepare_or_faults(text: &str, load: &mut Load<'_>) -> Result<Prepared, Vec<Fault>> {
-    let document = Document::parse(text)?;
-    let file = parse(text, &document)?;
+/// Does what [`prepare`] does, and refuses meshes that need more than `memory` (bytes) before it makes them.
+///
+/// # Errors
+/// Those of [`prepare`]; mesh sizes for which there is not enough memory.
+pub fn prepare_within(
+    text: &str,
+    name: &str,
+    load: &mut Load<'_>,
+    memory: Option<f64>,
+) -> Result<Prepared, ModelErrors> {
+    prepare_or_faults(text, load, memory).map_err(|faults| ModelErrors::new(name, text, faults))
+}
 
-    let mut faults = Vec::new();
-    check_names(&file, &document, &mut faults);
-    let materials = materials::materials(&file, &document, &mut faults);
-    let interfaces = materials::interfaces(&file, &document, &mut faults);
-    bodies::check(&file, &document, &mut faults);
-    boundaries::check(&file, &document, &mut faults);
-    settings::check(&file, &document, &mut faults);
-    check_initial(&file, &document, &mut faults);
-    none_or(faults)?;
+/// Elements up to which bodies are meshed although there are faults, to find those of the meshes too.
+const SOON_MESHED: f64 = 1e5;
 
-    let (mesh, placed) = bodies::build(&file, &document, load)?;
-    let mut faults = Vec::new();
-    let boundaries = boundaries::resolve(&file, &document, &mesh, &placed, &mut faults);
+fn prepare_or_faults(text: &str, load: &mut Load<'_>, memory: Option<f64>) -> Result<Prepared, Vec<Fault>> {
+    let document = parse(text)?;
+    let mut faults = schema::check(document.root());
+    let partial = if faults.is_empty() { None } else { Partial::read(text, &document, &faults) };
+    let file = match &partial {
+        Some(partial) => partial.file.clone(),
+        None if faults.is_empty() => deserialize(text)?,
+        None => return Err(faults),
+    };
+    let is_news = |fault: &Fault| partial.as_ref().is_none_or(|partial| partial.is_news(fault));
+
+    let mut found = Vec::new();
+    check_names(&file, &document, &mut found);
+    let materials = materials::materials(&file, &document, &mut found);
+    let interfaces = materials::interfaces(&file, &document, &mut found);
+    bodies::check(&file, &document, &mut found);
+    boundaries::check(&file, &document, &mut found);
+    settings::check(&file, &document, &mut found);
+    check_initial(&file, &document, &mut found);
+    let elements = extent::check(&file, &document, memory, &mut found);
+    faults.extend(found.into_iter().filter(is_news));
+
+    // With faults, bodies are meshed only to find more of these: those that are right, and only if that is done soon.
+    let mut wrong = document.with_faults("body", file.body.len(), &faults);
+    for (wrong, body) in wrong.iter_mut().zip(&file.body) {
+        *wrong |= !faults.is_empty() && elements > SOON_MESHED && body.mesh.is_none();
+    }
+    let skipped = document.with_faults("boundary", file.boundary.len(), &faults);
+    let mut found = Vec::new();
+    let (mesh, placed, missing) = bodies::build(&file, &document, load, &wrong, &mut found);
+    let boundaries = boundaries::resolve(&file, &document, &mesh, &placed, (&missing, &skipped), &mut found);
+    faults.extend(found.into_iter().filter(is_news));
+    faults.extend(bodies::crowded(&document, &placed));
     none_or(faults)?;
 
     let mut warnings = Vec::new();
@@ -223,9 +262,29 @@ fn prepare_or_faults(text: &str, load: &mut Load<'_>) -> Result<Prepared, Vec<Fa
     })
 }
 
+/// The document, if it is TOML. If not, also tells of unknown keys and values out of range in the lines that are.
+fn parse(text: &str) -> Result<Document<'_>, Vec<Fault>> {
+    let (document, mut faults) = Document::parse(text);
+    if faults.is_empty() {
+        return Ok(document);
+    }
+    let line = |fault: &Fault| fault.span.as_ref().map(|span| document::line_of(text, span.start));
+    let wrong: Vec<_> = faults.iter().map(line).collect();
+    let is_heading = |line: &Option<usize>| {
+        line.is_some_and(|line| text.lines().nth(line).is_some_and(|line| line.trim_start().starts_with('[')))
+    };
+    // Without its heading nobody knows which table a key is in.
+    if wrong.iter().any(is_heading) {
+        return Err(faults);
+    }
+    faults.extend(schema::check(document.root()).into_iter().filter(|fault| {
+        ["unknown key", "out of range"].contains(&fault.label.as_str()) && !wrong.contains(&line(fault))
+    }));
+    Err(faults)
+}
+
 /// The file as its types have it.
-fn parse(text: &str, document: &Document<'_>) -> Result<ModelFile, Vec<Fault>> {
-    none_or(schema::check(document.root()))?;
+fn deserialize(text: &str) -> Result<ModelFile, Vec<Fault>> {
     // The schema has seen all that people do; what it has not seen is told by the deserializer.
     toml::from_str(text).map_err(|error| {
         let end = text.len();
@@ -248,17 +307,25 @@ fn check_names(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<Fault
         ("boundary", names(&file.boundary, |boundary| &boundary.name)),
         ("history", names(&file.history, |history| &history.name)),
     ] {
+        let mut again: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
         for (index, name) in names.iter().enumerate() {
-            if names[..index].contains(name) {
-                faults.push(
-                    Fault::at(
-                        document.value(Table::of(table, index), "name"),
-                        format!("there is a [[{table}]] \"{name}\" already"),
-                    )
-                    .label("again")
-                    .help("names come once"),
-                );
-            }
+            again.entry(name).or_default().push(index);
+        }
+        for (name, places) in again {
+            let [_, second, more @ ..] = &places[..] else { continue };
+            let times = match more.len() {
+                0 => String::new(),
+                1 => ", and once more".to_owned(),
+                count => format!(", and {} times more", grouped(count as u64)),
+            };
+            faults.push(
+                Fault::at(
+                    document.value(Table::of(table, *second), "name"),
+                    format!("there is a [[{table}]] \"{name}\" already{times}"),
+                )
+                .label("again")
+                .help("names come once"),
+            );
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Model files: what is read, what is refused and how it is told, and the meshes.
 //!
 //! - `mistakes`: every kind of error, with its line, its key and what is suggested.
+//! - `limits`: what would take more memory or time than there is.
 //! - `meshes`: shapes, sizes, angles, grains, packings, mesh files.
 //! - `prepared`: what a model file becomes: boundaries, materials, histories, warnings.
 //! - `examples`: the examples, the starter and the schema.
@@ -9,6 +10,8 @@
 
 #[path = "model/examples.rs"]
 mod examples;
+#[path = "model/limits.rs"]
+mod limits;
 #[path = "model/meshes.rs"]
 mod meshes;
 #[path = "model/mistakes.rs"]

@@ -8,10 +8,11 @@ use serde_json::{Value, json};
 
 use crate::command::args::CheckArguments;
 use crate::command::failure::{Failure, display_name};
+use crate::command::memory;
 use crate::command::output::{is_device, print};
 use crate::command::progress::Progress;
 use crate::command::run::folder::{INPUTS, SUMMARY};
-use crate::model::{Drawing, ModelErrors, Preflight, prepare, schema};
+use crate::model::{Drawing, ModelErrors, Preflight, prepare_within, schema};
 
 /// Bytes beyond which a file is no model: a schema check and the errors need its text in memory.
 const LARGEST: u64 = 64 << 20;
@@ -85,7 +86,8 @@ fn preflight(path: &Path) -> Result<Preflight, Problem> {
     let text = read_text(path).map_err(Problem::Other)?;
     let mut load = inputs_of(path);
     let progress = Progress::new(false);
-    let (prepared, _) = progress.step("meshing the model", None, |_| prepare(&text, &name, &mut load));
+    let (prepared, _) =
+        progress.step("meshing the model", None, |_| prepare_within(&text, &name, &mut load, memory::free()));
     let prepared = prepared.map_err(Problem::Model)?;
     let (preflight, _) = progress.step("preparing the run", None, |_| Preflight::of(&prepared));
     preflight.map_err(|why| Problem::Other(Failure::Unusable(format!("{name} cannot run: {why}"))))

@@ -14,9 +14,10 @@ use fdem_simulation::{Simulation, Stop};
 use crate::command::args::{ResumeArguments, RunArguments, RunOptions};
 use crate::command::check::{inputs_of, read_text, refused};
 use crate::command::failure::{Failure, display_name};
+use crate::command::memory;
 use crate::command::output::print;
 use crate::command::progress::Progress;
-use crate::model::{Checkpoint as When, Preflight, Prepared, prepare, with_end_time};
+use crate::model::{Checkpoint as When, Preflight, Prepared, prepare_within, with_end_time};
 use crate::numbers::{brief, grouped};
 use account::{Account, PARTS};
 use folder::{Checkpoint, Folder, MODEL, SUMMARY};
@@ -38,8 +39,9 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<(), Failure> {
         Ok(bytes)
     };
     let progress = Progress::new(arguments.options.quiet);
-    let (prepared, _) =
-        progress.step("meshing the model", None, |_| prepare(&text, &display_name(path), &mut load));
+    let (prepared, _) = progress.step("meshing the model", None, |_| {
+        prepare_within(&text, &display_name(path), &mut load, memory::free())
+    });
     let prepared = prepared.map_err(|errors| refused(&errors))?;
     let unusable = |why: String| Failure::Unusable(format!("{} cannot run: {why}", display_name(path)));
     let (simulation, _) = progress.step("preparing the run", None, |_| {
@@ -84,8 +86,9 @@ pub(crate) fn resume(arguments: &ResumeArguments) -> Result<(), Failure> {
         folder.input(next - 1).map_err(|error| error.to_string())
     };
     let progress = Progress::new(arguments.options.quiet);
-    let (prepared, _) =
-        progress.step("meshing the model", None, |_| prepare(&text, &display_name(&path), &mut load));
+    let (prepared, _) = progress.step("meshing the model", None, |_| {
+        prepare_within(&text, &display_name(&path), &mut load, memory::free())
+    });
     let prepared = prepared.map_err(|errors| refused(&errors))?;
     if prepared.hash != checkpoint.model {
         return Err(Failure::Unusable(format!(

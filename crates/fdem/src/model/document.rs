@@ -7,6 +7,12 @@ use toml::de::{DeTable, DeValue};
 
 use crate::model::fault::Fault;
 
+/// Errors of the parser that are looked at.
+const MOST_ERRORS: usize = 50;
+
+/// Lines with errors that are told.
+const MOST_LINES: usize = 5;
+
 /// A parsed file.
 pub(crate) struct Document<'a> {
     root: Spanned<DeTable<'a>>,
@@ -32,29 +38,27 @@ impl Table {
 }
 
 impl<'a> Document<'a> {
-    /// Reads TOML.
-    ///
-    /// # Errors
-    /// What is no TOML, one fault for each of the first lines that are wrong.
-    pub(crate) fn parse(text: &'a str) -> Result<Self, Vec<Fault>> {
+    /// Reads TOML, as far as it is TOML: also returns a fault for each of the first lines that are not.
+    pub(crate) fn parse(text: &'a str) -> (Self, Vec<Fault>) {
         let (root, errors) = DeTable::parse_recoverable(text);
-        if errors.is_empty() {
-            return Ok(Self { root });
-        }
         let mut faults: Vec<(usize, Fault)> = Vec::new();
-        for error in &errors {
+        for error in errors.iter().take(MOST_ERRORS) {
             let span = error.span().unwrap_or(0..0);
-            let line = text.get(..span.start).unwrap_or(text).matches('\n').count();
-            if faults.iter().all(|(other, _)| *other != line) {
+            let line = line_of(text, span.start);
+            if faults.len() < MOST_LINES && faults.iter().all(|(other, _)| *other != line) {
                 faults.push((line, syntax(text, &span, error.message())));
             }
         }
-        faults.truncate(5);
-        Err(faults.into_iter().map(|(_, fault)| fault).collect())
+        (Self { root }, faults.into_iter().map(|(_, fault)| fault).collect())
     }
 
     pub(crate) fn root(&self) -> &Spanned<DeTable<'a>> {
         &self.root
+    }
+
+    /// Whether a key of a table is in the file.
+    pub(crate) fn has(&self, table: Table, dotted: &str) -> bool {
+        self.walk(table, dotted).is_some()
     }
 
     /// Where a key of a table stands; the deepest part of `dotted.key` that is there, else the table.
@@ -78,6 +82,25 @@ impl<'a> Document<'a> {
             return self.value(table, dotted);
         };
         spot.get(index).map_or_else(|| self.value(table, dotted), Spanned::span)
+    }
+
+    /// The part of the text from the first to the last key or value of a table.
+    pub(crate) fn extent(&self, table: Table) -> Range<usize> {
+        let mut extent = self.find(table, "").0;
+        if let Some(value) = self.walk(table, "") {
+            widen(&mut extent, value);
+        }
+        extent
+    }
+
+    /// Which of the tables `[[name]]` have faults.
+    pub(crate) fn with_faults(&self, name: &'static str, count: usize, faults: &[Fault]) -> Vec<bool> {
+        let has = |index| {
+            let extent = self.extent(Table::of(name, index));
+            let within = |span: &Range<usize>| extent.start <= span.start && span.end <= extent.end;
+            faults.iter().any(|fault| fault.span.as_ref().is_some_and(within))
+        };
+        (0..count).map(has).collect()
     }
 
     fn walk(&self, table: Table, dotted: &str) -> Option<&Spanned<DeValue<'a>>> {
@@ -110,6 +133,29 @@ impl<'a> Document<'a> {
         }
         found
     }
+}
+
+/// Widens a part of the text by all that a value has.
+fn widen(extent: &mut Range<usize>, value: &Spanned<DeValue<'_>>) {
+    let include = |extent: &mut Range<usize>, span: Range<usize>| {
+        *extent = extent.start.min(span.start)..extent.end.max(span.end);
+    };
+    include(extent, value.span());
+    match value.get_ref() {
+        DeValue::Table(table) => {
+            for (key, value) in table {
+                include(extent, key.span());
+                widen(extent, value);
+            }
+        }
+        DeValue::Array(list) => list.iter().for_each(|value| widen(extent, value)),
+        _ => {}
+    }
+}
+
+/// The line, from 0, of a place in a text.
+pub(crate) fn line_of(text: &str, place: usize) -> usize {
+    text.get(..place).unwrap_or(text).matches('\n').count()
 }
 
 /// An entry of a table.

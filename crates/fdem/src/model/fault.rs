@@ -2,8 +2,11 @@
 
 use std::fmt;
 use std::ops::Range;
+use std::sync::Arc;
 
 use miette::{GraphicalReportHandler, GraphicalTheme, LabeledSpan, MietteDiagnostic, NamedSource, Report};
+
+use crate::numbers::grouped;
 
 /// One thing that is wrong.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -63,6 +66,12 @@ pub enum Drawing {
 /// Columns after which text is broken.
 const WIDTH: usize = 110;
 
+/// Faults that are shown; the rest is counted.
+const SHOWN: usize = 25;
+
+/// Bytes of a line beyond which it is not drawn.
+const LONGEST_LINE: usize = 500;
+
 impl ModelErrors {
     pub(crate) fn new(name: &str, text: &str, mut faults: Vec<Fault>) -> Self {
         faults.sort_by_key(|fault| fault.span.as_ref().map_or(usize::MAX, |span| span.start));
@@ -80,25 +89,41 @@ impl ModelErrors {
             .with_width(WIDTH)
             .with_links(false)
             .with_context_lines(1);
-        let text = harmless(&self.text);
+        let text = Arc::new(harmless(&self.text));
         let mut out = String::new();
-        for fault in &self.faults {
+        for fault in self.faults.iter().take(SHOWN) {
             let mut diagnostic = MietteDiagnostic::new(harmless(&fault.message));
             if let Some(help) = &fault.help {
                 diagnostic = diagnostic.with_help(harmless(help));
             }
-            if let Some(span) = &fault.span {
-                let span = span.start.min(text.len())..span.end.min(text.len());
-                diagnostic =
-                    diagnostic.with_label(LabeledSpan::new_with_span(Some(harmless(&fault.label)), span));
-            }
-            let report = Report::new(diagnostic).with_source_code(NamedSource::new(&self.name, text.clone()));
+            let span = fault.span.as_ref().map(|span| span.start.min(text.len())..span.end.min(text.len()));
+            let drawn = span.filter(|span| is_drawn(&text, span));
+            let report = if let Some(span) = drawn {
+                let label = LabeledSpan::new_with_span(Some(harmless(&fault.label)), span);
+                let source = NamedSource::new(&self.name, Arc::clone(&text));
+                Report::new(diagnostic.with_label(label)).with_source_code(source)
+            } else {
+                diagnostic.message = match self.line(fault) {
+                    Some(line) => format!("{}:{line}: {}", self.name, diagnostic.message),
+                    None => format!("{}: {}", self.name, diagnostic.message),
+                };
+                Report::new(diagnostic)
+            };
             if handler.render_report(&mut out, report.as_ref()).is_err() {
                 out.push_str(&fault.message);
                 out.push('\n');
             }
         }
+        if let Some(more) = self.more() {
+            out.push_str(&format!("  {more}\n"));
+        }
         out
+    }
+
+    /// How many faults are not shown, in words.
+    fn more(&self) -> Option<String> {
+        let more = self.faults.len().checked_sub(SHOWN).filter(|more| *more > 0)?;
+        Some(format!("and {} more", grouped(more as u64)))
     }
 
     /// Line of a fault, counted from 1.
@@ -111,7 +136,7 @@ impl ModelErrors {
 /// One line for each fault: `file:line: message; help`.
 impl fmt::Display for ModelErrors {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (place, fault) in self.faults.iter().enumerate() {
+        for (place, fault) in self.faults.iter().take(SHOWN).enumerate() {
             if place > 0 {
                 out.write_str("\n")?;
             }
@@ -124,11 +149,22 @@ impl fmt::Display for ModelErrors {
                 write!(out, "; {help}")?;
             }
         }
+        if let Some(more) = self.more() {
+            write!(out, "\n{}: {more}", self.name)?;
+        }
         Ok(())
     }
 }
 
 impl std::error::Error for ModelErrors {}
+
+/// Whether the lines around a place are short enough to be drawn.
+fn is_drawn(text: &str, span: &Range<usize>) -> bool {
+    let before = text.as_bytes()[..span.start].rsplit(|&byte| byte == b'\n').take(2);
+    let after = text.as_bytes()[span.start..].split(|&byte| byte == b'\n').take(2);
+    let long: usize = before.chain(after).map(<[u8]>::len).sum();
+    long <= LONGEST_LINE && span.len() <= LONGEST_LINE
+}
 
 /// The same text, byte for byte as long, without what could write to a terminal.
 fn harmless(text: &str) -> String {
@@ -175,12 +211,15 @@ const SYNONYMS: [(&str, &str); 24] = [
     ("duration", "end_time"),
 ];
 
+/// Names that are compared with one that is not there.
+const CANDIDATES: usize = 500;
+
 /// The candidate that was probably meant.
 pub(crate) fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let word = word.to_lowercase().replace('-', "_");
     let meant = SYNONYMS.iter().find(|(other, _)| *other == word).map(|(_, name)| *name);
     let mut best: Option<(f64, &str)> = None;
-    for candidate in candidates {
+    for candidate in candidates.into_iter().take(CANDIDATES) {
         if Some(candidate) == meant {
             return Some(candidate);
         }

@@ -50,6 +50,22 @@ pub struct ModelFile {
     pub history: Vec<History>,
 }
 
+impl ModelFile {
+    /// The names of all tables.
+    pub(crate) const TABLES: [&str; 10] = [
+        "model",
+        "body",
+        "material",
+        "interface",
+        "boundary",
+        "initial",
+        "contact",
+        "fracture",
+        "output",
+        "history",
+    ];
+}
+
 /// What holds for the model as a whole.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]

@@ -7,6 +7,15 @@ use fdem_io::{Mesh, MeshBody};
 use crate::model::fault::suggestion;
 use crate::model::outline::{Point, distance, twice_area};
 use crate::model::piece::{Group, Piece};
+use crate::numbers::grouped;
+
+/// How Gmsh makes triangles.
+const TRIANGLES: &str =
+    "a body is a mesh of triangles; in Gmsh set Mesh.RecombineAll = 0 and take \"Recombine Surface\" out";
+
+/// How Gmsh makes elements with nodes at their corners only.
+const FIRST_ORDER: &str =
+    "elements have nodes at their corners only; in Gmsh set Mesh.ElementOrder = 1, or run gmsh with -order 1";
 
 /// What a fault is about: the key that it belongs to, and the words.
 #[derive(Debug)]
@@ -37,7 +46,11 @@ pub(crate) fn read(
 ) -> Result<Piece, Problem> {
     let (bytes, _) = fdem_io::unpack(bytes.into(), |_| true)
         .map_err(|error| Problem::new("mesh", format!("cannot read {name}: {error}")))?;
-    let mesh = fdem_io::read_mesh(&bytes, name).map_err(|error| Problem::new("mesh", error.to_string()))?;
+    let mesh = fdem_io::read_mesh(&bytes, name).map_err(|error| {
+        let message = error.to_string();
+        let help = message.contains("second order").then(|| FIRST_ORDER.to_owned());
+        Problem { help, ..Problem::new("mesh", message) }
+    })?;
     check_kind(&mesh, name)?;
     let labels: Vec<String> = mesh.bodies.iter().map(label).collect();
     let surfaces = names(&labels, &mesh.triangles.bodies);
@@ -95,24 +108,25 @@ pub(crate) fn read(
 }
 
 fn check_kind(mesh: &Mesh, name: &str) -> Result<(), Problem> {
-    let refuse = |what: String| {
-        Err(Problem {
-            key: "mesh".to_owned(),
-            message: format!("{name} {what}"),
-            help: Some("a body is a mesh of triangles in the plane z = 0".to_owned()),
-        })
+    let refuse = |what: String, help: &str| {
+        Err(Problem { help: Some(help.to_owned()), ..Problem::new("mesh", format!("{name} {what}")) })
+    };
+    let flat = "a body is a mesh of triangles in the plane z = 0";
+    let several = |count: u64, one: &str, more: &str| {
+        format!("has {} {}", grouped(count), if count == 1 { one } else { more })
     };
     if !mesh.tetrahedra.is_empty() {
-        return refuse(format!("has {} tetrahedra", mesh.tetrahedra.len()));
+        let count = mesh.tetrahedra.len() as u64;
+        return refuse(several(count, "tetrahedron", "tetrahedra"), flat);
     }
     if mesh.source.quadrilaterals > 0 {
-        return refuse(format!("has {} quadrilaterals", mesh.source.quadrilaterals));
+        return refuse(several(mesh.source.quadrilaterals, "quadrilateral", "quadrilaterals"), TRIANGLES);
     }
     if mesh.dimensions == 3 {
-        return refuse("is not flat: it has z that are not 0".to_owned());
+        return refuse("is not flat: it has z that are not 0".to_owned(), flat);
     }
     if mesh.triangles.is_empty() {
-        return refuse("has no triangles".to_owned());
+        return refuse("has no triangles".to_owned(), flat);
     }
     Ok(())
 }

@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use crate::model::extent::MOST;
 use crate::model::file::{Disc, Hole, Rectangle};
 
 /// A point or vector, m.
@@ -76,6 +77,11 @@ pub(crate) fn twice_area(a: Point, b: Point, c: Point) -> f64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1])
 }
 
+/// Length of a closed polygon, m.
+pub(crate) fn length(corners: &[Point]) -> f64 {
+    (0..corners.len()).map(|k| distance(corners[k], corners[(k + 1) % corners.len()])).sum()
+}
+
 pub(crate) fn distance(a: Point, b: Point) -> f64 {
     (a[0] - b[0]).hypot(a[1] - b[1])
 }
@@ -88,7 +94,7 @@ pub(crate) fn rectangle(rectangle: &Rectangle) -> Option<Vec<Point>> {
 
 /// Points on a circle, `size` apart. Their number is a multiple of four, so that there is one farthest along each axis.
 pub(crate) fn circle(centre: Point, radius: f64, size: f64) -> Vec<Point> {
-    let count = ((TAU * radius / size / 4.0).round() * 4.0).clamp(8.0, 1e8) as usize;
+    let count = ((TAU * radius / size / 4.0).round() * 4.0).clamp(8.0, MOST) as usize;
     (0..count)
         .map(|k| {
             let quarter = count / 4;
@@ -127,11 +133,25 @@ pub(crate) struct Inside {
 }
 
 impl Inside {
+    /// Rows in which an edge is in the mean, at most.
+    const ROWS_OF_AN_EDGE: f64 = 64.0;
+
     pub(crate) fn new(loops: &[Vec<Point>]) -> Self {
         let [low, high] = bounds(loops.iter().flatten().copied());
         let edges: usize = loops.iter().map(Vec::len).sum();
-        let count = edges.clamp(1, 1 << 14);
+        let mut count = edges.clamp(1, 1 << 14);
         let height = (high[1] - low[1]).max(f64::MIN_POSITIVE);
+        // Edges that go far up are in many rows: with fewer rows all have room.
+        let steps: f64 = loops
+            .iter()
+            .flat_map(|corners| {
+                (0..corners.len()).map(|k| (corners[k][1] - corners[(k + 1) % corners.len()][1]).abs())
+            })
+            .sum();
+        let rows_of_an_edge = steps / height * count as f64 / edges.max(1) as f64;
+        if rows_of_an_edge > Self::ROWS_OF_AN_EDGE {
+            count = ((count as f64 * Self::ROWS_OF_AN_EDGE / rows_of_an_edge) as usize).max(1);
+        }
         let mut inside =
             Self { bottom: low[1], rows_per_length: count as f64 / height, rows: vec![Vec::new(); count] };
         for corners in loops {

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::model::mesher::{INSIDE, Meshed};
 use crate::model::outline::{Point, bounds};
+use crate::numbers::brief;
 
 /// A meshed body.
 #[derive(Debug, Clone, Default)]
@@ -76,7 +77,7 @@ impl Piece {
                 1 => self.outline.push(if turned { [edge[1], edge[0]] } else { edge }),
                 2 if edges[place + 1].1 != turned => {}
                 _ => {
-                    let [x, y] = self.nodes[edge[0] as usize];
+                    let [x, y] = self.nodes[edge[0] as usize].map(brief);
                     return Err(format!("elements lie on top of each other at an edge near [{x}, {y}]"));
                 }
             }

@@ -11,6 +11,7 @@ use toml::de::{DeTable, DeValue};
 
 use crate::model::fault::{Fault, nearest};
 use crate::model::file::ModelFile;
+use crate::numbers::exact;
 
 /// The JSON schema of model files, for editors: keys with descriptions, types, ranges and defaults.
 pub fn schema() -> Value {
@@ -191,10 +192,16 @@ impl<'s> Checker<'s> {
         let least = schema.get("minItems").and_then(Value::as_u64).unwrap_or(0) as usize;
         let most = schema.get("maxItems").and_then(Value::as_u64).map_or(usize::MAX, |most| most as usize);
         if list.len() < least || list.len() > most {
-            let expected = self.expected(schema);
-            let mut fault =
-                Fault::at(span.clone(), format!("\"{key}\" is a list of {}, not {expected}", list.len()))
-                    .label(format!("{} entries", list.len()));
+            let count = list.len();
+            let message = if most == usize::MAX {
+                format!("\"{key}\" is a list of {count}: it has to have at least {least} entries")
+            } else {
+                format!("\"{key}\" is a list of {count}, not {}", self.expected(schema))
+            };
+            let mut fault = Fault::at(span.clone(), message).label(format!("{count} entries"));
+            if key == "points" {
+                fault = fault.help("a polygon has three corners or more");
+            }
             if most < 10 && list.len() == 2 * most {
                 fault = fault.help("numbers have a decimal point; a comma separates entries: [0.5, 1.0]");
             }
@@ -287,7 +294,7 @@ impl<'s> Checker<'s> {
         ];
         for (name, text, is_wrong) in wrong {
             if let (true, Some(limit)) = (is_wrong, limit(name)) {
-                let message = format!("\"{key}\" is {number}: it has to be {text} {limit}");
+                let message = format!("\"{key}\" is {}: it has to be {text} {}", exact(number), exact(limit));
                 self.faults.push(Fault::at(span.clone(), message).label("out of range"));
             }
         }
