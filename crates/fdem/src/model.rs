@@ -28,8 +28,13 @@ mod boundaries;
 mod materials;
 mod settings;
 
+mod connected;
+mod joined;
+mod locking;
+mod plausible;
 mod preflight;
 mod quality;
+mod slivers;
 mod warnings;
 mod equilibrium;
 
@@ -246,6 +251,13 @@ fn prepare_or_faults(text: &str, load: &mut Load<'_>, memory: Option<f64>) -> Re
     };
     let quality = Quality::of(&model.mesh);
     let bodies = bodies_of(&placed);
+    for body in placed.iter().filter(|body| file.body[body.table].mesh.is_some()) {
+        connected::warnings(&body.name, &body.piece, &mut warnings);
+    }
+    plausible::units(&model, &mut warnings);
+    plausible::without_effect(&file, &document, &model, &mut warnings);
+    joined::warnings(&model, &mut warnings);
+    locking::warnings(&model, &placed, &mut warnings);
     warnings.extend(warnings::warnings(&model, &bodies, &quality));
     Ok(Prepared {
         title: file.model.title.clone(),

@@ -5,6 +5,7 @@ use std::fmt;
 use fdem_simulation::{CriticalStep, Insertion, Model, Simulation};
 use serde::Serialize;
 
+use crate::model::slivers::Slivers;
 use crate::model::{Prepared, Quality};
 use crate::numbers::{brief, grouped};
 
@@ -112,6 +113,10 @@ impl Preflight {
                 brief(critical.step)
             ));
         }
+        let seconds = sum(model, |cost| cost.seconds) * steps;
+        if let Some(slivers) = Slivers::of(model) {
+            warnings.push(slivers.told(&duration(seconds), &duration(seconds / slivers.longer)));
+        }
         Ok(Self {
             title: prepared.title.clone(),
             bodies: prepared.bodies.len(),
@@ -120,7 +125,7 @@ impl Preflight {
             critical,
             step,
             steps: steps as u64,
-            seconds: sum(model, |cost| cost.seconds) * steps,
+            seconds,
             seconds_whole: whole(model) * steps,
             memory: PROGRAM + sum(model, |cost| cost.bytes).max(in_report(prepared)),
             warnings,

@@ -40,7 +40,7 @@ pub(crate) fn warnings(model: &Model, bodies: &[Body], quality: &Quality) -> Vec
     }
     if quality.smallest_angle[0] < 10.0 {
         warnings.push(format!(
-            "element {} near {} has an angle of {:.1} degrees: it is stiff, and sets the time step",
+            "element {} near {} has an angle of {:.1} degrees: its stress is poor; better meshes have 25 degrees or more",
             quality.worst,
             place(quality.worst_at),
             quality.smallest_angle[0]

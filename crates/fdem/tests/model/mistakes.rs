@@ -464,7 +464,7 @@ fn mesh_files_are_refused_with_their_name_and_element() {
         "mesh = \"a.obj\"",
         quadrilateral,
         "\"a.obj\"",
-        &["a.obj has 1 quadrilateral;", "in Gmsh set Mesh.RecombineAll = 0"],
+        &["a.obj has 1 quadrilateral", "in Gmsh set Mesh.RecombineAll = 0"],
     );
     let second = b"$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n6\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0.5 0 0\n5 0.5 0.5 0\n6 0 0.5 0\n$EndNodes\n\
         $Elements\n1\n1 9 2 1 1 1 2 3 4 5 6\n$EndElements\n";
