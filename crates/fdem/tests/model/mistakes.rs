@@ -83,7 +83,7 @@ fn an_unknown_table_is_pointed_at_with_the_nearest_one() {
 #[test]
 fn a_missing_key_is_named_at_its_table() {
     let text = changed("density = 2700\n", "");
-    refused(&text, "[[material]]", &["[[material]] \"rock\" lacks the key \"density\" (kg/m³)"]);
+    refused(&text, "[[material]]", &["[[material]] \"rock\" lacks the key \"density\" (Density, kg/m³)"]);
     let text = changed("[model]\nend_time = 1e-3\n", "");
     let errors = read(&text).unwrap_err();
     assert!(errors.to_string().contains("the file lacks the key \"model\""), "{errors}");
