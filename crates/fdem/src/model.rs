@@ -63,15 +63,15 @@ use piece::Piece;
 
 use crate::numbers::grouped;
 
-/// A model to start from: small, complete, with a word on every part.
+/// A small and complete model to start from, with a comment on every part.
 pub const STARTER: &str = include_str!("model/starter.toml");
 
-/// All that a run needs.
+/// A model that is ready to run.
 #[derive(Debug, Clone)]
 pub struct Prepared {
-    /// What is simulated.
+    /// The model to simulate.
     pub model: Model,
-    /// For people; empty if there is none.
+    /// Title; empty if there is none.
     pub title: String,
     /// When the run ends, s.
     pub end_time: f64,
@@ -81,15 +81,15 @@ pub struct Prepared {
     pub groups: Vec<Group>,
     /// Grain of each element, numbered within its body; empty if no body has grains.
     pub grains: Vec<u32>,
-    /// What is written.
+    /// Settings of the output.
     pub output: OutputSettings,
-    /// What is recorded over time.
+    /// Quantities to record over time.
     pub histories: Vec<History>,
     /// Sizes and shapes of the elements.
     pub quality: Quality,
-    /// What may not be meant, for people; the run is possible all the same.
+    /// Warnings of what is possible, but probably not meant.
     pub warnings: Vec<String>,
-    /// SHA-256 of the model in hexadecimal digits: equal models, and only these, have equal ones.
+    /// SHA-256 of the model in hexadecimal digits. Two models are equal if their hashes are.
     pub hash: String,
 }
 
@@ -113,7 +113,7 @@ pub struct Group {
     pub name: String,
     /// Its nodes, ascending.
     pub nodes: Vec<u32>,
-    /// What it has of the outline: nodes in the direction in which their element has them, counter-clockwise.
+    /// Its edges on the outline. The nodes of an edge are in the direction in which their element has them, counter-clockwise.
     pub edges: Vec<[u32; 2]>,
 }
 
@@ -173,7 +173,7 @@ pub fn with_end_time(text: &str, seconds: f64) -> Option<String> {
 /// Does what [`prepare`] does, and refuses meshes that need more than `memory` (bytes) before it makes them.
 ///
 /// # Errors
-/// Those of [`prepare`]; mesh sizes for which there is not enough memory.
+/// The errors of [`prepare`], and mesh sizes for which there is not enough memory.
 pub fn prepare_within(
     text: &str,
     name: &str,
@@ -208,7 +208,7 @@ fn prepare_or_faults(text: &str, load: &mut Load<'_>, memory: Option<f64>) -> Re
     let elements = extent::check(&file, &document, memory, &mut found);
     faults.extend(found.into_iter().filter(is_news));
 
-    // With faults, bodies are meshed only to find more of these: those that are right, and only if that is done soon.
+    // A file with faults is meshed only to find more faults: bodies without faults, and only if that takes little time.
     let mut wrong = document.with_faults("body", file.body.len(), &faults);
     for (wrong, body) in wrong.iter_mut().zip(&file.body) {
         *wrong |= !faults.is_empty() && elements > SOON_MESHED && body.mesh.is_none();
@@ -297,7 +297,7 @@ fn parse(text: &str) -> Result<Document<'_>, Vec<Fault>> {
 
 /// The file as its types have it.
 fn deserialize(text: &str) -> Result<ModelFile, Vec<Fault>> {
-    // The schema has seen all that people do; what it has not seen is told by the deserializer.
+    // The schema check finds what people do wrong; the deserializer reports what it missed.
     toml::from_str(text).map_err(|error| {
         let end = text.len();
         vec![Fault::at(error.span().unwrap_or(end..end), error.message().to_owned())]
@@ -308,7 +308,7 @@ fn none_or(faults: Vec<Fault>) -> Result<(), Vec<Fault>> {
     if faults.is_empty() { Ok(()) } else { Err(faults) }
 }
 
-/// Names come once: of two alike nobody could say which is meant.
+/// Refuses names that occur twice.
 fn check_names(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<Fault>) {
     fn names<'f, T>(items: &'f [T], name: fn(&'f T) -> &'f str) -> Vec<&'f str> {
         items.iter().map(name).collect()
@@ -364,7 +364,7 @@ fn check_initial(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<Fau
     }
 }
 
-/// Of each node; empty if all are at rest.
+/// Velocity of each node at the start; empty if all nodes rest.
 fn velocities(file: &ModelFile, placed: &[Placed]) -> Vec<[f64; 2]> {
     let mut velocities = Vec::new();
     for body in placed {
@@ -460,7 +460,7 @@ fn groups_of(placed: &[Placed]) -> Vec<Group> {
     groups
 }
 
-/// SHA-256 of the model as JSON, whose numbers are written so that they read back to the last bit.
+/// SHA-256 of the model as JSON. JSON numbers are written so that they are read back exactly.
 fn hash(model: &Model) -> String {
     struct Sink(Sha256);
     impl io::Write for Sink {

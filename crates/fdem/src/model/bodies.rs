@@ -23,7 +23,7 @@ use crate::model::voronoi::{Grains, colours};
 /// Gives the bytes of a file that a model names, or says why it cannot.
 pub type Load<'l> = dyn FnMut(&str) -> Result<Vec<u8>, String> + 'l;
 
-/// A body of the mesh and where it comes from.
+/// A meshed body, and its table in the model file.
 #[derive(Debug)]
 pub(crate) struct Placed {
     pub(crate) name: String,
@@ -37,7 +37,7 @@ pub(crate) struct Placed {
 /// The shapes that a body may have.
 const SHAPES: [&str; 7] = ["mesh", "rectangle", "disc", "ring", "polygon", "voronoi", "packing"];
 
-/// What can be said of bodies before they are meshed.
+/// Checks bodies before they are meshed.
 pub(crate) fn check(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<Fault>) {
     for (index, body) in file.body.iter().enumerate() {
         let table = Table::of("body", index);

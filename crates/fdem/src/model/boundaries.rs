@@ -1,4 +1,4 @@
-//! Boundaries: what they name becomes nodes and edges of the mesh.
+//! Boundaries: finds the nodes and edges of the mesh that they act on.
 
 use std::collections::BTreeSet;
 
@@ -11,10 +11,10 @@ use crate::model::file::{self, Component, Fixed, ModelFile, Side};
 use crate::model::outline::{Point, bounds};
 use crate::model::settings::is_piece;
 
-/// Coordinates this much of the extent apart are one side.
+/// Largest distance of nodes of one side from its outermost node, over the extent of the bodies.
 const SIDE: f64 = 1e-6;
 
-/// What can be said of boundaries before anything is meshed.
+/// Checks boundaries before anything is meshed.
 pub(crate) fn check(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<Fault>) {
     for (index, boundary) in file.boundary.iter().enumerate() {
         let table = Table::of("boundary", index);
@@ -172,7 +172,7 @@ pub(crate) fn resolve(
     boundaries
 }
 
-/// Where a boundary acts.
+/// The place where a boundary acts.
 struct Place<'a> {
     boundary: &'a file::Boundary,
     mesh: &'a Mesh,

@@ -61,22 +61,22 @@ impl<'a> Document<'a> {
         self.walk(table, dotted).is_some()
     }
 
-    /// Where a key of a table stands; the deepest part of `dotted.key` that is there, else the table.
+    /// Returns the place of a key of a table: of the deepest part of `dotted.key` that is in the file, or of the table.
     pub(crate) fn key(&self, table: Table, dotted: &str) -> Range<usize> {
         self.find(table, dotted).0
     }
 
-    /// Where its value stands.
+    /// Returns the place of the value of a key.
     pub(crate) fn value(&self, table: Table, dotted: &str) -> Range<usize> {
         self.find(table, dotted).1
     }
 
-    /// Where the value of a key stands, if the key is there.
+    /// Returns the place of the value of a key, or `None` if the key is missing.
     pub(crate) fn value_if_any(&self, table: Table, dotted: &str) -> Option<Range<usize>> {
         self.walk(table, dotted).map(Spanned::span)
     }
 
-    /// Entry of a list that is the value of a key.
+    /// Returns the place of an entry of the list that is the value of a key.
     pub(crate) fn entry(&self, table: Table, dotted: &str, index: usize) -> Range<usize> {
         let Some(spot) = self.walk(table, dotted).and_then(|value| value.get_ref().as_array()) else {
             return self.value(table, dotted);
@@ -93,7 +93,7 @@ impl<'a> Document<'a> {
         extent
     }
 
-    /// Which of the tables `[[name]]` have faults.
+    /// Tells for each of the tables `[[name]]` whether it has faults.
     pub(crate) fn with_faults(&self, name: &'static str, count: usize, faults: &[Fault]) -> Vec<bool> {
         let has = |index| {
             let extent = self.extent(Table::of(name, index));
@@ -166,7 +166,7 @@ fn lookup<'t, 'a>(
     table.iter().find(|(key, _)| key.get_ref() == name)
 }
 
-/// A syntax error in words of the people who make it.
+/// Describes a syntax error.
 fn syntax(text: &str, span: &Range<usize>, message: &str) -> Fault {
     let start = span.start.min(text.len());
     let begin = text.as_bytes()[..start].iter().rposition(|&byte| byte == b'\n').map_or(0, |at| at + 1);
@@ -200,7 +200,7 @@ fn is_word(value: &str) -> bool {
         && value != "false"
 }
 
-/// Where a line like `key = 0,25` has its number.
+/// Returns the place of the number in a line like `key = 0,25`.
 fn decimal_comma(line: &str) -> Option<Range<usize>> {
     let equals = line.find('=')?;
     let value = line[equals + 1..].split('#').next().unwrap_or("");

@@ -1,4 +1,4 @@
-//! What is wrong with a model file, shown where it is.
+//! Faults of a model file, shown at their place in the text.
 
 use std::fmt;
 use std::ops::Range;
@@ -8,16 +8,16 @@ use miette::{GraphicalReportHandler, GraphicalTheme, LabeledSpan, MietteDiagnost
 
 use crate::numbers::grouped;
 
-/// One thing that is wrong.
+/// A fault of a model file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Fault {
-    /// What is wrong.
+    /// Description of the fault.
     pub message: String,
-    /// Where: bytes of the file. `None`: of the file as a whole.
+    /// Place of the fault, in bytes of the file; `None` for the file as a whole.
     pub span: Option<Range<usize>>,
-    /// What stands there, in a word or two.
+    /// Label at the place, in a word or two.
     pub label: String,
-    /// What to do.
+    /// Advice.
     pub help: Option<String>,
 }
 
@@ -27,34 +27,34 @@ impl Fault {
         Self { message: message.into(), span: Some(span), label: "here".to_owned(), help: None }
     }
 
-    /// With what stands there.
+    /// Sets the label.
     pub(crate) fn label(self, label: impl Into<String>) -> Self {
         Self { label: label.into(), ..self }
     }
 
-    /// With what to do.
+    /// Sets the advice.
     pub(crate) fn help(self, help: impl Into<String>) -> Self {
         Self { help: Some(help.into()), ..self }
     }
 
-    /// With what to do, if that is known.
+    /// Sets the advice, if there is any.
     pub(crate) fn maybe_help(self, help: Option<String>) -> Self {
         Self { help: help.or(self.help), ..self }
     }
 }
 
-/// All that is wrong with a model file; at least one thing.
+/// All faults of a model file; at least one.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ModelErrors {
     /// Name of the file, for messages.
     pub name: String,
     /// Its text, to point into.
     pub text: String,
-    /// In the order of the file.
+    /// Faults in the order of the file.
     pub faults: Vec<Fault>,
 }
 
-/// How errors are drawn.
+/// Style in which errors are drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Drawing {
     /// ASCII, no colours: for files and pipes.
@@ -120,7 +120,7 @@ impl ModelErrors {
         out
     }
 
-    /// How many faults are not shown, in words.
+    /// Describes how many faults are not shown.
     fn more(&self) -> Option<String> {
         let more = self.faults.len().checked_sub(SHOWN).filter(|more| *more > 0)?;
         Some(format!("and {} more", grouped(more as u64)))
@@ -166,7 +166,7 @@ fn is_drawn(text: &str, span: &Range<usize>) -> bool {
     long <= LONGEST_LINE && span.len() <= LONGEST_LINE
 }
 
-/// The same text, byte for byte as long, without what could write to a terminal.
+/// Replaces control characters, which could act on a terminal, by as many question marks as they have bytes.
 fn harmless(text: &str) -> String {
     let bad = |c: char| c.is_control() && c != '\n' && c != '\t' && c != '\r';
     if !text.contains(bad) {
@@ -183,7 +183,7 @@ fn harmless(text: &str) -> String {
     out
 }
 
-/// The same quantity by other names: what people write who come from papers and other programs.
+/// Other names of keys, from papers and other programs.
 const SYNONYMS: [(&str, &str); 24] = [
     ("center", "centre"),
     ("e", "youngs_modulus"),
@@ -214,7 +214,7 @@ const SYNONYMS: [(&str, &str); 24] = [
 /// Names that are compared with one that is not there.
 const CANDIDATES: usize = 500;
 
-/// The candidate that was probably meant.
+/// Returns the candidate that was probably meant.
 pub(crate) fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let word = word.to_lowercase().replace('-', "_");
     let meant = SYNONYMS.iter().find(|(other, _)| *other == word).map(|(_, name)| *name);
@@ -236,7 +236,7 @@ pub(crate) fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a s
     best.map(|(_, candidate)| candidate)
 }
 
-/// The end of a message that offers the nearest of the names, or all of them if they are few.
+/// Advice that offers the nearest of the names, or all of them if they are few.
 pub(crate) fn suggestion(word: &str, names: &[&str], what: &str) -> Option<String> {
     match nearest(word, names.iter().copied()) {
         Some(name) => Some(format!("did you mean \"{name}\"?")),

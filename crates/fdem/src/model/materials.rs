@@ -104,7 +104,7 @@ pub(crate) fn interfaces(
     interfaces
 }
 
-/// Number of a material, or what to write instead.
+/// Returns the number of a material, or advice if there is none of this name.
 pub(crate) fn number(file: &ModelFile, name: &str) -> Result<u32, Option<String>> {
     let place = file.material.iter().position(|material| material.name == name);
     place.map(|place| place as u32).ok_or_else(|| {
@@ -126,16 +126,16 @@ pub(crate) fn plane(file: &ModelFile) -> Plane {
     }
 }
 
-/// What a table says of strength.
+/// The keys of the strength of a table.
 struct Keys {
-    /// As [`STRENGTH`] names them.
+    /// Values of the keys [`STRENGTH`].
     values: [Option<f64>; 5],
     weibull_modulus: Option<f64>,
     seed: u64,
 }
 
 impl Keys {
-    /// All five or none.
+    /// The strength, if its keys are complete; none, if none is given.
     fn strength(
         &self,
         name: &str,
@@ -144,7 +144,7 @@ impl Keys {
         faults: &mut Vec<Fault>,
     ) -> Option<Strength> {
         let [tensile, cohesion, angle, energy_i, energy_ii] = self.values;
-        // What is not there needs no energy to break. The schema allows a strength of 0 for interfaces only.
+        // A strength of 0, which the schema allows for interfaces only, needs no fracture energy.
         let energy = |strength: Option<f64>, energy: Option<f64>| {
             energy.or(strength.filter(|strength| *strength == 0.0))
         };

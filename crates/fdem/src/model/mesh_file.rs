@@ -9,15 +9,15 @@ use crate::model::outline::{Point, distance, twice_area};
 use crate::model::piece::{Group, Piece};
 use crate::numbers::grouped;
 
-/// How Gmsh makes triangles.
+/// Advice on triangles in Gmsh.
 const TRIANGLES: &str =
     "a body is a mesh of triangles; in Gmsh set Mesh.RecombineAll = 0 and take \"Recombine Surface\" out";
 
-/// How Gmsh makes elements with nodes at their corners only.
+/// Advice on elements of first order in Gmsh.
 const FIRST_ORDER: &str =
     "elements have nodes at their corners only; in Gmsh set Mesh.ElementOrder = 1, or run gmsh with -order 1";
 
-/// What a fault is about: the key that it belongs to, and the words.
+/// A problem of a body, and the key that it belongs to.
 #[derive(Debug)]
 pub(crate) struct Problem {
     pub(crate) key: String,
@@ -36,7 +36,7 @@ impl Problem {
 /// `material` is a material for each name in `groups`, by position; [`Piece::materials`] are those, or `default`.
 ///
 /// # Errors
-/// What is no mesh of triangles in the plane; groups that are not there.
+/// Files without a mesh of triangles in the plane; groups that the file does not have.
 pub(crate) fn read(
     bytes: &[u8],
     name: &str,
@@ -135,7 +135,7 @@ fn planar([x, y, _]: [f64; 3]) -> Point {
     [x, y]
 }
 
-/// What the model file calls a group: its name, else its number.
+/// The name of a group in model files: its name in the mesh file, or its number.
 fn label(body: &MeshBody) -> String {
     match (&body.name, body.number) {
         (Some(name), _) => name.clone(),

@@ -16,7 +16,7 @@ use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 use crate::model::extent::{MOST, too_many};
 use crate::model::outline::{self, Domain, Inside, Point, bounds, distance, twice_area};
 
-/// No loop: nodes inside.
+/// Stands for the loop of nodes inside.
 pub(crate) const INSIDE: u32 = u32::MAX;
 
 /// Distance of points over the edge that is asked for, so that the mean edge is that one.
@@ -43,7 +43,7 @@ pub(crate) struct Meshed {
 /// Meshes a domain with edges of about `size`.
 ///
 /// # Errors
-/// In words: an outline that crosses or touches itself, a size that gives no element or too many.
+/// Messages about outlines that cross or touch themselves, and sizes that give no element or too many.
 pub(crate) fn mesh(domain: &Domain, size: f64, seed: u64) -> Result<Meshed, String> {
     let length: f64 = domain.loops.iter().map(|corners| outline::length(corners)).sum();
     let expected = domain.area() / size / size / (3.0_f64.sqrt() / 4.0) + length / size;
@@ -73,7 +73,7 @@ pub(crate) fn mesh(domain: &Domain, size: f64, seed: u64) -> Result<Meshed, Stri
     Ok(Meshed { nodes, triangles, loops: frame.loops, lines })
 }
 
-/// Every hole inside the outline, none in another: else it would be a body of its own, or part of one.
+/// Checks that every hole is inside the outline and none is in another hole.
 fn holes_are_inside(domain: &Domain) -> Result<(), String> {
     let Some((outer, holes)) = domain.loops.split_first() else { return Ok(()) };
     let outline = Inside::new(std::slice::from_ref(outer));
@@ -107,9 +107,9 @@ struct Frame {
     origin: Point,
     nodes: Vec<Point>,
     loops: Vec<u32>,
-    /// Of outlines and lines.
+    /// Edges of outlines and lines.
     edges: Vec<[usize; 2]>,
-    /// Those of lines.
+    /// Edges of lines.
     lines: Vec<[u32; 2]>,
 }
 
@@ -169,7 +169,7 @@ impl Frame {
         for piece in 1..pieces {
             let t = piece as f64 / pieces as f64;
             let next = self.nodes.len();
-            // On a line along an axis all have its very coordinate.
+            // Points on a line along an axis have exactly its coordinate.
             self.push([0, 1].map(|axis| from[axis] + t * (to[axis] - from[axis])), number);
             self.edges.push([last, next]);
             last = next;
@@ -239,7 +239,7 @@ struct Cells {
 enum Heads {
     /// One for each cell.
     All(Vec<u32>),
-    /// Those of cells that have a point: for thin outlines around much of nothing.
+    /// One for each cell with a point: for outlines that fill little of their bounding box.
     Some(BTreeMap<usize, u32>),
 }
 
@@ -433,7 +433,7 @@ impl Curve {
         Self { origin, per_length: f64::from(u16::MAX) / size[0].max(size[1]) }
     }
 
-    /// How far along the curve a point is.
+    /// Position of a point along the curve.
     fn place(&self, point: Point) -> u64 {
         let [x, y] = [0, 1].map(|axis| ((point[axis] - self.origin[axis]) * self.per_length) as u32);
         fast_hilbert::xy2h(x, y, Self::ORDER)

@@ -1,4 +1,4 @@
-//! Closed polygons: areas, what is inside, and shapes of the model file as polygons.
+//! Closed polygons: their areas, tests of points against them, and shapes of the model file as polygons.
 
 use std::f64::consts::TAU;
 
@@ -11,7 +11,7 @@ pub(crate) type Point = [f64; 2];
 /// Distance from 0, in widths of a domain, beyond which coordinates have too few digits left for the shape of elements.
 const FAR: f64 = 1024.0;
 
-/// What is to be meshed: loops, of which the first is the outer one, and lines inside that have to be edges of the mesh.
+/// A domain to mesh: loops, the outer one first, and lines inside that become edges of the mesh.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Domain {
     /// Corners in order, either way round.
@@ -46,7 +46,7 @@ impl Domain {
         }
     }
 
-    /// Of the outer loop less the others, m².
+    /// Area of the outer loop less the areas of the others, m².
     pub(crate) fn area(&self) -> f64 {
         let mut areas = self.loops.iter().map(|corners| area(corners).abs());
         let outer = areas.next().unwrap_or(0.0);
@@ -66,7 +66,7 @@ pub(crate) fn bounds(points: impl Iterator<Item = Point>) -> [Point; 2] {
     bounds
 }
 
-/// Of a closed polygon, positive counter-clockwise. Taken about its first corner, so that distance from the origin costs no digits.
+/// Area of a closed polygon, positive counter-clockwise. It is computed relative to the first corner, so that a large distance from the origin costs no digits.
 pub(crate) fn area(corners: &[Point]) -> f64 {
     let Some(&origin) = corners.first() else { return 0.0 };
     corners.windows(2).map(|pair| twice_area(origin, pair[0], pair[1])).sum::<f64>() / 2.0
@@ -122,10 +122,10 @@ pub(crate) fn hole(hole: &Hole, size: f64) -> Vec<Point> {
     }
 }
 
-/// Tells what is inside of loops: points from which a ray crosses an odd number of edges.
+/// Tests whether points are inside loops: a ray from a point inside crosses an odd number of edges.
 ///
 /// # Cost
-/// Edges are kept by rows of y, so that a question costs the edges of one row.
+/// Edges are sorted into rows of y. A test looks at the edges of one row.
 pub(crate) struct Inside {
     bottom: f64,
     rows_per_length: f64,

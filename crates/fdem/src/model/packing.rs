@@ -25,7 +25,7 @@ const DENSEST: f64 = 0.95;
 /// Circles with radii between two, the largest placed first, none nearer to another or to the sides than `gap`.
 ///
 /// # Errors
-/// In words, with how many found room.
+/// A message with the number of circles that found room.
 pub(crate) fn scatter(
     count: usize,
     [least, most]: [f64; 2],
@@ -85,7 +85,7 @@ pub(crate) fn scatter(
 /// The circles of a file.
 ///
 /// # Errors
-/// In words: what [`fdem_io::read_packing`] says; spheres, points, radii of zero.
+/// Messages of [`fdem_io::read_packing`], and about spheres, points and radii of zero.
 pub(crate) fn read(bytes: &[u8], name: &str) -> Result<Vec<Circle>, String> {
     let packing = fdem_io::read_packing(bytes, name, &ReadOptions::default(), &AtomicU64::new(0))
         .map_err(|error| format!("{name}: {error}"))?;

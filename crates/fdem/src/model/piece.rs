@@ -12,11 +12,11 @@ pub(crate) struct Piece {
     pub(crate) nodes: Vec<Point>,
     /// Counter-clockwise.
     pub(crate) triangles: Vec<[u32; 3]>,
-    /// Of each triangle.
+    /// Material of each triangle.
     pub(crate) materials: Vec<u32>,
     /// Grain of each triangle; empty if the body has no grains.
     pub(crate) grains: Vec<u32>,
-    /// Edges of one triangle only, as it has them.
+    /// Edges of one triangle only, in its direction.
     pub(crate) outline: Vec<[u32; 2]>,
     /// Parts that boundaries may name.
     pub(crate) groups: BTreeMap<String, Group>,
@@ -59,7 +59,7 @@ impl Piece {
     /// Finds the edges of one triangle only.
     ///
     /// # Errors
-    /// In words: edges of more than two triangles, or of two on the same side.
+    /// Messages about edges of more than two triangles, or of two on the same side.
     pub(crate) fn find_outline(&mut self) -> Result<(), String> {
         let mut edges: Vec<([u32; 2], bool)> = Vec::with_capacity(3 * self.triangles.len());
         for &[a, b, c] in &self.triangles {

@@ -22,11 +22,11 @@ pub fn schema() -> Value {
     schema
 }
 
-/// All keys that are unknown, all that are missing, all values of a wrong type or out of range.
+/// Finds all unknown keys, all missing keys, and all values of a wrong type or out of range.
 pub(crate) fn check(root: &Spanned<DeTable<'_>>) -> Vec<Fault> {
     let schema = schema();
     let mut checker = Checker { schema: &schema, faults: Vec::new() };
-    // What lacks a whole table lacks it at its end.
+    // A missing table is reported at the end of the file.
     let end = root.span().end;
     checker.table(root.get_ref(), end..end, &schema, "the file");
     checker.faults
@@ -38,7 +38,7 @@ struct Checker<'s> {
 }
 
 impl<'s> Checker<'s> {
-    /// A schema itself, behind its reference and without the `null` of optional keys, which TOML cannot say.
+    /// Follows the references of a schema, and removes the `null` of optional keys, which TOML does not have.
     fn resolve(&self, schema: &'s Value) -> &'s Value {
         let mut schema = schema;
         loop {
@@ -70,7 +70,7 @@ impl<'s> Checker<'s> {
         }
         let required = schema.get("required").and_then(Value::as_array).into_iter().flatten();
         for key in required.filter_map(Value::as_str) {
-            // A key that is misspelt is not missed as well.
+            // A misspelt key is not reported as missing.
             if !misspelt.contains(&key) && !table.iter().any(|(known, _)| known.get_ref() == key) {
                 let what = properties.and_then(|properties| self.description(properties.get(key)?));
                 let what = what.map_or_else(String::new, |what| format!(" ({what})"));
@@ -82,7 +82,7 @@ impl<'s> Checker<'s> {
         }
     }
 
-    /// What the first sentence says of a key.
+    /// Returns the first sentence of the description of a key.
     fn description(&self, property: &'s Value) -> Option<String> {
         let text =
             property.get("description").or_else(|| self.resolve(property).get("description"))?.as_str()?;
@@ -129,7 +129,7 @@ impl<'s> Checker<'s> {
     }
 
     fn value(&mut self, value: &Spanned<DeValue<'_>>, schema: &'s Value, key: &str, parent: &str) {
-        // Limits stand beside the reference or the type.
+        // Limits are beside the reference or the type.
         let outer = schema;
         let schema = self.resolve(schema);
         if let Some(branches) = branches(schema) {
@@ -226,7 +226,7 @@ impl<'s> Checker<'s> {
         }
     }
 
-    /// The alternative that the kind of the value speaks for is the one whose faults are told.
+    /// Checks a value against alternatives. If none fits, the faults are those of the alternative with the type of the value.
     fn alternatives(
         &mut self,
         value: &Spanned<DeValue<'_>>,
@@ -300,7 +300,7 @@ impl<'s> Checker<'s> {
         }
     }
 
-    /// What a schema asks for, in words.
+    /// Describes the values that a schema allows.
     fn expected(&self, schema: &'s Value) -> String {
         let schema = self.resolve(schema);
         if let Some(words) = words(schema) {
@@ -366,7 +366,7 @@ fn quoted(words: &[&str]) -> String {
     }
 }
 
-/// What a value is, in words.
+/// Describes a value.
 fn kind(value: &DeValue<'_>) -> &'static str {
     match value {
         DeValue::String(_) => "text",
@@ -390,7 +390,7 @@ fn json_kind(value: &DeValue<'_>) -> &'static str {
     }
 }
 
-/// What to do about the usual mistakes.
+/// Advice on the usual mistakes.
 fn hint(found: &DeValue<'_>, schema: &Value) -> Option<String> {
     let wants = |kind: &str| types(schema).contains(&kind);
     match found {

@@ -1,4 +1,4 @@
-//! What may not be meant.
+//! Warnings of what is possible, but probably not meant.
 
 mod gravity;
 
@@ -22,7 +22,7 @@ const REGULAR: f64 = 0.5;
 /// Penalty over Young's modulus below which bodies sink into each other.
 const SOFT: f64 = 0.5;
 
-/// All warnings, in words.
+/// Returns the warnings.
 pub(crate) fn warnings(model: &Model, bodies: &[Body], quality: &Quality) -> Vec<String> {
     let mut warnings = Vec::new();
     process_zone(model, &mut warnings);
@@ -67,7 +67,7 @@ fn plane_modulus(model: &Model, material: usize) -> f64 {
     }
 }
 
-/// Elements larger than a third of the zone in which a material softens, E' G/f².
+/// Warns of elements larger than a third of the fracture process zone, E' G/f².
 fn process_zone(model: &Model, warnings: &mut Vec<String>) {
     let mut longest = vec![0.0_f64; model.materials.len()];
     let mut large = vec![0_usize; model.materials.len()];
@@ -102,7 +102,7 @@ fn process_zone(model: &Model, warnings: &mut Vec<String>) {
     }
 }
 
-/// One side held while the opposite one is driven: stress waves load them unequally.
+/// Warns of one side that is held while the opposite one is driven: stress waves load the two unequally.
 fn platens(model: &Model, warnings: &mut Vec<String>) {
     let components = |boundary: &Boundary| match boundary.load {
         Load::Velocity(components) | Load::Displacement(components) => components,
@@ -119,7 +119,7 @@ fn platens(model: &Model, warnings: &mut Vec<String>) {
     for moving in &model.boundaries {
         for axis in 0..2 {
             let Some(speed) = components(moving)[axis].filter(|speed| *speed != 0.0) else { continue };
-            // What is driven towards something that is held, or away from it.
+            // A boundary that is driven towards a held one, or away from it.
             let held = model.boundaries.iter().find(|held| {
                 components(held)[axis] == Some(0.0) && middle(held, axis) != middle(moving, axis)
             });
@@ -138,7 +138,7 @@ fn platens(model: &Model, warnings: &mut Vec<String>) {
     }
 }
 
-/// Velocities, displacements and loads that are there at once.
+/// Warns of velocities and displacements that start at full size.
 fn stepped(boundary: &Boundary, warnings: &mut Vec<String>) {
     let starts = match &boundary.schedule {
         Schedule::Constant => true,
@@ -159,7 +159,7 @@ fn stepped(boundary: &Boundary, warnings: &mut Vec<String>) {
     }
 }
 
-/// Components of nodes that two boundaries prescribe.
+/// Warns of components of nodes that two boundaries prescribe.
 fn prescribed_twice(model: &Model, warnings: &mut Vec<String>) {
     let mut owner: BTreeMap<(u32, usize), usize> = BTreeMap::new();
     let mut told: Vec<[usize; 2]> = Vec::new();
@@ -189,7 +189,7 @@ fn prescribed_twice(model: &Model, warnings: &mut Vec<String>) {
     }
 }
 
-/// Bodies that lie in each other at the beginning.
+/// Warns of bodies that overlap at the start.
 fn overlaps(model: &Model, bodies: &[Body], warnings: &mut Vec<String>) {
     if bodies.len() < 2 {
         return;
@@ -197,7 +197,7 @@ fn overlaps(model: &Model, bodies: &[Body], warnings: &mut Vec<String>) {
     let mesh = &model.mesh;
     let found = Detected::new(&mesh.nodes, &mesh.triangles, &mesh.bodies)
         .and_then(|mesh| discretised::contacts(&mesh));
-    // What cannot be detected cannot be run either, and is told there.
+    // A model whose contacts cannot be detected cannot run; its preflight reports that.
     let Ok(found) = found else { return };
     let element_area = |element: u32| {
         let [a, b, c] = mesh.triangles[element as usize].map(|node| mesh.nodes[node as usize]);
