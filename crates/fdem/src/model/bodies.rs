@@ -14,7 +14,7 @@ use crate::model::file::{Body, Hole, ModelFile, Outline, Packing, Voronoi};
 use crate::model::materials;
 use crate::model::mesh_file::{self, Problem};
 use crate::model::mesher::mesh;
-use crate::model::outline::{self, Domain, distance};
+use crate::model::outline::{self, Domain};
 use crate::model::packing;
 use crate::model::piece::Piece;
 use crate::model::shapes;
@@ -185,8 +185,14 @@ pub(crate) fn crowded(document: &Document<'_>, placed: &[Placed]) -> Option<Faul
         .iter()
         .map(|body| {
             let piece = &body.piece;
-            let edge = |&[a, b, _]: &[u32; 3]| distance(piece.nodes[a as usize], piece.nodes[b as usize]);
-            let size = piece.triangles.get(piece.triangles.len() / 2).map_or(0.0, edge);
+            let mut size = [0.0; 2];
+            for triangle in &piece.triangles {
+                let corners = triangle.map(|node| piece.nodes[node as usize]);
+                let [low, high] = outline::bounds(corners.into_iter());
+                for axis in 0..2 {
+                    size[axis] += (high[axis] - low[axis]) / piece.triangles.len() as f64;
+                }
+            }
             let bounds = outline::bounds(piece.nodes.iter().copied());
             Filled { bounds, elements: piece.triangles.len() as f64, size }
         })

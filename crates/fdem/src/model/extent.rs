@@ -125,8 +125,8 @@ pub(crate) struct Filled {
     pub(crate) bounds: [Point; 2],
     /// Number of elements.
     pub(crate) elements: f64,
-    /// Edge of the elements, m.
-    pub(crate) size: f64,
+    /// Mean width and height of the elements, m.
+    pub(crate) size: [f64; 2],
 }
 
 /// Number of elements of all bodies that are cut here, about. Refuses sizes that give too many, or more than `memory` (bytes) has room for, and bodies that lie in each other
@@ -151,7 +151,7 @@ pub(crate) fn check(
             faults.push(Fault::at(span, message).label("too small").help("take a larger mesh_size"));
             return all;
         }
-        boxes.push(Filled { bounds: placed(extent.bounds, body), elements, size });
+        boxes.push(Filled { bounds: placed(extent.bounds, body), elements, size: [size; 2] });
         tables.push(index);
     }
     if let Some(([a, b], couples)) = crowded(&boxes) {
@@ -247,7 +247,7 @@ fn couples(one: &Filled, other: &Filled) -> f64 {
         (one.bounds[1][axis].min(other.bounds[1][axis]) - low).max(0.0)
     });
     let area = |of: &Filled| (of.bounds[1][0] - of.bounds[0][0]) * (of.bounds[1][1] - of.bounds[0][1]);
-    let reach = (one.size + other.size) * (one.size + other.size);
+    let reach = (one.size[0] + other.size[0]) * (one.size[1] + other.size[1]);
     let found = overlap[0] * overlap[1] * reach * one.elements / area(one) * other.elements / area(other);
     // Boxes without area, or beyond what can be computed, say nothing.
     if found.is_finite() { found } else { 0.0 }
@@ -258,7 +258,7 @@ mod tests {
     use super::*;
 
     fn filled(x: f64, elements: f64) -> Filled {
-        Filled { bounds: [[x, 0.0], [x + 1.0, 1.0]], elements, size: (2.3 / elements).sqrt() }
+        Filled { bounds: [[x, 0.0], [x + 1.0, 1.0]], elements, size: [(2.3 / elements).sqrt(); 2] }
     }
 
     #[test]
