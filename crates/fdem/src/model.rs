@@ -164,7 +164,7 @@ pub fn prepare(text: &str, name: &str, load: &mut Load<'_>) -> Result<Prepared, 
 /// assert_eq!(fdem::model::with_end_time(text, 0.25).as_deref(), Some("[model]\nend_time = 0.25 # short"));
 /// ```
 pub fn with_end_time(text: &str, seconds: f64) -> Option<String> {
-    let document = Document::parse(text).ok()?;
+    let document = parse(text).ok()?;
     let place = document.value_if_any(Table::one("model"), "end_time")?;
     // A TOML number with an exponent needs no point, and one without has it.
     Some(format!("{}{seconds:?}{}", &text[..place.start], &text[place.end..]))
