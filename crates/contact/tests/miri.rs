@@ -7,8 +7,8 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failed unwrap is a failed test")]
 
 use fdem_contact::{
-    Buffered, CGrid, Couple, Csr, Detector, Direct, Elements, Engine, Filter, GroupMatrix, Index, Multilevel,
-    Nbs, PeriodicBox, PeriodicSearch, Rows, Search, image,
+    Buffered, CGrid, Couple, Csr, Direct, Elements, Engine, Filter, GroupMatrix, Index, Multilevel, Nbs,
+    PeriodicBox, PeriodicSearch, Rows, Search, image,
 };
 
 const THREADS: [usize; 2] = [1, 2];
@@ -41,7 +41,6 @@ fn all_of<const D: usize>(elements: &Elements<'_, f64, D>) -> Vec<Couple> {
     couples
 }
 
-/// The list of a search, then its count in the same memory.
 fn check<const D: usize>(
     name: &str,
     mut search: impl Search<f64, D>,
@@ -50,11 +49,11 @@ fn check<const D: usize>(
 ) {
     let mut couples = Vec::new();
     search.couples(elements, &mut couples).unwrap();
-    assert_eq!(search.count(elements), Ok(couples.len() as u64), "{name}");
     couples.sort_unstable();
     assert_eq!(couples, expected, "{name}");
 }
 
+/// Each search takes Miri some seconds, so that every engine searches once; rows on both numbers of threads.
 fn check_engines<const D: usize>(elements: &Elements<'_, f64, D>) {
     let expected = all_of(elements);
     assert!(!expected.is_empty());
@@ -62,26 +61,25 @@ fn check_engines<const D: usize>(elements: &Elements<'_, f64, D>) {
         // A build without the feature `rayon` has one thread.
         let Ok(rows) = Rows::new().with_threads(threads) else { continue };
         check("rows", rows, elements, &expected);
-        check("multilevel", Multilevel::new().with_threads(threads).unwrap(), elements, &expected);
     }
-    check("auto", Detector::new(Engine::Auto), elements, &expected);
+    let multilevel = Multilevel::new();
+    check("multilevel", multilevel.clone().with_threads(2).unwrap_or(multilevel), elements, &expected);
     check("nbs", Nbs::new(), elements, &expected);
     check("cgrid", CGrid::new(), elements, &expected);
 }
 
 #[test]
 fn engines_on_spheres_of_one_radius() {
-    check_engines(&Elements::points(&gas::<2>(50, 1), 1.0).unwrap());
-    check_engines(&Elements::points(&gas::<3>(66, 2), 1.0).unwrap());
+    check_engines(&Elements::points(&gas::<3>(40, 2), 1.0).unwrap());
 }
 
 #[test]
 fn engines_on_spheres_with_radii_and_filters() {
-    let (points, radii) = (gas::<3>(70, 3), radii(70));
+    let (points, radii) = (gas::<3>(40, 3), radii(40));
     let spheres = Elements::spheres_with_radii(&points, &radii).unwrap();
     check_engines(&spheres);
-    let bodies: Vec<u32> = (0..70).map(|k| k / 3).collect();
-    let groups: Vec<u32> = (0..70).map(|k| k * 7 % 40).collect();
+    let bodies: Vec<u32> = (0..40).map(|k| k / 3).collect();
+    let groups: Vec<u32> = (0..40).map(|k| k * 7 % 40).collect();
     let mut matrix = GroupMatrix::all(40).unwrap();
     (0..40).for_each(|group| matrix.set(group, 39 - group, false).unwrap());
     check_engines(&spheres.with_filter(Filter::groups(&groups, &matrix).with_bodies(&bodies)).unwrap());
@@ -89,55 +87,50 @@ fn engines_on_spheres_with_radii_and_filters() {
 
 #[test]
 fn engines_on_boxes() {
-    let lows = gas::<2>(50, 4);
-    let highs: Vec<[f64; 2]> = lows.iter().zip(radii(50)).map(|(low, size)| low.map(|x| x + size)).collect();
+    let lows = gas::<2>(40, 4);
+    let highs: Vec<[f64; 2]> = lows.iter().zip(radii(40)).map(|(low, size)| low.map(|x| x + size)).collect();
     check_engines(&Elements::boxes(&lows, &highs).unwrap());
 }
 
-/// Two threads append to one list, whose room runs out on the way, and then to one that has it.
+/// Two threads append to one list, whose room runs out on the way, and to parts of a sum.
 #[test]
 fn two_threads_write_one_list() {
-    let points = gas::<3>(140, 5);
+    let points = gas::<3>(130, 5);
     let elements = Elements::points(&points, 1.2).unwrap();
     let mut expected = Vec::new();
     Rows::new().couples(&elements, &mut expected).unwrap();
     let Ok(mut rows) = Rows::new().with_threads(2) else { return };
-    for room in [0, expected.len() / 2] {
-        let mut couples = Vec::with_capacity(room);
-        rows.couples(&elements, &mut couples).unwrap();
-        assert_eq!(couples, expected);
-    }
+    let mut couples = Vec::with_capacity(expected.len() / 2);
+    rows.couples(&elements, &mut couples).unwrap();
+    assert_eq!(couples, expected);
     let sums = rows.fold(&elements, || 0, |sum, _| *sum += 1).unwrap();
     assert_eq!(sums.into_iter().sum::<usize>(), expected.len());
 }
 
 #[test]
 fn two_sets_and_queries() {
-    let (fixed, moving) = (gas::<3>(66, 6), gas::<3>(16, 7));
+    let (fixed, moving) = (gas::<3>(66, 6), gas::<3>(10, 7));
     let fixed = Elements::points(&fixed, 1.0).unwrap();
     let asking = Elements::points(&moving, 1.0).unwrap();
-    for threads in THREADS {
-        let Ok(mut index) = Index::new().with_threads(threads) else { continue };
-        index.build(&fixed).unwrap();
-        let mut couples = Vec::new();
-        index.couples_with(&asking, &mut couples).unwrap();
-        assert_eq!(index.count_with(&asking), Ok(couples.len() as u64));
-        let mut found = Csr::new();
-        index.within_with_distances(&moving, 1.0, &mut found).unwrap();
-        assert_eq!(found.neighbours().len(), couples.len());
-        index.nearest(&moving, 3, &mut found).unwrap();
-        assert_eq!(found.neighbours().len(), 3 * moving.len());
-    }
+    let mut index = Index::new().with_threads(2).unwrap_or_default();
+    index.build(&fixed).unwrap();
+    let mut couples = Vec::new();
+    index.couples_with(&asking, &mut couples).unwrap();
+    let mut found = Csr::new();
+    index.within_with_distances(&moving, 1.0, &mut found).unwrap();
+    assert_eq!(found.neighbours().len(), couples.len());
+    index.nearest(&moving, 3, &mut found).unwrap();
+    assert_eq!(found.neighbours().len(), 3 * moving.len());
 }
 
 #[test]
 fn boxes_that_repeat_and_buffers() {
-    let points = gas::<2>(30, 8);
+    let points = gas::<2>(20, 8);
     let elements = Elements::points(&points, 1.0).unwrap();
-    let cell = PeriodicBox::orthogonal([0.0; 2], [7.0; 2], [true; 2]).unwrap();
+    let cell = PeriodicBox::orthogonal([0.0; 2], [6.0; 2], [true; 2]).unwrap();
     let mut counts = Vec::new();
     for threads in THREADS {
-        let Ok(mut search) = PeriodicSearch::new(Engine::Auto).with_threads(threads) else { continue };
+        let Ok(mut search) = PeriodicSearch::new(Engine::Rows).with_threads(threads) else { continue };
         let mut couples = Vec::new();
         search.couples(&elements, &cell, &mut couples).unwrap();
         counts.push(couples.len());
