@@ -186,8 +186,8 @@ mod tests {
     fn bodies_stay_apart_and_small_ones_are_seen() {
         let mut corners = square(30, [0.0, 0.0], 1.0);
         let mut bodies = vec![0; corners.len()];
-        // A body of two triangles that is much smaller than a cell, and one far outside of the frame.
-        corners.extend(square(1, [1.5, 1.5], 1e-4));
+        // A body of two triangles inside one cell, and one far outside of the frame.
+        corners.extend(square(1, [1.53, 1.53], 1e-4));
         bodies.extend([1, 1]);
         corners.extend(square(1, [50.0, 50.0], 1e-4));
         bodies.extend([2, 2]);

@@ -228,7 +228,7 @@ fn the_format_is_told_by_content_or_by_option() {
     bench.write("no.xyz", "x,y,radius\n0,0,1\n1,0\n");
     bench.run(&["contacts", "no.xyz"]).refused_with(&[
         "no.xyz:3:",
-        "promises a XYZ file",
+        "the name stands for a XYZ file",
         "expected 3 fields",
     ]);
 }

@@ -124,7 +124,7 @@ fn a_decimal_comma_is_seen_in_all_its_forms() {
 #[test]
 fn a_ramp_of_gravity_without_gravity_is_refused() {
     let text = changed("end_time", "gravity_ramp = 0.1\nend_time");
-    refused(&text, "gravity_ramp", &["\"gravity_ramp\" goes with gravity", "there is no gravity"]);
+    refused(&text, "gravity_ramp", &["\"gravity_ramp\" goes with gravity", "write gravity = [0, -9.81]"]);
     let text = changed("end_time", "gravity = [0, -9.81]\ngravity_ramp = 0\nend_time");
     refused(&text, "0", &["\"gravity_ramp\""]);
 }
