@@ -223,6 +223,7 @@ impl<L: Label, const D: usize> ImageContacts<L, D> {
     /// # Shapes
     /// `slab`: any number of whole planes, in C order.
     ///
+    /// # Errors
     /// [`Error::PartialPlane`], [`Error::TooManyPlanes`]; nothing has been added then. [`Error::OutOfMemory`], [`Error::TooManyContacts`];
     /// after these the image cannot be continued, and every further call returns the same error.
     pub fn add(&mut self, slab: &[L]) -> Result<(), Error> {

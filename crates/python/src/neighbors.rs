@@ -55,7 +55,7 @@ impl TwoSided for Couple {
     type Side = Plain;
 
     fn is_kept(&self, atoms: &Atoms<'_>) -> bool {
-        atoms.distance(&atoms.vector(self.i, self.j)) < atoms.limit(self.i, self.j)
+        length(&atoms.vector(self.i, self.j)) < atoms.limit(self.i, self.j)
     }
 
     fn sides(&self) -> [(u32, Plain); 2] {
@@ -68,7 +68,7 @@ impl TwoSided for Shifted {
     type Side = Self;
 
     fn is_kept(&self, atoms: &Atoms<'_>) -> bool {
-        atoms.distance(&atoms.shifted_vector(self)) < atoms.limit(self.row, self.partner)
+        length(&atoms.shifted_vector(self)) < atoms.limit(self.row, self.partner)
     }
 
     fn sides(&self) -> [(u32, Self); 2] {
@@ -106,11 +106,6 @@ impl Atoms<'_> {
     }
 
     #[inline]
-    fn distance(&self, [x, y, z]: &[f64; 3]) -> f64 {
-        (x * x + y * y + z * z).sqrt()
-    }
-
-    #[inline]
     fn limit(&self, i: u32, j: u32) -> f64 {
         let (i, j) = (i as usize, j as usize);
         match self.limits {
@@ -119,6 +114,12 @@ impl Atoms<'_> {
             Limits::Kinds(kinds, count, table) => table[kinds[i] as usize * count + kinds[j] as usize],
         }
     }
+}
+
+/// Length of a vector.
+#[inline]
+fn length([x, y, z]: &[f64; 3]) -> f64 {
+    (x * x + y * y + z * z).sqrt()
 }
 
 /// Neighbours by bucket of their first atom: those of bucket `b` are at `starts[b]..starts[b + 1]`.
@@ -309,13 +310,13 @@ impl Found {
                 });
                 if let Some(image) = image {
                     let vector = atoms.shifted_vector(&image);
-                    columns.set(place, row, image.partner, vector, atoms.distance(&vector));
+                    columns.set(place, row, image.partner, vector, length(&vector));
                     if let Some(column) = &mut columns.shift {
                         column[place] = image.shift.map(i64::from);
                     }
                 } else if let Some(partner) = partners.next() {
                     let vector = atoms.vector(row, partner);
-                    columns.set(place, row, partner, vector, atoms.distance(&vector));
+                    columns.set(place, row, partner, vector, length(&vector));
                 } else {
                     break;
                 }

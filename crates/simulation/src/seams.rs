@@ -417,7 +417,7 @@ mod tests {
             assert!((frame.gap[0] - opening).abs() < 1e-12);
             let forces = place.forces(&frame, place.potential(frame.gap[0])[0], 0.0);
             let energy = |ends| place.area * place.potential(place.frame(ends).gap[0])[1];
-            check(forces, ends, |ends| energy(ends));
+            check(forces, ends, energy);
             // The work against a constant tangential traction.
             let forces = place.forces(&frame, 0.0, 1.5);
             check(forces, ends, |ends| place.area * 1.5 * place.frame(ends).gap[1]);

@@ -92,7 +92,9 @@ where
 
 fn bounds<T: Real, const D: usize>(points: &[[T; D]]) -> Bounds<D> {
     let mut bounds = Bounds::NOTHING;
-    points.iter().for_each(|point| bounds.include(&point.map(T::to_f64)));
+    for point in points {
+        bounds.include(&point.map(T::to_f64));
+    }
     if points.is_empty() { Bounds { min: [0.0; D], max: [0.0; D] } } else { bounds }
 }
 

@@ -281,7 +281,7 @@ pub(crate) fn show(summary: &impl fmt::Display, files: &[String]) {
     let mut text = summary.to_string();
     for (k, file) in files.iter().enumerate() {
         let label = if k == 0 { "written" } else { "" };
-        text += &format!("{label:<16} {file}\n");
+        text.extend([&format!("{label:<16} {file}"), "\n"]);
     }
     // A summary that nobody can see any more is no failure.
     let _ = io::stderr().write_all(text.as_bytes());

@@ -93,7 +93,9 @@ impl<L: Label + LabelValue, const D: usize> Middles<L, D> {
             let place = |label: &L| labels.partition_point(|other| other < label);
             let [i, j] = contact.labels();
             let bodies = [place(&i), place(&j)];
-            bodies.iter().for_each(|&body| drawn.coordination[body] += 1);
+            for &body in &bodies {
+                drawn.coordination[body] += 1;
+            }
             let area = contact.area(spacing);
             drawn.joints.push(BodyJoint {
                 bodies: bodies.map(|body| body as u32),

@@ -186,7 +186,7 @@ impl Output {
         let file = file.into_inner().map_err(|error| Failure::writing(&name, error.error()))?;
         file.as_file().sync_all().map_err(|error| Failure::writing(&name, error))?;
         let part = file.into_temp_path();
-        Ok(Written { name, aside: Some(Part { part, target, _claim: claim }) })
+        Ok(Written { name, aside: Some(Part { file: part, target, _claim: claim }) })
     }
 }
 
@@ -200,7 +200,7 @@ pub(crate) struct Written {
 /// A file written aside, and where it belongs.
 struct Part {
     // Removed before the claim is given up.
-    part: TempPath,
+    file: TempPath,
     target: PathBuf,
     _claim: Arc<Claim>,
 }
@@ -208,7 +208,7 @@ struct Part {
 impl Written {
     /// Makes the output appear under its name.
     pub(crate) fn commit(self) -> Result<(), Failure> {
-        let Some(Part { part, target, _claim }) = self.aside else { return Ok(()) };
+        let Some(Part { file: part, target, _claim }) = self.aside else { return Ok(()) };
         let path = part.to_path_buf();
         aside::put_in_place(&path, || part.persist(target))
             .map_err(|error| Failure::writing(&self.name, error.error))

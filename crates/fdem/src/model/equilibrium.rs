@@ -97,9 +97,9 @@ fn strength(model: &Model, warnings: &mut Vec<String>) {
             let secant = (1.0 + strength.friction * strength.friction).sqrt();
             most > strength.tensile || radius * secant + strength.friction * mean.min(0.0) > strength.cohesion
         };
-        let own =
+        let mut own =
             model.stresses.iter().zip(&model.mesh.materials).filter(|(_, own)| **own as usize == number);
-        if let Some((stress, _)) = own.map(|(stress, own)| (stress, own)).find(|(stress, _)| breaks(stress)) {
+        if let Some((stress, _)) = own.find(|(stress, _)| breaks(stress)) {
             let [xx, yy, xy] = stress.map(brief);
             warnings.push(format!(
                 "[initial] stress: \"{}\" does not bear [{xx}, {yy}, {xy}] Pa in every direction: it may break at once",

@@ -115,7 +115,7 @@ impl ModelErrors {
             }
         }
         if let Some(more) = self.more() {
-            out.push_str(&format!("  {more}\n"));
+            out.extend(["  ", more.as_str(), "\n"]);
         }
         out
     }

@@ -75,8 +75,8 @@ impl Partial {
     /// Whether a fault that was found later is news.
     pub(crate) fn is_news(&self, fault: &Fault) -> bool {
         let unknown = fault.label.strip_prefix("unknown ");
-        let follows = fault.message.contains(NAMELESS)
-            || unknown.is_some_and(|table| self.nameless.iter().any(|name| *name == table));
+        let follows =
+            fault.message.contains(NAMELESS) || unknown.is_some_and(|table| self.nameless.contains(&table));
         !follows && (unknown.is_some() || !self.is_broken(fault.span.as_ref()))
     }
 

@@ -134,7 +134,9 @@ pub(crate) fn scene(bodies: &Bodies<'_>, caption: &Caption<'_>) -> Result<Scene,
             let [i, j] = joint.bodies;
             let mut ends = vec![i, j];
             ends.dedup();
-            ends.iter().for_each(|&end| coordination[end as usize] += 1);
+            for &end in &ends {
+                coordination[end as usize] += 1;
+            }
             let [a, b] = [i, j].map(|body| centres[body as usize]);
             let distance = a.iter().zip(b).fold(0.0, |sum, (a, b)| sum + (a - b) * (a - b)).sqrt();
             // The middle of a wall is nowhere near its contacts.

@@ -36,7 +36,9 @@ impl Camera {
             include(b, 0.0);
         }
         for (corners, _) in scene.facets() {
-            corners.into_iter().for_each(|corner| include(corner, 0.0));
+            for corner in corners {
+                include(corner, 0.0);
+            }
         }
         if min[0] > max[0] {
             (min, max) = ([0.0; 3], [1.0; 3]);

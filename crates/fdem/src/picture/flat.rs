@@ -138,7 +138,9 @@ mod tests {
         let halves = [[[2.0, 2.0], [12.0, 2.0], [12.0, 9.0]], [[2.0, 2.0], [12.0, 9.0], [2.0, 9.0]]];
         let count = |triangles: &[[[f64; 2]; 3]]| {
             let mut flat = Flat::new([20, 20]);
-            triangles.iter().for_each(|&corners| flat.triangle(corners, [0; 3]));
+            for &corners in triangles {
+                flat.triangle(corners, [0; 3]);
+            }
             flat.into_pixels().chunks(3).filter(|pixel| *pixel == [0; 3]).count()
         };
         assert_eq!(count(&halves), 70);

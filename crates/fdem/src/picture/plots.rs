@@ -235,7 +235,7 @@ pub(crate) fn g_of_r<const D: usize>(network: &Network<'_, D>) -> Result<Radial,
     const MOST_PAIRS: f64 = 2e9;
     // Within 3 mean diameters there are about so many more than within one.
     let (elements, contacts) = (network.space.centres.len() as f64, network.couples.len() as f64);
-    if (contacts + elements / 2.0) * 3_f64.powi(D as i32) > MOST_PAIRS {
+    if (contacts + elements / 2.0) * 3_f64.powf(D as f64) > MOST_PAIRS {
         return Err("too many pairs of centres".to_owned());
     }
     let found = radial::distribution(network, RadialOptions::default());

@@ -66,8 +66,8 @@ pub(crate) fn tick_texts(ticks: &[f64]) -> Vec<String> {
 fn leading(x: f64) -> (i32, i32) {
     let text = format!("{x:.3e}");
     let (digits, exponent) = text.split_once('e').unwrap_or(("1", "0"));
-    let digits = digits.trim_end_matches('0').bytes().filter(u8::is_ascii_digit).count() as i32;
-    (digits.max(1), exponent.parse().unwrap_or(0))
+    let digits = digits.trim_end_matches('0').bytes().filter(u8::is_ascii_digit).count();
+    (i32::try_from(digits).unwrap_or(1).max(1), exponent.parse().unwrap_or(0))
 }
 
 #[cfg(test)]

@@ -134,7 +134,10 @@ mod tests {
     use super::*;
     use crate::results::history::{HistoryWriter, Row};
 
-    fn history(columns: &[(&str, fn(f64) -> f64)]) -> History {
+    /// Name of a column, and its value over time.
+    type Column<'a> = (&'a str, fn(f64) -> f64);
+
+    fn history(columns: &[Column<'_>]) -> History {
         let mut text = Vec::new();
         let names: Vec<String> = columns.iter().map(|(name, _)| (*name).to_owned()).collect();
         let mut writer = HistoryWriter::new(&mut text, &names).unwrap();

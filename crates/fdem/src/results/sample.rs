@@ -42,8 +42,7 @@ impl Sample {
         let extent = bounds.map(|[low, high]| high - low).into_iter().fold(f64::MIN_POSITIVE, f64::max);
         let [low, high] = [0, 1].map(|end| [bounds[0][end], bounds[1][end]]);
         let within = |point: &[f64; 2]| (0..2).all(|axis| (low[axis]..=high[axis]).contains(&point[axis]));
-        let area: f64 =
-            corners.iter().filter(|corners| corners.iter().all(within)).map(|corners| area(corners)).sum();
+        let area: f64 = corners.iter().filter(|corners| corners.iter().all(within)).map(area).sum();
         // A cell has two triangles.
         let mut side = (2.0 * area / most as f64).sqrt();
         let mut attempt = 0;
@@ -97,13 +96,17 @@ impl Sample {
         let place = |corner: u32| corners[corner as usize / 3][corner as usize % 3];
         let mut kept: Vec<(u32, [[f64; 2]; 3])> = Vec::with_capacity(triangles.len());
         for (triangle, element) in triangles {
-            triangle.into_iter().for_each(|corner| shown[corner as usize] = true);
+            for corner in triangle {
+                shown[corner as usize] = true;
+            }
             kept.push((element, of_element(element as usize).map(place)));
         }
         for (element, points) in corners.iter().enumerate() {
             let group = of_element(element);
             if drawn(&group) && group.iter().all(|&corner| !shown[corner as usize]) {
-                group.into_iter().for_each(|corner| shown[corner as usize] = true);
+                for corner in group {
+                    shown[corner as usize] = true;
+                }
                 kept.push((element as u32, *points));
             }
         }
@@ -122,7 +125,7 @@ impl Sample {
         let mut keys: Vec<((u64, u16), usize)> = Vec::with_capacity(cracks.len());
         for (number, crack) in cracks.iter().enumerate() {
             let [a, b] = ends(crack);
-            let middle = [0, 1].map(|axis| (a[axis] + b[axis]) / 2.0);
+            let middle = [0, 1].map(|axis| f64::midpoint(a[axis], b[axis]));
             if let Some(cell) = self.grid.cell(middle) {
                 keys.push(((cell, mode(crack)), number));
             }
@@ -130,7 +133,9 @@ impl Sample {
         keys.sort_unstable();
         keys.dedup_by_key(|(key, _)| *key);
         let mut stays = vec![false; cracks.len()];
-        keys.into_iter().for_each(|(_, number)| stays[number] = true);
+        for (_, number) in keys {
+            stays[number] = true;
+        }
         let mut number = 0;
         cracks.retain(|_| {
             number += 1;
@@ -171,7 +176,7 @@ mod tests {
         let sample = Sample::new(&corners, &bodies, [[3.0, 4.0], [-2.0, -1.0]], 900);
         assert!((300..=900).contains(&sample.elements.len()), "{}", sample.elements.len());
         assert!(sample.elements.is_sorted());
-        let covered: f64 = sample.corners.iter().map(|triangle| area(triangle)).sum();
+        let covered: f64 = sample.corners.iter().map(area).sum();
         assert!((0.85..1.1).contains(&covered), "{covered}");
         // No hole: points away from the outline are in a triangle.
         for i in 0..40 {

@@ -81,7 +81,9 @@ fn growth(elements: usize) -> Result<f64, String> {
 
 /// A quarter of a ring in the first quadrant, of `rows` by `columns` cells of two triangles; rows grow outwards by `growth` each. Nodes of the inner arc come first, from the x axis on.
 pub(super) fn quarter(inner: f64, outer: f64, rows: usize, columns: usize, growth: f64) -> Mesh {
-    let weight = |row: usize| (0..row).map(|k| growth.powi(k as i32)).sum::<f64>();
+    let weight = |row: usize| {
+        (0..row).map(|k| i32::try_from(k).unwrap_or(i32::MAX)).map(|k| growth.powi(k)).sum::<f64>()
+    };
     let nodes = (0..=rows)
         .flat_map(|row| {
             let radius = inner + (outer - inner) * weight(row) / weight(rows);

@@ -99,7 +99,7 @@ fn open_joint(top: Load, insertion: Insertion) -> Model {
     }
 }
 
-/// The interface of rock() has a coefficient of friction of 0.3.
+/// The interface of `rock()` has a coefficient of friction of 0.3.
 #[test]
 fn a_joint_without_strength_carries_pressure_and_friction_and_no_tension() {
     for insertion in [Insertion::Adaptive, Insertion::Intrinsic] {

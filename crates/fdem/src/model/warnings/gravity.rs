@@ -65,7 +65,9 @@ fn held_nodes(model: &Model) -> Vec<bool> {
                 Target::Nodes(nodes) => nodes.clone(),
                 Target::Edges(edges) => edges.iter().flatten().copied().collect(),
             };
-            nodes.into_iter().for_each(|node| held[node as usize] = true);
+            for node in nodes {
+                held[node as usize] = true;
+            }
         }
     }
     held
