@@ -1,5 +1,4 @@
-//! `Multilevel`, with its own choice of levels and with any others, finds what all-against-all finds, in one order for every set of vector
-//! instructions.
+//! `Multilevel`, with levels of its own choice and with any others, finds what all-against-all finds, in one order for every level of vector instructions.
 
 #![no_main]
 

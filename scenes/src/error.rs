@@ -1,34 +1,34 @@
-//! The errors in parameters of a scene, and the checks.
+//! What can be wrong with the parameters of a scene, and the checks themselves.
 
 use std::fmt;
 
-/// The reason why a scene was not generated.
+/// Why a scene was not generated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Error {
     /// A parameter, or a length that follows from the parameters, lies outside its range.
     OutOfRange {
-        /// The parameter or length.
+        /// Which parameter or length.
         what: &'static str,
-        /// Its value.
+        /// The value it has.
         value: f64,
-        /// Its range.
+        /// The values it may have.
         limit: &'static str,
     },
-    /// The smallest radius exceeds the largest.
+    /// The smallest radius asked for exceeds the largest.
     MinAboveMax {
-        /// Smallest radius.
+        /// Smallest radius asked for.
         min: f64,
-        /// Largest radius.
+        /// Largest radius asked for.
         max: f64,
     },
-    /// Something does not fit into its space.
+    /// Something does not fit into the room it was given.
     TooNarrow {
         /// What does not fit.
         what: &'static str,
-        /// The length that it needs.
+        /// The length it needs.
         required: f64,
-        /// The available length.
+        /// The length there is.
         room: f64,
     },
     /// There is no memory for the arrays.
@@ -36,9 +36,9 @@ pub enum Error {
         /// Number of entries of the array that was refused.
         n: usize,
     },
-    /// A dropped disc found no position of rest without overlapping another disc.
+    /// A dropped disc came to rest nowhere without overlapping another one.
     NoRest {
-        /// The disc, in the order of dropping.
+        /// Which disc, in the order of dropping.
         index: usize,
     },
 }

@@ -1,38 +1,38 @@
-//! The bodies that are searched.
+//! What is searched.
 
 use fdem_contact::{Elements, Error};
 
-/// Bodies in arrays of the caller.
+/// Bodies in the caller's arrays.
 #[derive(Clone, Copy, Debug)]
 pub enum Bodies<'a, const D: usize> {
-    /// Points: two form a couple if they are at most the cut-off apart.
+    /// Points: a couple if they are at most the cut-off apart.
     Points {
-        /// The points.
+        /// One for each.
         points: &'a [[f64; D]],
-        /// The cut-off.
+        /// Equal for all.
         cutoff: f64,
     },
-    /// Spheres of unlike sizes: two form a couple if their centres are at most the sum of their radii apart.
+    /// Spheres of unlike sizes: a couple if their centres are at most the sum of their radii apart.
     Spheres {
-        /// The centres.
+        /// One for each.
         centres: &'a [[f64; D]],
-        /// The radii.
+        /// One for each.
         radii: &'a [f64],
     },
     /// Axis-aligned boxes, closed.
     Boxes {
-        /// The corners with the smallest coordinates.
+        /// The corner of each with the least coordinates.
         min: &'a [[f64; D]],
-        /// The corners with the largest coordinates.
+        /// The corner of each with the largest coordinates.
         max: &'a [[f64; D]],
     },
 }
 
 impl<'a, const D: usize> Bodies<'a, D> {
-    /// The points and the cut-off, for searches that support only these.
+    /// The points and the cut-off, for searches of nothing else.
     ///
     /// # Errors
-    /// An error if the bodies are not points.
+    /// That they are something else.
     pub fn points(self) -> Result<(&'a [[f64; D]], f64), String> {
         match self {
             Self::Points { points, cutoff } => Ok((points, cutoff)),
@@ -41,7 +41,7 @@ impl<'a, const D: usize> Bodies<'a, D> {
         }
     }
 
-    /// The bodies as elements of our searches.
+    /// The same for our searches.
     ///
     /// # Errors
     /// Those of the constructors of [`Elements`].
@@ -53,7 +53,7 @@ impl<'a, const D: usize> Bodies<'a, D> {
         }
     }
 
-    /// Whether two bodies touch, for libraries that return candidates: the closed comparisons of this workspace.
+    /// Whether two of them touch: for rivals that hand out candidates. The closed comparisons of this workspace.
     #[must_use]
     pub fn touch(self, i: u32, j: u32) -> bool {
         let (i, j) = (i as usize, j as usize);
@@ -66,7 +66,7 @@ impl<'a, const D: usize> Bodies<'a, D> {
         }
     }
 
-    /// The bounding box of a body.
+    /// The box around one of them.
     #[must_use]
     pub fn bounds(self, i: usize) -> [[f64; D]; 2] {
         match self {
@@ -76,7 +76,7 @@ impl<'a, const D: usize> Bodies<'a, D> {
         }
     }
 
-    /// Number of bodies.
+    /// How many there are.
     #[must_use]
     pub fn len(self) -> usize {
         match self {
@@ -86,13 +86,13 @@ impl<'a, const D: usize> Bodies<'a, D> {
         }
     }
 
-    /// Whether there are no bodies.
+    /// Whether there is none.
     #[must_use]
     pub fn is_empty(self) -> bool {
         self.len() == 0
     }
 
-    /// The third argument of external programs (`bench/external/README.md`).
+    /// For programs: the third of their arguments (`bench/external/README.md`).
     #[must_use]
     pub fn argument(self) -> String {
         match self {
@@ -102,7 +102,7 @@ impl<'a, const D: usize> Bodies<'a, D> {
         }
     }
 
-    /// The content of the file for external programs, body by body.
+    /// For programs: the content of their file, body after body.
     #[must_use]
     pub fn numbers(self) -> Vec<f64> {
         let mut numbers = Vec::new();

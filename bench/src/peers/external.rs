@@ -1,4 +1,4 @@
-//! Peers in other languages: programs that search on request. For the protocol see `bench/external/README.md`.
+//! Rivals in other languages: programs that search when told to. The protocol: `bench/external/README.md`.
 
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
@@ -6,7 +6,7 @@ use std::process::{Child, ChildStdin, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::Duration;
 
-/// The command that starts a peer.
+/// How to start a rival.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Command {
     /// Name in the tables.
@@ -15,7 +15,7 @@ pub struct Command {
 }
 
 impl Command {
-    /// Parses `NAME=PROGRAM ARGUMENT...`, with words separated by spaces; `None` if a part is missing.
+    /// `NAME=PROGRAM ARGUMENT...`, with spaces between the words and nowhere else; none if a part is missing.
     pub fn parse(text: &str) -> Option<Self> {
         let (name, command) = text.split_once('=')?;
         let words: Vec<String> = command.split_whitespace().map(str::to_owned).collect();
@@ -23,31 +23,30 @@ impl Command {
     }
 }
 
-/// The result of a peer for one round.
+/// What a rival found in one round.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Answer {
-    /// Time from coordinates in its memory to pairs in its memory, by its own clock.
+    /// From coordinates in its memory to pairs in its memory, by its own clock.
     pub seconds: f64,
-    /// Number of pairs.
+    /// Pairs found.
     pub pairs: u64,
 }
 
-/// A running peer with the bodies of one set in its memory; it is ended when dropped.
+/// A rival that runs, with the bodies of one set in its memory; ended when dropped.
 pub struct External {
     child: Child,
     input: ChildStdin,
     lines: Receiver<String>,
     patience: Duration,
-    /// Its version, and a description of the call.
+    /// Version, and what is called.
     pub about: (String, String),
 }
 
 impl External {
-    /// Starts a peer with `file`, little-endian `f64` numbers of bodies of `dimension` axes. `kind` is the cut-off or the kind of bodies.
-    /// The peer must answer within `patience`.
+    /// Starts a rival with `file`, little-endian `f64`, of bodies of `dimension` axes; `kind`: the cut-off, or what else they are. It answers within `patience`, or has failed.
     ///
     /// # Errors
-    /// The program does not start, or cannot search these bodies; the text gives the reason.
+    /// A program that does not start, or why it cannot search these bodies.
     pub fn start(
         command: &Command,
         (file, dimension): (&Path, usize),
@@ -68,7 +67,7 @@ impl External {
         let (Some(input), Some(output)) = (child.stdin.take(), child.stdout.take()) else {
             return Err("no pipe".to_owned());
         };
-        // A separate thread reads lines, so that waiting for them can time out.
+        // A thread that waits for lines, so that waiting for it can end.
         let (sender, lines) = channel();
         std::thread::spawn(move || {
             for line in BufReader::new(output).lines().map_while(Result::ok) {
@@ -88,11 +87,11 @@ impl External {
     /// One search.
     ///
     /// # Errors
-    /// The reason why there is no answer.
+    /// Why there is no answer.
     pub fn round(&mut self) -> Result<Answer, String> {
         self.input.write_all(b"round\n").map_err(|error| error.to_string())?;
         let line = self.line()?;
-        // Its threads may spin for a while; they must not take time from the next search.
+        // Its threads may be watching for more work for a while: they are not to take time from the next search.
         std::thread::sleep(Duration::from_millis(20));
         let numbers = line.split_once(' ').and_then(|(time, pairs)| {
             let milliseconds: f64 = time.parse().ok().filter(|&time| time > 0.0)?;
@@ -112,7 +111,7 @@ impl External {
 
 impl Drop for External {
     fn drop(&mut self) {
-        // Both calls fail only if the program has ended already.
+        // Both fail only if it has ended already, which is what is wanted.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }

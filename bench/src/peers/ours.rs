@@ -1,30 +1,30 @@
-//! Our own searches.
+//! Ours.
 
 use fdem_contact::{Couple, Detector, Engine, Error, Nbs, Rows, Search, Simd};
 
 use super::{Bodies, Peer};
 
-/// The kinds of our searches.
+/// Which of our searches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// `Rows`, with memory kept from call to call.
+    /// `Rows`, memory kept from call to call.
     Rows,
     /// `Rows` limited to AVX2.
     RowsAvx2,
-    /// `Rows`, with all memory, including that of the couples, allocated in every call.
+    /// `Rows` with memory, that of the couples too, from the allocator in every call.
     RowsCold,
-    /// `Nbs`, with memory kept from call to call.
+    /// `Nbs`, memory kept from call to call.
     Nbs,
-    /// `Detector`, which chooses the engine, with memory kept from call to call.
+    /// `Detector`, which picks the engine, memory kept from call to call.
     Auto,
 }
 
 impl Kind {
-    /// All kinds.
+    /// All of them.
     pub const ALL: [Self; 5] = [Self::Rows, Self::RowsAvx2, Self::RowsCold, Self::Nbs, Self::Auto];
-    /// The kinds for points with one cut-off.
+    /// For points with one cut-off.
     pub const OF_POINTS: [Self; 4] = [Self::Rows, Self::RowsAvx2, Self::RowsCold, Self::Nbs];
-    /// The kinds for unlike sizes and boxes: levels, and a grid of one level for comparison.
+    /// For unlike sizes and boxes: levels, and the grid of one level beside them.
     pub const OF_UNLIKE: [Self; 2] = [Self::Auto, Self::Rows];
 
     /// Name in the tables and on the command line.
@@ -38,7 +38,7 @@ impl Kind {
         }
     }
 
-    /// Whether this processor has the instructions.
+    /// Whether this processor has its instructions.
     pub fn is_available(self) -> bool {
         self != Self::RowsAvx2 || Simd::Avx2.is_available()
     }

@@ -1,4 +1,4 @@
-//! Compressed sparse rows: the neighbours of each element, contiguous in memory.
+//! Compressed rows: the neighbours of each element, side by side.
 
 use crate::couple::Couple;
 use crate::elements::{Elements, MAX_ELEMENTS};
@@ -7,32 +7,32 @@ use crate::periodic::PeriodicCouple;
 use crate::real::Real;
 use crate::search::Search;
 
-/// The neighbours of every element in compressed sparse rows, made from a couple list in linear time, optionally with a value per entry.
+/// The neighbours of every element in compressed rows, made from a couple list in linear time; optionally a value with each.
 ///
-/// Row `i` is `neighbours[offsets[i]..offsets[i + 1]]`, ascending. *Half* rows hold each couple once, under its smaller number; they suit a
-/// loop over couples. *Full* rows hold it under both numbers; they suit a loop over elements, and threads that must not write to each
-/// other's elements.
+/// Row `i` is `neighbours[offsets[i]..offsets[i + 1]]`, ascending. *Half* rows hold each couple once, under its smaller number: the form
+/// for a loop over couples. *Full* rows hold it under both: the form for a loop over elements, and for threads that must not write
+/// to each other's elements.
 /// ```text
 /// couples 0-1 1-2 0-3      offsets   neighbours
 ///                  half    0 2 3 3 3   1 3 | 2 |   |
 ///                  full    0 2 4 5 6   1 3 | 0 2 | 1 | 0
 /// ```
-/// An [`Index`](crate::Index) fills rows too: one row per query point, with the elements found near it, ascending by number, or by distance
-/// for a query of the nearest.
+/// An [`Index`](crate::Index) fills rows too: a row for each point that was asked about, and the elements that were found near it,
+/// ascending by number, or by distance where the nearest were asked for.
 ///
-/// The memory is kept from one filling to the next. A couple that is listed twice appears twice in its row.
+/// The memory is kept from one filling to the next. A couple that is listed twice stands in its row twice.
 ///
 /// # Shapes
-/// `offsets` `[n + 1]`, `neighbours` and `values` `[m]` (half) or `[2 m]` (full), for `n` elements and `m` couples. Rows depend on the set
-/// of couples, not on their order. Without values `V` is `()`, which takes no memory.
+/// `offsets` `[n + 1]`, `neighbours` and `values` `[m]` (half) or `[2 m]` (full), for `n` elements and `m` couples. Rows depend on the set of
+/// couples, not on their order. `V` is `()` where there are no values, and takes no memory then.
 ///
 /// # Cost
-/// Time proportional to `n + m`: two counting sorts, by the larger and then by the smaller number, without comparisons. Memory: 16 bytes
-/// per element, 8 (half) or 12 (full) bytes per couple, and the values.
+/// Time proportional to `n + m`: two counting sorts, by larger and then by smaller number, and nothing is compared. Memory: 16 bytes per element;
+/// 8 (half) or 12 (full) bytes per couple, and the values.
 ///
 /// # Errors
-/// All filling functions return [`Error::MalformedCouple`] for a couple that is not `i < j < n`, [`Error::TooManyElements`] for an `n` that
-/// does not fit into `u32`, or [`Error::OutOfMemory`]. There are no rows after an error.
+/// All filling functions: [`Error::MalformedCouple`] for a couple that is not `i < j < n`, [`Error::TooManyElements`] for an
+/// `n` that `u32` cannot number, [`Error::OutOfMemory`]. There are no rows afterwards.
 ///
 /// # Example
 /// ```
@@ -61,14 +61,14 @@ pub struct Csr<V = ()> {
     offsets: Vec<usize>,
     neighbours: Vec<u32>,
     values: Vec<V>,
-    /// Working memory: the ends of rows by the larger number; below, the smaller numbers in these rows.
+    /// Working memory: where rows by the larger number end, and the smaller numbers in these rows.
     ends: Vec<usize>,
     smaller: Vec<u32>,
-    /// Couples of a search, before they are put into rows.
+    /// Couples on their way from a search.
     found: Vec<Couple>,
 }
 
-/// Which rows a couple is put into.
+/// Which rows a couple stands in.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Rows {
     Half,
@@ -82,7 +82,7 @@ impl<V> Default for Csr<V> {
 }
 
 impl Csr {
-    /// Fills rows with each couple once, under its smaller number.
+    /// Rows with each couple once, under its smaller number.
     ///
     /// # Errors
     /// See [`Csr`].
@@ -90,7 +90,7 @@ impl Csr {
         self.fill(elements, couples, Rows::Half)
     }
 
-    /// Fills rows with each couple under both of its numbers.
+    /// Rows with each couple under both of its numbers.
     ///
     /// # Errors
     /// See [`Csr`].
@@ -98,10 +98,10 @@ impl Csr {
         self.fill(elements, couples, Rows::Full)
     }
 
-    /// Searches, then fills as [`Csr::fill_half`]. The couple list is kept as working memory (8 bytes per couple).
+    /// Searches, then [`Csr::fill_half`]; the couple list is kept as working memory (8 bytes per couple).
     ///
     /// # Errors
-    /// See [`Csr`] and [`Search::couples`].
+    /// See [`Csr`], and as [`Search::couples`].
     pub fn find_half<T: Real, const D: usize>(
         &mut self,
         search: &mut impl Search<T, D>,
@@ -110,10 +110,10 @@ impl Csr {
         self.find(search, elements, Rows::Half)
     }
 
-    /// Searches, then fills as [`Csr::fill_full`]. The couple list is kept as working memory (8 bytes per couple).
+    /// Searches, then [`Csr::fill_full`]; the couple list is kept as working memory (8 bytes per couple).
     ///
     /// # Errors
-    /// See [`Csr`] and [`Search::couples`].
+    /// See [`Csr`], and as [`Search::couples`].
     pub fn find_full<T: Real, const D: usize>(
         &mut self,
         search: &mut impl Search<T, D>,
@@ -138,13 +138,14 @@ impl Csr {
 }
 
 impl<const D: usize> Csr<[i32; D]> {
-    /// Fills rows with each periodic couple once, under its smaller number. The values are the shifts of the neighbours.
+    /// Rows with each periodic couple once, under its smaller number; the values are the shifts of the neighbours.
     ///
-    /// Each row is sorted by neighbour, then by shift. A neighbour appears once for each of its images that touches.
+    /// Rows are ordered by neighbour, then by shift; a neighbour stands there once for each of its images that touches. They are sorted one by
+    /// one.
     ///
     /// # Errors
-    /// See [`Csr`]. Here [`Error::MalformedCouple`] means a couple that is not `i <= j < n`, or an element with its own image whose shift
-    /// is not the higher of the two opposite ones.
+    /// See [`Csr`]; here [`Error::MalformedCouple`] is for a couple that is not `i <= j < n`, or an element with its own image by a shift that is not
+    /// the higher of the two opposite ones.
     ///
     /// # Example
     /// ```
@@ -165,11 +166,11 @@ impl<const D: usize> Csr<[i32; D]> {
         self.try_fill_periodic(elements, couples, Rows::Half).inspect_err(|_| self.clear())
     }
 
-    /// Fills rows with each periodic couple from both sides, as [`Csr::fill_half_periodic`]. Seen from the larger number, the shift is the
-    /// opposite one. An element that touches its own image has both shifts in its row.
+    /// Rows with each periodic couple from both sides, as [`Csr::fill_half_periodic`]: seen from its larger number the shift is the opposite
+    /// one. An element that touches its own image has both in its row.
     ///
     /// # Errors
-    /// See [`Csr::fill_half_periodic`].
+    /// As [`Csr::fill_half_periodic`].
     pub fn fill_full_periodic(
         &mut self,
         elements: usize,
@@ -191,7 +192,7 @@ impl<const D: usize> Csr<[i32; D]> {
         let entries = if full { couples.len().saturating_mul(2) } else { couples.len() };
         set_len(&mut self.offsets, elements + 1)?;
         set_len(&mut self.neighbours, entries)?;
-        // Values of earlier rows may remain, because all of them will be overwritten.
+        // The values of other rows may be left: all of them are written.
         self.values.truncate(entries);
         let more = entries - self.values.len();
         let bytes = entries.saturating_mul(size_of::<[i32; D]>());
@@ -208,7 +209,7 @@ impl<const D: usize> Csr<[i32; D]> {
         }
         let mut start = 0;
         for row in &mut self.offsets[1..] {
-            // The place of the next entry of the row; once the row is full, its end.
+            // The place of the next entry of the row, and so, when it is full, its end.
             start += std::mem::replace(row, start);
         }
         for &PeriodicCouple { i, j, shift } in couples {
@@ -235,7 +236,7 @@ impl<const D: usize> Csr<[i32; D]> {
 }
 
 impl<V> Csr<V> {
-    /// No rows, and no memory.
+    /// No rows, no memory.
     pub const fn new() -> Self {
         Self {
             offsets: Vec::new(),
@@ -247,10 +248,10 @@ impl<V> Csr<V> {
         }
     }
 
-    /// Fills as [`Csr::fill_half`], with a value for each entry. `value(i, j)`, `i < j`, is called in the order of the entries.
+    /// As [`Csr::fill_half`], with a value for each entry: `value(i, j)`, `i < j`, is called in the order of the entries.
     ///
     /// # Errors
-    /// See [`Csr`]; after an error `value` has not been called.
+    /// See [`Csr`]; `value` has not been called then.
     pub fn fill_half_with(
         &mut self,
         elements: usize,
@@ -261,11 +262,11 @@ impl<V> Csr<V> {
         self.evaluate(value)
     }
 
-    /// Fills as [`Csr::fill_full`], with a value for each entry. `value(element, neighbour)` is called in the order of the entries, twice
-    /// per couple, so that a direction can point from the element to its neighbour.
+    /// As [`Csr::fill_full`], with a value for each entry: `value(element, neighbour)` is called in the order of the entries,
+    /// twice per couple, so that a direction can point from the element to its neighbour.
     ///
     /// # Errors
-    /// See [`Csr`]; after an error `value` has not been called.
+    /// See [`Csr`]; `value` has not been called then.
     pub fn fill_full_with(
         &mut self,
         elements: usize,
@@ -286,7 +287,7 @@ impl<V> Csr<V> {
         self.len() == 0
     }
 
-    /// The neighbours of `element`, ascending; in half rows only those with a larger number.
+    /// The neighbours of `element`, ascending; of half rows, those with a larger number.
     ///
     /// # Panics
     /// When `element` is not below [`Csr::len`].
@@ -312,7 +313,7 @@ impl<V> Csr<V> {
         self.offsets[element + 1] - self.offsets[element]
     }
 
-    /// Where the rows start, followed by the end of the last: `n + 1` numbers, or none before the first filling.
+    /// Where the rows start, and the last one ends: `n + 1` numbers; none before the first filling.
     pub fn offsets(&self) -> &[usize] {
         &self.offsets
     }
@@ -328,7 +329,7 @@ impl<V> Csr<V> {
         &self.values
     }
 
-    /// Bytes held now, working memory included.
+    /// Bytes that are held now, working memory included.
     pub fn bytes(&self) -> usize {
         (self.offsets.capacity() + self.ends.capacity()) * size_of::<usize>()
             + (self.neighbours.capacity() + self.smaller.capacity()) * size_of::<u32>()
@@ -336,7 +337,7 @@ impl<V> Csr<V> {
             + if size_of::<V>() == 0 { 0 } else { self.values.capacity() * size_of::<V>() }
     }
 
-    /// The arrays of offsets, neighbours and values, for a search that fills them itself.
+    /// The offsets, neighbours and values, for a search that fills them itself.
     pub(crate) fn arrays_mut(&mut self) -> (&mut Vec<usize>, &mut Vec<u32>, &mut Vec<V>) {
         (&mut self.offsets, &mut self.neighbours, &mut self.values)
     }
@@ -348,7 +349,7 @@ impl<V> Csr<V> {
     }
 
     fn fill(&mut self, elements: usize, couples: &[Couple], rows: Rows) -> Result<(), Error> {
-        // If anything below fails, there are no rows.
+        // Whatever fails below leaves no rows.
         self.values.clear();
         let result = self.try_fill(elements, couples, rows);
         if result.is_err() {
@@ -357,17 +358,17 @@ impl<V> Csr<V> {
         result
     }
 
-    /// Fills the rows by two passes of count, scan and fill.
+    /// Count, scan, fill; twice.
     ///
-    /// `offsets[i + 1]` and `ends[j + 1]` first hold counts, then the place where the next entry of the row goes, which is the end of the
-    /// row once it is full. First the couples are put into rows by `j`. Reading these rows in order, `j` ascends, so the larger neighbours
-    /// of every `i` arrive sorted. Reading the resulting rows in order, the smaller neighbours arrive sorted in turn.
+    /// `offsets[i + 1]` and `ends[j + 1]` hold counts, then the place where the next entry of the row goes, and so, when
+    /// the row is full, where it ends. First the couples are put into rows by `j`. Read in this order, `j` ascends, so that
+    /// the larger neighbours of every `i` arrive sorted. Read row by row, in turn, these bring the smaller neighbours sorted.
     fn try_fill(&mut self, elements: usize, couples: &[Couple], rows: Rows) -> Result<(), Error> {
         if elements > MAX_ELEMENTS {
             return Err(Error::TooManyElements { elements, limit: MAX_ELEMENTS });
         }
         let full = rows == Rows::Full;
-        // A product beyond `usize` cannot be allocated either.
+        // A product beyond `usize` cannot be had either.
         let entries = if full { couples.len().saturating_mul(2) } else { couples.len() };
         set_len(&mut self.offsets, elements + 1)?;
         set_len(&mut self.ends, elements + 1)?;
@@ -388,7 +389,7 @@ impl<V> Csr<V> {
         let (mut start, mut smaller_start) = (0, 0);
         for (row, end) in offsets[1..].iter_mut().zip(&mut ends[1..]) {
             let (larger_here, smaller_here) = (*row, *end);
-            // Full rows begin with the smaller neighbours, which are filled in later.
+            // Full rows begin with the smaller neighbours, which come later.
             let before = if full { smaller_here } else { 0 };
             *row = start + before;
             *end = smaller_start;
@@ -409,10 +410,10 @@ impl<V> Csr<V> {
             }
         }
         if full {
-            // From here on `ends[i]` is the place for the next smaller neighbour of `i`.
+            // From here on `ends[i]` is where the next smaller neighbour of `i` goes.
             ends.copy_from_slice(offsets);
             for i in 0..elements {
-                // All smaller neighbours of `i` have been placed: its larger ones start where they end.
+                // All smaller neighbours of `i` have been here: its larger ones start where they end.
                 for entry in ends[i]..offsets[i + 1] {
                     let place = &mut ends[neighbours[entry] as usize];
                     neighbours[*place] = i as u32;
@@ -438,10 +439,10 @@ impl<V> Csr<V> {
     }
 }
 
-/// Sets the length to `len` with arbitrary values, or returns an error if there is no memory.
+/// Makes room for `len` values, whatever they are, or says that there is no memory for them.
 pub(crate) fn set_len<N: Copy + Default>(values: &mut Vec<N>, len: usize) -> Result<(), Error> {
     if len > values.capacity() {
-        // The old values need not be moved.
+        // What is there need not be moved.
         values.clear();
         let bytes = len.saturating_mul(size_of::<N>());
         values.try_reserve_exact(len).map_err(|_| Error::OutOfMemory { bytes })?;

@@ -1,9 +1,6 @@
-//! Threads: runs independent tasks on a thread pool, or one after the other.
+//! Threads: tasks that do not depend on each other, on a pool or one after the other.
 
 #[cfg(feature = "rayon")]
-#[cfg_attr(miri, path = "pool/miri.rs")]
-mod others;
-#[cfg(all(feature = "rayon", not(miri)))]
 mod spread;
 
 #[cfg(feature = "rayon")]
@@ -13,21 +10,30 @@ use std::sync::{Arc, OnceLock};
 
 use crate::error::Error;
 #[cfg(feature = "rayon")]
-use others::Others;
+use spread::Spread;
 
-/// Limit on the number of threads. More than any machine has processors would take minutes to start, and then slow each other down.
+/// More threads than any machine has processors would be started for minutes, and then stand in each other's way.
 #[cfg(feature = "rayon")]
 const MAX_THREADS: usize = 1024;
 
 /// A number of threads.
 ///
-/// Users split their work so that the result does not depend on the number of threads. The pool only decides which thread does which task.
+/// Whoever uses it splits work so that the result does not depend on the number; the pool decides who does what, and
+/// nothing else.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Pool {
     #[cfg(feature = "rayon")]
     others: Option<Arc<Others>>,
-    /// Set by a caller that wants searches to stop.
+    /// Set by whoever wants searches to stop.
     stop: Option<Arc<AtomicBool>>,
+}
+
+/// All threads but the caller's, which works too: to wake one fewer is quicker.
+#[cfg(feature = "rayon")]
+#[derive(Debug)]
+struct Others {
+    pool: rayon::ThreadPool,
+    spread: Arc<Spread>,
 }
 
 #[cfg_attr(
@@ -35,7 +41,7 @@ pub(crate) struct Pool {
     allow(clippy::unused_self, reason = "without rayon there is nothing in a pool")
 )]
 impl Pool {
-    /// A pool of `threads` threads; 0 is one per processor. One thread needs no pool.
+    /// `threads` threads; 0 is one for each processor. One thread needs no pool.
     #[cfg(feature = "rayon")]
     pub(crate) fn new(threads: usize) -> Result<Self, Error> {
         let threads = match threads {
@@ -48,13 +54,19 @@ impl Pool {
         if threads > MAX_THREADS {
             return Err(Error::NoThreads {
                 threads,
-                reason: format!("more than {MAX_THREADS} are not supported"),
+                reason: format!("more than {MAX_THREADS} is not of use"),
             });
         }
-        Ok(Self { others: Some(Others::new(threads)?.into()), stop: None })
+        let spread = Arc::new(Spread::new(threads - 1));
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads - 1).start_handler({
+            let spread = spread.clone();
+            move |index| spread.enter(index)
+        });
+        let pool = pool.build().map_err(|error| Error::NoThreads { threads, reason: error.to_string() })?;
+        Ok(Self { others: Some(Others { pool, spread }.into()), stop: None })
     }
 
-    /// One thread: this build cannot have more.
+    /// One thread: this build has no other.
     #[cfg(not(feature = "rayon"))]
     pub(crate) fn new(threads: usize) -> Result<Self, Error> {
         if threads <= 1 {
@@ -63,18 +75,18 @@ impl Pool {
         Err(Error::NoThreads { threads, reason: "built without the feature `rayon`".to_owned() })
     }
 
-    /// The same pool for work that ends with [`Error::Stopped`] once `stop` is set.
+    /// The same, with work that ends with [`Error::Stopped`] once `stop` is set.
     pub(crate) fn stopped_by(mut self, stop: Arc<AtomicBool>) -> Self {
         self.stop = Some(stop);
         self
     }
 
-    /// Whether work may be stopped before its end.
+    /// Whether work may have to stop before its end.
     pub(crate) fn may_stop(&self) -> bool {
         self.stop.is_some()
     }
 
-    /// Returns an error if work is to stop; called before each part of a search.
+    /// Asked for before each part of a search.
     pub(crate) fn go_on(&self) -> Result<(), Error> {
         match &self.stop {
             Some(stop) if stop.load(Ordering::Relaxed) => Err(Error::Stopped),
@@ -85,12 +97,12 @@ impl Pool {
     pub(crate) fn threads(&self) -> usize {
         #[cfg(feature = "rayon")]
         if let Some(others) = &self.others {
-            return others.count() + 1;
+            return others.pool.current_num_threads() + 1;
         }
         1
     }
 
-    /// Runs tasks as [`Pool::run`] does, for work that may fail. Returns one of the errors after all tasks.
+    /// As [`Pool::run`], for work that may fail: one of the errors, after all tasks.
     pub(crate) fn try_run<I: Send>(
         &self,
         tasks: impl Iterator<Item = I>,
@@ -107,13 +119,13 @@ impl Pool {
 
     /// Runs `work` on each task, in any order and at the same time.
     ///
-    /// The caller may itself be a thread of a pool. It must not do other work of that pool while it waits, as threads of rayon do, because
-    /// it may hold a lock that this work needs.
+    /// The caller may be a thread of a pool itself, which must not do other work of that pool while it waits, as threads of rayon do: it may hold a lock that this
+    /// work asks for.
     pub(crate) fn run<I: Send>(&self, tasks: impl Iterator<Item = I>, work: impl Fn(I) + Sync + Send) {
         #[cfg(feature = "rayon")]
         if let Some(others) = self.others.as_deref()
-            // Inside work of this pool all its other threads may be waiting.
-            && !others.is_inside()
+            // Inside work of this pool its other threads may all be waiting.
+            && others.pool.current_thread_index().is_none()
         {
             let tasks: Vec<I> = tasks.collect();
             let count = tasks.len();
@@ -123,6 +135,39 @@ impl Pool {
             return;
         }
         tasks.for_each(work);
+    }
+}
+
+#[cfg(feature = "rayon")]
+impl Others {
+    /// Runs `take_all`, which takes tasks until none of `tasks` is left, on the caller and as many others as are of use.
+    ///
+    /// Not generic: what threads cost to compile is paid once.
+    fn run(&self, tasks: usize, take_all: &(dyn Fn() + Sync)) {
+        let Self { pool, spread } = self;
+        let run = || {
+            let others = pool.current_num_threads().min(tasks.saturating_sub(1));
+            spread.before();
+            pool.in_place_scope(|scope| {
+                for _ in 0..others {
+                    scope.spawn(|_| {
+                        spread.start();
+                        take_all();
+                    });
+                }
+                spread.look(others);
+                take_all();
+            });
+        };
+        if rayon::current_thread_index().is_none() {
+            run();
+        } else {
+            std::thread::scope(|scope| {
+                if let Err(panic) = scope.spawn(run).join() {
+                    std::panic::resume_unwind(panic);
+                }
+            });
+        }
     }
 }
 
@@ -143,8 +188,7 @@ mod tests {
         total.into_inner()
     }
 
-    /// The callers are threads of a pool, and each holds something while it waits. A thread that took another job meanwhile would need it
-    /// twice.
+    /// Jobs of the pool that the callers belong to, each holding something while it waits: a thread that took another job meanwhile would want it twice.
     #[test]
     fn a_caller_that_waits_does_no_other_work() {
         thread_local!(static MINE: RefCell<Pool> = RefCell::new(Pool::new(2).unwrap()));

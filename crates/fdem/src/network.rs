@@ -1,4 +1,4 @@
-//! Contact networks: elements and their couples, as they are analysed, drawn and written.
+//! Elements and the couples among them: what is analysed, drawn and written.
 //!
 //! ```text
 //! Space (centres, box) ─┐
@@ -18,7 +18,7 @@ pub enum Sizes<'a> {
     Each(&'a [f64]),
     /// One radius for all.
     All(f64),
-    /// Points, two of which touch if they are not farther apart than this.
+    /// Points, which touch up to this distance.
     Cutoff(f64),
 }
 
@@ -35,7 +35,7 @@ impl Sizes<'_> {
         }
     }
 
-    /// Radius of an element; for a point, half the distance at which it touches another.
+    /// Radius of one element; of a point half the distance at which it touches another.
     ///
     /// # Panics
     /// If the element has no radius.
@@ -48,12 +48,12 @@ impl Sizes<'_> {
     }
 }
 
-/// Positions of the elements, in open space or in a periodic box.
+/// Where the elements are, in a box that repeats or without one.
 #[derive(Clone, Copy, Debug)]
 pub struct Space<'a, const D: usize> {
-    /// Centres of the elements, inside or outside of the box.
+    /// Centres of the elements, in the box or not.
     pub centres: &'a [[f64; D]],
-    /// The periodic box.
+    /// The box that repeats.
     pub cell: Option<PeriodicBox<f64, D>>,
 }
 
@@ -68,7 +68,7 @@ impl<const D: usize> Space<'_, D> {
         a.iter().zip(b).fold(0.0, |sum, (a, b)| sum + (a - b) * (a - b)).sqrt()
     }
 
-    /// Vector from the first element of a couple to the image of the second.
+    /// From the first element of a couple to the image of the second.
     ///
     /// # Panics
     /// If the couple was not found among these elements.
@@ -77,7 +77,7 @@ impl<const D: usize> Space<'_, D> {
         std::array::from_fn(|axis| b[axis] - a[axis])
     }
 
-    /// Position of the first element of a couple, wrapped into the box if there is one, and of the image of the second that touches it there.
+    /// The first element of a couple, wrapped into the box if there is one, and the image of the second that touches it there.
     ///
     /// # Panics
     /// If the couple was not found among these elements.
@@ -89,7 +89,7 @@ impl<const D: usize> Space<'_, D> {
         [a, cell.displaced(&b, &shift)]
     }
 
-    /// Overlap of the elements of a couple: the distance at which they touch minus their distance. Negative for a gap within the tolerance.
+    /// How far the elements of a couple overlap: the distance at which they touch less their distance. Negative for a gap within a tolerance.
     ///
     /// # Panics
     /// If the couple was not found among these elements.
@@ -97,23 +97,23 @@ impl<const D: usize> Space<'_, D> {
         sizes.contact_distance(Couple { i: couple.i, j: couple.j }) - self.distance(couple)
     }
 
-    /// Position of the centre in the box, and the number of periods by which it was outside.
+    /// The centre in the box, and the periods that it was away from there.
     pub(crate) fn wrapped(&self, cell: &PeriodicBox<f64, D>, element: u32) -> ([f64; D], [i32; D]) {
         cell.wrap(self.centres[element as usize]).expect("elements that were searched can be wrapped")
     }
 }
 
-/// Couples, with shifts if the box is periodic.
+/// Couples with a shift only where there are any.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Couples<const D: usize> {
-    /// Couples in open space.
+    /// Of elements in open space.
     Plain(Vec<Couple>),
-    /// Couples in a periodic box.
+    /// Of elements in a box that repeats.
     Periodic(Vec<PeriodicCouple<D>>),
 }
 
 impl<const D: usize> Couples<D> {
-    /// Number of couples.
+    /// How many there are.
     pub fn len(&self) -> usize {
         match self {
             Self::Plain(couples) => couples.len(),
@@ -121,15 +121,15 @@ impl<const D: usize> Couples<D> {
         }
     }
 
-    /// Whether there are no couples.
+    /// Whether there is none.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// The couple at a place in the list; its shift is 0 in open space.
+    /// One of them, by its place in the order; of open space with a shift of 0.
     ///
     /// # Panics
-    /// If the list is shorter.
+    /// If there are not so many.
     pub fn get(&self, k: usize) -> PeriodicCouple<D> {
         match self {
             Self::Plain(couples) => unshifted(couples[k]),
@@ -137,13 +137,13 @@ impl<const D: usize> Couples<D> {
         }
     }
 
-    /// All couples in order; their shift is 0 in open space.
+    /// All of them in their order; those of open space with a shift of 0.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = PeriodicCouple<D>> + '_ {
         (0..self.len()).map(|k| self.get(k))
     }
 }
 
-/// A couple with a shift of 0.
+/// The same with a shift of 0.
 pub(crate) fn unshifted<const D: usize>(Couple { i, j }: Couple) -> PeriodicCouple<D> {
     PeriodicCouple { i, j, shift: [0; D] }
 }
@@ -151,19 +151,19 @@ pub(crate) fn unshifted<const D: usize>(Couple { i, j }: Couple) -> PeriodicCoup
 /// A packing and its couples.
 ///
 /// # Shapes
-/// Couples contain indices of `space.centres`; [`Sizes::Each`] has as many radii as there are centres.
+/// Couples name elements by their place in `space.centres`; [`Sizes::Each`] has as many radii.
 #[derive(Clone, Copy, Debug)]
 pub struct Network<'a, const D: usize> {
-    /// Positions of the elements.
+    /// Where the elements are.
     pub space: Space<'a, D>,
-    /// Sizes of the elements.
+    /// How large they are.
     pub sizes: Sizes<'a>,
-    /// Couples that touch: `i < j`, or `i` and the image of `j` by its shift.
+    /// Which of them touch: `i < j`, or the image of `j` by its shift.
     pub couples: &'a Couples<D>,
 }
 
 impl<const D: usize> Network<'_, D> {
-    /// Overlap of a couple, as [`Space::overlap`] defines it.
+    /// As [`Space::overlap`].
     ///
     /// # Panics
     /// If the couple was not found among these elements.

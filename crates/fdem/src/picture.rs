@@ -8,9 +8,7 @@
 //! [`svg`] and [`png()`] draw the elements and the contacts, [`plots_svg`] and [`plots_png`] how contacts, overlaps, sizes and directions
 //! are distributed. [`mesh_svg`] and [`mesh_png`] draw meshed bodies in a plane.
 
-pub(crate) mod bodies;
 pub(crate) mod camera;
-mod capsule;
 pub(crate) mod colour;
 pub(crate) mod encode;
 mod flat;
@@ -19,10 +17,8 @@ pub(crate) mod drawing;
 mod mesh;
 mod plots;
 mod raster;
-pub(crate) mod room;
 pub(crate) mod scene;
 pub(crate) mod svg;
-pub(crate) mod text;
 pub(crate) mod ticks;
 
 use std::fmt;
@@ -73,11 +69,6 @@ pub enum PictureError {
         /// How many can be shown.
         most: usize,
     },
-    /// There is no memory for the drawing.
-    OutOfMemory {
-        /// What it may take.
-        bytes: usize,
-    },
     /// The drawing could not be made a PNG file.
     Png {
         /// In the words of the library that was to do it.
@@ -98,9 +89,6 @@ impl fmt::Display for PictureError {
             }
             Self::TooMany { what, found, most } => {
                 write!(out, "{found} {what} are too many for a report, which shows up to {most}")
-            }
-            Self::OutOfMemory { bytes } => {
-                write!(out, "no memory for {bytes} bytes, which the drawing may take")
             }
             Self::Png { message } => write!(out, "the picture cannot be made a PNG: {message}"),
         }
@@ -141,7 +129,6 @@ impl std::error::Error for PictureError {}
 /// # Ok::<(), fdem::picture::PictureError>(())
 /// ```
 pub fn svg<const D: usize>(network: &Network<'_, D>, caption: &Caption<'_>) -> Result<String, PictureError> {
-    room::check(room::of_scene(network))?;
     drawing::svg(&Scene::new(network, caption)?)
 }
 
@@ -157,15 +144,13 @@ pub fn png<const D: usize>(
     caption: &Caption<'_>,
     width: Option<u32>,
 ) -> Result<Vec<u8>, PictureError> {
-    room::check(room::of_scene(network))?;
     drawing::png(&Scene::new(network, caption)?, width)
 }
 
-/// How contacts, overlaps, sizes, the directions of contacts and the distances of centres are distributed, as SVG.
+/// How contacts, overlaps, sizes and the directions of contacts are distributed, as SVG.
 ///
 /// Directions are axes: each contact counts both ways. In 2D and of the azimuth in 3D the radius of a sector is its share of the contacts; of the
-/// inclination in 3D it is that share over the one of contacts that prefer no direction, so that a circle is isotropy. Distances are shown by the
-/// radial distribution [`crate::analysis::Radial`], up to 3 mean diameters.
+/// inclination in 3D it is that share over the one of contacts that prefer no direction, so that a circle is isotropy.
 ///
 /// # Errors
 /// Those of [`svg`].
@@ -176,8 +161,7 @@ pub fn plots_svg<const D: usize>(
     network: &Network<'_, D>,
     caption: &Caption<'_>,
 ) -> Result<String, PictureError> {
-    room::check(room::of_scene(network) + room::of_shapes(0))?;
-    Ok(plots::svg(&Scene::new(network, caption)?, &g_of_r(network)))
+    Ok(plots::svg(&Scene::new(network, caption)?))
 }
 
 /// As [`plots_svg`], as a PNG file, wide as [`png()`] is.
@@ -192,17 +176,11 @@ pub fn plots_png<const D: usize>(
     caption: &Caption<'_>,
     width: Option<u32>,
 ) -> Result<Vec<u8>, PictureError> {
-    room::check(room::of_scene(network))?;
     let scene = Scene::new(network, caption)?;
-    let scale = drawing::scale(width, plots::whole_size(&scene)[0])?;
-    room::check(room::of_pixels(plots::whole_size(&scene), scale))?;
-    encode::png(&plots::svg(&scene, &g_of_r(network)), &[], scale)
+    encode::png(&plots::svg(&scene), &[], drawing::scale(width, plots::width(&scene))?)
 }
 
-pub use bodies::{
-    Bodies, BodyJoint, MOST_FACETS, bodies_plots_png, bodies_plots_svg, bodies_png, bodies_svg,
-};
 pub use mesh::{MeshDrawing, mesh_png, mesh_svg};
 
 pub(crate) use drawing::preview;
-pub(crate) use plots::{g_of_r, panels};
+pub(crate) use plots::panels;

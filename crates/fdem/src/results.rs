@@ -1,13 +1,13 @@
-//! Results of a simulation: files for ParaView, pictures, an animation, a history with its plots, and a page for a browser.
+//! What a run of a simulation leaves behind: files for ParaView, pictures, an animation, a history with its plots, and a page for a browser.
 //!
 //! ```text
-//! Snapshot ──┬─> vtu, vtp ── ParaView
+//! Snapshot ──┬─> vtu, cracks_vtp ── ParaView
 //!            └─> Frame ──┬─> Pictures ── SVG, PNG, Animation (GIF)
 //!                        └─> Report ──── one page
 //! Row ── HistoryWriter ── history.csv ── History ── plots ── SVG, PNG, Report
 //! ```
-//! A [`Frame`] is a compressed snapshot with a few bytes for each element. It is kept in memory or in a file until the series is complete and the range of
-//! its colours is known. This module makes text and bytes, and knows no paths.
+//! A [`Frame`] is a snapshot made small: a few bytes for each element, to be kept in memory or in a file until the series is complete and its colours
+//! are known. Everything here is text or bytes; nothing knows a path.
 
 mod animation;
 mod chart;
@@ -15,15 +15,10 @@ mod field;
 mod fill;
 mod frame;
 mod history;
-mod loads;
-mod names;
-mod noise;
-mod outlines;
 mod packed;
 mod pictures;
 mod plots;
 mod report;
-mod sample;
 mod stress;
 mod unit;
 mod vtk;
@@ -38,41 +33,32 @@ pub use fdem_io::pvd;
 pub use field::{Field, Range};
 pub use frame::{Frame, FrameError};
 pub use history::{History, HistoryError, HistoryWriter, Row, kept};
-pub use names::Names;
-pub use outlines::Outlines;
 pub use pictures::{FrameView, Pictures};
 pub use plots::{Plot, plots};
-pub use report::{MOST_ELEMENTS, MOST_FRAMES, Report, SAMPLE};
-pub use vtk::{write_contacts_vtp, write_cracks_vtp, write_damaged_joints_vtp, write_vtu};
+pub use report::{MOST_FRAMES, Report};
+pub use vtk::{write_cracks_vtp, write_vtu};
 
 /// A snapshot that contradicts itself.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum SnapshotError {
-    /// The number of entries of an array is not that of the nodes or elements.
+    /// An array has not as many entries as there are nodes or elements.
     Length {
-        /// Name of the array.
+        /// The array.
         name: &'static str,
-        /// Number of its entries.
+        /// Its entries.
         found: usize,
-        /// Number of entries that it should have.
+        /// How many there should be.
         expected: usize,
     },
-    /// An element has a node that does not exist.
+    /// An element has a node that is not there.
     Node {
         /// The element.
         element: usize,
         /// The node.
         node: u32,
-        /// Number of nodes.
+        /// How many there are.
         nodes: usize,
-    },
-    /// A contact has an element that does not exist.
-    Contact {
-        /// The element.
-        element: u32,
-        /// Number of elements.
-        elements: usize,
     },
 }
 
@@ -84,9 +70,6 @@ impl fmt::Display for SnapshotError {
             }
             Self::Node { element, node, nodes } => {
                 write!(out, "element {element} of the snapshot has node {node}, but there are {nodes}")
-            }
-            Self::Contact { element, elements } => {
-                write!(out, "a contact has element {element}, but there are {elements}")
             }
         }
     }
@@ -100,7 +83,7 @@ impl From<SnapshotError> for io::Error {
     }
 }
 
-/// Checks that every array has its length and that every node exists.
+/// Every array has its length and every node is there.
 fn checked(snapshot: &Snapshot) -> Result<(), SnapshotError> {
     let (nodes, elements) = (snapshot.positions.len(), snapshot.triangles.len());
     for (name, found, expected) in [
@@ -110,7 +93,6 @@ fn checked(snapshot: &Snapshot) -> Result<(), SnapshotError> {
         ("values of damage", snapshot.damage.len(), elements),
         ("bodies", snapshot.bodies.len(), elements),
         ("materials", snapshot.materials.len(), elements),
-        ("fragments", snapshot.fragments.len(), elements),
     ] {
         if found != expected {
             return Err(SnapshotError::Length { name, found, expected });

@@ -1,4 +1,4 @@
-//! The errors of reading a packing.
+//! Everything that can be wrong with a file.
 
 use thiserror::Error;
 
@@ -9,40 +9,40 @@ use crate::mesh::error::Place;
 use crate::table::MOST_COLUMNS;
 use crate::unpack::Compression;
 
-/// The reason why a file could not be read: what is wrong, where, and what is expected.
+/// Why a file could not be read: what is wrong, where, and what would be right.
 ///
-/// The text contains neither the name of the file nor the number of the line. The caller that opened the file prints `file:line: text`,
-/// with the line from [`ReadError::line`].
+/// The text carries neither the file's name nor the line's number: who opened the file prints
+/// `file:line: text`, with the line from [`ReadError::line`].
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum ReadError {
     /// The file has no bytes.
     #[error("the file is empty: expected one element per row")]
     Empty,
-    /// The file has only comments and blank lines.
+    /// The file has no line other than comments and blank lines.
     #[error("only comments and blank lines ({}): expected one element per row", excerpt::count(*lines, "line"))]
     NoRows {
-        /// Number of lines.
+        /// How many lines there are.
         lines: u64,
     },
-    /// The first bytes are those of another format.
+    /// The first bytes are those of some other format.
     #[error("this is {format}, not a table of elements: {advice}")]
     Foreign {
-        /// Name of the format.
+        /// The format's name.
         format: &'static str,
-        /// Advice to the user.
+        /// What to do about it.
         advice: &'static str,
     },
-    /// The file contains bytes that are not text.
+    /// The file holds bytes that no text holds.
     #[error("not a text file: {found} at byte {offset}{advice}")]
     NotText {
         /// Line of the first such byte, counted from 1.
         line: u64,
-        /// Offset of that byte in the file, counted from 0.
+        /// Its offset in the file, counted from 0.
         offset: u64,
-        /// Description of that byte.
+        /// What was found there.
         found: String,
-        /// Advice to the user, after a colon; empty if there is none.
+        /// What to do about it, after a colon; empty where nothing helps.
         advice: &'static str,
     },
     /// A row cannot be read.
@@ -50,30 +50,30 @@ pub enum ReadError {
     Malformed {
         /// Line, counted from 1.
         line: u64,
-        /// The line, cut to about 80 characters, with control characters escaped.
+        /// The line, cut to about 80 characters, control characters escaped.
         text: String,
-        /// The problem.
+        /// What is wrong with it.
         problem: String,
     },
-    /// The first row has more columns than a table of elements can have.
+    /// The first row has more columns than any table of elements.
     #[error("more than {MOST_COLUMNS} columns: expected one element per row, such as x, y, z, radius")]
     TooManyColumns {
         /// Line, counted from 1; `None` in an array.
         line: Option<u64>,
     },
-    /// Bad lines may be skipped, but all lines are bad.
+    /// Bad lines may be skipped, but there is no good one.
     #[error("{}: {problem}: {text}", all_bad(*count))]
     AllBad {
-        /// Number of rows.
+        /// How many rows there are.
         count: u64,
-        /// Line of the first row, counted from 1; `None` in an array.
+        /// Line of the first, counted from 1; `None` in an array.
         line: Option<u64>,
         /// The first row.
         text: String,
-        /// The problem of the first row.
+        /// What is wrong with it.
         problem: String,
     },
-    /// The header has no column x, or no y.
+    /// The header names no x, or no y.
     #[error(
         "no column for {role}; the columns are: {}. Say which it is with --columns{}",
         present.join(", "),
@@ -82,29 +82,29 @@ pub enum ReadError {
     MissingColumn {
         /// Line of the header, counted from 1; `None` in an array.
         line: Option<u64>,
-        /// The missing role.
+        /// What is missing.
         role: Role,
-        /// The columns of the file.
+        /// The columns that are there.
         present: Vec<String>,
-        /// Whether no column at all has a role; then the line may be a title above the header.
+        /// Whether no column at all has a role, so that the line may be a title above the header.
         title: bool,
     },
-    /// The chosen columns include one that the file does not have.
+    /// The chosen columns name one that is not there.
     #[error("no column '{wanted}'; the columns are: {}", present.join(", "))]
     UnknownColumn {
         /// Line of the header, or of the first row without one; `None` in an array.
         line: Option<u64>,
-        /// The requested name or number.
+        /// The name or number asked for.
         wanted: String,
-        /// The columns of the file.
+        /// The columns that are there.
         present: Vec<String>,
     },
-    /// The chosen columns include a name that fits several columns.
+    /// The chosen columns name one that several columns could be.
     #[error("'{wanted}' could be any of the columns {}: give its number", matches.join(", "))]
     AmbiguousColumn {
         /// Line of the header; `None` in an array.
         line: Option<u64>,
-        /// The requested name.
+        /// The name asked for.
         wanted: String,
         /// The columns it fits.
         matches: Vec<String>,
@@ -135,7 +135,7 @@ pub enum ReadError {
         /// The role given second.
         second_role: Role,
     },
-    /// The column of bodies already has another role.
+    /// The column of bodies has a role already.
     #[error(
         "--bodies {column}: this column is the {role} of the elements{}",
         if *role == Role::Id { ". If it is not, --ignore-ids leaves ids unread" } else { "" }
@@ -148,7 +148,7 @@ pub enum ReadError {
         /// Its other role.
         role: Role,
     },
-    /// Two columns have different units.
+    /// Two columns are in different units.
     #[error("column {first} is in {first_unit}, column {second} in {second_unit}: convert to one unit first")]
     MixedUnits {
         /// Line of the header; `None` in an array.
@@ -162,7 +162,7 @@ pub enum ReadError {
         /// Its unit.
         second_unit: String,
     },
-    /// There is no header, and the number of columns does not determine their roles.
+    /// There is no header and the number of columns does not say what they are.
     #[error(
         "{} and no header (2 would be x y, 3 x y z, 4 x y z radius): {}. First row: {text}",
         excerpt::count(*found as u64, "column"),
@@ -175,9 +175,9 @@ pub enum ReadError {
     UnnamedColumns {
         /// Line of the first row, counted from 1; `None` in an array.
         line: Option<u64>,
-        /// Number of columns.
+        /// How many columns there are.
         found: usize,
-        /// The first row, or the shape of an array.
+        /// The first row; the shape of an array.
         text: String,
     },
     /// `--columns` lists more or fewer columns than the file has.
@@ -188,11 +188,11 @@ pub enum ReadError {
     ColumnCount {
         /// Line of the first row, counted from 1; `None` in an array.
         line: Option<u64>,
-        /// Number of columns listed.
+        /// Columns listed.
         listed: usize,
-        /// Number of columns in the file.
+        /// Columns in the file.
         found: usize,
-        /// The first row, or the shape of an array.
+        /// The first row; the shape of an array.
         text: String,
     },
     /// Two rows of a text file have the same id.
@@ -202,9 +202,9 @@ pub enum ReadError {
     DuplicateId {
         /// The id.
         id: i64,
-        /// Line where it occurs first.
+        /// Line of its first row.
         first: u64,
-        /// Line where it occurs again.
+        /// Line of its second row.
         second: u64,
     },
     /// Two rows of an array have the same id.
@@ -212,27 +212,27 @@ pub enum ReadError {
     DuplicateIdRow {
         /// The id.
         id: i64,
-        /// Row where it occurs first, counted from 0.
+        /// Its first row, counted from 0.
         first: u64,
-        /// Row where it occurs again, counted from 0.
+        /// Its second row, counted from 0.
         second: u64,
     },
     /// The header of a NumPy file cannot be read.
     #[error("NumPy header: {problem}")]
     NpyHeader {
-        /// The problem.
+        /// What is wrong with it.
         problem: String,
     },
-    /// A NumPy array contains something other than numbers.
+    /// A NumPy array holds something other than numbers.
     #[error("{what} of shape {shape} is {dtype}: expected {wanted}")]
     NpyDtype {
-        /// `the array`, or the name of the field.
+        /// `the array`, or the field.
         what: String,
-        /// The dtype as written in the file.
+        /// The dtype as the file spells it.
         dtype: String,
         /// The shape as Python prints it.
         shape: String,
-        /// The types that can be read there.
+        /// What can be read there.
         wanted: &'static str,
     },
     /// A NumPy array does not have one row per element.
@@ -243,10 +243,10 @@ pub enum ReadError {
     NpyShape {
         /// The shape as Python prints it.
         shape: String,
-        /// The dtype as written in the file.
+        /// The dtype as the file spells it.
         dtype: String,
     },
-    /// A NumPy file does not have the size that its header states.
+    /// A NumPy file does not have the size its header claims.
     #[error(
         "the array should take {} (shape {shape}), found {found}: {}",
         excerpt::count(*expected, "byte"),
@@ -257,9 +257,9 @@ pub enum ReadError {
         }
     )]
     NpySize {
-        /// Number of bytes according to shape and dtype.
+        /// Bytes that shape and dtype ask for.
         expected: u128,
-        /// Number of bytes after the header.
+        /// Bytes after the header.
         found: u64,
         /// The shape as Python prints it.
         shape: String,
@@ -267,65 +267,63 @@ pub enum ReadError {
     /// There is no memory for the elements of the file.
     #[error("no memory for {elements} elements")]
     OutOfMemory {
-        /// Number of rows.
+        /// How many rows there are.
         elements: usize,
     },
     /// There is no memory for the content of a compressed file.
-    #[error("no memory for {bytes} bytes of decompressed content")]
+    #[error("no memory for {bytes} bytes of unpacked content")]
     NoMemory {
-        /// Lower bound on the number of bytes.
+        /// How many bytes, at least.
         bytes: u64,
     },
     /// A compressed file cannot be unpacked.
-    #[error(
-        "{compression}-compressed data, damaged or cut off after {unpacked} decompressed bytes: {problem}"
-    )]
+    #[error("{compression}-compressed data, damaged or cut off after {unpacked} unpacked bytes: {problem}")]
     Packed {
         /// How it is compressed.
         compression: Compression,
-        /// Number of bytes that were decompressed.
+        /// Bytes that could be unpacked.
         unpacked: u64,
-        /// The problem, in the words of the decoder.
+        /// What is wrong, in the words of the decoder.
         problem: String,
     },
-    /// The content violates the format.
+    /// The content does not keep to the format.
     #[error("{}{problem}", at_byte(*place))]
     Broken {
-        /// The place.
+        /// Where.
         place: Place,
-        /// The problem.
+        /// What is wrong.
         problem: String,
     },
-    /// One of several frames cannot be read.
+    /// A frame of several cannot be read.
     #[error("frame {frame} (counted from 0): {error}")]
     InFrame {
         /// The frame, counted from 0.
         frame: usize,
-        /// The error of that frame.
+        /// What is wrong with it.
         error: Box<ReadError>,
     },
-    /// The requested frame does not exist.
+    /// There is no such frame.
     #[error("no frame {wanted}: the file has {}", frames_of(*frames))]
     NoFrame {
-        /// The requested frame.
+        /// The frame asked for.
         wanted: usize,
-        /// Number of frames.
+        /// How many there are.
         frames: usize,
     },
-    /// The file has several frames, but one is expected.
-    #[error("the file has {frames} frames, but one is expected")]
+    /// There are several frames where one is wanted.
+    #[error("the file has {frames} frames: one is wanted")]
     SeveralFrames {
-        /// Number of frames.
+        /// How many there are.
         frames: usize,
     },
-    /// The name of the file stands for a format that the content does not have, and no other format fits.
-    #[error("the name stands for a {promised} file, but {expected}; read as a table: {error}")]
+    /// The content is that of no format, though the name promises one.
+    #[error("the name promises a {promised} file, but {expected}; and read as a table: {error}")]
     NotPromised {
-        /// The format that the name stands for.
+        /// The format that goes by such names.
         promised: PackingFormat,
-        /// Description of a file of that format.
+        /// What such a file looks like.
         expected: &'static str,
-        /// The reason why the file is not a table either.
+        /// Why it is no table either.
         error: Box<ReadError>,
     },
     /// A row of an array cannot be read.
@@ -335,13 +333,13 @@ pub enum ReadError {
         row: u64,
         /// The values of the row.
         text: String,
-        /// The problem, with the row and the column.
+        /// What is wrong with them; names the row and the column.
         problem: String,
     },
 }
 
 impl ReadError {
-    /// The line that the error is about, counted from 1; `None` for the file as a whole and for arrays.
+    /// The line the error is about, counted from 1; `None` for the file as a whole and for arrays.
     pub fn line(&self) -> Option<u64> {
         match self {
             Self::NotText { line, .. }
@@ -379,7 +377,7 @@ impl ReadError {
     }
 }
 
-/// Prefix for a place in bytes. Lines are printed before the message by the caller.
+/// Lines stand before the message, bytes in it.
 fn at_byte(place: Place) -> String {
     match place {
         Place::Byte(byte) => format!("at byte {byte}: "),

@@ -1,4 +1,4 @@
-//! Recognises what a file is: first by its content, then by its name.
+//! What a file is: by its content first, by its name second.
 
 use std::fmt;
 use std::str::FromStr;
@@ -19,7 +19,7 @@ use crate::series::{dump, lammps_data, mercury, xyz};
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PackingFormat {
-    /// Delimited text, including the tables that YADE writes.
+    /// Columns of text, also as YADE writes them.
     Text,
     /// A NumPy array.
     Npy,
@@ -40,7 +40,7 @@ pub enum PackingFormat {
 }
 
 impl PackingFormat {
-    /// All formats.
+    /// All of them.
     pub const ALL: [Self; 9] = [
         Self::Text,
         Self::Npy,
@@ -53,7 +53,7 @@ impl PackingFormat {
         Self::VtkXml,
     ];
 
-    /// The name on a command line; [`FromStr`] accepts it.
+    /// What it goes by on a command line; [`FromStr`] takes it.
     pub fn name(self) -> &'static str {
         match self {
             Self::Text => "text",
@@ -68,13 +68,12 @@ impl PackingFormat {
         }
     }
 
-    /// Whether a file of this format may have several frames.
+    /// Whether a file may have several frames.
     pub fn has_frames(self) -> bool {
         matches!(self, Self::LammpsDump | Self::Xyz | Self::Mercury)
     }
 
-    /// The format for the extension of this name, and a description of such a file. Extensions that are used for tables of any kind give
-    /// `None`.
+    /// The format that goes by the end of this name, and what such a file looks like. Ends that tables of any kind have say nothing.
     pub(crate) fn promised_by(name: &str) -> Option<(Self, &'static str)> {
         let (_, extension) = name.rsplit_once('.')?;
         Some(match extension.to_ascii_lowercase().as_str() {
@@ -119,7 +118,7 @@ impl FromStr for PackingFormat {
     }
 }
 
-/// The kind of a file.
+/// What a file is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FileKind {
     /// Nodes and the elements between them: for [`read_mesh`](crate::read_mesh).
@@ -129,15 +128,15 @@ pub enum FileKind {
 }
 
 impl FileKind {
-    /// The kind of a file, by its content or, if that is not conclusive, by its extension.
+    /// What a file is, by its content, or where that says nothing by the end of its name.
     ///
-    /// VTK files are meshes if they have cells other than vertices; otherwise they are packings. A file of no other format is text.
+    /// VTK files are meshes if they have cells other than vertices, else packings. What has no other format is text.
     ///
     /// # Cost
-    /// Reads the first lines only, and VTK files as far as the cells.
+    /// Looks at the first lines only; of VTK files as far as the cells.
     ///
     /// # Errors
-    /// [`ReadError::Foreign`] for UTF-16 and UTF-32, which cannot be read.
+    /// [`ReadError::Foreign`]: UTF-16 and UTF-32, which nothing here reads.
     ///
     /// # Example
     /// ```
@@ -167,7 +166,7 @@ impl FileKind {
     }
 }
 
-/// Formats whose first bytes are unique.
+/// The formats that nothing else looks like.
 fn by_content(bytes: &[u8]) -> Option<PackingFormat> {
     Some(match bytes {
         _ if bytes.starts_with(b"\x93NUMPY") => PackingFormat::Npy,
@@ -180,17 +179,16 @@ fn by_content(bytes: &[u8]) -> Option<PackingFormat> {
     })
 }
 
-/// Whether the first member of a zip archive is an array; spreadsheets are zip archives too.
+/// Whether the first member of a zip archive is an array; spreadsheets are archives too.
 fn is_archive_of_arrays(bytes: &[u8]) -> bool {
     let length =
         bytes.get(26..28).map_or(0, |length| usize::from(u16::from_le_bytes([length[0], length[1]])));
     bytes.get(30..30 + length).is_some_and(|name| name.ends_with(b".npy"))
 }
 
-/// Names the encoding if the text has two or four bytes per character: by its byte order mark or, without one, if every second byte at the
-/// start is 0.
+/// Text of two or four bytes a character, with its mark or, where every second byte of the start is 0, without.
 fn wide_text(bytes: &[u8]) -> Option<&'static str> {
-    /// Number of characters needed to recognise it without a mark.
+    /// Fewer characters without mark may be anything.
     const SURE: usize = 8;
     match bytes {
         [0xff, 0xfe, 0, 0, ..] | [0, 0, 0xfe, 0xff, ..] => return Some("UTF-32 text"),

@@ -1,11 +1,10 @@
-//! Tables for output: columns with names and types, whose values are computed when they are written.
+//! Tables to be written: columns with names and types, the values of which are worked out where they are written.
 
 mod csv;
 mod graph;
 mod npy;
 mod npz;
 mod parquet;
-mod spool;
 mod vtp;
 
 use std::fmt;
@@ -14,49 +13,48 @@ use std::ops::Range;
 
 pub use csv::{write_csv, write_csv_rows};
 pub use graph::{write_graphml, write_node_link};
-pub use npy::write_npy;
+pub use npy::{write_npy, write_npy_header, write_npy_rows};
 pub use npz::write_npz;
 pub use parquet::write_parquet;
-pub use spool::Spool;
 pub use vtp::write_vtp;
 
-/// Number of bytes collected before they are written: large enough for few writes, small enough for a cache.
+/// Bytes gathered before they are written: large enough that a file gets few writes, small enough for a cache.
 pub(crate) const CHUNK: usize = 1 << 18;
 
-/// The value at an index.
+/// The value at a place.
 type At<'a, T> = Box<dyn Fn(usize) -> T + 'a>;
 
-/// The values of a column. Each is computed when it is requested, perhaps more than once; nothing is stored.
+/// The values of a column, each worked out when it is asked for, perhaps more than once: nothing is stored.
 pub enum Values<'a> {
-    /// Integers of 32 bits.
+    /// Whole numbers of 32 bits.
     I32(At<'a, i32>),
-    /// Integers of 64 bits.
+    /// Whole numbers of 64 bits.
     I64(At<'a, i64>),
-    /// Unsigned integers of 64 bits.
+    /// Whole numbers of 64 bits without sign.
     U64(At<'a, u64>),
     /// Floats.
     F64(At<'a, f64>),
     /// Texts of letters, digits and underscores.
     Text {
-        /// Width in bytes; longer texts are cut in arrays.
+        /// Bytes of the longest; what is longer is cut in arrays.
         width: usize,
-        /// The text at an index.
+        /// The text at a place.
         at: At<'a, &'static str>,
     },
 }
 
 impl<'a> Values<'a> {
-    /// Integers of 32 bits.
+    /// Whole numbers of 32 bits.
     pub fn i32(at: impl Fn(usize) -> i32 + 'a) -> Self {
         Self::I32(Box::new(at))
     }
 
-    /// Integers of 64 bits.
+    /// Whole numbers of 64 bits.
     pub fn i64(at: impl Fn(usize) -> i64 + 'a) -> Self {
         Self::I64(Box::new(at))
     }
 
-    /// Unsigned integers of 64 bits.
+    /// Whole numbers of 64 bits without sign.
     pub fn u64(at: impl Fn(usize) -> u64 + 'a) -> Self {
         Self::U64(Box::new(at))
     }
@@ -66,12 +64,12 @@ impl<'a> Values<'a> {
         Self::F64(Box::new(at))
     }
 
-    /// Texts of at most `width` bytes.
+    /// Texts of `width` bytes at most.
     pub fn text(width: usize, at: impl Fn(usize) -> &'static str + 'a) -> Self {
         Self::Text { width, at: Box::new(at) }
     }
 
-    /// The type in NumPy notation.
+    /// The type as NumPy spells it.
     fn dtype(&self) -> String {
         match self {
             Self::I32(_) => "<i4".to_owned(),
@@ -82,7 +80,7 @@ impl<'a> Values<'a> {
         }
     }
 
-    /// Number of bytes of a value in an array.
+    /// Bytes of a value in an array.
     pub(crate) fn size(&self) -> usize {
         match self {
             Self::I32(_) => 4,
@@ -91,7 +89,7 @@ impl<'a> Values<'a> {
         }
     }
 
-    /// Appends values in little-endian binary form.
+    /// Appends values as an array in memory has them, the lowest byte first.
     pub(crate) fn write_le(&self, places: Range<usize>, chunk: &mut Vec<u8>) {
         match self {
             Self::I32(at) => places.for_each(|k| chunk.extend_from_slice(&at(k).to_le_bytes())),
@@ -105,30 +103,28 @@ impl<'a> Values<'a> {
     }
 }
 
-/// A name and its values: one number for each row, or several, as for a point.
+/// A name and its values: a number for each row, or several, as a point has.
 pub(crate) struct Column<'a> {
-    /// Name of the column, in formats whose arrays may have several components.
+    /// Name of the whole, where a format has arrays of several columns.
     pub(crate) name: &'static str,
-    /// Names of the components, for formats without them; empty for a column of single numbers.
+    /// Names of the components, where it has not; none if it is plain.
     pub(crate) components: &'static [&'static str],
-    /// Unit of the values; empty for none.
-    pub(crate) unit: &'static str,
-    /// Component `c` of row `k` has the index `k * width + c`.
+    /// Component `c` of row `k` is at `k * width + c`.
     pub(crate) values: Values<'a>,
 }
 
 impl Column<'_> {
-    /// Number of values per row.
+    /// Values in a row.
     pub(crate) fn width(&self) -> usize {
         self.components.len().max(1)
     }
 
-    /// Names of its columns in formats without components.
+    /// Names of its columns in a format of plain columns.
     fn names(&self) -> &[&'static str] {
         if self.components.is_empty() { std::slice::from_ref(&self.name) } else { self.components }
     }
 
-    /// Writes all values of `rows` rows in binary form.
+    /// Writes all values of `rows` rows, as an array in memory has them.
     pub(crate) fn write_array(&self, rows: usize, out: &mut impl Write) -> io::Result<()> {
         let values = rows * self.width();
         let block = (CHUNK / self.values.size().max(1)).max(1);
@@ -142,7 +138,7 @@ impl Column<'_> {
     }
 }
 
-/// A table: rows of named and typed columns.
+/// Rows of named and typed columns.
 ///
 /// # Example
 /// ```
@@ -176,17 +172,17 @@ impl<'a> Table<'a> {
         Self { rows, columns: Vec::new() }
     }
 
-    /// Adds a column; value `k` belongs to row `k`.
+    /// With one more column: value `k` is that of row `k`.
     ///
-    /// Names consist of letters, digits and underscores.
+    /// Names are letters, digits and underscores.
     #[must_use]
     pub fn with(mut self, name: &'static str, values: Values<'a>) -> Self {
-        self.columns.push(Column { name, components: &[], unit: "", values });
+        self.columns.push(Column { name, components: &[], values });
         self
     }
 
-    /// Adds a column of several components: component `c` of row `k` has the index `k * components.len() + c`. Formats without components
-    /// write them as separate columns.
+    /// With a column of several components, which are columns of their own where a format has no such thing: component `c` of row `k` is value
+    /// `k * components.len() + c`.
     #[must_use]
     pub fn with_components(
         mut self,
@@ -194,21 +190,11 @@ impl<'a> Table<'a> {
         components: &'static [&'static str],
         values: Values<'a>,
     ) -> Self {
-        self.columns.push(Column { name, components, unit: "", values });
+        self.columns.push(Column { name, components, values });
         self
     }
 
-    /// With the unit of the column that was added last: [`write_vtu`](crate::write_vtu) and [`write_poly_vtp`](crate::write_poly_vtp) write it, other
-    /// formats leave it out.
-    #[must_use]
-    pub fn in_unit(mut self, unit: &'static str) -> Self {
-        if let Some(last) = self.columns.last_mut() {
-            last.unit = unit;
-        }
-        self
-    }
-
-    /// Number of rows.
+    /// How many rows there are.
     pub fn rows(&self) -> usize {
         self.rows
     }
@@ -217,7 +203,7 @@ impl<'a> Table<'a> {
         &self.columns
     }
 
-    /// The columns for formats without components: name, values, and the index of the value of a row.
+    /// Columns as formats of plain ones have them: name, values, and the place of the value of a row.
     fn plain(&self) -> impl Iterator<Item = Plain<'_>> {
         self.columns.iter().flat_map(|column| {
             let (values, width) = (&column.values, column.width());
@@ -231,7 +217,7 @@ impl<'a> Table<'a> {
     }
 }
 
-/// A column of one value per row.
+/// A column of one value for each row.
 struct Plain<'t> {
     name: &'static str,
     values: &'t Values<'t>,
@@ -240,7 +226,7 @@ struct Plain<'t> {
 }
 
 impl Plain<'_> {
-    /// The index of the value of a row.
+    /// Where the value of a row is.
     fn place(&self, row: usize) -> usize {
         row * self.width + self.component
     }

@@ -9,10 +9,10 @@ use crate::number::{Kind, Number, rows_of, with_kind};
 use crate::problem::{Problem, zeros};
 use crate::search::threads_for;
 
-/// The starts of the rows, the elements found, and their distances.
+/// Where the rows start, the elements found, and their distances.
 type Found<'py> = (Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<u32>>, Bound<'py, PyAny>);
 
-/// Finds the `points` that are at most `r` away from each of `at`.
+/// All of `points` that are at most `r` away from each of `at`.
 #[pyfunction]
 pub(crate) fn within<'py>(
     py: Python<'py>,
@@ -26,7 +26,7 @@ pub(crate) fn within<'py>(
     }))
 }
 
-/// Finds the `k` points that are nearest to each of `at`, the nearest first.
+/// Those `k` of `points` that are nearest to each of `at`, the nearest first.
 #[pyfunction]
 pub(crate) fn nearest<'py>(
     py: Python<'py>,

@@ -1,43 +1,43 @@
-//! Errors of models, and reasons why a run stops.
+//! What can be wrong with a model, and what ends a run.
 
 use std::fmt;
 
-/// Reason why a [`Model`](crate::Model) cannot be simulated.
+/// Why a [`Model`](crate::Model) cannot be simulated.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum ModelError {
-    /// The mesh has no elements.
+    /// There are no elements.
     Empty,
-    /// A list does not have an entry for each node or element.
+    /// Lists that should have an entry for each node or element do not.
     Length {
         /// The list.
         what: &'static str,
-        /// Length of the list.
+        /// Its length.
         found: usize,
-        /// Length that it should have.
+        /// What it should be.
         expected: usize,
     },
-    /// A number refers to something that does not exist.
+    /// A number refers to nothing.
     Missing {
-        /// Kind of thing that is referred to, such as a node or a material.
+        /// What is referred to: a node, a material.
         what: &'static str,
         /// The number.
         index: u32,
-        /// Place where the number was found.
+        /// Where it was found.
         place: String,
     },
-    /// A quantity is out of its range, or not a number.
+    /// A quantity is outside of what it may be, or not a number.
     OutOfRange {
-        /// Owner of the quantity, such as a material with its name.
+        /// Of what: a material, say, and which.
         place: String,
         /// The quantity.
         what: &'static str,
         /// Its value.
         value: f64,
-        /// Range in words.
+        /// What it may be.
         range: &'static str,
     },
-    /// An element has no area, or its nodes are in clockwise order.
+    /// An element without area, or whose nodes are in clockwise order.
     Area {
         /// Its number.
         element: usize,
@@ -66,18 +66,18 @@ pub enum ModelError {
         /// The bodies.
         bodies: [u32; 2],
     },
-    /// A boundary acts on an edge that is not on the outline.
+    /// A boundary acts on an edge that no element has as its outer edge.
     NotOuter {
         /// The boundary.
         boundary: String,
         /// The nodes of the edge.
         edge: [u32; 2],
     },
-    /// A boundary has the wrong kind of target, or none.
+    /// A boundary acts on edges, or on nodes, that it cannot act on.
     Target {
         /// The boundary.
         boundary: String,
-        /// Kind of target that it needs.
+        /// What it acts on.
         needs: &'static str,
     },
     /// Two boundaries move one node.
@@ -89,28 +89,23 @@ pub enum ModelError {
         /// The boundaries.
         boundaries: [String; 2],
     },
-    /// The fracture energy of a joint is less than the energy that it stores before it softens.
+    /// The fracture energy of a joint is less than what it stores before it softens.
     FractureEnergy {
         /// The material.
         material: String,
         /// An element at such a joint.
         element: u32,
-        /// Least fracture energy that is possible, J/m².
+        /// Fracture energy that it would need at least, J/m².
         least: f64,
     },
-    /// Threads could not be started.
+    /// Threads cannot be had.
     Threads {
-        /// Message of the library.
+        /// In the words of the library.
         message: String,
     },
-    /// Detection of the surfaces that touch at the beginning failed.
-    Detection {
-        /// Message of the detection.
-        message: String,
-    },
-    /// There are more corners of elements than can be numbered.
+    /// More corners of elements than numbers have room for.
     TooLarge {
-        /// Number of elements.
+        /// Elements.
         elements: usize,
     },
 }
@@ -124,12 +119,7 @@ impl fmt::Display for ModelError {
             }
             Self::Missing { what, index, place } => write!(out, "{place}: there is no {what} {index}"),
             Self::OutOfRange { place, what, value, range } => {
-                // No number has hundreds of digits.
-                if value.is_normal() && !(1e-5..1e16).contains(&value.abs()) {
-                    write!(out, "{place}: {what} is {value:e}, it must be {range}")
-                } else {
-                    write!(out, "{place}: {what} is {value}, it must be {range}")
-                }
+                write!(out, "{place}: {what} is {value}, it must be {range}")
             }
             Self::Area { element, area } => {
                 write!(
@@ -161,7 +151,6 @@ impl fmt::Display for ModelError {
                  it must be above {least:.3} J/m², or the joint penalty larger, or joints adaptive"
             ),
             Self::Threads { message } => write!(out, "no threads: {message}"),
-            Self::Detection { message } => write!(out, "contact detection: {message}"),
             Self::TooLarge { elements } => write!(out, "{elements} elements are too many"),
         }
     }
@@ -169,7 +158,7 @@ impl fmt::Display for ModelError {
 
 impl std::error::Error for ModelError {}
 
-/// Reason why a run stopped before its end.
+/// Why a run ended before its time.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Stop {
@@ -179,56 +168,45 @@ pub enum Stop {
         element: u32,
         /// The step.
         step: u64,
-        /// Its area over its undeformed area.
+        /// Its area over the undeformed one.
         ratio: f64,
     },
-    /// A node is faster than is physically possible.
+    /// A node is faster than anything physical.
     Runaway {
         /// An element of the node.
         element: u32,
         /// The step.
         step: u64,
-        /// Speed, m/s; NaN if the force is NaN.
+        /// m/s; not a number where the force was none.
         speed: f64,
-        /// Limit of the speed, m/s.
+        /// m/s.
         limit: f64,
     },
-    /// The error of the energy balance is beyond the bound.
+    /// Energy has appeared or vanished beyond the bound.
     Energy {
         /// The element that holds most energy for its mass.
         element: u32,
         /// The step.
         step: u64,
-        /// Error as a share of the energy exchanged.
+        /// Share of what has been in the system.
         error: f64,
         /// The bound.
         bound: f64,
     },
-    /// Kinetic energy exceeds all that could have become kinetic energy.
-    Kinetic {
-        /// The element that holds most energy for its mass.
-        element: u32,
-        /// The step.
-        step: u64,
-        /// Kinetic energy, J.
-        kinetic: f64,
-        /// Energy that was there at the beginning or was put in, J.
-        available: f64,
-    },
-    /// Joints have given back energy that they had dissipated.
+    /// Joints have given back more than they may: what is dissipated does not come back.
     Returned {
         /// The element that holds most energy for its mass.
         element: u32,
         /// The step.
         step: u64,
-        /// Energy given back as a share of the energy exchanged.
+        /// Share of what has been in the system.
         share: f64,
         /// The bound.
         bound: f64,
     },
-    /// Contact detection failed.
+    /// Detection failed.
     Detection(
-        /// The error of the detection.
+        /// Why.
         fdem_contact::Error,
     ),
 }
@@ -248,11 +226,6 @@ impl fmt::Display for Stop {
                 "step {step}: the energy balance is off by {:.2} %, more than {:.2} %; element {element} holds most for its mass",
                 100.0 * error,
                 100.0 * bound
-            ),
-            Self::Kinetic { element, step, kinetic, available } => write!(
-                out,
-                "step {step}: the kinetic energy is {kinetic:.4e} J, more than the {available:.4e} J that were there or put in; \
-                 element {element} holds most for its mass"
             ),
             Self::Returned { element, step, share, bound } => write!(
                 out,

@@ -5,58 +5,56 @@
 pub struct Snapshot {
     /// Steps done.
     pub step: u64,
-    /// Time, s.
+    /// s.
     pub time: f64,
-    /// Positions of the nodes, m. A node of the mesh becomes several nodes where the mesh has broken.
+    /// Where the nodes are, m. Nodes of a mesh that has broken there come several times.
     pub positions: Vec<[f64; 2]>,
-    /// Displacements of the nodes, m.
+    /// How far each has moved, m.
     pub displacements: Vec<[f64; 2]>,
-    /// Velocities of the nodes, m/s.
+    /// m/s.
     pub velocities: Vec<[f64; 2]>,
     /// Nodes of each element, counter-clockwise.
     pub triangles: Vec<[u32; 3]>,
     /// Cauchy stress of each element, `[xx, yy, xy, zz]` in Pa, tension positive.
     pub stresses: Vec<[f64; 4]>,
-    /// Largest damage of the joints of each element, from 0 to 1.
+    /// Of each element: the largest damage of its joints, 0 to 1.
     pub damage: Vec<f64>,
-    /// Body of each element.
+    /// Of each element.
     pub bodies: Vec<u32>,
-    /// Material of each element.
+    /// Of each element.
     pub materials: Vec<u32>,
-    /// Fragment of each element: elements that hang together by edges have one number. Numbers count from 0 in the order of the first element of each fragment.
-    pub fragments: Vec<u32>,
-    /// Joints that are softening or broken.
+    /// Joints that soften or are broken.
     pub cracks: Vec<Crack>,
 }
 
-/// A joint that has passed its strength, on an edge between two elements.
+/// A joint beyond its strength: an edge that was common to two elements.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crack {
-    /// Current positions of its ends, m, half way between the two elements.
+    /// Its ends now, m: half way between the two elements.
     pub ends: [[f64; 2]; 2],
-    /// Elements on its two sides.
+    /// On either side.
     pub elements: [u32; 2],
-    /// Damage from 0 (whole) to 1 (broken), the mean of its two ends.
+    /// 0 whole, 1 broken: the mean of its two ends.
     pub damage: f64,
-    /// Mode of failure.
+    /// How it broke, or breaks.
     pub mode: Mode,
     /// Mean opening, m; negative where it is closed.
     pub opening: f64,
     /// Mean sliding, m.
     pub sliding: f64,
-    /// Time of failure, s; `None` while the joint holds.
+    /// When it broke, s; `None` if it still holds.
     pub time: Option<f64>,
-    /// Length of the undeformed edge, m.
+    /// Of the undeformed edge, m.
     pub length: f64,
 }
 
-/// Mode of failure of a joint, by the shares of opening and sliding in its damage.
+/// How a joint breaks: by what its damage is of, when it broke.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mode {
     /// At least three quarters by opening (mode I).
     Tension,
     /// At least three quarters by sliding (mode II).
     Shear,
-    /// Neither has three quarters.
+    /// Between.
     Mixed,
 }

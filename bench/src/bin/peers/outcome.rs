@@ -1,4 +1,4 @@
-//! The results of a run, before they become a report.
+//! What came out of a run, before it is a report.
 
 use fdem_bench::Times;
 use fdem_bench::peers::sets::Set;
@@ -11,7 +11,7 @@ pub(crate) struct Called {
     pub(crate) how: String,
 }
 
-/// The result for one set and one number of threads.
+/// What came out for one set and one number of threads.
 pub(crate) struct Outcome {
     pub(crate) set: &'static Set,
     pub(crate) threads: usize,
@@ -23,9 +23,9 @@ pub(crate) struct Outcome {
 pub(crate) struct Searched {
     pub(crate) name: String,
     pub(crate) ours: bool,
-    /// The times, or the reason why there are none.
+    /// The times, or why there are none.
     pub(crate) times: Result<Option<Times>, String>,
-    /// The number of pairs, if a program found a few more or fewer than ours.
+    /// Pairs, where a program found a few more or fewer than ours.
     pub(crate) rounded: Option<u64>,
     /// Whether it found other couples than ours.
     pub(crate) wrong: bool,
@@ -42,12 +42,12 @@ impl Outcome {
         self.search(name)?.times.as_ref().ok().copied().flatten()
     }
 
-    /// The times of the reference search.
+    /// The times of what all are compared with.
     pub(crate) fn ours(&self) -> Option<Times> {
         self.times(&self.searches.first()?.name)
     }
 
-    /// The peer with the smallest median.
+    /// The rival with the least median.
     pub(crate) fn fastest_rival(&self) -> Option<(&str, Times)> {
         let rivals = self.searches.iter().filter(|search| !search.ours);
         rivals
@@ -56,7 +56,7 @@ impl Outcome {
     }
 }
 
-/// The times of `Rows` for counting the couples of some number of points.
+/// What `Rows` took to count the couples of so many points.
 pub(crate) struct Counted {
     pub(crate) n: usize,
     pub(crate) couples: u64,

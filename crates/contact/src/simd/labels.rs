@@ -1,25 +1,25 @@
-//! A filter in the form that the kernels read.
+//! A filter, as the kernels read it.
 
 use crate::filter::{Filter, GroupMatrix, Sight};
 use crate::simd::kernel::{Arrays, Vector};
 
-/// Pointers to the arrays of a filter; null for arrays that it does not have.
+/// The arrays of a filter, by address; null for those that it does not have.
 #[derive(Clone, Copy)]
 pub(super) struct Labels<'a> {
     bodies: *const u32,
-    /// Categories, or groups if there are more than a word has bits.
+    /// Categories, or groups of more than fit a word.
     categories: *const u32,
     masks: *const u32,
     matrix: Option<&'a GroupMatrix>,
 }
 
-/// The numbers of one element.
+/// What a filter says of one element.
 #[derive(Clone, Copy)]
 pub(super) struct Label {
     body: u32,
     category: u32,
     mask: u32,
-    /// The groups that the element sees: one bit each.
+    /// The groups that the element sees, a bit each.
     groups: *const u32,
 }
 
@@ -32,8 +32,7 @@ impl<'a> Labels<'a> {
     #[inline(always)]
     pub(super) fn new<T>(arrays: &Arrays<'a, T>) -> Self {
         let mut labels = NO_LABELS;
-        let Some(filter) = arrays.filter else { return labels };
-        let &Filter { bodies, sight } = filter.filter();
+        let Some(Filter { bodies, sight }) = arrays.filter else { return labels };
         let len = arrays.ids.len();
         if let Some(bodies) = bodies {
             labels.bodies = bodies[..len].as_ptr();
@@ -52,7 +51,7 @@ impl<'a> Labels<'a> {
         labels
     }
 
-    /// Whether both have the same kinds of numbers and the same number of groups.
+    /// Whether the two are of one kind, and of one number of groups.
     pub(super) fn are_like(&self, other: &Self) -> bool {
         [self.bodies, self.categories, self.masks].map(<*const u32>::is_null)
             == [other.bodies, other.categories, other.masks].map(<*const u32>::is_null)
@@ -62,7 +61,7 @@ impl<'a> Labels<'a> {
     /// The numbers of one element.
     ///
     /// # Safety
-    /// `place` is inside the arrays that this was made from.
+    /// `place` is inside the arrays.
     #[inline(always)]
     pub(super) unsafe fn of(&self, place: usize) -> Label {
         let mut label = NO_LABEL;
@@ -84,14 +83,13 @@ impl<'a> Labels<'a> {
         label
     }
 
-    /// The bits of `hits` whose element, from `place` on, may form a couple with the labelled one.
+    /// Those of `hits` that the element sees, among the elements from `place` on.
     ///
     /// # Safety
-    /// The processor has the instructions of `V`, the `V::LANES` places from `place` on are inside the arrays, all groups there are groups of the matrix, and
-    /// `label` comes from [`Labels::of`] of labels that are alike.
+    /// The instructions of `V` are there, `place` and the next `V::LANES` are inside the arrays, and all groups are ones of the matrix.
     #[inline(always)]
     pub(super) unsafe fn admitted<T, V: Vector<T>>(&self, label: &Label, place: usize, mut hits: u32) -> u32 {
-        // SAFETY: the contract of this function. A row of the matrix has a bit for each group, in whole words.
+        // SAFETY: the contract of this function. A row of the matrix has a bit for each group.
         unsafe {
             if !self.bodies.is_null() {
                 hits &= !V::equal(label.body, self.bodies.add(place));

@@ -1,23 +1,20 @@
-//! Faults of a model file, shown at their place in the text.
+//! What is wrong with a model file, shown where it is.
 
 use std::fmt;
 use std::ops::Range;
-use std::sync::Arc;
 
 use miette::{GraphicalReportHandler, GraphicalTheme, LabeledSpan, MietteDiagnostic, NamedSource, Report};
 
-use crate::numbers::grouped;
-
-/// A fault of a model file.
+/// One thing that is wrong.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Fault {
-    /// Description of the fault.
+    /// What is wrong.
     pub message: String,
-    /// Place of the fault, in bytes of the file; `None` for the file as a whole.
+    /// Where: bytes of the file. `None`: of the file as a whole.
     pub span: Option<Range<usize>>,
-    /// Label at the place, in a word or two.
+    /// What stands there, in a word or two.
     pub label: String,
-    /// Advice.
+    /// What to do.
     pub help: Option<String>,
 }
 
@@ -27,34 +24,34 @@ impl Fault {
         Self { message: message.into(), span: Some(span), label: "here".to_owned(), help: None }
     }
 
-    /// Sets the label.
+    /// With what stands there.
     pub(crate) fn label(self, label: impl Into<String>) -> Self {
         Self { label: label.into(), ..self }
     }
 
-    /// Sets the advice.
+    /// With what to do.
     pub(crate) fn help(self, help: impl Into<String>) -> Self {
         Self { help: Some(help.into()), ..self }
     }
 
-    /// Sets the advice, if there is any.
+    /// With what to do, if that is known.
     pub(crate) fn maybe_help(self, help: Option<String>) -> Self {
         Self { help: help.or(self.help), ..self }
     }
 }
 
-/// All faults of a model file; at least one.
+/// All that is wrong with a model file; at least one thing.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ModelErrors {
     /// Name of the file, for messages.
     pub name: String,
     /// Its text, to point into.
     pub text: String,
-    /// Faults in the order of the file.
+    /// In the order of the file.
     pub faults: Vec<Fault>,
 }
 
-/// Style in which errors are drawn.
+/// How errors are drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Drawing {
     /// ASCII, no colours: for files and pipes.
@@ -65,12 +62,6 @@ pub enum Drawing {
 
 /// Columns after which text is broken.
 const WIDTH: usize = 110;
-
-/// Faults that are shown; the rest is counted.
-const SHOWN: usize = 25;
-
-/// Bytes of a line beyond which it is not drawn.
-const LONGEST_LINE: usize = 500;
 
 impl ModelErrors {
     pub(crate) fn new(name: &str, text: &str, mut faults: Vec<Fault>) -> Self {
@@ -89,41 +80,25 @@ impl ModelErrors {
             .with_width(WIDTH)
             .with_links(false)
             .with_context_lines(1);
-        let text = Arc::new(harmless(&self.text));
+        let text = harmless(&self.text);
         let mut out = String::new();
-        for fault in self.faults.iter().take(SHOWN) {
+        for fault in &self.faults {
             let mut diagnostic = MietteDiagnostic::new(harmless(&fault.message));
             if let Some(help) = &fault.help {
                 diagnostic = diagnostic.with_help(harmless(help));
             }
-            let span = fault.span.as_ref().map(|span| span.start.min(text.len())..span.end.min(text.len()));
-            let drawn = span.filter(|span| is_drawn(&text, span));
-            let report = if let Some(span) = drawn {
-                let label = LabeledSpan::new_with_span(Some(harmless(&fault.label)), span);
-                let source = NamedSource::new(&self.name, Arc::clone(&text));
-                Report::new(diagnostic.with_label(label)).with_source_code(source)
-            } else {
-                diagnostic.message = match self.line(fault) {
-                    Some(line) => format!("{}:{line}: {}", self.name, diagnostic.message),
-                    None => format!("{}: {}", self.name, diagnostic.message),
-                };
-                Report::new(diagnostic)
-            };
+            if let Some(span) = &fault.span {
+                let span = span.start.min(text.len())..span.end.min(text.len());
+                diagnostic =
+                    diagnostic.with_label(LabeledSpan::new_with_span(Some(harmless(&fault.label)), span));
+            }
+            let report = Report::new(diagnostic).with_source_code(NamedSource::new(&self.name, text.clone()));
             if handler.render_report(&mut out, report.as_ref()).is_err() {
                 out.push_str(&fault.message);
                 out.push('\n');
             }
         }
-        if let Some(more) = self.more() {
-            out.extend(["  ", more.as_str(), "\n"]);
-        }
         out
-    }
-
-    /// Describes how many faults are not shown.
-    fn more(&self) -> Option<String> {
-        let more = self.faults.len().checked_sub(SHOWN).filter(|more| *more > 0)?;
-        Some(format!("and {} more", grouped(more as u64)))
     }
 
     /// Line of a fault, counted from 1.
@@ -136,7 +111,7 @@ impl ModelErrors {
 /// One line for each fault: `file:line: message; help`.
 impl fmt::Display for ModelErrors {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (place, fault) in self.faults.iter().take(SHOWN).enumerate() {
+        for (place, fault) in self.faults.iter().enumerate() {
             if place > 0 {
                 out.write_str("\n")?;
             }
@@ -149,24 +124,13 @@ impl fmt::Display for ModelErrors {
                 write!(out, "; {help}")?;
             }
         }
-        if let Some(more) = self.more() {
-            write!(out, "\n{}: {more}", self.name)?;
-        }
         Ok(())
     }
 }
 
 impl std::error::Error for ModelErrors {}
 
-/// Whether the lines around a place are short enough to be drawn.
-fn is_drawn(text: &str, span: &Range<usize>) -> bool {
-    let before = text.as_bytes()[..span.start].rsplit(|&byte| byte == b'\n').take(2);
-    let after = text.as_bytes()[span.start..].split(|&byte| byte == b'\n').take(2);
-    let long: usize = before.chain(after).map(<[u8]>::len).sum();
-    long <= LONGEST_LINE && span.len() <= LONGEST_LINE
-}
-
-/// Replaces control characters, which could act on a terminal, by as many question marks as they have bytes.
+/// The same text, byte for byte as long, without what could write to a terminal.
 fn harmless(text: &str) -> String {
     let bad = |c: char| c.is_control() && c != '\n' && c != '\t' && c != '\r';
     if !text.contains(bad) {
@@ -183,7 +147,7 @@ fn harmless(text: &str) -> String {
     out
 }
 
-/// Other names of keys, from papers and other programs.
+/// The same quantity by other names: what people write who come from papers and other programs.
 const SYNONYMS: [(&str, &str); 24] = [
     ("center", "centre"),
     ("e", "youngs_modulus"),
@@ -211,15 +175,12 @@ const SYNONYMS: [(&str, &str); 24] = [
     ("duration", "end_time"),
 ];
 
-/// Names that are compared with one that is not there.
-const CANDIDATES: usize = 500;
-
-/// Returns the candidate that was probably meant.
+/// The candidate that was probably meant.
 pub(crate) fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let word = word.to_lowercase().replace('-', "_");
     let meant = SYNONYMS.iter().find(|(other, _)| *other == word).map(|(_, name)| *name);
     let mut best: Option<(f64, &str)> = None;
-    for candidate in candidates.into_iter().take(CANDIDATES) {
+    for candidate in candidates {
         if Some(candidate) == meant {
             return Some(candidate);
         }
@@ -236,7 +197,7 @@ pub(crate) fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a s
     best.map(|(_, candidate)| candidate)
 }
 
-/// Advice that offers the nearest of the names, or all of them if they are few.
+/// The end of a message that offers the nearest of the names, or all of them if they are few.
 pub(crate) fn suggestion(word: &str, names: &[&str], what: &str) -> Option<String> {
     match nearest(word, names.iter().copied()) {
         Some(name) => Some(format!("did you mean \"{name}\"?")),

@@ -1,4 +1,4 @@
-//! Tables and keys of a model file, with units and defaults. The doc comments here are the descriptions in the JSON schema.
+//! The model file as it is written: tables and keys, their units and defaults. Descriptions here are those of the JSON schema.
 
 mod body;
 mod boundary;
@@ -19,95 +19,75 @@ pub use output::{Animate, History, Output};
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ModelFile {
-    /// Settings of the model as a whole.
+    /// What holds for the model as a whole.
     pub model: General,
-    /// Bodies. Each is meshed by itself; bodies touch, but share no nodes.
+    /// Bodies, each meshed by itself. Bodies touch, they do not share nodes.
     #[schemars(length(min = 1))]
     pub body: Vec<Body>,
-    /// Materials of the bodies.
+    /// What bodies are made of.
     #[schemars(length(min = 1))]
     pub material: Vec<Material>,
-    /// Contacts and joints between two materials, where they differ from what the two materials say.
+    /// Contacts and joints between two materials, where they are not what the two materials say.
     #[serde(default)]
     pub interface: Vec<Interface>,
-    /// Supports, motions and loads of the bodies.
+    /// What holds, moves and loads the bodies.
     #[serde(default)]
     pub boundary: Vec<Boundary>,
-    /// State at the start of the run.
+    /// State at the beginning.
     #[serde(default)]
     pub initial: Initial,
-    /// Numbers of the contact law.
+    /// How bodies touch.
     #[serde(default)]
     pub contact: Contact,
-    /// Numbers of fracture.
+    /// How bodies break.
     #[serde(default)]
     pub fracture: Fracture,
-    /// Results to write.
+    /// What is written.
     #[serde(default)]
     pub output: Output,
-    /// Quantities to record over time.
+    /// Quantities that are recorded over time.
     #[serde(default)]
     pub history: Vec<History>,
 }
 
-impl ModelFile {
-    /// The names of all tables.
-    pub(crate) const TABLES: [&str; 10] = [
-        "model",
-        "body",
-        "material",
-        "interface",
-        "boundary",
-        "initial",
-        "contact",
-        "fracture",
-        "output",
-        "history",
-    ];
-}
-
-/// Settings of the model as a whole.
+/// What holds for the model as a whole.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct General {
-    /// Title for pictures and reports. Default: none.
+    /// For people: shown in pictures and reports. Default: none.
     #[serde(default)]
     pub title: String,
-    /// Plane "stress" (a thin plate, the default) or plane "strain" (a slice of a long body).
+    /// What vanishes out of the plane: "stress" (a thin plate, the default) or "strain" (a slice of a long body).
     #[serde(default)]
     pub plane: Plane,
-    /// Thickness out of the plane, m. Default: 1.
+    /// Out of the plane, m. Default: 1.
     #[serde(default = "one")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub thickness: f64,
-    /// Acceleration of gravity [x, y], m/s², such as [0, -9.81], or "none". Default: "none".
+    /// Acceleration [x, y], m/s², such as [0, -9.81], or "none". Default: "none".
     #[serde(default)]
     pub gravity: Gravity,
-    /// Time within which gravity grows from 0 to its full value, as half a cosine, s. Gravity that acts at once makes stresses swing to twice their static values. Default: at once.
-    #[serde(default)]
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub gravity_ramp: Option<f64>,
-    /// Time at which the run ends, s.
+    /// When the run ends, s.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub end_time: f64,
-    /// Time step, s, or "auto" (the default): the critical time step times `safety`.
+    /// "auto" (the default: the critical time step times `safety`), or seconds.
     #[serde(default)]
     pub time_step: TimeStep,
-    /// Time step of "auto" over the critical one. Default: 0.8.
+    /// Share of the critical time step that "auto" takes. Default: 0.8.
     #[serde(default = "safety")]
     #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1))]
     pub safety: f64,
-    /// Local damping (Cundall): a force against the motion of each node, as a share of the force on it. For finding states of rest. Default: 0.
+    /// Damping of nodes against their motion as a share of the force on them (Cundall); for states of rest. Default: 0.
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "exclusiveMaximum" = 1))]
     pub local_damping: f64,
-    /// Error of the energy balance at which a run stops, as a share of the energy that has been exchanged. Default: 0.05.
+    /// A run stops when more energy than this share of all that was in the system appears or vanishes. Default: 0.05.
     #[serde(default = "energy_bound")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub energy_bound: f64,
 }
 
-/// Plane stress or plane strain.
+/// What vanishes out of the plane.
 #[derive(Debug, Clone, Copy, Default, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Plane {
@@ -128,7 +108,7 @@ pub enum Gravity {
     None(NoGravity),
 }
 
-/// The word "none".
+/// The word for no gravity.
 #[derive(Debug, Clone, Copy, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum NoGravity {
@@ -142,17 +122,17 @@ impl Default for Gravity {
     }
 }
 
-/// A time step, or a word for how it is chosen.
+/// A number, or what decides it.
 #[derive(Debug, Clone, Copy, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum TimeStep {
     /// Seconds.
     Seconds(#[schemars(extend("exclusiveMinimum" = 0))] f64),
-    /// Chosen from the critical time step.
+    /// From the critical time step.
     Auto(AutoStep),
 }
 
-/// The word "auto".
+/// The word for a time step that follows from the model.
 #[derive(Debug, Clone, Copy, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum AutoStep {
@@ -166,38 +146,35 @@ impl Default for TimeStep {
     }
 }
 
-/// State at the start of the run.
+/// State at the beginning.
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Initial {
-    /// Velocity [x, y] of bodies by name, m/s, such as { hammer = [0, -5] }. Bodies that are not named here have their own `velocity`, or rest.
+    /// Velocity [x, y] of bodies by their names, m/s, such as { hammer = [0, -5] }. Bodies that are not named rest, or move as their own `velocity` says.
     #[serde(default)]
     pub velocity: BTreeMap<String, [f64; 2]>,
-    /// Stress [xx, yy, xy] in all bodies, Pa, tension positive. Surfaces that touch, joints and absorbing edges carry it from the beginning. Default: none.
+    /// Stress [xx, yy, xy] in all bodies, Pa, tension positive. Default: none.
     #[serde(default)]
     pub stress: Option<[f64; 3]>,
-    /// Change of that stress per metre of y, [xx, yy, xy] in Pa/m; `stress` is that at y = 0. A yy of density times gravity carries the weight. Default: [0, 0, 0].
-    #[serde(default)]
-    pub stress_gradient: [f64; 3],
 }
 
-/// Numbers of the contact law.
+/// How bodies touch.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Contact {
-    /// Penalty of the contact potential over Young's modulus of the softer body. Default: 2.
+    /// Penalty of the contact potential over Young's modulus, of the softer of two. Default: 2.
     #[serde(default = "penalty")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub penalty: f64,
-    /// Tangential stiffness of contacts before they slip over their normal stiffness. Default: 0.5.
+    /// Stiffness of friction before it slips, over that of the contact. Default: 0.5.
     #[serde(default = "tangential_stiffness")]
     #[schemars(extend("minimum" = 0))]
     pub tangential_stiffness: f64,
-    /// Share of critical damping of the normal motion of two elements in contact. It calms contacts that rattle. It is no coefficient of restitution: the finer the mesh, the less of the energy of an impact it takes. Default: 0.
+    /// Share of critical damping of normal contact motion. Default: 0.
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "maximum" = 1))]
     pub damping: f64,
-    /// Buffer of contact detection: couples with a gap up to this are kept between detections. As a share of the mean edge. Default: 0.2.
+    /// Gap up to which couples are kept between detections, over the mean edge. Default: 0.1.
     #[serde(default = "buffer")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub buffer: f64,
@@ -214,18 +191,18 @@ impl Default for Contact {
     }
 }
 
-/// Numbers of fracture. Only materials with a strength break.
+/// How bodies break. Only materials that have a strength do.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Fracture {
-    /// Where joints are: "adaptive" (the default) inserts one where the traction across an edge reaches the strength; "intrinsic" has them everywhere from the start.
+    /// Which joints there are: "adaptive" (the default: where the traction across an edge has reached the strength) or "intrinsic" (everywhere).
     #[serde(default)]
     pub insertion: Insertion,
-    /// Penalty of joints, the α of α E/h, where h is the mean height of the two elements over the edge. Default: 50.
+    /// Penalty of joints, α of α E/h, with h the mean height of the two elements over the edge. Default: 50.
     #[serde(default = "joint_penalty")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub joint_penalty: f64,
-    /// Critical opening of joints: "exact" (the default), with which a joint dissipates the fracture energy G, or "customary" (3 G/f), with which it dissipates 1.16 G.
+    /// "exact" (the default: a joint dissipates the fracture energy) or "customary" (3 G/f, which dissipates 1.16 G).
     #[serde(default)]
     pub critical_opening: CriticalOpening,
 }
@@ -240,14 +217,14 @@ impl Default for Fracture {
     }
 }
 
-/// When joints are inserted between elements.
+/// Which joints there are between elements.
 #[derive(Debug, Clone, Copy, Default, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Insertion {
-    /// When the traction across an edge reaches the strength.
+    /// Where the traction across an edge has reached the strength.
     #[default]
     Adaptive,
-    /// At the start, everywhere.
+    /// Everywhere from the beginning.
     Intrinsic,
 }
 

@@ -1,83 +1,71 @@
-//! Settings of the output, and quantities to record over time.
+//! What is written, and what is recorded over time.
 
 use serde::Serialize;
 
 use crate::model::bodies::{self, Placed};
 use crate::model::document::{Document, Table};
 use crate::model::fault::{Fault, suggestion};
-use crate::model::file::{Animate, Gravity, ModelFile};
+use crate::model::file::{Animate, ModelFile};
 use crate::model::outline::{Point, distance};
-use crate::results::{Field, MOST_ELEMENTS, SAMPLE};
+use crate::results::Field;
 
-/// Wall-clock time between checkpoints, s.
+/// Time on the clock between checkpoints, s.
 const CHECKPOINT: f64 = 60.0;
 
-/// Result files after the first, which is of the start.
+/// Result files after that of the beginning.
 const FRAMES: u32 = 50;
 
 /// Rows of the history.
 const ROWS: f64 = 1000.0;
 
-/// Settings of the output.
+/// What is written, and when.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct OutputSettings {
-    /// Time between result files, s.
+    /// Between result files, s.
     pub interval: f64,
-    /// Fields of pictures and the report; at least one.
+    /// What pictures and the report show; at least one.
     pub fields: Vec<Field>,
-    /// Field of the animation; `None` for no animation.
+    /// What an animation shows; `None`: there is none.
     pub animate: Option<Field>,
-    /// Number of elements beyond which pictures and the report show a sample, and number of triangles of that sample.
-    pub shown: [usize; 2],
-    /// Interval of checkpoints.
+    /// When checkpoints are written.
     pub checkpoint: Checkpoint,
-    /// Time between rows of the history, s.
+    /// Between rows of the history, s.
     pub history_interval: f64,
 }
 
-/// Interval of checkpoints.
+/// When checkpoints are written.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub enum Checkpoint {
-    /// Wall-clock time, s.
+    /// After so much time on the clock, s.
     Seconds(f64),
-    /// Number of steps.
+    /// After so many steps.
     Steps(u64),
 }
 
 /// A quantity that is recorded over time.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct History {
-    /// Name of its columns.
+    /// Of its columns.
     pub name: String,
-    /// The quantity.
+    /// What it is.
     pub quantity: Quantity,
 }
 
-/// A kind of quantity.
+/// What is recorded.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub enum Quantity {
     /// Displacement and velocity of this node of the mesh.
     Node(u32),
     /// The force that this boundary, by its place in [`Model::boundaries`](fdem_simulation::Model), exerts on the bodies, N.
     Force(usize),
-    /// The energies, which are recorded in any case.
+    /// The energies, which are recorded anyway.
     Energy,
-    /// The length of the cracks, which is recorded in any case.
+    /// The length of what is broken, which is recorded anyway.
     CrackLength,
 }
 
-/// Checks the output before anything is meshed.
+/// What can be said of the output before anything is meshed.
 pub(crate) fn check(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<Fault>) {
-    if file.model.gravity_ramp.is_some() && matches!(file.model.gravity, Gravity::None(_)) {
-        faults.push(
-            Fault::at(
-                document.key(Table::one("model"), "gravity_ramp"),
-                "\"gravity_ramp\" goes with gravity",
-            )
-            .label("there is no gravity")
-            .help("write gravity = [0, -9.81], or take gravity_ramp out"),
-        );
-    }
     let output = &file.output;
     for (first, second, both) in [
         ("interval", "frames", output.interval.is_some() && output.frames.is_some()),
@@ -167,7 +155,6 @@ pub(crate) fn settings(file: &ModelFile) -> OutputSettings {
             None | Some(Animate::Switch(false)) => None,
         },
         fields,
-        shown: output.shown_elements.map_or([MOST_ELEMENTS, SAMPLE], |most| [most as usize; 2]),
         checkpoint: match output.checkpoint_steps {
             Some(steps) => Checkpoint::Steps(steps),
             None => Checkpoint::Seconds(output.checkpoint_interval.unwrap_or(CHECKPOINT)),

@@ -1,6 +1,4 @@
-//! Warnings of what is possible, but probably not meant.
-
-mod gravity;
+//! What may not be meant.
 
 use std::collections::BTreeMap;
 
@@ -8,7 +6,6 @@ use fdem_contact::discretised::{self, Mesh as Detected};
 use fdem_contact::narrow::Measure;
 use fdem_simulation::{Boundary, Load, Model, Plane, Schedule, Target};
 
-use crate::model::equilibrium;
 use crate::model::outline::{bounds, distance, twice_area};
 use crate::model::{Body, Quality};
 use crate::numbers::brief;
@@ -22,7 +19,7 @@ const REGULAR: f64 = 0.5;
 /// Penalty over Young's modulus below which bodies sink into each other.
 const SOFT: f64 = 0.5;
 
-/// Returns the warnings.
+/// All warnings, in words.
 pub(crate) fn warnings(model: &Model, bodies: &[Body], quality: &Quality) -> Vec<String> {
     let mut warnings = Vec::new();
     process_zone(model, &mut warnings);
@@ -40,7 +37,7 @@ pub(crate) fn warnings(model: &Model, bodies: &[Body], quality: &Quality) -> Vec
     }
     if quality.smallest_angle[0] < 10.0 {
         warnings.push(format!(
-            "element {} near {} has an angle of {:.1} degrees: its stress is poor; better meshes have 25 degrees or more",
+            "element {} near {} has an angle of {:.1} degrees: it is stiff, and sets the time step",
             quality.worst,
             place(quality.worst_at),
             quality.smallest_angle[0]
@@ -53,8 +50,6 @@ pub(crate) fn warnings(model: &Model, bodies: &[Body], quality: &Quality) -> Vec
         ));
     }
     overlaps(model, bodies, &mut warnings);
-    gravity::sudden(model, bodies, &mut warnings);
-    equilibrium::warnings(model, bodies, &mut warnings);
     warnings
 }
 
@@ -67,7 +62,7 @@ fn plane_modulus(model: &Model, material: usize) -> f64 {
     }
 }
 
-/// Warns of elements larger than a third of the fracture process zone, E' G/f².
+/// Elements larger than a third of the zone in which a material softens, E' G/f².
 fn process_zone(model: &Model, warnings: &mut Vec<String>) {
     let mut longest = vec![0.0_f64; model.materials.len()];
     let mut large = vec![0_usize; model.materials.len()];
@@ -102,7 +97,7 @@ fn process_zone(model: &Model, warnings: &mut Vec<String>) {
     }
 }
 
-/// Warns of one side that is held while the opposite one is driven: stress waves load the two unequally.
+/// One side held while the opposite one is driven: stress waves load them unequally.
 fn platens(model: &Model, warnings: &mut Vec<String>) {
     let components = |boundary: &Boundary| match boundary.load {
         Load::Velocity(components) | Load::Displacement(components) => components,
@@ -119,7 +114,7 @@ fn platens(model: &Model, warnings: &mut Vec<String>) {
     for moving in &model.boundaries {
         for axis in 0..2 {
             let Some(speed) = components(moving)[axis].filter(|speed| *speed != 0.0) else { continue };
-            // A boundary that is driven towards a held one, or away from it.
+            // What is driven towards something that is held, or away from it.
             let held = model.boundaries.iter().find(|held| {
                 components(held)[axis] == Some(0.0) && middle(held, axis) != middle(moving, axis)
             });
@@ -138,7 +133,7 @@ fn platens(model: &Model, warnings: &mut Vec<String>) {
     }
 }
 
-/// Warns of velocities and displacements that start at full size.
+/// Velocities, displacements and loads that are there at once.
 fn stepped(boundary: &Boundary, warnings: &mut Vec<String>) {
     let starts = match &boundary.schedule {
         Schedule::Constant => true,
@@ -159,7 +154,7 @@ fn stepped(boundary: &Boundary, warnings: &mut Vec<String>) {
     }
 }
 
-/// Warns of components of nodes that two boundaries prescribe.
+/// Components of nodes that two boundaries prescribe.
 fn prescribed_twice(model: &Model, warnings: &mut Vec<String>) {
     let mut owner: BTreeMap<(u32, usize), usize> = BTreeMap::new();
     let mut told: Vec<[usize; 2]> = Vec::new();
@@ -189,7 +184,7 @@ fn prescribed_twice(model: &Model, warnings: &mut Vec<String>) {
     }
 }
 
-/// Warns of bodies that overlap at the start.
+/// Bodies that lie in each other at the beginning.
 fn overlaps(model: &Model, bodies: &[Body], warnings: &mut Vec<String>) {
     if bodies.len() < 2 {
         return;
@@ -197,7 +192,7 @@ fn overlaps(model: &Model, bodies: &[Body], warnings: &mut Vec<String>) {
     let mesh = &model.mesh;
     let found = Detected::new(&mesh.nodes, &mesh.triangles, &mesh.bodies)
         .and_then(|mesh| discretised::contacts(&mesh));
-    // A model whose contacts cannot be detected cannot run; its preflight reports that.
+    // What cannot be detected cannot be run either, and is told there.
     let Ok(found) = found else { return };
     let element_area = |element: u32| {
         let [a, b, c] = mesh.triangles[element as usize].map(|node| mesh.nodes[node as usize]);

@@ -3,9 +3,8 @@
 use crate::numbers::{brief, grouped};
 use crate::picture::colour::{ALONE, HEAT, Rgb, SEA, at};
 use crate::picture::scene::{Overlaps, Scene};
-use crate::picture::svg::{Anchor, INK, PALE, Svg};
-use crate::picture::text::{OF_TITLES, fitting};
-use crate::picture::ticks::{round_below, tick_texts, ticks};
+use crate::picture::svg::{Anchor, INK, PALE, Svg, shortened};
+use crate::picture::ticks::{round_below, tick_text, ticks};
 
 /// Height of the lines above the drawing, and of the strip below.
 pub(crate) const HEAD: f64 = 66.0;
@@ -43,13 +42,12 @@ impl Counts {
 pub(crate) fn counts(scene: &Scene) -> String {
     let n = scene.centres.len();
     let mut text = format!(
-        "{} {}, {} {}, {:.4} per {}",
+        "{} {}, {} {}, {} per element",
         grouped(n as u64),
         scene.noun(),
         grouped(scene.bonds.len() as u64),
         if scene.bonds.len() == 1 { "contact" } else { "contacts" },
-        scene.mean_coordination(),
-        scene.nouns()[1],
+        brief((scene.mean_coordination() * 1e4).round() / 1e4),
     );
     if scene.alone() > 0 {
         text = format!("{text}, {} without", grouped(scene.alone() as u64));
@@ -58,8 +56,7 @@ pub(crate) fn counts(scene: &Scene) -> String {
 }
 
 pub(crate) fn title(svg: &mut Svg, scene: &Scene, x: f64, width: f64) {
-    let (title, size) = fitting(&scene.title, width, OF_TITLES, true);
-    svg.bold([x, 30.0], size, &title);
+    svg.bold([x, 30.0], 17.0, &shortened(&scene.title, (width / 11.0) as usize));
     svg.label([x, 51.0], 12.5, Anchor::Start, PALE, &counts(scene));
 }
 
@@ -102,21 +99,21 @@ pub(crate) fn overlap_bar(svg: &mut Svg, name: &str, overlaps: Overlaps, [right,
         return;
     }
     strips(svg, [x, y], |share| at(&HEAT, share));
-    let ticks = ticks(low, high, 4);
-    for (tick, text) in ticks.iter().zip(tick_texts(&ticks)) {
+    let over = if largest > high { "≥ " } else { "" };
+    for tick in ticks(low, high, 4) {
         let share = (tick - low) / (high - low);
         svg.line([x + share * BAR, y + 31.0], [x + share * BAR, y + 35.0], 1.0, INK);
-        svg.label([x + share * BAR, y + 47.0], 11.5, Anchor::Middle, INK, &text);
+        svg.label([x + share * BAR, y + 47.0], 11.5, Anchor::Middle, INK, &tick_text(tick));
     }
-    if largest > high {
+    if !over.is_empty() {
         svg.label([right + 4.0, y + 29.0], 11.5, Anchor::Start, INK, "+");
     }
 }
 
-/// Colours of coordination, right aligned. `noun`: whose, with its article.
-pub(crate) fn coordination_bar(svg: &mut Svg, noun: &str, counts: Counts, [right, y]: [f64; 2]) {
+/// Colours of coordination, right aligned.
+pub(crate) fn coordination_bar(svg: &mut Svg, counts: Counts, [right, y]: [f64; 2]) {
     let x = right - BAR;
-    svg.label([x, y + 10.0], 12.0, Anchor::Start, INK, &format!("contacts of {noun}"));
+    svg.label([x, y + 10.0], 12.0, Anchor::Start, INK, "contacts of an element");
     let high = counts.high;
     if counts.largest > high {
         let largest = format!("largest {}", grouped(u64::from(counts.largest)));
@@ -134,10 +131,10 @@ pub(crate) fn coordination_bar(svg: &mut Svg, noun: &str, counts: Counts, [right
         return;
     }
     strips(svg, [x, y], |share| counts.colour((share * f64::from(high)).round() as u32));
-    for tick in ticks(0.0, f64::from(high), 4).into_iter().filter(|tick| tick.fract() == 0.0) {
+    for tick in ticks(0.0, f64::from(high), 4) {
         let share = tick / f64::from(high);
         svg.line([x + share * BAR, y + 31.0], [x + share * BAR, y + 35.0], 1.0, INK);
-        svg.label([x + share * BAR, y + 47.0], 11.5, Anchor::Middle, INK, &grouped(tick as u64));
+        svg.label([x + share * BAR, y + 47.0], 11.5, Anchor::Middle, INK, &tick_text(tick));
     }
 }
 

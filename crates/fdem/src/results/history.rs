@@ -1,4 +1,4 @@
-//! The history of a run: a text file that gets a row of numbers at regular intervals.
+//! The history of a run: a row of numbers for every instant, as a text that grows.
 
 use std::fmt;
 use std::io::{self, Write};
@@ -7,7 +7,7 @@ use fdem_simulation::{Crack, Energies};
 
 use crate::results::frame::code;
 
-/// Columns of every history. Energies are in J, lengths in m, times in s.
+/// Columns that every history has. Energies in J, lengths in m, times in s.
 const COLUMNS: [&str; 16] = [
     "step",
     "time",
@@ -27,25 +27,25 @@ const COLUMNS: [&str; 16] = [
     "crack_length_mixed",
 ];
 
-/// State of a run at one instant.
+/// What the run is like at one instant.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Row {
     /// Steps done.
     pub step: u64,
-    /// Time, s.
+    /// s.
     pub time: f64,
-    /// Energies, J.
+    /// J.
     pub energies: Energies,
-    /// Number of broken joints.
+    /// How many.
     pub broken: u64,
-    /// Lengths of the joints broken by tension, by shear and by both, m.
+    /// Of what is broken by tension, by shear and by both, m.
     pub lengths: [f64; 3],
-    /// Values of the user's columns, in the order of their names.
+    /// What the user asked for, in the order of the names.
     pub values: Vec<f64>,
 }
 
 impl Row {
-    /// Number of broken joints, and their lengths by tension, by shear and by both, m: for [`Row::broken`] and [`Row::lengths`].
+    /// How many of the joints are broken, and their lengths by tension, shear and both, m: for [`Row::broken`] and [`Row::lengths`].
     pub fn broken_joints(cracks: &[Crack]) -> (u64, [f64; 3]) {
         let (mut count, mut lengths) = (0, [0.0; 3]);
         for crack in cracks.iter().filter(|crack| crack.time.is_some()) {
@@ -56,7 +56,7 @@ impl Row {
     }
 }
 
-/// Writes a history as delimited text: one line of names, then the rows. Numbers have the shortest form that reads back as the same number.
+/// Writes rows as they come: delimited text with one line of names, numbers in the shortest form that reads back as the same.
 ///
 /// Names of the user's columns end with their unit in brackets: `load [N]`.
 ///
@@ -94,7 +94,7 @@ impl<W: Write> HistoryWriter<W> {
         Ok(Self { out, width: names.len(), line })
     }
 
-    /// Continues a text that has its names already; `width` is the number of the user's columns.
+    /// Goes on with a text that has its names already, of so many columns of the user.
     pub fn going_on(out: W, width: usize) -> Self {
         Self { out, width, line: String::new() }
     }
@@ -102,7 +102,7 @@ impl<W: Write> HistoryWriter<W> {
     /// Writes a row in one piece.
     ///
     /// # Errors
-    /// Those of `out`; [`io::ErrorKind::InvalidInput`] if the number of values is not that of the names.
+    /// Those of `out`; [`io::ErrorKind::InvalidInput`] if it has not as many values as there are names.
     pub fn row(&mut self, row: &Row) -> io::Result<()> {
         if row.values.len() != self.width {
             let problem = format!("a row of {} values, where {} have names", row.values.len(), self.width);
@@ -128,37 +128,37 @@ impl<W: Write> HistoryWriter<W> {
 
     fn number(&mut self, number: f64) {
         use std::fmt::Write;
-        // The shorter form, with or without an exponent. Writing to a string does not fail.
+        // As short as it can be, also where that is with an exponent. Writing to a string does not fail.
         let plain = number == 0.0 || (1e-4..1e16).contains(&number.abs());
         let _ = if plain { write!(self.line, ",{number}") } else { write!(self.line, ",{number:e}") };
     }
 
-    /// The writer below.
+    /// What is written to.
     pub fn get_mut(&mut self) -> &mut W {
         &mut self.out
     }
 }
 
-/// Quotes a name for delimited text where necessary.
+/// A name as a field of delimited text.
 fn quoted(name: &str) -> String {
-    // Names must not break the line.
+    // A line of names is one line.
     let name: String = name.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
     if name.contains([',', '"']) { format!("\"{}\"", name.replace('"', "\"\"")) } else { name }
 }
 
-/// A history that has been read.
+/// A history that was read.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct History {
     names: Vec<String>,
     columns: Vec<Vec<f64>>,
 }
 
-/// Error of a text that is no history.
+/// A text that is no history.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct HistoryError {
-    /// Number of the line, from 1.
+    /// From 1.
     pub line: usize,
-    /// Description of the error.
+    /// What is wrong with it.
     pub problem: String,
 }
 
@@ -171,10 +171,10 @@ impl fmt::Display for HistoryError {
 impl std::error::Error for HistoryError {}
 
 impl History {
-    /// Reads the text of a [`HistoryWriter`]. A last line without a line break is incomplete and left out.
+    /// What a [`HistoryWriter`] wrote. A last line without an end was not written whole, and is left out.
     ///
     /// # Errors
-    /// The first line that is wrong.
+    /// The first line that is not as it should be.
     pub fn read(text: &[u8]) -> Result<Self, HistoryError> {
         let mut lines = whole_lines(text);
         let head = lines.next().ok_or_else(|| HistoryError::at(1, "there are no names of columns"))?;
@@ -200,12 +200,12 @@ impl History {
         Ok(Self { names, columns })
     }
 
-    /// Names of all columns.
+    /// Of all columns.
     pub fn names(&self) -> &[String] {
         &self.names
     }
 
-    /// The first column with this name.
+    /// The first column of that name.
     pub fn column(&self, name: &str) -> Option<&[f64]> {
         let place = self.names.iter().position(|other| other == name)?;
         Some(&self.columns[place])
@@ -217,7 +217,7 @@ impl History {
         all.map(|(name, values)| (name.as_str(), values.as_slice()))
     }
 
-    /// Number of rows.
+    /// How many rows there are.
     pub fn rows(&self) -> usize {
         self.columns.first().map_or(0, Vec::len)
     }
@@ -229,10 +229,10 @@ impl HistoryError {
     }
 }
 
-/// Number of bytes of a history to keep for a run that resumes at `step`: without later rows, and without an incomplete line.
+/// How many bytes of a history to keep so that nothing after `step` is in it, nor a line that was not written whole: for a run that goes on from there.
 ///
 /// # Errors
-/// The first line whose step cannot be read.
+/// The first line of which the step cannot be read.
 pub fn kept(text: &[u8], step: u64) -> Result<usize, HistoryError> {
     let mut end = 0;
     for (k, line) in whole_lines(text).enumerate() {
@@ -250,7 +250,7 @@ pub fn kept(text: &[u8], step: u64) -> Result<usize, HistoryError> {
     Ok(end)
 }
 
-/// Complete lines, without their line breaks.
+/// Lines that end, without their ends.
 fn whole_lines(text: &[u8]) -> impl Iterator<Item = &[u8]> {
     let end = text.iter().rposition(|&byte| byte == b'\n').unwrap_or(0);
     text[..end].split(|&byte| byte == b'\n').filter(move |_| end > 0)

@@ -1,7 +1,7 @@
 //! A page for a browser: the frames of a run to play, its plots and its summary, all in one file.
 //!
-//! As the page of a contact network ([`crate::report`]), it needs no network, its content security policy forbids all scripts and styles but its own, and
-//! texts from outside are escaped.
+//! It is made as the page of a contact network is ([`crate::report`]): it asks nothing of the network, its content security policy forbids all scripts
+//! and styles but its own, and texts from outside are escaped besides.
 
 use std::fmt::Write;
 
@@ -15,24 +15,17 @@ use crate::picture::svg::escape;
 use crate::report::{SHARED, STYLE, filled, hash, rows};
 use crate::results::field::{Field, NO_VALUE, NUMBERED, Range};
 use crate::results::frame::Frame;
-use crate::results::names::Names;
-use crate::results::pictures::{CRACKS, FrameView, NARROWEST_OUTLINE, OUTLINE, OUTLINES, Pictures};
+use crate::results::pictures::{CRACKS, FrameView, Pictures};
 use crate::results::plots::Plot;
 use crate::results::unit::prefixed;
 
-/// Most frames of a page; if there are more, some are left out.
-pub const MOST_FRAMES: usize = 121;
+/// Of more frames a part is shown.
+pub const MOST_FRAMES: usize = 60;
 
-/// Most frames that are named when they are left out.
-const MOST_NAMED: usize = 12;
+/// Of more elements a browser would run out of memory.
+const MOST_ELEMENTS: usize = 1_000_000;
 
-/// Most elements of a frame in a page: a browser would run out of memory with more. Larger meshes are shown by samples, [`Frame::sampled`].
-pub const MOST_ELEMENTS: usize = 1_000_000;
-
-/// Triangles in a sample of more than [`MOST_ELEMENTS`] elements: enough for each pixel of a screen, few enough for some ten frames in a page.
-pub const SAMPLE: usize = 250_000;
-
-/// Most bytes that all frames take in the file.
+/// What frames may take in the file, in bytes.
 const MOST_BYTES: usize = 40 << 20;
 
 const PAGE: &str = include_str!("report/page.html");
@@ -40,11 +33,11 @@ const STYLE_OF_RUNS: &str = include_str!("report/run.css");
 const SCRIPTS: [&str; 3] =
     [include_str!("report/frames.js"), include_str!("report/view.js"), include_str!("report/main.js")];
 
-/// Contents of the page of a run.
+/// What the page of a run is made of.
 ///
 /// # Example
 /// ```
-/// use fdem::results::{Field, Frame, Names, Report};
+/// use fdem::results::{Field, Frame, Report};
 ///
 /// let frames = [Frame::new(&fdem_simulation::Snapshot::default())?];
 /// let report = Report {
@@ -53,7 +46,7 @@ const SCRIPTS: [&str; 3] =
 ///     plots: &[],
 ///     frames: &frames,
 ///     field: Field::MaxPrincipal,
-///     names: &Names::default(),
+///     materials: &[],
 /// };
 /// assert!(report.html()?.contains("nothing &lt;happens&gt;"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -62,35 +55,32 @@ const SCRIPTS: [&str; 3] =
 pub struct Report<'a> {
     /// Heading.
     pub title: &'a str,
-    /// Rows of the summary: name and text. A row without a name continues the row before.
+    /// The rows of the summary, a name and what it says; rows without a name go on with the one before.
     pub facts: &'a [(&'a str, &'a str)],
-    /// Plots, in the order in which they are shown.
+    /// Shown one after the other.
     pub plots: &'a [Plot],
-    /// Frames in the order of time. If there are more than [`MOST_FRAMES`], or more than 40 MB, the page has only some of them, with the first and the last,
-    /// and says so.
+    /// In the order of time. Of more than [`MOST_FRAMES`], or 40 MB, only some are in the page, the first and the last among them, and the page says so.
     pub frames: &'a [Frame],
-    /// Field by which elements are coloured at first.
+    /// What elements are coloured by at first.
     pub field: Field,
-    /// Names of bodies and materials; bodies and materials without a name are shown as numbers.
-    pub names: &'a Names,
+    /// Names of the materials, by their numbers; others are shown as numbers.
+    pub materials: &'a [&'a str],
 }
 
 impl Report<'_> {
     /// The page.
     ///
     /// # Errors
-    /// [`PictureError::TooMany`] for a frame with more than [`MOST_ELEMENTS`] elements, which [`Frame::sampled`] would have made smaller; those of [`Pictures::png`].
+    /// [`PictureError::TooMany`] for more than a million elements; those of [`Pictures::png`].
     ///
     /// # Cost
-    /// About 15 bytes for each element and frame, at most 40 MB; about 1 s.
+    /// For each frame some 15 bytes of an element, 40 MB at the most; about 1 s.
     pub fn html(&self) -> Result<String, PictureError> {
         let found = self.frames.iter().map(|frame| frame.elements).max().unwrap_or(0);
         if found > MOST_ELEMENTS {
             return Err(PictureError::TooMany { what: "elements", found, most: MOST_ELEMENTS });
         }
-        let whole = self.frames.iter().map(|frame| frame.whole).max().unwrap_or(0);
-        let places = thinned(self.frames);
-        let frames: Vec<&Frame> = places.iter().map(|&place| &self.frames[place]).collect();
+        let frames = thinned(self.frames);
         let view = FrameView::of(self.frames);
         let script = format!("(() => {{\n\"use strict\";\n{SHARED}\n{}\n}})();", SCRIPTS.concat());
         let style = format!("{STYLE}{STYLE_OF_RUNS}");
@@ -110,20 +100,19 @@ impl Report<'_> {
                 ),
                 "style" => style.clone(),
                 "title" => escape(self.title),
-                "counts" => escape(&self.counts(whole, &view)),
+                "counts" => escape(&self.counts(found, &view)),
                 "preview" => preview.clone(),
                 "fields" => self.options(),
                 "last" => frames.len().saturating_sub(1).to_string(),
-                "thinned" => self.thinning(&places),
-                "sample" => self.sampling(),
+                "thinned" => self.thinning(frames.len()),
                 "facts" => rows(self.facts),
                 "plots" => figures(self.plots),
-                "rows" => table(&frames, &places),
+                "rows" => table(&frames),
                 "version" => env!("CARGO_PKG_VERSION").to_owned(),
-                "meta" => self.meta(&frames, whole, &view),
+                "meta" => self.meta(&frames, found, &view),
                 "frames" => frames.iter().map(|frame| text(frame)).collect(),
                 "script" => script.clone(),
-                // The template has no other placeholders.
+                // The page has no other places.
                 _ => String::new(),
             })
         })
@@ -148,43 +137,14 @@ impl Report<'_> {
         Field::ALL.iter().map(option).collect()
     }
 
-    /// A sentence on the frames that are not in the page; empty if all are.
-    fn thinning(&self, places: &[usize]) -> String {
-        let total = self.frames.len();
-        let left_out: Vec<String> = (0..total)
-            .filter(|place| places.binary_search(place).is_err())
-            .map(|place| place.to_string())
-            .collect();
-        let rest = match &left_out[..] {
-            [] => return String::new(),
-            [one] => format!("frame {one} is left out"),
-            [first @ .., last] if left_out.len() <= MOST_NAMED => {
-                format!("frames {} and {last} are left out", first.join(", "))
-            }
-            _ => "the others are in the folder of frames".to_owned(),
-        };
-        let shown = places.len();
-        format!(
-            "<p class=\"hint help\" id=\"thinned\">{shown} of {} frames are in this page; {rest}.</p>",
-            grouped(total as u64)
-        )
-    }
-
-    /// Says that the frames show a sample, and where the rest is.
-    fn sampling(&self) -> String {
-        let Some(frame) =
-            self.frames.iter().filter(|frame| frame.is_sample()).max_by_key(|frame| frame.elements)
-        else {
+    fn thinning(&self, shown: usize) -> String {
+        if shown == self.frames.len() {
             return String::new();
-        };
-        format!(
-            "<p class=\"hint help\" id=\"sample\">The mesh has {} elements. The view shows a sample of them: at most {} larger triangles, each with the values of one element. The files for ParaView have all elements.</p>",
-            grouped(frame.whole as u64),
-            grouped(frame.elements as u64)
-        )
+        }
+        format!("{shown} of {} frames are in this page.", grouped(self.frames.len() as u64))
     }
 
-    /// Data for the scripts as JSON, safe in a script element.
+    /// What the scripts have to know, safe in a script element.
     fn meta(&self, frames: &[&Frame], elements: usize, view: &FrameView) -> String {
         let fields = Field::ALL.map(|field| {
             let Range { low, high } = Range::of(self.frames, field);
@@ -202,8 +162,6 @@ impl Report<'_> {
             json!({
                 "step": frame.step,
                 "time": finite(frame.time),
-                "elements": frame.elements,
-                "sample": frame.is_sample(),
                 "cracks": frame.cracks,
                 "size": frame.size,
                 "bounds": frame.bounds,
@@ -212,10 +170,6 @@ impl Report<'_> {
                 "lengths": frame.lengths.map(finite),
             })
         };
-        let outlines = [1, 0].map(|kind| {
-            let (colour, most) = OUTLINES[kind];
-            json!({ "colour": colour, "most": most, "share": OUTLINE, "least": NARROWEST_OUTLINE })
-        });
         let (middle, half) = view.middle_and_half();
         let unit = half[0].max(half[1]);
         let meta = json!({
@@ -225,42 +179,40 @@ impl Report<'_> {
             "numbered": NUMBERED,
             "none": NO_VALUE,
             "cracks": CRACKS.map(|(name, colour)| json!({ "name": name, "colour": colour })),
-            "outlines": outlines,
-            "bodies": self.names.bodies,
-            "materials": self.names.materials,
+            "materials": self.materials,
             "last": finite(self.frames.last().map_or(0.0, |frame| frame.time)),
             "view": { "middle": middle, "unit": unit, "half": half.map(|side| (side / unit).max(1e-6)) },
             "frames": frames.iter().map(about).collect::<Vec<_>>(),
         });
-        // A script element ends at "</script", so that no "<" may remain.
+        // A text in a script element ends at "</script": no "<" is left in it.
         meta.to_string().replace('<', "\\u003c")
     }
 }
 
-/// Replaces numbers that JSON cannot have by 0.
+/// JSON has no others.
 fn finite(x: f64) -> f64 {
     if x.is_finite() { x } else { 0.0 }
 }
 
-/// Indices of the frames for which the page has room, evenly spaced, with the first and the last.
-fn thinned(frames: &[Frame]) -> Vec<usize> {
+/// As many frames as the page has room for, evenly: the first and the last are among them.
+fn thinned(frames: &[Frame]) -> Vec<&Frame> {
     let mut count = frames.len().min(MOST_FRAMES);
     loop {
-        let places: Vec<usize> = match count {
+        let shown: Vec<&Frame> = match count {
             0 => Vec::new(),
-            1 => vec![frames.len() - 1],
-            _ => (0..count).map(|k| k * (frames.len() - 1) / (count - 1)).collect(),
+            1 => frames.last().into_iter().collect(),
+            _ => (0..count).map(|k| &frames[k * (frames.len() - 1) / (count - 1)]).collect(),
         };
-        // Base64 takes four characters for three bytes.
-        let bytes: usize = places.iter().map(|&place| frames[place].deflated.len().div_ceil(3) * 4).sum();
+        // Four characters for three bytes.
+        let bytes: usize = shown.iter().map(|frame| frame.deflated.len().div_ceil(3) * 4).sum();
         if bytes <= MOST_BYTES || count <= 1 {
-            return places;
+            return shown;
         }
         count = (count * MOST_BYTES / bytes).clamp(1, count - 1);
     }
 }
 
-/// The plots as HTML.
+/// Plots one after the other.
 fn figures(plots: &[Plot]) -> String {
     let mut figures = String::new();
     for plot in plots {
@@ -270,19 +222,19 @@ fn figures(plots: &[Plot]) -> String {
     figures
 }
 
-/// A frame as a script element of the page.
+/// A frame as an element of the page.
 fn text(frame: &Frame) -> String {
     format!("<script type=\"text/plain\" class=\"frame\">{}</script>\n", STANDARD.encode(&frame.deflated))
 }
 
-/// Rows of the table of frames. Frames have the numbers of their files.
-fn table(frames: &[&Frame], places: &[usize]) -> String {
+/// The rows of the table of frames.
+fn table(frames: &[&Frame]) -> String {
     let largest = |frame: &Frame, field: Field| brief(frame.scales[field.scale().unwrap_or(0)].ends[1]);
     let mut rows = String::new();
-    for (k, (frame, place)) in frames.iter().zip(places).enumerate() {
+    for (k, frame) in frames.iter().enumerate() {
         let [tension, shear, mixed] = frame.lengths;
         // Writing to a string does not fail.
-        let _ = write!(rows, "<tr><td><button type=\"button\" data-frame=\"{k}\">{place}</button></td>");
+        let _ = write!(rows, "<tr><td><button type=\"button\" data-frame=\"{k}\">{}</button></td>", k + 1);
         let _ = write!(rows, "<td>{}</td>", grouped(frame.step));
         for number in [frame.time, tension + shear + mixed, tension, shear, mixed] {
             let _ = write!(rows, "<td>{}</td>", brief(number));

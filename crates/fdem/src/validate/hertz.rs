@@ -1,4 +1,4 @@
-//! Hertz contact: half a disc pressed on a rigid plane.
+//! Hertz contact: half a disc that is pressed on a rigid plane.
 //!
 //! By symmetry the half below its horizontal diameter is a disc between two planes. With P the load per length, E* = E/(1 − ν²) and R the radius, the half-width of the
 //! contact is a = √(4 P R/(π E*)), the greatest pressure √(P E*/(π R)), and the approach of the diameter to the plane (Johnson, 5.6)
@@ -20,36 +20,36 @@ use fdem_simulation::{
 use super::models::{advance, force, granite, moved, nodes_where, one_body, rectangle, start, together};
 use super::{Outcome, Size};
 
-/// Radius of the disc, m.
+/// m, of the disc.
 const RADIUS: f64 = 0.1;
 
-/// Approximate half-width of the contact at the end over the radius. The largest strains are a quarter of this.
+/// Half-width of the contact at the end over the radius, about: strains are a quarter of it.
 const WIDTH: f64 = 0.02;
 
 const POISSON: f64 = 0.25;
 
-/// Shares of the final approach at which the load is compared.
+/// Shares of the approach at the end where the load is looked at.
 const LEVELS: [f64; 3] = [0.3, 0.6, 1.0];
 
-/// Penalty of the contact. It is stiff, because the theory knows no compliance of the contact itself.
+/// Of the contact: what gives way there is not in the theory.
 const PENALTY: f64 = 10.0;
 
-/// Plane strain modulus E/(1 − ν²), Pa.
+/// E/(1 − ν²), Pa.
 fn modulus() -> f64 {
     granite().youngs_modulus / (1.0 - POISSON * POISSON)
 }
 
-/// Half-width of the contact, m, under a load in N/m.
+/// m, at a load in N/m.
 fn half_width(load: f64) -> f64 {
     (4.0 * load * RADIUS / (PI * modulus())).sqrt()
 }
 
-/// Approach, m, under a load in N/m.
+/// m, at a load in N/m.
 fn approach(load: f64) -> f64 {
     load / (PI * modulus()) * (2.0 * (4.0 * RADIUS / half_width(load)).ln() - 1.0)
 }
 
-/// Load, N/m, at an approach in m, by bisection.
+/// N/m, at an approach in m: by bisection.
 fn load_at(distance: f64) -> f64 {
     let (mut low, mut high) = (0.0, modulus() * distance);
     for _ in 0..100 {
@@ -60,7 +60,7 @@ fn load_at(distance: f64) -> f64 {
 }
 
 pub(super) fn run(size: Size) -> Result<Vec<Outcome>, String> {
-    // Number of elements over the half-width at the end.
+    // Elements over the half-width at the end.
     let fine = size.choose(6, 12);
     let load = PI * modulus() * WIDTH * WIDTH * RADIUS / 4.0;
     let end = approach(load);
@@ -71,7 +71,7 @@ pub(super) fn run(size: Size) -> Result<Vec<Outcome>, String> {
     let mut outcomes = Vec::new();
     for share in LEVELS {
         advance(&mut run, settling)?;
-        // Without friction the force on the diameter is the force on the plane.
+        // Friction is none: what presses the diameter down presses the plane.
         let found = -force(&run, 0)?[1];
         let expected = load_at(share * end);
         let name = format!("load at an approach of {:.3} µm", 1e6 * share * end);
@@ -86,7 +86,7 @@ pub(super) fn run(size: Size) -> Result<Vec<Outcome>, String> {
     Ok(outcomes)
 }
 
-/// The model, and the number of steps in which it comes to rest at each level.
+/// The model, and the steps in which it comes to rest at each of the levels.
 fn model(disc: Mesh, end: f64, fine: f64) -> Result<(Model, u64), String> {
     let wide = 2.0 * WIDTH * RADIUS;
     let plane = rectangle([-wide, -RADIUS - 0.25 * wide], [wide, -RADIUS], [8, 1]);
@@ -94,7 +94,7 @@ fn model(disc: Mesh, end: f64, fine: f64) -> Result<(Model, u64), String> {
     let mut mesh = together(&[disc, plane]);
     let above = nodes_where(&mesh, |[_, y]| y > -1e-9 * RADIUS);
     let fixed = (first..mesh.nodes.len() as u32).collect();
-    // Only the state of rest counts: large elements are made so light that their time step is that of the small ones.
+    // Only what is at rest in the end counts: large elements are as light as lets them answer as fast as the small ones do.
     let sizes: Vec<f64> = (0..mesh.triangles.len()).map(|element| area(&mesh, element).sqrt()).collect();
     let least = sizes.iter().copied().fold(f64::INFINITY, f64::min);
     for (material, size) in mesh.materials.iter_mut().zip(sizes) {
@@ -120,7 +120,7 @@ fn model(disc: Mesh, end: f64, fine: f64) -> Result<(Model, u64), String> {
                 schedule: Schedule::Constant,
             },
             moved("plane", fixed, [Some(0.0); 2], Schedule::Constant),
-            // Symmetry holds this node; nothing else holds the disc along x.
+            // By symmetry; nothing else holds it.
             moved("lowest node", vec![0], [Some(0.0), None], Schedule::Constant),
         ],
         plane: Plane::Strain,
@@ -189,7 +189,7 @@ fn half_disc(fine: usize) -> Mesh {
     one_body(nodes.into_iter().map(mapped).collect(), triangles)
 }
 
-/// The map i R (z − i)/(z + i).
+/// i R (z − i)/(z + i).
 fn mapped([x, y]: [f64; 2]) -> [f64; 2] {
     let below = x * x + (y + 1.0) * (y + 1.0);
     [2.0 * RADIUS * x / below, RADIUS * (x * x + y * y - 1.0) / below]
@@ -214,10 +214,10 @@ struct Pressures {
     greatest: f64,
 }
 
-/// Half-width and greatest pressure from the pressures p of elements of equal width: a semi-ellipse has a² = 4 Σ p x²/Σ p and p² = p₀² (1 − x²/a²), where p₀ follows by least squares.
+/// Of the pressures p of elements, which are equally wide: for a semi-ellipse a² = 4 Σ p x²/Σ p, and p² = p₀² (1 − x²/a²), of which p₀ is found by least squares.
 fn pressures(run: &Simulation, elements: &[usize]) -> Pressures {
     let snapshot = run.snapshot();
-    // x², p² and p.
+    // Squares of x and p, and p.
     let points = elements.iter().map(|&element| {
         let x = snapshot.triangles[element].map(|node| snapshot.positions[node as usize][0]);
         let (middle, p) = (x.iter().sum::<f64>() / 3.0, -snapshot.stresses[element][1].min(0.0));
@@ -228,7 +228,7 @@ fn pressures(run: &Simulation, elements: &[usize]) -> Pressures {
         moment += p * square;
         sum += p;
     }
-    // The ends are left out, because the pressure changes much within an element there.
+    // Without the ends, where the pressure changes much within an element.
     let inner: Vec<_> = points.filter(|[square, ..]| square.sqrt() < 0.8 * WIDTH * RADIUS).collect();
     let mean = |k: usize| inner.iter().map(|point| point[k]).sum::<f64>() / inner.len() as f64;
     let (x, p) = (mean(0), mean(1));

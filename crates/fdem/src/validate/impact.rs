@@ -1,4 +1,4 @@
-//! Bodies that collide: energy and momentum are the same before and after.
+//! Bodies that collide: energy and momentum after as before.
 
 use std::f64::consts::{PI, TAU};
 
@@ -7,10 +7,10 @@ use fdem_simulation::{ContactOptions, Energies, Material, Mesh, Model, TimeOptio
 use super::models::{advance, disc, granite, momentum, one_body, rotated, start, together, turned, worse};
 use super::{Outcome, Size};
 
-/// Share of the critical time step. An impact of two triangles lasts a few critical steps only.
+/// Of the critical time step: the blow of two triangles is over within a few of those.
 const SAFETY: f64 = 0.05;
 
-/// Penalty of a contact that is much softer than the bodies, which therefore hardly vibrate.
+/// Penalty of a contact much softer than the bodies: they hardly ring.
 const SOFT: f64 = 1e-4;
 
 pub(super) fn run(size: Size) -> Result<Vec<Outcome>, String> {
@@ -83,16 +83,16 @@ fn discs(rings: usize) -> [Blow; 2] {
     [blow("two discs, head-on", [0.0, 1.001], 0.0), blow("two discs, off centre, spinning", [0.3, 1.0], 20.0)]
 }
 
-/// Energies before and after a collision.
+/// What a collision left as it was, and what not.
 struct Met {
     before: Energies,
     after: Energies,
-    /// Change of the momenta over the momentum before.
+    /// Change over what there was.
     momentum: f64,
 }
 
 impl Met {
-    /// Relative change of the kinetic and elastic energy.
+    /// Of all energy that is not lost, the relative change.
     fn energy(&self) -> f64 {
         (self.after.kinetic + self.after.strain + self.after.contact) / self.before.kinetic - 1.0
     }

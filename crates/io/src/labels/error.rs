@@ -1,4 +1,4 @@
-//! The errors of reading a labelled image.
+//! Everything that can be wrong with a labelled image.
 
 use std::io;
 
@@ -7,19 +7,19 @@ use thiserror::Error;
 use crate::excerpt;
 use crate::labels::LabelKind;
 
-/// The reason why a labelled image could not be read: what is wrong, where, and what is expected.
+/// Why a labelled image could not be read: what is wrong, where, and what would be right.
 ///
-/// The text does not contain the name of the file. The caller that opened the file prints `file: text`.
+/// The text does not carry the file's name: who opened the file prints `file: text`.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum LabelError {
-    /// The system could not read the file, or the data of an archive are damaged.
+    /// The system could not read, or the data of an archive are damaged.
     #[error("{0}")]
     Read(#[source] io::Error),
     /// The file has no bytes.
     #[error("the file is empty: expected a labelled image")]
     Empty,
-    /// The first bytes are those of no supported format.
+    /// The first bytes are those of no format that is read.
     #[error(
         "not a labelled image: it starts with {start}, neither a NumPy array (.npy, .npz) nor a TIFF file"
     )]
@@ -27,19 +27,19 @@ pub enum LabelError {
         /// The first bytes.
         start: String,
     },
-    /// A member was named, but the file is not an archive.
+    /// A member was named, but the file is no archive.
     #[error("there is no member '{member}': the file is no archive (.npz)")]
     NoArchive {
-        /// The requested name.
+        /// The name asked for.
         member: String,
     },
     /// The archive cannot be read.
     #[error("NumPy archive: {problem}")]
     Archive {
-        /// The problem.
+        /// What is wrong with it.
         problem: String,
     },
-    /// The archive has several arrays, none, or not the requested one.
+    /// The archive has several arrays, none, or not the one that was asked for.
     #[error(
         "NumPy archive: {}; its arrays are: {}",
         match wanted {
@@ -49,54 +49,54 @@ pub enum LabelError {
         present.join(", ")
     )]
     Member {
-        /// The requested name.
+        /// The name asked for.
         wanted: Option<String>,
-        /// The arrays of the archive.
+        /// The arrays that are there.
         present: Vec<String>,
     },
     /// The header of an array cannot be read.
     #[error("NumPy header: {problem}")]
     Header {
-        /// The problem.
+        /// What is wrong with it.
         problem: String,
     },
-    /// The array contains something other than labels.
+    /// The array holds something other than labels.
     #[error(
         "the array of shape {shape} is {dtype}: labels are integers of at most 64 bits{}",
         if dtype.starts_with("|b") { ", one for each body: number the bodies first" } else { "" }
     )]
     Dtype {
-        /// The dtype as written in the file.
+        /// The dtype as the file spells it.
         dtype: String,
-        /// The shape in Python notation.
+        /// The shape as Python prints it.
         shape: String,
     },
-    /// The array is not an image.
+    /// The array is no image.
     #[error("the array has shape {shape}: an image has two or three axes")]
     Shape {
-        /// The shape in Python notation.
+        /// The shape as Python prints it.
         shape: String,
     },
-    /// The size stated in the header exceeds that of any file.
+    /// The size that the header claims is beyond any file.
     #[error("the header claims an array of shape {shape}, {dtype}, which no file can hold: it is damaged")]
     Claim {
-        /// The shape in Python notation.
+        /// The shape as Python prints it.
         shape: String,
-        /// The dtype as written in the file.
+        /// The dtype as the file spells it.
         dtype: String,
     },
-    /// There are fewer bytes than the header states.
+    /// There are fewer bytes than the header claims.
     #[error("the array should take {}, found {found}: the file is cut off or damaged", excerpt::count(*expected, "byte"))]
     CutOff {
-        /// Number of bytes according to shape and dtype.
+        /// Bytes that shape and dtype ask for.
         expected: u64,
-        /// Number of bytes after the header.
+        /// Bytes after the header.
         found: u64,
     },
-    /// There are more bytes than the header states.
+    /// There are more bytes than the header claims.
     #[error("the file goes on after the {} of the array, perhaps with another one, or is damaged", excerpt::count(*expected, "byte"))]
     Longer {
-        /// Number of bytes according to shape and dtype.
+        /// Bytes that shape and dtype ask for.
         expected: u64,
     },
     /// A TIFF file, or a page of it, cannot be read.
@@ -104,27 +104,27 @@ pub enum LabelError {
     Page {
         /// The page, counted from 1.
         page: usize,
-        /// The problem.
+        /// What is wrong with it.
         problem: String,
     },
-    /// Labels were requested as numbers of another type.
+    /// Labels were asked for as numbers of another type.
     #[error("the labels are {found:?}, not {asked:?}")]
     Kind {
-        /// The type of the labels.
+        /// What they are.
         found: LabelKind,
-        /// The requested type.
+        /// What was asked for.
         asked: LabelKind,
     },
     /// The system has no memory left for a slab of labels.
     #[error("no memory for {bytes} bytes of labels")]
     NoMemory {
-        /// Number of bytes requested.
+        /// Bytes that were asked for.
         bytes: usize,
     },
 }
 
 impl LabelError {
-    /// The error for a file that does not start with known magic bytes.
+    /// A file that starts with no magic bytes.
     pub(super) fn unknown(start: &[u8]) -> Self {
         if start.is_empty() { Self::Empty } else { Self::Unknown { start: start.escape_ascii().to_string() } }
     }

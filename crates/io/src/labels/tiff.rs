@@ -12,19 +12,19 @@ use crate::npy_header::Scalar;
 
 /// The pages of a file, each a plane.
 pub(super) trait Pages {
-    /// The bytes of a page in native byte order; pages must be requested in order.
+    /// The bytes of a page, in the byte order of this machine; pages are asked for in order.
     fn read(&mut self, page: usize) -> Result<&[u8], LabelError>;
 }
 
-/// A file whose pages have been checked.
+/// A file with its pages looked at.
 pub(super) struct Stack<R: Read + Seek> {
     decoder: Decoder<R>,
-    /// The current page of the decoder.
+    /// The page that the decoder is at.
     at: usize,
     page: Vec<u8>,
 }
 
-/// The common properties of all pages.
+/// What all pages have in common.
 #[derive(Debug, Clone, PartialEq)]
 struct Page {
     width: u32,
@@ -33,7 +33,7 @@ struct Page {
     sample: DecodingSampleType,
 }
 
-/// The properties of the image that the pages form.
+/// What the pages are together.
 pub(super) struct Described {
     scalar: Scalar,
     kind: LabelKind,
@@ -49,7 +49,7 @@ impl Described {
     }
 }
 
-/// Checks all pages, without reading their labels.
+/// Looks at all pages, without their labels.
 pub(super) fn open<R: Read + Seek>(input: R, size: u64) -> Result<(Stack<R>, Described), LabelError> {
     let failed = |page: usize| move |error: TiffError| LabelError::Page { page, problem: error.to_string() };
     let mut limits = Limits::default();
@@ -83,7 +83,7 @@ pub(super) fn open<R: Read + Seek>(input: R, size: u64) -> Result<(Stack<R>, Des
     Ok((Stack { decoder, at: 0, page: Vec::new() }, Described { scalar, kind, shape }))
 }
 
-/// The properties of the current page.
+/// What the current page is.
 fn page<R: Read + Seek>(decoder: &mut Decoder<R>, size: u64, number: usize) -> Result<Page, LabelError> {
     let bad = |problem: String| LabelError::Page { page: number, problem };
     let failed = |error: TiffError| bad(error.to_string());
@@ -95,7 +95,7 @@ fn page<R: Read + Seek>(decoder: &mut Decoder<R>, size: u64, number: usize) -> R
     if !matches!(color, ColorType::Gray(_)) {
         return Err(bad(format!("it is {color:?}: labels are grey")));
     }
-    // The decoder inverts these numbers.
+    // The decoder turns these numbers round.
     if photometric == Some(PhotometricInterpretation::WhiteIsZero) {
         return Err(bad(
             "white is zero in it, so that labels are upside down: save it with black as zero".to_owned()
@@ -104,13 +104,13 @@ fn page<R: Read + Seek>(decoder: &mut Decoder<R>, size: u64, number: usize) -> R
     let layout = decoder.image_buffer_layout().map_err(failed)?;
     let sample =
         layout.sample_type.ok_or_else(|| bad(format!("its numbers are {color:?}, which are not read")))?;
-    // The largest number of bytes that one byte of the file can expand to.
+    // The most that a byte of a file can stand for.
     let compression = tag(decoder, Tag::Compression)?;
     let most = match compression.map(CompressionMethod::from_u16_exhaustive) {
         None | Some(CompressionMethod::None) => 1,
         Some(CompressionMethod::PackBits) => 64,
         Some(CompressionMethod::Deflate | CompressionMethod::OldDeflate) => 1032,
-        // A code of 12 bits stands for a string of at most 4096 bytes.
+        // A code of 12 bits for a string of at most 4096 bytes.
         Some(CompressionMethod::LZW) => 2731,
         Some(other) => return Err(bad(format!("it is compressed by {other:?}, which is not read"))),
     };
@@ -122,8 +122,7 @@ fn page<R: Read + Seek>(decoder: &mut Decoder<R>, size: u64, number: usize) -> R
     Ok(Page { width, height, color, sample })
 }
 
-/// The number of pages stated by `ImageJ`: for large stacks it writes only the header of the first page, and the others follow without
-/// headers.
+/// How many pages `ImageJ` says that there are: of large stacks it writes the first only, and lets the others follow without a header.
 fn declared_pages<R: Read + Seek>(decoder: &mut Decoder<R>) -> Option<usize> {
     let text = decoder.get_tag_ascii_string(Tag::ImageDescription).ok()?;
     text.starts_with("ImageJ=").then_some(())?;
@@ -135,7 +134,7 @@ impl Page {
         format!("{} x {} pixels of {:?}", self.width, self.height, self.sample)
     }
 
-    /// The type of the labels.
+    /// What the labels are.
     fn labels(&self, page: usize) -> Result<(Scalar, LabelKind), LabelError> {
         let (kind, size) = match self.sample {
             DecodingSampleType::U8 => ('u', 1),

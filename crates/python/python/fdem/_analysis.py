@@ -1,4 +1,4 @@
-"""Analysis of the network of contacts."""
+"""What the network of contacts says."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class Numbers:
-    """Named numbers, arrays, and groups of them; a missing value is ``None``."""
+    """Named numbers, arrays, and groups of such; what there is none of is ``None``."""
 
     def __init__(self, parts: dict[str, Any]) -> None:
         self.__dict__.update({name: _told(part) for name, part in parts.items()})
@@ -33,20 +33,20 @@ class Numbers:
 
 
 class Analysis(Numbers):
-    """The result of :meth:`Contacts.analyse`; its parts are attributes.
+    """What :meth:`Contacts.analyse` finds; its parts are attributes.
 
     ================== ==============================================================================================================================
-    part               content
+    part               what is in it
     ================== ==============================================================================================================================
     coordination       `mean`; `distribution` ``[k]``: elements with ``k`` contacts; `of_each` ``[n]``
-    without_rattlers   the same after elements with fewer than `min_contacts` contacts were removed repeatedly: `rattlers`, `elements`,
+    without_rattlers   the same once elements with fewer than `min_contacts` contacts are taken out, again and again: `rattlers`, `elements`,
                        `couples`, `mean`, `distribution`, `is_rattler` ``[n]``
     directions         `counts` in `bands` of equal solid angle times `sectors`: where contacts point
     fabric             `tensor` ``[D, D]`` (Satake 1982: the mean of the dyads of the contact normals), `eigenvalues` in descending order,
                        `principal_directions`, `deviator`, `anisotropy`
     clusters           `count`, `largest`, `sizes`, `percolation` for each axis, `of_each` ``[n]``
     overlaps           `overlaps` and, within a tolerance, `gaps`: `count`, `min`, `mean`, `max`, `histogram`
-    packing            solid `fraction` of the `region`, with overlaps counted twice; `fraction_without_overlap`: counted once, which is a lower bound where
+    packing            `fraction` of the `region` that is solid, with overlaps counted twice; `fraction_without_overlap`: counted once, and a lower bound where
                        three elements overlap in one place
     radial             the radial distribution: `r`, `g`, `counts`
     ================== ==============================================================================================================================

@@ -1,22 +1,16 @@
-//! Tests of the simulation, by the kind of failure.
+//! What a simulation must do, by what could go wrong.
 
 #![allow(clippy::expect_used, clippy::panic, reason = "tests")]
 
 mod common;
 
-/// Models far from the origin of their coordinates.
-mod coordinates;
-/// Waves, rotation, gravity; independence of the number of threads.
+/// Waves, spin; the same for any number of threads.
 mod motion;
 /// Collisions, friction.
 mod contact;
-/// Forces and fragments for results.
-mod forces;
 /// Strength, energy of fracture.
 mod fracture;
-/// Runs that are saved and resumed; runs that stop by themselves.
+/// Runs that stop and go on; runs that cannot go on.
 mod resume;
-/// Initial stress: what it stores, and what keeps it.
-mod stress;
-/// Models that are refused.
+/// Models that cannot be.
 mod refusal;

@@ -5,38 +5,38 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-/// A body, or several of one kind. It has exactly one shape: mesh, rectangle, disc, ring, polygon, voronoi or packing.
+/// A body, or several of one kind. It has exactly one of the keys mesh, rectangle, disc, ring, polygon, voronoi and packing.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Body {
-    /// Name of the body for boundaries, histories and results.
+    /// By which boundaries, histories and results call it.
     #[schemars(length(min = 1))]
     pub name: String,
-    /// Name of the material of the body.
+    /// Name of its material.
     pub material: String,
-    /// Mean edge of the elements, m. Meshes from files have their own size and take no such key.
+    /// Edge of its elements, m. Not for meshes from files, which have theirs.
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub mesh_size: Option<f64>,
-    /// Seed of the mesh: another seed gives another mesh. Default: 1.
+    /// Another seed gives another mesh. Default: 1.
     #[serde(default = "seed")]
     pub seed: u64,
-    /// Angle by which the body is turned about the middle of its bounding box, degrees, counter-clockwise. Default: 0.
+    /// Turned by this angle about the middle of its bounding box, degrees, counter-clockwise. Default: 0.
     #[serde(default)]
     pub angle: f64,
-    /// Translation [x, y] after the turn, m. Default: [0, 0].
+    /// Then moved by [x, y], m. Default: [0, 0].
     #[serde(default)]
     pub translate: [f64; 2],
-    /// Velocity [x, y] at the start, m/s. Default: [0, 0].
+    /// At the beginning, [x, y], m/s. Default: [0, 0].
     #[serde(default)]
     pub velocity: Option<[f64; 2]>,
     /// A file with a mesh of triangles: Gmsh .msh 2.2 or 4.1, or another format that `fdem contacts` reads. Its path is relative to the model file.
     #[serde(default)]
     pub mesh: Option<String>,
-    /// Physical groups of surfaces to take from a mesh file. Default: the whole file.
+    /// Of a mesh from a file: take only these physical groups of surfaces. Default: all of the file.
     #[serde(default)]
     pub only: Option<Vec<String>>,
-    /// Materials of physical groups of a mesh file, as { group = "material" }. Groups that are not named have the material of the body.
+    /// Of a mesh from a file: material of a physical group, as { group = "material" }. Groups that are not named have the material of the body.
     #[serde(default)]
     pub groups: BTreeMap<String, String>,
     /// A rectangle along the axes.
@@ -45,16 +45,16 @@ pub struct Body {
     /// A disc.
     #[serde(default)]
     pub disc: Option<Disc>,
-    /// The area between two circles with the same centre.
+    /// What is between two circles of one centre.
     #[serde(default)]
     pub ring: Option<Ring>,
     /// A polygon.
     #[serde(default)]
     pub polygon: Option<Polygon>,
-    /// Voronoi grains in an outline. Their boundaries are edges of the mesh.
+    /// A body of Voronoi grains: their boundaries are edges of the mesh.
     #[serde(default)]
     pub voronoi: Option<Voronoi>,
-    /// Discs or polygons that do not overlap. Each is a body of its own.
+    /// Discs or polygons that do not overlap, each a body of its own.
     #[serde(default)]
     pub packing: Option<Packing>,
 }
@@ -67,7 +67,7 @@ pub struct Rectangle {
     pub min: [f64; 2],
     /// Upper right corner, m.
     pub max: [f64; 2],
-    /// Holes: each { centre = [x, y], radius = r } or a list of points. Default: none.
+    /// What is cut out: { centre = [x, y], radius = r } or a list of points. Default: nothing.
     #[serde(default)]
     pub holes: Vec<Hole>,
 }
@@ -76,25 +76,25 @@ pub struct Rectangle {
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Disc {
-    /// Centre [x, y], m. Default: [0, 0].
+    /// m. Default: [0, 0].
     #[serde(default)]
     pub centre: [f64; 2],
-    /// Radius, m.
+    /// m.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub radius: f64,
 }
 
-/// The area between two circles with the same centre.
+/// What is between two circles of one centre.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Ring {
-    /// Centre [x, y], m. Default: [0, 0].
+    /// m. Default: [0, 0].
     #[serde(default)]
     pub centre: [f64; 2],
-    /// Radius of the outer circle, m.
+    /// Of the outer circle, m.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub radius: f64,
-    /// Radius of the inner circle, m.
+    /// Of the hole, m.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub inner_radius: f64,
 }
@@ -103,47 +103,47 @@ pub struct Ring {
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Polygon {
-    /// Corners [x, y] in their order around the outline, either way round, m. The outline closes by itself.
+    /// Corners [x, y] in order, either way round, m.
     #[schemars(length(min = 3))]
     pub points: Vec<[f64; 2]>,
-    /// Holes: each { centre = [x, y], radius = r } or a list of points. Default: none.
+    /// What is cut out: { centre = [x, y], radius = r } or a list of points. Default: nothing.
     #[serde(default)]
     pub holes: Vec<Hole>,
 }
 
-/// A hole in a body.
+/// What is cut out of a body.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum Hole {
-    /// Corners in their order around the hole, m.
+    /// Corners in order, m.
     Points(#[schemars(length(min = 3))] Vec<[f64; 2]>),
     /// A circle.
     Disc(Disc),
 }
 
-/// Voronoi cells of random points that were spread evenly.
+/// Grains: the cells of random points, evened out.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Voronoi {
-    /// Outline that the grains fill: { rectangle = … }, { disc = … } or { polygon = … }.
+    /// What the grains fill: { rectangle = … }, { disc = … } or { polygon = … }.
     pub outline: Outline,
-    /// Number of grains.
+    /// How many.
     #[schemars(range(min = 1, max = 100_000))]
     pub grains: usize,
-    /// Seed of the grains: another seed gives other grains. Default: 1.
+    /// Another seed gives other grains. Default: 1.
     #[serde(default = "seed")]
     pub seed: u64,
-    /// Rounds in which each point moves to the middle of its cell (Lloyd's algorithm): the more, the more alike the grains. Default: 3.
+    /// Rounds of moving each point to the middle of its cell: more of them make grains alike. Default: 3.
     #[serde(default = "rounds")]
     #[schemars(range(max = 100))]
     pub rounds: u32,
-    /// Materials of the grains. Neighbours get different ones where that is possible: with four or more materials nearly everywhere. An `[[interface]]` of two
-    /// materials gives the strength between such neighbours. Default: the material of the body.
+    /// Materials of the grains, spread so that neighbours differ where that is possible (with four or more they do nearly everywhere); an `[[interface]]` of two says
+    /// how such neighbours hold together. Default: the material of the body.
     #[serde(default)]
     pub materials: Vec<String>,
 }
 
-/// Outline of grains; exactly one of the keys.
+/// What grains fill; exactly one of the keys.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Outline {
@@ -162,36 +162,36 @@ pub struct Outline {
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Packing {
-    /// Shape of the bodies: "disc" or "polygon". Default: "disc".
+    /// "disc" or "polygon". Default: "disc".
     #[serde(default)]
     pub shape: Piece,
-    /// Number of bodies, at random places.
+    /// How many, at random places.
     #[serde(default)]
     #[schemars(range(min = 1, max = 1_000_000))]
     pub count: Option<usize>,
-    /// Smallest and largest radius, m; for polygons, that of the circle around them.
+    /// Smallest and largest radius, m; of polygons that of the circle around them.
     #[serde(default)]
     pub radius: Option<[f64; 2]>,
-    /// Rectangle that the bodies fill: { min = [x, y], max = [x, y] }.
+    /// The rectangle that they fill: { min = [x, y], max = [x, y] }.
     #[serde(default)]
     pub within: Option<Rectangle>,
-    /// Least distance between two bodies, and between a body and the sides of the rectangle, m. Default: 0.
+    /// Least distance between two of them, and from the sides, m. Default: 0.
     #[serde(default)]
     #[schemars(extend("minimum" = 0))]
     pub gap: f64,
-    /// Smallest and largest number of corners of polygons. Default: [5, 8].
+    /// Least and largest number of corners of polygons. Default: [5, 8].
     #[serde(default = "corners")]
     #[schemars(inner(range(min = 3, max = 100)))]
     pub corners: [u32; 2],
-    /// Seed of the packing: another seed gives another packing. Default: 1.
+    /// Another seed gives another packing. Default: 1.
     #[serde(default = "seed")]
     pub seed: u64,
-    /// File with x, y and radius of each body, m, instead of `count`, `radius` and `within`: any format that `fdem contacts` reads. Its path is relative to the model file.
+    /// A file with x, y and radius of each, m, instead of `count`, `radius` and `within`: any format that `fdem contacts` reads. Its path is relative to the model file.
     #[serde(default)]
     pub file: Option<String>,
 }
 
-/// Shape of the bodies of a packing.
+/// What a packing is of.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Piece {

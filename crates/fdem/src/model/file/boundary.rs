@@ -3,53 +3,53 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-/// A support, motion or load on a part of the bodies. Where: `body` (default: all bodies) and at most one of side, box, group. What: exactly one of
-/// fixed, velocity, displacement, force, traction, pressure, absorbing. When: ramp or table (default: constant from the start).
+/// What acts on a part of the bodies. Where: `body` (default: all bodies) and at most one of side, box, group. What: exactly one of
+/// fixed, velocity, displacement, force, traction, pressure, absorbing. When: ramp or table (default: from the beginning, constant).
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Boundary {
-    /// Name of the boundary for histories.
+    /// By which histories call it.
     #[schemars(length(min = 1))]
     pub name: String,
-    /// Name of a body. Without side, box and group the boundary acts on all of the body. Default: all bodies.
+    /// Name of a body; without side, box and group all of it. Default: all bodies.
     #[serde(default)]
     pub body: Option<String>,
-    /// Side of the body, or of all bodies together: the nodes farthest to the "left", "right", "top" or "bottom".
+    /// What is farthest to the "left", "right", "top" or "bottom" of all that `body` means.
     #[serde(default)]
     pub side: Option<Side>,
-    /// Box [xmin, ymin, xmax, ymax], m: the nodes and edges inside.
+    /// What lies in a box [xmin, ymin, xmax, ymax], m.
     #[serde(default, rename = "box")]
     #[schemars(rename = "box")]
     pub limits: Option<[f64; 4]>,
-    /// Physical group of curves or surfaces of a mesh file. Other shapes have the groups "outer" (the outline), "holes" (all holes) and "hole-1", "hole-2", …
+    /// A physical group of curves or surfaces of a mesh from a file; of other shapes "outer" (the outline), "holes" (of all holes) or "hole-1", "hole-2", …
     #[serde(default)]
     pub group: Option<String>,
-    /// Directions in which the nodes are held: "x", "y" or "xy".
+    /// Held along "x", "y" or "xy".
     #[serde(default)]
     pub fixed: Option<Fixed>,
-    /// Prescribed velocity [x, y], m/s. A component may be "free".
+    /// Moved with this velocity [x, y], m/s; a component may be "free".
     #[serde(default)]
     pub velocity: Option<[Component; 2]>,
-    /// Prescribed displacement [x, y] from the start, m. A component may be "free".
+    /// Moved by [x, y] from where it was, m; a component may be "free".
     #[serde(default)]
     pub displacement: Option<[Component; 2]>,
-    /// Total force [x, y], N. Each node gets an equal part.
+    /// In all [x, y], N, on the nodes in equal parts.
     #[serde(default)]
     pub force: Option<[f64; 2]>,
-    /// Traction [x, y] on edges of the outline, Pa, in fixed directions.
+    /// On edges of the outline [x, y], Pa, in fixed directions.
     #[serde(default)]
     pub traction: Option<[f64; 2]>,
-    /// Pressure on edges of the outline, Pa, against their outward normals.
+    /// On edges of the outline, Pa, against their outward normals.
     #[serde(default)]
     pub pressure: Option<f64>,
-    /// true: edges of the outline absorb waves (Lysmer and Kuhlemeyer), carry the initial stress, and support the body with the stiffness of the ground beyond. Default: false.
+    /// true: edges of the outline let waves out (Lysmer and Kuhlemeyer).
     #[serde(default)]
     pub absorbing: bool,
-    /// Time within which the load rises from 0 to its full value, as half a cosine, s.
+    /// From 0 to all of it as half a cosine within this time, s.
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub ramp: Option<f64>,
-    /// Factor of the load over time, [[time, factor], …], s: linear between the entries, constant before the first and after the last.
+    /// [[time, factor], …], s: linear between them, constant before the first and after the last.
     #[serde(default)]
     #[schemars(length(min = 1))]
     pub table: Option<Vec<[f64; 2]>>,
@@ -59,17 +59,17 @@ pub struct Boundary {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Side {
-    /// Smallest x.
+    /// Least x.
     Left,
     /// Largest x.
     Right,
     /// Largest y.
     Top,
-    /// Smallest y.
+    /// Least y.
     Bottom,
 }
 
-/// Directions in which nodes are held.
+/// Which components are held.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Fixed {
@@ -101,7 +101,7 @@ impl Component {
     }
 }
 
-/// The word "free".
+/// The word for what is not prescribed.
 #[derive(Debug, Clone, Copy, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Free {
