@@ -14,6 +14,10 @@ book:
     cargo run -p fdem --example book_figures -- book/src/figures
     mdbook build book
 
+# The unsafe code on few elements, under an interpreter that finds undefined behaviour. Needs `rustup +nightly component add miri rust-src`.
+miri:
+    cargo +nightly miri test --manifest-path crates/contact/miri/Cargo.toml --target-dir target/miri
+
 # The Python packages side by side; needs them, and fdem, installed.
 bench-python:
     python bench/python.py --write bench/PYTHON.md

@@ -31,7 +31,7 @@ def make(path, edge=512, grains=20_000, dtype="u2"):
     random = np.random.default_rng(1)
     sites = (np.indices(shape).reshape(3, -1).T + random.random((shape.prod(), 3))) * cell
     sites = sites.reshape(*shape, 3)
-    # Numbers that the type cannot tell apart start again from 1: grains far from each other are one body.
+    # Numbers beyond the range of the type start again from 1: two grains far from each other become one body.
     numbers = (np.arange(shape.prod()) % np.iinfo(dtype).max + 1).astype(dtype).reshape(shape)
     out = np.lib.format.open_memmap(path, "w+", dtype, (edge,) * 3)
     # The voxels of each cell, of which the same sites are near.

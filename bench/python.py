@@ -2,8 +2,10 @@
 
     python bench/python.py [--quick] [--points N ...] [--rounds N] [--write bench/PYTHON.md]
 
-Each package gets the same float64 points, in C order, and must hand over arrays of all pairs at most 1 apart; the numbers of different pairs are compared. What is not
-installed is left out. Rounds go through all packages in turn, so that what disturbs the machine disturbs all; the table has medians.
+There are two tables for each number of points. Pairs: each package gets the same float64 points, in C order, and must hand over arrays of all pairs at most 1 apart, in
+any order. Sorted lists: the points are in a cube that repeats, and the package must hand over what ASE calls "ijdS", sorted by the first atom: every pair from both sides
+with its distance and its shift. The numbers of pairs are compared, and the sums of distances. Packages that are not installed are left out. Rounds go through
+all packages in turn, so that other work of the machine disturbs all of them alike; the tables have medians.
 """
 
 import argparse
@@ -34,7 +36,7 @@ def fdem_contacts(points, edge):
 def scipy_tree(points, edge):
     from scipy.spatial import cKDTree
 
-    # Building and search run on one thread, whatever there is.
+    # Building and search run on one thread in any case.
     return {1: lambda: tuple(cKDTree(points).query_pairs(CUTOFF, output_type="ndarray").T)}
 
 
@@ -44,7 +46,7 @@ def freud_query(points, edge):
 
     # Computes in float32, and lists both directions. Its LinkCell takes a hundred times as long for these points.
     centred = (points - edge / 2).astype(np.float32)
-    # An open box is made of one that is larger than the points by more than the cut-off.
+    # A box that is larger than the points by more than the cut-off acts as an open one.
     box = freud.box.Box.cube(edge + 2.1 * CUTOFF)
 
     def find(threads):
@@ -83,7 +85,7 @@ def matscipy_list(points, edge):
 def neighborlist_rs(points, edge):
     import neighborlist_rs as package
 
-    # Makes its box itself.
+    # This package makes its box itself.
     def find(parallel):
         return tuple(package.build_neighborlists(None, points, CUTOFF, parallel)["edge_index"])
 
@@ -94,7 +96,7 @@ def molar(points, edge):
     import numpy as np
     import pymolar
 
-    # Points get in one by one: that is not timed. Computes in float32.
+    # Points are added one by one, which is not timed. Computes in float32.
     system, atom = pymolar.System(), pymolar.Atom()
     for point in points.astype(np.float32):
         system.append(atom, point)
@@ -102,8 +104,53 @@ def molar(points, edge):
     return {"all": lambda: tuple(pymolar.distance_search(CUTOFF, everything)[0].T)}
 
 
+def fdem_sorted(points, edge):
+    import fdem
+
+    cell = [edge, edge, edge]
+
+    def find(threads):
+        return fdem.neighbor_list("ijdS", positions=points, cell=cell, pbc=True, cutoff=CUTOFF, threads=threads)
+
+    return {1: lambda: find(1), "all": lambda: find(None)}
+
+
+def vesin_sorted(points, edge):
+    import numpy as np
+    import vesin
+
+    box = np.eye(3) * edge
+
+    def find(**threads):
+        # As vesin.ase_neighbor_list, which takes no number of threads.
+        calculator = vesin.NeighborList(cutoff=CUTOFF, full_list=True, sorted=True, **threads)
+        return calculator.compute(points=points, box=box, periodic=True, quantities="ijdS", copy=True)
+
+    if "n_threads" not in inspect.signature(vesin.NeighborList).parameters:
+        return {1: find}
+    return {1: lambda: find(n_threads=1), "all": lambda: find(n_threads=os.cpu_count())}
+
+
+def matscipy_sorted(points, edge):
+    import numpy as np
+    from matscipy.neighbours import neighbour_list
+
+    cell, pbc = np.eye(3) * edge, np.ones(3, bool)
+    return {1: lambda: neighbour_list("ijdS", positions=points, cell=cell, pbc=pbc, cutoff=CUTOFF)}
+
+
+def ase_sorted(points, edge):
+    import numpy as np
+    from ase.neighborlist import primitive_neighbor_list
+
+    if len(points) > 200_000:
+        raise ImportError("it takes minutes for so many points")
+    cell, pbc = np.eye(3) * edge, np.ones(3, bool)
+    return {1: lambda: primitive_neighbor_list("ijdS", pbc, cell, points, CUTOFF)}
+
+
 PACKAGES = {
-    "fdem": ("fdem", fdem_contacts),
+    "fdem": ("fdem-rs", fdem_contacts),
     "SciPy cKDTree": ("scipy", scipy_tree),
     "freud AABBQuery": ("freud-analysis", freud_query),
     "vesin": ("vesin", vesin_list),
@@ -112,12 +159,19 @@ PACKAGES = {
     "molar": ("pymolar", molar),
 }
 
+SORTED = {
+    "fdem": ("fdem-rs", fdem_sorted),
+    "vesin": ("vesin", vesin_sorted),
+    "matscipy": ("matscipy", matscipy_sorted),
+    "ASE": ("ase", ase_sorted),
+}
+
 SINGLE = ("freud AABBQuery", "molar")
-"""Those that compute in float32, and may decide otherwise where the distance is within rounding of the cut-off."""
+"""Packages that compute in float32, and may decide otherwise where the distance is within rounding of the cut-off."""
 
 
 def gas(n, seed):
-    """Random points with so many neighbours on average, in a cube; float32 holds them too."""
+    """Random points in a cube with NEIGHBOURS neighbours on average, whose coordinates are exact in float32."""
     import numpy as np
 
     edge = (n * 4 / 3 * math.pi * CUTOFF**3 / NEIGHBOURS) ** (1 / 3)
@@ -125,7 +179,7 @@ def gas(n, seed):
 
 
 def count_of(i, j, n):
-    """How many different pairs there are: some packages list both directions."""
+    """The number of different pairs: some packages list both directions."""
     import numpy as np
 
     i, j = np.asarray(i, np.int64), np.asarray(j, np.int64)
@@ -133,11 +187,26 @@ def count_of(i, j, n):
     return int((np.diff(keys) > 0).sum()) + min(len(keys), 1)
 
 
-def measure(n, rounds):
+def pairs_of(found, n):
+    """The number of different pairs."""
+    return count_of(*found, n)
+
+
+def entries_of(found, n):
+    """The number of entries of a sorted list. Checks the order and the sizes of the columns."""
+    import numpy as np
+
+    i, j, distance, shift = found
+    assert len(i) == len(j) == len(distance) == len(shift) and (np.diff(i) >= 0).all()
+    assert abs(distance.mean() - 0.75 * CUTOFF) < 0.01 * CUTOFF
+    return len(i)
+
+
+def measure(n, rounds, packages, count):
     """Times in seconds by package and threads, the number of pairs of each, and why some are left out."""
     points, edge = gas(n, seed=n)
     runs, missing = {}, {}
-    for name, (distribution, prepare) in PACKAGES.items():
+    for name, (distribution, prepare) in packages.items():
         try:
             importlib.metadata.version(distribution)
             for threads, find in prepare(points, edge).items():
@@ -149,13 +218,13 @@ def measure(n, rounds):
     for turn in range(rounds + 1):
         for key, find in runs.items():
             begin = time.perf_counter()
-            i, j = find()
+            found = find()
             end = time.perf_counter()
             if turn > 0:
                 times[key].append(end - begin)
             elif key[0] not in pairs:
-                pairs[key[0]] = count_of(i, j, n)
-            del i, j
+                pairs[key[0]] = count(found, n)
+            del found
     expected = pairs["fdem"]
     for name, count in pairs.items():
         slack = 1e-5 * expected if name in SINGLE else 0
@@ -177,7 +246,7 @@ def processor():
 
 def report(results, rounds):
     versions = []
-    for distribution in dict.fromkeys(distribution for distribution, _ in PACKAGES.values()):
+    for distribution in dict.fromkeys(distribution for distribution, _ in (*PACKAGES.values(), *SORTED.values())):
         try:
             versions.append(f"{distribution} {importlib.metadata.version(distribution)}")
         except importlib.metadata.PackageNotFoundError:
@@ -187,24 +256,23 @@ def report(results, rounds):
     lines = [
         "# Python packages side by side",
         "",
-        "Written by `python bench/python.py --write bench/PYTHON.md`; what is timed is said there. Random points with about 12 neighbours at the cut-off, float64",
-        "arrays in, arrays of pairs out, everything between counted. Milliseconds, medians of rounds that go through all packages in turn.",
+        "Written by `python bench/python.py --write bench/PYTHON.md`, which says what is timed. Random points with about 12 neighbours at the cut-off, float64 arrays in, arrays",
+        "of pairs out; everything between is timed. *Pairs* are each pair once, or from both sides, in any order; *sorted lists* are what ASE calls \"ijdS\" in a cube that repeats:",
+        "each pair from both sides with its distance and its shift, sorted by the first atom. Milliseconds, medians of rounds that go through all packages in turn.",
         "",
         f"{processor()}, {os.cpu_count()} processors{load}; Python {platform.python_version()}; {', '.join(versions)}; {rounds} rounds.",
         "",
     ]
     if busy:
         lines += ["**The machine was busy with other work: only orders of magnitude can be read from this.**", ""]
-    for n, (times, pairs, missing) in results.items():
-        lines += [f"## {n:,} points, {pairs['fdem']:,} pairs", ""]
+    for (n, title), (times, pairs, missing) in results.items():
+        lines += [f"## {title}: {n:,} points, {pairs['fdem']:,} pairs", ""]
         lines += ["| package | one thread | times fdem | all threads | times fdem |", "|---|---:|---:|---:|---:|"]
-        for name in PACKAGES:
-            if name not in pairs:
-                continue
+        for name in pairs:
             cells = [name + (" (float32)" if name in SINGLE else "")]
             for threads in (1, "all"):
                 value = times.get((name, threads))
-                # What has one thread only stands in both columns.
+                # A package that has one thread only stands in both columns.
                 shown = value if value is not None else (times.get((name, 1)) if threads == "all" else None)
                 if shown is None:
                     cells += ["", ""]
@@ -222,7 +290,7 @@ def report(results, rounds):
         if len(times) > 2
     ]
     if worst:
-        lines += [f"The fastest other package takes at least {min(worst):.1f} times as long as fdem in every column.", ""]
+        lines += [f"The fastest other package takes at least {min(worst):.1f} times as long as fdem in every column of every table.", ""]
     return "\n".join(lines)
 
 
@@ -235,7 +303,8 @@ def main():
     arguments = parser.parse_args()
     rounds = 2 if arguments.quick else arguments.rounds
     sizes = [2_000, 10_000] if arguments.quick else arguments.points
-    text = report({n: measure(n, rounds) for n in sizes}, rounds)
+    kinds = {"Pairs": (PACKAGES, pairs_of), "Sorted lists": (SORTED, entries_of)}
+    text = report({(n, title): measure(n, rounds, *kind) for n in sizes for title, kind in kinds.items()}, rounds)
     print(text)
     if arguments.write:
         arguments.write.write_text(text, encoding="utf-8")

@@ -1,4 +1,4 @@
-//! Horizontal bars over a logarithmic axis, as an SVG file whose text is text.
+//! Draws horizontal bars over a logarithmic axis as an SVG file with real text.
 
 use std::error::Error;
 use std::path::Path;
@@ -10,45 +10,45 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 use crate::picture::COLOURS;
 use crate::significant;
 
-/// A bar and what is written beside it.
+/// A bar and its labels.
 #[derive(Clone, Debug)]
 pub struct Bar {
-    /// On its left.
+    /// The name, on its left.
     pub name: String,
-    /// Its length, and written on its right; positive.
+    /// Its length, positive; also written on its right.
     pub value: f64,
-    /// Written after the value.
+    /// A remark after the value.
     pub remark: String,
-    /// In the first of [`COLOURS`] instead of grey.
+    /// Whether it has the first of [`COLOURS`] instead of grey.
     pub bold: bool,
 }
 
 /// One diagram of a picture.
 #[derive(Clone, Debug)]
 pub struct Bars {
-    /// Above the diagram.
+    /// The title above the diagram.
     pub title: String,
-    /// From top to bottom.
+    /// The bars from top to bottom.
     pub bars: Vec<Bar>,
 }
 
 const FONT: &str = "sans-serif";
 /// Height of a bar with the space below it.
 const LINE: i32 = 24;
-/// Room for the title, and for the axis.
+/// Height of the title, and of the axis.
 const TITLE: i32 = 40;
 const AXIS: i32 = 30;
-/// Room for the names, for a full bar, and for what is written on its right.
+/// Widths of the names, of a full bar, and of the labels on its right.
 const NAMES: i32 = 124;
 const LENGTH: i32 = 230;
 const REMARK: i32 = 116;
-/// Diagrams side by side.
+/// Number of diagrams side by side.
 const COLUMNS: usize = 2;
 
-/// Writes the diagrams, two side by side, into the file `path`; one scale for all.
+/// Writes the diagrams, two side by side, into the file `path`; all have the same scale.
 ///
 /// # Errors
-/// A file that cannot be written.
+/// An error if the file cannot be written.
 pub fn write(path: &Path, diagrams: &[Bars]) -> Result<(), Box<dyn Error>> {
     let lines = diagrams.iter().map(lines).max().unwrap_or(0);
     let (width, height) = (NAMES + LENGTH + REMARK, TITLE + lines * LINE + AXIS);

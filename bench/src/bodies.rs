@@ -2,32 +2,32 @@
 
 use fdem_simulation::{FractureOptions, Insertion, Material, Mesh, Model, Strength};
 
-/// Edge of a square of two elements, m.
+/// Edge of a square that is split into two elements, m.
 const CELL: f64 = 1e-3;
 
-/// What is simulated.
+/// The body that is simulated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Body {
-    /// A bar, 50 times as long as high, whose left half hits its right one: waves.
+    /// A bar, 50 times as long as high, whose left half collides with its right half: waves.
     Bar,
-    /// A disc that rings.
+    /// A disc that vibrates.
     Disc,
-    /// The disc, with joints on all edges from the beginning.
+    /// The same disc with joints on all edges from the beginning.
     Joined,
-    /// A square that rings, and could break: every edge is watched, no joint is put in.
+    /// A square that vibrates and could break: every edge is checked, but no joint is inserted.
     Adaptive,
-    /// Two squares, with joints on all edges from the beginning, that hit each other.
+    /// Two colliding squares with joints on all edges from the beginning.
     Intrinsic,
-    /// Fragments of 18 elements, with joints on all edges, that press each other on all sides.
+    /// Fragments of 18 elements with joints on all edges, which press each other on all sides.
     Heap,
 }
 
 impl Body {
-    /// All of them.
+    /// All bodies.
     pub const ALL: [Self; 6] =
         [Self::Bar, Self::Disc, Self::Joined, Self::Adaptive, Self::Intrinsic, Self::Heap];
 
-    /// In one word.
+    /// The name in one word.
     pub fn name(self) -> &'static str {
         match self {
             Self::Bar => "bar",
@@ -39,7 +39,7 @@ impl Body {
         }
     }
 
-    /// In a few.
+    /// A short description.
     pub fn what(self) -> &'static str {
         match self {
             Self::Bar => "elastic bar, 50 : 1, waves",
@@ -51,12 +51,12 @@ impl Body {
         }
     }
 
-    /// Has joints on all edges from the beginning.
+    /// Whether it has joints on all edges from the beginning.
     pub fn has_joints(self) -> bool {
         matches!(self, Self::Joined | Self::Intrinsic | Self::Heap)
     }
 
-    /// About so many elements.
+    /// The model, with approximately this number of elements.
     pub fn model(self, elements: usize) -> Model {
         let cells = elements as f64 / 2.0;
         let side = cells.sqrt();
@@ -82,7 +82,7 @@ impl Body {
             Self::Intrinsic => {
                 let lower = square((cells / 2.0).sqrt());
                 let height = lower.nodes.iter().map(|node| node[1]).fold(0.0, f64::max);
-                // Not node on node.
+                // Shifted, so that nodes do not meet nodes.
                 let upper = moved(&lower, [0.37 * CELL, height]);
                 let mesh = together(&[lower, upper]);
                 let velocities = mesh
@@ -96,7 +96,7 @@ impl Body {
             Self::Heap => {
                 let fragment = grid(3, 3);
                 let rows = count((elements as f64 / 18.0).sqrt());
-                // As bricks in a wall, so near that all touch their neighbours from the beginning.
+                // Arranged like bricks in a wall, so close that all touch their neighbours from the beginning.
                 let spacing = 3.0 * CELL * (1.0 - 1e-6);
                 let parts: Vec<Mesh> = (0..rows * rows)
                     .map(|k| {
@@ -107,7 +107,7 @@ impl Body {
                     .collect();
                 let mesh = together(&parts);
                 let middle = 0.5 * rows as f64 * spacing;
-                // The rate of strain is the same for any size.
+                // The strain rate is the same for any size.
                 let velocities = mesh.nodes.iter().map(|node| node.map(|x| 20.0 * (middle - x))).collect();
                 (mesh, velocities)
             }
@@ -145,7 +145,7 @@ impl Body {
     }
 }
 
-/// So many squares of two triangles.
+/// A grid of squares of two triangles each.
 fn grid(columns: usize, rows: usize) -> Mesh {
     let node = |i: usize, j: usize| (j * (columns + 1) + i) as u32;
     let nodes =
@@ -161,7 +161,7 @@ fn grid(columns: usize, rows: usize) -> Mesh {
     Mesh { nodes, triangles, bodies: vec![0; count], materials: vec![0; count] }
 }
 
-/// A square as a disc: squares around its middle become circles.
+/// Maps a square to a disc: squares around its middle become circles.
 fn round(mesh: Mesh) -> Mesh {
     let half = 0.5 * mesh.nodes.iter().map(|node| node[0]).fold(0.0, f64::max);
     let nodes = mesh.nodes.iter().map(|node| {
@@ -179,7 +179,7 @@ fn moved(mesh: &Mesh, by: [f64; 2]) -> Mesh {
     Mesh { nodes: mesh.nodes.iter().map(|[x, y]| [x + by[0], y + by[1]]).collect(), ..mesh.clone() }
 }
 
-/// Several as bodies of one.
+/// Joins several meshes into one.
 fn together(parts: &[Mesh]) -> Mesh {
     let mut all = Mesh::default();
     for (body, part) in parts.iter().enumerate() {

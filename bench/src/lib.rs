@@ -1,4 +1,4 @@
-//! Shared by the benchmarks: a timer, a table, the machine, the packings and bodies, the rivals and the pictures.
+//! Common parts of the benchmarks: a timer, a table, the machine, the packings and bodies, the peers and the pictures.
 
 pub mod bars;
 pub mod bodies;
@@ -12,8 +12,7 @@ pub use packing::Packing;
 pub use table::{Table, grouped, significant};
 pub use timer::{Rounds, Task, Times, Turn, times, turns};
 
-/// Processor, cores, compiler and version of this package in one line, for runs on so many threads; what is not
-/// known is left out.
+/// Processor, cores, compiler and version of this package in one line, for runs with these numbers of threads. Unknown items are left out.
 pub fn machine(threads: &[usize]) -> String {
     let mut facts = vec![format!("fdem {}", env!("CARGO_PKG_VERSION")), processor()];
     if let Ok(cores) = std::thread::available_parallelism() {

@@ -1,25 +1,25 @@
-//! The book's packings, and how many couples touch in each.
+//! The packings of the book, and the number of touching couples in each.
 
 use fdem_scenes::{Error, book};
 
-/// The packings of the four examples; discs and spheres of diameter 1 on a square or cubic grid.
+/// The packings of the four examples: discs and spheres of diameter 1 on a square or cubic grid.
 ///
 /// # Source
 /// A. Munjiza, "The Combined Finite-Discrete Element Method", Wiley 2004, pp. 112-117.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Packing {
-    /// Dense: neighbours touch along every axis. The spacing plays no part.
+    /// Dense: neighbours touch along every axis. The spacing has no effect.
     A,
     /// The spacing along x, two diameters along the other axes.
     B,
     /// The spacing along every axis.
     C,
-    /// One diameter and the spacing by turns along x, two diameters along the other axes.
+    /// One diameter and the spacing alternate along x; two diameters along the other axes.
     D,
 }
 
 impl Packing {
-    /// Centres of `n` elements, `spacing` (S/D of the book) in diameters.
+    /// Centres of `n` elements; `spacing` (S/D in the book) is in diameters.
     ///
     /// # Errors
     /// Those of [`fdem_scenes::book`].
@@ -33,9 +33,9 @@ impl Packing {
         cloud.map(|cloud| cloud.centres)
     }
 
-    /// The number of couples that touch, in closed form; `spacing` is at least 1.
+    /// The number of touching couples in closed form; `spacing` is at least 1.
     ///
-    /// On a full grid of k elements per axis packing A has `D k^(D-1) (k - 1)`.
+    /// A full grid of k elements per axis has `D k^(D-1) (k - 1)` couples in packing A.
     pub fn couples<const D: usize>(self, n: usize, spacing: f64) -> u64 {
         let side = side::<D>(n);
         let apart = spacing > 1.0;
@@ -50,10 +50,10 @@ impl Packing {
     }
 }
 
-/// Elements of a grid, filled in order, the first axis fastest, that have a next one along `axis`.
+/// Number of elements of a grid that have a next one along `axis`. The grid is filled in order, the first axis fastest.
 ///
-/// Along an axis with stride s the grid falls into blocks of `s * side` elements; in a full block all but the last s
-/// have a next one, in an incomplete one those that are s before its end.
+/// Along an axis with stride s the grid consists of blocks of `s * side` elements. In a full block all but the last s have a next one; in
+/// an incomplete block, those that are at least s before its end.
 fn neighbours(n: usize, side: usize, axis: usize) -> usize {
     let stride = side.pow(axis as u32);
     let block = stride * side;

@@ -1,8 +1,8 @@
-//! Rival searches behind one trait, each a Cargo feature of this package; those in other languages are programs ([`External`]).
+//! Other search libraries behind one trait, each a Cargo feature of this package; libraries in other languages are programs ([`External`]).
 //!
-//! The work is the same for all: raw `f64` coordinates in ([`Bodies`]), every couple that touches out, as numbers `i < j`,
-//! whatever is built on the way included. Each rival is called in the fastest way that its documentation shows and
-//! that could be found; memory is kept from call to call where it offers that.
+//! The work is the same for all: raw `f64` coordinates in ([`Bodies`]), every touching couple out as numbers `i < j`, including everything
+//! that is built on the way. Each library is called in the fastest documented way that we could find. Its memory is kept from call to call
+//! if it offers that.
 
 mod bodies;
 #[cfg(feature = "broccoli")]
@@ -27,36 +27,36 @@ pub use bodies::Bodies;
 pub use external::{Answer, Command, External};
 pub use ours::Kind;
 
-/// A search that is timed: one of ours or a rival.
+/// A search that is timed: one of ours or another library.
 pub trait Peer<const D: usize> {
     /// Name in the tables.
     fn name(&self) -> &'static str;
 
-    /// The crate's version.
+    /// The version of the crate.
     fn version(&self) -> String;
 
-    /// What is called, in a few words.
+    /// A short description of the call.
     fn how(&self) -> String;
 
-    /// Bytes that it keeps between two searches, if that is known.
+    /// Bytes that it keeps between two searches, if known.
     fn bytes(&self) -> Option<usize> {
         None
     }
 
-    /// Writes every couple into `couples`, cleared first.
+    /// Writes every couple into `couples`, which is cleared first.
     ///
     /// # Errors
-    /// Why this peer cannot search these bodies, in a few words.
+    /// The reason why this peer cannot search these bodies, in a few words.
     fn couples(&mut self, bodies: Bodies<'_, D>, couples: &mut Vec<Couple>) -> Result<(), String>;
 }
 
-/// Some peers for points of one dimension.
+/// Peers for one dimension.
 pub type Peers<const D: usize> = Vec<Box<dyn Peer<D>>>;
 
-/// Our searches of these kinds, on `threads` threads where they can.
+/// Our searches of the given kinds, on `threads` threads if they can use them.
 ///
 /// # Errors
-/// Vector instructions that this processor lacks, or threads that cannot be had.
+/// An error if this processor lacks the vector instructions or the threads cannot be started.
 pub fn ours<const D: usize>(
     kinds: &[Kind],
     simd: Simd,
@@ -66,7 +66,7 @@ pub fn ours<const D: usize>(
     kinds.iter().map(boxed).collect()
 }
 
-/// The rivals that were compiled in and search in space.
+/// The compiled-in libraries that search in 3D.
 #[must_use]
 pub fn rivals_3d(threads: &Threads) -> Peers<3> {
     let _ = threads;
@@ -84,7 +84,7 @@ pub fn rivals_3d(threads: &Threads) -> Peers<3> {
     ]
 }
 
-/// The rivals that were compiled in and search in the plane.
+/// The compiled-in libraries that search in 2D.
 #[must_use]
 pub fn rivals_2d(threads: &Threads) -> Peers<2> {
     let _ = threads;
@@ -100,7 +100,7 @@ pub fn rivals_2d(threads: &Threads) -> Peers<2> {
     ]
 }
 
-/// The threads that the rivals share; ours and the external ones have their own.
+/// The threads that the libraries share. Our searches and external programs have their own.
 pub struct Threads {
     count: usize,
     #[cfg(feature = "rayon")]
@@ -108,10 +108,10 @@ pub struct Threads {
 }
 
 impl Threads {
-    /// So many threads.
+    /// Starts `count` threads.
     ///
     /// # Errors
-    /// Threads that cannot be had.
+    /// An error if the threads cannot be started.
     pub fn new(count: usize) -> Result<Self, String> {
         #[cfg(feature = "rayon")]
         let pool = rayon::ThreadPoolBuilder::new().num_threads(count).build();
@@ -122,7 +122,7 @@ impl Threads {
         })
     }
 
-    /// How many.
+    /// Number of threads.
     pub fn count(&self) -> usize {
         self.count
     }
@@ -133,7 +133,7 @@ impl Threads {
     }
 }
 
-/// A rival that takes its threads from the pool around it.
+/// A library that uses the threads of the pool that calls it.
 #[cfg(feature = "rayon")]
 struct Pooled<P> {
     peer: P,
@@ -160,7 +160,7 @@ impl<const D: usize, P: Peer<D> + Send> Peer<D> for Pooled<P> {
     }
 }
 
-/// Runs `search` on `items`, in pieces if there is more than one thread, and puts the couples of all pieces together.
+/// Runs `search` on `items`, in pieces if there is more than one thread, and joins the couples of all pieces.
 #[cfg(any(feature = "kiddo", feature = "rstar"))]
 fn in_pieces<T: Sync>(
     items: &[T],
@@ -183,7 +183,7 @@ fn in_pieces<T: Sync>(
     }
 }
 
-/// The version of a package in the lock file of this workspace; the newest if there are several.
+/// The version of a package in the lock file of this workspace; the newest one if there are several.
 fn locked(package: &str) -> String {
     let lock = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../Cargo.lock"));
     let mut found = "unknown";

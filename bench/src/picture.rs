@@ -1,4 +1,4 @@
-//! Curves over two logarithmic axes, as an SVG file whose text is text.
+//! Draws curves over two logarithmic axes as an SVG file with real text.
 
 use std::error::Error;
 use std::path::Path;
@@ -7,19 +7,19 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-/// Colours that those who are colour-blind tell apart: M. Okabe, K. Ito, "Color Universal Design".
+/// Colours that colour-blind readers can distinguish: M. Okabe, K. Ito, "Color Universal Design".
 pub const COLOURS: [RGBColor; 3] = [RGBColor(0, 114, 178), RGBColor(213, 94, 0), RGBColor(0, 158, 115)];
 
 /// Points joined by a line and named at its right end.
 #[derive(Clone, Debug)]
 pub struct Curve {
-    /// Written beside the last point; may be empty.
+    /// Label next to the last point; may be empty.
     pub name: String,
-    /// One of [`COLOURS`], by number.
+    /// Index into [`COLOURS`].
     pub colour: usize,
-    /// Hollow marks on a thin line instead of filled ones.
+    /// Whether to draw hollow marks on a thin line instead of filled ones.
     pub hollow: bool,
-    /// Positive in both coordinates.
+    /// Points, positive in both coordinates.
     pub points: Vec<(f64, f64)>,
 }
 
@@ -30,19 +30,19 @@ pub struct Axis {
     pub title: String,
     /// The lowest and the highest value.
     pub ends: (f64, f64),
-    /// Where the grid lines are.
+    /// Positions of the grid lines.
     pub ticks: Vec<f64>,
 }
 
 impl Axis {
-    /// From the least to the largest of `values`, with a grid line at each of `ticks` that lies between.
+    /// An axis from the smallest to the largest of `values`, with a grid line at each of `ticks` in between.
     pub fn within(title: &str, ticks: &[f64], values: impl IntoIterator<Item = f64>) -> Self {
         let ends = ends(values);
         let ticks = ticks.iter().copied().filter(|&tick| ends.0 <= tick && tick <= ends.1).collect();
         Self { title: title.to_owned(), ends, ticks }
     }
 
-    /// From one grid line to another, `unit * base^k` for whole k, with `values` between.
+    /// An axis from one grid line to another, `unit * base^k` for whole k, that contains `values`.
     pub fn covering(title: &str, base: f64, unit: f64, values: impl IntoIterator<Item = f64>) -> Self {
         let (low, high) = ends(values);
         let power = |value: f64| (value / unit).log(base);
@@ -59,29 +59,29 @@ fn ends(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
 /// One diagram of a picture.
 #[derive(Clone, Debug)]
 pub struct Panel {
-    /// Above the diagram.
+    /// The title above the diagram.
     pub title: String,
     /// The horizontal axis.
     pub x: Axis,
     /// The vertical axis.
     pub y: Axis,
-    /// Drawn in this order.
+    /// The curves in drawing order.
     pub curves: Vec<Curve>,
 }
 
 const SIZE: (u32, u32) = (560, 460);
 const FONT: &str = "sans-serif";
-/// Room for the names of the curves.
+/// Width of the names of the curves.
 const NAMES: i32 = 88;
 /// Height of a name.
 const LINE: i32 = 18;
-/// Space between the frame and what is outside.
+/// Space between the frame and anything outside.
 const MARGIN: i32 = 12;
 
 /// Writes the panels side by side into the file `path`.
 ///
 /// # Errors
-/// A file that cannot be written.
+/// An error if the file cannot be written.
 pub fn write(path: &Path, panels: &[Panel]) -> Result<(), Box<dyn Error>> {
     let root = SVGBackend::new(path, (SIZE.0 * panels.len() as u32, SIZE.1)).into_drawing_area();
     root.fill(&WHITE)?;
@@ -140,7 +140,7 @@ fn draw(panel: &Panel, root: &Area<'_>, area: &Area<'_>) -> Result<(), Box<dyn E
     Ok(())
 }
 
-/// The name of a curve, and where it stands in the picture.
+/// The name of a curve and its position.
 struct Name<'a> {
     x: i32,
     y: i32,
@@ -148,7 +148,7 @@ struct Name<'a> {
     colour: RGBColor,
 }
 
-/// Moves names down, and at the bottom up again, until none is on top of another.
+/// Moves names down, and at the bottom up again, until none overlaps another.
 fn set_apart(names: &mut [Name<'_>], bottom: i32) {
     names.sort_by_key(|name| name.y);
     let mut free = i32::MIN;
@@ -163,7 +163,7 @@ fn set_apart(names: &mut [Name<'_>], bottom: i32) {
     }
 }
 
-/// A tick as one would write it.
+/// A tick as text.
 fn plain(value: f64) -> String {
     if value >= 1.0 {
         crate::grouped(value.round() as u64)

@@ -1,20 +1,20 @@
-//! Tables in Markdown, so that what is printed can be pasted.
+//! Tables in Markdown.
 
 use std::fmt;
 
-/// Rows of cells under headings; columns are as wide as their widest cell, and numbers end flush right.
+/// Rows of cells under headings; columns are as wide as their widest cell, and numbers are aligned right.
 #[derive(Clone, Debug)]
 pub struct Table {
     rows: Vec<Vec<String>>,
 }
 
 impl Table {
-    /// A table without rows yet.
+    /// A table without rows.
     pub fn new(headings: &[&str]) -> Self {
         Self { rows: vec![headings.iter().map(ToString::to_string).collect()] }
     }
 
-    /// Adds a row below the others; it has as many cells as there are headings.
+    /// Appends a row with as many cells as there are headings.
     pub fn row(&mut self, cells: impl IntoIterator<Item = String>) {
         self.rows.push(cells.into_iter().collect());
     }
@@ -48,7 +48,7 @@ impl fmt::Display for Table {
     }
 }
 
-/// A count with its thousands apart: `1,000,000`.
+/// A number with separators of thousands: `1,000,000`.
 pub fn grouped(count: u64) -> String {
     let digits = count.to_string();
     let mut grouped = String::with_capacity(digits.len() * 4 / 3);
@@ -61,7 +61,7 @@ pub fn grouped(count: u64) -> String {
     grouped
 }
 
-/// A positive number with three significant digits, and no fewer digits before the point than it has.
+/// A positive number with three significant digits, but with all digits before the decimal point.
 pub fn significant(value: f64) -> String {
     let magnitude = if value > 0.0 { value.log10().floor() } else { 0.0 };
     format!("{value:.*}", (2.0 - magnitude).clamp(0.0, 12.0) as usize)

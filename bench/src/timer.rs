@@ -1,34 +1,34 @@
-//! Times of several tasks, taken in turns.
+//! Times several tasks in turns.
 
 use std::time::{Duration, Instant};
 
-/// What is timed; its result is thrown away, an error ends the benchmark.
+/// A task to be timed. Its result is discarded; an error ends the benchmark.
 pub type Task<'a, E> = Box<dyn FnMut() -> Result<(), E> + 'a>;
 
 /// How often each task is timed.
 #[derive(Clone, Copy, Debug)]
 pub struct Rounds {
-    /// Times taken of each task.
+    /// Number of times taken of each task.
     pub count: usize,
-    /// Runs that each of them covers at least.
+    /// Lower bound on the number of runs per time.
     pub runs: u32,
-    /// Time that each of them covers at least: a short task runs more often.
+    /// Lower bound on the duration per time: a short task runs more often.
     pub fill: Duration,
 }
 
 /// Times of one run of a task, in seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Times {
-    /// Of the middle one of the rounds.
+    /// Median over the rounds.
     pub median: f64,
-    /// Of the fastest round: the least disturbed one, on a machine that is not quiet.
+    /// The fastest round, which is the least disturbed one on a machine that is not quiet.
     pub best: f64,
 }
 
-/// Times every task, in turns.
+/// Times all tasks in turns.
 ///
-/// The rounds go through all tasks one after the other, so that a machine that slows down for a while slows all of
-/// them. Before each round a task runs once for the caches.
+/// Each round runs all tasks one after the other, so that a temporary slowdown of the machine affects all of them. Before each round every
+/// task runs once to fill the caches.
 ///
 /// # Errors
 /// The first error of a task.
@@ -49,7 +49,7 @@ pub fn times<E>(tasks: &mut [Task<'_, E>], rounds: Rounds) -> Result<Vec<Times>,
     Ok(samples.into_iter().map(Times::of).collect())
 }
 
-/// Mean time of one run among `runs` in a row.
+/// Mean time of a run among `runs` consecutive runs.
 fn seconds<E>(task: &mut Task<'_, E>, runs: u32) -> Result<f64, E> {
     let start = Instant::now();
     for _ in 0..runs {
@@ -58,19 +58,19 @@ fn seconds<E>(task: &mut Task<'_, E>, runs: u32) -> Result<f64, E> {
     Ok(start.elapsed().as_secs_f64() / f64::from(runs))
 }
 
-/// What takes its own time, in seconds, because part of what it does is not to be timed or runs elsewhere.
+/// A task that measures its own time, in seconds, because part of it must not be timed or runs elsewhere.
 pub type Turn<'a, E> = Box<dyn FnMut() -> Result<f64, E> + 'a>;
 
-/// Below this time of one run, in seconds, what is left in the caches can be seen in it.
+/// If a run takes less than this, in seconds, the content of the caches affects it noticeably.
 const SHORT: f64 = 0.3;
 
-/// Before each turn: threads of the task before may still spin, waiting for more work. Those of OpenMP do so for some 10 ms.
+/// Pause before each turn: threads of the previous task may still spin while they wait for work. Those of OpenMP do so for some 10 ms.
 const REST: Duration = Duration::from_millis(30);
 
-/// Times tasks that take their own time, in turns: `count` rounds, fewer of a task whose times add up to more than `budget` seconds.
+/// Times tasks that measure their own time, in turns: `count` rounds, or fewer for a task whose times add up to more than `budget` seconds.
 ///
-/// What ran for less than 0.3 s in the round before, or has not run, runs once uncounted before it is timed. A task that fails takes no
-/// further part.
+/// A task that took less than 0.3 s in the previous round, or has not run yet, runs once uncounted before it is timed. A task that fails is
+/// not run again.
 pub fn turns<E>(tasks: &mut [Turn<'_, E>], count: usize, budget: f64) -> Vec<Result<Times, E>> {
     let mut samples: Vec<Result<Vec<f64>, E>> = tasks.iter().map(|_| Ok(Vec::with_capacity(count))).collect();
     for _ in 0..count {
@@ -125,7 +125,7 @@ mod tests {
         let times = turns(&mut tasks, 7, 3.0);
         drop(tasks);
         assert_eq!(times, [Ok(Times { median: 2.0, best: 2.0 }), Err("no")]);
-        // Twice over the budget of 3, once to warm up; two pairs of runs, the last of which failed.
+        // Three runs: one to warm up and two until the budget of 3 is exceeded. Four runs: two pairs, the last of which failed.
         assert_eq!(runs, [3, 4]);
     }
 

@@ -1,4 +1,4 @@
-//! `CGrid` finds what all-against-all finds, whatever the sizes and the domain; used again, in the same order.
+//! `CGrid` finds what all-against-all finds, for any sizes and any domain, and again in the same order when it is reused.
 
 #![no_main]
 

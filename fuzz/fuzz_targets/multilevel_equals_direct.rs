@@ -1,4 +1,5 @@
-//! `Multilevel`, with levels of its own choice and with any others, finds what all-against-all finds, in one order for every level of vector instructions.
+//! `Multilevel`, with its own choice of levels and with any others, finds what all-against-all finds, in one order for every set of vector
+//! instructions.
 
 #![no_main]
 

@@ -1,4 +1,4 @@
-//! `Nbs` finds what all-against-all finds, or says that the domain is too wide for its bound.
+//! `Nbs` finds what all-against-all finds, or returns the error that the domain is too wide for its limit.
 
 #![no_main]
 
@@ -6,7 +6,7 @@ use fdem_contact::{Elements, Error, Nbs, Search};
 use fdem_fuzz::{Law, Number, ascending, check, expected};
 use libfuzzer_sys::fuzz_target;
 
-/// Small, so that both the answer and the refusal are common, and searches short.
+/// A small limit: couples and errors are both common, and searches are short.
 const MAX_HEADS: usize = 4096;
 
 struct NbsEqualsDirect;

@@ -1,11 +1,11 @@
-//! Any bytes are read as a mesh or refused without a panic; what is read keeps the promises of `Mesh`.
+//! Any bytes are read as a mesh or refused without a panic; a mesh that is read has the documented properties of `Mesh`.
 
 #![no_main]
 
 use fdem_io::{Cells, Mesh, read_mesh};
 use libfuzzer_sys::fuzz_target;
 
-/// Names for content that says nothing of its format.
+/// Names for content that does not show its format.
 const NAMES: [&str; 8] = ["a.msh", "a.stl", "a.obj", "a.ply", "a.vtk", "a.vtu", "a.inp", "a"];
 
 fuzz_target!(|bytes: &[u8]| {
@@ -18,7 +18,7 @@ fuzz_target!(|bytes: &[u8]| {
             check(&mesh.triangles, &mesh);
             check(&mesh.tetrahedra, &mesh);
         }
-        // A message can be made of every error.
+        // Every error can be printed.
         Err(error) => assert!(!error.to_string().is_empty()),
     }
 });

@@ -1,4 +1,4 @@
-//! Any bytes are read or refused without a panic; what is read keeps the promises of `Packing`.
+//! Any bytes are read or refused without a panic; a packing that is read has the documented properties of `Packing`.
 
 #![no_main]
 
@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use fdem_io::{Centres, Packing, ReadOptions, Skipped, read, write_packing_csv, write_packing_npy};
 use libfuzzer_sys::fuzz_target;
 
-/// What `--columns` may say; the first stands for nothing.
+/// Values of `--columns`; the first stands for no option.
 const COLUMNS: [&str; 8] = [
     "",
     "x,y",
@@ -35,7 +35,7 @@ fuzz_target!(|bytes: &[u8]| {
             check(&packing, &options);
             check_round_trip(&packing);
         }
-        // A message can be made of every error.
+        // Every error can be printed.
         Err(error) => assert!(!error.to_string().is_empty()),
     }
 });
@@ -68,7 +68,7 @@ fn check(packing: &Packing, options: &ReadOptions) {
     assert!(n as u64 + skipped.count <= packing.source.lines);
 }
 
-/// What is written is read again, bit for bit.
+/// A written packing reads back bit for bit.
 fn check_round_trip(packing: &Packing) {
     let radii = packing.radii.as_deref();
     let (mut csv, mut npy) = (Vec::new(), Vec::new());

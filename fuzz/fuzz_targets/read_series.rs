@@ -1,4 +1,5 @@
-//! Any bytes, packed or not, are read as a series or refused without a panic; what is read keeps the promises of `Packing`.
+//! Any bytes, compressed or not, are read as a series or refused without a panic; a packing that is read has the documented properties of
+//! `Packing`.
 
 #![no_main]
 
@@ -7,9 +8,9 @@ use std::sync::atomic::AtomicU64;
 use fdem_io::{Centres, FileKind, PackingFormat, ReadOptions, Series, unpack};
 use libfuzzer_sys::fuzz_target;
 
-/// Names for content that says nothing of its format.
+/// Names for content that does not show its format.
 const NAMES: [&str; 4] = ["a.dump", "a.data", "a.vtu", "a"];
-/// More unpacked bytes only take time.
+/// More decompressed bytes would only take time.
 const MOST: usize = 1 << 20;
 
 fuzz_target!(|bytes: &[u8]| {
@@ -44,7 +45,7 @@ fuzz_target!(|bytes: &[u8]| {
                 assert!(packing.cell.is_none_or(|cell| cell.edges.as_flattened().iter().all(|x| x.is_finite())));
                 assert_eq!(packing.frame.index, frame);
             }
-            // A message can be made of every error.
+            // Every error can be printed.
             Err(error) => assert!(!error.to_string().is_empty()),
         }
     }

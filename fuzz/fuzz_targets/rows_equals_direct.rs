@@ -1,4 +1,4 @@
-//! `Rows`, at every level of vector instructions, finds what all-against-all finds, in one order.
+//! `Rows`, with every set of vector instructions, finds what all-against-all finds, in one order.
 
 #![no_main]
 
@@ -13,7 +13,7 @@ impl Law for RowsEqualsDirect {
         let expected = expected(elements);
         let mut order = None;
         for simd in Simd::available() {
-            // A fresh engine holds arrays without room to spare, where a read too far is seen.
+            // A new engine holds arrays without spare capacity, so that a read behind the end is detected.
             let mut rows = Rows::new().with_simd(simd).expect("the level is available");
             let mut couples = Vec::new();
             rows.couples(elements, &mut couples).expect("rows take any domain");

@@ -1,14 +1,14 @@
-//! What the fuzz targets share: elements out of arbitrary bytes.
+//! Common code of the fuzz targets: makes elements from arbitrary bytes.
 
 use arbitrary::{Result, Unstructured};
 use fdem_contact::{Couple, CrossCouple, Direct, Elements, Error, Filter, GroupMatrix, Real, Search};
 
-/// A float type with bits.
+/// A float type that can be made from arbitrary bits.
 pub trait Number: Real {
-    /// Any value of the type: NaN, infinite and subnormal ones too.
+    /// Any value of the type, including NaN, infinite and subnormal ones.
     fn any_bits(bytes: &mut Unstructured<'_>) -> Result<Self>;
 
-    /// A small whole number.
+    /// A small integer.
     fn small(value: i8) -> Self;
 
     /// The magnitude.
@@ -36,10 +36,10 @@ macro_rules! impl_number {
 impl_number!(f32, u32);
 impl_number!(f64, u64);
 
-/// The largest set: all-against-all must stay quick, and rows longer than a few vectors must occur.
+/// Largest number of elements: small enough for all-against-all to be fast, large enough for rows longer than a few vectors.
 const MOST_ELEMENTS: usize = 300;
 
-/// What the elements are.
+/// The shape of the elements.
 #[derive(Debug)]
 enum Shape<T, const D: usize> {
     Points(T),
@@ -48,7 +48,7 @@ enum Shape<T, const D: usize> {
     Boxes(Box<[[T; D]]>),
 }
 
-/// Which elements see each other.
+/// The numbers of a filter.
 #[derive(Debug)]
 struct Labels {
     kind: u8,
@@ -60,10 +60,10 @@ struct Labels {
 }
 
 impl Labels {
-    /// Made of one byte for each element; the kind is one of them all.
+    /// Makes labels from one byte per element; `kind` is the kind for all elements.
     fn new(kind: u8, of_each: &[u8]) -> Self {
         let numbers = |number: fn(u32) -> u32| of_each.iter().map(|&byte| number(byte.into())).collect();
-        // A matrix of 32 groups becomes masks inside, one of 70 does not.
+        // A matrix of 32 groups becomes masks internally; one of 70 does not.
         let of_groups: [fn(u32) -> u32; 2] = [|byte| byte % 32, |byte| byte % 70];
         let few = kind % 2 == 0;
         let count = if few { 32 } else { 70 };
@@ -92,7 +92,7 @@ impl Labels {
         }
     }
 
-    /// Whether element `i` and element `j` of another set with the same kind of labels see each other.
+    /// Whether element `i` sees element `j` of another set with the same kind of labels.
     fn see(&self, i: usize, other: &Self, j: usize) -> bool {
         let bodies = self.bodies[i] != other.bodies[j];
         let masks = self.categories[i] & other.masks[j] != 0 && other.categories[j] & self.masks[i] != 0;
@@ -108,7 +108,7 @@ impl Labels {
     }
 }
 
-/// A set of elements, valid or not, in arrays that are exactly as long as it: the sanitizer sees a read behind them.
+/// A set of elements, valid or not, in arrays of exactly its length, so that the sanitizer detects a read behind them.
 #[derive(Debug)]
 pub struct Scene<T, const D: usize> {
     points: Box<[[T; D]]>,
@@ -124,7 +124,7 @@ impl<T: Number, const D: usize> Scene<T, D> {
         Self::of(&numbers, shape, filter, MOST_ELEMENTS, bytes)
     }
 
-    /// At most `most` elements, as long as there are bytes.
+    /// At most `most` elements, as far as the bytes suffice.
     fn of(
         numbers: &Numbers<T>,
         shape: u8,
@@ -175,18 +175,18 @@ impl<T: Number, const D: usize> Scene<T, D> {
     }
 }
 
-/// Two sets of elements with numbers from one lattice, so that the one often touches the other, and points to ask about.
+/// Two sets of elements with numbers from one lattice, so that they touch often, and points for queries.
 #[derive(Debug)]
 pub struct Pair<T, const D: usize> {
-    /// Those that ask.
+    /// The querying elements.
     pub moving: Scene<T, D>,
-    /// Those that are asked.
+    /// The elements of the index.
     pub fixed: Scene<T, D>,
-    /// Points around which elements are sought.
+    /// Points for queries.
     pub points: Box<[[T; D]]>,
-    /// How far from them.
+    /// Distance of the queries.
     pub r: T,
-    /// How many of them.
+    /// Number of nearest elements.
     pub k: usize,
 }
 
@@ -195,7 +195,7 @@ impl<T: Number, const D: usize> Pair<T, D> {
         let numbers = Numbers::new(bytes)?;
         let shape = bytes.int_in_range(0..=3)?;
         let filter = bytes.int_in_range(0..=11)?;
-        // Mostly alike, or every search would be refused.
+        // The shapes are mostly equal, because otherwise every search would be refused.
         let other_shape = if shape < 3 { bytes.int_in_range(0..=2)? } else { 3 };
         let other_shape = if bytes.ratio(1, 16)? { bytes.int_in_range(0..=3)? } else { other_shape };
         let other_filter = if bytes.ratio(1, 16)? { bytes.int_in_range(0..=11)? } else { filter };
@@ -214,12 +214,13 @@ impl<T: Number, const D: usize> Pair<T, D> {
 }
 
 impl<T: Number, const D: usize> Scene<T, D> {
-    /// The points, minimum corners of boxes.
+    /// The centres, or the minimum corners of boxes.
     pub fn points(&self) -> &[[T; D]] {
         &self.points
     }
 
-    /// The couples that the documentation of `Index` promises for elements of this scene and of another, ascending; or what it refuses.
+    /// The couples that the documentation of `Index` specifies for elements of this scene and of another one, ascending; or the specified
+    /// error.
     ///
     /// # Errors
     /// [`Error::UnlikeShapes`], [`Error::UnlikeFilters`].
@@ -240,7 +241,7 @@ impl<T: Number, const D: usize> Scene<T, D> {
         Ok(touching.map(|(i, j)| CrossCouple { i: i as u32, j: j as u32 }).collect())
     }
 
-    /// The comparison as `Elements` documents it, with the larger of the tolerances.
+    /// The comparison documented at `Elements`, with the larger of the tolerances.
     fn touch(&self, i: usize, other: &Self, j: usize) -> bool {
         let tolerance = if self.tolerance > other.tolerance { self.tolerance } else { other.tolerance };
         if let (Shape::Boxes(far), Shape::Boxes(others)) = (&self.shape, &other.shape) {
@@ -263,7 +264,7 @@ impl<T: Number, const D: usize> Scene<T, D> {
     }
 }
 
-/// The sum that `Elements::distance_squared` documents.
+/// The sum documented at `Elements::distance_squared`.
 pub fn distance_squared<T: Real, const D: usize>(a: &[T; D], b: &[T; D]) -> T {
     (0..D).fold(T::ZERO, |sum, axis| sum + (a[axis] - b[axis]) * (a[axis] - b[axis]))
 }
@@ -272,7 +273,7 @@ pub fn distance_squared<T: Real, const D: usize>(a: &[T; D], b: &[T; D]) -> T {
 struct Numbers<T> {
     origin: T,
     step: T,
-    /// Values with arbitrary bits may be ones that are refused.
+    /// Whether values may have arbitrary bits that are refused.
     wild: bool,
 }
 
@@ -303,7 +304,7 @@ impl<T: Number> Numbers<T> {
         Ok(point)
     }
 
-    /// Small beside the lattice, so that not all touch all.
+    /// A length that is small compared with the lattice, so that not all elements touch.
     fn length(&self, bytes: &mut Unstructured<'_>) -> Result<T> {
         let choice = bytes.arbitrary::<u8>()?;
         if choice < 250 {
@@ -322,19 +323,19 @@ impl<T: Number> Numbers<T> {
     }
 }
 
-/// `value` unless it is one that [`Elements`] refuses.
+/// `value`, or `otherwise` if [`Elements`] would refuse it.
 fn tame<T: Number>(value: T, otherwise: T) -> Result<T> {
     // NaN compares with nothing.
     Ok(if value.magnitude() <= T::MAX_MAGNITUDE { value } else { otherwise })
 }
 
-/// What is required of every scene.
+/// A property that every scene must have.
 pub trait Law {
-    /// Panics if `elements` break the law.
+    /// Panics if `elements` violate the property.
     fn check<T: Number, const D: usize>(elements: &Elements<'_, T, D>);
 }
 
-/// Checks `L` with the elements that `bytes` stand for, in 2D or 3D, `f32` or `f64`; those that are refused pass.
+/// Checks `L` with the elements made from `bytes`, in 2D or 3D, `f32` or `f64`. Elements that are refused pass.
 pub fn check<L: Law>(bytes: &[u8]) {
     let bytes = &mut Unstructured::new(bytes);
     let Ok(kind) = bytes.int_in_range(0..=3) else { return };
@@ -353,13 +354,13 @@ fn check_as<L: Law, T: Number, const D: usize>(bytes: &mut Unstructured<'_>) {
     }
 }
 
-/// What is required of every two scenes.
+/// A property that every pair of scenes must have.
 pub trait PairLaw {
-    /// Panics if a pair breaks the law; its elements may be ones that are refused.
+    /// Panics if a pair violates the property; its elements may be invalid.
     fn check<T: Number, const D: usize>(pair: &Pair<T, D>);
 }
 
-/// Checks `L` with the pair of scenes that `bytes` stand for, in 2D or 3D, `f32` or `f64`.
+/// Checks `L` with the pair of scenes made from `bytes`, in 2D or 3D, `f32` or `f64`.
 pub fn check_pair<L: PairLaw>(bytes: &[u8]) {
     fn check_as<L: PairLaw, T: Number, const D: usize>(bytes: &mut Unstructured<'_>) {
         if let Ok(pair) = Pair::<T, D>::new(bytes) {
@@ -376,7 +377,7 @@ pub fn check_pair<L: PairLaw>(bytes: &[u8]) {
     }
 }
 
-/// The couples of the oracle, in ascending order.
+/// The couples by brute force, in ascending order.
 pub fn expected<T: Real, const D: usize>(elements: &Elements<'_, T, D>) -> Vec<Couple> {
     let mut couples = Vec::new();
     Direct.couples(elements, &mut couples).expect("the oracle holds any number of elements");

@@ -63,7 +63,7 @@ impl Bed {
         Ok(())
     }
 
-    /// Where a disc falling from `from` first touches a disc below it: the height of its centre and that disc.
+    /// The height of the centre at which a disc falling from `from` first touches a disc below it, and that disc.
     ///
     /// Only discs whose centre is lower count: a disc that has just rolled off another at equal height falls freely.
     pub(crate) fn fall(&self, from: [f64; 2], radius: f64) -> Option<(f64, usize)> {
@@ -72,7 +72,7 @@ impl Bed {
         let mut first: Option<(f64, usize)> = None;
         let n_rows = (self.head.len() / self.columns).min(self.row(y).saturating_add(1));
         for row in (0..n_rows).rev() {
-            // Discs not yet met end below the top of this row.
+            // Discs in lower rows end below the top of this row.
             let reachable = (row + 1) as f64 * self.cell + radius;
             if first.is_some_and(|(height, _)| height >= reachable) {
                 break;

@@ -1,8 +1,7 @@
 //! Packings and worked figures of the book.
 //!
-//! Diameters are 1, so that `spacing` is the book's `S/D`. Grids are square or cubic in count: `k` elements per axis
-//! with the smallest `k^D >= n`, filled row by row, `x` fastest. Along the further axes of 3D the packings go on as
-//! along `y`.
+//! Diameters are 1, so `spacing` is the book's `S/D`. Grids are square or cubic: `k` elements per axis with the smallest `k^D >= n`, filled
+//! row by row, `x` fastest. Along the additional axes of 3D the packings continue as along `y`.
 //!
 //! # Source
 //! A. Munjiza, "The Combined Finite-Discrete Element Method", Wiley 2004, chapter 3.
@@ -47,7 +46,7 @@ pub fn packing_c<const D: usize>(n: usize, spacing: f64) -> Result<Cloud<D>, Err
     packing(n, spacing, |_, i| i * spacing)
 }
 
-/// Packing D: one diameter and `spacing` by turns in `x`, two diameters apart in `y` (and `z`).
+/// Packing D: distances of one diameter and of `spacing` alternate in `x`; two diameters apart in `y` (and `z`).
 ///
 /// # Errors
 /// [`Error::OutOfRange`] if `spacing` is not positive, or the packing would be infinitely wide;
@@ -83,10 +82,9 @@ fn packing<const D: usize>(
 
 /// Cells of the ten-body example: `[i_x, i_y]` of bodies 1 to 10, counted from 1, in a domain of 10 by 10 cells.
 ///
-/// Rows are printed as the y-lists of Fig. 3.41; columns of bodies 1, 4, 7 and 10 are stated on p. 108. Bodies 2, 3,
-/// 5, 6 and 8 have the columns of the eight-body example with the same placement (Figs 3.21 and 3.22, p. 95). Body 9
-/// is drawn in row 6 beside body 3, in column 3 or 4; the drawing does not say which. Here it stands in **column 3**,
-/// a choice of ours: column 4 would add the couples 4-9 and 6-9.
+/// Rows are printed as the y-lists of Fig. 3.41; columns of bodies 1, 4, 7 and 10 are stated on p. 108. Bodies 2, 3, 5, 6 and 8 have the
+/// columns of the eight-body example with the same placement (Figs 3.21 and 3.22, p. 95). Body 9 is drawn in row 6 beside body 3, in column
+/// 3 or 4; the drawing does not show which. Here it is in **column 3**, which is our choice: column 4 would add the couples 4-9 and 6-9.
 ///
 /// # Source
 /// Figs 3.40 to 3.44, pp. 103-108.

@@ -11,7 +11,7 @@ use crate::random::{CENTRES, RADII, Random};
 /// `min` and `max` `[n][D]`: the corners, one entry per box, same order; `min <= max` along each axis.
 ///
 /// # Units
-/// Those of the shortest edge asked for.
+/// The unit of the shortest edge.
 ///
 /// # Example
 /// ```
@@ -21,7 +21,7 @@ use crate::random::{CENTRES, RADII, Random};
 /// ```
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Boxes<const D: usize> {
-    /// The corner with the least coordinates.
+    /// The corner with the smallest coordinates.
     pub min: Vec<[f64; D]>,
     /// The corner with the largest coordinates.
     pub max: Vec<[f64; D]>,
@@ -33,17 +33,18 @@ impl<const D: usize> Boxes<D> {
         self.min.len()
     }
 
-    /// Whether there is no box.
+    /// Whether there are no boxes.
     pub fn is_empty(&self) -> bool {
         self.min.is_empty()
     }
 }
 
-/// Boxes with centres drawn uniformly from a cube, dense enough for `neighbours` overlaps per box: plates, rods and cubes mixed.
+/// Boxes with uniformly random centres in a cube, dense enough for `neighbours` overlaps per box; plates, rods and cubes are mixed.
 ///
-/// The logarithm of each edge is drawn uniformly, between those of 1 and of `aspect`, so that the longest edge of a box is 1 to `aspect` times its
-/// shortest. The cube is `[0, L)^D` with `n V / L^D = neighbours`, where `V` is the mean over all pairs `i ≠ j` of `Π_k (e_ik + e_jk)`, the room
-/// for the centre of `j` in which it touches `i`. Boxes near the faces have fewer overlaps, as in [`gas`](crate::gas).
+/// The logarithm of each edge is uniformly random between those of 1 and of `aspect`, so the longest edge of a box is 1 to `aspect` times
+/// its shortest. The cube is `[0, L)^D` with `n V / L^D = neighbours`, where `V` is the mean over all pairs `i ≠ j` of `Π_k (e_ik + e_jk)`,
+/// the volume in which the centre of `j` must be for the boxes to touch. Boxes near the faces have fewer overlaps, as in
+/// [`gas`](crate::gas).
 ///
 /// # Shapes
 /// `n` boxes, in no spatial order.
@@ -88,7 +89,7 @@ pub fn boxes<const D: usize>(n: usize, seed: u64, neighbours: f64, aspect: f64) 
     Ok(Boxes { min, max })
 }
 
-/// The edge of the cube. `V` is exact: multiplied out, the product of sums is a sum over the ways to take each axis from one of the two boxes.
+/// The edge of the cube. `V` is exact: expanded, the product of sums is a sum over all ways to take each axis from one of the two boxes.
 fn cube<const D: usize>(edges: &[[f64; D]], neighbours: f64) -> Result<f64, Error> {
     let n = edges.len() as f64;
     // The product of the edges along the axes whose bit is set, summed over the boxes.
@@ -125,7 +126,7 @@ mod tests {
 
     #[test]
     fn there_are_as_many_overlaps_as_asked_for() {
-        // The share that the faces of the cube cost is a few percent; the deviation of the number is about its root.
+        // The faces of the cube reduce the number by a few percent; its standard deviation is about its square root.
         let n = 6_000;
         let found = overlaps(&boxes::<2>(n, 5, 6.0, 4.0).unwrap()) as f64 / n as f64;
         assert!((2.8..3.05).contains(&found), "{found}");
@@ -149,7 +150,7 @@ mod tests {
             edges.iter().copied().fold(0.0, f64::max) / edges.iter().copied().fold(f64::INFINITY, f64::min)
         };
         let below = |bound: f64| (0..10_000).filter(|&k| aspect(k) < bound).count() as f64 / 1e4;
-        // The range of three uniform numbers is below r with probability 3 r^2 - 2 r^3.
+        // The range of three uniform random numbers is below r with probability 3 r^2 - 2 r^3.
         for r in [0.25, 0.5, 0.75] {
             let expected = 3.0 * r * r - 2.0 * r * r * r;
             assert!((below(100_f64.powf(r)) - expected).abs() < 0.025, "{r}");

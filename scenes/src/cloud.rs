@@ -1,4 +1,4 @@
-//! The result of every generator.
+//! The type that most generators return.
 
 /// Discs (`D = 2`) or spheres (`D = 3`) as two plain arrays.
 ///
@@ -6,7 +6,7 @@
 /// `centres` `[n][D]`, `radii` `[n]`: one entry per element, same order.
 ///
 /// # Units
-/// Centres and radii share one length unit, that of the radii asked for.
+/// Centres and radii have the same length unit, that of the given radii.
 ///
 /// # Example
 /// ```
@@ -28,7 +28,7 @@ impl<const D: usize> Cloud<D> {
         self.radii.len()
     }
 
-    /// Whether there is no element.
+    /// Whether there are no elements.
     pub fn is_empty(&self) -> bool {
         self.radii.is_empty()
     }

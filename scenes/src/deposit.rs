@@ -1,4 +1,4 @@
-//! Discs dropped one after another, each rolling to rest.
+//! Discs that are dropped one after another and roll to rest.
 
 use crate::bed::Bed;
 use crate::cloud::Cloud;
@@ -6,24 +6,23 @@ use crate::error::{Error, positive};
 use crate::random::{CENTRES, Random};
 use crate::sizes::Sizes;
 
-/// Free falls and changes of support a disc may go through before it is dropped anew.
+/// Largest number of free falls and changes of support of a disc before it is dropped again.
 const MAX_MOVES: usize = 10_000;
-/// Places at which a disc is dropped before the scene is given up.
+/// Number of places at which a disc is dropped before the scene is given up.
 const MAX_DROPS: usize = 100;
-/// Sine of the angle by which a touching disc may lie behind a rolling one through rounding. Two circles that graze
-/// amplify a rounding error to its square root, about 1e-8.
+/// Sine of the angle by which rounding may place a touching disc behind a rolling one. For circles that graze each other, rounding errors
+/// grow to their square root, about 1e-8.
 const BEHIND: f64 = 1e-7;
-/// Share of the sum of two radii by which discs at rest may overlap through rounding, before compression.
+/// Largest overlap of discs at rest through rounding, before compression, as a fraction of the sum of their radii.
 const OVERLAP: f64 = 1e-9;
 
-/// A bed of discs under gravity: each falls at a random place, rolls down over those it meets, and rests.
+/// A bed of discs under gravity: each disc falls at a random place, rolls down over others, and comes to rest.
 ///
-/// A disc rests on the floor, or on two supports, one on either side of it: discs or a wall. Discs are placed one at
-/// a time and never move again, so those touching number about four per disc. Every place follows in closed form
-/// from circles that touch; without compression touching is exact up to rounding (no overlap above 1e-9 of the sum
-/// of the radii). With it all centres are scaled by `1 − compression`, so that touching discs overlap by that share
-/// of the sum of their radii, and floor and walls reach as far into the discs that touch them: the box
-/// `0 <= x <= width`, `y >= 0` is the box after compression.
+/// A disc rests on the floor, or on two supports, one on either side of it: discs or a wall. Discs are placed one at a time and never move
+/// again, so each has about four contacts. Every position follows in closed form from touching circles. Without compression, contacts are
+/// exact up to rounding (no overlap above 1e-9 of the sum of the radii). With compression, all centres are scaled by `1 − compression`, so
+/// touching discs overlap by that fraction of the sum of their radii, and floor and walls overlap the discs that touch them in the same
+/// way: the box `0 <= x <= width`, `y >= 0` is the box after compression.
 ///
 /// # Shapes
 /// `n` centres and radii in the order of dropping: every disc is supported by earlier ones.
@@ -36,9 +35,9 @@ const OVERLAP: f64 = 1e-9;
 /// per disc.
 ///
 /// # Errors
-/// [`Error::OutOfRange`] if `width` is not positive or `compression` is not in `[0, 1)`; [`Error::TooNarrow`] if a
-/// disc is wider than the box; the errors of [`Sizes::radii`]; [`Error::OutOfMemory`]; [`Error::NoRest`] if a disc
-/// dropped at a hundred places never came to rest free of overlap, which has not been seen to happen.
+/// [`Error::OutOfRange`] if `width` is not positive or `compression` is not in `[0, 1)`; [`Error::TooNarrow`] if a disc is wider than the
+/// box; the errors of [`Sizes::radii`]; [`Error::OutOfMemory`]; [`Error::NoRest`] if a disc dropped at a hundred places never came to rest
+/// without overlap, which has not been observed.
 ///
 /// # Source
 /// W. M. Visscher, M. Bolsterli, "Random packing of equal and unequal spheres in two and three dimensions", Nature
@@ -82,7 +81,7 @@ pub fn deposit(n: usize, seed: u64, sizes: Sizes, width: f64, compression: f64) 
     Ok(Cloud { centres, radii })
 }
 
-/// What ends the roll of one disc over another.
+/// The event that ends the roll of one disc over another.
 #[derive(Clone, Copy)]
 enum End {
     /// The rolling disc loses contact at the height of its support and falls.
@@ -93,7 +92,7 @@ enum End {
     Meet(usize),
 }
 
-/// Where a disc dropped at `x` comes to rest, if it does.
+/// The position where a disc dropped at `x` comes to rest, if it does.
 fn settle(bed: &Bed, x: f64, radius: f64) -> Option<[f64; 2]> {
     let mut place = [x, f64::INFINITY];
     let mut support = None;
@@ -113,7 +112,7 @@ fn settle(bed: &Bed, x: f64, radius: f64) -> Option<[f64; 2]> {
         support = match end {
             End::Rest => return Some(place),
             End::Fall => None,
-            // Between two supports the disc rests; one behind it takes over as the disc rolls on.
+            // A disc rests between two supports. A disc behind the rolling one becomes its new pivot.
             End::Meet(disc) if side * (bed.centres[disc][0] - place[0]) >= 0.0 => return Some(place),
             End::Meet(disc) => Some((disc, side)),
         };
@@ -123,9 +122,9 @@ fn settle(bed: &Bed, x: f64, radius: f64) -> Option<[f64; 2]> {
 
 /// Rolls a disc at `place` down over `pivot`, to the right if `side` is 1 and to the left if it is −1.
 ///
-/// The centre moves on a circle around the pivot, from `place` at most to the height of the pivot. Points of that
-/// quarter are measured from the pivot; `progress`, the squared distance of the centres times the sine of the angle
-/// rolled, tells which of several events comes first.
+/// The centre moves on a circle around the pivot, from `place` down to at most the height of the pivot. Points of that quarter circle are
+/// measured from the pivot. `progress`, the squared distance of the centres times the sine of the angle rolled, shows which of several
+/// events comes first.
 fn roll(bed: &Bed, place: [f64; 2], radius: f64, pivot: usize, side: f64) -> ([f64; 2], End) {
     let [cx, cy] = bed.centres[pivot];
     let reach = radius + bed.radii[pivot];
@@ -169,7 +168,7 @@ fn roll(bed: &Bed, place: [f64; 2], radius: f64, pivot: usize, side: f64) -> ([f
         let across = across_square.sqrt();
         for across in [across, -across] {
             let to = [along * between[0] - across * between[1], along * between[1] + across * between[0]];
-            // Of the two crossings one leads into the disc, the other out of it.
+            // One of the two crossings leads into the disc, the other out of it.
             let heading = [side * to[1], -side * to[0]];
             let into = heading[0] * (between[0] - to[0]) + heading[1] * (between[1] - to[1]) > 0.0;
             if into && to[1] >= 0.0 {
@@ -179,7 +178,7 @@ fn roll(bed: &Bed, place: [f64; 2], radius: f64, pivot: usize, side: f64) -> ([f
     });
     let (_, to, end) = first;
     let mut place = [cx + to[0], cy + to[1]];
-    // At floor and walls the coordinate is known without rounding.
+    // The coordinate at floor and walls is known without rounding.
     match end {
         End::Fall => place[1] = cy,
         End::Rest if to[1] == to_floor => place[1] = radius,
@@ -218,7 +217,7 @@ mod tests {
         (a[0] - b[0]).hypot(a[1] - b[1])
     }
 
-    /// A disc of radius 1 dropped beside or onto resting discs, in a box 20 wide: right triangles give the answers.
+    /// Discs of radius 1, dropped next to or onto resting discs, in a box of width 20; right triangles give the expected positions.
     #[test]
     fn single_discs_settle_where_geometry_says() {
         let settled = |resting: &[([f64; 2], f64)], x: f64| {
@@ -232,7 +231,7 @@ mod tests {
         let close = |found: [f64; 2], expected: [f64; 2]| {
             assert!(distance(found, expected) < 1e-14, "{found:?} for {expected:?}");
         };
-        // Nothing below: the floor.
+        // Nothing is below: the disc reaches the floor.
         close(settled(&[([5.0, 1.0], 1.0)], 9.0), [9.0, 1.0]);
         // Over a smaller disc down to the floor: 1.25² = 1² + 0.75².
         close(settled(&[([5.0, 0.25], 0.25)], 5.5), [6.0, 1.0]);
@@ -302,7 +301,7 @@ mod tests {
                 }
             }
             let mean = 2.0 * contacts as f64 / n as f64;
-            // Walls and floor take some, symmetric places of equal discs add some.
+            // Walls and floor reduce the number; symmetric positions of equal discs increase it.
             assert!((3.7..=4.2).contains(&mean), "{sizes:?}: {mean}");
         }
     }
@@ -311,7 +310,7 @@ mod tests {
     fn bed_is_dense() {
         let (n, width) = (2_000, 30.0);
         let bed = deposit(n, 44, SIZES[1], width, 1e-3).unwrap();
-        // Area of the discs and parts of discs below a height well under the surface, against the box below it.
+        // The area of discs and parts of discs below a height well under the surface, compared with the box below that height.
         let level = 40.0;
         let filled: f64 = (0..n)
             .filter(|&i| bed.centres[i][1] < level)

@@ -1,34 +1,34 @@
-//! What can be wrong with the parameters of a scene, and the checks themselves.
+//! The errors in parameters of a scene, and the checks.
 
 use std::fmt;
 
-/// Why a scene was not generated.
+/// The reason why a scene was not generated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Error {
     /// A parameter, or a length that follows from the parameters, lies outside its range.
     OutOfRange {
-        /// Which parameter or length.
+        /// The parameter or length.
         what: &'static str,
-        /// The value it has.
+        /// Its value.
         value: f64,
-        /// The values it may have.
+        /// Its range.
         limit: &'static str,
     },
-    /// The smallest radius asked for exceeds the largest.
+    /// The smallest radius exceeds the largest.
     MinAboveMax {
-        /// Smallest radius asked for.
+        /// Smallest radius.
         min: f64,
-        /// Largest radius asked for.
+        /// Largest radius.
         max: f64,
     },
-    /// Something does not fit into the room it was given.
+    /// Something does not fit into its space.
     TooNarrow {
         /// What does not fit.
         what: &'static str,
-        /// The length it needs.
+        /// The length that it needs.
         required: f64,
-        /// The length there is.
+        /// The available length.
         room: f64,
     },
     /// There is no memory for the arrays.
@@ -36,9 +36,9 @@ pub enum Error {
         /// Number of entries of the array that was refused.
         n: usize,
     },
-    /// A dropped disc came to rest nowhere without overlapping another one.
+    /// A dropped disc found no position of rest without overlapping another disc.
     NoRest {
-        /// Which disc, in the order of dropping.
+        /// The disc, in the order of dropping.
         index: usize,
     },
 }

@@ -9,9 +9,9 @@ use crate::sizes::Sizes;
 
 /// A gas: centres drawn uniformly from a cube, dense enough for `neighbours` contacts per element.
 ///
-/// The cube is `[0, L)^D` with `L` from [`gas_edge`]. Elements overlap freely. Those near a face have fewer
-/// contacts, so a finite gas falls a little short of `neighbours`: for spheres of diameter `d` by the share
-/// `9/8 d/L`, for discs by `8/(3π) d/L`, plus terms of higher order.
+/// The cube is `[0, L)^D` with `L` from [`gas_edge`]. Elements overlap freely. Those near a face have fewer contacts, so a finite gas has
+/// slightly fewer than `neighbours`: fewer by the fraction `9/8 d/L` for spheres of diameter `d` and `8/(3π) d/L` for discs, plus terms of
+/// higher order.
 ///
 /// # Shapes
 /// `n` centres and radii, in no spatial order.
@@ -49,9 +49,9 @@ pub fn gas<const D: usize>(n: usize, seed: u64, neighbours: f64, sizes: Sizes) -
 
 /// Edge `L` of the cube in which a gas of these `radii` has `neighbours` contacts per element on average.
 ///
-/// `n V / L^D = neighbours`, where `V` is the mean over all pairs `i ≠ j` of the volume `V_D(r_i + r_j)` of a ball
-/// with radius `r_i + r_j`; for equal sizes `V = V_D(2 r)`. The mean is exact in any dimension: expanded by the
-/// binomial theorem, `Σ (r_i + r_j)^D` is a sum of products of the moments `Σ r_i^k`. Faces are left out of account.
+/// `n V / L^D = neighbours`, where `V` is the mean over all pairs `i ≠ j` of the volume `V_D(r_i + r_j)` of a ball with radius `r_i + r_j`;
+/// for equal sizes `V = V_D(2 r)`. The mean is exact in any dimension: expanded by the binomial theorem, `Σ (r_i + r_j)^D` is a sum of
+/// products of the moments `Σ r_i^k`. The effect of faces is not included.
 ///
 /// # Shapes
 /// `radii` `[n]`, `n >= 1`.
@@ -73,11 +73,11 @@ pub fn gas_edge<const D: usize>(radii: &[f64], neighbours: f64) -> Result<f64, E
     edge_for::<D>(radii, radii.len(), neighbours)
 }
 
-/// As [`gas_edge`], for `n` elements whose sizes are distributed like `radii`.
+/// The edge as in [`gas_edge`], for `n` elements whose sizes are distributed like `radii`.
 pub(crate) fn edge_for<const D: usize>(radii: &[f64], n: usize, neighbours: f64) -> Result<f64, Error> {
     require_axes::<D>();
     positive("number of neighbours", neighbours)?;
-    // Radii are measured in units of the largest, so that their powers neither overflow nor vanish.
+    // Radii are measured in units of the largest, so that their powers neither overflow nor underflow.
     let mut unit = 0.0_f64;
     for &radius in radii {
         unit = unit.max(positive("radius", radius)?);
@@ -145,7 +145,7 @@ mod tests {
         count
     }
 
-    /// The chance that two points of a unit square or cube lie within `t`, faces included, is a polynomial of `t`.
+    /// The probability that two points of a unit square or cube are within `t`, including the effect of faces, is a polynomial in `t`.
     #[test]
     fn equal_gas_has_the_contacts_asked_for() {
         let (n, neighbours) = (2_000, 12.0);
@@ -166,7 +166,7 @@ mod tests {
         }
     }
 
-    /// In 3D the mean over pairs of `(1 − 9/8 d/L) d³`, `d = r_i + r_j`, is the leading term with faces.
+    /// In 3D the mean over pairs of `(1 − 9/8 d/L) d³`, `d = r_i + r_j`, is the leading term with the effect of faces.
     #[test]
     fn unequal_gas_has_the_contacts_asked_for() {
         let (n, neighbours) = (2_000, 6.0);

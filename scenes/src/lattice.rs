@@ -7,9 +7,9 @@ use crate::sizes::Sizes;
 
 /// A square (`D = 2`) or cubic (`D = 3`) lattice of equal elements.
 ///
-/// With `k` the smallest number for which `k^D >= n`, elements fill the `k^D` grid row by row, `x` fastest; the
-/// last rows stay incomplete. Coordinates are whole multiples of the spacing, each rounded once; with `spacing`
-/// 1 and a diameter that is a power of two neighbours touch exactly.
+/// With `k` the smallest number for which `k^D >= n`, elements fill the `k^D` grid row by row, `x` fastest; the last rows may be
+/// incomplete. Coordinates are whole multiples of the spacing, each rounded once. With `spacing` 1 and a diameter that is a power of two,
+/// neighbours touch exactly.
 ///
 /// # Shapes
 /// `n` centres and radii, in grid order.
@@ -42,8 +42,8 @@ pub fn lattice<const D: usize>(n: usize, spacing: f64, radius: f64) -> Result<Cl
 
 /// A [`lattice`] whose elements are moved at random and may differ in size.
 ///
-/// Every coordinate moves by a uniform random amount of at most `jitter` spacings either way; at 0.5 neighbouring
-/// elements just reach each other's place.
+/// Every coordinate moves by a uniformly random amount of at most `jitter` spacings in either direction; at 0.5, neighbouring elements can
+/// just meet.
 ///
 /// # Shapes
 /// `n` centres and radii, in grid order.
@@ -83,7 +83,7 @@ pub(crate) fn side<const D: usize>(n: usize) -> usize {
     require_axes::<D>();
     let holds =
         |k: usize| (0..D).try_fold(1_usize, |product, _| product.checked_mul(k)).is_none_or(|all| all >= n);
-    // The rounded root is at most one off; the loops make sure.
+    // The rounded root is off by at most one; the loops correct that.
     let mut k = libm::pow(n as f64, 1.0 / D as f64) as usize;
     while !holds(k) {
         k += 1;
@@ -127,14 +127,14 @@ mod tests {
         }
         assert_eq!([side::<2>(0), side::<3>(1), side::<3>(50_000_000)], [0, 1, 369]);
         assert_eq!(side::<2>(usize::MAX), 1 << (usize::BITS / 2));
-        // As a float this count rounds up.
+        // This number rounds up when it is converted to a float.
         assert_eq!(side::<1>(usize::MAX >> 1), usize::MAX >> 1);
     }
 
     #[test]
     fn spacing_is_exact() {
         let cloud = lattice::<3>(30, 1.25, 0.5).unwrap();
-        // 4^3 = 64 cells, the last rows empty.
+        // There are 4^3 = 64 cells; the last rows are empty.
         for (e, centre) in cloud.centres.iter().enumerate() {
             assert_eq!(*centre, [e % 4, e / 4 % 4, e / 16].map(|i| i as f64 * 1.25));
         }

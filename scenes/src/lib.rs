@@ -6,17 +6,16 @@
 //! | [`clusters`] | gases far apart in a wide domain | searches that must not allocate the empty space |
 //! | [`boxes`] | axis-aligned boxes of mixed aspect, uniform random | bounding boxes of any shape |
 //! | [`lattice`], [`jittered_lattice`] | square or cubic grids | exact touching, cell faces |
-//! | [`deposit`] | 2D discs dropped and rolled to rest | a bed whose discs really carry one another |
+//! | [`deposit`] | 2D discs dropped and rolled to rest | a bed whose discs support one another |
 //! | [`book`] | packings A to D and the worked figures | the book's examples and curves |
-//! | [`peers`] | the sets on which rivals were timed | comparisons |
+//! | [`peers`] | the sets on which other libraries were timed | comparisons |
 //!
-//! A scene is a [`Cloud`]: centres and radii. [`Sizes`] says how the radii are drawn.
+//! A scene is a [`Cloud`] of centres and radii. [`Sizes`] defines how the radii are drawn.
 //!
-//! **The same seed gives the same bits on every platform.** Only IEEE addition, subtraction, multiplication,
-//! division and square root of `std` are used; everything transcendental comes from the portable `libm` crate,
-//! random bits from ChaCha8 through [`random::Random`]. Centres and radii come from separate streams of the seed,
-//! so another size distribution leaves the random part of the centres as it was. (Rust's 32-bit x86 targets
-//! without SSE2 do not round as IEEE asks, and are excepted.)
+//! **The same seed gives the same bits on every platform.** The code uses only IEEE addition, subtraction, multiplication, division and
+//! square root of `std`. Transcendental functions come from the portable crate `libm`, and random bits from ChaCha8 through
+//! [`random::Random`]. Centres and radii come from separate streams of the seed, so another size distribution does not change the random
+//! part of the centres. (Rust's 32-bit x86 targets without SSE2 do not round as IEEE requires and are excluded.)
 //!
 //! ```
 //! use fdem_scenes::{Sizes, gas};

@@ -1,8 +1,7 @@
-//! The sets on which rival searches were timed, in 3D.
+//! The sets on which other search libraries were timed, in 3D.
 //!
-//! Densities reproduce the pair counts recorded with those timings: half of the volume filled for [`poly`] and
-//! [`lognormal`], a tenth inside the clusters of [`sparse`]. The recorded sets were drawn from other random numbers,
-//! so counts agree within statistics, not exactly.
+//! Densities reproduce the pair counts recorded with those timings: half of the volume is filled in [`poly`] and [`lognormal`], a tenth
+//! inside the clusters of [`sparse`]. The recorded sets were drawn from other random numbers, so counts agree statistically, not exactly.
 //!
 //! | set | `n` | pairs recorded |
 //! |---|---|---|
@@ -13,10 +12,10 @@
 //! | [`poly`] | 400,000 | 269,942 |
 //! | [`lognormal`] | 1,000,000 | 1,803,988 |
 //!
-//! [`unlike`] and [`boxes`] are of later.
+//! [`unlike`] and [`boxes`] were added later.
 //!
-//! Every function returns the errors of the generator it calls; with these parameters only [`Error::OutOfMemory`]
-//! can occur, unless it says otherwise.
+//! Every function returns the errors of the generator that it calls. With these parameters only [`Error::OutOfMemory`] can occur, unless
+//! stated otherwise.
 
 use crate::boxes::Boxes;
 use crate::cloud::Cloud;
@@ -66,7 +65,8 @@ pub fn lognormal(n: usize, seed: u64) -> Result<Cloud<3>, Error> {
     crate::gas(n, seed, 3.648, Sizes::Lognormal { median: 0.5, sigma: 0.25 })
 }
 
-/// Radii from 1 to `ratio` by a power law with exponent −2.5, 4 neighbours each: as many couples per sphere for any ratio.
+/// Radii from 1 to `ratio` by a power law with exponent −2.5, 4 neighbours each: the number of couples per sphere is the same for any
+/// ratio.
 ///
 /// # Errors
 /// [`Error::OutOfMemory`]; [`Error::MinAboveMax`], [`Error::OutOfRange`] for a `ratio` that is not at least 1 and finite.

@@ -1,7 +1,7 @@
-//! The tiny seeded generator behind every scene.
+//! The seeded random number generator of all scenes.
 //!
-//! ChaCha8 is a published stream cipher with test vectors, so its bits are settled for good; the maps from bits to
-//! numbers are written out here because the distributions of `rand` may change from release to release.
+//! ChaCha8 is a published stream cipher with test vectors, so its bits never change. The conversions from bits to numbers are written here,
+//! because the distributions of `rand` may change between releases.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore, SeedableRng};
@@ -34,7 +34,7 @@ const STEP: f64 = 1.0 / (1_u64 << 53) as f64;
 #[derive(Debug, Clone)]
 pub struct Random {
     source: ChaCha8Rng,
-    /// Second number of the last pair of normal numbers, if not yet handed out.
+    /// The second of the latest pair of normal numbers, if it has not been used.
     spare: Option<f64>,
 }
 
@@ -68,7 +68,7 @@ impl Random {
         low + (high - low) * self.uniform()
     }
 
-    /// A whole number drawn uniformly from `0..n`; zero if `n` is zero.
+    /// An integer drawn uniformly from `0..n`; zero if `n` is zero.
     ///
     /// # Source
     /// D. Lemire, "Fast random integer generation in an interval", ACM Trans. Model. Comput. Simul. 29 (2019).
@@ -76,7 +76,7 @@ impl Random {
         if n == 0 {
             return 0;
         }
-        // The 2^64 mod n lowest fractions would favour some results, and are drawn again.
+        // The 2^64 mod n lowest fractions would favour some results, so they are drawn again.
         let surplus = n.wrapping_neg() % n;
         loop {
             let product = u128::from(self.bits()) * u128::from(n);
@@ -160,7 +160,7 @@ mod tests {
         }
         assert!(counts.iter().all(|count| count.abs_diff(10_000) < 410), "{counts:?}");
         assert_eq!((random.below(0), random.below(1)), (0, 0));
-        // Three quarters of the 64-bit range: without the second draw multiples of 3 would come up twice as often.
+        // With three quarters of the 64-bit range, multiples of 3 would occur twice as often without the second draw.
         let multiples = (0..9_000).filter(|_| random.below(3 << 62).is_multiple_of(3)).count();
         assert!(multiples.abs_diff(3_000) < 225, "{multiples}");
     }
@@ -176,7 +176,7 @@ mod tests {
         assert!((moment(2) - 1.0).abs() < 0.0159, "{}", moment(2));
         assert!(moment(3).abs() < 0.0434, "{}", moment(3));
         assert!((moment(4) - 3.0).abs() < 0.110, "{}", moment(4));
-        // The two numbers of a pair are independent: the mean product of neighbours vanishes.
+        // The two numbers of a pair are independent: the mean product of neighbours is zero.
         let product = drawn.windows(2).map(|pair| pair[0] * pair[1]).sum::<f64>() / f64::from(n);
         assert!(product.abs() < 0.0112, "{product}");
     }

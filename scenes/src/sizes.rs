@@ -1,4 +1,4 @@
-//! How the radii of a scene are drawn.
+//! Size distributions: how the radii of a scene are drawn.
 
 use crate::error::{Error, not_negative, positive, reserved};
 use crate::random::{RADII, Random};
@@ -9,7 +9,7 @@ use crate::random::{RADII, Random};
 /// All lengths in the unit of the scene; `exponent` and `sigma` are numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Sizes {
-    /// All alike.
+    /// All radii are equal.
     Equal {
         /// The radius, positive.
         radius: f64,
@@ -20,12 +20,12 @@ pub enum Sizes {
         min: f64,
         /// Largest radius, not below `min`.
         max: f64,
-        /// Any finite number; −1 spreads the logarithm of the radius evenly, 0 the radius itself.
+        /// Any finite number; −1 distributes the logarithm of the radius uniformly, 0 the radius itself.
         exponent: f64,
     },
     /// The logarithm of the radius is normal: `r = median exp(sigma z)`.
     Lognormal {
-        /// Half of the radii lie below it, positive.
+        /// The median radius, positive.
         median: f64,
         /// Standard deviation of the logarithm, zero or positive.
         sigma: f64,
@@ -36,11 +36,11 @@ impl Sizes {
     /// Draws `n` radii.
     ///
     /// # Cost
-    /// Time and memory proportional to `n`; two elementary functions per radius unless all are alike.
+    /// Time and memory proportional to `n`; two elementary functions per radius unless all radii are equal.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for a parameter outside the range given beside it, or if a `sigma` of hundreds makes a
-    /// drawn radius vanish or overflow; [`Error::MinAboveMax`]; [`Error::OutOfMemory`].
+    /// [`Error::OutOfRange`] for a parameter outside its documented range, or if a `sigma` of hundreds makes a drawn radius underflow or
+    /// overflow; [`Error::MinAboveMax`]; [`Error::OutOfMemory`].
     ///
     /// # Example
     /// ```
@@ -67,7 +67,7 @@ impl Sizes {
         Ok(radii)
     }
 
-    /// Twice the mean of the drawn `radii`, without rounding if all are alike.
+    /// Twice the mean of the drawn `radii`, without rounding if all are equal.
     pub(crate) fn mean_diameter(self, radii: &[f64]) -> Result<f64, Error> {
         let diameter = match self {
             Self::Equal { radius } => 2.0 * radius,
@@ -101,9 +101,9 @@ impl Sizes {
 
 /// Inverse of the cumulative distribution of a power law.
 ///
-/// With `a = exponent + 1` and `q = max/min` the share of radii below `r` is `u = ((r/min)^a − 1) / (q^a − 1)`, so
-/// `r = min (1 + u (q^a − 1))^(1/a)`. Written with `expm1` and `log1p` this stays accurate for small `a`; a positive
-/// `a` is measured down from `max` instead, so that `q^−|a|` never overflows.
+/// With `a = exponent + 1` and `q = max/min`, the fraction of radii below `r` is `u = ((r/min)^a − 1) / (q^a − 1)`, so
+/// `r = min (1 + u (q^a − 1))^(1/a)`. Written with `expm1` and `log1p`, this stays accurate for small `a`. For positive `a` the formula
+/// starts from `max` instead, so that `q^−|a|` never overflows.
 struct PowerLaw {
     min: f64,
     max: f64,
@@ -185,7 +185,7 @@ mod tests {
         let radii = Sizes::Lognormal { median: 3.0, sigma: 0.25 }.radii(n, 12).unwrap();
         let below = |bound: f64| radii.iter().filter(|&&r| r < bound).count() as f64 / n as f64;
         assert!((below(3.0) - 0.5).abs() < 0.0125, "{}", below(3.0));
-        // One standard deviation up: 0.841345.
+        // One standard deviation above the median: 0.841345.
         assert!((below(3.0 * 0.25_f64.exp()) - 0.841_345).abs() < 0.0092);
         let logs: Vec<f64> = radii.iter().map(|r| (r / 3.0).ln()).collect();
         let spread = (logs.iter().map(|x| x * x).sum::<f64>() / n as f64).sqrt();

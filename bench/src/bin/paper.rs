@@ -1,9 +1,9 @@
-//! The experiments of Munjiza & Andrews 1998 with [`Nbs`]: is detection linear in N, and flat in the packing density?
+//! The experiments of Munjiza & Andrews 1998 with [`Nbs`]: is the time of a detection linear in N, and independent of the packing density?
 //!
 //! # Source
 //! A. Munjiza, K.R.F. Andrews, "NBS contact detection algorithm for bodies of similar size", Int. J. Numer. Meth.
 //! Engng 43 (1998) 131-149; A. Munjiza, "The Combined Finite-Discrete Element Method", Wiley 2004, pp. 112-117.
-//! The third dimension and N above 90,000 are ours.
+//! The third dimension and N above 90,000 are our additions.
 
 use std::error::Error;
 use std::hint::black_box;
@@ -23,14 +23,14 @@ usage: paper [--quick] [--out DIR]
   --out DIR  folder of the pictures; docs of this workspace if not given
 ";
 
-/// Detections that make up one published time.
+/// Number of detections in one published time.
 const DETECTIONS: u32 = 10;
 
 /// Published for [`PUBLISHED_N`] discs on a 133 MHz R4600: at most 6 s, the end of the axis of Fig. 3.47.
 const PUBLISHED_SECONDS: f64 = 6.0;
 const PUBLISHED_N: usize = 90_000;
 
-/// What to run, and where the pictures go.
+/// The experiments to run, and the folder for the pictures.
 struct Plan {
     sizes: Vec<usize>,
     flat_sizes: [usize; 2],
@@ -170,7 +170,7 @@ fn linear(plan: &Plan, out: &mut impl Write) -> Result<Vec<Panel>, Box<dyn Error
     ])
 }
 
-/// The one number that can be read off the published curves, and ours beside it.
+/// The only number that can be read off the published curves, next to ours.
 fn published(plan: &Plan, out: &mut impl Write) -> Result<(), Box<dyn Error>> {
     let cases = vec![Case::new::<2>(Packing::A, PUBLISHED_N, 1.0)?];
     writeln!(out, "\n## Packing A, 2D, N = {}: published and here\n", grouped(PUBLISHED_N as u64))?;
@@ -236,7 +236,7 @@ fn flat(plan: &Plan, out: &mut impl Write) -> Result<Vec<Panel>, Box<dyn Error>>
     Ok(panels)
 }
 
-/// One table of times and one of their spreads; a column per packing, a result per spacing.
+/// Writes one table of times and one of their spreads, with a column per packing and a row per spacing.
 fn write_flat(
     spacings: &[f64],
     packings: [Packing; 3],
@@ -268,7 +268,7 @@ fn write_flat(
     write!(out, "{spreads}")
 }
 
-/// Grid lines a factor of 2 apart.
+/// An axis with grid lines a factor of 2 apart.
 fn per_body_axis(values: impl Iterator<Item = f64>) -> Axis {
     Axis::covering("time per body and detection [µs]", 2.0, 0.01, values)
 }
@@ -289,11 +289,11 @@ struct Scene {
     n: usize,
     spacing: f64,
     couples: u64,
-    /// Couples that went through the exact contact test, per body.
+    /// Number of couples per body that took the exact contact test.
     candidates: f64,
 }
 
-/// A scene that is ready to be searched: the task is one detection.
+/// A scene that is ready to be searched, with the task of one detection.
 struct Case {
     scene: Scene,
     task: Task<'static, fdem_contact::Error>,
@@ -341,17 +341,17 @@ struct Measured {
 }
 
 impl Measured {
-    /// Of the published number of detections, in seconds.
+    /// Time of the published number of detections, in seconds.
     fn total(&self) -> f64 {
         self.times.median * f64::from(DETECTIONS)
     }
 
-    /// Per body and detection, in microseconds.
+    /// Median time per body and detection, in microseconds.
     fn median(&self) -> f64 {
         1e6 * self.times.median / self.scene.n as f64
     }
 
-    /// Per body and detection, in microseconds, in the fastest round.
+    /// Time per body and detection in the fastest round, in microseconds.
     fn best(&self) -> f64 {
         1e6 * self.times.best / self.scene.n as f64
     }

@@ -1,38 +1,38 @@
-//! What is searched.
+//! The bodies that are searched.
 
 use fdem_contact::{Elements, Error};
 
-/// Bodies in the caller's arrays.
+/// Bodies in arrays of the caller.
 #[derive(Clone, Copy, Debug)]
 pub enum Bodies<'a, const D: usize> {
-    /// Points: a couple if they are at most the cut-off apart.
+    /// Points: two form a couple if they are at most the cut-off apart.
     Points {
-        /// One for each.
+        /// The points.
         points: &'a [[f64; D]],
-        /// Equal for all.
+        /// The cut-off.
         cutoff: f64,
     },
-    /// Spheres of unlike sizes: a couple if their centres are at most the sum of their radii apart.
+    /// Spheres of unlike sizes: two form a couple if their centres are at most the sum of their radii apart.
     Spheres {
-        /// One for each.
+        /// The centres.
         centres: &'a [[f64; D]],
-        /// One for each.
+        /// The radii.
         radii: &'a [f64],
     },
     /// Axis-aligned boxes, closed.
     Boxes {
-        /// The corner of each with the least coordinates.
+        /// The corners with the smallest coordinates.
         min: &'a [[f64; D]],
-        /// The corner of each with the largest coordinates.
+        /// The corners with the largest coordinates.
         max: &'a [[f64; D]],
     },
 }
 
 impl<'a, const D: usize> Bodies<'a, D> {
-    /// The points and the cut-off, for searches of nothing else.
+    /// The points and the cut-off, for searches that support only these.
     ///
     /// # Errors
-    /// That they are something else.
+    /// An error if the bodies are not points.
     pub fn points(self) -> Result<(&'a [[f64; D]], f64), String> {
         match self {
             Self::Points { points, cutoff } => Ok((points, cutoff)),
@@ -41,7 +41,7 @@ impl<'a, const D: usize> Bodies<'a, D> {
         }
     }
 
-    /// The same for our searches.
+    /// The bodies as elements of our searches.
     ///
     /// # Errors
     /// Those of the constructors of [`Elements`].
@@ -53,7 +53,7 @@ impl<'a, const D: usize> Bodies<'a, D> {
         }
     }
 
-    /// Whether two of them touch: for rivals that hand out candidates. The closed comparisons of this workspace.
+    /// Whether two bodies touch, for libraries that return candidates: the closed comparisons of this workspace.
     #[must_use]
     pub fn touch(self, i: u32, j: u32) -> bool {
         let (i, j) = (i as usize, j as usize);
@@ -66,7 +66,7 @@ impl<'a, const D: usize> Bodies<'a, D> {
         }
     }
 
-    /// The box around one of them.
+    /// The bounding box of a body.
     #[must_use]
     pub fn bounds(self, i: usize) -> [[f64; D]; 2] {
         match self {
@@ -76,7 +76,7 @@ impl<'a, const D: usize> Bodies<'a, D> {
         }
     }
 
-    /// How many there are.
+    /// Number of bodies.
     #[must_use]
     pub fn len(self) -> usize {
         match self {
@@ -86,13 +86,13 @@ impl<'a, const D: usize> Bodies<'a, D> {
         }
     }
 
-    /// Whether there is none.
+    /// Whether there are no bodies.
     #[must_use]
     pub fn is_empty(self) -> bool {
         self.len() == 0
     }
 
-    /// For programs: the third of their arguments (`bench/external/README.md`).
+    /// The third argument of external programs (`bench/external/README.md`).
     #[must_use]
     pub fn argument(self) -> String {
         match self {
@@ -102,7 +102,7 @@ impl<'a, const D: usize> Bodies<'a, D> {
         }
     }
 
-    /// For programs: the content of their file, body after body.
+    /// The content of the file for external programs, body by body.
     #[must_use]
     pub fn numbers(self) -> Vec<f64> {
         let mut numbers = Vec::new();

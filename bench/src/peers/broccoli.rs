@@ -1,4 +1,4 @@
-//! `broccoli`: the boxes around discs in a tree of sweeps, in the plane only; then the exact test.
+//! `broccoli`: a tree of sweeps over the boxes around discs, in 2D only, followed by the exact test.
 
 use broccoli::aabb::BBox;
 use broccoli::{Tree, bbox, rect};
@@ -32,7 +32,7 @@ impl Peer<2> for Broccoli {
     fn couples(&mut self, bodies: Bodies<'_, 2>, couples: &mut Vec<Couple>) -> Result<(), String> {
         let (points, cutoff) = bodies.points()?;
         couples.clear();
-        // A little more than half, so that rounding loses nobody.
+        // Slightly more than half, so that rounding loses no couple.
         let half = 0.5 * cutoff * (1.0 + 1e-12) + 1e-12;
         self.boxes.clear();
         self.boxes.extend(

@@ -1,4 +1,4 @@
-//! Rivals in other languages: programs that search when told to. The protocol: `bench/external/README.md`.
+//! Peers in other languages: programs that search on request. For the protocol see `bench/external/README.md`.
 
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
@@ -6,7 +6,7 @@ use std::process::{Child, ChildStdin, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::Duration;
 
-/// How to start a rival.
+/// The command that starts a peer.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Command {
     /// Name in the tables.
@@ -15,7 +15,7 @@ pub struct Command {
 }
 
 impl Command {
-    /// `NAME=PROGRAM ARGUMENT...`, with spaces between the words and nowhere else; none if a part is missing.
+    /// Parses `NAME=PROGRAM ARGUMENT...`, with words separated by spaces; `None` if a part is missing.
     pub fn parse(text: &str) -> Option<Self> {
         let (name, command) = text.split_once('=')?;
         let words: Vec<String> = command.split_whitespace().map(str::to_owned).collect();
@@ -23,30 +23,31 @@ impl Command {
     }
 }
 
-/// What a rival found in one round.
+/// The result of a peer for one round.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Answer {
-    /// From coordinates in its memory to pairs in its memory, by its own clock.
+    /// Time from coordinates in its memory to pairs in its memory, by its own clock.
     pub seconds: f64,
-    /// Pairs found.
+    /// Number of pairs.
     pub pairs: u64,
 }
 
-/// A rival that runs, with the bodies of one set in its memory; ended when dropped.
+/// A running peer with the bodies of one set in its memory; it is ended when dropped.
 pub struct External {
     child: Child,
     input: ChildStdin,
     lines: Receiver<String>,
     patience: Duration,
-    /// Version, and what is called.
+    /// Its version, and a description of the call.
     pub about: (String, String),
 }
 
 impl External {
-    /// Starts a rival with `file`, little-endian `f64`, of bodies of `dimension` axes; `kind`: the cut-off, or what else they are. It answers within `patience`, or has failed.
+    /// Starts a peer with `file`, little-endian `f64` numbers of bodies of `dimension` axes. `kind` is the cut-off or the kind of bodies.
+    /// The peer must answer within `patience`.
     ///
     /// # Errors
-    /// A program that does not start, or why it cannot search these bodies.
+    /// The program does not start, or cannot search these bodies; the text gives the reason.
     pub fn start(
         command: &Command,
         (file, dimension): (&Path, usize),
@@ -67,7 +68,7 @@ impl External {
         let (Some(input), Some(output)) = (child.stdin.take(), child.stdout.take()) else {
             return Err("no pipe".to_owned());
         };
-        // A thread that waits for lines, so that waiting for it can end.
+        // A separate thread reads lines, so that waiting for them can time out.
         let (sender, lines) = channel();
         std::thread::spawn(move || {
             for line in BufReader::new(output).lines().map_while(Result::ok) {
@@ -87,11 +88,11 @@ impl External {
     /// One search.
     ///
     /// # Errors
-    /// Why there is no answer.
+    /// The reason why there is no answer.
     pub fn round(&mut self) -> Result<Answer, String> {
         self.input.write_all(b"round\n").map_err(|error| error.to_string())?;
         let line = self.line()?;
-        // Its threads may be watching for more work for a while: they are not to take time from the next search.
+        // Its threads may spin for a while; they must not take time from the next search.
         std::thread::sleep(Duration::from_millis(20));
         let numbers = line.split_once(' ').and_then(|(time, pairs)| {
             let milliseconds: f64 = time.parse().ok().filter(|&time| time > 0.0)?;
@@ -111,7 +112,7 @@ impl External {
 
 impl Drop for External {
     fn drop(&mut self) {
-        // Both fail only if it has ended already, which is what is wanted.
+        // Both calls fail only if the program has ended already.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }

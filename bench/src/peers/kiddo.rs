@@ -59,7 +59,7 @@ macro_rules! peer {
                             let j = near.item;
                             let found_here = match sizes {
                                 Ok(_) => j > i,
-                                // The larger finds the smaller.
+                                // The larger sphere finds the smaller one.
                                 Err(radii) => {
                                     let own = (radii[i as usize], i);
                                     (radii[j as usize], j) < own && bodies.touch(i, j)

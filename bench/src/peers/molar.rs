@@ -1,5 +1,5 @@
-//! `molar`, molecular analysis: its distance search on a grid. In `f64`, its other mode, which took the same time as
-//! `f32` and finds the same couples as the rest.
+//! `molar`, molecular analysis: its distance search on a grid, in `f64`. Its `f32` mode took the same time; `f64` finds the same couples as
+//! the other peers.
 
 use fdem_contact::Couple;
 use molar::prelude::{DistanceSearchOutput, Float, Pos, distance_search_single};
@@ -8,7 +8,7 @@ use super::{Bodies, Peer};
 
 pub(super) struct Molar;
 
-/// What the search is asked for: the numbers, without the distance.
+/// The type of results requested from the search: the numbers, without the distance.
 struct Found(Couple);
 
 impl DistanceSearchOutput for Found {
@@ -35,7 +35,7 @@ impl Peer<3> for Molar {
         let positions: Vec<Pos> = points.iter().map(|point| Pos::from(*point)).collect();
         let found: Vec<Found> =
             distance_search_single(cutoff, &positions, 0..points.len()).map_err(|error| error.to_string())?;
-        // In place: the vector that molar returns is the result.
+        // Converted in place: the vector that molar returns is the result.
         *couples = found.into_iter().map(|found| found.0).collect();
         Ok(())
     }

@@ -1,30 +1,30 @@
-//! Ours.
+//! Our own searches.
 
 use fdem_contact::{Couple, Detector, Engine, Error, Nbs, Rows, Search, Simd};
 
 use super::{Bodies, Peer};
 
-/// Which of our searches.
+/// The kinds of our searches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// `Rows`, memory kept from call to call.
+    /// `Rows`, with memory kept from call to call.
     Rows,
     /// `Rows` limited to AVX2.
     RowsAvx2,
-    /// `Rows` with memory, that of the couples too, from the allocator in every call.
+    /// `Rows`, with all memory, including that of the couples, allocated in every call.
     RowsCold,
-    /// `Nbs`, memory kept from call to call.
+    /// `Nbs`, with memory kept from call to call.
     Nbs,
-    /// `Detector`, which picks the engine, memory kept from call to call.
+    /// `Detector`, which chooses the engine, with memory kept from call to call.
     Auto,
 }
 
 impl Kind {
-    /// All of them.
+    /// All kinds.
     pub const ALL: [Self; 5] = [Self::Rows, Self::RowsAvx2, Self::RowsCold, Self::Nbs, Self::Auto];
-    /// For points with one cut-off.
+    /// The kinds for points with one cut-off.
     pub const OF_POINTS: [Self; 4] = [Self::Rows, Self::RowsAvx2, Self::RowsCold, Self::Nbs];
-    /// For unlike sizes and boxes: levels, and the grid of one level beside them.
+    /// The kinds for unlike sizes and boxes: levels, and a grid of one level for comparison.
     pub const OF_UNLIKE: [Self; 2] = [Self::Auto, Self::Rows];
 
     /// Name in the tables and on the command line.
@@ -38,7 +38,7 @@ impl Kind {
         }
     }
 
-    /// Whether this processor has its instructions.
+    /// Whether this processor has the instructions.
     pub fn is_available(self) -> bool {
         self != Self::RowsAvx2 || Simd::Avx2.is_available()
     }

@@ -1,4 +1,4 @@
-//! `parry3d`: the boxes, or those around spheres, in a hierarchy, which is traversed against itself; then the exact test.
+//! `parry3d`: a hierarchy of the boxes, or of those around spheres, traversed against itself, followed by the exact test.
 
 use fdem_contact::Couple;
 use parry3d::bounding_volume::Aabb;

@@ -1,4 +1,4 @@
-//! The sets of bodies that the searches are compared on.
+//! The sets of bodies on which the searches are compared.
 
 use fdem_scenes::{Boxes, Cloud, Error, Sizes};
 
@@ -7,18 +7,18 @@ use super::{Bodies, Kind};
 /// Distance at which two points are a couple, in all sets of points.
 pub const CUTOFF: f64 = 1.0;
 const SEED: u64 = 1;
-/// Where the outlier is, in cut-offs along each axis.
+/// Position of the outlier, in cut-offs along each axis.
 const FAR: f64 = 1e6;
 
-/// How a set is made, for any number of bodies.
+/// The generator of a set, for any number of bodies.
 pub enum Scene {
-    /// In 3D.
+    /// A generator in 3D.
     Space(fn(usize) -> Result<Made<3>, Error>),
-    /// In 2D.
+    /// A generator in 2D.
     Plane(fn(usize) -> Result<Made<2>, Error>),
 }
 
-/// Bodies that were made.
+/// The bodies of a set.
 pub enum Made<const D: usize> {
     /// Points with the cut-off [`CUTOFF`].
     Points(Vec<[f64; D]>),
@@ -29,7 +29,7 @@ pub enum Made<const D: usize> {
 }
 
 impl<const D: usize> Made<D> {
-    /// What is searched.
+    /// The bodies as a view for searches.
     #[must_use]
     pub fn bodies(&self) -> Bodies<'_, D> {
         match self {
@@ -40,7 +40,7 @@ impl<const D: usize> Made<D> {
     }
 }
 
-/// What is alike in a table.
+/// The kinds of bodies, each with its own table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Group {
     /// Points with one cut-off.
@@ -52,10 +52,10 @@ pub enum Group {
 }
 
 impl Group {
-    /// All of them.
+    /// All kinds.
     pub const ALL: [Self; 3] = [Self::Points, Self::Unlike, Self::Boxes];
 
-    /// In the headings.
+    /// The name in headings.
     #[must_use]
     pub const fn title(self) -> &'static str {
         match self {
@@ -65,7 +65,7 @@ impl Group {
         }
     }
 
-    /// Those of our searches that take part if nothing else is asked for.
+    /// The kinds of our searches that take part by default.
     #[must_use]
     pub const fn kinds(self) -> &'static [Kind] {
         match self {
@@ -77,17 +77,17 @@ impl Group {
 
 /// A set of bodies.
 pub struct Set {
-    /// On the command line and in the tables.
+    /// The name on the command line and in the tables.
     pub name: &'static str,
-    /// In a few words.
+    /// A short title.
     pub title: &'static str,
-    /// Bodies.
+    /// Number of bodies.
     pub n: usize,
-    /// Which table it is in.
+    /// The table that contains it.
     pub group: Group,
-    /// The largest size by the smallest, of the sets that are made to be compared by it.
+    /// The ratio of the largest to the smallest size, for sets that vary it.
     pub ratio: Option<f64>,
-    /// How it is made.
+    /// The generator.
     pub scene: Scene,
 }
 
@@ -114,7 +114,7 @@ macro_rules! ratio {
     };
 }
 
-/// All of them.
+/// All sets.
 pub const SETS: [Set; 15] = [
     points("gas100k", "gas, 12 neighbours, 100,000", 100_000, Scene::Space(|n| Ok(Made::Points(gas(n)?)))),
     points("gas1m", "gas, 12 neighbours, 1,000,000", MILLION, Scene::Space(|n| Ok(Made::Points(gas(n)?)))),

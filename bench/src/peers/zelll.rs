@@ -1,4 +1,4 @@
-//! `zelll`: cell lists in a hash map. It hands out candidates; the distance is up to the caller.
+//! `zelll`: cell lists in a hash map. It returns candidates; the caller tests the distance.
 
 use fdem_contact::Couple;
 use rayon::iter::ParallelIterator;
@@ -59,7 +59,7 @@ impl<const D: usize> Peer<D> for Zelll<D> {
         let numbered = points.iter().zip(0..).map(|(&at, id)| Point { id, at });
         self.grid.rebuild_mut(numbered, Some(cutoff));
         let touch = |a: &Point<D>, b: &Point<D>| match bodies {
-            // The coordinates are at hand.
+            // The coordinates are already available.
             Bodies::Points { .. } => within(&a.at, &b.at, cutoff),
             _ => bodies.touch(a.id, b.id),
         };

@@ -1,16 +1,16 @@
-//! The ten-body example of the book, pp. 103-110, step by step: prints what Figs 3.41 to 3.44 show, and what follows.
+//! The ten-body example of the book, pp. 103-110, step by step: prints what Figs 3.41 to 3.44 show, and the following steps.
 //!
 //! ```text
 //! cargo run -p fdem-contact --example ten_bodies
 //! ```
 //!
-//! Everything is in the book's numbering: bodies, rows and columns from 1, and -1 for an empty list.
+//! Everything is in the numbering of the book: bodies, rows and columns from 1, and -1 for an empty list.
 
 use std::fmt;
 
 use fdem_contact::{Couple, Elements, Error, Lists, NONE, Nbs, Observer, Set};
 
-/// What the book prints of one detection in 2D.
+/// The output of one detection in 2D, as the book prints it.
 #[derive(Debug, Default)]
 pub(crate) struct Figures {
     /// Fig. 3.41: the bodies of each y-list, in list order; row `i` at `y_lists[i - 1]`.
@@ -34,12 +34,12 @@ pub(crate) struct Row {
     pub(crate) i_y: u32,
     /// Heads of the x-lists: of the central row, and of the row below.
     pub(crate) a: [Vec<i64>; 2],
-    /// Next body on the same x-list. Entries of bodies in other rows are left over from before.
+    /// Next body on the same x-list. Entries of bodies in other rows are stale.
     pub(crate) x: Vec<i64>,
 }
 
 impl Figures {
-    /// Runs Munjiza-NBS on `centres` of diameter 1 in 10 by 10 cells, and writes down what it does.
+    /// Runs Munjiza-NBS on `centres` of diameter 1 in 10 by 10 cells, and records what it does.
     pub(crate) fn draw(centres: &[[f64; 2]]) -> Result<Self, Error> {
         let mut figures = Self::default();
         let elements = Elements::points(centres, 1.0)?;
@@ -74,7 +74,7 @@ impl Observer<2> for Figures {
     }
 }
 
-/// Counted from 1, and -1 for none.
+/// Numbers from 1, and -1 for none.
 pub(crate) fn in_the_books_numbers(integers: &[u32]) -> Vec<i64> {
     integers.iter().map(|&k| if k == NONE { -1 } else { i64::from(k) + 1 }).collect()
 }

@@ -1,4 +1,4 @@
-//! Couples of moving elements: detect once with a buffer, then check the candidates while nothing has moved far.
+//! Couples of moving elements: candidates are detected with a buffer and reused until an element has moved too far.
 
 use std::fmt;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -14,45 +14,46 @@ use crate::real::Real;
 use crate::search::Search;
 use crate::search::rows::reserve;
 
-/// Repeated contact detection that keeps its candidates while no element has moved farther than half the buffer.
+/// Repeated contact detection that keeps its candidates until an element has moved farther than half the buffer.
 ///
-/// A detection with the tolerance enlarged by the *buffer* finds candidates. They contain every couple until two
-/// elements have come nearer by the buffer, which takes one that has moved by half of it. Motion is counted relative
-/// to the mean motion of all elements: a body that flies, or a moving frame, costs nothing. [`Buffered::update`] looks at the
-/// motion and detects again only then; the couples are those candidates that touch now, by the comparison of [`Elements`].
+/// A detection with the tolerance enlarged by the *buffer* finds candidates. They contain every couple until two elements have approached
+/// each other by the buffer, which requires that one has moved by half of it. Motion is measured relative to the mean motion of all
+/// elements, so a common translation costs nothing. [`Buffered::update`] measures the motion and detects again only when needed. The
+/// couples are those candidates that touch now, by the comparison of [`Elements`].
 ///
-/// A large buffer makes detections rare and candidates many, `(1 + buffer/diameter)^D` times the couples of a dense
-/// packing; a tenth to a third of the diameter is usual.
+/// A large buffer makes detections rare but candidates many: `(1 + buffer/diameter)^D` times the couples of a dense packing. A tenth to a
+/// third of the diameter is usual.
 ///
 /// # Why no couple is lost
-/// Let `X` be the positions at the detection, `x` those now, and `c` any vector, the same for all elements; `w_i = (x_i - X_i) - c`. Then
-/// `|X_i - X_j| <= |x_i - x_j| + |w_i| + |w_j|`, because `c` cancels. So `c` need not be the mean to the last bit, nor the
-/// mean at all. What touches now has `|x_i - x_j| <= reach + p`, and what had `|X_i - X_j| <= reach + b - P` is a candidate;
-/// `b` is the difference of the two tolerances as they were rounded, and `p` and `P` are what the two comparisons may err by
-/// (`Elements::rounding`, where the same is said for corners of boxes, whose motion is measured axis by axis). No couple is lost
-/// while all `|w_i| <= (b - p - P) / 2`.
+/// Let `X` be the positions at the detection, `x` the current ones, `c` any vector that is the same for all elements, and
+/// `w_i = (x_i - X_i) - c`. Then `|X_i - X_j| <= |x_i - x_j| + |w_i| + |w_j|`, because `c` cancels. So `c` need not be the mean to the last
+/// bit, nor the mean at all. Elements that touch now have `|x_i - x_j| <= reach + p`. Elements with `|X_i - X_j| <= reach + b - P` are
+/// candidates. Here `b` is the difference of the two rounded tolerances, and `p` and `P` bound the errors of the two comparisons
+/// (`Elements::rounding`, which covers corners of boxes too, whose motion is measured axis by axis). No couple is lost while all
+/// `|w_i| <= (b - p - P) / 2`.
 ///
-/// The `|w_i|` are computed in `f64`, with `v = 2^-53`: the two subtractions err by at most `v (2 |w_i| + |c|)` to first order; the square of `w_i` and that of the
-/// limit, compared, by less than `(D + 3) v` relative to `|w_i|`. The limit is the bound above, less `(D + 8) 2 v` times the
-/// larger tolerance, which is at least `b`, and less `2 v` times the sum of the `|c|` of all axes: twice what is needed, and the
-/// remainder covers the roundings of the limit itself. Squares that underflow are covered by `MIN_RESOLVED` in `p` and `P`.
+/// The `|w_i|` are computed in `f64`, with `v = 2^-53`. The two subtractions err by at most `v (2 |w_i| + |c|)` to first order. The
+/// comparison of the square of `w_i` with that of the limit errs by less than `(D + 3) v` relative to `|w_i|`. The limit is the bound above
+/// minus `(D + 8) 2 v` times the larger tolerance, which is at least `b`, and minus `2 v` times the sum of the `|c|` of all axes. That is
+/// twice what is needed; the remainder covers the roundings of the limit itself. Squares that underflow are covered by `MIN_RESOLVED` in
+/// `p` and `P`.
 ///
 /// # Shapes
-/// Elements of any shape; those of one update may lie in other arrays than those of the last. Element `i` is
-/// the same element throughout (if not, it has moved, and this is noticed). A filter that changes is noticed too.
+/// Elements of any shape. Each update may use other arrays. Element `i` must be the same element throughout; otherwise it counts as moved,
+/// and the update detects again. A changed filter is noticed too.
 ///
 /// # Order
-/// That of the candidates, which is the order of the engine at the last detection. It depends on the sequence of updates.
+/// The order of the candidates, which is that of the engine at the last detection. It depends on the sequence of updates.
 ///
 /// # Cost
-/// An update that keeps the candidates: one pass over the positions, and one over the candidates for the couples, on any number of threads. This second
-/// one gathers coordinates in the order of space: where elements are numbered along space it takes half as long as where they are numbered
-/// at random. It can be left out: [`Update::candidates`]. One that detects: at most two passes over the positions, a search, and a copy of positions, radii and filter. Memory: that of the search, the copy,
-/// and 8 bytes per candidate.
+/// An update that keeps the candidates takes one pass over the positions and, for the couples, one over the candidates, on any number of
+/// threads. The second pass reads coordinates in spatial order, so it is twice as fast if elements are numbered along space as if they are
+/// numbered at random. It can be skipped: [`Update::candidates`]. An update that detects takes at most two passes over the positions, a
+/// search, and a copy of positions, radii and filter. Memory: that of the search, the copy, and 8 bytes per candidate.
 ///
 /// # Source
 /// L. Verlet, "Computer experiments on classical fluids", Phys. Rev. 159 (1967) 98-103: lists with a skin. A. Munjiza, "The Combined
-/// Finite-Discrete Element Method" (2004): the buffer. The mean motion and the margin for rounding are ours.
+/// Finite-Discrete Element Method" (2004): the buffer. Subtracting the mean motion and the margin for rounding are our own.
 ///
 /// # Example
 /// ```
@@ -87,7 +88,7 @@ pub struct Buffered<T, const D: usize, S = Detector<T, D>> {
     buffer: T,
     candidates: Vec<Couple>,
     pool: Pool,
-    /// The elements at the last detection; `None` before the first and after one that failed.
+    /// The elements at the last detection; `None` before the first detection and after one that failed.
     reference: Option<Reference<T, D>>,
     updates: u64,
     redetections: u64,
@@ -97,39 +98,41 @@ pub struct Buffered<T, const D: usize, S = Detector<T, D>> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Reason {
-    /// There were no candidates: the first update, or the first after one that failed.
+    /// There were no candidates: it was the first update, or the first after one that failed.
     First,
     /// An element, or a corner of its box, moved farther than the buffer covers.
     Moved {
         /// The element that moved farthest, by its zero-based number.
         element: usize,
-        /// How far, relative to the mean motion of all; for boxes, along the axis on which it was farthest.
+        /// Its motion relative to the mean motion of all; for boxes, along the axis of the largest motion.
         distance: f64,
-        /// How far it may: half the buffer, less what roundings can amount to.
+        /// The allowed motion: half the buffer minus a margin for rounding.
         limit: f64,
     },
-    /// The radius of an element differs. (A box that grows has moved its corners.)
+    /// The radius of an element differs. (A box that grows has moved corners instead.)
     SizeChanged {
         /// Zero-based number of the first such element; 0 if all have one radius.
         element: usize,
     },
     /// The number of elements differs.
     CountChanged {
-        /// At the last detection.
+        /// The number at the last detection.
         before: usize,
-        /// Now.
+        /// The number now.
         now: usize,
     },
     /// The elements are of another kind: spheres of one radius, spheres with radii, or boxes.
     ShapeChanged,
     /// The tolerance of the elements differs.
     ToleranceChanged,
-    /// Which elements see each other differs, or may: the numbers of the filter, or its matrix.
+    /// The numbers of the filter or its matrix differ, or may differ.
     FilterChanged {
         /// The first element with other numbers; `None` if there is none, or if the filters are of different kinds.
         element: Option<usize>,
     },
-    /// The buffer is zero, or no more than the rounding of coordinates and sizes: no motion at all is covered.
+    /// The box that repeats differs: its origin, an edge, or which edges repeat.
+    BoxChanged,
+    /// The buffer is zero, or no larger than the rounding of coordinates and sizes, so it covers no motion.
     BufferTooSmall,
 }
 
@@ -151,6 +154,7 @@ impl fmt::Display for Reason {
                 write!(out, "the filter changed, first for element {element}")
             }
             Self::FilterChanged { element: None } => out.write_str("the filter changed"),
+            Self::BoxChanged => out.write_str("the box that repeats changed"),
             Self::BufferTooSmall => {
                 out.write_str("the buffer is no more than the rounding of the coordinates")
             }
@@ -158,7 +162,7 @@ impl fmt::Display for Reason {
     }
 }
 
-/// The elements now, and the candidates that contain all of their couples: what [`Buffered::update`] returns.
+/// The result of [`Buffered::update`]: the current elements, and candidates that contain all of their couples.
 #[derive(Clone, Copy, Debug)]
 #[must_use = "the couples are in here"]
 pub struct Update<'a, T, const D: usize> {
@@ -168,20 +172,20 @@ pub struct Update<'a, T, const D: usize> {
     reason: Option<Reason>,
 }
 
-/// Elements as they were, copied.
+/// A copy of the elements at the last detection.
 #[derive(Clone, Debug)]
-struct Reference<T, const D: usize> {
+pub(crate) struct Reference<T, const D: usize> {
     kind: Kind,
     tolerance: T,
-    /// Difference of the tolerances with which and for which the candidates were found.
+    /// Difference between the tolerance of the detection and that of the elements.
     buffer: f64,
-    /// What the comparison may err by: `Elements::rounding`, of the enlarged tolerance.
+    /// Bound on the error of the comparison with the enlarged tolerance: `Elements::rounding`.
     rounding: f64,
     /// Centres, or minimum corners.
     points: Vec<[T; D]>,
     /// Maximum corners; empty for spheres.
     far_points: Vec<[T; D]>,
-    /// The radius of each, or the one radius of all; empty for boxes.
+    /// The radius of each element, or the one radius of all; empty for boxes.
     radii: Vec<T>,
     /// The numbers of the filter, and its matrix.
     labels: Labels,
@@ -195,7 +199,7 @@ enum Kind {
     Boxes,
 }
 
-/// The numbers of a shape, as slices.
+/// Slices of the numbers of a shape.
 struct Numbers<'a, T, const D: usize> {
     kind: Kind,
     points: &'a [[T; D]],
@@ -215,20 +219,20 @@ impl<'a, T: Real, const D: usize> Numbers<'a, T, D> {
 }
 
 impl<T: Real, const D: usize> Buffered<T, D> {
-    /// Nothing detected yet; the engine is picked from the elements.
+    /// A detector with nothing detected yet; the engine is chosen from the elements.
     ///
     /// # Units
     /// `buffer` shares the length unit of the elements. With 0 every update detects.
     ///
     /// # Errors
-    /// [`Error::InvalidBuffer`] for one that is negative, NaN, infinite or beyond [`Real::MAX_MAGNITUDE`].
+    /// [`Error::InvalidBuffer`] if `buffer` is negative, NaN, infinite or beyond [`Real::MAX_MAGNITUDE`].
     pub fn new(buffer: T) -> Result<Self, Error> {
         Self::with_search(Detector::new(Engine::Auto), buffer)
     }
 }
 
 impl<T: Real, const D: usize, S: Search<T, D>> Buffered<T, D, S> {
-    /// The same with a search of the caller's.
+    /// The same with the caller's own search.
     ///
     /// # Errors
     /// As [`Buffered::new`].
@@ -241,25 +245,26 @@ impl<T: Real, const D: usize, S: Search<T, D>> Buffered<T, D, S> {
         Ok(Self { search, buffer, candidates, pool, reference: None, updates: 0, redetections: 0 })
     }
 
-    /// The same with candidates tested on `threads` threads; 0 is one for each processor, 1 is the default and uses no pool. Those of
-    /// the search are its own. The couples and their order are the same for any number.
+    /// The same, with candidates tested on `threads` threads. 0 is one per processor; 1 is the default and uses no thread pool. The threads
+    /// of the search are set separately. The couples and their order are the same for any number.
     ///
     /// # Errors
-    /// [`Error::NoThreads`] if they cannot be had, above 1024, or if the crate was built without its feature `rayon`.
+    /// [`Error::NoThreads`] if the threads cannot be started, if there are more than 1024, or if the crate was built without its feature
+    /// `rayon`.
     pub fn with_threads(mut self, threads: usize) -> Result<Self, Error> {
         self.pool = Pool::new(threads)?;
         Ok(self)
     }
 
-    /// The candidates for `elements`: those at hand if they still contain every couple, new ones otherwise.
+    /// The candidates for `elements`: the existing ones if they still contain every couple, otherwise new ones.
     ///
     /// # Errors
-    /// Those of the search; [`Error::InvalidTolerance`] if tolerance and buffer together are beyond
-    /// [`Real::MAX_MAGNITUDE`]; [`Error::OutOfMemory`]. Nothing is kept then, and the next update detects.
+    /// Those of the search; [`Error::InvalidTolerance`] if tolerance and buffer together exceed [`Real::MAX_MAGNITUDE`];
+    /// [`Error::OutOfMemory`]. After an error nothing is kept, and the next update detects.
     pub fn update<'a>(&'a mut self, elements: &Elements<'a, T, D>) -> Result<Update<'a, T, D>, Error> {
         let reason = match &self.reference {
             None => Some(Reason::First),
-            Some(reference) => reference.outdated_by(elements),
+            Some(reference) => reference.outdated_by(elements, 0.0),
         };
         if reason.is_some() {
             self.detect(elements)?;
@@ -269,7 +274,7 @@ impl<T: Real, const D: usize, S: Search<T, D>> Buffered<T, D, S> {
         Ok(Update { elements: *elements, candidates: &self.candidates, pool: &self.pool, reason })
     }
 
-    /// The gap that candidates have beyond the tolerance.
+    /// The gap that candidates may have beyond the tolerance.
     pub fn buffer(&self) -> T {
         self.buffer
     }
@@ -290,25 +295,22 @@ impl<T: Real, const D: usize, S: Search<T, D>> Buffered<T, D, S> {
     }
 
     fn detect(&mut self, elements: &Elements<'_, T, D>) -> Result<(), Error> {
-        // Missing while anything below can fail; its memory is used again.
+        // Taken out while anything below can fail; its memory is reused.
         let mut reference = self.reference.take().unwrap_or_else(Reference::empty);
         let tolerance = elements.tolerance();
         let enlarged = elements.with_tolerance(tolerance + self.buffer)?;
         self.search.couples(&enlarged, &mut self.candidates)?;
-        reference.copy(elements)?;
-        reference.tolerance = tolerance;
-        reference.buffer = enlarged.tolerance().to_f64() - tolerance.to_f64();
-        reference.rounding = enlarged.rounding();
+        reference.copy(elements, &enlarged)?;
         self.reference = Some(reference);
         Ok(())
     }
 }
 
-/// Elements whose motion is averaged for a first guess at the mean of all.
+/// Number of elements whose motion is averaged for a first estimate of the mean.
 const SAMPLE: usize = 1024;
 
 impl<T: Real, const D: usize> Reference<T, D> {
-    fn empty() -> Self {
+    pub(crate) fn empty() -> Self {
         Self {
             kind: Kind::Equal,
             tolerance: T::ZERO,
@@ -322,7 +324,12 @@ impl<T: Real, const D: usize> Reference<T, D> {
         }
     }
 
-    fn copy(&mut self, elements: &Elements<'_, T, D>) -> Result<(), Error> {
+    /// Copies the elements; the candidates are the couples of `enlarged`, the same elements with the larger tolerance.
+    pub(crate) fn copy(
+        &mut self,
+        elements: &Elements<'_, T, D>,
+        enlarged: &Elements<'_, T, D>,
+    ) -> Result<(), Error> {
         let numbers = Numbers::of(elements);
         self.kind = numbers.kind;
         copy(numbers.points, &mut self.points)?;
@@ -330,11 +337,20 @@ impl<T: Real, const D: usize> Reference<T, D> {
         copy(numbers.radii, &mut self.radii)?;
         let matrix = elements.filter().and_then(|filter| filter.matrix());
         self.matrix = matrix.map(GroupMatrix::copy).transpose()?;
+        self.tolerance = elements.tolerance();
+        self.buffer = enlarged.tolerance().to_f64() - elements.tolerance().to_f64();
+        self.rounding = enlarged.rounding();
         self.labels.copy(elements.filter())
     }
 
-    /// Why the candidates may lack a couple of `elements`; `None` if they cannot.
-    fn outdated_by(&self, elements: &Elements<'_, T, D>) -> Option<Reason> {
+    /// Centres, or minimum corners.
+    pub(crate) fn points(&self) -> &[[T; D]] {
+        &self.points
+    }
+
+    /// The reason why the candidates may lack a couple of `elements`; `None` if they cannot. `rounding` bounds further errors of the distances, at the
+    /// detection and now together.
+    pub(crate) fn outdated_by(&self, elements: &Elements<'_, T, D>, rounding: f64) -> Option<Reason> {
         let now = Numbers::of(elements);
         if now.points.len() != self.points.len() {
             return Some(Reason::CountChanged { before: self.points.len(), now: now.points.len() });
@@ -353,22 +369,28 @@ impl<T: Real, const D: usize> Reference<T, D> {
         if !self.labels.equal(filter) || self.matrix.as_ref() != filter.and_then(|filter| filter.matrix()) {
             return Some(Reason::FilterChanged { element: self.labels.first_change(filter) });
         }
-        // Any common motion will do, so that of a sample is tried first: it saves a pass over all.
+        // Any common motion will do. That of a sample is tried first, which saves a pass over all elements.
         let n = now.points.len();
         let step = n.div_ceil(SAMPLE).max(1);
-        let reason = self.moved(elements, &now, step)?;
-        if step == 1 { Some(reason) } else { self.moved(elements, &now, 1) }
+        let reason = self.moved(elements, &now, step, rounding)?;
+        if step == 1 { Some(reason) } else { self.moved(elements, &now, 1, rounding) }
     }
 
-    /// Whether an element moved too far relative to the mean motion of every `step`-th.
-    fn moved(&self, elements: &Elements<'_, T, D>, now: &Numbers<'_, T, D>, step: usize) -> Option<Reason> {
+    /// Whether an element moved too far relative to the mean motion of every `step`-th element.
+    fn moved(
+        &self,
+        elements: &Elements<'_, T, D>,
+        now: &Numbers<'_, T, D>,
+        step: usize,
+        rounding: f64,
+    ) -> Option<Reason> {
         let motions = [
             Motion { now: now.points, before: &self.points },
             Motion { now: now.far_points, before: &self.far_points },
         ];
         let mean = mean_motion(&motions, step);
 
-        let roundings = self.rounding + elements.rounding();
+        let roundings = self.rounding + elements.rounding() + rounding;
         let enlarged = self.tolerance.to_f64() + self.buffer;
         let limit = 0.5 * (self.buffer - roundings)
             - f64::EPSILON * ((D + 8) as f64 * enlarged + mean.iter().map(|c| c.abs()).sum::<f64>());
@@ -385,14 +407,14 @@ impl<T: Real, const D: usize> Reference<T, D> {
     }
 }
 
-/// Points now and before.
+/// Positions of points now and at the last detection.
 struct Motion<'a, T, const D: usize> {
     now: &'a [[T; D]],
     before: &'a [[T; D]],
 }
 
 impl<T: Real, const D: usize> Motion<'_, T, D> {
-    /// The point that moved farthest relative to `mean`, and the square of its motion: the squares of the axes, combined.
+    /// The point that moved farthest relative to `mean`, and the square of its motion, combined from the axes.
     #[inline]
     fn farthest(&self, mean: &[f64; D], combine: impl Fn(f64, f64) -> f64) -> (usize, f64) {
         let mut worst = (0, 0.0);
@@ -410,7 +432,7 @@ impl<T: Real, const D: usize> Motion<'_, T, D> {
     }
 }
 
-/// The mean motion of every `step`-th point of all arrays; zero if there are none.
+/// The mean motion of every `step`-th point of all arrays; zero without points.
 fn mean_motion<T: Real, const D: usize>(motions: &[Motion<'_, T, D>], step: usize) -> [f64; D] {
     let mut sum = [0.0; D];
     let mut count = 0.0_f64;
@@ -426,7 +448,7 @@ fn mean_motion<T: Real, const D: usize>(motions: &[Motion<'_, T, D>], step: usiz
 }
 
 impl<T: Real, const D: usize> Update<'_, T, D> {
-    /// Why there was a new detection, or `None` if the candidates were kept.
+    /// The reason for a new detection; `None` if the candidates were kept.
     pub fn reason(&self) -> Option<Reason> {
         self.reason
     }
@@ -436,9 +458,10 @@ impl<T: Real, const D: usize> Update<'_, T, D> {
         self.reason.is_some()
     }
 
-    /// Couples that may touch: all that do, and others that are no more than the buffer and twice the motion apart.
+    /// Couples that may touch: all that do, and others whose gap is at most the buffer plus twice the motion.
     ///
-    /// For a narrow phase that computes the distance anyway, this saves [`Update::couples`], which is most of an update.
+    /// A narrow phase that computes the distance anyway can use these instead of [`Update::couples`], which is most of the cost of an
+    /// update.
     pub fn candidates(&self) -> &[Couple] {
         self.candidates
     }
@@ -448,10 +471,10 @@ impl<T: Real, const D: usize> Update<'_, T, D> {
         self.touching(self.candidates, |couples| couples.iter().copied().for_each(&mut visit));
     }
 
-    /// Writes the couples that touch now into `couples`, cleared first, in the order of the candidates.
+    /// Writes the couples that touch now into `couples`, in the order of the candidates. `couples` is cleared first.
     ///
     /// # Errors
-    /// [`Error::OutOfMemory`]; `couples` is empty then.
+    /// [`Error::OutOfMemory`]; `couples` is then empty.
     pub fn couples(&self, couples: &mut Vec<Couple>) -> Result<(), Error> {
         couples.clear();
         if self.pool.threads() == 1 {
@@ -480,7 +503,7 @@ impl<T: Real, const D: usize> Update<'_, T, D> {
         total.into_inner()
     }
 
-    /// Hands over those of `candidates` that touch, some at a time. They see each other: the filter is that of the detection.
+    /// Passes on those of `candidates` that touch, in blocks. All satisfy the filter, which is that of the detection.
     fn touching(&self, candidates: &[Couple], visit: impl FnMut(&[Couple])) {
         match self.elements.shape {
             Shape::Equal(equal) => touching(equal, candidates, visit),
@@ -490,10 +513,10 @@ impl<T: Real, const D: usize> Update<'_, T, D> {
     }
 }
 
-/// Candidates that a thread takes at a time.
+/// Number of candidates that a thread takes at a time.
 const PART: usize = 16_384;
 
-/// Candidates that are tested before those that touch are handed over: they stay in the first-level cache.
+/// Number of candidates that are tested before those that touch are passed on: they stay in the first-level cache.
 const TESTED_AT_ONCE: usize = 512;
 
 fn touching<G: Geometry>(geometry: G, candidates: &[Couple], mut visit: impl FnMut(&[Couple])) {
@@ -501,7 +524,7 @@ fn touching<G: Geometry>(geometry: G, candidates: &[Couple], mut visit: impl FnM
     for candidates in candidates.chunks(TESTED_AT_ONCE) {
         let mut count = 0;
         for &couple in candidates {
-            // Written always and kept or not: which of them touch cannot be predicted.
+            // Always written, then kept or not: a branch on whether they touch would be unpredictable.
             found[count] = couple;
             count += usize::from(geometry.touch(couple.i as usize, couple.j as usize));
         }

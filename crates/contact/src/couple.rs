@@ -22,14 +22,14 @@ impl Couple {
     }
 }
 
-/// Two elements of two sets that touch, each by its number in its own set.
+/// Two touching elements of two sets, each by its number in its own set.
 ///
 /// Ordered by `i`, then by `j`. The layout is two `u32` in this order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[repr(C)]
 pub struct CrossCouple {
-    /// The element of the set that was asked with.
+    /// The element of the querying set.
     pub i: u32,
-    /// The element of the set that was asked: that of the [`Index`](crate::Index).
+    /// The element of the set in the [`Index`](crate::Index).
     pub j: u32,
 }

@@ -1,4 +1,4 @@
-//! Compressed rows: the neighbours of each element, side by side.
+//! Compressed sparse rows: the neighbours of each element, contiguous in memory.
 
 use crate::couple::Couple;
 use crate::elements::{Elements, MAX_ELEMENTS};
@@ -7,32 +7,32 @@ use crate::periodic::PeriodicCouple;
 use crate::real::Real;
 use crate::search::Search;
 
-/// The neighbours of every element in compressed rows, made from a couple list in linear time; optionally a value with each.
+/// The neighbours of every element in compressed sparse rows, made from a couple list in linear time, optionally with a value per entry.
 ///
-/// Row `i` is `neighbours[offsets[i]..offsets[i + 1]]`, ascending. *Half* rows hold each couple once, under its smaller number: the form
-/// for a loop over couples. *Full* rows hold it under both: the form for a loop over elements, and for threads that must not write
-/// to each other's elements.
+/// Row `i` is `neighbours[offsets[i]..offsets[i + 1]]`, ascending. *Half* rows hold each couple once, under its smaller number; they suit a
+/// loop over couples. *Full* rows hold it under both numbers; they suit a loop over elements, and threads that must not write to each
+/// other's elements.
 /// ```text
 /// couples 0-1 1-2 0-3      offsets   neighbours
 ///                  half    0 2 3 3 3   1 3 | 2 |   |
 ///                  full    0 2 4 5 6   1 3 | 0 2 | 1 | 0
 /// ```
-/// An [`Index`](crate::Index) fills rows too: a row for each point that was asked about, and the elements that were found near it,
-/// ascending by number, or by distance where the nearest were asked for.
+/// An [`Index`](crate::Index) fills rows too: one row per query point, with the elements found near it, ascending by number, or by distance
+/// for a query of the nearest.
 ///
-/// The memory is kept from one filling to the next. A couple that is listed twice stands in its row twice.
+/// The memory is kept from one filling to the next. A couple that is listed twice appears twice in its row.
 ///
 /// # Shapes
-/// `offsets` `[n + 1]`, `neighbours` and `values` `[m]` (half) or `[2 m]` (full), for `n` elements and `m` couples. Rows depend on the set of
-/// couples, not on their order. `V` is `()` where there are no values, and takes no memory then.
+/// `offsets` `[n + 1]`, `neighbours` and `values` `[m]` (half) or `[2 m]` (full), for `n` elements and `m` couples. Rows depend on the set
+/// of couples, not on their order. Without values `V` is `()`, which takes no memory.
 ///
 /// # Cost
-/// Time proportional to `n + m`: two counting sorts, by larger and then by smaller number, and nothing is compared. Memory: 16 bytes per element;
-/// 8 (half) or 12 (full) bytes per couple, and the values.
+/// Time proportional to `n + m`: two counting sorts, by the larger and then by the smaller number, without comparisons. Memory: 16 bytes
+/// per element, 8 (half) or 12 (full) bytes per couple, and the values.
 ///
 /// # Errors
-/// All filling functions: [`Error::MalformedCouple`] for a couple that is not `i < j < n`, [`Error::TooManyElements`] for an
-/// `n` that `u32` cannot number, [`Error::OutOfMemory`]. There are no rows afterwards.
+/// All filling functions return [`Error::MalformedCouple`] for a couple that is not `i < j < n`, [`Error::TooManyElements`] for an `n` that
+/// does not fit into `u32`, or [`Error::OutOfMemory`]. There are no rows after an error.
 ///
 /// # Example
 /// ```
@@ -61,14 +61,14 @@ pub struct Csr<V = ()> {
     offsets: Vec<usize>,
     neighbours: Vec<u32>,
     values: Vec<V>,
-    /// Working memory: where rows by the larger number end, and the smaller numbers in these rows.
+    /// Working memory: the ends of rows by the larger number; below, the smaller numbers in these rows.
     ends: Vec<usize>,
     smaller: Vec<u32>,
-    /// Couples on their way from a search.
+    /// Couples of a search, before they are put into rows.
     found: Vec<Couple>,
 }
 
-/// Which rows a couple stands in.
+/// Which rows a couple is put into.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Rows {
     Half,
@@ -82,7 +82,7 @@ impl<V> Default for Csr<V> {
 }
 
 impl Csr {
-    /// Rows with each couple once, under its smaller number.
+    /// Fills rows with each couple once, under its smaller number.
     ///
     /// # Errors
     /// See [`Csr`].
@@ -90,7 +90,7 @@ impl Csr {
         self.fill(elements, couples, Rows::Half)
     }
 
-    /// Rows with each couple under both of its numbers.
+    /// Fills rows with each couple under both of its numbers.
     ///
     /// # Errors
     /// See [`Csr`].
@@ -98,10 +98,10 @@ impl Csr {
         self.fill(elements, couples, Rows::Full)
     }
 
-    /// Searches, then [`Csr::fill_half`]; the couple list is kept as working memory (8 bytes per couple).
+    /// Searches, then fills as [`Csr::fill_half`]. The couple list is kept as working memory (8 bytes per couple).
     ///
     /// # Errors
-    /// See [`Csr`], and as [`Search::couples`].
+    /// See [`Csr`] and [`Search::couples`].
     pub fn find_half<T: Real, const D: usize>(
         &mut self,
         search: &mut impl Search<T, D>,
@@ -110,10 +110,10 @@ impl Csr {
         self.find(search, elements, Rows::Half)
     }
 
-    /// Searches, then [`Csr::fill_full`]; the couple list is kept as working memory (8 bytes per couple).
+    /// Searches, then fills as [`Csr::fill_full`]. The couple list is kept as working memory (8 bytes per couple).
     ///
     /// # Errors
-    /// See [`Csr`], and as [`Search::couples`].
+    /// See [`Csr`] and [`Search::couples`].
     pub fn find_full<T: Real, const D: usize>(
         &mut self,
         search: &mut impl Search<T, D>,
@@ -138,14 +138,13 @@ impl Csr {
 }
 
 impl<const D: usize> Csr<[i32; D]> {
-    /// Rows with each periodic couple once, under its smaller number; the values are the shifts of the neighbours.
+    /// Fills rows with each periodic couple once, under its smaller number. The values are the shifts of the neighbours.
     ///
-    /// Rows are ordered by neighbour, then by shift; a neighbour stands there once for each of its images that touches. They are sorted one by
-    /// one.
+    /// Each row is sorted by neighbour, then by shift. A neighbour appears once for each of its images that touches.
     ///
     /// # Errors
-    /// See [`Csr`]; here [`Error::MalformedCouple`] is for a couple that is not `i <= j < n`, or an element with its own image by a shift that is not
-    /// the higher of the two opposite ones.
+    /// See [`Csr`]. Here [`Error::MalformedCouple`] means a couple that is not `i <= j < n`, or an element with its own image whose shift
+    /// is not the higher of the two opposite ones.
     ///
     /// # Example
     /// ```
@@ -166,11 +165,11 @@ impl<const D: usize> Csr<[i32; D]> {
         self.try_fill_periodic(elements, couples, Rows::Half).inspect_err(|_| self.clear())
     }
 
-    /// Rows with each periodic couple from both sides, as [`Csr::fill_half_periodic`]: seen from its larger number the shift is the opposite
-    /// one. An element that touches its own image has both in its row.
+    /// Fills rows with each periodic couple from both sides, as [`Csr::fill_half_periodic`]. Seen from the larger number, the shift is the
+    /// opposite one. An element that touches its own image has both shifts in its row.
     ///
     /// # Errors
-    /// As [`Csr::fill_half_periodic`].
+    /// See [`Csr::fill_half_periodic`].
     pub fn fill_full_periodic(
         &mut self,
         elements: usize,
@@ -192,7 +191,7 @@ impl<const D: usize> Csr<[i32; D]> {
         let entries = if full { couples.len().saturating_mul(2) } else { couples.len() };
         set_len(&mut self.offsets, elements + 1)?;
         set_len(&mut self.neighbours, entries)?;
-        // The values of other rows may be left: all of them are written.
+        // Values of earlier rows may remain, because all of them will be overwritten.
         self.values.truncate(entries);
         let more = entries - self.values.len();
         let bytes = entries.saturating_mul(size_of::<[i32; D]>());
@@ -209,7 +208,7 @@ impl<const D: usize> Csr<[i32; D]> {
         }
         let mut start = 0;
         for row in &mut self.offsets[1..] {
-            // The place of the next entry of the row, and so, when it is full, its end.
+            // The place of the next entry of the row; once the row is full, its end.
             start += std::mem::replace(row, start);
         }
         for &PeriodicCouple { i, j, shift } in couples {
@@ -236,7 +235,7 @@ impl<const D: usize> Csr<[i32; D]> {
 }
 
 impl<V> Csr<V> {
-    /// No rows, no memory.
+    /// No rows, and no memory.
     pub const fn new() -> Self {
         Self {
             offsets: Vec::new(),
@@ -248,10 +247,10 @@ impl<V> Csr<V> {
         }
     }
 
-    /// As [`Csr::fill_half`], with a value for each entry: `value(i, j)`, `i < j`, is called in the order of the entries.
+    /// Fills as [`Csr::fill_half`], with a value for each entry. `value(i, j)`, `i < j`, is called in the order of the entries.
     ///
     /// # Errors
-    /// See [`Csr`]; `value` has not been called then.
+    /// See [`Csr`]; after an error `value` has not been called.
     pub fn fill_half_with(
         &mut self,
         elements: usize,
@@ -262,11 +261,11 @@ impl<V> Csr<V> {
         self.evaluate(value)
     }
 
-    /// As [`Csr::fill_full`], with a value for each entry: `value(element, neighbour)` is called in the order of the entries,
-    /// twice per couple, so that a direction can point from the element to its neighbour.
+    /// Fills as [`Csr::fill_full`], with a value for each entry. `value(element, neighbour)` is called in the order of the entries, twice
+    /// per couple, so that a direction can point from the element to its neighbour.
     ///
     /// # Errors
-    /// See [`Csr`]; `value` has not been called then.
+    /// See [`Csr`]; after an error `value` has not been called.
     pub fn fill_full_with(
         &mut self,
         elements: usize,
@@ -287,7 +286,7 @@ impl<V> Csr<V> {
         self.len() == 0
     }
 
-    /// The neighbours of `element`, ascending; of half rows, those with a larger number.
+    /// The neighbours of `element`, ascending; in half rows only those with a larger number.
     ///
     /// # Panics
     /// When `element` is not below [`Csr::len`].
@@ -313,7 +312,7 @@ impl<V> Csr<V> {
         self.offsets[element + 1] - self.offsets[element]
     }
 
-    /// Where the rows start, and the last one ends: `n + 1` numbers; none before the first filling.
+    /// Where the rows start, followed by the end of the last: `n + 1` numbers, or none before the first filling.
     pub fn offsets(&self) -> &[usize] {
         &self.offsets
     }
@@ -329,7 +328,7 @@ impl<V> Csr<V> {
         &self.values
     }
 
-    /// Bytes that are held now, working memory included.
+    /// Bytes held now, working memory included.
     pub fn bytes(&self) -> usize {
         (self.offsets.capacity() + self.ends.capacity()) * size_of::<usize>()
             + (self.neighbours.capacity() + self.smaller.capacity()) * size_of::<u32>()
@@ -337,7 +336,7 @@ impl<V> Csr<V> {
             + if size_of::<V>() == 0 { 0 } else { self.values.capacity() * size_of::<V>() }
     }
 
-    /// The offsets, neighbours and values, for a search that fills them itself.
+    /// The arrays of offsets, neighbours and values, for a search that fills them itself.
     pub(crate) fn arrays_mut(&mut self) -> (&mut Vec<usize>, &mut Vec<u32>, &mut Vec<V>) {
         (&mut self.offsets, &mut self.neighbours, &mut self.values)
     }
@@ -349,7 +348,7 @@ impl<V> Csr<V> {
     }
 
     fn fill(&mut self, elements: usize, couples: &[Couple], rows: Rows) -> Result<(), Error> {
-        // Whatever fails below leaves no rows.
+        // If anything below fails, there are no rows.
         self.values.clear();
         let result = self.try_fill(elements, couples, rows);
         if result.is_err() {
@@ -358,17 +357,17 @@ impl<V> Csr<V> {
         result
     }
 
-    /// Count, scan, fill; twice.
+    /// Fills the rows by two passes of count, scan and fill.
     ///
-    /// `offsets[i + 1]` and `ends[j + 1]` hold counts, then the place where the next entry of the row goes, and so, when
-    /// the row is full, where it ends. First the couples are put into rows by `j`. Read in this order, `j` ascends, so that
-    /// the larger neighbours of every `i` arrive sorted. Read row by row, in turn, these bring the smaller neighbours sorted.
+    /// `offsets[i + 1]` and `ends[j + 1]` first hold counts, then the place where the next entry of the row goes, which is the end of the
+    /// row once it is full. First the couples are put into rows by `j`. Reading these rows in order, `j` ascends, so the larger neighbours
+    /// of every `i` arrive sorted. Reading the resulting rows in order, the smaller neighbours arrive sorted in turn.
     fn try_fill(&mut self, elements: usize, couples: &[Couple], rows: Rows) -> Result<(), Error> {
         if elements > MAX_ELEMENTS {
             return Err(Error::TooManyElements { elements, limit: MAX_ELEMENTS });
         }
         let full = rows == Rows::Full;
-        // A product beyond `usize` cannot be had either.
+        // A product beyond `usize` cannot be allocated either.
         let entries = if full { couples.len().saturating_mul(2) } else { couples.len() };
         set_len(&mut self.offsets, elements + 1)?;
         set_len(&mut self.ends, elements + 1)?;
@@ -389,7 +388,7 @@ impl<V> Csr<V> {
         let (mut start, mut smaller_start) = (0, 0);
         for (row, end) in offsets[1..].iter_mut().zip(&mut ends[1..]) {
             let (larger_here, smaller_here) = (*row, *end);
-            // Full rows begin with the smaller neighbours, which come later.
+            // Full rows begin with the smaller neighbours, which are filled in later.
             let before = if full { smaller_here } else { 0 };
             *row = start + before;
             *end = smaller_start;
@@ -410,10 +409,10 @@ impl<V> Csr<V> {
             }
         }
         if full {
-            // From here on `ends[i]` is where the next smaller neighbour of `i` goes.
+            // From here on `ends[i]` is the place for the next smaller neighbour of `i`.
             ends.copy_from_slice(offsets);
             for i in 0..elements {
-                // All smaller neighbours of `i` have been here: its larger ones start where they end.
+                // All smaller neighbours of `i` have been placed: its larger ones start where they end.
                 for entry in ends[i]..offsets[i + 1] {
                     let place = &mut ends[neighbours[entry] as usize];
                     neighbours[*place] = i as u32;
@@ -439,10 +438,10 @@ impl<V> Csr<V> {
     }
 }
 
-/// Makes room for `len` values, whatever they are, or says that there is no memory for them.
+/// Sets the length to `len` with arbitrary values, or returns an error if there is no memory.
 pub(crate) fn set_len<N: Copy + Default>(values: &mut Vec<N>, len: usize) -> Result<(), Error> {
     if len > values.capacity() {
-        // What is there need not be moved.
+        // The old values need not be moved.
         values.clear();
         let bytes = len.saturating_mul(size_of::<N>());
         values.try_reserve_exact(len).map_err(|_| Error::OutOfMemory { bytes })?;

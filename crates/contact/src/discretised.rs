@@ -1,7 +1,7 @@
 //! Contacts of bodies that are meshed with finite elements: triangles in 2D, tetrahedra and triangles of surfaces in 3D.
 //!
-//! Detection is on the level of elements, whatever body an element is a part of: bounding boxes through a [`Detector`], then the exact narrow phase
-//! ([`narrow`](crate::narrow)). Contacts of elements are gathered to contacts of bodies.
+//! Detection works on elements: the bounding boxes go through a [`Detector`], then the exact narrow phase ([`narrow`](crate::narrow)) tests
+//! the couples. The contacts of elements are then gathered to contacts of bodies.
 //!
 //! ```
 //! use fdem_contact::discretised::{Mesh, body_contacts, contacts};
@@ -29,9 +29,9 @@
 //! | spheres against walls of triangles | [`MeshSearch::sphere_contacts`] |
 //!
 //! # When do two elements touch?
-//! Touching counts: neighbours of two bodies that have a node in common touch there, and so do bodies that are meshed conformingly, with an overlap of 0.
-//! Of two bodies [`BodyContact`] tells apart what overlaps, what shares a piece of boundary, and what meets in points or edges only.
-//! Elements of one body form no couple, unless [`MeshSearch::with_self_contact`] is asked for.
+//! Touching counts. Elements of two bodies with a common node touch there, and so do bodies with conforming meshes, with an overlap of 0.
+//! [`BodyContact`] distinguishes bodies that overlap, bodies that share a piece of boundary, and bodies that meet in points or edges only.
+//! Elements of the same body form no couple, unless [`MeshSearch::with_self_contact`] is set.
 
 mod bodies;
 mod error;
@@ -55,11 +55,11 @@ pub use error::DiscretisedError;
 pub use simplex::Simplex;
 pub use spheres::SphereContact;
 
-/// Nodes, the elements between them, and the body of each element: borrowed and checked.
+/// A mesh: nodes, the elements between them, and the body of each element. It borrows its arrays and checks them.
 ///
 /// # Shapes
-/// `points` `[n]`; `elements` `[m]`, `N` indices into `points` each: 3 in 2D, 3 (surfaces) or 4 (tetrahedra) in 3D, in any order; `bodies` `[m]`, any
-/// numbers. An element may name a node twice: it is then the segment, point or triangle that is left.
+/// `points` `[n]`; `elements` `[m]` of `N` indices into `points`: 3 in 2D, 3 (surfaces) or 4 (tetrahedra) in 3D, in any order; `bodies`
+/// `[m]`, any numbers. An element may name a node twice; it is then the remaining segment, point or triangle.
 ///
 /// # Example
 /// ```
@@ -113,7 +113,7 @@ where
         self.elements.len()
     }
 
-    /// Whether there is no element.
+    /// Whether there are no elements.
     pub fn is_empty(&self) -> bool {
         self.elements.is_empty()
     }
@@ -153,20 +153,20 @@ pub struct ElementContact<const D: usize> {
     pub i: u32,
     /// The element with the larger number.
     pub j: u32,
-    /// Where, in which direction from `i` to `j`, and how much, as the function of the narrow phase documents it: the area of
-    /// [`triangle_triangle_2d`](crate::narrow::triangle_triangle_2d), the length, or area if coplanar, of
-    /// [`triangle_triangle`](crate::narrow::triangle_triangle), the volume of
+    /// The contact, whose normal leads from `i` to `j`, as the function of the narrow phase documents it: the area of
+    /// [`triangle_triangle_2d`](crate::narrow::triangle_triangle_2d), the length (area if coplanar) of
+    /// [`triangle_triangle`](crate::narrow::triangle_triangle), or the volume of
     /// [`tetrahedron_tetrahedron`](crate::narrow::tetrahedron_tetrahedron); never a gap.
     pub contact: Contact<D>,
 }
 
-/// All contacts of elements of different bodies; the engine is chosen from their boxes, one thread.
+/// All contacts of elements of different bodies. The engine is chosen from their boxes; one thread is used.
 ///
 /// # Shapes
 /// `m` contacts, `i < j`, each couple once, sorted by `i`, then `j`.
 ///
 /// # Cost
-/// As [`MeshSearch`].
+/// See [`MeshSearch`].
 ///
 /// # Errors
 /// Those of [`MeshSearch::contacts`].
@@ -192,11 +192,11 @@ where
     Ok(contacts)
 }
 
-/// Finds the contacts of elements, and those of spheres with surfaces, in memory that it keeps between searches.
+/// Finds the contacts of elements, and those of spheres with surfaces. Its memory is kept between searches.
 ///
 /// # Cost
-/// That of the search over the bounding boxes, whose couples are kept (8 bytes each), and for each of these half a microsecond where
-/// the elements are apart and some microseconds where they touch. Results do not depend on the engine, nor on the threads.
+/// The search over the bounding boxes, whose couples are stored (8 bytes each). For each of these, half a microsecond if the elements are
+/// apart, and some microseconds if they touch. Results depend neither on the engine nor on the threads.
 ///
 /// # Example
 /// ```
@@ -226,11 +226,11 @@ pub struct MeshSearch<const D: usize> {
     pool: Pool,
 }
 
-/// Couples that are looked at in one go.
+/// Number of couples in one part of the work.
 const PART: usize = 512;
 
 impl<const D: usize> MeshSearch<D> {
-    /// A search whose boxes go through this engine, on one thread, for contacts of different bodies.
+    /// A search on one thread for contacts of different bodies; `engine` searches the bounding boxes.
     pub fn new(engine: Engine) -> Self {
         Self {
             detector: Detector::new(engine),
@@ -242,7 +242,7 @@ impl<const D: usize> MeshSearch<D> {
         }
     }
 
-    /// The same on `threads` threads; 0 is one for each processor.
+    /// The same on `threads` threads; 0 is one per processor.
     ///
     /// # Errors
     /// [`Error::NoThreads`].
@@ -252,20 +252,20 @@ impl<const D: usize> MeshSearch<D> {
         Ok(self)
     }
 
-    /// Whether elements of one body form couples too, all but those that have a node in common.
+    /// Sets whether elements of the same body form couples too, except those with a common node.
     #[must_use]
     pub fn with_self_contact(mut self, self_contact: bool) -> Self {
         self.self_contact = self_contact;
         self
     }
 
-    /// Writes the contacts of elements into `contacts`, cleared first.
+    /// Writes the contacts of elements into `contacts`, which is cleared first.
     ///
     /// # Shapes
     /// `m` contacts, `i < j`, each couple once, sorted by `i`, then `j`.
     ///
     /// # Errors
-    /// [`DiscretisedError::Search`]: too many elements, no memory; `contacts` is empty then.
+    /// [`DiscretisedError::Search`] for too many elements or no memory; `contacts` is then empty.
     pub fn contacts<const N: usize>(
         &mut self,
         mesh: &Mesh<'_, D, N>,
@@ -292,7 +292,7 @@ impl<const D: usize> MeshSearch<D> {
                     continue;
                 }
                 let (a, b) = (mesh.vertices(a), mesh.vertices(b));
-                // The gap of what does not touch takes longer than the answer.
+                // The exact test first: computing the gap of elements that do not touch takes longer.
                 if a.touch(&b) {
                     reserve_one(out)?;
                     out.push(ElementContact { i, j, contact: a.contact(&b, &mut scratch) });
@@ -307,7 +307,7 @@ impl<const D: usize> MeshSearch<D> {
     /// Returns the number of elements checked: `sample`, or all of them if there are fewer. The same `seed` picks the same elements.
     ///
     /// # Cost
-    /// `sample` times the number of elements tests.
+    /// `sample` tests per element of the mesh.
     ///
     /// # Errors
     /// The first [`Mismatch`] found.
@@ -383,7 +383,7 @@ impl<const D: usize> MeshSearch<D> {
     }
 }
 
-/// Room for one entry more.
+/// Makes room for one more entry.
 fn reserve_one<V>(values: &mut Vec<V>) -> Result<(), Error> {
     let bytes = (values.len() + 1).saturating_mul(2 * size_of::<V>());
     values.try_reserve(1).map_err(|_| Error::OutOfMemory { bytes })

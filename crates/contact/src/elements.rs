@@ -1,4 +1,4 @@
-//! The caller's elements: checked once, then trusted by every engine.
+//! The caller's elements. They are checked once, and every engine relies on that.
 
 use crate::error::Error;
 use crate::filter::Filter;
@@ -7,28 +7,27 @@ use crate::simd::prefetch;
 
 /// A view of N elements: centres with one radius, with a radius each, or axis-aligned boxes.
 ///
-/// The view borrows the caller's arrays and copies nothing. Its constructors check every number, so that whatever
-/// searches the elements afterwards can trust them.
+/// The view borrows the caller's arrays and copies nothing. Its constructors check every number, so searches need not check again.
 ///
 /// # When do two elements touch?
-/// Touching counts: the comparison is closed. It is defined by the floating-point operations below, in the type
-/// `T` of the input, each rounded once, without fused multiply-add; every engine takes this same decision.
+/// Touching counts: the comparison is closed. Contact is defined by the floating-point operations below, in the type `T` of the input. Each
+/// operation rounds once; there is no fused multiply-add. Every engine takes the same decision.
 /// - Spheres (discs, hyperspheres): `s = (r_i + r_j) + tolerance`; `d = x_i - x_j` per axis;
 ///   `((d_0 * d_0) + d_1 * d_1) + …  <=  s * s`, the axes in ascending order.
 /// - Boxes: `min_i <= max_j + tolerance` and `min_j <= max_i + tolerance` on every axis.
-/// - With a [`Filter`]: the same, and `i` and `j` see each other, [`Filter::admits`].
+/// - With a [`Filter`]: the same, and the filter admits the couple ([`Filter::admits`]).
 ///
-/// All are symmetric in i and j to the last bit. Squares lose precision when differences or radii are below about 1e-154 in `f64`
-/// (1e-19 in `f32`), and vanish below 1.6e-162 (2.6e-23): such elements count as coincident.
+/// All comparisons are symmetric in `i` and `j` to the last bit. Squares lose precision when differences or radii are below about 1e-154 in
+/// `f64` (1e-19 in `f32`), and become zero below 1.6e-162 (2.6e-23): such elements count as coincident.
 ///
 /// # Shapes
 /// `centres`, `min`, `max`: `[n]` points `[T; D]`, for `D` of at least 1; `radii`: `[n]`.
 ///
 /// # Units
-/// One length unit for all. `tolerance` is the gap that still counts as contact, 0 by default.
+/// One length unit for everything. `tolerance` is the largest gap that still counts as contact; it is 0 by default.
 ///
 /// # Cost
-/// Construction reads every number once. A radius of zero is a point, which touches what covers it.
+/// Construction reads every number once. A radius of zero makes a point, which touches every element that covers it.
 ///
 /// # Example
 /// ```
@@ -59,7 +58,7 @@ pub(crate) enum Shape<'a, T, const D: usize> {
 }
 
 impl<T, const D: usize> Shape<'_, T, D> {
-    /// Numbers of an element besides its point: the radius, or the upper ends of a box.
+    /// Numbers per element in addition to its point: 1 for a radius, `D` for the upper ends of a box.
     pub(crate) fn floats(&self) -> usize {
         match self {
             Self::Equal(_) => 0,
@@ -77,10 +76,10 @@ pub(crate) struct Bounds<const D: usize> {
 }
 
 impl<const D: usize> Bounds<D> {
-    /// Those of no points.
+    /// The bounds of an empty set of points.
     pub(crate) const NOTHING: Self = Self { min: [f64::INFINITY; D], max: [f64::NEG_INFINITY; D] };
 
-    /// The bounds of one point more, which is not NaN.
+    /// The bounds, extended by one point, which is not NaN.
     #[inline]
     pub(crate) fn include(&mut self, point: &[f64; D]) {
         for (axis, &x) in point.iter().enumerate() {
@@ -89,7 +88,7 @@ impl<const D: usize> Bounds<D> {
         }
     }
 
-    /// Whether a point is within, the bounds included.
+    /// Whether a point is inside the bounds or on them.
     #[inline]
     pub(crate) fn contains<T: Real>(&self, point: &[T; D]) -> bool {
         let mut inside = true;
@@ -100,7 +99,7 @@ impl<const D: usize> Bounds<D> {
         inside
     }
 
-    /// The bounds of the points of both.
+    /// The bounds of both sets of points together.
     pub(crate) fn join(mut self, other: &Self) -> Self {
         for axis in 0..D {
             self.min[axis] = self.min[axis].min(other.min[axis]);
@@ -110,15 +109,15 @@ impl<const D: usize> Bounds<D> {
     }
 }
 
-/// What an engine needs of a set of elements, resolved once per search and not once per couple.
+/// The geometry of a set of elements as an engine reads it: the kind of element is resolved once per search, not once per couple.
 pub(crate) trait Geometry: Copy {
     /// Number of elements.
     fn len(self) -> usize;
 
-    /// The coordinate by which an element is mapped to a cell: of its centre, or of the minimum corner of its box.
+    /// The coordinate that decides the cell of an element: that of its centre, or of the minimum corner of its box.
     fn anchor(self, index: usize, axis: usize) -> f64;
 
-    /// The closed comparison that [`Elements`] documents.
+    /// The closed comparison documented at [`Elements`].
     fn touch(self, i: usize, j: usize) -> bool;
 }
 
@@ -143,7 +142,7 @@ pub(crate) struct Boxes<'a, T, const D: usize> {
     tolerance: T,
 }
 
-/// Ids are `u32`, and the largest value is the end of a list.
+/// Ids are `u32`, and the largest value marks the end of a list.
 pub(crate) const MAX_ELEMENTS: usize = u32::MAX as usize - 1;
 
 impl<'a, T: Real, const D: usize> Elements<'a, T, D> {
@@ -240,7 +239,7 @@ impl<'a, T: Real, const D: usize> Elements<'a, T, D> {
         Ok(self)
     }
 
-    /// The same elements, of which only those touch that see each other; replaces a filter that they had.
+    /// The same elements with a filter: only couples that the filter admits touch. Replaces an earlier filter.
     ///
     /// # Errors
     /// [`Error::LengthMismatch`]; [`Error::UnknownGroup`], which names the element.
@@ -250,10 +249,10 @@ impl<'a, T: Real, const D: usize> Elements<'a, T, D> {
         Ok(self)
     }
 
-    /// The same kind of elements at other places, more of them or fewer: `points` with the extremes `bounds`, and `radii` or `far_points`
-    /// (maximum corners) where this kind has them, with a `filter` of as many numbers.
+    /// Elements of the same kind at other places, in any number: `points` with the extremes `bounds`, `radii` or `far_points` (maximum
+    /// corners) if this kind has them, and a `filter` of the same length.
     ///
-    /// Every radius must be one of those here, which have been checked.
+    /// The caller passes only radii of these elements, because radii have been checked.
     pub(crate) fn at<'b>(
         &self,
         points: &'b [[T; D]],
@@ -277,7 +276,7 @@ impl<'a, T: Real, const D: usize> Elements<'a, T, D> {
         check_count(points.len())?;
         let limit = T::MAX_MAGNITUDE.to_f64();
         if bounds.min.iter().chain(&bounds.max).any(|x| x.abs() > limit) {
-            // Finds out which it is.
+            // Finds the coordinate that is wrong.
             check_points(points)?;
         }
         Ok(Elements { shape, tolerance: self.tolerance, bounds, largest: self.largest, filter })
@@ -302,12 +301,12 @@ impl<'a, T: Real, const D: usize> Elements<'a, T, D> {
         self.tolerance
     }
 
-    /// Which elements see each other; `None` if all do.
+    /// The filter; `None` if all couples are admitted.
     pub fn filter(&self) -> Option<Filter<'a>> {
         self.filter
     }
 
-    /// Number of points: elements whose radius, or whose longest box edge, is exactly zero.
+    /// Number of elements that are points: their radius, or their longest box edge, is exactly zero.
     pub fn points_among(&self) -> usize {
         match self.shape {
             Shape::Equal(equal) if equal.radius == T::ZERO => equal.len(),
@@ -332,11 +331,11 @@ impl<'a, T: Real, const D: usize> Elements<'a, T, D> {
         }
     }
 
-    /// The squared distance of elements `i` and `j`: of the centres of spheres, of the closest points of boxes.
+    /// The squared distance of elements `i` and `j`: between the centres of spheres, or between the closest points of boxes.
     ///
     /// Spheres: `((d_0 * d_0) + d_1 * d_1) + …`, the left side of the comparison documented at [`Elements`], to the last bit.
-    /// Boxes: the same sum, where `d` is the gap on an axis, the larger of `min_i - max_j` and `min_j - max_i`, or 0 where
-    /// they overlap; it decides nothing, because boxes are compared axis by axis. Symmetric in `i` and `j`.
+    /// Boxes: the same sum, where `d` is the gap on an axis: the larger of `min_i - max_j` and `min_j - max_i`, or 0 where they overlap.
+    /// The distance of boxes does not decide contact, because boxes are compared axis by axis. Symmetric in `i` and `j`.
     ///
     /// # Units
     /// The square of the length unit.
@@ -363,24 +362,24 @@ impl<'a, T: Real, const D: usize> Elements<'a, T, D> {
         self.bounds
     }
 
-    /// An upper bound on the distance, along any axis, between the anchors of two elements that touch.
+    /// Upper bound on the distance, along any axis, between the anchors of two elements that touch.
     ///
-    /// The nominal bound is the largest diameter (edge) plus the tolerance. The comparison of [`Elements`] rounds,
-    /// so it may accept a couple that is farther apart by some units in the last place: `D + 8` of them cover the
-    /// roundings of one sum of `D` squares, one sum of radii and one square. Boxes compare coordinates with
-    /// `max + tolerance`, whose rounding grows with the coordinate and not with the box.
+    /// The nominal bound is the largest diameter (edge) plus the tolerance. The comparison of [`Elements`] rounds, so it may accept a
+    /// couple that is some units in the last place farther apart. `D + 8` such units cover the roundings of one sum of `D` squares, one sum
+    /// of radii and one square. Boxes compare coordinates with `max + tolerance`, whose rounding grows with the coordinate, not with the
+    /// size of the box.
     pub(crate) fn reach(&self) -> f64 {
         self.reach_to(self.largest, self.magnitude(), self.tolerance)
     }
 
-    /// The same for an element of this set and one of another of the same kind, of which the `largest` diameter (edge) and the
-    /// [`magnitude`](Self::magnitude) are given. Spheres reach half of their diameters; a box reaches with its edge, which lies on one
-    /// side of its anchor, and so two boxes with one of their edges.
+    /// The same for an element of this set and one of another set of the same kind. The other set is given by its `largest` diameter (edge)
+    /// and its [`magnitude`](Self::magnitude). A sphere extends half its diameter from its anchor. A box extends a whole edge, but to one
+    /// side of its anchor only, so two boxes are at most one edge apart, that of the larger.
     pub(crate) fn reach_to(&self, largest: f64, magnitude: f64, tolerance: T) -> f64 {
         self.reach_of([self.largest, largest], self.magnitude().max(magnitude), tolerance)
     }
 
-    /// The same for two elements of this set, of which the diameters (largest edges) are given.
+    /// The same for two elements of this set with the given diameters (largest edges).
     pub(crate) fn reach_between(&self, one: f64, two: f64) -> f64 {
         self.reach_of([one, two], self.magnitude(), self.tolerance)
     }
@@ -393,7 +392,7 @@ impl<'a, T: Real, const D: usize> Elements<'a, T, D> {
         (sizes + tolerance) * (1.0 + (D + 8) as f64 * T::EPSILON) + rounding
     }
 
-    /// The diameter of a sphere, the largest edge of a box; 0 for a point.
+    /// The diameter of a sphere, or the largest edge of a box; 0 for a point.
     pub(crate) fn size(&self, index: usize) -> f64 {
         match self.shape {
             Shape::Equal(equal) => 2.0 * equal.radius.to_f64(),
@@ -409,23 +408,24 @@ impl<'a, T: Real, const D: usize> Elements<'a, T, D> {
         self.largest
     }
 
-    /// An upper bound on every coordinate of every corner.
+    /// Upper bound on the magnitude of every coordinate of every corner.
     pub(crate) fn magnitude(&self) -> f64 {
         (0..D).fold(self.largest, |sum, axis| {
             sum + self.bounds.min[axis].abs().max(self.bounds.max[axis].abs())
         })
     }
 
-    /// How far the comparison of [`Elements`], which rounds, may be from the exact one, as a length: elements that touch have a
-    /// distance of at most `reach + rounding()`, and elements whose distance is at most `reach - rounding()` touch.
+    /// How far the rounded comparison of [`Elements`] can be from the exact one, as a length. Elements that touch have a distance of at
+    /// most `reach + rounding()`; elements whose distance is at most `reach - rounding()` touch.
     ///
-    /// Spheres: `reach = r_i + r_j + tolerance`, the distance is that of the centres. With `u = EPSILON / 2`, the sum of squares is the
-    /// exact one times a factor within `(1 ± u)^(D + 2)` and `s * s` is `reach^2` within `(1 ± u)^5`: a root of `D + 7` factors, so
-    /// `(D/2 + 4) u` relative to `reach`, of which `D + 8` units of `2 u` are four times as much. Squares that underflow
-    /// add at most `(D + 1) 2^-1074` (`2^-149` in `f32`) to either side, and its root, less than `MIN_RESOLVED`, to the length.
+    /// Spheres: `reach = r_i + r_j + tolerance`, and the distance is that of the centres. With `u = EPSILON / 2`, the computed sum of
+    /// squares is the exact one times a factor within `(1 ± u)^(D + 2)`, and `s * s` is `reach^2` times a factor within `(1 ± u)^5`. The
+    /// root of these `D + 7` factors is an error of `(D/2 + 4) u` relative to `reach`; `D + 8` units of `2 u` are four times as much.
+    /// Squares that underflow add at most `(D + 1) 2^-1074` (`2^-149` in `f32`) to either side. The root of that, which is less than
+    /// `MIN_RESOLVED`, is added to the length.
     ///
-    /// Boxes: `reach = tolerance`, and the distance on an axis is `min_i - max_j`. The one rounding is that of `max_j + tolerance`, half a
-    /// unit of the sum; `MIN_RESOLVED` is more than is needed.
+    /// Boxes: `reach = tolerance`, and the distance on an axis is `min_i - max_j`. Only `max_j + tolerance` rounds, by half a unit of the
+    /// sum; `MIN_RESOLVED` is more than enough.
     pub(crate) fn rounding(&self) -> f64 {
         let tolerance = self.tolerance.to_f64();
         let relative = match self.shape {
@@ -441,7 +441,7 @@ impl<'a, T: Real, const D: usize> EqualSpheres<'a, T, D> {
         self.centres
     }
 
-    /// The one radius, as a slice.
+    /// The radius as a slice of length 1, for the check.
     pub(crate) fn radii(&self) -> &[T] {
         std::slice::from_ref(&self.radius)
     }
@@ -470,7 +470,7 @@ impl<'a, T: Real, const D: usize> Spheres<'a, T, D> {
 }
 
 impl<'a, T: Real, const D: usize> Boxes<'a, T, D> {
-    /// The corners by which boxes are mapped to cells.
+    /// The corners that decide the cells of boxes.
     pub(crate) fn points(self) -> &'a [[T; D]] {
         self.min
     }
@@ -577,7 +577,7 @@ fn check_radius<T: Real>(radius: T, index: Option<usize>) -> Result<(), Error> {
     Err(Error::InvalidRadius { index, value: radius.to_f64(), limit: T::MAX_MAGNITUDE.to_f64() })
 }
 
-/// Checks every coordinate and returns the extremes; those of no points at all are zero.
+/// Checks every coordinate and returns the extremes, which are zero for no points.
 fn check_points<T: Real, const D: usize>(points: &[[T; D]]) -> Result<Bounds<D>, Error> {
     const { assert!(D > 0, "elements need at least one dimension") };
     let limit = T::MAX_MAGNITUDE;
@@ -587,7 +587,7 @@ fn check_points<T: Real, const D: usize>(points: &[[T; D]]) -> Result<Bounds<D>,
         prefetch::read(point);
         for axis in 0..D {
             let x = point[axis];
-            // Written so that NaN fails too.
+            // The condition is negated so that NaN fails too.
             if !(x <= limit && x >= T::ZERO - limit) {
                 let value = x.to_f64();
                 return Err(if x.is_finite() {

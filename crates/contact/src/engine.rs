@@ -1,4 +1,4 @@
-//! The choice of an engine, and one search that holds them all.
+//! The choice of an engine, and a search that holds all engines.
 
 use std::fmt;
 use std::sync::Arc;
@@ -19,27 +19,27 @@ use crate::search::rows::Rows;
 use crate::search::rows::scan::Scanner;
 use crate::simd::Simd;
 
-/// Which search to run.
+/// The engine to run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Engine {
-    /// Picked from the elements; [`Plan::reason`] says why.
+    /// Chosen from the elements; [`Plan::reason`] says why.
     #[default]
     Auto,
-    /// [`Direct`]: all against all.
+    /// [`Direct`]: every element against every other.
     Direct,
     /// [`Nbs`]: Munjiza-NBS as published.
     Nbs,
-    /// [`Rows`]: its decomposition on sorted rows.
+    /// [`Rows`]: the decomposition of NBS on sorted rows.
     Rows,
     /// [`Multilevel`]: the same for unlike sizes, in levels.
     Multilevel,
-    /// [`CGrid`]: bodies that span many cells, on lists that they enter and leave.
+    /// [`CGrid`]: lists that bodies enter and leave, for bodies that span many cells.
     CGrid,
 }
 
 impl Engine {
-    /// Lower-case name, as the command spells it.
+    /// The name in lower case, as the command spells it.
     pub fn name(self) -> &'static str {
         match self {
             Self::Auto => "auto",
@@ -58,29 +58,30 @@ impl fmt::Display for Engine {
     }
 }
 
-/// What a [`Detector`] does with a set of elements, known before it does it.
+/// How a [`Detector`] will search a set of elements.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan<const D: usize> {
     /// The engine that runs: never [`Engine::Auto`].
     pub engine: Engine,
-    /// Why this engine, for a person to read.
+    /// The reason for this engine, in words.
     pub reason: String,
-    /// Edge of a cell, in the unit of the coordinates; `None` where there are no cells.
+    /// Edge of a cell, in the unit of the coordinates; `None` without cells.
     pub cell_size: Option<f64>,
-    /// Cells along each axis; `None` where there are none.
+    /// Number of cells along each axis; `None` without cells.
     pub cells: Option<[u64; D]>,
-    /// The levels of [`Engine::Multilevel`] and [`Engine::CGrid`], each with cells of its own, the smallest elements first; none of other engines.
+    /// The levels of [`Engine::Multilevel`] and [`Engine::CGrid`], each with its own cells, the smallest elements first; empty for other
+    /// engines.
     pub levels: Vec<Level>,
 }
 
-/// The C-grid is taken where it is predicted to be so many times as fast: for long boxes that lie in all directions the prediction flatters it by 3 to 10 times, least where
-/// it is small, and rows are twice as fast as predicted where boxes look ahead.
+/// The C-grid is chosen if it is predicted to be at least this many times as fast. For long boxes in all directions the prediction is 3 to
+/// 10 times too favourable to it, least where the C-grid is small, and rows are twice as fast as predicted where boxes look ahead.
 const WORTH_IT: f64 = 6.0;
 
-/// Below this number of elements all-against-all beats any structure.
+/// With fewer elements, testing all against all is faster than any structure.
 const FEW_ELEMENTS: usize = 32;
 
-/// The engine that fits, with the memory of all of them kept between calls.
+/// A search with the engine that fits the elements. It keeps the memory of all engines between calls.
 ///
 /// # Example
 /// ```
@@ -114,7 +115,7 @@ impl<T: Real, const D: usize> Detector<T, D> {
         }
     }
 
-    /// The same on `threads` threads, where the engine can use them ([`Rows`]); 0 is one for each processor.
+    /// The same on `threads` threads, if the engine can use them ([`Rows`], [`Multilevel`]); 0 is one per processor.
     ///
     /// # Errors
     /// [`Error::NoThreads`].
@@ -122,10 +123,10 @@ impl<T: Real, const D: usize> Detector<T, D> {
         Ok(self.with_pool(Pool::new(threads)?))
     }
 
-    /// The same, but a list of couples ends with [`Error::Stopped`] soon after `stop` is set, by whichever thread; the list is empty then.
+    /// The same, but a search for a list of couples ends with [`Error::Stopped`] soon after any thread sets `stop`; the list is then empty.
     ///
-    /// [`Rows`] and [`Multilevel`] look before each part of the search, some thousand elements; sorting runs to its end, and so do other engines, of
-    /// which a visitor that panics is the way out.
+    /// [`Rows`] and [`Multilevel`] check `stop` before each part of the search, some thousand elements. Sorting runs to its end, and so do
+    /// other engines; to end these, a visitor can panic.
     ///
     /// # Example
     /// ```
@@ -149,7 +150,8 @@ impl<T: Real, const D: usize> Detector<T, D> {
         self.with_pool(pool)
     }
 
-    /// The same with other vector instructions, where the engine has them ([`Rows`]); the couples and their order are the same.
+    /// The same with other vector instructions, if the engine uses any ([`Rows`], [`Multilevel`]). The couples and their order are the
+    /// same.
     ///
     /// # Errors
     /// [`Error::SimdUnavailable`] if this processor lacks them.
@@ -159,14 +161,14 @@ impl<T: Real, const D: usize> Detector<T, D> {
         Ok(self)
     }
 
-    /// The same on threads that others use too.
+    /// The same on a thread pool that is shared with other engines.
     pub(crate) fn with_pool(mut self, pool: Pool) -> Self {
         self.rows = self.rows.with_pool(pool.clone());
         self.multilevel = self.multilevel.with_pool(pool);
         self
     }
 
-    /// Calls `visit` with all couples in their order, a block at a time.
+    /// Calls `visit` with all couples in their order, in blocks.
     pub(crate) fn for_each_block(
         &mut self,
         elements: &Elements<'_, T, D>,
@@ -181,7 +183,7 @@ impl<T: Real, const D: usize> Detector<T, D> {
         }
     }
 
-    /// As [`Rows::append_converted`]; other engines do it on one thread.
+    /// Appends as [`Rows::append_converted`] does; other engines use one thread.
     pub(crate) fn append_converted<V: Copy + Send + Sync>(
         &mut self,
         elements: &Elements<'_, T, D>,
@@ -203,7 +205,7 @@ impl<T: Real, const D: usize> Detector<T, D> {
         room
     }
 
-    /// As [`Rows::fold_blocks`]; other engines have one part.
+    /// Folds as [`Rows::fold_blocks`] does; other engines have one part.
     pub(crate) fn fold_blocks<S: Send>(
         &mut self,
         elements: &Elements<'_, T, D>,
@@ -220,15 +222,15 @@ impl<T: Real, const D: usize> Detector<T, D> {
         Ok(vec![state])
     }
 
-    /// What a search over `elements` will do.
+    /// How a search over `elements` will run.
     ///
     /// # Errors
-    /// Those of [`Search::for_each`] that need no memory to be found.
+    /// Those of [`Search::for_each`] that can be found without allocating.
     pub fn plan(&self, elements: &Elements<'_, T, D>) -> Result<Plan<D>, Error> {
         let mut levels = Vec::new();
         let (engine, reason) = match self.engine {
             Engine::Auto if elements.len() <= FEW_ELEMENTS => {
-                (Engine::Direct, format!("all against all is quickest for at most {FEW_ELEMENTS} elements"))
+                (Engine::Direct, format!("all against all is fastest for up to {FEW_ELEMENTS} elements"))
             }
             Engine::Auto => {
                 let cost;
@@ -244,13 +246,13 @@ impl<T: Real, const D: usize> Detector<T, D> {
             }
             Engine::Multilevel => {
                 levels = self.multilevel.levels(elements);
-                (Engine::Multilevel, "asked for".to_owned())
+                (Engine::Multilevel, "requested".to_owned())
             }
             Engine::CGrid => {
                 levels = self.cgrid.levels(elements);
-                (Engine::CGrid, "asked for".to_owned())
+                (Engine::CGrid, "requested".to_owned())
             }
-            engine => (engine, "asked for".to_owned()),
+            engine => (engine, "requested".to_owned()),
         };
         let grid = match engine {
             Engine::Direct | Engine::Multilevel | Engine::CGrid => None,
@@ -266,15 +268,15 @@ impl<T: Real, const D: usize> Detector<T, D> {
         })
     }
 
-    /// The plan of a search over `elements`, with what it takes: rows, bytes, and about how many couples there are.
+    /// The plan of a search over `elements`, with its rows, its memory and the expected number of couples.
     ///
-    /// The couples are estimated from the neighbours of 1024 elements, the same at every call. The error is a per cent or two where all have
-    /// about as many neighbours, uniform or in clusters, and can be anything where few elements have most of the couples;
-    /// [`Explanation::couples_error`] tells these apart. Up to 1024 elements are counted exactly.
+    /// The number of couples is estimated from the neighbours of 1024 elements, the same ones at every call. The error is one or two per
+    /// cent if all elements have about the same number of neighbours, spread uniformly or in clusters. It can be arbitrarily large if few
+    /// elements have most of the couples; [`Explanation::couples_error`] tells. Up to 1024 elements are counted exactly.
     ///
     /// # Cost
-    /// One pass over the elements: a look-up for each, and a test against every sampled element around it. A fraction of a search
-    /// unless most elements touch most others.
+    /// One pass over the elements, with a look-up for each and a test against every sampled element around it. This is a fraction of a
+    /// search, unless most elements touch most others.
     ///
     /// # Errors
     /// As [`Detector::plan`].
@@ -285,7 +287,7 @@ impl<T: Real, const D: usize> Detector<T, D> {
         Ok(Explanation::new(plan, elements, means, Estimate::of(elements), size_of::<Couple>()))
     }
 
-    /// What a search over `elements` will hold and use.
+    /// The memory, threads and instructions of a search over `elements`.
     pub(crate) fn means(&self, elements: &Elements<'_, T, D>) -> Result<Means, Error> {
         Ok(match self.plan(elements)?.engine {
             Engine::Direct => Means::NONE,
@@ -317,18 +319,18 @@ impl<T: Real, const D: usize> Detector<T, D> {
     }
 }
 
-/// Why there are cells that elements span.
+/// The reason for the C-grid, in words.
 fn long(times: f64) -> String {
     format!(
-        "most boxes are long and thin: cells that they span are predicted to be {times:.1} times as fast as windows of the longest edges"
+        "most boxes are long and thin: the C-grid is predicted to be {times:.1} times as fast as sorted rows"
     )
 }
 
-/// Why there are levels.
+/// The reason for levels, in words.
 fn unlike(first: &Level, last: &Level) -> String {
     let ratio = last.largest / first.smallest.max(f64::MIN_POSITIVE);
     format!(
-        "sizes from {} to {} (ratio {ratio:.1}) are quickest in levels of their own",
+        "sizes from {} to {} (ratio {ratio:.1}) are searched fastest in separate levels",
         first.smallest, last.largest
     )
 }

@@ -1,12 +1,12 @@
-//! What can be wrong with the input. Every variant says what, where and the limit.
+//! The errors of this crate. Every variant carries what is wrong, where, and the limit.
 
 use std::fmt;
 
 use crate::simd::Simd;
 
-/// Why a set of elements, or a search over it, was refused before anything was computed.
+/// The reason why a set of elements, or a search over it, was refused before anything was computed.
 ///
-/// No input is ever clamped, dropped or capped in silence: either the answer is exact, or it is one of these.
+/// Input is never clamped, dropped or capped silently: either the answer is exact, or there is one of these errors.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Error {
@@ -60,9 +60,9 @@ pub enum Error {
         /// Largest buffer that is accepted.
         limit: f64,
     },
-    /// An index was searched before it was built, or after its building has failed.
+    /// An index was searched before it was built, or after building it failed.
     IndexNotBuilt,
-    /// Boxes were compared with spheres or points: two sets are of one kind.
+    /// Boxes were compared with spheres or points; two sets must be of one kind.
     UnlikeShapes,
     /// Two sets have filters of different kinds or with different matrices, or only one has a filter.
     UnlikeFilters,
@@ -79,30 +79,31 @@ pub enum Error {
     },
     /// Two arrays that describe the same elements differ in length.
     LengthMismatch {
-        /// What the second array holds: `"radii"` or `"maximum corners"`, or `"bodies"`, `"categories"`, `"masks"` or `"groups"` of a filter.
+        /// The contents of the second array: `"radii"` or `"maximum corners"`, or `"bodies"`, `"categories"`, `"masks"` or `"groups"` of a
+        /// filter.
         what: &'static str,
         /// Length of the first array, the centres or minimum corners.
         expected: usize,
-        /// Length of the second.
+        /// Length of the second array.
         found: usize,
     },
     /// A group that the matrix of groups does not have.
     UnknownGroup {
-        /// Zero-based number of the element of that group, or `None` where no element is meant.
+        /// Zero-based number of the element of that group, or `None` if the group does not belong to an element.
         index: Option<usize>,
         /// The group.
         group: u32,
-        /// Groups of the matrix, numbered from 0.
+        /// Number of groups of the matrix; groups are numbered from 0.
         groups: usize,
     },
-    /// More elements than the integers of an engine can number.
+    /// There are more elements than the integers of an engine can number.
     TooManyElements {
         /// Number of elements asked for.
         elements: usize,
         /// Largest number that is accepted.
         limit: usize,
     },
-    /// A couple that is not two different elements, the smaller number first.
+    /// A couple does not consist of two different elements with the smaller number first.
     MalformedCouple {
         /// Its place in the couple list.
         index: usize,
@@ -113,7 +114,7 @@ pub enum Error {
         /// Number of elements.
         elements: usize,
     },
-    /// The domain is so wide, in cells, that the list heads alone would exceed the bound of the engine.
+    /// The domain is so wide, in cells, that the list heads alone would exceed the limit of the engine.
     DomainTooWide {
         /// Zero-based axis that needs the most cells.
         axis: usize,
@@ -121,11 +122,11 @@ pub enum Error {
         width: f64,
         /// Edge of a cell, in the same unit.
         cell_size: f64,
-        /// Integers that the heads of all axes would take (a float: it may be beyond any integer).
+        /// Number of list heads of all axes (a float, because it may exceed any integer).
         heads: f64,
-        /// Bound on that number.
+        /// Limit on that number.
         limit: usize,
-        /// The element that stretches the domain, the one farthest from the mean of all along that axis, and its coordinate;
+        /// The element that stretches the domain, which is the one farthest from the mean of all along that axis, and its coordinate;
         /// `None` if the caller set the domain.
         stretched_by: Option<(usize, f64)>,
     },
@@ -160,9 +161,9 @@ pub enum Error {
     InvalidBoxEdge {
         /// Zero-based number of the edge.
         edge: usize,
-        /// Its component of the largest magnitude, or the one that is not a number.
+        /// Its component of the largest magnitude, or the component that is not a number.
         value: f64,
-        /// Smallest magnitude of the largest component, and largest, that are accepted.
+        /// Smallest and largest accepted magnitude of the largest component.
         limits: [f64; 2],
     },
     /// An edge of a periodic box is linearly dependent on the edges before it, up to rounding: the box has no volume.
@@ -179,16 +180,16 @@ pub enum Error {
         /// The volume, which may be beyond the range of floats.
         volume: f64,
     },
-    /// An element lies outside the periodic box, and the search was told to refuse that.
+    /// An element lies outside the periodic box, and the search was told to refuse such elements.
     OutsideBox {
         /// Zero-based number of the element.
         index: usize,
         /// Zero-based number of the edge along which it is outside.
         edge: usize,
-        /// Where it is along that edge: from 0 to 1 is inside.
+        /// Its position along that edge; 0 to 1 is inside.
         fraction: f64,
     },
-    /// An element lies so many periods away from its box that the shifts of its couples do not fit their integers.
+    /// An element lies so many periods away from the box that the shifts of its couples do not fit their integers.
     TooFarFromBox {
         /// Zero-based number of the element.
         index: usize,
@@ -199,49 +200,49 @@ pub enum Error {
         /// Largest number that is accepted.
         limit: f64,
     },
-    /// The periodic box is so thin that rounding of the coordinates is of its size.
+    /// The periodic box is so thin that the rounding of coordinates is comparable to its size.
     UnresolvedBox {
         /// Zero-based number of the edge along which it is thin.
         edge: usize,
-        /// Bound on the rounding, in periods.
+        /// Upper bound on the rounding, in periods.
         rounding: f64,
     },
-    /// The periodic box is so small, for the reach of its elements, that it takes too many periodic images.
+    /// The periodic box is so small, compared with the reach of its elements, that it would need too many periodic images.
     TooManyImages {
-        /// Number of images (a float: it may be beyond any integer).
+        /// Number of images (a float, because it may exceed any integer).
         images: f64,
-        /// Bound on that number.
+        /// Limit on that number.
         limit: usize,
     },
-    /// Neighbours at edges of an image in 2D, which has faces (sides) and vertices (corners) only.
+    /// Edge neighbours were requested in 2D, where grid squares have only faces (sides) and vertices (corners).
     NoEdgesIn2D,
-    /// More grid squares than sums over them can be kept of in integers.
+    /// The image has more grid squares than the integer sums over it allow.
     ImageTooLarge {
         /// Grid squares along each axis.
         shape: Vec<usize>,
     },
     /// A slab of an image is not made of whole planes.
     PartialPlane {
-        /// Its grid squares.
+        /// Number of its grid squares.
         squares: usize,
-        /// Grid squares of a plane.
+        /// Number of grid squares in a plane.
         plane: usize,
     },
-    /// More planes than the shape of the image says.
+    /// There are more planes than the shape of the image says.
     TooManyPlanes {
-        /// Planes with those of the last slab.
+        /// Number of planes, including those of the last slab.
         found: usize,
-        /// Planes of the image.
+        /// Number of planes of the image.
         expected: usize,
     },
-    /// The image was finished before its last plane had come.
+    /// The image was finished before all of its planes were added.
     MissingPlanes {
-        /// Planes that have come.
+        /// Number of planes added.
         found: usize,
-        /// Planes of the image.
+        /// Number of planes of the image.
         expected: usize,
     },
-    /// The edge of a grid square is not a length, or beyond the range in which areas are exact to rounding.
+    /// The edge of a grid square is not a length, or is outside the range in which areas are exact to rounding.
     InvalidSpacing {
         /// Zero-based axis of the array.
         axis: usize,
@@ -250,35 +251,35 @@ pub enum Error {
         /// Shortest and longest edge that are accepted.
         limits: [f64; 2],
     },
-    /// More contacts, or labels, in an image than can be numbered.
+    /// An image has more contacts or labels than can be numbered.
     TooManyContacts {
         /// Largest number that is accepted.
         limit: usize,
     },
-    /// This processor lacks the vector instructions that were asked for.
+    /// This processor lacks the requested vector instructions.
     SimdUnavailable {
-        /// What was asked for.
+        /// The requested instructions.
         simd: Simd,
     },
-    /// The threads that were asked for cannot be had.
+    /// The requested threads cannot be started.
     NoThreads {
-        /// Number asked for; 0 is one for each processor.
+        /// Number of threads requested; 0 is one per processor.
         threads: usize,
-        /// Why not.
+        /// The reason.
         reason: String,
     },
     /// The search was [stopped](crate::Detector::stopped_by) before its end.
     Stopped,
-    /// The system has no memory left for the arrays of an engine.
+    /// The system has no memory left for an array.
     OutOfMemory {
-        /// Bytes that were asked for.
+        /// Number of bytes requested.
         bytes: usize,
     },
 }
 
 const AXIS_NAMES: [&str; 4] = ["x", "y", "z", "w"];
 
-/// `x`, `y`, `z`, `w`, then `axis 4` and so on.
+/// The name of an axis: `x`, `y`, `z`, `w`, then `axis 4` and so on.
 pub(crate) fn axis_name(axis: usize) -> String {
     AXIS_NAMES.get(axis).map_or_else(|| format!("axis {axis}"), |name| (*name).to_owned())
 }
@@ -341,18 +342,18 @@ impl fmt::Display for Error {
                 write!(
                     out,
                     "the domain is {width:e} wide along {name}, {cells:.3e} cells of {cell_size:e}: the list heads would \
-                     take {heads:.3e} integers, the bound is {limit}. "
+                     take {heads:.3e} integers; the limit is {limit}. "
                 )?;
                 if let Some((element, position)) = stretched_by {
                     write!(
                         out,
-                        "Element {element} at {name} = {position:e} stretches it; without it the domain may do. "
+                        "Element {element} at {name} = {position:e} is the farthest from the others. "
                     )?;
                 }
                 write!(
                     out,
-                    "An engine whose memory does not depend on the domain (`Engine::Rows`) or a higher bound \
-                     (`Nbs::with_max_heads`) will do"
+                    "Use an engine whose memory does not depend on the domain (`Engine::Rows`), or a higher limit \
+                     (`Nbs::with_max_heads`)"
                 )
             }
             Self::OutsideDomain { index, axis, value, domain: [min, max] } => write!(
@@ -379,7 +380,7 @@ impl fmt::Display for Error {
             ),
             Self::NegativeBoxVolume { volume } => write!(
                 out,
-                "the periodic box has the negative volume {volume:e}: its edges are left-handed; swap two, or turn one round"
+                "the periodic box has the negative volume {volume:e}: its edges are left-handed; swap two, or reverse one"
             ),
             Self::OutsideBox { index, edge, fraction } => write!(
                 out,
@@ -396,7 +397,7 @@ impl fmt::Display for Error {
             ),
             Self::TooManyImages { images, limit } => write!(
                 out,
-                "the periodic box is too small for the reach of its elements: they take {images:.3e} images, the bound is \
+                "the periodic box is too small for the reach of its elements: they take {images:.3e} images; the limit is \
                  {limit}"
             ),
             Self::NoEdgesIn2D => {
@@ -410,13 +411,13 @@ impl fmt::Display for Error {
                 "an image of {shape:?} grid squares is too large: sums over about 30,000 x 30,000 x 30,000 fit 64 bits"
             ),
             Self::PartialPlane { squares, plane } => {
-                write!(out, "{squares} grid squares are not a number of planes of {plane}")
+                write!(out, "{squares} grid squares are not a whole number of planes of {plane}")
             }
             Self::TooManyPlanes { found, expected } => {
-                write!(out, "the image has {expected} planes, {found} have come")
+                write!(out, "the image has {expected} planes, but {found} were given")
             }
             Self::MissingPlanes { found, expected } => {
-                write!(out, "the image has {expected} planes, only {found} have come")
+                write!(out, "the image has {expected} planes, but only {found} were given")
             }
             Self::InvalidSpacing { axis, value, limits: [low, high] } => write!(
                 out,
@@ -426,7 +427,7 @@ impl fmt::Display for Error {
                 write!(out, "the image has more than {limit} contacts or labels: they cannot be numbered")
             }
             Self::SimdUnavailable { simd } => write!(out, "this processor has no {simd}"),
-            Self::NoThreads { threads, reason } => write!(out, "{threads} threads cannot be had: {reason}"),
+            Self::NoThreads { threads, reason } => write!(out, "cannot start {threads} threads: {reason}"),
             Self::Stopped => write!(out, "the search was stopped before its end"),
             Self::OutOfMemory { bytes } => write!(out, "no memory for {bytes} bytes"),
         }
@@ -434,13 +435,13 @@ impl fmt::Display for Error {
 }
 
 fn not_in_range(out: &mut fmt::Formatter<'_>, what: &str, value: f64, limit: f64) -> fmt::Result {
-    // Hundreds of digits help nobody.
+    // Avoids numbers of hundreds of digits.
     let value = if value.abs() < 1e9 { value.to_string() } else { format!("{value:e}") };
     write!(out, "{what} {value} is not a number from 0 to {limit:e}")
 }
 
 impl Error {
-    /// The element that the error is about, by its zero-based number, if it is about one.
+    /// The zero-based number of the element that the error is about, if there is one.
     pub fn element(&self) -> Option<usize> {
         match self {
             Self::NonFiniteCoordinate { index, .. }

@@ -1,4 +1,4 @@
-//! What a search will take, told before it runs: cells, rows, memory, and how many couples to expect.
+//! Predicts what a search will take before it runs: cells, rows, memory and the expected number of couples.
 
 use std::fmt::{self, Write};
 
@@ -10,8 +10,8 @@ use crate::search::multilevel::Level;
 use crate::simd::Simd;
 use crate::verify::split_mix;
 
-/// What a [`Detector`](crate::Detector) or a [`PeriodicSearch`](crate::PeriodicSearch) would do with a set of elements, and what that takes; for a
-/// person, by its `Display`.
+/// How a [`Detector`](crate::Detector) or a [`PeriodicSearch`](crate::PeriodicSearch) would search a set of elements, and what that takes.
+/// Its `Display` is text for a person.
 ///
 /// # Example
 /// ```
@@ -27,29 +27,29 @@ use crate::verify::split_mix;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Explanation<const D: usize> {
-    /// The engine, why, and its cells.
+    /// The engine, the reason for it, and its cells.
     pub plan: Plan<D>,
     /// Number of elements.
     pub elements: usize,
-    /// Number of images that are searched besides, exactly; `None` where nothing repeats.
+    /// Exact number of periodic images that are searched in addition; `None` without a periodic box.
     pub images: Option<usize>,
-    /// Rows of cells in the domain, those without elements included; `None` where there are no cells. A float, because a wide
-    /// domain has more than an integer holds.
+    /// Number of rows of cells in the domain, including those without elements; `None` without cells. A float, because a wide domain has
+    /// more rows than an integer can count.
     pub rows: Option<f64>,
-    /// So many rows hold elements at most; only these cost anything. `None` where there are no cells.
+    /// Upper bound on the number of rows that hold elements; only these cost anything. `None` without cells.
     pub occupied_rows: Option<u64>,
-    /// Couples to expect: an estimate from the neighbours of 1024 elements, and the exact number for no more elements than that.
+    /// Expected number of couples: an estimate from the neighbours of 1024 elements, or the exact number for up to 1024 elements.
     pub couples: f64,
-    /// Standard error of `couples`, from the scatter of the sample; 0 where these are exact.
+    /// Standard error of `couples` from the scatter of the sample; 0 if the number is exact.
     pub couples_error: f64,
-    /// Bytes that the engine will hold, coordinates and couples of the caller aside: exact for [`Nbs`](crate::Nbs), an upper bound for
-    /// [`Rows`](crate::Rows) unless most elements are in few rows of many. With the images, and what is kept of wrapped elements.
+    /// Bytes that the engine will hold, including images and wrapped elements, without the caller's coordinates and couples. Exact for
+    /// [`Nbs`](crate::Nbs). For [`Rows`](crate::Rows) an upper bound, unless most elements are in a few of many rows.
     pub bytes: usize,
-    /// Bytes of a list of the expected couples, without the room that a list gains as it grows, which is up to as much again.
+    /// Bytes of a list of the expected couples. The spare capacity of a growing list, up to as much again, is not included.
     pub list_bytes: f64,
     /// Threads that the engine will use.
     pub threads: usize,
-    /// Vector instructions that it will use; `None` for engines that have none.
+    /// Vector instructions that the engine will use; `None` if it uses none.
     pub simd: Option<Simd>,
 }
 
@@ -78,7 +78,7 @@ impl<const D: usize> Explanation<D> {
     }
 }
 
-/// What an engine holds and uses.
+/// The memory, threads and instructions of an engine.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Means {
     pub(crate) bytes: usize,
@@ -87,12 +87,12 @@ pub(crate) struct Means {
 }
 
 impl Means {
-    /// Those of [`Engine::Direct`].
+    /// The means of [`Engine::Direct`].
     pub(crate) const NONE: Self = Self { bytes: 0, threads: 1, simd: None };
 }
 
 impl<const D: usize> Plan<D> {
-    /// To test all elements with all others.
+    /// A plan that tests all elements with all others.
     pub(crate) fn without_cells(reason: &str) -> Self {
         Self {
             engine: Engine::Direct,
@@ -131,7 +131,7 @@ impl<const D: usize> fmt::Display for Explanation<D> {
             writeln!(out, "couples   {}", grouped(self.couples))?;
         } else {
             let (couples, error) = (grouped(self.couples), grouped(self.couples_error.ceil()));
-            writeln!(out, "couples   about {couples}, give or take {error}")?;
+            writeln!(out, "couples   about {couples}, standard error {error}")?;
         }
         let (engine, list) = (self.bytes as f64 / 1e6, self.list_bytes / 1e6);
         writeln!(out, "memory    {engine:.1} MB for the engine, {list:.1} MB for a list of the couples")?;
@@ -143,7 +143,7 @@ impl<const D: usize> fmt::Display for Explanation<D> {
     }
 }
 
-/// `1234567` as `1,234,567`; numbers beyond all counting as `1.2e20`.
+/// A number with grouped digits: `1234567` becomes `1,234,567`. Very large numbers become `1.2e20`.
 fn grouped(number: f64) -> String {
     if number >= 1e18 {
         return format!("{number:.1e}");
@@ -158,39 +158,39 @@ fn grouped(number: f64) -> String {
     text
 }
 
-/// All cells but those along the axis with the most.
+/// Number of rows: the product of the cells along all axes but the one with the most.
 pub(crate) fn rows_of<const D: usize>(cells: &[u64; D]) -> f64 {
     let mut cells = *cells;
     cells.sort_unstable();
     cells[..D - 1].iter().map(|&cells| cells as f64).product()
 }
 
-/// Elements whose neighbours are counted: enough for an error of 1 % where all have about a dozen.
+/// Number of elements whose neighbours are counted. Enough for an error of 1 % if all have about a dozen neighbours.
 const SAMPLE: usize = 1024;
 
-/// Of the cells around an element three axes are told apart: more would be more cells than elements in them.
+/// Largest number of axes for the cells around an element: with more axes there would be more cells than elements in them.
 const AXES: usize = 3;
 
-/// A number of couples, and its standard error.
+/// An expected number of couples and its standard error.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Estimate {
     number: f64,
     error: f64,
 }
 
-/// What a set of elements has around it where space repeats: images, which come on top of the elements.
+/// The images around a set of elements in a periodic box.
 pub(crate) trait Around<T, const D: usize> {
-    /// Where the images are.
+    /// The positions of the images.
     fn points(&self) -> &[[T; D]];
 
     /// Whether an element touches an image.
     fn touch(&self, element: usize, image: usize) -> bool;
 
-    /// Whether this couple is the one that is reported, of the two that are each other's image.
+    /// Whether this couple is the one to report of two couples that are images of each other.
     fn is_reported(&self, element: usize, image: usize) -> bool;
 }
 
-/// No images.
+/// A set without images.
 struct Nothing;
 
 impl<T, const D: usize> Around<T, D> for Nothing {
@@ -208,20 +208,21 @@ impl<T, const D: usize> Around<T, D> for Nothing {
 }
 
 impl Estimate {
-    /// The couples to expect of these elements.
+    /// The expected couples of these elements.
     pub(crate) fn of<T: Real, const D: usize>(elements: &Elements<'_, T, D>) -> Self {
         Self::with_images(elements, elements.len(), Grid::unbounded(elements), &Nothing)
     }
 
-    /// The couples to expect of the first `n` elements and images of them, over cells that hold all: no two that touch are
-    /// more than one cell apart. The neighbours of a sample are counted, exactly.
+    /// The expected couples of the first `n` elements with all elements and images. The cells hold everything, and touching elements are at
+    /// most one cell apart. The neighbours of a sample of elements are counted exactly.
     ///
-    /// The sample is one element at random out of each of 1024 stretches of equal length: elements that are numbered cluster by cluster or row by
-    /// row are all represented, and no stride can fall in step with a lattice. The cells around the sampled elements go into a table; one
-    /// pass over all elements and images looks up the cell of each, and tests it against the sampled elements around it.
+    /// The sample is one random element from each of 1024 stretches of equal length. So elements that are numbered cluster by cluster or
+    /// row by row are all represented, and no stride can coincide with the period of a lattice. The cells around the sampled elements go
+    /// into a table. One pass over all elements and images looks up the cell of each and tests it against the sampled elements around it.
     ///
-    /// Every couple is seen from both of its elements, also one of an element and its own image, which has two neighbours thereby. So
-    /// neighbours are halved; but where all are counted, those across a face count as they are reported, since the two views may round otherwise.
+    /// Every couple is counted from both of its elements; an element that touches its own image has two neighbours. So the number of
+    /// neighbours is halved. If all elements are in the sample, couples across a face are counted as they are reported instead, because the
+    /// two views may round differently.
     pub(crate) fn with_images<T: Real, const D: usize>(
         elements: &Elements<'_, T, D>,
         n: usize,
@@ -285,7 +286,7 @@ impl Estimate {
 
 type Cell = [u64; AXES];
 
-/// The cells of elements, along the axes that have the most of them.
+/// The cells of elements, along the axes that have the most cells.
 struct Cells<const D: usize> {
     grid: Grid<D>,
     axes: [usize; D],
@@ -308,22 +309,22 @@ impl<const D: usize> Cells<D> {
     }
 }
 
-/// The cells in which elements may touch a sampled one, by a hash of the cell.
+/// The cells in which elements may touch a sampled one, in a hash table.
 struct Table {
     picked: Vec<usize>,
     entries: Vec<Entry>,
-    /// First entry of each bucket, and their number.
+    /// First entry of each bucket; the last number is the number of entries.
     starts: Vec<u32>,
 }
 
 #[derive(Clone, Copy)]
 struct Entry {
     cell: Cell,
-    /// Number in the sample.
+    /// Number of the element in the sample.
     sampled: u32,
 }
 
-/// Buckets, a power of two: most are empty, and all starts fit the second-level cache.
+/// Number of buckets, a power of two: most are empty, and all starts fit into the second-level cache.
 const BUCKETS: usize = 1 << 16;
 
 impl Table {
@@ -366,7 +367,7 @@ impl Table {
 
 #[inline]
 fn bucket(cell: &Cell) -> usize {
-    // An odd multiplier with well-mixed bits: 2^64 over the golden ratio.
+    // An odd multiplier with well-mixed bits: 2^64 divided by the golden ratio.
     let mix = |hash: u64, number: u64| (hash.rotate_left(29) ^ number).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     (cell.iter().fold(0, |hash, &number| mix(hash, number)) >> (64 - BUCKETS.ilog2())) as usize
 }
@@ -390,7 +391,7 @@ mod tests {
         assert_eq!(grouped(2_f64.powi(80)), "1.2e24");
     }
 
-    /// Every cell next to that of a sampled element is found, once, and no cell below the first.
+    /// Every cell next to that of a sampled element is found once, and no cell below the first.
     #[test]
     fn the_table_has_the_cells_around_each_element() {
         let points = [[0.0, 0.0, 0.0], [9.0, 9.0, 9.0], [4.0, 4.0, 4.0]];

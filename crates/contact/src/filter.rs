@@ -1,30 +1,31 @@
-//! Which elements may form couples at all: bodies, groups, categories and masks.
+//! Filters: which elements may form couples at all, by body, by group, or by category and mask.
 
 use crate::elements::{Geometry, check_lengths};
 use crate::error::Error;
 use crate::pool::Pool;
 use crate::search::rows::{reserve, resize};
 
-/// Which elements see each other: those that do not, form no couple even where they touch.
+/// A filter on couples. Two elements that do not *see* each other form no couple, even where they touch.
 ///
-/// Attached by [`Elements::with_filter`](crate::Elements::with_filter), it is part of what "touch" means, and so every engine
-/// honours it; [`Rows`](crate::Rows) tests it a vector at a time, together with the distance, so that what is filtered out is
-/// never stored. The couples, and their order, are those that filtering afterwards would leave. There are three kinds, of which the
-/// first goes with either of the others:
-/// - *bodies*: elements with the same number are parts of one body, and form no couple. An element on its own takes a number that no
-///   other has.
-/// - *categories and masks*: `i` and `j` see each other if `category_i & mask_j != 0` and `category_j & mask_i != 0`; 32 categories, of which
-///   an element may have several.
-/// - *groups*: each element is of one group, and a symmetric [`GroupMatrix`] says which groups see each other; any number of groups.
+/// A filter is attached by [`Elements::with_filter`](crate::Elements::with_filter). It is then part of the definition of contact, so every
+/// engine honours it. [`Rows`](crate::Rows) tests it a vector at a time together with the distance, and never stores a couple that the
+/// filter excludes. The couples and their order are those that filtering the list afterwards would give. There are three kinds; bodies can
+/// be combined with either of the others:
+/// - *bodies*: elements with the same number are parts of one body, and form no couple. An element that is a body of its own needs a number
+///   that no other element has.
+/// - *categories and masks*: `i` and `j` see each other if `category_i & mask_j != 0` and `category_j & mask_i != 0`. There are 32
+///   categories; an element may have several.
+/// - *groups*: each element belongs to one group, and a symmetric [`GroupMatrix`] says which groups see each other. There may be any number
+///   of groups.
 ///
-/// In a box that repeats an image has the numbers of its element; the element and its image are of one body.
+/// In a periodic box an image has the numbers of its element, so an element and its own image belong to one body.
 ///
 /// # Shapes
 /// `[n]` numbers for `n` elements, in their order. The filter borrows them and copies nothing.
 ///
 /// # Cost
-/// `Rows` keeps 4 bytes per element for bodies, 4 for groups of a matrix with more than 32, 8 for masks and for fewer groups.
-/// The time is that of the search, and a few instructions per vector. A matrix takes a pass over the groups to be checked.
+/// `Rows` keeps 4 bytes per element for bodies, 4 for groups of a matrix with more than 32 groups, and 8 for masks or fewer groups. A
+/// search takes a few instructions more per vector. Attaching groups checks each of them once.
 ///
 /// # Example
 /// ```
@@ -49,7 +50,7 @@ pub struct Filter<'a> {
     pub(crate) sight: Sight<'a>,
 }
 
-/// Which elements see each other, bodies aside.
+/// The second part of a filter, which bodies can be combined with.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Sight<'a> {
     All,
@@ -88,7 +89,7 @@ impl<'a> Filter<'a> {
         Self { bodies: None, sight: Sight::Masks { categories, masks } }
     }
 
-    /// Elements see each other if the matrix says so of their groups.
+    /// Elements see each other if the matrix says that their groups do.
     ///
     /// # Shapes
     /// `groups` `[n]`: numbers below [`GroupMatrix::groups`].
@@ -108,7 +109,7 @@ impl<'a> Filter<'a> {
         Self { bodies: None, sight: Sight::Groups { groups, matrix } }
     }
 
-    /// The same, and elements of one body form no couple.
+    /// The same filter; in addition, elements of one body form no couple.
     ///
     /// # Shapes
     /// As [`Filter::bodies`].
@@ -127,7 +128,7 @@ impl<'a> Filter<'a> {
         self.admits_of(i, self, j)
     }
 
-    /// Whether element `i` and element `j` of another filter, of the same kind and with the same matrix, may form a couple.
+    /// Whether element `i` may form a couple with element `j` of another filter, which has the same kind and the same matrix.
     #[inline]
     pub(crate) fn admits_of(&self, i: usize, other: &Self, j: usize) -> bool {
         if let (Some(bodies), Some(others)) = (self.bodies, other.bodies)
@@ -146,7 +147,7 @@ impl<'a> Filter<'a> {
         }
     }
 
-    /// Whether `other` has numbers of the same kinds, and the same matrix.
+    /// Whether `other` has the same kinds of numbers and the same matrix.
     pub(crate) fn is_like(&self, other: &Self) -> bool {
         self.bodies.is_some() == other.bodies.is_some()
             && match (self.sight, other.sight) {
@@ -156,7 +157,7 @@ impl<'a> Filter<'a> {
             }
     }
 
-    /// One number of each kind for each of `elements` elements, and groups that the matrix has.
+    /// Checks that there is one number of each kind for each of `elements` elements, and that the matrix has all groups.
     pub(crate) fn check(&self, elements: usize) -> Result<(), Error> {
         if let Some(bodies) = self.bodies {
             check_lengths("bodies", elements, bodies.len())?;
@@ -179,7 +180,7 @@ impl<'a> Filter<'a> {
         if let Sight::Groups { matrix, .. } = self.sight { Some(matrix) } else { None }
     }
 
-    /// The numbers, as [`Labels`] has them.
+    /// The arrays of numbers in the order of [`Labels`].
     fn arrays(&self) -> [&'a [u32]; 3] {
         let [firsts, seconds]: [&[u32]; 2] = match self.sight {
             Sight::All => [&[], &[]],
@@ -190,10 +191,11 @@ impl<'a> Filter<'a> {
     }
 }
 
-/// Which groups see each other: a symmetric matrix of bits.
+/// A symmetric matrix of bits: which groups see each other.
 ///
 /// # Cost
-/// Memory: `g²` bits for `g` groups, each row rounded up to 32. [`Rows`](crate::Rows) tests up to 32 groups as categories and masks.
+/// Memory: `g²` bits for `g` groups, each row rounded up to a multiple of 32. [`Rows`](crate::Rows) tests matrices of up to 32 groups as
+/// categories and masks.
 ///
 /// # Example
 /// ```
@@ -205,7 +207,7 @@ impl<'a> Filter<'a> {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct GroupMatrix {
     groups: usize,
-    /// Row after row, in whole words; bits behind the last group are 0.
+    /// The rows one after the other, in whole words; bits behind the last group are 0.
     bits: Vec<u32>,
 }
 
@@ -226,7 +228,7 @@ impl GroupMatrix {
         Ok(matrix)
     }
 
-    /// No group sees any.
+    /// No group sees any group.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`].
@@ -239,14 +241,14 @@ impl GroupMatrix {
         Ok(Self { groups, bits })
     }
 
-    /// The same matrix, where there is memory for it.
+    /// A copy of the matrix, or an error if there is no memory for it.
     pub(crate) fn copy(&self) -> Result<Self, Error> {
         let mut copy = Self::none(self.groups)?;
         copy.bits.copy_from_slice(&self.bits);
         Ok(copy)
     }
 
-    /// Whether groups `a` and `b` see each other from now on, either way round.
+    /// Sets whether groups `a` and `b` see each other.
     ///
     /// # Errors
     /// [`Error::UnknownGroup`].
@@ -280,7 +282,7 @@ impl GroupMatrix {
         self.groups
     }
 
-    /// The groups that a group sees, a bit each.
+    /// The groups that a group sees: one bit each.
     #[inline]
     pub(crate) fn row(&self, group: u32) -> &[u32] {
         &self.bits[group as usize * self.words()..][..self.words()]
@@ -298,10 +300,10 @@ impl GroupMatrix {
     }
 }
 
-/// Bits of a word.
+/// Bits per word of the matrix.
 const WORD: usize = 32;
 
-/// Elements that also have to see each other.
+/// Geometry and filter together: elements touch if both say so.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Filtered<'a, G> {
     pub(crate) geometry: G,
@@ -324,22 +326,36 @@ impl<G: Geometry> Geometry for Filtered<'_, G> {
     }
 }
 
-/// The numbers of a filter, as [`Labels`] has them.
+/// The arrays of numbers of a filter in the order of [`Labels`]; empty without a filter.
 fn numbers_of(filter: Option<Filter<'_>>) -> [&[u32]; 3] {
     filter.map(|filter| filter.arrays()).unwrap_or_default()
 }
 
-/// The numbers of a filter, copied: in another order, for more elements, or to compare with later ones.
+/// A copy of the numbers of a filter: in another order, for more elements, or to compare with later ones.
 ///
 /// # Shapes
-/// One array for each that the filter has, in the order bodies, categories or groups, masks; the others are empty.
+/// One array for each kind of number in the order bodies, categories or groups, masks. Arrays of kinds that the filter lacks are empty.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Labels {
     arrays: [Vec<u32>; 3],
+    /// All groups of [`Labels::arrange`] are below this number; 0 where it kept none.
+    groups: usize,
+}
+
+/// A filter whose numbers [`Labels`] holds in the order of a layout, checked: its groups, the padding included, are groups of its matrix.
+///
+/// Kernels look groups up without a check, so only [`Labels::arranged`] makes this.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Arranged<'a>(Filter<'a>);
+
+impl<'a> Arranged<'a> {
+    pub(crate) fn filter(&self) -> &Filter<'a> {
+        &self.0
+    }
 }
 
 impl Labels {
-    /// How many numbers per element [`Labels::arrange`] keeps.
+    /// Numbers per element that [`Labels::arrange`] keeps.
     pub(crate) fn numbers_of(filter: &Filter<'_>) -> usize {
         let sight = match filter.sight {
             Sight::All => 0,
@@ -349,9 +365,10 @@ impl Labels {
         sight + usize::from(filter.bodies.is_some())
     }
 
-    /// The numbers of the elements `order`, then `padding` unused entries. Groups that fit a word become categories and masks.
+    /// Takes the numbers of the elements `order`, followed by `padding` unused entries. Groups that fit into a word become categories and
+    /// masks.
     ///
-    /// Without a filter nothing is kept but memory.
+    /// Without a filter, the arrays become empty but keep their memory.
     pub(crate) fn arrange(
         &mut self,
         filter: Option<Filter<'_>>,
@@ -385,11 +402,17 @@ impl Labels {
                 gather(firsts, &|element| 1 << groups[element])?;
                 gather(seconds, &|element| matrix.row(groups[element])[0])
             }
-            Sight::Groups { groups, .. } => gather(firsts, &|element| groups[element]),
+            Sight::Groups { groups, matrix } => {
+                self.groups = matrix.groups();
+                gather(firsts, &|element| {
+                    assert!((groups[element] as usize) < matrix.groups());
+                    groups[element]
+                })
+            }
         }
     }
 
-    /// The numbers of all elements.
+    /// Takes the numbers of all elements.
     pub(crate) fn copy(&mut self, filter: Option<Filter<'_>>) -> Result<(), Error> {
         self.clear();
         for (into, numbers) in self.arrays.iter_mut().zip(numbers_of(filter)) {
@@ -399,7 +422,7 @@ impl Labels {
         Ok(())
     }
 
-    /// The numbers of these elements.
+    /// Takes the numbers of the given elements.
     pub(crate) fn pick<'a>(
         &mut self,
         filter: Option<Filter<'_>>,
@@ -415,7 +438,19 @@ impl Labels {
         Ok(())
     }
 
-    /// `filter`, of which these are the numbers, in their order.
+    /// `filter`, with the numbers that [`Labels::arrange`] took from it.
+    ///
+    /// # Panics
+    /// If the groups were not arranged, or for a matrix of another size.
+    pub(crate) fn arranged<'a>(&'a self, filter: Filter<'a>) -> Arranged<'a> {
+        let arranged = self.filter(filter);
+        if let Some(matrix) = arranged.matrix() {
+            assert_eq!(matrix.groups(), self.groups, "groups arranged for another matrix");
+        }
+        Arranged(arranged)
+    }
+
+    /// `filter` with these numbers instead of its own.
     pub(crate) fn filter<'a>(&'a self, filter: Filter<'a>) -> Filter<'a> {
         let [bodies, firsts, seconds] = &self.arrays;
         let sight = match filter.sight {
@@ -426,7 +461,7 @@ impl Labels {
         Filter { bodies: filter.bodies.map(|_| bodies.as_slice()), sight }
     }
 
-    /// The filter that [`Labels::copy`] was given, with its `matrix`; none also for no elements.
+    /// The filter that [`Labels::copy`] was given, with its `matrix`; `None` also if there were no elements.
     pub(crate) fn as_filter<'a>(&'a self, matrix: Option<&'a GroupMatrix>) -> Option<Filter<'a>> {
         let [bodies, firsts, seconds] = &self.arrays;
         let sight = match matrix {
@@ -438,12 +473,12 @@ impl Labels {
         (bodies.is_some() || !firsts.is_empty()).then_some(Filter { bodies, sight })
     }
 
-    /// Whether these are the numbers of `filter`.
+    /// Whether these numbers are those of `filter`.
     pub(crate) fn equal(&self, filter: Option<Filter<'_>>) -> bool {
         self.arrays == numbers_of(filter)
     }
 
-    /// The first element with another number in `filter`, if both have the same arrays.
+    /// The first element whose number differs in `filter`; `None` if there is none, or if the two have different arrays.
     pub(crate) fn first_change(&self, filter: Option<Filter<'_>>) -> Option<usize> {
         let theirs = numbers_of(filter);
         if self.arrays.iter().zip(theirs).any(|(ours, theirs)| ours.len() != theirs.len()) {
@@ -459,5 +494,29 @@ impl Labels {
 
     fn clear(&mut self) {
         self.arrays.iter_mut().for_each(Vec::clear);
+        self.groups = 0;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A row of the matrix of 40 groups has no bit for group 69: a kernel that looked it up would read behind the row.
+    #[test]
+    #[should_panic(expected = "another matrix")]
+    fn groups_go_with_the_matrix_that_they_were_checked_against() {
+        let (large, small) = (GroupMatrix::all(70).unwrap(), GroupMatrix::all(40).unwrap());
+        let mut labels = Labels::default();
+        labels.arrange(Some(Filter::groups(&[69], &large)), &[0], 16, &Pool::default()).unwrap();
+        labels.arranged(Filter::groups(&[0], &small));
+    }
+
+    #[test]
+    #[should_panic(expected = "matrix.groups()")]
+    fn a_group_that_the_matrix_lacks_is_not_arranged() {
+        let matrix = GroupMatrix::all(40).unwrap();
+        let unchecked = Filter::groups(&[40], &matrix);
+        Labels::default().arrange(Some(unchecked), &[0], 16, &Pool::default()).unwrap();
     }
 }

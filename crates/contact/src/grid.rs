@@ -1,25 +1,24 @@
-//! The cells: which cell an element belongs to, and how many there are along each axis.
+//! The grid: which cell an element belongs to, and how many cells there are along each axis.
 
 use crate::elements::{Bounds, Elements};
 use crate::error::Error;
 use crate::real::Real;
 
-/// Square (cubic, …) cells over the domain; points are mapped to integer coordinates axis by axis.
+/// A grid of square (cubic, …) cells over the domain. Points are mapped to integer coordinates axis by axis.
 ///
-/// Cell `i` of an axis holds the points with `Int((x - x_min) / d) = i`, counted from 0: equations (3.59) to (3.62)
-/// of the book, pp. 104-107. The edge `d` is the largest element plus the tolerance, widened so that elements that
-/// touch are never two cells apart, whatever the rounding of this division.
+/// Cell `i` of an axis holds the points with `Int((x - x_min) / d) = i`, counted from 0: equations (3.59) to (3.62) of the book, pp.
+/// 104-107. The edge `d` is the largest element plus the tolerance, widened so that touching elements are at most one cell apart even
+/// though this division rounds.
 ///
 /// # Why touching elements are at most one cell apart
-/// Let `R` bound the distance of the anchors of touching elements along an axis, rounding of the contact test
-/// included (`Elements::reach`). The subtraction, the inverse and the product below each round once, so
-/// `q = (x - x_min)/d * (1 + e)` with `|e| <= 3.1 * 2^-53`. With less than `2^31` cells on the axis two such
-/// quotients differ from the exact ones by less than `2^32 * 3.1 * 2^-53 < 2^-19` together. With `d = R * (1 + 2^-18)` the
-/// exact ones differ by at most `1 - 2^-18 + 2^-36`, so the computed ones differ by less than 1, and their integer parts by
-/// at most 1.
+/// Let `R` bound the distance of the anchors of touching elements along an axis, with the rounding of the contact test included
+/// (`Elements::reach`). The subtraction, the inverse and the product below each round once, so the computed quotient is
+/// `q = (x - x_min)/d * (1 + e)` with `|e| <= 3.1 * 2^-53`. With less than `2^31` cells on the axis, two such quotients together differ
+/// from the exact ones by less than `2^32 * 3.1 * 2^-53 < 2^-19`. With `d = R * (1 + 2^-18)` the exact quotients differ by at most
+/// `1 - 2^-18 + 2^-36`. So the computed ones differ by less than 1, and their integer parts by at most 1.
 ///
-/// A grid without list heads (`Grid::unbounded`) may have up to `2^46` cells on an axis: the quotients are then off by less
-/// than `2^47 * 3.1 * 2^-53 < 0.05` together, and the edge is at least `R * (1 + 1/8)`, by the same argument.
+/// A grid without list heads (`Grid::unbounded`) may have up to `2^46` cells on an axis. Its quotients together are off by less than
+/// `2^47 * 3.1 * 2^-53 < 0.05`, and its edge is at least `R * (1 + 1/8)`; the same argument holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grid<const D: usize> {
     origin: [f64; D],
@@ -28,19 +27,19 @@ pub struct Grid<const D: usize> {
     cells: [u64; D],
 }
 
-/// More cells along one axis would break the bound on rounding above.
+/// With more cells along one axis the bound on rounding above would not hold.
 const MAX_CELLS_PER_AXIS: f64 = 2_147_483_648.0;
 
-/// The same without list heads, where the edge grows by an eighth instead.
+/// The limit without list heads, where the edge is an eighth wider.
 const MAX_UNBOUNDED_CELLS: f64 = 70_368_744_177_664.0;
 
-/// The rounding step by which a cell is wider than the largest element.
+/// Factor by which a cell is wider than the largest element, to cover rounding.
 const WIDENING: f64 = 1.0 + 1.0 / 262_144.0;
 
 impl<const D: usize> Grid<D> {
-    /// Cells that cover the elements, or the `domain` if there is one.
+    /// A grid that covers the elements, or the `domain` if one is given.
     ///
-    /// `max_heads` bounds the integers that list heads over this grid take: one set on the last axis, two on the others.
+    /// `max_heads` limits the number of list heads over this grid: one set on the last axis, two on each other axis.
     ///
     /// # Errors
     /// [`Error::DomainTooWide`], [`Error::InvalidDomain`], [`Error::OutsideDomain`].
@@ -70,18 +69,18 @@ impl<const D: usize> Grid<D> {
         Ok(grid)
     }
 
-    /// No cells at all.
+    /// A grid of no cells.
     pub(crate) fn empty() -> Self {
         Self { origin: [0.0; D], cell_size: 1.0, inverse: 1.0, cells: [0; D] }
     }
 
-    /// Cells that cover the elements, however wide their domain is: for searches that keep nothing per cell.
+    /// A grid that covers the elements however wide their domain is, for searches that store nothing per cell.
     pub(crate) fn unbounded<T: Real>(elements: &Elements<'_, T, D>) -> Self {
         let bounds = elements.bounds();
         Self::countless(bounds, cell_size(elements, &bounds.min, &bounds.max))
     }
 
-    /// The same for elements that touch no others farther away than `reach`, with cells of an edge of at least `edge`.
+    /// The same for elements that touch nothing farther away than `reach`; the edge of a cell is at least `edge`.
     pub(crate) fn for_reach<T: Real>(bounds: Bounds<D>, reach: f64, edge: f64) -> Self {
         Self::countless(bounds, (reach.max(T::MIN_RESOLVED) * WIDENING).max(edge))
     }
@@ -96,20 +95,21 @@ impl<const D: usize> Grid<D> {
         grid
     }
 
-    /// Cells of the same edge, with faces in the same places, over other points; wider ones where there would be too many.
+    /// A grid over other points with the same edge, whose cell faces lie in the same places. The edge is wider if there would be too many
+    /// cells.
     ///
-    /// Nothing but speed depends on the places of the faces.
+    /// The places of the faces affect speed only.
     pub(crate) fn over(&self, bounds: Bounds<D>) -> Self {
         let origin = std::array::from_fn(|axis| {
             let min = bounds.min[axis];
             let face = self.origin[axis] + self.quotient(axis, min).floor() * self.cell_size;
-            // Far from the origin of this grid faces round by more than a cell.
+            // Far from the origin of this grid the rounding of a face exceeds a cell.
             if face <= min && min - face <= self.cell_size { face } else { min }
         });
         Self::with_cell_size(origin, bounds.max, self.cell_size)
     }
 
-    /// Cells of an edge that was chosen for speed alone, over points from `min` to `max`; wider ones where there would be too many.
+    /// A grid over points from `min` to `max` whose edge was chosen for speed alone; the edge is wider if there would be too many cells.
     pub(crate) fn with_cell_size(min: [f64; D], max: [f64; D], cell_size: f64) -> Self {
         let widest = (0..D).map(|axis| max[axis] - min[axis]).fold(0.0, f64::max);
         let cell_size = cell_size.max(widest / MAX_UNBOUNDED_CELLS);
@@ -123,27 +123,28 @@ impl<const D: usize> Grid<D> {
         self.cell_size
     }
 
-    /// Number of cells along each axis: `n_x`, `n_y`, … of (3.55) and (3.56).
+    /// Number of cells along each axis: `n_x`, `n_y`, … in (3.55) and (3.56).
     pub fn cells(&self) -> [u64; D] {
         self.cells
     }
 
-    /// Zero-based cell of coordinate `x` along `axis`: (3.59) to (3.62).
+    /// The cell of coordinate `x` along `axis`, counted from 0: (3.59) to (3.62).
     #[inline]
     pub(crate) fn cell(&self, axis: usize, x: f64) -> u32 {
         self.quotient(axis, x) as u32
     }
 
-    /// As [`Grid::cell`], for grids with more cells than `u32` can number, and rounded to the nearest integer instead of down.
+    /// The cell of coordinate `x` as in [`Grid::cell`], but for grids with more cells than `u32` can count, and rounded to the nearest
+    /// integer instead of down.
     ///
-    /// Which integer does not matter to the argument above, only that the quotient is rounded to one. This one is
-    /// had by two instructions: a sum beyond `2^52` has no room for a fraction, and its last bits are the integer.
+    /// The proof above only needs the quotient to be rounded to an integer in some monotonic way. Rounding to nearest takes two
+    /// instructions: a sum beyond `2^52` has no room for a fraction, and its last bits are the integer.
     #[inline]
     pub(crate) fn wide_cell(&self, axis: usize, x: f64) -> u64 {
         nearest_integer(self.quotient(axis, x))
     }
 
-    /// [`Grid::wide_cell`] as a float, which is exact.
+    /// [`Grid::wide_cell`] as a float; the conversion is exact.
     #[inline]
     pub(crate) fn rounded_cell(&self, axis: usize, x: f64) -> f64 {
         (self.quotient(axis, x) + NO_FRACTION) - NO_FRACTION
@@ -155,10 +156,10 @@ impl<const D: usize> Grid<D> {
         [low, low + self.cells[axis] as f64 * self.cell_size]
     }
 
-    /// The first and the last cell of those that hold points from `low` to `high`, none if there cannot be any; for a grid from
+    /// The first and the last cell that can hold points from `low` to `high`; `None` if there are none. For a grid from
     /// [`Grid::unbounded`], and numbers of any size.
     ///
-    /// The quotient ascends with the coordinate, and so does its nearest integer: no point in between has a cell beyond these two.
+    /// The quotient, and so its nearest integer, ascends with the coordinate: no point in between has a cell outside of these two.
     pub(crate) fn cells_between(&self, axis: usize, low: f64, high: f64) -> Option<[u64; 2]> {
         let last = (self.cells[axis] - 1) as f64;
         let (low, high) = (self.quotient(axis, low), self.quotient(axis, high));
@@ -198,16 +199,16 @@ impl<const D: usize> Grid<D> {
     }
 }
 
-/// `2^52`: floats from here on are integers.
+/// `2^52`: all floats from here on are integers.
 const NO_FRACTION: f64 = 4_503_599_627_370_496.0;
 
-/// The nearest integer of `x`, from 0 to `2^51`; anything otherwise.
+/// The nearest integer to `x` for `x` from 0 to `2^51`; unspecified for other values.
 #[inline]
 pub(crate) fn nearest_integer(x: f64) -> u64 {
     (x + NO_FRACTION).to_bits() & ((1 << 52) - 1)
 }
 
-/// Every element must lie in a domain that is a finite box.
+/// Checks that the domain is a finite box and that every element lies in it.
 fn check_domain<T: Real, const D: usize>(
     elements: &Elements<'_, T, D>,
     domain: &[[f64; 2]; D],
@@ -232,12 +233,12 @@ fn check_domain<T: Real, const D: usize>(
     Ok(())
 }
 
-/// The edge with which at least `cells` cells cover a box, as few as that can be; `None` if all is in one place. Integers, sums and
-/// products only, so the same everywhere.
+/// The largest edge with which at least `cells` cells cover a box; `None` if the box is a single point. Uses integers, sums and products
+/// only, so the result is the same on every machine.
 pub(crate) fn edge_for<const D: usize>(bounds: &Bounds<D>, cells: f64) -> Option<f64> {
     let extents: [f64; D] = std::array::from_fn(|axis| bounds.max[axis] - bounds.min[axis]);
     let widest = extents.iter().fold(0.0, |widest, &extent| f64::max(widest, extent));
-    // Cells on the widest axis; an axis narrower than a cell has one.
+    // The number of cells if the widest axis has `n`; an axis narrower than a cell has one.
     let enough = |n: u64| {
         let along = extents.iter().map(|extent| f64::max(1.0, extent / widest * n as f64));
         along.product::<f64>() >= cells
@@ -250,7 +251,7 @@ pub(crate) fn edge_for<const D: usize>(bounds: &Bounds<D>, cells: f64) -> Option
     (widest > 0.0).then(|| widest / high as f64)
 }
 
-/// The largest element plus tolerance, widened. Elements that have no size at all get about one cell each.
+/// The edge of a cell: the largest element plus tolerance, widened. If all elements have size 0, there is about one cell per element.
 fn cell_size<T: Real, const D: usize>(elements: &Elements<'_, T, D>, min: &[f64; D], max: &[f64; D]) -> f64 {
     let mut reach = elements.reach();
     if reach == 0.0 {
@@ -263,7 +264,8 @@ fn cell_size<T: Real, const D: usize>(elements: &Elements<'_, T, D>, min: &[f64;
     reach.max(T::MIN_RESOLVED) * WIDENING
 }
 
-/// The smallest integer of at least 1 whose `power`-th power is at least `n`; integers only, so the same everywhere.
+/// The smallest integer of at least 1 whose `power`-th power is at least `n`. Uses integers only, so the result is the same on every
+/// machine.
 fn integer_root(n: usize, power: usize) -> usize {
     let reaches = |root: usize| {
         (0..power).try_fold(1_usize, |product, _| product.checked_mul(root)).is_none_or(|p| p >= n)
@@ -304,7 +306,7 @@ mod tests {
         }
     }
 
-    /// A lattice whose spacing is exactly the diameter: neighbours touch, and must be at most one cell apart.
+    /// On a lattice whose spacing is exactly the diameter, neighbours touch and must be at most one cell apart.
     #[test]
     fn touching_neighbours_on_a_long_lattice_are_adjacent() {
         for spacing in [1.0, 0.1, 1.0 / 3.0, 1e-9, 1e12] {
@@ -319,8 +321,8 @@ mod tests {
         }
     }
 
-    /// Elements on either side of a cell face, far from the first element, where the quotients round most: without
-    /// the widening some of them would be two cells apart.
+    /// Elements on both sides of a cell face, far from the first element, where the quotients round most. Without the widening some of them
+    /// would be two cells apart.
     #[test]
     fn rounding_at_distant_cell_faces_is_covered() {
         let mut steps = [0; 3];

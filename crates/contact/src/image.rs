@@ -1,7 +1,7 @@
 //! Contacts in labelled images: bodies that are sets of grid squares (pixels, voxels).
 //!
-//! Every number of the array is a body, but one, the background. Two bodies are in contact where grid squares of theirs are
-//! neighbours: they share a face, an edge or a vertex ([`Neighbourhood`]).
+//! Every number in the array is a body, except one, the background. Two bodies are in contact if they have grid squares that are
+//! neighbours: these share a face, an edge or a vertex ([`Neighbourhood`]).
 //!
 //! ```
 //! use fdem_contact::image::{Neighbourhood, Spacing, contacts};
@@ -20,17 +20,17 @@
 //! # Ok::<(), fdem_contact::Error>(())
 //! ```
 //!
-//! [`ImageContacts`] takes an image slab by slab and keeps one plane and the contacts.
+//! [`ImageContacts`] takes an image slab by slab; it stores one plane and the contacts.
 //!
 //! # What is counted
-//! Two grid squares with different labels, neither of which is the background, are one *pair*. It is counted once, by what they
-//! share: a *face* if they are neighbours along one axis; an *edge* if they differ by one along exactly two axes of three; a *vertex* if they
-//! differ by one along all axes. A pair that shares an edge counts whatever lies beside it: across a plain interface every voxel
-//! has four neighbours at edges besides the one at its face.
+//! Two grid squares with different labels, neither of which is the background, form a *pair*. A pair is counted once, by what it shares: a
+//! *face* if the squares are neighbours along one axis; an *edge* if they differ by one along exactly two of three axes; a *vertex* if they
+//! differ by one along all axes. A pair that shares an edge counts regardless of its surroundings: at a plane interface every voxel has
+//! four neighbours across edges in addition to the one across its face.
 //!
 //! # Coordinates
-//! In the order of the axes of the array, as in NumPy: the slowest first. The centre of the first grid square is the origin, so that the centre of
-//! a grid square is its index times the [`Spacing`].
+//! Coordinates are in the order of the axes of the array, as in NumPy: the slowest first. The origin is the centre of the first grid
+//! square, so the centre of a grid square is its index times the [`Spacing`].
 
 mod contact;
 mod row;
@@ -53,7 +53,7 @@ mod sealed {
     }
 }
 
-/// Numbers that labels are: `u8`, `u16`, `u32`, `u64`, `i32` and `i64`.
+/// The integer types of labels: `u8`, `u16`, `u32`, `u64`, `i32` and `i64`.
 pub trait Label: sealed::Sealed + Into<i128> {}
 
 macro_rules! label {
@@ -74,23 +74,23 @@ label!(u8 u16 u32 u64 i32 i64);
 #[doc(alias = "connectivity")]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Neighbourhood {
-    /// Those that share a face, a side in 2D: 4 neighbours in 2D, 6 in 3D.
+    /// Squares that share a face (a side in 2D): 4 neighbours in 2D, 6 in 3D.
     #[default]
     Face,
-    /// Those that share an edge, in 3D only: 18 neighbours. In 2D squares meet along sides or at corners, and nothing is between.
+    /// Squares that share an edge, in 3D only: 18 neighbours. In 2D squares meet along sides or at corners only.
     Edge,
-    /// Those that share a vertex, a corner in 2D: 8 neighbours in 2D, 26 in 3D.
+    /// Squares that share a vertex (a corner in 2D): 8 neighbours in 2D, 26 in 3D.
     Vertex,
 }
 
-/// All contacts in an image that is in memory; background 0, one thread.
+/// All contacts in an image in memory, with background 0, on one thread.
 ///
 /// # Shapes
-/// `labels`: the array in C order, the last axis of `shape` the fastest. Result: `m` contacts, the smaller label first, each pair of labels once,
-/// sorted by the first, then the second label.
+/// `labels`: the array in C order; the last axis of `shape` is the fastest. Result: `m` contacts, the smaller label first, each pair of
+/// labels once, sorted by the first, then the second label.
 ///
 /// # Cost
-/// As [`ImageContacts`].
+/// See [`ImageContacts`].
 ///
 /// # Errors
 /// Those of [`ImageContacts::new`], [`ImageContacts::add`] and [`ImageContacts::finish`].
@@ -114,19 +114,19 @@ pub fn contacts<L: Label, const D: usize>(
     image.finish()
 }
 
-/// Finds the contacts in an image that comes slab by slab.
+/// Finds the contacts in an image that is given slab by slab.
 ///
-/// A slab is one or more planes of the slowest axis; in 2D a plane is a row of pixels. Neighbouring rows are compared a vector at
-/// a time, and only where they differ are labels looked at, in runs of equal pairs. The sums are integers, so that the result does
-/// not depend on the slabs, nor on the threads.
+/// A slab is one or more planes of the slowest axis; in 2D a plane is a row of pixels. Neighbouring rows are compared a vector at a time.
+/// Labels are examined only where the rows differ, in runs of equal pairs. The sums are integers, so the result depends neither on the
+/// slabs nor on the threads.
 ///
 /// # Shapes
 /// `D` is 2 or 3.
 ///
 /// # Cost
-/// Time: a pass over the image for each of the 2, 4, 3, 9 or 13 directions to neighbours, some nanoseconds for each run of
-/// faces, and the sorting of the contacts. Memory: one plane, 80 bytes per contact (with edges or vertices 270) and 10 bytes per label; the contacts
-/// and labels once more for each thread.
+/// Time: a pass over the image for each of the 2, 4, 3, 9 or 13 directions to neighbours, some nanoseconds for each run of faces, and the
+/// sorting of the contacts. Memory: one plane, 80 bytes per contact (270 with edges or vertices) and 10 bytes per label. Each thread holds
+/// its own contacts and labels.
 ///
 /// # Example
 /// ```
@@ -145,22 +145,22 @@ pub fn contacts<L: Label, const D: usize>(
 #[derive(Clone, Debug)]
 pub struct ImageContacts<L, const D: usize> {
     shape: [usize; D],
-    /// Grid squares of a plane.
+    /// Number of grid squares in a plane.
     plane: usize,
     directions: Vec<Direction<D>>,
     background: Option<L>,
     pool: Pool,
-    /// Planes that have come.
+    /// Number of planes added so far.
     planes: usize,
-    /// The last of them.
+    /// The last of these planes.
     previous: Vec<L>,
-    /// What ended the reading of the image: part of a slab may be missing from the sums.
+    /// The error that ended the reading of the image: part of a slab may be missing from the sums.
     failed: Option<Error>,
-    /// One for each thread.
+    /// One part for each thread.
     parts: Vec<Part<L, D>>,
 }
 
-/// What one thread has found, and its memory.
+/// The results of one thread, and its working memory.
 #[derive(Clone, Debug)]
 struct Part<L, const D: usize> {
     table: Table<L, D>,
@@ -171,7 +171,7 @@ impl<L: Label, const D: usize> ImageContacts<L, D> {
     /// Starts an image of this shape, with background 0.
     ///
     /// # Shapes
-    /// `shape`: grid squares along each axis, the slowest first.
+    /// `shape`: number of grid squares along each axis, the slowest first.
     ///
     /// # Errors
     /// [`Error::NoEdgesIn2D`]; [`Error::ImageTooLarge`] for more than about 30,000³ grid squares.
@@ -183,7 +183,7 @@ impl<L: Label, const D: usize> ImageContacts<L, D> {
         let product =
             |lengths: &[usize]| lengths.iter().try_fold(1, |n: usize, &length| n.checked_mul(length));
         let longest = shape.iter().copied().max().unwrap_or(0) as u128;
-        // No sum of a contact has more terms than a grid square has neighbours, nor larger ones than doubled indices.
+        // A sum of a contact has at most as many terms as a grid square has neighbours, and none is larger than doubled indices.
         let bound = |n: usize| (n as u128).checked_mul(longest)?.checked_mul(2 * row::DIRECTIONS as u128);
         let in_range = |n| bound(n).is_some_and(|bound| bound <= i64::MAX as u128);
         let (Some(plane), true) = (product(&shape[1..]), product(&shape).is_some_and(in_range)) else {
@@ -202,14 +202,14 @@ impl<L: Label, const D: usize> ImageContacts<L, D> {
         })
     }
 
-    /// The same with another background, or with none: then every number is a body.
+    /// The same with another background, or with none; then every number is a body.
     #[must_use]
     pub fn with_background(mut self, background: Option<L>) -> Self {
         self.background = background;
         self
     }
 
-    /// The same on several threads; 0 is one for each processor. They share the rows of each slab, which should have many.
+    /// The same on several threads; 0 is one per processor. They share the rows of each slab, so a slab should have many rows.
     ///
     /// # Errors
     /// [`Error::NoThreads`].
@@ -218,14 +218,14 @@ impl<L: Label, const D: usize> ImageContacts<L, D> {
         Ok(self)
     }
 
-    /// Takes the next planes.
+    /// Adds the next planes.
     ///
     /// # Shapes
     /// `slab`: any number of whole planes, in C order.
     ///
     /// # Errors
-    /// [`Error::PartialPlane`], [`Error::TooManyPlanes`]; nothing has been taken then. [`Error::OutOfMemory`],
-    /// [`Error::TooManyContacts`]: the image cannot be gone on with, and whatever is asked of it next gets the same error.
+    /// [`Error::PartialPlane`], [`Error::TooManyPlanes`]; nothing has been added then. [`Error::OutOfMemory`], [`Error::TooManyContacts`];
+    /// after these the image cannot be continued, and every further call returns the same error.
     pub fn add(&mut self, slab: &[L]) -> Result<(), Error> {
         if let Some(error) = &self.failed {
             return Err(error.clone());
@@ -248,7 +248,7 @@ impl<L: Label, const D: usize> ImageContacts<L, D> {
         taken
     }
 
-    /// Compares the planes of a slab, shared out by rows.
+    /// Compares the planes of a slab; threads share the rows.
     fn take(&mut self, slab: &[L], planes: usize) -> Result<(), Error> {
         let [height, width] = if D == 3 { [self.shape[1], self.shape[2]] } else { [1, self.shape[1]] };
         let rows = Rows {
@@ -281,10 +281,10 @@ impl<L: Label, const D: usize> ImageContacts<L, D> {
         Ok(())
     }
 
-    /// How many different labels have come so far, the background not counted.
+    /// Number of different labels so far, without the background.
     ///
     /// # Cost
-    /// On several threads: a pass over the labels of each.
+    /// With several threads, a pass over the labels of each thread.
     pub fn labels(&self) -> usize {
         match &self.parts[..] {
             [] => 0,
@@ -298,13 +298,13 @@ impl<L: Label, const D: usize> ImageContacts<L, D> {
         }
     }
 
-    /// The contacts, when all planes have come.
+    /// The contacts, once all planes have been added.
     ///
     /// # Shapes
-    /// As [`contacts`].
+    /// See [`contacts`].
     ///
     /// # Errors
-    /// [`Error::MissingPlanes`]; [`Error::OutOfMemory`], [`Error::TooManyContacts`], also where [`ImageContacts::add`] ended with them.
+    /// [`Error::MissingPlanes`]; [`Error::OutOfMemory`], [`Error::TooManyContacts`], also if [`ImageContacts::add`] returned one of these.
     pub fn finish(self) -> Result<Vec<ImageContact<L, D>>, Error> {
         if let Some(error) = self.failed {
             return Err(error);
@@ -321,21 +321,21 @@ impl<L: Label, const D: usize> ImageContacts<L, D> {
     }
 }
 
-/// The rows of a slab, and of the plane before it.
+/// The rows of a slab and of the plane before it.
 struct Rows<'a, L> {
     slab: &'a [L],
     /// The plane before the slab, if `first` is not 0.
     previous: &'a [L],
     /// Number of the first plane of the slab.
     first: usize,
-    /// Rows of a plane.
+    /// Number of rows in a plane.
     height: usize,
     width: usize,
     background: Option<L>,
 }
 
 impl<'a, L> Rows<'a, L> {
-    /// Row `y` of plane `z`, counted from the first plane of the slab; plane -1 is the one before.
+    /// Row `y` of plane `z`, counted from the first plane of the slab; plane -1 is the one before it.
     fn row(&self, z: isize, y: isize) -> Option<&'a [L]> {
         let y = usize::try_from(y).ok().filter(|&y| y < self.height)?;
         match usize::try_from(z) {
@@ -347,7 +347,7 @@ impl<'a, L> Rows<'a, L> {
 }
 
 impl<L: Label, const D: usize> Part<L, D> {
-    /// Compares the rows `lines` of the slab, counted from its first, with themselves and those before them.
+    /// Compares the rows `lines` of the slab, counted from its first row, with themselves and with the rows before them.
     fn take(
         &mut self,
         rows: &Rows<'_, L>,
@@ -357,7 +357,7 @@ impl<L: Label, const D: usize> Part<L, D> {
         let Self { table, scan } = self;
         scan.fit(rows.width)?;
         for line in lines {
-            // In 2D a plane is a row, and the only one of its plane.
+            // In 2D a plane consists of one row.
             let (z, y) = ((line / rows.height).cast_signed(), (line % rows.height).cast_signed());
             let Some(row) = rows.row(z, y) else { continue };
             let before = [rows.row(z, y - 1), rows.row(z - 1, y)];

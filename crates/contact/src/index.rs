@@ -1,4 +1,4 @@
-//! Elements sorted once and searched many times: against another set, around points, for nearest neighbours.
+//! Elements that are sorted once and searched many times: against another set, around points, for nearest neighbours.
 
 mod nearest;
 mod rows;
@@ -15,41 +15,42 @@ use crate::real::Real;
 use crate::search::rows::layout::{Layout, PADDING};
 use crate::search::rows::scan::{PART, Scan, Scans, Sink};
 use crate::search::rows::{reserve, resize};
-use crate::simd::Simd;
 use crate::simd::kernel::Arrays;
+use crate::simd::{Available, Simd};
 
 use rows::Part;
 
-/// Elements sorted once, to be searched many times: a boundary that moving elements may touch, or points among which neighbours are sought.
+/// Elements that are sorted once and searched many times: a boundary that moving elements may touch, or points whose neighbours are wanted.
 ///
 /// The index owns a sorted copy of the elements; the caller's arrays are free after [`Index::build`]. Every search takes many elements or
-/// points at once, sorts them as the index is sorted, and compares rows with rows, a vector at a time. Sorting,
-/// rows and kernels are those of [`Rows`](crate::Rows); the cells follow the density of the elements and not their size, so that a search
-/// for a small or a large distance costs what the elements around cost, and empty space costs nothing.
+/// points at once, sorts them as the index is sorted, and compares rows with rows, a vector at a time. Sorting, rows and kernels are those
+/// of [`Rows`](crate::Rows). The cells follow the density of the elements, not their size. So the cost of a search for any distance follows
+/// from the number of elements around, and empty space costs nothing.
 ///
 /// # What is found
 /// - *Two sets* ([`Index::couples_with`], [`Index::for_each_with`], [`Index::count_with`]): elements of another set that touch elements of
-///   the index; nothing within either set. The comparison is that of [`Elements`] with the radii of the two, and the larger of
-///   the two tolerances: two points with cut-offs touch at half of the sum of the cut-offs. Both sets are boxes, or neither is. Both have
-///   filters of one kind (groups: with equal matrices), or neither has.
-/// - *Around points* ([`Index::within`], [`Index::within_with_distances`]): elements whose centre (of a box: minimum corner) has a distance of at most `r`.
-/// - *Nearest* ([`Index::nearest`]): the `k` elements whose centres are nearest.
+///   the index; no couples within either set. The comparison is that of [`Elements`] with the radii of the two and the larger of the two
+///   tolerances. Two points with cut-offs touch at half of the sum of the cut-offs. Either both sets are boxes or neither is. Either both
+///   have filters of the same kind (groups: with equal matrices) or neither has.
+/// - *Around points* ([`Index::within`], [`Index::within_with_distances`]): elements whose centre (of a box: minimum corner) is at a
+///   distance of at most `r`.
+/// - *Nearest* ([`Index::nearest`]): the `k` elements with the nearest centres.
 ///
-/// Distances between centres are those of [`Elements::distance_squared`]: `((d_0 * d_0) + d_1 * d_1) + …` in the type `T`, the axes in ascending
-/// order, without fused multiply-add, compared with `r * r`, closed. Radii and tolerances play no part in them.
+/// Distances between centres are those of [`Elements::distance_squared`]: `((d_0 * d_0) + d_1 * d_1) + …` in the type `T`, the axes in
+/// ascending order, without fused multiply-add. They are compared with `r * r`, closed. Radii and tolerances have no effect on them.
 ///
 /// # Order
-/// All results are a function of the input alone, the same for any number of threads and any vector instructions.
+/// All results are a function of the input alone. They are the same for any number of threads and any vector instructions.
 ///
 /// # Cost
-/// Building: some tens of nanoseconds per element; where sizes say little about density the elements are sorted up to six times. A search: tens of
-/// nanoseconds per element or point, and the comparisons; it is fastest for many points at once. [`Index::nearest`] looks, for a point far
-/// outside, at all rows that face it, of which a million elements in 3D have thousands. Many elements in exactly one place are all compared for
-/// each point that asks for the nearest. Memory per element: as [`Rows`](crate::Rows), and `D` coordinates more for boxes and for
-/// distances; per point that asks the same, and its results once more.
+/// Building takes some tens of nanoseconds per element. If sizes say little about density, the elements are sorted up to six times. A
+/// search takes tens of nanoseconds per element or point, plus the comparisons, and is most efficient for many points at once. For a point
+/// far outside, [`Index::nearest`] looks at all rows on the facing side; a million elements in 3D have thousands of these. Many elements in
+/// exactly one place are all compared for each query of the nearest. Memory per element: that of [`Rows`](crate::Rows), and `D` coordinates
+/// more for boxes and for distances. Per query point the same, and its results once more.
 ///
 /// # Errors
-/// All searches: [`Error::IndexNotBuilt`], [`Error::OutOfMemory`]; the output is empty then.
+/// All searches return [`Error::IndexNotBuilt`] or [`Error::OutOfMemory`]; the output is then empty.
 ///
 /// # Example
 /// ```
@@ -75,13 +76,13 @@ use rows::Part;
 pub struct Index<T, const D: usize> {
     layout: Layout<T, D>,
     kind: Option<Kind<T>>,
-    /// Number of elements; without any the layout is what it was before.
+    /// Number of elements. If it is 0, the layout is stale.
     len: usize,
     /// Maximum corners of boxes, by number.
     far: Vec<[T; D]>,
-    /// The tolerance with which the layout has them; `None` if it does not.
+    /// The tolerance with which the layout holds the maximum corners; `None` if it does not hold them.
     far_tolerance: Option<T>,
-    /// Centres in the order of the layout, once a search has asked for distances.
+    /// Centres in the order of the layout; filled once a search needs distances.
     centres: Vec<[T; D]>,
     bounds: Bounds<D>,
     tolerance: T,
@@ -90,21 +91,21 @@ pub struct Index<T, const D: usize> {
     matrix: Option<GroupMatrix>,
     largest: f64,
     magnitude: f64,
-    /// The other set, as the index is sorted.
+    /// The other set, sorted as the index is.
     moving: Layout<T, D>,
-    /// One radius, as many times as there are elements of the other set.
+    /// The one radius of the other set, repeated for each of its elements.
     radii: Vec<T>,
-    /// 0, 1, 2, …: numbers for kernels that are to tell places in the order.
+    /// 0, 1, 2, …: numbers for kernels that report places in the sorted order.
     places: Vec<u32>,
     waiting: Vec<Vec<Couple>>,
     parts: Vec<Part<T>>,
-    /// Where each point is in the order of the other set.
+    /// The place of each point in the sorted order of the other set.
     order: Vec<u32>,
-    simd: Simd,
+    simd: Available,
     pool: Pool,
 }
 
-/// What the elements of an index are.
+/// The kind of elements of an index.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind<T> {
     Equal { radius: T },
@@ -112,14 +113,13 @@ enum Kind<T> {
     Boxes,
 }
 
-/// Elements that cells have on average, empty ones left out, within bounds: fewer, and rows are too short for vectors; more, and
-/// too much is compared.
+/// Allowed average number of elements per occupied cell. With fewer, rows are too short for vectors; with more, too much is compared.
 const CELL_LOAD: std::ops::RangeInclusive<f64> = 1.5..=16.0;
 
-/// Elements in a cell where they are spread evenly.
+/// Number of elements per cell if they are spread evenly.
 const EVEN_LOAD: f64 = 3.0;
 
-/// Edges that are tried.
+/// Largest number of cell edges that are tried.
 const MAX_BUILDS: usize = 6;
 
 impl<T: Real, const D: usize> Default for Index<T, D> {
@@ -150,7 +150,7 @@ impl<T: Real, const D: usize> Index<T, D> {
             waiting: Vec::new(),
             parts: Vec::new(),
             order: Vec::new(),
-            simd: Simd::best(),
+            simd: Available::best(),
             pool: Pool::default(),
         }
     }
@@ -160,17 +160,15 @@ impl<T: Real, const D: usize> Index<T, D> {
     /// # Errors
     /// [`Error::SimdUnavailable`] if this processor lacks them.
     pub fn with_simd(mut self, simd: Simd) -> Result<Self, Error> {
-        if !simd.is_available() {
-            return Err(Error::SimdUnavailable { simd });
-        }
-        self.simd = simd;
+        self.simd = Available::new(simd)?;
         Ok(self)
     }
 
-    /// The same on `threads` threads; 0 is one for each processor, 1 is the default and uses no pool. The results are the same.
+    /// The same on `threads` threads. 0 is one per processor; 1 is the default and uses no thread pool. The results are the same.
     ///
     /// # Errors
-    /// [`Error::NoThreads`] if they cannot be had, above 1024, or if the crate was built without its feature `rayon`.
+    /// [`Error::NoThreads`] if the threads cannot be started, if there are more than 1024, or if the crate was built without its feature
+    /// `rayon`.
     pub fn with_threads(mut self, threads: usize) -> Result<Self, Error> {
         self.pool = Pool::new(threads)?;
         Ok(self)
@@ -186,7 +184,7 @@ impl<T: Real, const D: usize> Index<T, D> {
         self.len() == 0
     }
 
-    /// Bytes that are held now, working memory included.
+    /// Bytes held now, working memory included.
     pub fn bytes(&self) -> usize {
         self.layout.bytes()
             + self.moving.bytes()
@@ -198,10 +196,10 @@ impl<T: Real, const D: usize> Index<T, D> {
             + self.parts.iter().map(Part::bytes).sum::<usize>()
     }
 
-    /// Copies and sorts the elements; what was there before is replaced, its memory reused.
+    /// Copies and sorts the elements. Earlier elements are replaced, and their memory is reused.
     ///
     /// # Errors
-    /// [`Error::OutOfMemory`]; the index is not built then.
+    /// [`Error::OutOfMemory`]; the index is then not built.
     ///
     /// # Example
     /// ```
@@ -243,10 +241,10 @@ impl<T: Real, const D: usize> Index<T, D> {
         Ok(())
     }
 
-    /// Sorts the elements into cells of a suitable load.
+    /// Sorts the elements into cells with a suitable number of elements each.
     ///
-    /// The size of the elements is a first guess, unless they would be spread more thinly over their whole domain. Where
-    /// cells hold too few or too many, smaller and larger edges are tried, between those known to be too small and too large.
+    /// The size of the elements is the first estimate of the edge, unless an even spread over the whole domain needs a larger one. If cells
+    /// hold too few or too many elements, edges between the largest that is too small and the smallest that is too large are tried.
     fn sort(&mut self, elements: &Elements<'_, T, D>, points: &[[T; D]], radii: &[T]) -> Result<(), Error> {
         let natural = Grid::unbounded(elements);
         let even = edge_for(&self.bounds, points.len() as f64 / EVEN_LOAD);
@@ -274,7 +272,7 @@ impl<T: Real, const D: usize> Index<T, D> {
         Ok(())
     }
 
-    /// Elements per cell, empty ones left out.
+    /// Average number of elements per occupied cell.
     fn load(&self) -> f64 {
         let (layout, long) = (&self.layout, self.layout.axes[0]);
         let mut cells = 0_usize;
@@ -286,13 +284,13 @@ impl<T: Real, const D: usize> Index<T, D> {
         layout.len() as f64 / cells.max(1) as f64
     }
 
-    /// Writes the couples of `elements` with the elements of the index into `couples`, cleared first.
+    /// Writes the couples of `elements` with the elements of the index into `couples`, which is cleared first.
     ///
     /// # Shapes
-    /// `m` couples, each once: `i` of `elements`, `j` of the index; in an order that depends on the input alone.
+    /// `m` couples, each once: `i` belongs to `elements`, `j` to the index. Their order is a function of the input alone.
     ///
     /// # Errors
-    /// [`Error::UnlikeShapes`], and see [`Index`].
+    /// [`Error::UnlikeShapes`], and those of [`Index`].
     ///
     /// # Example
     /// ```
@@ -325,7 +323,7 @@ impl<T: Real, const D: usize> Index<T, D> {
         result.and(room).inspect_err(|_| couples.clear())
     }
 
-    /// Calls `visit` with every couple of [`Index::couples_with`], in its order; nothing is stored.
+    /// Calls `visit` with every couple of [`Index::couples_with`], in the same order, without storing them.
     ///
     /// # Errors
     /// As [`Index::couples_with`].
@@ -351,7 +349,7 @@ impl<T: Real, const D: usize> Index<T, D> {
         self.search_with(elements, Sink::Visit(&mut take))
     }
 
-    /// The number of couples of [`Index::couples_with`]; nothing is stored.
+    /// The number of couples of [`Index::couples_with`], without storing them.
     ///
     /// # Errors
     /// As [`Index::couples_with`].
@@ -440,14 +438,14 @@ impl<T: Real, const D: usize> Index<T, D> {
         Scans { each: &[scan], pool, parts: &mut self.waiting }.all(sink)
     }
 
-    /// Writes, for each point, the elements whose distance is at most `r` into its row of `found`, ascending by number.
+    /// Writes, for each point, the elements at a distance of at most `r` into its row of `found`, ascending by number.
     ///
     /// # Shapes
     /// `points` `[q]`; `found`: `q` rows.
     ///
     /// # Errors
-    /// [`Error::InvalidCutoff`] for an `r` that is negative or no number; [`Error::NonFiniteCoordinate`], [`Error::CoordinateTooLarge`] and
-    /// [`Error::TooManyElements`] for the points; and see [`Index`].
+    /// [`Error::InvalidCutoff`] if `r` is negative or NaN; [`Error::NonFiniteCoordinate`], [`Error::CoordinateTooLarge`] and
+    /// [`Error::TooManyElements`] for the points; and those of [`Index`].
     ///
     /// # Example
     /// ```
@@ -469,7 +467,7 @@ impl<T: Real, const D: usize> Index<T, D> {
         self.find_within(points, r, offsets, neighbours, None).inspect_err(|_| found.clear())
     }
 
-    /// As [`Index::within`], with the squared distance of each element as its value.
+    /// Finds elements as [`Index::within`] does, with the squared distance of each element as its value.
     ///
     /// # Errors
     /// As [`Index::within`].
@@ -496,16 +494,17 @@ impl<T: Real, const D: usize> Index<T, D> {
         self.find_within(points, r, offsets, neighbours, Some(values)).inspect_err(|_| found.clear())
     }
 
-    /// Writes, for each point, the `k` nearest elements into its row of `found`, ascending by squared distance, then by number; the squared
-    /// distances are the values.
+    /// Writes, for each point, the `k` nearest elements into its row of `found`, ascending by squared distance, then by number. The values
+    /// are the squared distances.
     ///
-    /// Fewer if there are not `k` elements. Elements at the same distance are told apart by their number, so the row is one and no other.
+    /// There are fewer entries if there are fewer than `k` elements. Elements at the same distance are ordered by number, so the row is
+    /// unique.
     ///
     /// # Shapes
     /// `points` `[q]`; `found`: `q` rows of `min(k, n)` entries.
     ///
     /// # Errors
-    /// [`Error::NonFiniteCoordinate`], [`Error::CoordinateTooLarge`], [`Error::TooManyElements`] for the points; and see [`Index`].
+    /// [`Error::NonFiniteCoordinate`], [`Error::CoordinateTooLarge`] and [`Error::TooManyElements`] for the points; and those of [`Index`].
     ///
     /// # Example
     /// ```

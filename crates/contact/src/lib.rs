@@ -1,4 +1,4 @@
-//! Contact detection: which of N elements touch, in time and memory proportional to N whatever the packing.
+//! Contact detection: finds which of N elements touch, in time and memory proportional to N at any packing density.
 //!
 //! ```
 //! let centres = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [5.0, 5.0, 5.0]];
@@ -8,39 +8,45 @@
 //! # Ok::<(), fdem_contact::Error>(())
 //! ```
 //!
-//! That is [`couples`], and [`couples_within`] for points with a cut-off. Beyond it:
+//! These are [`couples`] and [`couples_within`], the latter for points with a cut-off. For everything else:
 //!
 //! | you want | use |
 //! |---|---|
 //! | axis-aligned boxes, one radius for all, a gap that still counts | [`Elements`] |
-//! | to search again and again in the same memory, without a list, or to count only | [`Detector`] and its [`Search`] methods |
+//! | to search repeatedly in the same memory, without a list, or to count only | [`Detector`] and its [`Search`] methods |
 //! | elements that move a little between searches | [`Buffered`] |
-//! | the neighbours of each element, side by side, with a distance or another value | [`Csr`], [`Elements::distance_squared`] |
-//! | parts of one body not to touch, groups that do not see each other | [`Filter`], [`Elements::with_filter`] |
-//! | a box that repeats, rectangular or sheared | [`PeriodicBox`], [`PeriodicSearch`] |
+//! | the neighbours of each element, contiguous in memory, with a distance or another value | [`Csr`], [`Elements::distance_squared`] |
+//! | no contacts within a body, or between certain groups | [`Filter`], [`Elements::with_filter`] |
+//! | periodic boxes, rectangular or sheared | [`PeriodicBox`], [`PeriodicSearch`] |
 //! | two sets, one of them sorted once: walls, boundaries | [`Index`], [`Index::couples_with`] |
 //! | all elements within a distance of points, or the nearest `k` | [`Index::within`], [`Index::nearest`] |
-//! | to know beforehand what will run, and why | [`Detector::plan`] |
-//! | and the rows, the bytes, about how many couples | [`Detector::explain`], [`PeriodicSearch::explain`] |
-//! | the fastest search, and nothing else | [`Rows`] |
-//! | Munjiza-NBS as the book has it, its memory law, its figures | [`Nbs`], [`Observer`] |
+//! | which engine will run, and why | [`Detector::plan`] |
+//! | also the rows, the memory and the expected number of couples | [`Detector::explain`], [`PeriodicSearch::explain`] |
+//! | only the fastest search | [`Rows`] |
+//! | Munjiza-NBS as in the book, its memory law, its figures | [`Nbs`], [`Observer`] |
 //! | elements that span many cells: the C-grid of Williams, Perkins and Cook | [`CGrid`] |
-//! | the oracle | [`Direct`] |
+//! | a reference by brute force | [`Direct`] |
 //! | which bodies touch in a labelled image: pixels, voxels | [`image::contacts`], [`image::ImageContacts`] |
-//! | to check a couple list by sampled brute force | [`verify()`] |
+//! | to check a couple list by brute force on a sample | [`verify()`] |
 //! | whether two shapes touch, where and how deep: spheres, planes, segments, capsules, triangles, polygons, tetrahedra, boxes | [`narrow`] |
 //! | which meshed bodies touch, element by element and body by body; spheres against walls | [`discretised`] |
 //!
-//! # What is guaranteed
-//! - **Exact or an error.** Every couple that touches is reported, once; there is no cap and no silent loss. What touches
-//!   is defined to the last bit ([`Elements`]), and every engine takes the same decision.
+//! # Guarantees
+//! - **Exact or an error.** Every couple that touches is reported, once; there is no limit on their number and no silent loss. Touching is
+//!   defined to the last bit ([`Elements`]), and every engine takes the same decision.
 //! - **Deterministic.** The order of the couples is a function of the input alone.
-//! - **Checked.** NaN, infinity, a negative radius, lengths that differ, a domain too wide: an [`Error`] that names
-//!   the element, before anything is computed.
+//! - **Checked.** NaN, infinity, negative radii, arrays of different lengths and domains that are too wide give an [`Error`] that names the
+//!   element, before anything is computed.
 //! - **Any dimension.** `[T; D]` for every `D` of at least 1, in `f32` and `f64`.
 //!
-//! There is no file, no physics and no printing in this crate. Its dependencies are robust, whose exact predicates [`narrow`] uses, and rayon and, on Linux, rustix, both behind
-//! the feature `rayon` (on by default): without it a search runs on one thread, with the same results.
+//! This crate reads no files, prints nothing and contains no physics. It depends on robust, whose exact predicates [`narrow`] uses, and
+//! behind the feature `rayon` (on by default) on rayon and, on Linux, rustix. Without that feature a search runs on one thread, with the
+//! same results.
+//!
+//! # Unsafe code
+//! Vector kernels, in `src/simd.rs` and the files below it, use vector instructions and pointers. Threads write to one array in `src/search/rows/scatter.rs`, which
+//! `src/search/rows/layout.rs` uses, and to one list in `src/ordered.rs`. No other file has unsafe code, and no safe function relies on its caller. CI runs the kernels under valgrind, and everything
+//! but the vector instructions under Miri.
 //!
 //! # Data flow
 //! [`Elements`] → [`Grid`] (cells) → [`Lists`] → [`CONTACT_MASK`] → [`Search`] ([`Direct`], [`Nbs`], [`Rows`], [`Multilevel`], [`CGrid`]) → [`Couple`].
@@ -81,6 +87,7 @@ pub use grid::Grid;
 pub use index::Index;
 pub use lists::{Lists, NONE};
 pub use mask::{CONTACT_MASK, Set, mask_cells};
+pub use periodic::buffered::PeriodicBuffered;
 pub use periodic::cell::PeriodicBox;
 pub use periodic::{DEFAULT_MAX_IMAGES, PeriodicCouple, PeriodicSearch};
 pub use real::Real;
@@ -103,7 +110,7 @@ pub use verify::{Mismatch, verify};
 /// # Units
 /// One length unit for both.
 ///
-/// # Cost
+/// Time proportional to `n`, plus the time to sort the couples.
 /// Time proportional to `n`, plus the sorting of the couples.
 ///
 /// # Errors
@@ -128,7 +135,7 @@ pub fn couples<T: Real, const D: usize>(centres: &[[T; D]], radii: &[T]) -> Resu
 /// # Units
 /// One length unit for both.
 ///
-/// # Cost
+/// Time proportional to `n` plus the number of couples, plus the time to sort them.
 /// Time proportional to `n` plus the number of couples, and their sorting.
 ///
 /// # Errors

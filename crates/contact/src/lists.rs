@@ -1,9 +1,9 @@
-//! Singly connected lists held in integer arrays: the heads and the next numbers of one axis.
+//! Singly connected lists in integer arrays: the list heads and the next numbers of one axis.
 
 use crate::error::Error;
 use crate::mask::Set;
 
-/// Empty head, and end of a list; the book writes -1 (p. 106).
+/// Marks an empty head and the end of a list; the book writes -1 (p. 106).
 pub const NONE: u32 = u32::MAX;
 
 /// All lists along one axis: `heads` per cell, `next` per element.
@@ -11,39 +11,39 @@ pub const NONE: u32 = u32::MAX;
 /// In the book `next` is `Y` and `heads` is `B` on the axis y, `X` and `A` on the axis x, `Z` and `C` on the axis z
 /// (`D` and `H` for the last axis of n dimensions). The last axis has one set of heads, the others two.
 ///
-/// An element is on at most one list of an axis, hence one `next` serves both sets. A list that has been visited is
-/// marked *old* by adding N to its head, as (3.39) does: there is no other room for a mark in the memory formula
-/// (3.65). A reader of a list must therefore decode its head.
+/// An element is on at most one list of an axis, so one `next` serves both sets. A list that has been visited is marked *old* by adding N
+/// to its head, as in (3.39), because the memory formula (3.65) leaves no other room for a mark. A reader of a list must therefore decode
+/// its head.
 #[derive(Clone, Debug, Default)]
 pub struct Lists {
     heads: [Vec<u32>; 2],
     next: Vec<u32>,
 }
 
-/// Head + N must fit below [`NONE`].
+/// The largest number of elements: head + N must stay below [`NONE`].
 pub(crate) const MAX_LISTED: usize = (u32::MAX / 2) as usize;
 
 impl Lists {
-    /// The heads of a set as they stand: [`NONE`], an element (a *new* list), or an element + N (an *old* one).
+    /// The stored heads of a set: [`NONE`], an element (a *new* list), or an element + N (an *old* list).
     pub fn heads(&self, set: Set) -> &[u32] {
         &self.heads[set as usize]
     }
 
-    /// For each element the next one on its list, or [`NONE`]; meaningless for elements that are on no list now.
+    /// The next element on the list of each element, or [`NONE`]; meaningless for elements that are on no list.
     pub fn next(&self) -> &[u32] {
         &self.next
     }
 
-    /// The elements of list `cell`, in list order; beyond either end of the axis there are none.
+    /// The elements of list `cell` in list order; none beyond either end of the axis.
     pub fn iter(&self, set: Set, cell: u32) -> impl Iterator<Item = u32> {
         let listed = |element: u32| (element != NONE).then_some(element);
         std::iter::successors(listed(self.first(set, cell)), move |&element| listed(self.after(element)))
     }
 
-    /// Sizes the arrays for `elements` elements and as many cells; all lists are empty afterwards.
+    /// Sizes the arrays for `elements` elements and `cells` cells; all lists are empty afterwards.
     ///
-    /// Heads that exist already are empty by the invariant of the procedure (it empties what it fills), so only those
-    /// that are added are written. `reset` writes them all: the one loop over cells.
+    /// Existing heads are empty already, because the search empties every list that it fills. So only added heads are written. `reset`
+    /// writes them all; that is the only loop over cells.
     pub(crate) fn prepare(&mut self, elements: usize, cells: [u32; 2], reset: bool) -> Result<(), Error> {
         for (heads, cells) in self.heads.iter_mut().zip(cells) {
             resize(heads, cells as usize)?;
@@ -59,7 +59,7 @@ impl Lists {
         self.heads[0].len() + self.heads[1].len() + self.next.len()
     }
 
-    /// Whether every head is empty, as between two searches.
+    /// Whether every head is empty, as it must be between two searches.
     pub(crate) fn all_empty(&self) -> bool {
         self.heads.iter().flatten().all(|&head| head == NONE)
     }
@@ -80,7 +80,7 @@ impl Lists {
         if head != NONE && head >= n { head - n } else { head }
     }
 
-    /// The first element of a central list that is still new, which is marked old; `None` for an old one.
+    /// Marks a new central list as old and returns its first element; `None` if the list is old already.
     #[inline]
     pub(crate) fn take_new(&mut self, cell: u32) -> Option<u32> {
         let n = self.next.len() as u32;
@@ -101,7 +101,7 @@ impl Lists {
     }
 }
 
-/// Exactly `len` integers, new ones [`NONE`]; no spare capacity, for the memory law counts every integer.
+/// Sets the length to exactly `len` without spare capacity, because the memory law counts every integer; new integers are [`NONE`].
 fn resize(integers: &mut Vec<u32>, len: usize) -> Result<(), Error> {
     if len > integers.len() {
         integers

@@ -1,4 +1,4 @@
-//! The contact mask: which half of the neighbouring cells a cell is compared with, as data.
+//! The contact mask as data: the half of the neighbouring cells that a cell is compared with.
 
 /// The two sets of list heads that an axis keeps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -9,24 +9,24 @@ pub enum Set {
     Neighbours = 1,
 }
 
-/// The lists along one axis that a central list `i` is compared with, besides itself: set and offset from `i`.
+/// The lists along one axis that a central list `i` is compared with, besides itself: their set and their offset from `i`.
 ///
-/// This one rule, applied axis by axis from the last to the first, is the half mask in any number of dimensions.
-/// Since [`Set::Neighbours`] merges all that is not central, no axis ever needs more than these four lists:
+/// This rule, applied axis by axis from the last to the first, gives the half mask in any number of dimensions. [`Set::Neighbours`] merges
+/// everything that is not central, so no axis needs more than these four lists:
 /// ```text
 /// Neighbours   x  x  x
 /// Central      x  o  .        o: the central list itself
 ///             -1  0 +1
 /// ```
-/// On the last axis there is nothing above, its [`Set::Neighbours`] is empty, and the rule is "the row below":
-/// step 4 of the 2D and of the 3D procedure. On the first axis it is the mask of cells, Fig. 3.45 and (3.73).
+/// On the last axis there is no axis above, its [`Set::Neighbours`] is empty, and the rule is "the row below": step 4 of the 2D and of the
+/// 3D procedure. On the first axis it is the mask of cells, Fig. 3.45 and (3.73).
 pub const CONTACT_MASK: [(Set, i32); 4] =
     [(Set::Central, -1), (Set::Neighbours, -1), (Set::Neighbours, 0), (Set::Neighbours, 1)];
 
-/// The mask written out: the offsets of the `(3^D - 1)/2` cells that a central cell is compared with, besides itself.
+/// The contact mask as a list of cells: the offsets of the `(3^D - 1)/2` cells that a central cell is compared with, besides itself.
 ///
-/// 4 cells in 2D (Fig. 3.45, p. 109), 13 in 3D (3.73), 40 in 4D. No search uses this list; it shows, and the tests
-/// prove, what [`CONTACT_MASK`] amounts to. Offsets are in the order x, y, z, …
+/// There are 4 cells in 2D (Fig. 3.45, p. 109), 13 in 3D (3.73) and 40 in 4D. No search uses this list. It illustrates [`CONTACT_MASK`],
+/// and tests compare the two. Offsets are in the order x, y, z, …
 ///
 /// # Example
 /// ```
@@ -37,7 +37,7 @@ pub const CONTACT_MASK: [(Set, i32); 4] =
 /// }
 /// ```
 pub fn mask_cells<const D: usize>() -> Vec<[i32; D]> {
-    // Follow the sets down the axes: where an element of the central cell's lists stands, and where the merged ones do.
+    // Follows the sets down the axes: the offsets of the elements on central lists and of those on merged lists.
     let mut central = vec![[0; D]];
     let mut neighbours: Vec<[i32; D]> = Vec::new();
     for axis in (0..D).rev() {
@@ -68,7 +68,7 @@ pub fn mask_cells<const D: usize>() -> Vec<[i32; D]> {
 mod tests {
     use super::*;
 
-    /// Each couple of neighbouring cells is met from exactly one side.
+    /// Each couple of neighbouring cells is compared from exactly one side.
     fn is_exactly_one_half<const D: usize>() {
         let cells = mask_cells::<D>();
         assert_eq!(cells.len(), (3_usize.pow(D as u32) - 1) / 2);

@@ -1,4 +1,4 @@
-//! The exact narrow phase: do two bodies touch, where, in which direction, and by how much. Geometry only.
+//! The exact narrow phase: whether two bodies touch, where, in which direction and by how much. It knows geometry only.
 //!
 //! ```
 //! use fdem_contact::narrow::{Measure, Sphere, Triangle, sphere_triangle};
@@ -26,16 +26,18 @@
 //! | oriented box, oriented box | [`box_box`] | depth |
 //!
 //! # When do two bodies touch?
-//! Touching counts: the comparison is closed. Segments, triangles, polygons and tetrahedra are decided exactly, by signs of
-//! [`robust`] predicates. Round bodies and oriented boxes are decided by the floating-point operations that their function
-//! documents; spheres by those of [`Elements`](crate::Elements), so that both phases agree.
+//! Touching counts: the comparison is closed. Segments, triangles, polygons and tetrahedra are decided exactly, by the signs of [`robust`]
+//! predicates. Round bodies and oriented boxes are decided by the floating-point operations that their functions document. For spheres
+//! these are the operations of [`Elements`](crate::Elements), so both phases agree.
 //!
 //! # Degenerate bodies
-//! Shapes without area or volume are the point, the segment or the flat piece that their vertices span, and touch as such; the measure
-//! is then 0. Where no direction follows from the geometry (centres that coincide, segments that cross), each function says which normal it takes.
+//! A shape without area or volume is the point, the segment or the flat piece that its vertices span, and touches as such; the measure is
+//! then 0. If the geometry gives no direction (centres that coincide, segments that cross), each function documents the normal that it
+//! returns.
 //!
-//! # Numbers
-//! Constructors check every coordinate once: finite, and either 0 or between [`MIN_MAGNITUDE`] and [`MAX_MAGNITUDE`], where no predicate
+//! # Range of numbers
+//! Constructors check every coordinate once. It must be finite, and either 0 or between [`MIN_MAGNITUDE`] and [`MAX_MAGNITUDE`], where no
+//! predicate overflows or underflows. After that no function fails.
 //! overflows or underflows. After that no function fails.
 
 mod contact;

@@ -1,6 +1,9 @@
-//! A list that several threads write together, in the order of one.
+//! A list that several threads write together in the order that one thread would give.
 
-#![allow(unsafe_code, reason = "entries are moved to their places in a list")]
+#![allow(
+    unsafe_code,
+    reason = "parts are copied into the spare room of a list, whose length is set afterwards"
+)]
 
 use std::collections::VecDeque;
 use std::mem::MaybeUninit;
@@ -12,12 +15,13 @@ use crate::pool::Pool;
 
 /// Appends the parts `0..count` to `list`, in their order; `fill` writes one into an empty vector, on any thread.
 ///
-/// How long a part is, is known when it is done; those before it are mostly done by then, or soon. So its place in the list is known, and it is moved
-/// there while it is in cache. When the list is full, the threads stop, and it gets the room that it will need if the rest is like
-/// the beginning; they stop too when one that the system has put aside keeps many parts waiting. `memory` keeps the memory of parts for the next time.
+/// The length of a part is known when it is done. By then the parts before it are mostly done, or will be soon. Its place in the list is
+/// then known, and the part is copied there while it is in cache. When the list is full, the threads stop, and the list grows to what it
+/// will need if the rest is like the beginning. The threads also stop when one thread that the system has suspended keeps many parts
+/// waiting. `memory` keeps the vectors of parts for the next call.
 ///
 /// # Errors
-/// An error of `fill`, or [`Error::OutOfMemory`]; then `list` holds some of the entries.
+/// An error of `fill`, or [`Error::OutOfMemory`]; `list` then holds some of the entries.
 pub(crate) fn append<V: Copy + Send>(
     list: &mut Vec<V>,
     count: usize,
@@ -48,7 +52,7 @@ pub(crate) fn append<V: Copy + Send>(
         done = line.next;
         let mut waiting = std::mem::take(&mut line.waiting);
         waiting.sort_unstable_by_key(|part| part.number);
-        // Those for which there was no room.
+        // The entries of parts for which there was no room.
         let mut left = Vec::new();
         for part in waiting {
             match line.place(part.number) {
@@ -57,13 +61,14 @@ pub(crate) fn append<V: Copy + Send>(
             }
         }
         let placed = line.placed;
-        // SAFETY: all parts with a place have been moved there, and the places follow each other, from the first free one of the list on.
+        // SAFETY: places are handed out one after the other from the first free entry of the list on, `placed` entries in all. Every part that was given one has
+        // been copied there, by its thread or above: an error or a panic would have left this function before.
         unsafe { list.set_len(list.len() + placed) };
 
         let more = left.iter().map(Vec::len).sum::<usize>();
         let expected = (list.len() - before + more) as f64 / done as f64 * (count - done) as f64;
         if list.try_reserve_exact(more.saturating_add((1.05 * expected) as usize)).is_err() {
-            // There may be memory for what is needed now.
+            // There may still be memory for the entries found so far.
             let bytes = (list.len() + more).saturating_mul(size_of::<V>());
             list.try_reserve_exact(more).map_err(|_| Error::OutOfMemory { bytes })?;
         }
@@ -75,28 +80,29 @@ pub(crate) fn append<V: Copy + Send>(
     Ok(())
 }
 
-/// A thread takes so many parts at most, and a run for each thread so many times at least: neighbouring parts share what they read, but all should be done
-/// at the same time.
+/// A thread takes at most `MAX_RUN` consecutive parts at a time, and few enough that each thread takes a run at least `RUNS` times.
+/// Neighbouring parts share what they read, but all threads should finish at the same time.
 const MAX_RUN: usize = 8;
 const RUNS: usize = 3;
 
-/// Of the entries of a run.
+/// Largest number of bytes of the entries of a run.
 const MAX_BYTES: usize = 1 << 21;
 
-/// So many parts of a thread may wait for their places.
+/// Largest number of parts per thread that may wait for their places.
 const MAX_WAITING: usize = 32;
 
-/// A part that is done.
+/// A part that is complete.
 struct Part<V> {
     number: usize,
     entries: Vec<V>,
 }
 
 impl<V: Copy> Part<V> {
-    /// Fills its place, and gives its memory back.
+    /// Copies the entries to their place and returns the memory of the part.
     fn move_to(self, place: Place<'_, V>) -> Vec<V> {
         assert_eq!(place.len(), self.entries.len());
-        // SAFETY: both are as long, and a place in the list is not in the memory of a part. One call is 3 % of a search quicker than a loop.
+        // SAFETY: both have the same length, as just asserted, and the place belongs to another allocation than the part. One call saves 3 % of a search
+        // against a loop.
         unsafe { self.entries.as_ptr().copy_to_nonoverlapping(place.as_mut_ptr().cast(), place.len()) };
         self.entries
     }
@@ -104,34 +110,34 @@ impl<V: Copy> Part<V> {
 
 type Place<'a, V> = &'a mut [MaybeUninit<V>];
 
-/// The parts on their way into the list.
+/// The state of the parts on their way into the list.
 struct Line<'a, V> {
     first: usize,
-    /// The part to be taken next, and the number of parts.
+    /// The next part to be taken; below, the number of parts.
     next: usize,
     count: usize,
     threads: usize,
-    /// Entries of the parts from `first` on that have been taken; `None` until they are done.
+    /// Number of entries of the parts from `first` on that have been taken; `None` until a part is complete.
     lengths: Vec<Option<usize>>,
-    /// The places of the parts from `first` on, `None` when they have been given out: as many as are known.
+    /// The places of the parts from `first` on, as far as they are known; `None` once a place has been given out.
     places: Vec<Option<Place<'a, V>>>,
-    /// Entries that have places.
+    /// Number of entries that have places.
     placed: usize,
-    /// The rest of the list.
+    /// The free room of the list.
     room: Place<'a, V>,
-    /// No more parts are taken: the list is full, or too many wait.
+    /// Set when no more parts may be taken: the list is full, or too many parts wait.
     is_closed: bool,
     stopped: Result<(), Error>,
-    /// Left by threads that have found nothing more to do.
+    /// Parts that still waited when their threads found nothing more to do.
     waiting: Vec<Part<V>>,
     memory: &'a mut Vec<Vec<V>>,
 }
 
 impl<'a, V> Line<'a, V> {
-    /// Parts for a thread to do: some that follow each other, few when few are left.
+    /// Takes a run of consecutive parts for a thread; the run is short when few parts are left.
     fn take(&mut self) -> Range<usize> {
         let left = if self.is_closed || self.stopped.is_err() { 0 } else { self.count - self.next };
-        // As much as the second-level cache holds, going by the parts that are placed: at first nothing is known.
+        // The run should fit into the second-level cache, judged by the parts that have places; at first nothing is known.
         let room = (MAX_BYTES * self.places.len()).checked_div(self.placed * size_of::<V>()).unwrap_or(1);
         let run = left.div_ceil(RUNS * self.threads).min(room.clamp(1, MAX_RUN));
         let run = self.next..self.next + run;
@@ -140,7 +146,7 @@ impl<'a, V> Line<'a, V> {
         run
     }
 
-    /// Notes how long a part is; it and those that have waited for it get their places.
+    /// Records the length of a part. It and the parts that waited for it get their places.
     fn done(&mut self, part: &Part<V>) {
         self.lengths[part.number - self.first] = Some(part.entries.len());
         while let Some(&Some(len)) = self.lengths.get(self.places.len()) {
@@ -153,13 +159,13 @@ impl<'a, V> Line<'a, V> {
         }
     }
 
-    /// The place of a part, if it is known: once.
+    /// The place of a part, if it is known; it is given out once.
     fn place(&mut self, number: usize) -> Option<Place<'a, V>> {
         self.places.get_mut(number - self.first)?.take()
     }
 }
 
-/// Does parts until there are none left, or no room for them.
+/// Works on parts until none are left or there is no room for them.
 fn work<V: Copy>(
     line: &Mutex<Line<'_, V>>,
     fill: &(impl Fn(usize, &mut Vec<V>) -> Result<(), Error> + Sync),
@@ -197,7 +203,7 @@ fn work<V: Copy>(
     locked(line).waiting.extend(waiting);
 }
 
-/// A thread that panicked ends the whole search: what it left is not looked at.
+/// Locks the line. A panic of a thread ends the whole search, so a poisoned state is never used.
 fn locked<'l, 'a, V>(line: &'l Mutex<Line<'a, V>>) -> MutexGuard<'l, Line<'a, V>> {
     line.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -206,7 +212,7 @@ fn locked<'l, 'a, V>(line: &'l Mutex<Line<'a, V>>) -> MutexGuard<'l, Line<'a, V>
 mod tests {
     use super::*;
 
-    /// Part `k` is `k % 7` times the number `k`.
+    /// Part `k` is the number `k` repeated `k % 7` times.
     fn fill(number: usize, part: &mut Vec<usize>) {
         part.extend(std::iter::repeat_n(number, number % 7));
     }

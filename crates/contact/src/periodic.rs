@@ -1,5 +1,6 @@
-//! Search in a box that repeats: wrap the elements, add the images that may touch them, search all, and name the shifts.
+//! Search in a periodic box: wraps the elements, adds the images that may touch them, searches them all, and reports shifts.
 
+pub(crate) mod buffered;
 pub(crate) mod cell;
 mod images;
 
@@ -19,65 +20,67 @@ use crate::real::Real;
 use crate::search::Search;
 use crate::simd::Simd;
 
-/// Two elements of a periodic box that touch: `i`, and `j` displaced by `shift` edges.
+/// Two touching elements of a periodic box: `i`, and `j` displaced by `shift` edges.
 ///
-/// Element `j`, where the caller has it, plus the sum of `shift[a]` times edge `a`, touches element `i` where the caller has it; neither needs to
-/// lie in the box. Seen from `j` the shift is `-shift`. Each contact has one form: `i < j` with any shift, or `i == j` with a shift whose
-/// first number other than 0 is positive: an element that touches its own image. Ordered by `i`, `j`, shift.
+/// Take both elements at the caller's positions, which need not be inside the box. Element `j`, displaced by the sum of `shift[a]` times
+/// edge `a`, touches element `i`. Seen from `j` the shift is `-shift`. Each contact is reported in one form: `i < j` with any shift, or
+/// `i == j` with a shift whose first nonzero number is positive (an element that touches its own image). Ordered by `i`, `j`, shift.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[repr(C)]
 pub struct PeriodicCouple<const D: usize> {
     /// The smaller number.
     pub i: u32,
-    /// The larger number, or the same.
+    /// The larger number; equal to `i` if an element touches its own image.
     pub j: u32,
-    /// Edges by which `j` is displaced; 0 along edges that are not periodic.
+    /// Number of edges by which `j` is displaced; 0 along edges that are not periodic.
     pub shift: [i32; D],
 }
 
-/// The bound on the number of images unless another is set: some 6 GB in 3D and `f64`.
+/// Default limit on the number of images: some 6 GB in 3D and `f64`.
 pub const DEFAULT_MAX_IMAGES: usize = 1 << 26;
 
-/// No shift of an image is larger, so that shifts fit `i32` together with twice the periods of an element.
+/// Largest shift of an image, so that shifts together with twice the periods of an element fit `i32`.
 const MOST_IMAGES: usize = 1 << 30;
 
-/// Every contact of elements in a [`PeriodicBox`], each once, with its shift; all images that touch, not only the nearest.
+/// Finds every contact of elements in a [`PeriodicBox`], each once, with its shift. All touching images count, not only the nearest.
 ///
-/// Elements outside the box are wrapped into it. Every image of a wrapped element that may touch a wrapped element is made, as many as
-/// the reach of the elements and the heights of the box ask for. An ordinary search runs over all elements, and another one over those near the
-/// faces with the images; over all elements and images, where these are many. So
-/// the box may be sheared by any amount, and smaller than the elements. Nothing rests on the image nearest to an element, which is one
-/// contact of several in a small box, and the wrong one in a sheared box.
+/// Elements outside the box are wrapped into it. Every image of a wrapped element that may touch a wrapped element is made; their number
+/// follows from the reach of the elements and the heights of the box. One search runs over all elements, and another one over the elements
+/// near the faces together with the images. If there are many images, a single search runs over all elements and images. So the box may be
+/// sheared by any amount, and may be smaller than the elements. The search does not use the minimum image convention: the nearest image is
+/// only one of several contacts in a small box, and the wrong one in a sheared box.
 ///
 /// # When do two elements touch?
 /// The comparison is that of [`Elements`], closed, in the type `T`, between two rounded points:
-/// - `w_i`, where [`PeriodicBox::wrap`] puts element `i`: a displacement by `-n_i`, rounded once per element, or `x_i` itself if `n_i` is 0.
+/// - `w_i`, the position of element `i` after [`PeriodicBox::wrap`]: displaced by `-n_i`, rounded once per element, or `x_i` itself if
+///   `n_i` is 0.
 /// - `p`, [`PeriodicBox::displaced`] of `w_j` by `s`: rounded once per image, or `w_j` itself if `s` is 0.
 ///
-/// Of an axis-aligned box both corners are displaced, each rounded so, by the periods of the minimum corner.
+/// An axis-aligned box is displaced by the periods of its minimum corner; both corners are rounded in this way.
 ///
-/// The couple is `(i, j, shift)` with `shift = s + n_i - n_j`, `i < j`, or `i == j` and the first number of `s` other than 0 positive. So it
-/// is always the element of larger number whose image is compared; the image of the other one may round otherwise and decides nothing. Where all
-/// sums are exact, the result does not depend on the periods in which the caller has the elements.
+/// The couple is `(i, j, shift)` with `shift = s + n_i - n_j`, where `i < j`, or `i == j` and the first nonzero number of `s` is positive.
+/// So the compared image is always that of the element with the larger number. The image of the other element may round differently, and
+/// decides nothing. If all sums are exact, the result does not depend on the periods in which the caller places the elements.
 ///
-/// With a [`Filter`](crate::Filter) an image sees what its element sees. An element and its image are of one body, and of one group: whether they see
-/// each other is what the filter says of the element and itself, [`Filter::admits(i, i)`](crate::Filter::admits).
+/// With a [`Filter`](crate::Filter), an image has the numbers of its element: they belong to the same body and the same group. Whether an
+/// element may touch its own image is what the filter says about the element and itself, [`Filter::admits(i, i)`](crate::Filter::admits).
 ///
 /// # Order
-/// That of the engine over the wrapped elements; then that of the engine over the elements near the faces followed by the images, by element, then by
-/// shift. Where the images are more than a quarter of the elements, that of the engine over all elements followed by the images. A function of the
-/// input alone.
+/// First the order of the engine over the wrapped elements; then that of the engine over the elements near the faces followed by the
+/// images, sorted by element, then by shift. If there are more than a quarter as many images as elements, the order of the engine over all
+/// elements followed by the images. The order is a function of the input alone.
 ///
 /// # Cost
-/// The search over `n` elements, and one over `m` images and at most as many elements. For an edge of height `h` and a reach `r` (largest diameter plus
-/// tolerance) there are about `2 r / h` images per element: few in a large box. A tilt lowers heights: of the bases of a lattice take
-/// one with short edges. One look at each element says whether it is outside or near a face; with edges along the axes and no element outside
-/// nothing is copied but what is near. Memory per image: twice `D` coordinates, `D` integers of 4 bytes, the radius if there is one for each, 8 bytes,
-/// the numbers of a filter, and the engine; if an element is outside, `D` coordinates and `D` integers for each element. Boxes not wider than
-/// two reaches are searched by testing elements against elements and images, `n (n + m)` tests at most.
+/// The search over `n` elements, and one over `m` images and at most as many elements. For an edge of height `h` and a reach `r` (largest
+/// diameter plus tolerance) there are about `2 r / h` images per element: few in a large box. Tilt lowers the heights, so choose a basis of
+/// the lattice with short edges. One pass over the elements finds those outside or near a face. If the edges lie along the axes and no
+/// element is outside, only elements near faces are copied. Memory per image: twice `D` coordinates, `D` integers of 4 bytes, the radius if
+/// radii differ, 8 bytes, the numbers of a filter, and the engine. If an element is outside, `D` coordinates and `D` integers for each
+/// element. Boxes no wider than two reaches are searched by testing elements against elements and images, at most `n (n + m)` tests.
 ///
 /// # Source
-/// The ghost images of M.P. Allen, D.J. Tildesley, "Computer Simulation of Liquids", Oxford 1987, section 1.5, without the minimum image.
+/// The ghost images of M.P. Allen, D.J. Tildesley, "Computer Simulation of Liquids", Oxford 1987, section 1.5, without the minimum image
+/// convention.
 ///
 /// # Example
 /// ```
@@ -98,19 +101,19 @@ const MOST_IMAGES: usize = 1 << 30;
 #[derive(Clone, Debug)]
 pub struct PeriodicSearch<T, const D: usize> {
     engine: Engine,
-    /// Of all elements, and of those near the faces with their images.
+    /// Searches all elements; below, those near the faces with their images.
     detector: Detector<T, D>,
     outer_detector: Detector<T, D>,
     images: Images<T, D>,
     refuse_outside: bool,
     max_images: usize,
     pool: Pool,
-    /// Couples of each part, on their way into a list.
+    /// Couples of each part before they are appended to a list.
     parts: Vec<Vec<PeriodicCouple<D>>>,
 }
 
 impl<T: Real, const D: usize> PeriodicSearch<T, D> {
-    /// A search that holds no memory yet, with this engine over elements and images.
+    /// A search that holds no memory yet. `engine` searches both elements and images.
     pub fn new(engine: Engine) -> Self {
         Self {
             engine,
@@ -124,24 +127,24 @@ impl<T: Real, const D: usize> PeriodicSearch<T, D> {
         }
     }
 
-    /// The same, but an element outside the box along a periodic edge is refused, with [`Error::OutsideBox`], and not wrapped.
+    /// The same, but an element outside the box along a periodic edge is refused with [`Error::OutsideBox`] instead of being wrapped.
     ///
-    /// The faces belong to the box, and so do points outside by no more than rounding.
+    /// The faces belong to the box. So do points that are outside by no more than rounding.
     #[must_use]
     pub fn refuse_outside(mut self) -> Self {
         self.refuse_outside = true;
         self
     }
 
-    /// The same with another bound on the number of images, at most `2^30`; [`DEFAULT_MAX_IMAGES`] otherwise.
+    /// The same with another limit on the number of images, at most `2^30`; the default is [`DEFAULT_MAX_IMAGES`].
     #[must_use]
     pub fn with_max_images(mut self, max_images: usize) -> Self {
         self.max_images = max_images.min(MOST_IMAGES);
         self
     }
 
-    /// The same on `threads` threads, as [`Rows::with_threads`](crate::Rows::with_threads); other engines use them for the images. The couples and their order are the
-    /// same for any number.
+    /// The same on `threads` threads, as [`Rows::with_threads`](crate::Rows::with_threads); other engines use them for the images only. The
+    /// couples and their order are the same for any number.
     ///
     /// # Errors
     /// [`Error::NoThreads`].
@@ -152,7 +155,8 @@ impl<T: Real, const D: usize> PeriodicSearch<T, D> {
         Ok(self)
     }
 
-    /// The same, but a list of couples ends with [`Error::Stopped`] soon after `stop` is set, as [`Detector::stopped_by`].
+    /// The same, but a search for a list of couples ends with [`Error::Stopped`] soon after `stop` is set, as with
+    /// [`Detector::stopped_by`].
     #[must_use]
     pub fn stopped_by(mut self, stop: Arc<AtomicBool>) -> Self {
         self.pool = self.pool.stopped_by(stop);
@@ -161,7 +165,7 @@ impl<T: Real, const D: usize> PeriodicSearch<T, D> {
         self
     }
 
-    /// The same with other vector instructions, where the engine has them ([`Rows`](crate::Rows)); the couples and their order are the same.
+    /// The same with other vector instructions, if the engine uses any ([`Rows`](crate::Rows)). The couples and their order are the same.
     ///
     /// # Errors
     /// [`Error::SimdUnavailable`] if this processor lacks them.
@@ -171,12 +175,12 @@ impl<T: Real, const D: usize> PeriodicSearch<T, D> {
         Ok(self)
     }
 
-    /// Number of images that the last search, or the last explanation, made.
+    /// Number of images that the last search or the last explanation made.
     pub fn images(&self) -> usize {
         self.images.owners.len()
     }
 
-    /// Bytes that are held now: elements, images, the engines, and working memory.
+    /// Bytes held now: elements, images, the engines, and working memory.
     pub fn bytes(&self) -> usize {
         let parts = self.parts.iter().map(Vec::capacity).sum::<usize>();
         self.detector.bytes()
@@ -185,17 +189,18 @@ impl<T: Real, const D: usize> PeriodicSearch<T, D> {
             + parts * size_of::<PeriodicCouple<D>>()
     }
 
-    /// What a search would take: engine, rows, images, bytes, and about how many couples there are.
+    /// Predicts what a search takes: engine, rows, images, memory, and the expected number of couples.
     ///
-    /// The plan and the rows are those of the search over all elements; in a box with many images these are searched with the elements,
-    /// and are in the plan and the rows too. The couples are estimated as by [`Detector::explain`], images among the neighbours.
+    /// The plan and the rows are those of the search over all elements. In a box with many images, elements and images are searched
+    /// together, and the plan and the rows include the images. The number of couples is estimated as by [`Detector::explain`], with images
+    /// among the neighbours.
     ///
     /// # Cost
-    /// The elements are wrapped and the images made, in the memory in which a search would do so. Then one pass over elements and images, as
-    /// in [`Detector::explain`].
+    /// The elements are wrapped and the images made, in the memory that a search would use. Then follows one pass over elements and images,
+    /// as in [`Detector::explain`].
     ///
     /// # Errors
-    /// As [`PeriodicSearch::for_each`], but for those of memory that only a search takes.
+    /// Those of [`PeriodicSearch::for_each`], except running out of memory that only a search takes.
     ///
     /// # Example
     /// ```
@@ -225,7 +230,7 @@ impl<T: Real, const D: usize> PeriodicSearch<T, D> {
         let (plan, mut means) = if test {
             let small =
                 "all elements are within reach of most others: each is tested with all, and with all images";
-            (Plan::without_cells(if asked_for { "asked for" } else { small }), Means::NONE)
+            (Plan::without_cells(if asked_for { "requested" } else { small }), Means::NONE)
         } else {
             (by.plan(searched)?, by.means(searched)?)
         };
@@ -234,7 +239,8 @@ impl<T: Real, const D: usize> PeriodicSearch<T, D> {
         }
         means.bytes += images.bytes();
 
-        // Wide enough for elements and images together: that they are more can only widen cells by the eighth which wide domains ask for.
+        // The cells hold elements and images together. Their larger number can only widen cells by the eighth that is allowed for wide
+        // domains.
         let bounds = searched.bounds().join(&outer.bounds());
         let edge = Grid::unbounded(searched).cell_size().max(Grid::unbounded(&outer).cell_size());
         let grid = Grid::with_cell_size(bounds.min, bounds.max, 1.125 * edge);
@@ -244,7 +250,7 @@ impl<T: Real, const D: usize> PeriodicSearch<T, D> {
         Ok(Explanation { elements: elements.len(), images: Some(images.owners.len()), ..told })
     }
 
-    /// Calls `visit` with every couple that touches; nothing is stored but elements and images.
+    /// Calls `visit` with every couple that touches. Only elements and images are stored.
     ///
     /// # Errors
     /// [`Error::TooFarFromBox`], [`Error::OutsideBox`], [`Error::UnresolvedBox`], [`Error::TooManyImages`], [`Error::OutOfMemory`], and those of
@@ -258,10 +264,11 @@ impl<T: Real, const D: usize> PeriodicSearch<T, D> {
         self.prepare(elements, cell)?.for_each(visit)
     }
 
-    /// Writes the couples into `couples`, cleared first; the caller's memory is reused.
+    /// Writes the couples into `couples`, which is cleared first; its memory is reused.
     ///
     /// # Errors
-    /// As [`PeriodicSearch::for_each`]; [`Error::OutOfMemory`] also if the couples themselves do not fit. `couples` is empty then.
+    /// Those of [`PeriodicSearch::for_each`], and [`Error::OutOfMemory`] if the couples themselves do not fit. `couples` is empty after an
+    /// error.
     pub fn couples(
         &mut self,
         elements: &Elements<'_, T, D>,
@@ -272,13 +279,13 @@ impl<T: Real, const D: usize> PeriodicSearch<T, D> {
         self.prepare(elements, cell)?.append(couples).inspect_err(|_| couples.clear())
     }
 
-    /// Writes the couples with shift 0 into `unshifted`, all others into `shifted`, both cleared first, each in the order of
-    /// [`PeriodicSearch::couples`].
+    /// Writes the couples with shift 0 into `unshifted` and all others into `shifted`, each in the order of [`PeriodicSearch::couples`].
+    /// Both are cleared first.
     ///
-    /// In a large box with all elements inside nearly all couples have shift 0, and this takes less than half the memory, and less time.
+    /// In a large box with all elements inside, nearly all couples have shift 0. Then this takes less than half the memory, and less time.
     ///
     /// # Errors
-    /// As [`PeriodicSearch::couples`]; both are empty then.
+    /// Those of [`PeriodicSearch::couples`]; both lists are empty after an error.
     pub fn couples_by_shift(
         &mut self,
         elements: &Elements<'_, T, D>,
@@ -294,7 +301,7 @@ impl<T: Real, const D: usize> PeriodicSearch<T, D> {
         })
     }
 
-    /// The number of couples; nothing is stored but elements and images.
+    /// The number of couples. Only elements and images are stored.
     ///
     /// # Errors
     /// As [`PeriodicSearch::for_each`].
@@ -302,9 +309,10 @@ impl<T: Real, const D: usize> PeriodicSearch<T, D> {
         self.prepare(elements, cell)?.count()
     }
 
-    /// Folds the couples on all threads, without a list: `visit` sees every couple once, with the state of its part.
+    /// Folds the couples on all threads without storing them: `visit` gets every couple once, with the state of its part.
     ///
-    /// As [`Rows::fold`](crate::Rows::fold): the parts do not depend on the number of threads. With another engine than [`Rows`](crate::Rows) there is one part.
+    /// As in [`Rows::fold`](crate::Rows::fold), the parts do not depend on the number of threads. Engines other than [`Rows`](crate::Rows)
+    /// have one part.
     ///
     /// # Errors
     /// As [`PeriodicSearch::for_each`].
@@ -319,7 +327,7 @@ impl<T: Real, const D: usize> PeriodicSearch<T, D> {
         self.prepare(elements, cell)?.fold(start, visit)
     }
 
-    /// Wraps, makes the images, and finds out whether all can be searched.
+    /// Wraps the elements, makes the images, and checks that all can be searched.
     fn prepare<'s>(
         &'s mut self,
         elements: &Elements<'s, T, D>,
@@ -340,18 +348,18 @@ impl<T: Real, const D: usize> PeriodicSearch<T, D> {
     }
 }
 
-/// What is to be searched, and by what.
+/// The elements to be searched, and the searches for them.
 struct Prepared<'s, T, const D: usize> {
     images: &'s Images<T, D>,
-    /// All elements; `None` if they are among the outer.
+    /// All elements; `None` if they are part of `outer`.
     inner: Option<Elements<'s, T, D>>,
-    /// Elements near the faces, or all, and their images.
+    /// Elements near the faces, or all elements, with their images.
     outer: Elements<'s, T, D>,
-    /// Whether every couple of the outer is tested.
+    /// Whether every couple of `outer` is tested instead of searched.
     test: bool,
     of_inner: &'s mut Detector<T, D>,
     of_outer: &'s mut Detector<T, D>,
-    /// Memory for lists in parts.
+    /// Working memory for lists in parts.
     parts: &'s mut Vec<Vec<PeriodicCouple<D>>>,
 }
 
@@ -484,15 +492,15 @@ impl<T: Real, const D: usize> Prepared<'_, T, D> {
     }
 }
 
-/// The images around all elements, to be counted.
+/// The images around all elements, for an estimate of couples.
 struct AroundElements<'s, T, const D: usize> {
     images: &'s Images<T, D>,
-    /// Elements near the faces, or all, and the images.
+    /// Elements near the faces, or all elements, with the images.
     outer: &'s Elements<'s, T, D>,
 }
 
 impl<T: Real, const D: usize> AroundElements<'_, T, D> {
-    /// An element and an image by their places among the outer elements, if the element has a place there; others touch no image.
+    /// An element and an image by their places in `outer`; `None` if the element is not there, because then it touches no image.
     fn couple(&self, element: usize, image: usize) -> Option<Couple> {
         let near = &self.images.near;
         let i = if self.images.apart { near.binary_search(&(element as u32)).ok()? } else { element };
@@ -519,14 +527,14 @@ impl<T: Real, const D: usize> Around<T, D> for AroundElements<'_, T, D> {
     }
 }
 
-/// Room for `more` values, growing by a factor.
+/// Reserves room for `more` values; the capacity grows by a factor.
 fn reserve<V>(values: &mut Vec<V>, more: usize) -> Result<(), Error> {
     let bytes = (values.len() + more).saturating_mul(size_of::<V>());
     values.try_reserve(more).map_err(|_| Error::OutOfMemory { bytes })
 }
 
 impl<T: Real, const D: usize> Images<T, D> {
-    /// Tests elements against elements and images, all of them.
+    /// Tests all elements against all elements and images.
     fn test(&self, all: &Elements<'_, T, D>, mut visit: impl FnMut(PeriodicCouple<D>)) {
         let n = self.near.len();
         let mut image = 0;
@@ -550,10 +558,10 @@ impl<T: Real, const D: usize> Images<T, D> {
         self.displaced(couple.i, couple.j, [0; D])
     }
 
-    /// The couple of `i` and the image of `j` that is displaced by `shift`, with the shift between the caller's positions.
+    /// The couple of `i` and the image of `j` displaced by `shift`, with the shift between the caller's positions.
     ///
-    /// With `x = w + n . v` for either position, `x_j + shift . v` touches `x_i` if `w_j + s . v` touches `w_i` and
-    /// `shift = s + n_i - n_j`. (Nothing overflows: `|s| <= 2^30`, `|n| <= 2^28`.)
+    /// With `x = w + n . v` for both positions, `x_j + shift . v` touches `x_i` if `w_j + s . v` touches `w_i` and `shift = s + n_i - n_j`.
+    /// (Nothing overflows: `|s| <= 2^30`, `|n| <= 2^28`.)
     #[inline]
     fn displaced(&self, i: u32, j: u32, mut shift: [i32; D]) -> PeriodicCouple<D> {
         if self.any_away {
@@ -565,7 +573,7 @@ impl<T: Real, const D: usize> Images<T, D> {
         PeriodicCouple { i, j, shift }
     }
 
-    /// The couple of two of the outer elements, `i < j`, if it [is reported](Self::is_reported).
+    /// The couple of two elements of `outer`, `i < j`, if it [is reported](Self::is_reported).
     #[inline]
     fn named_outer(&self, couple: Couple) -> Option<PeriodicCouple<D>> {
         if !self.is_reported(couple) {
@@ -578,9 +586,9 @@ impl<T: Real, const D: usize> Images<T, D> {
         })
     }
 
-    /// Whether a couple of two of the outer elements, `i < j`, is not met elsewhere. These are: couples of two elements if all elements are
-    /// searched too; couples of two images; of an element and an image of one with a smaller number; and of an element and the lower of
-    /// two opposite images of itself.
+    /// Whether a couple of two elements of `outer`, `i < j`, is reported here. Not reported are: couples of two elements if all elements
+    /// are searched separately; couples of two images; couples of an element and an image of an element with a smaller number; couples of
+    /// an element and the lower of two opposite images of itself.
     #[inline]
     fn is_reported(&self, Couple { i, j }: Couple) -> bool {
         let Some(&element) = self.near.get(i as usize) else { return false };
@@ -589,7 +597,7 @@ impl<T: Real, const D: usize> Images<T, D> {
         owner > element || (owner == element && self.shifts[image] > [0; D])
     }
 
-    /// An error of a search of the outer elements.
+    /// Names the caller's element in an error of a search of `outer`.
     fn named_error(&self, mut error: Error) -> Error {
         self.name_owner(&mut error);
         error

@@ -1,6 +1,9 @@
-//! Threads: tasks that do not depend on each other, on a pool or one after the other.
+//! Threads: runs independent tasks on a thread pool, or one after the other.
 
 #[cfg(feature = "rayon")]
+#[cfg_attr(miri, path = "pool/miri.rs")]
+mod others;
+#[cfg(all(feature = "rayon", not(miri)))]
 mod spread;
 
 #[cfg(feature = "rayon")]
@@ -10,30 +13,21 @@ use std::sync::{Arc, OnceLock};
 
 use crate::error::Error;
 #[cfg(feature = "rayon")]
-use spread::Spread;
+use others::Others;
 
-/// More threads than any machine has processors would be started for minutes, and then stand in each other's way.
+/// Limit on the number of threads. More than any machine has processors would take minutes to start, and then slow each other down.
 #[cfg(feature = "rayon")]
 const MAX_THREADS: usize = 1024;
 
 /// A number of threads.
 ///
-/// Whoever uses it splits work so that the result does not depend on the number; the pool decides who does what, and
-/// nothing else.
+/// Users split their work so that the result does not depend on the number of threads. The pool only decides which thread does which task.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Pool {
     #[cfg(feature = "rayon")]
     others: Option<Arc<Others>>,
-    /// Set by whoever wants searches to stop.
+    /// Set by a caller that wants searches to stop.
     stop: Option<Arc<AtomicBool>>,
-}
-
-/// All threads but the caller's, which works too: to wake one fewer is quicker.
-#[cfg(feature = "rayon")]
-#[derive(Debug)]
-struct Others {
-    pool: rayon::ThreadPool,
-    spread: Arc<Spread>,
 }
 
 #[cfg_attr(
@@ -41,7 +35,7 @@ struct Others {
     allow(clippy::unused_self, reason = "without rayon there is nothing in a pool")
 )]
 impl Pool {
-    /// `threads` threads; 0 is one for each processor. One thread needs no pool.
+    /// A pool of `threads` threads; 0 is one per processor. One thread needs no pool.
     #[cfg(feature = "rayon")]
     pub(crate) fn new(threads: usize) -> Result<Self, Error> {
         let threads = match threads {
@@ -54,19 +48,13 @@ impl Pool {
         if threads > MAX_THREADS {
             return Err(Error::NoThreads {
                 threads,
-                reason: format!("more than {MAX_THREADS} is not of use"),
+                reason: format!("more than {MAX_THREADS} are not supported"),
             });
         }
-        let spread = Arc::new(Spread::new(threads - 1));
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads - 1).start_handler({
-            let spread = spread.clone();
-            move |index| spread.enter(index)
-        });
-        let pool = pool.build().map_err(|error| Error::NoThreads { threads, reason: error.to_string() })?;
-        Ok(Self { others: Some(Others { pool, spread }.into()), stop: None })
+        Ok(Self { others: Some(Others::new(threads)?.into()), stop: None })
     }
 
-    /// One thread: this build has no other.
+    /// One thread: this build cannot have more.
     #[cfg(not(feature = "rayon"))]
     pub(crate) fn new(threads: usize) -> Result<Self, Error> {
         if threads <= 1 {
@@ -75,18 +63,18 @@ impl Pool {
         Err(Error::NoThreads { threads, reason: "built without the feature `rayon`".to_owned() })
     }
 
-    /// The same, with work that ends with [`Error::Stopped`] once `stop` is set.
+    /// The same pool for work that ends with [`Error::Stopped`] once `stop` is set.
     pub(crate) fn stopped_by(mut self, stop: Arc<AtomicBool>) -> Self {
         self.stop = Some(stop);
         self
     }
 
-    /// Whether work may have to stop before its end.
+    /// Whether work may be stopped before its end.
     pub(crate) fn may_stop(&self) -> bool {
         self.stop.is_some()
     }
 
-    /// Asked for before each part of a search.
+    /// Returns an error if work is to stop; called before each part of a search.
     pub(crate) fn go_on(&self) -> Result<(), Error> {
         match &self.stop {
             Some(stop) if stop.load(Ordering::Relaxed) => Err(Error::Stopped),
@@ -97,12 +85,12 @@ impl Pool {
     pub(crate) fn threads(&self) -> usize {
         #[cfg(feature = "rayon")]
         if let Some(others) = &self.others {
-            return others.pool.current_num_threads() + 1;
+            return others.count() + 1;
         }
         1
     }
 
-    /// As [`Pool::run`], for work that may fail: one of the errors, after all tasks.
+    /// Runs tasks as [`Pool::run`] does, for work that may fail. Returns one of the errors after all tasks.
     pub(crate) fn try_run<I: Send>(
         &self,
         tasks: impl Iterator<Item = I>,
@@ -119,13 +107,13 @@ impl Pool {
 
     /// Runs `work` on each task, in any order and at the same time.
     ///
-    /// The caller may be a thread of a pool itself, which must not do other work of that pool while it waits, as threads of rayon do: it may hold a lock that this
-    /// work asks for.
+    /// The caller may itself be a thread of a pool. It must not do other work of that pool while it waits, as threads of rayon do, because
+    /// it may hold a lock that this work needs.
     pub(crate) fn run<I: Send>(&self, tasks: impl Iterator<Item = I>, work: impl Fn(I) + Sync + Send) {
         #[cfg(feature = "rayon")]
         if let Some(others) = self.others.as_deref()
-            // Inside work of this pool its other threads may all be waiting.
-            && others.pool.current_thread_index().is_none()
+            // Inside work of this pool all its other threads may be waiting.
+            && !others.is_inside()
         {
             let tasks: Vec<I> = tasks.collect();
             let count = tasks.len();
@@ -135,39 +123,6 @@ impl Pool {
             return;
         }
         tasks.for_each(work);
-    }
-}
-
-#[cfg(feature = "rayon")]
-impl Others {
-    /// Runs `take_all`, which takes tasks until none of `tasks` is left, on the caller and as many others as are of use.
-    ///
-    /// Not generic: what threads cost to compile is paid once.
-    fn run(&self, tasks: usize, take_all: &(dyn Fn() + Sync)) {
-        let Self { pool, spread } = self;
-        let run = || {
-            let others = pool.current_num_threads().min(tasks.saturating_sub(1));
-            spread.before();
-            pool.in_place_scope(|scope| {
-                for _ in 0..others {
-                    scope.spawn(|_| {
-                        spread.start();
-                        take_all();
-                    });
-                }
-                spread.look(others);
-                take_all();
-            });
-        };
-        if rayon::current_thread_index().is_none() {
-            run();
-        } else {
-            std::thread::scope(|scope| {
-                if let Err(panic) = scope.spawn(run).join() {
-                    std::panic::resume_unwind(panic);
-                }
-            });
-        }
     }
 }
 
@@ -188,7 +143,8 @@ mod tests {
         total.into_inner()
     }
 
-    /// Jobs of the pool that the callers belong to, each holding something while it waits: a thread that took another job meanwhile would want it twice.
+    /// The callers are threads of a pool, and each holds something while it waits. A thread that took another job meanwhile would need it
+    /// twice.
     #[test]
     fn a_caller_that_waits_does_no_other_work() {
         thread_local!(static MINE: RefCell<Pool> = RefCell::new(Pool::new(2).unwrap()));

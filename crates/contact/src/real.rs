@@ -7,8 +7,8 @@ use crate::simd::Kernels;
 
 /// A coordinate type: `f32` or `f64`, and no other.
 ///
-/// Contact is decided in the type of the input; cells are counted in `f64` for both, so that `f32`
-/// coordinates are mapped without a rounding of their own.
+/// The type of the input decides contact. Cells are counted in `f64` for both types, so `f32` coordinates are mapped to cells without an
+/// extra rounding.
 pub trait Real:
     Kernels
     + Copy
@@ -30,7 +30,7 @@ pub trait Real:
 
     /// Largest magnitude of a coordinate, radius or tolerance: `2^500` for `f64`, `2^60` for `f32`.
     ///
-    /// Beyond it the squares of the contact test overflow, and a couple could be lost in silence.
+    /// Beyond it the squares of the contact test overflow, and a couple could be lost without an error.
     const MAX_MAGNITUDE: Self;
 
     /// A length below which squares underflow to zero, so that two elements count as coincident:
@@ -43,13 +43,13 @@ pub trait Real:
     /// The same value as `f64`: exact.
     fn to_f64(self) -> f64;
 
-    /// The smallest value of this type that is at least `x`, which must be at most [`Real::MAX_MAGNITUDE`] times some.
+    /// The smallest value of this type that is at least `x`; `x` must not exceed [`Real::MAX_MAGNITUDE`] by more than a small factor.
     fn at_least(x: f64) -> Self;
 
     /// The value of this type nearest to `x`, ties to even: exact for `f64`.
     fn nearest(x: f64) -> Self;
 
-    /// Neither NaN nor infinite.
+    /// Whether the value is neither NaN nor infinite.
     fn is_finite(self) -> bool;
 }
 
@@ -108,7 +108,7 @@ mod tests {
         assert_eq!(f64::at_least(0.1), 0.1);
     }
 
-    /// The sum of `D` squared differences and the squared contact distance stay finite at the limit.
+    /// The sum of `D` squared differences and the squared contact distance stay finite for the largest magnitudes.
     #[test]
     fn squares_at_the_limit_are_finite() {
         let difference = 2.0 * f32::MAX_MAGNITUDE;

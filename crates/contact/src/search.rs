@@ -1,4 +1,4 @@
-//! A search: elements in, couples out.
+//! The trait of a search: elements in, couples out.
 
 pub(crate) mod direct;
 pub(crate) mod nbs;
@@ -11,10 +11,10 @@ use crate::elements::Elements;
 use crate::error::Error;
 use crate::real::Real;
 
-/// Finds every couple of elements that touch, each once.
+/// A search that finds every couple of touching elements, each once.
 ///
-/// All implementations return the same set of couples for the same elements; each has an order of its own, which is a
-/// function of the input alone. A search owns its working memory and reuses it from call to call.
+/// All implementations return the same set of couples for the same elements. Each has its own order, which is a function of the input
+/// alone. A search owns its working memory and reuses it from call to call.
 ///
 /// # Example
 /// ```
@@ -33,17 +33,17 @@ use crate::real::Real;
 /// # Ok::<(), fdem_contact::Error>(())
 /// ```
 pub trait Search<T: Real, const D: usize> {
-    /// Calls `visit` with every couple that touches; nothing is stored.
+    /// Calls `visit` with every couple that touches, without storing couples.
     ///
     /// # Errors
-    /// What the engine cannot hold: [`Error::TooManyElements`], [`Error::DomainTooWide`], [`Error::OutOfMemory`].
+    /// An error if the engine cannot hold the elements: [`Error::TooManyElements`], [`Error::DomainTooWide`], [`Error::OutOfMemory`].
     /// `visit` has not been called then.
     fn for_each(&mut self, elements: &Elements<'_, T, D>, visit: impl FnMut(Couple)) -> Result<(), Error>;
 
-    /// Writes the couples into `couples`, cleared first, in the order of the engine; the caller's memory is reused.
+    /// Writes the couples into `couples` in the order of the engine. `couples` is cleared first, and its memory is reused.
     ///
     /// # Errors
-    /// As [`Search::for_each`]; [`Error::OutOfMemory`] also if the couples themselves do not fit; `couples` is empty then.
+    /// Those of [`Search::for_each`], and [`Error::OutOfMemory`] if the couples themselves do not fit. `couples` is empty after an error.
     fn couples(&mut self, elements: &Elements<'_, T, D>, couples: &mut Vec<Couple>) -> Result<(), Error> {
         couples.clear();
         let mut room = Ok(());
@@ -58,7 +58,7 @@ pub trait Search<T: Real, const D: usize> {
         room.inspect_err(|_| couples.clear())
     }
 
-    /// The number of couples; nothing is stored.
+    /// The number of couples, without storing them.
     ///
     /// # Errors
     /// As [`Search::for_each`].
@@ -69,7 +69,7 @@ pub trait Search<T: Real, const D: usize> {
     }
 }
 
-/// Doubles the capacity, or says that there is no memory for it.
+/// Doubles the capacity, or returns an error if there is no memory for it.
 pub(crate) fn make_room<V>(couples: &mut Vec<V>) -> Result<(), Error> {
     let more = couples.capacity().max(1024);
     let bytes = (couples.capacity() + more).saturating_mul(size_of::<V>());

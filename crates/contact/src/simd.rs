@@ -1,11 +1,11 @@
-//! Which vector instructions a search uses: chosen at run time, so that a stock build is fast everywhere.
+//! The vector instructions of a search, chosen at run time, so that a standard build is fast on every processor.
 //!
-//! The kernel is written once, in `kernel`, over the few operations of [`Vector`], and once more in `cluster` for four elements at a time, which falls
-//! back on the first; each file below implements these operations for one instruction set, and instantiates both inside a function compiled for it. `portable` is plain Rust and the definition: all others give the
-//! same couples in the same order. To add one, write its file, add it to [`Simd`] and to the macro below; the tests pick
-//! it up from [`Simd::available`].
+//! The kernel is written once, in `kernel`, over the few operations of [`Vector`]. A second kernel, in `cluster`, compares four elements at
+//! a time and falls back on the first. Each other file implements the operations for one instruction set and compiles both kernels for it.
+//! `portable` is plain Rust and the definition: all others give the same couples in the same order. To add an instruction set, write its
+//! file and add it to [`Simd`] and to the macro below; tests pick it up from [`Simd::available`].
 
-#![allow(unsafe_code, reason = "vector instructions and pointers; the only unsafe code of the crate")]
+#![allow(unsafe_code, reason = "vector instructions, and pointers instead of slices in inner loops")]
 #![allow(
     clippy::inline_always,
     reason = "instructions must end up in the function that is compiled for them"
@@ -48,8 +48,8 @@ macro_rules! one_instruction {
     };
 }
 
-/// The kernels, compiled for a set of instructions, with the vectors that these have, in 2D and 3D. Not one of them is generic: they are compiled
-/// with this crate, and not again with all that use it.
+/// Compiles the kernels for a set of instructions, with its vectors, in 2D and 3D. None of the functions is generic, so they are compiled
+/// once with this crate, not again with every crate that uses it.
 #[allow(unused_macros, reason = "as above")]
 macro_rules! entry_points {
     ($features:literal, $f64:ident, $f32:ident) => {
@@ -68,10 +68,13 @@ macro_rules! entry_points {
     };
     ($features:literal, $dimensions:literal, $vector:ident, $f32:ident,
         $type:ident: $search:ident, $rows:ident, $two_sets:ident, $clusters:ident) => {
+        /// Searches with the kernel that suits `task`.
+        ///
         /// # Safety
-        /// The processor has the features, and `task` is as its fields say.
+        /// The processor has the features. The groups of the filters are groups of their matrix, as [`Arranged`](crate::filter::Arranged) promises. The kernels
+        /// assert everything else that they rely on.
         pub(crate) unsafe fn $search(task: &Task<'_, $type>, out: &mut Output<'_>) {
-            // SAFETY: the contract of this function, and what is looked at here.
+            // SAFETY: the contract of this function; the conditions establish the rest of each contract.
             unsafe {
                 if task.two_sets && !task.one_numbering {
                     $two_sets(task, out);
@@ -83,24 +86,30 @@ macro_rules! entry_points {
             }
         }
 
+        /// The kernel of one numbering, compiled for the features.
+        ///
         /// # Safety
-        /// As above, with one numbering.
+        /// That of the search above.
         #[target_feature(enable = $features)]
         unsafe fn $rows(task: &Task<'_, $type>, out: &mut Output<'_>) {
             // SAFETY: the contract of this function.
             unsafe { kernel::search::<$type, $vector, $dimensions, false>(task, out) }
         }
 
+        /// The kernel of two numberings, compiled for the features.
+        ///
         /// # Safety
-        /// As above, with two numberings.
+        /// That of the search above.
         #[target_feature(enable = $features)]
         unsafe fn $two_sets(task: &Task<'_, $type>, out: &mut Output<'_>) {
             // SAFETY: the contract of this function.
             unsafe { kernel::search::<$type, $vector, $dimensions, true>(task, out) }
         }
 
+        /// The kernel of clusters, compiled for the features.
+        ///
         /// # Safety
-        /// As above, with `cluster::pays`.
+        /// That of the search above, and `cluster::pays(task)`.
         #[target_feature(enable = $features)]
         unsafe fn $clusters(task: &Task<'_, $type>, out: &mut Output<'_>) {
             // SAFETY: the contract of this function.
@@ -123,24 +132,25 @@ pub(crate) mod prefetch;
 
 use std::fmt;
 
+use crate::error::Error;
 use kernel::{Output, Task};
 
-/// A set of vector instructions. They are used in 2D and 3D; in other dimensions every level does as [`Simd::Portable`].
+/// A set of vector instructions. They are used in 2D and 3D; in other dimensions every level behaves as [`Simd::Portable`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Simd {
-    /// None: plain Rust.
+    /// No vector instructions: plain Rust.
     Portable,
     /// NEON on 64-bit ARM: 2 lanes of `f64`, 4 of `f32`.
     Neon,
     /// AVX2 and FMA: 4 lanes of `f64`, 8 of `f32`.
     Avx2,
-    /// AVX-512 F, VL and VBMI2-free: 8 lanes of `f64`, 16 of `f32`.
+    /// AVX-512 F and VL: 8 lanes of `f64`, 16 of `f32`. VBMI2 is not needed.
     Avx512,
 }
 
 impl Simd {
-    /// Every level that this processor has, the fastest last.
+    /// All levels that this processor has, the fastest last.
     pub fn available() -> Vec<Self> {
         [Self::Portable, Self::Neon, Self::Avx2, Self::Avx512]
             .into_iter()
@@ -194,7 +204,7 @@ impl fmt::Display for Simd {
     }
 }
 
-/// The bit `7 - SHIFT` of each byte, that of the first lowest.
+/// Collects the bit `7 - SHIFT` of each byte; that of the first byte becomes the lowest bit.
 #[inline(always)]
 pub(crate) fn bits_of_bytes<const SHIFT: i32>(bytes: &[u8; 64]) -> u64 {
     #[cfg(target_arch = "x86_64")]
@@ -205,7 +215,7 @@ pub(crate) fn bits_of_bytes<const SHIFT: i32>(bytes: &[u8; 64]) -> u64 {
             // SAFETY: every x86-64 has SSE2, and 16 bytes are read inside the array.
             let quarter = unsafe {
                 let bytes = _mm_loadu_si128(bytes.as_ptr().add(16 * quarter).cast());
-                // Shifted as numbers of 16 bits: what comes from the byte below is not a highest bit.
+                // The shift is by 16-bit numbers: a bit that comes from the byte below is never the highest bit of a byte.
                 _mm_movemask_epi8(_mm_slli_epi16::<SHIFT>(bytes))
             };
             bits << 16 | u64::from(quarter.cast_unsigned())
@@ -215,32 +225,58 @@ pub(crate) fn bits_of_bytes<const SHIFT: i32>(bytes: &[u8; 64]) -> u64 {
     {
         let (words, _) = bytes.as_chunks::<8>();
         words.iter().rev().fold(0, |bits, word| {
-            // Each product of a lowest bit with one of the eight powers of two that matters is in the highest byte, and no other reaches it.
+            // Each product of a lowest bit with the one relevant power of two out of eight lands in the highest byte, and no other product
+            // reaches it.
             let lowest = u64::from_le_bytes(*word) >> (7 - SHIFT) & 0x0101_0101_0101_0101;
             bits << 8 | lowest.wrapping_mul(0x0102_0408_1020_4080) >> 56
         })
     }
 }
 
-/// Whether there are vectors for so many dimensions. Each costs the time to compile some fifty kernels.
+/// A level that this processor has: the proof that its instructions may be used.
+#[derive(Clone, Copy, Debug)]
+pub struct Available(Simd);
+
+impl Available {
+    /// # Errors
+    /// [`Error::SimdUnavailable`] if this processor lacks the level.
+    pub(crate) fn new(simd: Simd) -> Result<Self, Error> {
+        if simd.is_available() { Ok(Self(simd)) } else { Err(Error::SimdUnavailable { simd }) }
+    }
+
+    /// The fastest level that this processor has.
+    pub(crate) fn best() -> Self {
+        Self(Simd::best())
+    }
+
+    pub(crate) fn level(self) -> Simd {
+        self.0
+    }
+}
+
+/// Whether there are vector kernels for this dimension. Each dimension costs the time to compile some fifty kernels.
 pub(crate) const fn has_vectors(dimensions: usize) -> bool {
     dimensions == 2 || dimensions == 3
 }
 
 /// The kernels of one float type; the sealed half of [`Real`](crate::Real).
 pub trait Kernels: Copy {
-    /// Searches one stretch of a row in `D` dimensions. `level` must be available.
+    /// Searches one stretch of a row in `D` dimensions.
+    ///
+    /// # Panics
+    /// If rows of `task` are not inside its arrays.
     #[doc(hidden)]
-    fn search<const D: usize>(level: Simd, task: &Task<'_, Self>, out: &mut Output<'_>);
+    fn search<const D: usize>(level: Available, task: &Task<'_, Self>, out: &mut Output<'_>);
 }
 
 macro_rules! kernels {
     ($type:ty, $search:ident) => {
         impl Kernels for $type {
-            fn search<const D: usize>(level: Simd, task: &Task<'_, Self>, out: &mut Output<'_>) {
-                // SAFETY: the caller has chosen a level that this processor has.
+            fn search<const D: usize>(level: Available, task: &Task<'_, Self>, out: &mut Output<'_>) {
+                // SAFETY: this processor has the instructions, or there were no `Available`. The groups of the filters of `task` are checked, or
+                // there were no `Arranged`.
                 unsafe {
-                    match (level, D) {
+                    match (level.level(), D) {
                         #[cfg(target_arch = "x86_64")]
                         (Simd::Avx512, 2) => avx512::plane::$search(task, out),
                         #[cfg(target_arch = "x86_64")]

@@ -1,4 +1,4 @@
-//! Sampled brute force: a check of a couple list that trusts no engine.
+//! Checks a couple list by brute force on a sample of elements, without using any engine.
 
 use std::collections::BTreeSet;
 use std::fmt;
@@ -7,7 +7,7 @@ use crate::couple::Couple;
 use crate::elements::Elements;
 use crate::real::Real;
 
-/// A couple list that is wrong, with the first element it is wrong for.
+/// An error in a couple list, with the first element affected.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Mismatch {
@@ -67,7 +67,7 @@ pub fn verify<T: Real, const D: usize>(
     verify_with(elements.len(), couples, sample, seed, |i, j| elements.touch(i, j))
 }
 
-/// As [`verify`], for `n` elements that touch as `touch` says.
+/// Verifies as [`verify`] does, for `n` elements with the contact test `touch`.
 pub(crate) fn verify_with(
     n: usize,
     couples: &[Couple],

@@ -1,4 +1,4 @@
-//! The C-grid: equals all-against-all in any dimension, for bodies that span any number of cells; its memory and its work.
+//! The C-grid equals all-against-all in any dimension, for bodies that span any number of cells; its memory and its work are bounded.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failed unwrap is a failed test")]
 
@@ -119,7 +119,7 @@ oracle! {
     f32_1d: f32, 1; f32_2d: f32, 2; f32_3d: f32, 3; f32_4d: f32, 4; f32_5d: f32, 5; f32_6d: f32, 6;
 }
 
-/// More dimensions than lists are nested in.
+/// More dimensions than the lists are nested in.
 #[test]
 fn twenty_dimensions() {
     let mut random = Random::new(1);
@@ -165,8 +165,7 @@ fn bodies_without_size() {
     );
 }
 
-/// Corners on the faces of cells, sizes that are whole steps: touching is exact, and common.
-/// Sizes below the normal numbers: a search for the cells that fit them once multiplied such a number by 1.25 for ever.
+/// Sizes below the normal numbers. A search for cells that fit them once multiplied such a number by 1.25 forever.
 #[test]
 fn bodies_smaller_than_normal_numbers() {
     let centres = |scale: f64| -> Vec<[f64; 3]> {
@@ -215,7 +214,7 @@ fn far_apart_and_large() {
         let radii: Vec<_> = cloud.radii.iter().map(|radius| radius * scale).collect();
         equals_direct("scaled", &Elements::spheres_with_radii(&centres, &radii).unwrap());
     }
-    // From the smallest lengths to the largest, all at once.
+    // Sizes from the smallest to the largest lengths, all at once.
     let radii: Vec<f64> = (0..800).map(|k| 2.0_f64.powi(k - 400)).collect();
     equals_direct("all magnitudes", &Elements::spheres_with_radii(&cloud.centres, &radii).unwrap());
     let ends = [[-f64::MAX_MAGNITUDE; 2], [f64::MAX_MAGNITUDE; 2], [0.0; 2]];
@@ -223,7 +222,7 @@ fn far_apart_and_large() {
     equals_direct("the ends", &Elements::spheres_with_radii(&ends, &radii).unwrap());
 }
 
-/// Distances within an ulp of the limit: the boxes that are mapped to cells must not lose what the comparison accepts.
+/// Distances within a unit in the last place of the limit: mapping boxes to cells must not lose what the comparison accepts.
 #[test]
 fn distances_at_the_limit() {
     let mut touching = 0;
@@ -268,7 +267,7 @@ fn thin_boxes_of_100_to_1() {
     assert!(equals_direct("rods", &elements) > 2500);
     let mut search = CGrid::new();
     search.count(&elements).unwrap();
-    // All against all would be 1250 tests of each.
+    // All against all would be 1250 tests per element.
     assert!(search.tests() < 150 * 2500, "{}", search.tests());
 }
 
@@ -295,7 +294,7 @@ fn filters_are_honoured() {
     }
 }
 
-/// In boxes that repeat, against all images one by one.
+/// Periodic boxes, compared with all images one by one.
 #[test]
 fn periodic_boxes() {
     let cloud = gas::<2>(300, 12, 6.0, power_law(20.0)).unwrap();
@@ -312,7 +311,7 @@ fn periodic_boxes() {
         assert!(found == direct, "{} couples instead of {}", found.len(), direct.len());
         assert!(found.iter().any(|couple| couple.shift != [0, 0]));
 
-        // The images by hand: all elements at nine (three) places.
+        // Makes the images by hand: all elements at nine (three) places.
         let steps = |axis: usize| if periodic[axis] { -1..=1 } else { 0..=0 };
         let places: Vec<[i32; 2]> = steps(0).flat_map(|x| steps(1).map(move |y| [x, y])).collect();
         let at = |place: &[i32; 2]| -> Vec<[f64; 2]> {
@@ -331,7 +330,7 @@ fn periodic_boxes() {
         let (inside, across): (Vec<_>, Vec<_>) =
             of_home.partition(|couple| couple.i as usize / 300 == couple.j as usize / 300);
         let shifted = found.iter().filter(|couple| couple.shift != [0, 0]).count();
-        // No element is within reach of images of images: the box is wide enough. Each couple across is seen from both sides.
+        // The box is so wide that no element is within reach of an image of an image. Each couple across a face is seen from both sides.
         let far = found.iter().any(|couple| couple.shift.iter().any(|step| step.abs() > 1));
         assert!(!far);
         assert_eq!(inside.len(), found.len() - shifted);
@@ -360,7 +359,7 @@ fn a_detector_reports_levels_and_finds_the_same() {
     let explanation = detector.explain(&elements).unwrap();
     assert!(explanation.bytes >= bytes_of(&elements) && explanation.threads == 1);
     let text = explanation.to_string();
-    assert!(text.starts_with("engine    cgrid: asked for\n") && text.contains("\nlevel     "), "{text}");
+    assert!(text.starts_with("engine    cgrid: requested\n") && text.contains("\nlevel     "), "{text}");
 }
 
 fn bytes_of<const D: usize>(elements: &Elements<'_, f64, D>) -> usize {
@@ -369,7 +368,7 @@ fn bytes_of<const D: usize>(elements: &Elements<'_, f64, D>) -> usize {
     search.bytes()
 }
 
-/// What came before, a panic of the visitor included, leaves nothing behind.
+/// Earlier searches, including one whose visitor panicked, have no effect.
 #[test]
 fn a_search_used_again_finds_what_a_new_one_finds() {
     let mut search = CGrid::<f64, 2>::new();
@@ -386,7 +385,7 @@ fn a_search_used_again_finds_what_a_new_one_finds() {
     }
 }
 
-/// Memory is proportional to N, whatever the domain: 1e15 cells, or as many on each axis as floats tell apart.
+/// Memory is proportional to N for any domain: with 1e15 cells, or with as many cells per axis as floats can distinguish.
 #[test]
 fn memory_does_not_know_the_domain() {
     let mut per_element = Vec::new();
@@ -395,19 +394,20 @@ fn memory_does_not_know_the_domain() {
             let edge = f64::from(n).cbrt().ceil() as u32;
             let place = |k: u32| [k % edge, k / edge % edge, k / edge / edge].map(|x| f64::from(x) * spacing);
             let mut centres: Vec<[f64; 3]> = (0..n).map(place).collect();
-            // A couple of each that is not at the start.
+            // Adds a partner of each element away from the start.
             centres.extend_from_within(..);
             let elements = Elements::points(&centres, 1e-3).unwrap();
             let mut search = CGrid::new();
             assert_eq!(search.count(&elements), Ok(u64::from(n)), "spacing {spacing}");
-            // That this is all which is allocated: `memory.rs`.
+            // `memory.rs` shows that nothing else is allocated.
             per_element.push(search.bytes() as f64 / f64::from(2 * n));
         }
     }
     assert!(per_element.iter().all(|&bytes| bytes == per_element[0] && bytes < 220.0), "{per_element:?}");
 }
 
-/// Entries and tests per element are bounded by the cells that bodies span, not by N, nor by one body that covers all.
+/// Entries and tests per element are bounded by the number of cells that bodies span. They depend neither on N nor on one body that covers
+/// everything.
 #[test]
 fn work_is_linear() {
     let work = |n: usize, edit: &dyn Fn(&mut Cloud<3>), sizes: Sizes| {
@@ -428,7 +428,7 @@ fn work_is_linear() {
     assert!(with[0] < without[0] + 10.0 && with[1] < without[1] + 1.5, "{without:?} {with:?}");
 }
 
-/// Only levels that have elements exist, and few elements of a class have none of their own.
+/// Only levels with elements exist, and a class of few elements has no level of its own.
 #[test]
 fn levels_follow_the_sizes() {
     let counts = |levels: Vec<Level>| levels.iter().map(|level| level.elements).collect::<Vec<_>>();
@@ -445,7 +445,7 @@ fn levels_follow_the_sizes() {
     assert_eq!(of(&radii), [200, 799, 1]);
 }
 
-/// Long thin boxes are what cells are for; others are not, and spheres never are.
+/// The C-grid is chosen for long thin boxes; other boxes, and spheres, use other engines.
 #[test]
 fn auto_takes_cells_for_long_boxes_only() {
     let auto = |min: &[[f64; 3]], max: &[[f64; 3]]| {
@@ -463,14 +463,14 @@ fn auto_takes_cells_for_long_boxes_only() {
     assert_eq!(auto(&min, &max).engine, Engine::Rows);
     let spheres = Elements::spheres(&min, 1.0).unwrap();
     assert_eq!(Detector::new(Engine::Auto).plan(&spheres).unwrap().engine, Engine::Rows);
-    // So thinly spread that nothing is near anything: sorting is all the work there is.
+    // So sparse that no element is near another: all the work is sorting.
     let sparse: Vec<[f64; 3]> = min.iter().map(|corner| corner.map(|x| x * 1e4)).collect();
     let max: Vec<_> =
         sparse.iter().map(|corner| [corner[0] + 100.0, corner[1] + 1.0, corner[2] + 1.0]).collect();
     assert_eq!(auto(&sparse, &max).engine, Engine::Rows);
 }
 
-/// What levels are predicted to do, beside what they do: the candidates of one level by brute force, the sum of the couples.
+/// Compares the predicted work of levels with the actual work: the candidates of one level by brute force, and the sum of the couples.
 #[test]
 fn the_work_of_levels_is_counted() {
     // One row of cells along x, with a window of 1 on each side: elements 0.25 apart have 4 candidates behind them.
@@ -504,7 +504,7 @@ fn the_work_of_levels_is_counted() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(300))]
 
-    /// Any boxes whose coordinates are small integers: touching is exact, sizes and places coincide.
+    /// Arbitrary boxes whose coordinates are small integers: touching is exact, and sizes and places coincide.
     #[test]
     fn any_boxes_equal_direct(
         boxes in prop::collection::vec((prop::array::uniform3(-20_i16..20), prop::array::uniform3(0_u8..30)), 0..120),
@@ -537,14 +537,14 @@ proptest! {
         prop_assert_eq!(found, order);
     }
 
-    /// Renumbering the elements renumbers the couples, and nothing else.
+    /// Renumbering the elements only renumbers the couples.
     #[test]
     fn renumbering_renumbers(
         spheres in prop::collection::vec((prop::array::uniform2(-1e3..1e3_f64), 0.0..1.0_f64), 1..150),
         seed in any::<u64>(),
     ) {
         let centres: Vec<[f64; 2]> = spheres.iter().map(|(centre, _)| *centre).collect();
-        // Most are small, some cover much.
+        // Most are small, and some cover much.
         let radii: Vec<f64> = spheres.iter().map(|(_, size)| 3.0 + 500.0 * size.powi(12)).collect();
         let elements = Elements::spheres_with_radii(&centres, &radii).unwrap();
         let couples = ascending(CGrid::new(), &elements);

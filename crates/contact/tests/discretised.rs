@@ -4,7 +4,7 @@
 //! |---|---|
 //! | elements | all pairs through the narrow phase, for every engine, on threads, with and without self-contact |
 //! | bodies | labelled images of the same squares and cubes; areas of outlines by `geo`; boxes by formula |
-//! | degenerate | what must come out, or the error |
+//! | degenerate | the expected result or error |
 //! | spheres | all spheres against all triangles; the planes of a box |
 //! | grains | the Voronoi cells of a disc that were meshed, and an image of the same disc |
 
@@ -68,7 +68,7 @@ where
         (found, bodies)
     }
 
-    /// Elements with corners of a lattice, `elements` of them, in a cube in which they crowd; every tenth has a node twice.
+    /// `elements` elements with corners on a lattice, crowded in a cube; every tenth names a node twice.
     fn random(rng: &mut Rng, elements: usize, bodies: usize) -> Self {
         let side = 6.0 * (elements as f64).powf(1.0 / D as f64) * 0.3;
         let mut parts = Self { points: Vec::new(), elements: Vec::new(), bodies: Vec::new() };
@@ -81,7 +81,7 @@ where
                 nodes[N - 1] = nodes[0];
             }
             if element % 3 == 0 && element > 0 {
-                // A node of another element.
+                // Takes a node of another element.
                 nodes[0] = rng.below(first as usize) as u32;
                 let near = parts.points[nodes[0] as usize];
                 for &node in &nodes[1..] {
@@ -99,7 +99,7 @@ where
 
 // ---------------------------------------------------------------- elements
 
-/// What the narrow phase says of two elements.
+/// The narrow phase of two elements.
 fn narrow_2d(a: [[f64; 2]; 3], b: [[f64; 2]; 3]) -> Contact<2> {
     triangle_triangle_2d(&Triangle::new(a).unwrap(), &Triangle::new(b).unwrap(), &mut Vec::new())
 }
@@ -186,7 +186,7 @@ fn tetrahedra_equal_all_pairs() {
     equal_to_all_pairs(3, narrow_solid);
 }
 
-/// Renumbered elements, nodes and bodies touch as before, and so do moved ones: the coordinates are whole numbers.
+/// Renumbering elements, nodes and bodies, or moving them, does not change the contacts: the coordinates are whole numbers.
 fn unchanged_by_names_and_places<const D: usize, const N: usize>(seed: u64)
 where
     [[f64; D]; N]: Simplex<D>,
@@ -226,7 +226,7 @@ where
         let moved = by_names[&contact.bodies];
         assert_eq!(moved.couples, contact.couples);
         assert!(near(moved.overlap, contact.overlap) && near(moved.shared, contact.shared));
-        // What has an overlap of a rounding step may have none elsewhere, and points of equal weight then.
+        // An overlap of one rounding step may be 0 elsewhere; then points have equal weights.
         if contact.overlap > 1e-9 {
             assert!((0..D).all(|k| near(moved.point[k] + shift, contact.point[k])), "{contact:?} {moved:?}");
         }
@@ -259,7 +259,8 @@ fn squares(labels: &[u16], [rows, columns]: [usize; 2]) -> Parts<2, 3> {
     parts
 }
 
-/// The cubes of a labelled image, six tetrahedra each, around the diagonal from the first corner to the last: faces of neighbours match.
+/// The cubes of a labelled image, six tetrahedra each, around the diagonal from the first corner to the last, so that faces of neighbours
+/// match.
 fn cubes(labels: &[u16], [planes, rows, columns]: [usize; 3]) -> Parts<3, 4> {
     let node = |[x, y, z]: [usize; 3]| ((z * (rows + 1) + y) * (columns + 1) + x) as u32;
     let mut parts = Parts { points: Vec::new(), elements: Vec::new(), bodies: Vec::new() };
@@ -284,7 +285,7 @@ fn cubes(labels: &[u16], [planes, rows, columns]: [usize; 3]) -> Parts<3, 4> {
     parts
 }
 
-/// The contacts of the mesh of an image are those of the image: pairs with squares (cubes) at vertices, faces, centroids, normals.
+/// The contacts of the mesh of an image equal those of the image: pairs with squares (cubes) at vertices, faces, centroids, normals.
 fn equals_image<const D: usize, const N: usize>(labels: &[u16], shape: [usize; D], parts: &Parts<D, N>)
 where
     [[f64; D]; N]: Simplex<D>,
@@ -358,7 +359,7 @@ fn the_volume_of_overlapping_blocks_is_a_product() {
         assert!((contact.overlap - volume).abs() < 1e-11 * volume, "{} {volume}", contact.overlap);
         assert!((0..3).all(|k| (contact.point[k] - centre[k]).abs() < 1e-11), "{contact:?} {centre:?}");
     }
-    // Side by side, with nodes of their own.
+    // Blocks side by side with separate nodes.
     let (_, bodies) = together(block(sizes, 1), &block(other, 2), [4.0, 0.0, 0.0]).found();
     assert_eq!((bodies[0].overlap, bodies[0].shared, bodies[0].normal), (0.0, 6.0, [1.0, 0.0, 0.0]));
 }
@@ -419,7 +420,7 @@ fn elements_without_area_touch_as_what_they_are() {
     let bodies = body_contacts(&mesh, &found).unwrap();
     assert_eq!(bodies[0].point, [1.0, 1.0]);
     assert!(bodies.iter().all(|c| (c.couples, c.overlap, c.shared) == (1, 0.0, 0.0)));
-    // A triangle as a tetrahedron that names a node twice, on the face of another.
+    // A triangle, given as a tetrahedron that names a node twice, on the face of another tetrahedron.
     let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let mesh = Mesh::new(&points, &[[0, 1, 2, 3], [0, 1, 2, 2]], &[0, 1]).unwrap();
     let found = contacts(&mesh).unwrap();
@@ -428,7 +429,7 @@ fn elements_without_area_touch_as_what_they_are() {
 
 // ---------------------------------------------------------------- spheres
 
-/// The faces of a cube of edge 1, each of 2 n² triangles; a body for each two opposite faces.
+/// The faces of a cube of edge 1, each of 2 n² triangles; every two opposite faces are a body.
 fn walls(n: usize) -> Parts<3, 3> {
     let mut parts = Parts { points: Vec::new(), elements: Vec::new(), bodies: Vec::new() };
     for axis in 0..3 {
@@ -459,7 +460,7 @@ fn walls(n: usize) -> Parts<3, 3> {
 fn spheres_touch_each_wall_once() {
     let mut rng = Rng(8);
     let walls = walls(6);
-    // Inside and outside, and many exactly at a wall or an edge of it.
+    // Positions inside and outside, many of them exactly at a wall or at an edge of it.
     let grid = |rng: &mut Rng| (rng.below(29) as f64 - 2.0) / 24.0;
     let centres: Vec<[f64; 3]> = (0..3000)
         .map(|k| std::array::from_fn(|_| if k % 2 == 0 { grid(&mut rng) } else { rng.unit() }))
@@ -480,7 +481,7 @@ fn spheres_touch_each_wall_once() {
             of_planes += found.len();
             expected.extend(found.into_iter().map(|contact| (sphere as u32, body, contact)));
         }
-        // Inside the box each plane in reach is touched once, whatever its triangles.
+        // Inside the box each plane in reach is touched once, regardless of its triangles.
         if sphere % 2 == 1 {
             let planes =
                 centre.iter().flat_map(|&x| [x, 1.0 - x]).filter(|&distance| distance <= radius).count();
@@ -526,7 +527,8 @@ fn bad_spheres_are_refused_by_name() {
 /// A disc of 96 sides, cut into the Voronoi cells of seeds in it.
 struct Disc {
     seeds: Vec<[f64; 2]>,
-    /// Of each cell the corners, and what is on the side that starts there: a cell, or `seeds` and the number of the side of the disc.
+    /// The corners of each cell, and its neighbour on the side that starts there: a cell, or `seeds` plus the number of the side of the
+    /// disc.
     cells: Vec<Vec<([f64; 2], usize)>>,
 }
 
@@ -541,7 +543,7 @@ impl Disc {
         let cell = |&seed: &[f64; 2]| {
             let mut cell: Vec<_> = (0..SIDES).map(|k| (corner(k), seeds.len() + k)).collect();
             for (other, &at) in seeds.iter().enumerate().filter(|(_, at)| **at != seed) {
-                // Nearer to the seed than to the other: the sign of the distance from the bisector.
+                // The point is nearer to the seed than to the other one: the sign of the distance from the bisector.
                 let (u, v) = (at[0] - seed[0], at[1] - seed[1]);
                 let (x, y) = (0.5 * (at[0] + seed[0]), 0.5 * (at[1] + seed[1]));
                 let side = |p: [f64; 2]| u * (p[0] - x) + v * (p[1] - y);
@@ -566,7 +568,7 @@ impl Disc {
         Self { seeds, cells }
     }
 
-    /// Seeds moved to the centroids of their cells, some times: cells of similar sizes, no short sides.
+    /// Moves seeds to the centroids of their cells several times, which gives cells of similar sizes without short sides.
     fn relaxed(rng: &mut Rng, grains: usize) -> Self {
         let mut seeds = Vec::new();
         while seeds.len() < grains {
@@ -583,7 +585,7 @@ impl Disc {
         Self::cut(seeds)
     }
 
-    /// Pairs of cells with a side in common, and its length.
+    /// The pairs of cells with a common side, and its length.
     fn adjacency(&self) -> BTreeMap<[u32; 2], f64> {
         let mut pairs = BTreeMap::new();
         for (i, cell) in self.cells.iter().enumerate() {
@@ -597,7 +599,7 @@ impl Disc {
         pairs
     }
 
-    /// The length of the shortest piece of boundary of any cell: with another cell, or with the outside.
+    /// The length of the shortest boundary of any cell with another cell or with the outside.
     fn shortest(&self) -> f64 {
         let mut lengths = BTreeMap::new();
         for (i, cell) in self.cells.iter().enumerate() {
@@ -610,8 +612,8 @@ impl Disc {
         lengths.into_values().fold(f64::INFINITY, f64::min)
     }
 
-    /// Each cell as a fan of triangles around its seed. A corner is known by the three cells, or sides of the disc, that meet there, so cells share
-    /// their nodes; elements are shuffled.
+    /// Meshes each cell as a fan of triangles around its seed. A corner is identified by the three cells, or sides of the disc, that meet
+    /// there, so cells share their nodes. Elements are shuffled.
     fn mesh(&self, rng: &mut Rng) -> Parts<2, 3> {
         let mut parts = Parts { points: self.seeds.clone(), elements: Vec::new(), bodies: Vec::new() };
         let mut nodes = BTreeMap::new();
@@ -635,7 +637,7 @@ impl Disc {
         parts
     }
 
-    /// The disc in `pixels` times `pixels`: the nearest seed, from 1, or 0 outside.
+    /// The disc as an image of `pixels` times `pixels`: the number of the nearest seed, from 1, or 0 outside.
     fn image(&self, pixels: usize) -> Vec<u16> {
         let apothem = (std::f64::consts::PI / SIDES as f64).cos();
         let normals: Vec<[f64; 2]> = (0..SIDES)
@@ -673,8 +675,8 @@ fn centroid(outline: &[[f64; 2]]) -> [f64; 2] {
     sum.map(|x| x / (3.0 * area))
 }
 
-/// Where three grains meet at a corner each two of them share a side as well, so here "touch" and "share a length" are the same. In the image pieces of
-/// boundary that are shorter than a few pixels can be missed: discs with such pieces are not taken.
+/// Wherever three grains meet at a corner, every two of them share a side as well, so here "touch" and "share a length" mean the same. In
+/// the image, boundaries shorter than a few pixels can be missed, so discs with such boundaries are skipped.
 #[test]
 fn grains_of_a_disc_touch_as_the_cells_and_as_in_its_image() {
     let mut rng = Rng(9);
@@ -695,7 +697,7 @@ fn grains_of_a_disc_touch_as_the_cells_and_as_in_its_image() {
             assert_eq!(contact.overlap, 0.0, "meshed conformingly");
             assert!((contact.shared - length).abs() < 1e-12, "{contact:?} {length}");
             let [a, b] = contact.bodies.map(|body| disc.seeds[body as usize]);
-            // A side of Voronoi cells is at right angles to the line between their seeds.
+            // A side of Voronoi cells is perpendicular to the line between their seeds.
             let distance = (b[0] - a[0]).hypot(b[1] - a[1]);
             for k in 0..2 {
                 assert!((contact.normal[k] - (b[k] - a[k]) / distance).abs() < 1e-9, "{contact:?}");
@@ -708,7 +710,7 @@ fn grains_of_a_disc_touch_as_the_cells_and_as_in_its_image() {
     }
 }
 
-/// At a corner where four grains meet, opposite ones touch and share nothing.
+/// At a corner where four grains meet, opposite grains touch but share nothing.
 #[test]
 fn opposite_grains_at_a_corner_share_no_length() {
     let (_, bodies) = squares(&[1, 2, 3, 4], [2, 2]).found();
@@ -719,7 +721,7 @@ fn opposite_grains_at_a_corner_share_no_length() {
     );
 }
 
-/// Two discs of grains over each other: the area in common of each two grains is that of their outlines, by `geo`.
+/// Two overlapping discs of grains: the common area of every two grains equals that of their outlines, by `geo`.
 #[test]
 fn overlapping_grains_have_the_area_of_their_outlines() {
     let mut rng = Rng(10);

@@ -1,4 +1,4 @@
-//! Contacts in labelled images against a brute force that knows neither rows nor runs, and against the Voronoi diagram of a disc.
+//! Contacts in labelled images, compared with a brute force that uses neither rows nor runs, and with the Voronoi diagram of a disc.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failed unwrap is a failed test")]
 
@@ -30,10 +30,10 @@ impl Random {
     }
 }
 
-/// What a contact is by definition: the pairs of grid squares, one by one.
+/// A contact by definition: the list of its pairs of grid squares.
 #[derive(Debug, Default)]
 struct Pairs<const D: usize> {
-    /// Centre and step to the grid square of the larger label, of pairs at a face; then at an edge; then at a vertex.
+    /// For pairs at a face, at an edge, and at a vertex: the centre, and the step to the grid square of the larger label.
     by_share: [Vec<([f64; D], [f64; D])>; 3],
 }
 
@@ -71,7 +71,7 @@ fn brute_force<L: Label, const D: usize>(
             let from = index(here);
             let Some(there) = at(std::array::from_fn(|axis| from[axis] + step[axis])) else { continue };
             let large = labels[there];
-            // From the smaller to the larger only: each pair once.
+            // Looks from the smaller to the larger label only, so that each pair counts once.
             if share > neighbourhood as usize
                 || small >= large
                 || [small, large].map(Some).contains(&background)
@@ -87,7 +87,7 @@ fn brute_force<L: Label, const D: usize>(
 }
 
 impl<const D: usize> Pairs<D> {
-    /// Compares with counts exactly, with means to rounding.
+    /// Compares counts exactly, and means to rounding.
     #[track_caller]
     fn agree_with<L: Label>(&self, contact: &ImageContact<L, D>, spacing: &Spacing<D>) {
         let [faces, edges, vertices] = self.by_share.each_ref().map(|pairs| pairs.len() as u64);
@@ -131,7 +131,7 @@ impl<const D: usize> Pairs<D> {
     }
 }
 
-/// Feeds the planes in slabs of random numbers of planes.
+/// Adds the planes in slabs of random thickness.
 fn in_slabs<L: Label, const D: usize>(
     mut image: ImageContacts<L, D>,
     labels: &[L],
@@ -220,7 +220,8 @@ fn equals_brute_force<L: Label + Debug, const D: usize>(
     pairs
 }
 
-/// Images of every type of label, with its extremes, and with numbers that differ in their highest bits only. The background is first.
+/// Images of every type of label, with its extremes, and with numbers that differ in their highest bits only. The first label is the
+/// background.
 fn of_all_types<const D: usize>(most: usize, random: &mut Random) -> usize {
     equals_brute_force::<_, D>(&[0_u8, 1, 2, 127, 128, u8::MAX], most, random)
         + equals_brute_force::<_, D>(&[0_u16, 1, 2, 256, 1 << 15, u16::MAX], most, random)
@@ -244,8 +245,8 @@ fn images_in_3d_equal_brute_force() {
     assert!(pairs > 100_000, "{pairs}");
 }
 
-/// Grains of a disc: the cells of a Voronoi diagram, rasterised. Two touch where their cells share a side, at its middle, in the direction of
-/// their sites.
+/// Grains of a disc: the rasterised cells of a Voronoi diagram. Two grains touch if their cells share a side; the contact is at its middle,
+/// in the direction of their sites.
 #[test]
 fn grains_of_a_disc_touch_as_their_cells_do() {
     const GRAINS: usize = 40;
@@ -261,7 +262,7 @@ fn grains_of_a_disc_touch_as_their_cells_do() {
             sites.push(site);
         }
     }
-    // The side of two cells: their bisector, from the disc, less what is nearer to another site.
+    // The side of two cells: their bisector, clipped to the disc and to what is nearer to these sites than to others.
     let mut sides = BTreeMap::new();
     for j in 0..GRAINS {
         for i in 0..j {
@@ -312,11 +313,11 @@ fn grains_of_a_disc_touch_as_their_cells_do() {
     for (contact, (length, centre, normal)) in found.iter().zip(sides.values()) {
         let (at, direction) = (contact.centroid(&spacing), contact.normal(&spacing));
         let off = (at[0] - RADIUS + pixel / 2.0 - centre[0]).hypot(at[1] - RADIUS + pixel / 2.0 - centre[1]);
-        // A side is off by a pixel at either end, and drawn in steps.
+        // A side is off by up to a pixel at either end, and is drawn in steps.
         assert!(off < 2.0 * pixel, "{contact:?} is {} pixels off", off / pixel);
         let cosine = direction[0] * normal[0] + direction[1] * normal[1];
         assert!(1.0 - cosine < 4.0 * (pixel / length).powi(2), "{contact:?}: cosine {cosine}");
-        // Steps along both axes: from the length itself to its sum of projections.
+        // Because of steps along both axes, its length lies between the true length and the sum of its projections.
         let steps = length * (normal[0].abs() + normal[1].abs());
         assert!((contact.area(&spacing) - steps).abs() < 5.0 * pixel, "{contact:?}: {steps}");
     }
@@ -343,7 +344,7 @@ fn what_is_no_image_is_refused() {
     let mut image = two([2, 3]).unwrap();
     assert_eq!(image.add(&[1, 2]), Err(Error::PartialPlane { squares: 2, plane: 3 }));
     assert_eq!(image.add(&[1; 9]), Err(Error::TooManyPlanes { found: 3, expected: 2 }));
-    // Nothing of these was taken.
+    // None of the failed slabs was added.
     image.add(&[1, 1, 2]).unwrap();
     assert_eq!(image.clone().finish(), Err(Error::MissingPlanes { found: 1, expected: 2 }));
     image.add(&[2, 2, 2]).unwrap();

@@ -1,7 +1,7 @@
-//! The vector kernels on short rows, at every level that the processor has: a program of its own, quick enough for an emulator that
-//! watches each access to memory (valgrind), or for a sanitizer. See `.ci/run`.
+//! The vector kernels on short rows, with every set of instructions that the processor has. A program of its own, fast enough for valgrind,
+//! an emulator that watches each access to memory, or for a sanitizer. See `.ci/run`.
 //!
-//! A fresh engine holds arrays without room to spare, and so does the input: an access behind them is outside of the allocation.
+//! A new engine holds arrays without spare capacity, and so does the input: an access behind them is outside of the allocation.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failed unwrap is a failed test")]
 
@@ -9,7 +9,7 @@ use fdem_contact::{
     Couple, CrossCouple, Csr, Direct, Elements, Filter, GroupMatrix, Index, Real, Rows, Search, Simd,
 };
 
-/// Beyond two of the widest vectors, 16 lanes.
+/// More elements than two of the widest vectors, of 16 lanes, hold.
 const LONGEST: usize = 40;
 
 /// `n` elements in one row of cells, or in several: neighbours touch exactly, others by chance.
@@ -65,7 +65,7 @@ fn check_all<T: Real, const D: usize>() {
             check(&Elements::spheres(&points, T::HALF).unwrap().with_tolerance(tolerance).unwrap());
             check(&Elements::spheres_with_radii(&points, &radii).unwrap());
             check(&Elements::spheres_with_radii(&points, &radii).unwrap().with_tolerance(tolerance).unwrap());
-            // The first box is as long as all are wide; of the others, which have no width, most begin where another does.
+            // The first box is as long as all are wide. The others have no width, and most begin where another one does.
             let short: Box<[[T; D]]> =
                 points.iter().map(|point| point.map(|x| x * T::at_least(0.1))).collect();
             let mut far = short.clone();

@@ -1,4 +1,5 @@
-//! The memory law: what Munjiza-NBS allocates is exactly (3.65), (3.80) and their extension to D dimensions; what the C-grid does is proportional to N.
+//! The memory law: Munjiza-NBS allocates exactly (3.65), (3.80) and their extension to D dimensions; the C-grid allocates memory
+//! proportional to N.
 //!
 //! A program of its own, because it replaces the allocator by one that counts.
 
@@ -9,7 +10,7 @@ use fdem_contact::{CGrid, Couple, Elements, Nbs, Search};
 #[global_allocator]
 static ALLOCATOR: dhat::Alloc = dhat::Alloc;
 
-/// What is allocated from here on: bytes in total, even if freed again at once.
+/// Measures the bytes allocated from its creation on, including memory that is freed again at once.
 struct Meter {
     total: u64,
     live: usize,
@@ -30,7 +31,7 @@ impl Meter {
     }
 }
 
-/// `n` elements in a slanted row, `spacing` diameters apart along every axis: all axes get wide.
+/// `n` elements in a slanted row, `spacing` diameters apart along every axis, so that the domain is wide along all axes.
 fn row<const D: usize>(n: usize, spacing: f64) -> Vec<[f64; D]> {
     (0..n).map(|k| std::array::from_fn(|axis| k as f64 * spacing * (1.0 + axis as f64))).collect()
 }
@@ -50,7 +51,7 @@ fn obeys_the_law<const D: usize>(n: usize, spacing: f64) {
     assert_eq!(meter.live(), 4 * law, "held after a search: D = {D}, n = {n}, spacing {spacing}");
     assert_eq!(meter.total(), 4 * law as u64, "allocated at any time: D = {D}, n = {n}, spacing {spacing}");
 
-    // A second search, into a list that has room, allocates nothing at all.
+    // A second search, into a list that has room, allocates nothing.
     let mut couples: Vec<Couple> = Vec::with_capacity(20 * n);
     let meter = Meter::start();
     nbs.couples(&elements, &mut couples).unwrap();
@@ -68,7 +69,7 @@ fn nbs_allocates_what_the_book_says_and_nothing_else() {
         obeys_the_law::<6>(n, spacing);
     }
 
-    // In the letters of the book.
+    // The letters are those of the book.
     let centres = row::<2>(500, 3.0);
     let mut nbs = Nbs::new();
     nbs.count(&Elements::points(&centres, 1.0).unwrap()).unwrap();
@@ -84,7 +85,7 @@ fn nbs_allocates_what_the_book_says_and_nothing_else() {
     c_grid_holds_so_much_per_element();
 }
 
-/// What the C-grid holds is what it says, proportional to N: in 1 cell or in 10^15, or in so many that integers do not count them.
+/// The C-grid holds what it reports, proportional to N: in 1 cell, in 10^15, or in more cells than integers can count.
 fn c_grid_holds_so_much_per_element() {
     let mut per_element = Vec::new();
     for (n, spacing) in [(1_000, 1e-3), (1_000, 1.0), (100_000, 1.0), (100_000, 1e13)] {

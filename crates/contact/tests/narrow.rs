@@ -2,15 +2,15 @@
 //!
 //! | section | compared with |
 //! |---|---|
-//! | exact numbers | (what decides who is right) separating axes in exact arithmetic |
+//! | exact numbers | (the reference in case of differences) separating axes in exact arithmetic |
 //! | round bodies | `parry`: distances, depths |
 //! | segments | exact arithmetic, `parry` |
 //! | plane figures | exact arithmetic, `geo`; areas: columns |
 //! | triangles, tetrahedra in 3D | exact arithmetic, `parry`; volumes: slices and columns |
 //! | boxes | `parry`: distance; depth: the corners along all axes |
 //!
-//! Half of the pairs have coordinates 0 to 4, some of them shifted by 2^-50, the step between floats at 4: shared vertices, collinear and coplanar
-//! figures and what is one step off them are common. The other half are random.
+//! Half of the pairs have coordinates 0 to 4, some of them shifted by 2^-50, the step between floats at 4. So shared vertices, collinear
+//! and coplanar figures, and figures one step off, are common. The other half are random.
 
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 #![allow(clippy::cast_possible_wrap, reason = "the numbers of the grid are below 8")]
@@ -48,7 +48,7 @@ impl Rng {
         self.next() % n
     }
 
-    /// In [0, 1).
+    /// A number in [0, 1).
     fn unit(&mut self) -> f64 {
         (self.next() >> 11) as f64 / 2.0_f64.powi(53)
     }
@@ -57,7 +57,7 @@ impl Rng {
         std::array::from_fn(|_| scale * self.unit())
     }
 
-    /// Points of the grid 0 to `size`, every fourth coordinate shifted if `shifts`.
+    /// Points of the grid 0 to `size`; every fourth coordinate is shifted if `shifts`.
     fn grid<const D: usize, const N: usize>(&mut self, size: u64, shifts: bool) -> [[Near; D]; N] {
         std::array::from_fn(|_| {
             std::array::from_fn(|_| {
@@ -81,7 +81,7 @@ trait Number: Clone + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Sel
     fn sign(&self) -> i32;
 }
 
-/// A polynomial in [`STEP`], whose coefficients are far below its inverse: the first one that is not 0 has the sign.
+/// A polynomial in [`STEP`] whose coefficients are far below the inverse of it: the first nonzero coefficient has the sign.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Near([i64; 5]);
 
@@ -136,7 +136,7 @@ fn across<N: Number>(a: &[N; 3], b: &[N; 3]) -> [N; 3] {
     [part(1, 2), part(2, 0), part(0, 1)]
 }
 
-/// Whether all of one set are strictly before all of the other along an axis.
+/// Whether all points of one set are strictly before all of the other along an axis.
 fn separates<N: Number, const D: usize>(axis: &[N; D], a: &[[N; D]], b: &[[N; D]]) -> bool {
     let range = |points: &[[N; D]]| {
         let mut heights = points.iter().map(|p| times(axis, p));
@@ -155,7 +155,7 @@ fn edges<N: Number, const D: usize>(points: &[[N; D]]) -> Vec<[N; D]> {
     (0..points.len()).flat_map(|i| (0..i).map(move |j| minus(&points[i], &points[j]))).collect()
 }
 
-/// Whether the hulls of two sets in 2D have a point in common: their difference is a polygon, segment or point, off which is the origin.
+/// Whether the hulls of two sets in 2D have a point in common: their difference is a polygon, segment or point that contains the origin.
 fn exact_touch_2d<N: Number>(a: &[[N; 2]], b: &[[N; 2]]) -> bool {
     let w = minus(&a[0], &b[0]);
     let zero = w[0].clone() - w[0].clone();
@@ -167,7 +167,7 @@ fn exact_touch_2d<N: Number>(a: &[[N; 2]], b: &[[N; 2]]) -> bool {
     !axes.iter().any(|axis| separates(axis, a, b))
 }
 
-/// The same in 3D. The difference has normals that are cross products of edges; if it is flat, others besides.
+/// The same in 3D. The normals of the difference are cross products of edges; a flat difference has others too.
 fn exact_touch_3d<N: Number>(a: &[[N; 3]], b: &[[N; 3]]) -> bool {
     let edges: Vec<_> = edges(a).into_iter().chain(edges(b)).collect();
     let mut normals = Vec::new();
@@ -201,17 +201,17 @@ fn dot<const D: usize>(a: [f64; D], b: [f64; D]) -> f64 {
     (0..D).map(|k| a[k] * b[k]).sum()
 }
 
-/// A gap is right if the bodies are that far apart along the normal, for no two points of them are closer then; the point is in the middle of it.
-/// Along the normal of a touch they overlap.
+/// A gap is right if the bodies are that far apart along the normal, because then no two of their points are closer, and if the point is in
+/// the middle of it. Along the normal of a touch the bodies overlap.
 fn check_direction<const D: usize>(contact: &Contact<D>, a: &[[f64; D]], b: &[[f64; D]], tolerance: f64) {
     let n = contact.normal;
     assert!((dot(n, n) - 1.0).abs() < 1e-14, "{contact:?} of {a:?} and {b:?}");
     let high = a.iter().map(|&p| dot(n, p)).fold(f64::NEG_INFINITY, f64::max);
     let low = b.iter().map(|&p| dot(n, p)).fold(f64::INFINITY, f64::min);
     match contact.measure {
-        // Convex bodies are as far apart as their widest slab.
+        // The distance of convex bodies is the width of the widest slab between them.
         Measure::Gap(gap) if gap > tolerance.sqrt() => {
-            // The direction of a short gap is as rough as its ends are.
+            // The direction of a short gap is as inaccurate as its ends.
             let tolerance = tolerance + 2e-14 / gap;
             assert!((low - high - gap).abs() < tolerance, "{contact:?}: {} of {a:?} and {b:?}", low - high);
             let middle = dot(n, contact.point);
@@ -222,7 +222,7 @@ fn check_direction<const D: usize>(contact: &Contact<D>, a: &[[f64; D]], b: &[[f
     }
 }
 
-/// The height of the hull of some points above an x: the highest and lowest chord.
+/// The heights of the hull of some points above a given x: the lowest and the highest chord.
 fn column(points: &[[f64; 2]], x: f64) -> (f64, f64) {
     let mut range = (f64::INFINITY, f64::NEG_INFINITY);
     for (k, p) in points.iter().enumerate() {
@@ -236,7 +236,7 @@ fn column(points: &[[f64; 2]], x: f64) -> (f64, f64) {
     range
 }
 
-/// The area that two hulls have in common: between the places where their chords end or cross, the height in common is linear in x.
+/// The common area of two hulls: between the places where their chords end or cross, the common height is linear in x.
 fn area_in_common(a: &[[f64; 2]], b: &[[f64; 2]]) -> f64 {
     let mut places: Vec<f64> = a.iter().chain(b).map(|p| p[0]).collect();
     for (i, p) in a.iter().enumerate() {
@@ -265,7 +265,7 @@ fn area_in_common(a: &[[f64; 2]], b: &[[f64; 2]]) -> f64 {
     area
 }
 
-/// The cut of a tetrahedron at a height: where its edges pass it.
+/// The cut of a tetrahedron at a height: the points where its edges pass it.
 fn slice(t: &[[f64; 3]; 4], z: f64) -> Vec<[f64; 2]> {
     let mut points = Vec::new();
     for i in 0..4 {
@@ -280,8 +280,8 @@ fn slice(t: &[[f64; 3]; 4], z: f64) -> Vec<[f64; 2]> {
     points
 }
 
-/// The volume that two tetrahedra have in common: between the heights of vertices and of edges through faces, the area in common is quadratic in z, and
-/// two places of Gauss give its integral.
+/// The common volume of two tetrahedra: between the heights of vertices, and of edges through faces, the common area is quadratic in z, and
+/// two Gauss points give its integral.
 fn volume_in_common(a: &[[f64; 3]; 4], b: &[[f64; 3]; 4]) -> f64 {
     let mut places: Vec<f64> = a.iter().chain(b).map(|p| p[2]).collect();
     let minus = |a: [f64; 3], b: [f64; 3]| [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
@@ -321,7 +321,7 @@ fn close(a: f64, b: f64, tolerance: f64) -> bool {
     (a - b).abs() <= tolerance
 }
 
-/// A gap, or minus a depth.
+/// The gap, or minus the depth.
 fn signed<const D: usize>(contact: &Contact<D>) -> f64 {
     if contact.touches() { -contact.measure.value() } else { contact.measure.value() }
 }
@@ -365,7 +365,7 @@ fn spheres_and_planes_agree_with_parry() {
         if c == d {
             continue;
         }
-        // The plane at right angles to the line of the centres, seen from the side of its normal, where it is the half-space of parry.
+        // The plane perpendicular to the line of the centres, seen from the side of its normal, where it is the half-space of parry.
         let n = std::array::from_fn(|k| c[k] - d[k]);
         let contact = sphere_plane(&a, &Plane::new(d, n).unwrap());
         let wall = shape::HalfSpace::new(vector(n).normalize());
@@ -431,7 +431,7 @@ fn a_sphere_outside_of_a_convex_mesh_has_one_contact_and_parry_its_distance() {
     let mut contacts = Vec::new();
     let (mut rng, mut pairs) = (Rng(3), 0);
     while pairs < PAIRS {
-        // On a grid of quarters, one step off it, or anywhere.
+        // A point on a grid of quarters, one step off it, or anywhere.
         let p: [f64; 3] = std::array::from_fn(|_| match rng.below(4) {
             0 => -1.0 + 4.0 * rng.unit(),
             1 => -1.0 + 0.25 * rng.below(17) as f64 + STEP,
@@ -450,7 +450,7 @@ fn a_sphere_outside_of_a_convex_mesh_has_one_contact_and_parry_its_distance() {
 
 // ---------------------------------------------------------------- segments
 
-/// The square of the distance between two segments, of ends and feet, exact.
+/// The squared distance between two segments, from ends and feet, exact.
 fn exact_distance_squared(a: &[[f64; 3]; 2], b: &[[f64; 3]; 2]) -> BigRational {
     let (a, b) = (rational(a), rational(b));
     let (zero, one) = (BigRational::from_integer(0.into()), BigRational::from_integer(1.into()));
@@ -509,7 +509,7 @@ fn segments_and_capsules_agree_with_exact_numbers_and_parry() {
         let query::ClosestPoints::WithinMargin(p, q) = there else { panic!("{there:?}") };
         let distance = (p - q).length();
         if !close(gap, distance, 1e-13) {
-            // Nearly parallel segments: exact numbers say that parry is off, never we.
+            // Nearly parallel segments: exact numbers show that parry is wrong and this library is right.
             decided += 1;
             let ours = BigRational::from_float(gap * gap).unwrap();
             let exact = exact_distance_squared(&[a, b], &[c, d]);
@@ -521,7 +521,7 @@ fn segments_and_capsules_agree_with_exact_numbers_and_parry() {
         assert!(close(signed(&capsule), gap - (r + s), 1e-15 * 16.0));
         assert_eq!(capsule.touches(), gap * gap <= (r + s) * (r + s));
         assert_eq!(capsule.normal, contact.normal);
-        // The point is as deep in one as in the other.
+        // The point is equally deep in both.
         let deep = |p: &shape::Segment, r: f64| p.distance_to_local_point(vector(capsule.point), false) - r;
         if !contact.touches() && signed(&capsule) > 1e-6 {
             assert!(close(deep(&one, r), deep(&two, s), 1e-9), "{a:?} {b:?} {c:?} {d:?}");
@@ -540,7 +540,7 @@ fn check_plane(contact: &Contact<2>, overlap: &[[f64; 2]], a: &[[f64; 2]], b: &[
     check_direction(contact, a, b, 1e-12);
     if let Measure::Area(area) = contact.measure {
         assert!(close(area, area_in_common(a, b), 1e-12), "{a:?} {b:?}: {area}");
-        // The overlap is what the area and the point are of.
+        // The area and the point belong to the overlap.
         let polygon = geo_polygon(overlap);
         assert!(close(area, polygon.unsigned_area(), 1e-13), "{a:?} {b:?}");
         for axis in 0..2 {
@@ -591,7 +591,7 @@ fn convex_polygons_agree_with_exact_numbers_and_geo() {
     let (mut rng, mut overlap, mut geo_differs) = (Rng(6), Vec::new(), 0);
     for case in 0..2 * PAIRS {
         let grid = case % 2 == 0;
-        // The hull of seven points, some of which are equal or on its sides.
+        // The hull of seven points, some of which coincide or lie on its sides.
         let mut polygon = |shift: f64| -> Vec<[f64; 2]> {
             let points: [[f64; 2]; 7] =
                 if grid { floats(&rng.grid(3, false)) } else { std::array::from_fn(|_| rng.point(3.0)) };
@@ -648,7 +648,7 @@ fn triangles_in_space_agree_with_exact_numbers_and_parry() {
             assert_eq!(contact.touches(), exact_touch_3d(&rational(&p), &rational(&q)), "{p:?} {q:?}");
         }
         if contact.touches() {
-            // The point is on both.
+            // The point is on both triangles.
             for t in [p, q] {
                 assert!(shape(t).distance_to_local_point(vector(contact.point), false) < 1e-9, "{p:?} {q:?}");
             }
@@ -702,7 +702,7 @@ fn parts_of_a_tetrahedron_add_up_to_it() {
         let p: [[f64; 3]; 4] = std::array::from_fn(|_| rng.point(2.0));
         let q: [[f64; 3]; 4] = std::array::from_fn(|_| rng.point(2.0));
         let x: [f64; 3] = rng.point(2.0);
-        // The four cones from a point inside of q share its volume.
+        // The four cones from a point inside of q divide its volume.
         let weights: [f64; 4] = std::array::from_fn(|_| 0.1 + x[0] * rng.unit());
         let total: f64 = weights.iter().sum();
         let inside = std::array::from_fn(|k| (0..4).map(|v| q[v][k] * weights[v]).sum::<f64>() / total);
@@ -766,7 +766,8 @@ fn boxes_agree_with_parry() {
             [cuboid_a.distance_to_point(&pose_a, p, true), cuboid_b.distance_to_point(&pose_b, p, true)]
         };
         if let Measure::Gap(gap) = contact.measure {
-            // The ends of the gap are on the boxes, and `check_direction` has shown that nothing is closer: where parry differs, it is wrong.
+            // The ends of the gap are on the boxes, and `check_direction` has shown that nothing is closer; so where parry differs, it is
+            // wrong.
             let [from, to] = [-0.5, 0.5].map(|t| std::array::from_fn(|k| contact.point[k] + t * gap * n[k]));
             assert!(outside(from)[0] < 1e-9 && outside(to)[1] < 1e-9, "{a:?} {b:?}: {contact:?}");
             assert!(gap < apart + 1e-6, "{a:?} {b:?}: {gap} {apart}");
@@ -774,11 +775,11 @@ fn boxes_agree_with_parry() {
         parry_differs += usize::from(!close(signed(&contact).max(0.0), apart, 1e-6));
         if let Measure::Depth(depth) = contact.measure {
             touching += 1;
-            // The depth is what the corners say along the normal.
+            // The depth equals the overlap of the corners along the normal.
             let high = corners_a.iter().map(|&p| dot(n, p)).fold(f64::NEG_INFINITY, f64::max);
             let low = corners_b.iter().map(|&p| dot(n, p)).fold(f64::INFINITY, f64::min);
             assert!(close(depth, high - low, 1e-12), "{a:?} {b:?}: {contact:?}");
-            // No face and no two edges take them apart with less.
+            // No face and no two edges separate them with a shorter move.
             let sides: Vec<_> = [&corners_a, &corners_b]
                 .into_iter()
                 .flat_map(|c| {
@@ -797,7 +798,7 @@ fn boxes_agree_with_parry() {
                     assert!(depth < (high_a - low_b).min(high_b - low_a) + 1e-10, "{a:?} {b:?}: {contact:?}");
                 }
             }
-            // A point on a face is in both, unless one is pushed through.
+            // A point on a face is inside both boxes, unless one box is pushed through.
             let edge = |axis: &[f64; 3]| dot(*axis, *axis).sqrt();
             let shortest = sides.iter().map(edge).fold(f64::INFINITY, f64::min);
             let on_face = sides.iter().any(|side| dot(n, *side).abs() > (1.0 - 1e-9) * edge(side));

@@ -1,4 +1,4 @@
-//! Searches that another thread ends.
+//! Searches that another thread stops.
 
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
@@ -11,10 +11,10 @@ use fdem_contact::{Detector, Elements, Engine, Error, PeriodicBox, PeriodicSearc
 
 const ENGINES: [Engine; 3] = [Engine::Auto, Engine::Rows, Engine::Multilevel];
 
-/// A grid whose points are 1 apart, in an order of its own.
+/// A grid whose points are 1 apart, in a shuffled order.
 fn points(edge: u32) -> Vec<[f64; 3]> {
     let n = edge * edge * edge;
-    // Odd steps through a number that they do not divide.
+    // Steps by an odd number that does not divide the number of points.
     let step = (n / 2..n).find(|step| gcd(*step, n) == 1).unwrap();
     (0..n)
         .map(|k| (u64::from(k) * u64::from(step) % u64::from(n)) as u32)
@@ -51,7 +51,7 @@ fn who_may_be_stopped_finds_the_same_in_the_same_order() {
 
 #[test]
 fn a_search_ends_soon_after_it_is_stopped_and_may_run_again() {
-    // Some 10^8 couples: without an end, this takes seconds.
+    // Some 10^8 couples: unless it is stopped, the search takes seconds.
     let centres = points(48);
     let many = Elements::points(&centres, 12.0).unwrap();
     let few = Elements::points(&centres, 1.0).unwrap();

@@ -9,15 +9,19 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use fdem::results::{
-    Animation, Field, Frame, FrameView, History, HistoryWriter, Pictures, Range, Report, Row, plots, pvd,
-    write_cracks_vtp, write_vtu,
+    Animation, Field, Frame, FrameView, History, HistoryWriter, Names, Outlines, Pictures, Range, Report,
+    Row, plots, pvd, write_contacts_vtp, write_cracks_vtp, write_damaged_joints_vtp, write_vtu,
 };
-use fdem_simulation::Snapshot;
+use fdem_simulation::{Forces, Snapshot};
 use serde_json::json;
 
 #[path = "../tests/results/splitting_disc.rs"]
 mod splitting_disc;
 use splitting_disc::{Disc, END};
+
+/// Files for ParaView: their names and ends.
+const FILES: [(&str, &str); 4] =
+    [("mesh", "vtu"), ("cracks", "vtp"), ("damaged_joints", "vtp"), ("contacts", "vtp")];
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -30,22 +34,39 @@ fn main() -> Result<(), Box<dyn Error>> {
     let took = |what: &str| eprintln!("{:8.3} s  {what}", start.elapsed().as_secs_f64());
 
     let mut frames = Vec::new();
-    let (mut meshes, mut cracks) = (Vec::new(), Vec::new());
+    let mut files: [Vec<(f64, String)>; 4] = Default::default();
+    let names = Names {
+        bodies: ["left half", "right half"].map(String::from).to_vec(),
+        materials: vec!["sandstone".to_owned()],
+    };
+    let outlines = Outlines::new(&disc.mesh(), &[]);
     for k in 0..count {
         let snapshot = disc.snapshot(f64::from(k) / f64::from(count - 1).max(1.0));
-        frames.push(Frame::new(&snapshot)?);
+        frames.push(Frame::outlined(&snapshot, &outlines)?);
         // ParaView's files of a few: they are large.
         if k % 15 == 0 || k + 1 == count {
-            let (mesh, lines) = (format!("mesh_{k:04}.vtu"), format!("cracks_{k:04}.vtp"));
-            write_vtu(&mut BufWriter::new(File::create(folder.join(&mesh))?), &snapshot)?;
-            write_cracks_vtp(&mut BufWriter::new(File::create(folder.join(&lines))?), &snapshot)?;
-            meshes.push((snapshot.time, mesh));
-            cracks.push((snapshot.time, lines));
-            fs::write(folder.join(format!("expected_{k:04}.json")), expected(&snapshot).to_string())?;
+            let forces = Disc::forces(&snapshot);
+            let mut outs = Vec::new();
+            for (files, (name, end)) in files.iter_mut().zip(FILES) {
+                let file = format!("{name}_{k:04}.{end}");
+                outs.push(BufWriter::new(File::create(folder.join(&file))?));
+                files.push((snapshot.time, file));
+            }
+            write_vtu(&mut outs[0], &snapshot, &forces, &names)?;
+            write_cracks_vtp(&mut outs[1], &snapshot)?;
+            write_damaged_joints_vtp(&mut outs[2], &snapshot)?;
+            write_contacts_vtp(&mut outs[3], &snapshot, &forces)?;
+            fs::write(
+                folder.join(format!("expected_{k:04}.json")),
+                expected(&snapshot, &forces).to_string(),
+            )?;
         }
     }
-    for (name, files) in [("mesh.pvd", &meshes), ("cracks.pvd", &cracks)] {
-        fs::write(folder.join(name), pvd(files.iter().map(|(time, file)| (*time, file.as_str()))))?;
+    for ((name, _), files) in FILES.iter().zip(&files) {
+        fs::write(
+            folder.join(format!("{name}.pvd")),
+            pvd(files.iter().map(|(time, file)| (*time, file.as_str()))),
+        )?;
     }
     took("frames and files for ParaView");
 
@@ -82,8 +103,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         ("elements", elements.as_str()),
         ("material", "sandstone"),
     ];
-    let report =
-        Report { title, facts: &facts, plots: &plots, frames: &frames, field, materials: &["sandstone"] };
+    let report = Report { title, facts: &facts, plots: &plots, frames: &frames, field, names: &names };
     fs::write(folder.join("report.html"), report.html()?)?;
     took("report");
     Ok(())
@@ -113,7 +133,7 @@ fn history(path: &Path, disc: &Disc) -> Result<(), Box<dyn Error>> {
 }
 
 /// The numbers of a snapshot, for readers of its files.
-fn expected(snapshot: &Snapshot) -> serde_json::Value {
+fn expected(snapshot: &Snapshot, forces: &Forces) -> serde_json::Value {
     let cracks = snapshot.cracks.iter().map(|crack| {
         json!({
             "ends": crack.ends,
@@ -126,8 +146,19 @@ fn expected(snapshot: &Snapshot) -> serde_json::Value {
             "length": crack.length,
         })
     });
+    let contacts = forces.contacts.iter().map(|contact| {
+        json!({
+            "elements": contact.elements,
+            "point": contact.point,
+            "normal": contact.normal,
+            "tangential": contact.tangential,
+        })
+    });
     json!({
         "time": snapshot.time,
+        "fragments": snapshot.fragments,
+        "reactions": forces.reactions,
+        "contacts": contacts.collect::<Vec<_>>(),
         "positions": snapshot.positions,
         "displacements": snapshot.displacements,
         "velocities": snapshot.velocities,

@@ -19,7 +19,7 @@ mod directions;
 mod fabric;
 mod overlaps;
 mod packing;
-mod radial;
+pub(crate) mod radial;
 mod volumes;
 
 use std::fmt;
@@ -27,7 +27,7 @@ use std::fmt;
 use serde::Serialize;
 
 pub use clusters::{ClusterSize, Clusters, Percolation};
-pub use coordination::{Coordination, WithoutRattlers};
+pub use coordination::{Coordination, Frictionless, WithoutRattlers};
 pub use directions::Directions;
 pub use fabric::Fabric;
 pub use overlaps::{Histogram, Overlaps, Spread};
@@ -43,7 +43,8 @@ use crate::network::Network;
 /// Lengths in the unit of the centres.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Options<const D: usize> {
-    /// Elements with fewer contacts are rattlers: `D + 1`, the fewest that hold a frictionless element, unless given; 2 for elements with friction.
+    /// Elements with fewer contacts are rattlers. Unless given it is chosen from the data ([`WithoutRattlers`]): `D + 1`, the fewest that hold an element without
+    /// friction, or 2, the fewest that hold one with friction.
     pub min_contacts: Option<u32>,
     /// Where the packing fraction is measured, `[min, max]` of each axis. Unless given: as far as the box repeats, and the domain shrunk by the largest
     /// diameter on both sides along the other axes.
@@ -66,7 +67,7 @@ pub struct RadialOptions {
 pub struct Analysis {
     /// Contacts of the elements.
     pub coordination: Coordination,
-    /// The same after rattlers were taken out, and those that this made rattlers, and so on.
+    /// The same after rattlers were removed repeatedly until none was left.
     pub without_rattlers: WithoutRattlers,
     /// Where contacts point.
     pub directions: Directions,
@@ -177,11 +178,10 @@ pub fn analyse<const D: usize>(
         return Err(AnalysisError::Dimensions { dimensions: D });
     }
     let coordination = Coordination::of(network);
-    let min_contacts = options.min_contacts.unwrap_or(D as u32 + 1);
     let (packing, no_packing) = told(packing::fraction(network, options.inner)?);
     let (radial, no_radial) = told(radial::distribution(network, options.radial)?);
     Ok(Analysis {
-        without_rattlers: WithoutRattlers::of(network, &coordination, min_contacts),
+        without_rattlers: WithoutRattlers::of(network, &coordination, options.min_contacts),
         coordination,
         directions: Directions::of(network),
         fabric: Fabric::of(network),

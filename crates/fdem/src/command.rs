@@ -5,6 +5,7 @@
 
 mod analyse;
 mod args;
+mod aside;
 mod bench;
 mod check;
 mod contacts;
@@ -15,8 +16,10 @@ mod failure;
 mod frames;
 mod generate;
 mod input;
+mod label_middles;
 mod label_summary;
 mod labels;
+mod memory;
 mod mesh_summary;
 mod meshes;
 mod new;
@@ -26,17 +29,19 @@ mod progress;
 mod run;
 mod series;
 mod series_summary;
+mod shapes;
 mod summary;
 mod tables;
 mod validate;
 
 use std::ffi::OsString;
-use std::io::Write;
+use std::io::{self, Write};
 use std::process::ExitCode;
 
 use clap::Parser;
 
 use args::{Arguments, Task};
+pub use tables::network_file;
 
 /// Runs the command with `arguments`, the first of which is the program's name, and returns its exit code.
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
@@ -47,11 +52,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let arguments = match Arguments::try_parse_from(arguments) {
         Ok(arguments) => arguments,
-        // Help and version are "errors" of the parser too: it knows which stream and code each needs.
-        Err(error) => {
-            let _ = error.print();
-            return error.exit_code() as u8;
-        }
+        Err(error) => return help_or_refusal(&error),
     };
     // Runs of models do not lose what they have when they are interrupted.
     let watched = match arguments.task {
@@ -72,8 +73,32 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         Ok(()) => 0,
         Err(failure) => {
             // Nothing is left to do if even the error cannot be printed.
-            let _ = writeln!(std::io::stderr(), "error: {failure}");
+            let _ = writeln!(io::stderr(), "error: {failure}");
             failure.exit_code()
         }
     }
+}
+
+/// Prints what the parser says, and returns the exit code. Help and version are "errors" of the parser too: they go to standard output, and
+/// are lost if it cannot be written.
+fn help_or_refusal(error: &clap::Error) -> u8 {
+    if error.use_stderr() {
+        // Nothing is left to do if even the error cannot be printed.
+        let _ = error.print();
+        return error.exit_code() as u8;
+    }
+    match output::check_stdout().and_then(|()| error.print()).and_then(|()| io::stdout().flush()) {
+        // A reader that leaves early (`| head`) has what it wants.
+        Err(problem) if problem.kind() != io::ErrorKind::BrokenPipe => {
+            let _ = writeln!(io::stderr(), "error: cannot write standard output: {problem}");
+            2
+        }
+        _ => error.exit_code() as u8,
+    }
+}
+
+/// Tells the command that the program was started without standard output (`>&-`). The standard library opens `/dev/null` in its place before
+/// `main`, so only code that runs earlier can find out.
+pub fn stdout_is_closed() {
+    output::stdout_is_closed();
 }

@@ -5,14 +5,17 @@
 //! their JSON schema, and [`STARTER`] a model to start from.
 //!
 //! ```text
-//! text ── document ── schema ── file ──> materials, bodies ── mesher ──> mesh ── boundaries, settings ──> Prepared ── preflight
+//! text ── document ── schema ── file ──> extent, materials, bodies ── mesher ──> mesh ── boundaries, settings ──> Prepared ── preflight
 //! ```
 
 mod document;
 mod fault;
 pub mod file;
+mod partial;
 mod schema;
 
+mod shapes;
+mod extent;
 mod outline;
 mod mesher;
 mod voronoi;
@@ -25,14 +28,23 @@ mod boundaries;
 mod materials;
 mod settings;
 
+mod connected;
+mod joined;
+mod locking;
+mod plausible;
 mod preflight;
 mod quality;
+mod slivers;
 mod warnings;
+mod equilibrium;
 
+use std::collections::BTreeMap;
 use std::io;
 use std::ops::Range;
 
-use fdem_simulation::{ContactOptions, CriticalOpening, FractureOptions, Insertion, Model, TimeOptions};
+use fdem_simulation::{
+    ContactOptions, CriticalOpening, FractureOptions, Insertion, Mesh, Model, Schedule, TimeOptions,
+};
 use sha2::{Digest, Sha256};
 
 pub use bodies::Load;
@@ -46,16 +58,20 @@ use bodies::Placed;
 use document::{Document, Table};
 use fault::nearest;
 use file::ModelFile;
+use partial::Partial;
+use piece::Piece;
 
-/// A model to start from: small, complete, with a word on every part.
+use crate::numbers::grouped;
+
+/// A small and complete model to start from, with a comment on every part.
 pub const STARTER: &str = include_str!("model/starter.toml");
 
-/// All that a run needs.
+/// A model that is ready to run.
 #[derive(Debug, Clone)]
 pub struct Prepared {
-    /// What is simulated.
+    /// The model to simulate.
     pub model: Model,
-    /// For people; empty if there is none.
+    /// Title; empty if there is none.
     pub title: String,
     /// When the run ends, s.
     pub end_time: f64,
@@ -63,15 +79,17 @@ pub struct Prepared {
     pub bodies: Vec<Body>,
     /// Named parts of bodies: physical groups of mesh files; the outline and the holes of other shapes.
     pub groups: Vec<Group>,
-    /// What is written.
+    /// Grain of each element, numbered within its body; empty if no body has grains.
+    pub grains: Vec<u32>,
+    /// Settings of the output.
     pub output: OutputSettings,
-    /// What is recorded over time.
+    /// Quantities to record over time.
     pub histories: Vec<History>,
     /// Sizes and shapes of the elements.
     pub quality: Quality,
-    /// What may not be meant, for people; the run is possible all the same.
+    /// Warnings of what is possible, but probably not meant.
     pub warnings: Vec<String>,
-    /// SHA-256 of the model in hexadecimal digits: equal models, and only these, have equal ones.
+    /// SHA-256 of the model in hexadecimal digits. Two models are equal if their hashes are.
     pub hash: String,
 }
 
@@ -95,7 +113,7 @@ pub struct Group {
     pub name: String,
     /// Its nodes, ascending.
     pub nodes: Vec<u32>,
-    /// What it has of the outline: nodes in the direction in which their element has them, counter-clockwise.
+    /// Its edges on the outline. The nodes of an edge are in the direction in which their element has them, counter-clockwise.
     pub edges: Vec<[u32; 2]>,
 }
 
@@ -108,7 +126,7 @@ pub struct Group {
 /// Mostly that of the meshes: about 20 µs an element.
 ///
 /// # Errors
-/// [`ModelErrors`]: everything that is wrong. Meshes are made, and what depends on them is checked, only if the rest is right.
+/// [`ModelErrors`]: everything that is wrong. Where something is, large meshes are not made, and what depends on them is not checked.
 ///
 /// # Example
 /// ```
@@ -135,33 +153,79 @@ pub struct Group {
 /// # Ok::<(), fdem::model::ModelErrors>(())
 /// ```
 pub fn prepare(text: &str, name: &str, load: &mut Load<'_>) -> Result<Prepared, ModelErrors> {
-    prepare_or_faults(text, load).map_err(|faults| ModelErrors::new(name, text, faults))
+    prepare_within(text, name, load, None)
 }
 
-fn prepare_or_faults(text: &str, load: &mut Load<'_>) -> Result<Prepared, Vec<Fault>> {
-    let document = Document::parse(text)?;
-    let file = parse(text, &document)?;
+/// The same model file with another `end_time`, s; `None` if it has none.
+///
+/// # Example
+/// ```
+/// let text = "[model]\nend_time = 1e-3 # short";
+/// assert_eq!(fdem::model::with_end_time(text, 0.25).as_deref(), Some("[model]\nend_time = 0.25 # short"));
+/// ```
+pub fn with_end_time(text: &str, seconds: f64) -> Option<String> {
+    let document = parse(text).ok()?;
+    let place = document.value_if_any(Table::one("model"), "end_time")?;
+    // A TOML number with an exponent needs no point, and one without has it.
+    Some(format!("{}{seconds:?}{}", &text[..place.start], &text[place.end..]))
+}
 
-    let mut faults = Vec::new();
-    check_names(&file, &document, &mut faults);
-    let materials = materials::materials(&file, &document, &mut faults);
-    let interfaces = materials::interfaces(&file, &document, &mut faults);
-    bodies::check(&file, &document, &mut faults);
-    boundaries::check(&file, &document, &mut faults);
-    settings::check(&file, &document, &mut faults);
-    check_initial(&file, &document, &mut faults);
-    none_or(faults)?;
+/// Does what [`prepare`] does, and refuses meshes that need more than `memory` (bytes) before it makes them.
+///
+/// # Errors
+/// The errors of [`prepare`], and mesh sizes for which there is not enough memory.
+pub fn prepare_within(
+    text: &str,
+    name: &str,
+    load: &mut Load<'_>,
+    memory: Option<f64>,
+) -> Result<Prepared, ModelErrors> {
+    prepare_or_faults(text, load, memory).map_err(|faults| ModelErrors::new(name, text, faults))
+}
 
-    let (mesh, placed) = bodies::build(&file, &document, load)?;
-    let mut faults = Vec::new();
-    let boundaries = boundaries::resolve(&file, &document, &mesh, &placed, &mut faults);
+/// Elements up to which bodies are meshed although there are faults, to find those of the meshes too.
+const SOON_MESHED: f64 = 1e5;
+
+fn prepare_or_faults(text: &str, load: &mut Load<'_>, memory: Option<f64>) -> Result<Prepared, Vec<Fault>> {
+    let document = parse(text)?;
+    let mut faults = schema::check(document.root());
+    let partial = if faults.is_empty() { None } else { Partial::read(text, &document, &faults) };
+    let file = match &partial {
+        Some(partial) => partial.file.clone(),
+        None if faults.is_empty() => deserialize(text)?,
+        None => return Err(faults),
+    };
+    let is_news = |fault: &Fault| partial.as_ref().is_none_or(|partial| partial.is_news(fault));
+
+    let mut found = Vec::new();
+    check_names(&file, &document, &mut found);
+    let materials = materials::materials(&file, &document, &mut found);
+    let interfaces = materials::interfaces(&file, &document, &mut found);
+    bodies::check(&file, &document, &mut found);
+    boundaries::check(&file, &document, &mut found);
+    settings::check(&file, &document, &mut found);
+    check_initial(&file, &document, &mut found);
+    let elements = extent::check(&file, &document, memory, &mut found);
+    faults.extend(found.into_iter().filter(is_news));
+
+    // A file with faults is meshed only to find more faults: bodies without faults, and only if that takes little time.
+    let mut wrong = document.with_faults("body", file.body.len(), &faults);
+    for (wrong, body) in wrong.iter_mut().zip(&file.body) {
+        *wrong |= !faults.is_empty() && elements > SOON_MESHED && body.mesh.is_none();
+    }
+    let skipped = document.with_faults("boundary", file.boundary.len(), &faults);
+    let mut found = Vec::new();
+    let (mesh, placed, missing) = bodies::build(&file, &document, load, &wrong, &mut found);
+    let boundaries = boundaries::resolve(&file, &document, &mesh, &placed, (&missing, &skipped), &mut found);
+    faults.extend(found.into_iter().filter(is_news));
+    faults.extend(bodies::crowded(&document, &placed));
     none_or(faults)?;
 
     let mut warnings = Vec::new();
     let histories = settings::histories(&file, &mesh.nodes, &placed, &mut warnings);
     let model = Model {
         velocities: velocities(&file, &placed),
-        stresses: file.initial.stress.map(|stress| vec![stress; mesh.triangles.len()]).unwrap_or_default(),
+        stresses: stresses(&file, &mesh),
         mesh,
         materials,
         interfaces,
@@ -172,6 +236,7 @@ fn prepare_or_faults(text: &str, load: &mut Load<'_>) -> Result<Prepared, Vec<Fa
             file::Gravity::Vector(gravity) => gravity,
             file::Gravity::None(_) => [0.0; 2],
         },
+        gravity_schedule: file.model.gravity_ramp.map_or(Schedule::Constant, Schedule::Ramp),
         contact: contact(&file),
         fracture: fracture(&file),
         time: TimeOptions {
@@ -186,11 +251,19 @@ fn prepare_or_faults(text: &str, load: &mut Load<'_>) -> Result<Prepared, Vec<Fa
     };
     let quality = Quality::of(&model.mesh);
     let bodies = bodies_of(&placed);
+    for body in placed.iter().filter(|body| file.body[body.table].mesh.is_some()) {
+        connected::warnings(&body.name, &body.piece, &mut warnings);
+    }
+    plausible::units(&model, &mut warnings);
+    plausible::without_effect(&file, &document, &model, &mut warnings);
+    joined::warnings(&model, &mut warnings);
+    locking::warnings(&model, &placed, &mut warnings);
     warnings.extend(warnings::warnings(&model, &bodies, &quality));
     Ok(Prepared {
         title: file.model.title.clone(),
         end_time: file.model.end_time,
         groups: groups_of(&placed),
+        grains: grains_of(&placed),
         output: settings::settings(&file),
         histories,
         hash: hash(&model),
@@ -201,10 +274,30 @@ fn prepare_or_faults(text: &str, load: &mut Load<'_>) -> Result<Prepared, Vec<Fa
     })
 }
 
+/// The document, if it is TOML. If not, also tells of unknown keys and values out of range in the lines that are.
+fn parse(text: &str) -> Result<Document<'_>, Vec<Fault>> {
+    let (document, mut faults) = Document::parse(text);
+    if faults.is_empty() {
+        return Ok(document);
+    }
+    let line = |fault: &Fault| fault.span.as_ref().map(|span| document::line_of(text, span.start));
+    let wrong: Vec<_> = faults.iter().map(line).collect();
+    let is_heading = |line: &Option<usize>| {
+        line.is_some_and(|line| text.lines().nth(line).is_some_and(|line| line.trim_start().starts_with('[')))
+    };
+    // Without its heading nobody knows which table a key is in.
+    if wrong.iter().any(is_heading) {
+        return Err(faults);
+    }
+    faults.extend(schema::check(document.root()).into_iter().filter(|fault| {
+        ["unknown key", "out of range"].contains(&fault.label.as_str()) && !wrong.contains(&line(fault))
+    }));
+    Err(faults)
+}
+
 /// The file as its types have it.
-fn parse(text: &str, document: &Document<'_>) -> Result<ModelFile, Vec<Fault>> {
-    none_or(schema::check(document.root()))?;
-    // The schema has seen all that people do; what it has not seen is told by the deserializer.
+fn deserialize(text: &str) -> Result<ModelFile, Vec<Fault>> {
+    // The schema check finds what people do wrong; the deserializer reports what it missed.
     toml::from_str(text).map_err(|error| {
         let end = text.len();
         vec![Fault::at(error.span().unwrap_or(end..end), error.message().to_owned())]
@@ -215,7 +308,7 @@ fn none_or(faults: Vec<Fault>) -> Result<(), Vec<Fault>> {
     if faults.is_empty() { Ok(()) } else { Err(faults) }
 }
 
-/// Names come once: of two alike nobody could say which is meant.
+/// Refuses names that occur twice.
 fn check_names(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<Fault>) {
     fn names<'f, T>(items: &'f [T], name: fn(&'f T) -> &'f str) -> Vec<&'f str> {
         items.iter().map(name).collect()
@@ -226,17 +319,25 @@ fn check_names(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<Fault
         ("boundary", names(&file.boundary, |boundary| &boundary.name)),
         ("history", names(&file.history, |history| &history.name)),
     ] {
+        let mut again: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
         for (index, name) in names.iter().enumerate() {
-            if names[..index].contains(name) {
-                faults.push(
-                    Fault::at(
-                        document.value(Table::of(table, index), "name"),
-                        format!("there is a [[{table}]] \"{name}\" already"),
-                    )
-                    .label("again")
-                    .help("names come once"),
-                );
-            }
+            again.entry(name).or_default().push(index);
+        }
+        for (name, places) in again {
+            let [_, second, more @ ..] = &places[..] else { continue };
+            let times = match more.len() {
+                0 => String::new(),
+                1 => ", and once more".to_owned(),
+                count => format!(", and {} times more", grouped(count as u64)),
+            };
+            faults.push(
+                Fault::at(
+                    document.value(Table::of(table, *second), "name"),
+                    format!("there is a [[{table}]] \"{name}\" already{times}"),
+                )
+                .label("again")
+                .help("names come once"),
+            );
         }
     }
 }
@@ -263,7 +364,7 @@ fn check_initial(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<Fau
     }
 }
 
-/// Of each node; empty if all are at rest.
+/// Velocity of each node at the start; empty if all nodes rest.
 fn velocities(file: &ModelFile, placed: &[Placed]) -> Vec<[f64; 2]> {
     let mut velocities = Vec::new();
     for body in placed {
@@ -275,6 +376,23 @@ fn velocities(file: &ModelFile, placed: &[Placed]) -> Vec<[f64; 2]> {
         velocities.clear();
     }
     velocities
+}
+
+/// Initial stress of each element, that of its centroid; empty for none.
+fn stresses(file: &ModelFile, mesh: &Mesh) -> Vec<[f64; 3]> {
+    let (stress, gradient) = (file.initial.stress, file.initial.stress_gradient);
+    if stress.is_none() && gradient == [0.0; 3] {
+        return Vec::new();
+    }
+    let stress = stress.unwrap_or_default();
+    let of = |nodes: &[u32; 3]| -> [f64; 3] {
+        if gradient == [0.0; 3] {
+            return stress;
+        }
+        let height = nodes.iter().map(|&node| mesh.nodes[node as usize][1]).sum::<f64>() / 3.0;
+        std::array::from_fn(|k| stress[k] + gradient[k] * height)
+    };
+    mesh.triangles.iter().map(of).collect()
 }
 
 fn contact(file: &ModelFile) -> ContactOptions {
@@ -312,6 +430,17 @@ fn bodies_of(placed: &[Placed]) -> Vec<Body> {
         .collect()
 }
 
+fn grains_of(placed: &[Placed]) -> Vec<u32> {
+    if placed.iter().all(|body| body.piece.grains.is_empty()) {
+        return Vec::new();
+    }
+    let of_body = |body: &Placed| {
+        let Piece { grains, triangles, .. } = &body.piece;
+        if grains.is_empty() { vec![0; triangles.len()] } else { grains.clone() }
+    };
+    placed.iter().flat_map(of_body).collect()
+}
+
 fn groups_of(placed: &[Placed]) -> Vec<Group> {
     let mut groups = Vec::new();
     for (body, Placed { piece, first, .. }) in (0..).zip(placed) {
@@ -331,7 +460,7 @@ fn groups_of(placed: &[Placed]) -> Vec<Group> {
     groups
 }
 
-/// SHA-256 of the model as JSON, whose numbers are written so that they read back to the last bit.
+/// SHA-256 of the model as JSON. JSON numbers are written so that they are read back exactly.
 fn hash(model: &Model) -> String {
     struct Sink(Sha256);
     impl io::Write for Sink {

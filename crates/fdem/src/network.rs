@@ -1,4 +1,4 @@
-//! Elements and the couples among them: what is analysed, drawn and written.
+//! Contact networks: elements and their couples, as they are analysed, drawn and written.
 //!
 //! ```text
 //! Space (centres, box) ─┐
@@ -18,7 +18,7 @@ pub enum Sizes<'a> {
     Each(&'a [f64]),
     /// One radius for all.
     All(f64),
-    /// Points, which touch up to this distance.
+    /// Points, two of which touch if they are not farther apart than this.
     Cutoff(f64),
 }
 
@@ -35,7 +35,7 @@ impl Sizes<'_> {
         }
     }
 
-    /// Radius of one element; of a point half the distance at which it touches another.
+    /// Radius of an element; for a point, half the distance at which it touches another.
     ///
     /// # Panics
     /// If the element has no radius.
@@ -48,12 +48,12 @@ impl Sizes<'_> {
     }
 }
 
-/// Where the elements are, in a box that repeats or without one.
+/// Positions of the elements, in open space or in a periodic box.
 #[derive(Clone, Copy, Debug)]
 pub struct Space<'a, const D: usize> {
-    /// Centres of the elements, in the box or not.
+    /// Centres of the elements, inside or outside of the box.
     pub centres: &'a [[f64; D]],
-    /// The box that repeats.
+    /// The periodic box.
     pub cell: Option<PeriodicBox<f64, D>>,
 }
 
@@ -68,7 +68,7 @@ impl<const D: usize> Space<'_, D> {
         a.iter().zip(b).fold(0.0, |sum, (a, b)| sum + (a - b) * (a - b)).sqrt()
     }
 
-    /// From the first element of a couple to the image of the second.
+    /// Vector from the first element of a couple to the image of the second.
     ///
     /// # Panics
     /// If the couple was not found among these elements.
@@ -77,7 +77,7 @@ impl<const D: usize> Space<'_, D> {
         std::array::from_fn(|axis| b[axis] - a[axis])
     }
 
-    /// The first element of a couple, wrapped into the box if there is one, and the image of the second that touches it there.
+    /// Position of the first element of a couple, wrapped into the box if there is one, and of the image of the second that touches it there.
     ///
     /// # Panics
     /// If the couple was not found among these elements.
@@ -89,7 +89,7 @@ impl<const D: usize> Space<'_, D> {
         [a, cell.displaced(&b, &shift)]
     }
 
-    /// How far the elements of a couple overlap: the distance at which they touch less their distance. Negative for a gap within a tolerance.
+    /// Overlap of the elements of a couple: the distance at which they touch minus their distance. Negative for a gap within the tolerance.
     ///
     /// # Panics
     /// If the couple was not found among these elements.
@@ -97,23 +97,23 @@ impl<const D: usize> Space<'_, D> {
         sizes.contact_distance(Couple { i: couple.i, j: couple.j }) - self.distance(couple)
     }
 
-    /// The centre in the box, and the periods that it was away from there.
+    /// Position of the centre in the box, and the number of periods by which it was outside.
     pub(crate) fn wrapped(&self, cell: &PeriodicBox<f64, D>, element: u32) -> ([f64; D], [i32; D]) {
         cell.wrap(self.centres[element as usize]).expect("elements that were searched can be wrapped")
     }
 }
 
-/// Couples with a shift only where there are any.
+/// Couples, with shifts if the box is periodic.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Couples<const D: usize> {
-    /// Of elements in open space.
+    /// Couples in open space.
     Plain(Vec<Couple>),
-    /// Of elements in a box that repeats.
+    /// Couples in a periodic box.
     Periodic(Vec<PeriodicCouple<D>>),
 }
 
 impl<const D: usize> Couples<D> {
-    /// How many there are.
+    /// Number of couples.
     pub fn len(&self) -> usize {
         match self {
             Self::Plain(couples) => couples.len(),
@@ -121,15 +121,15 @@ impl<const D: usize> Couples<D> {
         }
     }
 
-    /// Whether there is none.
+    /// Whether there are no couples.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// One of them, by its place in the order; of open space with a shift of 0.
+    /// The couple at a place in the list; its shift is 0 in open space.
     ///
     /// # Panics
-    /// If there are not so many.
+    /// If the list is shorter.
     pub fn get(&self, k: usize) -> PeriodicCouple<D> {
         match self {
             Self::Plain(couples) => unshifted(couples[k]),
@@ -137,13 +137,13 @@ impl<const D: usize> Couples<D> {
         }
     }
 
-    /// All of them in their order; those of open space with a shift of 0.
+    /// All couples in order; their shift is 0 in open space.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = PeriodicCouple<D>> + '_ {
         (0..self.len()).map(|k| self.get(k))
     }
 }
 
-/// The same with a shift of 0.
+/// A couple with a shift of 0.
 pub(crate) fn unshifted<const D: usize>(Couple { i, j }: Couple) -> PeriodicCouple<D> {
     PeriodicCouple { i, j, shift: [0; D] }
 }
@@ -151,19 +151,19 @@ pub(crate) fn unshifted<const D: usize>(Couple { i, j }: Couple) -> PeriodicCoup
 /// A packing and its couples.
 ///
 /// # Shapes
-/// Couples name elements by their place in `space.centres`; [`Sizes::Each`] has as many radii.
+/// Couples contain indices of `space.centres`; [`Sizes::Each`] has as many radii as there are centres.
 #[derive(Clone, Copy, Debug)]
 pub struct Network<'a, const D: usize> {
-    /// Where the elements are.
+    /// Positions of the elements.
     pub space: Space<'a, D>,
-    /// How large they are.
+    /// Sizes of the elements.
     pub sizes: Sizes<'a>,
-    /// Which of them touch: `i < j`, or the image of `j` by its shift.
+    /// Couples that touch: `i < j`, or `i` and the image of `j` by its shift.
     pub couples: &'a Couples<D>,
 }
 
 impl<const D: usize> Network<'_, D> {
-    /// As [`Space::overlap`].
+    /// Overlap of a couple, as [`Space::overlap`] defines it.
     ///
     /// # Panics
     /// If the couple was not found among these elements.

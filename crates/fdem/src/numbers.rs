@@ -1,8 +1,8 @@
-//! Numbers as people read them.
+//! Numbers as text for people.
 
-/// Six digits, without trailing zeros; JSON has all of them.
+/// A number with six significant digits, without trailing zeros.
 pub(crate) fn brief(x: f64) -> String {
-    // Plus zero: minus zero is zero to a person.
+    // Adding zero turns minus zero into zero.
     let rounded = format!("{x:.5e}").parse().unwrap_or(x) + 0.0;
     if rounded == 0.0 || (1e-4..1e6).contains(&f64::abs(rounded)) {
         rounded.to_string()
@@ -11,7 +11,12 @@ pub(crate) fn brief(x: f64) -> String {
     }
 }
 
-/// `1234567` as `1,234,567`.
+/// All digits that the number has, with an exponent where it is very small or very large.
+pub(crate) fn exact(x: f64) -> String {
+    if x == 0.0 || (1e-5..1e16).contains(&x.abs()) { x.to_string() } else { format!("{x:e}") }
+}
+
+/// A number with its thousands grouped: `1234567` becomes `1,234,567`.
 pub(crate) fn grouped(number: u64) -> String {
     let digits = number.to_string();
     let mut text = String::new();
@@ -32,6 +37,15 @@ mod tests {
     fn thousands_are_grouped() {
         for (number, text) in [(0, "0"), (999, "999"), (1000, "1,000"), (1_234_567, "1,234,567")] {
             assert_eq!(grouped(number), text);
+        }
+    }
+
+    #[test]
+    fn no_number_has_hundreds_of_digits() {
+        for (x, text) in
+            [(0.5, "0.5"), (-2700.0, "-2700"), (1e300, "1e300"), (-1e-308, "-1e-308"), (0.0, "0")]
+        {
+            assert_eq!(exact(x), text);
         }
     }
 

@@ -8,7 +8,9 @@
 //! [`svg`] and [`png()`] draw the elements and the contacts, [`plots_svg`] and [`plots_png`] how contacts, overlaps, sizes and directions
 //! are distributed. [`mesh_svg`] and [`mesh_png`] draw meshed bodies in a plane.
 
+pub(crate) mod bodies;
 pub(crate) mod camera;
+mod capsule;
 pub(crate) mod colour;
 pub(crate) mod encode;
 mod flat;
@@ -17,8 +19,10 @@ pub(crate) mod drawing;
 mod mesh;
 mod plots;
 mod raster;
+pub(crate) mod room;
 pub(crate) mod scene;
 pub(crate) mod svg;
+pub(crate) mod text;
 pub(crate) mod ticks;
 
 use std::fmt;
@@ -69,6 +73,11 @@ pub enum PictureError {
         /// How many can be shown.
         most: usize,
     },
+    /// There is no memory for the drawing.
+    OutOfMemory {
+        /// What it may take.
+        bytes: usize,
+    },
     /// The drawing could not be made a PNG file.
     Png {
         /// In the words of the library that was to do it.
@@ -89,6 +98,9 @@ impl fmt::Display for PictureError {
             }
             Self::TooMany { what, found, most } => {
                 write!(out, "{found} {what} are too many for a report, which shows up to {most}")
+            }
+            Self::OutOfMemory { bytes } => {
+                write!(out, "no memory for {bytes} bytes, which the drawing may take")
             }
             Self::Png { message } => write!(out, "the picture cannot be made a PNG: {message}"),
         }
@@ -129,6 +141,7 @@ impl std::error::Error for PictureError {}
 /// # Ok::<(), fdem::picture::PictureError>(())
 /// ```
 pub fn svg<const D: usize>(network: &Network<'_, D>, caption: &Caption<'_>) -> Result<String, PictureError> {
+    room::check(room::of_scene(network))?;
     drawing::svg(&Scene::new(network, caption)?)
 }
 
@@ -144,13 +157,15 @@ pub fn png<const D: usize>(
     caption: &Caption<'_>,
     width: Option<u32>,
 ) -> Result<Vec<u8>, PictureError> {
+    room::check(room::of_scene(network))?;
     drawing::png(&Scene::new(network, caption)?, width)
 }
 
-/// How contacts, overlaps, sizes and the directions of contacts are distributed, as SVG.
+/// How contacts, overlaps, sizes, the directions of contacts and the distances of centres are distributed, as SVG.
 ///
 /// Directions are axes: each contact counts both ways. In 2D and of the azimuth in 3D the radius of a sector is its share of the contacts; of the
-/// inclination in 3D it is that share over the one of contacts that prefer no direction, so that a circle is isotropy.
+/// inclination in 3D it is that share over the one of contacts that prefer no direction, so that a circle is isotropy. Distances are shown by the
+/// radial distribution [`crate::analysis::Radial`], up to 3 mean diameters.
 ///
 /// # Errors
 /// Those of [`svg`].
@@ -161,7 +176,8 @@ pub fn plots_svg<const D: usize>(
     network: &Network<'_, D>,
     caption: &Caption<'_>,
 ) -> Result<String, PictureError> {
-    Ok(plots::svg(&Scene::new(network, caption)?))
+    room::check(room::of_scene(network) + room::of_shapes(0))?;
+    Ok(plots::svg(&Scene::new(network, caption)?, &g_of_r(network)))
 }
 
 /// As [`plots_svg`], as a PNG file, wide as [`png()`] is.
@@ -176,11 +192,17 @@ pub fn plots_png<const D: usize>(
     caption: &Caption<'_>,
     width: Option<u32>,
 ) -> Result<Vec<u8>, PictureError> {
+    room::check(room::of_scene(network))?;
     let scene = Scene::new(network, caption)?;
-    encode::png(&plots::svg(&scene), &[], drawing::scale(width, plots::width(&scene))?)
+    let scale = drawing::scale(width, plots::whole_size(&scene)[0])?;
+    room::check(room::of_pixels(plots::whole_size(&scene), scale))?;
+    encode::png(&plots::svg(&scene, &g_of_r(network)), &[], scale)
 }
 
+pub use bodies::{
+    Bodies, BodyJoint, MOST_FACETS, bodies_plots_png, bodies_plots_svg, bodies_png, bodies_svg,
+};
 pub use mesh::{MeshDrawing, mesh_png, mesh_svg};
 
 pub(crate) use drawing::preview;
-pub(crate) use plots::panels;
+pub(crate) use plots::{g_of_r, panels};

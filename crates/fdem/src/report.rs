@@ -10,6 +10,7 @@
 
 mod arrays;
 
+use std::cell::Cell;
 use std::fmt::Write;
 
 use base64::Engine;
@@ -17,6 +18,7 @@ use base64::engine::general_purpose::STANDARD;
 use serde_json::json;
 use sha2::{Digest, Sha256};
 
+use crate::analysis::Radial;
 use crate::network::{Network, Sizes};
 use crate::numbers::{brief, grouped};
 use crate::picture::camera::outline;
@@ -24,7 +26,7 @@ use crate::picture::colour::{ALONE, HEAT, SEA};
 use crate::picture::furniture::{Counts, counts};
 use crate::picture::scene::Scene;
 use crate::picture::svg::escape;
-use crate::picture::{Caption, PictureError, panels, preview};
+use crate::picture::{Bodies, Caption, PictureError, bodies, g_of_r, panels, preview, room};
 
 /// Of more a browser would run out of memory.
 pub const MOST_ELEMENTS: usize = 1_000_000;
@@ -103,29 +105,110 @@ pub fn html<const D: usize>(report: &Report<'_, D>) -> Result<String, PictureErr
     if let Some(ids) = ids {
         assert_eq!(ids.len(), elements, "every element has an id");
     }
+    let picture = room::of_pixels(room::LARGEST_PAGE, 1.0);
+    room::check(room::of_scene(&network) + picture + page_bytes::<D>(elements, contacts))?;
     let scene = Scene::new(&network, &caption)?;
     // The usual numbers need no place in the file.
     let ids = ids.filter(|ids| ids.iter().enumerate().any(|(index, &id)| id != index.cast_signed() as i64));
-    let (meta, data) = data(&scene, &network, ids);
+    let data = data(&scene, &network, ids);
+    page(&scene, &g_of_r(&network), facts, data)
+}
+
+/// Bodies of any shape, for a page.
+#[derive(Clone, Copy, Debug)]
+pub struct BodiesReport<'a> {
+    /// The bodies and their contacts.
+    pub bodies: Bodies<'a>,
+    /// Title and unit.
+    pub caption: Caption<'a>,
+    /// What the bodies are called; without it they are numbered from 0.
+    pub ids: Option<&'a [i64]>,
+    /// What is told of each contact: a name, and a number for each. The first one has the values that contacts are coloured by; four at most.
+    pub columns: &'a [(&'a str, &'a [f64])],
+    /// The summary.
+    pub facts: &'a [(&'a str, &'a str)],
+}
+
+/// The page of bodies: meshes, spheres with walls, or those of an image.
+///
+/// # Errors
+/// As [`html`]; [`PictureError::TooMany`] also for more than [`crate::picture::MOST_FACETS`] triangles.
+///
+/// # Panics
+/// If there are ids or columns for some bodies or contacts only, or a contact or a triangle names what is not there.
+///
+/// # Example
+/// ```
+/// use fdem::picture::{Bodies, BodyJoint, Caption};
+/// use fdem::report::{BodiesReport, bodies_html};
+///
+/// // Two spheres on a floor.
+/// let joint = |bodies, point, normal| BodyJoint { bodies, point, normal, value: 0.0 };
+/// let bodies = Bodies {
+///     dimensions: 3,
+///     centres: &[[0.0, 0.0, 1.0], [2.0, 0.0, 1.0], [0.0, 0.0, 0.0]],
+///     radii: &[1.0, 1.0, 0.0],
+///     points: &[[-4.0, -4.0, 0.0], [8.0, -4.0, 0.0], [-4.0, 8.0, 0.0]],
+///     facets: &[[0, 1, 2]],
+///     owners: &[2],
+///     walls: true,
+///     joints: &[joint([0, 1], [1.0, 0.0, 1.0], [1.0, 0.0, 0.0]), joint([0, 2], [0.0; 3], [0.0, 0.0, -1.0])],
+///     value: "depth",
+/// };
+/// let report =
+///     BodiesReport { bodies, caption: Caption::default(), ids: None, columns: &[("depth", &[0.0, 0.0])], facts: &[] };
+/// assert!(bodies_html(&report)?.contains("3 bodies"));
+/// # Ok::<(), fdem::picture::PictureError>(())
+/// ```
+pub fn bodies_html(report: &BodiesReport<'_>) -> Result<String, PictureError> {
+    let BodiesReport { bodies, caption, ids, columns, facts } = *report;
+    let counts =
+        [("bodies", bodies.centres.len(), MOST_ELEMENTS), ("contacts", bodies.joints.len(), MOST_CONTACTS)];
+    if let Some((what, found, most)) = counts.into_iter().find(|(_, found, most)| found > most) {
+        return Err(PictureError::TooMany { what, found, most });
+    }
+    if let Some(ids) = ids {
+        assert_eq!(ids.len(), bodies.centres.len(), "every body has an id");
+    }
+    let picture = room::of_pixels(room::LARGEST_PAGE, 1.0);
+    let shapes = 24 * bodies.points.len() + 16 * bodies.facets.len();
+    room::check(picture + page_bytes::<3>(bodies.centres.len(), 3 * bodies.joints.len()) + 5 * shapes)?;
+    let scene = bodies::scene(&bodies, &caption)?;
+    page(&scene, &bodies::no_radial(), facts, data_of_bodies(&scene, columns, ids))
+}
+
+/// The page of a scene; `data`: what its arrays are, and the arrays.
+fn page(
+    scene: &Scene,
+    radial: &Result<Radial, String>,
+    facts: &[(&str, &str)],
+    (meta, data): (String, String),
+) -> Result<String, PictureError> {
+    let data = Cell::new(data);
     let script = format!("(() => {{\n\"use strict\";\n{}\n}})();", SCRIPTS.concat());
     let policy = format!(
         "default-src 'none'; script-src '{}'; style-src '{}'; img-src data:; base-uri 'none'; form-action 'none'",
         hash(&script),
         hash(STYLE)
     );
+    let [noun, _, nouns] = scene.nouns();
     let value = |name: &str| -> Result<String, PictureError> {
         Ok(match name {
             "policy" => policy.clone(),
             "style" => STYLE.to_owned(),
             "title" => escape(&scene.title),
-            "counts" => escape(&counts(&scene)),
-            "preview" => STANDARD.encode(preview(&scene)?),
-            "sentence" => escape(&sentence(&scene)),
+            "counts" => escape(&counts(scene)),
+            "preview" => STANDARD.encode(preview(scene)?),
+            "sentence" => escape(&sentence(scene)),
             "facts" => rows(facts),
-            "plots" => plots(&scene),
+            "plots" => plots(scene, radial),
+            "noun" => noun.to_owned(),
+            "nouns" => nouns.to_owned(),
+            "value" => escape(scene.value()),
             "version" => env!("CARGO_PKG_VERSION").to_owned(),
             "meta" => meta.clone(),
-            "data" => data.clone(),
+            // The largest part by far, and there once only.
+            "data" => data.take(),
             "script" => script.clone(),
             _ => unreachable!("the page has no other places"),
         })
@@ -142,10 +225,20 @@ pub(crate) fn filled(
     let mut page = parts.next().unwrap_or_default().to_owned();
     for part in parts {
         let (name, rest) = part.split_once("}}").unwrap_or((part, ""));
-        page += &value(name)?;
+        let value = value(name)?;
+        // Not twice as much as is needed, as a text that grows by itself would take.
+        page.reserve_exact(value.len() + rest.len());
+        page += &value;
         page += rest;
     }
     Ok(page)
+}
+
+/// Bytes that the arrays of a page may take at most, with their compressed forms and the page itself.
+fn page_bytes<const D: usize>(elements: usize, contacts: usize) -> usize {
+    /// Arrays, twice as much while they are compressed, and as much again for the text and the page.
+    const COPIES: usize = 5;
+    COPIES * (elements * (8 * D + 16) + contacts * (16 + 8 * D))
 }
 
 /// As a content security policy names a script or a style.
@@ -155,7 +248,9 @@ pub(crate) fn hash(text: &str) -> String {
 
 /// What the arrays are, and the arrays.
 fn data<const D: usize>(scene: &Scene, network: &Network<'_, D>, ids: Option<&[i64]>) -> (String, String) {
+    let count_of_numbers = scene.centres.len() * (D + 2) + scene.bonds.len() * (2 + D);
     let mut arrays = arrays::Arrays::default();
+    arrays.bytes.reserve_exact(8 * count_of_numbers + 64);
     arrays.f64("centre", scene.centres.iter().flat_map(|centre| centre[..D].iter().copied()));
     let equal = scene.sizes.is_some_and(|[low, high]| low == high);
     let count = if equal { 1 } else { scene.centres.len() };
@@ -170,14 +265,73 @@ fn data<const D: usize>(scene: &Scene, network: &Network<'_, D>, ids: Option<&[i
         arrays.f32("branch", scene.bonds.iter().flat_map(|bond| bond.branch[..D].iter().map(|&x| x as f32)));
         arrays.i32("shift", network.couples.iter().flat_map(|couple| couple.shift));
     }
-    let counts = Counts::new(&scene.coordination);
     let cutoff = if let Sizes::Cutoff(cutoff) = network.sizes { Some(cutoff) } else { None };
-    let meta = json!({
+    packed(scene, &arrays, ids.is_some(), json!({ "cutoff": cutoff, "bodies": null, "facets": 0 }))
+}
+
+/// As [`data`], of bodies.
+fn data_of_bodies(scene: &Scene, columns: &[(&str, &[f64])], ids: Option<&[i64]>) -> (String, String) {
+    const NAMES: [&str; 4] = ["overlap", "second", "third", "fourth"];
+    let d = scene.dimensions;
+    let mut arrays = arrays::Arrays::default();
+    arrays.f64("centre", scene.centres.iter().flat_map(|centre| centre[..d].iter().copied()));
+    arrays.f64("radius", scene.radii.iter().copied());
+    let mut told = Vec::new();
+    for ((name, values), array) in columns.iter().zip(NAMES) {
+        assert_eq!(values.len(), scene.bonds.len(), "every contact has a number in each column");
+        arrays.f64(array, values.iter().copied());
+        told.push(json!({ "name": name, "array": array }));
+    }
+    if let Some(ids) = ids {
+        arrays.i64("id", ids.iter().copied());
+    }
+    arrays.u32("i", scene.bonds.iter().map(|bond| bond.i));
+    arrays.u32("j", scene.bonds.iter().map(|bond| bond.j));
+    let joints = || scene.bonds.iter().filter_map(|bond| bond.joint);
+    arrays.f64("point", joints().flat_map(|joint| joint.point.into_iter().take(d)));
+    arrays.u32("halves", joints().map(|joint| u32::from(joint.to[0]) | u32::from(joint.to[1]) << 1));
+    let mut walls = false;
+    let mut facets = 0;
+    if let Some(shapes) = &scene.shapes {
+        walls = shapes.walls;
+        facets = shapes.facets.len();
+        arrays.f64("corners", shapes.points.iter().flatten().copied());
+        arrays.u32("facets", shapes.facets.iter().flatten().copied());
+        arrays.u32("owner", shapes.owners.iter().copied());
+    }
+    let bodies = json!({ "walls": walls, "rod": rod(scene), "columns": told });
+    packed(scene, &arrays, ids.is_some(), json!({ "cutoff": null, "bodies": bodies, "facets": facets }))
+}
+
+/// How wide the line of a contact of bodies is: of the radii of spheres, or else of the whole, a part.
+fn rod(scene: &Scene) -> f64 {
+    let spheres = || scene.radii.iter().copied().filter(|&radius| radius > 0.0);
+    let count = spheres().count();
+    if count > 0 {
+        return 0.12 * spheres().sum::<f64>() / count as f64;
+    }
+    let mut limits = [[f64::INFINITY, f64::NEG_INFINITY]; 3];
+    for corner in scene.facets().flat_map(|(corners, _)| corners) {
+        for ([low, high], x) in limits.iter_mut().zip(corner) {
+            (*low, *high) = (low.min(x), high.max(x));
+        }
+    }
+    let diagonal = limits.iter().map(|[low, high]| (high - low).max(0.0).powi(2)).sum::<f64>().sqrt();
+    0.003 * diagonal
+}
+
+/// What is told of the arrays and of the scene, with `more`; and the arrays.
+fn packed(scene: &Scene, arrays: &arrays::Arrays, ids: bool, more: serde_json::Value) -> (String, String) {
+    let counts = Counts::new(&scene.coordination);
+    let [noun, one, many] = scene.nouns();
+    let mut meta = json!({
         "title": scene.title,
         "unit": scene.unit,
-        "dimensions": D,
+        "dimensions": scene.dimensions,
         "elements": scene.centres.len(),
-        "cutoff": cutoff,
+        "noun": noun,
+        "nouns": [one, many],
+        "value": scene.value(),
         // Of the radius, what is drawn.
         "drawn": scene.drawn,
         "sizes": scene.sizes,
@@ -188,10 +342,13 @@ fn data<const D: usize>(scene: &Scene, network: &Network<'_, D>, ids: Option<&[i
         "alone": ALONE,
         "alone_count": scene.alone(),
         "outline": outline(scene),
-        "ids": ids.is_some(),
+        "ids": ids,
         "bytes": arrays.bytes.len(),
         "arrays": arrays.index,
     });
+    if let (Some(meta), serde_json::Value::Object(more)) = (meta.as_object_mut(), more) {
+        meta.extend(more);
+    }
     // A text in a script element ends at "</script": no "<" is left in it.
     let meta = meta.to_string().replace('<', "\\u003c");
     let deflated = miniz_oxide::deflate::compress_to_vec(&arrays.bytes, 6);
@@ -201,23 +358,25 @@ fn data<const D: usize>(scene: &Scene, network: &Network<'_, D>, ids: Option<&[i
 fn sentence(scene: &Scene) -> String {
     let n = scene.centres.len();
     if n == 0 {
-        return "There are no elements.".to_owned();
+        return format!("There are no {}.", scene.nouns()[2]);
     }
     let mut text = format!(
-        "{} {} in {}D have {} {}: on average an element touches {} others",
+        "{} {} in {}D have {} {}: {} touches {:.4} others on average",
         grouped(n as u64),
         scene.noun(),
         scene.dimensions,
         grouped(scene.bonds.len() as u64),
         if scene.bonds.len() == 1 { "contact" } else { "contacts" },
-        brief((scene.mean_coordination() * 100.0).round() / 100.0),
+        scene.nouns()[0],
+        scene.mean_coordination(),
     );
     if scene.alone() > 0 {
         text = format!("{text}, and {} of them {} none", grouped(scene.alone() as u64), touch(scene.alone()));
     }
     text.push('.');
     if let Some(overlaps) = scene.overlaps {
-        text = format!("{text} The largest overlap is {}{}.", brief(overlaps.largest), scene.after_number());
+        let unit = if scene.shapes.is_some() { String::new() } else { scene.after_number() };
+        text = format!("{text} The largest {} is {}{unit}.", scene.value(), brief(overlaps.largest));
     }
     text
 }
@@ -235,9 +394,9 @@ pub(crate) fn rows(facts: &[(&str, &str)]) -> String {
     rows
 }
 
-fn plots(scene: &Scene) -> String {
+fn plots(scene: &Scene, radial: &Result<Radial, String>) -> String {
     let mut plots = String::new();
-    for panel in panels(scene) {
+    for panel in panels(scene, radial) {
         let _ = write!(plots, "<figure>{}</figure>", panel.svg());
     }
     plots

@@ -1,13 +1,13 @@
-//! What a run of a simulation leaves behind: files for ParaView, pictures, an animation, a history with its plots, and a page for a browser.
+//! Results of a simulation: files for ParaView, pictures, an animation, a history with its plots, and a page for a browser.
 //!
 //! ```text
-//! Snapshot ──┬─> vtu, cracks_vtp ── ParaView
+//! Snapshot ──┬─> vtu, vtp ── ParaView
 //!            └─> Frame ──┬─> Pictures ── SVG, PNG, Animation (GIF)
 //!                        └─> Report ──── one page
 //! Row ── HistoryWriter ── history.csv ── History ── plots ── SVG, PNG, Report
 //! ```
-//! A [`Frame`] is a snapshot made small: a few bytes for each element, to be kept in memory or in a file until the series is complete and its colours
-//! are known. Everything here is text or bytes; nothing knows a path.
+//! A [`Frame`] is a compressed snapshot with a few bytes for each element. It is kept in memory or in a file until the series is complete and the range of
+//! its colours is known. This module makes text and bytes, and knows no paths.
 
 mod animation;
 mod chart;
@@ -15,10 +15,15 @@ mod field;
 mod fill;
 mod frame;
 mod history;
+mod loads;
+mod names;
+mod noise;
+mod outlines;
 mod packed;
 mod pictures;
 mod plots;
 mod report;
+mod sample;
 mod stress;
 mod unit;
 mod vtk;
@@ -33,32 +38,41 @@ pub use fdem_io::pvd;
 pub use field::{Field, Range};
 pub use frame::{Frame, FrameError};
 pub use history::{History, HistoryError, HistoryWriter, Row, kept};
+pub use names::Names;
+pub use outlines::Outlines;
 pub use pictures::{FrameView, Pictures};
 pub use plots::{Plot, plots};
-pub use report::{MOST_FRAMES, Report};
-pub use vtk::{write_cracks_vtp, write_vtu};
+pub use report::{MOST_ELEMENTS, MOST_FRAMES, Report, SAMPLE};
+pub use vtk::{write_contacts_vtp, write_cracks_vtp, write_damaged_joints_vtp, write_vtu};
 
 /// A snapshot that contradicts itself.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum SnapshotError {
-    /// An array has not as many entries as there are nodes or elements.
+    /// The number of entries of an array is not that of the nodes or elements.
     Length {
-        /// The array.
+        /// Name of the array.
         name: &'static str,
-        /// Its entries.
+        /// Number of its entries.
         found: usize,
-        /// How many there should be.
+        /// Number of entries that it should have.
         expected: usize,
     },
-    /// An element has a node that is not there.
+    /// An element has a node that does not exist.
     Node {
         /// The element.
         element: usize,
         /// The node.
         node: u32,
-        /// How many there are.
+        /// Number of nodes.
         nodes: usize,
+    },
+    /// A contact has an element that does not exist.
+    Contact {
+        /// The element.
+        element: u32,
+        /// Number of elements.
+        elements: usize,
     },
 }
 
@@ -70,6 +84,9 @@ impl fmt::Display for SnapshotError {
             }
             Self::Node { element, node, nodes } => {
                 write!(out, "element {element} of the snapshot has node {node}, but there are {nodes}")
+            }
+            Self::Contact { element, elements } => {
+                write!(out, "a contact has element {element}, but there are {elements}")
             }
         }
     }
@@ -83,7 +100,7 @@ impl From<SnapshotError> for io::Error {
     }
 }
 
-/// Every array has its length and every node is there.
+/// Checks that every array has its length and that every node exists.
 fn checked(snapshot: &Snapshot) -> Result<(), SnapshotError> {
     let (nodes, elements) = (snapshot.positions.len(), snapshot.triangles.len());
     for (name, found, expected) in [
@@ -93,6 +110,7 @@ fn checked(snapshot: &Snapshot) -> Result<(), SnapshotError> {
         ("values of damage", snapshot.damage.len(), elements),
         ("bodies", snapshot.bodies.len(), elements),
         ("materials", snapshot.materials.len(), elements),
+        ("fragments", snapshot.fragments.len(), elements),
     ] {
         if found != expected {
             return Err(SnapshotError::Length { name, found, expected });

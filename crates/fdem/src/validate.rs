@@ -1,6 +1,6 @@
-//! The verification ladder: cases whose answer is known, and what the simulation says.
+//! The verification ladder: cases with known answers, and the answers of the simulation.
 //!
-//! Each [`Case`] runs one or more models and compares quantities with theory; a [`CaseReport`] has what came of it. [`table`] and [`html`] show them.
+//! Each [`Case`] runs one or more models and compares quantities with theory; a [`CaseReport`] holds the comparison. [`table`] and [`html`] show reports.
 //!
 //! ```
 //! use fdem::validate::{Size, cases, table};
@@ -15,12 +15,16 @@ mod brazilian;
 mod cantilever;
 mod compliance;
 mod compression;
+mod disc;
 mod heaps;
 mod hertz;
+mod hole;
 mod impact;
 mod incline;
 mod models;
 mod page;
+mod ring;
+mod rocking;
 mod rocks;
 mod rotation;
 mod shear;
@@ -29,12 +33,12 @@ mod wave;
 
 pub use page::{html, table};
 
-/// How large the models are.
+/// Size of the models.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Size {
-    /// As small as theory still holds: all cases in a minute or two.
+    /// Smallest models for which the theory holds: all cases take a minute or two.
     Reduced,
-    /// Finer, and in more variants: minutes.
+    /// Finer models and more variants: all cases take minutes.
     Full,
 }
 
@@ -47,36 +51,36 @@ impl Size {
     }
 }
 
-/// What an error is a share of.
+/// Unit of an error and its bound.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Measure {
-    /// Of what is expected.
+    /// A share of the expected value.
     Relative,
-    /// Of nothing: it has the unit of the quantity.
+    /// The unit of the quantity.
     Absolute,
 }
 
-/// A quantity, what it should be and what it is.
+/// A quantity: its expected value and the value that was found.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome {
-    /// What it is.
+    /// Name of the quantity.
     pub quantity: String,
-    /// By theory.
+    /// Value by theory.
     pub expected: f64,
-    /// By the simulation.
+    /// Value by the simulation.
     pub found: f64,
-    /// Of both; empty for a number.
+    /// Unit of both values; empty for a number.
     pub unit: &'static str,
-    /// Found less expected, by `measure`.
+    /// Found value less the expected one, as `measure` says.
     pub error: f64,
-    /// What the size of the error may be.
+    /// Largest size of the error that passes.
     pub bound: f64,
-    /// What error and bound are a share of.
+    /// Unit of the error and the bound.
     pub measure: Measure,
 }
 
 impl Outcome {
-    /// With an error that is a share of what is expected.
+    /// An outcome whose error is a share of the expected value.
     pub fn relative(
         quantity: impl Into<String>,
         expected: f64,
@@ -88,7 +92,7 @@ impl Outcome {
         Self { quantity: quantity.into(), expected, found, unit, error, bound, measure: Measure::Relative }
     }
 
-    /// With an error in the unit of the quantity.
+    /// An outcome whose error has the unit of the quantity.
     pub fn absolute(
         quantity: impl Into<String>,
         expected: f64,
@@ -100,24 +104,24 @@ impl Outcome {
         Self { quantity: quantity.into(), expected, found, unit, error, bound, measure: Measure::Absolute }
     }
 
-    /// The error is within its bound. What is not a number is not.
+    /// Whether the error is within its bound. An error that is not a number is not.
     pub fn passed(&self) -> bool {
         self.error.abs() <= self.bound
     }
 }
 
-/// A question whose answer is known.
+/// A case with a known answer.
 #[derive(Clone, Copy, Debug)]
 pub struct Case {
-    /// Of the ladder; parts of one rung share it.
+    /// Number in the ladder. Cases of one kind may share it.
     pub number: u32,
-    /// In a few words.
+    /// Short name.
     pub name: &'static str,
-    /// What is run, and what it is compared with, in a few sentences.
+    /// The model and the theory that it is compared with, in a few sentences.
     pub what: &'static str,
-    /// Where the answer is from.
+    /// Source of the answer.
     pub source: &'static str,
-    /// Runs it, and compares. The error is why it could not be run to its end.
+    /// Runs the models and compares the results. The error says why a run did not reach its end.
     pub run: fn(Size) -> Result<Vec<Outcome>, String>,
 }
 
@@ -128,17 +132,17 @@ impl Case {
     }
 }
 
-/// What came of a case.
+/// Result of a case.
 #[derive(Clone, Debug)]
 pub struct CaseReport {
-    /// Which.
+    /// The case.
     pub case: &'static Case,
-    /// What it compared, or why it could not be run to its end.
+    /// The comparisons, or the reason why a run did not reach its end.
     pub result: Result<Vec<Outcome>, String>,
 }
 
 impl CaseReport {
-    /// It ran, something was compared, and all is within bounds.
+    /// Whether the case ran, compared at least one quantity, and found all of them within their bounds.
     pub fn passed(&self) -> bool {
         matches!(&self.result, Ok(outcomes) if !outcomes.is_empty() && outcomes.iter().all(Outcome::passed))
     }
@@ -238,6 +242,48 @@ const CASES: &[Case] = &[
         what: "Two arms are peeled apart slowly. Load and opening follow the line of linear elastic fracture mechanics, with K = P (3.46 a + 2.38 h)/h^1.5.",
         source: "B. Gross and J. E. Srawley, NASA TN D-3295 (1966)",
         run: cantilever::run,
+    },
+    Case {
+        number: 11,
+        name: "thick ring",
+        what: "A quarter of a ring under pressure inside, in plane stress, at rest. The growth of its inner radius is Lamé's, with an error of the order of the square of the elements' size.",
+        source: "S. P. Timoshenko and J. N. Goodier, Theory of Elasticity (1970), 28",
+        run: ring::run,
+    },
+    Case {
+        number: 11,
+        name: "plate with a hole",
+        what: "A quarter of a plate with a circular hole under tension, at rest. Displacements and stresses along the edge of the hole are Kirsch's: three times the tension across it, and                as much pressure along it.",
+        source: "S. P. Timoshenko and J. N. Goodier, Theory of Elasticity (1970), 35",
+        run: hole::run,
+    },
+    Case {
+        number: 12,
+        name: "objectivity",
+        what: "Two discs that meet off centre, under gravity and with friction. The whole model turned by any angle does the same, turned.",
+        source: "objectivity",
+        run: rotation::objectivity,
+    },
+    Case {
+        number: 13,
+        name: "oblique impact",
+        what: "A disc strikes a rigid plane and slides all the while. Friction changes the tangential velocity by µ times the change of the normal one, and that of the rim about the middle by                twice as much.",
+        source: "W. Goldsmith, Impact (1960), ch. II; moment of inertia m R²/2",
+        run: disc::oblique_impact,
+    },
+    Case {
+        number: 14,
+        name: "disc on an incline",
+        what: "Where tan θ is below 3 µ a disc rolls with a = 2/3 g sin θ. Above it slides with a = g (sin θ − µ cos θ), and its rim turns with 2 µ g cos θ.",
+        source: "rigid body mechanics; moment of inertia m R²/2",
+        run: disc::on_an_incline,
+    },
+    Case {
+        number: 15,
+        name: "rocking block",
+        what: "A slender block on one of its corners is let go at a tilt θ. Below α, the angle of its diagonal, it falls back to its base after acosh(1/(1 − θ/α))/p, p² = 3 g/(4 R); above                it turns over.",
+        source: "G. W. Housner, Bull. Seismol. Soc. Am. 53 (1963) 403-417",
+        run: rocking::run,
     },
 ];
 

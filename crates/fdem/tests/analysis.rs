@@ -260,8 +260,12 @@ fn rattlers_make_rattlers() {
     assert_eq!((three.rattlers, three.elements, three.couples, three.mean), (39, 4, 6, 3.0));
     assert_eq!(three.distribution, [0, 0, 0, 4]);
     assert!(three.is_rattler.iter().enumerate().all(|(k, &rattler)| rattler == (k >= 4)));
-    let four = run(None);
+    let four = run(Some(4));
     assert_eq!((four.min_contacts, four.rattlers, four.elements, four.mean), (4, 43, 0, 0.0));
+    // Nothing is left with 4: the packing is one that friction holds.
+    let chosen = run(None);
+    assert_eq!((chosen.min_contacts, chosen.rattlers, chosen.elements), (2, 39, 4));
+    assert_eq!(chosen.frictionless, Some(fdem::analysis::Frictionless { min_contacts: 4, elements: 0 }));
     assert_eq!(run(Some(1)).rattlers, 0);
     assert_eq!(run(Some(2)).elements, 4);
 }

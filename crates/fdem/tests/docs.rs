@@ -71,18 +71,31 @@ fn is_path(quoted: &str) -> bool {
     starts.iter().any(|start| quoted.starts_with(start)) && !quoted.contains(' ')
 }
 
-/// The commands of the README run as they are printed, one after the other, and say what is printed below them.
+/// The commands of the README run as they are printed, one after the other, and print the lines below them.
 #[test]
 fn the_commands_of_the_readme_run() {
     let folder = folder_with_examples();
     let ran = run_commands("README.md", folder.path());
     assert!(ran >= 5, "only {ran} commands were found: has the format of the README changed?");
-    for picture in ["packing.svg", "spheres.png"] {
-        let drawn = fs::read(folder.path().join(picture)).unwrap();
-        let shown = fs::read(root().join("docs").join(picture)).unwrap();
-        assert!(drawn == shown, "docs/{picture} is the picture that the command of the README draws");
-        assert!(shown.len() < 300_000, "docs/{picture} is for a page that opens quickly");
-    }
+    assert_drawn(folder.path(), "packing.svg", "docs/packing.svg");
+}
+
+/// The commands of the page on pictures draw the picture that the page shows.
+#[test]
+fn the_picture_of_the_book_is_what_its_command_draws() {
+    let folder = folder_with_examples();
+    run_commands("book/src/pictures.md", folder.path());
+    assert_drawn(folder.path(), "spheres.png", "book/src/figures/spheres.png");
+}
+
+/// Asserts that a command of a document drew in `folder` the picture that the document shows, and that the picture is small.
+fn assert_drawn(folder: &Path, drawn: &str, shown: &str) {
+    let bytes = fs::read(root().join(shown)).unwrap();
+    assert!(
+        fs::read(folder.join(drawn)).unwrap() == bytes,
+        "{shown} is not the picture that the command draws"
+    );
+    assert!(bytes.len() < 300_000, "{shown} is too large for a page that should open quickly");
 }
 
 /// So do those of the book, page by page.

@@ -79,6 +79,8 @@ fn every_example_runs_and_leaves_all_results() {
             "history.csv",
             "results.pvd",
             "cracks.pvd",
+            "damaged_joints.pvd",
+            "contacts.pvd",
             "picture.png",
             "report.html",
             "run.log",
@@ -88,9 +90,10 @@ fn every_example_runs_and_leaves_all_results() {
         ]
         .map(str::to_owned)
         .to_vec();
-        expected.extend(
-            (0..=3).flat_map(|k| [format!("frames/{k:05}.vtu"), format!("frames/{k:05}_cracks.vtp")]),
-        );
+        expected.extend((0..=3).flat_map(|k| {
+            [".vtu", "_cracks.vtp", "_damaged_joints.vtp", "_contacts.vtp"]
+                .map(|end| format!("frames/{k:05}{end}"))
+        }));
         if model.contains("animate = true") {
             expected.push("animation.gif".to_owned());
         }

@@ -1,20 +1,29 @@
 //! Model files: what is read, what is refused and how it is told, and the meshes.
 //!
 //! - `mistakes`: every kind of error, with its line, its key and what is suggested.
+//! - `limits`: what would take more memory or time than there is.
+//! - `locking`: how much too stiff elements are in bending.
 //! - `meshes`: shapes, sizes, angles, grains, packings, mesh files.
 //! - `prepared`: what a model file becomes: boundaries, materials, histories, warnings.
+//! - `warned`: what is allowed, and probably not meant.
 //! - `examples`: the examples, the starter and the schema.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failed unwrap is a failed test")]
 
 #[path = "model/examples.rs"]
 mod examples;
+#[path = "model/limits.rs"]
+mod limits;
+#[path = "model/locking.rs"]
+mod locking;
 #[path = "model/meshes.rs"]
 mod meshes;
 #[path = "model/mistakes.rs"]
 mod mistakes;
 #[path = "model/prepared.rs"]
 mod prepared;
+#[path = "model/warned.rs"]
+mod warned;
 
 use fdem::model::{ModelErrors, Prepared, prepare};
 

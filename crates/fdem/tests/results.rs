@@ -1,4 +1,4 @@
-//! What a run leaves behind: bytes that are the same again, pictures that show what they say, and no panic on a state that has gone wrong.
+//! Results of runs: equal bytes for equal runs, correct pictures, and no panic on invalid states.
 
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
@@ -8,9 +8,10 @@ use std::io::ErrorKind;
 use fdem::picture::PictureError;
 use fdem::results::{
     Animation, AnimationError, Field, Frame, FrameError, FrameView, History, HistoryWriter, MOST_FRAMES,
-    Pictures, Range, Report, Row, SnapshotError, plots, write_cracks_vtp, write_vtu,
+    Names, Outlines, Pictures, Range, Report, Row, SnapshotError, plots, write_contacts_vtp,
+    write_cracks_vtp, write_damaged_joints_vtp, write_vtu,
 };
-use fdem_simulation::Snapshot;
+use fdem_simulation::{ContactForce, Forces, Mesh, Snapshot};
 
 #[path = "results/splitting_disc.rs"]
 mod splitting_disc;
@@ -18,8 +19,9 @@ use splitting_disc::{Disc, END, RADIUS};
 
 fn frames(rings: u32, count: u32) -> Vec<Frame> {
     let disc = Disc::new(rings);
+    let outlines = Outlines::new(&disc.mesh(), &[]);
     let share = |k: u32| f64::from(k) / f64::from(count - 1);
-    (0..count).map(|k| Frame::new(&disc.snapshot(share(k))).unwrap()).collect()
+    (0..count).map(|k| Frame::outlined(&disc.snapshot(share(k)), &outlines).unwrap()).collect()
 }
 
 fn pictures(frames: &[Frame], field: Field) -> Pictures<'static> {
@@ -71,7 +73,7 @@ fn a_snapshot_that_contradicts_itself_is_refused_and_says_why() {
     for (snapshot, expected) in [(short, length), (lost, node)] {
         assert_eq!(Frame::new(&snapshot).unwrap_err(), expected);
         let mut out = Vec::new();
-        let error = write_vtu(&mut out, &snapshot).unwrap_err();
+        let error = write_vtu(&mut out, &snapshot, &Forces::default(), &Names::default()).unwrap_err();
         assert_eq!(error.kind(), ErrorKind::InvalidInput);
         assert_eq!(error.to_string(), expected.to_string());
         assert!(out.is_empty());
@@ -85,24 +87,155 @@ fn a_snapshot_that_contradicts_itself_is_refused_and_says_why() {
 #[test]
 fn files_for_paraview_are_the_same_bytes_again() {
     let snapshot = Disc::new(8).snapshot(0.8);
-    let file = |snapshot: &Snapshot| {
-        let (mut mesh, mut cracks) = (Vec::new(), Vec::new());
-        write_vtu(&mut mesh, snapshot).unwrap();
-        write_cracks_vtp(&mut cracks, snapshot).unwrap();
-        (mesh, cracks)
+    let forces = Disc::forces(&snapshot);
+    let names = Names { bodies: vec!["left".to_owned(), "<right>".to_owned()], materials: Vec::new() };
+    let files = || {
+        let mut files: [Vec<u8>; 4] = Default::default();
+        write_vtu(&mut files[0], &snapshot, &forces, &names).unwrap();
+        write_cracks_vtp(&mut files[1], &snapshot).unwrap();
+        write_damaged_joints_vtp(&mut files[2], &snapshot).unwrap();
+        write_contacts_vtp(&mut files[3], &snapshot, &forces).unwrap();
+        files
     };
-    assert_eq!(file(&snapshot), file(&snapshot.clone()));
-    let (mesh, cracks) = file(&snapshot);
-    let text = String::from_utf8_lossy(&mesh[..3000]).into_owned();
-    for name in
-        ["displacement", "velocity", "stress", "principal_stress", "von_mises", "damage", "body", "material"]
-    {
-        assert!(text.contains(&format!("Name=\"{name}\"")), "{name}");
+    assert_eq!(files(), files());
+    let of_joints =
+        ["mode", "broken", "damage", "opening", "sliding", "time_of_failure", "length", "elements"];
+    let arrays: [&[&str]; 4] = [
+        &[
+            "displacement",
+            "velocity",
+            "reaction",
+            "stress",
+            "principal_stress",
+            "von_mises",
+            "damage",
+            "body",
+            "material",
+            "fragment",
+            "body: left",
+            "body: &lt;right&gt;",
+        ],
+        &of_joints,
+        &of_joints,
+        &["force", "normal_force", "tangential_force", "elements", "bodies", "fragments"],
+    ];
+    for (file, names) in files().iter().zip(arrays) {
+        let text = String::from_utf8_lossy(&file[..file.len().min(4500)]).into_owned();
+        for name in names {
+            assert!(text.contains(&format!("Name=\"{name}\"")), "{name} in {text}");
+        }
     }
-    let text = String::from_utf8_lossy(&cracks[..2000]).into_owned();
-    for name in ["mode", "damage", "opening", "sliding", "time_of_failure", "length"] {
-        assert!(text.contains(&format!("Name=\"{name}\"")), "{name}");
+}
+
+#[test]
+fn broken_joints_and_damaged_ones_are_apart() {
+    let snapshot = Disc::new(8).snapshot(0.6);
+    let broken = snapshot.cracks.iter().filter(|crack| crack.time.is_some()).count();
+    let damaged = snapshot.cracks.len() - broken;
+    assert!(broken > 2 && damaged > 2, "{broken} {damaged}");
+    let lines = |write: fn(&mut Vec<u8>, &Snapshot) -> std::io::Result<()>| {
+        let mut file = Vec::new();
+        write(&mut file, &snapshot).unwrap();
+        let text = String::from_utf8_lossy(&file[..1000]).into_owned();
+        text.split("NumberOfLines=\"").nth(1).unwrap().split('"').next().unwrap().parse::<usize>().unwrap()
+    };
+    assert_eq!(lines(write_cracks_vtp), broken);
+    assert_eq!(lines(write_damaged_joints_vtp), damaged);
+}
+
+#[test]
+fn forces_of_elements_and_nodes_that_are_not_there_are_refused() {
+    let snapshot = Disc::new(3).snapshot(0.5);
+    let mut lost = Disc::forces(&snapshot);
+    lost.contacts =
+        vec![ContactForce { elements: [3, 54], point: [0.0; 2], normal: [1.0, 0.0], tangential: [0.0; 2] }];
+    lost.reactions.pop();
+    let mut out = Vec::new();
+    let error = write_contacts_vtp(&mut out, &snapshot, &lost).unwrap_err();
+    assert_eq!(error.to_string(), "a contact has element 54, but there are 54");
+    let error = write_vtu(&mut out, &snapshot, &lost, &Names::default()).unwrap_err();
+    let nodes = snapshot.positions.len();
+    assert_eq!(
+        error.to_string(),
+        format!("the snapshot has {} reactions, where {nodes} are needed", nodes - 1)
+    );
+    let outlines = Outlines::default();
+    assert!(matches!(
+        Frame::outlined(&snapshot, &outlines),
+        Err(SnapshotError::Length { name: "outlines", .. })
+    ));
+    assert!(out.is_empty());
+}
+
+/// A wall of bricks: `columns` by `rows`, two triangles each, one body for each row.
+fn wall(columns: u32, rows: u32) -> (Mesh, Vec<u32>) {
+    let (mut mesh, mut grains) = (Mesh::default(), Vec::new());
+    for row in 0..rows {
+        let first = mesh.nodes.len() as u32;
+        for level in 0..2 {
+            mesh.nodes.extend((0..=columns).map(|column| [f64::from(column), 0.5 * f64::from(row + level)]));
+        }
+        for column in 0..columns {
+            let (a, c) = (first + column, first + columns + 1 + column);
+            mesh.triangles.extend([[a, a + 1, c + 1], [a, c + 1, c]]);
+            mesh.bodies.extend([row; 2]);
+            mesh.materials.extend([0; 2]);
+            grains.extend([column; 2]);
+        }
     }
+    (mesh, grains)
+}
+
+#[test]
+fn bodies_and_grains_have_outlines() {
+    let (mesh, grains) = wall(6, 5);
+    let count = mesh.triangles.len();
+    let snapshot = Snapshot {
+        displacements: vec![[0.0; 2]; mesh.nodes.len()],
+        velocities: vec![[0.0; 2]; mesh.nodes.len()],
+        positions: mesh.nodes.clone(),
+        triangles: mesh.triangles.clone(),
+        stresses: vec![[0.0; 4]; count],
+        damage: vec![0.0; count],
+        bodies: mesh.bodies.clone(),
+        materials: vec![0; count],
+        fragments: mesh.bodies.clone(),
+        ..Snapshot::default()
+    };
+    let outlined = Frame::outlined(&snapshot, &Outlines::new(&mesh, &grains)).unwrap();
+    assert_eq!(Frame::from_bytes(&outlined.to_bytes()).as_ref(), Ok(&outlined));
+    let frames = [outlined, Frame::new(&snapshot).unwrap()];
+    let picture = pictures(&frames, Field::VonMises);
+    let svg = picture.svg(&frames[0]).unwrap();
+    let lines = |class: &str| {
+        let path = svg.split(&format!("class=\"{class}\" d=\"")).nth(1).unwrap().split('"').next().unwrap();
+        path.matches('M').count()
+    };
+    // Each row has two long sides of six edges and two short ones; five walls between its grains, from both sides.
+    assert_eq!((lines("bodies"), lines("grains")), (5 * 14, 5 * 10));
+    assert!(!picture.svg(&frames[1]).unwrap().contains("class=\"bodies\""));
+    // Pixels: without outlines the wall is of one colour.
+    let [with, without] = [0, 1].map(|k| {
+        let (width, height, all) = pixels(&picture.png(&frames[k], None).unwrap());
+        let at = |x: usize, y: usize| all[3 * (y * width + x)];
+        let row = 66 + (height - 66 - 74) / 2 - 20;
+        let column = width / 2 + 20;
+        [
+            (30..width - 30).filter(|&x| at(x, row) < 190).count(),
+            (80..height - 90).filter(|&y| at(column, y) < 190).count(),
+        ]
+    });
+    assert_eq!(without, [0, 0]);
+    assert!(with[0] >= 5 && with[1] >= 4, "{with:?}");
+}
+
+#[test]
+fn a_title_is_whole_while_there_is_room() {
+    let frames = frames(6, 3);
+    let title = "A disc of sandstone between two platens, which splits along its loaded diameter";
+    let svg = Pictures { title, ..pictures(&frames, Field::Damage) }.svg(&frames[0]).unwrap();
+    assert!(svg.matches(title).count() >= 2, "as the name of the picture, and in it");
+    assert!(!svg.contains('…'));
 }
 
 #[test]
@@ -129,7 +262,7 @@ fn a_state_that_has_gone_wrong_is_still_drawn() {
         plots: &[],
         frames: &frames,
         field: Field::VonMises,
-        materials: &[],
+        names: &Names::default(),
     };
     let page = report.html().unwrap();
     let meta = page.split("id=\"meta\">").nth(1).unwrap().split("</script>").next().unwrap();
@@ -304,14 +437,23 @@ fn plots_show_every_column_with_its_unit() {
     let names: Vec<&str> = plots.iter().map(|plot| plot.name.as_str()).collect();
     assert_eq!(
         names,
-        ["energies", "energy_error", "crack_growth", "histories", "histories_2", "load_displacement"]
+        [
+            "energies",
+            "energy_error",
+            "crack_growth",
+            "histories_forces",
+            "histories_displacements",
+            "load_displacement"
+        ]
     );
     let svg = |name: &str| &plots.iter().find(|plot| plot.name == name).unwrap().svg;
     assert_eq!(svg("energies").matches("class=\"curve\"").count(), 8);
     assert!(svg("energies").contains("energy (mJ)") && svg("energies").contains("time (ms)"));
     assert!(svg("crack_growth").contains("length (mm)"));
     assert!(svg("load_displacement").contains("(kN)") && svg("load_displacement").contains("gap (µm)"));
-    assert!(svg("histories").contains("&lt;platen&gt;") && !svg("histories").contains("<platen>"));
+    assert!(
+        svg("histories_forces").contains("&lt;platen&gt;") && !svg("histories_forces").contains("<platen>")
+    );
     for plot in &plots {
         assert!(!plot.svg.contains("NaN"), "{}", plot.name);
         let (width, height, _) = pixels(&plot.png(None).unwrap());
@@ -337,7 +479,7 @@ fn the_page_is_whole_safe_and_says_what_it_leaves_out() {
         plots: &plots,
         frames: &frames,
         field: Field::Damage,
-        materials: &[hostile],
+        names: &Names { bodies: vec![hostile.to_owned()], materials: vec![hostile.to_owned()] },
     };
     let page = report.html().unwrap();
     assert_eq!(page, report.html().unwrap(), "the same bytes again");
@@ -345,7 +487,7 @@ fn the_page_is_whole_safe_and_says_what_it_leaves_out() {
     assert!(!page.contains("<img src=x"));
     assert_eq!(page.matches("class=\"frame\"").count(), MOST_FRAMES);
     assert_eq!(page.matches("</script>").count(), MOST_FRAMES + 2, "no text ends a script");
-    assert!(page.contains("60 of 150 frames are in this page."));
+    assert!(page.contains("121 of 150 frames are in this page; the others are in the folder of frames."));
     assert!(page.contains("<option value=\"damage\" selected>"));
     assert_eq!(page.matches("<figure><svg").count(), plots.len());
     for address in ["http://", "https://"] {
@@ -355,5 +497,7 @@ fn the_page_is_whole_safe_and_says_what_it_leaves_out() {
         assert!(!page.contains(handler), "{handler} would need a weaker policy");
     }
     let few = Report { frames: &frames[..3], ..report }.html().unwrap();
-    assert!(!few.contains("in this page."));
+    assert!(!few.contains("frames are in this page"));
+    let one = Report { frames: &frames[..=MOST_FRAMES], ..report }.html().unwrap();
+    assert!(one.contains("121 of 122 frames are in this page; frame 120 is left out."));
 }

@@ -1,4 +1,4 @@
-//! Which column is what: roles, the names they go by, and the choice made with `--columns`.
+//! The roles of columns: the names that stand for them, and the choice made with `--columns`.
 
 use std::fmt;
 use std::str::FromStr;
@@ -7,7 +7,7 @@ use thiserror::Error;
 
 use crate::excerpt;
 
-/// What a column of a packing is read as.
+/// The meaning of a column of a packing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Role {
     /// First coordinate of the centre.
@@ -22,17 +22,17 @@ pub enum Role {
     Diameter,
     /// Id, a whole number.
     Id,
-    /// Body that the element is a part of, a whole number. No name stands for it: see [`ReadOptions::bodies`](crate::ReadOptions).
+    /// The body that the element belongs to, a whole number. No column name stands for it: see [`ReadOptions::bodies`](crate::ReadOptions).
     Body,
 }
 
 impl Role {
-    /// Those that go by names.
+    /// The roles that column names stand for.
     const ALL: [Self; 6] = [Self::X, Self::Y, Self::Z, Self::Radius, Self::Diameter, Self::Id];
 
-    /// Whether a name without unit, blanks and capitals stands for this role.
+    /// Whether a name stands for this role. The name comes without unit, blanks and capitals.
     fn goes_by(self, plain: &str) -> bool {
-        /// What an axis goes by: `@` is its letter, `#` its number.
+        /// Names of an axis: `@` is its letter, `#` its number.
         const AXIS: [&str; 26] = [
             "@",
             "pos@",
@@ -81,7 +81,7 @@ impl Role {
         }
     }
 
-    /// Whether two columns cannot have these roles in one file.
+    /// Whether two columns of one file cannot have these roles.
     pub(crate) fn clashes(self, other: Self) -> bool {
         let size = |role| matches!(role, Self::Radius | Self::Diameter);
         self == other || (size(self) && size(other))
@@ -102,24 +102,24 @@ impl fmt::Display for Role {
     }
 }
 
-/// The name of a column, taken apart.
+/// The name of a column, split into its parts.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Name {
     /// As the file spells it.
     pub(crate) written: String,
     /// Without quotes, unit, blanks, `_`, `-` and capitals.
     pub(crate) plain: String,
-    /// What stood in brackets, or one of [`SUFFIXES`] after `_` or a blank.
+    /// The unit in brackets, or one of [`SUFFIXES`] after `_` or a blank.
     pub(crate) unit: Option<String>,
 }
 
-/// Units that are known without brackets, as in `x_mm` and `x mm`; the second µ is the Greek letter.
+/// Units that are recognised without brackets, as in `x_mm` and `x mm`; the second µ is the Greek letter.
 const SUFFIXES: [&str; 10] = ["m", "mm", "cm", "um", "\u{b5}m", "\u{3bc}m", "km", "nm", "in", "ft"];
 
 impl Name {
     /// All the names of one file.
     ///
-    /// `r_in` is more often an inner radius than one in inches, so that needs a coordinate in inches.
+    /// `r_in` is more often an inner radius than a radius in inches, so it counts as inches only if a coordinate is in inches.
     pub(crate) fn all<'a>(written: impl IntoIterator<Item = &'a str>) -> Vec<Self> {
         let mut names: Vec<Self> = written.into_iter().map(Self::new).collect();
         let inches = |name: &Self| name.unit.as_deref() == Some("in");
@@ -144,14 +144,14 @@ impl Name {
             return name;
         };
         let plain = Self::unsuffixed(stem).plain;
-        // An id has no unit: `no_in` is no id.
+        // An id has no unit, so `no_in` is not an id.
         if plain.is_empty() || Role::Id.goes_by(&plain) {
             return name;
         }
         Self { plain, unit: Some(unit.to_owned()), written: name.written }
     }
 
-    /// The name with a unit in brackets only.
+    /// The name, with a unit recognised in brackets only.
     pub(crate) fn unsuffixed(written: &str) -> Self {
         let written = written.trim_matches(|c: char| c.is_whitespace() || c == '"' || c == '\'');
         let (mut rest, mut unit) = (written.to_owned(), None);
@@ -165,26 +165,25 @@ impl Name {
         Self { written: written.to_owned(), plain: rest.to_lowercase(), unit }
     }
 
-    /// The name for a message: a file may hold anything, and a terminal obeys control characters.
+    /// The name for a message. Control characters are escaped, because a file may contain any and a terminal obeys them.
     pub(crate) fn shown(&self) -> String {
         if self.written.is_empty() { "(no name)".into() } else { excerpt::field(self.written.as_bytes()) }
     }
 
-    /// The role it stands for, if any: `X (mm)`, `PosX[m]`, `x_mm`, `Points:0` and `pos_x` are all x.
+    /// The role that the name stands for, if any: `X (mm)`, `PosX[m]`, `x_mm`, `Points:0` and `pos_x` all stand for x.
     pub(crate) fn role(&self) -> Option<Role> {
         Role::ALL.into_iter().find(|role| role.goes_by(&self.plain))
     }
 }
 
-/// The columns of a file as chosen by hand, for files whose header is missing or misleading.
+/// The columns of a file as chosen by the user, for files whose header is missing or misleading.
 ///
-/// Two spellings are understood, both with the roles `x y z radius diameter id` and the names a header may
-/// use for them:
+/// There are two notations, both with the roles `x y z radius diameter id` and the names that a header may use for them:
 /// - by place, `radius,x,y,z`: one entry for every column; `_` or `-` skips a column;
-/// - by name, `x=PosX[m],y=PosY[m],radius=3`: a column's name in the header, or its number counted from 1.
+/// - by name, `x=PosX[m],y=PosY[m],radius=3`: the name of a column in the header, or its number counted from 1.
 ///
 /// # Errors
-/// Parsing gives [`ColumnsError`].
+/// [`ColumnsError`] if the text cannot be parsed.
 ///
 /// # Example
 /// ```
@@ -201,23 +200,23 @@ pub struct Columns(pub(crate) Choice);
 
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Choice {
-    /// A role, or none, for every column.
+    /// For each column a role, or none.
     Places(Vec<Option<Role>>),
-    /// The name or number of the column for every role.
+    /// For each role the name or number of its column.
     Names(Vec<(Role, String)>),
 }
 
-/// Why a choice of columns makes no sense by itself, before any file is looked at.
+/// The reason why a choice of columns is invalid, whatever the file.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum ColumnsError {
-    /// An entry names no role.
+    /// An entry is not a role.
     #[error("'{entry}' is not one of x, y, z, radius, diameter, id (or _ to skip a column)")]
     UnknownRole {
         /// The entry.
         entry: String,
     },
-    /// A role is given no column, as in `x=`.
+    /// A role has no column, as in `x=`.
     #[error("'{entry}' names no column: expected {role}=NAME or {role}=NUMBER")]
     NoName {
         /// The entry.
@@ -225,10 +224,10 @@ pub enum ColumnsError {
         /// Its role.
         role: Role,
     },
-    /// Some entries go by place and others by name.
+    /// Some entries are by place and others by name.
     #[error("'{entry}' does not fit the entries before it: use either x,y,... or x=NAME,y=NAME,...")]
     Mixed {
-        /// The first entry unlike the others.
+        /// The first entry that differs from the others.
         entry: String,
     },
     /// A role is given twice.
@@ -240,17 +239,17 @@ pub enum ColumnsError {
     /// Two roles are given the same column.
     #[error("column '{column}' is given as {first} and again as {second}")]
     TwoRoles {
-        /// The column's name or number.
+        /// The name or number of the column.
         column: String,
-        /// The role given first.
+        /// The first role.
         first: Role,
-        /// The role given second.
+        /// The second role.
         second: Role,
     },
     /// Both radius and diameter are given.
     #[error("both radius and diameter are given: one follows from the other")]
     RadiusAndDiameter,
-    /// x or y is not given.
+    /// x or y is missing.
     #[error("{role} is missing: x and y are needed at least")]
     Missing {
         /// The role.
@@ -313,7 +312,7 @@ fn check_roles(choice: &Choice) -> Result<(), ColumnsError> {
 }
 
 impl Columns {
-    /// Whether these columns are found without looking at names.
+    /// Whether these columns are found by number alone, without looking at names.
     pub(crate) fn by_number(&self) -> bool {
         match &self.0 {
             Choice::Places(_) => true,
@@ -321,7 +320,7 @@ impl Columns {
         }
     }
 
-    /// Whether the column at this place, counted from 0, gets a role by its number.
+    /// Whether the column at this place, counted from 0, is given a role by its number.
     pub(crate) fn takes(&self, place: usize) -> bool {
         match &self.0 {
             Choice::Places(places) => places.get(place).is_some_and(Option::is_some),

@@ -1,11 +1,11 @@
-//! Elements gathered row by row, from text or from an array.
+//! Collects elements row by row, from text or from an array.
 
 use crate::columns::Role;
 use crate::error::ReadError;
 use crate::packing::{BadLine, Centres, Frame, Packing, Skipped, Source};
 use crate::row::{Row, SIZE};
 
-/// A packing in the making.
+/// A packing that is being read.
 #[derive(Debug)]
 pub(crate) struct Elements {
     pub(crate) centres: Centres,
@@ -15,13 +15,13 @@ pub(crate) struct Elements {
     pub(crate) skipped: Skipped,
     /// See [`Packing::row_numbers`](crate::Packing::row_numbers).
     pub(crate) row_numbers: Option<Vec<u64>>,
-    /// Line or row of every element, kept while there are ids to compare.
+    /// Line or row of every element, kept only if ids must be compared.
     places: Vec<u64>,
-    /// Radius over size column: 1, or 1/2 for diameters.
+    /// Radius divided by the value in the size column: 1 for radii, 1/2 for diameters.
     scale: f64,
 }
 
-/// An id on two rows: the id and the places of both.
+/// An id on two rows.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) struct Duplicate {
     pub(crate) id: i64,
@@ -30,7 +30,7 @@ pub(crate) struct Duplicate {
 }
 
 impl Elements {
-    /// Room for elements with these columns.
+    /// Room for `capacity` elements with these columns.
     pub(crate) fn new(roles: &[Option<Role>], capacity: usize) -> Result<Self, ReadError> {
         let has = |role| roles.contains(&Some(role));
         let sized = has(Role::Radius) || has(Role::Diameter);
@@ -72,13 +72,13 @@ impl Elements {
         }
     }
 
-    /// Leaves a row out.
+    /// Skips a row and records why.
     pub(crate) fn skip(&mut self, bad: BadLine) {
         self.row_numbers.get_or_insert_with(|| (0..self.centres.len() as u64).collect());
         self.skipped.push(bad);
     }
 
-    /// The packing, in a file without a box; `source` says where it is from.
+    /// The packing, for a file without a box; `source` describes the file.
     pub(crate) fn into_packing(self, frame: Frame, source: impl FnOnce(Skipped) -> Source) -> Packing {
         Packing {
             centres: self.centres,
@@ -92,12 +92,12 @@ impl Elements {
         }
     }
 
-    /// The first bad row, when there is no good one.
+    /// The first bad row, if there is no good one.
     pub(crate) fn all_bad(&self) -> Option<&BadLine> {
         self.skipped.first.first().filter(|_| self.centres.is_empty())
     }
 
-    /// The first row, in the order of the file, whose id an earlier row has.
+    /// The first row, in the order of the file, that repeats the id of an earlier row.
     pub(crate) fn duplicate(&self) -> Option<Duplicate> {
         let ids = self.ids.as_ref()?;
         if ids.is_sorted_by(|a, b| a < b) {

@@ -1,4 +1,4 @@
-//! Everything that can be wrong with a file.
+//! The errors of reading a packing.
 
 use thiserror::Error;
 
@@ -9,40 +9,40 @@ use crate::mesh::error::Place;
 use crate::table::MOST_COLUMNS;
 use crate::unpack::Compression;
 
-/// Why a file could not be read: what is wrong, where, and what would be right.
+/// The reason why a file could not be read: what is wrong, where, and what is expected.
 ///
-/// The text carries neither the file's name nor the line's number: who opened the file prints
-/// `file:line: text`, with the line from [`ReadError::line`].
+/// The text contains neither the name of the file nor the number of the line. The caller that opened the file prints `file:line: text`,
+/// with the line from [`ReadError::line`].
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum ReadError {
     /// The file has no bytes.
     #[error("the file is empty: expected one element per row")]
     Empty,
-    /// The file has no line other than comments and blank lines.
+    /// The file has only comments and blank lines.
     #[error("only comments and blank lines ({}): expected one element per row", excerpt::count(*lines, "line"))]
     NoRows {
-        /// How many lines there are.
+        /// Number of lines.
         lines: u64,
     },
-    /// The first bytes are those of some other format.
+    /// The first bytes are those of another format.
     #[error("this is {format}, not a table of elements: {advice}")]
     Foreign {
-        /// The format's name.
+        /// Name of the format.
         format: &'static str,
-        /// What to do about it.
+        /// Advice to the user.
         advice: &'static str,
     },
-    /// The file holds bytes that no text holds.
+    /// The file contains bytes that are not text.
     #[error("not a text file: {found} at byte {offset}{advice}")]
     NotText {
         /// Line of the first such byte, counted from 1.
         line: u64,
-        /// Its offset in the file, counted from 0.
+        /// Offset of that byte in the file, counted from 0.
         offset: u64,
-        /// What was found there.
+        /// Description of that byte.
         found: String,
-        /// What to do about it, after a colon; empty where nothing helps.
+        /// Advice to the user, after a colon; empty if there is none.
         advice: &'static str,
     },
     /// A row cannot be read.
@@ -50,30 +50,30 @@ pub enum ReadError {
     Malformed {
         /// Line, counted from 1.
         line: u64,
-        /// The line, cut to about 80 characters, control characters escaped.
+        /// The line, cut to about 80 characters, with control characters escaped.
         text: String,
-        /// What is wrong with it.
+        /// The problem.
         problem: String,
     },
-    /// The first row has more columns than any table of elements.
+    /// The first row has more columns than a table of elements can have.
     #[error("more than {MOST_COLUMNS} columns: expected one element per row, such as x, y, z, radius")]
     TooManyColumns {
         /// Line, counted from 1; `None` in an array.
         line: Option<u64>,
     },
-    /// Bad lines may be skipped, but there is no good one.
+    /// Bad lines may be skipped, but all lines are bad.
     #[error("{}: {problem}: {text}", all_bad(*count))]
     AllBad {
-        /// How many rows there are.
+        /// Number of rows.
         count: u64,
-        /// Line of the first, counted from 1; `None` in an array.
+        /// Line of the first row, counted from 1; `None` in an array.
         line: Option<u64>,
         /// The first row.
         text: String,
-        /// What is wrong with it.
+        /// The problem of the first row.
         problem: String,
     },
-    /// The header names no x, or no y.
+    /// The header has no column x, or no y.
     #[error(
         "no column for {role}; the columns are: {}. Say which it is with --columns{}",
         present.join(", "),
@@ -82,29 +82,29 @@ pub enum ReadError {
     MissingColumn {
         /// Line of the header, counted from 1; `None` in an array.
         line: Option<u64>,
-        /// What is missing.
+        /// The missing role.
         role: Role,
-        /// The columns that are there.
+        /// The columns of the file.
         present: Vec<String>,
-        /// Whether no column at all has a role, so that the line may be a title above the header.
+        /// Whether no column at all has a role; then the line may be a title above the header.
         title: bool,
     },
-    /// The chosen columns name one that is not there.
+    /// The chosen columns include one that the file does not have.
     #[error("no column '{wanted}'; the columns are: {}", present.join(", "))]
     UnknownColumn {
         /// Line of the header, or of the first row without one; `None` in an array.
         line: Option<u64>,
-        /// The name or number asked for.
+        /// The requested name or number.
         wanted: String,
-        /// The columns that are there.
+        /// The columns of the file.
         present: Vec<String>,
     },
-    /// The chosen columns name one that several columns could be.
+    /// The chosen columns include a name that fits several columns.
     #[error("'{wanted}' could be any of the columns {}: give its number", matches.join(", "))]
     AmbiguousColumn {
         /// Line of the header; `None` in an array.
         line: Option<u64>,
-        /// The name asked for.
+        /// The requested name.
         wanted: String,
         /// The columns it fits.
         matches: Vec<String>,
@@ -135,7 +135,7 @@ pub enum ReadError {
         /// The role given second.
         second_role: Role,
     },
-    /// The column of bodies has a role already.
+    /// The column of bodies already has another role.
     #[error(
         "--bodies {column}: this column is the {role} of the elements{}",
         if *role == Role::Id { ". If it is not, --ignore-ids leaves ids unread" } else { "" }
@@ -148,7 +148,7 @@ pub enum ReadError {
         /// Its other role.
         role: Role,
     },
-    /// Two columns are in different units.
+    /// Two columns have different units.
     #[error("column {first} is in {first_unit}, column {second} in {second_unit}: convert to one unit first")]
     MixedUnits {
         /// Line of the header; `None` in an array.
@@ -162,7 +162,7 @@ pub enum ReadError {
         /// Its unit.
         second_unit: String,
     },
-    /// There is no header and the number of columns does not say what they are.
+    /// There is no header, and the number of columns does not determine their roles.
     #[error(
         "{} and no header (2 would be x y, 3 x y z, 4 x y z radius): {}. First row: {text}",
         excerpt::count(*found as u64, "column"),
@@ -175,9 +175,9 @@ pub enum ReadError {
     UnnamedColumns {
         /// Line of the first row, counted from 1; `None` in an array.
         line: Option<u64>,
-        /// How many columns there are.
+        /// Number of columns.
         found: usize,
-        /// The first row; the shape of an array.
+        /// The first row, or the shape of an array.
         text: String,
     },
     /// `--columns` lists more or fewer columns than the file has.
@@ -188,11 +188,11 @@ pub enum ReadError {
     ColumnCount {
         /// Line of the first row, counted from 1; `None` in an array.
         line: Option<u64>,
-        /// Columns listed.
+        /// Number of columns listed.
         listed: usize,
-        /// Columns in the file.
+        /// Number of columns in the file.
         found: usize,
-        /// The first row; the shape of an array.
+        /// The first row, or the shape of an array.
         text: String,
     },
     /// Two rows of a text file have the same id.
@@ -202,9 +202,9 @@ pub enum ReadError {
     DuplicateId {
         /// The id.
         id: i64,
-        /// Line of its first row.
+        /// Line where it occurs first.
         first: u64,
-        /// Line of its second row.
+        /// Line where it occurs again.
         second: u64,
     },
     /// Two rows of an array have the same id.
@@ -212,27 +212,27 @@ pub enum ReadError {
     DuplicateIdRow {
         /// The id.
         id: i64,
-        /// Its first row, counted from 0.
+        /// Row where it occurs first, counted from 0.
         first: u64,
-        /// Its second row, counted from 0.
+        /// Row where it occurs again, counted from 0.
         second: u64,
     },
     /// The header of a NumPy file cannot be read.
     #[error("NumPy header: {problem}")]
     NpyHeader {
-        /// What is wrong with it.
+        /// The problem.
         problem: String,
     },
-    /// A NumPy array holds something other than numbers.
+    /// A NumPy array contains something other than numbers.
     #[error("{what} of shape {shape} is {dtype}: expected {wanted}")]
     NpyDtype {
-        /// `the array`, or the field.
+        /// `the array`, or the name of the field.
         what: String,
-        /// The dtype as the file spells it.
+        /// The dtype as written in the file.
         dtype: String,
         /// The shape as Python prints it.
         shape: String,
-        /// What can be read there.
+        /// The types that can be read there.
         wanted: &'static str,
     },
     /// A NumPy array does not have one row per element.
@@ -243,10 +243,10 @@ pub enum ReadError {
     NpyShape {
         /// The shape as Python prints it.
         shape: String,
-        /// The dtype as the file spells it.
+        /// The dtype as written in the file.
         dtype: String,
     },
-    /// A NumPy file does not have the size its header claims.
+    /// A NumPy file does not have the size that its header states.
     #[error(
         "the array should take {} (shape {shape}), found {found}: {}",
         excerpt::count(*expected, "byte"),
@@ -257,9 +257,9 @@ pub enum ReadError {
         }
     )]
     NpySize {
-        /// Bytes that shape and dtype ask for.
+        /// Number of bytes according to shape and dtype.
         expected: u128,
-        /// Bytes after the header.
+        /// Number of bytes after the header.
         found: u64,
         /// The shape as Python prints it.
         shape: String,
@@ -267,63 +267,65 @@ pub enum ReadError {
     /// There is no memory for the elements of the file.
     #[error("no memory for {elements} elements")]
     OutOfMemory {
-        /// How many rows there are.
+        /// Number of rows.
         elements: usize,
     },
     /// There is no memory for the content of a compressed file.
-    #[error("no memory for {bytes} bytes of unpacked content")]
+    #[error("no memory for {bytes} bytes of decompressed content")]
     NoMemory {
-        /// How many bytes, at least.
+        /// Lower bound on the number of bytes.
         bytes: u64,
     },
     /// A compressed file cannot be unpacked.
-    #[error("{compression}-compressed data, damaged or cut off after {unpacked} unpacked bytes: {problem}")]
+    #[error(
+        "{compression}-compressed data, damaged or cut off after {unpacked} decompressed bytes: {problem}"
+    )]
     Packed {
         /// How it is compressed.
         compression: Compression,
-        /// Bytes that could be unpacked.
+        /// Number of bytes that were decompressed.
         unpacked: u64,
-        /// What is wrong, in the words of the decoder.
+        /// The problem, in the words of the decoder.
         problem: String,
     },
-    /// The content does not keep to the format.
+    /// The content violates the format.
     #[error("{}{problem}", at_byte(*place))]
     Broken {
-        /// Where.
+        /// The place.
         place: Place,
-        /// What is wrong.
+        /// The problem.
         problem: String,
     },
-    /// A frame of several cannot be read.
+    /// One of several frames cannot be read.
     #[error("frame {frame} (counted from 0): {error}")]
     InFrame {
         /// The frame, counted from 0.
         frame: usize,
-        /// What is wrong with it.
+        /// The error of that frame.
         error: Box<ReadError>,
     },
-    /// There is no such frame.
+    /// The requested frame does not exist.
     #[error("no frame {wanted}: the file has {}", frames_of(*frames))]
     NoFrame {
-        /// The frame asked for.
+        /// The requested frame.
         wanted: usize,
-        /// How many there are.
+        /// Number of frames.
         frames: usize,
     },
-    /// There are several frames where one is wanted.
-    #[error("the file has {frames} frames: one is wanted")]
+    /// The file has several frames, but one is expected.
+    #[error("the file has {frames} frames, but one is expected")]
     SeveralFrames {
-        /// How many there are.
+        /// Number of frames.
         frames: usize,
     },
-    /// The content is that of no format, though the name promises one.
-    #[error("the name promises a {promised} file, but {expected}; and read as a table: {error}")]
+    /// The name of the file stands for a format that the content does not have, and no other format fits.
+    #[error("the name stands for a {promised} file, but {expected}; read as a table: {error}")]
     NotPromised {
-        /// The format that goes by such names.
+        /// The format that the name stands for.
         promised: PackingFormat,
-        /// What such a file looks like.
+        /// Description of a file of that format.
         expected: &'static str,
-        /// Why it is no table either.
+        /// The reason why the file is not a table either.
         error: Box<ReadError>,
     },
     /// A row of an array cannot be read.
@@ -333,13 +335,13 @@ pub enum ReadError {
         row: u64,
         /// The values of the row.
         text: String,
-        /// What is wrong with them; names the row and the column.
+        /// The problem, with the row and the column.
         problem: String,
     },
 }
 
 impl ReadError {
-    /// The line the error is about, counted from 1; `None` for the file as a whole and for arrays.
+    /// The line that the error is about, counted from 1; `None` for the file as a whole and for arrays.
     pub fn line(&self) -> Option<u64> {
         match self {
             Self::NotText { line, .. }
@@ -377,7 +379,7 @@ impl ReadError {
     }
 }
 
-/// Lines stand before the message, bytes in it.
+/// Prefix for a place in bytes. Lines are printed before the message by the caller.
 fn at_byte(place: Place) -> String {
     match place {
         Place::Byte(byte) => format!("at byte {byte}: "),

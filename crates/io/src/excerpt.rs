@@ -1,11 +1,11 @@
-//! Pieces of a file made fit for a message.
+//! Excerpts of a file, made safe for a message.
 
-/// Longest line shown in a message, in characters: one line of a terminal.
+/// Longest line shown in a message, in characters: about one line of a terminal.
 const LINE: usize = 80;
-/// Longest field shown in a message, in characters: any number fits, a run-away field does not.
+/// Longest field shown in a message, in characters: enough for any number.
 const FIELD: usize = 40;
 
-/// A line for a message: cut, and with control characters escaped.
+/// A line for a message: cut, with control characters escaped.
 pub(crate) fn line(bytes: &[u8]) -> String {
     shorten(bytes, LINE)
 }
@@ -23,7 +23,7 @@ pub(crate) fn count(number: impl Into<u128>, noun: &str) -> String {
 
 fn shorten(bytes: &[u8], limit: usize) -> String {
     let bytes = bytes.trim_ascii();
-    // A character is at most 4 bytes, so this prefix holds `limit` characters of a line of any length.
+    // A character has at most 4 bytes, so this prefix contains `limit` characters of a line of any length.
     let text = String::from_utf8_lossy(&bytes[..bytes.len().min(4 * limit + 4)]);
     let mut shown = String::new();
     for (taken, c) in text.chars().enumerate() {

@@ -1,4 +1,4 @@
-//! What a file is: by its content first, by its name second.
+//! Recognises what a file is: first by its content, then by its name.
 
 use std::fmt;
 use std::str::FromStr;
@@ -19,7 +19,7 @@ use crate::series::{dump, lammps_data, mercury, xyz};
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PackingFormat {
-    /// Columns of text, also as YADE writes them.
+    /// Delimited text, including the tables that YADE writes.
     Text,
     /// A NumPy array.
     Npy,
@@ -40,7 +40,7 @@ pub enum PackingFormat {
 }
 
 impl PackingFormat {
-    /// All of them.
+    /// All formats.
     pub const ALL: [Self; 9] = [
         Self::Text,
         Self::Npy,
@@ -53,7 +53,7 @@ impl PackingFormat {
         Self::VtkXml,
     ];
 
-    /// What it goes by on a command line; [`FromStr`] takes it.
+    /// The name on a command line; [`FromStr`] accepts it.
     pub fn name(self) -> &'static str {
         match self {
             Self::Text => "text",
@@ -68,12 +68,13 @@ impl PackingFormat {
         }
     }
 
-    /// Whether a file may have several frames.
+    /// Whether a file of this format may have several frames.
     pub fn has_frames(self) -> bool {
         matches!(self, Self::LammpsDump | Self::Xyz | Self::Mercury)
     }
 
-    /// The format that goes by the end of this name, and what such a file looks like. Ends that tables of any kind have say nothing.
+    /// The format for the extension of this name, and a description of such a file. Extensions that are used for tables of any kind give
+    /// `None`.
     pub(crate) fn promised_by(name: &str) -> Option<(Self, &'static str)> {
         let (_, extension) = name.rsplit_once('.')?;
         Some(match extension.to_ascii_lowercase().as_str() {
@@ -118,7 +119,7 @@ impl FromStr for PackingFormat {
     }
 }
 
-/// What a file is.
+/// The kind of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FileKind {
     /// Nodes and the elements between them: for [`read_mesh`](crate::read_mesh).
@@ -128,15 +129,15 @@ pub enum FileKind {
 }
 
 impl FileKind {
-    /// What a file is, by its content, or where that says nothing by the end of its name.
+    /// The kind of a file, by its content or, if that is not conclusive, by its extension.
     ///
-    /// VTK files are meshes if they have cells other than vertices, else packings. What has no other format is text.
+    /// VTK files are meshes if they have cells other than vertices; otherwise they are packings. A file of no other format is text.
     ///
     /// # Cost
-    /// Looks at the first lines only; of VTK files as far as the cells.
+    /// Reads the first lines only, and VTK files as far as the cells.
     ///
     /// # Errors
-    /// [`ReadError::Foreign`]: UTF-16 and UTF-32, which nothing here reads.
+    /// [`ReadError::Foreign`] for UTF-16 and UTF-32, which cannot be read.
     ///
     /// # Example
     /// ```
@@ -166,7 +167,7 @@ impl FileKind {
     }
 }
 
-/// The formats that nothing else looks like.
+/// Formats whose first bytes are unique.
 fn by_content(bytes: &[u8]) -> Option<PackingFormat> {
     Some(match bytes {
         _ if bytes.starts_with(b"\x93NUMPY") => PackingFormat::Npy,
@@ -179,16 +180,17 @@ fn by_content(bytes: &[u8]) -> Option<PackingFormat> {
     })
 }
 
-/// Whether the first member of a zip archive is an array; spreadsheets are archives too.
+/// Whether the first member of a zip archive is an array; spreadsheets are zip archives too.
 fn is_archive_of_arrays(bytes: &[u8]) -> bool {
     let length =
         bytes.get(26..28).map_or(0, |length| usize::from(u16::from_le_bytes([length[0], length[1]])));
     bytes.get(30..30 + length).is_some_and(|name| name.ends_with(b".npy"))
 }
 
-/// Text of two or four bytes a character, with its mark or, where every second byte of the start is 0, without.
+/// Names the encoding if the text has two or four bytes per character: by its byte order mark or, without one, if every second byte at the
+/// start is 0.
 fn wide_text(bytes: &[u8]) -> Option<&'static str> {
-    /// Fewer characters without mark may be anything.
+    /// Number of characters needed to recognise it without a mark.
     const SURE: usize = 8;
     match bytes {
         [0xff, 0xfe, 0, 0, ..] | [0, 0, 0xfe, 0xff, ..] => return Some("UTF-32 text"),

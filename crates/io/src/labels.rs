@@ -13,7 +13,7 @@ pub use value::LabelValue;
 
 mod error;
 
-/// What the labels of an image are; which [`LabelValue`] to read them as.
+/// The type of the labels of an image: the [`LabelValue`] to read them as.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LabelKind {
     /// `u8`.
@@ -24,7 +24,7 @@ pub enum LabelKind {
     U32,
     /// `u64`.
     U64,
-    /// `i32`; shorter numbers with a sign are widened to it.
+    /// `i32`; shorter signed numbers are widened to it.
     I32,
     /// `i64`.
     I64,
@@ -36,19 +36,19 @@ pub struct LabelImage<'a> {
     planes: Planes<'a>,
     scalar: Scalar,
     kind: LabelKind,
-    /// In the order of the bytes: the slowest axis first.
+    /// The axes in the order of the bytes: the slowest first.
     shape: Vec<usize>,
     reversed: bool,
     format: String,
-    /// Planes read.
+    /// Number of planes read.
     position: usize,
 }
 
-/// Where the planes come from.
+/// The source of the planes.
 enum Planes<'a> {
-    /// One after the other.
+    /// Planes follow one another in a stream.
     Stream(&'a mut dyn Read),
-    /// A page each.
+    /// Each plane is a page.
     Pages(&'a mut dyn tiff::Pages),
 }
 
@@ -61,28 +61,28 @@ impl std::fmt::Debug for Planes<'_> {
     }
 }
 
-/// Bytes that are turned into labels at a time: few enough for a cache, many enough for a disk.
+/// Number of bytes that are converted to labels at a time: few enough for a cache, many enough for a disk.
 const PIECE: usize = 1 << 18;
-/// What the files that are read start with.
+/// The first bytes of a NumPy file.
 const NPY: &[u8] = b"\x93NUMPY";
 const ZIP: [&[u8]; 2] = [b"PK\x03\x04", b"PK\x05\x06"];
 const TIFF: [&[u8]; 4] = [b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"];
 
-/// Opens a labelled image and hands it to `visit`, which reads it.
+/// Opens a labelled image and passes it to `visit`, which reads it.
 ///
-/// The format is told from the content, never from a name: a NumPy array (`.npy`) in C or Fortran order, an array in a NumPy archive (`.npz`, stored or
-/// deflated), or a TIFF file of 8, 16, 32 or 64 bits of grey, one page (2D) or more (3D), also `BigTIFF`, uncompressed or compressed by
-/// `PackBits`, LZW or deflate. Labels are whole numbers of at most 64 bits.
+/// The format is recognised by the content, never by a name: a NumPy array (`.npy`) in C or Fortran order; an array in a NumPy archive
+/// (`.npz`, stored or deflated); or a greyscale TIFF file of 8, 16, 32 or 64 bits, one page (2D) or more (3D), also `BigTIFF`, uncompressed
+/// or compressed with `PackBits`, LZW or deflate. Labels are integers of at most 64 bits.
 ///
 /// # Shapes
-/// Two or three axes. `member`: the array of an archive, with or without `.npy`; `None` takes the only one.
+/// Two or three axes. `member` is the name of an array in an archive, with or without `.npy`; `None` takes the only one.
 ///
 /// # Cost
-/// Memory: nothing here grows with what a header claims; planes grow as their bytes arrive. A page of a TIFF file takes the memory of its
-/// labels, which is refused if the whole file could not hold as much.
+/// Memory does not follow what a header claims: planes grow as their bytes arrive. A page of a TIFF file takes the memory of its labels; it
+/// is refused if the whole file could not contain as much.
 ///
 /// # Errors
-/// [`LabelError`]: no such format, no labelled image, damaged, or a member that is not there.
+/// [`LabelError`] if the format is unknown, there is no labelled image, the file is damaged, or the member does not exist.
 ///
 /// # Example
 /// ```
@@ -127,35 +127,36 @@ pub fn with_label_image<R: Read + Seek, T, E: From<LabelError>>(
 }
 
 impl LabelImage<'_> {
-    /// What to read the labels as.
+    /// The type to read the labels as.
     pub fn kind(&self) -> LabelKind {
         self.kind
     }
 
-    /// Grid squares along each axis, the slowest first, in the order of the bytes: two or three.
+    /// Number of grid squares along each axis, in the order of the bytes, the slowest first: two or three axes.
     pub fn shape(&self) -> &[usize] {
         &self.shape
     }
 
-    /// Whether the axes of the array come in the opposite order, as they do in Fortran order.
+    /// Whether the axes of the array are in the opposite order, as in Fortran order.
     pub fn reversed(&self) -> bool {
         self.reversed
     }
 
-    /// What the file is, for people: `NumPy array of <u2`.
+    /// Description of the file for people: `NumPy array of <u2`.
     pub fn format(&self) -> &str {
         &self.format
     }
 
-    /// Reads up to `most` planes of the slowest axis in place of what `into` has, fewer at the end of the image, and says how many.
+    /// Reads up to `most` planes of the slowest axis, fewer at the end of the image, and returns their number. The content of `into` is
+    /// replaced.
     ///
-    /// In 2D a plane is a row; of a TIFF file, which has no rows of its own, all rows come together.
+    /// In 2D a plane is a row. A TIFF file in 2D has no separate rows, so all rows are read together.
     ///
     /// The end of the file is checked together with the last plane.
     ///
     /// # Errors
-    /// [`LabelError::Kind`]: the labels are others. [`LabelError::CutOff`], [`LabelError::Longer`], [`LabelError::Read`],
-    /// [`LabelError::Page`]: what is wrong with the file. [`LabelError::NoMemory`].
+    /// [`LabelError::Kind`] if the labels have another type; [`LabelError::CutOff`], [`LabelError::Longer`], [`LabelError::Read`] or
+    /// [`LabelError::Page`] if the file is damaged; [`LabelError::NoMemory`].
     pub fn read_planes<L: LabelValue>(
         &mut self,
         most: usize,
@@ -201,7 +202,7 @@ impl LabelImage<'_> {
                     take(&piece[..part])?;
                     rest -= part;
                 }
-                // Also where the checksum of a member of an archive is looked at.
+                // This also verifies the checksum of a member of an archive.
                 if self.position + planes == self.shape[0]
                     && fill(input, &mut [0]).map_err(LabelError::Read)? > 0
                 {
@@ -214,7 +215,7 @@ impl LabelImage<'_> {
     }
 }
 
-/// As much of `into` as there is to read.
+/// Reads until `into` is full or the input ends.
 fn fill(input: &mut dyn Read, into: &mut [u8]) -> io::Result<usize> {
     let mut filled = 0;
     while filled < into.len() {
@@ -228,7 +229,7 @@ fn fill(input: &mut dyn Read, into: &mut [u8]) -> io::Result<usize> {
     Ok(filled)
 }
 
-/// What numbers of this dtype are read as, if they can be labels.
+/// The type of labels for numbers of this dtype, if they can be labels.
 fn kind_of(scalar: &Scalar) -> Option<LabelKind> {
     Some(match (scalar.kind, scalar.size) {
         ('u', 1) => LabelKind::U8,
@@ -241,10 +242,10 @@ fn kind_of(scalar: &Scalar) -> Option<LabelKind> {
     })
 }
 
-/// The product of the lengths and the bytes of a number, if there can be such an array.
+/// The number of bytes of an array, if such an array can exist.
 fn size_of_array(shape: &[usize], scalar: &Scalar) -> Option<u64> {
     let squares = shape.iter().try_fold(1_usize, |squares, &length| squares.checked_mul(length))?;
-    // Lengths of nothing must not hide others that overflow in products of their own.
+    // A length of 0 must not hide an overflow of the other lengths.
     let planes = shape.iter().try_fold(1_usize, |squares, &length| squares.checked_mul(length.max(1)))?;
     planes.checked_mul(scalar.size)?;
     Some(squares as u64 * scalar.size as u64)

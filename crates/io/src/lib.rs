@@ -1,9 +1,9 @@
-//! Packings and meshes in and contact couples out, in the formats of the discrete element field.
+//! Reads packings and meshes and writes tables of contact couples, in the formats used in discrete element modelling.
 //!
-//! The crate knows bytes, not paths: [`unpack`] undoes compression, [`Series`] turns the content of a file of any format, frame by frame, into
-//! [`Packing`]s, [`read`] that of a table into one, and
-//! [`write_csv`], [`write_npz`], [`write_parquet`], [`write_vtp`], [`write_graphml`] and their likes send a [`Table`] to any
-//! [`std::io::Write`]. [`read_mesh`] does the same for nodes and elements. Who opens the file adds its name to the errors.
+//! The crate works with bytes, not paths. [`unpack`] decompresses. [`Series`] turns the content of a file of any format, frame by frame,
+//! into [`Packing`]s; [`read`] does so for a table; [`read_mesh`] reads nodes and elements. [`write_csv`], [`write_npz`],
+//! [`write_parquet`], [`write_vtp`], [`write_graphml`] and similar functions write a [`Table`] to any [`std::io::Write`]. The caller that
+//! opens a file adds its name to the errors.
 //!
 //! ```text
 //! bytes ── Series ──┬─ read: delimited text, NumPy array ───────┬─> Packing ── (contact detection) ──> couples ── Table ── write_csv, …
@@ -11,7 +11,7 @@
 //! bytes ── read_mesh ── Gmsh, STL, OBJ, PLY, VTK, Abaqus ──> Mesh
 //! ```
 //!
-//! Labelled images are read plane by plane: [`with_label_image`]. What is written is a [`Table`], whatever it is of.
+//! [`with_label_image`] reads labelled images plane by plane. Everything that is written is a [`Table`].
 //!
 //! # Example
 //! ```
@@ -60,11 +60,11 @@ pub use packing::{
     BadLine, Centres, Column, Delimiter, Format, Frame, Packing, SimulationBox, Skipped, Source,
 };
 pub use read::{ReadOptions, read};
-pub use results::{pvd, write_vtu};
+pub use results::{pvd, write_poly_vtp, write_vtu};
 pub use series::{Series, read_packing};
 pub use unpack::{Compression, unpack};
 pub use write_packing::{write_packing_csv, write_packing_npy};
 pub use written::{
-    Table, Values, write_csv, write_csv_rows, write_graphml, write_node_link, write_npy, write_npy_header,
-    write_npy_rows, write_npz, write_parquet, write_vtp,
+    Spool, Table, Values, write_csv, write_csv_rows, write_graphml, write_node_link, write_npy, write_npz,
+    write_parquet, write_vtp,
 };

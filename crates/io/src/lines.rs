@@ -16,22 +16,22 @@ impl<'a> Lines<'a> {
         Self { bytes, at: 0, number: 0 }
     }
 
-    /// From the start of a frame on, up to the end of `bytes`, with the numbers that the lines have in the whole file.
+    /// The lines from the start of a frame up to the end of `bytes`, with their numbers in the whole file.
     pub(crate) fn of_frame(bytes: &'a [u8], start: Start) -> Self {
         Self { bytes, at: start.byte, number: start.lines }
     }
 
-    /// Where a frame that begins here starts.
+    /// The start of a frame that begins here.
     pub(crate) fn start(&self) -> Start {
         Start { byte: self.at, lines: self.number }
     }
 
-    /// Whether anything but blank lines follows.
+    /// Whether anything other than blank lines follows.
     pub(crate) fn more(&self) -> bool {
         !self.rest().trim_ascii_start().is_empty()
     }
 
-    /// Steps over so many lines; false if there are fewer.
+    /// Skips `lines` lines; returns false if there are fewer.
     pub(crate) fn pass(&mut self, lines: u64) -> bool {
         (0..lines).all(|_| self.next().is_some())
     }

@@ -1,4 +1,4 @@
-//! Meshes: what a file of nodes and elements holds, and the reading of any format.
+//! Meshes: the content of a file of nodes and elements, and the reader for all formats.
 
 #![allow(clippy::cast_possible_wrap, reason = "lengths of what is in memory fit 63 bits")]
 
@@ -24,43 +24,44 @@ use crate::read::{BYTE_ORDER_MARK, FOREIGN};
 use build::Draft;
 use error::{Fault, MeshError, MeshProblem, Place};
 
-/// Nodes and the elements between them, each a part of a body.
+/// Nodes and the elements between them; each element is part of a body.
 ///
 /// # Shapes
-/// `points` `[n]`; the nodes of elements are indices into it. `segments`, `triangles`, `tetrahedra`: any number each, in the order of the file.
+/// `points` `[n]`; the nodes of elements are indices into it. `segments`, `triangles` and `tetrahedra` have any length and are in the order
+/// of the file.
 ///
 /// # Units
-/// Those of the file.
+/// The units of the file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mesh {
-    /// Nodes, finite, in the order of the file; `z = 0` where the file has x and y only.
+    /// Nodes, finite, in the order of the file; `z = 0` if the file has x and y only.
     pub points: Vec<[f64; 3]>,
-    /// 2 where every z is 0 and there is no tetrahedron, else 3: most formats write z for flat meshes as well.
+    /// 2 if every z is 0 and there is no tetrahedron, otherwise 3: most formats write z for flat meshes too.
     pub dimensions: usize,
     /// Elements of two nodes.
     pub segments: Cells<2>,
     /// Elements of three nodes, and the halves of quadrilaterals.
     pub triangles: Cells<3>,
-    /// Elements of four nodes with a volume, in whichever order the file turns them.
+    /// Elements of four nodes with a volume, with the orientation of the file.
     pub tetrahedra: Cells<4>,
     /// The bodies that have elements, in the order of their first elements in the file; at least one.
     pub bodies: Vec<MeshBody>,
-    /// How the file was understood.
+    /// How the file was interpreted.
     pub source: MeshSource,
 }
 
 /// The elements of one kind.
 ///
 /// # Shapes
-/// All three have the same length.
+/// All three arrays have the same length.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Cells<const N: usize> {
     /// Indices into [`Mesh::points`], `N` different ones for each element.
     pub nodes: Vec<[u32; N]>,
     /// The body of each element, an index into [`Mesh::bodies`].
     pub bodies: Vec<u32>,
-    /// The number that each element has in the file, for messages; without one, its place among all the elements of the file, counted from 0.
-    /// The halves of a quadrilateral have the same.
+    /// The number of each element in the file, for messages. If the file has none, its place among all elements of the file, counted from
+    /// 0. Both halves of a quadrilateral have the same number.
     pub numbers: Vec<u64>,
 }
 
@@ -70,58 +71,59 @@ impl<const N: usize> Cells<N> {
         self.nodes.len()
     }
 
-    /// Whether there is none.
+    /// Whether there are no elements.
     pub fn is_empty(&self) -> bool {
         self.nodes.is_empty()
     }
 }
 
-/// A body of a mesh; [`MeshSource::bodies_from`] tells what it is in the file.
+/// A body of a mesh; [`MeshSource::bodies_from`] says what bodies are in the file.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct MeshBody {
-    /// Its number in the file: the tag of a physical group, the value of the cell data. Groups of curves, surfaces and volumes may share one.
+    /// Its number in the file: the tag of a physical group, or the value of the cell data. Groups of curves, surfaces and volumes may share
+    /// a number.
     pub number: Option<i64>,
-    /// Its name in the file, cut to 80 characters and with control characters escaped.
+    /// Its name in the file, cut to 80 characters, with control characters escaped.
     pub name: Option<String>,
 }
 
-/// How a mesh file was understood.
+/// How a mesh file was interpreted.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct MeshSource {
     /// The format.
     pub format: MeshFormat,
     /// What the bodies are in the file.
     pub bodies_from: BodiesFrom,
-    /// Elements of one node, which are not in the mesh.
+    /// Number of elements of one node, which are not in the mesh.
     pub point_elements: u64,
-    /// Facets of STL and tables with two equal corners, which have no area and are not in the mesh.
+    /// Number of facets of STL files and tables with two equal corners. They have no area and are not in the mesh.
     pub collapsed_facets: u64,
-    /// Quadrilaterals, which are in the mesh as two triangles each.
+    /// Number of quadrilaterals; each is in the mesh as two triangles.
     pub quadrilaterals: u64,
 }
 
 /// What the bodies of a mesh are in its file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum BodiesFrom {
-    /// Nothing in the file tells bodies apart: all is one.
+    /// The file does not distinguish bodies: everything is one body.
     File,
-    /// Physical groups of Gmsh; elements in none of them are one body without number.
+    /// Physical groups of Gmsh. Elements in no group form one body without number.
     PhysicalGroups,
-    /// Curves, surfaces and volumes of Gmsh, where there is no physical group at all.
+    /// Curves, surfaces and volumes of Gmsh, if there are no physical groups.
     Entities,
     /// `solid`s of STL.
     Solids,
     /// Objects of OBJ, `o`.
     Objects,
-    /// Groups of OBJ, `g`, where there is no object.
+    /// Groups of OBJ, `g`, if there are no objects.
     Groups,
     /// The cell data of this name, VTK.
     CellData(String),
     /// Instances of parts, Abaqus.
     Instances,
-    /// Parts, Abaqus, where none is instanced.
+    /// Parts, Abaqus, if there are no instances.
     Parts,
-    /// Element sets, Abaqus; elements in none of them are one body without name.
+    /// Element sets, Abaqus. Elements in no set form one body without name.
     ElementSets,
 }
 
@@ -167,7 +169,7 @@ pub enum MeshFormat {
     VtkXml,
     /// Abaqus input, `.inp`.
     Abaqus,
-    /// Text of nine columns `vertex1_X`, `vertex1_Y`, … `vertex3_Z`, under their names, as the DEM round robin of 2024 has its walls.
+    /// Text of nine columns named `vertex1_X`, `vertex1_Y`, … `vertex3_Z`, the format of the walls in the DEM round robin of 2024.
     Triangles,
 }
 
@@ -187,10 +189,10 @@ impl fmt::Display for MeshFormat {
 }
 
 impl MeshFormat {
-    /// The format by the content of a file, else by the end of its name; `None` if neither is that of a mesh.
+    /// The format by the content of a file, otherwise by its extension; `None` if neither is that of a mesh.
     ///
     /// # Cost
-    /// Looks at the first lines only.
+    /// Reads the first lines only.
     pub fn of(bytes: &[u8], name: &str) -> Option<Self> {
         let bytes = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes);
         by_content(bytes).or_else(|| by_name(name))
@@ -211,7 +213,7 @@ fn by_name(name: &str) -> Option<MeshFormat> {
     })
 }
 
-/// How far comments are followed in search of the first line that says something.
+/// Number of bytes of leading comments that are searched for the first significant line.
 const HEAD: usize = 1 << 16;
 
 fn by_content(bytes: &[u8]) -> Option<MeshFormat> {
@@ -263,36 +265,38 @@ fn by_content(bytes: &[u8]) -> Option<MeshFormat> {
 
 /// Reads a mesh from the content of a file.
 ///
-/// The format is told from the content; where that says nothing, from the end of `name`. Read are
+/// The format is recognised by the content or, if that is not conclusive, by the extension of `name`. The formats are:
 ///
-/// - Gmsh `.msh` 2.2 and 4.1, ASCII and binary. Bodies are the physical groups; without any, the curves, surfaces and volumes.
-/// - STL, ASCII and binary. Corners with equal coordinates become one node if they are of one solid. Bodies are the solids.
-/// - OBJ. Bodies are the objects; without any, the groups.
+/// - Gmsh `.msh` 2.2 and 4.1, ASCII and binary. Bodies are the physical groups, or the curves, surfaces and volumes if there are no groups.
+/// - STL, ASCII and binary. Corners of one solid with equal coordinates become one node. Bodies are the solids.
+/// - OBJ. Bodies are the objects, or the groups if there are no objects.
 /// - PLY, ASCII and binary: vertices, faces, edges. One body.
-/// - VTK, the legacy format (ASCII, binary), unstructured grids and poly data; VTU and VTP (ASCII, base64, appended, zlib). Bodies are the values
-///   of the first of these cell data that is there, in any capitals: `body`, `body_id`, `bodyid`, `gmsh:physical`, `CellEntityIds`, `ObjectId`, `PartId`, `RegionId`.
-/// - Abaqus `.inp`: nodes, elements, element sets, parts and instances, moved but not rotated. Bodies are the instances; without any, the parts; without any,
-///   the sets that `*ELEMENT` names; without any, those of `*ELSET`.
-/// - Tables of triangles, three corners a line, under the names `vertex1_X` … `vertex3_Z`. Equal corners become one node. One body.
+/// - VTK, the legacy format (ASCII, binary), unstructured grids and poly data; VTU and VTP (ASCII, base64, appended, zlib). Bodies are the
+///   values of the first of these cell data that exists, in any capitals: `body`, `body_id`, `bodyid`, `gmsh:physical`, `CellEntityIds`,
+///   `ObjectId`, `PartId`, `RegionId`.
+/// - Abaqus `.inp`: nodes, elements, element sets, parts and instances, translated but not rotated. Bodies are the instances, otherwise the
+///   parts, otherwise the sets named by `*ELEMENT`, otherwise those of `*ELSET`.
+/// - Tables of triangles, three corners per line, with columns `vertex1_X` … `vertex3_Z`. Equal corners become one node. One body.
 ///
-/// Where nothing tells bodies apart there is one. Nodes that two bodies share stay shared. Quadrilaterals are split into two triangles along the
-/// diagonal from their first node, or along the other where only that lies inside; if they are not flat, this decides their
-/// shape. Elements of one node are counted, not kept. All else that has a shape is refused: more corners, faces or nodes on edges.
+/// If the file does not distinguish bodies, there is one body. Nodes that two bodies share stay shared. A quadrilateral is split into two
+/// triangles along the diagonal from its first node, or along the other diagonal if only that lies inside; if the quadrilateral is not
+/// flat, this choice determines its shape. Elements of one node are counted but not kept. Elements with more corners, more faces or nodes
+/// on edges are refused.
 ///
 /// # Shapes
-/// `bytes`: a whole file. `name`: the file's name, for messages and its end.
+/// `bytes`: a whole file. `name`: the name of the file, for messages and for its extension.
 ///
 /// # Units
-/// Those of the file.
+/// The units of the file.
 ///
 /// # Cost
-/// Time proportional to the bytes, times the logarithm of the number of nodes where these are numbered with gaps or welded; one thread. Memory follows the bytes
-/// of the file, whatever its header says; compressed data may take a thousand times its bytes, and every instance of an Abaqus part has nodes of its own.
-/// Ranges of Abaqus sets that overlap are gone through one after another.
+/// Time proportional to the bytes, times the logarithm of the number of nodes if node numbers have gaps or nodes are merged; one thread.
+/// Memory follows the bytes of the file, whatever its header says. Compressed data may take a thousand times its bytes, and every instance
+/// of an Abaqus part has its own nodes. Overlapping ranges of Abaqus sets are processed one after another.
 ///
 /// # Errors
-/// [`MeshError`], with file, line or byte, and the element or node: a format that is none of these, what the format does not allow, what is listed
-/// above as refused, nodes that do not exist or that one element names twice, coordinates that are not finite, no element at all.
+/// [`MeshError`], with file, line or byte, and the element or node: another format, a violation of the format, the elements listed above as
+/// refused, nodes that do not exist or that one element names twice, coordinates that are not finite, or no element at all.
 ///
 /// # Source
 /// Gmsh reference manual, "MSH file format"; VTK file formats, VTK user's guide; G. Turk, "The PLY Polygon File Format" (1994); Wavefront, "Object Files";

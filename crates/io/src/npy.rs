@@ -11,9 +11,9 @@ use crate::read::ReadOptions;
 use crate::row::{Row, SIZE, check_size, whole};
 use crate::table::{MOST_COLUMNS, Table};
 
-/// Rows between two reports of progress.
+/// Number of rows between two reports of progress.
 const ROWS_PER_REPORT: usize = 4096;
-/// A field that is an array counts as columns `name:0`, `name:1`, … up to this many; more is no vector.
+/// A field that is an array is read as columns `name:0`, `name:1`, … up to this many; a longer one is not a vector.
 const LONGEST_VECTOR: u64 = 16;
 
 pub(crate) fn read_npy(
@@ -61,17 +61,17 @@ pub(crate) fn read_npy(
     }))
 }
 
-/// The data of an array, seen as a table.
+/// The data of an array as a table.
 #[derive(Debug)]
 struct Array<'a> {
     data: &'a [u8],
     rows: usize,
-    /// Bytes from one row to the next.
+    /// Number of bytes from one row to the next.
     stride: usize,
     columns: Vec<ArrayColumn>,
-    /// Whether the columns have names of their own, the fields of the dtype.
+    /// Whether the columns have names, which are the fields of the dtype.
     named: bool,
-    /// The shape as Python prints it.
+    /// The shape in Python notation.
     shape: String,
 }
 
@@ -79,9 +79,9 @@ struct Array<'a> {
 struct ArrayColumn {
     name: Name,
     scalar: Scalar,
-    /// Where the column's value stands in row 0.
+    /// Offset of the column's value in row 0.
     offset: usize,
-    /// Whether a role can be given to it: a vector that is too long is only stepped over.
+    /// Whether the column can have a role; a vector that is too long is skipped.
     readable: bool,
 }
 
@@ -139,7 +139,7 @@ impl<'a> Array<'a> {
         Ok((roles, unit))
     }
 
-    /// The columns with a role, once their dtypes are known to fit it.
+    /// The columns with a role, after checking that their dtypes fit it.
     fn chosen(&self, roles: &[Option<Role>], header: &Header) -> Result<Vec<Chosen<'_>>, ReadError> {
         let chosen =
             self.columns.iter().zip(roles).filter_map(|(column, role)| role.map(|role| (column, role)));
@@ -163,7 +163,7 @@ impl<'a> Array<'a> {
         checked.collect()
     }
 
-    /// Compares what the shape claims with what is there, before anything is allocated for it.
+    /// Compares the size that the shape implies with the actual size, before anything is allocated.
     fn check_size(&self, header: &Header) -> Result<(), ReadError> {
         let row: u128 = if self.named {
             self.stride as u128
@@ -214,7 +214,7 @@ impl<'a> Array<'a> {
         Ok(row)
     }
 
-    /// The values of a row for a message.
+    /// The values of a row, for a message.
     fn shown(&self, at: usize, chosen: &[Chosen<'_>]) -> String {
         let value = |(column, role): &Chosen<'_>| {
             let bytes = self.bytes_of(column, at);
@@ -227,7 +227,7 @@ impl<'a> Array<'a> {
     }
 }
 
-/// The fields of a structured dtype as columns, and the bytes of a row; `None` if those exceed any memory.
+/// The fields of a structured dtype as columns, and the number of bytes per row; `None` if that exceeds any memory.
 fn record_columns(header: &Header) -> Option<(Vec<ArrayColumn>, usize)> {
     let Dtype::Record(fields) = &header.dtype else { return None };
     let mut columns = Vec::new();
@@ -242,7 +242,7 @@ fn record_columns(header: &Header) -> Option<(Vec<ArrayColumn>, usize)> {
             columns.push(ArrayColumn { name: Name::new(name), scalar: scalar.clone(), offset, readable });
         };
         match field.shape[..] {
-            // A field without a name pads the row.
+            // A field without a name is padding.
             [] if field.name.is_empty() => {}
             [] => column(&field.name, offset, true),
             [length @ 1..=LONGEST_VECTOR] => {
@@ -263,7 +263,7 @@ fn record_columns(header: &Header) -> Option<(Vec<ArrayColumn>, usize)> {
     Some((columns, offset))
 }
 
-/// The bytes of a number as 8 bytes in little-endian order; what is missing is 0.
+/// The bytes of a number as 8 bytes in little-endian order, padded with 0.
 #[inline]
 fn little_endian(bytes: &[u8], big_endian: bool) -> [u8; 8] {
     let mut ordered = [0; 8];
@@ -284,7 +284,7 @@ fn float(bytes: &[u8], big_endian: bool) -> f64 {
     }
 }
 
-/// Any number as a float, which must be exact.
+/// Any number as a float; the conversion must be exact.
 #[inline]
 pub(crate) fn number(bytes: &[u8], scalar: &Scalar) -> Result<f64, String> {
     if scalar.kind == 'f' {
@@ -292,7 +292,7 @@ pub(crate) fn number(bytes: &[u8], scalar: &Scalar) -> Result<f64, String> {
     }
     let whole = integer(bytes, scalar);
     let value = whole as f64;
-    // Of at most 64 bits, so back from the float it fits again.
+    // The number has at most 64 bits, so the conversion back from the float fits.
     if value as i128 == whole {
         Ok(value)
     } else {
@@ -300,7 +300,7 @@ pub(crate) fn number(bytes: &[u8], scalar: &Scalar) -> Result<f64, String> {
     }
 }
 
-/// A whole number of 1, 2, 4 or 8 bytes; wide enough for both signs.
+/// An integer of 1, 2, 4 or 8 bytes, signed or unsigned.
 fn integer(bytes: &[u8], scalar: &Scalar) -> i128 {
     let value = u64::from_le_bytes(little_endian(bytes, scalar.big_endian));
     let unused = 64 - 8 * scalar.size.clamp(1, 8);

@@ -1,7 +1,7 @@
 //! The header of a NumPy file: magic bytes, version, length, and a Python dictionary as text.
 //!
-//! The reader here takes time in proportion to the header, whatever its bytes: it never goes back, limits the
-//! nesting, and leaves the product of the shape to checked arithmetic.
+//! The parser takes time proportional to the header, whatever its bytes: it never goes back and limits the nesting. The caller multiplies
+//! the shape with checked arithmetic.
 //!
 //! # Source
 //! NumPy Enhancement Proposal 1, "A Simple File Format for NumPy Arrays", and `numpy.lib.format`, versions 1.0
@@ -9,19 +9,19 @@
 
 use crate::excerpt;
 
-/// A header, taken apart.
+/// A parsed header.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Header {
     pub(crate) dtype: Dtype,
-    /// The dtype as the file spells it, without quotes; a long list is cut, and controls are escaped.
+    /// The dtype as written in the file, without quotes; a long list is cut, and control characters are escaped.
     pub(crate) descr: String,
     pub(crate) fortran_order: bool,
     pub(crate) shape: Vec<u64>,
-    /// Where the data start.
+    /// Offset of the data.
     pub(crate) data: usize,
 }
 
-/// What one item of the array is.
+/// The type of one item of the array.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Dtype {
     Plain(Scalar),
@@ -33,24 +33,24 @@ pub(crate) enum Dtype {
 pub(crate) struct Field {
     pub(crate) name: String,
     pub(crate) scalar: Scalar,
-    /// Lengths of a field that is itself an array; empty for most.
+    /// The shape of a field that is itself an array; empty for most fields.
     pub(crate) shape: Vec<u64>,
 }
 
-/// A number, or something opaque of known size.
+/// A number, or an opaque type of known size.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Scalar {
     /// The letter of the dtype: `f`, `i`, `u`, …
     pub(crate) kind: char,
-    /// Bytes.
+    /// Number of bytes.
     pub(crate) size: usize,
     pub(crate) big_endian: bool,
-    /// As the file spells it, such as `<f8`.
+    /// The dtype as written in the file, such as `<f8`.
     pub(crate) descr: String,
 }
 
 impl Header {
-    /// Reads the header of `bytes`, a whole file.
+    /// Parses the header of `bytes`, which is a whole file.
     pub(crate) fn parse(bytes: &[u8]) -> Result<Self, String> {
         let cut = || "the file ends inside the header".to_owned();
         let version = bytes.get(6..8).ok_or_else(cut)?;
@@ -69,7 +69,7 @@ impl Header {
         let text = bytes.get(start..data).ok_or_else(cut)?;
         let text = match std::str::from_utf8(text) {
             Ok(text) => text.to_owned(),
-            // Versions 1 and 2 are Latin-1, whose bytes are the first 256 characters.
+            // Versions 1 and 2 are in Latin-1, whose bytes are the first 256 characters.
             Err(_) if version[0] < 3 => text.iter().copied().map(char::from).collect(),
             Err(_) => return Err("it is not UTF-8".into()),
         };
@@ -92,7 +92,7 @@ impl Header {
         })
     }
 
-    /// The shape as Python prints it.
+    /// The shape in Python notation.
     pub(crate) fn shown_shape(&self) -> String {
         match &self.shape[..] {
             [n] => format!("({n},)"),
@@ -101,20 +101,20 @@ impl Header {
     }
 }
 
-/// The header of an array in C order, padded so that the data start at a multiple of 64.
+/// A header for an array in C order, padded so that the data start at a multiple of 64 bytes.
 ///
-/// `descr` is the dtype as Python spells it, quotes and brackets included.
+/// `descr` is the dtype in Python notation, including quotes and brackets.
 pub(crate) fn header(descr: &str, shape: &str) -> Vec<u8> {
     /// Magic bytes, version, and length of the text.
     const PREFIX: usize = 10;
-    /// What NumPy itself aligns the data to.
+    /// The alignment of the data that NumPy itself uses.
     const ALIGNMENT: usize = 64;
     let mut text = format!("{{'descr': {descr}, 'fortran_order': False, 'shape': {shape}, }}");
     let padded = (PREFIX + text.len() + 1).next_multiple_of(ALIGNMENT);
     text.extend(std::iter::repeat_n(' ', padded - PREFIX - text.len() - 1));
     text.push('\n');
     let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
-    // Our own dtypes keep the text far below 64 KiB.
+    // Our dtypes keep the text far below 64 KiB.
     bytes.extend((text.len() as u16).to_le_bytes());
     bytes.extend(text.as_bytes());
     bytes
@@ -172,7 +172,7 @@ fn scalar(descr: &str) -> Result<Scalar, String> {
     let digits = &rest[1..];
     let digits = &digits[..digits.find(|c: char| !c.is_ascii_digit()).unwrap_or(digits.len())];
     let size = digits.parse::<usize>().map_err(|_| bad())?;
-    // The size of text is in characters of 4 bytes.
+    // The size of text is given in characters of 4 bytes.
     let size = if kind == 'U' { size.checked_mul(4) } else { Some(size) };
     let big_endian = order == '>' || (order == '=' && cfg!(target_endian = "big"));
     Ok(Scalar { kind, size: size.ok_or_else(bad)?, big_endian, descr: excerpt::field(descr.as_bytes()) })
@@ -189,7 +189,7 @@ fn shape(literal: &Literal) -> Result<Vec<u64>, String> {
     }
 }
 
-/// The few Python values that a header is made of.
+/// The kinds of Python values that a header consists of.
 #[derive(Debug, Clone, PartialEq, Eq)]
 enum Literal {
     Text(String),
@@ -199,7 +199,7 @@ enum Literal {
     Sequence(Vec<Literal>),
 }
 
-/// Deepest nesting: list of fields, field, its shape or titled name, and one to spare.
+/// Deepest nesting: list of fields, field, its shape or titled name, and one more.
 const DEEPEST: usize = 4;
 
 struct Parser<'a> {
@@ -216,7 +216,7 @@ impl<'a> Parser<'a> {
         self.at += self.rest().len() - self.rest().trim_start().len();
     }
 
-    /// Goes past `symbol` and blanks, if it is next.
+    /// Skips `symbol` and the blanks around it, if it comes next.
     fn takes(&mut self, symbol: char) -> bool {
         self.skip_blanks();
         let found = self.rest().starts_with(symbol);
@@ -228,7 +228,7 @@ impl<'a> Parser<'a> {
         if self.takes(symbol) { Ok(()) } else { Err(format!("expected '{symbol}' at character {}", self.at)) }
     }
 
-    /// Every key with its value, and the value as it is spelled.
+    /// All keys with their values, and the values as text.
     fn dictionary(&mut self) -> Result<Vec<(String, Literal, &'a str)>, String> {
         let mut entries = Vec::new();
         self.expect('{')?;
@@ -291,7 +291,7 @@ impl<'a> Parser<'a> {
         let number =
             digits.parse().map_err(|_| format!("a number at character {} exceeds 64 bits", self.at))?;
         self.at += digits.len();
-        // Python 2 wrote long numbers as 5L.
+        // Python 2 wrote long integers as 5L.
         self.takes('L');
         Ok(Literal::Whole(number))
     }

@@ -1,4 +1,4 @@
-//! What a file of elements holds, and how it was read.
+//! The elements of a file, and how the file was read.
 
 use std::fmt;
 
@@ -28,12 +28,12 @@ impl Centres {
         }
     }
 
-    /// Whether there is no element at all.
+    /// Whether there are no elements.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// 2 or 3.
+    /// The dimension: 2 or 3.
     pub fn dimensions(&self) -> usize {
         match self {
             Self::Two(_) => 2,
@@ -45,38 +45,37 @@ impl Centres {
 /// The elements of one file.
 ///
 /// # Shapes
-/// `centres`: `n`. `radii`, `ids`, `bodies` and `row_numbers`: `n` each where present, in the same order.
+/// `centres`: `n`. `radii`, `ids`, `bodies` and `row_numbers`: `n` each if present, in the same order.
 ///
 /// # Units
-/// `centres` and `radii` share one length unit, the file's own; nothing is converted.
+/// `centres` and `radii` have the length unit of the file; nothing is converted.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Packing {
     /// Centres; every coordinate is finite.
     pub centres: Centres,
-    /// Radii, finite and not negative. A diameter column is halved. `None` without such a column.
+    /// Radii, finite and not negative; values of a diameter column are halved. `None` without such a column.
     pub radii: Option<Vec<f64>>,
-    /// Ids from the file, no two alike. `None` without an id column or when ids are ignored.
+    /// Ids of the file, all different. `None` without an id column or if ids are ignored.
     pub ids: Option<Vec<i64>>,
-    /// The body that each element is a part of, any numbers; `None` unless [`ReadOptions::bodies`](crate::ReadOptions) asks for them.
+    /// The body that each element belongs to, any numbers; `None` unless [`ReadOptions::bodies`](crate::ReadOptions) requests them.
     pub bodies: Option<Vec<i64>>,
-    /// The number of the row that each element stands on, increasing; `None` unless rows were skipped, for
-    /// then element `i` is row `i`.
+    /// The row number of each element, increasing; `None` unless rows were skipped, because otherwise element `i` is row `i`.
     ///
-    /// Rows are counted from 0. Skipped rows count; the header, comments and blank lines do not. So an element
-    /// without id keeps the number it has in the whole file.
+    /// Rows are counted from 0. Skipped rows count; the header, comments and blank lines do not. So an element without id keeps the number
+    /// that it has in the whole file.
     pub row_numbers: Option<Vec<u64>>,
-    /// The box that the file gives its elements, whether it repeats or not; `None` where the file has none.
+    /// The box in the file, periodic or not; `None` if the file has none.
     pub cell: Option<SimulationBox>,
-    /// Which frame of the file this is.
+    /// The frame of the file that was read.
     pub frame: Frame,
-    /// How the file was understood.
+    /// How the file was interpreted.
     pub source: Source,
 }
 
-/// A box as a file has it, with edges of any lengths and directions.
+/// The box of a file, with edges of any lengths and directions.
 ///
 /// # Shapes
-/// Three edges of three components; in 2D the first two of each count.
+/// Three edges of three components; in 2D the first two edges and components count.
 ///
 /// # Units
 /// The length unit of the file.
@@ -84,9 +83,9 @@ pub struct Packing {
 pub struct SimulationBox {
     /// The corner where the edges start.
     pub origin: [f64; 3],
-    /// The edges, one after the other; that of an axis without extent is 0.
+    /// The edges; the edge along an axis without extent is 0.
     pub edges: [[f64; 3]; 3],
-    /// Along which of them the box repeats; false where the file does not say so.
+    /// Whether the box is periodic along each edge; false if the file does not say so.
     pub repeats: [bool; 3],
 }
 
@@ -109,40 +108,40 @@ impl SimulationBox {
 /// A frame of a file: the elements at one time.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Frame {
-    /// Its place among the frames of the file, counted from 0; 0 where there is only one.
+    /// Its index among the frames of the file, counted from 0; 0 if there is only one.
     pub index: usize,
-    /// The number of the time step, where the file has one.
+    /// The number of the time step, if the file has it.
     pub step: Option<i64>,
-    /// The time, in the unit of the file, where the file has one.
+    /// The time in the unit of the file, if the file has it.
     pub time: Option<f64>,
 }
 
-/// How a file was understood: what a person needs to see that the right columns were read.
+/// How a file was interpreted, so that a person can see that the right columns were read.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Source {
     /// The format.
     pub format: Format,
-    /// Every column of the file in its order; those without a role were ignored.
+    /// All columns of the file in order; columns without a role were ignored.
     pub columns: Vec<Column>,
-    /// The length unit written in the names of the columns, such as `mm` in `PosX[mm]`.
+    /// The length unit in the names of the columns, such as `mm` in `PosX[mm]`.
     pub unit: Option<String>,
-    /// Lines of a text file, comments and blank lines included, of several frames those of this one; rows of an array.
+    /// Number of lines of a text file, including comments and blank lines (of this frame, if there are several), or of rows of an array.
     pub lines: u64,
-    /// The lines left out, when asked for with [`ReadOptions::skip_bad_lines`](crate::ReadOptions).
+    /// The lines that were skipped; see [`ReadOptions::skip_bad_lines`](crate::ReadOptions).
     pub skipped: Skipped,
 }
 
-/// Kind of a file, with what was found in it.
+/// Format of a file, with details found in it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Format {
     /// Rows of text.
     Text {
-        /// What separates the fields of a row.
+        /// The separator of the fields of a row.
         delimiter: Delimiter,
     },
     /// A NumPy array as `numpy.save` writes it.
     Npy {
-        /// The dtype as the file spells it, such as `<f8`; a long one is cut.
+        /// The dtype as written in the file, such as `<f8`; a long one is cut.
         dtype: String,
     },
     /// A NumPy archive as `numpy.savez` writes it.
@@ -151,12 +150,12 @@ pub enum Format {
     LammpsDump,
     /// A data file of LAMMPS or LIGGGHTS.
     LammpsData {
-        /// The atom style that the file tells.
+        /// The atom style given in the file.
         style: Option<String>,
     },
     /// XYZ.
     Xyz {
-        /// Whether the comment says what the columns are.
+        /// Whether the comment describes the columns.
         extended: bool,
     },
     /// A `.data` file of MercuryDPM.
@@ -168,8 +167,8 @@ pub enum Format {
 }
 
 impl Format {
-    /// What a place in such a file is called, for messages: `line` or `lines` of text, `row` or `rows` of an
-    /// array. Lines are counted from 1, rows from 0; see [`BadLine::line`].
+    /// The word for places in such a file, for messages: `line` or `lines` of text, `row` or `rows` of an array. Lines are counted from 1,
+    /// rows from 0; see [`BadLine::line`].
     pub fn noun(&self, count: u64) -> &'static str {
         match (self.has_lines(), count) {
             (true, 1) => "line",
@@ -179,7 +178,7 @@ impl Format {
         }
     }
 
-    /// Whether places in such a file are lines of text, not rows of arrays.
+    /// Whether places in such a file are lines of text rather than rows of arrays.
     pub fn has_lines(&self) -> bool {
         !matches!(self, Self::Npy { .. } | Self::Npz | Self::Vtk | Self::VtkXml)
     }
@@ -203,16 +202,16 @@ impl fmt::Display for Format {
     }
 }
 
-/// What separates the fields of a row of text.
+/// The separator of the fields of a row of text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Delimiter {
     /// A run of blanks, tabs, or both.
     Blank,
-    /// One tab; blanks around a field do not count. Chosen when only it makes header and rows agree.
+    /// One tab; blanks around a field are ignored. Chosen only if it makes header and rows agree and nothing else does.
     Tab,
-    /// A comma; blanks around a field do not count.
+    /// A comma; blanks around a field are ignored.
     Comma,
-    /// A semicolon; blanks around a field do not count.
+    /// A semicolon; blanks around a field are ignored.
     Semicolon,
 }
 
@@ -230,32 +229,31 @@ impl fmt::Display for Delimiter {
 /// One column of a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Column {
-    /// What the column was read as; `None` when it was ignored.
+    /// The role of the column; `None` if it was ignored.
     pub role: Option<Role>,
-    /// Its name as the header spells it, cut to 40 characters and with control characters escaped;
-    /// `column 1`, `column 2`, … where there is no header.
+    /// Its name in the header, cut to 40 characters, with control characters escaped; `column 1`, `column 2`, … without a header.
     pub name: String,
 }
 
 impl Column {
-    /// The columns of a file, named by its header or else by their numbers.
+    /// The columns of a file, named by its header or by their numbers.
     pub(crate) fn all(names: &[Name], roles: &[Option<Role>], header: bool) -> Vec<Self> {
         let name = |place: usize| if header { names[place].shown() } else { format!("column {}", place + 1) };
         roles.iter().enumerate().map(|(place, role)| Self { role: *role, name: name(place) }).collect()
     }
 }
 
-/// The lines left out of a packing.
+/// The lines of a file that were skipped.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Skipped {
-    /// How many lines were left out.
+    /// Number of lines skipped.
     pub count: u64,
-    /// The first [`Skipped::KEPT`] of them.
+    /// The first of them, at most [`Skipped::KEPT`].
     pub first: Vec<BadLine>,
 }
 
 impl Skipped {
-    /// How many bad lines are kept to be shown: a screenful; more only costs memory.
+    /// Number of bad lines kept for display, about a screenful.
     pub const KEPT: usize = 20;
 
     pub(crate) fn push(&mut self, bad: BadLine) {
@@ -266,14 +264,14 @@ impl Skipped {
     }
 }
 
-/// A line that could not be read, and why.
+/// A line that could not be read, and the reason.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct BadLine {
     /// Line counted from 1; in an array, row counted from 0 as in NumPy. [`Format::noun`] tells which.
     pub line: u64,
-    /// The line, cut to about 80 characters, control characters escaped; in an array, the row's values.
+    /// The line, cut to about 80 characters, with control characters escaped; in an array, the values of the row.
     pub text: String,
-    /// What is wrong with it, with the column's name; in an array, with the row's number as well.
+    /// The problem, with the name of the column; in an array, also with the number of the row.
     pub problem: String,
 }
 

@@ -1,4 +1,4 @@
-//! Tables of elements: looks at the first bytes and picks the format.
+//! Reads tables of elements, text or NumPy.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -8,50 +8,49 @@ use crate::npy::read_npy;
 use crate::packing::Packing;
 use crate::text::read_text;
 
-/// Choices of the person who asks for a file.
+/// Options for reading a file.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct ReadOptions {
-    /// Which column is what; `None` takes it from the header, or from the number of columns.
+    /// The roles of the columns; `None` derives them from the header, or from the number of columns.
     pub columns: Option<Columns>,
-    /// Leaves lines that cannot be read out of the packing, and lists them in
-    /// [`Source::skipped`](crate::Source), instead of stopping at the first. The elements keep the numbers of
-    /// their rows in [`Packing::row_numbers`].
+    /// Skips lines that cannot be read and lists them in [`Source::skipped`](crate::Source), instead of stopping at the first one. The
+    /// elements keep the numbers of their rows in [`Packing::row_numbers`].
     pub skip_bad_lines: bool,
-    /// Leaves an id column unread, so elements go by their row number.
+    /// Ignores the id column, so that elements are numbered by row.
     pub ignore_ids: bool,
-    /// The column with the body of each element, for [`Packing::bodies`]: its name in the header, or its number counted from 1. It is
-    /// no other column: of a file without names the others are what they would be without it.
+    /// The column that holds the body of each element, for [`Packing::bodies`]: its name in the header, or its number counted from 1. It
+    /// has no other role. In a file without names, the other columns keep the roles that they would have without it.
     pub bodies: Option<String>,
 }
 
 /// Reads a packing from a table: delimited text or a NumPy array. [`read_packing`](crate::read_packing) and [`Series`](crate::Series) read these and all other formats.
 ///
-/// The format is told from the content, never from a name. A file that starts with `\x93NUMPY` is a NumPy
-/// array (floats of 32 or 64 bits, integers, either byte order, C or Fortran order, or a structured array with
-/// named fields); anything else must be text, one element per row:
+/// The format is recognised by the content, never by a name. A file that starts with `\x93NUMPY` is a NumPy array (floats of 32 or 64 bits,
+/// integers, either byte order, C or Fortran order, or a structured array with named fields). Any other file must be text with one element
+/// per row:
 ///
-/// - Fields are separated by commas, semicolons, or runs of blanks and tabs, as the first line that is not
-///   a comment shows, or as a first line `sep=;` says. `#` starts a comment, and so does `%` at the start of a
-///   line; blank lines, CRLF line ends and a byte order mark are fine.
-/// - A header line names the columns: `x`, `PosX[m]`, `X (mm)`, `x_mm`, `Points:0`; `radius`, `r`, `diameter`,
-///   `d`, `id` and their like, in any case. Other columns are ignored. A comment line just above the first row
-///   serves as well if it fits, and so does `#format x_y_z_r_matId` of YADE. Without a header, 2 columns are x y, 3 are x y z, 4 are x y z radius.
+/// - Fields are separated by commas, semicolons, or runs of blanks and tabs, as in the first line that is not a comment, or as stated by a
+///   first line `sep=;`. `#` starts a comment, and so does `%` at the start of a line. Blank lines, CRLF line ends and a byte order mark
+///   are accepted.
+/// - A header line names the columns: `x`, `PosX[m]`, `X (mm)`, `x_mm`, `Points:0`; `radius`, `r`, `diameter`, `d`, `id` and similar names,
+///   in any capitals. Other columns are ignored. A comment line just above the first row also serves as header if it fits, and so does
+///   `#format x_y_z_r_matId` of YADE. Without a header, 2 columns are x y, 3 are x y z, and 4 are x y z radius.
 /// - Without z the packing is 2D. Diameters are halved.
 ///
 /// # Shapes
-/// `bytes`: a whole file. `progress`: set to the number of bytes parsed so far, now and then, for another
-/// thread to show; `bytes.len()` on success.
+/// `bytes`: a whole file. `progress`: updated from time to time with the number of bytes parsed so far, so that another thread can display
+/// it; `bytes.len()` on success.
 ///
 /// # Units
-/// Those of the file; columns with different units are an error.
+/// The units of the file; columns with different units are an error.
 ///
 /// # Cost
-/// Time proportional to the bytes, one thread; memory: the packing, 8 bytes a row more while reading ids,
-/// and 16 bytes a row if they are not already in increasing order. More than 10 000 columns are refused.
+/// Time proportional to the bytes, one thread. Memory: the packing, 8 bytes more per row while ids are read, and 16 bytes per row if the
+/// ids are not increasing. Files of more than 10 000 columns are refused.
 ///
 /// # Errors
-/// [`ReadError`]: the file is no table of elements, a column is missing or named twice, a line cannot be
-/// read (unless [`ReadOptions::skip_bad_lines`]; all lines bad is an error even then), or ids repeat.
+/// [`ReadError`]: the file is not a table of elements, a column is missing or occurs twice, a line cannot be read (unless
+/// [`ReadOptions::skip_bad_lines`]; if all lines are bad, it is an error even then), or ids repeat.
 ///
 /// # Example
 /// ```
@@ -79,20 +78,20 @@ pub fn read(bytes: &[u8], options: &ReadOptions, progress: &AtomicU64) -> Result
     Ok(packing)
 }
 
-/// The error of a file that starts like one of some other format.
+/// The error for a file that starts like one of another format.
 pub(crate) fn foreign(bytes: &[u8]) -> Option<ReadError> {
     let (_, format, advice) = FOREIGN.iter().find(|(magic, ..)| bytes.starts_with(magic))?;
     Some(ReadError::Foreign { format, advice })
 }
 
-/// What some programs write before text in UTF-8.
+/// The byte order mark that some programs write before text in UTF-8.
 pub(crate) const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
 const UNPACK: &str = "unpack it first";
 const AS_UTF_8: &str = "save it as UTF-8";
 const AS_TABLE: &str = "export the elements as a CSV table with columns x, y, z and radius";
 
-/// Formats that people hand over by mistake: first bytes, name, what to do. The first that fits counts.
+/// Other formats that users pass by mistake: first bytes, name, advice. The first match counts.
 pub(crate) const FOREIGN: [(&[u8], &str, &str); 15] = [
     (b"\x1f\x8b", "gzip-compressed data", UNPACK),
     (b"\x28\xb5\x2f\xfd", "zstd-compressed data", UNPACK),
@@ -113,7 +112,7 @@ pub(crate) const FOREIGN: [(&[u8], &str, &str); 15] = [
         "a LAMMPS dump",
         "keep the rows of one time step, under a line with the column names",
     ),
-    // Before UTF-16, whose mark it starts with.
+    // Must come before UTF-16, because its mark starts with that of UTF-16.
     (b"\xff\xfe\x00\x00", "UTF-32 text", AS_UTF_8),
     (b"\xff\xfe", "UTF-16 text", AS_UTF_8),
     (b"\xfe\xff", "UTF-16 text", AS_UTF_8),

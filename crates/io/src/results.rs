@@ -1,10 +1,12 @@
-//! Results of simulations for ParaView: the state of a mesh at one instant, and which file is of which instant.
+//! Results of simulations for ParaView: the state of a mesh at one time, and the list of files by time.
 //!
-//! Cracks are lines: [`write_vtp`](crate::write_vtp) has them.
+//! Cracks are lines, contacts are points: [`write_poly_vtp`] writes both.
 
 mod appended;
+mod poly;
 mod pvd;
 mod vtu;
 
+pub use poly::write_poly_vtp;
 pub use pvd::pvd;
 pub use vtu::write_vtu;

@@ -1,4 +1,4 @@
-//! One row of text: a fast way for the clean ones, and a careful way that says what is wrong.
+//! Parses one row of text: quickly if it is plain, otherwise carefully, with a message if something is wrong.
 
 use std::borrow::Cow;
 use std::fmt;
@@ -8,10 +8,10 @@ use crate::excerpt;
 use crate::packing::Delimiter;
 use crate::table::MOST_COLUMNS;
 
-/// Largest whole number up to which every whole number is an `f64`: 2^53.
+/// Up to this number, 2^53, every integer is an `f64`.
 const WHOLE_FLOATS: f64 = 9_007_199_254_740_992.0;
 
-/// What is done with a field.
+/// The use of a field.
 #[derive(Debug, Clone, Copy)]
 enum Slot {
     Skip,
@@ -24,25 +24,25 @@ enum Slot {
 /// The values of one row.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct Row {
-    /// x, y, z, and radius or diameter; 0 for columns that the file lacks.
+    /// x, y, z, and radius or diameter; 0 for columns that the file does not have.
     pub(crate) values: [f64; 4],
-    /// 0 where the file has no ids.
+    /// The id; 0 if the file has none.
     pub(crate) id: i64,
-    /// 0 where no column has bodies.
+    /// The body; 0 if no column has bodies.
     pub(crate) body: i64,
 }
 
-/// Where radius or diameter stand in [`Row::values`].
+/// Index of radius or diameter in [`Row::values`].
 pub(crate) const SIZE: usize = 3;
 
-/// Reads rows that all have the same columns.
+/// A parser for rows with the same columns.
 #[derive(Debug)]
 pub(crate) struct RowReader {
     delimiter: Delimiter,
     slots: Vec<Slot>,
-    /// For messages: the names of the header, the roles without one.
+    /// Names for messages: those of the header, or the roles without a header.
     labels: Vec<String>,
-    /// Role of the column that must not be negative.
+    /// Role of the column whose values must not be negative.
     size: Role,
 }
 
@@ -61,8 +61,8 @@ impl RowReader {
         Self { delimiter, slots: roles.iter().map(slot).collect(), labels, size }
     }
 
-    /// The fields one after another, without looking back. `None` for whatever is not plain numbers and
-    /// delimiters: quotes, comments, ids such as `7.0`, mistakes. Those take [`Self::read`].
+    /// Parses the fields in one pass. `None` for anything other than plain numbers and delimiters: quotes, comments, ids such as `7.0`,
+    /// mistakes. [`Self::read`] handles those.
     #[inline]
     pub(crate) fn read_clean(&self, line: &[u8]) -> Option<Row> {
         let mut row = Row::default();
@@ -110,7 +110,7 @@ impl RowReader {
         (ended && good).then_some(row)
     }
 
-    /// The same row with everything a line may hold; `Ok(None)` for a blank line or a comment.
+    /// Parses a row with everything that a line may contain; `Ok(None)` for a blank line or a comment.
     pub(crate) fn read(&self, line: &[u8]) -> Result<Option<Row>, String> {
         if is_torn(line) {
             return Err(TORN.into());
@@ -162,9 +162,9 @@ impl RowReader {
         format!("expected {}, found {found}{hint}", excerpt::count(expected as u64, "field"))
     }
 
-    /// Says so when a row is bad only because its fields are separated otherwise than in the rows before.
+    /// A message if a row is bad only because its fields are separated differently from those of the rows before.
     fn other_delimiter(&self, line: &[u8]) -> Option<String> {
-        // Beside commas, a number with a comma is no number but two fields.
+        // Next to commas, a number that contains a comma is two fields.
         let number = |field: &[u8], delimiter: Delimiter| {
             ![self.delimiter, delimiter].contains(&Delimiter::Comma) && has_decimal_comma(field, delimiter)
         };
@@ -185,7 +185,7 @@ impl RowReader {
         Some(format!("separated by {shown}, the lines before by {}", plural(self.delimiter)))
     }
 
-    /// Whether a row has the right columns with another delimiter, `number` being what else counts as one.
+    /// Whether a row has the right columns with another delimiter; `number` decides what else counts as a number.
     fn fits(&self, line: &[u8], other: Delimiter, number: impl Fn(&[u8], Delimiter) -> bool) -> bool {
         let fields = split(line, other);
         fields.len() == self.slots.len()
@@ -225,14 +225,14 @@ impl RowReader {
     }
 }
 
-/// What a field that is no number was probably meant as.
+/// The probable intention of a field that is not a number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Slip {
-    /// `0,5`; in a comma-separated file `5 0`, the end of `0,5` and the start of `0,2`.
+    /// A decimal comma: `0,5`. In a comma-separated file `5 0`, the end of `0,5` and the start of `0,2`.
     Decimal,
-    /// `1,000,000`; in a comma-separated file `1 000`.
+    /// Separators of thousands: `1,000,000`; in a comma-separated file `1 000`.
     Thousands,
-    /// `1,000` may be either.
+    /// Either: `1,000`.
     Either,
 }
 
@@ -249,13 +249,13 @@ impl fmt::Display for Slip {
     }
 }
 
-/// The slip that a field shows, if any.
+/// The probable slip in a field, if any.
 pub(crate) fn slip(field: &[u8], delimiter: Delimiter) -> Option<Slip> {
     let beside_commas = delimiter == Delimiter::Comma;
     let is_mark = |byte: &u8| if beside_commas { matches!(byte, b' ' | b'\t') } else { *byte == b',' };
     let unsigned = |number: &'_ [u8]| usize::from(matches!(number, [b'+' | b'-', ..]));
     let field = &field[unsigned(field)..];
-    // A run of blanks is one mark, but `1,,000` is no number.
+    // A run of blanks is one mark, but `1,,000` is not a number.
     let groups = field.split(is_mark).filter(|group| !(beside_commas && group.is_empty()));
     let groups: Vec<&[u8]> = groups.take(LONGEST_NUMBER).collect();
     let [first, rest @ .., last] = &groups[..] else { return None };
@@ -272,7 +272,7 @@ pub(crate) fn slip(field: &[u8], delimiter: Delimiter) -> Option<Slip> {
 
     let after = if beside_commas { &last[unsigned(last)..] } else { last };
     let plain = |group: &[u8]| group.iter().all(|byte| byte.is_ascii_digit() || b"+-eE".contains(byte));
-    // The start of a number is `0` or `12`, not `012`.
+    // A number starts with `0` or `12`, not with `012`.
     let decimal = rest.is_empty()
         && first.last().is_some_and(u8::is_ascii_digit)
         && after.first().is_some_and(u8::is_ascii_digit)
@@ -287,23 +287,23 @@ pub(crate) fn slip(field: &[u8], delimiter: Delimiter) -> Option<Slip> {
     }
 }
 
-/// Groups looked at in a number: that of the largest `f64` has 103 of three digits.
+/// Largest number of groups examined in a number: the largest `f64` has 103 groups of three digits.
 const LONGEST_NUMBER: usize = 128;
 
 fn has_decimal_comma(field: &[u8], delimiter: Delimiter) -> bool {
     matches!(slip(field, delimiter), Some(Slip::Decimal | Slip::Either))
 }
 
-/// What is wrong with a line that [`is_torn`].
+/// The message for a line that [`is_torn`].
 pub(crate) const TORN: &str =
     "a carriage return without line feed inside the line: two lines may have run together";
 
-/// Whether anything follows a carriage return in a line: `1 0\r1` is not `1 0 1`.
+/// Whether a carriage return occurs inside a line: `1 0\r1` is not `1 0 1`.
 pub(crate) fn is_torn(line: &[u8]) -> bool {
     memchr::memchr(b'\r', line).is_some_and(|at| !line[at..].trim_ascii_start().is_empty())
 }
 
-/// Says so when a radius or diameter is negative.
+/// An error if a radius or diameter is negative.
 pub(crate) fn check_size(value: f64, role: Role, label: &str) -> Result<(), String> {
     if value < 0.0 {
         let column = if label == role.to_string() { String::new() } else { format!(" in column {label}") };
@@ -312,7 +312,7 @@ pub(crate) fn check_size(value: f64, role: Role, label: &str) -> Result<(), Stri
     Ok(())
 }
 
-/// A whole number given as a float, if it is one and no other whole number rounds to it.
+/// The integer equal to a float, if there is one and no other integer rounds to this float.
 pub(crate) fn whole(value: f64) -> Option<i64> {
     (value.fract() == 0.0 && value.abs() <= WHOLE_FLOATS).then_some(value as i64)
 }
@@ -337,7 +337,7 @@ fn whole_number(role: Role, field: &[u8], label: &str) -> Result<i64, String> {
     }
 }
 
-/// A run of digits with perhaps a minus, and its length; short enough not to overflow.
+/// A run of digits, perhaps with a minus, and its length; short enough not to overflow.
 #[inline]
 fn leading_whole(bytes: &[u8]) -> Option<(i64, usize)> {
     let sign = usize::from(bytes.first() == Some(&b'-'));
@@ -361,7 +361,8 @@ fn separator(delimiter: Delimiter) -> Option<u8> {
     }
 }
 
-/// The line without its comment: from `#` on, or all of it if it starts with `%`. Blanks and line end go too, but not tabs, which may separate empty fields.
+/// The line without its comment: from `#` on, or all of it if it starts with `%`. Blanks and the line end are removed too. Tabs are not,
+/// because they may separate empty fields.
 pub(crate) fn content(line: &[u8]) -> &[u8] {
     if line.trim_ascii_start().starts_with(b"%") {
         return b"";
@@ -379,12 +380,12 @@ pub(crate) fn content(line: &[u8]) -> &[u8] {
     if line.trim_ascii().is_empty() { b"" } else { line.strip_suffix(b"\r").unwrap_or(line) }
 }
 
-/// The fields of a line up to one more than any table has, so that a line of millions takes no memory.
+/// The fields of a line, at most one more than any table has, so that a line of millions of fields takes little memory.
 pub(crate) fn split(line: &[u8], delimiter: Delimiter) -> Vec<&[u8]> {
     fields(line, delimiter).take(MOST_COLUMNS + 1).collect()
 }
 
-/// The fields of a line, trimmed and without quotes. Empty fields count, except between blanks.
+/// The fields of a line, trimmed and without quotes. Empty fields count, except in a line separated by blanks.
 fn fields(line: &[u8], delimiter: Delimiter) -> impl Iterator<Item = &[u8]> {
     let mut quoted = false;
     let separator = separator(delimiter);
@@ -403,7 +404,7 @@ fn unquote(field: &[u8]) -> &[u8] {
     }
 }
 
-/// Text for names: the input is checked to be UTF-8, so nothing is lost.
+/// Text for names. The input is valid UTF-8, so nothing is lost.
 pub(crate) fn text(bytes: &[u8]) -> Cow<'_, str> {
     String::from_utf8_lossy(bytes)
 }

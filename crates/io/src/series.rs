@@ -1,4 +1,4 @@
-//! Files of elements of any format, as one or several frames.
+//! Files of elements in any format, as one or several frames.
 
 use std::borrow::Cow;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -21,9 +21,10 @@ pub(crate) mod values;
 mod vtk;
 pub(crate) mod xyz;
 
-/// The frames of a file, each read when it is asked for.
+/// The frames of a file; each is read when it is requested.
 ///
-/// The formats are those of [`PackingFormat`]; see there and [`Self::read`]. Dumps, XYZ and MercuryDPM files may have many frames; all others have one.
+/// The formats are those of [`PackingFormat`]; see also [`Self::read`]. Dumps, XYZ and MercuryDPM files may have many frames; all others
+/// have one.
 ///
 /// # Example
 /// ```
@@ -44,31 +45,31 @@ pub(crate) mod xyz;
 pub struct Series<'a> {
     bytes: &'a [u8],
     format: PackingFormat,
-    /// What the name promises, where the content is no such thing.
+    /// The format that the name stands for, if the content does not have it.
     promised: Option<(PackingFormat, &'static str)>,
-    /// Where each frame starts; of formats without frames one.
+    /// The start of each frame; one for formats without frames.
     starts: Vec<Start>,
 }
 
-/// Where a frame starts.
+/// The start of a frame.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(crate) struct Start {
     pub(crate) byte: usize,
-    /// Lines before it.
+    /// Number of lines before it.
     pub(crate) lines: u64,
 }
 
 impl<'a> Series<'a> {
-    /// Finds out what a file is and where its frames start.
+    /// Recognises the format of a file and finds the starts of its frames.
     ///
-    /// `name`: that of the file, without the end that says how it was compressed. `format`: what the file is, instead of what it looks like.
+    /// `name`: the name of the file without the extension of its compression. `format`: the format to use instead of the recognised one.
     ///
     /// # Cost
-    /// Of formats with several frames, a walk over the lines, and 16 bytes of memory a frame.
+    /// For formats with several frames, a pass over the lines, and 16 bytes of memory per frame.
     ///
     /// # Errors
-    /// [`ReadError::Empty`]; [`ReadError::Foreign`] and [`ReadError::NotText`]: bytes of no format that is read. A mesh is not told from a table of
-    /// text here: see [`FileKind::of`]. What is wrong with a frame is said by [`Self::read`].
+    /// [`ReadError::Empty`]; [`ReadError::Foreign`] and [`ReadError::NotText`] for bytes of no supported format. This function does not
+    /// distinguish a mesh from a text table: see [`FileKind::of`]. Errors inside a frame are returned by [`Self::read`].
     pub fn open(bytes: &'a [u8], name: &str, format: Option<PackingFormat>) -> Result<Self, ReadError> {
         let bytes = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes);
         if bytes.is_empty() {
@@ -96,12 +97,12 @@ impl<'a> Series<'a> {
         Ok(Self { bytes, format, promised, starts })
     }
 
-    /// The format that the frames are read as.
+    /// The format in which the frames are read.
     pub fn format(&self) -> PackingFormat {
         self.format
     }
 
-    /// How many frames there are; at least one, which may be damaged.
+    /// Number of frames; at least one, which may be damaged.
     pub fn frames(&self) -> usize {
         self.starts.len()
     }
@@ -109,28 +110,30 @@ impl<'a> Series<'a> {
     /// Reads a frame, counted from 0.
     ///
     /// - Text and NumPy arrays: see [`read`](crate::read). YADE's `#format x_y_z_r` names columns.
-    /// - NumPy archives: an array alone as if it were a file of its own; else `positions` (n, 2) or (n, 3), or `x`, `y`, `z`, and `radii` or `diameters` and `ids`,
-    ///   under these and similar names, n each.
-    /// - LAMMPS and LIGGGHTS dumps: `x y z`, else the scaled `xs ys zs`, the unwrapped `xu yu zu`, or `xsu ysu zsu`; `radius` or `diameter`; `id`.
-    ///   The box in its three forms, repeating along edges marked `pp`.
-    /// - LAMMPS and LIGGGHTS data: columns by the atom style behind `Atoms #`, or by [`ReadOptions::columns`]. Whether the box repeats these files do not say.
-    /// - XYZ: the columns after `Properties=`, or a name and x y z; more columns are passed over. `Lattice=` with `Origin=` is the box, which repeats
-    ///   along the edges of `pbc=`, without it along all.
-    /// - MercuryDPM: 14 columns in 3D, 8 in 2D; the limits do not repeat.
-    /// - VTK: points; of their data the first of radius, diameter and the like. `Scale` is a diameter, as for the spheres of `ParaView`.
+    /// - NumPy archives: a single array is read like a NumPy file. Otherwise `positions` (n, 2) or (n, 3), or `x`, `y`, `z`, and `radii` or
+    ///   `diameters` and `ids`, under these and similar names, n each.
+    /// - LAMMPS and LIGGGHTS dumps: `x y z`, or the scaled `xs ys zs`, the unwrapped `xu yu zu`, or `xsu ysu zsu`; `radius` or `diameter`;
+    ///   `id`. The box in its three forms, periodic along edges marked `pp`.
+    /// - LAMMPS and LIGGGHTS data: columns by the atom style after `Atoms #`, or by [`ReadOptions::columns`]. These files do not say
+    ///   whether the box is periodic.
+    /// - XYZ: the columns after `Properties=`, or a name and x y z; further columns are ignored. `Lattice=` with `Origin=` is the box,
+    ///   periodic along the edges given by `pbc=`, or along all edges without it.
+    /// - MercuryDPM: 14 columns in 3D, 8 in 2D; the limits are not periodic.
+    /// - VTK: points, with the first of their data named radius, diameter and the like. `Scale` is a diameter, as for the spheres of
+    ///   `ParaView`.
     ///
     /// # Shapes
-    /// `progress`: set to the number of bytes of the file parsed so far; the end of the frame on success.
+    /// `progress`: the number of bytes of the file parsed so far; the end of the frame on success.
     ///
     /// # Units
-    /// Those of the file.
+    /// The units of the file.
     ///
     /// # Cost
-    /// Time proportional to the bytes of the frame, of compressed VTK arrays and archives to what they hold; memory: the packing, and of VTK files
-    /// and archives the arrays.
+    /// Time proportional to the bytes of the frame; for compressed VTK arrays and archives, to their decompressed content. Memory: the
+    /// packing and, for VTK files and archives, the arrays.
     ///
     /// # Errors
-    /// [`ReadError`]; within [`ReadError::InFrame`] where there are several frames.
+    /// [`ReadError`], inside [`ReadError::InFrame`] if there are several frames.
     ///
     /// # Source
     /// LAMMPS documentation of `dump` and `read_data`; ASE, "Extended XYZ"; `MercuryDPM` documentation, "The data file"; VTK file formats.
@@ -186,13 +189,13 @@ impl<'a> Series<'a> {
     }
 }
 
-/// Reads a file that has one frame; [`Series`] reads those that have more.
+/// Reads a file with one frame; [`Series`] reads files with more.
 ///
 /// # Shapes
-/// `name`: the file's name, `progress` as in [`Series::read`].
+/// `name`: the name of the file. `progress`: see [`Series::read`].
 ///
 /// # Errors
-/// As [`Series::open`] and [`Series::read`]; [`ReadError::SeveralFrames`].
+/// Those of [`Series::open`] and [`Series::read`]; [`ReadError::SeveralFrames`].
 ///
 /// # Example
 /// ```
@@ -216,7 +219,7 @@ pub fn read_packing(
     }
 }
 
-/// Where frames start, up to one that cannot be passed or the end.
+/// The starts of frames, up to one that cannot be skipped or to the end.
 fn starts(bytes: &[u8], pass: fn(&mut Lines<'_>) -> bool) -> Vec<Start> {
     let mut lines = Lines::new(bytes);
     let mut starts = Vec::new();

@@ -1,27 +1,27 @@
-//! The columns of one file get their roles.
+//! Assigns roles to the columns of one file.
 
 use crate::columns::{Choice, Columns, Name, Role};
 use crate::error::ReadError;
 use crate::excerpt;
 use crate::read::ReadOptions;
 
-/// More columns are no table of elements, and a name for each might not fit in memory.
+/// Largest number of columns. A table of elements does not have more, and their names might not fit in memory.
 pub(crate) const MOST_COLUMNS: usize = 10_000;
 
-/// The columns of one file before roles are given out.
+/// The columns of one file before roles are assigned.
 pub(crate) struct Table<'a> {
-    /// The names of the header, or the numbers of the columns counted from 1.
+    /// The names in the header, or the numbers of the columns counted from 1.
     pub(crate) names: &'a [Name],
     /// Whether `names` come from a header.
     pub(crate) header: bool,
-    /// Where the names stand, for errors.
+    /// The line of the names, for errors.
     pub(crate) line: Option<u64>,
     /// The first row, for errors.
     pub(crate) row: &'a str,
 }
 
 impl Table<'_> {
-    /// Gives every column its role, by choice, by name or by number, in this order of preference.
+    /// Assigns a role to every column, by the user's choice, by name or by number, in this order.
     pub(crate) fn roles(&self, columns: Option<&Columns>) -> Result<Vec<Option<Role>>, ReadError> {
         match columns {
             Some(Columns(Choice::Places(places))) if places.len() == self.names.len() => Ok(places.clone()),
@@ -37,7 +37,7 @@ impl Table<'_> {
         }
     }
 
-    /// As [`Self::roles`], without ids that are not wanted and with the column of bodies.
+    /// The same without ids if they are ignored, and with the column of bodies.
     pub(crate) fn roles_and_body(&self, options: &ReadOptions) -> Result<Vec<Option<Role>>, ReadError> {
         let columns = options.columns.as_ref();
         let body = options.bodies.as_ref().map(|wanted| self.place_of(wanted)).transpose()?;
@@ -78,8 +78,7 @@ impl Table<'_> {
         Ok(roles)
     }
 
-    /// The column of a name as the header spells it, or else of a number, or else of a name but for its unit
-    /// and capitals.
+    /// Finds a column by its exact name in the header, otherwise by its number, otherwise by its name without unit and capitals.
     fn place_of(&self, wanted: &str) -> Result<usize, ReadError> {
         let plain = [Name::new(wanted).plain, Name::unsuffixed(wanted).plain];
         let places = |fits: &dyn Fn(&Name) -> bool| -> Vec<usize> {
@@ -141,7 +140,7 @@ impl Table<'_> {
         }
     }
 
-    /// The one unit of the columns that hold lengths, `None` if the header gives none.
+    /// The common unit of the columns that hold lengths; `None` if the header gives none.
     pub(crate) fn unit(&self, roles: &[Option<Role>]) -> Result<Option<String>, ReadError> {
         let mut lengths = self
             .names
@@ -163,7 +162,7 @@ impl Table<'_> {
     }
 
     fn present(&self) -> Vec<String> {
-        /// Columns listed in a message: a table may have hundreds.
+        /// Largest number of columns listed in a message; a table may have hundreds.
         const SHOWN: usize = 20;
         let mut present: Vec<_> = self.names.iter().take(SHOWN).map(Name::shown).collect();
         if self.names.len() > SHOWN {

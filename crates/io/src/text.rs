@@ -1,4 +1,4 @@
-//! Packings in delimited text: from the first bytes to the last row.
+//! Reads packings from delimited text.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -12,12 +12,12 @@ use crate::read::{BYTE_ORDER_MARK, ReadOptions};
 use crate::row::{RowReader, TORN, content, is_torn, slip, split, text};
 use crate::table::{MOST_COLUMNS, Table};
 
-/// Lines between two reports of progress: some microseconds' work, so a reader of it never waits.
+/// Number of lines between two reports of progress: some microseconds of work.
 const LINES_PER_REPORT: u64 = 1024;
 
-/// Bytes at the start that show what kind of file it is.
+/// Number of bytes at the start that show what kind of file it is.
 const HEAD: usize = 4096;
-/// Control characters that are an accident; more of them, and more than a tenth of the start, are no text.
+/// Up to this number, control characters are accidental. If there are more, and more than a tenth of the start, the file is not text.
 const STRAY: usize = 8;
 
 pub(crate) fn read_text(
@@ -29,7 +29,7 @@ pub(crate) fn read_text(
     let bytes = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes);
     let (opening, mut lines) = Opening::read(bytes, options)?;
 
-    // A row takes two bytes for every column at least: a bound that a file of blank lines cannot blow up.
+    // A row takes at least two bytes per column. A file of blank lines cannot inflate this bound.
     let rows = memchr::memchr_iter(b'\n', lines.rest()).count() + 1;
     let rows = rows.min(lines.rest().len() / (2 * opening.roles.len().max(1)) + 1);
     let mut elements = Elements::new(&opening.roles, rows)?;
@@ -73,7 +73,7 @@ pub(crate) fn read_text(
     }))
 }
 
-/// Refuses bytes that no text file holds.
+/// Refuses bytes that do not occur in text files.
 pub(crate) fn check_text(bytes: &[u8]) -> Result<(), ReadError> {
     let not_text = |offset: usize, found: String, advice: &'static str| ReadError::NotText {
         line: memchr::memchr_iter(b'\n', &bytes[..offset]).count() as u64 + 1,
@@ -87,7 +87,7 @@ pub(crate) fn check_text(bytes: &[u8]) -> Result<(), ReadError> {
         return Err(not_text(offset, "a NUL byte".into(), ""));
     }
     if valid < bytes.len() {
-        // Latin-1 has no NUL, other formats do.
+        // Latin-1 text has no NUL; other formats do.
         let is_text = memchr::memchr(0, &bytes[valid..]).is_none();
         let advice = if is_text { ": if it is text in another encoding, save it as UTF-8" } else { "" };
         return Err(not_text(valid, format!("0x{:02X}, which is not UTF-8,", bytes[valid]), advice));
@@ -103,7 +103,7 @@ pub(crate) fn check_text(bytes: &[u8]) -> Result<(), ReadError> {
             "",
         ));
     }
-    // One that something else than a line feed follows ends a line of an old Mac, or is an accident.
+    // A carriage return without a line feed ends a line of an old Mac, or is an accident.
     let lone = |at: &usize| bytes.get(at + 1).is_some_and(|next| !b"\r\n".contains(next));
     let lone = memchr::memchr_iter(b'\r', bytes.trim_ascii()).filter(lone).count();
     if lone > 0 && lone > memchr::memchr_iter(b'\n', bytes).count() {
@@ -115,7 +115,7 @@ pub(crate) fn check_text(bytes: &[u8]) -> Result<(), ReadError> {
     Ok(())
 }
 
-/// What the lines before the first row, and that row, say about the file.
+/// What the lines up to the first row show about the file.
 #[derive(Debug)]
 struct Opening {
     delimiter: Delimiter,
@@ -126,7 +126,7 @@ struct Opening {
 }
 
 impl Opening {
-    /// Reads up to the first row, and gives the lines from there on.
+    /// Reads up to the first row, and returns the lines from there on.
     fn read<'a>(bytes: &'a [u8], options: &ReadOptions) -> Result<(Self, Lines<'a>), ReadError> {
         let mut lines = Lines::new(bytes);
         let (mut comment, mut format) = (None, None);
@@ -175,7 +175,7 @@ impl Opening {
             let (names, chosen) = header_names(first, delimiter, row.map(|(_, row)| row));
             delimiter = chosen;
             match row.map(|row| (row, split(row.1, delimiter).len())) {
-                // A header with blanks in its names does not count the columns; a choice by place needs no names.
+                // A header with blanks in its names does not give the number of columns; a choice by place needs no names.
                 Some((row, columns)) if columns != names.len() && choice.is_some_and(Columns::by_number) => {
                     shown = row.1;
                     (numbered(columns), false, row.0)
@@ -201,7 +201,7 @@ impl Opening {
         let roles = table.roles_and_body(options)?;
         let unit = table.unit(&roles)?;
         let label = |(name, role): (&Name, &Option<Role>)| match role {
-            // Nothing else tells which column has the bodies.
+            // Only a header or a choice can name the column of bodies.
             Some(role) if !header && *role != Role::Body => role.to_string(),
             _ => name.shown(),
         };
@@ -213,13 +213,13 @@ impl Opening {
     }
 }
 
-/// Columns without names go by their numbers, counted from 1.
+/// Columns without names are named by their numbers, counted from 1.
 fn numbered(columns: usize) -> Vec<Name> {
     (1..=columns).map(|place| Name::new(&place.to_string())).collect()
 }
 
-/// What a first line such as `sep=;` says, which Excel takes and some programs write: `None` for any other line,
-/// no delimiter if nothing follows.
+/// The delimiter stated by a first line such as `sep=;`, which Excel accepts and some programs write. `None` for any other line; no
+/// delimiter if nothing follows.
 fn separator_line(line: &[u8]) -> Option<Result<Option<Delimiter>, String>> {
     let line = line.strip_prefix(b"\"").map_or(line, |inside| inside.strip_suffix(b"\"").unwrap_or(inside));
     let (key, separator) = line.split_at_checked(4)?;
@@ -239,7 +239,7 @@ fn separator_line(line: &[u8]) -> Option<Result<Option<Delimiter>, String>> {
     })
 }
 
-/// A semicolon separates where there is one, since `0,5;0,2` is no pair of columns; then a comma.
+/// A semicolon if there is one, because `0,5;0,2` is not a pair of columns; otherwise a comma.
 fn delimiter_of(line: &[u8]) -> Delimiter {
     let mut quoted = false;
     let mut found = Delimiter::Blank;
@@ -254,7 +254,7 @@ fn delimiter_of(line: &[u8]) -> Delimiter {
     found
 }
 
-/// Whether the first line names the columns, and is not a row with a slip in it.
+/// Whether the first line names the columns, rather than being a row with a typing error.
 fn is_header(fields: &[&[u8]], delimiter: Delimiter, choice: Option<&Columns>) -> bool {
     if let Some(columns) = choice.filter(|columns| columns.by_number()) {
         let mut chosen = fields.iter().enumerate().filter(|(place, _)| columns.takes(*place)).peekable();
@@ -266,7 +266,7 @@ fn is_header(fields: &[&[u8]], delimiter: Delimiter, choice: Option<&Columns>) -
     fits(&names_of(fields, delimiter), choice)
 }
 
-/// Whether these names hold every column that is needed.
+/// Whether these names include every required column.
 fn fits(names: &[Name], choice: Option<&Columns>) -> bool {
     match choice {
         Some(columns) if !columns.by_number() => {
@@ -278,16 +278,16 @@ fn fits(names: &[Name], choice: Option<&Columns>) -> bool {
     }
 }
 
-/// A number, or what was meant as one: `0,5`, `1.2.3`, `nan`, `0.5O`.
+/// Whether a field is a number or was probably meant as one: `0,5`, `1.2.3`, `nan`, `0.5O`.
 fn looks_numeric(field: &[u8]) -> bool {
     let digits = field.trim_ascii_start().iter().find(|byte| !b"+-.,".contains(byte));
     digits.is_some_and(u8::is_ascii_digit) || fast_float2::parse::<f64, _>(field).is_ok()
 }
 
-/// The names of a header line, and the delimiter under which they agree with the row below it.
+/// The names in a header line, and the delimiter with which their number agrees with the row below.
 ///
-/// Names with blanks in them may be separated by tabs, and some write the header with other delimiters than
-/// the rows. Where single tabs separate both, they alone do: an empty cell between two of them must not vanish.
+/// Names that contain blanks may be separated by tabs, and some programs write the header with other delimiters than the rows. If single
+/// tabs separate both, only tabs are delimiters, so that an empty cell between two tabs is kept.
 fn header_names(line: &[u8], delimiter: Delimiter, row: Option<&[u8]>) -> (Vec<Name>, Delimiter) {
     let names = names_of(&split(line, delimiter), delimiter);
     let columns = |delimiter| row.map_or(names.len(), |row| split(row, delimiter).len());
@@ -303,13 +303,13 @@ fn header_names(line: &[u8], delimiter: Delimiter, row: Option<&[u8]>) -> (Vec<N
     (names, agrees.unwrap_or(delimiter))
 }
 
-/// A comment without the marks that start it.
+/// A comment without its leading marks.
 fn without_marks(comment: &[u8]) -> &[u8] {
     let marks = comment.iter().take_while(|byte| b"#%".contains(byte)).count();
     &comment[marks..]
 }
 
-/// The names in a comment just above the first row, if they fit it.
+/// The names in a comment just above the first row, if their number fits.
 fn comment_names(
     comment: Option<(u64, &[u8])>,
     delimiter: Delimiter,
@@ -324,7 +324,7 @@ fn comment_names(
     })
 }
 
-/// The names after `#format`, as YADE writes them: `x_y_z_r_matId`. The last may stand for several columns if it is `attrs`.
+/// The names after `#format` of YADE: `x_y_z_r_matId`. A last name `attrs` may stand for several columns.
 fn yade_names(
     format: Option<(u64, &[u8])>,
     columns: usize,
@@ -339,7 +339,7 @@ fn yade_names(
     (names.len() == columns && fits(&names, choice)).then_some((names, number))
 }
 
-/// Between blanks, what starts with a bracket belongs to the name before it, up to the closing bracket.
+/// In a line separated by blanks, a field that starts with a bracket belongs to the name before it, up to the closing bracket.
 fn names_of(fields: &[&[u8]], delimiter: Delimiter) -> Vec<Name> {
     let mut names: Vec<String> = Vec::new();
     let mut open = false;

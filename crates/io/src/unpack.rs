@@ -1,4 +1,4 @@
-//! Compressed files: told by their first bytes, unpacked as a stream.
+//! Compressed files: recognised by their first bytes, decompressed as a stream.
 
 use std::borrow::Cow;
 use std::fmt;
@@ -9,7 +9,7 @@ use ruzstd::decoding::StreamingDecoder;
 
 use crate::error::ReadError;
 
-/// How a file is compressed.
+/// The compression of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Compression {
     /// RFC 1952.
@@ -29,17 +29,17 @@ impl fmt::Display for Compression {
 
 const GZIP: &[u8] = b"\x1f\x8b";
 const ZSTD: &[u8] = b"\x28\xb5\x2f\xfd";
-/// The second to fourth byte of a frame of zstd to be stepped over; the first is 0x50 to 0x5f.
+/// The second to fourth byte of a skippable frame of zstd; the first is 0x50 to 0x5f.
 const SKIPPABLE: &[u8] = b"\x2a\x4d\x18";
-/// The largest window that the program zstd unpacks without being told to.
+/// The largest window that the program zstd decompresses without an option.
 const MOST_WINDOW: u64 = 1 << 27;
-/// Bytes unpacked between two looks at the memory.
+/// Number of bytes decompressed between two checks of the memory.
 const PIECE: usize = 1 << 18;
-/// Bytes after which content that cannot be read is given up: a small file may unpack to terabytes of zeros.
+/// Number of bytes that are decompressed before content that cannot be read is given up: a small file may expand to terabytes of zeros.
 const TRIAL: usize = 1 << 20;
 
 impl Compression {
-    /// The compression by the first bytes of a file; `None` where it is not compressed.
+    /// The compression, from the first bytes of a file; `None` if it is not compressed.
     pub fn of(bytes: &[u8]) -> Option<Self> {
         if bytes.starts_with(GZIP) {
             return Some(Self::Gzip);
@@ -48,16 +48,17 @@ impl Compression {
     }
 }
 
-/// Unpacks gzip and zstd, several members or frames one after another too; other bytes are given back as they are.
+/// Decompresses gzip and zstd, including several members or frames in one file; other bytes are returned as they are.
 ///
-/// `wanted`: looks at the first 2^20 unpacked bytes, or all if there are fewer, and says whether to go on. If not, these are all there is.
+/// `wanted` is called with the first 2^20 decompressed bytes, or all if there are fewer, and decides whether to continue. If not, only
+/// these bytes are returned.
 ///
 /// # Cost
-/// Time and memory proportional to what comes out. Memory is asked for piece by piece, as content arrives, whatever a header claims; zstd
-/// windows go up to 128 MiB.
+/// Time and memory proportional to the output. Memory is allocated piece by piece as content arrives, whatever a header claims. Windows of
+/// zstd may have up to 128 MiB.
 ///
 /// # Errors
-/// [`ReadError::Packed`]: damaged or cut off, also where a checksum does not fit. [`ReadError::NoMemory`].
+/// [`ReadError::Packed`] if the data are damaged or cut off, or a checksum does not match; [`ReadError::NoMemory`].
 ///
 /// # Example
 /// ```
@@ -80,7 +81,7 @@ pub fn unpack(
     Ok((Cow::Owned(out.bytes), Some(compression)))
 }
 
-/// What has come out so far.
+/// The output so far.
 struct Unpacked<W> {
     bytes: Vec<u8>,
     compression: Compression,
@@ -89,7 +90,7 @@ struct Unpacked<W> {
 }
 
 impl<W: Fn(&[u8]) -> bool> Unpacked<W> {
-    /// Takes all that there is; false if that is not wanted.
+    /// Reads the whole input; returns false if the content is not wanted.
     fn take(&mut self, input: &mut dyn Read) -> Result<bool, ReadError> {
         loop {
             let from = self.bytes.len();
@@ -136,7 +137,7 @@ fn zstd<W: Fn(&[u8]) -> bool>(mut rest: &[u8], out: &mut Unpacked<W>) -> Result<
     Ok(())
 }
 
-/// The length of a frame to be stepped over, if one starts here.
+/// The length of the skippable frame that starts here, if any.
 fn skipped(bytes: &[u8]) -> Option<usize> {
     let header = bytes.get(..8)?;
     let length: [u8; 4] = header[4..].try_into().ok()?;

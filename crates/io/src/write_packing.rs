@@ -1,4 +1,4 @@
-//! Packings, written as text or as a NumPy array.
+//! Writes packings as text or as a NumPy array.
 
 use std::io::{self, Write};
 
@@ -6,18 +6,18 @@ use crate::npy_header::header;
 use crate::packing::Centres;
 use crate::written::CHUNK;
 
-/// No row is longer: four floats of 24 characters and delimiters.
+/// Upper bound on the bytes of a row: four floats of 24 characters and delimiters.
 const LONGEST_ROW: usize = 160;
 
 /// Writes a packing as text under the header `x,y[,z][,radius]`.
 ///
-/// [`read`](crate::read) gives back the same numbers, bit for bit.
+/// [`read`](crate::read) returns the same numbers, bit for bit.
 ///
 /// # Shapes
 /// `centres`: `n`. `radii`: `n` if given.
 ///
 /// # Cost
-/// Time proportional to `n`; one buffer of 256 KiB, so `out` needs none. `out` is not flushed.
+/// Time proportional to `n`. Uses a buffer of 256 KiB, so `out` needs none. `out` is not flushed.
 ///
 /// # Errors
 /// Those of `out`; [`io::ErrorKind::InvalidInput`] if `radii` is not as long as `centres`.
@@ -48,16 +48,16 @@ pub fn write_packing_csv<W: Write>(out: &mut W, centres: &Centres, radii: Option
     })
 }
 
-/// Writes a packing as a NumPy array of `<f8` in C order, columns x, y, z, radius as far as there are.
+/// Writes a packing as a NumPy array of `<f8` in C order, with the columns x, y, z, radius that exist.
 ///
-/// A 2D packing with radii gets the named fields `x`, `y`, `radius` instead: a plain array of three columns
-/// would be taken for x, y, z. [`read`](crate::read) gives back the same numbers, bit for bit.
+/// A 2D packing with radii gets the named fields `x`, `y`, `radius` instead, because a plain array of three columns would be read as x, y,
+/// z. [`read`](crate::read) returns the same numbers, bit for bit.
 ///
 /// # Shapes
 /// `centres`: `n`. `radii`: `n` if given. The array is `(n, 2)`, `(n, 3)` or `(n, 4)`; with fields, `(n,)`.
 ///
 /// # Cost
-/// Time proportional to `n`; one buffer of 256 KiB, so `out` needs none. `out` is not flushed.
+/// Time proportional to `n`. Uses a buffer of 256 KiB, so `out` needs none. `out` is not flushed.
 ///
 /// # Errors
 /// Those of `out`; [`io::ErrorKind::InvalidInput`] if `radii` is not as long as `centres`.
@@ -79,7 +79,7 @@ pub fn write_packing_npy<W: Write>(out: &mut W, centres: &Centres, radii: Option
     })
 }
 
-/// The values of one element: its centre, then its radius if there is one.
+/// The values of one element: its centre, followed by its radius if there is one.
 type Values<'a> = std::iter::Chain<std::iter::Copied<std::slice::Iter<'a, f64>>, std::option::IntoIter<f64>>;
 
 fn write_rows<W: Write>(

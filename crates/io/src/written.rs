@@ -1,10 +1,11 @@
-//! Tables to be written: columns with names and types, the values of which are worked out where they are written.
+//! Tables for output: columns with names and types, whose values are computed when they are written.
 
 mod csv;
 mod graph;
 mod npy;
 mod npz;
 mod parquet;
+mod spool;
 mod vtp;
 
 use std::fmt;
@@ -13,48 +14,49 @@ use std::ops::Range;
 
 pub use csv::{write_csv, write_csv_rows};
 pub use graph::{write_graphml, write_node_link};
-pub use npy::{write_npy, write_npy_header, write_npy_rows};
+pub use npy::write_npy;
 pub use npz::write_npz;
 pub use parquet::write_parquet;
+pub use spool::Spool;
 pub use vtp::write_vtp;
 
-/// Bytes gathered before they are written: large enough that a file gets few writes, small enough for a cache.
+/// Number of bytes collected before they are written: large enough for few writes, small enough for a cache.
 pub(crate) const CHUNK: usize = 1 << 18;
 
-/// The value at a place.
+/// The value at an index.
 type At<'a, T> = Box<dyn Fn(usize) -> T + 'a>;
 
-/// The values of a column, each worked out when it is asked for, perhaps more than once: nothing is stored.
+/// The values of a column. Each is computed when it is requested, perhaps more than once; nothing is stored.
 pub enum Values<'a> {
-    /// Whole numbers of 32 bits.
+    /// Integers of 32 bits.
     I32(At<'a, i32>),
-    /// Whole numbers of 64 bits.
+    /// Integers of 64 bits.
     I64(At<'a, i64>),
-    /// Whole numbers of 64 bits without sign.
+    /// Unsigned integers of 64 bits.
     U64(At<'a, u64>),
     /// Floats.
     F64(At<'a, f64>),
     /// Texts of letters, digits and underscores.
     Text {
-        /// Bytes of the longest; what is longer is cut in arrays.
+        /// Width in bytes; longer texts are cut in arrays.
         width: usize,
-        /// The text at a place.
+        /// The text at an index.
         at: At<'a, &'static str>,
     },
 }
 
 impl<'a> Values<'a> {
-    /// Whole numbers of 32 bits.
+    /// Integers of 32 bits.
     pub fn i32(at: impl Fn(usize) -> i32 + 'a) -> Self {
         Self::I32(Box::new(at))
     }
 
-    /// Whole numbers of 64 bits.
+    /// Integers of 64 bits.
     pub fn i64(at: impl Fn(usize) -> i64 + 'a) -> Self {
         Self::I64(Box::new(at))
     }
 
-    /// Whole numbers of 64 bits without sign.
+    /// Unsigned integers of 64 bits.
     pub fn u64(at: impl Fn(usize) -> u64 + 'a) -> Self {
         Self::U64(Box::new(at))
     }
@@ -64,12 +66,12 @@ impl<'a> Values<'a> {
         Self::F64(Box::new(at))
     }
 
-    /// Texts of `width` bytes at most.
+    /// Texts of at most `width` bytes.
     pub fn text(width: usize, at: impl Fn(usize) -> &'static str + 'a) -> Self {
         Self::Text { width, at: Box::new(at) }
     }
 
-    /// The type as NumPy spells it.
+    /// The type in NumPy notation.
     fn dtype(&self) -> String {
         match self {
             Self::I32(_) => "<i4".to_owned(),
@@ -80,7 +82,7 @@ impl<'a> Values<'a> {
         }
     }
 
-    /// Bytes of a value in an array.
+    /// Number of bytes of a value in an array.
     pub(crate) fn size(&self) -> usize {
         match self {
             Self::I32(_) => 4,
@@ -89,7 +91,7 @@ impl<'a> Values<'a> {
         }
     }
 
-    /// Appends values as an array in memory has them, the lowest byte first.
+    /// Appends values in little-endian binary form.
     pub(crate) fn write_le(&self, places: Range<usize>, chunk: &mut Vec<u8>) {
         match self {
             Self::I32(at) => places.for_each(|k| chunk.extend_from_slice(&at(k).to_le_bytes())),
@@ -103,28 +105,30 @@ impl<'a> Values<'a> {
     }
 }
 
-/// A name and its values: a number for each row, or several, as a point has.
+/// A name and its values: one number for each row, or several, as for a point.
 pub(crate) struct Column<'a> {
-    /// Name of the whole, where a format has arrays of several columns.
+    /// Name of the column, in formats whose arrays may have several components.
     pub(crate) name: &'static str,
-    /// Names of the components, where it has not; none if it is plain.
+    /// Names of the components, for formats without them; empty for a column of single numbers.
     pub(crate) components: &'static [&'static str],
-    /// Component `c` of row `k` is at `k * width + c`.
+    /// Unit of the values; empty for none.
+    pub(crate) unit: &'static str,
+    /// Component `c` of row `k` has the index `k * width + c`.
     pub(crate) values: Values<'a>,
 }
 
 impl Column<'_> {
-    /// Values in a row.
+    /// Number of values per row.
     pub(crate) fn width(&self) -> usize {
         self.components.len().max(1)
     }
 
-    /// Names of its columns in a format of plain columns.
+    /// Names of its columns in formats without components.
     fn names(&self) -> &[&'static str] {
         if self.components.is_empty() { std::slice::from_ref(&self.name) } else { self.components }
     }
 
-    /// Writes all values of `rows` rows, as an array in memory has them.
+    /// Writes all values of `rows` rows in binary form.
     pub(crate) fn write_array(&self, rows: usize, out: &mut impl Write) -> io::Result<()> {
         let values = rows * self.width();
         let block = (CHUNK / self.values.size().max(1)).max(1);
@@ -138,7 +142,7 @@ impl Column<'_> {
     }
 }
 
-/// Rows of named and typed columns.
+/// A table: rows of named and typed columns.
 ///
 /// # Example
 /// ```
@@ -172,17 +176,17 @@ impl<'a> Table<'a> {
         Self { rows, columns: Vec::new() }
     }
 
-    /// With one more column: value `k` is that of row `k`.
+    /// Adds a column; value `k` belongs to row `k`.
     ///
-    /// Names are letters, digits and underscores.
+    /// Names consist of letters, digits and underscores.
     #[must_use]
     pub fn with(mut self, name: &'static str, values: Values<'a>) -> Self {
-        self.columns.push(Column { name, components: &[], values });
+        self.columns.push(Column { name, components: &[], unit: "", values });
         self
     }
 
-    /// With a column of several components, which are columns of their own where a format has no such thing: component `c` of row `k` is value
-    /// `k * components.len() + c`.
+    /// Adds a column of several components: component `c` of row `k` has the index `k * components.len() + c`. Formats without components
+    /// write them as separate columns.
     #[must_use]
     pub fn with_components(
         mut self,
@@ -190,11 +194,21 @@ impl<'a> Table<'a> {
         components: &'static [&'static str],
         values: Values<'a>,
     ) -> Self {
-        self.columns.push(Column { name, components, values });
+        self.columns.push(Column { name, components, unit: "", values });
         self
     }
 
-    /// How many rows there are.
+    /// With the unit of the column that was added last: [`write_vtu`](crate::write_vtu) and [`write_poly_vtp`](crate::write_poly_vtp) write it, other
+    /// formats leave it out.
+    #[must_use]
+    pub fn in_unit(mut self, unit: &'static str) -> Self {
+        if let Some(last) = self.columns.last_mut() {
+            last.unit = unit;
+        }
+        self
+    }
+
+    /// Number of rows.
     pub fn rows(&self) -> usize {
         self.rows
     }
@@ -203,7 +217,7 @@ impl<'a> Table<'a> {
         &self.columns
     }
 
-    /// Columns as formats of plain ones have them: name, values, and the place of the value of a row.
+    /// The columns for formats without components: name, values, and the index of the value of a row.
     fn plain(&self) -> impl Iterator<Item = Plain<'_>> {
         self.columns.iter().flat_map(|column| {
             let (values, width) = (&column.values, column.width());
@@ -217,7 +231,7 @@ impl<'a> Table<'a> {
     }
 }
 
-/// A column of one value for each row.
+/// A column of one value per row.
 struct Plain<'t> {
     name: &'static str,
     values: &'t Values<'t>,
@@ -226,7 +240,7 @@ struct Plain<'t> {
 }
 
 impl Plain<'_> {
-    /// Where the value of a row is.
+    /// The index of the value of a row.
     fn place(&self, row: usize) -> usize {
         row * self.width + self.component
     }

@@ -1,4 +1,4 @@
-//! What is wrong is said, with line, column and remedy.
+//! Errors of bad files: messages name line, column and remedy.
 
 #![allow(clippy::panic, reason = "helpers of tests fail like tests")]
 
@@ -17,7 +17,7 @@ fn error(text: &str) -> ReadError {
     fails(text, &ReadOptions::default())
 }
 
-/// Every text with the line of its error and what the message must say.
+/// Texts, each with the line of its error and the required parts of the message.
 #[test]
 fn rows_that_cannot_be_read() {
     for (text, line, message) in [
@@ -64,7 +64,7 @@ fn rows_with_another_separator() {
         ("x,y,r\n0,0,1\n1\t0\t1\n", 3, "found 1 (separated by tabs, the lines before by commas): 1\\t0\\t1"),
         ("x,y,r\n0,0,1\n1 0 1\n", 3, "found 1 (separated by blanks, the lines before by commas): 1 0 1"),
         ("x,y,r\n0,0,1\n1;0;1\n", 3, "found 1 (separated by semicolons, the lines before by commas)"),
-        // An empty cell between tabs does not vanish and shift the cells behind it.
+        // An empty cell between tabs is kept, so that the cells after it do not shift.
         ("x\ty\tnote\tr\n0\t0\tok\t1\n1\t\t7\t3\t1\n", 3, "expected 4 fields, found 5"),
         ("x\ty\tr\n0\t0\t1\n1\t\t1\n", 3, "column y"),
         ("x y r\n0 0 1\n1,0,1\n", 3, "found 1 (separated by commas, the lines before by blanks or tabs)"),

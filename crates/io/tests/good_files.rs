@@ -1,4 +1,4 @@
-//! What people have is read: delimiters, headers, units, ids, NumPy arrays, and the sample files.
+//! Files as users have them: delimiters, headers, units, ids, NumPy arrays, and the sample files.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail like tests")]
 
@@ -36,7 +36,7 @@ fn roles(packing: &Packing) -> Vec<Option<Role>> {
     packing.source.columns.iter().map(|column| column.role).collect()
 }
 
-/// Every spelling of the same two spheres.
+/// All notations of the same two spheres.
 #[test]
 fn spellings_of_one_packing() {
     use Delimiter::{Blank, Comma, Semicolon, Tab};
@@ -180,7 +180,7 @@ fn bodies_are_read_when_asked() {
         assert_eq!(packing.centres, Centres::Two(vec![[1.0, 2.0], [4.0, 5.0]]), "{text}");
         assert!(roles(&packing).contains(&Some(Role::Body)), "{text}");
     }
-    // Next to columns chosen by hand, and where a column of that name is an id.
+    // Together with columns chosen by the user, and with a column of that name that is an id.
     let columns = Some("y,x,_".parse().unwrap());
     let packing = with(b"2 1 7\n5 4 7\n", &ReadOptions { columns, ..bodies("3") });
     assert_eq!((packing.bodies, packing.ids), (Some(vec![7, 7]), None));
@@ -257,7 +257,7 @@ fn progress_reaches_the_end() {
     assert!((30_000..bad.len() as u64).contains(&stopped), "{stopped}: reported on the way, not at the end");
 }
 
-/// An array as another program writes it.
+/// An array as another program would write it.
 fn npy<T: npyz::Serialize>(dtype: &str, shape: &[u64], order: npyz::Order, values: &[T]) -> Vec<u8> {
     let mut bytes = Vec::new();
     let dtype = npyz::DType::new_scalar(dtype.parse().unwrap());
@@ -308,7 +308,7 @@ fn arrays_with_chosen_columns() {
     assert_eq!(packing.ids, Some(vec![7]));
 }
 
-/// A structured array with this descr, one row of `data`; the header is spelled as NumPy spells it.
+/// A structured array with this descr and one row of `data`; the header is written as NumPy writes it.
 fn record(descr: &str, rows: usize, data: &[u8]) -> Vec<u8> {
     let text = format!("{{'descr': {descr}, 'fortran_order': False, 'shape': ({rows},), }}\n");
     let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
@@ -357,7 +357,7 @@ fn arrays_of_integers() {
     assert_eq!(packing.source.unit.as_deref(), Some("mm"));
 }
 
-/// A file of the round robin data, or `None` with a note where the data are not at hand.
+/// A file of the round robin data, or `None` with a note if the data are not available.
 fn sample(path: &str) -> Option<Vec<u8>> {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/roundrobin").join(path);
     match std::fs::read(&path) {

@@ -1,6 +1,6 @@
-//! Labelled images: files of other programs are read as they read them, and damage is refused with what is wrong.
+//! Labelled images: files of other programs give the same labels here, and damaged files are refused with the reason.
 //!
-//! `labels/make.py` says what is in the files.
+//! `labels/make.py` documents the content of the files.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failed unwrap is a failed test")]
 
@@ -15,7 +15,7 @@ fn file(name: &str) -> Vec<u8> {
     fs::read(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/labels").join(name)).unwrap()
 }
 
-/// Shape, whether the axes are reversed, and the labels, read `most` planes at a time.
+/// The shape, whether the axes are reversed, and the labels, read `most` planes at a time.
 type Content = (Vec<usize>, bool, Vec<i128>);
 
 fn all<L: LabelValue + Into<i128>>(image: &mut LabelImage<'_>, most: usize) -> Result<Content, LabelError> {
@@ -89,7 +89,7 @@ fn files_of_other_programs_are_read() {
             read(file("stored.npz"), Some("other"), most).unwrap(),
             (LabelKind::I64, (vec![4, 5], false, page))
         );
-        // Of the padded planes what lies in their corner.
+        // The corner of the padded planes.
         let (kind, (padded, _, labels)) = read(file("deflate_tiles.tif"), None, most).unwrap();
         assert_eq!((kind, padded), (LabelKind::U16, vec![3, 24, 25]));
         for (at, label) in labels.into_iter().enumerate() {
@@ -155,7 +155,7 @@ fn arrays_that_are_no_images_are_refused() {
     assert_eq!((shape, labels.len()), (vec![0, 3], 0));
 }
 
-/// An archive with one member of these bytes.
+/// An archive with one member that contains these bytes.
 fn archive(method: zip::CompressionMethod, bytes: &[u8]) -> Vec<u8> {
     let mut archive = zip::ZipWriter::new(Cursor::new(Vec::new()));
     archive.start_file("a.npy", SimpleFileOptions::default().compression_method(method)).unwrap();
@@ -176,7 +176,7 @@ fn damaged_archives_are_refused() {
         );
         let good = archive(method, &npy("'<u2'", "(2, 2)", &[7; 8]));
         assert_eq!(read(good.clone(), None, 1).unwrap().1.2, [0x0707; 4]);
-        // A checksum that does not fit: the last plane is not handed out unseen.
+        // The checksum does not match: the last plane must not be returned unchecked.
         let mut bytes = good.clone();
         let at = bytes.windows(4).rposition(|window| window == b"PK\x01\x02").unwrap() + 16;
         bytes[at] ^= 1;
@@ -185,7 +185,7 @@ fn damaged_archives_are_refused() {
     }
 }
 
-/// Every byte changed, and every end cut off: an error or an image, no panic, and no memory for what is not there.
+/// Every byte changed, and the file cut off at every length: an error or an image, no panic, and no memory for data that do not exist.
 #[test]
 fn damage_anywhere_is_an_error_or_an_image() {
     let mut errors = 0;

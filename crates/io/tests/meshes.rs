@@ -1,4 +1,5 @@
-//! Meshes: one mesh in every format and encoding is the same mesh; what is wrong is said; no bytes make a reader panic or ask for much memory.
+//! Meshes: one mesh gives the same result in every format and encoding; errors are reported; no bytes make a reader panic or allocate much
+//! memory.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail like tests")]
 
@@ -15,7 +16,7 @@ use peak_alloc::PeakAlloc;
 #[global_allocator]
 static MEMORY: PeakAlloc = PeakAlloc;
 
-/// Held by the tests that measure memory or take much of it: the allocator counts that of all threads.
+/// Held by tests that measure memory or use much of it, because the allocator counts all threads.
 static ALONE: Mutex<()> = Mutex::new(());
 
 fn read(name: &str, bytes: impl AsRef<[u8]>) -> Mesh {
@@ -101,13 +102,13 @@ fn surfaces_are_the_same_mesh() {
     }
 }
 
-/// Formats of triangles with their own corners each, which are welded.
+/// Formats of triangles with separate corners, which are merged.
 #[test]
 fn solids_are_welded() {
     for (label, bytes) in solids() {
         let mesh = read(&label, &bytes);
         let named = label.contains("ascii");
-        // Two solids that touch keep their nodes apart; without solids, equal corners are one node.
+        // Two touching solids keep their nodes apart; without solids, equal corners become one node.
         let triangles =
             if named { [[0, 1, 2], [0, 2, 3], [4, 5, 6]] } else { [[0, 1, 2], [0, 2, 3], [1, 4, 5]] };
         assert_eq!(mesh.triangles.nodes, triangles, "{label}");
@@ -134,7 +135,7 @@ fn bodies_of_gmsh_without_groups_are_entities() {
     let mesh = read("a.msh", untagged);
     assert_eq!(mesh.source.bodies_from, BodiesFrom::File);
     assert_eq!(mesh.bodies.len(), 1);
-    // Elements in no group are one body where others are in one.
+    // Elements in no group form one body if others are in a group.
     let partly = text.replace("2 2 2 0 7", "2 2 2 -5 7");
     assert_eq!(body_numbers(&read("a.msh", partly)), [None, Some(5)]);
 }
@@ -165,10 +166,7 @@ fn sets_of_abaqus_are_bodies() {
     assert_eq!(names(&read_sets), [Some("Left"), Some("right")]);
     assert_eq!(read_sets.triangles.bodies, [0, 1, 1]);
     let both = fails("a.inp", format!("{mesh}*ELSET,ELSET=A\n1,2\n*ELSET,ELSET=B\n2,9\n"));
-    assert_eq!(
-        both.to_string(),
-        "a.inp:13: element 2 is in set A and in set B: which body it is a part of cannot be told"
-    );
+    assert_eq!(both.to_string(), "a.inp:13: element 2 is in set A and in set B: its body is ambiguous");
     assert_eq!(fails("a.inp", format!("{mesh}*ELSET,ELSET=A\n3\n")).line(), Some(11));
 }
 
@@ -203,7 +201,7 @@ fn models_of_abaqus_that_are_refused() {
     }
 }
 
-/// Points and cells of the pieces follow each other; no cell reaches into another piece.
+/// The points and cells of pieces follow each other; no cell refers to another piece.
 #[test]
 fn pieces_of_a_grid() {
     let (from, to) = (VTU.find("<Piece").unwrap(), VTU.find("</UnstructuredGrid>").unwrap());
@@ -247,7 +245,7 @@ fn objects_groups_and_relative_vertices() {
     assert_eq!(mesh.source.point_elements, 1);
 }
 
-/// The first byte of the length of raw data may look like a blank: 32 bytes.
+/// The first byte of the length of raw data may equal a blank: 32 bytes.
 #[test]
 fn raw_data_may_start_with_a_blank() {
     let head = "<VTKFile type=\"UnstructuredGrid\" byte_order=\"LittleEndian\"><UnstructuredGrid><Piece NumberOfPoints=\"3\" NumberOfCells=\"1\">\
@@ -313,7 +311,7 @@ const VTU: &str = "<VTKFile type=\"UnstructuredGrid\"><UnstructuredGrid>\n<Piece
                    <DataArray type=\"UInt8\" Name=\"types\">5</DataArray></Cells></Piece></UnstructuredGrid></VTKFile>\n";
 const TABLE: &str = "vertex1_X[m] vertex1_Y[m] vertex1_Z[m] vertex2_X[m] vertex2_Y[m] vertex2_Z[m] vertex3_X[m] vertex3_Y[m] vertex3_Z[m]\n0 0 0 1 0 0 0 1 0\n";
 
-/// Name and content of a good file, what is replaced in it, the line of the error, and what the message must say.
+/// The name and content of a good file, a replacement in it, the line of the error, and the required part of the message.
 type Wrong = (&'static str, &'static str, &'static str, &'static str, u64, &'static str);
 
 const WRONG: &[Wrong] = &[
@@ -485,7 +483,7 @@ fn binary_errors_name_the_byte() {
     assert!(error.to_string().contains("4 facets take 200 bytes, found 199"), "{error}");
 }
 
-/// Deeper than any stack.
+/// Nested more deeply than any stack allows.
 #[test]
 fn deep_xml() {
     let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
@@ -517,9 +515,9 @@ fn all_files() -> Vec<(String, Vec<u8>)> {
     files
 }
 
-/// Reads what may be damaged: an error with a message, or a mesh that keeps its promises, in little memory.
+/// Reads a possibly damaged file: gives an error with a message, or a consistent mesh, within little memory.
 fn survives(name: &str, bytes: &[u8]) {
-    /// More than a thousand times the largest of the files, which is what deflate packs at most.
+    /// More than a thousand times the largest of the files, which is the highest ratio of deflate.
     const BYTES: usize = 16 << 20;
     let before = MEMORY.current_usage();
     MEMORY.reset_peak_usage();
@@ -557,7 +555,7 @@ fn cut_files() {
     }
 }
 
-/// Text that makes trouble in headers and counts.
+/// Text that causes problems in headers and counts.
 const TROUBLE: [&[u8]; 12] = [
     b"-1",
     b"0",
@@ -576,7 +574,7 @@ const TROUBLE: [&[u8]; 12] = [
 #[test]
 fn mutated_files() {
     let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
-    // SplitMix64, so that a failure can be repeated.
+    // SplitMix64, so that a failure can be reproduced.
     let mut state = 7_u64;
     let mut random = move |below: usize| {
         state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
@@ -605,7 +603,7 @@ fn mutated_files() {
                         bad.splice(at..end, TROUBLE[random(TROUBLE.len())].iter().copied());
                     }
                     _ => {
-                        // A whole number becomes another.
+                        // Replaces an integer by another one.
                         let start =
                             bad[at..].iter().position(u8::is_ascii_digit).map_or(at, |digit| at + digit);
                         let digits = bad[start..].iter().take_while(|byte| byte.is_ascii_digit()).count();
@@ -621,7 +619,7 @@ fn mutated_files() {
     }
 }
 
-/// Triangle walls of the DEM round robin, or `None` with a note where the data are not at hand.
+/// Triangle walls of the DEM round robin, or `None` with a note if the data are not available.
 fn walls(path: &str) -> Option<String> {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/roundrobin").join(path);
     match std::fs::read_to_string(&path) {
@@ -679,7 +677,7 @@ fn walls_of_the_round_robin() {
     }
 }
 
-/// Triangles, and facets without area, of each file.
+/// Number of triangles and of facets without area in each file.
 const WALLS: [(&str, (u64, u64)); 4] = [
     ("drum/walls.txt", (1200, 0)),
     ("penetration/walls.txt", (56, 0)),

@@ -1,4 +1,4 @@
-//! Whatever the bytes, no panic; what is written reads back bit for bit.
+//! No bytes cause a panic; written files read back bit for bit.
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
@@ -26,7 +26,7 @@ fn all_options() -> Vec<ReadOptions> {
     all
 }
 
-/// Reads in every way, and checks what holds for any file.
+/// Reads in every way and checks the properties of any result.
 fn read_every_way(bytes: &[u8]) {
     for options in all_options() {
         match read(bytes, &options, &AtomicU64::new(0)) {
@@ -122,7 +122,7 @@ proptest! {
         read_every_way(&bytes);
     }
 
-    /// Bytes that mean something, so that more of the reader is met than the check for text.
+    /// Bytes with a meaning, so that more of the reader is reached than the check for text.
     #[test]
     fn arbitrary_text_does_not_panic(text in "[-+0-9.eExyzrid#%\", \t;\\[\\](=_\r\n]{0,120}") {
         read_every_way(text.as_bytes());
@@ -145,7 +145,7 @@ proptest! {
         read_every_way(&bytes);
     }
 
-    /// Headers that are in order, with any sizes: products overflow, offsets exceed the file.
+    /// Valid headers with arbitrary sizes: products overflow, offsets exceed the file.
     #[test]
     fn arbitrary_numpy_sizes_do_not_panic(
         kind in "[fiuVUS]",
@@ -209,7 +209,7 @@ proptest! {
         }
     }
 
-    /// Quoted fields take the careful way, bare ones the fast way.
+    /// Quoted fields take the careful parser, bare ones the fast parser.
     #[test]
     fn the_fast_way_agrees_with_the_careful_way(
         rows in prop::collection::vec((any::<i64>(), float(), float(), any::<i64>()), 1..10),
@@ -224,7 +224,7 @@ proptest! {
         prop_assert_eq!(read(&bare), read(&quoted));
     }
 
-    /// Leaving out bad lines gives what the file without them gives.
+    /// Skipping bad lines gives the same as the file without them.
     #[test]
     fn skipping_is_deleting(
         rows in prop::collection::vec(prop_oneof![

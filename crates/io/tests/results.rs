@@ -1,23 +1,25 @@
-//! Files of a mesh at one instant: read back byte by byte, whatever their size, and refused if they could not be read.
+//! Files of a mesh at one time: read back byte by byte, for any size, and refused if they could not be read.
 
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
 use std::io::{self, ErrorKind, Read};
 
-use fdem_io::{Table, Values, pvd, write_vtu};
+use fdem_io::{Table, Values, pvd, write_poly_vtp, write_vtu};
 use flate2::read::ZlibDecoder;
 
 /// `n` points and `m` triangles between them.
 fn written(n: usize, m: usize) -> Vec<u8> {
     let points = Table::new(n)
         .with_components("positions", &["x", "y", "z"], Values::f64(|k| k as f64 / 7.0))
-        .with_components("velocity", &["x", "y", "z"], Values::f64(|k| -1e-300 * k as f64));
+        .with_components("velocity", &["x", "y", "z"], Values::f64(|k| -1e-300 * k as f64))
+        .in_unit("m/s");
     let triangles = Table::new(m)
         .with_components("nodes", &["a", "b", "c"], Values::i64(move |k| (k % n.max(1)).cast_signed() as i64))
         .with_components("stress", &["xx", "yy"], Values::f64(|k| if k == 3 { f64::NAN } else { k as f64 }))
         .with("body", Values::i32(|k| -(k.cast_signed() as i32)));
     let mut out = Vec::new();
-    write_vtu(&mut out, &points, &triangles, 0.125).unwrap();
+    let named = [("body: a \"<b>\" & c".to_owned(), vec![0, 6])];
+    write_vtu(&mut out, &points, &triangles, 0.125, &named).unwrap();
     out
 }
 
@@ -30,7 +32,7 @@ fn parts(file: &[u8]) -> (&str, &[u8]) {
     (std::str::from_utf8(&file[..at]).unwrap(), &file[at + mark.len()..end])
 }
 
-/// The element that announces an array, and its bytes.
+/// The XML element that describes an array, and the bytes of the array.
 fn array<'a>(file: &'a [u8], name: &str) -> (&'a str, Vec<u8>) {
     let (head, body) = parts(file);
     let line = head.lines().find(|line| line.contains(&format!("Name=\"{name}\""))).unwrap();
@@ -77,8 +79,49 @@ fn every_array_reads_back_bit_for_bit() {
     assert_eq!(integers(&array(&file, "offsets").1), [3, 6, 9, 12]);
     assert_eq!(array(&file, "types").1, [5; 4]);
     assert_eq!(floats(&array(&file, "TimeValue").1), [0.125]);
+    assert_eq!(integers(&array(&file, "body: a &quot;&lt;b&gt;&quot; &amp; c").1), [0, 6]);
     let (head, _) = parts(&file);
     assert!(head.contains("NumberOfPoints=\"5\" NumberOfCells=\"4\""));
+    let unit =
+        "<InformationKey name=\"UNITS_LABEL\" location=\"vtkDataArray\">m/s</InformationKey>\n</DataArray>";
+    let velocity = head.split("Name=\"velocity\"").nth(1).unwrap();
+    assert!(velocity.split("</PointData>").next().unwrap().contains(unit));
+    assert_eq!(head.matches("UNITS_LABEL").count(), 1);
+}
+
+#[test]
+fn points_and_lines_read_back_bit_for_bit() {
+    let points = |n| {
+        Table::new(n)
+            .with_components("positions", &["x", "y", "z"], Values::f64(|k| k as f64 / 7.0))
+            .with("force", Values::f64(|k| -(k as f64)))
+            .in_unit("N")
+    };
+    let mut file = Vec::new();
+    write_poly_vtp(&mut file, &points(3), None, 2.5).unwrap();
+    assert!(parts(&file).0.contains("NumberOfPoints=\"3\" NumberOfVerts=\"3\" NumberOfLines=\"0\""));
+    assert!(parts(&file).0.contains("<Verts>") && !parts(&file).0.contains("<Lines>"));
+    assert_eq!(integers(&array(&file, "connectivity").1), [0, 1, 2]);
+    assert_eq!(integers(&array(&file, "offsets").1), [1, 2, 3]);
+    assert_eq!(floats(&array(&file, "force").1), [0.0, -1.0, -2.0]);
+    assert_eq!(floats(&array(&file, "TimeValue").1), [2.5]);
+
+    let lines = Table::new(2)
+        .with_components("ends", &["i", "j"], Values::i64(|k| [0, 1, 1, 2][k]))
+        .with("damage", Values::f64(|k| 0.5 * k as f64));
+    let mut file = Vec::new();
+    write_poly_vtp(&mut file, &points(3), Some(&lines), 0.0).unwrap();
+    assert!(parts(&file).0.contains("NumberOfPoints=\"3\" NumberOfVerts=\"0\" NumberOfLines=\"2\""));
+    assert_eq!(integers(&array(&file, "connectivity").1), [0, 1, 1, 2]);
+    assert_eq!(integers(&array(&file, "offsets").1), [2, 4]);
+    assert_eq!(floats(&array(&file, "damage").1), [0.0, 0.5]);
+
+    let mut out = Vec::new();
+    let triples = Table::new(1).with_components("ends", &["a", "b", "c"], Values::i64(|_| 0));
+    for (points, lines) in [(Table::new(1), None), (points(3), Some(&triples))] {
+        let error = write_poly_vtp(&mut out, &points, lines, 0.0).unwrap_err();
+        assert_eq!((error.kind(), out.len()), (ErrorKind::InvalidInput, 0));
+    }
 }
 
 #[test]
@@ -106,7 +149,7 @@ fn columns_that_are_no_mesh_are_refused() {
     let triangles = || Table::new(1).with_components("nodes", &["a", "b", "c"], Values::i64(|_| 0));
     let refused = |points: &Table<'_>, triangles: &Table<'_>| {
         let mut out = Vec::new();
-        let error: io::Error = write_vtu(&mut out, points, triangles, 0.0).unwrap_err();
+        let error: io::Error = write_vtu(&mut out, points, triangles, 0.0, &[]).unwrap_err();
         assert_eq!(error.kind(), ErrorKind::InvalidInput);
         assert!(out.is_empty(), "nothing half written");
         error.to_string()

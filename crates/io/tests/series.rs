@@ -1,4 +1,4 @@
-//! Packings with frames and boxes: one packing in every format is the same packing; what is wrong is said, with frame and line.
+//! Packings with frames and boxes: one packing gives the same result in every format; errors name frame and line.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failed unwrap is a failed test")]
 
@@ -42,7 +42,7 @@ fn says(bytes: impl AsRef<[u8]>, line: impl Into<Option<u64>>, parts: &[&str]) {
     }
 }
 
-/// The centres are exact in every format: halves and quarters.
+/// The centres are exact in every format: they are halves and quarters.
 #[test]
 fn one_packing_is_the_same_in_every_format() {
     let mut files: Vec<(&str, PackingFormat, Cow<'_, [u8]>)> =
@@ -76,7 +76,7 @@ fn one_packing_is_the_same_in_every_format() {
             assert_eq!(packing.centres, Centres::Three(CENTRES.to_vec()), "{name}");
             assert_eq!(packing.radii.as_deref(), Some(&RADII[..]), "{name}");
         }
-        // Lines may end as they do on Windows, all or some of them.
+        // Some or all lines may end as on Windows.
         if !bytes.contains(&0) && format != PackingFormat::VtkXml {
             let text = String::from_utf8(bytes.to_vec()).unwrap();
             let mixed: String = text
@@ -87,7 +87,7 @@ fn one_packing_is_the_same_in_every_format() {
             for text in [text.replace('\n', "\r\n"), mixed] {
                 assert_eq!(only(&text).centres, Centres::Three(CENTRES.to_vec()), "{name}");
             }
-            // Without its last line a file is cut off, or its counts are wrong; a table has none.
+            // Without its last line, a file is cut off or its counts are wrong; a table has no counts.
             let short = &text[..=text.trim_end().rfind('\n').unwrap()];
             if format != PackingFormat::Text {
                 let series = Series::open(short.as_bytes(), "a", None).unwrap();
@@ -287,7 +287,7 @@ fn what_is_wrong_is_said_with_its_line() {
     says("1 0 0 0 4 4\n1 2 0 0 -1 0 0 0\n", 2, &["the radius -1", "negative"]);
 }
 
-/// The frame is named besides the line; other frames are read all the same.
+/// The error names the frame in addition to the line; other frames can still be read.
 #[test]
 fn a_damaged_frame_is_named() {
     let text = b"1\n\nA 1 2 3\n1\n\nA 1 2 x\n1\n\nA 1 2 3\n2\n\nA 1 2 3\n";
@@ -338,7 +338,10 @@ fn names_count_only_where_the_content_says_nothing() {
     for name in ["a.xyz", "a.data", "a.dump", "a.npz", "a.lmp"] {
         assert_eq!(frame(table, name, 0, &ReadOptions::default()).unwrap().radii, Some(vec![1.0]), "{name}");
         let error = fails(b"rubbish\n", name).to_string();
-        assert!(error.contains("the name promises") && error.contains("read as a table"), "{name}: {error}");
+        assert!(
+            error.contains("the name stands for") && error.contains("read as a table"),
+            "{name}: {error}"
+        );
     }
     let error = fails(b"\x00\x01\x02", "a.dump").to_string();
     assert!(
@@ -401,7 +404,7 @@ fn compressed_files_are_unpacked_whole_or_refused() {
     assert_eq!(unpack(skippable.into(), |_| true).unwrap().0.as_ref(), b"x,y\n0,1\n");
 }
 
-/// Zeros are a thousandth of their size when packed.
+/// Zeros are compressed to a thousandth of their size.
 #[test]
 fn what_unpacks_to_rubbish_is_given_up() {
     let zeros = gzip(&vec![0; 64 << 20]);

@@ -1,4 +1,4 @@
-//! What is written has the promised bytes, and other readers take it.
+//! Written files have the documented bytes, and other readers accept them.
 
 #![allow(clippy::cast_possible_wrap, reason = "tables of tests are short")]
 
@@ -83,7 +83,7 @@ fn all_types_as_records() {
     assert_eq!(i32::from_le_bytes(data[50..54].try_into().unwrap()), 0);
 }
 
-/// More rows than one chunk holds: none is lost or doubled where chunks meet.
+/// More rows than one chunk holds: no row is lost or repeated where chunks meet.
 #[test]
 fn couples_in_many_chunks() {
     const N: usize = 50_000;
@@ -123,7 +123,7 @@ fn couples_as_an_array() {
     }
 }
 
-/// The arrays of an archive, by the crates zip and npyz.
+/// Reads the arrays of an archive with the crates zip and npyz.
 #[test]
 fn columns_as_an_archive() {
     const N: usize = 50_000;
@@ -146,12 +146,12 @@ fn columns_as_an_archive() {
     );
 }
 
-/// By the reader of the crate that wrote it; pyarrow and polars are asked in `python/test_written.py`.
+/// Reads the file with the crate that wrote it; `python/test_written.py` reads it with pyarrow and polars.
 #[test]
 fn columns_as_parquet() {
     use parquet::file::reader::{FileReader, SerializedFileReader};
     use parquet::record::Field;
-    // More than a group.
+    // More than one group of rows.
     const N: usize = (1 << 20) + 5;
     let mut out = Vec::new();
     write_parquet(&mut out, &of_all_types(N)).unwrap();
@@ -195,7 +195,7 @@ fn chain(n: usize) -> (Table<'static>, Table<'static>) {
     (points, lines)
 }
 
-/// Our own reader of VTP files; that of VTK is asked in `python/test_written.py`. Several blocks, and blocks that are full.
+/// Reads the file with our own reader of VTP files; `python/test_written.py` reads it with VTK. Several blocks, some of them full.
 #[test]
 fn lines_for_paraview() {
     for n in [0, 1, 2, 1000, 131_073, 200_000] {

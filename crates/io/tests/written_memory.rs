@@ -1,4 +1,4 @@
-//! What is written is never kept: every format takes blocks of the table, however long it is.
+//! Writing a table stores no rows: every format takes blocks of the table, however long it is.
 
 #![allow(clippy::cast_possible_wrap, reason = "tables of tests are short")]
 
@@ -14,7 +14,7 @@ static PEAK: PeakAlloc = PeakAlloc;
 
 const ROWS: usize = 2_000_000;
 
-/// 44 bytes a row in memory, were it there.
+/// Couples that would take 44 bytes per row in memory.
 fn couples() -> Table<'static> {
     Table::new(ROWS)
         .with("i", Values::i64(|k| k as i64))
@@ -24,7 +24,7 @@ fn couples() -> Table<'static> {
         .with_components("shift", &["sx", "sy", "sz"], Values::i32(|k| k as i32))
 }
 
-/// One test, since the peak is that of the whole program.
+/// One test only, because the peak is that of the whole program.
 #[test]
 fn two_million_rows_take_blocks() {
     let points = Table::new(100).with_components("positions", &["x", "y", "z"], Values::f64(|k| k as f64));

@@ -8,9 +8,9 @@ use pyo3::prelude::*;
 use crate::number::{Kind, Number, entries_of, rows_of, with_kind};
 use crate::problem::Problem;
 
-/// What is to be searched: arrays that stay those of the caller.
+/// Elements to be searched, in arrays of the caller.
 ///
-/// Nothing is checked before a search. `kind` says what `size` and `others` are: "radii" (array `[n]`), "radius" and "cutoff" (a number), "upper" (corners `[n, D]`,
+/// The numbers are checked by each search. `kind` says what `size` and `others` are: "radii" (array `[n]`), "radius" and "cutoff" (a number), "upper" (corners `[n, D]`,
 /// where `points` are the lower ones).
 #[pyclass(frozen, module = "fdem._fdem")]
 #[derive(Debug)]
@@ -21,7 +21,7 @@ pub(crate) struct Elements {
     tolerance: f64,
     cell: Option<Cell>,
     pub(crate) kind: Kind,
-    /// Of the coordinates when they were handed over.
+    /// A hash of the coordinates when they were handed over.
     fingerprint: u64,
 }
 
@@ -43,7 +43,7 @@ struct Cell {
 /// Origin, edges, and which of them repeat.
 type CellArgument = (Vec<f64>, Vec<Vec<f64>>, Vec<bool>);
 
-/// The arrays of some elements, which do not go away meanwhile.
+/// The arrays of some elements, borrowed.
 pub(crate) struct Held<'py, T: Number> {
     points: PyReadonlyArray2<'py, T>,
     sizes: HeldSizes<'py, T>,
@@ -103,7 +103,7 @@ impl<T: Number> Held<'_, T> {
         Ok(Set { points: rows_of(&self.points)?, sizes, groups, tolerance: T::nearest(of.tolerance) })
     }
 
-    /// Of so many coordinates, spread over all, that no motion of many elements leaves them as they were.
+    /// A hash of 2048 coordinates, spread over all of them, so that a motion of many elements changes it.
     fn fingerprint(&self) -> u64 {
         const SAMPLES: usize = 2048;
         let points = self.points.as_slice().unwrap_or(&[]);
@@ -163,7 +163,7 @@ impl Elements {
 #[pymethods]
 impl Elements {
     #[new]
-    #[pyo3(signature = (points, kind, size, others, tolerance, groups, cell))]
+    #[pyo3(signature = (points, kind, size, others, tolerance, groups, cell, fingerprint=None))]
     #[allow(clippy::too_many_arguments, reason = "one for each thing that elements have")]
     fn new(
         py: Python<'_>,
@@ -174,6 +174,7 @@ impl Elements {
         tolerance: f64,
         groups: Option<Py<PyArray1<u32>>>,
         cell: Option<CellArgument>,
+        fingerprint: Option<u64>,
     ) -> PyResult<Self> {
         let sizes = match (kind, others) {
             ("radii", Some(radii)) => Sizes::Each(radii),
@@ -185,12 +186,19 @@ impl Elements {
         let cell = cell.map(|(origin, edges, periodic)| Cell { origin, edges, periodic });
         let kind = Kind::of(points.bind(py))?;
         let mut elements = Self { points, sizes, groups, tolerance, cell, kind, fingerprint: 0 };
-        elements.fingerprint = with_kind!(kind, T, D => {
+        let found = with_kind!(kind, T, D => {
             let held = elements.hold::<T>(py)?;
-            // Says now which array cannot be borrowed.
+            // An array that cannot be borrowed is an error now.
             held.set::<D>(&elements)?;
             held.fingerprint()
         });
+        elements.fingerprint = fingerprint.unwrap_or(found);
         Ok(elements)
+    }
+
+    /// The hash of the coordinates when they were searched. A copy with this hash notices later changes as the original does.
+    #[getter]
+    fn fingerprint(&self) -> u64 {
+        self.fingerprint
     }
 }

@@ -11,7 +11,7 @@ use pyo3::types::PyDict;
 use crate::interrupt::{self, Stop};
 use crate::problem::Problem;
 
-/// So many grid squares are looked at before somebody asks whether to go on.
+/// Pixels that are read between two looks at the stop flag.
 const SLAB: usize = 1 << 22;
 
 /// The contacts as columns.
@@ -36,7 +36,7 @@ pub(crate) fn labels<'py>(
     macro_rules! try_as {
         ($($number:ty)*) => {$(
             if let Ok(image) = image.extract::<PyReadonlyArrayDyn<'py, $number>>() {
-                // A number that no label can have is that of none.
+                // A number outside of the range of the labels is the background of none.
                 let background = background.and_then(|label| <$number>::try_from(label).ok());
                 return match image.shape() {
                     [_, _] => find::<$number, 2>(py, &image, neighbourhood, background, &spacing, threads),

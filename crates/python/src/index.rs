@@ -9,10 +9,10 @@ use crate::number::{Kind, Number, rows_of, with_kind};
 use crate::problem::{Problem, zeros};
 use crate::search::threads_for;
 
-/// Where the rows start, the elements found, and their distances.
+/// The starts of the rows, the elements found, and their distances.
 type Found<'py> = (Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<u32>>, Bound<'py, PyAny>);
 
-/// All of `points` that are at most `r` away from each of `at`.
+/// Finds the `points` that are at most `r` away from each of `at`.
 #[pyfunction]
 pub(crate) fn within<'py>(
     py: Python<'py>,
@@ -26,7 +26,7 @@ pub(crate) fn within<'py>(
     }))
 }
 
-/// Those `k` of `points` that are nearest to each of `at`, the nearest first.
+/// Finds the `k` points that are nearest to each of `at`, the nearest first.
 #[pyfunction]
 pub(crate) fn nearest<'py>(
     py: Python<'py>,

@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 
 use crate::problem::Problem;
 
-/// How often signals are asked for: too seldom to cost anything, too often for a person to notice.
+/// The time between two looks for signals: long enough to cost nothing, and too short for a person to notice.
 const PERIOD: Duration = Duration::from_millis(20);
 
 /// Set when the work is to stop.
@@ -23,7 +23,7 @@ pub(crate) type Stop = Arc<AtomicBool>;
 /// waited for, since it reads the caller's arrays, and the exception is raised.
 ///
 /// # Errors
-/// That of `work`, or what a handler raised.
+/// The error of `work`, or the exception that a handler raised.
 pub(crate) fn run<R: Send>(
     py: Python<'_>,
     is_long: bool,
@@ -39,7 +39,7 @@ pub(crate) fn run<R: Send>(
         thread::scope(|scope| {
             let (ends, ended) = channel::<()>();
             let work = move || {
-                // Dropped at the end, however that comes.
+                // Dropped at the end, also by a panic.
                 let _ends = ends;
                 work()
             };

@@ -8,16 +8,16 @@ use std::sync::{Mutex, PoisonError};
 
 static KEPT: Mutex<Option<Box<dyn Any + Send>>> = Mutex::new(None);
 
-/// More than this goes back to the system: it is what some two million elements take.
+/// Memory beyond this goes back to the system. Some two million elements take as much.
 pub(crate) const MAX_BYTES: usize = 1 << 27;
 
-/// What was kept, if it is of this type.
+/// Takes the search that was kept, if it is of this type.
 pub(crate) fn take<S: 'static>() -> Option<S> {
     let kept = KEPT.lock().unwrap_or_else(PoisonError::into_inner).take()?;
     kept.downcast::<S>().ok().map(|search| *search)
 }
 
-/// Keeps `search`, which holds so many `bytes` and has no threads.
+/// Keeps `search`, which holds `bytes` bytes and has no threads.
 pub(crate) fn keep<S: Send + 'static>(search: S, bytes: usize) {
     if bytes <= MAX_BYTES {
         *KEPT.lock().unwrap_or_else(PoisonError::into_inner) = Some(Box::new(search));

@@ -1,12 +1,12 @@
-//! The extension module `fdem._fdem`: what the Python package takes from the Rust crates, array by array.
+//! The extension module `fdem._fdem`: the functions of the Rust crates on arrays of NumPy.
 //!
-//! It is private. The package's own modules, in `python/fdem`, check and convert what users give, and hand over arrays in C order; here they are
-//! borrowed, searched without the interpreter's lock, and what is found is moved into arrays of NumPy without a copy.
+//! It is private. The modules of the package, in `python/fdem`, check and convert the arguments of users, and hand over arrays in C order. This module
+//! borrows the arrays, searches without the interpreter's lock, and moves the results into arrays of NumPy without a copy.
 //!
 //! ```text
-//! Python ── elements ──┬─ search ──> pairs, shifts ── measure, rows, network
+//! Python ── elements ──┬─ search ──> pairs, shifts ── measure, rows, network, neighbors
 //!                      └─ buffered
-//! arrays ── index, image, mesh; files ── read; words ── command
+//! arrays ── index, kdtree, image, mesh; files ── read; words ── command
 //! ```
 
 #![allow(clippy::needless_pass_by_value, reason = "arguments from Python come by value")]
@@ -15,18 +15,22 @@ mod interrupt;
 mod kept;
 mod number;
 mod problem;
+mod tasks;
 
 mod elements;
 mod search;
 mod measure;
+mod neighbors;
 mod network;
 mod rows;
 mod buffered;
 
 mod image;
 mod index;
+mod kdtree;
 mod mesh;
 mod read;
+mod tree;
 
 use std::ffi::OsString;
 
@@ -43,11 +47,14 @@ fn _fdem(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_class::<elements::Elements>()?;
     module.add_class::<buffered::Buffered>()?;
+    module.add_class::<kdtree::PyTree>()?;
     module.add_function(wrap_pyfunction!(search::contacts, module)?)?;
     module.add_function(wrap_pyfunction!(search::verify, module)?)?;
     module.add_function(wrap_pyfunction!(search::explain, module)?)?;
     module.add_function(wrap_pyfunction!(measure::measure, module)?)?;
+    module.add_function(wrap_pyfunction!(neighbors::neighbor_list, module)?)?;
     module.add_function(wrap_pyfunction!(network::analyse, module)?)?;
+    module.add_function(wrap_pyfunction!(network::file, module)?)?;
     module.add_function(wrap_pyfunction!(network::draw, module)?)?;
     module.add_function(wrap_pyfunction!(rows::csr, module)?)?;
     module.add_function(wrap_pyfunction!(rows::coordination, module)?)?;
@@ -56,6 +63,7 @@ fn _fdem(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(index::nearest, module)?)?;
     module.add_function(wrap_pyfunction!(image::labels, module)?)?;
     module.add_function(wrap_pyfunction!(mesh::mesh, module)?)?;
+    module.add_function(wrap_pyfunction!(mesh::walls, module)?)?;
     module.add_function(wrap_pyfunction!(read::read, module)?)?;
     module.add_function(wrap_pyfunction!(main, module)?)?;
     Ok(())

@@ -15,7 +15,7 @@ use crate::search::threads_for;
 /// Couples that are worth a thread.
 const PART: usize = 1 << 15;
 
-/// Fills `values` on `threads` threads, each a stretch; `value` is given the place.
+/// Fills `values` on `threads` threads, each of which fills a stretch; `value` gets the place of the value.
 fn fill<V: Copy + Send>(values: &mut [V], threads: usize, value: impl Fn(usize) -> V + Sync) {
     let threads = match threads {
         0 => thread::available_parallelism().map_or(1, std::num::NonZero::get),
@@ -43,7 +43,7 @@ struct Couples<'a, T, const D: usize> {
     set: Set<'a, T, D>,
     cell: Option<PeriodicBox<T, D>>,
     pairs: &'a [[u32; 2]],
-    /// Of the last couples.
+    /// Shifts of the last couples; the couples before them have none.
     shifts: &'a [[i32; D]],
 }
 
@@ -59,7 +59,7 @@ impl<T: Number, const D: usize> Couples<'_, T, D> {
         }
     }
 
-    /// Both elements as the search has compared them: in a box that repeats wrapped, and the second one displaced.
+    /// Both elements as the search has compared them: in a box that repeats they are wrapped, and the second one is displaced.
     fn compared(&self, couple: usize) -> [Ends<T, D>; 2] {
         let [i, j] = self.pairs[couple];
         let (a, b) = (self.ends(i), self.ends(j));
@@ -67,7 +67,7 @@ impl<T: Number, const D: usize> Couples<'_, T, D> {
         let shift = couple
             .checked_sub(self.pairs.len() - self.shifts.len())
             .map_or([0; D], |place| self.shifts[place]);
-        // What was searched can be wrapped.
+        // Elements that were searched can be wrapped.
         let periods = |ends: &Ends<T, D>| cell.wrap(ends[0]).map_or([0; D], |(_, periods)| periods);
         let moved = |point: &[T; D], shift: &[i32; D]| {
             if *shift == [0; D] { *point } else { cell.displaced(point, shift) }
@@ -78,7 +78,7 @@ impl<T: Number, const D: usize> Couples<'_, T, D> {
         [back(&a, &of_a), back(&b, &of_b).map(|end| moved(&end, &shift))]
     }
 
-    /// Of the centres of spheres, of the closest points of boxes.
+    /// The distance of the centres of spheres, or of the closest points of boxes.
     fn distance(&self, couple: usize) -> T {
         let [a, b] = self.compared(couple);
         let mut sum = T::ZERO;
@@ -96,7 +96,7 @@ impl<T: Number, const D: usize> Couples<'_, T, D> {
         sum.sqrt()
     }
 
-    /// The sum of the radii, or the cut-off, less the distance; of boxes the smallest length, over the axes, that they have in common.
+    /// The sum of the radii, or the cut-off, less the distance; for boxes the smallest overlap along an axis.
     fn overlap(&self, couple: usize) -> T {
         let [i, j] = self.pairs[couple].map(|element| element as usize);
         match self.set.sizes {

@@ -1,7 +1,9 @@
 //! Contacts of meshed bodies.
 
 use fdem_contact::Engine;
-use fdem_contact::discretised::{BodyContact, ElementContact, Mesh, MeshSearch, Simplex, body_contacts};
+use fdem_contact::discretised::{
+    BodyContact, ElementContact, Mesh, MeshSearch, Simplex, SphereContact, body_contacts,
+};
 use numpy::{IntoPyArray, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -57,6 +59,44 @@ where
         Ok::<_, Problem>((contacts, of_bodies))
     })?;
     Ok((element_columns(py, &elements)?, body_columns(py, &of_bodies)?))
+}
+
+/// The contacts of spheres with the triangles `cells` between `nodes`, as columns.
+#[pyfunction]
+pub(crate) fn walls<'py>(
+    py: Python<'py>,
+    centres: PyReadonlyArray2<'py, f64>,
+    radii: PyReadonlyArray1<'py, f64>,
+    nodes: PyReadonlyArray2<'py, f64>,
+    cells: PyReadonlyArray2<'py, u32>,
+    bodies: PyReadonlyArray1<'py, u32>,
+    threads: usize,
+) -> PyResult<Bound<'py, PyDict>> {
+    let (centres, radii) = (rows_of::<f64, 3>(&centres)?, entries_of(&radii)?);
+    let (nodes, cells, bodies) =
+        (rows_of::<f64, 3>(&nodes)?, rows_of::<u32, 3>(&cells)?, entries_of(&bodies)?);
+    let contacts = interrupt::run(py, false, &Stop::default(), || {
+        let surface = Mesh::new(nodes, cells, bodies)?;
+        let mut search = MeshSearch::new(Engine::Auto).with_threads(threads)?;
+        let mut contacts = Vec::new();
+        search.sphere_contacts(centres, radii, &surface, &mut contacts)?;
+        Ok::<_, Problem>(contacts)
+    })?;
+    let columns = PyDict::new(py);
+    let numbers =
+        |of: fn(&SphereContact) -> u32| contacts.iter().map(of).collect::<Vec<_>>().into_pyarray(py);
+    columns.set_item("i", numbers(|contact| contact.sphere))?;
+    columns.set_item("triangle", numbers(|contact| contact.contact.triangle))?;
+    columns.set_item("body", numbers(|contact| contact.body))?;
+    let depths: Vec<f64> = contacts.iter().map(|contact| contact.contact.contact.measure.value()).collect();
+    columns.set_item("overlap", depths.into_pyarray(py))?;
+    let rows = |of: fn(&SphereContact) -> [f64; 3]| {
+        let rows: Vec<[f64; 3]> = contacts.iter().map(of).collect();
+        rows.into_flattened().into_pyarray(py).reshape([contacts.len(), 3])
+    };
+    columns.set_item("point", rows(|contact| contact.contact.contact.point)?)?;
+    columns.set_item("normal", rows(|contact| contact.contact.contact.normal)?)?;
+    Ok(columns)
 }
 
 fn element_columns<'py, const D: usize>(

@@ -1,6 +1,9 @@
-//! Contacts as the crate `fdem` analyses and draws them: in `f64`, whatever they were found in.
+//! Contacts in `f64`, as the crate `fdem` analyses, draws and writes them.
+
+use std::path::PathBuf;
 
 use fdem::analysis::{Analysis, Options, RadialOptions, analyse as analysed};
+use fdem::command::network_file;
 use fdem::network::{Couples, Network, Sizes, Space};
 use fdem::picture::{self, Caption};
 use fdem::report::{Report, html};
@@ -14,7 +17,7 @@ use crate::interrupt::{self, Stop};
 use crate::number::{Number, rows_of, with_kind};
 use crate::problem::Problem;
 
-/// What a network borrows.
+/// The arrays that a network borrows.
 struct Owned<const D: usize> {
     centres: Vec<[f64; D]>,
     sizes: OwnedSizes,
@@ -45,7 +48,7 @@ impl<const D: usize> Owned<D> {
             SetSizes::Cutoff(cutoff) => OwnedSizes::Cutoff(cutoff.to_f64()),
             SetSizes::Upper(_) => {
                 return Err(Problem::Arguments(
-                    "boxes have no centres and radii: only contacts of spheres, discs and points are analysed and drawn".to_owned(),
+                    "boxes have no centres and radii: only contacts of spheres, discs and points are analysed, drawn and written".to_owned(),
                 ));
             }
         };
@@ -91,11 +94,11 @@ fn on_network<T: Number, const D: usize, R: Send>(
     })
 }
 
-/// The analysis as JSON; of each element its contacts, its cluster, and whether it is a rattler.
+/// The analysis as JSON; the number of contacts, the cluster, and whether it is a rattler, for each element.
 type Analysed<'py> =
     (String, Bound<'py, PyArray1<u32>>, Bound<'py, PyArray1<u32>>, Bound<'py, PyArray1<bool>>);
 
-/// What the network says. `inner` has two limits for each axis.
+/// Analyses the network. `inner` has two limits for each axis.
 #[pyfunction]
 #[pyo3(signature = (elements, pairs, shifts, min_contacts, inner, r_max, bins))]
 #[allow(clippy::too_many_arguments, reason = "one for each thing that can be asked for")]
@@ -122,6 +125,23 @@ pub(crate) fn analyse<'py>(
         })?
     });
     Ok((json, contacts.into_pyarray(py), clusters.into_pyarray(py), rattlers.into_pyarray(py)))
+}
+
+/// The bytes of a file of couples and elements, in the format that the end of `name` tells.
+#[pyfunction]
+pub(crate) fn file<'py>(
+    py: Python<'py>,
+    elements: &Elements,
+    pairs: PyReadonlyArray2<'py, u32>,
+    shifts: PyReadonlyArray2<'py, i32>,
+    name: PathBuf,
+) -> PyResult<Bound<'py, PyBytes>> {
+    let bytes = with_kind!(elements.kind, T, D => {
+        on_network::<T, D, _>(py, elements, &pairs, &shifts, |network| {
+            network_file(network, &name).map_err(Problem::Arguments)
+        })?
+    });
+    Ok(PyBytes::new(py, &bytes))
 }
 
 /// The bytes of a drawing: "picture" or "plots" in the form "svg" or "png", or the "report", whose form is "html".

@@ -32,7 +32,7 @@ pub(crate) enum Kind {
 }
 
 impl Kind {
-    /// That of an array `[n, D]`.
+    /// The kind of an array `[n, D]`.
     pub(crate) fn of(points: &Bound<'_, PyAny>) -> PyResult<Self> {
         let (double, columns) = if let Ok(points) = points.extract::<PyReadonlyArray2<'_, f64>>() {
             (true, points.as_array().ncols())

@@ -1,11 +1,11 @@
-//! What went wrong, as an exception.
+//! Errors, and the exceptions that they become.
 
 use fdem_contact::Error;
 use fdem_contact::discretised::DiscretisedError;
 use pyo3::PyErr;
 use pyo3::exceptions::{PyMemoryError, PyRuntimeError, PyValueError};
 
-/// Why there is no result.
+/// The reason why there is no result.
 #[derive(Debug)]
 pub(crate) enum Problem {
     /// Refused by a search.
@@ -14,8 +14,15 @@ pub(crate) enum Problem {
     Mesh(DiscretisedError),
     /// Arguments that do not fit each other.
     Arguments(String),
-    /// No fault of the arguments.
+    /// An error that is not the fault of the arguments.
     System(String),
+}
+
+impl Problem {
+    /// The error for memory that lacks room for `len` values.
+    pub(crate) fn out_of_memory<V>(len: usize) -> Self {
+        Error::OutOfMemory { bytes: len.saturating_mul(size_of::<V>()) }.into()
+    }
 }
 
 impl From<Error> for Problem {
@@ -49,8 +56,7 @@ impl From<Problem> for PyErr {
 /// A vector of `len` zeros, or `MemoryError`.
 pub(crate) fn zeros<V: Copy + Default>(len: usize) -> Result<Vec<V>, Problem> {
     let mut values = Vec::new();
-    let bytes = len.saturating_mul(size_of::<V>());
-    values.try_reserve_exact(len).map_err(|_| Error::OutOfMemory { bytes })?;
+    values.try_reserve_exact(len).map_err(|_| Problem::out_of_memory::<V>(len))?;
     values.resize(len, V::default());
     Ok(values)
 }

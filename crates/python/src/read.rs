@@ -8,7 +8,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// What a file holds: "packing" or "mesh", and its columns.
+/// The content of a file: "packing" or "mesh", and its columns.
 type Read<'py> = (&'static str, Bound<'py, PyDict>);
 
 /// Reads a file by its content.

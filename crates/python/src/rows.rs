@@ -15,7 +15,7 @@ fn check(elements: usize, pairs: &[[u32; 2]]) -> Result<(), Problem> {
     }
 }
 
-/// How many contacts each element has; one with an image of itself counts twice, as it has two ends.
+/// Counts the contacts of each element. A contact with an image of itself counts twice, because it has two ends.
 #[pyfunction]
 pub(crate) fn coordination<'py>(
     py: Python<'py>,
@@ -32,7 +32,7 @@ pub(crate) fn coordination<'py>(
     Ok(counts.into_pyarray(py))
 }
 
-/// Where the rows start, the partners, and the couples: `c` in the row of its first element, `-1 - c` in that of its second.
+/// The starts of the rows, the partners, and the couples: `c` in the row of its first element, `-1 - c` in the row of its second.
 type Csr<'py> = (Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<u32>>, Bound<'py, PyArray1<i64>>);
 
 /// Rows of partners, ascending; equal ones in the order of the couples.
@@ -46,7 +46,7 @@ pub(crate) fn csr<'py>(
     let pairs = rows_of::<u32, 2>(&pairs)?;
     let (offsets, partners, couples) = py.detach(|| {
         check(elements, pairs)?;
-        // By the partner first, then by the element, each time in the order that was before: rows come out sorted.
+        // Two stable sorts, by the partner and then by the element, make sorted rows.
         let count = if full { 2 * pairs.len() } else { pairs.len() };
         let mut by_partner = zeros::<Entry>(count)?;
         let mut ends = offsets(elements, entries(pairs, full).map(|entry| entry.partner))?;
@@ -72,7 +72,7 @@ struct Entry {
     couple: i64,
 }
 
-/// Each couple once, or first all of them and then all of them seen from the other side.
+/// Each couple once; or all couples, and then all couples seen from the other side.
 fn entries(pairs: &[[u32; 2]], full: bool) -> impl Iterator<Item = Entry> {
     let there = pairs.iter().zip(0..).map(|(&[i, j], couple)| Entry { element: i, partner: j, couple });
     let back =
@@ -80,7 +80,7 @@ fn entries(pairs: &[[u32; 2]], full: bool) -> impl Iterator<Item = Entry> {
     there.chain(back.take(if full { pairs.len() } else { 0 }))
 }
 
-/// Where the entries of each key start if they are sorted, and where the last ones end.
+/// The starts of the entries of each key in a sorted list, and the end of the last ones.
 fn offsets(keys: usize, of_entries: impl Iterator<Item = u32>) -> Result<Vec<i64>, Problem> {
     let mut offsets = zeros::<i64>(keys + 1)?;
     of_entries.for_each(|key| offsets[key as usize + 1] += 1);

@@ -16,10 +16,10 @@ use crate::kept;
 use crate::number::{Number, rows_of, with_kind};
 use crate::problem::Problem;
 
-/// Up to so many elements are searched in less time than it takes to start threads and to meet again.
+/// Elements that are searched in less time than it takes to start threads and to join them.
 const FEW_FOR_THREADS: usize = 1 << 15;
 
-/// Up to so many are searched in less than a tenth of a second by any engine.
+/// Elements that every engine searches in less than a tenth of a second.
 const FEW_TO_WATCH: usize = 1 << 13;
 
 /// Couples as rows of two numbers, and the shifts of the last of them, rows of D; all before have shift 0.
@@ -35,7 +35,7 @@ pub(crate) fn engine_of(name: &str) -> Result<Engine, Problem> {
     })
 }
 
-/// 0 is one thread for each processor, but not to search few elements: the result is the same.
+/// The number of threads for a search: 0 is one for each processor, but one thread searches few elements. The result is the same.
 pub(crate) fn threads_for(threads: usize, elements: usize) -> usize {
     if threads == 0 && elements <= FEW_FOR_THREADS { 1 } else { threads }
 }
@@ -54,7 +54,7 @@ pub(crate) fn into_pairs(py: Python<'_>, couples: Vec<Couple>) -> PyResult<Bound
 #[allow(unsafe_code, reason = "a list changes its type where it is")]
 fn flattened(mut couples: Vec<Couple>) -> Vec<u32> {
     const { assert!(size_of::<Couple>() == 2 * size_of::<u32>() && align_of::<Couple>() == align_of::<u32>()) };
-    // What the system has given in advance goes back: a list may have twice the memory that it needs.
+    // A list may have twice the memory that it needs: the rest goes back to the system.
     couples.shrink_to_fit();
     let mut couples = std::mem::ManuallyDrop::new(couples);
     let (start, len, capacity) = (couples.as_mut_ptr(), couples.len(), couples.capacity());
@@ -63,7 +63,7 @@ fn flattened(mut couples: Vec<Couple>) -> Vec<u32> {
     unsafe { Vec::from_raw_parts(start.cast(), 2 * len, 2 * capacity) }
 }
 
-/// What a visitor throws to end a search.
+/// The panic by which a visitor ends a search.
 struct Interrupted;
 
 /// A search that is stopped by its visitor.
@@ -105,7 +105,7 @@ fn stops(engine: Engine) -> bool {
     matches!(engine, Engine::Auto | Engine::Rows | Engine::Multilevel)
 }
 
-fn search_open<T: Number, const D: usize>(
+pub(crate) fn search_open<T: Number, const D: usize>(
     set: Set<'_, T, D>,
     engine: Engine,
     threads: usize,
@@ -129,7 +129,7 @@ fn search_open<T: Number, const D: usize>(
     Ok(couples)
 }
 
-fn search_periodic<T: Number, const D: usize>(
+pub(crate) fn search_periodic<T: Number, const D: usize>(
     set: Set<'_, T, D>,
     cell: &PeriodicBox<T, D>,
     engine: Engine,
@@ -144,25 +144,36 @@ fn search_periodic<T: Number, const D: usize>(
     let (mut couples, mut shifted) = (Vec::new(), Vec::new());
     if stops(engine) {
         search.couples_by_shift(&elements, cell, &mut couples, &mut shifted)?;
-    } else {
-        let mut all = Vec::new();
-        stoppable(|| {
-            search.for_each(&elements, cell, |couple| {
-                look_at(stop);
-                all.push(couple);
-            })
-        })?;
-        let (unshifted, others): (Vec<_>, Vec<_>) =
-            all.into_iter().partition(|couple| couple.shift == [0; D]);
-        couples.extend(unshifted.iter().map(|&PeriodicCouple { i, j, .. }| Couple { i, j }));
-        shifted = others;
+        if is_auto {
+            let bytes = search.bytes();
+            kept::keep(search.with_threads(1)?, bytes);
+        }
+        return joined(couples, shifted);
     }
-    if is_auto {
-        let bytes = search.bytes();
-        kept::keep(search.with_threads(1)?, bytes);
-    }
-    let bytes = shifted.len().saturating_mul(size_of::<Couple>());
-    couples.try_reserve(shifted.len()).map_err(|_| Error::OutOfMemory { bytes })?;
+    let mut all = Vec::new();
+    stoppable(|| {
+        search.for_each(&elements, cell, |couple| {
+            look_at(stop);
+            all.push(couple);
+        })
+    })?;
+    by_shift(all)
+}
+
+/// Couples without shift, then the others; and the shifts of these.
+pub(crate) fn by_shift<const D: usize>(
+    couples: Vec<PeriodicCouple<D>>,
+) -> Result<(Vec<Couple>, Vec<[i32; D]>), Problem> {
+    let (unshifted, shifted): (Vec<_>, Vec<_>) =
+        couples.into_iter().partition(|couple| couple.shift == [0; D]);
+    joined(unshifted.iter().map(|&PeriodicCouple { i, j, .. }| Couple { i, j }).collect(), shifted)
+}
+
+fn joined<const D: usize>(
+    mut couples: Vec<Couple>,
+    shifted: Vec<PeriodicCouple<D>>,
+) -> Result<(Vec<Couple>, Vec<[i32; D]>), Problem> {
+    couples.try_reserve(shifted.len()).map_err(|_| Problem::out_of_memory::<Couple>(shifted.len()))?;
     couples.extend(shifted.iter().map(|&PeriodicCouple { i, j, .. }| Couple { i, j }));
     Ok((couples, shifted.iter().map(|couple| couple.shift).collect()))
 }
@@ -189,7 +200,7 @@ pub(crate) fn contacts<'py>(
             }
             Some(cell) => {
                 let search = || search_periodic(set, &cell, engine, threads, &stop);
-                // A small box has any number of images.
+                // A small box may have very many images.
                 interrupt::run(py, true, &stop, search)?
             }
         };
@@ -225,7 +236,7 @@ pub(crate) fn verify(
     })
 }
 
-/// What a search would do, in words.
+/// Describes in words what a search would do.
 #[pyfunction]
 pub(crate) fn explain(py: Python<'_>, elements: &Elements, engine: &str, threads: usize) -> PyResult<String> {
     let engine = engine_of(engine)?;

@@ -1,4 +1,4 @@
-"""What several tests share."""
+"""Functions that several tests use."""
 
 import itertools
 import os
@@ -17,19 +17,19 @@ def rng():
 
 @pytest.fixture(scope="session")
 def command():
-    """The command: what FDEM names, or else the one that the package has installed."""
+    """The command: the one that the variable FDEM names, or else the one that the package has installed."""
     return os.environ.get("FDEM", "fdem")
 
 
 def gas(n, neighbours, dimensions, seed=0):
-    """Random points in a cube, with about so many neighbours at a distance of 1."""
+    """Random points in a cube, with about `neighbours` neighbours within a distance of 1."""
     ball = {2: np.pi, 3: 4 / 3 * np.pi}[dimensions]
     edge = (n * ball / neighbours) ** (1 / dimensions)
     return np.random.default_rng(seed).random((n, dimensions)) * edge, edge
 
 
 def brute_force(positions, reach, groups=None):
-    """Couples of an array of reaches, by testing all, in the type of the positions."""
+    """Couples for a matrix of contact distances, by testing all pairs in the type of the positions."""
     n = len(positions)
     i, j = np.triu_indices(n, 1)
     squares = (positions[i] - positions[j]) ** 2
@@ -44,7 +44,7 @@ def brute_force(positions, reach, groups=None):
 
 
 def brute_force_images(positions, radii, edges, periodic, images):
-    """Couples with shifts, by testing so many images along each edge."""
+    """Couples with shifts, by testing `images` images along each edge on both sides."""
     found = set()
     ranges = [range(-images, images + 1) if repeats else (0,) for repeats in periodic]
     for shift in itertools.product(*ranges):

@@ -112,7 +112,7 @@ def test_boxes_that_repeat_also_small_ones(dimensions, edge, rng):
         ordered = found.sorted()
         keys = [(*pair, *shift) for pair, shift in zip(ordered.pairs.tolist(), ordered.shift.tolist())]
         assert keys == sorted(keys) and set(keys) == with_shifts(found)
-        # What does not touch its image without shift has its two ends on two elements.
+        # A contact of an element with its own image has both ends on this element.
         counts = np.zeros(n, int)
         np.add.at(counts, found.i, 1)
         np.add.at(counts, found.j, 1)
@@ -162,7 +162,7 @@ def test_boxes_in_a_box_that_repeats(rng):
     upper = lower + rng.random((60, 2)) * 1.5
     found = fdem.boxes(lower, upper, box=[4, 5], periodic=True)
     assert found.verify(60) == 60
-    # Some lie on each other through a face.
+    # Some overlap through a face of the box.
     assert len(found._shifts) > 0
     assert (found.distance == 0).all() and (found.overlap >= 0).all()
 
@@ -185,7 +185,7 @@ def test_a_wrong_list_is_found_out():
     arrays.arrays(
         st.sampled_from([np.float32, np.float64]),
         st.tuples(st.integers(0, 40), st.integers(2, 3)),
-        # Multiples of 1/8: differences and squares are exact, touching is decided and not rounded.
+        # Multiples of 1/8: differences and squares are exact, so rounding decides nothing.
         elements=st.integers(-40, 40).map(lambda k: k / 8),
     ),
     st.integers(0, 24).map(lambda k: k / 8),

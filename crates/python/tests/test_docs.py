@@ -1,4 +1,4 @@
-"""What is written: docstrings, stubs, and the blocks of README and book."""
+"""The documentation: docstrings, stubs, and the blocks of README and book."""
 
 import doctest
 import importlib
@@ -46,7 +46,7 @@ def test_all_that_is_public_is_documented(name):
 def test_types_are_checked_and_stubs_are_those_of_the_module(tmp_path):
     package = pathlib.Path(fdem.__file__).parent
     assert (package / "py.typed").exists()
-    # What is installed is not looked at with the same rigour.
+    # mypy checks installed packages less strictly.
     shutil.copytree(package, tmp_path / "fdem", ignore=shutil.ignore_patterns("__pycache__"))
     environment = dict(os.environ, MYPYPATH=str(tmp_path))
     for command in (["mypy", "--strict", "--cache-dir", os.devnull, "-p", "fdem"], ["mypy.stubtest", "fdem._fdem", "--ignore-disjoint-bases"]):
@@ -73,7 +73,7 @@ def test_python_blocks_run(page, tmp_path, monkeypatch, capsys):
             names.update(parsed.globs)
         else:
             exec(compile(block, str(page), "exec"), names)  # noqa: S102
-            # What `print` is said to print.
+            # The comment after a `print` is its output.
             expected = re.findall(r"^print\(.*\) *# (.*)$", block, re.M)
             printed = capsys.readouterr().out.splitlines()
             assert not expected or len(expected) == len(printed)

@@ -1,4 +1,4 @@
-"""What is taken as it is, what is converted, and what is refused with which words."""
+"""Arguments that are taken as they are, that are converted, and that are refused; and the messages."""
 
 import gc
 import re
@@ -70,7 +70,7 @@ def test_single_and_double_become_double():
     found = fdem.contacts(single, radii=np.full(len(single), 0.5))
     assert found.distance.dtype == np.float64
     assert couples(found) == couples(fdem.contacts(single.astype(np.float64), radii=0.5))
-    # 0.1 is rounded to the type of the positions, where the two are just so far apart.
+    # 0.1 is rounded to the type of the positions, in which the two are exactly that far apart.
     assert len(fdem.contacts(np.array([[0, 0], [0.1, 0]], np.float32), cutoff=0.1)) == 1
 
 
@@ -121,7 +121,7 @@ TWO = [[0.0, 0.0], [1.0, 0.0]]
         (ValueError, "no engine 'fast'", lambda: fdem.contacts(TWO, cutoff=1, engine="fast")),
         (ValueError, "threads must be at least 1", lambda: fdem.contacts(TWO, cutoff=1, threads=0)),
         (TypeError, "threads must be a whole number", lambda: fdem.contacts(TWO, cutoff=1, threads=1.5)),
-        (ValueError, "5000 threads cannot be had", lambda: fdem.contacts(TWO, cutoff=1, threads=5000)),
+        (ValueError, "cannot start 5000 threads", lambda: fdem.contacts(TWO, cutoff=1, threads=5000)),
         (ValueError, "one number for each of 2", lambda: fdem.contacts(TWO, cutoff=1, groups=[1])),
         (TypeError, "groups must be whole", lambda: fdem.contacts(TWO, cutoff=1, groups=[1.5, 2])),
         (ValueError, "periodic needs a box", lambda: fdem.contacts(TWO, cutoff=1, periodic=True)),

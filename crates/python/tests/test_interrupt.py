@@ -1,4 +1,4 @@
-"""The interpreter goes on while a search runs, and Ctrl-C ends one."""
+"""The interpreter runs while a search runs, and Ctrl-C stops a search."""
 
 import signal
 import subprocess
@@ -29,7 +29,7 @@ def test_ctrl_c_ends_a_search(engine, threads):
     program = f"""
         import sys, threading, os, signal, time
         import numpy as np, fdem
-        # A shell starts what runs in its background with Ctrl-C ignored, and Python leaves it so.
+        # A shell starts programs in its background with Ctrl-C ignored, and Python does not change that.
         signal.signal(signal.SIGINT, signal.default_int_handler)
         rng = np.random.default_rng(0)
         few = rng.random((5000, 3))
@@ -40,7 +40,7 @@ def test_ctrl_c_ends_a_search(engine, threads):
         try:
             {LONG[engine].format(threads=threads)}
         except KeyboardInterrupt:
-            # What was stopped leaves nothing behind that the next search could trip over.
+            # A search that was stopped does not disturb the next one.
             found = fdem.contacts(few, cutoff=0.1)
             assert found.verify(50) == 50
             print("interrupted")

@@ -1,4 +1,4 @@
-"""``Contacts.analyse``: lattices of which all is known, and the command on the same packing. The numbers themselves are tested in Rust."""
+"""``Contacts.analyse`` on lattices whose numbers are known, and against the command on one packing. The numbers themselves are tested in Rust."""
 
 import json
 import os

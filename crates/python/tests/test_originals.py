@@ -1,4 +1,4 @@
-"""The drop-in forms, against what they stand in for."""
+"""Functions that replace those of other packages, compared with these."""
 
 import numpy as np
 import pytest
@@ -26,7 +26,7 @@ def atoms_in(cell, n, rng):
 
     edges, pbc = CELLS[cell]
     span = edges + np.diag((np.abs(edges).sum(axis=1) == 0) * 6.0)
-    # Some are outside.
+    # Some atoms are outside of the cell.
     positions = (rng.random((n, 3)) * 1.4 - 0.2) @ span
     return Atoms(rng.choice(["H", "O", "Si"], n), positions, cell=edges, pbc=pbc)
 
@@ -43,7 +43,11 @@ def test_neighbor_list_is_that_of_ase(cell, cutoff, rng):
     found = dict(zip("ijdDS", fdem.neighbor_list("ijdDS", atoms, cutoff)))
     assert len(i) > 0
     assert rows(found["i"], found["j"], found["S"]) == rows(i, j, S)
+    assert [column.dtype for column in found.values()] == [column.dtype for column in (i, j, d, D, S)]
+    # As ASE sorts, by the first atom; and then by the second, and the shift.
     assert (np.diff(found["i"]) >= 0).all()
+    listed = list(zip(found["i"].tolist(), found["j"].tolist(), map(tuple, found["S"].tolist())))
+    assert listed == sorted(listed)
     order, mine = (np.lexsort((*np.asarray(s).T, b, a)) for a, b, s in [(i, j, S), (found["i"], found["j"], found["S"])])
     assert np.allclose(found["d"][mine], d[order], rtol=1e-14) and np.allclose(found["D"][mine], D[order], atol=1e-13)
     expected = atoms.positions[found["j"]] - atoms.positions[found["i"]] + found["S"] @ atoms.cell.array
@@ -56,8 +60,44 @@ def test_neighbor_list_with_self_interaction(rng):
     atoms = atoms_in("cube", 30, rng)
     ours, theirs = (f("ijS", atoms, 1.5, self_interaction=True) for f in (fdem.neighbor_list, neighbor_list))
     assert rows(*ours) == rows(*theirs)
+    listed = list(zip(ours[0].tolist(), ours[1].tolist(), map(tuple, ours[2].tolist())))
+    assert listed == sorted(listed)
     only = fdem.neighbor_list("d", atoms, 1.5)
     assert isinstance(only, np.ndarray) and only.ndim == 1
+    assert (fdem.neighbor_list("d", atoms, 1.5, False, 1e6) == only).all(), "max_nbins, as ASE has it"
+    assert (fdem.neighbor_list("SS", atoms, 1.5)[1] == fdem.neighbor_list("S", atoms, 1.5)).all()
+
+
+def test_long_neighbor_lists_do_not_depend_on_threads(rng):
+    """Enough atoms and pairs for several tasks of each kind."""
+    from ase import Atoms
+
+    n = 40_000
+    edges = np.eye(3) * (n / 3) ** (1 / 3) + np.array([[0, 0, 0], [4, 0, 0], [-3, 2, 0]])
+    atoms = Atoms("Cu" * n, (rng.random((n, 3)) * 1.2 - 0.1) @ edges, cell=edges, pbc=True)
+    expected = fdem.neighbor_list("ijdDS", atoms, 1.1, threads=1)
+    for threads in (2, 3, None):
+        for column, other in zip(expected, fdem.neighbor_list("ijdDS", atoms, 1.1, threads=threads)):
+            assert np.array_equal(column, other)
+    i, j, d, D, S = expected
+    assert len(i) > 2 * 2**18, "more than one task deals out"
+    assert (S.any(axis=1).sum()) > 0
+    order = np.lexsort((*S.T[::-1], j, i))
+    assert (order == np.arange(len(i))).all()
+    assert np.allclose(D, atoms.positions[j] - atoms.positions[i] + S @ edges, atol=1e-12) and (d < 1.1).all()
+    # From both sides.
+    back = np.lexsort((*-S.T[::-1], i, j))
+    assert (j[back] == i).all() and (i[back] == j).all() and (S[back] == -S).all() and (d[back] == d).all()
+    found = fdem.contacts(atoms.positions, cutoff=1.1, box=edges, periodic=True)
+    assert 2 * len(found) == len(i)
+
+
+def test_neighbor_list_of_no_atoms_and_of_no_distance():
+    for n in (0, 1, 3):
+        i, S = fdem.neighbor_list("iS", positions=np.zeros((n, 3)), cutoff=0.0)
+        assert i.shape == (0,) and S.shape == (0, 3)
+        i, j = fdem.neighbor_list("ij", positions=np.zeros((n, 3)), cutoff=0.0, self_interaction=True)
+        assert i.tolist() == j.tolist() == list(range(n))
 
 
 def test_what_is_just_a_cutoff_apart_is_none(rng):
@@ -96,24 +136,6 @@ def test_what_neighbor_list_refuses():
             call()
 
 
-@pytest.mark.parametrize("dimensions", [2, 3])
-def test_query_pairs_is_that_of_scipy(dimensions):
-    from scipy.spatial import cKDTree
-
-    positions, edge = gas(3000, 10, dimensions)
-    ours, theirs = fdem.KDTree(positions), cKDTree(positions)
-    assert ours.query_pairs(1.0) == theirs.query_pairs(1.0)
-    arrays = [tree.query_pairs(1.0, output_type="ndarray") for tree in (ours, theirs)]
-    assert arrays[0].dtype == arrays[1].dtype == np.intp
-    assert (arrays[0][:, 0] < arrays[0][:, 1]).all()
-    assert sorted(arrays[0].tolist()) == sorted(arrays[1].tolist())
-
-    inside = positions % edge
-    for boxsize in (edge, [edge, 0, edge][:dimensions]):
-        trees = fdem.KDTree(inside, boxsize=boxsize), cKDTree(inside, boxsize=boxsize)
-        assert trees[0].query_pairs(1.2) == trees[1].query_pairs(1.2)
-
-
 def test_touching_pairs_of_a_lattice_are_those_of_scipy():
     from scipy.spatial import cKDTree
 
@@ -124,10 +146,11 @@ def test_touching_pairs_of_a_lattice_are_those_of_scipy():
 
 def test_what_query_pairs_refuses():
     tree = fdem.KDTree(np.zeros((2, 2)))
-    with pytest.raises(ValueError, match="p must be 2"):
-        tree.query_pairs(1.0, p=1)
     with pytest.raises(ValueError, match="no output_type 'list'"):
         tree.query_pairs(1.0, output_type="list")
+    for p in (1.0, 2.0):
+        with pytest.raises(ValueError, match="negative|cut-off"):
+            tree.query_pairs(-1.0, p)
 
 
 def test_bonds_are_those_of_freud():
@@ -139,6 +162,8 @@ def test_bonds_are_those_of_freud():
     theirs = query.query(positions, {"r_max": 1.0, "exclude_ii": True}).toNeighborList()
     ours = fdem.contacts(positions, cutoff=1.0, box=[[-edge / 2, edge / 2]] * 3, periodic=True).neighbor_list()
     assert len(ours) == len(theirs) > 0
+    for name in ("query_point_indices", "point_indices", "segments", "neighbor_counts", "distances", "vectors", "weights"):
+        assert getattr(ours, name).dtype == getattr(theirs, name).dtype, name
     order = np.lexsort((theirs.point_indices, theirs.query_point_indices))
     assert (ours.query_point_indices == theirs.query_point_indices[order]).all()
     assert (ours.point_indices == theirs.point_indices[order]).all()

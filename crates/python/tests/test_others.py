@@ -7,7 +7,7 @@ import sys
 
 import numpy as np
 import pytest
-from conftest import ROOT, couples, gas
+from conftest import ROOT, couples, gas, with_shifts
 
 import fdem
 
@@ -45,7 +45,147 @@ def test_a_detector_takes_other_elements_and_recovers(rng):
     assert detector.update(np.zeros((3, 3))) and not detector.update(np.zeros((3, 3)))
 
 
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+@pytest.mark.parametrize("wraps", [False, True])
+def test_a_detector_in_a_box_that_repeats(dtype, wraps, rng):
+    edges = np.array([[9.0, 0, 0], [2, 8, 0], [-1, 3, 10]])
+    positions = ((rng.random((900, 3)) * 1.4 - 0.2) @ edges).astype(dtype)
+    radii = rng.uniform(0.2, 0.5, 900).astype(dtype)
+    groups = rng.integers(0, 300, 900)
+    options = {"groups": groups, "tolerance": 0.05, "box": edges, "periodic": [True, True, False]}
+    detector = fdem.Detector(radii=radii, buffer=0.25, **options)
+    redetected = []
+    for _ in range(12):
+        positions += rng.normal(0, 0.01, positions.shape).astype(dtype) + dtype(0.1)
+        if wraps:
+            fractions = positions @ np.linalg.inv(edges)
+            positions -= (np.floor(fractions) * [1, 1, 0] @ edges).astype(dtype)
+        redetected.append(detector.update(positions))
+        found = fdem.contacts(positions, radii, **options)
+        assert with_shifts(detector.contacts) == with_shifts(found)
+        assert np.allclose(np.sort(detector.contacts.distance), np.sort(found.distance))
+    assert redetected[0] and sum(redetected) < 8, redetected
+    assert len(detector.contacts._shifts) > 0
+
+
+def test_a_detector_whose_box_changes():
+    detector = fdem.Detector(cutoff=1.0, buffer=0.5, box=[4, 4], periodic=True)
+    positions = np.array([[0.25, 1], [3.75, 1]])
+    assert detector.update(positions) and with_shifts(detector.contacts) == {(0, 1, -1, 0)}
+    detector.box = [5, 4]
+    assert detector.update(positions) and "box" in detector.reason and len(detector.contacts) == 0
+    detector.box, detector.periodic = None, False
+    assert detector.update(positions + 1) and detector.update(positions * 1.5)
+    detector.box, detector.periodic = [4, 4], True
+    assert detector.update(positions) and len(detector.contacts) == 1
+    with pytest.raises(ValueError, match="periodic needs a box"):
+        fdem.Detector(cutoff=1.0, periodic=True).update(positions)
+
+
+# Two sets and walls
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_two_sets(dtype, rng):
+    one, two = (rng.random((n, 3)).astype(dtype) * 6 for n in (300, 200))
+    radii, other_radii = rng.uniform(0.2, 0.6, 300).astype(dtype), 0.4
+    found = fdem.between(one, two, radii, other_radii, tolerance=0.125)
+    reach = radii[:, None] + dtype(0.4) + dtype(0.125)
+    distance = np.sqrt(((one[:, None] - two[None]) ** 2).sum(axis=-1))
+    assert found.distance.dtype == dtype
+    assert list(zip(found.i.tolist(), found.j.tolist())) == [tuple(pair) for pair in np.argwhere(distance <= reach).tolist()]
+    assert np.allclose(found.distance, distance[found.i, found.j]) and not found.shift.any()
+    assert np.allclose(found.overlap, radii[found.i] + dtype(0.4) - found.distance, atol=1e-6)
+    assert "couples" in repr(found) and len(found) > 0
+
+
+def test_two_sets_in_a_box_that_repeats(rng):
+    edges = np.array([[2.0, 0], [0.5, 1.5]])
+    one, two = rng.random((20, 2)) * 4 - 1, rng.random((15, 2)) * 4 - 1
+    found = fdem.between(one, two, cutoff=0.9, box=fdem.Box(edges), periodic=True)
+    expected = set()
+    for a in range(-6, 7):
+        for b in range(-6, 7):
+            moved = two + np.array([a, b]) @ edges
+            near = np.linalg.norm(one[:, None] - moved[None], axis=-1) <= 0.9
+            expected |= {(i, j, a, b) for i, j in np.argwhere(near).tolist()}
+    listed = [(i, j, *shift) for i, j, shift in zip(found.i.tolist(), found.j.tolist(), found.shift.tolist())]
+    assert listed == sorted(expected)
+    apart = two[found.j] + found.shift @ edges - one[found.i]
+    assert np.allclose(found.distance, np.linalg.norm(apart, axis=1))
+
+
+def test_what_two_sets_refuse():
+    with pytest.raises(TypeError, match="radii and other_radii"):
+        fdem.between([[0, 0]], [[1, 1]], radii=1.0)
+    with pytest.raises(TypeError, match="radii and other_radii"):
+        fdem.between([[0, 0]], [[1, 1]], radii=1.0, cutoff=1.0)
+    with pytest.raises(ValueError, match="2 coordinates, and others 3"):
+        fdem.between([[0, 0]], [[1, 1, 1]], cutoff=1.0)
+    with pytest.raises(ValueError, match="other_radii must be one number, or one for each of 1"):
+        fdem.between([[0, 0]], [[1, 1]], 1.0, [1.0, 2.0])
+
+
+def test_spheres_in_a_box_of_walls(rng):
+    corners = np.array([[x, y, z] for z in (0, 1) for y in (0, 1) for x in (0, 1)]) * 4.0
+    squares = [[0, 1, 3, 2], [4, 5, 7, 6], [0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]]
+    triangles = [triangle for a, b, c, d in squares for triangle in ([a, b, c], [a, c, d])]
+    bodies = np.repeat([10, 11, 12, 13, 14, 15], 2)
+    centres, radii = rng.random((200, 3)) * 3 + 0.5, rng.uniform(0.1, 0.6, 200)
+    found = fdem.walls(centres, radii, corners, triangles, bodies)
+    # The gap to each wall, in the order of the bodies: z, y, x, each from below and from above.
+    gaps = np.stack([centres[:, 2], 4 - centres[:, 2], centres[:, 1], 4 - centres[:, 1], centres[:, 0], 4 - centres[:, 0]], axis=1)
+    touching = np.argwhere(gaps <= radii[:, None])
+    assert list(zip(found.i.tolist(), found.body.tolist())) == [(i, 10 + wall) for i, wall in touching.tolist()]
+    assert np.allclose(found.overlap, (radii[:, None] - gaps)[touching[:, 0], touching[:, 1]])
+    assert np.allclose(np.linalg.norm(found.normal, axis=1), 1)
+    assert np.allclose(found.point, centres[found.i] + found.normal * (radii[found.i] - found.overlap)[:, None])
+    assert (bodies[found.triangle] == found.body).all() and "walls" in repr(found)
+    with pytest.raises(ValueError, match="triangle 1: there is no node 99"):
+        fdem.walls(centres, 0.5, corners, [[0, 1, 2], [0, 1, 99]])
+    with pytest.raises(ValueError, match="radii must be one number, or one for each of 200"):
+        fdem.walls(centres, [0.5], corners, triangles)
+    with pytest.raises(ValueError, match="walls are triangles in 3D"):
+        fdem.walls(centres, 0.5, corners[:, :2], triangles)
+
+
 # Queries
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+@pytest.mark.parametrize("dimensions", [2, 3])
+def test_queries_in_boxes_that_repeat(dtype, dimensions, rng):
+    edges = np.eye(dimensions) * 2.5
+    edges[1, 0] = 0.75
+    positions = ((rng.random((25, dimensions)) * 2 - 0.5) @ edges).astype(dtype)
+    at = ((rng.random((12, dimensions)) * 3 - 1) @ edges).astype(dtype)
+    at[0] = positions[0]
+    for periodic in (True, [True] + [False] * (dimensions - 1)):
+        repeats = np.broadcast_to(periodic, dimensions)
+        options = {"at": at, "box": fdem.Box(edges), "periodic": periodic}
+        grid = np.stack(np.meshgrid(*[np.arange(-7, 8) if each else [0] for each in repeats], indexing="ij"), -1).reshape(-1, dimensions)
+        images = positions.astype(float)[:, None] + grid @ edges
+        found = fdem.query(positions, 1.5, **options)
+        nearest = fdem.query(positions, k=40, **options)
+        assert found.distances.dtype == dtype and found.shifts.dtype == np.int32
+        for q, point in enumerate(at.astype(float)):
+            distance = np.linalg.norm(images - point, axis=-1)
+            stretch = slice(*found.offsets[q : q + 2])
+            listed = [(i, *shift) for i, shift in zip(found.indices[stretch].tolist(), found.shifts[stretch].tolist())]
+            assert listed == sorted((i, *grid[k].tolist()) for i, k in np.argwhere(distance <= 1.5).tolist())
+            own = distance[found.indices[stretch], [np.flatnonzero((grid == shift).all(axis=1))[0] for shift in found.shifts[stretch]]]
+            assert np.allclose(found.distances[stretch], own, atol=1e-6)
+            stretch = slice(*nearest.offsets[q : q + 2])
+            assert np.allclose(nearest.distances[stretch], np.sort(distance.ravel())[:40], atol=1e-5)
+            moved = positions[nearest.indices[stretch]] + nearest.shifts[stretch] @ edges
+            assert np.allclose(np.linalg.norm(moved - point, axis=1), nearest.distances[stretch], atol=1e-5)
+    alone = fdem.query(positions, k=1, box=fdem.Box(edges), periodic=True)
+    assert alone.indices.tolist() == list(range(25)) and not alone.distances.any() and not alone.shifts.any()
+    none = fdem.query(positions[:0], k=3, **options)
+    assert none.offsets.tolist() == [0] * 13 and none.shifts.shape == (0, dimensions)
+    assert not fdem.query(positions, 1.0).shifts.any() and fdem.query(positions, k=2).shifts.shape == (50, dimensions)
+    with pytest.raises(ValueError, match="cut-off"):
+        fdem.query(positions, -1.0, **options)
 
 
 @pytest.mark.parametrize("dimensions", [2, 3])
@@ -119,7 +259,7 @@ def test_tetrahedra_that_overlap_by_a_known_volume():
     nodes = np.concatenate([corners, corners + [1, 1, 1], corners + 100])
     cells = np.arange(12).reshape(3, 4)
     found = fdem.mesh(nodes, cells, bodies=[-5, 30, 30])
-    # What both have in common is the same shape with an edge of 3.
+    # The overlap has the same shape, with an edge of 3.
     assert len(found) == 1 and np.isclose(found.measure[0], 3**3 / 6)
     assert found.bodies.i.tolist() == [-5] and found.bodies.j.tolist() == [30]
     assert np.isclose(found.bodies.overlap[0], 4.5) and np.isclose(np.linalg.norm(found.normal), 1)
@@ -279,10 +419,93 @@ def test_exports():
     assert list(table)[4:] == ["sx", "sy", "sz"] and (table[["sx", "sy", "sz"]].to_numpy() == closed.shift).all()
 
 
-@pytest.mark.parametrize("export", ["to_scipy", "to_networkx", "to_pandas"])
+def test_edges_of_graphs():
+    found = fdem.contacts(gas(300, 8, 3)[0], cutoff=1)
+    half, full = found.edge_index(full=False), found.edge_index()
+    assert (half == found.pairs.T).all() and (full == np.concatenate([half, half[::-1]], axis=1)).all()
+    for edges in (half, full):
+        # What `torch.from_numpy` takes without a copy.
+        assert edges.dtype == np.int64 and edges.flags.c_contiguous and edges.flags.writeable and edges.flags.aligned
+        assert np.shares_memory(np.from_dlpack(edges), edges)
+    signed = found.pairs.view(np.int32)
+    assert (signed == found.pairs).all() and np.shares_memory(signed, found.pairs)
+
+
+def test_pyvista():
+    positions, edge = gas(300, 8, 3)
+    radii = np.full(300, 0.5)
+    for found in (
+        fdem.contacts(positions, radii),
+        fdem.contacts(positions, 0.5, box=[edge] * 3, periodic=True),
+        fdem.contacts(positions[:, :2], cutoff=0.3),
+        fdem.contacts(positions, radii=1e-9),
+    ):
+        data = found.to_pyvista()
+        across = int(found.shift.any(axis=1).sum())
+        assert data.n_points == 300 + across and data.n_lines == len(found)
+        assert np.allclose(data.points[:300, : found._positions.shape[1]], found._positions)
+        assert (data.point_data["coordination"][:300] == found.coordination).all()
+        assert data.point_data["image"].sum() == across and ("radius" in data.point_data) == (found._kind != "cutoff")
+        if len(found):
+            ends = data.lines.reshape(-1, 3)[:, 1:]
+            assert (data.point_data["id"][ends] == found.pairs).all()
+            lengths = np.linalg.norm(data.points[ends[:, 1]] - data.points[ends[:, 0]], axis=1)
+            assert np.allclose(lengths, found.distance, atol=1e-6) and (data.cell_data["distance"] == found.distance).all()
+
+
+def test_files_of_couples(tmp_path):
+    import pandas
+    import pyvista
+
+    packing = fdem.read(EXAMPLES / "packing.csv", kind="packing")
+    found = fdem.contacts(packing.positions, packing.radii).sorted()
+    for end in ("csv", "npy", "npz", "parquet", "vtp", "graphml", "json"):
+        found.write(tmp_path / f"ours.{end}")
+        command = [*fdem_command(), "contacts", str(EXAMPLES / "packing.csv"), "--quiet", "-o", str(tmp_path / f"theirs.{end}")]
+        assert subprocess.run(command, capture_output=True).returncode == 0
+    # Other formats have the time, or the ids of the file.
+    assert (tmp_path / "ours.csv").read_bytes().count(b"\n") == (tmp_path / "theirs.csv").read_bytes().count(b"\n") == 1 + len(found)
+    table = pandas.read_parquet(tmp_path / "ours.parquet")
+    assert list(table) == ["i", "j", "distance", "overlap"]
+    assert (table["i"] == found.i).all() and (table["overlap"] == found.overlap).all()
+    positions, edge = gas(200, 8, 3)
+    found = fdem.contacts(positions.astype(np.float32), cutoff=1.0, box=[edge] * 3, periodic=True)
+    found.write(tmp_path / "network.vtp")
+    theirs, ours = pyvista.read(tmp_path / "network.vtp"), found.to_pyvista()
+    assert np.allclose(theirs.points, ours.points, atol=1e-5) and (theirs.lines == ours.lines).all()
+    for name in ("id", "coordination", "image"):
+        assert (theirs.point_data[name] == ours.point_data[name]).all(), name
+    assert np.allclose(theirs.cell_data["distance"], ours.cell_data["distance"], atol=1e-6)
+    found.write(tmp_path / "couples.parquet")
+    table = pandas.read_parquet(tmp_path / "couples.parquet")
+    assert (table[["sx", "sy", "sz"]].to_numpy() == found.shift).all()
+    before = sorted(tmp_path.iterdir())
+    with pytest.raises(ValueError, match=r"couples.txt: .*end it in .csv"):
+        found.write(tmp_path / "couples.txt")
+    with pytest.raises(ValueError, match="boxes have no centres"):
+        fdem.boxes([[0, 0]], [[1, 1]]).write(tmp_path / "boxes.csv")
+    with pytest.raises(FileNotFoundError, match="no such folder"):
+        found.write(tmp_path / "none" / "couples.csv")
+    assert sorted(tmp_path.iterdir()) == before
+
+
+def test_pictures_in_notebooks():
+    positions = gas(100, 8, 3)[0]
+    for found in (fdem.contacts(positions, cutoff=1), fdem.contacts(positions[:, :2], radii=0.2)):
+        picture = found._repr_png_()
+        assert picture.startswith(b"\x89PNG") and found._repr_png_() is picture, "drawn once"
+        assert "data:image/png;base64," in found._repr_html_() and "<table>" in found._repr_html_()
+    for found in (fdem.boxes([[0, 0]], [[1, 1]]), fdem.contacts(np.zeros((0, 3)), cutoff=1), fdem.contacts(gas(60_000, 1, 3)[0], cutoff=1)):
+        assert found._repr_png_() is None and "<img" not in found._repr_html_()
+    found = fdem.contacts(positions, cutoff=1)
+    positions += np.arange(100)[:, None]
+    assert found._repr_png_() is None and "<table>" in found._repr_html_()
+
+
+@pytest.mark.parametrize("export", ["to_scipy", "to_networkx", "to_pandas", "to_pyvista"])
 def test_exports_say_what_they_need(export, monkeypatch):
     found = fdem.contacts([[0, 0], [1, 0]], cutoff=1)
-    for name in ("scipy", "scipy.sparse", "networkx", "pandas"):
+    for name in ("scipy", "scipy.sparse", "networkx", "pandas", "pyvista"):
         monkeypatch.setitem(sys.modules, name, None)
     with pytest.raises(ImportError, match="pip install"):
         getattr(found, export)()

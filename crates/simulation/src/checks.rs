@@ -1,4 +1,4 @@
-//! Whether the numbers of a model can be: once, before anything is computed.
+//! Checks of the numbers of a model, once before anything is computed.
 
 use crate::error::ModelError;
 use crate::model::{Load, Model, Plane, Schedule, Strength, Target};
@@ -34,9 +34,10 @@ pub(crate) fn check(model: &Model) -> Result<(), ModelError> {
         }
         not_negative(&place, "friction", interface.friction)?;
         interface.penalty.map_or(Ok(()), |penalty| positive(&place, "penalty", penalty))?;
-        interface.strength.iter().try_for_each(|strength| strength_of(&place, strength))?;
+        interface.strength.iter().try_for_each(|strength| strength_of_joints(&place, strength))?;
     }
     boundaries(model)?;
+    schedule("gravity", &model.gravity_schedule)?;
     positive("the model", "thickness", model.thickness)?;
     for (what, values) in [("gravity", [model.gravity].as_slice()), ("initial velocity", &model.velocities)] {
         finite("the model", what, values.iter().flatten())?;
@@ -127,26 +128,28 @@ fn boundaries(model: &Model) -> Result<(), ModelError> {
             Load::Absorbing => Vec::new(),
         };
         finite(&place, "a value", &values)?;
-        match &boundary.schedule {
-            Schedule::Constant => {}
-            Schedule::Ramp(duration) => positive(&place, "the duration of the ramp", *duration)?,
-            Schedule::Table(rows) => {
-                finite(&place, "a value of the table", rows.iter().flatten())?;
-                if rows.is_empty() {
-                    return Err(out_of_range(&place, "the number of rows of the table", 0.0, "at least 1"));
+        schedule(&place, &boundary.schedule)?;
+    }
+    Ok(())
+}
+
+fn schedule(place: &str, schedule: &Schedule) -> Result<(), ModelError> {
+    match schedule {
+        Schedule::Constant => Ok(()),
+        Schedule::Ramp(duration) => positive(place, "the duration of the ramp", *duration),
+        Schedule::Table(rows) => {
+            finite(place, "a value of the table", rows.iter().flatten())?;
+            if rows.is_empty() {
+                return Err(out_of_range(place, "the number of rows of the table", 0.0, "at least 1"));
+            }
+            match rows.windows(2).find(|pair| pair[0][0] >= pair[1][0]) {
+                Some(pair) => {
+                    Err(out_of_range(place, "a time of the table", pair[1][0], "later than the one before"))
                 }
-                if let Some(pair) = rows.windows(2).find(|pair| pair[0][0] >= pair[1][0]) {
-                    return Err(out_of_range(
-                        &place,
-                        "a time of the table",
-                        pair[1][0],
-                        "later than the one before",
-                    ));
-                }
+                None => Ok(()),
             }
         }
     }
-    Ok(())
 }
 
 fn strength_of(place: &str, strength: &Strength) -> Result<(), ModelError> {
@@ -156,6 +159,24 @@ fn strength_of(place: &str, strength: &Strength) -> Result<(), ModelError> {
     positive(place, "fracture energy of opening", strength.energy_i)?;
     positive(place, "fracture energy of sliding", strength.energy_ii)?;
     strength.weibull_modulus.map_or(Ok(()), |modulus| positive(place, "Weibull modulus", modulus))
+}
+
+/// Strength of joints, which may be 0 and then needs no fracture energy: that of an open joint.
+fn strength_of_joints(place: &str, strength: &Strength) -> Result<(), ModelError> {
+    not_negative(place, "tensile strength", strength.tensile)?;
+    not_negative(place, "cohesion", strength.cohesion)?;
+    let or_one = |strength: f64, energy: f64| if strength == 0.0 && energy >= 0.0 { 1.0 } else { energy };
+    let any = |strength: f64| if strength == 0.0 { 1.0 } else { strength };
+    strength_of(
+        place,
+        &Strength {
+            tensile: any(strength.tensile),
+            cohesion: any(strength.cohesion),
+            energy_i: or_one(strength.tensile, strength.energy_i),
+            energy_ii: or_one(strength.cohesion, strength.energy_ii),
+            ..*strength
+        },
+    )
 }
 
 fn out_of_range(place: &str, what: &'static str, value: f64, range: &'static str) -> ModelError {

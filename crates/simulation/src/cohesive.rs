@@ -19,6 +19,9 @@ const B: f64 = 1.8;
 /// ∫ z dD from 0 to 1.
 pub(crate) const AREA: f64 = 0.386_307_294_743_943;
 
+/// Critical opening and sliding of a joint without strength over its length.
+const OPEN: f64 = 1e-6;
+
 /// Of the strength, what is left at damage `d`: 1 at 0, 0 at 1.
 pub(crate) fn softening(d: f64) -> f64 {
     // Most joints are whole.
@@ -51,22 +54,32 @@ pub(crate) struct Law {
 
 impl Law {
     /// `elastic`: the work up to the strength counts as dissipated, for joints that are there from the beginning. `None` if that alone is more than the
-    /// fracture energy.
+    /// fracture energy. `length` of the joint, m.
+    ///
+    /// Where one of the two strengths is 0 there is no energy to take a critical length from: it is that of the other, and a small share of the length of
+    /// the joint where both are 0, which is an open joint with friction.
     pub(crate) fn new(
         strength: &Strength,
         penalty: f64,
         opening: CriticalOpening,
         elastic: bool,
+        length: f64,
     ) -> Option<Self> {
         let (tensile, cohesion) = (strength.tensile, strength.cohesion);
         let stored = if elastic { 0.5 * tensile * tensile / penalty } else { 0.0 };
-        let critical = match opening {
+        let both = match opening {
             CriticalOpening::Exact => {
                 [(strength.energy_i - stored) / (AREA * tensile), strength.energy_ii / (AREA * cohesion)]
             }
             CriticalOpening::Customary => {
                 [3.0 * strength.energy_i / tensile, 3.0 * strength.energy_ii / cohesion]
             }
+        };
+        let critical = match [tensile > 0.0, cohesion > 0.0] {
+            [true, true] => both,
+            [true, false] => [both[0]; 2],
+            [false, true] => [both[1]; 2],
+            [false, false] => [OPEN * length; 2],
         };
         let friction = strength.friction;
         (critical[0] > 0.0 && critical[1] > 0.0).then_some(Self {
@@ -163,7 +176,7 @@ mod tests {
     };
 
     fn law(elastic: bool, opening: CriticalOpening) -> Law {
-        Law::new(&ROCK, 1e13, opening, elastic).expect("the energies are enough")
+        Law::new(&ROCK, 1e13, opening, elastic, 1.0).expect("the energies are enough")
     }
 
     /// Work of a path of openings or slidings under a constant other component.
@@ -257,9 +270,39 @@ mod tests {
     }
 
     #[test]
+    fn an_open_joint_has_friction_and_nothing_else() {
+        let open = Strength { tensile: 0.0, cohesion: 0.0, energy_i: 0.0, energy_ii: 0.0, ..ROCK };
+        let law = Law::new(&open, 1e13, CriticalOpening::Exact, false, 0.1).expect("needs no energy");
+        let mut memory = Memory::under(&law, [0.0; 2]);
+        assert_eq!(memory.traction(&law, 1e-5, 1e-5), [0.0; 2]);
+        assert_eq!(memory.damage(&law), 1.0);
+        let [pressure, shear] = memory.traction(&law, -1e-6, 2e-5);
+        assert_eq!(pressure, -1e7);
+        assert!((shear - 0.3e7).abs() < 1e-6, "{shear}");
+    }
+
+    /// Without tensile strength it still has its cohesion, and the other way round; what breaks one breaks both.
+    #[test]
+    fn one_strength_may_be_zero() {
+        let cohesive = Strength { tensile: 0.0, energy_i: 0.0, ..ROCK };
+        let law = Law::new(&cohesive, 1e13, CriticalOpening::Exact, false, 0.1).expect("needs no energy");
+        let mut memory = Memory::under(&law, [0.0; 2]);
+        assert_eq!(memory.traction(&law, 0.0, 2e-7), [0.0, 2e6]);
+        assert_eq!(memory.traction(&law, 1e-7, 2e-7)[0], 0.0);
+        assert!(memory.damage(&law) > 0.0);
+        memory.traction(&law, 1e-3, 0.0);
+        assert_eq!(memory.damage(&law), 1.0);
+        let tensile = Strength { cohesion: 0.0, energy_ii: 0.0, ..ROCK };
+        let law = Law::new(&tensile, 1e13, CriticalOpening::Exact, true, 0.1).expect("needs no energy");
+        let mut memory = Memory::default();
+        assert_eq!(memory.traction(&law, 0.5e-7, 0.0), [0.5e6, 0.0]);
+        assert_eq!(memory.traction(&law, 0.5e-7, 1e-8)[1], 0.0);
+    }
+
+    #[test]
     fn too_little_fracture_energy_is_refused() {
         let brittle = Strength { energy_i: 0.04, ..ROCK };
-        assert_eq!(Law::new(&brittle, 1e13, CriticalOpening::Exact, true), None);
-        assert!(Law::new(&brittle, 1e13, CriticalOpening::Exact, false).is_some());
+        assert_eq!(Law::new(&brittle, 1e13, CriticalOpening::Exact, true, 1.0), None);
+        assert!(Law::new(&brittle, 1e13, CriticalOpening::Exact, false, 1.0).is_some());
     }
 }

@@ -10,9 +10,10 @@ mod forces;
 use fdem_contact::{Buffered, Couple as Pair, Detector, Elements as Boxes, Engine};
 use serde::{Deserialize, Serialize};
 
-pub(crate) use crate::contacts::forces::stiffness;
 use crate::contacts::forces::{Contact, Grip, Law, law, press};
+pub(crate) use crate::contacts::forces::{penalty_and_friction, stiffness};
 use crate::error::{ModelError, Stop};
+use crate::forces::ContactForce;
 use crate::joints::{Joints, State};
 use crate::model::Model;
 use crate::potential::{Point, cross, length, minus};
@@ -376,6 +377,15 @@ impl Contacts {
             all.deep = all.deep.or(contact.deep.then_some(couple.elements[0]));
         }
         all
+    }
+
+    /// Forces of the couples that touch.
+    pub(crate) fn forces(&self, solid: &Solid) -> Vec<ContactForce> {
+        let touching = |couple: &Couple| {
+            let contact = couple.contact.as_ref().filter(|contact| contact.touches)?;
+            Some(contact.force(couple.elements, solid))
+        };
+        self.couples.iter().filter_map(touching).collect()
     }
 
     /// The force of the contacts on a corner of an element.

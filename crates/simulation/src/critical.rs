@@ -11,6 +11,7 @@
 
 use crate::contacts;
 use crate::error::ModelError;
+use crate::ground::Ground;
 use crate::joints::{Joints, penalty};
 use crate::model::Model;
 use crate::potential::{cross, length, minus};
@@ -63,9 +64,13 @@ impl CriticalStep {
 
     pub(crate) fn new(model: &Model, topology: &Topology, joints: &Joints) -> Self {
         let mesh = &model.mesh;
-        let corners: Vec<Corner> = (0..mesh.triangles.len())
+        let mut corners: Vec<Corner> = (0..mesh.triangles.len())
             .flat_map(|element| element_corners(model, topology, joints, element))
             .collect();
+        // Edges that are not outer ones are refused where loads are made.
+        for (corner, stiffness) in Ground::new(model, topology).unwrap_or_default().springs() {
+            corners[corner as usize].bulk += stiffness;
+        }
         let (mut worst, mut element, mut cause) = (0.0, 0, Cause::Bulk);
         let mut groups = Vec::new();
         for vertex in 0..topology.vertex_count() as u32 {

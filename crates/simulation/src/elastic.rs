@@ -7,6 +7,14 @@
 //! W = G/2 (I₁/J − 2) + K/2 (J − 1)²,    I₁ = F:F,  J = det F,
 //! ```
 //! whose stress `P = ∂W/∂F` is his to the first order of the strain and vanishes under any rotation.
+//!
+//! An element under initial stress `S` (second Piola-Kirchhoff) has the energy
+//!
+//! ```text
+//! U = σ:C⁻¹:σ / 2 + S:E + W,    E = (FᵀF - 1)/2,    σ = S at the beginning.
+//! ```
+//! Its gradient is `P = F S + ∂W/∂F`: the initial stress, turned with the element, and the stress of the deformation. The first term is what the stress stored by Hooke's law before the run. With it,
+//! `U` is `(ε₀ + E):C:(ε₀ + E) / 2` to the second order of the strains, `ε₀ = C⁻¹:σ`: positive, and 0 where the element has given up all of its stress.
 
 use crate::model::{Material, Plane};
 use crate::potential::length;
@@ -36,7 +44,13 @@ impl Moduli {
         }
     }
 
-    /// Of the stress of a wave of compression over its strain, Pa.
+    /// Strain energy per area and thickness that a stress, `[xx, yy, xy]`, has stored by Hooke's law: `σ:C⁻¹:σ / 2`, J/m³.
+    pub(crate) fn stored(&self, [xx, yy, xy]: [f64; 3]) -> f64 {
+        let (difference, sum) = (xx - yy, xx + yy);
+        (0.5 * difference * difference + 2.0 * xy * xy) / (4.0 * self.shear) + sum * sum / (8.0 * self.bulk)
+    }
+
+    /// P-wave modulus: stress over strain in a wave of compression, Pa.
     pub(crate) fn wave(&self) -> f64 {
         self.shear + self.bulk
     }
@@ -177,6 +191,18 @@ mod tests {
             };
             let slope = (energy(1.0) - energy(-1.0)) / (2.0 * h);
             assert!((stress[i] - slope).abs() < 1e-8 * 50e9, "{i}: {} {slope}", stress[i]);
+        }
+    }
+
+    /// What an initial stress has stored is what the strain of that stress stores.
+    #[test]
+    fn an_initial_stress_has_stored_the_energy_of_its_strain() {
+        for plane in [Plane::Stress, Plane::Strain] {
+            let moduli = granite(plane);
+            let f = [1.0 + 3e-6, 1e-6, 0.5e-6, 1.0 - 2e-6];
+            let (stress, energy) = moduli.stress(&f, determinant(&f));
+            let stored = moduli.stored([stress[0], stress[3], 0.5 * (stress[1] + stress[2])]);
+            assert!((stored / energy - 1.0).abs() < 1e-5, "{stored} {energy}");
         }
     }
 

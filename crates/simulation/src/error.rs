@@ -1,43 +1,43 @@
-//! What can be wrong with a model, and what ends a run.
+//! Errors of models, and reasons why a run stops.
 
 use std::fmt;
 
-/// Why a [`Model`](crate::Model) cannot be simulated.
+/// Reason why a [`Model`](crate::Model) cannot be simulated.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum ModelError {
-    /// There are no elements.
+    /// The mesh has no elements.
     Empty,
-    /// Lists that should have an entry for each node or element do not.
+    /// A list does not have an entry for each node or element.
     Length {
         /// The list.
         what: &'static str,
-        /// Its length.
+        /// Length of the list.
         found: usize,
-        /// What it should be.
+        /// Length that it should have.
         expected: usize,
     },
-    /// A number refers to nothing.
+    /// A number refers to something that does not exist.
     Missing {
-        /// What is referred to: a node, a material.
+        /// Kind of thing that is referred to, such as a node or a material.
         what: &'static str,
         /// The number.
         index: u32,
-        /// Where it was found.
+        /// Place where the number was found.
         place: String,
     },
-    /// A quantity is outside of what it may be, or not a number.
+    /// A quantity is out of its range, or not a number.
     OutOfRange {
-        /// Of what: a material, say, and which.
+        /// Owner of the quantity, such as a material with its name.
         place: String,
         /// The quantity.
         what: &'static str,
         /// Its value.
         value: f64,
-        /// What it may be.
+        /// Range in words.
         range: &'static str,
     },
-    /// An element without area, or whose nodes are in clockwise order.
+    /// An element has no area, or its nodes are in clockwise order.
     Area {
         /// Its number.
         element: usize,
@@ -66,18 +66,18 @@ pub enum ModelError {
         /// The bodies.
         bodies: [u32; 2],
     },
-    /// A boundary acts on an edge that no element has as its outer edge.
+    /// A boundary acts on an edge that is not on the outline.
     NotOuter {
         /// The boundary.
         boundary: String,
         /// The nodes of the edge.
         edge: [u32; 2],
     },
-    /// A boundary acts on edges, or on nodes, that it cannot act on.
+    /// A boundary has the wrong kind of target, or none.
     Target {
         /// The boundary.
         boundary: String,
-        /// What it acts on.
+        /// Kind of target that it needs.
         needs: &'static str,
     },
     /// Two boundaries move one node.
@@ -89,23 +89,28 @@ pub enum ModelError {
         /// The boundaries.
         boundaries: [String; 2],
     },
-    /// The fracture energy of a joint is less than what it stores before it softens.
+    /// The fracture energy of a joint is less than the energy that it stores before it softens.
     FractureEnergy {
         /// The material.
         material: String,
         /// An element at such a joint.
         element: u32,
-        /// Fracture energy that it would need at least, J/m².
+        /// Least fracture energy that is possible, J/m².
         least: f64,
     },
-    /// Threads cannot be had.
+    /// Threads could not be started.
     Threads {
-        /// In the words of the library.
+        /// Message of the library.
         message: String,
     },
-    /// More corners of elements than numbers have room for.
+    /// Detection of the surfaces that touch at the beginning failed.
+    Detection {
+        /// Message of the detection.
+        message: String,
+    },
+    /// There are more corners of elements than can be numbered.
     TooLarge {
-        /// Elements.
+        /// Number of elements.
         elements: usize,
     },
 }
@@ -119,7 +124,12 @@ impl fmt::Display for ModelError {
             }
             Self::Missing { what, index, place } => write!(out, "{place}: there is no {what} {index}"),
             Self::OutOfRange { place, what, value, range } => {
-                write!(out, "{place}: {what} is {value}, it must be {range}")
+                // No number has hundreds of digits.
+                if value.is_normal() && !(1e-5..1e16).contains(&value.abs()) {
+                    write!(out, "{place}: {what} is {value:e}, it must be {range}")
+                } else {
+                    write!(out, "{place}: {what} is {value}, it must be {range}")
+                }
             }
             Self::Area { element, area } => {
                 write!(
@@ -151,6 +161,7 @@ impl fmt::Display for ModelError {
                  it must be above {least:.3} J/m², or the joint penalty larger, or joints adaptive"
             ),
             Self::Threads { message } => write!(out, "no threads: {message}"),
+            Self::Detection { message } => write!(out, "contact detection: {message}"),
             Self::TooLarge { elements } => write!(out, "{elements} elements are too many"),
         }
     }
@@ -158,7 +169,7 @@ impl fmt::Display for ModelError {
 
 impl std::error::Error for ModelError {}
 
-/// Why a run ended before its time.
+/// Reason why a run stopped before its end.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Stop {
@@ -168,45 +179,56 @@ pub enum Stop {
         element: u32,
         /// The step.
         step: u64,
-        /// Its area over the undeformed one.
+        /// Its area over its undeformed area.
         ratio: f64,
     },
-    /// A node is faster than anything physical.
+    /// A node is faster than is physically possible.
     Runaway {
         /// An element of the node.
         element: u32,
         /// The step.
         step: u64,
-        /// m/s; not a number where the force was none.
+        /// Speed, m/s; NaN if the force is NaN.
         speed: f64,
-        /// m/s.
+        /// Limit of the speed, m/s.
         limit: f64,
     },
-    /// Energy has appeared or vanished beyond the bound.
+    /// The error of the energy balance is beyond the bound.
     Energy {
         /// The element that holds most energy for its mass.
         element: u32,
         /// The step.
         step: u64,
-        /// Share of what has been in the system.
+        /// Error as a share of the energy exchanged.
         error: f64,
         /// The bound.
         bound: f64,
     },
-    /// Joints have given back more than they may: what is dissipated does not come back.
+    /// Kinetic energy exceeds all that could have become kinetic energy.
+    Kinetic {
+        /// The element that holds most energy for its mass.
+        element: u32,
+        /// The step.
+        step: u64,
+        /// Kinetic energy, J.
+        kinetic: f64,
+        /// Energy that was there at the beginning or was put in, J.
+        available: f64,
+    },
+    /// Joints have given back energy that they had dissipated.
     Returned {
         /// The element that holds most energy for its mass.
         element: u32,
         /// The step.
         step: u64,
-        /// Share of what has been in the system.
+        /// Energy given back as a share of the energy exchanged.
         share: f64,
         /// The bound.
         bound: f64,
     },
-    /// Detection failed.
+    /// Contact detection failed.
     Detection(
-        /// Why.
+        /// The error of the detection.
         fdem_contact::Error,
     ),
 }
@@ -226,6 +248,11 @@ impl fmt::Display for Stop {
                 "step {step}: the energy balance is off by {:.2} %, more than {:.2} %; element {element} holds most for its mass",
                 100.0 * error,
                 100.0 * bound
+            ),
+            Self::Kinetic { element, step, kinetic, available } => write!(
+                out,
+                "step {step}: the kinetic energy is {kinetic:.4e} J, more than the {available:.4e} J that were there or put in; \
+                 element {element} holds most for its mass"
             ),
             Self::Returned { element, step, share, bound } => write!(
                 out,

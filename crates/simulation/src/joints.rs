@@ -3,7 +3,8 @@
 //! A joint acts between the two nodes at either end of its edge, each end for half of it (Newton-Cotes). As long as the two nodes at an end are one, that end cannot open
 //! and is left out: an edge that reaches its strength within whole material opens when a second one at the same vertex does, which is how cracks begin and end.
 //!
-//! A joint that is put in under load (adaptive insertion, `joints/insertion.rs`) begins with the traction that acts there, so that nothing is released.
+//! A joint that is put in under load begins with the traction that acts there, so that nothing is released: with adaptive insertion (`joints/insertion.rs`), and under initial stress if joints are
+//! there from the beginning. The elastic energy of these is counted from the beginning.
 
 mod insertion;
 mod near;
@@ -12,6 +13,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::cohesive::{Law, Memory};
 use crate::error::ModelError;
+use crate::forces::ContactForce;
 use crate::joints::near::{Near, Slopes, Weakest};
 use crate::model::{Insertion, Model, Strength};
 use crate::potential::{Point, dot, length, minus};
@@ -221,7 +223,9 @@ impl Joints {
         let sides = &topology.edges[edge as usize];
         let penalty = penalty(model, sides);
         let elastic = self.insertion == Insertion::Intrinsic;
-        let law = Law::new(&strength, penalty, model.fracture.critical_opening, elastic);
+        let vertices = sides.corners[0].map(|corner| topology.vertices[corner as usize]);
+        let length = edge_length(model, vertices);
+        let law = Law::new(&strength, penalty, model.fracture.critical_opening, elastic, length);
         law.map(Some).ok_or_else(|| {
             let element = sides.elements()[0];
             let material = &model.materials[model.mesh.materials[element as usize] as usize].name;
@@ -230,7 +234,7 @@ impl Joints {
         })
     }
 
-    /// Puts joints on all edges that may part, whole and without load.
+    /// Puts joints on all edges that may part, whole. [`Joints::part`] gives them the traction of the initial stress.
     pub(crate) fn everywhere(&mut self, model: &Model, topology: &Topology) -> Result<(), ModelError> {
         let count = self.class.iter().filter(|&&class| class != NONE).count();
         self.all.reserve_exact(count);
@@ -379,6 +383,61 @@ impl Joints {
             let sign = if code % 2 == 0 { 1.0 } else { -1.0 };
             force[0] += sign * pull[0];
             force[1] += sign * pull[1];
+        }
+    }
+
+    /// Whether the two elements at an edge hang together there.
+    pub(crate) fn holds(&self, edge: u32) -> bool {
+        self.all.get(self.of_edge[edge as usize] as usize).is_none_or(|joint| joint.state == State::Holding)
+    }
+
+    /// Forces of the joints that are broken and still press their two elements.
+    pub(crate) fn pressing(&self, solid: &Solid, topology: &Topology) -> Vec<ContactForce> {
+        let mut pressing = Vec::new();
+        for (joint, forces) in self.all.iter().zip(&self.forces) {
+            if joint.state != State::Broken || *forces == [[0.0; 2]; 2] {
+                continue;
+            }
+            let frame = Frame::new(joint, solid);
+            let weights = forces.map(length);
+            let middles =
+                frame.ends.map(|[a, b]| [0, 1].map(|axis| f64::midpoint(a.position[axis], b.position[axis])));
+            let whole = weights[0] + weights[1];
+            let sum: Point = std::array::from_fn(|axis| forces[0][axis] + forces[1][axis]);
+            let across = dot(sum, frame.normal);
+            let normal = frame.normal.map(|n| across * n);
+            // Side 0 is the element with the lower number.
+            pressing.push(ContactForce {
+                elements: topology.edges[joint.edge as usize].elements(),
+                point: [0, 1]
+                    .map(|axis| (weights[0] * middles[0][axis] + weights[1] * middles[1][axis]) / whole),
+                normal,
+                tangential: minus(sum, normal),
+            });
+        }
+        pressing
+    }
+
+    /// Elastic energy of all joints before they have opened or slid, J: what the initial stress has stored in those that are there from the beginning.
+    pub(crate) fn stored(&self, solid: &Solid) -> f64 {
+        let of_end = |joint: &Joint, end: usize| {
+            let offset = joint.ends[end].offset;
+            0.25 * joint.length * solid.thickness * joint.law.penalty * dot(offset, offset)
+        };
+        self.all.iter().map(|joint| of_end(joint, 0) + of_end(joint, 1)).sum()
+    }
+
+    /// Adds the force of the joints on a corner of an element before anything has moved.
+    pub(crate) fn add_initial_force(&self, corner: u32, solid: &Solid, force: &mut Point) {
+        for code in self.at_corner[corner as usize].into_iter().filter(|&code| code != NONE) {
+            let joint = &self.all[code as usize / 4];
+            let (frame, mut memory) = (Frame::new(joint, solid), joint.ends[code as usize / 2 % 2]);
+            let [pressure, shear] = memory.traction(&joint.law, 0.0, 0.0);
+            let area = 0.5 * joint.length * solid.thickness;
+            let sign = if code % 2 == 0 { area } else { -area };
+            for axis in 0..2 {
+                force[axis] += sign * (pressure * frame.normal[axis] + shear * frame.tangent[axis]);
+            }
         }
     }
 

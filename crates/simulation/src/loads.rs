@@ -1,13 +1,13 @@
-//! What acts from outside: held and moved nodes, forces, pressures, edges that let waves out.
+//! External actions: nodes that are held or moved, forces, pressures, absorbing edges.
 
-use crate::elastic::Moduli;
 use crate::error::ModelError;
+use crate::ground::{Ground, Reaction};
 use crate::model::{Load, Model, Schedule, Target};
 use crate::potential::{Point, dot, length, minus};
 use crate::solid::Solid;
 use crate::topology::{NONE, Topology, follower};
 
-/// What moves a node along one axis.
+/// Prescribed motion of a node along one axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Hold {
     pub(crate) boundary: u32,
@@ -16,14 +16,14 @@ pub(crate) struct Hold {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Motion {
-    /// m/s.
+    /// Velocity, m/s.
     Velocity(f64),
-    /// m.
+    /// Displacement, m.
     Displacement(f64),
 }
 
 impl Hold {
-    /// The velocity in the step from `time`, of a node that has moved by `displacement` so far.
+    /// Velocity in the step that begins at `time`, of a node that has moved by `displacement` so far.
     #[inline]
     pub(crate) fn velocity(&self, schedules: &[Schedule], time: f64, step: f64, displacement: f64) -> f64 {
         let schedule = &schedules[self.boundary as usize];
@@ -54,38 +54,42 @@ impl Schedule {
     }
 }
 
-/// A force on a corner of an element, applied in this step.
+/// A force on a corner of an element in this step.
 #[derive(Clone, Copy, Debug)]
 struct Applied {
     corner: u32,
     boundary: u32,
+    /// All of it.
     force: Point,
+    /// The part that dissipates.
+    viscous: Point,
 }
 
 /// An outer edge, by its two corners.
 #[derive(Clone, Copy, Debug)]
-struct Side {
-    corners: [u32; 2],
-    length: f64,
+pub(crate) struct Side {
+    pub(crate) corners: [u32; 2],
+    /// Undeformed, m.
+    pub(crate) length: f64,
 }
 
-/// All that acts on a model from outside.
+/// All external actions on a model.
 #[derive(Debug)]
 pub(crate) struct Loads {
     pub(crate) schedules: Vec<Schedule>,
-    /// By axis; nodes have numbers of these.
+    /// Prescribed motions by axis. Nodes refer to them by their numbers.
     pub(crate) holds: Vec<[Option<Hold>; 2]>,
     /// Boundaries with forces on corners.
     forces: Vec<(u32, Point, Vec<u32>)>,
     /// Boundaries on edges.
     sides: Vec<(u32, Load, Vec<Side>)>,
     applied: Vec<Applied>,
-    /// Density times the speeds of waves of compression and of shear, of each material.
-    impedances: Vec<[f64; 2]>,
+    /// Ground beyond absorbing edges.
+    pub(crate) ground: Ground,
 }
 
 impl Loads {
-    /// Checks the boundaries, and tells the nodes what holds them.
+    /// Checks the boundaries and marks the nodes that they hold.
     pub(crate) fn new(model: &Model, topology: &Topology, solid: &mut Solid) -> Result<Self, ModelError> {
         let mut loads = Self {
             schedules: model.boundaries.iter().map(|boundary| boundary.schedule.clone()).collect(),
@@ -93,14 +97,7 @@ impl Loads {
             forces: Vec::new(),
             sides: Vec::new(),
             applied: Vec::new(),
-            impedances: model
-                .materials
-                .iter()
-                .map(|material| {
-                    let moduli = Moduli::new(material, model.plane);
-                    [moduli.wave(), moduli.shear].map(|modulus| (material.density * modulus).sqrt())
-                })
-                .collect(),
+            ground: Ground::new(model, topology)?,
         };
         for (number, boundary) in model.boundaries.iter().enumerate() {
             let number = number as u32;
@@ -119,7 +116,7 @@ impl Loads {
                     if nodes.is_empty() {
                         return Err(wrong("nodes"));
                     }
-                    // Equal parts for the nodes of the mesh; a node's part is shared by its corners, which may come apart.
+                    // Equal parts for the nodes of the mesh. The corners of a node share its part, because they may separate.
                     let each = force.map(|f| f / nodes.len() as f64);
                     for &node in &nodes {
                         let corners = topology.corners_of(node).to_vec();
@@ -127,6 +124,7 @@ impl Loads {
                         loads.forces.push((number, part, corners));
                     }
                 }
+                (Load::Absorbing, Target::Edges(edges)) if !edges.is_empty() => {}
                 (load, Target::Edges(edges)) if !edges.is_empty() => {
                     let sides = edges.iter().map(|&edge| outer_side(model, topology, edge, &boundary.name));
                     loads.sides.push((number, load, sides.collect::<Result<_, _>>()?));
@@ -160,7 +158,7 @@ impl Loads {
                 let Some(motion) = motion[axis] else { continue };
                 match held[axis] {
                     None => held[axis] = Some(Hold { boundary, motion }),
-                    // At a corner two boundaries may both say that nothing moves.
+                    // At a corner of a body two boundaries may both hold a node still.
                     Some(other) if other.motion == motion && motion == Motion::Velocity(0.0) => {}
                     Some(other) => {
                         let name = |k: u32| model.boundaries[k as usize].name.clone();
@@ -173,48 +171,31 @@ impl Loads {
         Ok(())
     }
 
+    /// Sets the static forces of the ground to what holds the nodes of absorbing edges in equilibrium at the beginning, under initial stress, weight, loads, and `others` on each corner.
+    pub(crate) fn support(&mut self, model: &Model, solid: &Solid, others: impl Fn(u32) -> Point) {
+        if self.ground.is_empty() {
+            return;
+        }
+        self.collect(solid, 0.0);
+        let mut loads = vec![[0.0; 2]; 3 * solid.elements.len()];
+        for Applied { corner, force, .. } in self.applied.drain(..) {
+            let sum: &mut Point = &mut loads[corner as usize];
+            *sum = [sum[0] + force[0], sum[1] + force[1]];
+        }
+        self.ground.support(model, solid, |corner| {
+            let ([x, y], [u, v]) = (loads[corner as usize], others(corner));
+            [x + u, y + v]
+        });
+    }
+
     /// Adds all forces to the corners on which they act.
-    pub(crate) fn apply(&mut self, solid: &mut Solid, time: f64) {
-        self.applied.clear();
-        for (boundary, force, corners) in &self.forces {
-            let factor = self.schedules[*boundary as usize].factor(time);
-            let force = force.map(|f| f * factor);
-            self.applied.extend(corners.iter().map(|&corner| Applied { corner, boundary: *boundary, force }));
-        }
-        for (boundary, load, sides) in &self.sides {
-            let factor = self.schedules[*boundary as usize].factor(time);
-            for side in sides {
-                let ends = side.corners.map(|corner| *solid.at_corner(corner));
-                let along = minus(ends[1].position, ends[0].position);
-                let half = 0.5 * solid.thickness;
-                let forces: [Point; 2] = match *load {
-                    Load::Traction(traction) => [traction.map(|t| t * factor * half * side.length); 2],
-                    // Against the outward normal, whose length is the edge's.
-                    Load::Pressure(pressure) => {
-                        [[-along[1], along[0]].map(|n| pressure * factor * half * n); 2]
-                    }
-                    Load::Absorbing => {
-                        let long = length(along);
-                        let tangent = along.map(|x| x / long);
-                        let normal = [tangent[1], -tangent[0]];
-                        let material = solid.elements[side.corners[0] as usize / 3].material;
-                        let [compression, shear] = self.impedances[material as usize];
-                        ends.map(|node| {
-                            let (n, t) = (dot(node.velocity, normal), dot(node.velocity, tangent));
-                            std::array::from_fn(|axis| {
-                                -half
-                                    * side.length
-                                    * (compression * n * normal[axis] + shear * t * tangent[axis])
-                            })
-                        })
-                    }
-                    Load::Velocity(_) | Load::Displacement(_) | Load::Force(_) => [[0.0; 2]; 2],
-                };
-                for (corner, force) in side.corners.into_iter().zip(forces) {
-                    self.applied.push(Applied { corner, boundary: *boundary, force });
-                }
-            }
-        }
+    pub(crate) fn apply(&mut self, solid: &mut Solid, model: &Model, time: f64) {
+        self.collect(solid, time);
+        self.applied.extend(self.ground.reactions(solid, model).map(|reaction| {
+            let Reaction { corner, boundary, elastic, viscous } = reaction;
+            let force = [elastic[0] + viscous[0], elastic[1] + viscous[1]];
+            Applied { corner, boundary, force, viscous }
+        }));
         for &Applied { corner, force, .. } in &self.applied {
             let on = &mut solid.strained[corner as usize / 3].forces[corner as usize % 3];
             on[0] += force[0];
@@ -222,18 +203,56 @@ impl Loads {
         }
     }
 
-    /// Work of the applied forces in half a step at the nodes' velocities: of loads, and of edges that absorb.
-    pub(crate) fn half_work(&self, solid: &Solid, model: &Model, step: f64) -> [f64; 2] {
+    /// Collects the forces of loads.
+    fn collect(&mut self, solid: &Solid, time: f64) {
+        self.applied.clear();
+        for (boundary, force, corners) in &self.forces {
+            let factor = self.schedules[*boundary as usize].factor(time);
+            let force = force.map(|f| f * factor);
+            let applied = |&corner: &u32| Applied { corner, boundary: *boundary, force, viscous: [0.0; 2] };
+            self.applied.extend(corners.iter().map(applied));
+        }
+        for (boundary, load, sides) in &self.sides {
+            let factor = self.schedules[*boundary as usize].factor(time);
+            for side in sides {
+                let [a, b] = side.corners.map(|corner| solid.at_corner(corner).position);
+                let along = minus(b, a);
+                let half = 0.5 * solid.thickness;
+                let forces: [Point; 2] = match *load {
+                    Load::Traction(traction) => [traction.map(|t| t * factor * half * side.length); 2],
+                    // Against the outward normal, which is as long as the edge.
+                    Load::Pressure(pressure) => {
+                        [[-along[1], along[0]].map(|n| pressure * factor * half * n); 2]
+                    }
+                    Load::Velocity(_) | Load::Displacement(_) | Load::Force(_) | Load::Absorbing => {
+                        [[0.0; 2]; 2]
+                    }
+                };
+                for (corner, force) in side.corners.into_iter().zip(forces) {
+                    self.applied.push(Applied { corner, boundary: *boundary, force, viscous: [0.0; 2] });
+                }
+            }
+        }
+    }
+
+    /// Work of the applied forces in half a step at the nodes' velocities: of loads, and of the dashpots of absorbing edges.
+    pub(crate) fn half_work(&self, solid: &Solid, step: f64) -> [f64; 2] {
         let mut work = [0.0; 2];
         for applied in &self.applied {
-            let absorbs = matches!(model.boundaries[applied.boundary as usize].load, Load::Absorbing);
-            work[usize::from(absorbs)] +=
-                0.5 * step * dot(applied.force, solid.at_corner(applied.corner).velocity);
+            let velocity = solid.at_corner(applied.corner).velocity;
+            let absorbed = 0.5 * step * dot(applied.viscous, velocity);
+            work[0] += 0.5 * step * dot(applied.force, velocity) - absorbed;
+            work[1] += absorbed;
         }
         work
     }
 
-    /// Adds what each boundary applied in the last step.
+    /// The forces that were applied in the last step, each with its corner.
+    pub(crate) fn applied(&self) -> impl Iterator<Item = (u32, Point)> {
+        self.applied.iter().map(|applied| (applied.corner, applied.force))
+    }
+
+    /// Adds the forces that each boundary applied in the last step.
     pub(crate) fn add_forces(&self, totals: &mut [Point]) {
         for applied in &self.applied {
             let total = &mut totals[applied.boundary as usize];
@@ -243,7 +262,7 @@ impl Loads {
     }
 }
 
-/// Each once, ascending.
+/// Nodes of a target, each once, ascending.
 fn nodes_of(target: &Target) -> Vec<u32> {
     let mut nodes: Vec<u32> = match target {
         Target::Nodes(nodes) => nodes.clone(),
@@ -254,7 +273,13 @@ fn nodes_of(target: &Target) -> Vec<u32> {
     nodes
 }
 
-fn outer_side(model: &Model, topology: &Topology, edge: [u32; 2], name: &str) -> Result<Side, ModelError> {
+/// The outer edge between two nodes of the mesh.
+pub(crate) fn outer_side(
+    model: &Model,
+    topology: &Topology,
+    edge: [u32; 2],
+    name: &str,
+) -> Result<Side, ModelError> {
     let [a, b] = edge;
     let corner = topology
         .corners_of(a)

@@ -1,4 +1,4 @@
-//! What is simulated: a mesh, materials, what acts on it. Numbers only; files are read elsewhere.
+//! The model: a mesh, materials, and the actions on it. This module holds numbers only; files are read elsewhere.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,32 +7,34 @@ use serde::{Deserialize, Serialize};
 pub struct Model {
     /// Bodies, meshed.
     pub mesh: Mesh,
-    /// What the elements are made of.
+    /// Materials of the elements.
     pub materials: Vec<Material>,
-    /// Pairs of materials whose contacts and joints are not the lesser of what the two materials say.
+    /// Pairs of materials with properties of their own for contacts and joints. Other pairs take the lesser values of their two materials.
     pub interfaces: Vec<Interface>,
-    /// What holds, moves and loads the bodies.
+    /// Boundary conditions that hold, move and load the bodies.
     pub boundaries: Vec<Boundary>,
-    /// Stress or strain that vanishes out of the plane.
+    /// Whether the stress or the strain out of the plane vanishes.
     pub plane: Plane,
-    /// Out of the plane, m.
+    /// Thickness out of the plane, m.
     pub thickness: f64,
-    /// Acceleration, m/s².
+    /// Acceleration of gravity, m/s².
     pub gravity: [f64; 2],
+    /// Factor of gravity in time. Gravity that acts at once swings what it carries to twice its static stress.
+    pub gravity_schedule: Schedule,
     /// Velocity of each node at the beginning, m/s; empty for none.
     pub velocities: Vec<[f64; 2]>,
-    /// Stress of each element at the beginning, `[xx, yy, xy]` in Pa, tension positive; empty for none.
+    /// Stress of each element at the beginning, `[xx, yy, xy]` in Pa, tension positive; empty for none. Surfaces that touch, joints and absorbing edges begin with its tractions.
     pub stresses: Vec<[f64; 3]>,
-    /// How bodies touch.
+    /// Options of contacts.
     pub contact: ContactOptions,
     /// How they break.
     pub fracture: FractureOptions,
-    /// Steps in time.
+    /// Options of the integration in time.
     pub time: TimeOptions,
 }
 
 impl Model {
-    /// What is said of the contacts and joints of two materials, if anything is.
+    /// The interface of two materials, if there is one.
     pub(crate) fn interface(&self, a: u32, b: u32) -> Option<&Interface> {
         self.interfaces
             .iter()
@@ -41,7 +43,7 @@ impl Model {
 }
 
 impl Default for Model {
-    /// Nothing yet, 1 m thick, without gravity.
+    /// An empty model, 1 m thick, without gravity.
     fn default() -> Self {
         Self {
             mesh: Mesh::default(),
@@ -51,6 +53,7 @@ impl Default for Model {
             plane: Plane::default(),
             thickness: 1.0,
             gravity: [0.0; 2],
+            gravity_schedule: Schedule::Constant,
             velocities: Vec::new(),
             stresses: Vec::new(),
             contact: ContactOptions::default(),
@@ -60,7 +63,7 @@ impl Default for Model {
     }
 }
 
-/// Triangles, which share nodes where their bodies are whole.
+/// A mesh of triangles, which share nodes inside of a body.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Mesh {
     /// Coordinates of the nodes, m. No two triangles of different bodies share one.
@@ -73,41 +76,41 @@ pub struct Mesh {
     pub materials: Vec<u32>,
 }
 
-/// What vanishes out of the plane.
+/// Plane stress or plane strain.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Plane {
-    /// The stress: a thin plate.
+    /// The stress out of the plane vanishes: a thin plate.
     #[default]
     Stress,
-    /// The strain: a slice of a long body.
+    /// The strain out of the plane vanishes: a slice of a long body.
     Strain,
 }
 
 /// An elastic material that may break.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Material {
-    /// For people.
+    /// Name, for messages.
     pub name: String,
-    /// kg/m³.
+    /// Density, kg/m³.
     pub density: f64,
-    /// Pa.
+    /// Young's modulus, Pa.
     pub youngs_modulus: f64,
-    /// From above -1 to 0.5; in plane strain below 0.5.
+    /// Poisson's ratio, above -1 and at most 0.5; in plane strain below 0.5.
     pub poissons_ratio: f64,
-    /// Share of critical damping of an element's fastest mode by its viscosity; 0 for none.
+    /// Viscosity as a share of the critical damping of the fastest mode of an element; 0 for none.
     pub damping: f64,
-    /// `None`: it does not break.
+    /// Strength; `None` for a material that does not break.
     pub strength: Option<Strength>,
     /// Coefficient of friction where it touches, unless an [`Interface`] says otherwise.
     pub friction: f64,
 }
 
-/// When and how a material breaks.
+/// Strength and fracture energies of a material.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Strength {
-    /// Pa.
+    /// Tensile strength, Pa.
     pub tensile: f64,
-    /// Pa.
+    /// Cohesion, Pa.
     pub cohesion: f64,
     /// Tangent of the angle of internal friction.
     pub friction: f64,
@@ -115,13 +118,13 @@ pub struct Strength {
     pub energy_i: f64,
     /// Fracture energy of sliding, beyond friction, J/m².
     pub energy_ii: f64,
-    /// Weibull modulus of tensile strength and cohesion, edge by edge, with a mean of 1; `None` for no scatter.
+    /// Weibull modulus of the factor, with a mean of 1, that scatters tensile strength and cohesion from edge to edge; `None` for no scatter.
     pub weibull_modulus: Option<f64>,
-    /// Seed of that scatter.
+    /// Seed of the scatter.
     pub seed: u64,
 }
 
-/// Contacts between two materials, and the joint between two elements of them.
+/// Properties of the contacts and joints between two materials.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Interface {
     /// The two materials; they may be the same.
@@ -130,69 +133,72 @@ pub struct Interface {
     pub friction: f64,
     /// Penalty of contacts, Pa; `None`: as [`ContactOptions::penalty`] says.
     pub penalty: Option<f64>,
-    /// Strength of the joints between the two; `None`: the lesser of the two materials.
+    /// Strength of the joints between the two, inside bodies; `None`: the lesser of the two materials. Tensile strength and cohesion may be 0.
     pub strength: Option<Strength>,
 }
 
-/// What acts on nodes or edges.
+/// A boundary condition on nodes or edges.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Boundary {
-    /// For people.
+    /// Name, for messages.
     pub name: String,
-    /// Where.
+    /// Nodes or edges on which it acts.
     pub target: Target,
-    /// What.
+    /// Kind and size of the action.
     pub load: Load,
-    /// When.
+    /// Factor of the action in time.
     pub schedule: Schedule,
 }
 
-/// Where a [`Boundary`] acts.
+/// Nodes or edges on which a [`Boundary`] acts.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Target {
-    /// On nodes of the mesh.
+    /// Nodes of the mesh.
     Nodes(Vec<u32>),
-    /// On edges of elements: nodes of the mesh in the direction in which their element has them.
+    /// Edges of elements, as pairs of nodes in the direction in which their element has them.
     Edges(Vec<[u32; 2]>),
 }
 
-/// What a [`Boundary`] does. Components that are `None` are free.
+/// Action of a [`Boundary`]. Components that are `None` are free.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Load {
-    /// Moves nodes with this velocity times the schedule, m/s. Zero holds them.
+    /// Prescribes the velocity of nodes, m/s. Zero holds them.
     Velocity([Option<f64>; 2]),
-    /// Moves nodes from where they were by this times the schedule, m.
+    /// Prescribes the displacement of nodes, m.
     Displacement([Option<f64>; 2]),
-    /// In all, N, on the nodes in equal parts.
+    /// A total force, N, shared equally by the nodes.
     Force([f64; 2]),
-    /// On edges, Pa, in fixed directions; per length of the undeformed edge.
+    /// A traction on edges, Pa, in a fixed direction, per length of the undeformed edge.
     Traction([f64; 2]),
-    /// On edges, Pa, against the outward normal of the deformed edge.
+    /// A pressure on edges, Pa, against the outward normal of the deformed edge.
     Pressure(f64),
-    /// Edges that let waves out: dashpots of the material's impedances (Lysmer and Kuhlemeyer, 1969).
+    /// Edges that let waves out: dashpots of the material's impedances (Lysmer and Kuhlemeyer, 1969), the static force of the beginning, and springs as stiff as the ground beyond.
     Absorbing,
 }
 
 /// The factor of a [`Load`] in time.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub enum Schedule {
-    /// 1.
+    /// The factor is 1 at all times.
     #[default]
     Constant,
-    /// From 0 to 1 as half a cosine within this time, s; 1 afterwards.
+    /// The factor grows from 0 to 1 as half a cosine within this time, s, and stays 1.
     Ramp(f64),
-    /// Times, s, ascending, with factors: linear between them, constant outside.
+    /// Pairs of a time, s, ascending, and a factor, which is linear between them and constant outside.
     Table(Vec<[f64; 2]>),
 }
 
-/// How bodies touch.
+/// Options of contacts.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ContactOptions {
     /// Penalty of the potential over Young's modulus (of the softer of two).
     pub penalty: f64,
     /// Stiffness of friction before it slips over that of the contact.
     pub tangential_stiffness: f64,
-    /// Share of critical damping of normal contact motion; 0 for none.
+    /// Share of critical damping of the normal motion of two elements in contact, with the masses of the two; 0 for none.
+    ///
+    /// It is no coefficient of restitution. Bodies that collide are compressed themselves; the contact between them is stiff and stores a share of the energy that vanishes as
+    /// the mesh is refined, and so does what any damping of the contact alone dissipates.
     pub damping: f64,
     /// Gap up to which couples are kept between detections over the mean edge.
     pub buffer: f64,
@@ -204,24 +210,24 @@ impl Default for ContactOptions {
     }
 }
 
-/// Which joints there are between elements.
+/// When joints are inserted between elements.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Insertion {
-    /// Where the traction across an edge has reached the strength: no compliance before.
+    /// When the traction across an edge reaches the strength. There is no artificial compliance before.
     #[default]
     Adaptive,
-    /// Everywhere from the beginning.
+    /// On all edges, from the beginning.
     Intrinsic,
 }
 
-/// How bodies break.
+/// Options of fracture.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FractureOptions {
-    /// Which joints there are.
+    /// When joints are inserted.
     pub insertion: Insertion,
     /// Penalty of joints, α of α E/h, with h the mean height of the two elements over the edge.
     pub joint_penalty: f64,
-    /// How the critical opening follows from the fracture energy.
+    /// Critical opening of a joint as a function of its fracture energy.
     pub critical_opening: CriticalOpening,
 }
 
@@ -231,26 +237,26 @@ impl Default for FractureOptions {
     }
 }
 
-/// How the critical opening follows from the fracture energy.
+/// Critical opening of a joint as a function of its fracture energy.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum CriticalOpening {
-    /// A joint dissipates the fracture energy.
+    /// The opening with which a joint dissipates the fracture energy.
     #[default]
     Exact,
-    /// 3 G/f, as is customary: a joint dissipates 1.16 G.
+    /// The customary 3 G/f, with which a joint dissipates 1.16 G.
     Customary,
 }
 
-/// Steps in time.
+/// Options of the integration in time.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TimeOptions {
-    /// s; `None`: the critical one times `safety`.
+    /// Time step, s; `None` for the critical one times `safety`.
     pub step: Option<f64>,
-    /// Of the critical time step, from above 0 to 1.
+    /// Share of the critical time step, above 0 and at most 1.
     pub safety: f64,
-    /// Damping of nodes against their motion, share of the force (Cundall); 0 for none.
+    /// Local damping of nodes (Cundall): a force against their motion, as a share of the force on them; 0 for none.
     pub local_damping: f64,
-    /// Energy that may appear or vanish, as a share of what has been in the system, before a run stops.
+    /// Error of the energy balance at which a run stops, as a share of the energy exchanged.
     pub energy_bound: f64,
 }
 

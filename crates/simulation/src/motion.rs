@@ -12,43 +12,51 @@ use crate::solid::{Constants, Node, Solid, Strained};
 use crate::team::Team;
 use crate::topology::{NONE, Nodes};
 
-/// What moves the nodes in this step.
+/// Everything that the motion of the nodes in a step depends on.
 pub(crate) struct Motion<'a> {
     pub(crate) model: &'a Model,
     pub(crate) joints: &'a Joints,
     pub(crate) contacts: &'a Contacts,
     pub(crate) loads: &'a Loads,
+    /// Acceleration of gravity at the beginning of the step, m/s².
+    pub(crate) gravity: Point,
     pub(crate) time: f64,
     pub(crate) step: f64,
     pub(crate) speed_limit: f64,
 }
 
-/// What the motion of all nodes adds up to.
+/// Sums over the motion of all nodes.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Moved {
     pub(crate) kinetic: f64,
-    /// Work of gravity and of what holds nodes, up to the positions at the beginning of the step and after.
+    /// Work of gravity and of prescribed motions, up to the positions at the beginning of the step and after them.
     pub(crate) external: [f64; 2],
-    /// Dissipated by local damping, likewise.
+    /// Energy dissipated by local damping, likewise.
     pub(crate) damping: [f64; 2],
-    /// On the nodes that each boundary holds.
+    /// Force of each boundary on the nodes that it holds.
     pub(crate) reactions: Vec<Point>,
-    /// Of the fastest node, m/s.
+    /// Force on each node that a boundary moves.
+    pub(crate) held: Vec<(u32, Point)>,
+    /// Speed of the fastest node, m/s.
     pub(crate) fastest: f64,
-    /// The first node that is too fast.
+    /// The first node that is too fast, and its speed, m/s.
     pub(crate) runaway: Option<(u32, f64)>,
 }
 
 /// Gathers the forces on each node, and moves it.
 pub(crate) fn advance(solid: &mut Solid, motion: &Motion<'_>, team: &Team) -> Moved {
-    let Solid { nodes, constants, strained, corners, .. } = solid;
+    let Solid { nodes, constants, strained, corners, origin, .. } = solid;
+    let origin = *origin;
     let limit = motion.speed_limit * motion.speed_limit;
     let found = team.change(nodes, |first, chunk| {
         let mut sum = Moved::default();
         for (k, node) in chunk.iter_mut().enumerate() {
             let constants = &constants[first + k];
             let force = gather(first + k, constants, strained, corners, motion);
-            move_node(node, constants, force, motion, &mut sum);
+            let reaction = move_node(node, constants, force, origin, motion, &mut sum);
+            if constants.hold != NONE {
+                sum.held.push(((first + k) as u32, reaction));
+            }
             let squared = dot(node.velocity, node.velocity);
             sum.fastest = sum.fastest.max(squared);
             if (squared > limit || squared.is_nan()) && sum.runaway.is_none() {
@@ -69,12 +77,13 @@ pub(crate) fn advance(solid: &mut Solid, motion: &Motion<'_>, team: &Team) -> Mo
             total[0] += reaction[0];
             total[1] += reaction[1];
         }
+        all.held.extend(chunk.held);
         all.runaway = all.runaway.or(chunk.runaway);
     }
     all
 }
 
-/// The force on a node: of its corners in their order, each of its element, its joints and its contacts.
+/// Force on a node: the sum over its corners in their order, for each that of its element, its joints and its contacts.
 #[inline]
 fn gather(
     number: usize,
@@ -99,12 +108,21 @@ fn gather(
     force
 }
 
+/// Moves a node, and returns the force of what holds it.
 #[inline]
-fn move_node(node: &mut Node, constants: &Constants, mut force: Point, motion: &Motion<'_>, sum: &mut Moved) {
+fn move_node(
+    node: &mut Node,
+    constants: &Constants,
+    mut force: Point,
+    origin: Point,
+    motion: &Motion<'_>,
+    sum: &mut Moved,
+) -> Point {
+    let mut reactions = [0.0; 2];
     let mass = constants.mass;
     let step = motion.step;
     let before = node.velocity;
-    let weight: Point = std::array::from_fn(|axis| mass * motion.model.gravity[axis]);
+    let weight: Point = std::array::from_fn(|axis| mass * motion.gravity[axis]);
     let held = motion.loads.holds.get(constants.hold as usize);
     let damping = motion.model.time.local_damping;
     let mut external = weight;
@@ -113,10 +131,12 @@ fn move_node(node: &mut Node, constants: &Constants, mut force: Point, motion: &
         force[axis] += weight[axis];
         let hold = held.and_then(|held| held[axis]);
         let after = if let Some(hold) = hold {
-            let moved = node.position[axis] - motion.model.mesh.nodes[constants.vertex as usize][axis];
+            let start = motion.model.mesh.nodes[constants.vertex as usize][axis] - origin[axis];
+            let moved = node.position[axis] - start;
             let after = hold.velocity(&motion.loads.schedules, motion.time, step, moved);
             let reaction = mass * (after - before[axis]) / step - force[axis];
             external[axis] += reaction;
+            reactions[axis] = reaction;
             if sum.reactions.is_empty() {
                 sum.reactions = vec![[0.0; 2]; motion.model.boundaries.len()];
             }
@@ -136,4 +156,5 @@ fn move_node(node: &mut Node, constants: &Constants, mut force: Point, motion: &
         sum.external[half] += 0.5 * step * dot(external, velocity);
         sum.damping[half] += 0.5 * step * dot(damped, velocity);
     }
+    reactions
 }

@@ -1,6 +1,6 @@
-//! Scatter of strengths: a function of the seed and the number of an edge alone, the same on every platform.
+//! Scatter of strengths. It is a function of the seed and the number of an edge only, and the same on every platform.
 
-/// Uniform in (0, 1): SplitMix64 (Steele, Lea and Flood, 2014) of the seed and the number.
+/// Random number, uniform in (0, 1), by SplitMix64 (Steele, Lea and Flood, 2014) from the seed and the number.
 pub(crate) fn uniform(seed: u64, number: u64) -> f64 {
     let mut x = seed ^ number.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     for factor in [0xbf58_476d_1ce4_e5b9_u64, 0x94d0_49bb_1331_11eb] {
@@ -10,7 +10,7 @@ pub(crate) fn uniform(seed: u64, number: u64) -> f64 {
     ((x >> 12) as f64 + 0.5) / (1_u64 << 52) as f64
 }
 
-/// A Weibull variable of this modulus whose mean is 1.
+/// Random number of a Weibull distribution with this modulus and a mean of 1.
 pub(crate) fn weibull(seed: u64, number: u64, modulus: f64) -> f64 {
     libm::pow(-libm::log(uniform(seed, number)), 1.0 / modulus) / libm::tgamma(1.0 + 1.0 / modulus)
 }

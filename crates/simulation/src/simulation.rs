@@ -9,11 +9,13 @@ use crate::contacts::{Contacts, Saved as SavedContacts, Touching};
 use crate::critical::CriticalStep;
 use crate::energy::Energies;
 use crate::error::{ModelError, Stop};
+use crate::forces::{self, Forces};
 use crate::joints::{Break, Joint, Joints, Saved};
 use crate::loads::Loads;
 use crate::model::{Insertion, Model};
 use crate::motion::{self, Motion};
-use crate::potential::Point;
+use crate::potential::{Point, dot};
+use crate::seams::{Hold, Seams};
 use crate::snapshot::{Crack, Mode, Snapshot};
 use crate::solid::{Constants, Node, Solid};
 use crate::team::Team;
@@ -25,8 +27,11 @@ const AUDIT: u64 = 100;
 /// Nodes faster than this many times the speed of waves of compression have run away.
 const RUNAWAY: f64 = 10.0;
 
-/// Strain energy below that of this strain everywhere is no energy whose error matters.
+/// The energy balance is not judged while less energy has been exchanged than a uniform strain of this size stores.
 const NEGLIGIBLE_STRAIN: f64 = 1e-8;
+
+/// Nor while less has been exchanged than this share of what the initial stress has stored: coordinates are rounded.
+const NEGLIGIBLE_SHARE: f64 = 1e-9;
 
 /// A model in motion.
 ///
@@ -49,22 +54,27 @@ pub struct Simulation {
     solid: Solid,
     joints: Joints,
     contacts: Contacts,
+    seams: Seams,
     loads: Loads,
     team: Team,
     critical: CriticalStep,
     time_step: f64,
     /// m/s.
     speed_limit: f64,
-    /// Energy whose error does not matter, J.
+    /// Exchanged energy below which the balance is not judged, J.
     negligible: f64,
     step: u64,
     totals: Totals,
-    /// At the beginning of the last step, without what is in the elements.
+    /// At the beginning of the last step; without strain energy, initial energy and scale.
     energies: Energies,
-    /// Strain energy then; `None`: that of the elements as they are.
-    strain: Option<f64>,
+    /// Work of applied forces then, J: a part of `energies.external`.
+    loads_work: f64,
+    /// All energies of a state from which the run was resumed, until its first step.
+    resumed: Option<Energies>,
     /// On the bodies, by each boundary, at the beginning of the last step, N.
     reactions: Vec<Point>,
+    /// On each node that a boundary moves, at the beginning of the last step, N.
+    held: Vec<(u32, Point)>,
     touching: Touching,
     timings: Timings,
 }
@@ -78,7 +88,12 @@ struct Totals {
     most_cohesive: f64,
     damping: f64,
     external: f64,
-    initial: Option<f64>,
+    /// Work of applied forces, which `external` contains.
+    loads: f64,
+    /// Energies at the beginning, once the first step has found them.
+    first: Option<Energies>,
+    /// The most energy exchanged at any audit.
+    exchanged: f64,
 }
 
 /// Everything about a run that its model does not say: enough to go on as if it had never stopped.
@@ -87,6 +102,7 @@ pub struct State {
     step: u64,
     totals: Totals,
     energies: Energies,
+    loads_work: f64,
     reactions: Vec<Point>,
     nodes: Vec<Node>,
     constants: Vec<Constants>,
@@ -95,6 +111,7 @@ pub struct State {
     viscous: Vec<[f64; 4]>,
     joints: Saved,
     contacts: SavedContacts,
+    seams: Vec<Hold>,
 }
 
 impl State {
@@ -148,7 +165,7 @@ impl Simulation {
         for edge in 0..topology.edges.len() as u32 {
             joints.law(edge, &model, &topology)?;
         }
-        let loads = Loads::new(&model, &topology, &mut solid)?;
+        let mut loads = Loads::new(&model, &topology, &mut solid)?;
         let contacts = Contacts::new(&model, &topology, threads)?;
         let critical = CriticalStep::new(&model, &topology, &joints);
         if model.fracture.insertion == Insertion::Intrinsic {
@@ -163,20 +180,36 @@ impl Simulation {
             solid.number_by_corners();
             joints.find_nodes(&topology, &solid);
         }
+        let seams = Seams::new(&model, &topology, &solid)?;
+        if solid.is_prestressed() {
+            let by_seams = seams.initial_forces(&solid);
+            loads.support(&model, &solid, |corner| {
+                let mut force = by_seams.get(corner as usize).copied().unwrap_or_default();
+                joints.add_initial_force(corner, &solid, &mut force);
+                force
+            });
+        }
+        let cohesive = joints.stored(&solid);
+        let totals =
+            Totals { cohesive, most_cohesive: cohesive, friction: seams.stored(), ..Totals::default() };
         let wave = |material: &crate::model::Material| (material.youngs_modulus / material.density).sqrt();
         let speed_limit = RUNAWAY * model.materials.iter().map(wave).fold(0.0, f64::max);
         let modulus = |material: u32| model.materials[material as usize].youngs_modulus;
         let stiffness: f64 =
             solid.elements.iter().map(|element| element.volume * modulus(element.material)).sum();
+        let team = Team::new(threads)?;
         Ok(Self {
             time_step: model.time.step.unwrap_or(critical.step * model.time.safety),
-            negligible: 0.5 * stiffness * NEGLIGIBLE_STRAIN * NEGLIGIBLE_STRAIN,
+            negligible: 0.5 * stiffness * NEGLIGIBLE_STRAIN * NEGLIGIBLE_STRAIN
+                + NEGLIGIBLE_SHARE * solid.strain_energy(&team),
             reactions: vec![[0.0; 2]; model.boundaries.len()],
-            team: Team::new(threads)?,
+            team,
             step: 0,
-            totals: Totals::default(),
+            totals,
             energies: Energies::default(),
-            strain: None,
+            held: Vec::new(),
+            loads_work: 0.0,
+            resumed: None,
             touching: Touching::default(),
             timings: Timings::default(),
             model,
@@ -184,6 +217,7 @@ impl Simulation {
             solid,
             joints,
             contacts,
+            seams,
             loads,
             critical,
             speed_limit,
@@ -192,7 +226,7 @@ impl Simulation {
 
     /// One step: from positions at its beginning, and velocities half a step earlier, to positions at its end.
     fn step(&mut self) -> Result<(), Stop> {
-        let Self { model, topology, solid, joints, contacts, loads, team, totals, timings, .. } = self;
+        let Self { model, topology, solid, joints, contacts, seams, loads, team, totals, timings, .. } = self;
         let (step, time) = (self.time_step, self.step as f64 * self.time_step);
         let mut clock = Clock::new();
 
@@ -216,13 +250,19 @@ impl Simulation {
         totals.damping += touching.damping;
         totals.cohesive -= touching.handed_over;
         totals.most_cohesive = totals.most_cohesive.max(totals.cohesive);
+        let pressing = seams.press(solid, team);
+        totals.friction += pressing.friction;
         clock.read(&mut timings.contact);
 
-        loads.apply(solid, time);
-        let [first, absorbed] = loads.half_work(solid, model, step);
+        loads.apply(solid, model, time);
+        let [first, absorbed] = loads.half_work(solid, step);
         totals.external += first;
+        totals.loads += first;
         totals.damping -= absorbed;
-        let motion = Motion { model, joints, contacts, loads, time, step, speed_limit: self.speed_limit };
+        let factor = model.gravity_schedule.factor(time);
+        let gravity = model.gravity.map(|acceleration| factor * acceleration);
+        let motion =
+            Motion { model, joints, contacts, loads, gravity, time, step, speed_limit: self.speed_limit };
         let moved = motion::advance(solid, &motion, team);
         contacts.note_motion(step * moved.fastest);
         totals.external += moved.external[0];
@@ -230,18 +270,20 @@ impl Simulation {
         // The balance holds here, where the positions are: what the second half of the step does comes after it.
         self.energies = Energies {
             kinetic: moved.kinetic,
-            strain: 0.0,
-            contact: touching.energy,
+            contact: touching.energy + pressing.energy,
             friction: totals.friction,
             cohesive: totals.cohesive,
             damping: totals.damping,
             external: totals.external,
-            initial: 0.0,
+            ..Energies::default()
         };
-        let [second, absorbed] = loads.half_work(solid, model, step);
+        self.loads_work = totals.loads;
+        let [second, absorbed] = loads.half_work(solid, step);
         totals.external += second + moved.external[1];
+        totals.loads += second;
         totals.damping += moved.damping[1] - absorbed;
         self.reactions = moved.reactions;
+        self.held = moved.held;
         loads.add_forces(&mut self.reactions);
         self.touching = touching;
         clock.read(&mut timings.integration);
@@ -259,31 +301,42 @@ impl Simulation {
         Ok(())
     }
 
-    /// Looks at the balance of energy now and then.
+    /// Checks the energy balance, every [`AUDIT`] steps.
     fn audit(&mut self) -> Result<(), Stop> {
-        self.strain = None;
-        if self.totals.initial.is_none() {
-            self.totals.initial = Some(self.energies().balance());
+        self.resumed = None;
+        if self.totals.first.is_none() {
+            let strain = self.solid.strain_energy(&self.team);
+            self.totals.first = Some(Energies { strain, ..self.energies });
         }
         if !self.step.is_multiple_of(AUDIT) {
             return Ok(());
         }
         let energies = self.energies();
-        let (error, bound) = (energies.error(), self.model.time.energy_bound);
-        if energies.scale() <= self.negligible {
+        self.totals.exchanged = energies.exchanged;
+        let (step, bound) = (self.step, self.model.time.energy_bound);
+        let (error, scale, available) = (energies.error(), energies.scale(), energies.available());
+        if scale <= self.negligible {
             return Ok(());
         }
         if error.abs() > bound || error.is_nan() {
-            return Err(Stop::Energy { element: self.hottest(), step: self.step, error, bound });
+            return Err(Stop::Energy { element: self.hottest(), step, error, bound });
+        }
+        if energies.kinetic > available + bound * scale {
+            return Err(Stop::Kinetic {
+                element: self.hottest(),
+                step,
+                kinetic: energies.kinetic,
+                available,
+            });
         }
         // Joints that are there from the beginning store energy as the elements do, and give it back.
         let returned = match self.model.fracture.insertion {
             Insertion::Adaptive => self.totals.most_cohesive - energies.cohesive,
             Insertion::Intrinsic => -energies.cohesive,
         };
-        let share = returned / energies.scale();
+        let share = returned / scale;
         if share > bound {
-            return Err(Stop::Returned { element: self.hottest(), step: self.step, share, bound });
+            return Err(Stop::Returned { element: self.hottest(), step, share, bound });
         }
         Ok(())
     }
@@ -339,10 +392,34 @@ impl Simulation {
         self.critical
     }
 
-    /// At the beginning of the last step, J.
+    /// Energies at the beginning of the last step, J.
     pub fn energies(&self) -> Energies {
-        let strain = self.strain.unwrap_or_else(|| self.solid.strain_energy(&self.team));
-        Energies { strain, initial: self.totals.initial.unwrap_or(0.0), ..self.energies }
+        if let Some(energies) = self.resumed {
+            return energies;
+        }
+        let now = Energies { strain: self.solid.strain_energy(&self.team), ..self.energies };
+        let first = self.totals.first.unwrap_or(now);
+        let exchanged = now.changed(&first).max(self.work_done());
+        Energies { initial: first.balance(), exchanged: exchanged.max(self.totals.exchanged), ..now }
+    }
+
+    /// The sum of the magnitudes of the works of loads, of gravity, and of what moves or holds nodes, J.
+    fn work_done(&self) -> f64 {
+        let factor = self.model.gravity_schedule.factor(self.time());
+        let by_gravity = |range: std::ops::Range<usize>| {
+            let work = |node: usize| {
+                let moved = self.solid.displacement(node, &self.model);
+                factor * self.solid.constants[node].mass * dot(self.model.gravity, moved)
+            };
+            range.map(work).sum::<f64>()
+        };
+        let gravity = if self.model.gravity == [0.0; 2] {
+            0.0
+        } else {
+            self.team.look(self.solid.nodes.len(), by_gravity).into_iter().sum()
+        };
+        let held = self.energies.external - self.loads_work - gravity;
+        self.loads_work.abs() + gravity.abs() + held.abs()
     }
 
     /// What a boundary did to the bodies at the beginning of the last step, N.
@@ -414,7 +491,7 @@ impl Simulation {
         Snapshot {
             step: self.step,
             time: self.time(),
-            positions: nodes.iter().map(|node| node.position).collect(),
+            positions: nodes.iter().map(|node| self.solid.place(node.position)).collect(),
             displacements: (0..nodes.len()).map(|node| self.solid.displacement(node, &self.model)).collect(),
             velocities: nodes.iter().map(|node| node.velocity).collect(),
             triangles: self.solid.corners.of_corner.clone(),
@@ -427,7 +504,16 @@ impl Simulation {
             damage,
             bodies: self.model.mesh.bodies.clone(),
             materials: self.model.mesh.materials.clone(),
+            fragments: self.topology.pieces(|edge| self.joints.holds(edge)),
             cracks,
+        }
+    }
+
+    /// Forces of contacts and boundaries at the beginning of the last step.
+    pub fn forces(&self) -> Forces {
+        Forces {
+            contacts: forces::contact_forces(&self.contacts, &self.joints, &self.solid, &self.topology),
+            reactions: forces::reactions(&self.solid, &self.loads, &self.held),
         }
     }
 
@@ -435,7 +521,7 @@ impl Simulation {
         let edge = &self.topology.edges[joint.edge as usize];
         let end = |end: usize| {
             let [a, b] = edge.corners.map(|side| self.solid.at_corner(side[end]).position);
-            [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])]
+            self.solid.place([0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])])
         };
         let [opening, sliding] = Joints::gap(joint, &self.solid);
         let modes = broken.map_or_else(
@@ -463,6 +549,7 @@ impl Simulation {
             step: self.step,
             totals: self.totals,
             energies: self.energies(),
+            loads_work: self.loads_work,
             reactions: self.reactions.clone(),
             nodes: self.solid.nodes.clone(),
             constants: self.solid.constants.clone(),
@@ -471,6 +558,7 @@ impl Simulation {
             viscous: self.solid.strained.iter().map(|strained| strained.viscous).collect(),
             joints: self.joints.save(),
             contacts: self.contacts.save(),
+            seams: self.seams.save(),
         }
     }
 
@@ -516,10 +604,12 @@ impl Simulation {
         }
         run.joints.restore(state.joints, &run.model, &run.topology, &run.solid)?;
         run.contacts.restore(state.contacts, &run.joints, &run.topology)?;
+        run.seams.restore(state.seams)?;
         run.step = state.step;
         run.totals = state.totals;
         run.energies = state.energies;
-        run.strain = Some(state.energies.strain);
+        run.loads_work = state.loads_work;
+        run.resumed = Some(state.energies);
         run.reactions = state.reactions;
         Ok(run)
     }
@@ -550,5 +640,42 @@ impl Clock {
         let now = Instant::now();
         *sum += now - self.0;
         self.0 = now;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::{Material, Mesh};
+
+    /// Energies that cancel hide no motion out of nothing: dissipation below zero balances it, and still it could not have become kinetic.
+    #[test]
+    fn kinetic_energy_out_of_nothing_stops_a_run() {
+        let mesh = Mesh {
+            nodes: vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]],
+            triangles: vec![[0, 1, 2]],
+            bodies: vec![0],
+            materials: vec![0],
+        };
+        let material = Material {
+            name: "rock".to_owned(),
+            density: 2700.0,
+            youngs_modulus: 50e9,
+            poissons_ratio: 0.25,
+            damping: 0.0,
+            strength: None,
+            friction: 0.5,
+        };
+        let model =
+            Model { mesh, materials: vec![material], velocities: vec![[1.0, 0.0]; 3], ..Model::default() };
+        let mut run = Simulation::new(model, 1).expect("a model");
+        run.advance(150).expect("a sound run");
+        let kinetic = run.energies().kinetic;
+        for node in &mut run.solid.nodes {
+            node.velocity = node.velocity.map(|v| 2.0 * v);
+        }
+        run.totals.damping -= 3.0 * kinetic;
+        let stop = run.advance(100).expect_err("three times the energy from nowhere");
+        assert!(matches!(stop, Stop::Kinetic { step: 200, .. }), "{stop}");
     }
 }

@@ -5,56 +5,58 @@
 pub struct Snapshot {
     /// Steps done.
     pub step: u64,
-    /// s.
+    /// Time, s.
     pub time: f64,
-    /// Where the nodes are, m. Nodes of a mesh that has broken there come several times.
+    /// Positions of the nodes, m. A node of the mesh becomes several nodes where the mesh has broken.
     pub positions: Vec<[f64; 2]>,
-    /// How far each has moved, m.
+    /// Displacements of the nodes, m.
     pub displacements: Vec<[f64; 2]>,
-    /// m/s.
+    /// Velocities of the nodes, m/s.
     pub velocities: Vec<[f64; 2]>,
     /// Nodes of each element, counter-clockwise.
     pub triangles: Vec<[u32; 3]>,
     /// Cauchy stress of each element, `[xx, yy, xy, zz]` in Pa, tension positive.
     pub stresses: Vec<[f64; 4]>,
-    /// Of each element: the largest damage of its joints, 0 to 1.
+    /// Largest damage of the joints of each element, from 0 to 1.
     pub damage: Vec<f64>,
-    /// Of each element.
+    /// Body of each element.
     pub bodies: Vec<u32>,
-    /// Of each element.
+    /// Material of each element.
     pub materials: Vec<u32>,
-    /// Joints that soften or are broken.
+    /// Fragment of each element: elements that hang together by edges have one number. Numbers count from 0 in the order of the first element of each fragment.
+    pub fragments: Vec<u32>,
+    /// Joints that are softening or broken.
     pub cracks: Vec<Crack>,
 }
 
-/// A joint beyond its strength: an edge that was common to two elements.
+/// A joint that has passed its strength, on an edge between two elements.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crack {
-    /// Its ends now, m: half way between the two elements.
+    /// Current positions of its ends, m, half way between the two elements.
     pub ends: [[f64; 2]; 2],
-    /// On either side.
+    /// Elements on its two sides.
     pub elements: [u32; 2],
-    /// 0 whole, 1 broken: the mean of its two ends.
+    /// Damage from 0 (whole) to 1 (broken), the mean of its two ends.
     pub damage: f64,
-    /// How it broke, or breaks.
+    /// Mode of failure.
     pub mode: Mode,
     /// Mean opening, m; negative where it is closed.
     pub opening: f64,
     /// Mean sliding, m.
     pub sliding: f64,
-    /// When it broke, s; `None` if it still holds.
+    /// Time of failure, s; `None` while the joint holds.
     pub time: Option<f64>,
-    /// Of the undeformed edge, m.
+    /// Length of the undeformed edge, m.
     pub length: f64,
 }
 
-/// How a joint breaks: by what its damage is of, when it broke.
+/// Mode of failure of a joint, by the shares of opening and sliding in its damage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mode {
     /// At least three quarters by opening (mode I).
     Tension,
     /// At least three quarters by sliding (mode II).
     Shear,
-    /// Between.
+    /// Neither has three quarters.
     Mixed,
 }

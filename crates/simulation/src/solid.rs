@@ -64,8 +64,12 @@ struct Response {
 }
 
 /// Bodies of elements.
+///
+/// Positions of nodes are relative to [`Solid::origin`], so that bodies far from the origin of the model's coordinates lose no digits.
 #[derive(Debug)]
 pub(crate) struct Solid {
+    /// In the model's coordinates, m.
+    pub(crate) origin: Point,
     pub(crate) nodes: Vec<Node>,
     pub(crate) constants: Vec<Constants>,
     pub(crate) elements: Vec<Element>,
@@ -76,8 +80,17 @@ pub(crate) struct Solid {
     responses: Vec<Response>,
     /// Smallest height of each element; empty without viscosity.
     heights: Vec<f64>,
-    /// Second Piola-Kirchhoff stress at the beginning, `[xx, yy, xy]`; empty for none.
-    prestress: Vec<[f64; 3]>,
+    /// Initial stress of each element; empty for none.
+    prestress: Vec<Prestress>,
+}
+
+/// The initial stress of an element.
+#[derive(Clone, Copy, Debug)]
+struct Prestress {
+    /// Second Piola-Kirchhoff, `[xx, yy, xy]`.
+    stress: [f64; 3],
+    /// What it has stored before the run, J/m³.
+    energy: f64,
 }
 
 /// What a pass over the elements found.
@@ -119,25 +132,39 @@ impl Solid {
             Vec::new()
         };
         let all = || mesh.nodes.iter().enumerate();
+        let origin = middle_if_far(&mesh.nodes);
         let nodes = all()
-            .map(|(vertex, &position)| Node {
-                position,
+            .map(|(vertex, &place)| Node {
+                position: minus(place, origin),
                 velocity: model.velocities.get(vertex).copied().unwrap_or_default(),
             })
             .collect();
         let constants =
             all().map(|(vertex, _)| Constants { mass: 0.0, vertex: vertex as u32, hold: NONE }).collect();
         let corners = Nodes::new(mesh.triangles.clone(), mesh.nodes.len());
+        let moduli = |element: usize| &responses[elements[element].material as usize].moduli;
+        let prestress: Vec<Prestress> = model
+            .stresses
+            .iter()
+            .enumerate()
+            .map(|(element, &stress)| Prestress { stress, energy: moduli(element).stored(stress) })
+            .collect();
+        let mut strained = vec![Strained::default(); elements.len()];
+        for ((strained, prestress), element) in strained.iter_mut().zip(&prestress).zip(&elements) {
+            strained.stress = prestress.stress;
+            strained.energy = prestress.energy * element.volume;
+        }
         let mut solid = Self {
+            origin,
             nodes,
             constants,
-            strained: vec![Strained::default(); elements.len()],
+            strained,
             elements,
             corners,
             thickness: model.thickness,
             responses,
             heights,
-            prestress: model.stresses.clone(),
+            prestress,
         };
         for node in 0..solid.nodes.len() {
             solid.weigh(node as u32, model);
@@ -196,7 +223,13 @@ impl Solid {
 
     /// How far a node has moved.
     pub(crate) fn displacement(&self, node: usize, model: &Model) -> Point {
-        minus(self.nodes[node].position, model.mesh.nodes[self.constants[node].vertex as usize])
+        let vertex = self.constants[node].vertex as usize;
+        minus(self.nodes[node].position, minus(model.mesh.nodes[vertex], self.origin))
+    }
+
+    /// The place of a position in the model's coordinates, m.
+    pub(crate) fn place(&self, position: Point) -> Point {
+        [position[0] + self.origin[0], position[1] + self.origin[1]]
     }
 
     /// What holds the node of a corner, or [`NONE`].
@@ -221,13 +254,14 @@ impl Solid {
                     sum.inverted = Some((number as u32, j));
                 }
                 let (mut stress, mut energy) = response.moduli.stress(&gradient, j);
-                if let Some(&[xx, yy, xy]) = prestress.get(number) {
+                if let Some(prestress) = prestress.get(number) {
+                    let [xx, yy, xy] = prestress.stress;
                     let second = [xx, xy, xy, yy];
                     let first = product(&gradient, &second);
                     stress = std::array::from_fn(|i| stress[i] + first[i]);
                     let [p, q, r, s] = gradient;
                     let strain = [p * p + r * r - 1.0, p * q + r * s, p * q + r * s, q * q + s * s - 1.0];
-                    energy += 0.5 * contraction(&second, &strain);
+                    energy += prestress.energy + 0.5 * contraction(&second, &strain);
                 }
                 if response.viscosity > 0.0 {
                     let (e, f) = (minus(b.velocity, a.velocity), minus(c.velocity, a.velocity));
@@ -256,7 +290,7 @@ impl Solid {
         all
     }
 
-    /// Stored in the elements by the last pass.
+    /// Strain energy by the last pass.
     pub(crate) fn strain_energy(&self, team: &Team) -> f64 {
         team.look(self.elements.len(), |range| {
             self.strained[range].iter().map(|strained| strained.energy).sum::<f64>()
@@ -265,11 +299,38 @@ impl Solid {
         .sum()
     }
 
+    /// Whether the elements begin under stress.
+    pub(crate) fn is_prestressed(&self) -> bool {
+        !self.prestress.is_empty()
+    }
+
+    /// The force on a corner of an element by its initial stress.
+    pub(crate) fn initial_force(&self, corner: u32) -> Point {
+        let Some(prestress) = self.prestress.get(corner as usize / 3) else { return [0.0; 2] };
+        let element = &self.elements[corner as usize / 3];
+        let [xx, yy, xy] = prestress.stress;
+        let forces = product_transposed(&[xx, xy, xy, yy], &element.gradients).map(|f| -element.volume * f);
+        let (one, two) = ([forces[0], forces[2]], [forces[1], forces[3]]);
+        [[-one[0] - two[0], -one[1] - two[1]], one, two][corner as usize % 3]
+    }
+
     /// The stress out of the plane of an element.
     pub(crate) fn stress_out_of_plane(&self, element: usize) -> f64 {
         let [xx, yy, _] = self.strained[element].stress;
         self.responses[self.elements[element].material as usize].moduli.out_of_plane * (xx + yy)
     }
+}
+
+/// The middle of the bounding box along each axis on which that is as far from 0 as the box is wide; 0 along others.
+///
+/// All coordinates are within a factor of 2 of the middle then, so that differences from it are exact (Sterbenz' lemma).
+fn middle_if_far(nodes: &[Point]) -> Point {
+    std::array::from_fn(|axis| {
+        let along = || nodes.iter().map(|node| node[axis]);
+        let [low, high] = [along().fold(f64::INFINITY, f64::min), along().fold(f64::NEG_INFINITY, f64::max)];
+        let middle = 0.5 * low + 0.5 * high;
+        if middle.abs() >= high - low { middle } else { 0.0 }
+    })
 }
 
 /// An element of the mesh.

@@ -1,6 +1,6 @@
-//! Work on all threads, with results that do not depend on how many there are.
+//! Work on all threads, with results that do not depend on the number of threads.
 //!
-//! Items are cut into chunks of a fixed size; what a chunk sums up is added in the order of the chunks.
+//! Items are divided into chunks of a fixed size. The sums of the chunks are added in their order.
 
 use std::sync::Arc;
 
@@ -8,21 +8,21 @@ use rayon::prelude::*;
 
 use crate::error::ModelError;
 
-/// Items of a chunk: few enough to share out, enough to be worth a task.
+/// Number of items in a chunk: so few that all threads get some, so many that a task is worth its cost.
 const CHUNK: usize = 512;
 
-/// Fewer items than this are not worth waking threads for.
+/// Number of items below which one thread does the work.
 const WORTH_IT: usize = 8 * CHUNK;
 
 /// The threads of a simulation.
 #[derive(Debug)]
 pub(crate) struct Team {
-    /// `None`: the caller's alone.
+    /// `None` if the thread of the caller does all work.
     pool: Option<Arc<rayon::ThreadPool>>,
 }
 
 impl Team {
-    /// So many threads; 0: one for each processor.
+    /// A team of so many threads; 0 for one on each processor.
     pub(crate) fn new(threads: usize) -> Result<Self, ModelError> {
         if threads == 1 {
             return Ok(Self { pool: None });
@@ -39,12 +39,12 @@ impl Team {
         self.pool.as_ref().map_or(1, |pool| pool.current_num_threads())
     }
 
-    /// These threads, to be given long work as a whole: each piece of it then goes from one of them to the others, and no other thread has to be woken.
+    /// The pool of these threads. Long work is given to it as a whole, so that no thread from outside has to be woken for each piece.
     pub(crate) fn pool(&self) -> Option<Arc<rayon::ThreadPool>> {
         self.pool.clone()
     }
 
-    /// Has `work` done on chunks of `items`, given the number of the first; its results in the order of the chunks.
+    /// Calls `work` on chunks of `items`, with the number of the first item. Returns the results in the order of the chunks.
     pub(crate) fn change<T: Send, R: Send>(
         &self,
         items: &mut [T],
@@ -58,7 +58,7 @@ impl Team {
         }
     }
 
-    /// The same on chunks of two lists of one length.
+    /// Calls `work` on chunks of two lists of the same length, likewise.
     pub(crate) fn change_both<A: Send, B: Send, R: Send>(
         &self,
         first: &mut [A],
@@ -77,7 +77,7 @@ impl Team {
         }
     }
 
-    /// The same on chunks of the numbers below `count`.
+    /// Calls `work` on chunks of the numbers below `count`, likewise.
     pub(crate) fn look<R: Send>(
         &self,
         count: usize,

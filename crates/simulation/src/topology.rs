@@ -1,12 +1,12 @@
-//! Which elements hang together: corners of elements, the nodes they share, the edges between them.
+//! Connectivity of elements: their corners, the nodes that they share, the edges between them.
 //!
-//! A *vertex* is a node of the mesh as it was given; a *node* is what moves. Where the mesh is whole a vertex is one node; where it has come apart it is several,
-//! each of them the corners of elements that still hang together there. Corner `3 e + k` is the `k`-th of element `e`.
+//! A *vertex* is a node of the given mesh; a *node* is a point that moves. Where the mesh is whole a vertex is one node. Where the mesh has broken a vertex is several nodes,
+//! each shared by the corners of elements that are still connected there. Corner `3 e + k` is the `k`-th corner of element `e`.
 
 use crate::error::ModelError;
 use crate::model::Mesh;
 
-/// No edge, no joint.
+/// Stands for no edge or no joint.
 pub(crate) const NONE: u32 = u32::MAX;
 
 /// An edge between two elements. Side 0 is the element with the lower number; both sides list their corners in its direction.
@@ -21,17 +21,17 @@ impl Edge {
     }
 }
 
-/// What does not change when the mesh comes apart.
+/// Connectivity of the given mesh, which does not change when the mesh breaks.
 #[derive(Clone, Debug)]
 pub(crate) struct Topology {
-    /// Of each corner.
+    /// Vertex of each corner.
     pub(crate) vertices: Vec<u32>,
     /// Corners of each vertex, ascending: the slices between these offsets.
     offsets: Vec<u32>,
     corners: Vec<u32>,
     /// Edges between elements.
     pub(crate) edges: Vec<Edge>,
-    /// The edge between corners `k` and `k + 1` of each element; [`NONE`] where nothing is beyond.
+    /// The edge between corners `k` and `k + 1` of each element; [`NONE`] on the outline.
     pub(crate) edge_of: Vec<[u32; 3]>,
 }
 
@@ -78,6 +78,31 @@ impl Topology {
             }
         }
         outer
+    }
+
+    /// Numbers the pieces that hang together by edges that `hold`, from 0 in the order of their first elements; the number of each element.
+    pub(crate) fn pieces(&self, holds: impl Fn(u32) -> bool) -> Vec<u32> {
+        let mut pieces = vec![NONE; self.edge_of.len()];
+        let (mut count, mut waiting) = (0, Vec::new());
+        for first in 0..pieces.len() {
+            if pieces[first] != NONE {
+                continue;
+            }
+            pieces[first] = count;
+            waiting.push(first);
+            while let Some(element) = waiting.pop() {
+                for edge in self.edge_of[element].into_iter().filter(|&edge| edge != NONE && holds(edge)) {
+                    for next in self.edges[edge as usize].elements() {
+                        if pieces[next as usize] == NONE {
+                            pieces[next as usize] = count;
+                            waiting.push(next as usize);
+                        }
+                    }
+                }
+            }
+            count += 1;
+        }
+        pieces
     }
 
     /// The edges between elements that meet at a vertex, each once, each with the corner of its side 0.
@@ -133,7 +158,7 @@ impl Topology {
     }
 }
 
-/// Edges between two elements, in the order of the lower element and its corner.
+/// Finds the edges between two elements, in the order of the lower element and its corner.
 fn edges(vertices: &[u32]) -> Result<(Vec<Edge>, Vec<[u32; 3]>), ModelError> {
     let mut sides: Vec<([u32; 2], u32)> = (0..vertices.len())
         .map(|corner| {
@@ -178,7 +203,7 @@ pub(crate) fn follower(corner: u32) -> u32 {
 /// The corners of each node, as lists: the first of each node, the next of each corner, ascending.
 #[derive(Clone, Debug)]
 pub(crate) struct Nodes {
-    /// Of the corners of each element.
+    /// Nodes of the corners of each element.
     pub(crate) of_corner: Vec<[u32; 3]>,
     /// First corner of each node.
     pub(crate) first: Vec<u32>,

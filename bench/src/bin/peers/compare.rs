@@ -1,4 +1,4 @@
-//! The searches side by side: couples first, times then.
+//! Compares the searches: first their couples, then their times.
 
 use std::error::Error;
 use std::hint::black_box;
@@ -16,10 +16,10 @@ use crate::plan::Plan;
 
 const QUICK: usize = 10_000;
 
-/// Share of the pairs that a program may find too many or too few: `f32` rounds those that are about the cut-off apart.
+/// Largest difference of the number of pairs of a program, as a fraction: `f32` rounds distances near the cut-off.
 pub(crate) const ROUNDED: f64 = 1e-5;
 
-/// The bodies of a set, and two smaller sets of the kind.
+/// The bodies of a set, and two smaller sets of the same kind.
 pub(crate) struct Scenes<const D: usize> {
     all: Made<D>,
     smaller: Vec<Made<D>>,
@@ -39,7 +39,7 @@ impl<const D: usize> Scenes<D> {
     }
 }
 
-/// Bodies as little-endian `f64` in a file of their own, removed when dropped.
+/// Bodies as little-endian `f64` in a temporary file, which is removed when dropped.
 struct BodyFile(PathBuf);
 
 impl BodyFile {
@@ -53,12 +53,12 @@ impl BodyFile {
 
 impl Drop for BodyFile {
     fn drop(&mut self) {
-        // If it is gone already, that is what is wanted.
+        // The file may have been removed already.
         let _ = std::fs::remove_file(&self.0);
     }
 }
 
-/// A search that takes turns.
+/// A search that takes part in turns.
 enum Rival<const D: usize> {
     Inside(Box<dyn Peer<D>>),
     Program(External),
@@ -95,7 +95,7 @@ pub(crate) fn compare<const D: usize>(
     let ours = peers::ours(&engines, plan.simd, threads.count())?;
     for (number, mut search) in ours.into_iter().chain(rivals).enumerate() {
         note(search.name(), (search.version(), search.how()));
-        // The first is what the others are compared with, however long it takes.
+        // The first search is the reference for the others, however long it takes.
         let smaller = if number == 0 { &[] } else { &scenes.smaller[..] };
         let answer = caught(|| {
             let seconds = forecast(search.as_mut(), smaller, &mut found)?;
@@ -146,12 +146,12 @@ pub(crate) fn compare<const D: usize>(
     Ok(outcome)
 }
 
-/// A rival that panics is left out, as one that refuses is.
+/// A peer that panics is left out, like one that returns an error.
 fn caught(search: impl FnOnce() -> Result<(), String>) -> Result<(), String> {
     std::panic::catch_unwind(AssertUnwindSafe(search)).unwrap_or_else(|_| Err("panics".to_owned()))
 }
 
-/// Starts a program and compares the number of its pairs.
+/// Starts a program and compares its number of pairs.
 fn ask<const D: usize>(
     plan: &Plan,
     command: &Command,
@@ -189,8 +189,8 @@ fn ask<const D: usize>(
     }
 }
 
-/// Seconds that a search will take for ten times as many bodies as in the larger of two sets, if it goes on as between
-/// these; 0 without sets.
+/// The predicted time in seconds of a search for ten times as many bodies as in the larger of two sets, extrapolated from these; 0 without
+/// sets.
 fn forecast<const D: usize>(
     search: &mut dyn Peer<D>,
     smaller: &[Made<D>],
@@ -205,9 +205,9 @@ fn forecast<const D: usize>(
     Ok(if let [first, second] = seconds[..] { second * (second / first).max(1.0) } else { 0.0 })
 }
 
-/// Couples that are in only one of two lists in any order; lists that differ are sorted.
+/// Number of couples that are in only one of two lists, in any order; lists that differ are sorted.
 fn differing(a: &mut [Couple], b: &mut [Couple]) -> usize {
-    // Sums over scrambled couples: sorting tens of millions for each search would take most of the run.
+    // Compares sums over scrambled couples, because sorting tens of millions for each search would take most of the run.
     if a.len() == b.len() && scrambled(a) == scrambled(b) {
         return 0;
     }

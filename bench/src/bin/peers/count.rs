@@ -1,4 +1,4 @@
-//! Counting, without a list.
+//! Counting couples without a list.
 
 use std::error::Error;
 use std::hint::black_box;
@@ -11,7 +11,7 @@ use fdem_contact::{Elements, Rows, Search};
 use crate::outcome::Counted;
 use crate::plan::Plan;
 
-/// Counts the couples of the gas with `Rows`, all numbers of points and threads in turns.
+/// Counts the couples of the gas with `Rows`, for all numbers of points and threads in turns.
 pub(crate) fn count(plan: &Plan) -> Result<Vec<Counted>, Box<dyn Error>> {
     let sets: Vec<_> = plan.counts.iter().map(|&n| sets::gas(n)).collect::<Result<_, _>>()?;
     let mut counted = Vec::new();

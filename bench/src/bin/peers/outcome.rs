@@ -1,4 +1,4 @@
-//! What came out of a run, before it is a report.
+//! The results of a run, before they become a report.
 
 use fdem_bench::Times;
 use fdem_bench::peers::sets::Set;
@@ -11,7 +11,7 @@ pub(crate) struct Called {
     pub(crate) how: String,
 }
 
-/// What came out for one set and one number of threads.
+/// The result for one set and one number of threads.
 pub(crate) struct Outcome {
     pub(crate) set: &'static Set,
     pub(crate) threads: usize,
@@ -23,9 +23,9 @@ pub(crate) struct Outcome {
 pub(crate) struct Searched {
     pub(crate) name: String,
     pub(crate) ours: bool,
-    /// The times, or why there are none.
+    /// The times, or the reason why there are none.
     pub(crate) times: Result<Option<Times>, String>,
-    /// Pairs, where a program found a few more or fewer than ours.
+    /// The number of pairs, if a program found a few more or fewer than ours.
     pub(crate) rounded: Option<u64>,
     /// Whether it found other couples than ours.
     pub(crate) wrong: bool,
@@ -42,12 +42,12 @@ impl Outcome {
         self.search(name)?.times.as_ref().ok().copied().flatten()
     }
 
-    /// The times of what all are compared with.
+    /// The times of the reference search.
     pub(crate) fn ours(&self) -> Option<Times> {
         self.times(&self.searches.first()?.name)
     }
 
-    /// The rival with the least median.
+    /// The peer with the smallest median.
     pub(crate) fn fastest_rival(&self) -> Option<(&str, Times)> {
         let rivals = self.searches.iter().filter(|search| !search.ours);
         rivals
@@ -56,7 +56,7 @@ impl Outcome {
     }
 }
 
-/// What `Rows` took to count the couples of so many points.
+/// The times of `Rows` for counting the couples of some number of points.
 pub(crate) struct Counted {
     pub(crate) n: usize,
     pub(crate) couples: u64,

@@ -1,4 +1,4 @@
-//! What to run: the options.
+//! The options of a run.
 
 use std::path::{Path, PathBuf};
 
@@ -25,7 +25,7 @@ usage: peers [--sets A,B,...] [--engines A,B,...] [--external NAME=COMMAND]... [
   --out       Markdown with the tables, and the plot beside it as SVG; RESULTS.md of this package if not given
 ";
 
-/// What to run, and where the results go.
+/// The searches to run, and the file for the results.
 pub(crate) struct Plan {
     pub(crate) sets: Vec<&'static Set>,
     engines: Option<Vec<Kind>>,
@@ -98,7 +98,7 @@ impl Plan {
 }
 
 impl Plan {
-    /// Ours on this set; the first is what the others are compared with.
+    /// Our searches on this set; the first is the reference.
     pub(crate) fn engines(&self, set: &Set) -> Vec<Kind> {
         let kinds = self.engines.as_deref();
         let available = || set.group.kinds().iter().copied().filter(|kind| kind.is_available()).collect();
@@ -106,7 +106,7 @@ impl Plan {
     }
 }
 
-/// The entries of a list separated by commas; none if one of them is not known.
+/// The entries of a list separated by commas; `None` if one of them is unknown.
 fn listed<T>(list: &str, find: impl Fn(&str) -> Option<T>) -> Option<Vec<T>> {
     list.split(',').map(find).collect()
 }

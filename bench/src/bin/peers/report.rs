@@ -1,4 +1,4 @@
-//! A run as Markdown, and as bars to draw.
+//! Reports a run in Markdown, and as bars to draw.
 
 use std::fmt::Write as _;
 
@@ -12,10 +12,10 @@ use crate::compare::ROUNDED;
 use crate::outcome::{Called, Counted, Outcome};
 use crate::plan::Plan;
 
-/// Beside the times of a search whose number of pairs differs by no more than [`ROUNDED`].
+/// Mark of a time whose search found a number of pairs that differs by no more than [`ROUNDED`].
 const MARK: &str = "\u{2020}";
 
-/// Everything as Markdown.
+/// The whole report in Markdown.
 pub(crate) fn report(
     plan: &Plan,
     called: &[Called],
@@ -114,13 +114,13 @@ uncounted before each. In brackets: times that of the first search of the table.
     Ok(text)
 }
 
-/// A row per search and a column per set.
+/// A table with a row per search and a column per set.
 fn matrix(called: &[Called], outcomes: &[&Outcome], of: fn(Times) -> f64) -> Table {
     let mut headings = vec!["search"];
     headings.extend(outcomes.iter().map(|outcome| outcome.set.name));
     let mut table = Table::new(&headings);
     let mut names: Vec<&str> = Vec::new();
-    // Those that have a time, or a reason for having none, on one of these sets.
+    // Searches that have a time, or a reason for having none, on one of these sets.
     for call in
         called.iter().filter(|call| outcomes.iter().any(|outcome| outcome.search(&call.name).is_some()))
     {
@@ -145,10 +145,10 @@ fn matrix(called: &[Called], outcomes: &[&Outcome], of: fn(Times) -> f64) -> Tab
     table
 }
 
-/// What the fastest rival takes, relative to ours.
+/// The times of the fastest peer relative to ours.
 fn fastest(outcomes: &[&Outcome]) -> Table {
     let avx2 = Kind::RowsAvx2.name();
-    // Only where it takes part.
+    // Included only if it takes part.
     let has_avx2 = outcomes.iter().any(|outcome| outcome.times(avx2).is_some());
     let headings = [
         "set",
@@ -185,7 +185,7 @@ fn fastest(outcomes: &[&Outcome]) -> Table {
     table
 }
 
-/// A row per number of threads and a column per set.
+/// A table with a row per number of threads and a column per set.
 fn speedup(plan: &Plan, outcomes: &[Outcome]) -> Table {
     let mut headings = vec!["threads"];
     headings.extend(plan.sets.iter().map(|set| set.name));
@@ -243,7 +243,7 @@ fn counts(plan: &Plan, counted: &[Counted]) -> Table {
     table
 }
 
-/// How this program was compiled.
+/// The compiler flags of this program.
 fn flags() -> String {
     let mut wide = Vec::new();
     if cfg!(target_feature = "avx2") {
@@ -264,7 +264,7 @@ fn threads(count: usize) -> String {
     format!("{count} thread{}", if count == 1 { "" } else { "s" })
 }
 
-/// The times on the sets that are compared by their ratio of sizes, against it; none without two such sets.
+/// The times on the sets with different size ratios, plotted against the ratio; `None` with fewer than two such sets.
 pub(crate) fn by_ratio(outcomes: &[Outcome], threads: usize) -> Option<Panel> {
     let of = |outcome: &&Outcome| outcome.threads == threads && outcome.set.ratio.is_some();
     let outcomes: Vec<&Outcome> = outcomes.iter().filter(of).collect();
@@ -294,7 +294,7 @@ pub(crate) fn by_ratio(outcomes: &[Outcome], threads: usize) -> Option<Panel> {
     })
 }
 
-/// The times of one outcome, the least first.
+/// The times of one result, the smallest first.
 pub(crate) fn bars(outcome: &Outcome) -> Bars {
     let mut bars: Vec<Bar> = Vec::new();
     for search in &outcome.searches {

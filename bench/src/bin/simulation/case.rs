@@ -1,4 +1,4 @@
-//! One body of one size: times, memory, shares.
+//! One body of one size: times, memory, and shares of the parts of a step.
 
 use std::error::Error;
 use std::fmt::{self, Write as _};
@@ -8,10 +8,10 @@ use std::time::{Duration, Instant};
 use fdem_bench::bodies::Body;
 use fdem_simulation::{Mesh, Simulation, Timings};
 
-/// A time is taken over at least so many seconds.
+/// Lower bound on the duration of one timing, in seconds.
 const FILL: f64 = 0.5;
 
-/// A body, and how it is timed.
+/// A body, and the way it is timed.
 pub(crate) struct Case {
     body: Body,
     elements: usize,
@@ -20,18 +20,18 @@ pub(crate) struct Case {
     external: Vec<(String, String)>,
 }
 
-/// What came out, as `key value` pairs in one line.
+/// The result, printed as `key value` pairs in one line.
 #[derive(Debug)]
 pub(crate) struct Outcome {
     pub(crate) elements: usize,
     pub(crate) contacts: usize,
     pub(crate) detections: u64,
     pub(crate) broken: usize,
-    /// Bytes for each element, at most so far, without what was there before.
+    /// Peak memory in bytes per element, without what the process held before.
     pub(crate) memory: f64,
-    /// Seconds for one step, medians: one thread, several, and the others.
+    /// Median time of one step in seconds: on one thread, on several, and of other programs.
     pub(crate) seconds: Vec<(String, f64)>,
-    /// Bulk, joints, detection, contact, integration, on one thread.
+    /// Shares of bulk, joints, detection, contact and integration, on one thread.
     pub(crate) shares: [f64; 5],
 }
 
@@ -49,14 +49,14 @@ impl Case {
         })
     }
 
-    /// Runs of the same model by turns: what slows the machine down for a while slows all of them.
+    /// Runs the same model in turns, so that a temporary slowdown of the machine affects all runs.
     pub(crate) fn run(&self) -> Result<Outcome, Box<dyn Error>> {
-        // What the program itself takes is not of this model.
+        // A first small run, so that the memory of the program itself is not counted.
         Simulation::new(self.body.model(200), 1)?.advance(100)?;
         let before = resident("VmRSS")?;
         let mut one = Simulation::new(self.body.model(self.elements), 1)?;
         let elements = one.model().mesh.triangles.len();
-        // Until detection has what it needs, and fragments have met.
+        // Runs until detection has its memory and fragments have met.
         let steps = self.warm(&mut one)?;
         let memory = (resident("VmHWM")? - before) / elements as f64;
         let mut many = Simulation::new(self.body.model(self.elements), self.threads)?;
@@ -98,7 +98,7 @@ impl Case {
         })
     }
 
-    /// Goes on until a pace is known; so many steps fill a sample.
+    /// Runs until the pace is known; returns the number of steps that fill a sample.
     fn warm(&self, run: &mut Simulation) -> Result<u64, Box<dyn Error>> {
         let mut steps = 1;
         loop {
@@ -113,7 +113,8 @@ impl Case {
     }
 }
 
-/// Seconds for one step of another program, which gets the mesh and the number of steps, and prints seconds for all of them.
+/// The time of one step of another program, in seconds. It is given the mesh and the number of steps, and prints the seconds for all of
+/// them.
 fn outside(name: &str, command: &str, mesh: &std::path::Path, steps: u64) -> Result<f64, Box<dyn Error>> {
     let mut words = command.split_whitespace();
     let output = Command::new(words.next().ok_or("an empty command")?)
@@ -131,12 +132,12 @@ fn outside(name: &str, command: &str, mesh: &std::path::Path, steps: u64) -> Res
 }
 
 impl Outcome {
-    /// Element-steps in a second of the program with this number.
+    /// Element-steps per second of the program with this number.
     pub(crate) fn rate(&self, program: usize) -> f64 {
         self.elements as f64 / self.seconds[program].1
     }
 
-    /// From the line that [`fmt::Display`] writes.
+    /// Parses the line that [`fmt::Display`] writes.
     pub(crate) fn read(text: &str) -> Option<Self> {
         let mut words = text.split_whitespace();
         let mut outcome = Self {
@@ -180,7 +181,7 @@ fn median(mut samples: Vec<f64>) -> f64 {
     f64::midpoint(samples[(samples.len() - 1) / 2], samples[samples.len() / 2])
 }
 
-/// Of the time between two readings.
+/// The shares of the time between two readings.
 fn shares(start: &Timings, end: &Timings) -> [f64; 5] {
     let parts = |timings: &Timings| {
         [timings.bulk, timings.joints, timings.detection, timings.contact, timings.integration]
@@ -194,7 +195,7 @@ fn shares(start: &Timings, end: &Timings) -> [f64; 5] {
     std::array::from_fn(|part| spent[part] / all)
 }
 
-/// Bytes of this process, as Linux tells them.
+/// Memory of this process in bytes, as reported by Linux.
 fn resident(key: &str) -> Result<f64, Box<dyn Error>> {
     let status = std::fs::read_to_string("/proc/self/status")?;
     let line = status
@@ -205,7 +206,7 @@ fn resident(key: &str) -> Result<f64, Box<dyn Error>> {
     Ok(1024.0 * kilobytes)
 }
 
-/// As a Gmsh file, version 2.2.
+/// The mesh as a Gmsh file, version 2.2.
 fn gmsh(mesh: &Mesh) -> String {
     let mut text = format!(
         "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n2 1 \"body\"\n$EndPhysicalNames\n$Nodes\n{}\n",

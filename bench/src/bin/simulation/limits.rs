@@ -1,22 +1,22 @@
-//! What this machine can do at best: bytes moved and numbers computed in a second, measured here.
+//! Measures the limits of this machine: bytes moved and arithmetic operations per second.
 
 use std::hint::black_box;
 use std::thread;
 use std::time::Instant;
 
-/// Numbers in each of three arrays: far more than the caches hold.
+/// Numbers in each of three arrays: far more than the caches can hold.
 const NUMBERS: usize = 1 << 24;
 
-/// What all threads together can do.
+/// The limits of one thread and of all threads together.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Limits {
-    /// Bytes read and written in a second, on one thread and on all.
+    /// Bytes read and written per second, on one thread and on all.
     pub(crate) bytes: [f64; 2],
-    /// Additions and multiplications in a second.
+    /// Additions and multiplications per second.
     pub(crate) operations: [f64; 2],
 }
 
-/// On one thread, and on so many.
+/// Measures on one thread, and on `threads` threads.
 pub(crate) fn measure(threads: usize) -> Result<Limits, Box<dyn std::error::Error>> {
     let best = |task: fn() -> f64, threads: usize| -> Result<f64, Box<dyn std::error::Error>> {
         let mut best = 0.0_f64;
@@ -37,7 +37,7 @@ pub(crate) fn measure(threads: usize) -> Result<Limits, Box<dyn std::error::Erro
     })
 }
 
-/// `a = b + s c` through memory (the triad of the STREAM benchmark): 24 bytes for each number.
+/// `a = b + s c` through memory (the triad of the STREAM benchmark): 24 bytes per number.
 fn triad() -> f64 {
     let (mut a, b, c) = (vec![0.0_f64; NUMBERS], vec![1.0_f64; NUMBERS], vec![2.0_f64; NUMBERS]);
     let mut best = 0.0_f64;
@@ -52,7 +52,7 @@ fn triad() -> f64 {
     best
 }
 
-/// Additions and multiplications that do not wait for each other, with the instructions that every processor of this kind has, as our build.
+/// Independent additions and multiplications, with the instructions that every processor of this architecture has, like our build.
 fn arithmetic() -> f64 {
     const LANES: usize = 24;
     const TURNS: usize = 5_000_000;

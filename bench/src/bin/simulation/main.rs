@@ -1,6 +1,6 @@
-//! How fast a step of the simulation is: element-steps per second, for bodies and numbers of elements, on one thread and on several.
+//! Measures the speed of a simulation step in element-steps per second, for bodies and numbers of elements, on one thread and on several.
 //!
-//! Each case runs in a process of its own, which tells the memory that it took, and what this machine can do at best.
+//! Each case runs in its own process, which reports its memory. The limits of the machine are measured too.
 
 mod case;
 mod limits;
@@ -29,16 +29,16 @@ usage: simulation [--quick] [--bodies NAMES] [--elements N,M] [--threads N] [--r
   --write FILE             writes what is printed to a file, too
 ";
 
-/// Elements beyond which other programs are left out: they take minutes to begin.
+/// Beyond this number of elements other programs are left out, because they take minutes to start.
 const LARGEST: usize = 200_000;
 
-/// What to run.
+/// The cases to run.
 struct Plan {
     bodies: Vec<Body>,
     elements: Vec<usize>,
     threads: usize,
     rounds: usize,
-    /// `NAME=COMMAND`: for bodies without joints, and for those with.
+    /// `NAME=COMMAND` of programs: for bodies without joints, and for those with joints.
     external: [Vec<String>; 2],
     write: Option<PathBuf>,
 }
@@ -80,7 +80,7 @@ fn body(name: &str) -> Option<Body> {
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let done = match arguments.split_first() {
-        // Of this program itself.
+        // A case that this program started itself.
         Some((task, rest)) if task == "case" => alone(rest),
         _ => {
             let Some(plan) = Plan::from_arguments(&arguments) else {
@@ -99,7 +99,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// One case, in this process; its outcome goes to standard output.
+/// Runs one case in this process and prints its result to standard output.
 fn alone(arguments: &[String]) -> Result<(), Box<dyn Error>> {
     let case =
         Case::from_arguments(arguments).ok_or("case: a body, and numbers of elements, threads and rounds")?;

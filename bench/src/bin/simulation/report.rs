@@ -1,4 +1,4 @@
-//! The tables.
+//! The tables of the report.
 
 use std::fmt::Write as _;
 
@@ -8,13 +8,14 @@ use fdem_bench::{Table, grouped, machine, significant};
 use crate::case::Outcome;
 use crate::limits::Limits;
 
-/// What a step has to move at least, whatever the program: bytes for a node (position, velocity, read and written, and mass), for an element (inverse of
-/// its edges, volume, nodes) and for a joint (nodes, length, largest opening and sliding and plastic sliding of both ends).
+/// Lower bounds on the bytes that a step moves in any program: per node (position, velocity, read and written, and mass), per element
+/// (inverse of its edges, volume, nodes) and per joint (nodes, length, largest opening and sliding, and plastic sliding of both ends).
 const NODE: f64 = 72.0;
 const ELEMENT: f64 = 52.0;
 const JOINT: f64 = 72.0;
 
-/// Additions and multiplications of a step, counted in the equations: stress, energy and forces of an element; traction, forces and work of a joint; motion of a node.
+/// Additions and multiplications of a step, counted in the equations: stress, energy and forces of an element; traction, forces and work of
+/// a joint; motion of a node.
 const ELEMENT_WORK: f64 = 120.0;
 const JOINT_WORK: f64 = 90.0;
 const NODE_WORK: f64 = 30.0;
@@ -126,7 +127,7 @@ fn bounds(limits: &Limits, outcomes: &Outcomes) -> Table {
     table
 }
 
-/// `None` if there were none.
+/// A sentence on the other programs; `None` if there were none.
 fn others(body: Body, outcomes: &Outcomes) -> Option<String> {
     let with = || outcomes.iter().filter(|(other, outcome)| *other == body && outcome.seconds.len() > 2);
     let (_, first) = with().next()?;

@@ -1,4 +1,4 @@
-//! From contacts of elements to contacts of bodies.
+//! Gathers contacts of elements to contacts of bodies.
 
 use crate::discretised::simplex::sealed::Sealed as _;
 use crate::discretised::{DiscretisedError, ElementContact, Mesh, Simplex};
@@ -7,10 +7,10 @@ use crate::image::unit;
 use crate::narrow::{Contact, Measure};
 use crate::search::rows::{reserve, resize};
 
-/// Two bodies that touch, and what is known of all their contacts together.
+/// Two touching bodies, and the sums and means over all of their contacts.
 ///
-/// `point` and `normal` are weighted means over what overlaps; where nothing overlaps over the boundary that they share; where there is neither, every
-/// couple of elements counts the same.
+/// `point` and `normal` are means weighted by the overlap; without overlap, by the shared boundary; without either, every couple of
+/// elements has the same weight.
 ///
 /// # Shapes
 /// `D` is the dimension of the bodies.
@@ -18,17 +18,17 @@ use crate::search::rows::{reserve, resize};
 pub struct BodyContact<const D: usize> {
     /// The numbers of the bodies, the smaller first; the same number twice for a body that touches itself.
     pub bodies: [u32; 2],
-    /// Couples of elements, one of each body, that touch.
+    /// Number of couples of touching elements, one of each body.
     pub couples: u64,
-    /// What overlaps: the area of triangles in 2D, the volume of tetrahedra, the length of the lines in which surfaces cross, the sum of the depths of
-    /// spheres.
+    /// Total overlap: the area of triangles in 2D, the volume of tetrahedra, the length of the lines in which surfaces cross, or the sum of
+    /// the depths of spheres.
     pub overlap: f64,
-    /// The boundary that the bodies share: the length of common edges of triangles in 2D, the area of common faces of tetrahedra, the area in which surfaces
-    /// are coplanar and overlap. 0 for bodies that meet at nodes (in 3D also at edges) only.
+    /// Size of the shared boundary: the length of common edges of triangles in 2D, the area of common faces of tetrahedra, or the area in
+    /// which surfaces are coplanar and overlap. 0 for bodies that meet only at nodes (in 3D also at edges).
     pub shared: f64,
     /// The weighted mean of the contact points.
     pub point: [f64; D],
-    /// The weighted mean of the contact normals, from the first body to the second, of length 1; zeros where they cancel out.
+    /// The weighted mean of the contact normals, from the first body to the second, of length 1; zeros if they cancel out.
     pub normal: [f64; D],
 }
 
@@ -43,7 +43,7 @@ struct Sums<const D: usize> {
 impl<const D: usize> Sums<D> {
     const ZERO: Self = Self { weight: 0.0, point: [0.0; D], normal: [0.0; D] };
 
-    /// Adds a point with a normal, times the weight.
+    /// Adds a point and a normal with a weight.
     fn add(&mut self, weight: f64, point: [f64; D], normal: [f64; D]) {
         self.weight += weight;
         for k in 0..D {
@@ -53,7 +53,7 @@ impl<const D: usize> Sums<D> {
     }
 }
 
-/// A contact of bodies while it is summed up.
+/// A contact of bodies whose sums are not complete yet.
 struct Gathered<const D: usize> {
     bodies: [u32; 2],
     couples: u64,
@@ -91,10 +91,10 @@ impl<const D: usize> Gathered<D> {
     }
 }
 
-/// Gathers contacts to contacts of bodies: of each the bodies of its first and its second element are given.
+/// Gathers contacts to contacts of bodies. Each contact comes with the bodies of its first and its second element.
 ///
-/// Sums run over the contacts in their order, so that the result is a function of the list alone. Gaps are left out. For meshes [`body_contacts`] also finds
-/// the boundary that triangles in 2D and tetrahedra share.
+/// Sums run over the contacts in their order, so the result is a function of the list alone. Gaps are left out. For meshes,
+/// [`body_contacts`] also finds the boundary that triangles in 2D and tetrahedra share.
 ///
 /// # Shapes
 /// `m` contacts of elements; result: the contacts of bodies, each pair of bodies once, sorted by the smaller, then the larger number.
@@ -103,7 +103,7 @@ impl<const D: usize> Gathered<D> {
 /// Time proportional to `m log m`, 16 bytes for each contact and 200 for each pair of bodies.
 ///
 /// # Errors
-/// [`DiscretisedError::Search`]: no memory.
+/// [`DiscretisedError::Search`] if there is no memory.
 ///
 /// # Example
 /// ```
@@ -123,19 +123,21 @@ pub fn gather<const D: usize>(
     finish(&gathered)
 }
 
-/// Gathers the contacts of the elements of a mesh to contacts of its bodies, with the boundary that they share.
+/// Gathers the contacts of the elements of a mesh to contacts of its bodies, including the shared boundary.
 ///
-/// Two bodies share an edge (2D) or a face (tetrahedra) if each has exactly one element with that edge or face, by the coordinates of its
-/// nodes, so that meshes with nodes of their own share boundary too. Its length or area is the same to the last bit from both sides.
+/// Two bodies share an edge (2D) or a face (tetrahedra) if each has exactly one element with that edge or face. Edges and faces are
+/// compared by the coordinates of their nodes, so bodies whose meshes have separate nodes share boundary too. The length or area is the
+/// same to the last bit from both sides.
 ///
 /// # Shapes
-/// `contacts`: those of [`MeshSearch::contacts`](super::MeshSearch::contacts), or some of them; pairs of bodies without any are left out. Result: as [`gather`].
+/// `contacts`: those of [`MeshSearch::contacts`](super::MeshSearch::contacts), or some of them. Pairs of bodies without a contact are left
+/// out. Result: see [`gather`].
 ///
 /// # Cost
-/// As [`gather`], and for meshes that are not surfaces the sorting of all nodes and facets.
+/// That of [`gather`]; for meshes that are not surfaces, also the sorting of all nodes and facets.
 ///
 /// # Errors
-/// [`DiscretisedError::MalformedContact`]; [`DiscretisedError::Search`]: no memory.
+/// [`DiscretisedError::MalformedContact`]; [`DiscretisedError::Search`] if there is no memory.
 ///
 /// # Example
 /// ```
@@ -203,14 +205,14 @@ fn sum_up<'a, const D: usize>(
     Ok(all)
 }
 
-/// An edge in 2D or a face in 3D of an element.
+/// A facet of an element: an edge in 2D or a face in 3D.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Facet<const D: usize> {
-    /// Places in ascending order.
+    /// The places of its nodes in ascending order.
     places: [u32; D],
     body: u32,
     element: u32,
-    /// Its number in the element.
+    /// The number of the facet in its element.
     local: u32,
 }
 
@@ -232,7 +234,7 @@ where
         for (local, (nodes_of, _)) in kinds.iter().enumerate() {
             let mut places = nodes_of.map(|k| places[nodes[k] as usize]);
             places.sort_unstable();
-            // Without length or area there is nothing to share.
+            // A facet without length or area shares nothing.
             if places.windows(2).all(|pair| pair[0] != pair[1]) {
                 let body = mesh.bodies[element];
                 facets.push(Facet { places, body, element: element as u32, local: local as u32 });
@@ -243,7 +245,7 @@ where
     let mut outer = Vec::new();
     for same in facets.chunk_by(|a, b| a.places == b.places) {
         outer.clear();
-        // Inside a body two elements have the facet.
+        // Inside a body, two elements have the facet.
         outer.extend(
             same.chunk_by(|a, b| a.body == b.body).filter(|of_body| of_body.len() == 1).map(|one| one[0]),
         );
@@ -269,7 +271,7 @@ where
 {
     let (locals, opposite) = <[[f64; D]; N]>::FACETS[facet.local as usize];
     let vertices = mesh.vertices(facet.element as usize);
-    // In an order that does not depend on the element, so that both sides have the same numbers.
+    // The order does not depend on the element, so both sides give the same numbers.
     let mut corners = locals.map(|k| vertices.vertex(k));
     corners.sort_unstable_by(|a, b| {
         a.iter()
@@ -287,9 +289,9 @@ where
     (area, centre, if side < 0.0 { normal.map(|x| -x) } else { normal })
 }
 
-/// A number for each point, the same for points with equal coordinates.
+/// A number for each point, equal for points with equal coordinates.
 fn places<const D: usize>(points: &[[f64; D]]) -> Result<Vec<u32>, Error> {
-    // Plus zero: both zeros are one.
+    // Adding zero makes both zeros equal.
     let key = |node: u32| points[node as usize].map(|x| (x + 0.0).to_bits());
     let mut order: Vec<u32> = Vec::new();
     reserve(&mut order, points.len())?;
@@ -312,7 +314,7 @@ mod tests {
 
     #[test]
     fn inner_facets_are_not_shared() {
-        // A square of two triangles, twice in the same place: the sides are shared, the diagonals are not.
+        // A square of two triangles, twice at the same place: the sides are shared, the diagonals are not.
         let points = [
             [0.0, 0.0],
             [1.0, 0.0],

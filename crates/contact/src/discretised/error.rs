@@ -1,11 +1,11 @@
-//! What can be wrong with a mesh, or with the spheres that meet it.
+//! The errors of meshes, and of the spheres that touch them.
 
 use std::fmt;
 
 use crate::error::Error;
 use crate::narrow::{MAX_MAGNITUDE, MIN_MAGNITUDE, ShapeError};
 
-/// Why a mesh, or a search over it, was refused: what is wrong, and where.
+/// The reason why a mesh, or a search over it, was refused, and where.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum DiscretisedError {
@@ -18,34 +18,34 @@ pub enum DiscretisedError {
         /// The offending value.
         value: f64,
     },
-    /// An element names a node that is not there.
+    /// An element names a node that does not exist.
     UnknownNode {
         /// Zero-based number of the element.
         element: usize,
-        /// The node that it names.
+        /// The node.
         node: u32,
-        /// Nodes of the mesh, numbered from 0.
+        /// Number of nodes of the mesh; they are numbered from 0.
         nodes: usize,
     },
-    /// The bodies are not as many as the elements.
+    /// The number of bodies differs from that of the elements.
     Bodies {
         /// Number of elements.
         elements: usize,
         /// Number of bodies given.
         found: usize,
     },
-    /// The radii are not as many as the spheres.
+    /// The number of radii differs from that of the spheres.
     Radii {
         /// Number of spheres.
         spheres: usize,
         /// Number of radii given.
         found: usize,
     },
-    /// A sphere is not one.
+    /// A sphere is not valid.
     Sphere {
         /// Zero-based number of the sphere.
         index: usize,
-        /// What is wrong with it.
+        /// The problem.
         problem: ShapeError,
     },
     /// A contact names an element that the mesh does not have, or is not `i < j`.
@@ -56,10 +56,10 @@ pub enum DiscretisedError {
         i: u32,
         /// Its second element.
         j: u32,
-        /// Elements of the mesh, numbered from 0.
+        /// Number of elements of the mesh; they are numbered from 0.
         elements: usize,
     },
-    /// What the search over the bounding boxes refuses; the elements that it names are those of the mesh, or the spheres followed by these.
+    /// An error of the search over the bounding boxes. Its element numbers are those of the mesh, or spheres first, then elements.
     Search(Error),
 }
 

@@ -1,12 +1,12 @@
-//! The elements of meshes, by their vertices.
+//! The elements of meshes, given by their vertices.
 
 use crate::narrow::{
     Contact, Tetrahedron, Triangle, tetrahedron_tetrahedron, triangle_triangle, triangle_triangle_2d,
 };
 
-/// Vertices that are an element: three in 2D, a triangle; three in 3D, a triangle of a surface; four in 3D, a tetrahedron.
+/// The vertices of an element: three in 2D for a triangle, three in 3D for a triangle of a surface, four in 3D for a tetrahedron.
 ///
-/// Elements without area or volume are the piece that their vertices span, so a tetrahedron that names its last node twice is a triangle.
+/// An element without area or volume is the piece that its vertices span; a tetrahedron that names its last node twice is a triangle.
 pub trait Simplex<const D: usize>: sealed::Sealed<D> {}
 
 impl Simplex<2> for [[f64; 2]; 3] {}
@@ -16,19 +16,20 @@ impl Simplex<3> for [[f64; 3]; 4] {}
 pub(super) mod sealed {
     use super::Contact;
 
-    /// Coordinates have been checked, by the mesh, as those of shapes are.
+    /// The mesh has checked the coordinates as the constructors of shapes do.
     pub trait Sealed<const D: usize>: Copy + Send + Sync {
-        /// Local numbers of the nodes of each facet by which elements of one mesh are neighbours, then of the node opposite; a surface has none.
+        /// For each facet along which elements of one mesh are neighbours, the local numbers of its nodes, then of the opposite node. A
+        /// surface has none.
         const FACETS: &'static [([usize; D], usize)];
 
         fn touch(&self, other: &Self) -> bool;
 
-        /// `scratch`: memory to be reused.
+        /// The contact of two elements; `scratch` is working memory.
         fn contact(&self, other: &Self, scratch: &mut Vec<[f64; 2]>) -> Contact<D>;
 
         fn vertex(&self, k: usize) -> [f64; D];
 
-        /// A vector at right angles to a facet, in either direction, as long as the facet is large.
+        /// A vector perpendicular to a facet, in either direction, whose length is the size of the facet.
         fn across(facet: &[[f64; D]; D]) -> [f64; D];
     }
 

@@ -1,4 +1,4 @@
-//! Spheres against surfaces: walls of drums, boxes and silos.
+//! Spheres against surfaces: the walls of drums, boxes and silos.
 
 use std::collections::BTreeSet;
 
@@ -17,34 +17,36 @@ pub struct SphereContact {
     pub sphere: u32,
     /// The body of the triangle.
     pub body: u32,
-    /// The triangle of the mesh, where on it, and the contact, whose normal leads from the sphere to the triangle.
+    /// The triangle of the mesh, the feature of the triangle, and the contact, whose normal leads from the sphere to the triangle.
     pub contact: MeshContact,
 }
 
-/// Which see each other in the search: spheres the triangles, triangles the spheres.
+/// The categories of spheres and of triangles in the search: each sees only the other.
 const CATEGORIES: [u32; 2] = [1, 2];
 const MASKS: [u32; 2] = [2, 1];
 
-/// The triangles of one body whose boxes one sphere touches.
+/// The candidates of one sphere: the triangles of one body whose boxes it touches.
 type Candidates<'a> = &'a [(u32, u32, u32)];
 
 impl MeshSearch<3> {
-    /// Writes the contacts of spheres with the surfaces of bodies into `contacts`, cleared first.
+    /// Writes the contacts of spheres with the surfaces of bodies into `contacts`, which is cleared first.
     ///
-    /// Over each body every face, edge and vertex counts once, as [`sphere_mesh`] says: a sphere on a flat wall has one contact with it wherever it stands.
+    /// Within each body every face, edge and vertex counts once, as in [`sphere_mesh`]: a sphere on a flat wall has one contact with it at
+    /// any position.
     ///
     /// # Shapes
-    /// `centres`, `radii` `[n]`. Result: `m` contacts, sorted by sphere, then body, then triangle; a sphere has one contact at most with each triangle.
+    /// `centres`, `radii` `[n]`. Result: `m` contacts, sorted by sphere, then body, then triangle. A sphere has at most one contact with
+    /// each triangle.
     ///
     /// # Units
-    /// One length unit for all.
+    /// One length unit for everything.
     ///
     /// # Cost
-    /// As [`MeshSearch`], for spheres and triangles together.
+    /// That of [`MeshSearch`] for spheres and triangles together.
     ///
     /// # Errors
-    /// [`DiscretisedError::Radii`], [`DiscretisedError::Sphere`]; [`DiscretisedError::Search`], which numbers the spheres first, then the triangles.
-    /// `contacts` is empty then.
+    /// [`DiscretisedError::Radii`], [`DiscretisedError::Sphere`], and [`DiscretisedError::Search`], which numbers the spheres first, then
+    /// the triangles. `contacts` is empty after an error.
     ///
     /// # Example
     /// ```
@@ -129,10 +131,11 @@ impl MeshSearch<3> {
     /// Returns the number of spheres checked: `sample`, or all of them if there are fewer. The same `seed` picks the same spheres.
     ///
     /// # Cost
-    /// `sample` times the number of triangles tests.
+    /// `sample` tests per triangle.
     ///
     /// # Errors
-    /// As [`MeshSearch::sphere_contacts`]; inside, the first [`Mismatch`] found, which numbers the spheres first, then the triangles.
+    /// Those of [`MeshSearch::sphere_contacts`]. The inner result is the first [`Mismatch`] found, which numbers the spheres first, then
+    /// the triangles.
     ///
     /// # Example
     /// ```
@@ -208,10 +211,11 @@ fn triangles(surface: &Mesh<'_, 3, 3>) -> Result<Vec<Triangle<3>>, Error> {
     Ok(triangles)
 }
 
-/// How far beyond its radius a sphere may still touch, by rounding.
+/// How far beyond its radius a sphere may still touch because of rounding.
 ///
-/// A sphere touches where `d² <= r²`, with an error of `d²` of 32 rounding steps of the square of the largest difference of coordinates
-/// ([`sphere_triangle`](crate::narrow::sphere_triangle)); the feet on edges, and the corners of the box, are rounded as coordinates are. Twice as much is taken of all.
+/// A sphere touches if `d² <= r²`, where `d²` has an error of 32 rounding steps of the square of the largest difference of coordinates
+/// ([`sphere_triangle`](crate::narrow::sphere_triangle)). The closest points on edges, and the corners of the box, are rounded like
+/// coordinates. The margin is twice the sum of all these.
 struct Margin {
     squared: f64,
     plain: f64,

@@ -1,13 +1,13 @@
-//! What is known of a contact of two bodies in an image.
+//! The contact of two bodies in an image.
 
 use crate::error::Error;
 use crate::image::row::{DIAGONALS, Direction, Kind, Run};
 use crate::image::{Label, Neighbourhood};
 
-/// Edges of a grid square along each axis, the slowest first.
+/// The edges of a grid square along each axis, the slowest first.
 ///
 /// # Units
-/// Any unit of length; areas are in its square (in 2D lengths, or areas of an image of unit thickness).
+/// Any unit of length. Areas are in its square (in 2D, lengths, or areas of an image of unit thickness).
 ///
 /// # Example
 /// ```
@@ -23,12 +23,12 @@ use crate::image::{Label, Neighbourhood};
 pub struct Spacing<const D: usize>([f64; D]);
 
 impl<const D: usize> Spacing<D> {
-    /// 1 along each axis.
+    /// Edges of length 1.
     pub const UNIT: Self = Self([1.0; D]);
-    /// Shortest and longest edge: products of edges, and of these with counts, stay in the range of floats.
+    /// Shortest and longest accepted edge: products of edges, also with counts, stay in the range of floats.
     const LIMITS: [f64; 2] = [1e-60, 1e60];
 
-    /// Checks the edges.
+    /// Makes a spacing from the edges, and checks them.
     ///
     /// # Errors
     /// [`Error::InvalidSpacing`].
@@ -51,24 +51,24 @@ impl<const D: usize> Spacing<D> {
     }
 }
 
-/// Two bodies in contact, with all that is counted of it.
+/// Two bodies in contact, with all counts.
 ///
-/// The counts are whole numbers; area, centroid and normal are worked out from them for the [`Spacing`] of the image.
+/// The counts are integers; area, centroid and normal are computed from them for the [`Spacing`] of the image.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ImageContact<L, const D: usize> {
     labels: [L; 2],
-    /// By the axis across which the faces lie: the sums modulo 2^32, for the caches hold more contacts of half the size.
+    /// For each axis across which faces lie, the sums modulo 2^32: at half the size, more contacts fit into the caches.
     low: [Across<D>; D],
-    /// What few contacts have, or few images are searched for. There is none without anything in it, so that equal contacts are equal.
+    /// Data that few contacts have, or that few searches ask for. `None` if it would be empty, so that equal contacts compare equal.
     more: Option<Box<More<D>>>,
 }
 
-/// Faces across one axis.
+/// The faces across one axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Across<const D: usize> {
-    /// Those behind which the larger label is, and those behind which the smaller is.
+    /// Number of faces behind which the larger label is, and of those behind which the smaller is.
     faces: [u32; 2],
-    /// The sum of their centres, in half grid squares.
+    /// The sum of the centres of the faces, in half grid squares.
     centres: [u32; D],
 }
 
@@ -80,10 +80,10 @@ impl<const D: usize> Across<D> {
 struct More<const D: usize> {
     /// The sums of the faces divided by 2^32.
     high: [Across<D>; D],
-    // Pairs that share an edge or a vertex.
+    // Number of pairs that share an edge; below, of those that share a vertex.
     edges: u64,
     vertices: u64,
-    /// By direction: pairs with the larger label later in the array, less those with the smaller.
+    /// For each direction: number of pairs with the larger label later in the array, minus those with the smaller one later.
     net: [i64; DIAGONALS],
     /// The sum of the midpoints, in half grid squares.
     midpoints: [u64; D],
@@ -94,11 +94,11 @@ impl<L: Label, const D: usize> ImageContact<L, D> {
         Self { labels, low: [Across::NONE; D], more: None }
     }
 
-    /// Adds a run; `at` is the place of its later row along the other axes.
+    /// Adds a run; `at` is the position of its later row along the other axes.
     #[inline]
     pub(super) fn add(&mut self, run: &Run<L>, at: &[u64], direction: &Direction<D>) {
         let count = (run.end - run.start) as u64;
-        // Doubled indices of the later grid squares less the step, summed; `ImageContacts::new` has bounded all of it.
+        // The sum of the doubled indices of the later grid squares minus the step; `ImageContacts::new` has bounded all of it.
         let sum = |axis: usize| {
             let doubled = if axis == D - 1 { (run.start + run.end - 1) as u64 } else { 2 * at[axis] };
             count * doubled.wrapping_add_signed(-i64::from(direction.step[axis]))
@@ -124,7 +124,7 @@ impl<L: Label, const D: usize> ImageContact<L, D> {
         }
     }
 
-    /// Adds faces across one axis. No sum of an image is larger than `i64::MAX`.
+    /// Adds faces across one axis. No sum of an image exceeds `i64::MAX`.
     #[inline]
     fn add_faces(&mut self, across: usize, faces: [u64; 2], centres: [u64; D]) {
         let low = &mut self.low[across];
@@ -163,12 +163,12 @@ impl<L: Label, const D: usize> ImageContact<L, D> {
         })
     }
 
-    /// Adds what another part of the image has of the same contact.
+    /// Adds the counts of the same contact in another part of the image.
     pub(super) fn merge(&mut self, other: &Self) {
         for across in 0..D {
             self.add_faces(across, other.sides(across), other.centres(across));
         }
-        // What is left of it are the diagonals: without any there may be none here either.
+        // The rest concerns diagonals; if the other part has none, none need be added.
         let Some(other) = other.more.as_ref().filter(|other| other.edges + other.vertices > 0) else {
             return;
         };
@@ -179,7 +179,7 @@ impl<L: Label, const D: usize> ImageContact<L, D> {
         more.midpoints.iter_mut().zip(&other.midpoints).for_each(|(into, n)| *into += n);
     }
 
-    /// Faces across an axis behind which the larger label is, and those behind which the smaller is.
+    /// Number of faces across an axis behind which the larger label is, and of those behind which the smaller is.
     fn sides(&self, across: usize) -> [u64; 2] {
         let high = self.high(across);
         std::array::from_fn(|side| whole(high.faces[side], self.low[across].faces[side]))
@@ -200,7 +200,7 @@ impl<L: Label, const D: usize> ImageContact<L, D> {
         self.labels
     }
 
-    /// Number of shared faces: the area, for a face of 1.
+    /// Number of shared faces: the area, if a face has area 1.
     pub fn faces(&self) -> u64 {
         self.faces_along().iter().sum()
     }
@@ -210,12 +210,12 @@ impl<L: Label, const D: usize> ImageContact<L, D> {
         std::array::from_fn(|across| self.sides(across).into_iter().sum())
     }
 
-    /// Number of pairs of grid squares that share an edge and no face; 0 unless [`Neighbourhood::Edge`] or `Vertex` was asked for.
+    /// Number of pairs of grid squares that share an edge but no face; 0 unless [`Neighbourhood::Edge`] or `Vertex` was requested.
     pub fn edges(&self) -> u64 {
         self.more.as_ref().map_or(0, |more| more.edges)
     }
 
-    /// Number of pairs of grid squares that share a vertex and nothing more; 0 unless [`Neighbourhood::Vertex`] was asked for.
+    /// Number of pairs of grid squares that share only a vertex; 0 unless [`Neighbourhood::Vertex`] was requested.
     pub fn vertices(&self) -> u64 {
         self.more.as_ref().map_or(0, |more| more.vertices)
     }
@@ -223,16 +223,16 @@ impl<L: Label, const D: usize> ImageContact<L, D> {
     /// Area of the shared faces; in 2D the length of the shared sides.
     ///
     /// # Units
-    /// That of the spacing, squared; in 2D that of the spacing.
+    /// The unit of the spacing, squared; in 2D the unit of the spacing.
     pub fn area(&self, spacing: &Spacing<D>) -> f64 {
         let faces = self.faces_along();
         (0..D).map(|axis| spacing.face(axis) * faces[axis] as f64).sum()
     }
 
-    /// The mean of the centres of the shared faces, weighted by their areas; without faces the mean of the midpoints of the pairs.
+    /// The mean of the centres of the shared faces, weighted by their areas; without faces, the mean of the midpoints of the pairs.
     ///
     /// # Units
-    /// That of the spacing; the centre of the first grid square of the image is at 0.
+    /// The unit of the spacing; the centre of the first grid square of the image is at 0.
     pub fn centroid(&self, spacing: &Spacing<D>) -> [f64; D] {
         let mut sums = [0.0; D];
         let mut count = 0.0;
@@ -253,9 +253,9 @@ impl<L: Label, const D: usize> ImageContact<L, D> {
 
     /// The mean direction of the contact, from the smaller label to the larger: a unit vector.
     ///
-    /// With faces it is along the sum of their areas, each times its unit normal; without, along the sum of the unit vectors from
-    /// centre to centre of the pairs. Where the sum vanishes, as it does for a body inside another, there is no such direction, and the vector is
-    /// all zeros.
+    /// With faces, its direction is the sum of their areas, each times its unit normal. Without faces, it is the sum of the unit vectors
+    /// from centre to centre of the pairs. If the sum is zero, as for a body inside another one, there is no such direction, and the vector
+    /// is all zeros.
     pub fn normal(&self, spacing: &Spacing<D>) -> [f64; D] {
         let mut sum = [0.0; D];
         if self.faces() > 0 {
@@ -282,16 +282,16 @@ fn whole(high: u32, low: u32) -> u64 {
     u64::from(high) << u32::BITS | u64::from(low)
 }
 
-/// The vector divided by its length; zeros stay zeros.
+/// The vector divided by its length; a zero vector stays zero.
 pub(crate) fn unit<const D: usize>(vector: [f64; D]) -> [f64; D] {
     let largest = vector.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
     if largest == 0.0 {
         return [0.0; D];
     }
-    // The squares of what is within range need not be.
+    // The squares of values within range may be out of range.
     let scaled = vector.map(|x| x / largest);
     let length = scaled.iter().map(|x| x * x).sum::<f64>().sqrt();
-    // Plus zero: a component that vanishes has no sign.
+    // Adding zero makes a component that vanishes positive.
     scaled.map(|x| x / length + 0.0)
 }
 
@@ -302,12 +302,12 @@ mod tests {
 
     #[test]
     fn areas_and_centroids_have_the_spacing() {
-        // 1 below 2 over a step: one face across axis 0, one across axis 1.
+        // Label 1 is below label 2 over a step: one face across axis 0, one across axis 1.
         let found = contacts(&[1_u8, 1, 2, 1], [2, 1, 2], Neighbourhood::Face).unwrap();
         let [contact] = &found[..] else { panic!("{found:?}") };
         assert_eq!(contact.faces_along(), [1, 0, 1]);
         let spacing = Spacing::new([3.0, 1.0, 2.0]).unwrap();
-        // Of area 2 at (1.5, 0, 0), of area 3 at (3, 0, 1).
+        // A face of area 2 at (1.5, 0, 0), and a face of area 3 at (3, 0, 1).
         assert_eq!(contact.area(&spacing), 5.0);
         let [z, y, x] = contact.centroid(&spacing);
         assert!((z - (2.0 * 1.5 + 3.0 * 3.0) / 5.0).abs() < 1e-15 && y == 0.0 && x == 0.6, "{z} {y} {x}");
@@ -344,7 +344,7 @@ mod tests {
 
     #[test]
     fn sums_beyond_32_bits_are_whole() {
-        // Five runs of 2^30 faces and two more, in rows far down a plane: in one sum, and in those of two threads.
+        // Five runs of 2^30 faces and two more runs, in rows far down a plane: in one sum, and in the sums of two threads.
         let across: Vec<Direction<3>> = Direction::all(Neighbourhood::Face).collect();
         let (wide, at) = (1 << 30, [5, 70_000]);
         let run = |start, end| Run { earlier: 1_u8, later: 2, start, end };
@@ -364,7 +364,7 @@ mod tests {
         assert_eq!(few, *one);
         let n = 5_u64 << 30;
         assert_eq!(one.faces_along(), [0, n + 2, 0]);
-        // Twice z, y - 1/2 and x of each.
+        // Twice z, y - 1/2 and x of each run.
         let along_x = n * ((1 << 30) - 1) + 14 + 16;
         assert_eq!(one.centres(1), [(n + 2) * 10, (n + 2) * 139_999, along_x]);
         let x = along_x as f64 / 2.0 / (n + 2) as f64;

@@ -1,16 +1,16 @@
-//! One row of an image against another: where they differ, in runs of equal pairs.
+//! Compares one row of an image with another: finds the differences, as runs of equal pairs.
 
 use crate::error::Error;
 use crate::image::{Label, Neighbourhood};
 use crate::search::rows::resize;
 use crate::simd::bits_of_bytes;
 
-/// Directions to half of the neighbours of a voxel.
+/// Number of directions to half of the neighbours of a voxel.
 pub(super) const DIRECTIONS: usize = 13;
-/// Those of them that lead to an edge or a vertex.
+/// Number of these directions that lead to an edge or a vertex.
 pub(super) const DIAGONALS: usize = 10;
 
-/// Where a neighbour is, from the earlier grid square of a pair to the later.
+/// The direction of a neighbour, from the earlier grid square of a pair to the later one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Direction<const D: usize> {
     pub(super) step: [i8; D],
@@ -21,14 +21,14 @@ pub(super) struct Direction<const D: usize> {
 pub(super) enum Kind {
     /// Along one axis.
     Face { axis: usize },
-    /// Along two axes of three; its number among all that are no faces.
+    /// Along two of three axes; its number among all directions that are no faces.
     Edge { number: usize },
     /// Along all axes; its number likewise.
     Vertex { number: usize },
 }
 
 impl<const D: usize> Direction<D> {
-    /// Half of the neighbours: those for which a grid square comes later in the array.
+    /// The directions to half of the neighbours: to those grid squares that come later in the array.
     pub(super) fn all(neighbourhood: Neighbourhood) -> impl Iterator<Item = Self> {
         let mut diagonals = 0..;
         let steps = (0..3_usize.pow(D as u32)).map(|code| {
@@ -56,28 +56,29 @@ impl<const D: usize> Direction<D> {
     }
 }
 
-/// Neighbouring grid squares of two rows with the same two labels, one after the other.
+/// A run: consecutive pairs of neighbouring grid squares of two rows with the same two labels.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Run<L> {
-    /// In the row that comes first in the array.
+    /// The label in the row that comes first in the array.
     pub(super) earlier: L,
     pub(super) later: L,
-    /// Place of the first in the later row.
+    /// Place of the first grid square of the run in the later row.
     pub(super) start: usize,
     pub(super) end: usize,
 }
 
-/// Memory of a comparison: a byte for each place of a row.
+/// Working memory of a comparison: one byte for each place of a row.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Scan {
     marks: Vec<u8>,
 }
 
-/// Bits of a mark: here is a pair of different bodies (or a label that may be new), and that of the next place is not the same.
+/// Bits of a mark. `PAIR`: there is a pair of different bodies (or a label that may be new) here. Below: the next place differs, so a run
+/// ends here.
 const PAIR: u8 = 1;
 const ENDS: u8 = 2;
 
-/// Places whose marks are looked at together: the bits of a `u64`.
+/// Number of places whose marks are examined together: one per bit of a `u64`.
 const GROUP: usize = 64;
 
 impl Scan {
@@ -87,7 +88,7 @@ impl Scan {
         if self.marks.len() < room { resize(&mut self.marks, room, 0) } else { Ok(()) }
     }
 
-    /// Hands over every label that differs from the one before it along each axis: of each body at least its first grid square does.
+    /// Reports every label that differs from those before it along all axes. Each body has at least one such grid square, its first one.
     ///
     /// `before`: the rows before it along the other axes.
     pub(super) fn new_labels<L: Label>(
@@ -107,7 +108,7 @@ impl Scan {
         let count = marks.len();
         let left = &row[..count];
         let rest = &rest[..count];
-        // One loop for all that is compared.
+        // One loop for each number of rows to compare.
         match before {
             [None, None] => {
                 for at in 0..count {
@@ -137,7 +138,7 @@ impl Scan {
         })
     }
 
-    /// Hands over the pairs in one direction, from the row `earlier` to the row `later`, which are of the same length.
+    /// Reports the pairs in one direction, from the row `earlier` to the row `later`, which have the same length.
     #[inline]
     pub(super) fn pairs<L: Label>(
         &mut self,
@@ -151,7 +152,7 @@ impl Scan {
         let count = later.len() - usize::from(along != 0);
         let (earlier, later) = (&earlier[from..][..count], &later[to..][..count]);
         mark(self.marks(count), earlier, later, background);
-        // Of the run that goes on from one group into the next, and whether there is none because the group before ended with the end of a run.
+        // The start of a run that continues from one group into the next, and whether the group before ended with the end of a run.
         let (mut open, mut ended) = (None, 1);
         self.groups(count, |first, pairs, ends| {
             let (mut starts, mut lasts) = (pairs & (ends << 1 | ended), pairs & ends);
@@ -174,14 +175,14 @@ impl Scan {
         })
     }
 
-    /// The marks of `count` places; those behind them, up to a whole group, are 0.
+    /// The marks of `count` places; further ones, up to a whole group, are 0.
     fn marks(&mut self, count: usize) -> &mut [u8] {
         let room = count.next_multiple_of(GROUP);
         self.marks[count..room].fill(0);
         &mut self.marks[..count]
     }
 
-    /// Calls `act` with the first place of each group, and for either mark with a bit for each place.
+    /// Calls `act` with the first place of each group and, for either mark, with one bit per place.
     #[inline]
     fn groups(
         &self,
@@ -200,7 +201,7 @@ impl Scan {
     }
 }
 
-/// Marks pairs of different bodies, and where runs of equal pairs end; all slices are of the same length.
+/// Marks pairs of different bodies and the ends of runs of equal pairs; all slices have the same length.
 fn mark<L: Label>(marks: &mut [u8], earlier: &[L], later: &[L], background: Option<L>) {
     let body = Body::new(background);
     let Some((last, marks)) = marks.split_last_mut() else { return };
@@ -213,11 +214,11 @@ fn mark<L: Label>(marks: &mut [u8], earlier: &[L], later: &[L], background: Opti
     *last = (pair(earlier[marks.len()], later[marks.len()]) * PAIR) | ENDS;
 }
 
-/// What is a body: 1, or 0 for the background. Without branches, for vectors.
+/// Tells bodies, 1, from the background, 0, without branches, so that the code uses vectors.
 #[derive(Clone, Copy)]
 struct Body<L> {
     background: L,
-    /// 1 if there is none.
+    /// 1 if there is no background.
     all: u8,
 }
 
@@ -278,7 +279,7 @@ mod tests {
 
     #[test]
     fn runs_go_on_from_group_to_group() {
-        // Of all lengths up to some groups: one run, and runs of one place each.
+        // All lengths up to some groups: one long run, and runs of one place each.
         let mut scan = Scan::default();
         for count in 0..=3 * GROUP + 1 {
             scan.fit(count).unwrap();
@@ -300,7 +301,7 @@ mod tests {
                 let steps: Vec<_> = (1..count).map(|at| (at, at + 1)).collect();
                 assert_eq!(found(&numbers, &numbers, 1), steps);
             }
-            // From the middle to the end.
+            // Label 1 up to the middle, label 2 from there on.
             let mixed: Vec<u16> = (0..count).map(|at| if at < count / 2 { 1 } else { 2 }).collect();
             let half = if count == 0 { vec![] } else { vec![(count / 2, count)] };
             assert_eq!(found(&ones, &mixed, 0), half);

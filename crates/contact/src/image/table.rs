@@ -1,4 +1,4 @@
-//! The contacts of an image while it is read: a hash table whose entries stand one after the other.
+//! The contacts of an image while it is read: a hash table whose entries are contiguous.
 
 use crate::error::Error;
 use crate::image::row::{Direction, Run};
@@ -6,26 +6,27 @@ use crate::image::{ImageContact, Label};
 
 /// Contacts by their labels, and the labels themselves.
 ///
-/// The entries are in the order in which they were met; their order in the end is by label.
+/// The entries are in the order in which they were found; at the end they are sorted by label.
 #[derive(Clone, Debug)]
 pub(super) struct Table<L, const D: usize> {
     places: Places,
     contacts: Vec<ImageContact<L, D>>,
-    /// Contacts that were met of late: the next run is mostly of one of them.
+    /// Contacts that were used recently: the next run mostly belongs to one of them.
     recent: Vec<Recent<L>>,
     label_places: Places,
     labels: Vec<L>,
 }
 
-/// Labels of a contact, the smaller first, and its place.
+/// The labels of a contact, the smaller first, and its place.
 #[derive(Clone, Copy, Debug)]
 struct Recent<L> {
     labels: [L; 2],
     place: u32,
 }
 
-/// A power of two: more than a plane of a thousand squares each way crosses, and few enough for the second cache.
-const RECENT: usize = 1 << 15;
+/// A power of two: larger than the number of contacts in a plane of a thousand by a thousand squares, and small enough for the second-level
+/// cache.
+const RECENT: usize = if cfg!(miri) { 1 << 5 } else { 1 << 15 };
 
 impl<L: Label, const D: usize> Table<L, D> {
     pub(super) fn new() -> Self {
@@ -38,21 +39,21 @@ impl<L: Label, const D: usize> Table<L, D> {
         }
     }
 
-    /// Adds the pairs of a run; `at` is the place of its later row.
+    /// Adds the pairs of a run; `at` is the position of its later row.
     #[inline]
     pub(super) fn add(&mut self, run: &Run<L>, at: &[u64], direction: &Direction<D>) -> Result<(), Error> {
         let (a, b) = (run.earlier, run.later);
         let labels = [a.min(b), a.max(b)];
         let slot = near(labels);
         let recent = self.recent[slot];
-        // Nothing is in contact with itself: no place that is vacant is taken for one.
+        // Nothing is in contact with itself, so a vacant slot never matches.
         let is_recent = recent.labels == labels;
         let place = if is_recent { recent.place as usize } else { self.place(labels, slot)? };
         self.contacts[place].add(run, at, direction);
         Ok(())
     }
 
-    /// The place of the contact of two labels, new if there is none; kept for next time in the slot `slot`.
+    /// The place of the contact of two labels, which is added if it is new; it is remembered in the slot `slot`.
     #[inline(never)]
     fn place(&mut self, labels: [L; 2], slot: usize) -> Result<usize, Error> {
         let Self { places, contacts, .. } = self;
@@ -65,13 +66,13 @@ impl<L: Label, const D: usize> Table<L, D> {
         Ok(place)
     }
 
-    /// The contact of two labels, new if there is none.
+    /// The contact of two labels, which is added if it is new.
     fn contact(&mut self, labels: [L; 2]) -> Result<&mut ImageContact<L, D>, Error> {
         let place = self.place(labels, near(labels))?;
         Ok(&mut self.contacts[place])
     }
 
-    /// Remembers that there is this label.
+    /// Records that this label occurs.
     pub(super) fn note(&mut self, label: L) -> Result<(), Error> {
         let Self { label_places, labels, .. } = self;
         let hash = |label: L| hash(label.bits(), 0);
@@ -101,10 +102,10 @@ impl<L: Label, const D: usize> Table<L, D> {
     }
 }
 
-/// Where the entries of an array stand, by their hash: open addressing, linear probing.
+/// Finds entries of an array by their hash: open addressing with linear probing.
 #[derive(Clone, Debug, Default)]
 struct Places {
-    /// A power of two of them, at least a quarter vacant; or none.
+    /// The slots: a power of two of them, at least a quarter of them vacant; or none.
     slots: Vec<u32>,
 }
 
@@ -112,7 +113,7 @@ const VACANT: u32 = u32::MAX;
 const FEWEST_SLOTS: usize = 1 << 8;
 
 impl Places {
-    /// The place of the entry with this hash that `is_it`.
+    /// The place of the entry with this hash for which `is_it` is true.
     #[inline]
     fn find(&self, hash: u64, mut is_it: impl FnMut(usize) -> bool) -> Option<usize> {
         let last = self.slots.len().checked_sub(1)?;
@@ -126,7 +127,7 @@ impl Places {
         }
     }
 
-    /// Puts a new entry behind all others and returns its place.
+    /// Appends a new entry and returns its place.
     #[cold]
     fn add<E>(&mut self, entries: &mut Vec<E>, entry: E, hash: impl Fn(&E) -> u64) -> Result<usize, Error> {
         let place = entries.len();
@@ -159,7 +160,7 @@ impl Places {
     }
 }
 
-/// Where a contact is among the recent ones: one multiplication, for labels that are often numbered in a row.
+/// The slot of a contact among the recent ones. One multiplication suffices, since labels are often numbered consecutively.
 #[inline]
 fn near<L: Label>([a, b]: [L; 2]) -> usize {
     // An odd number without a pattern: a fraction of the golden ratio.
@@ -168,7 +169,7 @@ fn near<L: Label>([a, b]: [L; 2]) -> usize {
     (mixed >> (u64::BITS - RECENT.trailing_zeros())) as usize
 }
 
-/// Two numbers mixed: the halves of a product of 128 bits, of which each depends on all bits of both.
+/// Mixes two numbers: the halves of a 128-bit product, each of which depends on all bits of both.
 #[inline]
 fn hash(a: u64, b: u64) -> u64 {
     // Odd numbers without a pattern: fractions of the square roots of 2 and 3.
@@ -199,7 +200,7 @@ mod tests {
 
     #[test]
     fn numbers_in_a_row_are_spread() {
-        // Labels are often numbered along space: their hashes must not be in a row.
+        // Labels are often numbered along space; their hashes must not be consecutive.
         let mut slots = vec![0_u32; 1 << 12];
         for k in 0..1_u64 << 10 {
             for step in [1, 7] {

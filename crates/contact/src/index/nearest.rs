@@ -1,4 +1,4 @@
-//! The nearest elements of points.
+//! Search for the nearest elements of points.
 
 use std::collections::BinaryHeap;
 use std::ops::Range;
@@ -15,13 +15,15 @@ use crate::search::rows::reach::RowsInReach;
 use crate::search::rows::scan::{PART, Scan};
 use crate::simd::kernel::{Arrays, Looks, Neighbour, Output, ROOM, Span, Task};
 
-/// Neighbouring points that are searched for with one reach: enough to share the rows in reach, few enough to have similar neighbours.
+/// Number of neighbouring points that are searched for with one reach: enough to share the rows in reach, few enough to have similar
+/// neighbours.
 const STRETCH: usize = 32;
 
-/// Of the distances found last, one in so many is larger than the next reach.
+/// The next reach is chosen so that one in this many of the latest distances is larger.
 const MISSES: usize = 16;
 
-/// With more elements per point and element wanted in the windows of a stretch, or more rows, its points are searched for one by one.
+/// If the windows of a stretch hold more elements than this per point and wanted element, or if there are more rows than the limit below,
+/// its points are searched for one by one.
 const MAX_WINDOW: usize = 16;
 const MAX_ROWS: usize = 256;
 
@@ -85,22 +87,23 @@ impl<T: Real, const D: usize> Index<T, D> {
     }
 }
 
-/// The search for the points of one part.
+/// The search for the nearest elements of the points of one part.
 ///
-/// Points that are neighbours have neighbours at similar distances. So the distances that the last points have needed are tried
-/// first, for a stretch of points at once, with the kernel, and then somewhat larger ones for each point that has found too few. A point that still has too few
-/// is searched for by itself, in growing boxes of rows; either way all elements up to the distance of the last one wanted have been compared, and the result is exact.
+/// Points near each other have neighbours at similar distances. So the distances that the latest points needed are tried first, for a
+/// stretch of points at once, with the kernel, and then somewhat larger distances for each point that has found too few. A point that still
+/// has too few is searched for alone, in growing boxes of rows. In any case all elements up to the distance of the last wanted one have
+/// been compared, so the result is exact.
 struct Nearest<'a, T, const D: usize> {
     layout: &'a Layout<T, D>,
     centres: &'a [[T; D]],
     wanted: usize,
     rows: RowsInReach<'a, T, D>,
-    /// The best so far, the worst of them on top.
+    /// The best elements so far, with the worst of them on top.
     best: BinaryHeap<u128>,
     keys: Vec<u128>,
     /// Rows in reach of a stretch.
     neighbours: Vec<Neighbour<T>>,
-    /// Rows of the last box, ascending, and those of the next.
+    /// Rows of the last box, ascending; below, those of the next box.
     seen: Vec<usize>,
     rows_now: Vec<usize>,
 }
@@ -168,7 +171,7 @@ impl<T: Real, const D: usize> Nearest<'_, T, D> {
         }
     }
 
-    /// Writes the couples of a stretch of a row with all elements in reach; none if these are too many.
+    /// Writes the couples of a stretch of a row with all elements in reach; none if there are too many.
     fn kernel(
         &mut self,
         scan: &Scan<'_, T, D>,
@@ -210,7 +213,7 @@ impl<T: Real, const D: usize> Nearest<'_, T, D> {
         }
     }
 
-    /// The best of all elements, whatever their distance, into `best`.
+    /// Finds the best of all elements, at any distance, and writes them into `best`.
     fn boxes(&mut self, point: &[T; D], gap: f64) {
         self.best.clear();
         self.seen.clear();
@@ -245,7 +248,7 @@ impl<T: Real, const D: usize> Nearest<'_, T, D> {
         }
     }
 
-    /// The elements of one row, from the point outwards, as long as they can be among the best.
+    /// Tests the elements of one row, from the point outwards, as long as they can be among the best.
     fn row(&mut self, point: &[T; D], row: usize) {
         let row = self.layout.row(row);
         let along = self.layout.along(&row);
@@ -268,7 +271,7 @@ impl<T: Real, const D: usize> Nearest<'_, T, D> {
                 _ => return,
             };
             let full = self.best.len() == self.wanted;
-            // A rounded sum of squares is at least each of them.
+            // A rounded sum of squares is at least as large as each square.
             if full && self.best.peek().is_some_and(|&worst| nearest > squared(worst)) {
                 return;
             }
@@ -283,11 +286,11 @@ impl<T: Real, const D: usize> Nearest<'_, T, D> {
         }
     }
 
-    /// Sorts the keys, and keeps those wanted.
+    /// Sorts the keys and keeps the wanted ones.
     fn sort_keys(&mut self) {
         let n = self.keys.len();
         if n <= FEW {
-            // The leading bits of the distances first, without branches; what they leave in the wrong order is near its place.
+            // Sorts by the leading bits of the distances first, without branches; any wrong order that is left is between near places.
             let mut rough = [0; FEW];
             for ((rough, &key), k) in rough.iter_mut().zip(&self.keys).zip(0_u64..) {
                 *rough = (key >> 32) as u64 & !(FEW as u64 - 1) | k;
@@ -315,7 +318,7 @@ impl<T: Real, const D: usize> Nearest<'_, T, D> {
         self.keys.truncate(self.wanted);
     }
 
-    /// Ascends with the squared distance, then with the number: floats that are not negative ascend with their bits.
+    /// A key that ascends with the squared distance, then with the number: non-negative floats ascend with their bits.
     fn key(&self, point: &[T; D], place: usize) -> u128 {
         let squared = distance_squared(point, &self.centres[place]).to_f64();
         u128::from(squared.to_bits()) << 32 | u128::from(self.layout.ids[place])
@@ -327,8 +330,8 @@ fn squared<T: Real>(key: u128) -> T {
     T::nearest(f64::from_bits((key >> 32) as u64))
 }
 
-/// An upper bound on the distance, along any axis, of elements whose squared distance, as it is rounded, is at most `squared`; the
-/// argument is that of `Elements::reach`.
+/// Upper bound on the distance, along any axis, of elements whose rounded squared distance is at most `squared`. The argument is that of
+/// `Elements::reach`.
 fn reach_of<T: Real, const D: usize>(squared: T) -> f64 {
     (squared.to_f64().sqrt() * (1.0 + (D + 8) as f64 * T::EPSILON)).max(T::MIN_RESOLVED)
 }

@@ -1,4 +1,4 @@
-//! Searches around points: what is found is collected in the order of the index, and handed over in the order of the points.
+//! Searches around points: results are collected in the order of the index and returned in the order of the points.
 
 use std::ops::Range;
 
@@ -15,17 +15,17 @@ use crate::search::rows::reserve;
 use crate::search::rows::scan::{FIRST_ROOM, PART, Scan};
 use crate::simd::kernel::{Arrays, Output, Task};
 
-/// What was found around a stretch of the points, in the order in which they are sorted.
+/// The results for a part of the points, in sorted order.
 #[derive(Clone, Debug)]
 pub(super) struct Part<T> {
     pub(super) found: Vec<u32>,
     pub(super) values: Vec<T>,
     /// Where the entries of each point end.
     pub(super) ends: Vec<usize>,
-    /// On their way from the kernel: the place of a point, and that or the number of an element.
+    /// Couples from the kernel: the place of a point, and the place or the number of an element.
     pub(super) couples: Vec<Couple>,
     keys: Vec<u64>,
-    /// Bytes that could not be had.
+    /// Number of bytes that could not be allocated.
     pub(super) lacking: Option<usize>,
 }
 
@@ -59,7 +59,7 @@ impl<T: Real> Part<T> {
             + self.keys.capacity() * size_of::<u64>()
     }
 
-    /// Room for `more` entries with values, if there is.
+    /// Reserves room for `more` entries with values; returns whether there is memory.
     pub(super) fn has_room(&mut self, more: usize) -> bool {
         let bytes = (self.found.len() + more).saturating_mul(size_of::<u32>() + size_of::<T>());
         if self.found.try_reserve(more).is_err() || self.values.try_reserve(more).is_err() {
@@ -68,13 +68,13 @@ impl<T: Real> Part<T> {
         self.lacking.is_none()
     }
 
-    /// The entries of the point at the place `point` of this part.
+    /// The entries of the point at place `point` of this part.
     fn entries(&self, point: usize) -> Range<usize> {
         let start = if point == 0 { 0 } else { self.ends[point - 1] };
         start..self.ends[point]
     }
 
-    /// Everything within the reach of `scan` around the points at the places `range`.
+    /// Finds everything within the reach of `scan` around the points at the places `range`.
     fn find<const D: usize>(&mut self, scan: &Scan<'_, T, D>, range: Range<usize>) {
         self.clear();
         self.ends.resize(range.len(), 0);
@@ -117,7 +117,7 @@ impl<T: Real> Part<T> {
         }
     }
 
-    /// Turns places into numbers, sorts them, and adds the squared distances. `points` are those of this part.
+    /// Turns places into numbers, sorts them, and adds the squared distances. `points` are the points of this part.
     fn sort_with_distances<const D: usize>(
         &mut self,
         ids: &[u32],
@@ -199,7 +199,7 @@ impl<T: Real, const D: usize> Index<T, D> {
         hand_over(parts, moving, order, pool, offsets, neighbours, values)
     }
 
-    /// Sorts points as the index is sorted; `false` if there is nothing to be found or nobody to ask.
+    /// Sorts points as the index is sorted. Returns `false` if there are no elements or no points.
     pub(super) fn sort_points(
         &mut self,
         elements: &Elements<'_, T, D>,

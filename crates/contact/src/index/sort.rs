@@ -1,7 +1,7 @@
-//! Sorting few numbers without a branch that depends on them.
+//! Sorts a few numbers without data-dependent branches.
 
-/// K.E. Batcher's odd-even merge sort (AFIPS Spring Joint Computer Conference, 1968) of `N` numbers: `C` pairs of places, to be put in order
-/// one after the other.
+/// K.E. Batcher's odd-even merge sort (AFIPS Spring Joint Computer Conference, 1968) of `N` numbers, as `C` pairs of places that are put in
+/// order one after the other.
 const fn network<const N: usize, const C: usize>() -> [(usize, usize); C] {
     let mut network = [(0, 0); C];
     let mut next = 0;
@@ -30,13 +30,13 @@ const fn network<const N: usize, const C: usize>() -> [(usize, usize); C] {
     network
 }
 
-/// As many numbers as the widest network takes.
+/// Size of the widest network.
 pub(super) const FEW: usize = 32;
 
 const OF_16: [(usize, usize); 63] = network::<16, 63>();
 const OF_32: [(usize, usize); 191] = network::<32, 191>();
 
-/// Sorts `numbers`, of which none is larger than `largest`.
+/// Sorts `numbers`, none of which is larger than `largest`.
 #[inline]
 pub(super) fn sort<N: Ord + Copy>(numbers: &mut [N], largest: N) {
     match numbers.len() {

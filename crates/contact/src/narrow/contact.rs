@@ -1,25 +1,25 @@
-//! What the narrow phase answers.
+//! The result of the narrow phase.
 
-/// How two bodies meet, or how far they are apart.
+/// How two bodies touch, or how far they are apart.
 ///
 /// # Shapes
 /// `D` is the dimension of the bodies.
 ///
 /// # Units
-/// `point` has that of the coordinates; `normal` has length 1, within 4 rounding steps.
+/// `point` has the unit of the coordinates; `normal` has length 1, within 4 rounding steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact<const D: usize> {
-    /// The contact point: of a touch, a point of the overlap; of a gap, the middle between the closest points. Against planes and
-    /// triangles of a wall, the point of the wall closest to the centre. Each function says which.
+    /// The contact point. For a touch it is a point of the overlap; for a gap, the middle between the closest points. For planes and
+    /// triangles of a wall, it is the point of the wall closest to the centre. Each function documents its choice.
     pub point: [f64; D],
-    /// Unit vector from the first body to the second: moving the second along it takes it away.
+    /// Unit vector from the first body to the second: moving the second body along it separates the two.
     pub normal: [f64; D],
-    /// The gap, or how much they overlap.
+    /// The size of the gap or of the overlap.
     pub measure: Measure,
 }
 
 impl<const D: usize> Contact<D> {
-    /// Whether the bodies have a point in common: the variant of `measure` says so, not its number.
+    /// Whether the bodies have a point in common. The variant of `measure` decides this, not its number.
     #[inline]
     pub fn touches(&self) -> bool {
         !matches!(self.measure, Measure::Gap(_))
@@ -28,23 +28,24 @@ impl<const D: usize> Contact<D> {
 
 /// A gap, or the size of an overlap.
 ///
-/// No number is negative, and each may be 0: a gap that is smaller than its rounding error, an overlap that is a point.
+/// No number is negative, and each may be 0: a gap smaller than its rounding error, or an overlap that is a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Measure {
-    /// The bodies have no point in common; the distance between them, in the unit of the coordinates.
+    /// The bodies have no point in common. The number is the distance between them, in the unit of the coordinates.
     Gap(f64),
-    /// They touch; how far the second has to be moved along the normal until they only just touch, in the unit of the coordinates.
+    /// The bodies touch. The number is the distance by which the second must be moved along the normal until they only just touch, in the
+    /// unit of the coordinates.
     Depth(f64),
-    /// They touch in a segment or a point; its length.
+    /// The bodies touch in a segment or a point. The number is its length.
     Length(f64),
-    /// They touch in a piece of a plane; its area.
+    /// The bodies touch in a piece of a plane. The number is its area.
     Area(f64),
-    /// They touch; the volume that they have in common.
+    /// The bodies touch. The number is the volume that they have in common.
     Volume(f64),
 }
 
 impl Measure {
-    /// The number, whatever it measures.
+    /// The number, without what it measures.
     #[inline]
     pub fn value(self) -> f64 {
         match self {

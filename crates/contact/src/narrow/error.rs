@@ -1,16 +1,16 @@
-//! What can be wrong with a shape.
+//! The errors of shapes.
 
 use std::fmt;
 
 use super::shapes::{MAX_MAGNITUDE, MIN_MAGNITUDE};
 
-/// Why a shape was refused: what is wrong with it, and where.
+/// The reason why a shape was refused, and where.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum ShapeError {
     /// A coordinate is NaN or infinite, or its magnitude is neither 0 nor within the range in which predicates are exact.
     Coordinate {
-        /// Zero-based number of the vertex; 0 for a centre. Of a plane, 1 is its normal; of an oriented box, 1 holds its half edges.
+        /// Zero-based number of the vertex; 0 for a centre. For a plane, 1 is its normal; for an oriented box, 1 stands for its half edges.
         vertex: usize,
         /// Zero-based axis: 0 is x.
         axis: usize,
@@ -24,11 +24,11 @@ pub enum ShapeError {
     },
     /// The normal of a plane is zero.
     NoNormal,
-    /// A polygon without vertices.
+    /// A polygon has no vertices.
     NoVertices,
-    /// A polygon turns the wrong way, folds back or winds round more than once.
+    /// A polygon turns the wrong way, folds back, or winds around more than once.
     NotConvex {
-        /// Zero-based number of the vertex where it does.
+        /// Zero-based number of the first vertex where this happens.
         vertex: usize,
     },
     /// Half an edge of an oriented box is negative.
@@ -38,18 +38,18 @@ pub enum ShapeError {
         /// The offending value.
         value: f64,
     },
-    /// The axes of an oriented box are not of length 1 or not at right angles.
+    /// The axes of an oriented box do not have length 1, or are not at right angles.
     NotOrthonormal {
-        /// Two zero-based axes, the same one twice if its length is wrong.
+        /// Two zero-based axes; the same one twice if its length is wrong.
         axes: [usize; 2],
         /// Their dot product.
         product: f64,
     },
-    /// A triangle that the mesh does not have.
+    /// A triangle number that the mesh does not have.
     UnknownTriangle {
-        /// Its number.
+        /// The number.
         triangle: u32,
-        /// Triangles of the mesh, numbered from 0.
+        /// Number of triangles of the mesh; they are numbered from 0.
         triangles: usize,
     },
 }

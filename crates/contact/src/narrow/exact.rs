@@ -1,7 +1,7 @@
-//! Signs that decide topology, exact for the coordinates that [`super::shapes`] lets in.
+//! Signs that decide topology, exact for all coordinates that [`super::shapes`] accepts.
 //!
-//! Orientations are those of the crate `robust`. The sides of an edge within its triangle, and before or behind a point along an edge,
-//! are not among its predicates: they are evaluated in floating point, and where its error bound leaves a doubt, as expansions.
+//! Orientations are those of the crate `robust`. It has no predicates for the sides of an edge within its triangle, nor for the order of
+//! points along an edge. These are evaluated in floating point and, where the error bound leaves a doubt, as expansions.
 //!
 //! # Source
 //! J.R. Shewchuk, "Adaptive precision floating-point arithmetic and fast robust geometric predicates", Discrete & Computational
@@ -11,22 +11,22 @@ use robust::{Coord, Coord3D};
 
 use super::vector::{dot, sub};
 
-/// Twice the signed area of a triangle; its sign is exact: positive if `a`, `b`, `c` turn to the left.
+/// Twice the signed area of a triangle. Its sign is exact: positive if `a`, `b`, `c` turn left.
 #[inline]
 pub(super) fn orient2d(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
     let coord = |p: [f64; 2]| Coord { x: p[0], y: p[1] };
-    // Differences are taken from the last point: as seen from `a`, errors are in proportion to the edge `ab`, however short.
+    // Differences are taken from the last point. Seen from `a`, errors are in proportion to the edge `ab`, however short it is.
     robust::orient2d(coord(b), coord(c), coord(a))
 }
 
-/// Six times the signed volume of a tetrahedron; its sign is exact: positive if `d` is above, where `a`, `b`, `c` are seen to turn to the left.
+/// Six times the signed volume of a tetrahedron. Its sign is exact: positive if `d` is on the side from which `a`, `b`, `c` turn left.
 #[inline]
 pub(super) fn orient3d(a: [f64; 3], b: [f64; 3], c: [f64; 3], d: [f64; 3]) -> f64 {
     let coord = |p: [f64; 3]| Coord3D { x: p[0], y: p[1], z: p[2] };
     -robust::orient3d(coord(d), coord(c), coord(b), coord(a))
 }
 
-/// The same, accurate in its value as well, to 1e-12 of it: close to the plane of a needle the sign may be all that is right.
+/// The same with an accurate value too, to 1e-12 of it. Close to the plane of a needle, only the sign of the other function may be right.
 pub(super) fn orient3d_value(a: [f64; 3], b: [f64; 3], c: [f64; 3], d: [f64; 3]) -> f64 {
     let value = orient3d(a, b, c, d);
     let [u, v, w] = [b, c, d].map(|p| sub(p, a));
@@ -64,25 +64,25 @@ pub(super) fn collinear(a: [f64; 3], b: [f64; 3], c: [f64; 3]) -> bool {
     (0..3).all(|axis| orient2d(project(a, axis), project(b, axis), project(c, axis)) == 0.0)
 }
 
-/// A number with the exact sign of `(b - a) · (p - a)`: how far `p` is along the edge from `a` to `b`.
+/// A number with the exact sign of `(b - a) · (p - a)`: the position of `p` along the edge from `a` to `b`.
 pub(super) fn along(a: [f64; 3], b: [f64; 3], p: [f64; 3]) -> f64 {
     let (u, w) = (sub(b, a), sub(p, a));
     let value = dot(u, w);
-    // Five roundings in a row at most: two differences, a product, two sums.
+    // At most five roundings in a row: two differences, a product, two sums.
     if value.abs() > 8.0 * f64::EPSILON * dot(u.map(f64::abs), w.map(f64::abs)) {
         return value;
     }
     sign(&dot_exact(&difference(b, a), &difference(p, a)))
 }
 
-/// A number with the exact sign of `((u × v) × u) · w`, `u = b - a`, `v = c - a`, `w = p - a`: positive if the foot of `p` in the plane of the
-/// triangle is on the same side of the edge `ab` as `c`; 0 for a triangle without area.
+/// A number with the exact sign of `((u × v) × u) · w`, where `u = b - a`, `v = c - a`, `w = p - a`. It is positive if the projection of
+/// `p` into the plane of the triangle is on the same side of the edge `ab` as `c`; 0 for a triangle without area.
 pub(super) fn inner_side(a: [f64; 3], b: [f64; 3], c: [f64; 3], p: [f64; 3]) -> f64 {
     // The same product without a cross product: (v·w)(u·u) - (u·w)(u·v).
     let (u, v, w) = (sub(b, a), sub(c, a), sub(p, a));
     let value = dot(v, w) * dot(u, u) - dot(u, w) * dot(u, v);
     let (u, v, w) = (u.map(f64::abs), v.map(f64::abs), w.map(f64::abs));
-    // Twelve roundings in a row at most: five for each of two dot products, their product, the difference.
+    // At most twelve roundings in a row: five for each of two dot products, their product, the difference.
     let magnitude = dot(v, w) * dot(u, u) + dot(u, w) * dot(u, v);
     if value.abs() > 16.0 * f64::EPSILON * magnitude {
         return value;
@@ -95,7 +95,7 @@ pub(super) fn inner_side(a: [f64; 3], b: [f64; 3], c: [f64; 3], p: [f64; 3]) -> 
     sign(&first)
 }
 
-/// A sum of floats that do not overlap, in ascending order of magnitude, without zeros: an exact number.
+/// An exact number: a sum of floats that do not overlap, in ascending order of magnitude, without zeros.
 type Expansion = Vec<f64>;
 
 fn difference(a: [f64; 3], b: [f64; 3]) -> [Expansion; 3] {
@@ -147,7 +147,7 @@ fn grow(e: &mut Expansion, x: f64) {
     }
 }
 
-/// The largest term outweighs the rest.
+/// The sign is that of the largest term, which outweighs the rest.
 fn sign(e: &[f64]) -> f64 {
     e.last().copied().unwrap_or(0.0)
 }
@@ -164,7 +164,7 @@ fn two_product(a: f64, b: f64) -> (f64, f64) {
     (product, a0 * b0 - (((product - a1 * b1) - a0 * b1) - a1 * b0))
 }
 
-/// Two halves of 26 bits.
+/// Splits a float into two halves of 26 bits.
 fn split(a: f64) -> (f64, f64) {
     let c = 134_217_729.0 * a;
     let high = c - (c - a);

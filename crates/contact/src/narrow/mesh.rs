@@ -1,4 +1,4 @@
-//! A sphere against a mesh: each face, edge and vertex once.
+//! A sphere against a mesh; each face, edge and vertex counts once.
 
 use std::collections::BTreeMap;
 
@@ -11,27 +11,29 @@ use super::vector::distance_squared;
 /// A contact of a sphere with a mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeshContact {
-    /// A triangle of the mesh that has the contact; of several, the one with the smallest number.
+    /// The triangle of the mesh that has the contact; if there are several, the one with the smallest number.
     pub triangle: u32,
-    /// Where on that triangle.
+    /// The feature of that triangle.
     pub feature: Feature,
-    /// Where, in which direction, how deep; never a gap.
+    /// The contact; never a gap.
     pub contact: Contact<3>,
 }
 
-/// Contacts whose points are closer than this times the radius are one. It joins what rounding of the vertices has split: two triangles
-/// meant to be in one plane may have a fold of 1e-16 between them, and a sphere above the fold then stands on both.
+/// Contacts whose points are closer than this times the radius are joined. This joins contacts that rounding of the vertices has split: two
+/// triangles that should be in one plane may have a fold of 1e-16 between them, and a sphere above the fold then touches both.
 const SAME_POINT: f64 = 1e-9;
 
-/// The contacts of a sphere with a mesh of triangles: no face, edge or vertex twice, in ascending order of triangles.
+/// The contacts of a sphere with a mesh of triangles, in ascending order of triangles. No face, edge or vertex counts twice.
 ///
-/// A contact is a point of the mesh where the distance to the centre has a local minimum. So a contact at an edge counts once, and only if no
-/// triangle with that edge comes closer; likewise at a vertex. A sphere on a flat wall has one contact wherever it stands, in a corner as many as
-/// there are walls. Triangles are neighbours if they have vertices with equal coordinates, so a soup of triangles serves as well as an indexed mesh.
+/// A contact is a point of the mesh where the distance to the centre has a local minimum. So a contact at an edge counts once, and only if
+/// no triangle with that edge comes closer; likewise at a vertex. A sphere on a flat wall has one contact at any position; in a corner it
+/// has as many as there are walls. Triangles are neighbours if they have vertices with equal coordinates, so the mesh may be indexed or
+/// not.
 ///
 /// # Shapes
-/// `mesh` `[n]`, all triangles; `candidates` `[k]`, the numbers of those whose boxes the sphere touches, or more, each at least once; `contacts` is
-/// cleared, then filled. A triangle that the sphere touches and `candidates` lacks may leave a contact that it would have taken away.
+/// `mesh` `[n]` holds all triangles. `candidates` `[k]` holds at least the numbers of those whose boxes the sphere touches, each at least
+/// once. `contacts` is cleared, then filled. If `candidates` lacks a triangle that the sphere touches, a contact may be returned that this
+/// triangle would have removed.
 ///
 /// # Cost
 /// Time proportional to `k log k`.
@@ -69,7 +71,7 @@ pub fn sphere_mesh(
     contacts.sort_by_key(|c| c.triangle);
     contacts.dedup_by_key(|c| c.triangle);
 
-    // The closest triangle at every vertex and edge; of equal ones the first, since only a smaller distance replaces it.
+    // The closest triangle at every vertex and edge; among equally close ones the first, since only a smaller distance replaces it.
     let squared = |c: &MeshContact| distance_squared(c.contact.point, sphere.centre);
     let mut vertices = BTreeMap::new();
     let mut edges = BTreeMap::new();
@@ -95,7 +97,7 @@ pub fn sphere_mesh(
 
 type Point = [u64; 3];
 
-/// A point as a key; both zeros are one.
+/// A vertex as a key; both zeros are equal.
 fn vertex(triangle: &Triangle<3>, k: u8) -> Point {
     triangle.vertices[usize::from(k)].map(|x| (x + 0.0).to_bits())
 }
@@ -113,7 +115,7 @@ fn closer<K: Ord>(closest: &mut BTreeMap<K, (f64, u32)>, key: K, place: (f64, u3
     }
 }
 
-/// Leaves one of contacts whose points are within a distance of each other: the one of the first triangle.
+/// Keeps one of several contacts whose points are within a distance of each other: that of the first triangle.
 fn join(contacts: &mut Vec<MeshContact>, within: f64) {
     let mut order: Vec<usize> = (0..contacts.len()).collect();
     order.sort_by(|&i, &j| contacts[i].contact.point[0].total_cmp(&contacts[j].contact.point[0]));
@@ -138,7 +140,7 @@ fn join(contacts: &mut Vec<MeshContact>, within: f64) {
 mod tests {
     use super::*;
 
-    /// A unit square of two triangles for each cell of a square, at a height that depends on x.
+    /// One unit square of two triangles per cell of a square, at a height that depends on x.
     fn strip(cells: i32, height: impl Fn(f64) -> f64) -> Vec<Triangle<3>> {
         let at = |x: i32, y: i32| [f64::from(x), f64::from(y), height(f64::from(x))];
         let mut mesh = Vec::new();

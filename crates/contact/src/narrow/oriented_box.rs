@@ -6,10 +6,11 @@ use super::segment::closest as closest_of_segments;
 use super::shapes::check;
 use super::vector::{add, cross, distance_squared, dot, middle, neg, scale, sub, unit, x_axis};
 
-/// How far dot products of the axes may be from 0 and 1.
+/// Largest deviation of dot products of the axes from 0 and 1.
 const ORTHONORMAL: f64 = 1e-12;
 
-/// An axis at right angles to two edges has to be this much better than a face, relative to the size: nearly parallel boxes rest on faces.
+/// An axis perpendicular to two edges must be better than a face by this much, relative to the size, because nearly parallel boxes rest on
+/// faces.
 const PREFER_FACES: f64 = 1e-12;
 
 /// A box in any orientation. Edges of length 0 make it a rectangle, a segment or a point.
@@ -21,10 +22,10 @@ pub struct OrientedBox {
 }
 
 impl OrientedBox {
-    /// A box of its centre, the unit vectors along its edges and half the lengths of these.
+    /// Makes a box from its centre, the unit vectors along its edges and half the lengths of the edges.
     ///
     /// # Shapes
-    /// `axes[k]` is the direction of the edges of length `2 half[k]`, right- or left-handed.
+    /// `axes[k]` is the direction of the edges of length `2 half[k]`. The axes may be right- or left-handed.
     ///
     /// # Errors
     /// [`ShapeError::Coordinate`], [`ShapeError::NegativeEdge`], [`ShapeError::NotOrthonormal`] if a dot product of axes is off by more than 1e-12.
@@ -46,7 +47,7 @@ impl OrientedBox {
             for j in i..3 {
                 let product = dot(axes[i], axes[j]);
                 let off = (product - if i == j { 1.0 } else { 0.0 }).abs();
-                // NaN is refused as well.
+                // The negated condition refuses NaN as well.
                 if !matches!(off.partial_cmp(&ORTHONORMAL), Some(std::cmp::Ordering::Less)) {
                     return Err(ShapeError::NotOrthonormal { axes: [i, j], product });
                 }
@@ -55,17 +56,17 @@ impl OrientedBox {
         Ok(Self { centre, axes, half })
     }
 
-    /// The point of the box with these coordinates along its axes, as parts of half its edges.
+    /// The point of the box at these coordinates along its axes, in units of half its edges.
     fn at(&self, parts: [f64; 3]) -> [f64; 3] {
         (0..3).fold(self.centre, |x, k| add(x, scale(self.axes[k], parts[k] * self.half[k])))
     }
 
-    /// Coordinates of a point along the axes, from the centre.
+    /// Coordinates of a point along the axes, relative to the centre.
     fn local(&self, x: [f64; 3]) -> [f64; 3] {
         self.axes.map(|axis| dot(axis, sub(x, self.centre)))
     }
 
-    /// Half the length of the box seen along a direction.
+    /// Half the extent of the box along a direction.
     fn reach(&self, direction: [f64; 3]) -> f64 {
         (0..3).map(|k| self.half[k] * dot(self.axes[k], direction).abs()).sum()
     }
@@ -77,7 +78,7 @@ impl OrientedBox {
         })
     }
 
-    /// How far it is from a point of the box in a direction to where the box ends.
+    /// The distance from a point of the box to its surface in a direction.
     fn way_out(&self, x: [f64; 3], direction: [f64; 3]) -> f64 {
         let mut way = f64::INFINITY;
         for ((at, axis), half) in self.local(x).into_iter().zip(self.axes).zip(self.half) {
@@ -94,27 +95,29 @@ impl OrientedBox {
     }
 }
 
-/// The ends of the edges of a box, as numbers of its vertices.
+/// The ends of the edges of a box, as pairs of vertex numbers.
 fn edges() -> impl Iterator<Item = [usize; 2]> {
     (0..3).flat_map(|bit| (0..8).filter(move |k| k >> bit & 1 == 0).map(move |k| [k, k | 1 << bit]))
 }
 
-/// Which of the fifteen axes takes two boxes apart.
+/// The axis, one of fifteen, that separates two boxes best.
 #[derive(Clone, Copy)]
 enum Axis {
-    /// A face of the first (0) or second (1) box, and which.
+    /// The normal of a face of the first (0) or second (1) box; then its number.
     Face(usize, usize),
-    /// An edge of the first and an edge of the second.
+    /// The cross product of an edge of the first box and an edge of the second.
     Edges(usize, usize),
 }
 
 /// Two boxes in any orientation: gap or depth.
 ///
-/// They touch if none of the fifteen axes (six faces, nine pairs of edges) keeps them apart: `|n · t| - r_a - r_b <= 0`, with `t` from centre to centre and
-/// `r` half the length of a box along `n`, evaluated in `f64`; its error is 32 rounding steps of the largest coordinate or edge. The depth is
-/// the smallest move that takes them apart, the normal its direction; of equal ones, the first face. The point is the centroid of the part of a face of one that
-/// looks at it, moved against the normal to the middle of what the boxes have in common there; or the middle between two edges. It is in both boxes if the normal is
-/// that of a face and the depth no longer than the edges; of a gap the middle between the closest points, and the gap is their distance.
+/// The boxes touch if none of the fifteen axes (six faces, nine pairs of edges) separates them: `|n · t| - r_a - r_b <= 0`, where `t` leads
+/// from centre to centre and `r` is half the length of a box along `n`. This is evaluated in `f64`, with an error of 32 rounding steps of
+/// the largest coordinate or edge. The depth is the smallest translation that separates the boxes, and the normal is its direction; among
+/// equal ones the first face is taken. For the normal of a face, the point is the centroid of the part of the facing face of the other box,
+/// moved against the normal to the middle of the overlap there; for two edges it is the middle between them. It is inside both boxes if the
+/// normal is that of a face and the depth does not exceed the edges. For a gap the point is the middle between the closest points, and the
+/// gap is their distance.
 ///
 /// # Source
 /// S. Gottschalk, M.C. Lin, D. Manocha, "`OBBTree`: a hierarchical structure for rapid interference detection", SIGGRAPH 96, 171–180: the fifteen axes.
@@ -137,7 +140,7 @@ pub fn box_box(a: &OrientedBox, b: &OrientedBox) -> Contact<3> {
     let mut consider = |n: [f64; 3], axis: Axis, bias: f64| {
         let way = dot(n, t);
         let separation = way.abs() - a.reach(n) - b.reach(n);
-        // A positive separation decides, whatever the bias.
+        // A positive separation decides, regardless of the bias.
         if separation - bias > best.0 || (separation > 0.0 && separation > best.0) {
             best = (separation, if way < 0.0 { neg(n) } else { n }, axis);
         }
@@ -190,13 +193,12 @@ fn edge_towards(own: &OrientedBox, axis: usize, direction: [f64; 3]) -> [[f64; 3
     })
 }
 
-/// The contact point on the face of `own` along `axis` that looks in the direction `out`: the other box has a face that looks back; the part of it within
-/// the sides of `own` and below its face, its centroid, and the middle of what the boxes
-/// have in common there.
+/// The contact point on the face of `own` along `axis` that faces in the direction `out`. Takes the facing face of the other box, clips it
+/// to the sides of `own` and to below its face, and moves its centroid to the middle of the overlap there.
 fn point_on_face(own: &OrientedBox, axis: usize, out: [f64; 3], other: &OrientedBox) -> [f64; 3] {
     let (j, k) = ((axis + 1) % 3, (axis + 2) % 3);
     let sign = if dot(own.axes[axis], out) < 0.0 { -1.0 } else { 1.0 };
-    // Coordinates along the two sides, and above the face.
+    // Coordinates along the two sides of the face, and above it.
     let local = |x: [f64; 3]| {
         let local = own.local(x);
         [local[j], local[k], sign * local[axis] - own.half[axis]]
@@ -224,7 +226,7 @@ fn point_on_face(own: &OrientedBox, axis: usize, out: [f64; 3], other: &Oriented
         polygon = below(&polygon, |x| half - x[side]);
         polygon = below(&polygon, |x| half + x[side]);
     }
-    // Faces that rest on each other are above and below by rounding alone.
+    // If faces rest on each other, their heights differ by rounding alone.
     let size =
         own.centre.iter().chain(&own.half).chain(&other.half).fold(0.0_f64, |size, x| size.max(x.abs()));
     let under = below(&polygon, |x| PREFER_FACES * size - x[2]);
@@ -235,7 +237,7 @@ fn point_on_face(own: &OrientedBox, axis: usize, out: [f64; 3], other: &Oriented
         add(own.centre, scale(own.axes[axis], sign * (own.half[axis] + z))),
         add(scale(own.axes[j], x), scale(own.axes[k], y)),
     );
-    // Below the face of `own`, the other box begins at `low`; the middle of where both are.
+    // Below the face of `own`, the other box begins at `low`; this is the middle of the overlap.
     let first = (-z - other.way_out(low, out)).max(0.0);
     let last = (-z).min(2.0 * own.half[axis]);
     add(low, scale(out, -z - 0.5 * (first + last)))
@@ -258,7 +260,7 @@ fn below(polygon: &[[f64; 3]], inside: impl Fn([f64; 3]) -> f64) -> Vec<[f64; 3]
     rest
 }
 
-/// The centroid of a plane polygon; the mean of its corners if it has no area, `None` of no corners.
+/// The centroid of a plane polygon; the mean of its corners if it has no area, `None` without corners.
 fn centroid(polygon: &[[f64; 3]]) -> Option<[f64; 3]> {
     let &origin = polygon.first()?;
     let (mut total, mut moment) = (0.0, [0.0; 3]);
@@ -275,7 +277,7 @@ fn centroid(polygon: &[[f64; 3]]) -> Option<[f64; 3]> {
     Some(scale(sum, 1.0 / polygon.len() as f64))
 }
 
-/// The closest points of two boxes that are apart: a vertex of one and the other, or two edges.
+/// The closest points of two separate boxes: a vertex of one and a point of the other, or points of two edges.
 fn closest(a: &OrientedBox, b: &OrientedBox) -> ([f64; 3], [f64; 3]) {
     let (of_a, of_b) = (a.vertices(), b.vertices());
     let mut best = (of_a[0], of_b[0]);
@@ -333,7 +335,7 @@ mod tests {
     #[test]
     fn two_crossed_edges_meet_between_them() {
         let h = std::f64::consts::FRAC_1_SQRT_2;
-        // An edge of the first looks up along y, one of the second down along x.
+        // An edge of the first box points up along y, an edge of the second points down along x.
         let a = OrientedBox::new([0.0; 3], [[0.0, 1.0, 0.0], [h, 0.0, h], [-h, 0.0, h]], [5.0, 1.0, 1.0])
             .unwrap();
         let b =

@@ -1,6 +1,7 @@
 //! Convex polygons and triangles in 2D.
 //!
-//! All functions below work on hulls: one point, the two ends of a segment in ascending order, or the vertices of a polygon that turns to the left at each of them.
+//! All functions below work on hulls: one point, the two ends of a segment in ascending order, or the vertices of a polygon that turns left
+//! at each of them.
 
 use super::contact::{Contact, Measure};
 use super::error::ShapeError;
@@ -8,9 +9,9 @@ use super::exact::orient2d;
 use super::shapes::{Triangle, check_all};
 use super::vector::{before, between, distance_squared, dot, middle, neg, sub, unit, x_axis};
 
-/// A convex polygon in 2D, in either sense of rotation. Without area it is the segment or point that its vertices span.
+/// A convex polygon in 2D, in either orientation. Without area it is the segment or point that its vertices span.
 ///
-/// Repeated vertices and vertices on a straight side are allowed, and dropped.
+/// Repeated vertices and vertices on a straight side are allowed and removed.
 ///
 /// # Example
 /// ```
@@ -28,13 +29,13 @@ pub struct ConvexPolygon {
 }
 
 impl ConvexPolygon {
-    /// A polygon of its vertices, in order.
+    /// Makes a polygon from its vertices in order.
     ///
     /// # Shapes
-    /// `vertices` `[n]` points, `n` of at least 1.
+    /// `vertices` `[n]` points, with `n` at least 1.
     ///
     /// # Errors
-    /// [`ShapeError::NoVertices`], [`ShapeError::Coordinate`], [`ShapeError::NotConvex`]: decided exactly.
+    /// [`ShapeError::NoVertices`], [`ShapeError::Coordinate`], [`ShapeError::NotConvex`]; the last is decided exactly.
     pub fn new(vertices: &[[f64; 2]]) -> Result<Self, ShapeError> {
         check_all(vertices)?;
         let mut kept: Vec<usize> = Vec::with_capacity(vertices.len());
@@ -59,7 +60,7 @@ impl ConvexPolygon {
             let (a, b, c) = (kept[(k + n - 1) % n], kept[k], kept[(k + 1) % n]);
             let sign = turn(a, b, c);
             if sign == 0.0 {
-                // Straight on, or back?
+                // Does the boundary go straight on, or back?
                 let (to, on) = (before(vertices[a], vertices[b]), before(vertices[b], vertices[c]));
                 if to != on {
                     return Err(ShapeError::NotConvex { vertex: b });
@@ -72,7 +73,8 @@ impl ConvexPolygon {
             sense = sign;
             hull.push(b);
         }
-        // Once round, the edges go forward once and back once, in the order of points; a star does so more often.
+        // On one turn around a convex polygon, the edges go forward once and back once in the order of points; on a star they do so more
+        // often.
         let m = hull.len();
         let forward = |k: usize| before(vertices[hull[k % m]], vertices[hull[(k + 1) % m]]);
         let mut changes = (0..m).filter(|&k| forward(k) != forward(k + 1));
@@ -86,25 +88,26 @@ impl ConvexPolygon {
         Ok(Self { hull })
     }
 
-    /// The corners, turning to the left; two ends or one point if it has no area.
+    /// The corners, turning left; two ends or one point if the polygon has no area.
     pub fn vertices(&self) -> &[[f64; 2]] {
         &self.hull
     }
 
-    /// Whether the closed polygons have a point in common, exactly. Time proportional to the product of their corners.
+    /// Whether the closed polygons have a point in common, decided exactly. Takes time proportional to the product of their numbers of
+    /// corners.
     pub fn touches(&self, other: &Self) -> bool {
         hulls_touch(&self.hull, &other.hull)
     }
 }
 
 impl Triangle<2> {
-    /// Whether the closed triangles have a point in common, exactly.
+    /// Whether the closed triangles have a point in common, decided exactly.
     pub fn touches(&self, other: &Self) -> bool {
         hulls_touch(hull(&self.vertices).points(), hull(&other.vertices).points())
     }
 }
 
-/// Two triangles in 2D: gap, or area and overlap polygon. As [`polygon_polygon`].
+/// Two triangles in 2D: gap, or area and overlap polygon; see [`polygon_polygon`].
 ///
 /// # Example
 /// ```
@@ -123,10 +126,11 @@ pub fn triangle_triangle_2d(a: &Triangle<2>, b: &Triangle<2>, overlap: &mut Vec<
 
 /// Two convex polygons: gap, or area and overlap polygon.
 ///
-/// Whether they touch is decided exactly, and so is whether the area is 0. The point of a touch is the centroid of the overlap, or the middle of the
-/// segment that they share; of a gap the middle between the closest points. The normal of a touch is that of the edge along which the smallest
-/// move takes them apart; the edges of the first come first. Of a gap it is the direction of the gap; where two points coincide x.
-/// `overlap` is cleared, then filled with the corners of the overlap, turning to the left: two ends or one point where they only touch.
+/// Whether the polygons touch and whether the area is 0 are decided exactly. The point of a touch is the centroid of the overlap, or the
+/// middle of the shared segment; for a gap it is the middle between the closest points. The normal of a touch is that of the edge along
+/// which the smallest translation separates the polygons; among equal ones the edges of the first polygon come first. The normal of a gap
+/// is the direction of the gap, or x if the closest points coincide. `overlap` is cleared, then filled with the corners of the overlap,
+/// turning left: two ends or one point if the polygons only just touch.
 ///
 /// # Units
 /// The gap has the unit of the coordinates, the area its square. Errors: 32 rounding steps of the largest coordinate `m` for points and
@@ -166,7 +170,7 @@ impl Hull {
     }
 }
 
-/// The hull of one to three points.
+/// The hull of one to three points, in the form described above.
 pub(super) fn hull(points: &[[f64; 2]]) -> Hull {
     if let [a, b, c] = *points {
         let turn = orient2d(a, b, c);
@@ -191,14 +195,14 @@ fn ends(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     ends
 }
 
-/// The edges of a hull, to the left round it; a segment has two, a point none.
+/// The edges of a hull, counter-clockwise; a segment has two, a point has none.
 fn edges(hull: &[[f64; 2]]) -> impl Iterator<Item = ([f64; 2], [f64; 2])> {
     let n = if hull.len() > 1 { hull.len() } else { 0 };
     (0..n).map(move |k| (hull[k], hull[(k + 1) % n]))
 }
 
-/// Two convex sets are apart if and only if one has an edge with the other strictly beyond it, for the difference of the sets is a polygon whose edges are
-/// theirs. If they are on one line, their order there decides.
+/// Whether two hulls touch, decided exactly. Two convex sets are separate if and only if one has an edge with the other strictly beyond it,
+/// because the difference of the sets is a polygon with the edges of both. If both sets are on one line, their order on it decides.
 pub(super) fn hulls_touch(p: &[[f64; 2]], q: &[[f64; 2]]) -> bool {
     let beyond =
         |p: &[[f64; 2]], q: &[[f64; 2]]| edges(p).any(|(a, b)| q.iter().all(|&c| orient2d(a, b, c) < 0.0));
@@ -215,7 +219,7 @@ pub(super) fn hulls_touch(p: &[[f64; 2]], q: &[[f64; 2]]) -> bool {
     !before(p[p.len() - 1], q[0]) && !before(q[q.len() - 1], p[0])
 }
 
-/// Whether the interiors of two hulls have a point in common, exactly.
+/// Whether the interiors of two hulls have a point in common, decided exactly.
 fn interiors_meet(p: &[[f64; 2]], q: &[[f64; 2]]) -> bool {
     let beyond =
         |p: &[[f64; 2]], q: &[[f64; 2]]| edges(p).any(|(a, b)| q.iter().all(|&c| orient2d(a, b, c) <= 0.0));
@@ -240,7 +244,7 @@ pub(super) fn hull_hull(p: &[[f64; 2]], q: &[[f64; 2]], overlap: &mut Vec<[f64; 
             return Contact { point: centroid, normal, measure: Measure::Area(area) };
         }
     }
-    // Only a segment or a point in common, or less than rounding can tell from it.
+    // The hulls have only a segment or a point in common, or an area too small to be told from that.
     let common = shared(p, q).unwrap_or_else(|| {
         let (a, b) = closest(p, q);
         [middle(a, b); 2]
@@ -263,7 +267,7 @@ fn clip(p: &[[f64; 2]], q: &[[f64; 2]], overlap: &mut Vec<[f64; 2]>) {
                 rest.push(c);
             }
             if (from > 0.0 && to < 0.0) || (from < 0.0 && to > 0.0) {
-                // From the same end whichever way the edge runs.
+                // The intersection is computed from the same end for both directions of the edge.
                 let cut = if from > 0.0 {
                     between(c, d, from / (from - to))
                 } else {
@@ -280,7 +284,8 @@ fn clip(p: &[[f64; 2]], q: &[[f64; 2]], overlap: &mut Vec<[f64; 2]>) {
     }
 }
 
-/// Of a polygon that turns to the left; `None` if rounding leaves it no area. Relative to its first corner, so that the distance to the origin costs nothing.
+/// Area and centroid of a polygon that turns left; `None` if rounding leaves no area. Computed relative to its first corner, so that
+/// accuracy does not depend on the distance to the origin.
 fn area_and_centroid(polygon: &[[f64; 2]]) -> Option<(f64, [f64; 2])> {
     let origin = *polygon.first()?;
     let (mut double, mut moment) = (0.0, [0.0; 2]);
@@ -297,13 +302,13 @@ fn area_and_centroid(polygon: &[[f64; 2]]) -> Option<(f64, [f64; 2])> {
         let (low, high) = polygon
             .iter()
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| (low.min(p[axis]), high.max(p[axis])));
-        // An area that is all rounding has its centroid anywhere.
+        // If the area is dominated by rounding, its computed centroid can be anywhere.
         (origin[axis] + moment[axis] / (3.0 * double)).clamp(low, high)
     });
     Some((0.5 * double, centroid))
 }
 
-/// The ends of what two hulls share that touch but do not overlap: corners of one in the other, and crossings of edges.
+/// The ends of the common part of two hulls that touch but do not overlap: corners of one on the other, and crossings of edges.
 fn shared(p: &[[f64; 2]], q: &[[f64; 2]]) -> Option<[[f64; 2]; 2]> {
     let mut ends: Option<[[f64; 2]; 2]> = None;
     let mut include = |c: [f64; 2]| {
@@ -330,7 +335,7 @@ fn shared(p: &[[f64; 2]], q: &[[f64; 2]]) -> Option<[[f64; 2]; 2]> {
     ends
 }
 
-/// The outward normal, from `p` to `q`, of the edge along which the smallest move takes them apart.
+/// The outward normal, from `p` to `q`, of the edge along which the smallest translation separates them.
 fn normal_of_least_move(p: &[[f64; 2]], q: &[[f64; 2]]) -> [f64; 2] {
     let mut best = (f64::NEG_INFINITY, x_axis());
     for (own, other, second) in [(p, q, false), (q, p, true)] {
@@ -345,7 +350,7 @@ fn normal_of_least_move(p: &[[f64; 2]], q: &[[f64; 2]]) -> [f64; 2] {
     best.1
 }
 
-/// The closest points of two hulls that are apart: a corner of one and a point of an edge of the other.
+/// The closest points of two separate hulls: a corner of one and a point of an edge of the other.
 fn closest(p: &[[f64; 2]], q: &[[f64; 2]]) -> ([f64; 2], [f64; 2]) {
     let mut best = (p[0], q[0]);
     let mut least = f64::INFINITY;
@@ -384,13 +389,13 @@ mod tests {
             })
             .collect();
         assert!(matches!(ConvexPolygon::new(&star), Err(ShapeError::NotConvex { .. })));
-        // Forth and back along one side.
+        // The vertices go back along one side.
         let folded = [[0.0, 0.0], [3.0, 0.0], [2.0, 0.0], [2.0, 2.0]];
         assert_eq!(ConvexPolygon::new(&folded), Err(ShapeError::NotConvex { vertex: 1 }));
         assert_eq!(ConvexPolygon::new(&[]), Err(ShapeError::NoVertices));
         let crossed = [[0.0, 0.0], [1.0, 1.0], [1.0, 0.0], [0.0, 1.0]];
         assert!(matches!(ConvexPolygon::new(&crossed), Err(ShapeError::NotConvex { .. })));
-        // Twice round.
+        // The vertices go round twice.
         let twice = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
         assert!(matches!(ConvexPolygon::new(&twice), Err(ShapeError::NotConvex { .. })));
     }

@@ -9,11 +9,12 @@ use super::vector::{
     add, before, between, cross, distance_squared, dot, middle, neg, perpendicular, scale, sub, unit,
 };
 
-/// Two segments: gap, or the length that they have in common.
+/// Two segments: gap, or length of the common part.
 ///
-/// Whether they touch is decided exactly. The length is 0 where they cross or meet in a point. The point is the middle of what they have in common, or of
-/// the gap. The normal of a touch is at right angles to both segments, and that of points x. The error of the gap is 16 rounding steps of the
-/// largest coordinate, for parallel and nearly parallel segments as well; that of the point is such a step divided by the sine of the angle.
+/// Whether they touch is decided exactly. The length is 0 if they cross or meet in a point. The point is the middle of the common part or
+/// of the gap. The normal of a touch is perpendicular to both segments, and x for two points. The error of the gap is 16 rounding steps of
+/// the largest coordinate, also for parallel and nearly parallel segments. The error of the point is such a step divided by the sine of the
+/// angle.
 ///
 /// # Example
 /// ```
@@ -43,9 +44,9 @@ pub fn segment_segment(a: &Segment, b: &Segment) -> Contact<3> {
 
 /// Two capsules: gap or depth.
 ///
-/// With `d` the distance of [`segment_segment`] between the axes, 0 if these touch, they touch if `d · d <= (r_1 + r_2)²`. The depth is
-/// `r_1 + r_2 - d`, the smallest move that takes them apart. The point is in the middle of the overlap or gap, on the shortest line between the axes.
-/// Axes that touch: the normal of [`segment_segment`]. Errors as there.
+/// Let `d` be the distance of [`segment_segment`] between the axes, 0 if these touch. The capsules touch if `d · d <= (r_1 + r_2)²`. The
+/// depth is `r_1 + r_2 - d`, the smallest translation that separates them. The point is the middle of the overlap or gap, on the shortest
+/// line between the axes. If the axes touch, the normal is that of [`segment_segment`]. The errors are as there.
 ///
 /// # Example
 /// ```
@@ -62,7 +63,7 @@ pub fn capsule_capsule(a: &Capsule, b: &Capsule) -> Contact<3> {
     let reach = a.radius + b.radius;
     let distance = if let Measure::Gap(gap) = axes.measure { gap } else { 0.0 };
     let depth = reach - distance;
-    // From the middle between the axes to the middle between the surfaces.
+    // Moves from the middle between the axes to the middle between the surfaces.
     let shift = 0.5 * (a.radius - b.radius);
     Contact {
         point: add(axes.point, scale(axes.normal, shift)),
@@ -71,12 +72,12 @@ pub fn capsule_capsule(a: &Capsule, b: &Capsule) -> Contact<3> {
     }
 }
 
-/// Whether two segments have a point in common, exactly.
+/// Whether two segments have a point in common, decided exactly.
 pub(super) fn segments_touch(a: [[f64; 3]; 2], b: [[f64; 3]; 2]) -> bool {
     orient3d(a[0], a[1], b[0], b[1]) == 0.0 && coplanar_touch(&a, &b)
 }
 
-/// Two points, one of each segment, that are closest to each other.
+/// Two closest points, one of each segment.
 pub(super) fn closest(a: [[f64; 3]; 2], b: [[f64; 3]; 2]) -> ([f64; 3], [f64; 3]) {
     let (u, v, w) = (sub(a[1], a[0]), sub(b[1], b[0]), sub(b[0], a[0]));
     let foot = |p: [f64; 3], [low, high]: [[f64; 3]; 2]| {
@@ -96,7 +97,7 @@ pub(super) fn closest(a: [[f64; 3]; 2], b: [[f64; 3]; 2]) -> ([f64; 3], [f64; 3]
     consider((a[1], foot(a[1], b)));
     consider((foot(b[0], a), b[0]));
     consider((foot(b[1], a), b[1]));
-    // Both feet inside: the common perpendicular. Taken from the cross product, not from (u·u)(v·v) - (u·v)², which has lost the
+    // Both feet are inside: the common perpendicular. It is computed from the cross product, not from (u·u)(v·v) - (u·v)², which loses the
     // small angle between nearly parallel segments to cancellation.
     let n = cross(u, v);
     let squared = dot(n, n);
@@ -109,7 +110,7 @@ pub(super) fn closest(a: [[f64; 3]; 2], b: [[f64; 3]; 2]) -> ([f64; 3], [f64; 3]
     best
 }
 
-/// The ends of what two touching segments have in common, if it is known without a division: a piece of one line, or an end.
+/// The ends of the common part of two touching segments if no division is needed: a piece of one line, or an end.
 fn common(a: [[f64; 3]; 2], b: [[f64; 3]; 2]) -> Option<[[f64; 3]; 2]> {
     let mut points: Option<[[f64; 3]; 2]> = None;
     for (p, other) in [(a[0], b), (a[1], b), (b[0], a), (b[1], a)] {
@@ -121,7 +122,7 @@ fn common(a: [[f64; 3]; 2], b: [[f64; 3]; 2]) -> Option<[[f64; 3]; 2]> {
     points
 }
 
-/// At right angles to two segments, turned from the middle of the first to that of the second if these differ in that direction.
+/// A direction perpendicular to two segments, from the middle of the first towards that of the second if these differ along it.
 fn across(a: [[f64; 3]; 2], b: [[f64; 3]; 2]) -> [f64; 3] {
     let (u, v) = (sub(a[1], a[0]), sub(b[1], b[0]));
     let longer = if dot(u, u) >= dot(v, v) { u } else { v };

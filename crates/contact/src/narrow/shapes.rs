@@ -1,4 +1,4 @@
-//! The bodies of the narrow phase: checked once, then trusted.
+//! The shapes of the narrow phase. Their constructors check all numbers.
 
 use super::error::ShapeError;
 use super::vector::unit;
@@ -9,7 +9,7 @@ pub const MAX_MAGNITUDE: f64 = f64::from_bits((1023 + 200) << 52);
 /// Smallest magnitude of a coordinate or radius that is not 0: `2^-200`, so that products of four differences do not underflow.
 pub const MIN_MAGNITUDE: f64 = f64::from_bits((1023 - 200) << 52);
 
-/// A sphere; a disc in 2D. A radius of 0 is a point.
+/// A sphere, or a disc in 2D. A sphere of radius 0 is a point.
 ///
 /// # Example
 /// ```
@@ -25,7 +25,7 @@ pub struct Sphere<const D: usize> {
 }
 
 impl<const D: usize> Sphere<D> {
-    /// A sphere of a centre and a radius.
+    /// Makes a sphere from its centre and radius.
     ///
     /// # Errors
     /// [`ShapeError::Coordinate`], [`ShapeError::Radius`].
@@ -36,7 +36,7 @@ impl<const D: usize> Sphere<D> {
     }
 }
 
-/// A plane (a line in 2D), without thickness and the same from both sides.
+/// A plane (a line in 2D) without thickness, whose two sides are equivalent.
 ///
 /// # Example
 /// ```
@@ -52,7 +52,7 @@ pub struct Plane<const D: usize> {
 }
 
 impl<const D: usize> Plane<D> {
-    /// A plane through a point, at right angles to a vector of any length.
+    /// Makes a plane through a point, perpendicular to a vector of any length.
     ///
     /// # Errors
     /// [`ShapeError::Coordinate`], [`ShapeError::NoNormal`].
@@ -63,14 +63,14 @@ impl<const D: usize> Plane<D> {
     }
 }
 
-/// A segment in 3D. Ends that coincide are a point.
+/// A segment in 3D. If its ends coincide, it is a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Segment {
     pub(super) ends: [[f64; 3]; 2],
 }
 
 impl Segment {
-    /// A segment of its two ends.
+    /// Makes a segment from its two ends.
     ///
     /// # Errors
     /// [`ShapeError::Coordinate`].
@@ -80,7 +80,7 @@ impl Segment {
     }
 }
 
-/// All points within a radius of a segment, its axis.
+/// A capsule: all points within a radius of a segment, its axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Capsule {
     pub(super) axis: Segment,
@@ -88,7 +88,7 @@ pub struct Capsule {
 }
 
 impl Capsule {
-    /// A capsule of the two ends of its axis and a radius.
+    /// Makes a capsule from the two ends of its axis and its radius.
     ///
     /// # Errors
     /// [`ShapeError::Coordinate`], [`ShapeError::Radius`].
@@ -98,7 +98,7 @@ impl Capsule {
     }
 }
 
-/// A triangle in 2D or 3D, in either sense of rotation. Without area it is the segment or point that its vertices span.
+/// A triangle in 2D or 3D, in either orientation. Without area it is the segment or point that its vertices span.
 ///
 /// # Example
 /// ```
@@ -115,7 +115,7 @@ pub struct Triangle<const D: usize> {
 }
 
 impl<const D: usize> Triangle<D> {
-    /// A triangle of its vertices.
+    /// Makes a triangle from its vertices.
     ///
     /// # Errors
     /// [`ShapeError::Coordinate`].
@@ -124,13 +124,13 @@ impl<const D: usize> Triangle<D> {
         Ok(Self { vertices })
     }
 
-    /// The vertices, as given.
+    /// The vertices in the given order.
     pub fn vertices(&self) -> [[f64; D]; 3] {
         self.vertices
     }
 }
 
-/// A tetrahedron, its vertices in any order. Without volume it is the flat piece, segment or point that its vertices span.
+/// A tetrahedron with its vertices in any order. Without volume it is the flat piece, segment or point that its vertices span.
 ///
 /// # Example
 /// ```
@@ -147,7 +147,7 @@ pub struct Tetrahedron {
 }
 
 impl Tetrahedron {
-    /// A tetrahedron of its vertices.
+    /// Makes a tetrahedron from its vertices.
     ///
     /// # Errors
     /// [`ShapeError::Coordinate`].

@@ -7,22 +7,22 @@ use super::vector::{
     add, before, between, cross, distance_squared, dot, neg, perpendicular, scale, sub, unit, x_axis,
 };
 
-/// Where on a triangle a contact is.
+/// The part of a triangle where a contact is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Feature {
-    /// Inside, off all edges.
+    /// The interior, off all edges.
     Face,
-    /// On the edge from this vertex (0 to 2) to the next, off its ends.
+    /// The edge from this vertex (0 to 2) to the next, off its ends.
     Edge(u8),
-    /// At this vertex, 0 to 2.
+    /// This vertex, 0 to 2.
     Vertex(u8),
 }
 
 /// Two spheres: gap or depth.
 ///
-/// They touch if `d · d <= (r_1 + r_2)²`, the operations of [`Elements`](crate::Elements), so that both phases agree to the last bit. The point is
-/// in the middle of the overlap or gap, on the line of the centres. Centres that coincide: normal x, depth `r_1 + r_2`.
-/// Errors of point and measure: 8 rounding steps of the largest coordinate or radius.
+/// They touch if `d · d <= (r_1 + r_2)²`, with the operations of [`Elements`](crate::Elements), so that both phases agree to the last bit.
+/// The point is the middle of the overlap or gap, on the line of the centres. For centres that coincide the normal is x and the depth is
+/// `r_1 + r_2`. The errors of point and measure are 8 rounding steps of the largest coordinate or radius.
 ///
 /// # Example
 /// ```
@@ -47,8 +47,9 @@ pub fn sphere_sphere<const D: usize>(a: &Sphere<D>, b: &Sphere<D>) -> Contact<D>
 
 /// A sphere and a plane without thickness: gap or depth.
 ///
-/// They touch if `|n · (c - p)| <= r`, evaluated in this order. The point is the foot of the centre in the plane; the normal leads from the centre to
-/// it. A centre in the plane: against the normal of the plane. Errors: 8 rounding steps of the largest coordinate.
+/// They touch if `|n · (c - p)| <= r`, evaluated in this order. The point is the projection of the centre onto the plane; the normal leads
+/// from the centre to it. For a centre in the plane, the normal is opposite to that of the plane. The errors are 8 rounding steps of the
+/// largest coordinate.
 ///
 /// # Example
 /// ```
@@ -69,12 +70,13 @@ pub fn sphere_plane<const D: usize>(sphere: &Sphere<D>, plane: &Plane<D>) -> Con
     }
 }
 
-/// A sphere and a triangle without thickness: gap or depth, and where on the triangle.
+/// A sphere and a triangle without thickness: gap or depth, and the feature of the triangle.
 ///
-/// They touch if `d² <= r · r`, with `d²` the rounded square of the distance between the centre and the closest point of the triangle; its error is
-/// 32 rounding steps of the square of the largest coordinate difference. Whether that point is on the face, an edge or a vertex is decided by exact
-/// signs; above an edge is the edge. The point is that closest point; the normal leads from the centre to it. A centre on the triangle: against its
-/// normal by the right-hand rule, and at right angles to a triangle without area. An edge gives the same bits in every triangle that has it.
+/// They touch if `d² <= r · r`, where `d²` is the rounded squared distance between the centre and the closest point of the triangle. Its
+/// error is 32 rounding steps of the square of the largest coordinate difference. Exact signs decide whether the closest point is on the
+/// face, an edge or a vertex; a centre exactly above an edge belongs to the edge. The contact point is that closest point, and the normal
+/// leads from the centre to it. For a centre on the triangle, the normal is opposite to that of the triangle by the right-hand rule, or
+/// perpendicular to a triangle without area. An edge gives the same bits in every triangle that has it.
 ///
 /// # Source
 /// The regions are those of C. Ericson, "Real-Time Collision Detection" (2005), 5.1.5.
@@ -99,18 +101,18 @@ pub fn sphere_triangle(sphere: &Sphere<3>, triangle: &Triangle<3>) -> (Contact<3
     (Contact { point: foot.point, normal, measure: depth_or_gap(touch, depth) }, foot.feature)
 }
 
-/// The measure of round bodies. Rounding may give the depth the wrong sign by a step: the decision stands.
+/// The measure of round bodies. Rounding may give the depth the wrong sign by one step; the decision `touch` takes precedence.
 pub(super) fn depth_or_gap(touch: bool, depth: f64) -> Measure {
     if touch { Measure::Depth(depth.max(0.0)) } else { Measure::Gap((-depth).max(0.0)) }
 }
 
-/// The point of a triangle that is closest to a point.
+/// The closest point of a triangle to a given point.
 pub(super) struct Foot {
     pub(super) point: [f64; 3],
     /// The square of the distance.
     pub(super) squared: f64,
     pub(super) feature: Feature,
-    /// From the point to the triangle, if above the face.
+    /// The direction from the point to the triangle, if the point is above the face.
     normal: Option<[f64; 3]>,
 }
 
@@ -147,7 +149,7 @@ fn foot_on_edge(p: [f64; 3], vertices: &[[f64; 3]; 3], edge: u8) -> Foot {
     } else if along(b, a, p) <= 0.0 {
         (b, Feature::Vertex(next))
     } else {
-        // From the same end in every triangle that has this edge.
+        // Computed from the same end in every triangle that has this edge.
         let (low, high) = if before(a, b) { (a, b) } else { (b, a) };
         let u = sub(high, low);
         let t = (dot(u, sub(p, low)) / dot(u, u)).clamp(0.0, 1.0);
@@ -156,7 +158,7 @@ fn foot_on_edge(p: [f64; 3], vertices: &[[f64; 3]; 3], edge: u8) -> Foot {
     Foot { point, squared: distance_squared(p, point), feature, normal: None }
 }
 
-/// The normal where the centre is on the triangle.
+/// The normal if the centre is on the triangle.
 fn normal_on(&[a, b, c]: &[[f64; 3]; 3]) -> [f64; 3] {
     let edges = [sub(b, a), sub(c, b), sub(a, c)];
     let mut longest = edges[0];

@@ -8,14 +8,14 @@ use super::sphere::foot;
 use super::triangle::{edge_touches_sides, triangle_triangle, triangles_touch};
 use super::vector::{add, cross, distance_squared, dot, middle, neg, scale, sub, unit, x_axis};
 
-/// The vertices of the face opposite to each vertex, turning to the left seen from outside of a tetrahedron of positive volume.
+/// The vertices of the face opposite to each vertex. Seen from outside of a tetrahedron of positive volume, they turn left.
 const FACES: [[usize; 3]; 4] = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]];
 
 /// The ends of each edge.
 const EDGES: [[usize; 2]; 6] = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
 
 impl Tetrahedron {
-    /// Whether the closed tetrahedra have a point in common, exactly.
+    /// Whether the closed tetrahedra have a point in common, decided exactly.
     pub fn touches(&self, other: &Self) -> bool {
         touch(&Sides::new(self, other), &Sides::new(other, self))
     }
@@ -23,18 +23,20 @@ impl Tetrahedron {
 
 /// Two tetrahedra: gap or volume.
 ///
-/// Whether they touch is decided exactly; the volume is exactly 0 if the plane of a face is between them. The point is the centroid of the common volume; where
-/// that is 0, of the area that faces have in common, or else of the edges, or else the common point; of a gap it is the middle between the closest points.
-/// The normal of a touch is that of the smallest move that takes them apart, among the normals of the faces and the directions at right angles to two edges
-/// (x if there is none); of a gap the direction of the gap.
+/// Whether they touch is decided exactly. The volume is exactly 0 if the plane of a face separates them. The point is the centroid of the
+/// common volume. If that is 0, it is the centroid of the common area of faces, or else of the common length of edges, or else the common
+/// point. For a gap it is the middle between the closest points. The normal of a touch is that of the smallest translation that separates
+/// them, among the normals of the faces and the directions perpendicular to two edges (x if there is none). The normal of a gap is the
+/// direction of the gap.
 ///
 /// # Units
-/// The gap has the unit of the coordinates, the volume its cube. With `l` the largest difference of coordinates between their vertices,
-/// the error of the volume is at most `1e-12 l³`, that of the gap 64 rounding steps of the largest coordinate.
-/// The point of a volume that is not larger than its error is rough, but within the bounding boxes of both.
+/// The gap has the unit of the coordinates, the volume its cube. Let `l` be the largest difference of coordinates between their vertices.
+/// The error of the volume is at most `1e-12 l³`; that of the gap is 64 rounding steps of the largest coordinate. If the volume is no
+/// larger than its error, the point is inaccurate but within the bounding boxes of both.
 ///
 /// # Cost
-/// One is cut at the four faces of the other into tetrahedra, 81 at most and about ten as a rule: no polyhedron, so no rounding can tear one open.
+/// One tetrahedron is cut at the four faces of the other into tetrahedra, at most 81 and usually about ten. No polyhedron is built, so
+/// rounding cannot make one inconsistent.
 ///
 /// # Example
 /// ```
@@ -65,7 +67,7 @@ pub fn tetrahedron_tetrahedron(a: &Tetrahedron, b: &Tetrahedron) -> Contact<3> {
         overlap.add([corner(0), corner(1), corner(2), corner(3)], 0);
         if overlap.volume > 0.0 {
             let centroid = add(origin, scale(overlap.moment, 1.0 / overlap.volume));
-            // A volume that is all rounding has its centroid anywhere.
+            // If the volume is dominated by rounding, its computed centroid can be anywhere.
             let point = std::array::from_fn(|axis| {
                 let (low_p, high_p) = bounds(p.map(|x| x[axis]));
                 let (low_q, high_q) = bounds(q.map(|x| x[axis]));
@@ -77,12 +79,13 @@ pub fn tetrahedron_tetrahedron(a: &Tetrahedron, b: &Tetrahedron) -> Contact<3> {
     Contact { point: point_of_touch(&of_a, &of_b), normal, measure: Measure::Volume(0.0) }
 }
 
-/// A tetrahedron of positive volume, if it has any, and on which side of its faces the vertices of another are.
+/// A tetrahedron, oriented to positive volume if it has any, and the sides of its faces on which the vertices of another are.
 struct Sides {
     vertices: [[f64; 3]; 4],
-    /// Whether it has a volume.
+    /// Whether the tetrahedron has a volume.
     solid: bool,
-    /// For each face, for each vertex of the other: a number with the exact sign, positive inside, in proportion to the distance from the face.
+    /// For each face and each vertex of the other: a number with the exact sign, positive inside, in proportion to the distance from the
+    /// face.
     of_other: [[f64; 4]; 4],
 }
 
@@ -121,7 +124,7 @@ fn touch(a: &Sides, b: &Sides) -> bool {
         return true;
     }
     if a.solid && b.solid {
-        // No vertex of one is in the other: if they touch, an edge of one passes through a face of the other.
+        // No vertex of one is in the other. So if they touch, an edge of one passes through a face of the other.
         return [(a, b), (b, a)].into_iter().any(|(own, other)| {
             (0..4).any(|k| {
                 let (face, sides) = (other.face(k), other.of_other[k]);
@@ -131,11 +134,11 @@ fn touch(a: &Sides, b: &Sides) -> bool {
             })
         });
     }
-    // One without volume is the union of its faces.
+    // A tetrahedron without volume is the union of its faces.
     (0..4).any(|k| (0..4).any(|l| triangles_touch(&a.face(k), &b.face(l))))
 }
 
-/// A vertex of a piece: its place, and on which side of the four faces of the other it is.
+/// A vertex of a piece: its position, and the sides of the four faces of the other tetrahedron on which it is.
 #[derive(Clone, Copy)]
 struct Corner {
     x: [f64; 3],
@@ -143,7 +146,7 @@ struct Corner {
 }
 
 impl Corner {
-    /// Where the edge from a corner inside of a face to one that is not crosses it.
+    /// The point where the edge from a corner inside of a face to a corner outside crosses it.
     fn cut(inside: &Self, outside: &Self, face: usize) -> Self {
         let t = inside.d[face] / (inside.d[face] - outside.d[face]);
         let mut d = [0.0; 4];
@@ -199,7 +202,7 @@ fn bounds(x: [f64; 4]) -> (f64, f64) {
     x.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &x| (low.min(x), high.max(x)))
 }
 
-/// The normal from `p` to `q` of the smallest move that takes them apart.
+/// The normal from `p` to `q` of the smallest translation that separates them.
 fn normal_of_least_move(p: &[[f64; 3]; 4], q: &[[f64; 3]; 4]) -> [f64; 3] {
     let faces =
         [p, q].into_iter().flat_map(|t| FACES.map(|[a, b, c]| cross(sub(t[b], t[a]), sub(t[c], t[a]))));
@@ -221,7 +224,7 @@ fn normal_of_least_move(p: &[[f64; 3]; 4], q: &[[f64; 3]; 4]) -> [f64; 3] {
     best.1
 }
 
-/// The closest points of two tetrahedra that are apart: a vertex of one and a face of the other, or two edges.
+/// The closest points of two separate tetrahedra: a vertex of one and a point of a face of the other, or points of two edges.
 fn closest(p: &[[f64; 3]; 4], q: &[[f64; 3]; 4]) -> ([f64; 3], [f64; 3]) {
     let mut best = (p[0], q[0]);
     let mut least = f64::INFINITY;
@@ -249,10 +252,11 @@ fn closest(p: &[[f64; 3]; 4], q: &[[f64; 3]; 4]) -> ([f64; 3], [f64; 3]) {
     best
 }
 
-/// The contact point where no volume is in common: what the faces share, by area, or else by length, or else one point; or a vertex inside.
+/// The contact point if there is no common volume: the centroid of the common area of faces, or else of the common length, or else a common
+/// point; or a vertex inside the other.
 fn point_of_touch(a: &Sides, b: &Sides) -> [f64; 3] {
     let origin = a.vertices[0];
-    // Areas, lengths and points: weight and weighted sum.
+    // Weights and weighted sums of areas, lengths and points.
     let mut sums = [(0.0, [0.0; 3]); 3];
     let mut include = |kind: usize, weight: f64, x: [f64; 3]| {
         let (total, sum) = sums[kind];

@@ -10,13 +10,14 @@ use super::vector::{
     add, before, between, cross, distance_squared, dot, middle, neg, perpendicular, sub, unit,
 };
 
-/// Two triangles in 3D: gap, or the length or area that they have in common.
+/// Two triangles in 3D: gap, or length or area of the common part.
 ///
-/// Whether they touch is decided exactly, and so is whether they are in one plane. Triangles in one plane have [`Measure::Area`], all others, and
-/// triangles without area, [`Measure::Length`]; both may be 0. The point is the middle of the common segment or the centroid of the common area; of a
-/// gap the middle between the closest points. The normal of a touch is that of the first triangle (the second, if the first has no area; at
-/// right angles to both, if neither has), turned to the side of the centroid of the second. Of a gap it is the direction of the gap.
-/// Errors of gap and length: 64 rounding steps of the largest coordinate, divided by the sine of the angle between the planes for the length.
+/// Whether they touch, and whether they are coplanar, is decided exactly. Coplanar triangles have [`Measure::Area`]; all others, and
+/// triangles without area, have [`Measure::Length`]; both may be 0. The point is the middle of the common segment or the centroid of the
+/// common area; for a gap it is the middle between the closest points. The normal of a touch is that of the first triangle (that of the
+/// second if the first has no area; perpendicular to both if neither has), turned to the side of the centroid of the second. The normal of
+/// a gap is the direction of the gap. The errors of gap and length are 64 rounding steps of the largest coordinate; for the length divided
+/// by the sine of the angle between the planes.
 ///
 /// # Example
 /// ```
@@ -50,16 +51,16 @@ pub fn triangle_triangle(a: &Triangle<3>, b: &Triangle<3>) -> Contact<3> {
 }
 
 impl Triangle<3> {
-    /// Whether the closed triangles have a point in common, exactly.
+    /// Whether the closed triangles have a point in common, decided exactly.
     pub fn touches(&self, other: &Self) -> bool {
         triangles_touch(&self.vertices, &other.vertices)
     }
 }
 
-/// Whether two sets of one to three points each, all in one plane, have hulls that touch.
+/// Whether two coplanar sets of one to three points each have hulls that touch.
 ///
-/// A point in common is one in every projection; and at least one projection along an axis keeps points of the plane apart, so there a common point is a
-/// common point in space.
+/// A common point is a common point in every projection. At least one projection along an axis keeps distinct points of the plane distinct,
+/// so a common point there is a common point in space.
 pub(super) fn coplanar_touch(a: &[[f64; 3]], b: &[[f64; 3]]) -> bool {
     (0..3).all(|axis| hulls_touch(flatten(a, axis).points(), flatten(b, axis).points()))
 }
@@ -90,9 +91,9 @@ fn edges(&[a, b, c]: &[[f64; 3]; 3]) -> [[[f64; 3]; 2]; 3] {
     [[a, b], [b, c], [c, a]]
 }
 
-/// Whether two closed triangles have a point in common: if so, an edge of one touches the other.
+/// Whether two closed triangles have a point in common. If they do, an edge of one touches the other.
 pub(super) fn triangles_touch(p: &[[f64; 3]; 3], q: &[[f64; 3]; 3]) -> bool {
-    // All vertices strictly on one side of the plane of the other; of a triangle without area all are in its planes.
+    // All vertices are strictly on one side of the plane of the other. For a triangle without area, all points are in its planes.
     let sides = |p: &[[f64; 3]; 3], q: &[[f64; 3]; 3]| q.map(|d| orient3d(p[0], p[1], p[2], d));
     let apart = |s: [f64; 3]| s.iter().all(|&x| x > 0.0) || s.iter().all(|&x| x < 0.0);
     let of_q = sides(p, q);
@@ -121,7 +122,7 @@ fn edge_touches([p, q]: [[f64; 3]; 2], triangle: &[[f64; 3]; 3]) -> bool {
     edge_touches_sides([p, q], [from, to], triangle)
 }
 
-/// The same, for ends whose sides of the plane of the triangle are known.
+/// The same for ends whose sides of the plane of the triangle are known.
 pub(super) fn edge_touches_sides(
     [p, q]: [[f64; 3]; 2],
     [from, to]: [f64; 2],
@@ -134,7 +135,7 @@ pub(super) fn edge_touches_sides(
     if from == 0.0 && to == 0.0 {
         return coplanar_touch(&[p, q], triangle);
     }
-    // The line crosses the plane once: inside, if the edges pass it all on the same side.
+    // The line crosses the plane once. The point is inside the triangle if all edges pass the line on the same side.
     let turns = [orient3d(p, q, a, b), orient3d(p, q, b, c), orient3d(p, q, c, a)];
     turns.iter().all(|&t| t >= 0.0) || turns.iter().all(|&t| t <= 0.0)
 }
@@ -149,7 +150,7 @@ fn normal(p: &[[f64; 3]; 3], q: &[[f64; 3]; 3]) -> [f64; 3] {
         let (u, v) = (sub(b, a), sub(d, c));
         unit(cross(u, v)).unwrap_or_else(|| perpendicular(if dot(u, u) >= dot(v, v) { u } else { v }))
     });
-    // Relative to a vertex of the first, in whose plane the side is counted.
+    // Relative to a vertex of the first triangle, because the side of its plane matters.
     let way = q.iter().fold([0.0; 3], |sum, &d| add(sum, sub(d, p[0])));
     let way = if of(p).is_some() {
         way
@@ -159,7 +160,7 @@ fn normal(p: &[[f64; 3]; 3], q: &[[f64; 3]; 3]) -> [f64; 3] {
     if dot(normal, way) < 0.0 { neg(normal) } else { normal }
 }
 
-/// Area and centroid of what two triangles in one plane have in common, in the projection in which the first is largest.
+/// Area and centroid of the common part of two coplanar triangles, in the projection in which the first is largest.
 fn coplanar_overlap(p: &[[f64; 3]; 3], q: &[[f64; 3]; 3]) -> (f64, [f64; 3]) {
     let n = cross(sub(p[1], p[0]), sub(p[2], p[0]));
     let mut axis = 0;
@@ -170,7 +171,7 @@ fn coplanar_overlap(p: &[[f64; 3]; 3], q: &[[f64; 3]; 3]) -> (f64, [f64; 3]) {
     }
     let mut overlap = Vec::new();
     let flat = hull_hull(flatten(p, axis).points(), flatten(q, axis).points(), &mut overlap);
-    // Of the plane n · (x - p) = 0, the coordinate that was left out.
+    // The coordinate that was left out, from the plane n · (x - p) = 0.
     let (j, k) = ((axis + 1) % 3, (axis + 2) % 3);
     let (u, v) = (flat.point[0] - p[0][j], flat.point[1] - p[0][k]);
     let mut point = [0.0; 3];
@@ -181,7 +182,7 @@ fn coplanar_overlap(p: &[[f64; 3]; 3], q: &[[f64; 3]; 3]) -> (f64, [f64; 3]) {
     (flat.measure.value() * (1.0 + y * y + z * z).sqrt(), point)
 }
 
-/// The ends of what two touching triangles have in common, which are not in one plane: the points where edges of one meet the other.
+/// The ends of the common part of two touching triangles that are not coplanar: the points where edges of one meet the other.
 fn common_segment(p: &[[f64; 3]; 3], q: &[[f64; 3]; 3]) -> [[f64; 3]; 2] {
     let mut points: Vec<[f64; 3]> = Vec::with_capacity(12);
     for (own, other) in [(p, q), (q, p)] {
@@ -207,7 +208,7 @@ fn common_segment(p: &[[f64; 3]; 3], q: &[[f64; 3]; 3]) -> [[f64; 3]; 2] {
                 points.push(if to == 0.0 { b } else { between(a, b, from / (from - to)) });
                 continue;
             }
-            // In the plane of the other: its ends inside, and where it crosses edges of the other.
+            // In the plane of the other triangle: ends of the edge inside it, and crossings with its edges.
             for end in [a, b] {
                 points.extend(coplanar_touch(&[end], other).then_some(end));
             }
@@ -236,7 +237,7 @@ fn common_segment(p: &[[f64; 3]; 3], q: &[[f64; 3]; 3]) -> [[f64; 3]; 2] {
     farthest
 }
 
-/// The closest points of two triangles that are apart: of two edges, or a vertex of one and the other.
+/// The closest points of two separate triangles: points of two edges, or a vertex of one and a point of the other.
 pub(super) fn closest(p: &[[f64; 3]; 3], q: &[[f64; 3]; 3]) -> ([f64; 3], [f64; 3]) {
     let mut best = (p[0], q[0]);
     let mut least = f64::INFINITY;

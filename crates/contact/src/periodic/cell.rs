@@ -1,20 +1,20 @@
-//! The box that repeats: its edges, and where a point lies in it.
+//! The periodic box: its edges, and the position of a point in it.
 
 use crate::elements::Bounds;
 use crate::error::Error;
 use crate::real::Real;
 
-/// A box that repeats along some of its edges: rectangular, or sheared (triclinic).
+/// A box that is periodic along some or all of its edges: rectangular, or sheared (triclinic).
 ///
-/// The box is spanned by `D` edges from its origin; the fractions of a point are its coordinates in units of the edges, 0 to 1
-/// inside. Along a periodic edge everything repeats, so the points that count as equal differ by whole edges. The edges may have
-/// any direction and tilt as long as they are linearly independent and right-handed.
+/// `D` edges from the origin span the box. The fractions of a point are its coordinates in units of the edges; inside they are 0 to 1.
+/// Along a periodic edge everything repeats: points that differ by whole edges are equivalent. The edges may have any direction and tilt as
+/// long as they are linearly independent and right-handed.
 ///
-/// An edge that is not periodic says only how the box leans: the faces across which the others repeat are parallel to it.
-/// Its length means nothing, nothing is wrapped along it, and elements may lie anywhere along it.
+/// An edge that is not periodic only gives the direction of the faces across which the other edges repeat; these are parallel to it. Its
+/// length has no effect, nothing is wrapped along it, and elements may lie anywhere along it.
 ///
 /// # Shapes
-/// `origin`: `[D]`; `edges`: `[D]` rows of `[D]`, edge `a` repeats if `periodic[a]`.
+/// `origin`: `[D]`; `edges`: `[D]` rows of `[D]`. Edge `a` is periodic if `periodic[a]`.
 ///
 /// # Units
 /// The length unit of the elements. Fractions and shifts count edges.
@@ -35,14 +35,14 @@ pub struct PeriodicBox<T, const D: usize> {
     origin: [T; D],
     edges: [[T; D]; D],
     periodic: [bool; D],
-    /// The fraction along edge `a` is the product of row `a` with the point, counted from the origin.
+    /// Rows of the inverse matrix: the fraction along edge `a` is the product of row `a` with the point, relative to the origin.
     dual: [[f64; D]; D],
 }
 
-/// Periods that a point may be away from the box: a shift is the sum of two of these and the shift of an image, in `i32`.
+/// Largest number of periods between a point and the box: a shift is the sum of two of these and the shift of an image, in `i32`.
 pub(crate) const MAX_PERIODS: f64 = 268_435_456.0;
 
-/// An edge that rises less above those before it, in units of its length, is dependent on them.
+/// Smallest height of an edge above the edges before it, in units of its length; lower edges count as linearly dependent.
 const MIN_HEIGHT: f64 = 1e-10;
 
 impl<T: Real, const D: usize> PeriodicBox<T, D> {
@@ -51,7 +51,7 @@ impl<T: Real, const D: usize> PeriodicBox<T, D> {
     /// The length of an edge is the difference `max - min`, rounded once.
     ///
     /// # Errors
-    /// [`Error::InvalidDomain`] if `min < max` does not hold on every axis; else as [`PeriodicBox::triclinic`].
+    /// [`Error::InvalidDomain`] if `min < max` does not hold on every axis; otherwise those of [`PeriodicBox::triclinic`].
     pub fn orthogonal(min: [T; D], max: [T; D], periodic: [bool; D]) -> Result<Self, Error> {
         let mut edges = [[T::ZERO; D]; D];
         for axis in 0..D {
@@ -99,30 +99,30 @@ impl<T: Real, const D: usize> PeriodicBox<T, D> {
         Ok(Self { origin, edges, periodic, dual })
     }
 
-    /// The corner from which the edges start.
+    /// The corner where the edges start.
     pub fn origin(&self) -> [T; D] {
         self.origin
     }
 
-    /// The edges, one a row.
+    /// The edges, one per row.
     pub fn edges(&self) -> [[T; D]; D] {
         self.edges
     }
 
-    /// Which edges repeat.
+    /// Which edges are periodic.
     pub fn periodic(&self) -> [bool; D] {
         self.periodic
     }
 
-    /// The distances between opposite faces, up to rounding: never more than the lengths of the edges.
+    /// The distances between opposite faces, up to rounding. They never exceed the lengths of the edges.
     pub fn heights(&self) -> [f64; D] {
         self.dual.map(|row| 1.0 / norm(&row))
     }
 
-    /// Where a point lies along each edge, in units of the edge.
+    /// The position of a point along each edge, in units of the edge.
     ///
-    /// With `g_a` the row of the inverse matrix of the edges that belongs to edge `a`, in `f64`:
-    /// `((g_a0 * (x_0 - o_0)) + g_a1 * (x_1 - o_1)) + …`, the axes in ascending order, each operation rounded once.
+    /// With `g_a` the row of the inverse matrix of the edges for edge `a`, in `f64`: `((g_a0 * (x_0 - o_0)) + g_a1 * (x_1 - o_1)) + …`, the
+    /// axes in ascending order, each operation rounded once.
     #[inline]
     pub fn fractions(&self, point: &[T; D]) -> [f64; D] {
         self.fractions_of(&point.map(T::to_f64))
@@ -137,19 +137,20 @@ impl<T: Real, const D: usize> PeriodicBox<T, D> {
         })
     }
 
-    /// The image of a point in the box, and how many periods of each edge the point is away from it.
+    /// The image of a point in the box, and the number of periods along each edge between the point and its image.
     ///
-    /// The periods are `n_a = floor` of the [`fractions`](Self::fractions), 0 along edges that are not periodic. The image is
-    /// the point [`displaced`](Self::displaced) by `-n`, and the point itself where all `n` are 0. It may be outside the box by a rounding error.
-    /// `None` if a coordinate is not finite, or the point more than `2^28` periods away.
+    /// The periods are `n_a = floor` of the [`fractions`](Self::fractions), and 0 along edges that are not periodic. The image is the point
+    /// [`displaced`](Self::displaced) by `-n`, or the point itself if all `n` are 0. It may be outside the box by a rounding error. `None`
+    /// if a coordinate is not finite, or the point is more than `2^28` periods away.
     pub fn wrap(&self, point: [T; D]) -> Option<([T; D], [i32; D])> {
         let periods = self.periods(&self.fractions(&point)).ok()?;
         Some((self.wrapped(point, &periods), periods))
     }
 
-    /// The point moved by `shift` edges: per axis `x + (((s_0 * v_0) + s_1 * v_1) + …)`, `v_a` the component of edge `a`.
+    /// The point displaced by `shift` edges: per axis `x + (((s_0 * v_0) + s_1 * v_1) + …)`, where `v_a` is the component of edge `a`.
     ///
-    /// The operations are done in `f64`, the edges in ascending order, each rounded once, without fused multiply-add; the result is rounded to `T`.
+    /// The operations are done in `f64`, the edges in ascending order. Each operation rounds once, without fused multiply-add; the result
+    /// is rounded to `T`.
     #[inline]
     pub fn displaced(&self, point: &[T; D], shift: &[i32; D]) -> [T; D] {
         std::array::from_fn(|axis| {
@@ -159,8 +160,9 @@ impl<T: Real, const D: usize> PeriodicBox<T, D> {
         })
     }
 
-    /// The extremes of the fractions of points with the extremes `bounds`, where the edges lie along the axes: each fraction is a function of
-    /// one coordinate then, and never falls where that grows, rounded as it is. (The other terms of its sum are zeros.) `None` for other boxes.
+    /// The extremes of the fractions of points with the extremes `bounds`, if the edges lie along the axes. Then each fraction depends on
+    /// one coordinate and, even with rounding, never falls where that coordinate grows. (The other terms of its sum are zeros.) `None` for
+    /// other boxes.
     pub(crate) fn fractions_within(&self, bounds: &Bounds<D>) -> Option<Bounds<D>> {
         let along_axes = (0..D).all(|edge| (0..D).all(|axis| edge == axis || self.dual[edge][axis] == 0.0));
         let positive = (0..D).all(|edge| self.dual[edge][edge] > 0.0);
@@ -168,7 +170,7 @@ impl<T: Real, const D: usize> PeriodicBox<T, D> {
             .then(|| Bounds { min: self.fractions_of(&bounds.min), max: self.fractions_of(&bounds.max) })
     }
 
-    /// Whether a point with these fractions is in the box: its periods are all 0.
+    /// Whether a point with these fractions is in the box: all of its periods are 0.
     #[inline]
     pub(crate) fn holds(&self, fractions: &[f64; D]) -> bool {
         let mut inside = true;
@@ -178,7 +180,7 @@ impl<T: Real, const D: usize> PeriodicBox<T, D> {
         inside
     }
 
-    /// The periods of a point, or the edge along which they are too many.
+    /// The periods of a point, or the edge along which there are too many.
     #[inline]
     pub(crate) fn periods(&self, fractions: &[f64; D]) -> Result<[i32; D], usize> {
         let mut periods = [0; D];
@@ -213,7 +215,8 @@ pub(crate) fn norm<const D: usize>(vector: &[f64; D]) -> f64 {
     vector.iter().map(|x| (x / largest) * (x / largest)).sum::<f64>().sqrt() * largest
 }
 
-/// Gram and Schmidt, with every vector made orthogonal twice so that rounding is not mistaken for height.
+/// Checks linear independence by the Gram-Schmidt process. Every vector is orthogonalised twice, so that rounding is not mistaken for
+/// height.
 fn check_independent<const D: usize>(directions: &[[f64; D]; D]) -> Result<(), Error> {
     let mut basis = [[0.0; D]; D];
     for edge in 0..D {
@@ -234,7 +237,8 @@ fn check_independent<const D: usize>(directions: &[[f64; D]; D]) -> Result<(), E
     Ok(())
 }
 
-/// The inverse and the determinant, by Gauss and Jordan with row pivots. The inverse of a diagonal matrix is exact but for its divisions.
+/// The inverse and the determinant, by Gauss-Jordan elimination with row pivots. The inverse of a diagonal matrix is exact except for its
+/// divisions.
 fn invert<const D: usize>(mut matrix: [[f64; D]; D]) -> ([[f64; D]; D], f64) {
     let mut inverse: [[f64; D]; D] =
         std::array::from_fn(|row| std::array::from_fn(|column| if row == column { 1.0 } else { 0.0 }));
@@ -309,7 +313,7 @@ mod tests {
     fn points_are_wrapped_along_periodic_edges_only() {
         let edges = [[4.0, 0.0], [8.0, 4.0]];
         let cell = PeriodicBox::triclinic([0.0, 0.0], edges, [true, false]).unwrap();
-        // The faces lean: at y = 5 the box reaches from x = 10 to 14.
+        // The faces are inclined: at y = 5 the box extends from x = 10 to 14.
         assert_eq!(cell.wrap([1.0, 5.0]), Some(([13.0, 5.0], [-3, 0])));
         assert_eq!(cell.wrap([f64::NAN, 5.0]), None);
         assert_eq!(cell.wrap([1e10, 5.0]), None);

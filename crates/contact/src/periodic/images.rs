@@ -1,4 +1,4 @@
-//! Elements wrapped into a periodic box, and the images of them that may touch one of them.
+//! Elements wrapped into a periodic box, and those of their images that may touch one of them.
 
 use crate::elements::{Bounds, Elements, Shape};
 use crate::error::Error;
@@ -9,98 +9,99 @@ use crate::real::Real;
 use crate::search::make_room;
 use crate::search::rows::{reserve, resize};
 
-/// Elements wrapped into a box, and apart from them those near its faces, with their images.
+/// Elements wrapped into a box; separately, the elements near its faces together with their images.
 ///
-/// Every couple with an image is one of `near` and an image: if an image of `j` touches `i`, the opposite image of `i` is as near to `j` by the
-/// bound on fractions that images are made by (see [`margin`]), and so `i` has an image too. In a large box these are few. Where they
-/// are not, `near` are all elements.
+/// Every couple with an image consists of an element of `near` and an image. If an image of `j` touches `i`, then the opposite image of `i`
+/// is as near to `j` by the bound on fractions from which images are made (see [`margin`]), so `i` has an image too. In a large box these
+/// elements are few. If they are not, `near` holds all elements.
 ///
 /// # Shapes
-/// `wrapped`, `wrapped_far`: `[n]`, in the caller's order, filled only if some element was away. `near`: `[k]`, ascending. `points`: `[k + m]`, first
-/// the elements `near`, then the `m` images, by owner and then by shift: centres, or minimum corners. `far_points`: the same for maximum
-/// corners, empty for spheres. `radii`: the same, empty but for spheres with radii. `periods`: `[n]`. `owners`, `shifts`: `[m]`.
+/// `wrapped`, `wrapped_far`: `[n]`, in the caller's order, filled only if some element was outside. `near`: `[k]`, ascending. `points`:
+/// `[k + m]`, first the elements `near`, then the `m` images, by owner and then by shift: centres, or minimum corners. `far_points`: the
+/// same for maximum corners, empty for spheres. `radii`: the same, empty unless spheres have radii. `periods`: `[n]`. `owners`, `shifts`:
+/// `[m]`.
 #[derive(Clone, Debug)]
 pub(crate) struct Images<T, const D: usize> {
     wrapped: Vec<[T; D]>,
     wrapped_far: Vec<[T; D]>,
-    /// Extremes of the wrapped elements, and of `points`.
+    /// Extremes of the wrapped elements; below, those of `points`.
     wrapped_bounds: Bounds<D>,
     bounds: Bounds<D>,
-    /// Periods that each element was away from the box; of those that were not, what was there before.
+    /// Number of periods between each element and the box. Entries of elements that were inside are stale.
     periods: Vec<[i32; D]>,
-    /// A bit for each element: whether it was away at all. Often most are not, and these bits stay in cache where `periods` does not.
+    /// One bit per element: whether it was outside. Often most are inside, and these bits stay in cache where `periods` would not.
     away: Vec<u64>,
     pub(crate) any_away: bool,
-    /// Elements that have images; all elements if they are not kept apart.
+    /// Elements that have images, or all elements if they are not kept apart.
     pub(crate) near: Vec<u32>,
-    /// Whether couples of elements are to be searched among all elements, and not among `near`.
+    /// Whether couples of elements are searched among all elements, separately from `near`.
     pub(crate) apart: bool,
     points: Vec<[T; D]>,
     far_points: Vec<[T; D]>,
     radii: Vec<T>,
-    /// The numbers of a filter, as many as points; an image has those of its owner.
+    /// The numbers of a filter, one per point; an image has those of its owner.
     labels: Labels,
-    /// The element that an image is of.
+    /// The element of each image.
     pub(crate) owners: Vec<u32>,
-    /// By how many edges the image is displaced from its wrapped owner.
+    /// Number of edges by which each image is displaced from its wrapped owner.
     pub(crate) shifts: Vec<[i32; D]>,
-    /// Whether the elements fill so little space that most are within reach of most others.
+    /// Whether the elements occupy so little space that most are within reach of most others.
     pub(crate) compact: bool,
     chunks: Vec<Chunk<T, D>>,
 }
 
-/// A stretch of the elements, on one thread. Stretches do not depend on the number of threads.
+/// A chunk of the elements, handled by one thread. Chunks do not depend on the number of threads.
 #[derive(Clone, Debug)]
 struct Chunk<T, const D: usize> {
-    /// Extremes of the wrapped elements and of their fractions; then those of the elements that have images, and of these.
+    /// Extremes of the wrapped elements and of their fractions; then the same for the elements that have images.
     bounds: Bounds<D>,
     fractions: Bounds<D>,
     any_away: bool,
     error: Option<Error>,
-    /// The elements that have images, where they are, and the number of images.
+    /// The elements that have images, their positions, and the number of images.
     owners: Vec<u32>,
     points: Vec<[T; D]>,
     images: f64,
 }
 
-/// Elements in a chunk: a multiple of 64, so that no two chunks have bits of `away` in one word.
+/// Number of elements in a chunk: a multiple of 64, so that no two chunks share a word of `away`.
 const CHUNK: usize = 8192;
 
-/// The box, the extremes of the fractions of the wrapped elements, and by how much the fractions of elements that touch may differ.
+/// The box, the extremes of the fractions of the wrapped elements, and the largest difference between the fractions of touching elements.
 struct Window<'a, T, const D: usize> {
     cell: &'a PeriodicBox<T, D>,
     fractions: Bounds<D>,
     margin: [f64; D],
 }
 
-/// How far apart elements that touch may be.
+/// The largest distance between touching elements.
 struct Measure {
-    /// By Euclid's norm for spheres, along each axis for boxes.
+    /// The reach: a Euclidean distance for spheres, a distance along each axis for boxes.
     reach: f64,
-    /// Whether it is that along each axis.
+    /// Whether the reach holds along each axis.
     by_axis: bool,
-    /// How much farther than its anchor a box extends.
+    /// The distance that a box extends beyond its anchor.
     extent: f64,
 }
 
 impl Measure {
-    /// Of elements that have been wrapped: rounding may have stretched boxes.
+    /// The measure of wrapped elements; rounding may have stretched boxes.
     fn of<T: Real, const D: usize>(wrapped: &Elements<'_, T, D>) -> Self {
         let reach = wrapped.reach().max(T::MIN_RESOLVED);
         let by_axis = matches!(wrapped.shape, Shape::Boxes(_));
         Self { reach, by_axis, extent: if by_axis { reach } else { 0.0 } }
     }
 
-    /// How far apart fractions along an edge may be, with `row` of the inverse.
+    /// The largest difference between fractions along an edge, where `row` is its row of the inverse.
     fn width<const D: usize>(&self, row: &[f64; D]) -> f64 {
         self.reach * if self.by_axis { row.iter().map(|x| x.abs()).sum() } else { norm(row) }
     }
 }
 
-/// All elements within two reaches: testing all of them is cheaper than sorting them.
+/// If all elements lie within this many reaches, testing all of them is cheaper than sorting them.
 const COMPACT: f64 = 2.0;
 
-/// With more images than this per element, those near the faces are not kept apart.
+/// With more images per element than this, the elements near the faces are not kept apart.
 const APART: f64 = 0.25;
 
 impl<T: Real, const D: usize> Images<T, D> {
@@ -126,7 +127,7 @@ impl<T: Real, const D: usize> Images<T, D> {
         }
     }
 
-    /// Bytes that are held now.
+    /// Bytes held now.
     pub(crate) fn bytes(&self) -> usize {
         let points = self.wrapped.capacity() + self.wrapped_far.capacity();
         let points = points + self.points.capacity() + self.far_points.capacity();
@@ -204,7 +205,7 @@ impl<T: Real, const D: usize> Images<T, D> {
         }
         self.apart = may_be_apart && !self.compact && images <= APART * n as f64;
 
-        // What is there is overwritten, not moved.
+        // The old entries are overwritten, so they need not be moved.
         let images = images as usize;
         let near =
             if self.apart { self.chunks.iter().map(|chunk| chunk.owners.len()).sum() } else { points.len() };
@@ -257,7 +258,7 @@ impl<T: Real, const D: usize> Images<T, D> {
         self.labels.pick(elements.filter(), &self.near.iter().chain(&self.owners))
     }
 
-    /// All elements, wrapped.
+    /// All elements, wrapped into the box.
     pub(crate) fn wrapped<'s>(&'s self, elements: &Elements<'s, T, D>) -> Result<Elements<'s, T, D>, Error> {
         if !self.any_away {
             return Ok(*elements);
@@ -266,7 +267,7 @@ impl<T: Real, const D: usize> Images<T, D> {
         elements.at(&self.wrapped, &self.wrapped_far, radii, self.wrapped_bounds, elements.filter())
     }
 
-    /// The elements near the faces, or all, and the images.
+    /// The elements near the faces, or all elements, followed by the images.
     pub(crate) fn with_images<'s>(
         &'s self,
         elements: &Elements<'s, T, D>,
@@ -278,21 +279,21 @@ impl<T: Real, const D: usize> Images<T, D> {
         })
     }
 
-    /// Whether an element was away from the box.
+    /// Whether an element was outside the box.
     #[inline]
     pub(crate) fn is_away(&self, index: usize) -> bool {
         self.away[index / 64] >> (index % 64) & 1 == 1
     }
 
-    /// Periods that an element was away from the box.
+    /// The number of periods between an element and the box.
     ///
-    /// Only if [some element](Self::any_away) was.
+    /// Valid only if [some element](Self::any_away) was outside.
     #[inline]
     pub(crate) fn periods_of(&self, index: usize) -> [i32; D] {
         if self.is_away(index) { self.periods[index] } else { [0; D] }
     }
 
-    /// Wraps all points; returns the extremes of their fractions, and of the wrapped points.
+    /// Wraps all points. Returns the extremes of their fractions, and those of the wrapped points.
     fn wrap(
         &mut self,
         points: &[[T; D]],
@@ -339,7 +340,7 @@ impl<T: Real, const D: usize> Images<T, D> {
         Ok(())
     }
 
-    /// An error about one of `near` or about an image is an error about the element.
+    /// Makes an error about an entry of `near`, or about an image, name the element itself.
     pub(crate) fn name_owner(&self, error: &mut Error) {
         name_element(error, |index| match index.checked_sub(self.near.len()) {
             Some(image) => self.owners[image] as usize,
@@ -363,7 +364,7 @@ impl<T, const D: usize> Default for Chunk<T, D> {
 }
 
 impl<T: Real, const D: usize> Chunk<T, D> {
-    /// Wraps `points` into `wrapped`; `periods` and `away` are written where an element is away. All are of this chunk only.
+    /// Wraps `points` into `wrapped`. Writes `periods` and `away` where an element is outside. All arguments belong to this chunk only.
     fn wrap(
         &mut self,
         points: &[[T; D]],
@@ -403,7 +404,7 @@ impl<T: Real, const D: usize> Chunk<T, D> {
         (self.fractions, self.bounds) = (all_fractions, bounds);
     }
 
-    /// Finds the elements that have images among wrapped `points`, which are numbered from `first` on; there are none in `interior`.
+    /// Finds the elements that have images among the wrapped `points`, which are numbered from `first` on. Points in `interior` have none.
     fn find_near(
         &mut self,
         first: usize,
@@ -435,7 +436,7 @@ impl<T: Real, const D: usize> Chunk<T, D> {
         Ok(())
     }
 
-    /// Makes the images of the elements found, in room for just these.
+    /// Makes the images of the elements found, in arrays of exactly their number.
     fn make(
         &mut self,
         places: &mut [[T; D]],
@@ -459,16 +460,16 @@ impl<T: Real, const D: usize> Chunk<T, D> {
     }
 }
 
-/// The whole number next to `x` on the side of zero.
+/// The nearest whole number to `x` in the direction of zero.
 ///
-/// (`f64::trunc` is a call of a function in a build for any processor.)
+/// (`f64::trunc` is a function call in a build for any processor.)
 #[inline]
 fn whole(x: f64) -> f64 {
-    // Numbers beyond are whole.
+    // Larger numbers are whole already.
     if x.abs() < 4_503_599_627_370_496.0 { (x as i64) as f64 } else { x }
 }
 
-/// Renumbers the element that an error is about.
+/// Changes the number of the element in an error.
 fn name_element(error: &mut Error, number: impl Fn(usize) -> usize) {
     if let Error::NonFiniteCoordinate { index, .. }
     | Error::CoordinateTooLarge { index, .. }
@@ -495,28 +496,28 @@ fn outside<T: Real, const D: usize>(
     })
 }
 
-/// By how much the fractions of an element and of an image that touch may differ along each edge.
+/// The largest difference, along each edge, between the fractions of an element and of an image that touch.
 ///
 /// # Why no image that touches is lost
-/// Let `p` be the rounded image of the wrapped point `w_j` under the shift `s`, and let it touch `w_i`. Then
-/// `|p - w_i| <= R`, the reach, which bounds the rounding of the contact test (`Elements::reach`). Write `g_a` for the row of the
-/// inverse as it is stored, `v_b` for the edges, `F` for the fractions as they are computed, `S_b` for a bound on `|s_b|`, `u` for
-/// `T::EPSILON` (at least `2^-52`, twice the error of an operation in `f64`).
+/// Let `p` be the rounded image of the wrapped point `w_j` under the shift `s`, and let it touch `w_i`. Then `|p - w_i| <= R`, the reach,
+/// which bounds the rounding of the contact test (`Elements::reach`). Let `g_a` be the row of the inverse as it is stored, `v_b` the edges,
+/// `F` the fractions as they are computed, `S_b` a bound on `|s_b|`, and `u = T::EPSILON` (at least `2^-52`, twice the error of an
+/// operation in `f64`).
 /// - `g_a . v_b = [a = b] + E_ab`. `E_ab` is computed here, with an error of at most `D u` of the sum of the absolute products.
 /// - `p = w_j + s . v + d`, and `|d_k| <= (D + 3) u M_k` with `M_k = |w_k| + |o_k| + sum_b S_b |v_bk|`.
 /// - `F_i = g_a . (w_i - o) + e`, and `|e| <= (D + 2) u sum_k |g_ak| M_k`; the same for `F_j`.
 ///
-/// So `|s_a + F_j - F_i| <= |g_a| R + sum_b S_b |E_ab| + (3 D + 7) u sum_k |g_ak| M_k`. The differences of fractions with
-/// which the shifts are found add at most `4 u (S_a + 1)`. The factor `1 + 2^-40` covers the rounding of this bound, and results below the normal floats.
+/// So `|s_a + F_j - F_i| <= |g_a| R + sum_b S_b |E_ab| + (3 D + 7) u sum_k |g_ak| M_k`. The differences of fractions from which the shifts
+/// are found add at most `4 u (S_a + 1)`. The factor `1 + 2^-40` covers the rounding of this bound, and results below the normal floats.
 ///
-/// Boxes that touch have `|p_k - w_ik| <= L + t + (2 D + 7) u M_k` on every axis: `w` and `p` are minimum corners, `L` is the longest edge of a
-/// wrapped box, `t` the tolerance, and `M_k` bounds maximum corners and `t` too. An edge of an image is longer than that of its owner by
-/// the roundings of its two corners, `2 (D + 3) u M_k`; `max + t` is rounded once. `R` is at least `L + t`, so for `|g_a| R` there is
-/// `sum_k |g_ak| R`, and for `3 D + 7` there is `5 D + 14`.
+/// Touching boxes have `|p_k - w_ik| <= L + t + (2 D + 7) u M_k` on every axis. Here `w` and `p` are minimum corners, `L` is the longest
+/// edge of a wrapped box, `t` the tolerance, and `M_k` bounds maximum corners and `t` too. An edge of an image exceeds that of its owner by
+/// at most the roundings of its two corners, `2 (D + 3) u M_k`; `max + t` is rounded once. `R` is at least `L + t`, so `|g_a| R` is
+/// replaced by `sum_k |g_ak| R`, and `3 D + 7` by `5 D + 14`.
 ///
-/// That leaves `S_b`. The margin is `|g_a| R` plus a rest that grows at most in proportion to the shifts. Let `z` be the largest `|s_b| / S_b`.
-/// With `S_b = 2 (range_b + |g_b| R + 1)` the inequality gives `|s_a| <= S_a / 2 + max(z, 1) rest_a`. If `rest_a <= S_a / 4`,
-/// which is checked, then `z <= 1/2 + max(z, 1) / 4`, so `z <= 3/4`: the bound holds.
+/// It remains to find `S_b`. The margin is `|g_a| R` plus a rest that grows at most in proportion to the shifts. Let `z` be the largest
+/// `|s_b| / S_b`. With `S_b = 2 (range_b + |g_b| R + 1)` the inequality gives `|s_a| <= S_a / 2 + max(z, 1) rest_a`. If
+/// `rest_a <= S_a / 4`, which is checked, then `z <= 1/2 + max(z, 1) / 4`, so `z <= 3/4`, and the bound holds.
 fn margin<T: Real, const D: usize>(
     bounds: &Bounds<D>,
     cell: &PeriodicBox<T, D>,
@@ -537,7 +538,7 @@ fn margin<T: Real, const D: usize>(
         magnitude[axis] += (0..D).map(|edge| shifts[edge] * edges[edge][axis].abs()).sum::<f64>();
     }
 
-    // Written so that edges that are not periodic never ask for images.
+    // Edges that are not periodic never lead to images.
     let roundings = (if measure.by_axis { 5 * D + 14 } else { 3 * D + 7 }) as f64;
     let mut margin = [f64::NEG_INFINITY; D];
     for a in (0..D).filter(|&a| periodic[a]) {
@@ -562,7 +563,7 @@ fn margin<T: Real, const D: usize>(
 }
 
 impl<T: Real, const D: usize> Window<'_, T, D> {
-    /// The lowest and the highest shift along an edge of a wrapped element with this fraction, before they are rounded to whole edges.
+    /// The lowest and the highest shift along an edge of a wrapped element with this fraction, before rounding to whole edges.
     #[inline]
     fn ends(&self, edge: usize, fraction: f64) -> [f64; 2] {
         let low = (self.fractions.min[edge] - fraction) - self.margin[edge];
@@ -570,10 +571,12 @@ impl<T: Real, const D: usize> Window<'_, T, D> {
         [low, high]
     }
 
-    /// What saves a look at most elements of a large box with edges along the axes; empty for other boxes.
+    /// A region whose elements have no images: with it most elements of a large box with edges along the axes need no closer look. Empty
+    /// for other boxes.
     ///
-    /// The two ends never grow where the fraction grows, nor does that fall where the coordinate grows, all of them rounded as they are. So
-    /// if there is no image to the left of the largest of some coordinates, nor one to the right of the smallest, there is none between.
+    /// Neither end of the range of shifts grows where the fraction grows, and the fraction does not fall where the coordinate grows, even
+    /// with rounding. So if there is no image to the left of the largest of some coordinates, nor one to the right of the smallest, there
+    /// is none in between.
     fn interior(&self) -> Bounds<D> {
         let mut interior = {
             let limit = T::MAX_MAGNITUDE.to_f64();
@@ -582,7 +585,7 @@ impl<T: Real, const D: usize> Window<'_, T, D> {
         for edge in (0..D).filter(|&edge| self.cell.periodic()[edge]) {
             let (origin, length) =
                 (self.cell.origin()[edge].to_f64(), self.cell.edges()[edge][edge].to_f64());
-            // A little less than the nominal interior, so that rounding does not matter.
+            // Slightly smaller than the nominal interior, so that rounding does not matter.
             let margin = self.margin[edge] + 1e-6;
             interior.min[edge] = origin + (self.fractions.max[edge] + margin - 1.0) * length;
             interior.max[edge] = origin + (self.fractions.min[edge] - margin + 1.0) * length;
@@ -607,7 +610,7 @@ impl<T: Real, const D: usize> Window<'_, T, D> {
         any
     }
 
-    /// The shifts of a wrapped element along each edge, both ends included; always with 0.
+    /// The range of shifts of a wrapped element along each edge, both ends included; it always contains 0.
     #[inline]
     fn shifts(&self, fractions: &[f64; D]) -> [[f64; 2]; D] {
         let mut shifts = [[0.0; 2]; D];
@@ -620,12 +623,12 @@ impl<T: Real, const D: usize> Window<'_, T, D> {
         shifts
     }
 
-    /// The number of images of a wrapped element, itself not counted.
+    /// The number of images of a wrapped element, not counting itself.
     fn images(&self, fractions: &[f64; D]) -> f64 {
         self.shifts(fractions).iter().map(|[low, high]| high - low + 1.0).product::<f64>() - 1.0
     }
 
-    /// Calls `image` with every shift of a wrapped element but 0, in lexicographic order.
+    /// Calls `image` with every nonzero shift of a wrapped element, in lexicographic order.
     fn for_each(&self, point: &[T; D], mut image: impl FnMut([i32; D])) {
         let shifts = self.shifts(&self.cell.fractions(point)).map(|ends| ends.map(|shift| shift as i32));
         let mut shift = shifts.map(|[low, _]| low);
@@ -633,7 +636,7 @@ impl<T: Real, const D: usize> Window<'_, T, D> {
             if shift != [0; D] {
                 image(shift);
             }
-            // An odometer: the last edge turns fastest.
+            // Counts like an odometer: the last edge changes fastest.
             let Some(edge) = (0..D).rev().find(|&edge| shift[edge] < shifts[edge][1]) else { return };
             shift[edge] += 1;
             for later in edge + 1..D {

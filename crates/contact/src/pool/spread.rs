@@ -1,9 +1,9 @@
-//! Moves threads that the system has woken on the processor of the thread that woke them.
+//! Moves threads that the system has woken on the same processor as the thread that woke them.
 //!
-//! A thread that has slept may be put on a taken processor while another one stands idle, until the system balances them: some milliseconds,
-//! longer than many a search. Linux does so in virtual machines, where a virtual processor that has halted counts as taken; two threads are slower
-//! than one then. A thread that has not started in time is forbidden the processor of the caller for a moment, which moves it at once; nothing
-//! stays pinned. On other systems nothing is done.
+//! A thread that has slept may be put on a busy processor while another one is idle, until the system balances the load. That takes some
+//! milliseconds, longer than many a search. Linux does this in virtual machines, where a virtual processor that has halted counts as busy;
+//! two threads are then slower than one. A thread that has not started in time is excluded from the processor of the caller for a moment,
+//! which moves it at once. No thread stays pinned. On other systems nothing is done.
 
 #[cfg(target_os = "linux")]
 mod threads {
@@ -13,23 +13,24 @@ mod threads {
 
     use rustix::thread::{Pid, gettid, sched_getaffinity, sched_getcpu, sched_setaffinity};
 
-    /// A thread that is going to start on an idle processor has started by then.
+    /// A thread that will start on an idle processor has started within this time.
     const PATIENCE: Duration = Duration::from_micros(30);
 
-    /// So many are moved at a time; many threads take long to wake and are late for that reason.
+    /// Number of threads that are moved at a time. If many threads are late, the reason is that many threads take long to wake.
     const MOST: usize = 16;
 
     #[derive(Debug)]
     pub(crate) struct Spread {
         threads: Vec<Thread>,
-        /// Whether there is a processor for each of them and for the caller.
+        /// Whether there is a processor for each thread and for the caller.
         fit: bool,
     }
 
     #[derive(Debug, Default)]
     struct Thread {
         id: OnceLock<Pid>,
-        /// Held by who moves it: of two at once the second would take what the first has forbidden for what was allowed.
+        /// Held while a thread is being moved. Of two movers at once, the second would take the temporary exclusion of the first for the
+        /// allowed set.
         moving: Mutex<()>,
         started: AtomicBool,
     }
@@ -43,24 +44,25 @@ mod threads {
             }
         }
 
-        /// To be called by thread `index` of the pool, first of all.
+        /// Must be called by thread `index` of the pool before anything else.
         pub(crate) fn enter(&self, index: usize) {
             self.threads[index].id.get_or_init(gettid);
         }
 
-        /// To be called by a thread of the pool when it starts to work.
+        /// Must be called by a thread of the pool when it starts to work.
         pub(crate) fn start(&self) {
             if let Some(index) = rayon::current_thread_index() {
                 self.threads[index].started.store(true, Ordering::Relaxed);
             }
         }
 
-        /// To be called before threads are woken.
+        /// Must be called before threads are woken.
         pub(crate) fn before(&self) {
             self.threads.iter().for_each(|thread| thread.started.store(false, Ordering::Relaxed));
         }
 
-        /// Waits for `others` threads to start; when it takes too long, those that have not may not run where the caller does.
+        /// Waits for `others` threads to start. If that takes too long, moves those that have not started away from the processor of the
+        /// caller.
         pub(crate) fn look(&self, others: usize) {
             if !self.fit {
                 return;
@@ -78,7 +80,7 @@ mod threads {
     }
 
     impl Thread {
-        /// Where the system refuses this, the thread stays where it is.
+        /// Moves the thread to another processor. If the system refuses, the thread stays where it is.
         fn go_elsewhere(&self) {
             let Ok(_moving) = self.moving.try_lock() else { return };
             let here = sched_getcpu();
@@ -87,7 +89,7 @@ mod threads {
             let mut elsewhere = allowed;
             elsewhere.unset(here);
             if elsewhere.count() > 0 && sched_setaffinity(Some(id), &elsewhere).is_ok() {
-                // The same that it was: this cannot be refused.
+                // This restores the original set, so the system cannot refuse it.
                 let _ = sched_setaffinity(Some(id), &allowed);
             }
         }

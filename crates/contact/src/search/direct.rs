@@ -1,4 +1,4 @@
-//! Direct checking: all against all.
+//! Direct checking: every element against every other.
 
 use crate::couple::Couple;
 use crate::elements::{Elements, Geometry, Shape};
@@ -9,7 +9,7 @@ use crate::search::Search;
 
 /// Direct checking: every element is tested against every other, in any dimension.
 ///
-/// The oracle of every test, and the fastest engine for a few dozen elements. Couples come in ascending order.
+/// The reference that all tests compare with, and the fastest engine for a few dozen elements. Couples come in ascending order.
 ///
 /// # Cost
 /// `(N² - N)/2` tests; no memory.

@@ -1,4 +1,4 @@
-//! Unlike sizes: levels of elements of similar size, each on rows of its own.
+//! Search among unlike sizes: levels of elements of similar size, each sorted into its own rows.
 
 mod levels;
 
@@ -15,31 +15,35 @@ use crate::search::Search;
 use crate::search::rows::layout::Layout;
 use crate::search::rows::reserve;
 use crate::search::rows::scan::{Scan, Scanner, Scans, Sink};
-use crate::simd::Simd;
 use crate::simd::kernel::{Arrays, Looks, Output, Span, Task};
+use crate::simd::{Available, Simd};
 
 pub use levels::Level;
 use levels::Model;
 
-/// Elements of any sizes, in levels: the engine for powders, where the largest element is many times the smallest.
+/// A search for elements of any sizes, in levels. It suits powders, where the largest element is many times as large as the smallest.
 ///
-/// One cell size serves similar sizes only: cells as wide as the largest element hold thousands of small ones. Here the elements are split by
-/// size, each level is sorted into rows of its own cells, as [`Rows`](crate::Rows) does, and compared with itself and with every other level. Between two
-/// levels each element of one looks for those of the other in the rows around it: as far as its own radius and the largest of the other level reach, less
-/// along a row that is farther away, and never as far as the largest size of all.
+/// A single cell size suits similar sizes only: cells as wide as the largest element would hold thousands of small ones. Here the elements
+/// are split by size. Each level is sorted into rows of its own cells, as in [`Rows`](crate::Rows), and compared with itself and with every
+/// other level. For two levels, each element of one looks for elements of the other in the rows around it. It looks as far as its own
+/// radius plus the largest radius of the other level, and less far along rows that are farther away, but never as far as the largest size
+/// of all elements would require.
 ///
-/// Where one level ends and the next begins, and which of two levels looks, is decided by a model of the cost, from the sizes and the extent of the domain:
-/// neighbouring classes of size (two to an octave) become one level as long as that makes the predicted time less.
+/// A model of the cost, made from the sizes and the extent of the domain, decides where one level ends and the next begins, and which of
+/// two levels looks for the other. Neighbouring classes of size (two per octave) are merged into one level as long as that reduces the
+/// predicted time.
 ///
 /// # Order
-/// Level by level, the smallest first: its own couples, as [`Rows`](crate::Rows) has them, then those with each larger level. A function of the input alone.
+/// Level by level, the smallest first: the couples within the level in the order of [`Rows`](crate::Rows), then those with each larger
+/// level. The order is a function of the input alone.
 ///
 /// # Cost
-/// Time proportional to N for any one distribution of sizes. Memory per element: that of [`Rows`](crate::Rows), 4 bytes for its number, and `4 D` for the cells of its row if that has no other.
+/// Time proportional to N for a given distribution of sizes. Memory per element: that of [`Rows`](crate::Rows), 4 bytes for its number, and
+/// `4 D` bytes for the cells of its row if it is alone in the row.
 ///
 /// # Source
-/// Levels of linked cells: V. Ogarko, S. Luding, Comput. Phys. Commun. 183 (2012) 931-936; their optimal choice: D. Krijgsman, V. Ogarko, S. Luding,
-/// Comput. Part. Mech. 1 (2014) 357-372. Rows, windows and the model of the cost are ours.
+/// Levels of linked cells: V. Ogarko, S. Luding, Comput. Phys. Commun. 183 (2012) 931-936. Their optimal choice: D. Krijgsman, V. Ogarko,
+/// S. Luding, Comput. Part. Mech. 1 (2014) 357-372. Rows, windows and the model of the cost are our own.
 ///
 /// # Example
 /// ```
@@ -53,12 +57,12 @@ use levels::Model;
 /// ```
 #[derive(Clone, Debug)]
 pub struct Multilevel<T, const D: usize> {
-    /// The sizes at which one level ends and the next begins, if they are given.
+    /// The sizes at which one level ends and the next begins, if they were given.
     limits: Option<Vec<f64>>,
     sorted: Vec<Sorted<T, D>>,
-    /// Couples of each part, on their way to a visitor or into a list.
+    /// Couples of each part before they are visited or appended to a list.
     parts: Vec<Vec<Couple>>,
-    simd: Simd,
+    simd: Available,
     pool: Pool,
 }
 
@@ -92,7 +96,7 @@ impl<T: Real, const D: usize> Multilevel<T, D> {
             limits: None,
             sorted: Vec::new(),
             parts: Vec::new(),
-            simd: Simd::best(),
+            simd: Available::best(),
             pool: Pool::default(),
         }
     }
@@ -102,27 +106,27 @@ impl<T: Real, const D: usize> Multilevel<T, D> {
     /// # Errors
     /// [`Error::SimdUnavailable`] if this processor lacks them.
     pub fn with_simd(mut self, simd: Simd) -> Result<Self, Error> {
-        if !simd.is_available() {
-            return Err(Error::SimdUnavailable { simd });
-        }
-        self.simd = simd;
+        self.simd = Available::new(simd)?;
         Ok(self)
     }
 
-    /// The same on `threads` threads; 0 is one for each processor, 1 is the default and uses no pool. The couples and their order are
-    /// the same for any number.
+    /// The same on `threads` threads. 0 is one thread per processor; 1 is the default and uses no thread pool. The couples and their order
+    /// are the same for any number.
     ///
     /// # Errors
-    /// [`Error::NoThreads`] if they cannot be had, above 1024, or if the crate was built without its feature `rayon`.
+    /// [`Error::NoThreads`] if the threads cannot be started, if there are more than 1024, or if the crate was built without its feature
+    /// `rayon`.
     pub fn with_threads(mut self, threads: usize) -> Result<Self, Error> {
         self.pool = Pool::new(threads)?;
         Ok(self)
     }
 
-    /// The same with levels that end where they are told to: the first holds sizes (diameters, largest edges of boxes) up to the first of `limits`, the next up to
-    /// the next, and the last all others. Levels that would be empty are left out. The couples are the same, their order is another.
+    /// The same with given levels. The first level holds sizes (diameters, largest edges of boxes) up to the first of `limits`, the next
+    /// one sizes up to the next limit, and the last one all others. Empty levels are left out. The couples are the same; their order
+    /// differs.
     ///
-    /// Limits are moved up to the next power of two, or one and a half times that: classes of sizes are not split. NaN counts as infinity.
+    /// Each limit is moved up to the next power of two, or 1.5 times a power of two, because classes of sizes are not split. NaN counts as
+    /// infinity.
     ///
     /// # Example
     /// ```
@@ -139,7 +143,7 @@ impl<T: Real, const D: usize> Multilevel<T, D> {
         self
     }
 
-    /// The same on threads that others use too.
+    /// The same on a thread pool that is shared with other engines.
     pub(crate) fn with_pool(mut self, pool: Pool) -> Self {
         self.pool = pool;
         self
@@ -154,18 +158,18 @@ impl<T: Real, const D: usize> Multilevel<T, D> {
         }
     }
 
-    /// [`Multilevel::levels`], of at least one element, and the nanoseconds that the search is predicted to take.
+    /// [`Multilevel::levels`] for at least one element, and the predicted time of the search in nanoseconds.
     pub(crate) fn levels_and_cost(&self, elements: &Elements<'_, T, D>) -> (Vec<Level>, f64) {
         let model = Model::new(elements, self.limits.as_deref());
         (model.levels().to_vec(), model.total())
     }
 
-    /// What a search over `elements` does, level by level as the model of the cost predicts it and as it is: searches once, and counts.
+    /// The predicted and the actual work of a search over `elements`. Searches once and counts.
     ///
-    /// One entry for each level by itself, and for each two of them; in the order of the search.
+    /// There is one entry for each level alone and for each pair of levels, in the order of the search.
     ///
     /// # Cost
-    /// A count, which looks at each candidate once more.
+    /// The time of a count that looks at each candidate once more.
     ///
     /// # Errors
     /// As [`Search::for_each`].
@@ -222,7 +226,7 @@ impl<T: Real, const D: usize> Multilevel<T, D> {
             + self.parts.iter().map(Vec::capacity).sum::<usize>() * size_of::<Couple>()
     }
 
-    /// What [`Multilevel::bytes`] will be after a count of `elements`, from above.
+    /// Upper bound on [`Multilevel::bytes`] after a count of `elements`.
     pub(crate) fn expected_bytes(&self, elements: &Elements<'_, T, D>) -> usize {
         if elements.is_empty() {
             return 0;
@@ -271,25 +275,26 @@ impl<T: Real, const D: usize> Multilevel<T, D> {
     }
 }
 
-/// What a search does with a level by itself, or with two: [`Multilevel::work`].
+/// The work of a search within one level, or between two: see [`Multilevel::work`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Work {
-    /// The level whose elements look for others, and that of the others, by their places in [`Multilevel::levels`]; twice the same for a level by itself.
+    /// The level whose elements look for others, and the level of these others, as places in [`Multilevel::levels`]. Both are equal for one
+    /// level alone.
     pub levels: [usize; 2],
-    /// Windows on rows of cells that the elements open, as predicted.
+    /// Predicted number of windows that the elements open on rows of cells.
     pub predicted_windows: f64,
-    /// As counted.
+    /// Actual number of windows.
     pub windows: u64,
-    /// Elements in these windows, as predicted.
+    /// Predicted number of elements in these windows.
     pub predicted_candidates: f64,
-    /// As counted: each is compared, or found to be too far along another axis.
+    /// Actual number of elements in these windows. Each is compared, or found to be too far away along another axis.
     pub candidates: u64,
     /// Couples found.
     pub couples: u64,
 }
 
-/// The windows of the elements of a stretch, and the elements in them.
+/// The number of windows that the elements of a stretch open, and of elements in them.
 fn in_windows<T: Real, const D: usize>(task: &Task<'_, T>) -> [u64; 2] {
     let along = |arrays: &Arrays<'_, T>, row: Span| {
         let start = D * row.start + task.long * row.len;
@@ -328,7 +333,7 @@ impl<T: Real, const D: usize> Scanner<T, D> for Multilevel<T, D> {
 }
 
 impl<T: Real, const D: usize> Multilevel<T, D> {
-    /// Sorts the levels, and hands over the scans, with the levels that each is of.
+    /// Sorts the levels and passes on the scans, each with its two levels.
     fn with_scans_by(
         &mut self,
         elements: &Elements<'_, T, D>,

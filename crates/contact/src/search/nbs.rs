@@ -12,20 +12,20 @@ use crate::search::Search;
 
 /// Munjiza-NBS ("no binary search"): all couples among elements of similar size, in time proportional to N.
 ///
-/// Each element belongs to the cell that holds its centre. The elements are threaded onto lists along the last axis;
-/// each list that is not empty is in turn threaded onto lists along the axis before, together with its neighbours below,
-/// and so on down to cells, which are compared by the contact mask ([`CONTACT_MASK`]). In 2D (`o` the central cell):
+/// Each element belongs to the cell that holds its centre. All elements are put onto lists along the last axis. Each list that is not empty
+/// is in turn put onto lists along the next axis, together with its neighbours below, and so on down to cells. Cells are compared by the
+/// contact mask ([`CONTACT_MASK`]). In 2D (`o` the central cell):
 /// ```text
 /// .  .  .
 /// x  o  .
 /// x  x  x
 /// ```
-/// Lists are emptied by walking the elements again. No loop ever runs over cells after the heads have been written
-/// once, so the time depends neither on the size of the domain nor on the packing density.
+/// Lists are emptied by walking the elements again. After the heads have been written once, no loop runs over cells, so the time depends
+/// neither on the size of the domain nor on the packing density.
 ///
 /// # Reading this beside the book
-/// One recursion (p. 128) is the 8 steps of the 2D procedure (pp. 110-111) and the 13 steps of the 3D one (pp. 126-128). The
-/// source file marks each step; this is where they are:
+/// One recursion (p. 128) stands for the 8 steps of the 2D procedure (pp. 110-111) and the 13 steps of the 3D one (pp. 126-128). The source
+/// file marks each step as follows:
 ///
 /// | this file | 2D steps | 3D steps |
 /// |---|---|---|
@@ -39,19 +39,18 @@ use crate::search::Search;
 /// | last axis: remove its lists | 8 | 13 |
 ///
 /// # Order
-/// Cells come in the order in which the walk over the elements first meets their layer, row and cell; a function of the
+/// Cells come in the order in which the walk over the elements first reaches their layer, row and cell. The order is a function of the
 /// input alone.
 ///
 /// # Cost
-/// Time proportional to N at any packing density while sizes are similar: the cell is as large as the largest element,
-/// and n small elements in a cell cost n² tests. Memory: exactly [`Nbs::integers`] integers of 4 bytes.
+/// Time proportional to N at any packing density while sizes are similar. The cell is as large as the largest element, and n small elements
+/// in one cell cost n² tests. Memory: exactly [`Nbs::integers`] integers of 4 bytes.
 ///
 /// # Source
 /// A. Munjiza, K.R.F. Andrews, "NBS contact detection algorithm for bodies of similar size", Int. J. Numer. Meth.
 /// Engng 43 (1998) 131-149; A. Munjiza, "The Combined Finite-Discrete Element Method", Wiley 2004, pp. 102-128.
-/// Departures: elements and cells are numbered from 0; empty is [`NONE`], not -1; the cell is wider than the largest
-/// element by a rounding step (see [`Grid`]); boxes are mapped by their minimum corner, whose difference rounds less than
-/// that of centres.
+/// Departures: elements and cells are numbered from 0; empty is [`NONE`], not -1; the cell is wider than the largest element by a rounding
+/// step (see [`Grid`]); boxes are mapped by their minimum corner, because its differences round less than those of centres.
 ///
 /// # Example
 /// ```
@@ -74,11 +73,11 @@ pub struct Nbs<const D: usize> {
     grid: Option<Grid<D>>,
     domain: Option<[[f64; 2]; D]>,
     max_heads: usize,
-    /// A visitor panicked in the middle of a search: the lists are not empty.
+    /// Whether a visitor panicked during a search, so that the lists are not empty.
     interrupted: bool,
 }
 
-/// Bound on the integers that the heads may take, unless [`Nbs::with_max_heads`] sets another: 512 MiB.
+/// Default limit on the number of list heads, unless [`Nbs::with_max_heads`] sets another: 512 MiB.
 pub const DEFAULT_MAX_HEADS: usize = 1 << 27;
 
 impl<const D: usize> Default for Nbs<D> {
@@ -99,7 +98,7 @@ impl<const D: usize> Nbs<D> {
         }
     }
 
-    /// The same with another bound on the integers that the list heads may take; 4 bytes each.
+    /// The same with another limit on the number of list heads; each takes 4 bytes.
     #[must_use]
     pub fn with_max_heads(mut self, max_heads: usize) -> Self {
         self.max_heads = max_heads;
@@ -108,19 +107,19 @@ impl<const D: usize> Nbs<D> {
 
     /// The same with a fixed domain, `[min, max]` per axis, in which all centres (minimum corners) must lie.
     ///
-    /// Without it the domain is the bounding box of the elements, found at each call.
+    /// Without a fixed domain, each call uses the bounding box of the elements.
     #[must_use]
     pub fn with_domain(mut self, domain: [[f64; 2]; D]) -> Self {
         self.domain = Some(domain);
         self
     }
 
-    /// The cells of the latest search; `None` before the first.
+    /// The grid of the latest search; `None` before the first.
     pub fn grid(&self) -> Option<Grid<D>> {
         self.grid
     }
 
-    /// Integers that the engine holds: heads and next numbers, which are all of its memory.
+    /// Number of integers that the engine holds: list heads and next numbers. It holds no other memory.
     ///
     /// `M = n_y + 2 n_x + 2N` in 2D (3.65), `M = 3N + n_z + 2 n_x + 2 n_y` in 3D (3.80), and
     /// `D N + n_last + 2 (sum of the other n)` in D dimensions.
@@ -128,16 +127,16 @@ impl<const D: usize> Nbs<D> {
         self.lists.iter().map(Lists::integers).sum()
     }
 
-    /// [`Nbs::integers`] after a search over so many elements.
+    /// The number [`Nbs::integers`] after a search over `elements` elements.
     pub(crate) fn integers_for(elements: usize, grid: &Grid<D>) -> usize {
         let heads = |(axis, cells): (usize, u64)| if axis + 1 == D { cells } else { 2 * cells } as usize;
         D * elements + grid.cells().into_iter().enumerate().map(heads).sum::<usize>()
     }
 
-    /// The cells that a search over `elements` would use.
+    /// The grid that a search over `elements` would use.
     ///
     /// # Errors
-    /// Those of [`Search::for_each`] that need no memory to be found.
+    /// Those of [`Search::for_each`] that can be found without allocating.
     pub fn plan<T: Real>(&self, elements: &Elements<'_, T, D>) -> Result<Grid<D>, Error> {
         if elements.len() > MAX_LISTED {
             return Err(Error::TooManyElements { elements: elements.len(), limit: MAX_LISTED });
@@ -145,9 +144,9 @@ impl<const D: usize> Nbs<D> {
         Grid::fit(elements, self.domain, self.max_heads)
     }
 
-    /// As [`Search::for_each`], and shows `observer` the lists, central cells and candidates as they come up.
+    /// Searches as [`Search::for_each`], and shows `observer` the lists, the central cells and the candidates as they occur.
     ///
-    /// This is how the figures of the book are printed; an observer that does nothing costs nothing.
+    /// The figures of the book are printed in this way. An observer that does nothing costs nothing.
     ///
     /// # Errors
     /// As [`Search::for_each`].
@@ -211,19 +210,19 @@ impl<T: Real, const D: usize> Search<T, D> for Nbs<D> {
     }
 }
 
-/// Watches a search, for teaching and for the golden tests. Every method does nothing by default.
+/// Observes a search, for teaching and for the golden tests. Every method does nothing by default.
 pub trait Observer<const D: usize> {
-    /// The lists along `axis` stand, all of them new, for the central list of the axes above: `cell[axis + 1..]`.
+    /// The lists along `axis` are complete and all new, for the central list of the axes above: `cell[axis + 1..]`.
     fn lists(&mut self, axis: usize, cell: &[u32; D], lists: &Lists) {
         let _ = (axis, cell, lists);
     }
 
-    /// `cell` is the central cell from now on.
+    /// `cell` has become the central cell.
     fn central_cell(&mut self, cell: &[u32; D]) {
         let _ = cell;
     }
 
-    /// The two elements are in the same cell or in adjacent ones; the exact test follows.
+    /// The two elements are in the same cell or in adjacent cells; the exact test follows.
     fn candidate(&mut self, couple: Couple) {
         let _ = couple;
     }
@@ -233,7 +232,7 @@ struct Unobserved;
 
 impl<const D: usize> Observer<D> for Unobserved {}
 
-/// One detection in progress.
+/// The state of one detection in progress.
 struct Pass<'a, G, O, const D: usize> {
     geometry: G,
     grid: Grid<D>,
@@ -241,15 +240,15 @@ struct Pass<'a, G, O, const D: usize> {
     /// The central list of each axis visited so far.
     cell: [u32; D],
     observer: &'a mut O,
-    /// One instance for all visitors, which would make the crate long to compile.
+    /// A trait object, so that the code is compiled once and not for every visitor.
     visit: &'a mut dyn FnMut(Couple),
 }
 
 impl<G: Geometry, O: Observer<D>, const D: usize> Pass<'_, G, O, D> {
     /// Spreads a central list of the axis above over the lists of `axis`, with its neighbours, and visits each.
     ///
-    /// `central` and `neighbours` are first elements of lists of the axis above; above the last axis there is one
-    /// list only, that of all elements.
+    /// `central` and `neighbours` are first elements of lists of the axis above. Above the last axis there is a single list, that of all
+    /// elements.
     fn spread(&mut self, axis: usize, central: u32, neighbours: [u32; 4]) {
         // 2D steps 1 and 3; 3D steps 1, 3 and 6: integerise the coordinate, push on the list.
         self.walk(axis, central, |pass, element, cell| pass.lists[axis].push(Set::Central, cell, element));
@@ -294,7 +293,7 @@ impl<G: Geometry, O: Observer<D>, const D: usize> Pass<'_, G, O, D> {
         }
     }
 
-    /// The next element on a list of `axis`; above the last axis the elements follow each other in ascending order.
+    /// The next element on a list of `axis`; above the last axis, the next element in ascending order.
     #[inline]
     fn after(&self, axis: usize, element: u32) -> u32 {
         if axis < D {
@@ -306,7 +305,7 @@ impl<G: Geometry, O: Observer<D>, const D: usize> Pass<'_, G, O, D> {
         }
     }
 
-    /// 2D step 5; 3D step 8: the central cell against itself and against the cells of the contact mask.
+    /// 2D step 5; 3D step 8: compares the central cell with itself and with the cells of the contact mask.
     fn check(&mut self, central: u32, neighbours: [u32; 4]) {
         self.observer.central_cell(&self.cell);
         let mut element = central;
@@ -320,7 +319,7 @@ impl<G: Geometry, O: Observer<D>, const D: usize> Pass<'_, G, O, D> {
         }
     }
 
-    /// One element against the rest of a list.
+    /// Compares one element with the rest of a list.
     #[inline]
     fn check_list(&mut self, element: u32, first: u32) {
         let mut other = first;

@@ -17,38 +17,39 @@ use crate::grid::Grid;
 use crate::pool::Pool;
 use crate::real::Real;
 use crate::search::Search;
-use crate::simd::{Simd, has_vectors};
+use crate::simd::{Available, Simd, has_vectors};
 
 use layout::Layout;
 pub(crate) use layout::{reserve, resize};
 use scan::{PART, Scan, Scanner, Scans, Sink};
 
-/// The decomposition and the contact mask of Munjiza-NBS, on sorted rows instead of lists: the default engine.
+/// The default engine: the decomposition and the contact mask of Munjiza-NBS, on sorted rows instead of lists.
 ///
-/// Elements are sorted by row of cells and, inside a row, by coordinate along it, the axis with the most cells. The lists of NBS
-/// become runs of contiguous memory; rows without elements do not exist. A row is compared with itself and with the half mask of neighbour
-/// rows (1 in 2D, 4 in 3D, `(3^(D-1) - 1)/2`). Because rows are sorted, an element's candidates in a neighbour row
-/// are one window, whose lower end only moves forward; vectors of coordinates are tested at once, with
-/// AVX-512, AVX2 or NEON where the processor has them, where it pays those of four elements in 32 bits first. All levels give the same couples in
-/// the same order, by the comparison of [`Elements`].
+/// A *row* is a line of cells along the axis with the most cells. Elements are sorted by row and, inside a row, by coordinate along it. The
+/// lists of NBS become runs of contiguous memory, and rows without elements do not exist. A row is compared with itself and with the half
+/// mask of neighbour rows (1 in 2D, 4 in 3D, `(3^(D-1) - 1)/2`). Because rows are sorted, an element's candidates in a neighbour row are
+/// one window, whose lower end only moves forward. Coordinates are tested a vector at a time, with AVX-512, AVX2 or NEON if the processor
+/// has them. Where it is faster, four elements are compared at once in 32 bits first. All instruction sets give the same couples in the
+/// same order, by the comparison of [`Elements`].
 /// ```text
 ///   row below   . . [ x x x x x ] . . .      |x_j - x_i| <= reach
 ///   own row     . . . . i [ x x x ] . .      j > i
 /// ```
 ///
 /// # Order
-/// Rows ascend by cell, the axis with the most cells left out; elements ascend along their row; the partners of an element are first those in
-/// its own row, then those in the rows of the mask, each ascending. Where most boxes are much shorter than the longest, the partners of a box are those that
-/// begin later along the row, in all rows around it. A function of the input alone.
+/// Rows ascend by cell on the other axes, and elements ascend along their row. The partners of an element are first those in its own row,
+/// then those in the rows of the mask, each ascending. If most boxes are much shorter than the longest one, the partners of a box are
+/// instead those that begin later along the row, in all rows around it. The order is a function of the input alone.
 ///
 /// # Cost
-/// Time proportional to N for similar sizes: some tens of nanoseconds per element and core. Memory per
-/// element: `D` coordinates, and the radius if there is one for each; 4 bytes of id; 2 of the bin; at most 8 of row starts. In 3D and `f64` 30 to
-/// 38 bytes, and 8 more with radii; with a [`Filter`](crate::Filter) 4 to 12 more. Besides, each thread sorts a block of rows at a time in memory of
-/// its own: some hundred kilobytes, or 50 bytes for each element of a row if one row has more. Nothing grows with the domain.
+/// Time proportional to N for similar sizes: some tens of nanoseconds per element and core. Memory per element: `D` coordinates; the
+/// radius, if radii differ; 4 bytes of id; 2 bytes of bin; at most 8 bytes of row starts. That is 30 to 38 bytes in 3D and `f64`, 8 more
+/// with radii, and 4 to 12 more with a [`Filter`](crate::Filter). In addition, each thread sorts one block of rows at a time in memory of
+/// its own: some hundred kilobytes, or 50 bytes per element of the longest row if that is more. Nothing grows with the domain.
 ///
 /// # Source
-/// The decomposition: A. Munjiza, K.R.F. Andrews, Int. J. Numer. Meth. Engng 43 (1998) 131-149. Rows, windows and vectors are ours.
+/// The decomposition is that of A. Munjiza, K.R.F. Andrews, Int. J. Numer. Meth. Engng 43 (1998) 131-149. Rows, windows and vectors are our
+/// own.
 ///
 /// # Example
 /// ```
@@ -61,9 +62,9 @@ use scan::{PART, Scan, Scanner, Scans, Sink};
 #[derive(Clone, Debug)]
 pub struct Rows<T, const D: usize> {
     layout: Layout<T, D>,
-    /// Couples of each part, on their way to a visitor or into a list.
+    /// Couples of each part before they are visited or appended to a list.
     parts: Vec<Vec<Couple>>,
-    simd: Simd,
+    simd: Available,
     pool: Pool,
 }
 
@@ -76,7 +77,7 @@ impl<T: Real, const D: usize> Default for Rows<T, D> {
 impl<T: Real, const D: usize> Rows<T, D> {
     /// A search that holds no memory yet, with the fastest instructions of this processor.
     pub fn new() -> Self {
-        Self { layout: Layout::new(), parts: Vec::new(), simd: Simd::best(), pool: Pool::default() }
+        Self { layout: Layout::new(), parts: Vec::new(), simd: Available::best(), pool: Pool::default() }
     }
 
     /// The same with other vector instructions; the couples and their order are the same.
@@ -84,24 +85,22 @@ impl<T: Real, const D: usize> Rows<T, D> {
     /// # Errors
     /// [`Error::SimdUnavailable`] if this processor lacks them.
     pub fn with_simd(mut self, simd: Simd) -> Result<Self, Error> {
-        if !simd.is_available() {
-            return Err(Error::SimdUnavailable { simd });
-        }
-        self.simd = simd;
+        self.simd = Available::new(simd)?;
         Ok(self)
     }
 
-    /// The same on `threads` threads; 0 is one for each processor, 1 is the default and uses no pool. The couples and their order are
-    /// the same for any number. Clones share their threads.
+    /// The same on `threads` threads. 0 is one thread per processor; 1 is the default and uses no thread pool. The couples and their order
+    /// are the same for any number. Clones share their threads.
     ///
     /// # Errors
-    /// [`Error::NoThreads`] if they cannot be had, above 1024, or if the crate was built without its feature `rayon`.
+    /// [`Error::NoThreads`] if the threads cannot be started, if there are more than 1024, or if the crate was built without its feature
+    /// `rayon`.
     pub fn with_threads(mut self, threads: usize) -> Result<Self, Error> {
         self.pool = Pool::new(threads)?;
         Ok(self)
     }
 
-    /// The same on threads that others use too.
+    /// The thread pool, which another engine may share.
     pub(crate) fn pool(&self) -> Pool {
         self.pool.clone()
     }
@@ -116,7 +115,7 @@ impl<T: Real, const D: usize> Rows<T, D> {
         self.layout.bytes() + self.parts.iter().map(Vec::capacity).sum::<usize>() * size_of::<Couple>()
     }
 
-    /// What [`Rows::bytes`] will be after a count of `elements`, from above.
+    /// Upper bound on [`Rows::bytes`] after a count of `elements`.
     pub(crate) fn expected_bytes(&self, elements: &Elements<'_, T, D>) -> usize {
         let n = elements.len();
         if n == 0 {
@@ -134,18 +133,18 @@ impl<T: Real, const D: usize> Rows<T, D> {
 
     /// The vector instructions that a search uses.
     pub(crate) fn simd(&self) -> Simd {
-        if has_vectors(D) { self.simd } else { Simd::Portable }
+        if has_vectors(D) { self.simd.level() } else { Simd::Portable }
     }
 
-    /// The cells that a search over `elements` would use.
+    /// The grid that a search over `elements` would use.
     pub fn plan(&self, elements: &Elements<'_, T, D>) -> Grid<D> {
         Grid::unbounded(elements)
     }
 
-    /// Folds the couples on all threads, without a list: `visit` sees every couple once, with the state of its part.
+    /// Folds the couples on all threads without storing them: `visit` gets every couple once, with the state of its part.
     ///
-    /// The elements are cut into parts, of which each begins with a state from `start`; the states are returned in
-    /// the order of the parts. The parts do not depend on the number of threads, and so a sum over the states does not either.
+    /// The elements are cut into parts. Each part begins with a state from `start`, and the states are returned in the order of the parts.
+    /// The parts do not depend on the number of threads, so neither does a sum over the states.
     ///
     /// # Errors
     /// As [`Search::for_each`].

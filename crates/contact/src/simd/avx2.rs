@@ -7,7 +7,7 @@ use crate::simd::kernel::{Estimate, Vector};
 
 entry_points!("avx2,fma,bmi2,popcnt", F64x4, F32x8);
 
-/// For each mask of 8 lanes the lanes that are set, in order: what AVX-512 calls compress.
+/// For each mask of 8 lanes, the lanes that are set, in order: the operation that AVX-512 calls compress.
 static COMPRESS: [[u32; 8]; 256] = {
     let mut table = [[0; 8]; 256];
     let mut mask = 0;
@@ -76,7 +76,7 @@ impl Vector<f64> for F64x4 {
         unsafe {
             let groups = _mm_loadu_si128(from.cast());
             let words = _mm_i32gather_epi32::<4>(row.cast(), _mm_srli_epi32::<5>(groups));
-            // The bit of the group becomes the sign.
+            // Moves the bit of the group to the sign.
             let shifts = _mm_andnot_si128(groups, _mm_set1_epi32(31));
             let signs = _mm_sllv_epi32(words, shifts);
             _mm_movemask_ps(_mm_castsi128_ps(signs)).cast_unsigned()
@@ -153,7 +153,7 @@ impl Vector<f32> for F32x8 {
         unsafe {
             let groups = _mm256_loadu_si256(from.cast());
             let words = _mm256_i32gather_epi32::<4>(row.cast(), _mm256_srli_epi32::<5>(groups));
-            // The bit of the group becomes the sign.
+            // Moves the bit of the group to the sign.
             let shifts = _mm256_andnot_si256(groups, _mm256_set1_epi32(31));
             let signs = _mm256_sllv_epi32(words, shifts);
             _mm256_movemask_ps(_mm256_castsi256_ps(signs)).cast_unsigned()
@@ -169,7 +169,7 @@ impl Vector<f32> for F32x8 {
             let id = _mm256_set1_epi32(id.cast_signed());
             let (low, high) =
                 if TWO_SETS { (id, ids) } else { (_mm256_min_epu32(ids, id), _mm256_max_epu32(ids, id)) };
-            // Unpacking works on halves of 128 bits: 0 1 | 4 5 and 2 3 | 6 7.
+            // Unpacking works within halves of 128 bits: 0 1 | 4 5 and 2 3 | 6 7.
             let (even, odd) = (_mm256_unpacklo_epi32(low, high), _mm256_unpackhi_epi32(low, high));
             let to: *mut __m256i = to.cast();
             _mm256_storeu_si256(to, _mm256_permute2x128_si256::<0x20>(even, odd));

@@ -61,7 +61,7 @@ impl Vector<f64> for F64x8 {
         unsafe {
             let groups = _mm256_loadu_si256(from.cast());
             let words = _mm256_i32gather_epi32::<4>(row.cast(), _mm256_srli_epi32::<5>(groups));
-            // The bit of the group becomes the sign.
+            // Moves the bit of the group to the sign.
             let shifts = _mm256_andnot_si256(groups, _mm256_set1_epi32(31));
             let signs = _mm256_sllv_epi32(words, shifts);
             _mm256_movemask_ps(_mm256_castsi256_ps(signs)).cast_unsigned()
@@ -76,7 +76,7 @@ impl Vector<f64> for F64x8 {
             let id = _mm256_set1_epi32(id.cast_signed());
             let (low, high) =
                 if TWO_SETS { (id, ids) } else { (_mm256_min_epu32(ids, id), _mm256_max_epu32(ids, id)) };
-            // Zero-extended numbers side by side: i | j << 32 is the couple in memory.
+            // Zero-extended numbers, combined: i | j << 32 is the couple in memory.
             let couples = _mm512_or_si512(
                 _mm512_cvtepu32_epi64(low),
                 _mm512_slli_epi64::<32>(_mm512_cvtepu32_epi64(high)),
@@ -140,7 +140,7 @@ impl Vector<f32> for F32x16 {
         unsafe {
             let groups = _mm512_loadu_si512(from.cast());
             let words = _mm512_i32gather_epi32::<4>(_mm512_srli_epi32::<5>(groups), row.cast());
-            // The bit of the group becomes the sign.
+            // Moves the bit of the group to the sign.
             let shifts = _mm512_andnot_si512(groups, _mm512_set1_epi32(31));
             let signs = _mm512_sllv_epi32(words, shifts);
             u32::from(_mm512_cmplt_epi32_mask(signs, _mm512_setzero_si512()))

@@ -1,25 +1,25 @@
-//! Four elements at a time, in coordinates of 32 bits, with the exact comparison where these leave a doubt.
+//! Compares four elements at a time in coordinates of 32 bits, and uses the exact comparison where these leave a doubt.
 //!
-//! A stretch of a row and what lies beside it are copied: relative to a point nearby, in units of the reach, rounded to 32 bits. Then
-//! a vector has room for most windows as a whole, and four neighbours in a row, a *cluster*, share their windows: fewer ends
-//! of windows have to be guessed, and what was loaded is used four times.
+//! A stretch of a row and its surroundings are copied: relative to a point nearby, in units of the reach, rounded to 32 bits. Then most
+//! windows fit into one vector. Four neighbours in a row, a *cluster*, share their windows, so fewer branches on the end of a window are
+//! mispredicted, and each loaded vector is used four times.
 //!
 //! # Why the couples are the same
-//! In units of the reach let `M` bound the coordinates of the copy, `u = 2^-24`, `v` half an epsilon of the type of the
-//! input; roundings to first order, the constants below leave room for the rest.
-//! - A coordinate is off by at most `(u + 3 v) M`: difference, product and factor round in the type of the input, then the copy
-//!   does. A difference of two is off by that twice, and by its own rounding, `2 u M`. Together less than
-//!   `e = (4 u + 8 v) M`.
-//! - So the sum `s` of `D <= 3` squares is off by less than `2 e sqrt(3 s) + 3 e^2`, and by `(D + 1) u s` of its own roundings and
-//!   `(D + 2) v s` of those in the definition of contact.
-//! - The contact distance `c <= 1` is a sum of non-negative numbers, off by at most `(5 u + 12 v) c`, and its square by twice that relative to `c^2`.
+//! In units of the reach, let `M` bound the coordinates of the copy, `u = 2^-24`, and `v` half the epsilon of the input type. Roundings are
+//! given to first order; the constants below leave room for the rest.
+//! - A coordinate is off by at most `(u + 3 v) M`: difference, product and factor round in the type of the input, then the copy rounds. A
+//!   difference of two coordinates is off by twice that and by its own rounding, `2 u M`; together by less than `e = (4 u + 8 v) M`.
+//! - So the sum `s` of `D <= 3` squares is off by less than `2 e sqrt(3 s) + 3 e^2`, plus `(D + 1) u s` for its own roundings and
+//!   `(D + 2) v s` for those in the definition of contact.
+//! - The contact distance `c <= 1` is a sum of non-negative numbers and off by at most `(5 u + 12 v) c`; its square is off by twice that
+//!   relative to `c^2`.
 //!
-//! With `E = (4 e + 2^-18) c + 4 e^2` no contact has `s > c^2 + E` here, because these bounds ascend with `s`; and all
-//! that have `s <= c^2 - E` are contacts, because `s` less its bound ascends too. A cluster with any `s` in between is compared again
-//! by the kernel. What underflows in the definition is smaller than `e^2` here.
+//! With `E = (4 e + 2^-18) c + 4 e^2` no contact has `s > c^2 + E` here, because these bounds ascend with `s`. All elements with
+//! `s <= c^2 - E` are contacts, because `s` less its bound ascends too. If any `s` of a cluster lies in between, the kernel compares the
+//! cluster again. Any value that underflows in the definition is smaller than `e^2` here.
 //!
-//! Windows end `4 e` beyond the reach, and rounding keeps the order of coordinates: no window misses an element. Couples are
-//! written in the order of the kernel.
+//! Windows extend `4 e` beyond the reach, and rounding keeps the order of coordinates, so no window misses an element. Couples are written
+//! in the order of the kernel.
 
 use std::mem::MaybeUninit;
 use std::ops::Range;
@@ -34,34 +34,34 @@ use crate::simd::labels::NO_LABEL;
 /// Elements that share their windows.
 const CLUSTER: usize = 4;
 
-/// Elements of a row that are copied at a time: enough to pay for their surroundings.
+/// Number of elements of a row that are copied at a time: enough to make up for copying their surroundings.
 const SEGMENT: usize = 128;
 
-/// Fewer elements are not worth a copy.
+/// With fewer elements a copy does not pay.
 const FEWEST: usize = 2 * CLUSTER;
 
 /// Room for a copied piece of a row.
 const CAPACITY: usize = 512;
 
-/// Entries behind a copied piece that are far from everything: two of the widest vectors.
+/// Entries behind a copied piece that are far from everything; two of the widest vectors fit.
 const PAD: usize = 32;
 
-/// Farther than anything that is copied, with a square that is finite.
+/// Farther away than anything that is copied; its square is finite.
 const FAR: f32 = 1e18;
 
-/// Lanes that are compared before the end of a window is looked for: one more vector is rare.
+/// Number of lanes that are compared before the end of a window is checked; another vector is seldom needed.
 const WIDTH: usize = 16;
 
-/// Elements per reach, along the row, from which on sharing a window pays.
+/// Number of elements per reach along the row from which on shared windows pay.
 const DENSITY: f64 = 1.5;
 
-/// Vectors that a cluster is compared with at most.
+/// Largest number of vectors that a cluster is compared with.
 const VECTORS: usize = 128;
 
-/// Coordinates of a copy are at most so large: farther ones leave too much in doubt.
+/// Largest magnitude of a copied coordinate: larger ones would leave too much in doubt.
 const LARGEST: f64 = 512.0;
 
-/// Room for the copies of a row and its neighbours, each the axes and the radii.
+/// Room for the copies of a row and its neighbours: the coordinates of up to three axes and the radii of each.
 type Copies = [[[MaybeUninit<f32>; CAPACITY]; 4]; FEW + 1];
 
 /// A copied piece of a row.
@@ -72,56 +72,58 @@ struct Piece<const D: usize> {
     along: *const f32,
     radii: *const f32,
     ids: *const u32,
-    /// Its first element, in the row.
+    /// The place of its first element in the row.
     start: usize,
     /// Elements before this one, counted from `start`, are too far to the left of all clusters still to come.
     low: usize,
 }
 
-/// A segment, copied.
+/// The copy of a segment of a row and its surroundings.
 struct Segment<const D: usize> {
-    /// Pieces of the row and of its neighbours.
+    /// The copied pieces of the row and of its neighbours.
     pieces: [MaybeUninit<Piece<D>>; FEW + 1],
     count: usize,
-    /// What a difference of two coordinates may err by: `e` above.
+    /// Bound on the error of a difference of two coordinates: `e` above.
     error: f64,
-    /// One over the reach.
+    /// The inverse of the reach.
     scale: f64,
 }
 
-/// From which squared distances on there is doubt, and from which on there is no contact.
+/// Limits of the squared distance: up to which a contact is sure, and up to which it is possible.
 struct Limits<C> {
-    /// Elements of one radius.
+    /// The limits for elements of one radius.
     sure: C,
     possible: C,
-    /// Elements with radii: `E` above for a contact distance, per distance and besides.
+    /// `E` above for elements with radii: its factor of the contact distance, and the rest.
     slope: C,
     rest: C,
 }
 
-/// Elements next to each other, each spread over all lanes.
+/// The elements of a cluster, each in all lanes of a vector.
 struct Cluster<C, const D: usize> {
     centres: [[C; D]; CLUSTER],
-    /// With the tolerance.
+    /// The radii plus the tolerance.
     radii: [C; CLUSTER],
 }
 
-/// Elements of a vector, and which of them touch each of a cluster: 16 bits for each of the cluster, the first lowest.
+/// The elements of a vector and which of them touch each element of a cluster: 16 bits for each element of the cluster, those of the first
+/// lowest.
 #[derive(Clone, Copy)]
 struct Hits {
     ids: *const u32,
     bits: u64,
 }
 
-/// Of the vector behind the first element of a cluster: those behind each of the cluster. Those before it have met it.
+/// For the vector that begins behind the first element of a cluster: the lanes that come after each element of the cluster. Those before it
+/// have been compared with it already.
 const BEHIND: u64 = 0xfff8_fffc_fffe_ffff;
 
-/// How long to do without clusters where they are of no use: a lattice has all of its contacts in doubt.
+/// Skips clusters for a while where they do not help: on a lattice all contacts are in doubt.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Patience {
-    /// Segments to be compared without.
+    /// Number of segments still to be compared without clusters.
     without: u32,
-    /// How many after the next disappointment.
+    /// Number of segments to skip after the next failure.
     next: u32,
 }
 
@@ -132,22 +134,23 @@ impl Patience {
     }
 }
 
-/// Whether clusters can be made of a stretch, and pay.
+/// Whether clusters can be used for a stretch, and pay.
 pub(super) fn pays<T: Real>(task: &Task<'_, T>) -> bool {
     let reach = task.reach.to_f64();
     !task.two_sets
         && task.shape() != BOXES
         && task.to - task.from >= FEWEST
         && task.neighbours.len() <= FEW
-        // Far from where squares underflow.
+        // The reach is far above lengths whose squares underflow.
         && reach >= T::MIN_RESOLVED * 1_048_576.0
         && task.spread <= LARGEST * reach
 }
 
-/// As `kernel::search`, by clusters where they are of use.
+/// Searches as `kernel::search` does, with clusters where they help.
 ///
 /// # Safety
-/// As `kernel::search`, with [`WIDTH`] entries after the last element of each row; and [`pays`].
+/// The processor has the instructions of `V` and `C`, the groups of the filters are groups of their matrix, and [`pays`] is true of `task`. `Rows::new`
+/// asserts everything else: rows are inside the arrays, with [`WIDTH`] entries after the last element of each.
 #[inline(always)]
 pub(super) unsafe fn search<T, V, C, const D: usize>(task: &Task<'_, T>, out: &mut Output<'_>)
 where
@@ -165,6 +168,10 @@ where
     }
 }
 
+/// One variant of [`search`].
+///
+/// # Safety
+/// That of [`search`].
 #[inline(always)]
 unsafe fn all<T, V, C, const D: usize, const SHAPE: u8, const COUNT: bool, const FILTER: bool>(
     task: &Task<'_, T>,
@@ -181,7 +188,8 @@ unsafe fn all<T, V, C, const D: usize, const SHAPE: u8, const COUNT: bool, const
     let mut from = task.from;
     while from < task.to {
         let to = task.to.min(from + SEGMENT);
-        // SAFETY: the contract of `search`; the copies belong to the segment.
+        // SAFETY: the contract of this function; the stretch is inside the row, the writer was made from `out`, and `copies` are written again only when the
+        // segment that points to them is no longer used.
         unsafe {
             let segment = if out.patience.without > 0 {
                 out.patience.without -= 1;
@@ -203,14 +211,14 @@ unsafe fn all<T, V, C, const D: usize, const SHAPE: u8, const COUNT: bool, const
         }
         from = to;
     }
-    // SAFETY: all couples have been written.
+    // SAFETY: the writer was made from `out`.
     unsafe { writer.close(out) };
 }
 
-/// Copies the elements `range` of the row, and all that can touch them; `None` where that does not pay.
+/// Copies the elements `range` of the row and all elements that can touch them; `None` if that does not pay.
 ///
 /// # Safety
-/// As [`search`]; `copies` are not used by another copy.
+/// That of [`search`]; `range` is not empty and inside the row; no segment that points to `copies` is used afterwards.
 #[inline(always)]
 unsafe fn copy<T, V, const D: usize, const SHAPE: u8>(
     task: &Task<'_, T>,
@@ -223,8 +231,9 @@ where
     V: Vector<T>,
 {
     let own = rows.own;
-    // SAFETY: `range` is inside the row. Vectors start inside rows, or behind their last element, and so end where the arrays still are. A piece and
-    // what a vector writes behind it fit into the capacity, and then PAD entries do.
+    // SAFETY: `range` is inside the row. Vectors start inside rows, or just behind their last element, and so end inside the arrays. A piece has at most
+    // CAPACITY - PAD elements, so it and PAD entries behind it fit into the capacity; a vector writes fewer than PAD entries behind the piece. There are at
+    // most FEW neighbours, by `pays`.
     unsafe {
         let (first, last) = (*own.along.add(range.start), *own.along.add(range.end - 1));
         let middle = usize::midpoint(range.start, range.end);
@@ -271,7 +280,7 @@ where
             let (along, radii) = (place.add(task.long * CAPACITY), place.add(D * CAPACITY));
             let piece =
                 Piece { axes: [place.cast_const(); D], along, radii, ids: row.ids.add(start), start, low: 0 };
-            // Its axes are set where it is kept: a load of what was just stored in pieces waits some 20 cycles.
+            // The axes are set where the piece is stored: loading a value that was just stored in pieces stalls for some 20 cycles.
             let piece = segment.pieces[index].write(piece);
             for (axis, copied) in piece.axes.iter_mut().enumerate() {
                 let (to, origin) = (place.add(axis * CAPACITY), V::splat(*own.axes[axis].add(middle)));
@@ -286,10 +295,10 @@ where
     }
 }
 
-/// Copies `n` numbers, relative to `origin` and in units of one over `scale`, with [`FAR`] behind them.
+/// Copies `n` numbers, relative to `origin` and multiplied by `scale`, followed by [`FAR`].
 ///
 /// # Safety
-/// The instructions are there; LANES entries behind the numbers are readable, and PAD entries behind the copy writable.
+/// The processor has the instructions; `n` and LANES more numbers can be read from `from` on, and `n` and PAD more can be written from `to` on.
 #[inline(always)]
 unsafe fn shorten<T, V: Vector<T>>(from: *const T, n: usize, origin: V, scale: V, to: *mut f32) {
     // SAFETY: the contract of this function.
@@ -306,13 +315,15 @@ unsafe fn shorten<T, V: Vector<T>>(from: *const T, n: usize, origin: V, scale: V
 }
 
 impl<C: Estimate> Limits<C> {
+    /// # Safety
+    /// The processor has the instructions of `C`.
     #[inline(always)]
     unsafe fn new<T: Real, const D: usize>(task: &Task<'_, T>, segment: &Segment<D>) -> Self {
         let Segment { error, scale, .. } = *segment;
         let (slope, rest) = (4.0 * error + 1.0 / 262_144.0, 4.0 * error * error);
         let limit = task.reach_squared.to_f64() * scale * scale;
         let doubt = slope * limit.sqrt() + rest;
-        // SAFETY: the instructions are there.
+        // SAFETY: the contract of this function.
         unsafe {
             Self {
                 sure: C::splat((limit - doubt) as f32),
@@ -325,10 +336,10 @@ impl<C: Estimate> Limits<C> {
 }
 
 impl<C: Estimate, const D: usize> Cluster<C, D> {
-    /// The elements of `piece` from `base` on.
+    /// The cluster of the elements of `piece` from `base` on.
     ///
     /// # Safety
-    /// The instructions are there, and `base` is inside the piece.
+    /// The processor has the instructions of `C`, and `base` is inside the piece.
     #[inline(always)]
     unsafe fn new<const SHAPE: u8>(piece: &Piece<D>, base: usize, tolerance: C) -> Self {
         let mut cluster = Self { centres: [[tolerance; D]; CLUSTER], radii: [tolerance; CLUSTER] };
@@ -346,10 +357,10 @@ impl<C: Estimate, const D: usize> Cluster<C, D> {
         cluster
     }
 
-    /// Which elements of `piece` from `j` on touch each of the cluster, as [`Hits`] has it; and a bit for each lane with a doubt.
+    /// The elements of `piece` from `j` on that touch each element of the cluster, as in [`Hits`], and a bit for each lane in doubt.
     ///
     /// # Safety
-    /// The instructions are there, and the lanes from `j` on end inside the PAD of the piece.
+    /// The processor has the instructions of `C`, and the lanes from `j` on end before the PAD entries behind the piece do.
     #[inline(always)]
     unsafe fn touch<const SHAPE: u8>(&self, piece: &Piece<D>, j: usize, limits: &Limits<C>) -> (u64, u32) {
         let (mut bits, mut doubts) = (0, 0);
@@ -384,10 +395,10 @@ impl<C: Estimate, const D: usize> Cluster<C, D> {
     }
 }
 
-/// Compares the elements `range`, of which `segment` is the copy.
+/// Compares the elements `range`; `segment` is their copy.
 ///
 /// # Safety
-/// As [`search`].
+/// That of [`search`]; `rows` and `segment` are made from `task`, and `writer` from `out`.
 #[inline(always)]
 unsafe fn clusters<T, V, C, const D: usize, const SHAPE: u8, const COUNT: bool, const FILTER: bool>(
     task: &Task<'_, T>,
@@ -404,9 +415,9 @@ unsafe fn clusters<T, V, C, const D: usize, const SHAPE: u8, const COUNT: bool, 
     let mut found = [const { MaybeUninit::<Hits>::uninit() }; VECTORS];
     let first_hits = found.as_mut_ptr().cast::<Hits>();
     let (mut done, mut repeated) = (0, 0);
-    // SAFETY: the instructions are there. As many pieces as are counted have been written. A vector of a piece starts at most at its length,
-    // and ends inside the PAD behind it; with at most WIDTH lanes behind the last element, so do the `ids` and labels. Before
-    // there is no room for the least vectors of all pieces no more than these are written.
+    // SAFETY: the contract of this function. `copy` has written `count` pieces. A vector of a piece starts at most WIDTH - LANES entries behind its last
+    // element, and so ends inside the PAD entries behind it; the `ids` and labels of its lanes are at most WIDTH entries behind the row, inside their arrays.
+    // `found` has room: after `most`, each piece left writes only the vectors that it must, at most WIDTH / LANES.
     unsafe {
         let limits = Limits::<C>::new(task, segment);
         let tolerance = C::splat((task.tolerance.to_f64() * segment.scale) as f32);
@@ -425,7 +436,7 @@ unsafe fn clusters<T, V, C, const D: usize, const SHAPE: u8, const COUNT: bool, 
                 let own = index == 0;
                 let mut j = base + 1;
                 if !own {
-                    // What is behind a piece is far to the right.
+                    // The entries behind a piece are far to the right.
                     piece.low = first_from::<_, _, false>(piece.along, piece.low, usize::MAX, lows);
                     j = piece.low;
                 }
@@ -482,7 +493,7 @@ unsafe fn clusters<T, V, C, const D: usize, const SHAPE: u8, const COUNT: bool, 
     out.patience = Patience::default();
 }
 
-/// Takes the windows of the kernel to where those of the clusters are.
+/// Moves the windows of the kernel to where those of the clusters are.
 #[inline(always)]
 fn follow<T, const D: usize>(rows: &mut Rows<'_, T, D>, pieces: &[Piece<D>]) {
     for (window, piece) in rows.windows.iter_mut().zip(&pieces[1..]) {

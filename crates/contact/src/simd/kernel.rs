@@ -4,12 +4,12 @@ use std::mem::MaybeUninit;
 use std::ops::Range;
 
 use crate::couple::Couple;
-use crate::filter::Filter;
+use crate::filter::Arranged;
 use crate::real::Real;
 use crate::simd::cluster::Patience;
 use crate::simd::labels::{Label, Labels, NO_LABEL, NO_LABELS};
 
-/// One row, as the arrays of the layout have it.
+/// The place of a row in the arrays of the layout.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Span {
     /// First element.
@@ -25,26 +25,28 @@ pub(crate) struct Neighbour<T> {
     /// Elements before this one are too far to the left of all elements still to come.
     pub(crate) low: usize,
     pub(crate) looks: Looks,
-    /// No element touches one of this row that is farther away along it; of boxes that touch, none begins so much earlier.
+    /// The largest distance along this row between touching elements; for boxes, the largest distance by which one of two touching boxes
+    /// begins earlier.
     pub(crate) reach: T,
 }
 
-/// From where on along a row elements are looked for, seen from one at `x`; spheres look back.
+/// Where along a row the search for partners of an element at `x` starts; for spheres it is always `Back`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Looks {
-    /// From the reach before `x` on.
+    /// The reach before `x`.
     Back,
-    /// From `x` on, and elements of that row look at this one from beyond their own: of two boxes the one that begins first looks for the other.
+    /// At `x`. The elements of the other row search from beyond their own place: of two boxes, the one that begins first looks for the
+    /// other.
     Ahead,
-    /// From beyond `x` on.
+    /// Just beyond `x`.
     Beyond,
 }
 
 /// The arrays of a layout.
 ///
 /// # Shapes
-/// Element `k` of a row has the coordinate `coordinates[D * start + axis * len + k]`. All arrays go on for at least one vector after
-/// the last element.
+/// Element `k` of a row has the coordinate `coordinates[D * start + axis * len + k]`. All arrays continue for at least one vector after the
+/// last element.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Arrays<'a, T> {
     pub(crate) coordinates: &'a [T],
@@ -53,35 +55,35 @@ pub(crate) struct Arrays<'a, T> {
     /// Empty for boxes and elements of one radius.
     pub(crate) radii: &'a [T],
     pub(crate) ids: &'a [u32],
-    /// Which elements see each other, by their place in the arrays; as long as `ids`. All groups are ones of the matrix, also behind the last element.
-    pub(crate) filter: Option<Filter<'a>>,
+    /// Which elements see each other, by their place in the arrays; as long as `ids`.
+    pub(crate) filter: Option<Arranged<'a>>,
 }
 
 /// A stretch of a row, to be compared with the rest of its row and with the neighbour rows.
 ///
-/// The neighbour rows may belong to another set of elements. Then the rest of the own row is left out, and unless both sets are numbered together couples are not
-/// ordered by number: `i` is of the stretch, `j` of the other set.
+/// The neighbour rows may belong to another set of elements. Then the element is not compared with its own row. Unless both sets are
+/// numbered together, couples are not ordered by number: `i` belongs to the stretch, `j` to the other set.
 pub struct Task<'a, T> {
-    /// Where the row is.
+    /// The arrays that hold the row.
     pub(crate) own: Arrays<'a, T>,
-    /// Where the neighbour rows are: the same arrays, unless there are two sets. Either both have radii or none, and either both
-    /// have filters of one kind, with one matrix, or none.
+    /// The arrays that hold the neighbour rows: the same ones, unless there are two sets. Both have radii or neither, and both have filters
+    /// of the same kind and with the same matrix or neither.
     pub(crate) other: Arrays<'a, T>,
     pub(crate) two_sets: bool,
     pub(crate) one_numbering: bool,
     pub(crate) row: Span,
-    /// The stretch of the row whose couples are wanted, as first elements of couples.
+    /// The stretch of the row: couples whose first element lies in it are wanted.
     pub(crate) from: usize,
     pub(crate) to: usize,
     pub(crate) neighbours: &'a [Neighbour<T>],
     /// The axis along which rows are sorted.
     pub(crate) long: usize,
-    /// No two elements touch that are farther apart along an axis.
+    /// The largest distance along an axis between touching elements.
     pub(crate) reach: T,
-    /// Elements of one radius: the squared contact distance.
+    /// The squared contact distance of elements of one radius.
     pub(crate) reach_squared: T,
     pub(crate) tolerance: T,
-    /// Axes other than the long one: no two elements of the row and the neighbour rows are farther apart along one of them; infinite if that is not known.
+    /// The largest distance of elements of the row and the neighbour rows along any axis but the long one; infinite if unknown.
     pub(crate) spread: f64,
 }
 
@@ -98,13 +100,13 @@ impl<T> Task<'_, T> {
 
 /// Where the couples go.
 pub struct Output<'a> {
-    /// Found so far and not yet taken.
+    /// Couples found so far and not yet taken.
     pub(crate) couples: &'a mut Vec<Couple>,
-    /// Couples in total.
+    /// Number of couples found in total.
     pub(crate) count: u64,
-    /// Count only.
+    /// Whether couples are only counted.
     pub(crate) count_only: bool,
-    /// Makes room for at least [`ROOM`] couples: by growing, or by taking those found.
+    /// Makes room for at least [`ROOM`] couples, by growing the vector or by taking the couples found.
     pub(crate) make_room: &'a mut dyn FnMut(&mut Vec<Couple>),
     pub(super) patience: Patience,
 }
@@ -115,72 +117,109 @@ impl<'a> Output<'a> {
     }
 }
 
-/// A vector stores at most as many couples as it has lanes.
+/// Largest number of couples that a vector stores at once: one per lane.
 pub(crate) const ROOM: usize = 16;
 
 /// The operations of a set of vector instructions on one float type.
 ///
+/// Comparisons return a bit for each lane, the first lane lowest; the bits above `LANES` are 0.
+///
 /// # Safety
-/// All need the instructions; those that load and store need what they say.
+/// The processor has the instructions: every method needs them. Methods that take pointers say what else they need.
 pub(crate) trait Vector<T>: Copy {
     const LANES: usize;
 
+    /// The same number in all lanes.
+    ///
+    /// # Safety
+    /// The processor has the instructions.
     unsafe fn splat(x: T) -> Self;
 
-    /// `LANES` numbers from `from` on, which must be readable.
+    /// The `LANES` numbers from `from` on.
+    ///
+    /// # Safety
+    /// The processor has the instructions, and `LANES` numbers can be read from `from` on.
     unsafe fn load(from: *const T) -> Self;
 
+    /// # Safety
+    /// The processor has the instructions.
     unsafe fn add(self, other: Self) -> Self;
 
+    /// # Safety
+    /// The processor has the instructions.
     unsafe fn sub(self, other: Self) -> Self;
 
+    /// # Safety
+    /// The processor has the instructions.
     unsafe fn mul(self, other: Self) -> Self;
 
-    /// Writes `LANES` numbers to `to`, each the nearest of 32 bits.
+    /// Writes the lanes to `to`, each rounded to the nearest number of 32 bits.
+    ///
+    /// # Safety
+    /// The processor has the instructions, and `LANES` numbers can be written from `to` on.
     unsafe fn store_short(self, to: *mut f32);
 
-    /// A bit for each lane, the first lane lowest: `self <= other`.
+    /// Lanes with `self <= other`.
+    ///
+    /// # Safety
+    /// The processor has the instructions.
     unsafe fn at_most(self, other: Self) -> u32;
 
-    /// A bit for each lane, the first lane lowest: `self < other`.
+    /// Lanes with `self < other`.
+    ///
+    /// # Safety
+    /// The processor has the instructions.
     unsafe fn below(self, other: Self) -> u32;
 
-    /// A bit for each lane, the first lane lowest: whether the number there is `number`. `LANES` of them are readable from `from` on.
+    /// Lanes whose number, from `from` on, equals `number`.
+    ///
+    /// # Safety
+    /// The processor has the instructions, and `LANES` numbers can be read from `from` on.
     unsafe fn equal(number: u32, from: *const u32) -> u32;
 
-    /// The same: whether the number there and `bits` have a bit in common.
+    /// Lanes whose number, from `from` on, has a bit in common with `bits`.
+    ///
+    /// # Safety
+    /// That of [`Vector::equal`].
     unsafe fn overlap(bits: u32, from: *const u32) -> u32;
 
-    /// The same: whether bit `g` of `row`, words of 32, is set, where `g` is the number there. `row` has a word for each of the `LANES` numbers.
+    /// Lanes whose number `g`, from `from` on, is the place of a 1 among the bits of `row`: bit `g % 32` of word `g / 32`.
+    ///
+    /// # Safety
+    /// That of [`Vector::equal`], and the word `g / 32` of `row` can be read for each of these numbers.
     unsafe fn set(row: *const u32, from: *const u32) -> u32;
 
-    /// Stores the couples of `id` with those of the `LANES` readable `ids` whose bit in `hits` is set, in order: smaller number first,
-    /// or with `TWO_SETS` that of `id`. `to` must be writable for `LANES` couples.
+    /// Stores the couples of `id` with those of the next `LANES` of `ids` whose bit in `hits` is set, in order: the smaller number first,
+    /// or with `TWO_SETS` that of `id` first.
+    ///
+    /// # Safety
+    /// The processor has the instructions, `LANES` numbers can be read from `ids` on, `LANES` couples can be written from `to` on, and only the lowest
+    /// `LANES` bits of `hits` are set.
     unsafe fn store_couples<const TWO_SETS: bool>(id: u32, ids: *const u32, hits: u32, to: *mut Couple);
 }
 
-/// A vector whose results need not be the same everywhere.
+/// A vector for estimates, whose results may differ between instruction sets.
 ///
 /// # Safety
-/// As [`Vector`].
+/// That of [`Vector`].
 pub(super) trait Estimate: Vector<f32> {
-    /// `self * other + sum`, rounded once or twice.
+    /// `self * other + sum`, rounded once or twice depending on the instruction set.
     unsafe fn mul_add(self, other: Self, sum: Self) -> Self;
 }
 
-/// The lanes before `count`: up to 31, which is more than any vector has.
+/// The bits of the lanes before `count`, up to 31 lanes; no vector has more.
 #[inline(always)]
 fn first_lanes(count: usize) -> u32 {
     (1 << count.min(31)) - 1
 }
 
-/// The place for the next couples, in registers.
+/// Where the next couples go; kept in registers.
 #[derive(Clone, Copy)]
 pub(super) struct Writer {
     to: *mut Couple,
-    /// From here on there is no room for a vector of couples.
+    /// From here on there is not enough room for a vector of couples.
     full: *mut Couple,
-    /// Found and not written.
+    /// Couples that were counted and not written.
     count: u64,
 }
 
@@ -189,7 +228,7 @@ impl Writer {
     pub(super) fn new(out: &mut Output<'_>) -> Self {
         let (len, capacity) = (out.couples.len(), out.couples.capacity());
         let start = out.couples.as_mut_ptr();
-        // Wrapping, because without any room `full` would lie before `start`; it is only compared.
+        // Wraps: without any room `full` would lie before `start`. It is only compared.
         let full = start.wrapping_add(if capacity - len < ROOM { len } else { capacity - ROOM + 1 });
         Self { to: start.wrapping_add(len), full, count: 0 }
     }
@@ -197,7 +236,7 @@ impl Writer {
     /// Hands the couples over.
     ///
     /// # Safety
-    /// All couples before `to` have been written, to the vector that the writer was made from.
+    /// The writer was made from `out`, whose vector has not been used since, and only [`Writer::take`] has moved the writer on.
     #[inline(always)]
     pub(super) unsafe fn close(self, out: &mut Output<'_>) {
         // SAFETY: `to` points into the vector, behind what was written.
@@ -211,7 +250,7 @@ impl Writer {
     /// Writes or counts the couples of `id` with those of `ids` whose bit in `hits` is set.
     ///
     /// # Safety
-    /// That of [`Vector::store_couples`], and as [`Writer::close`].
+    /// That of [`Vector::store_couples`], room for couples aside, and that of [`Writer::close`].
     #[inline(always)]
     pub(super) unsafe fn take<T, V: Vector<T>, const TWO_SETS: bool, const COUNT: bool>(
         &mut self,
@@ -225,7 +264,7 @@ impl Writer {
             self.count += found as u64;
             return;
         }
-        // SAFETY: the contract of this function; room for LANES couples is made before they are stored.
+        // SAFETY: the contract of this function. Before `full` there is room for ROOM couples, which is at least LANES; `make_room` asserts that.
         unsafe {
             if self.to >= self.full {
                 *self = self.make_room(out);
@@ -235,24 +274,30 @@ impl Writer {
         }
     }
 
+    /// Hands the couples over, has room made, and returns a writer behind them.
+    ///
     /// # Safety
-    /// As [`Writer::close`].
+    /// That of [`Writer::close`].
+    ///
+    /// # Panics
+    /// If no room was made.
     #[cold]
     #[inline(never)]
     unsafe fn make_room(self, out: &mut Output<'_>) -> Self {
         // SAFETY: the contract of this function.
         unsafe { self.close(out) };
         (out.make_room)(out.couples);
+        assert!(out.couples.capacity() - out.couples.len() >= ROOM);
         Self::new(out)
     }
 }
 
-/// What is compared: spheres of one radius, spheres with radii, boxes.
+/// The kinds of shapes: spheres of one radius, spheres with radii, boxes.
 pub(super) const EQUAL: u8 = 0;
 pub(super) const RADII: u8 = 1;
 pub(super) const BOXES: u8 = 2;
 
-/// Calls the variant of a kernel for some shape, for what a task has (a filter) and for what is wanted of it (to count only).
+/// Calls the variant of a kernel for a shape, for whether the task has a filter, and for whether couples are only counted.
 macro_rules! variant {
     ($task:expr, $out:expr, $kernel:ident::<$($generic:tt),*>, $shape:ident) => {
         match ($out.count_only, $task.own.filter.is_some()) {
@@ -267,11 +312,11 @@ pub(super) use variant;
 
 /// Compares every element of the stretch with those behind it in its row and with the neighbour rows.
 ///
-/// For each element, in order: its own row, then the neighbour rows in the order given; partners ascend along the row.
+/// Each element in turn is compared with its own row, then with the neighbour rows in their order. Partners ascend along the row.
 ///
 /// # Safety
-/// The instructions of `V` are there, and `task` is as its fields say: rows inside the arrays, and `V::LANES` readable entries
-/// after the last element of each.
+/// The processor has the instructions of `V`, and the groups of the filters are groups of their matrix. [`Rows::new`] asserts everything else: rows are
+/// inside the arrays, with `V::LANES` entries after the last element of each.
 #[inline(always)]
 pub(crate) unsafe fn search<T, V, const D: usize, const TWO_SETS: bool>(
     task: &Task<'_, T>,
@@ -290,6 +335,10 @@ pub(crate) unsafe fn search<T, V, const D: usize, const TWO_SETS: bool>(
     }
 }
 
+/// One variant of [`search`].
+///
+/// # Safety
+/// That of [`search`].
 #[inline(always)]
 unsafe fn all<
     T,
@@ -309,14 +358,14 @@ unsafe fn all<
     let (mut few, mut many) = ([const { MaybeUninit::uninit() }; FEW_AHEAD], Vec::new());
     let mut rows = Rows::<T, D>::new::<SHAPE, FILTER>(task, V::LANES, &mut few, &mut many);
     let mut writer = Writer::new(out);
-    // SAFETY: the contract of `search`.
+    // SAFETY: the contract of this function; `new` has asserted that the stretch is inside the row, and the writer was made from `out`.
     unsafe {
         rows.compare::<V, TWO_SETS, SHAPE, COUNT, FILTER>(task.from..task.to, &mut writer, out);
         writer.close(out);
     }
 }
 
-/// One element, spread over all lanes.
+/// One element of the row, each of its numbers in all lanes.
 struct Element<V, const D: usize> {
     /// The centre, or the lower ends of a box.
     centre: [V; D],
@@ -327,17 +376,17 @@ struct Element<V, const D: usize> {
     label: Label,
 }
 
-/// The arrays of one row, by address, so that the inner loop has nothing to compute.
+/// Pointers to the arrays of one row, so that the inner loop computes no addresses.
 #[derive(Clone, Copy)]
 pub(super) struct Row<T, const D: usize> {
     pub(super) axes: [*const T; D],
     /// The axis along which the row is sorted.
     pub(super) along: *const T,
-    /// As `axes`, of the upper ends of boxes.
+    /// As `axes`, for the upper ends of boxes.
     far: [*const T; D],
     pub(super) radii: *const T,
     pub(super) ids: *const u32,
-    /// Where the row starts in the arrays of a filter.
+    /// The place of the row in the arrays of a filter.
     pub(super) start: usize,
     pub(super) len: usize,
 }
@@ -359,7 +408,7 @@ impl<T, const D: usize> Row<T, D> {
     }
 }
 
-/// A neighbour row, and where the search in it starts: see [`Neighbour`].
+/// A neighbour row and the place where the search in it starts: see [`Neighbour`].
 pub(super) struct Window<T, const D: usize> {
     pub(super) row: Row<T, D>,
     pub(super) low: usize,
@@ -367,27 +416,27 @@ pub(super) struct Window<T, const D: usize> {
     reach: T,
 }
 
-/// Up to 3D there are at most so many neighbour rows of spheres.
+/// Largest number of neighbour rows of spheres up to 3D.
 pub(super) const FEW: usize = 4;
 
-/// And so many of boxes that look ahead. Nothing is allocated for these.
+/// Largest number of neighbour rows of boxes that look ahead up to 3D. Up to here nothing is allocated.
 pub(super) const FEW_AHEAD: usize = 8;
 
-/// A task, by address.
+/// A task with pointers instead of places.
 pub(super) struct Rows<'a, T, const D: usize> {
     task: &'a Task<'a, T>,
     pub(super) own: Row<T, D>,
     pub(super) windows: &'a mut [Window<T, D>],
     pub(super) own_labels: Labels<'a>,
-    /// Those of the neighbour rows.
+    /// The labels of the neighbour rows.
     pub(super) labels: Labels<'a>,
 }
 
 impl<'a, T: Real, const D: usize> Rows<'a, T, D> {
-    /// `few` and `many` are memory for the windows.
+    /// Checks the task and takes the pointers. `few` and `many` are memory for the windows.
     ///
     /// # Panics
-    /// Unless all rows are inside the arrays, with `lanes` entries after the last element.
+    /// If a row is not inside the arrays with `lanes` entries after its last element, or a place is not inside its row.
     #[inline(always)]
     pub(super) fn new<const SHAPE: u8, const FILTER: bool>(
         task: &'a Task<'a, T>,
@@ -404,6 +453,7 @@ impl<'a, T: Real, const D: usize> Rows<'a, T, D> {
         }
         assert!(task.neighbours.iter().all(|neighbour| neighbour.low <= neighbour.row.len));
         assert!(task.from <= task.to && task.to <= task.row.len);
+        assert!(task.long < D);
         let (own_labels, labels) =
             if FILTER { (Labels::new(&task.own), Labels::new(&task.other)) } else { (NO_LABELS, NO_LABELS) };
         assert!(!FILTER || own_labels.are_like(&labels));
@@ -418,7 +468,7 @@ impl<'a, T: Real, const D: usize> Rows<'a, T, D> {
             few.iter_mut().zip(windows).for_each(|(place, window)| {
                 place.write(window);
             });
-            // SAFETY: as many as there are neighbours have just been written.
+            // SAFETY: one window for each neighbour has just been written, and `few` has room for them all.
             unsafe { std::slice::from_raw_parts_mut(few.as_mut_ptr().cast(), task.neighbours.len()) }
         } else {
             many.extend(windows);
@@ -427,10 +477,11 @@ impl<'a, T: Real, const D: usize> Rows<'a, T, D> {
         Self { task, own: Row::new(&task.own, task.long, task.row), windows, own_labels, labels }
     }
 
-    /// The elements `range` of the row.
+    /// Compares the elements `range` of the row.
     ///
     /// # Safety
-    /// The instructions of `V` are there, which has at most the lanes for which this was made, and `range` is inside that of the task.
+    /// The processor has the instructions of `V`, which has at most the lanes for which this was made; `range` is inside that of the task; the groups of the
+    /// filters are groups of their matrix; `writer` was made from `out`.
     #[inline(always)]
     pub(super) unsafe fn compare<
         V: Vector<T>,
@@ -445,9 +496,9 @@ impl<'a, T: Real, const D: usize> Rows<'a, T, D> {
         out: &mut Output<'_>,
     ) {
         let (task, own, own_labels, labels) = (self.task, self.own, self.own_labels, self.labels);
-        // SAFETY: the instructions are there by the contract of this function. Rows are inside the arrays, as has been asserted. `k` is an
-        // element of its row; a vector starts at an element of a row, or behind its last one with no lane counted, and so ends at most LANES
-        // entries behind the row, where the arrays still are.
+        // SAFETY: the contract of this function gives the instructions and the groups. `new` has asserted that rows are inside the arrays. `k` is an
+        // element of its row. A vector starts at an element of a row, or just behind its last one with no lane counted; so it ends at most LANES
+        // entries behind the row, still inside the arrays.
         unsafe {
             let (reach_squared, tolerance) = (V::splat(task.reach_squared), V::splat(task.tolerance));
             for k in range {
@@ -508,10 +559,10 @@ impl<'a, T: Real, const D: usize> Rows<'a, T, D> {
     }
 }
 
-/// The first element of a row, from `low` on, that is not below `lows`, or is beyond; or the length of the row.
+/// The place of the first element of a row, from `low` on, that is not below `lows` (`BEYOND`: that is above), or the length of the row.
 ///
 /// # Safety
-/// `low` is at most `len`, and LANES entries from any element up to there are readable.
+/// The processor has the instructions, `low` is at most `len`, and LANES numbers can be read from each place up to the one that is returned.
 #[inline(always)]
 pub(super) unsafe fn first_from<T, V: Vector<T>, const BEYOND: bool>(
     along: *const T,
@@ -529,16 +580,16 @@ pub(super) unsafe fn first_from<T, V: Vector<T>, const BEYOND: bool>(
         let passed = passed.trailing_ones() as usize;
         first += passed;
         if passed < V::LANES || first >= len {
-            // Lanes behind the row count for nothing.
+            // Lanes behind the row do not count.
             return first.min(len);
         }
     }
 }
 
-/// One element against those of `row` from `first` on, as far as `high`.
+/// Compares one element with those of `row` from `first` on, as far as `high`.
 ///
 /// # Safety
-/// As [`search`]; `first` is at most the length of the row.
+/// That of [`Rows::compare`]; `row` is one of its rows, and `first` is at most the length of the row.
 #[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "inlined: they stay in registers")]
 unsafe fn window<
@@ -564,7 +615,7 @@ unsafe fn window<
     V: Vector<T>,
 {
     let mut j = first;
-    // SAFETY: see `Rows::compare`.
+    // SAFETY: the contract of this function, and the comment in `Rows::compare`.
     unsafe {
         loop {
             let mut hits = if SHAPE == BOXES {
@@ -575,7 +626,7 @@ unsafe fn window<
                 }
                 hits
             } else {
-                // The sum starts from zero by definition, and zero plus a square is the square.
+                // By definition the sum starts from zero; zero plus a square is the square.
                 let mut sum = reach_squared;
                 for (axis, x) in element.centre.iter().enumerate() {
                     let difference = x.sub(V::load(row.axes[axis].add(j)));

@@ -1,25 +1,25 @@
-//! A filter, as the kernels read it.
+//! A filter in the form that the kernels read.
 
 use crate::filter::{Filter, GroupMatrix, Sight};
 use crate::simd::kernel::{Arrays, Vector};
 
-/// The arrays of a filter, by address; null for those that it does not have.
+/// Pointers to the arrays of a filter; null for arrays that it does not have.
 #[derive(Clone, Copy)]
 pub(super) struct Labels<'a> {
     bodies: *const u32,
-    /// Categories, or groups of more than fit a word.
+    /// Categories, or groups if there are more than a word has bits.
     categories: *const u32,
     masks: *const u32,
     matrix: Option<&'a GroupMatrix>,
 }
 
-/// What a filter says of one element.
+/// The numbers of one element.
 #[derive(Clone, Copy)]
 pub(super) struct Label {
     body: u32,
     category: u32,
     mask: u32,
-    /// The groups that the element sees, a bit each.
+    /// The groups that the element sees: one bit each.
     groups: *const u32,
 }
 
@@ -32,7 +32,8 @@ impl<'a> Labels<'a> {
     #[inline(always)]
     pub(super) fn new<T>(arrays: &Arrays<'a, T>) -> Self {
         let mut labels = NO_LABELS;
-        let Some(Filter { bodies, sight }) = arrays.filter else { return labels };
+        let Some(filter) = arrays.filter else { return labels };
+        let &Filter { bodies, sight } = filter.filter();
         let len = arrays.ids.len();
         if let Some(bodies) = bodies {
             labels.bodies = bodies[..len].as_ptr();
@@ -51,7 +52,7 @@ impl<'a> Labels<'a> {
         labels
     }
 
-    /// Whether the two are of one kind, and of one number of groups.
+    /// Whether both have the same kinds of numbers and the same number of groups.
     pub(super) fn are_like(&self, other: &Self) -> bool {
         [self.bodies, self.categories, self.masks].map(<*const u32>::is_null)
             == [other.bodies, other.categories, other.masks].map(<*const u32>::is_null)
@@ -61,7 +62,7 @@ impl<'a> Labels<'a> {
     /// The numbers of one element.
     ///
     /// # Safety
-    /// `place` is inside the arrays.
+    /// `place` is inside the arrays that this was made from.
     #[inline(always)]
     pub(super) unsafe fn of(&self, place: usize) -> Label {
         let mut label = NO_LABEL;
@@ -83,13 +84,14 @@ impl<'a> Labels<'a> {
         label
     }
 
-    /// Those of `hits` that the element sees, among the elements from `place` on.
+    /// The bits of `hits` whose element, from `place` on, may form a couple with the labelled one.
     ///
     /// # Safety
-    /// The instructions of `V` are there, `place` and the next `V::LANES` are inside the arrays, and all groups are ones of the matrix.
+    /// The processor has the instructions of `V`, the `V::LANES` places from `place` on are inside the arrays, all groups there are groups of the matrix, and
+    /// `label` comes from [`Labels::of`] of labels that are alike.
     #[inline(always)]
     pub(super) unsafe fn admitted<T, V: Vector<T>>(&self, label: &Label, place: usize, mut hits: u32) -> u32 {
-        // SAFETY: the contract of this function. A row of the matrix has a bit for each group.
+        // SAFETY: the contract of this function. A row of the matrix has a bit for each group, in whole words.
         unsafe {
             if !self.bodies.is_null() {
                 hits &= !V::equal(label.body, self.bodies.add(place));

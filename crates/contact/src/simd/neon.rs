@@ -10,7 +10,7 @@ entry_points!("neon", F64x2, F32x4);
 /// Stores the couples whose bit is set one by one; there is no compress, and few lanes.
 ///
 /// # Safety
-/// `ids` and `to` are good for `LANES` entries.
+/// `LANES` numbers can be read from `ids` on, and `LANES` couples written from `to` on.
 #[inline(always)]
 unsafe fn store<const LANES: usize, const TWO_SETS: bool>(
     id: u32,
@@ -34,7 +34,7 @@ unsafe fn store<const LANES: usize, const TWO_SETS: bool>(
 /// Looks the words up one by one; there is no gather.
 ///
 /// # Safety
-/// As [`Vector::set`].
+/// That of [`Vector::set`].
 #[inline(always)]
 unsafe fn set<const LANES: usize>(row: *const u32, from: *const u32) -> u32 {
     let mut bits = 0;
@@ -53,9 +53,12 @@ struct F64x2(float64x2_t);
 
 impl F64x2 {
     /// A bit for each lane that is all ones.
+    ///
+    /// # Safety
+    /// The processor has the instructions.
     #[inline(always)]
     unsafe fn bits(lanes: uint64x2_t) -> u32 {
-        // SAFETY: the instructions are there.
+        // SAFETY: the contract of this function.
         unsafe { (vgetq_lane_u64::<0>(lanes) & 1 | vgetq_lane_u64::<1>(lanes) & 2) as u32 }
     }
 }
@@ -113,10 +116,13 @@ struct F32x4(float32x4_t);
 
 impl F32x4 {
     /// A bit for each lane that is all ones.
+    ///
+    /// # Safety
+    /// The processor has the instructions.
     #[inline(always)]
     unsafe fn bits(lanes: uint32x4_t) -> u32 {
         const BIT_OF_LANE: [u32; 4] = [1, 2, 4, 8];
-        // SAFETY: the instructions are there, and four lanes are loaded from four numbers.
+        // SAFETY: the contract of this function, and four lanes are loaded from four numbers.
         unsafe { vaddvq_u32(vandq_u32(lanes, vld1q_u32(BIT_OF_LANE.as_ptr()))) }
     }
 }

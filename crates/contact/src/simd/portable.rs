@@ -1,4 +1,4 @@
-//! The kernel in plain Rust: the definition of what the vector kernels do, for any processor.
+//! The kernel in plain Rust, for any processor; it defines what the vector kernels do.
 
 use crate::couple::Couple;
 use crate::real::Real;
@@ -31,14 +31,17 @@ pub(crate) fn search<T: Real, const D: usize>(task: &Task<'_, T>, out: &mut Outp
             })
         };
         let see_each_other = match (own.filter, other.filter) {
-            (Some(filter), Some(others)) => filter.admits_of(row.start + k, &others, their_row.start + j),
+            (Some(filter), Some(others)) => {
+                filter.filter().admits_of(row.start + k, others.filter(), their_row.start + j)
+            }
             _ => true,
         };
         touch && see_each_other
     });
 }
 
-/// Calls `touch(row, k, other, j)` for element `k` of the row and those in reach along it: `j` of a neighbour row, or of the same.
+/// Calls `touch(row, k, other, j)` for element `k` of the row and each element `j` in reach along it, of a neighbour row or of the same
+/// row.
 fn scan<'a, T: Real, const D: usize>(
     task: &Task<'a, T>,
     out: &mut Output<'_>,

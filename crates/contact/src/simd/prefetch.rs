@@ -1,19 +1,19 @@
-//! Asking for memory before it is used.
+//! Hints that prefetch memory before it is used.
 
-/// Asks for what comes some way behind `value` in memory that is read from its beginning to its end: processors look ahead by themselves, but stop at the
-/// end of a page.
+/// Prefetches memory some way behind `value`, for arrays that are read from beginning to end. Processors prefetch on their own, but stop at
+/// the end of a page.
 #[inline(always)]
 pub(crate) fn read<V>(value: &V) {
     hint::<false>(std::ptr::from_ref(value).cast::<i8>().wrapping_add(READ_AHEAD));
 }
 
-/// Asks for the memory behind `place`, which will be written: with hundreds of streams the processor does not foresee it.
+/// Prefetches the memory behind `place` for writing. With hundreds of streams the processor cannot predict it.
 #[inline(always)]
 pub(crate) fn write<V>(place: *mut V) {
     hint::<true>(place.cast::<i8>().wrapping_add(WRITE_AHEAD));
 }
 
-/// Asks for the cache lines that hold `count` values from `values[from]` on, of which the last may be left out.
+/// Prefetches the cache lines that hold `count` values from `values[from]` on; the last line may be left out.
 #[inline(always)]
 pub(crate) fn lines<V>(values: &[V], from: usize, count: usize) {
     let place = values.as_ptr().wrapping_add(from).cast::<i8>();
@@ -22,13 +22,13 @@ pub(crate) fn lines<V>(values: &[V], from: usize, count: usize) {
     }
 }
 
-/// Bytes of a cache line.
+/// Size of a cache line in bytes.
 const LINE: usize = 64;
 
-/// Bytes, half a page.
+/// Distance in bytes: half a page.
 const READ_AHEAD: usize = 2048;
 
-/// Bytes, two cache lines.
+/// Distance in bytes: two cache lines.
 const WRITE_AHEAD: usize = 128;
 
 #[inline(always)]

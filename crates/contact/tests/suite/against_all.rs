@@ -1,4 +1,4 @@
-//! What the tests of the index have in common: where elements are, how they are searched, and the distance that decides.
+//! Shared parts of the tests of the index: positions of elements, searches, and the distance that decides.
 
 use fdem_contact::{Index, Real, Simd};
 use fdem_scenes::{Cloud, Sizes, clusters, gas, lattice};
@@ -6,13 +6,13 @@ use proptest::prelude::*;
 
 pub(crate) const EQUAL: Sizes = Sizes::Equal { radius: 0.5 };
 
-/// Places that are hard in different ways.
+/// Positions that are difficult in different ways.
 pub(crate) struct Scenes<const D: usize> {
     pub(crate) gas: Cloud<D>,
-    /// Ties everywhere; neighbours touch exactly.
+    /// A lattice with many ties; neighbours touch exactly.
     pub(crate) lattice: Cloud<D>,
     pub(crate) clusters: Cloud<D>,
-    /// The gas, but for two elements that are far away on either side.
+    /// A gas with two elements far away on either side.
     pub(crate) outliers: Cloud<D>,
     pub(crate) one_place: Cloud<D>,
     pub(crate) nothing: Cloud<D>,
@@ -54,7 +54,7 @@ pub(crate) fn squared<T: Real, const D: usize>(a: &[T; D], b: &[T; D]) -> T {
     sum
 }
 
-/// Halves, among which ties are common; numbers whose differences are exact; any float; powers of two.
+/// Multiples of one half, among which ties are common; numbers whose differences are exact; arbitrary floats; powers of two.
 pub(crate) fn coordinate() -> impl Strategy<Value = f64> {
     prop_oneof![
         (-12..12_i32).prop_map(|k| f64::from(k) / 2.0),
@@ -64,7 +64,7 @@ pub(crate) fn coordinate() -> impl Strategy<Value = f64> {
     ]
 }
 
-/// A test of `$all::<float, dimensions>` for each.
+/// Makes a test of `$all::<float, dimensions>` for each float type and dimension.
 macro_rules! in_all_dimensions {
     ($all:ident) => {
         $crate::against_all::in_all_dimensions! {

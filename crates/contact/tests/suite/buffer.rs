@@ -1,4 +1,4 @@
-//! Buffered updates: after each one the couples are those of `Direct`, to the last; and detection is as rare as promised.
+//! Buffered updates: after each one the couples equal those of `Direct`, and detections are as rare as documented.
 
 use fdem_contact::{Buffered, Couple, Direct, Elements, Error, Nbs, Real, Reason, Rows, Search, Update};
 use fdem_scenes::random::Random;
@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use crate::ascending;
 use crate::oracle::FromF64;
 
-/// The couples of an update, ascending; all three ways to have them must agree.
+/// The couples of an update, ascending. All three ways to get them must agree.
 fn couples<T: Real, const D: usize>(update: &Update<'_, T, D>) -> Vec<Couple> {
     let (mut couples, mut visited) = (vec![Couple::new(7, 8)], Vec::new());
     update.couples(&mut couples).unwrap();
@@ -18,7 +18,7 @@ fn couples<T: Real, const D: usize>(update: &Update<'_, T, D>) -> Vec<Couple> {
     couples
 }
 
-/// Elements that walk: centres and radii, of which boxes are made too.
+/// Moving elements: centres and radii, from which boxes are made too.
 struct Walk<T, const D: usize> {
     random: Random,
     centres: Vec<[T; D]>,
@@ -100,7 +100,7 @@ fn walks<T: FromF64, const D: usize>() {
     assert!(kept > 100 && detected > 100, "{kept} updates kept their candidates, {detected} detected");
 }
 
-/// `Buffered` of any search.
+/// `Buffered` with any search.
 trait Engine<T, const D: usize> {
     fn update_to(&mut self, elements: &Elements<'_, T, D>) -> (Vec<Couple>, Option<Reason>);
 }
@@ -132,14 +132,14 @@ fn walks_3d_f32() {
     walks::<f32, 3>();
 }
 
-/// `x`, some units in the last place up or down.
+/// `x`, moved by some units in the last place up or down.
 fn nudged<T: FromF64>(x: f64, units: i32) -> T {
     let rounded = T::from_f64(x).to_f64();
     T::from_f64(rounded * (1.0 + f64::from(units) * T::EPSILON))
 }
 
-/// Two elements that are just no candidate approach each other by half a buffer each, give or take some units in the
-/// last place: this is where roundings would lose a couple. Far from the origin, and with a drift, too.
+/// Two elements that are just not candidates approach each other by about half a buffer each, give or take some units in the last place.
+/// Rounding could lose a couple here. Also far from the origin, and with a common drift.
 fn at_the_limit<T: FromF64>(
     units: [i32; 4],
     size: f64,
@@ -170,7 +170,7 @@ fn at_the_limit<T: FromF64>(
     };
     let mut buffered = Buffered::new(buffer).unwrap();
     let _ = buffered.update(&make(&before, &far_before)).unwrap();
-    // Boxes are half as long, so the other half is a gap that counts.
+    // Boxes are half as long; the other half is tolerance.
     let tolerance = if kind == 2 { half } else { T::ZERO };
     let start = make(&before, &far_before).with_tolerance(tolerance).unwrap();
     let candidate = buffered.update(&start).unwrap().candidates().len();
@@ -196,7 +196,7 @@ proptest! {
         at_the_limit::<f32>(units, size, buffer, origin, drift, kind);
     }
 
-    /// Any scale, and any buffer that fits to it: squares underflow, or nearly overflow.
+    /// Any scale, and any buffer that fits it: squares underflow, or nearly overflow.
     #[test]
     fn any_scale_equals_direct(
         steps in prop::collection::vec(prop::collection::vec([-1.0..1.0, -1.0..1.0], 6), 1..4),
@@ -216,7 +216,7 @@ proptest! {
     }
 }
 
-/// The test above is worth its name: it does meet couples that were no candidates.
+/// Shows that the test above does reach couples that were not candidates.
 #[test]
 fn couples_at_the_limit_are_met() {
     let mut met = 0;
@@ -241,7 +241,7 @@ fn motion_within_the_buffer_does_not_detect() {
     let n = 5000;
     let mut buffered = Buffered::new(0.2).unwrap();
     for step in 0..50 {
-        // Back and forth, by 0.09 at most, neighbours against each other.
+        // Back and forth by at most 0.09, neighbours against each other.
         let swing = 0.09 * f64::from((step + 2) % 5 - 2) / 2.0;
         let centres: Vec<[f64; 2]> = line(n)
             .iter()
@@ -256,7 +256,7 @@ fn motion_within_the_buffer_does_not_detect() {
     assert_eq!((buffered.updates(), buffered.redetections()), (50, 1));
 }
 
-/// More candidates than the threads take at once.
+/// More candidates than the threads take at a time.
 #[test]
 #[cfg(feature = "rayon")]
 fn threads_change_nothing() {
@@ -281,7 +281,7 @@ fn threads_change_nothing() {
     }
 }
 
-/// By a thousand buffers in each step, for spheres and for boxes; more elements than are sampled for the mean.
+/// All elements move by a thousand buffers in each step; spheres and boxes; more elements than the sample for the mean.
 #[test]
 fn common_drift_does_not_detect() {
     let mut spheres = Buffered::new(0.25).unwrap();
@@ -299,7 +299,7 @@ fn common_drift_does_not_detect() {
     assert_eq!((spheres.redetections(), boxes.redetections()), (1, 1));
 }
 
-/// Of 4096 elements 1024 are sampled. If just these move, the mean of the sample misleads, and that of all is asked.
+/// Of 4096 elements 1024 are sampled. If only these move, the mean of the sample misleads, and the mean of all is computed.
 #[test]
 fn the_mean_of_all_decides() {
     let mut centres = line(4096);
@@ -371,7 +371,7 @@ fn wrong_numbers_are_errors_and_keep_nothing_wrong() {
         assert!(error.to_string().starts_with("buffer "), "{error}");
     }
 
-    // NaN cannot come as far as an update: the elements are refused, and what is there stays good.
+    // An update never sees NaN: the elements are refused, and the existing candidates stay valid.
     let mut centres = line(5);
     let mut buffered = Buffered::new(0.5).unwrap();
     assert_eq!(buffered.update(&Elements::points(&centres, 1.0).unwrap()).unwrap().count(), 4);
@@ -381,7 +381,7 @@ fn wrong_numbers_are_errors_and_keep_nothing_wrong() {
     centres[3][1] = 0.1;
     assert!(!buffered.update(&Elements::points(&centres, 1.0).unwrap()).unwrap().redetected());
 
-    // A search that fails leaves nothing that could be taken for an answer.
+    // A search that fails leaves nothing that could be mistaken for a result.
     let mut buffered = Buffered::with_search(Nbs::new().with_max_heads(1000), 0.5).unwrap();
     let near = Elements::points(&centres, 1.0).unwrap();
     assert!(buffered.update(&near).unwrap().redetected());

@@ -1,4 +1,4 @@
-//! Compressed rows equal a map of sets, whatever the order of the couples.
+//! Compressed rows equal a map of sets, for any order of the couples.
 
 use std::collections::BTreeMap;
 
@@ -32,7 +32,7 @@ fn check(csr: &Csr, elements: usize, couples: &[Couple], full: bool) {
     assert_eq!(csr.neighbours(), expected.concat());
 }
 
-/// Up to 40 elements, couples in any order and some of them twice; then up to 20 elements that no couple names.
+/// Up to 40 elements, with couples in any order and some of them twice, followed by up to 20 elements without couples.
 fn list() -> impl Strategy<Value = (usize, Vec<Couple>)> {
     (2..40_u32, 0..20_usize).prop_flat_map(|(named, more)| {
         let couple = (0..named, 0..named - 1)
@@ -42,7 +42,7 @@ fn list() -> impl Strategy<Value = (usize, Vec<Couple>)> {
 }
 
 proptest! {
-    /// One `Csr` is filled again and again: what an earlier filling left must not show.
+    /// One `Csr` is filled repeatedly; an earlier filling must have no effect.
     #[test]
     fn equals_a_map_of_sets(lists in prop::collection::vec(list(), 1..4)) {
         let mut csr = Csr::new();
@@ -82,7 +82,7 @@ proptest! {
         }
     }
 
-    /// A value is that of its entry, from the element to its neighbour, and comes in the order of the entries.
+    /// The value of an entry is that from the element to its neighbour; values come in the order of the entries.
     #[test]
     fn values_belong_to_their_entries((elements, couples) in list()) {
         let mut csr = Csr::new();
@@ -152,7 +152,7 @@ fn rows_of_a_search_hold_what_touches() {
     assert_eq!(csr.bytes(), held, "the memory is used again");
 }
 
-/// Couples of a periodic box: several images of one neighbour, and own images.
+/// Couples of a periodic box: several images of one neighbour, and elements with their own images.
 fn periodic_list() -> impl Strategy<Value = (usize, Vec<PeriodicCouple<2>>)> {
     (1..20_u32, 0..5_usize).prop_flat_map(|(named, more)| {
         let couple = (0..named, 0..named, prop::array::uniform2(-2..3_i32)).prop_map(|(a, b, shift)| {
@@ -164,7 +164,7 @@ fn periodic_list() -> impl Strategy<Value = (usize, Vec<PeriodicCouple<2>>)> {
 }
 
 proptest! {
-    /// The entries are those of a sorted list, with the opposite shift from the other side; what an earlier filling left does not show.
+    /// The entries equal those of a sorted list, with the opposite shift from the other side; an earlier filling has no effect.
     #[test]
     fn periodic_rows_equal_a_sorted_list(lists in prop::collection::vec(periodic_list(), 1..4)) {
         let mut csr = Csr::new();

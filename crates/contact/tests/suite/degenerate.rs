@@ -1,4 +1,4 @@
-//! Inputs at the edge: each gives the exact answer or a typed error that says what, where and the limit.
+//! Extreme inputs: each gives the exact answer or a typed error that says what, where and the limit.
 
 use fdem_contact::{Couple, Detector, Direct, Elements, Engine, Error, Nbs, Search};
 
@@ -56,7 +56,7 @@ fn a_bad_cutoff_is_named_as_it_was_given() {
     }
 }
 
-/// The caller's domain is at fault, and no element.
+/// The error concerns the caller's domain, not an element.
 #[test]
 fn a_domain_that_is_set_too_wide_blames_no_element() {
     let elements = Elements::points(&[[0.0], [1.0]], 1.0).unwrap();
@@ -113,7 +113,7 @@ fn a_domain_too_wide_says_how_wide_who_and_what_instead() {
         assert!(message.contains(part), "{part:?} is not in: {message}");
     }
 
-    // Auto takes another engine instead, and says so.
+    // Auto chooses another engine instead, and says so.
     let mut detector = Detector::new(Engine::Auto);
     let plan = detector.plan(&elements).unwrap();
     assert_eq!(plan.engine, Engine::Rows);
@@ -125,7 +125,7 @@ fn a_domain_too_wide_says_how_wide_who_and_what_instead() {
 fn the_bound_on_heads_is_the_callers() {
     let centres = [[0.0, 0.0], [999.5, 0.0]];
     let elements = Elements::points(&centres, 1.0).unwrap();
-    // 1,000 cells along x in two sets, one along y in one.
+    // 1,000 cells along x in two sets, and one cell along y in one set.
     assert_eq!(Nbs::new().with_max_heads(2001).count(&elements), Ok(0));
     let error = Nbs::new().with_max_heads(2000).count(&elements).unwrap_err();
     assert!(matches!(error, Error::DomainTooWide { heads, limit: 2000, .. } if heads == 2001.0), "{error:?}");
@@ -144,7 +144,7 @@ fn a_domain_that_is_set_must_hold_the_elements() {
     }
 }
 
-/// Lattices far from the origin: the differences are what counts, not the coordinates.
+/// Lattices far from the origin: only differences of coordinates matter.
 #[test]
 fn far_from_the_origin_touching_neighbours_are_found() {
     for offset in [1e6, 1e9, 1e12, -1e12] {
@@ -155,7 +155,7 @@ fn far_from_the_origin_touching_neighbours_are_found() {
     }
 }
 
-/// The sum `max + tolerance` rounds by more than the boxes are wide; NBS must follow.
+/// The rounding of `max + tolerance` exceeds the width of the boxes; NBS must find the same couples.
 #[test]
 fn boxes_far_from_the_origin_with_a_small_tolerance() {
     let step = 1e12_f64.next_up() - 1e12;
@@ -177,7 +177,7 @@ fn a_panic_in_the_visitor_leaves_a_usable_search() {
     assert_eq!(nbs.count(&elements), Ok(180));
 }
 
-/// Searches of different sizes and domains in the same memory do not disturb each other.
+/// Searches of different sizes and domains in the same memory do not affect each other.
 #[test]
 fn memory_is_reused_without_a_trace() {
     let mut nbs = Nbs::new();

@@ -3,7 +3,7 @@
 use fdem_contact::{Couple, Elements, Rows, Search, Simd};
 use fdem_scenes::{Cloud, Sizes, clusters, gas};
 
-/// Couples in the order of the engine, from a list, a visitor and, in number, a count.
+/// Couples in the order of the engine, from a list and a visitor; their number from a count.
 fn found<const D: usize>(cloud: &Cloud<D>, with_radii: bool, simd: Simd, threads: usize) -> Vec<Couple> {
     let elements = if with_radii {
         Elements::spheres_with_radii(&cloud.centres, &cloud.radii)
@@ -20,7 +20,7 @@ fn found<const D: usize>(cloud: &Cloud<D>, with_radii: bool, simd: Simd, threads
     list
 }
 
-/// A sum of floats over all couples: the order of the additions shows in its last bits.
+/// A sum of floats over all couples: its last bits depend on the order of the additions.
 fn sum<const D: usize>(cloud: &Cloud<D>, threads: usize) -> f64 {
     let elements = Elements::spheres_with_radii(&cloud.centres, &cloud.radii).unwrap();
     let mut rows = Rows::new().with_threads(threads).unwrap();
@@ -60,7 +60,7 @@ fn a_gas_in_2d() {
     is_the_same_for_all("gas in 2D", &gas::<2>(60_000, 2, 8.0, SIZES).unwrap());
 }
 
-/// One row with all elements: the threads share it.
+/// One row with all elements, which the threads share.
 #[test]
 fn a_single_row() {
     let mut cloud = gas::<2>(60_000, 3, 8.0, SIZES).unwrap();

@@ -1,11 +1,11 @@
-//! Where coordinates of 32 bits are not enough to decide: the kernels estimate with them, and must notice.
+//! Cases that coordinates of 32 bits cannot decide: the kernels estimate with them and must notice.
 
 use fdem_contact::{Couple, Direct, Elements, Filter, Real, Rows, Search, Simd};
 use fdem_scenes::{Sizes, gas, lattice};
 
 use crate::ascending;
 
-/// Every level finds what all-against-all finds, in one order; how many couples that are.
+/// Every set of instructions finds what all-against-all finds, in one order; returns the number of couples.
 fn every_level_is_exact<T: Real, const D: usize>(elements: &Elements<'_, T, D>) -> usize {
     let expected = ascending(Direct, elements);
     let mut order: Option<Vec<Couple>> = None;
@@ -21,7 +21,7 @@ fn every_level_is_exact<T: Real, const D: usize>(elements: &Elements<'_, T, D>) 
     expected.len()
 }
 
-/// A gas in which every other element has a partner at the limit times `1 + delta`; `reach` says how far a number reaches.
+/// A gas in which every other element has a partner at the limit times `1 + delta`; `reach` gives the contact distance.
 fn nearly_touching<const D: usize>(
     n: usize,
     scale: f64,
@@ -39,7 +39,7 @@ fn nearly_touching<const D: usize>(
     centres.iter().map(|centre| centre.map(|x| x * scale + far)).collect()
 }
 
-/// `10^-4` to `10^-16` on either side.
+/// `10^-4` to `10^-16`, with either sign.
 fn tiny(k: usize) -> f64 {
     let magnitude = 0.1_f64.powf((4 + k / 4 % 13) as f64);
     if (k / 2).is_multiple_of(2) { magnitude } else { -magnitude }
@@ -86,7 +86,7 @@ fn distances_beside_the_limit_3d() {
     near_the_limit_in_f32::<3>();
 }
 
-/// The scenes above are of use: without the exact comparison these would be told wrongly.
+/// Shows that the scenes above are useful: without the exact comparison these couples would be decided wrongly.
 #[test]
 fn many_distances_are_nearer_to_the_limit_than_32_bits_tell() {
     let centres = nearly_touching::<3>(3000, 1.0, 0.0, tiny, |_| 0.5);
@@ -101,7 +101,7 @@ fn many_distances_are_nearer_to_the_limit_than_32_bits_tell() {
     assert!(wrong > 100, "{wrong}");
 }
 
-/// All contacts of a lattice are in doubt, whatever the neighbours that count.
+/// All contacts of a lattice are in doubt, whichever neighbours count.
 #[test]
 fn lattices() {
     for spacing in [1.0, 0.5, 1.0 / 3.0] {
@@ -113,7 +113,7 @@ fn lattices() {
     every_level_is_exact(&Elements::points(&cloud.centres, 1.0).unwrap());
 }
 
-/// Windows of more vectors than are kept, and rows longer than are copied, beside others that are short.
+/// Windows of more vectors than are kept, and rows longer than are copied, next to short ones.
 #[test]
 fn crowds() {
     for crowd in [200, 1000, 3000] {

@@ -1,4 +1,4 @@
-//! What is told of a search beforehand, against the search.
+//! The prediction of a search, compared with the search.
 
 use fdem_contact::{
     Couple, Detector, Direct, Elements, Engine, Error, Explanation, Filter, GroupMatrix, Nbs, PeriodicBox,
@@ -15,7 +15,7 @@ fn explained<const D: usize>(engine: Engine, elements: &Elements<'_, f64, D>) ->
     explanation
 }
 
-/// The couples are within a factor of those that a search finds.
+/// The predicted number of couples is within a factor of the actual one.
 fn is_within<const D: usize>(scene: &str, cloud: &Cloud<D>, factor: f64) {
     let elements = Elements::spheres_with_radii(&cloud.centres, &cloud.radii).unwrap();
     let explanation = explained(Engine::Auto, &elements);
@@ -42,7 +42,7 @@ fn couples_are_estimated() {
     is_within("few", &gas::<3>(2000, 1, 0.5, EQUAL).unwrap(), 1.3);
 }
 
-/// Rows of a lattice are as long as a stretch of the sample: one element of each, by number, would see one face only.
+/// Rows of a lattice are as long as a stretch of the sample: taking the same place of every stretch would sample a single face.
 #[test]
 fn a_lattice_is_not_in_step_with_the_sample() {
     is_within("lattice", &lattice::<3>(64 * 64 * 64, 0.5, 1.0).unwrap(), 1.03);
@@ -76,7 +76,7 @@ fn coincident_elements_all_touch() {
     assert_eq!(explanation.couples, 3000.0 * 2999.0 / 2.0);
 }
 
-/// Bytes are an upper bound, and no more than twice what is held.
+/// The predicted number of bytes is an upper bound, and at most twice what is held.
 fn bytes_are_told<const D: usize>(scene: &str, elements: &Elements<'_, f64, D>) {
     for threads in [1, 2] {
         let mut rows = Rows::new().with_threads(threads).unwrap();
@@ -129,7 +129,7 @@ fn the_text_says_it_all() {
         "rows      ",
         "at most ",
         "couples   about 1,9",
-        "give or take",
+        "standard error",
         "memory    0.",
         "threads   1, portable",
     ] {
@@ -142,12 +142,12 @@ fn the_text_says_it_all() {
     let few = Detector::new(Engine::Direct).explain(&Elements::points(&centres[..3], 2.0).unwrap()).unwrap();
     assert_eq!(
         few.to_string(),
-        "engine    direct: asked for\nelements  3\ncouples   1\nmemory    0.0 MB for the engine, 0.0 MB for a list of the \
+        "engine    direct: requested\nelements  3\ncouples   1\nmemory    0.0 MB for the engine, 0.0 MB for a list of the \
          couples\nthreads   1\n"
     );
 }
 
-/// A box that is `fraction` of the cube around a cloud, leaning by `tilt` of its edge.
+/// A box whose edge is `fraction` of that of the cube around a cloud, sheared by `tilt` of its edge.
 fn box_around<const D: usize>(cloud: &Cloud<D>, fraction: f64, tilt: f64) -> PeriodicBox<f64, D> {
     let edge = cloud.centres.as_flattened().iter().fold(0.0, |largest, &x| f64::max(largest, x)) * fraction;
     let mut edges = [[0.0; D]; D];
@@ -158,7 +158,7 @@ fn box_around<const D: usize>(cloud: &Cloud<D>, fraction: f64, tilt: f64) -> Per
     PeriodicBox::triclinic([0.0; D], edges, std::array::from_fn(|axis| axis != 1)).unwrap()
 }
 
-/// Against a search in the same box.
+/// Compares with a search in the same box.
 fn is_within_in_a_box<const D: usize>(
     scene: &str,
     cloud: &Cloud<D>,
@@ -193,7 +193,7 @@ fn couples_in_boxes_that_repeat_are_estimated() {
         let unlike = gas::<3>(30_000, seed, 8.0, sizes).unwrap();
         is_within_in_a_box("sizes", &unlike, &box_around(&unlike, 1.0, 0.3), 1.3);
     }
-    // More images than elements, of which a couple of thousand are in reach of each other.
+    // More images than elements; a couple of thousand are in reach of each other.
     let cloud = gas::<2>(3000, 1, 1.0, EQUAL).unwrap();
     let cell = PeriodicBox::orthogonal([0.0; 2], [3.0; 2], [true; 2]).unwrap();
     let told = is_within_in_a_box("small box", &cloud, &cell, 1.1);
@@ -282,7 +282,7 @@ fn a_periodic_search_is_explained_in_words_or_refused() {
 
     for engine in [Engine::Direct, Engine::Nbs] {
         let told = PeriodicSearch::new(engine).explain(&elements, &cell).unwrap();
-        assert_eq!((told.plan.engine, told.plan.reason.as_str()), (engine, "asked for"));
+        assert_eq!((told.plan.engine, told.plan.reason.as_str()), (engine, "requested"));
     }
     let mut bounded = PeriodicSearch::new(Engine::Rows).with_max_images(3);
     assert!(matches!(bounded.explain(&elements, &cell), Err(Error::TooManyImages { limit: 3, .. })));

@@ -1,4 +1,4 @@
-//! Filters: every search finds what it finds without one, filtered afterwards, in the same order.
+//! Filters: every search finds what it finds without a filter, filtered afterwards, in the same order.
 
 use fdem_contact::{
     Buffered, CGrid, Couple, Detector, Direct, Elements, Engine, Error, Filter, GroupMatrix, Mismatch,
@@ -10,14 +10,14 @@ use fdem_scenes::{Cloud, Sizes, clusters, gas};
 use crate::ascending;
 use crate::oracle::FromF64;
 
-/// A filter that owns its numbers, with its rule written out again.
+/// A filter that owns its numbers, with its rule written out independently.
 #[derive(Clone, Default)]
 struct Case {
     name: String,
     bodies: Option<Vec<u32>>,
     masks: Option<[Vec<u32>; 2]>,
     groups: Option<(Vec<u32>, GroupMatrix)>,
-    /// What the matrix is meant to say.
+    /// The intended matrix.
     seen: Vec<Vec<bool>>,
 }
 
@@ -50,7 +50,7 @@ fn numbers(n: usize, seed: u64, number: impl Fn(u64) -> u32) -> Vec<u32> {
     (0..n).map(|_| number(random.bits())).collect()
 }
 
-/// Groups drawn at random, and a matrix of which about half is yes.
+/// Random groups, and a matrix in which about half of the entries are true.
 fn grouped(n: usize, groups: usize, seed: u64) -> Case {
     let mut random = Random::new(seed);
     let mut seen = vec![vec![false; groups]; groups];
@@ -73,7 +73,7 @@ fn cases(n: usize) -> Vec<Case> {
         masks: Some([numbers(n, 1, bits), numbers(n, 2, bits)]),
         ..Case::default()
     };
-    // Numbers with bit 31 too: they are compared, not subtracted.
+    // Some numbers have bit 31 set: they are compared, not subtracted.
     let bodies = numbers(n, 3, |bits| [0, 7, u32::MAX, 1 << 31][(bits >> 62) as usize]);
     let groups = [3, 31, 32, 33, 64, 100].map(|groups| grouped(n, groups, 4));
     let mut cases: Vec<Case> = groups.into_iter().chain([masks]).collect();
@@ -87,7 +87,7 @@ fn cases(n: usize) -> Vec<Case> {
     cases
 }
 
-/// All that a search can do with the elements: the couples in its order.
+/// The couples of all methods of a search, in its order.
 fn found<T: Real, const D: usize>(
     search: &mut impl Search<T, D>,
     elements: &Elements<'_, T, D>,
@@ -100,7 +100,7 @@ fn found<T: Real, const D: usize>(
     couples
 }
 
-/// The same search, first without a filter and then with it, in the same memory.
+/// Searches first without a filter and then with it, in the same memory.
 fn compare_search<T: Real, const D: usize>(
     name: &str,
     mut search: impl Search<T, D>,
@@ -152,7 +152,7 @@ fn compare<T: FromF64, const D: usize>(cloud: &Cloud<D>) {
             compare_search("nbs", Nbs::new(), &elements, &cases);
             compare_search("cgrid", CGrid::new(), &elements, &cases);
             compare_search("auto", Detector::new(Engine::Auto), &elements, &cases);
-            // What the engines agree on is what `touch` says.
+            // The engines agree with `touch`.
             for case in &cases {
                 let filtered = elements.with_filter(case.filter()).unwrap();
                 let couples = ascending(Direct, &filtered);
@@ -169,7 +169,7 @@ fn small_and_few<T: FromF64, const D: usize>() {
     for n in [0, 1, 2, 20, 400] {
         compare::<T, D>(&gas::<D>(n, 5, 8.0, SIZES).unwrap());
     }
-    // One row that is longer than any vector; and a domain with more rows than elements.
+    // One row that is longer than any vector, and a domain with more rows than elements.
     let mut row = gas::<D>(100, 5, 8.0, SIZES).unwrap();
     row.centres.iter_mut().enumerate().for_each(|(k, centre)| *centre = [k as f64 * 0.3; D]);
     row.centres.iter_mut().for_each(|centre| centre[1..].fill(0.5));
@@ -307,12 +307,12 @@ fn a_filter_that_changes_is_noticed() {
     let mut numbers = vec![0; 50];
     assert_eq!(reason(plain.with_filter(Filter::bodies(&numbers)).unwrap()), changed(None));
     assert_eq!(reason(plain.with_filter(Filter::bodies(&numbers)).unwrap()), None);
-    // A body breaks.
+    // A body breaks in two.
     numbers[31..].fill(1);
     assert_eq!(reason(plain.with_filter(Filter::bodies(&numbers)).unwrap()), changed(Some(31)));
     assert_eq!(reason(plain.with_filter(Filter::bodies(&numbers)).unwrap()), None);
 
-    // The same numbers, with another meaning.
+    // The same numbers with another meaning.
     let mut matrix = GroupMatrix::all(2).unwrap();
     let mut grouped =
         |matrix: &GroupMatrix| reason(plain.with_filter(Filter::groups(&numbers, matrix)).unwrap());
@@ -329,7 +329,7 @@ fn a_filter_that_changes_is_noticed() {
     assert_eq!(reason(plain), None);
 }
 
-/// All engines and levels, on elements that all touch each other.
+/// The couples of all engines and instruction sets for elements that all touch each other.
 fn couples_of(elements: &Elements<'_, f32, 3>) -> Vec<Couple> {
     let expected = ascending(Direct, elements);
     assert_eq!(ascending(Nbs::new(), elements), expected);
@@ -353,7 +353,7 @@ fn everything_and_nothing_is_left_out() {
     assert_eq!(filtered(Filter::masks(&[0; 40], &[u32::MAX; 40])), [], "no category");
     assert_eq!(filtered(Filter::masks(&[u32::MAX; 40], &[0; 40])), [], "no mask");
     assert_eq!(filtered(Filter::masks(&[1 << 31; 40], &[1 << 31; 40])), all);
-    // i sees j, and j does not see i.
+    // i sees j, but j does not see i.
     let categories: Vec<u32> = (0..40).map(|k| 1 + k % 2).collect();
     assert_eq!(filtered(Filter::masks(&categories, &[1; 40])).len(), 20 * 19 / 2);
 
@@ -364,7 +364,7 @@ fn everything_and_nothing_is_left_out() {
         let matrix = GroupMatrix::all(groups as usize).unwrap();
         assert_eq!(filtered(Filter::groups(&of, &matrix)), all, "{groups} groups");
         assert_eq!(filtered(Filter::groups(&of, &matrix).with_bodies(&[0; 40])), [], "{groups} groups");
-        // The last group sees the first one, and nobody else anyone.
+        // The last group sees the first one; no other groups see each other.
         let mut last = none;
         last.set(groups - 1, 0, true).unwrap();
         let of: Vec<u32> = (0..40).map(|k| if k == 3 { groups - 1 } else { 0 }).collect();
@@ -442,7 +442,7 @@ fn a_check_honours_the_filter() {
     assert_eq!(verify(&filtered, &all[..2], 3, 0), Ok(3));
 }
 
-/// Of two filters the later one counts.
+/// A later filter replaces an earlier one.
 #[test]
 fn a_filter_is_replaced() {
     let plain = Elements::points(&[[0.0]; 3], 1.0).unwrap();

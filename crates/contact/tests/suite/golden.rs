@@ -22,7 +22,7 @@ fn y_lists() {
     assert_eq!(figures.y, [-1, -1, -1, 1, -1, 3, 4, 6, 8, 7]);
 }
 
-/// Figs 3.43 and 3.44, p. 108. The figure prints X\[1\] = 2, the text X\[1\] = 10: the text is right.
+/// Figs 3.43 and 3.44, p. 108. The figure prints X\[1\] = 2, the text X\[1\] = 10; the text is right.
 #[test]
 fn x_lists_of_row_7() {
     let figures = figures();
@@ -36,7 +36,7 @@ fn x_lists_of_row_7() {
     assert_eq!(row.x, [10, -1, -1, -1, -1, -1, -1, -1, -1, -1]);
 }
 
-/// The rows that follow, in the order in which the bodies lead to them: 2 is in row 8, 3 in row 6, 5 in row 5.
+/// The following rows, in the order in which the bodies lead to them: 2 is in row 8, 3 in row 6, 5 in row 5.
 #[test]
 fn x_lists_of_the_other_rows() {
     let figures = figures();
@@ -73,7 +73,7 @@ fn couples(text: &str) -> Vec<(u32, u32)> {
         .collect()
 }
 
-/// Body 9 cannot be placed from what is printed: column 3 or 4. The fixture has it in column 3.
+/// The printed data do not determine whether body 9 is in column 3 or 4. The fixture has it in column 3.
 #[test]
 fn candidate_couples() {
     let expected = couples(CANDIDATES);
@@ -88,7 +88,7 @@ fn candidate_couples() {
     assert_eq!(Figures::draw(&centres).unwrap().candidates, with_9_in_column_4);
 }
 
-/// What the example prints carries the figures' own arrays.
+/// The output of the example contains the arrays of the figures.
 #[test]
 fn the_example_prints_the_figures() {
     let text = figures().to_string();
@@ -118,7 +118,7 @@ fn all_heads_are_empty_afterwards() {
             }
         }
     }
-    // The same search again, on bodies elsewhere: whatever was left in the heads would show.
+    // The same search again, on other bodies: anything left in the heads would show.
     let mut nbs = Nbs::new().with_domain([[0.0, 10.0]; 2]);
     nbs.count(&Elements::points(&book::ten_bodies().centres, 1.0).unwrap()).unwrap();
     let mut heads = Heads(Vec::new());

@@ -5,11 +5,11 @@ use fdem_scenes::{Cloud, Sizes, gas};
 
 use crate::ascending;
 
-/// Limits that make no, some and all levels of their own.
+/// Limits that separate no levels, some, and all.
 const LIMITS: [&[f64]; 4] =
     [&[], &[1.0], &[1e-3, 0.1, 1.0, 10.0], &[f64::NAN, 0.0, -1.0, 1e300, f64::INFINITY, 4.0]];
 
-/// Every choice of levels, threads and vectors finds the couples of all-against-all; each choice of levels in one order.
+/// Every choice of levels, threads and vectors finds the couples of all-against-all, in one order per choice of levels.
 fn equals_direct<const D: usize>(what: &str, elements: &Elements<'_, f64, D>) -> usize {
     let expected = ascending(Direct, elements);
     for limits in std::iter::once(None).chain(LIMITS.map(Some)) {
@@ -51,7 +51,7 @@ fn of<const D: usize>(what: &str, cloud: &Cloud<D>) {
         let couples = equals_direct(what, &spheres.with_tolerance(tolerance).unwrap());
         assert!(couples > cloud.len() / 8, "{what} has couples to lose: {couples}");
         let corner = |side: f64| -> Vec<[f64; D]> {
-            // Longer along the first axis, by far for some.
+            // Boxes that are longer along the first axis, some of them by far.
             let corners = cloud.centres.iter().zip(&cloud.radii).enumerate();
             let stretch = |k: usize, axis: usize| if axis == k % (D + 1) { 3.0 } else { 0.5 };
             corners
@@ -112,7 +112,7 @@ fn points_among_spheres() {
     of("some are nearly points", &cloud);
 }
 
-/// Centres on the faces of cells, sizes that are whole steps: touching is exact, and common.
+/// Centres on the faces of cells and sizes of whole steps, so that exact touching is common.
 #[test]
 fn bodies_on_the_faces_of_cells() {
     let centres: Vec<[f64; 2]> = (0..900).map(|k| [f64::from(k % 30), f64::from(k / 30)]).collect();
@@ -141,7 +141,7 @@ fn nothing_and_one() {
     assert_eq!(equals_direct("one", &Elements::spheres_with_radii(&[[1.0, 2.0]], &[3.0]).unwrap()), 0);
 }
 
-/// Sums over parts do not depend on threads.
+/// Sums over parts do not depend on the number of threads.
 #[test]
 fn a_large_set_on_threads() {
     let cloud = gas::<3>(60_000, 6, 3.0, power_law(100.0)).unwrap();
@@ -180,11 +180,11 @@ fn auto_takes_levels_where_they_pay() {
     assert!(unlike.reason.contains("ratio"), "{}", unlike.reason);
 }
 
-/// Small spheres all around large ones, which they touch in one point: at distances that are whole numbers, along all rows, near and far from the origin. The large ones
-/// are of several sizes, each of which reaches less far than its level.
+/// Small spheres around large ones, which they touch in one point: at distances that are whole numbers, along all rows, near and far from
+/// the origin. The large spheres have several sizes, each with a smaller reach than its level.
 #[test]
 fn contacts_in_one_point_in_any_direction() {
-    // x² + y² + z² is a square.
+    // Vectors for which x² + y² + z² is a square.
     let directions: [[f64; 3]; 6] = [
         [0.0, 0.0, 1.0],
         [3.0, 4.0, 0.0],
@@ -212,7 +212,7 @@ fn contacts_in_one_point_in_any_direction() {
                 centres.push([0, 1, 2].map(|axis| centre[axis] + sign(axis) * offset[axis] * times * unit));
                 radii.push(times * length);
             }
-            // The small ones are what is left to the surface of the large one.
+            // The small radius is the distance that remains to the surface of the large sphere.
             let large_radius = nearest - 1.0;
             let first = radii.len() - 48;
             radii[first..].iter_mut().for_each(|radius| *radius = (*radius - large_radius) * unit);

@@ -1,4 +1,4 @@
-//! Numbers at the edge: coordinates of 1e12, more couples than 32 bits count, domains of 10^15 cells.
+//! Extreme numbers: coordinates of 1e12, more couples than 32 bits count, domains of 10^15 cells.
 
 use fdem_contact::{Couple, Detector, Direct, Elements, Engine, Error, Nbs, Rows, Search, Simd};
 use fdem_scenes::{Sizes, gas};
@@ -7,7 +7,7 @@ use crate::ascending;
 
 const EQUAL: Sizes = Sizes::Equal { radius: 0.5 };
 
-/// The definition of touching, one couple after the other.
+/// The couples by the definition of touching, one after the other.
 fn by_hand<const D: usize>(elements: &Elements<'_, f64, D>) -> Vec<Couple> {
     let n = elements.len() as u32;
     let all = (0..n).flat_map(|i| (i + 1..n).map(move |j| Couple { i, j }));
@@ -45,12 +45,12 @@ fn far_away<const D: usize>(places: &[[f64; D]], nbs: bool) {
     all_engines_agree(&Elements::boxes(&centres, &corners).unwrap(), nbs);
 }
 
-/// Coordinates have 13 bits left for a diameter; which elements touch is decided by these, and every engine takes the same decision.
+/// Coordinates have 13 bits left for a diameter. These bits decide which elements touch, and every engine takes the same decision.
 #[test]
 fn coordinates_of_1e12_with_diameters_of_1_are_exact() {
     far_away(&[[1e12, -1e12]], true);
     far_away(&[[-1e12, 1e12, 1e12]], true);
-    // Some here and some there: lists of 10^12 cells are refused, rows are not made of cells.
+    // Some elements here and some far away: lists of 10^12 cells are refused, but rows are not made of cells.
     far_away(&[[0.0, 0.0], [1e12, -1e12]], false);
     far_away(&[[1e12, 1e12, -1e12], [0.0, -1e12, 1e12]], false);
 }
@@ -65,7 +65,7 @@ fn more_than_2_to_the_32_couples_are_counted() {
     assert!(n * (n - 1) / 2 > 1 << 32);
 }
 
-/// What the engine holds does not grow with the domain.
+/// The memory of the engine does not grow with the domain.
 #[test]
 fn a_wide_domain_takes_no_more_memory() {
     const N: usize = 1_000_000;
@@ -89,7 +89,7 @@ fn a_wide_domain_takes_no_more_memory() {
         "one element far away: {with_outlier} bytes per element, {packed} before"
     );
 
-    // Each element has a row of its own: its start, twice, and the room in which these were gathered.
+    // Each element has its own row: two entries for its start, and the room in which starts were collected.
     let spread: Vec<[f64; 3]> = dense.iter().map(|centre| centre.map(|x| x * 2000.0)).collect();
     let far = per_element(&spread, 1e15);
     assert!(far < 48.0 && far < packed + 16.0, "spread: {far} bytes per element, {packed} when packed");

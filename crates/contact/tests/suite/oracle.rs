@@ -22,14 +22,14 @@ impl FromF64 for f32 {
     }
 }
 
-/// Compares the searches on spheres of one radius, spheres with radii and boxes made of the same cloud.
-/// Returns the number of couples, so that a caller can insist that there were some.
+/// Compares the searches on spheres of one radius, spheres with radii and boxes from the same cloud. Returns the number of couples, so that
+/// a caller can require some.
 fn compare<T: FromF64, const D: usize>(scene: &str, cloud: &Cloud<D>) -> usize {
     let centres: Vec<[T; D]> = cloud.centres.iter().map(|centre| centre.map(T::from_f64)).collect();
     let radii: Vec<T> = cloud.radii.iter().copied().map(T::from_f64).collect();
     let corner = |side: f64| -> Vec<[T; D]> {
         let corners = cloud.centres.iter().zip(&cloud.radii);
-        // Unlike edges: the box of element k is flattened along axis k mod D.
+        // Edges of different lengths: the box of element k is flattened along axis k mod D.
         corners
             .enumerate()
             .map(|(k, (centre, radius))| {

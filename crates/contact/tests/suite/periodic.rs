@@ -1,8 +1,10 @@
-//! Boxes that repeat: every contact and every image of it, against all shifts one by one.
+//! Periodic boxes: every contact and every image of it, against all shifts one by one.
 //!
+//! - `buffered`: elements that move.
 //! - `lattices`: numbers of contacts that are known without a search.
-//! - `laws`: what holds for any elements in any box (proptest).
+//! - `laws`: properties of any elements in any box (proptest).
 
+mod buffered;
 mod lattices;
 mod laws;
 
@@ -16,7 +18,7 @@ use crate::oracle::FromF64;
 const ENGINES: [Engine; 6] =
     [Engine::Auto, Engine::Direct, Engine::Nbs, Engine::Rows, Engine::Multilevel, Engine::CGrid];
 
-/// One radius or one each.
+/// One radius for all, or one each.
 #[derive(Clone, Copy)]
 enum Radii<'a, T> {
     Equal(T),
@@ -40,7 +42,7 @@ impl<T: Real> Radii<'_, T> {
     }
 }
 
-/// The documented displacement, written out again.
+/// The documented displacement, written out independently.
 fn displaced<T: FromF64, const D: usize>(x: &[T; D], shift: &[i32; D], edges: &[[T; D]; D]) -> [T; D] {
     let mut moved = *x;
     for axis in 0..D {
@@ -53,8 +55,8 @@ fn displaced<T: FromF64, const D: usize>(x: &[T; D], shift: &[i32; D], edges: &[
     moved
 }
 
-/// The range of shifts to try along each edge. The volume of the box over the area of a face is a height: here from the Gram matrix of the
-/// edges, so that nothing is shared with the library but the idea. One shift more than needed on either side.
+/// The range of shifts to try along each edge. The volume of the box divided by the area of a face is a height; here it comes from the Gram
+/// matrix of the edges, so that no code is shared with the library. One more shift than needed on either side.
 fn ranges<T: Real, const D: usize>(cell: &PeriodicBox<T, D>, wrapped: &[[T; D]], reach: f64) -> [i32; D] {
     let edges = cell.edges().map(|edge| edge.map(T::to_f64));
     std::array::from_fn(|a| {
@@ -85,7 +87,7 @@ fn ranges<T: Real, const D: usize>(cell: &PeriodicBox<T, D>, wrapped: &[[T; D]],
     })
 }
 
-/// All elements against all images, without any idea of where they are. Images of elements compare as documented.
+/// All elements against all images, by brute force. Images are compared as documented.
 fn brute<T: FromF64, const D: usize>(
     centres: &[[T; D]],
     radii: Radii<'_, T>,
@@ -165,7 +167,7 @@ fn found<T: Real, const D: usize>(
     couples
 }
 
-/// All engines against brute force; returns the number of couples.
+/// Compares all engines with brute force; returns the number of couples.
 fn compare<T: FromF64, const D: usize>(
     what: &str,
     centres: &[[f64; D]],
@@ -205,7 +207,7 @@ fn rotated<const D: usize>(mut edges: [[f64; D]; D], angle: f64, axes: [usize; 2
     edges
 }
 
-/// Edges of about unit size: cubic, unlike, sheared a little, sheared by more than an edge, rotated, flat.
+/// Edges of about unit size: cubic, unlike, slightly sheared, sheared by more than an edge, rotated, flat.
 fn shapes<const D: usize>() -> Vec<(&'static str, [[f64; D]; D])> {
     let diagonal = |length: fn(usize) -> f64| -> [[f64; D]; D] {
         std::array::from_fn(|a| std::array::from_fn(|b| if a == b { length(a) } else { 0.0 }))
@@ -249,7 +251,7 @@ fn scaled<T: FromF64, const D: usize>(edges: [[f64; D]; D], scale: f64) -> [[T; 
     edges.map(|edge| edge.map(|x| T::from_f64(x * scale)))
 }
 
-/// The point at these fractions of the edges.
+/// The point with these fractions of the edges.
 fn at<T: Real, const D: usize>(edges: &[[T; D]; D], origin: f64, fractions: [f64; D]) -> [f64; D] {
     std::array::from_fn(|axis| origin + (0..D).map(|a| fractions[a] * edges[a][axis].to_f64()).sum::<f64>())
 }
@@ -265,7 +267,7 @@ fn all_boxes<T: FromF64, const D: usize>() {
                 for (n, origin, outside) in
                     [(0, 0.0, 1.0), (1, 0.0, 1.0), (2, -3.3, 3.0), (10, 5.5, 1.0), (20, -2.0, 40.0)]
                 {
-                    // Thousands of images each: a few elements will do.
+                    // With thousands of images per element, a few elements suffice.
                     if n == 20 && size < 0.9 {
                         continue;
                     }
@@ -286,7 +288,7 @@ fn all_boxes<T: FromF64, const D: usize>() {
     assert!(couples > 1000, "the boxes have couples to lose: {couples}");
 }
 
-/// Elements on corners, edges and faces, on either side, where they round; all in one place; and a tolerance.
+/// Elements on corners, edges and faces, and on either side of them, where rounding matters; all in one place; with a tolerance.
 fn on_the_faces<T: FromF64, const D: usize>() {
     let mut random = Random::new(11);
     for (shape, edges) in shapes::<D>() {
@@ -313,7 +315,7 @@ fn on_the_faces<T: FromF64, const D: usize>() {
     }
 }
 
-/// A box with faces between elements that are thousands of periods apart.
+/// Elements thousands of periods apart, with faces of the box between them.
 fn far_outside<T: FromF64, const D: usize>() {
     let mut random = Random::new(13);
     for (shape, edges) in shapes::<D>() {
@@ -340,7 +342,7 @@ fn three_hundred<T: FromF64, const D: usize>() {
     }
 }
 
-/// Boxes so large that most elements are far from all faces, and those near them are searched apart.
+/// Boxes so large that most elements are far from all faces, and those near a face are searched separately.
 fn large_boxes<T: FromF64, const D: usize>() {
     let mut random = Random::new(19);
     let (n, size, kinds) = [(60, 20.0, 1), (500, 24.0, 9), (700, 30.0, 4)][D - 1];
@@ -368,7 +370,7 @@ fn large_boxes<T: FromF64, const D: usize>() {
     assert!(apart >= 2, "{apart} boxes are large");
 }
 
-/// Axis-aligned boxes against all images of boxes: both corners displaced, as documented.
+/// Axis-aligned boxes against all images of boxes; both corners are displaced, as documented.
 fn aligned_boxes<T: FromF64, const D: usize>() {
     let mut random = Random::new(29);
     let mut couples = 0;
@@ -534,7 +536,7 @@ fn what_cannot_be_searched_is_refused_with_the_reason() {
     assert!(matches!(error, Error::UnresolvedBox { edge: 0, .. }), "{error}");
 }
 
-/// One order for any number of threads and any vector instructions, in a large box and in one whose images are many; some elements are outside.
+/// One order for any number of threads and any vector instructions, in a large box and in one with many images; some elements are outside.
 #[test]
 fn threads_and_vectors_change_nothing() {
     let mut random = Random::new(31);
@@ -568,7 +570,7 @@ fn threads_and_vectors_change_nothing() {
     }
 }
 
-/// Without periodic edges the search is the open one.
+/// Without periodic edges the search equals one without a box.
 #[test]
 fn a_box_without_periodic_edges_is_no_box() {
     let mut random = Random::new(3);

@@ -7,7 +7,7 @@ use proptest::prelude::*;
 
 use crate::ascending;
 
-/// Multiples of 2^-10 in a bounded range: differences and their squares are exact, "touching" is decided, not rounded.
+/// Multiples of 2^-10 in a bounded range: differences and their squares are exact, so "touching" does not depend on rounding.
 fn exact() -> impl Strategy<Value = f64> {
     (-8 * 1024..8 * 1024_i32).prop_map(|k| f64::from(k) / 1024.0)
 }
@@ -76,8 +76,8 @@ proptest! {
         prop_assert_eq!(nbs(&mirrored, &radii, 0.0), nbs(&centres, &radii, 0.0));
     }
 
-    /// Whole steps of the lattice: exact in `f64`, so nothing may change. (Cells start at the lowest element, hence any
-    /// step is a translation by whole cells too.)
+    /// Translation by whole steps of the lattice is exact in `f64`, so nothing may change. (Cells start at the lowest element, so any step
+    /// is also a translation by whole cells.)
     #[test]
     fn translation((centres, radii) in spheres(), steps in [-1000..1000_i32, -1000..1000_i32, -1000..1000_i32]) {
         let moved: Vec<_> = centres.iter()
@@ -108,7 +108,7 @@ proptest! {
         prop_assert_eq!(ascending(Nbs::new(), &elements), ascending(Direct, &elements));
     }
 
-    /// Any finite `f32` at all: the answer of `Direct`, or a typed refusal. No panic, no hang.
+    /// Any finite `f32`: the answer of `Direct`, or a typed error; no panic, and no endless loop.
     #[test]
     fn arbitrary_floats_give_the_answer_or_an_error(
         centres in prop::collection::vec([any::<f32>(), any::<f32>()], 0..12),
@@ -125,7 +125,7 @@ proptest! {
         }
     }
 
-    /// Boxes of any aspect, among them flat ones and points.
+    /// Boxes of any aspect ratio, including flat ones and points.
     #[test]
     fn boxes_equal_direct(boxes in prop::collection::vec((centre(), centre()), 0..60), tolerance in 0.0..0.5) {
         let corner = |pick: fn(f64, f64) -> f64| -> Vec<[f64; 3]> {

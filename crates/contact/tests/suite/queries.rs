@@ -7,15 +7,15 @@ use proptest::prelude::*;
 use crate::against_all::{EQUAL, Scenes, coordinate, in_all_dimensions, indices, squared};
 use crate::oracle::FromF64;
 
-/// All elements, nearest first, ties by number.
+/// All elements sorted by distance, ties by number.
 fn by_distance<T: Real, const D: usize>(point: &[T; D], centres: &[[T; D]]) -> Vec<(T, u32)> {
     let mut all: Vec<_> = centres.iter().zip(0..).map(|(centre, j)| (squared(point, centre), j)).collect();
     all.sort_by(|a, b| a.partial_cmp(b).unwrap());
     all
 }
 
-/// Searches around `points` at every level and for several numbers of threads, for the distances `radii` and numbers `ks`, in
-/// an index of `elements`, whose cells depend on their size. Returns the number of entries.
+/// Searches around `points` with every set of instructions and several numbers of threads, for the distances `radii` and the numbers `ks`,
+/// in an index of `elements`, whose cells depend on their size. Returns the number of entries.
 fn compare<T: Real, const D: usize>(
     scene: &str,
     elements: &Elements<'_, T, D>,
@@ -70,14 +70,14 @@ fn all_scenes<T: FromF64, const D: usize>() {
     let ks = [0, 1, 7, 40, 1000];
 
     let centres = to(&scenes.gas);
-    // In between, around, and the elements themselves.
+    // Points in between, points around, and the elements themselves.
     let mut points = to(&gas::<D>(100, 2, 8.0, EQUAL).unwrap());
     points.extend(&centres[..50]);
     points.extend(points.clone().iter().map(|point| point.map(|x| x * T::from_f64(-3.0))));
     points.push([T::from_f64(1e6); D]);
     points.push(std::array::from_fn(|axis| T::from_f64(if axis == 0 { -1e6 } else { 1.0 })));
     points.push(std::array::from_fn(|axis| T::from_f64(if axis + 1 == D { 1e6 } else { 1.0 })));
-    // Cells that suit the density, that are far too small for it, and far too large.
+    // Cells that suit the density, that are far too small, and that are far too large.
     for cutoff in [1.0, 1e-6, 0.0, 100.0].map(T::from_f64) {
         let elements = Elements::points(&centres, cutoff).unwrap();
         assert!(compare("gas", &elements, &centres, &points, &radii, &ks) > 10_000);
@@ -87,7 +87,7 @@ fn all_scenes<T: FromF64, const D: usize>() {
         let elements = Elements::points(centres, T::from_f64(1.0)).unwrap();
         compare(scene, &elements, centres, points, &radii, &ks)
     };
-    // Ties everywhere, also between points.
+    // Many ties, also between points.
     let regular = to(&scenes.lattice);
     let between: Vec<[T; D]> = regular.iter().map(|centre| centre.map(|x| x + T::HALF)).collect();
     assert!(compare_points("lattice", &regular, &regular) > 1000);
@@ -108,7 +108,7 @@ fn all_scenes<T: FromF64, const D: usize>() {
 
 in_all_dimensions!(all_scenes);
 
-/// Several parts of the work: all points of a gas among themselves, on any number of threads, in an index that is used again.
+/// Several parts of the work: all points of a gas among themselves, with any number of threads, in an index that is reused.
 #[test]
 fn many_points() {
     let cloud = gas::<3>(20_000, 1, 12.0, EQUAL).unwrap();

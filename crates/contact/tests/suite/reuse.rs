@@ -1,11 +1,11 @@
-//! A search that has searched before finds what a new one finds, in the same order.
+//! A search that has been used before finds what a new one finds, in the same order.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use fdem_contact::{Couple, Elements, Rows, Search};
 use fdem_scenes::{Cloud, Sizes, clusters, gas};
 
-/// Searches that are used again and again, on different numbers of threads.
+/// Searches that are used repeatedly, with different numbers of threads.
 struct Reused<const D: usize>(Vec<Rows<f64, D>>);
 
 impl<const D: usize> Reused<D> {
@@ -13,7 +13,7 @@ impl<const D: usize> Reused<D> {
         Self([1, 2, 3, 8].map(|threads| Rows::new().with_threads(threads).unwrap()).into())
     }
 
-    /// Searches `elements`, and compares each list with that of a search that is new.
+    /// Searches `elements`, and compares each list with that of a new search.
     fn finds_the_same_as_new(&mut self, elements: &Elements<'_, f64, D>, what: &str) {
         let mut expected = Vec::new();
         Rows::new().couples(elements, &mut expected).unwrap();
@@ -34,7 +34,7 @@ impl<const D: usize> Reused<D> {
     }
 }
 
-/// The shapes that elements may have, from centres and radii.
+/// The shapes that are made from centres and radii.
 #[derive(Clone, Copy, Debug)]
 enum Kind {
     Equal,
@@ -85,7 +85,7 @@ fn a_story<const D: usize>(kind: Kind) {
     cloud.centres[777] = before;
     search(&cloud, "one that jumps back");
 
-    // The same places with other numbers: only the ids tell that anything changed.
+    // The same positions with other numbers: only the ids show that something changed.
     cloud.centres.reverse();
     cloud.radii.reverse();
     search(&cloud, "other numbers");

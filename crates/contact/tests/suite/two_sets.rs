@@ -1,4 +1,4 @@
-//! Two sets through an index, against every element of one with every element of the other.
+//! Two sets searched with an index, against every element of one with every element of the other.
 
 use fdem_contact::{CrossCouple, Csr, Elements, Error, Filter, GroupMatrix, Index, Rows, Search, Simd};
 use fdem_scenes::{Cloud, Sizes, gas};
@@ -38,7 +38,7 @@ impl<T: FromF64, const D: usize> Set<T, D> {
         .map(|elements| elements.unwrap().with_tolerance(T::from_f64(tolerance)).unwrap())
     }
 
-    /// What the documentation of `Elements` says, for element `i` of this set and `j` of another.
+    /// The contact test documented at `Elements`, for element `i` of this set and `j` of another.
     fn touch(
         &self,
         shape: usize,
@@ -60,7 +60,7 @@ impl<T: FromF64, const D: usize> Set<T, D> {
     }
 }
 
-/// All combinations of shapes and tolerances; returns the number of couples. The index is one, and built again and again.
+/// All combinations of shapes and tolerances; returns the number of couples. One index is built repeatedly.
 fn compare<T: FromF64, const D: usize>(scene: &str, moving: &Set<T, D>, fixed: &Set<T, D>) -> usize {
     let mut indices = indices();
     let mut total = 0;
@@ -133,7 +133,7 @@ fn all_scenes<T: FromF64, const D: usize>() {
 
 in_all_dimensions!(all_scenes);
 
-/// Several parts of the work, on several threads: each element of a set with itself, and the couples of one set twice.
+/// Several parts of the work on several threads: each element of a set with itself, and every couple of one set twice.
 #[test]
 fn a_set_with_itself_finds_what_one_search_finds() {
     let cloud = gas::<3>(30_000, 3, 12.0, EQUAL).unwrap();
@@ -216,7 +216,7 @@ proptest! {
     }
 }
 
-/// What one set admits of the other: the kinds of a filter, against filtering afterwards, at every level and for boxes too.
+/// Filters between two sets: all kinds, compared with filtering afterwards, with every set of instructions, also for boxes.
 #[test]
 fn filters_of_the_two_sets_are_tested_together() {
     let [moving, fixed] = [(700, 1), (900, 2)].map(|(n, seed)| {
@@ -260,7 +260,7 @@ fn filters_of_the_two_sets_are_tested_together() {
                 index.couples_with(&a, &mut found).unwrap();
                 assert_eq!(found, expected, "{simd}, kind {kind}");
                 assert_eq!(index.count_with(&a), Ok(expected.len() as u64));
-                // Filters say nothing about points.
+                // Filters have no effect on queries around points.
                 let mut around = Csr::new();
                 index.within(&[[0.0; 3]], 1e9, &mut around).unwrap();
                 assert_eq!(around.neighbours_of(0).len(), 900);

@@ -34,7 +34,11 @@ impl Coordination {
     }
 }
 
-/// The elements that carry load, if there is any: those that remain when elements with too few contacts are taken out, again and again.
+/// The elements that carry load, if there is any: rattlers, elements with too few contacts, are removed repeatedly until none is left.
+///
+/// Unless the number of contacts is given, it is chosen from the data: `D + 1` for a packing without friction; 2, for one with friction, if `D + 1` would remove
+/// more than half of the elements that 2 leaves. A packing that friction holds falls apart under the larger number: each element removed makes its
+/// neighbours rattlers.
 ///
 /// # Source
 /// C.S. O'Hern, L.E. Silbert, A.J. Liu, S.R. Nagel, "Jamming at zero temperature and zero applied stress", Phys. Rev. E 68 (2003) 011306: frictionless elements
@@ -43,7 +47,10 @@ impl Coordination {
 pub struct WithoutRattlers {
     /// Fewer contacts make a rattler.
     pub min_contacts: u32,
-    /// How many elements were taken out.
+    /// What `D + 1`, the number for packings without friction, would leave: there if 2 was chosen instead.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub frictionless: Option<Frictionless>,
+    /// How many elements were removed.
     pub rattlers: u64,
     /// Elements that remain.
     pub elements: u64,
@@ -58,15 +65,40 @@ pub struct WithoutRattlers {
     pub is_rattler: Vec<bool>,
 }
 
+/// What a number of contacts that was not chosen would leave.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Frictionless {
+    /// Fewer contacts make a rattler.
+    pub min_contacts: u32,
+    /// Elements that would remain.
+    pub elements: u64,
+}
+
 impl WithoutRattlers {
-    /// What remains does not depend on the order in which elements are taken out.
+    /// With this number of contacts, or the one that is chosen from the data.
     pub(crate) fn of<const D: usize>(
         network: &Network<'_, D>,
         coordination: &Coordination,
-        min_contacts: u32,
+        min_contacts: Option<u32>,
     ) -> Self {
+        /// The fewest contacts of an element that friction holds.
+        const WITH_FRICTION: u32 = 2;
+        let neighbours = Neighbours::of(network, &coordination.of_each);
+        let with = |min_contacts| Self::with(&neighbours, coordination, min_contacts);
+        if let Some(min_contacts) = min_contacts {
+            return with(min_contacts);
+        }
+        let (frictionless, frictional) = (with(D as u32 + 1), with(WITH_FRICTION));
+        if 2 * frictionless.elements < frictional.elements {
+            let Self { min_contacts, elements, .. } = frictionless;
+            return Self { frictionless: Some(Frictionless { min_contacts, elements }), ..frictional };
+        }
+        frictionless
+    }
+
+    /// What remains does not depend on the order in which elements are removed.
+    fn with(neighbours: &Neighbours, coordination: &Coordination, min_contacts: u32) -> Self {
         let mut contacts = coordination.of_each.clone();
-        let neighbours = Neighbours::of(network, &contacts);
         let mut is_rattler: Vec<_> = contacts.iter().map(|&contacts| contacts < min_contacts).collect();
         let mut waiting: Vec<_> =
             (0..contacts.len() as u32).filter(|&element| is_rattler[element as usize]).collect();
@@ -88,6 +120,7 @@ impl WithoutRattlers {
         }
         Self {
             min_contacts,
+            frictionless: None,
             rattlers: is_rattler.len() as u64 - elements,
             elements,
             couples: ends / 2,

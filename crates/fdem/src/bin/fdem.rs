@@ -5,3 +5,18 @@ use std::process::ExitCode;
 fn main() -> ExitCode {
     fdem::command::main(std::env::args_os())
 }
+
+/// Notes whether the program was started without standard output (`>&-`): the standard library opens `/dev/null` in its place before `main`,
+/// and everything printed would be lost without an error.
+#[cfg(unix)]
+#[ctor::ctor(unsafe)]
+fn look_at_stdout() {
+    use std::fs::symlink_metadata;
+    use std::io::ErrorKind;
+    // Where the system does not list open files, nothing is known.
+    let is_listed =
+        |file: &str| !symlink_metadata(file).is_err_and(|error| error.kind() == ErrorKind::NotFound);
+    if is_listed("/dev/fd/") && !is_listed("/dev/fd/1") {
+        fdem::command::stdout_is_closed();
+    }
+}

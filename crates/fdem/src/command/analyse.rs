@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::analysis::{Analysis, AnalysisError, Options, RadialOptions, analyse};
+use crate::analysis::{Analysis, AnalysisError, Frictionless, Options, RadialOptions, analyse};
 use crate::command::args::AnalyseArguments;
 use crate::command::failure::Failure;
 use crate::command::summary::{brief, grouped};
@@ -67,17 +67,22 @@ pub(crate) fn write_lines(out: &mut fmt::Formatter<'_>, analysis: &Analysis, uni
     line("contacts each", distribution(&analysis.coordination.distribution))?;
     let rest = &analysis.without_rattlers;
     let others = match rest.elements {
-        0 => "none is left".to_owned(),
-        left => format!("{} are left with {:.4} contacts each", grouped(left), rest.mean),
+        0 => "none remains".to_owned(),
+        left => format!("{} remain with {:.4} contacts each", grouped(left), rest.mean),
     };
     line(
         "rattlers",
         format!(
-            "{} with fewer than {} contacts, again and again; {others}",
+            "{} of {} (removed repeatedly: fewer than {} contacts each); {others}",
             grouped(rest.rattlers),
-            rest.min_contacts
+            grouped(rest.rattlers + rest.elements),
+            rest.min_contacts,
         ),
     )?;
+    if let Some(Frictionless { min_contacts, elements }) = rest.frictionless {
+        let left = grouped(elements);
+        line("", format!("as with friction; without it, --rattlers {min_contacts}, {left} would remain"))?;
+    }
     if let Some(fabric) = &analysis.fabric {
         let first = vector(&fabric.principal_directions[0]);
         line(

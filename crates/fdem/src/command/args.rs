@@ -50,8 +50,8 @@ pub(crate) enum Task {
 /// VTK, VTU and VTP with points only and a radius among their data, NumPy .npz with arrays `positions` and `radii`. All, and meshes, may be compressed by
 /// gzip or zstd. If the file says that its box repeats, it does, unless --periodic says otherwise.
 ///
-/// A file of several frames is a series: couples get the columns `frame,step` in front (a step of -1 where the file has none), --json becomes an array, --count
-/// prints a line for each frame. With `{frame}` in the name of an output each frame has a file of its own. See --frames.
+/// A file of several frames is a series: all couples become one table (.csv, .npy, .npz or .parquet) with the columns `frame,step` in front (a step of -1 where
+/// the file has none), --json becomes an array, --count prints a line for each frame. With `{frame}` in the name of an output each frame has a file of its own. See --frames.
 ///
 /// Meshes (Gmsh, STL, OBJ, PLY, VTK, VTU, VTP, Abaqus, tables of triangles) are told by their content: couples are of elements of different bodies
 /// then, as `i,j,body_i,body_j,kind,measure,x,y,z,nx,ny,nz`, with their numbers in the files. Bodies are counted from 0 over all files; the summary as
@@ -101,9 +101,11 @@ pub(crate) struct ContactsArguments {
     #[arg(long, conflicts_with_all = ["output", "count", "picture", "plots", "report", "verify", "analyse"])]
     pub(crate) explain: bool,
 
-    /// Write the couples to FILE instead of standard output, in the format that its name ends in. Tables: `.csv`, `.npy` (records), `.parquet`, and `.npz`, one
-    /// array for each column; of a packing `i` and `j` are rows of `positions` there, and `ids` has what the file calls them. A packing and its couples: `.vtp` (ParaView: centres are
-    /// points, couples lines; those across a face of the box end at images, points with `image` 1), `.graphml`, and `.json`
+    /// Write the couples to FILE, in the format that its name ends in. Without it couples go to standard output, or nowhere if --picture, --plots or --report
+    /// is given; `-` is standard output in any case. Tables: `.csv`, `.npy` (records), `.parquet`, and `.npz`, one
+    /// array for each column; of a packing `i` and `j` are rows of `positions` there, and `ids` has what the file calls them. ParaView: `.vtp`: centres are points, couples lines; those across a
+    /// face of the box end at images, points with `image` 1; those of meshes, of spheres and walls, run by way of the contact, points with `contact` 1. A packing
+    /// and its couples also: `.graphml`, and `.json`
     /// (networkx from 3.4: `node_link_graph(data, edges="edges")`).
     #[arg(long, short, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
@@ -126,6 +128,13 @@ pub(crate) struct ContactsArguments {
     /// Print no summary and no progress.
     #[arg(long, short)]
     pub(crate) quiet: bool,
+}
+
+impl ContactsArguments {
+    /// Whether couples are written: not where drawings alone are asked for.
+    pub(crate) fn writes_couples(&self) -> bool {
+        !self.count && (self.output.is_some() || !self.drawings.any())
+    }
 }
 
 /// The box that repeats.
@@ -166,7 +175,8 @@ pub(crate) struct AnalyseArguments {
     #[arg(long, value_name = "R[,BINS]", allow_hyphen_values = true, value_parser = numbers, requires = "analyse")]
     pub(crate) rdf: Option<Numbers>,
 
-    /// For `--analyse`, elements with fewer contacts are rattlers [default: 3 in 2D, 4 in 3D; with friction take 2].
+    /// For `--analyse`, elements with fewer contacts are rattlers, which are removed repeatedly [default: 3 in 2D and 4 in 3D, as without friction; 2, as with
+    /// friction, if that removes more than half of the elements that 2 leaves].
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole::<u32>, requires = "analyse")]
     pub(crate) rattlers: Option<u32>,
 }
@@ -191,7 +201,7 @@ pub(crate) struct LabelArguments {
     /// with the faces that they share, their area, and the mean place and direction of the contact. x is along the last axis of the array; the origin is the centre of the first grid square.
     #[arg(long, conflicts_with_all = [
         "columns", "radius", "cutoff", "tolerance", "format", "frames", "skip_bad_lines", "ignore_ids", "engine", "bodies", "periodic", "limits", "edges",
-        "origin", "explain", "picture", "plots", "report", "verify", "more", "body_table", "self_contact", "analyse",
+        "origin", "explain", "verify", "more", "body_table", "self_contact", "analyse",
     ])]
     pub(crate) labels: bool,
 

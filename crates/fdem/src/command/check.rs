@@ -1,12 +1,21 @@
-//! `fdem check`: all that can be said of a model before it runs.
+//! `fdem check` reports errors, warnings and estimates of a model before it runs.
 
-use std::fs;
-use std::io::{IsTerminal, Write};
+use std::fs::{self, File};
+use std::io::{IsTerminal, Read};
 use std::path::Path;
+
+use serde_json::{Value, json};
 
 use crate::command::args::CheckArguments;
 use crate::command::failure::{Failure, display_name};
-use crate::model::{Drawing, ModelErrors, Preflight, Prepared, prepare, schema};
+use crate::command::memory;
+use crate::command::output::{is_device, print};
+use crate::command::progress::Progress;
+use crate::command::run::folder::{INPUTS, SUMMARY};
+use crate::model::{Drawing, ModelErrors, Preflight, prepare_within, schema};
+
+/// Bytes beyond which a file is no model: a schema check and the errors need its text in memory.
+const LARGEST: u64 = 64 << 20;
 
 pub(crate) fn run(arguments: &CheckArguments) -> Result<(), Failure> {
     if arguments.schema {
@@ -17,30 +26,83 @@ pub(crate) fn run(arguments: &CheckArguments) -> Result<(), Failure> {
     let Some(path) = &arguments.model else {
         return Err(Failure::Unusable("no model file is given".to_owned()));
     };
-    let prepared = read_model(path)?;
-    let preflight = Preflight::of(&prepared)
-        .map_err(|why| Failure::Unusable(format!("{} cannot run: {why}", display_name(path))))?;
-    if arguments.json {
-        let text = serde_json::to_string_pretty(&preflight)
-            .map_err(|error| Failure::Unusable(format!("cannot write the preflight: {error}")))?;
-        return print(&format!("{text}\n"));
+    match (preflight(path), arguments.json) {
+        (Ok(preflight), false) => print(&preflight.to_string()),
+        (Ok(preflight), true) => {
+            let text = serde_json::to_string_pretty(&preflight)
+                .map_err(|error| Failure::Unusable(format!("cannot write the preflight: {error}")))?;
+            print(&format!("{text}\n"))
+        }
+        (Err(problem), json) => {
+            if json {
+                print(&format!("{:#}\n", problem.json()))?;
+            }
+            Err(problem.failure())
+        }
     }
-    print(&preflight.to_string())
+}
+
+/// Why a model cannot run.
+enum Problem {
+    /// Places in the file are wrong.
+    Model(ModelErrors),
+    /// The file cannot be read, or what it says cannot be simulated.
+    Other(Failure),
+}
+
+impl Problem {
+    fn failure(self) -> Failure {
+        match self {
+            Self::Model(errors) => refused(&errors),
+            Self::Other(failure) => failure,
+        }
+    }
+
+    /// An object with a list `errors`: `message`, and where they are known `line`, `label` and `help`.
+    fn json(&self) -> Value {
+        let errors: Vec<Value> = match self {
+            Self::Model(errors) => errors
+                .faults
+                .iter()
+                .map(|fault| {
+                    json!({
+                        "message": fault.message,
+                        "file": errors.name,
+                        "line": errors.line(fault),
+                        "label": fault.span.as_ref().map(|_| &fault.label),
+                        "help": fault.help,
+                    })
+                })
+                .collect(),
+            Self::Other(failure) => vec![json!({ "message": failure.to_string() })],
+        };
+        json!({ "errors": errors })
+    }
 }
 
 /// Reads, checks and meshes a model file. Files that it names are looked for beside it.
-pub(crate) fn read_model(path: &Path) -> Result<Prepared, Failure> {
+fn preflight(path: &Path) -> Result<Preflight, Problem> {
     let name = display_name(path);
-    let text = read_text(path)?;
-    let folder = path.parent().unwrap_or(Path::new(""));
-    let mut load = |file: &str| fs::read(folder.join(file)).map_err(|error| error.to_string());
-    prepare(&text, &name, &mut load).map_err(|errors| refused(&errors))
+    let text = read_text(path).map_err(Problem::Other)?;
+    let mut load = inputs_of(path);
+    let progress = Progress::new(false);
+    let (prepared, _) =
+        progress.step("meshing the model", None, |_| prepare_within(&text, &name, &mut load, memory::free()));
+    let prepared = prepared.map_err(Problem::Model)?;
+    let (preflight, _) = progress.step("preparing the run", None, |_| Preflight::of(&prepared));
+    preflight.map_err(|why| Problem::Other(Failure::Unusable(format!("{name} cannot run: {why}"))))
 }
 
-/// The text of a model file.
+/// Reads the text of a model file.
 pub(crate) fn read_text(path: &Path) -> Result<String, Failure> {
     let name = display_name(path);
-    let bytes = fs::read(path).map_err(|error| Failure::reading(&name, &error))?;
+    let mut bytes = Vec::new();
+    File::open(path)
+        .and_then(|file| file.take(LARGEST + 1).read_to_end(&mut bytes))
+        .map_err(|error| Failure::reading(&name, &error))?;
+    if bytes.len() as u64 > LARGEST {
+        return Err(Failure::Unusable(format!("{name} is larger than 64 MiB: it is no model file")));
+    }
     String::from_utf8(bytes).map_err(|error| {
         let start = String::from_utf8_lossy(&error.as_bytes()[..error.utf8_error().valid_up_to()]);
         let line = start.matches('\n').count() + 1;
@@ -48,7 +110,26 @@ pub(crate) fn read_text(path: &Path) -> Result<String, Failure> {
     })
 }
 
-/// Every error with its line, in colours on a terminal.
+/// Reads the files that a model names, which are looked for beside it. The model of a folder of results has them in `inputs/`, in the order in which it names them.
+///
+/// A device may have no end, and is refused.
+pub(crate) fn inputs_of(model: &Path) -> impl FnMut(&str) -> Result<Vec<u8>, String> {
+    let folder = model.parent().unwrap_or(Path::new("")).to_owned();
+    let mut number = 0;
+    move |file: &str| {
+        let beside = folder.join(file);
+        let kept = folder.join(format!("{INPUTS}/{number}"));
+        number += 1;
+        let is_kept = !beside.exists() && folder.join(SUMMARY).exists() && kept.exists();
+        let path = if is_kept { kept } else { beside };
+        if is_device(&path) {
+            return Err("it is a device or a pipe, not a file".to_owned());
+        }
+        fs::read(path).map_err(|error| error.to_string())
+    }
+}
+
+/// The failure that shows every error with its line, in colours on a terminal.
 pub(crate) fn refused(errors: &ModelErrors) -> Failure {
     let drawing = if std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none() {
         Drawing::Terminal
@@ -60,14 +141,4 @@ pub(crate) fn refused(errors: &ModelErrors) -> Failure {
         count => format!("{count} things are wrong"),
     };
     Failure::Unusable(format!("{count} with {}\n{}", errors.name, errors.render(drawing).trim_end()))
-}
-
-/// To standard output; that nobody reads on is no failure.
-fn print(text: &str) -> Result<(), Failure> {
-    match std::io::stdout().lock().write_all(text.as_bytes()) {
-        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
-            Err(Failure::writing(Path::new("standard output"), error))
-        }
-        _ => Ok(()),
-    }
 }

@@ -108,7 +108,9 @@ fn explain(arguments: &ContactsArguments, input: &Input, mut outputs: Outputs) -
         Centres::Two(centres) => told(arguments, input, centres),
         Centres::Three(centres) => told(arguments, input, centres),
     }?;
-    outputs.couples.write(|out| out.write_all(told.text().as_bytes()))?;
+    if let Some(out) = &mut outputs.couples {
+        out.write(|out| out.write_all(told.text().as_bytes()))?;
+    }
     if let Some(json) = &mut outputs.json {
         json.write(|out| {
             serde_json::to_writer_pretty(&mut *out, &told)?;
@@ -177,11 +179,12 @@ fn find<const D: usize>(
     let total = found.couples.len() as u64;
     let (written, writing) = progress.step("writing", Some(total), |position| {
         if arguments.count {
-            return outputs.couples.write(|out| writeln!(out, "{}", found.statistics.couples));
+            return outputs.count(found.statistics.couples);
         }
-        match &mut outputs.series {
-            Some(series) => series.write(packing, &network, position),
-            None => write_network(&mut outputs.couples, outputs.table, packing, &network, position),
+        match (&mut outputs.series, &mut outputs.couples) {
+            (Some(series), _) => series.write(packing, &network, position),
+            (None, Some(couples)) => write_network(couples, outputs.table, packing, &network, position),
+            (None, None) => Ok(()),
         }
     });
     written?;
@@ -199,7 +202,8 @@ pub(crate) struct Outputs {
     /// The one table of several frames, in place of `couples`.
     pub(crate) series: Option<SeriesTable>,
     pub(crate) table: TableFormat,
-    pub(crate) couples: Output,
+    /// None where only drawings are wanted.
+    pub(crate) couples: Option<Output>,
     pub(crate) json: Option<Output>,
     pub(crate) drawings: Drawings,
     /// Which bodies of meshes touch.
@@ -213,7 +217,10 @@ impl Outputs {
         Ok(Self {
             series: None,
             table: TableFormat::of(output)?,
-            couples: Output::open(output)?,
+            couples: match output {
+                None if !arguments.writes_couples() && !arguments.count => None,
+                output => Some(Output::open(output)?),
+            },
             json: optional(&arguments.json)?,
             drawings: Drawings::open(&arguments.drawings)?,
             bodies: match &arguments.meshes.body_table {
@@ -223,17 +230,23 @@ impl Outputs {
         })
     }
 
-    /// Writes the summary as JSON, puts all files in place, and shows the summary.
+    /// Prints a number of couples, in place of the couples.
+    pub(crate) fn count(&mut self, couples: u64) -> Result<(), Failure> {
+        self.couples.as_mut().map_or(Ok(()), |output| output.write(|out| writeln!(out, "{couples}")))
+    }
+
+    /// Writes the summary as JSON, puts all files in place, and shows the summary with their names.
     pub(crate) fn finish(
         mut self,
         summary: &(impl Serialize + fmt::Display),
         quiet: bool,
     ) -> Result<(), Failure> {
         self.tell(summary)?;
-        self.commit()?;
+        let files = self.all();
+        let names: Vec<_> = files.iter().filter_map(Output::file_name).collect();
+        files.into_iter().try_for_each(Output::commit)?;
         if !quiet {
-            // A summary that nobody can see any more is no failure.
-            let _ = write!(io::stderr(), "{summary}");
+            show(summary, &names);
         }
         Ok(())
     }
@@ -249,19 +262,29 @@ impl Outputs {
 
     /// Closes all files, which appear at [`Written::commit`].
     pub(crate) fn close(self) -> Result<Vec<Written>, Failure> {
-        let others = [self.bodies.map(|(_, output)| output), self.json].into_iter().flatten();
-        std::iter::once(self.couples)
-            .chain(others)
-            .chain(self.drawings.outputs())
-            .map(Output::close)
-            .collect()
+        self.all().into_iter().map(Output::close).collect()
     }
 
     fn commit(self) -> Result<(), Failure> {
-        self.couples.commit()?;
-        self.drawings.commit()?;
-        [self.bodies.map(|(_, output)| output), self.json].into_iter().flatten().try_for_each(Output::commit)
+        self.all().into_iter().try_for_each(Output::commit)
     }
+
+    /// The summary as JSON comes last: it tells how long the others took.
+    fn all(self) -> Vec<Output> {
+        let bodies = self.bodies.map(|(_, output)| output);
+        self.couples.into_iter().chain(bodies).chain(self.drawings.outputs()).chain(self.json).collect()
+    }
+}
+
+/// Shows a summary, and the names of the files that were written, on standard error.
+pub(crate) fn show(summary: &impl fmt::Display, files: &[String]) {
+    let mut text = summary.to_string();
+    for (k, file) in files.iter().enumerate() {
+        let label = if k == 0 { "written" } else { "" };
+        text.extend([&format!("{label:<16} {file}"), "\n"]);
+    }
+    // A summary that nobody can see any more is no failure.
+    let _ = io::stderr().write_all(text.as_bytes());
 }
 
 pub(crate) fn wrong(name: &str, mismatch: &str) -> Failure {

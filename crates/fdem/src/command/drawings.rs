@@ -8,14 +8,15 @@ use crate::command::failure::Failure;
 use crate::command::input::{Input, id};
 use crate::command::output::Output;
 use crate::network::Network;
-use crate::picture::{self, Caption, MeshDrawing, PictureError};
-use crate::report::{self, Report};
+use crate::picture::{self, Bodies, Caption, MeshDrawing, PictureError};
+use crate::report::{self, BodiesReport, Report};
 
 /// Pictures, and a page to look at.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct DrawingArguments {
     /// Draw the elements and their contacts, coloured by overlap: discs in 2D, shaded spheres and a view of the contacts in 3D. A contact across a face of
-    /// the box is drawn as two halves. Of meshes in a plane: the triangles by body, and which bodies touch.
+    /// the box is drawn as two halves. Of meshes in a plane: the triangles by body, and which bodies touch. Of meshes in space, of spheres and walls, and of
+    /// images: the bodies, and lines between their middles by way of the contact; bodies of images are discs or spheres of their area or volume.
     #[arg(long, value_name = "FILE.svg|FILE.png", value_parser = drawing)]
     pub(crate) picture: Option<PathBuf>,
 
@@ -65,6 +66,22 @@ pub(crate) struct Drawings {
     report: Option<Output>,
     /// Of PNG pictures, in pixels.
     width: Option<u32>,
+    /// The picture has been drawn.
+    is_drawn: bool,
+}
+
+/// Bodies of any shape, and what is said of them.
+pub(crate) struct BodiesDrawing<'a> {
+    /// The file, as messages call it.
+    pub(crate) name: &'a str,
+    pub(crate) bodies: Bodies<'a>,
+    pub(crate) unit: Option<&'a str>,
+    /// What the bodies are called, unless they are numbered from 0.
+    pub(crate) ids: Option<&'a [i64]>,
+    /// What is told of each contact.
+    pub(crate) columns: &'a [(&'a str, &'a [f64])],
+    /// What the command says, in lines.
+    pub(crate) summary: &'a str,
 }
 
 #[derive(Clone, Copy)]
@@ -85,6 +102,7 @@ impl Drawings {
             plots: drawing(&arguments.plots)?,
             report: arguments.report.as_deref().map(|path| Output::open(Some(path))).transpose()?,
             width: arguments.picture_width,
+            is_drawn: false,
         })
     }
 
@@ -126,9 +144,41 @@ impl Drawings {
         Ok(())
     }
 
+    /// Draws bodies of any shape; not those pictures that are drawn otherwise already.
+    pub(crate) fn write_bodies(&mut self, drawing: &BodiesDrawing<'_>) -> Result<(), Failure> {
+        let BodiesDrawing { name, bodies, unit, ids, columns, summary } = *drawing;
+        let title = title(name);
+        let caption = Caption { title: &title, unit };
+        let wrong = |error: PictureError| failed(name, &error);
+        if let Some((form, output)) = self.picture.as_mut().filter(|_| !self.is_drawn) {
+            let bytes = match form {
+                Form::Svg => picture::bodies_svg(&bodies, &caption).map(String::into_bytes),
+                Form::Png => picture::bodies_png(&bodies, &caption, self.width),
+            };
+            let bytes = bytes.map_err(wrong)?;
+            output.write(|out| out.write_all(&bytes))?;
+        }
+        if let Some((form, output)) = &mut self.plots {
+            let bytes = match form {
+                Form::Svg => picture::bodies_plots_svg(&bodies, &caption).map(String::into_bytes),
+                Form::Png => picture::bodies_plots_png(&bodies, &caption, self.width),
+            };
+            let bytes = bytes.map_err(wrong)?;
+            output.write(|out| out.write_all(&bytes))?;
+        }
+        if let Some(output) = &mut self.report {
+            let facts = facts(summary);
+            let report = BodiesReport { bodies, caption, ids, columns, facts: &facts };
+            let page = report::bodies_html(&report).map_err(wrong)?;
+            output.write(|out| out.write_all(page.as_bytes()))?;
+        }
+        Ok(())
+    }
+
     /// Draws meshed bodies in a plane.
     pub(crate) fn write_mesh(&mut self, name: &str, drawing: &MeshDrawing<'_>) -> Result<(), Failure> {
         let Some((form, output)) = &mut self.picture else { return Ok(()) };
+        self.is_drawn = true;
         let title = title(name);
         let caption = Caption { title: &title, unit: None };
         let bytes = match form {
@@ -137,10 +187,6 @@ impl Drawings {
         };
         let bytes = bytes.map_err(|error| failed(name, &error))?;
         output.write(|out| out.write_all(&bytes))
-    }
-
-    pub(crate) fn commit(self) -> Result<(), Failure> {
-        self.outputs().try_for_each(Output::commit)
     }
 
     pub(crate) fn outputs(self) -> impl Iterator<Item = Output> {

@@ -1,4 +1,4 @@
-//! Why the command stops, and with which exit code.
+//! Reasons for which the command stops, and their exit codes.
 
 use std::fmt;
 use std::io;
@@ -6,11 +6,11 @@ use std::path::Path;
 
 #[derive(Debug)]
 pub(crate) enum Failure {
-    /// The input, the options or the output are at fault: exit code 2.
+    /// The input, the options or the output cannot be used: exit code 2.
     Unusable(String),
-    /// A check that was asked for failed: exit code 1.
+    /// A requested check failed, or a simulation stopped by itself: exit code 1.
     Wrong(String),
-    /// A signal asked to end: exit code 128 and its number.
+    /// A signal asked the program to end: exit code 128 plus its number.
     Interrupted { message: String, signal: i32 },
 }
 
@@ -23,12 +23,12 @@ impl Failure {
         }
     }
 
-    /// An input that cannot be opened or read.
+    /// The failure for an input that cannot be opened or read.
     pub(crate) fn reading(name: &str, error: &io::Error) -> Self {
         Self::Unusable(format!("cannot read {name}: {error}"))
     }
 
-    /// An output that cannot be written.
+    /// The failure for an output that cannot be written.
     pub(crate) fn writing(path: &Path, error: impl fmt::Display) -> Self {
         Self::Unusable(format!("cannot write {}: {error}", display_name(path)))
     }
@@ -44,7 +44,7 @@ impl fmt::Display for Failure {
     }
 }
 
-/// A path as a message shows it: control characters escaped, so that a name cannot write to the terminal.
+/// Returns a path as messages show it. Control characters are escaped, so that a file name cannot control the terminal.
 pub(crate) fn display_name(path: &Path) -> String {
     let escape = |c: char| if c.is_control() { c.escape_default().to_string() } else { c.to_string() };
     path.to_string_lossy().chars().map(escape).collect()

@@ -12,23 +12,29 @@ use fdem_io::{LabelError, LabelImage, LabelKind, LabelValue, Table, Values, with
 
 use crate::command::args::{ContactsArguments, NeighbourhoodName};
 use crate::command::contacts::Outputs;
+use crate::command::drawings::BodiesDrawing;
 use crate::command::failure::{Failure, display_name};
+use crate::command::label_middles::Middles;
 use crate::command::label_summary::LabelSummary;
-use crate::command::output::{is_stdout, refuse_to_overwrite};
+use crate::command::output::{TableFormat, is_stdout, refuse_to_overwrite};
 use crate::command::progress::{Position, Progress};
 use crate::command::summary::Seconds;
 use crate::command::tables::{normal, point, write_table};
 
 pub(crate) fn run(arguments: &ContactsArguments) -> Result<(), Failure> {
     let file = &arguments.input.file;
-    refuse_to_overwrite(&[
+    let mut files = vec![
         ("the input", Some(file)),
         ("--output", arguments.output.as_ref()),
         ("--json", arguments.json.as_ref()),
-    ])?;
+    ];
+    files.extend(arguments.drawings.files());
+    refuse_to_overwrite(&files)?;
     let progress = Progress::new(arguments.quiet);
     let mut outputs = Outputs::open(arguments)?;
-    outputs.table.is_table("bodies of an image")?;
+    if outputs.table != TableFormat::Vtp {
+        outputs.table.is_table("bodies of an image")?;
+    }
     let name = if is_stdout(file) { "standard input".to_owned() } else { display_name(file) };
     let task = Task { arguments, progress: &progress, name: &name };
     let visit = |image: &mut LabelImage<'_>| task.visit(image, &mut outputs);
@@ -74,7 +80,7 @@ fn open(file: &Path, name: &str) -> Result<Opened, Failure> {
 }
 
 /// Why an image was not gone on with.
-enum Stop {
+pub(crate) enum Stop {
     Unreadable(LabelError),
     Refused(Error),
     /// With options that do not fit the image.
@@ -125,13 +131,13 @@ struct Task<'a> {
 
 /// The order of x, y and z among the axes of the bytes.
 #[derive(Clone, Copy)]
-struct AxisOrder {
+pub(crate) struct AxisOrder {
     reversed: bool,
 }
 
 impl AxisOrder {
     /// x is the last axis of the array, and its fastest in C order.
-    fn xyz<T: Copy, const D: usize>(self, mut axes: [T; D]) -> [T; D] {
+    pub(crate) fn xyz<T: Copy, const D: usize>(self, mut axes: [T; D]) -> [T; D] {
         if !self.reversed {
             axes.reverse();
         }
@@ -187,19 +193,27 @@ impl Task<'_> {
             .with_background(background)
             .with_threads(self.arguments.threads)?;
         let mut seconds = Seconds::default();
+        let is_vtp = outputs.table == TableFormat::Vtp && outputs.couples.is_some();
+        let mut middles = (self.arguments.drawings.any() || is_vtp).then(|| Middles::new(shape, background));
         let (found, _) = self.progress.step("reading and comparing", Some(shape[0] as u64), |position| {
-            stream(image, contacts, position, &mut seconds)
+            stream(image, contacts, middles.as_mut(), position, &mut seconds)
         });
         let (contacts, bodies) = found?;
+        let drawn = middles.map(|middles| middles.finish(&contacts, &spacing, order)).transpose()?;
 
         let edges = D == 3 && neighbourhood >= Neighbourhood::Edge;
         let vertices = neighbourhood == Neighbourhood::Vertex;
         let (written, writing) = self.progress.step("writing", Some(contacts.len() as u64), |position| {
             if self.arguments.count {
-                return outputs.couples.write(|out| writeln!(out, "{}", contacts.len()));
+                return outputs.count(contacts.len() as u64);
+            }
+            let Some(couples) = &mut outputs.couples else { return Ok(()) };
+            if let (true, Some(drawn)) = (is_vtp, &drawn) {
+                let (points, lines) = (drawn.points(), drawn.lines(&contacts, &spacing, order));
+                return couples.write(|mut out| fdem_io::write_vtp(&mut out, &points, &lines));
             }
             let table = table(&contacts, [edges, vertices], &spacing, order, position);
-            write_table(&mut outputs.couples, outputs.table, &table)
+            write_table(couples, outputs.table, &table)
         });
         written.map_err(Stop::Failed)?;
         seconds.write = writing;
@@ -208,7 +222,7 @@ impl Task<'_> {
         in_contact.sort_unstable();
         in_contact.dedup();
         let sum = |count: fn(&ImageContact<L, D>) -> u64| contacts.iter().map(count).sum::<u64>();
-        Ok(LabelSummary {
+        let summary = LabelSummary {
             file: self.name.to_owned(),
             format: image.format().to_owned(),
             shape: order.xyz(shape).to_vec(),
@@ -226,7 +240,19 @@ impl Task<'_> {
             area: contacts.iter().fold(0.0, |sum, contact| sum + contact.area(&spacing)),
             seconds,
             peak_bytes: None,
-        })
+        };
+        if let (true, Some(drawn)) = (self.arguments.drawings.any(), &drawn) {
+            let drawing = BodiesDrawing {
+                name: self.name,
+                bodies: drawn.bodies(),
+                unit: None,
+                ids: Some(drawn.ids()),
+                columns: &drawn.columns(),
+                summary: &summary.to_string(),
+            };
+            outputs.drawings.write_bodies(&drawing).map_err(Stop::Failed)?;
+        }
+        Ok(summary)
     }
 
     /// In the order of the bytes.
@@ -248,6 +274,7 @@ impl Task<'_> {
 fn stream<L: Label + LabelValue, const D: usize>(
     image: &mut LabelImage<'_>,
     mut contacts: ImageContacts<L, D>,
+    mut middles: Option<&mut Middles<L, D>>,
     position: &Position,
     seconds: &mut Seconds,
 ) -> Result<(Vec<ImageContact<L, D>>, usize), Stop> {
@@ -263,6 +290,9 @@ fn stream<L: Label + LabelValue, const D: usize>(
         }
         let start = Instant::now();
         contacts.add(&slab)?;
+        if let Some(middles) = &mut middles {
+            middles.add(&slab);
+        }
         seconds.detect += start.elapsed().as_secs_f64();
         position.fetch_add(read as u64, Ordering::Relaxed);
     }

@@ -12,10 +12,13 @@ use fdem_io::{Centres, Table, Values};
 
 use crate::command::args::{ContactsArguments, PeriodicArguments};
 use crate::command::contacts::{Outputs, wrong};
+use crate::command::drawings::BodiesDrawing;
 use crate::command::failure::Failure;
 use crate::command::input::{self, Input, Opened, id, sizes};
 use crate::command::mesh_summary::{BodyOf, Couples, FileOf, LeftOut, MeshSummary};
+use crate::command::output::TableFormat;
 use crate::command::progress::{Position, Progress};
+use crate::command::shapes::{Lines, Parts, Shapes};
 use crate::command::summary::Seconds;
 use crate::command::tables::{normal, point, write_table};
 use crate::network::Sizes;
@@ -28,7 +31,9 @@ pub(crate) fn run(
     mut outputs: Outputs,
 ) -> Result<(), Failure> {
     refuse_options_of_packings(arguments, &first.name)?;
-    outputs.table.is_table("elements of meshes or of several files")?;
+    if outputs.table != TableFormat::Vtp {
+        outputs.table.is_table("elements of meshes or of several files")?;
+    }
     let mut seconds = Seconds::default();
     let mut files = vec![read(arguments, first, progress, &mut seconds)?];
     for file in &arguments.more {
@@ -60,8 +65,6 @@ fn refuse_options_of_packings(arguments: &ContactsArguments, name: &str) -> Resu
         ("--bodies", arguments.bodies.is_some()),
         ("--periodic", arguments.periodic.periodic.is_some_and(|axes| axes.0 != [false; 3])),
         ("--explain", arguments.explain),
-        ("--plots", arguments.drawings.plots.is_some()),
-        ("--report", arguments.drawings.report.is_some()),
         ("--analyse", arguments.analysis.analyse),
     ];
     match given.into_iter().find(|(_, given)| *given) {
@@ -138,6 +141,7 @@ struct Model<const D: usize, const N: usize> {
     centres: Vec<[f64; D]>,
     radii: Vec<f64>,
     sphere_numbers: Vec<u32>,
+    sphere_bodies: Vec<u32>,
     /// Of all elements: what the file calls them, and their bodies.
     ids: Vec<i64>,
     bodies: Vec<u32>,
@@ -175,12 +179,6 @@ impl Task<'_> {
         let spheres = self.files.iter().find(|file| matches!(file.content, Content::Spheres { .. }));
         let solid = meshes().find(|(_, mesh)| !mesh.tetrahedra.is_empty());
         let flat = spheres.is_none() && meshes().all(|(_, mesh)| mesh.dimensions == 2);
-        if !flat && self.arguments.drawings.picture.is_some() {
-            return Err(Failure::Unusable(format!(
-                "{}: --picture draws packings, and meshes in a plane; this is in space",
-                self.files[0].name
-            )));
-        }
         match (spheres, solid) {
             (Some(spheres), Some((solid, _))) => Err(Failure::Unusable(format!(
                 "{solid} has tetrahedra, {} has spheres: spheres are compared with triangles; give the surface of the body",
@@ -235,6 +233,7 @@ impl Task<'_> {
             centres: Vec::new(),
             radii: Vec::new(),
             sphere_numbers: Vec::new(),
+            sphere_bodies: Vec::new(),
             ids: Vec::new(),
             bodies: Vec::new(),
             starts: Vec::new(),
@@ -276,6 +275,7 @@ impl Task<'_> {
                     model.sphere_numbers.extend(first..first + n);
                     model.ids.extend((0..centres.len()).map(|row| id(&input.packing, row)));
                     model.bodies.extend(model.body_count..model.body_count + n);
+                    model.sphere_bodies.extend(model.body_count..model.body_count + n);
                     model.described.push(FileOf {
                         file: source.name.clone(),
                         format: input.packing.source.format.to_string(),
@@ -413,10 +413,16 @@ impl Task<'_> {
         let (written, writing) =
             self.progress.step("writing", Some(found.contacts.len() as u64), |position| {
                 if self.arguments.count {
-                    outputs.couples.write(|out| writeln!(out, "{}", found.contacts.len()))?;
-                } else {
-                    let table = model.table(&found.contacts, position);
-                    write_table(&mut outputs.couples, outputs.table, &table)?;
+                    outputs.count(found.contacts.len() as u64)?;
+                } else if let Some(couples) = &mut outputs.couples {
+                    if outputs.table == TableFormat::Vtp {
+                        let lines = Lines::new(&model.parts(), &found.contacts);
+                        let points = lines.points(&model.ids, &model.bodies);
+                        let table = lines.table(&found.contacts);
+                        couples.write(|mut out| fdem_io::write_vtp(&mut out, &points, &table))?;
+                    } else {
+                        write_table(couples, outputs.table, &model.table(&found.contacts, position))?;
+                    }
                 }
                 match &mut outputs.bodies {
                     Some((format, output)) => write_table(output, *format, &body_table(&found.bodies)),
@@ -435,7 +441,7 @@ impl Task<'_> {
             between += usize::from(a != b);
         }
         let bodies = model.body_count as usize;
-        Ok(MeshSummary {
+        let summary = MeshSummary {
             files: model.described.clone(),
             bodies_of_meshes: model.named.clone(),
             dimensions: D,
@@ -453,6 +459,29 @@ impl Task<'_> {
             verified: found.verified,
             seconds,
             peak_bytes: None,
+        };
+        if self.arguments.drawings.any() {
+            let (drawn, _) = self.progress.step("drawing", None, |_| {
+                let shapes = Shapes::new(&model.parts(), &found.bodies);
+                outputs.drawings.write_bodies(&BodiesDrawing {
+                    name: &self.files[0].name,
+                    bodies: shapes.bodies(),
+                    unit: self.unit(),
+                    ids: None,
+                    columns: &shapes.columns(),
+                    summary: &summary.to_string(),
+                })
+            });
+            drawn?;
+        }
+        Ok(summary)
+    }
+
+    /// The unit of the spheres, if there are any.
+    fn unit(&self) -> Option<&str> {
+        self.files.iter().find_map(|file| match &file.content {
+            Content::Spheres { input, .. } => input.packing.source.unit.as_deref(),
+            Content::Mesh(_) => None,
         })
     }
 
@@ -561,6 +590,21 @@ impl<const D: usize, const N: usize> Model<D, N> {
             left_out: Some(left_out),
         });
         Ok(())
+    }
+
+    /// What is drawn.
+    fn parts(&self) -> Parts<'_, D, N> {
+        Parts {
+            points: &self.points,
+            elements: &self.elements,
+            bodies: &self.mesh_bodies,
+            numbers: &self.mesh_numbers,
+            centres: &self.centres,
+            radii: &self.radii,
+            sphere_bodies: &self.sphere_bodies,
+            sphere_numbers: &self.sphere_numbers,
+            body_count: self.body_count as usize,
+        }
     }
 
     fn bodies_of(&self, couple: Couple) -> [u32; 2] {

@@ -1,4 +1,4 @@
-//! `fdem new`: a model to start from.
+//! `fdem new` writes a model to start from.
 
 use std::io::Write;
 
@@ -15,7 +15,7 @@ pub(crate) fn run(arguments: &NewArguments) -> Result<(), Failure> {
     let mut output = Output::open(Some(path))?;
     output.write(|out| out.write_all(STARTER.as_bytes()))?;
     output.commit()?;
-    // A message that nobody can see any more is no failure.
+    // The file is written: an error of standard error is ignored.
     let name = display_name(path);
     let _ = writeln!(std::io::stderr(), "wrote {name}; next: fdem check {name}");
     Ok(())

@@ -4,10 +4,12 @@ use std::ffi::OsStr;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Stdout, Write};
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use tempfile::{NamedTempFile, TempPath};
 
+use crate::command::aside::{self, Claim};
 use crate::command::failure::{Failure, display_name};
 
 /// Format of couples and packings, by the extension of the output.
@@ -93,14 +95,32 @@ enum To {
     Aside {
         file: BufWriter<NamedTempFile>,
         target: PathBuf,
+        claim: Arc<Claim>,
     },
+}
+
+/// Whether the program was started without standard output, as by `>&-`: the standard library has opened `/dev/null` in its place.
+static NO_STDOUT: AtomicBool = AtomicBool::new(false);
+
+/// Notes that the program was started without standard output: to write there is an error from now on.
+pub(crate) fn stdout_is_closed() {
+    NO_STDOUT.store(true, Ordering::Relaxed);
+}
+
+/// Refuses to write to a standard output that is closed.
+pub(crate) fn check_stdout() -> io::Result<()> {
+    if NO_STDOUT.load(Ordering::Relaxed) {
+        return Err(io::Error::other("it is closed"));
+    }
+    Ok(())
 }
 
 impl Output {
     /// Opens `path`, or standard output for `None` and `-`.
     pub(crate) fn open(path: Option<&Path>) -> Result<Self, Failure> {
         let Some(path) = path.filter(|path| !is_stdout(path)) else {
-            return Ok(Self { name: "standard output".into(), to: To::Stdout(BufWriter::new(io::stdout())) });
+            let name = PathBuf::from("standard output");
+            return Ok(Self { name, to: To::Stdout(BufWriter::new(io::stdout())) });
         };
         let name = path.to_owned();
         if path.is_dir() {
@@ -124,19 +144,10 @@ impl Output {
         if !folder.is_dir() {
             return Err(Failure::writing(path, format!("no folder {}", display_name(folder))));
         }
-        let mut builder = tempfile::Builder::new();
-        builder.prefix(".fdem-").suffix(".part");
-        if let Some(permissions) = permissions {
-            builder.permissions(permissions);
-        }
-        let file = partial_outputs(|partial| {
-            let file = builder.tempfile_in(folder)?;
-            partial.push(file.path().to_owned());
-            Ok(file)
-        });
         // The kind alone: the error itself names the temporary file.
-        let file = file.map_err(|error: io::Error| Failure::writing(path, io::Error::from(error.kind())))?;
-        Ok(Self { name, to: To::Aside { file: BufWriter::new(file), target } })
+        let (file, claim) = aside::create(folder, permissions)
+            .map_err(|error| Failure::writing(path, io::Error::from(error.kind())))?;
+        Ok(Self { name, to: To::Aside { file: BufWriter::new(file), target, claim } })
     }
 
     /// Writes through `write`; an error names the output.
@@ -151,10 +162,16 @@ impl Output {
             To::Device(writer) => (writer, false),
             To::Aside { file, .. } => (file, false),
         };
-        match write(writer).and_then(|()| writer.flush()) {
+        let open = if is_stdout { check_stdout() } else { Ok(()) };
+        match open.and_then(|()| write(writer)).and_then(|()| writer.flush()) {
             Err(error) if is_stdout && error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
             done => done.map_err(|error| Failure::writing(&self.name, error)),
         }
+    }
+
+    /// The name of the file, as messages show it; standard output has none.
+    pub(crate) fn file_name(&self) -> Option<String> {
+        (!matches!(self.to, To::Stdout(_))).then(|| display_name(&self.name))
     }
 
     /// Makes the output appear under its name. Dropped without this, a file written aside is removed.
@@ -165,52 +182,43 @@ impl Output {
     /// Closes the output; a file written aside still has to be put under its name.
     pub(crate) fn close(self) -> Result<Written, Failure> {
         let Self { name, to } = self;
-        let To::Aside { file, target } = to else { return Ok(Written { name, aside: None }) };
+        let To::Aside { file, target, claim } = to else { return Ok(Written { name, aside: None }) };
         let file = file.into_inner().map_err(|error| Failure::writing(&name, error.error()))?;
         file.as_file().sync_all().map_err(|error| Failure::writing(&name, error))?;
-        Ok(Written { name, aside: Some((file.into_temp_path(), target)) })
+        let part = file.into_temp_path();
+        Ok(Written { name, aside: Some(Part { file: part, target, _claim: claim }) })
     }
 }
 
-/// An output that is written and closed: of these there may be more than the system has open files. Dropped without
+/// An output that is written and closed: there may be more of them than a process may have open files. Dropped without
 /// [`Self::commit`], a file written aside is removed.
 pub(crate) struct Written {
     name: PathBuf,
-    aside: Option<(TempPath, PathBuf)>,
+    aside: Option<Part>,
+}
+
+/// A file written aside, and where it belongs.
+struct Part {
+    // Removed before the claim is given up.
+    file: TempPath,
+    target: PathBuf,
+    _claim: Arc<Claim>,
 }
 
 impl Written {
     /// Makes the output appear under its name.
     pub(crate) fn commit(self) -> Result<(), Failure> {
-        let Some((file, target)) = self.aside else { return Ok(()) };
-        partial_outputs(|partial| {
-            partial.retain(|path| *path != *file);
-            file.persist(target)
-        })
-        .map_err(|error| Failure::writing(&self.name, error.error))
+        let Some(Part { file: part, target, _claim }) = self.aside else { return Ok(()) };
+        let path = part.to_path_buf();
+        aside::put_in_place(&path, || part.persist(target))
+            .map_err(|error| Failure::writing(&self.name, error.error))
     }
-}
-
-/// Files written aside at this moment, for the interrupt handler. The lock also orders "create" and "rename" against it.
-static PARTIAL_OUTPUTS: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
-
-fn partial_outputs<R>(act: impl FnOnce(&mut Vec<PathBuf>) -> R) -> R {
-    act(&mut PARTIAL_OUTPUTS.lock().unwrap_or_else(PoisonError::into_inner))
 }
 
 /// On Ctrl-C and the other signals that ask a program to end: removes what has been written aside, and ends with the
 /// customary exit code.
 pub(crate) fn remove_partial_output_when_interrupted() -> Result<(), Failure> {
-    let clean_up = |code: i32| {
-        partial_outputs(|partial| {
-            for path in partial.iter() {
-                // It may be gone already; there is nobody left to tell.
-                let _ = fs::remove_file(path);
-            }
-            std::process::exit(code);
-        });
-    };
-    watch_for_interrupts(clean_up).map_err(|error| {
+    watch_for_interrupts(aside::remove_all_and_exit).map_err(|error| {
         Failure::Unusable(format!(
             "cannot watch for interrupts: {error}; is there too little memory, or no thread left?"
         ))
@@ -278,11 +286,18 @@ fn folder(path: &Path) -> &Path {
     }
 }
 
+/// Prints a text on standard output. A reader that leaves early (`| head`) has what it wants: no error.
+pub(crate) fn print(text: &str) -> Result<(), Failure> {
+    let mut output = Output::open(None)?;
+    output.write(|out| out.write_all(text.as_bytes()))
+}
+
 pub(crate) fn is_stdout(path: &Path) -> bool {
     path == Path::new("-")
 }
 
-fn is_device(path: &Path) -> bool {
+/// Whether a path is of something that is neither a file nor a folder.
+pub(crate) fn is_device(path: &Path) -> bool {
     fs::metadata(path).is_ok_and(|metadata| !metadata.is_file() && !metadata.is_dir())
 }
 

@@ -1,4 +1,4 @@
-//! Progress on a terminal, for steps that take longer than a second.
+//! Progress bars for steps that take longer than a second.
 
 use std::io::IsTerminal;
 use std::sync::Arc;
@@ -9,17 +9,17 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-/// A step that takes less is over before a bar could be read.
+/// Time after which a bar appears: nobody could read the bar of a shorter step.
 const PATIENCE: Duration = Duration::from_secs(1);
 
 const INTERVAL: Duration = Duration::from_millis(100);
 
-/// Times steps, and shows a bar on standard error while one lasts.
+/// Measures the time of steps, and shows a bar on standard error during each.
 pub(crate) struct Progress {
     visible: bool,
 }
 
-/// How far a step is, to be advanced by whoever works on it.
+/// Progress of a step. The code that works on the step advances it.
 pub(crate) type Position = Arc<AtomicU64>;
 
 impl Progress {
@@ -29,7 +29,7 @@ impl Progress {
 
     /// Runs `work` and returns its result with the seconds it took.
     ///
-    /// The bar runs up to `total`; without one it shows the position and the time only.
+    /// The bar runs up to `total`. Without a total it shows the position and the time.
     pub(crate) fn step<R>(
         &self,
         label: &'static str,
@@ -48,14 +48,14 @@ impl Progress {
     }
 }
 
-/// A thread that looks at the position, so that the work itself never waits for a terminal.
+/// A thread that draws the position, so that the work never waits for the terminal.
 struct Bar {
     done: Sender<()>,
     thread: JoinHandle<()>,
 }
 
 impl Bar {
-    /// None where no thread can be had: the work goes on unseen.
+    /// Starts the thread; `None` if the system has no thread left. The work then goes on without a bar.
     fn watch(label: &'static str, total: Option<u64>, position: &Position) -> Option<Self> {
         let (done, wait) = mpsc::channel();
         let position = Arc::clone(position);
@@ -63,16 +63,15 @@ impl Bar {
             if wait.recv_timeout(PATIENCE) != Err(RecvTimeoutError::Timeout) {
                 return;
             }
-            let bar = match total {
-                Some(total) => {
-                    ProgressBar::new(total).with_style(style("{msg} {wide_bar} {percent} %, {eta} left"))
-                }
-                None => ProgressBar::new_spinner()
-                    .with_style(style("{spinner} {msg}: {human_pos} so far, {elapsed}")),
-            }
-            .with_message(label)
-            .with_elapsed(PATIENCE);
+            let bar = total.map_or_else(ProgressBar::new_spinner, ProgressBar::new);
+            let bar = bar.with_message(label).with_elapsed(PATIENCE);
+            let mut shown = 0;
             while wait.recv_timeout(INTERVAL) == Err(RecvTimeoutError::Timeout) {
+                let width = columns();
+                if width != shown {
+                    shown = width;
+                    bar.set_style(style(template(total.is_some(), label.chars().count(), width)));
+                }
                 bar.set_position(position.load(Ordering::Relaxed));
                 bar.tick();
             }
@@ -84,11 +83,108 @@ impl Bar {
 
     fn finish(self) {
         drop(self.done);
-        // The thread only draws: if it panicked, the result is right all the same.
+        // The thread only draws: the result is right even if it panicked.
         let _ = self.thread.join();
+    }
+}
+
+/// Columns of the terminal.
+pub(crate) fn columns() -> usize {
+    usize::from(console::Term::stderr().size().1)
+}
+
+/// What of a step fits into a line of this width, beside a label of so many characters.
+fn template(total: bool, label: usize, width: usize) -> &'static str {
+    // Percentages, times and counts as long as they become, and ten columns of the bar.
+    match (total, width.saturating_sub(label)) {
+        (true, 38..) => "{msg} {wide_bar} {percent} %, {eta} left",
+        (true, 8..) => "{msg} {percent} %",
+        (false, 40..) => "{spinner} {msg}: {human_pos} so far, {elapsed}",
+        (false, 18..) => "{msg}: {human_pos}",
+        _ => "{wide_msg}",
+    }
+}
+
+/// The first line of the progress of a run, for a terminal of this width.
+pub(crate) fn bar_of_run(width: usize) -> &'static str {
+    match width {
+        52.. => "{wide_bar} {percent} %, {elapsed} gone, {eta} left",
+        32.. => "{wide_bar} {percent} %, {eta} left",
+        _ => "{percent} %",
+    }
+}
+
+/// Those of the parts, in their order, that fit side by side into a line; of a first part that is too long, its beginning.
+pub(crate) fn fitted(parts: &[String], width: usize) -> String {
+    let mut line = String::new();
+    let mut used = 0;
+    for part in parts {
+        let gap = if used > 0 { 2 } else { 0 };
+        let count = part.chars().count();
+        if used + gap + count <= width {
+            if gap > 0 {
+                line.push_str(", ");
+            }
+            line.push_str(part);
+            used += gap + count;
+        }
+    }
+    if line.is_empty() {
+        parts.first().map_or_else(String::new, |part| part.chars().take(width).collect())
+    } else {
+        line
     }
 }
 
 fn style(template: &str) -> ProgressStyle {
     ProgressStyle::with_template(template).expect("the templates in this file are valid")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_fit_into_any_width_and_leave_out_what_does_not() {
+        let parts =
+            ["step 1,200 of 40,000", "time 0.00123 s", "3.1 million element-steps a second", "12 broken"];
+        let parts = parts.map(str::to_owned);
+        for width in 0..120 {
+            let line = fitted(&parts, width);
+            assert!(line.chars().count() <= width, "{width}: {line}");
+            assert!(width < 20 || line.starts_with("step 1,200 of 40,000"), "{width}: {line}");
+        }
+        assert_eq!(fitted(&parts, 120), parts.join(", "));
+        assert_eq!(fitted(&parts, 50), "step 1,200 of 40,000, time 0.00123 s, 12 broken");
+        assert_eq!(fitted(&[], 10), "");
+    }
+
+    #[test]
+    fn bars_fit_into_any_width() {
+        // What the keys become at their longest.
+        let longest = |template: &str, label: usize| {
+            let keys = [
+                ("{msg}", label),
+                ("{percent}", 3),
+                ("{eta}", 10),
+                ("{elapsed}", 10),
+                ("{human_pos}", 15),
+                ("{spinner}", 1),
+            ];
+            let bars = template.replace("{wide_bar}", "").replace("{wide_msg}", "");
+            keys.iter()
+                .fold(bars, |text, (key, count)| text.replace(key, &"x".repeat(*count)))
+                .chars()
+                .count()
+        };
+        for width in 6..200 {
+            assert!(longest(bar_of_run(width), 0) <= width, "{width}");
+            for label in 0..40 {
+                for total in [false, true] {
+                    let template = template(total, label, width);
+                    assert!(longest(template, label) <= width, "{width}: {template}");
+                }
+            }
+        }
+    }
 }

@@ -1,94 +1,150 @@
-//! `fdem run` and `fdem resume`: a model is simulated, its results are written as it goes.
+//! `fdem run` and `fdem resume` simulate a model and write its results during the run.
 
+mod account;
 pub(crate) mod folder;
 mod recorder;
 mod told;
 mod watch;
 
-use std::fs;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use fdem_simulation::{Simulation, Stop};
 
 use crate::command::args::{ResumeArguments, RunArguments, RunOptions};
-use crate::command::check::{read_text, refused};
+use crate::command::check::{inputs_of, read_text, refused};
 use crate::command::failure::{Failure, display_name};
-use crate::model::{Checkpoint as When, Preflight, Prepared, prepare};
+use crate::command::memory;
+use crate::command::output::print;
+use crate::command::progress::Progress;
+use crate::model::{Checkpoint as When, Preflight, Prepared, prepare_within, with_end_time};
 use crate::numbers::{brief, grouped};
+use account::{Account, PARTS};
 use folder::{Checkpoint, Folder, MODEL, SUMMARY};
 use recorder::Recorder;
 use told::Told;
 use watch::Watch;
 
-/// How long a run may go on before it looks at the clock and for signals.
+/// Time between two looks at the clock and for signals.
 const SLICE: Duration = Duration::from_millis(100);
 
 pub(crate) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     let path = &arguments.model;
     let text = read_text(path)?;
-    let beside = path.parent().unwrap_or(Path::new(""));
     let mut inputs = Vec::new();
+    let mut read = inputs_of(path);
     let mut load = |file: &str| {
-        let bytes = fs::read(beside.join(file)).map_err(|error| error.to_string())?;
+        let bytes = read(file)?;
         inputs.push(bytes.clone());
         Ok(bytes)
     };
-    let prepared = prepare(&text, &display_name(path), &mut load).map_err(|errors| refused(&errors))?;
+    let progress = Progress::new(arguments.options.quiet);
+    let (prepared, _) = progress.step("meshing the model", None, |_| {
+        prepare_within(&text, &display_name(path), &mut load, memory::free())
+    });
+    let prepared = prepared.map_err(|errors| refused(&errors))?;
     let unusable = |why: String| Failure::Unusable(format!("{} cannot run: {why}", display_name(path)));
-    let simulation = Simulation::new(prepared.model.clone(), arguments.options.threads)
-        .map_err(|error| unusable(error.to_string()))?;
+    let (simulation, _) = progress.step("preparing the run", None, |_| {
+        Simulation::new(prepared.model.clone(), arguments.options.threads)
+    });
+    let simulation = simulation.map_err(|error| unusable(error.to_string()))?;
     let preflight = Preflight::with(&prepared, simulation.critical_step()).map_err(unusable)?;
     let target = arguments.output.clone().unwrap_or_else(|| default_folder(path));
     let folder = Folder::create(&target, arguments.force, text.as_bytes(), &inputs)?;
     let recorder = Recorder::new(&folder, &prepared)?;
-    let mut going = Going::new(folder, prepared, simulation, recorder, 0.0, &arguments.options)?;
+    let intervals = [prepared.output.interval, prepared.output.history_interval];
+    let mut going = Going::new(
+        folder,
+        prepared,
+        simulation,
+        recorder,
+        Earlier { account: Account::default(), intervals },
+        &arguments.options,
+    )?;
     for line in preflight.to_string().lines() {
         going.told.say(line);
     }
-    going.recorder.frame(&going.run)?;
+    going.frame()?;
     // From here on the run can be resumed.
     going.save()?;
     going.go()
 }
 
 pub(crate) fn resume(arguments: &ResumeArguments) -> Result<(), Failure> {
-    let (folder, checkpoint) = Folder::open(&arguments.folder)?;
+    let (mut folder, checkpoint) = Folder::open(&arguments.folder)?;
+    let place = display_name(&arguments.folder);
     let path = folder.path(MODEL);
-    let text = read_text(&path)?;
+    let mut text = read_text(&path)?;
+    if let Some(end) = arguments.end_time {
+        text = with_end_time(&text, end).ok_or_else(|| {
+            Failure::Unusable(format!("{} has no end_time to be changed", display_name(&path)))
+        })?;
+    }
     let mut next = 0;
     let mut load = |_: &str| {
         next += 1;
         folder.input(next - 1).map_err(|error| error.to_string())
     };
-    let prepared = prepare(&text, &display_name(&path), &mut load).map_err(|errors| refused(&errors))?;
+    let progress = Progress::new(arguments.options.quiet);
+    let (prepared, _) = progress.step("meshing the model", None, |_| {
+        prepare_within(&text, &display_name(&path), &mut load, memory::free())
+    });
+    let prepared = prepared.map_err(|errors| refused(&errors))?;
     if prepared.hash != checkpoint.model {
         return Err(Failure::Unusable(format!(
-            "{} is not the model of this run any more: put it back, or start anew with `fdem run`",
+            "{} is not the model of this run any more: put it back, or start anew with `fdem run`. Only end_time may change",
             display_name(&path)
         )));
     }
-    let Checkpoint { frames, history, seconds, state, .. } = checkpoint;
+    let Checkpoint { frames, history, intervals, account, state, .. } = checkpoint;
     let step = state.step();
-    let simulation =
-        Simulation::resume(prepared.model.clone(), state, arguments.options.threads).map_err(|error| {
-            Failure::Unusable(format!("{} cannot go on: {error}", display_name(&arguments.folder)))
-        })?;
-    let recorder = Recorder::going_on(&folder, &prepared, step, frames, history)?;
-    let mut going = Going::new(folder, prepared, simulation, recorder, seconds, &arguments.options)?;
+    let unusable = |why: String| Failure::Unusable(format!("{place} cannot go on: {why}"));
+    let (simulation, _) = progress.step("preparing the run", None, |_| {
+        Simulation::resume(prepared.model.clone(), state, arguments.options.threads)
+    });
+    let simulation = simulation.map_err(|error| unusable(error.to_string()))?;
+    let steps = Preflight::with(&prepared, simulation.critical_step()).map_err(unusable)?.steps;
+    if steps < step {
+        return Err(unusable(format!(
+            "it has come to {} s, and its end_time is {} s",
+            brief(simulation.time()),
+            brief(prepared.end_time)
+        )));
+    }
+    if steps == step && arguments.options.animate.is_none() && folder.is_finished() {
+        return print(&format!(
+            "nothing to do: the run in {place} is finished, {} s in {} steps; --end-time makes it longer\n",
+            brief(simulation.time()),
+            grouped(step)
+        ));
+    }
+    let (recorder, _) = progress
+        .step("checking the frames", None, |_| Recorder::going_on(&folder, &prepared, step, frames, history));
+    let recorder = recorder?;
+    if arguments.end_time.is_some() {
+        folder.replace_model(text.as_bytes())?;
+    }
+    let earlier = Earlier { account, intervals };
+    let mut going = Going::new(folder, prepared, simulation, recorder, earlier, &arguments.options)?;
     going.told.say(&format!("goes on after step {}", grouped(step)));
     going.go()
 }
 
-/// The name of the model with `_results` after it, in the working directory.
+/// Returns the default folder: the name of the model with `_results` after it, in the working directory.
 fn default_folder(model: &Path) -> PathBuf {
     let mut name = model.file_stem().unwrap_or_default().to_owned();
     name.push("_results");
     PathBuf::from(name)
 }
 
-/// A run on its way.
+/// Account and intervals of the earlier parts of a run.
+struct Earlier {
+    account: Account,
+    /// Time between frames and time between rows of the history, s.
+    intervals: [f64; 2],
+}
+
+/// A simulation with its folder, its records and its progress.
 struct Going {
     folder: Folder,
     prepared: Prepared,
@@ -96,22 +152,22 @@ struct Going {
     recorder: Recorder,
     told: Told,
     watch: Watch,
-    /// Steps in all.
+    earlier: Earlier,
+    /// Steps of the whole run.
     total: u64,
-    /// Between frames and between rows of the history.
+    /// Steps between frames and between rows of the history.
     every: [f64; 2],
-    /// On the clock, before this part of the run.
-    before: f64,
-    /// For results.
+    /// Time for results in this part of the run.
     output: Duration,
     saved: Instant,
     warned: bool,
+    quiet: bool,
 }
 
-/// Why a run is over.
+/// How the steps of a run ended.
 enum End {
     Finished,
-    /// By this signal.
+    /// This signal asked the run to end.
     Interrupted(i32),
     Stopped(Stop),
 }
@@ -122,7 +178,7 @@ impl Going {
         mut prepared: Prepared,
         run: Simulation,
         recorder: Recorder,
-        before: f64,
+        earlier: Earlier,
         options: &RunOptions,
     ) -> Result<Self, Failure> {
         if let Some(asked) = options.animate {
@@ -131,7 +187,6 @@ impl Going {
         let step = run.time_step();
         let total = ((prepared.end_time / step).ceil() as u64).max(1);
         let told = Told::new(&folder, &run, total, options.quiet)?;
-        let every = [prepared.output.interval / step, prepared.output.history_interval / step];
         Ok(Self {
             folder,
             prepared,
@@ -140,49 +195,50 @@ impl Going {
             told,
             watch: Watch::new()?,
             total,
-            every,
-            before,
+            every: earlier.intervals.map(|interval| interval / step),
+            earlier,
             output: Duration::ZERO,
             saved: Instant::now(),
             warned: false,
+            quiet: options.quiet,
         })
     }
 
-    /// To the end, or as far as it goes.
+    /// Runs to the end, or as far as it goes, and draws what has been recorded.
     fn go(&mut self) -> Result<(), Failure> {
-        let end = self.steps()?;
-        self.told.end();
+        let end = self.steps().inspect_err(|failure| {
+            // The disk may be full: then the summary cannot be written either.
+            let _ = self.summarise(&format!("stopped: {failure}"));
+        })?;
         match &end {
             End::Finished | End::Interrupted(_) => self.save()?,
-            // What is wrong is shown; the last good checkpoint stays.
-            End::Stopped(_) => self.recorder.frame(&self.run)?,
+            // The frame shows what is wrong; the last good checkpoint stays.
+            End::Stopped(_) => self.frame()?,
         }
+        self.told.end();
         let status = match &end {
             End::Finished => "finished".to_owned(),
             End::Interrupted(_) => "interrupted".to_owned(),
             End::Stopped(stop) => format!("stopped: {stop}"),
         };
-        let start = Instant::now();
+        // Before anything is drawn: whatever happens to the pictures, the summary says how the run ended.
+        self.summarise(&status)?;
         let facts = self.facts(&status);
-        let facts: Vec<(&str, &str)> = facts.iter().map(|(name, text)| (*name, text.as_str())).collect();
-        self.recorder.finish(&self.prepared, &facts)?;
-        self.output += start.elapsed();
-        let seconds = self.before + self.told.seconds();
-        let json = told::json(&self.run, &self.prepared, &status, seconds, self.output.as_secs_f64());
-        self.folder.write(SUMMARY, format!("{json:#}\n").as_bytes())?;
+        let drawn = self.draw(&facts);
+        if !matches!(end, End::Stopped(_)) {
+            // Again, so that the account has the time for drawing too.
+            self.save()?;
+        }
+        self.summarise(&status)?;
         for (name, text) in &facts {
             self.told.say(&format!("{name:<16} {text}"));
         }
+        drawn?;
         let place = display_name(&self.folder.path(""));
         match end {
-            End::Finished => {
-                // A message that nobody can see any more is no failure.
-                let _ = writeln!(
-                    std::io::stdout(),
-                    "results are in {place}: report.html for a browser, results.pvd for ParaView, history.csv, plots"
-                );
-                Ok(())
-            }
+            End::Finished => print(&format!(
+                "results are in {place}: report.html for a browser, results.pvd for ParaView, history.csv, plots\n"
+            )),
             End::Interrupted(signal) => Err(Failure::Interrupted {
                 message: format!(
                     "interrupted after step {}; `fdem resume {place}` goes on",
@@ -205,8 +261,8 @@ impl Going {
                 When::Steps(every) => next(step, every as f64),
                 When::Seconds(_) => u64::MAX,
             };
-            // The first row is of the first step: energies are known then.
-            let row = if step == 0 { 1 } else { row };
+            let opening = (step == 0).then(|| self.recorder.values(&self.run, &self.prepared));
+            // The first slice is one step: forces and energies of the beginning are known after it.
             let stop = frame.min(row).min(checkpoint).min(self.total).min(step + slice);
             let start = Instant::now();
             if let Err(stop) = self.run.advance(stop - step) {
@@ -215,11 +271,15 @@ impl Going {
             slice = steps_for(SLICE, start.elapsed(), stop - step, slice);
             let step = stop;
             let start = Instant::now();
+            if let Some(values) = opening {
+                self.recorder.first_row(&self.run, &self.prepared, values)?;
+            }
             if step == row || step == self.total {
                 self.recorder.row(&self.run, &self.prepared)?;
             }
+            self.output += start.elapsed();
             if step == frame || step == self.total {
-                self.recorder.frame(&self.run)?;
+                self.frame()?;
             }
             let due = match self.prepared.output.checkpoint {
                 When::Steps(_) => step == checkpoint,
@@ -228,7 +288,6 @@ impl Going {
             if due {
                 self.save()?;
             }
-            self.output += start.elapsed();
             self.told.show(&self.run);
             self.warn();
             if let Some(signal) = self.watch.signal() {
@@ -238,7 +297,39 @@ impl Going {
         Ok(End::Finished)
     }
 
-    /// Once, of contacts that are too soft.
+    /// Writes the files of this instant.
+    fn frame(&mut self) -> Result<(), Failure> {
+        let start = Instant::now();
+        self.told.does(&format!("writing frame {}", self.recorder.frames.len()));
+        let written = self.recorder.frame(&self.run);
+        self.output += start.elapsed();
+        written
+    }
+
+    /// Draws the plots, the picture, the animation and the report.
+    fn draw(&mut self, facts: &[(&str, String)]) -> Result<(), Failure> {
+        let start = Instant::now();
+        let facts: Vec<(&str, &str)> = facts.iter().map(|(name, text)| (*name, text.as_str())).collect();
+        let progress = Progress::new(self.quiet);
+        let (drawn, _) = progress.step("reading frames, drawing plots and the report", None, |done| {
+            self.recorder.finish(&self.prepared, &facts, done)
+        });
+        self.output += start.elapsed();
+        drawn
+    }
+
+    /// Writes `run.json`.
+    fn summarise(&self, status: &str) -> Result<(), Failure> {
+        let json = told::json(&self.run, &self.prepared, status, &self.account());
+        self.folder.write(SUMMARY, format!("{json:#}\n").as_bytes())
+    }
+
+    /// The account of the whole run until now.
+    fn account(&self) -> Account {
+        self.earlier.account.and(&self.run, self.told.elapsed(), self.output)
+    }
+
+    /// Warns once of contacts that are too soft.
     fn warn(&mut self) {
         if let Some(element) = self.run.penetrated().filter(|_| !self.warned) {
             self.warned = true;
@@ -249,29 +340,34 @@ impl Going {
         }
     }
 
-    /// Where the run stands, on the disk.
+    /// Writes a checkpoint.
     fn save(&mut self) -> Result<(), Failure> {
+        let start = Instant::now();
+        self.told.does("writing a checkpoint");
         self.recorder.flush()?;
         self.folder.save(&Checkpoint {
             model: self.prepared.hash.clone(),
             frames: self.recorder.frames.clone(),
             history: self.recorder.length()?,
-            seconds: self.before + self.told.seconds(),
+            intervals: self.earlier.intervals,
+            account: self.account(),
             state: self.run.state(),
         })?;
         self.saved = Instant::now();
+        self.output += start.elapsed();
         Ok(())
     }
 
-    /// The run in a few lines.
+    /// The summary of the run: names and texts of its lines.
     fn facts(&self, status: &str) -> Vec<(&'static str, String)> {
         let run = &self.run;
         let (counts, energies) = (run.counts(), run.energies());
         let elements = run.model().mesh.triangles.len();
-        let parts = told::parts(&run.timings());
-        let busy: f64 = parts.iter().map(|(_, seconds)| seconds).sum();
-        let shares: Vec<String> = parts
+        let account = self.account();
+        let busy = account.busy();
+        let shares: Vec<String> = PARTS
             .iter()
+            .zip(account.parts)
             .map(|(name, seconds)| format!("{name} {:.0} %", 100.0 * seconds / busy.max(1e-9)))
             .collect();
         let energy = |name: &str, value: f64| format!("{name} {}", brief(value));
@@ -329,7 +425,7 @@ impl Going {
                 "detection",
                 format!(
                     "{} times, {} contacts at the end",
-                    grouped(counts.detections),
+                    grouped(account.detections),
                     grouped(counts.contacts as u64)
                 ),
             ),
@@ -338,7 +434,7 @@ impl Going {
     }
 }
 
-/// The first multiple of an interval after a step, both in steps; intervals need not be whole.
+/// Returns the first multiple of an interval after a step. The interval is in steps and need not be a whole number.
 fn next(step: u64, every: f64) -> u64 {
     let every = every.max(1.0);
     let mut count = (step as f64 / every).floor();
@@ -351,10 +447,10 @@ fn next(step: u64, every: f64) -> u64 {
     }
 }
 
-/// How many steps fill a slice of time, if so many took so long.
+/// Number of steps that fill a slice of time, where `steps` steps took the time `took`.
 fn steps_for(slice: Duration, took: Duration, steps: u64, before: u64) -> u64 {
     let fit = slice.as_secs_f64() / (took.as_secs_f64() / steps.max(1) as f64).max(1e-9);
-    // Never more than ten times as many at once: the first steps may be quicker than what follows.
+    // At most ten times as many as before: the first steps may be quicker than later ones.
     (fit as u64).clamp(1, before.saturating_mul(10))
 }
 

@@ -1,19 +1,19 @@
 //! `fdem contacts` of several frames: one table of all, or a file for each.
 
 use std::fs::File;
-use std::io::{self, Seek, Write};
+use std::io;
 use std::path::{Path, PathBuf};
 
-use fdem_io::{Packing, Series, write_csv, write_csv_rows, write_npy_header, write_npy_rows};
+use fdem_io::{Packing, Series, Spool, write_csv, write_csv_rows};
 
 use crate::command::args::ContactsArguments;
-use crate::command::contacts::{self, Outputs};
-use crate::command::failure::Failure;
+use crate::command::contacts::{self, Outputs, show};
+use crate::command::failure::{Failure, display_name};
 use crate::command::input::Opened;
-use crate::command::output::{Output, TableFormat, Written, refuse_to_overwrite};
+use crate::command::output::{Output, TABLES, TableFormat, Written, is_stdout, refuse_to_overwrite};
 use crate::command::progress::{Position, Progress};
 use crate::command::series_summary::SeriesSummary;
-use crate::command::tables::{frame_table, no_frames};
+use crate::command::tables::{frame_table, write_table};
 use crate::network::Network;
 
 /// What stands for the number of a frame in the name of an output.
@@ -29,7 +29,7 @@ pub(crate) fn run(
 ) -> Result<(), Failure> {
     refuse_options_of_one_frame(arguments, &opened.name)?;
     let is_shared = |path: &Option<PathBuf>| !path.as_deref().is_some_and(names_frame);
-    let one_table = is_shared(&arguments.output) && !arguments.count;
+    let one_table = is_shared(&arguments.output) && arguments.writes_couples();
     let mut table = one_table.then(|| SeriesTable::open(arguments.output.as_deref())).transpose()?;
     let mut json = match &arguments.json {
         Some(path) if !names_frame(path) => Some(Output::open(Some(path))?),
@@ -65,10 +65,23 @@ pub(crate) fn run(
     }
     written.into_iter().try_for_each(Written::commit)?;
     if !arguments.quiet {
-        // A summary that nobody can see any more is no failure.
-        let _ = write!(io::stderr(), "{summary}");
+        show(&summary, &files(arguments, chosen));
     }
     Ok(())
+}
+
+/// The files that were written: one of all frames by its name, those of single frames in one line.
+fn files(arguments: &ContactsArguments, chosen: &[usize]) -> Vec<String> {
+    let frames = match chosen {
+        [frame] => format!("frame {frame}"),
+        [first, .., last] => format!("{} files, frame {first} to {last}", chosen.len()),
+        [] => String::new(),
+    };
+    let paths = names(arguments).into_iter().flatten().filter(|path| !is_stdout(path));
+    let named = paths.map(|path| {
+        if names_frame(path) { format!("{}: {frames}", display_name(path)) } else { display_name(path) }
+    });
+    named.collect()
 }
 
 fn refuse_options_of_one_frame(arguments: &ContactsArguments, name: &str) -> Result<(), Failure> {
@@ -133,30 +146,23 @@ pub(crate) struct SeriesTable {
     output: Output,
     /// How many shifts a row has, from the first frame on.
     shifts: Option<usize>,
-    /// The rows of an array, whose header tells how many there are.
-    rows: Option<(File, u64)>,
+    format: TableFormat,
+    /// The rows, where the format has them all at once.
+    rows: Option<Spool<File>>,
 }
 
 impl SeriesTable {
     fn open(path: Option<&Path>) -> Result<Self, Failure> {
         let format = TableFormat::of(path)?;
-        if !matches!(format, TableFormat::Csv | TableFormat::Npy) {
+        if !TABLES.contains(&format) {
             return Err(Failure::Unusable(format!(
-                "--output: one table of several frames ends in .csv or .npy; for a file for each put {PLACE} into its name"
+                "--output: one table of several frames ends in .csv, .npy, .npz or .parquet; for a file for each put {PLACE} into its name"
             )));
         }
         let output = Output::open(path)?;
         let name = path.map_or_else(|| PathBuf::from("standard output"), Path::to_owned);
-        let rows = match format {
-            TableFormat::Npy => {
-                let folder = name.parent().filter(|folder| !folder.as_os_str().is_empty());
-                let file = tempfile::tempfile_in(folder.unwrap_or(Path::new(".")));
-                let failed = |error: io::Error| Failure::writing(&name, io::Error::from(error.kind()));
-                Some((file.map_err(failed)?, 0))
-            }
-            _ => None,
-        };
-        Ok(Self { name, output, shifts: None, rows })
+        let rows = (format != TableFormat::Csv).then(Spool::new);
+        Ok(Self { name, output, shifts: None, format, rows })
     }
 
     /// Adds the couples of a frame.
@@ -181,21 +187,23 @@ impl SeriesTable {
         match &mut self.rows {
             None if is_first => self.output.write(|mut out| write_csv(&mut out, &table)),
             None => self.output.write(|mut out| write_csv_rows(&mut out, &table)),
-            Some((file, count)) => {
-                *count += table.rows() as u64;
-                write_npy_rows(file, &table).map_err(|error| Failure::writing(&self.name, error))
+            Some(rows) => {
+                let folder = self.name.parent().filter(|folder| !folder.as_os_str().is_empty());
+                let file = || tempfile::tempfile_in(folder.unwrap_or(Path::new(".")));
+                // The kind alone: the error itself names the temporary file.
+                let failed = |error: io::Error| match error.kind() {
+                    io::ErrorKind::Other => Failure::writing(&self.name, error),
+                    kind => Failure::writing(&self.name, io::Error::from(kind)),
+                };
+                rows.add(&table, file).map_err(failed)
             }
         }
     }
 
     fn close(mut self) -> Result<Written, Failure> {
-        if let Some((mut file, count)) = self.rows.take() {
-            let shifts = self.shifts.unwrap_or(0);
-            self.output.write(|mut out| {
-                write_npy_header(&mut out, &no_frames(shifts), count)?;
-                file.rewind()?;
-                io::copy(&mut file, &mut out).map(drop)
-            })?;
+        if let Some(rows) = self.rows.take() {
+            write_table(&mut self.output, self.format, &rows.table())?;
+            rows.check().map_err(|error| Failure::writing(&self.name, error))?;
         }
         self.output.close()
     }

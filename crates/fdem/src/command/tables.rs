@@ -1,5 +1,7 @@
 //! Couples and elements as tables, and the tables in the format that the name of the output tells.
 
+use std::io::{self, Write};
+use std::path::Path;
 use std::sync::atomic::Ordering;
 
 use fdem_io::{Packing, Table, Values};
@@ -47,30 +49,51 @@ pub(crate) fn write_network<const D: usize>(
     network: &Network<'_, D>,
     position: &Position,
 ) -> Result<(), Failure> {
-    let drawn = Drawn { packing, network, position };
-    output.write(|mut out| match format {
-        TableFormat::Csv => fdem_io::write_csv(&mut out, &drawn.couples()),
-        TableFormat::Npy => fdem_io::write_npy(&mut out, &drawn.couples()),
-        TableFormat::Parquet => fdem_io::write_parquet(&mut out, &drawn.couples()),
-        TableFormat::Npz => {
-            let (couples, elements, cell) = (drawn.couples_by_row(), drawn.elements_by_row(), drawn.cell());
-            fdem_io::write_npz(&mut out, &[&couples, &elements, &cell])
+    let drawn = Drawn { packing: Some(packing), network, position };
+    output.write(|out| drawn.write(format, out))
+}
+
+/// The bytes of a file with the couples of a network, and with its elements where the format has a place for them.
+///
+/// Elements have their numbers from 0 for ids. The format is the one that the end of `name` tells, as for the command's option `--output`.
+///
+/// # Errors
+/// A sentence, if the name tells no format.
+pub fn network_file<const D: usize>(network: &Network<'_, D>, name: &Path) -> Result<Vec<u8>, String> {
+    let format = TableFormat::of(Some(name)).map_err(|error| error.to_string())?;
+    let mut bytes = Vec::new();
+    let drawn = Drawn { packing: None, network, position: &Position::default() };
+    drawn.write(format, &mut bytes).map_err(|error| error.to_string())?;
+    Ok(bytes)
+}
+
+impl<const D: usize> Drawn<'_, D> {
+    fn write(&self, format: TableFormat, mut out: &mut (dyn Write + Send)) -> io::Result<()> {
+        let Self { network, .. } = *self;
+        match format {
+            TableFormat::Csv => fdem_io::write_csv(&mut out, &self.couples()),
+            TableFormat::Npy => fdem_io::write_npy(&mut out, &self.couples()),
+            TableFormat::Parquet => fdem_io::write_parquet(&mut out, &self.couples()),
+            TableFormat::Npz => {
+                let (couples, elements, cell) = (self.couples_by_row(), self.elements_by_row(), self.cell());
+                fdem_io::write_npz(&mut out, &[&couples, &elements, &cell])
+            }
+            TableFormat::Vtp => {
+                let degrees = self.degrees();
+                let across = self.across();
+                fdem_io::write_vtp(&mut out, &self.points(&degrees, &across), &self.lines(&across))
+            }
+            TableFormat::GraphMl => {
+                let degrees = self.degrees();
+                fdem_io::write_graphml(&mut out, &self.nodes(&degrees), &self.couples())
+            }
+            TableFormat::Json => {
+                let degrees = self.degrees();
+                let several = network.space.cell.is_some();
+                fdem_io::write_node_link(&mut out, &self.nodes(&degrees), &self.couples(), several)
+            }
         }
-        TableFormat::Vtp => {
-            let degrees = drawn.degrees();
-            let across = drawn.across();
-            fdem_io::write_vtp(&mut out, &drawn.points(&degrees, &across), &drawn.lines(&across))
-        }
-        TableFormat::GraphMl => {
-            let degrees = drawn.degrees();
-            fdem_io::write_graphml(&mut out, &drawn.nodes(&degrees), &drawn.couples())
-        }
-        TableFormat::Json => {
-            let degrees = drawn.degrees();
-            let several = network.space.cell.is_some();
-            fdem_io::write_node_link(&mut out, &drawn.nodes(&degrees), &drawn.couples(), several)
-        }
-    })
+    }
 }
 
 /// The number written where a frame has no time step.
@@ -83,7 +106,7 @@ pub(crate) fn frame_table<'a, const D: usize>(
     shifts: usize,
     position: &'a Position,
 ) -> Table<'a> {
-    let drawn = Drawn { packing, network, position };
+    let drawn = Drawn { packing: Some(packing), network, position };
     let (number, step) = (packing.frame.index, packing.frame.step.unwrap_or(NO_STEP));
     let table = Table::new(network.couples.len())
         .with("frame", Values::i64(move |_| number.cast_signed() as i64))
@@ -96,20 +119,16 @@ pub(crate) fn frame_table<'a, const D: usize>(
     }
 }
 
-/// The columns of [`frame_table`], without rows.
-pub(crate) fn no_frames(shifts: usize) -> Table<'static> {
-    let whole = || Values::i64(|_| 0);
-    let table =
-        ["frame", "step", "i", "j"].into_iter().fold(Table::new(0), |table, name| table.with(name, whole()));
-    let table = table.with("distance", Values::f64(|_| 0.0)).with("overlap", Values::f64(|_| 0.0));
-    if shifts == 0 { table } else { table.with_components("shift", &SHIFT[..shifts], Values::i32(|_| 0)) }
-}
-
 /// A packing and its couples, in the words of its file.
 struct Drawn<'a, const D: usize> {
-    packing: &'a Packing,
+    /// None: elements have their numbers for ids.
+    packing: Option<&'a Packing>,
     network: &'a Network<'a, D>,
     position: &'a Position,
+}
+
+fn id_of(packing: Option<&Packing>, index: usize) -> i64 {
+    packing.map_or(index.cast_signed() as i64, |packing| id(packing, index))
 }
 
 impl<'a, const D: usize> Drawn<'a, D> {
@@ -123,8 +142,8 @@ impl<'a, const D: usize> Drawn<'a, D> {
         let Self { packing, network, .. } = *self;
         let couples = network.couples;
         table
-            .with("i", self.counted(move |k| id(packing, couples.get(k).i as usize)))
-            .with("j", Values::i64(move |k| id(packing, couples.get(k).j as usize)))
+            .with("i", self.counted(move |k| id_of(packing, couples.get(k).i as usize)))
+            .with("j", Values::i64(move |k| id_of(packing, couples.get(k).j as usize)))
     }
 
     /// Couples with the rows of the elements, and shifts in any case.
@@ -170,8 +189,8 @@ impl<'a, const D: usize> Drawn<'a, D> {
         if !matches!(network.sizes, Sizes::Cutoff(_)) {
             table = table.with("radii", Values::f64(move |k| network.sizes.radius(k)));
         }
-        if packing.ids.is_some() || packing.row_numbers.is_some() {
-            table = table.with("ids", Values::i64(move |k| id(packing, k)));
+        if packing.is_some_and(|packing| packing.ids.is_some() || packing.row_numbers.is_some()) {
+            table = table.with("ids", Values::i64(move |k| id_of(packing, k)));
         }
         table
     }
@@ -192,7 +211,7 @@ impl<'a, const D: usize> Drawn<'a, D> {
         let Self { packing, network, .. } = *self;
         let centres = network.space.centres;
         let table = Table::new(centres.len())
-            .with("id", Values::i64(move |k| id(packing, k)))
+            .with("id", Values::i64(move |k| id_of(packing, k)))
             .with_components("positions", point::<D>(), Values::f64(move |k| centres[k / D][k % D]));
         self.described(table, degrees, |k| k)
     }
@@ -244,7 +263,7 @@ impl<'a, const D: usize> Drawn<'a, D> {
         let at = move |k: usize| if k % 3 < D { position(k / 3)[k % 3] } else { 0.0 };
         let table = Table::new(n + across.len())
             .with_components("positions", &POINT, Values::f64(at))
-            .with("id", Values::i64(move |k| id(packing, element(k))));
+            .with("id", Values::i64(move |k| id_of(packing, element(k))));
         self.described(table, degrees, element).with("image", Values::i32(move |k| i32::from(k >= n)))
     }
 

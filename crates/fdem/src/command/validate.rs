@@ -1,4 +1,4 @@
-//! `fdem validate`: the verification ladder, case by case.
+//! `fdem validate` runs the verification ladder, case by case.
 
 use std::io::{self, Write};
 use std::time::Instant;
@@ -36,7 +36,7 @@ pub(crate) fn run(arguments: &ValidateArguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The cases of these numbers, or of names that contain these words; all for none.
+/// Returns the cases with the given numbers, or whose names contain the given words. Without any it returns all cases.
 fn chosen(asked: &[String]) -> Result<Vec<&'static Case>, Failure> {
     if let Some(unknown) = asked.iter().find(|asked| !cases().iter().any(|case| is(case, asked))) {
         let known: Vec<String> =

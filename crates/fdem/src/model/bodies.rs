@@ -8,20 +8,22 @@ use fdem_scenes::random::Random;
 use fdem_simulation::Mesh;
 
 use crate::model::document::{Document, Table};
+use crate::model::extent::{self, Filled, elements_of_discs, too_many};
 use crate::model::fault::{self, Fault};
 use crate::model::file::{Body, Hole, ModelFile, Outline, Packing, Voronoi};
 use crate::model::materials;
 use crate::model::mesh_file::{self, Problem};
 use crate::model::mesher::mesh;
-use crate::model::outline::{self, Domain, area};
+use crate::model::outline::{self, Domain};
 use crate::model::packing;
 use crate::model::piece::Piece;
+use crate::model::shapes;
 use crate::model::voronoi::{Grains, colours};
 
 /// Gives the bytes of a file that a model names, or says why it cannot.
 pub type Load<'l> = dyn FnMut(&str) -> Result<Vec<u8>, String> + 'l;
 
-/// A body of the mesh and where it comes from.
+/// A meshed body, and its table in the model file.
 #[derive(Debug)]
 pub(crate) struct Placed {
     pub(crate) name: String,
@@ -35,7 +37,7 @@ pub(crate) struct Placed {
 /// The shapes that a body may have.
 const SHAPES: [&str; 7] = ["mesh", "rectangle", "disc", "ring", "polygon", "voronoi", "packing"];
 
-/// What can be said of bodies before they are meshed.
+/// Checks bodies before they are meshed.
 pub(crate) fn check(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<Fault>) {
     for (index, body) in file.body.iter().enumerate() {
         let table = Table::of("body", index);
@@ -86,7 +88,7 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<
                 );
             }
         }
-        if let Some(problem) = size_problem(body) {
+        if let Some(problem) = shapes::problem(body) {
             let span = document.value(table, &problem.key);
             faults.push(Fault::at(span, problem.message).label("no area").maybe_help(problem.help));
         }
@@ -117,81 +119,24 @@ fn names_of_materials(body: &Body) -> Vec<(String, String)> {
     names
 }
 
-/// Shapes without area.
-fn size_problem(body: &Body) -> Option<Problem> {
-    let empty =
-        |key: &str, what: &str| Some(Problem::new(key, format!("[[body]] \"{}\": {what}", body.name)));
-    let inverted = "the rectangle has no area: max has to be above and to the right of min";
-    if let Some(rectangle) = &body.rectangle
-        && outline::rectangle(rectangle).is_none()
-    {
-        return empty("rectangle", inverted);
-    }
-    if let Some(ring) = &body.ring
-        && ring.inner_radius >= ring.radius
-    {
-        return empty("ring.inner_radius", "the ring has no area: its inner radius is not below its radius");
-    }
-    if let Some(polygon) = &body.polygon
-        && area(&polygon.points) == 0.0
-    {
-        return empty("polygon.points", "the polygon has no area");
-    }
-    if let Some(Voronoi { outline: of, .. }) = &body.voronoi {
-        let shapes = [of.rectangle.is_some(), of.disc.is_some(), of.polygon.is_some()];
-        if shapes.into_iter().filter(|given| *given).count() != 1 {
-            return empty("voronoi.outline", "an outline is one of rectangle, disc, polygon");
-        }
-        if of.rectangle.as_ref().is_some_and(|rectangle| outline::rectangle(rectangle).is_none()) {
-            return empty("voronoi.outline.rectangle", inverted);
-        }
-    }
-    body.packing.as_ref().and_then(|packing| packing_problem(packing, &body.name))
-}
-
-fn packing_problem(packing: &Packing, name: &str) -> Option<Problem> {
-    let problem = |key: &str, what: &str| Some(Problem::new(key, format!("[[body]] \"{name}\": {what}")));
-    let random = [packing.count.is_some(), packing.radius.is_some(), packing.within.is_some()];
-    match (&packing.file, random) {
-        (None, [true, true, true]) => {}
-        (None, _) => return problem("packing", "a packing has a file, or count, radius and within"),
-        (Some(_), [false, false, false]) => return None,
-        (Some(_), _) => {
-            return problem("packing.file", "a packing from a file has no count, radius or within");
-        }
-    }
-    if packing.radius.is_some_and(|[least, _]| least <= 0.0) {
-        return problem("packing.radius", "the smallest radius is not above 0");
-    }
-    if packing.radius.is_some_and(|[least, most]| least > most) {
-        return problem("packing.radius", "the smallest radius is above the largest");
-    }
-    if packing.corners[0] > packing.corners[1] {
-        return problem("packing.corners", "the least number of corners is above the largest");
-    }
-    if packing.within.as_ref().is_some_and(|within| outline::rectangle(within).is_none()) {
-        return problem(
-            "packing.within",
-            "the rectangle has no area: max has to be above and to the right of min",
-        );
-    }
-    None
-}
-
-/// Meshes all bodies.
-///
-/// # Errors
-/// What is wrong with their shapes, meshes and files: one fault for each body.
+/// Meshes all bodies but those that are known to be `wrong`. Tells what is wrong with their shapes, meshes and files, one fault for each body, and returns the tables
+/// whose bodies are missing.
 pub(crate) fn build(
     file: &ModelFile,
     document: &Document<'_>,
     load: &mut Load<'_>,
-) -> Result<(Mesh, Vec<Placed>), Vec<Fault>> {
-    let mut faults = Vec::new();
+    wrong: &[bool],
+    faults: &mut Vec<Fault>,
+) -> (Mesh, Vec<Placed>, BTreeSet<usize>) {
     let mut placed: Vec<Placed> = Vec::new();
+    let mut missing = BTreeSet::new();
     let mut names = BTreeSet::new();
     for (index, body) in file.body.iter().enumerate() {
         let table = Table::of("body", index);
+        if wrong[index] {
+            missing.insert(index);
+            continue;
+        }
         match pieces(file, body, load) {
             Ok(pieces) => {
                 let several = body.packing.is_some();
@@ -212,15 +157,15 @@ pub(crate) fn build(
                     placed.push(Placed { name, table: index, piece, first: [0, 0] });
                 }
             }
-            Err(problem) => faults.push(
-                Fault::at(document.value(table, &problem.key), problem.message)
-                    .label("here")
-                    .maybe_help(problem.help),
-            ),
+            Err(problem) => {
+                missing.insert(index);
+                faults.push(
+                    Fault::at(document.value(table, &problem.key), problem.message)
+                        .label("here")
+                        .maybe_help(problem.help),
+                );
+            }
         }
-    }
-    if !faults.is_empty() {
-        return Err(faults);
     }
     let mut mesh = Mesh::default();
     for (number, body) in (0..).zip(&mut placed) {
@@ -231,7 +176,31 @@ pub(crate) fn build(
         mesh.bodies.extend(std::iter::repeat_n(number, piece.triangles.len()));
         mesh.materials.extend_from_slice(&piece.materials);
     }
-    Ok((mesh, placed))
+    (mesh, placed, missing)
+}
+
+/// Bodies that lie in each other so much that their contacts would have no room.
+pub(crate) fn crowded(document: &Document<'_>, placed: &[Placed]) -> Option<Fault> {
+    let boxes: Vec<Filled> = placed
+        .iter()
+        .map(|body| {
+            let piece = &body.piece;
+            let mut size = [0.0; 2];
+            for triangle in &piece.triangles {
+                let corners = triangle.map(|node| piece.nodes[node as usize]);
+                let [low, high] = outline::bounds(corners.into_iter());
+                for axis in 0..2 {
+                    size[axis] += (high[axis] - low[axis]) / piece.triangles.len() as f64;
+                }
+            }
+            let bounds = outline::bounds(piece.nodes.iter().copied());
+            Filled { bounds, elements: piece.triangles.len() as f64, size }
+        })
+        .collect();
+    let ([a, b], couples) = extent::crowded(&boxes)?;
+    let [first, second] = [a.min(b), a.max(b)].map(|body| &placed[body]);
+    let span = document.value(Table::of("body", second.table), "name");
+    Some(extent::crowd(span, &first.name, &second.name, couples))
 }
 
 /// The meshed pieces of a body: one, unless it is a packing.
@@ -260,6 +229,10 @@ fn pieces(file: &ModelFile, body: &Body, load: &mut Load<'_>) -> Result<Vec<Piec
     };
     if let Some(packing) = &body.packing {
         let circles = circles(packing, load).map_err(shape("packing"))?;
+        let elements = elements_of_discs(circles.iter().map(|(_, radius)| *radius), size);
+        if let Some(message) = too_many(0.0, elements, size, None) {
+            return Err(shape("packing")(message));
+        }
         let mut random = Random::with_stream(packing.seed, 3);
         return (0..)
             .zip(circles)
@@ -327,9 +300,9 @@ fn grains(
         vec![default; grain.len()]
     } else {
         let colours = colours(&meshed, &grain, materials.len());
-        grain.into_iter().map(|grain| materials[colours[grain as usize] as usize]).collect()
+        grain.iter().map(|&grain| materials[colours[grain as usize] as usize]).collect()
     };
-    Piece::new(meshed, materials)
+    Ok(Piece { grains: grain, ..Piece::new(meshed, materials)? })
 }
 
 fn circles(packing: &Packing, load: &mut Load<'_>) -> Result<Vec<packing::Circle>, String> {

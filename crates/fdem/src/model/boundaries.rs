@@ -1,4 +1,6 @@
-//! Boundaries: what they name becomes nodes and edges of the mesh.
+//! Boundaries: finds the nodes and edges of the mesh that they act on.
+
+use std::collections::BTreeSet;
 
 use fdem_simulation::{Boundary, Load, Mesh, Schedule, Target};
 
@@ -7,11 +9,12 @@ use crate::model::document::{Document, Table};
 use crate::model::fault::{Fault, suggestion};
 use crate::model::file::{self, Component, Fixed, ModelFile, Side};
 use crate::model::outline::{Point, bounds};
+use crate::model::settings::is_piece;
 
-/// Coordinates this much of the extent apart are one side.
+/// Largest distance of nodes of one side from its outermost node, over the extent of the bodies.
 const SIDE: f64 = 1e-6;
 
-/// What can be said of boundaries before anything is meshed.
+/// Checks boundaries before anything is meshed.
 pub(crate) fn check(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<Fault>) {
     for (index, boundary) in file.boundary.iter().enumerate() {
         let table = Table::of("boundary", index);
@@ -99,18 +102,28 @@ fn places(boundary: &file::Boundary) -> Vec<&'static str> {
     .collect()
 }
 
-/// The boundaries with the nodes and edges that they act on.
+/// The boundaries with the nodes and edges that they act on. Those of bodies that are missing, by their tables, are left out, and
+/// those that have faults already.
 pub(crate) fn resolve(
     file: &ModelFile,
     document: &Document<'_>,
     mesh: &Mesh,
     placed: &[Placed],
+    (missing, wrong): (&BTreeSet<usize>, &[bool]),
     faults: &mut Vec<Fault>,
 ) -> Vec<Boundary> {
     let mut boundaries = Vec::with_capacity(file.boundary.len());
     for (index, boundary) in file.boundary.iter().enumerate() {
         let table = Table::of("boundary", index);
         let Some(load) = load(boundary) else { continue };
+        let mut lacking = missing.iter().map(|&table| &file.body[table].name);
+        let lacks = match &boundary.body {
+            None => !missing.is_empty(),
+            Some(name) => lacking.any(|body| body == name || is_piece(body, name)),
+        };
+        if lacks || wrong[index] {
+            continue;
+        }
         let bodies = match &boundary.body {
             None => (0..placed.len()).collect(),
             Some(name) => bodies::named(placed, file, name),
@@ -159,7 +172,7 @@ pub(crate) fn resolve(
     boundaries
 }
 
-/// Where a boundary acts.
+/// The place where a boundary acts.
 struct Place<'a> {
     boundary: &'a file::Boundary,
     mesh: &'a Mesh,

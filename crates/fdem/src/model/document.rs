@@ -7,6 +7,12 @@ use toml::de::{DeTable, DeValue};
 
 use crate::model::fault::Fault;
 
+/// Errors of the parser that are looked at.
+const MOST_ERRORS: usize = 50;
+
+/// Lines with errors that are told.
+const MOST_LINES: usize = 5;
+
 /// A parsed file.
 pub(crate) struct Document<'a> {
     root: Spanned<DeTable<'a>>,
@@ -32,47 +38,69 @@ impl Table {
 }
 
 impl<'a> Document<'a> {
-    /// Reads TOML.
-    ///
-    /// # Errors
-    /// What is no TOML, one fault for each of the first lines that are wrong.
-    pub(crate) fn parse(text: &'a str) -> Result<Self, Vec<Fault>> {
+    /// Reads TOML, as far as it is TOML: also returns a fault for each of the first lines that are not.
+    pub(crate) fn parse(text: &'a str) -> (Self, Vec<Fault>) {
         let (root, errors) = DeTable::parse_recoverable(text);
-        if errors.is_empty() {
-            return Ok(Self { root });
-        }
         let mut faults: Vec<(usize, Fault)> = Vec::new();
-        for error in &errors {
+        for error in errors.iter().take(MOST_ERRORS) {
             let span = error.span().unwrap_or(0..0);
-            let line = text.get(..span.start).unwrap_or(text).matches('\n').count();
-            if faults.iter().all(|(other, _)| *other != line) {
+            let line = line_of(text, span.start);
+            if faults.len() < MOST_LINES && faults.iter().all(|(other, _)| *other != line) {
                 faults.push((line, syntax(text, &span, error.message())));
             }
         }
-        faults.truncate(5);
-        Err(faults.into_iter().map(|(_, fault)| fault).collect())
+        (Self { root }, faults.into_iter().map(|(_, fault)| fault).collect())
     }
 
     pub(crate) fn root(&self) -> &Spanned<DeTable<'a>> {
         &self.root
     }
 
-    /// Where a key of a table stands; the deepest part of `dotted.key` that is there, else the table.
+    /// Whether a key of a table is in the file.
+    pub(crate) fn has(&self, table: Table, dotted: &str) -> bool {
+        self.walk(table, dotted).is_some()
+    }
+
+    /// Returns the place of a key of a table: of the deepest part of `dotted.key` that is in the file, or of the table.
     pub(crate) fn key(&self, table: Table, dotted: &str) -> Range<usize> {
         self.find(table, dotted).0
     }
 
-    /// Where its value stands.
+    /// Returns the place of the value of a key.
     pub(crate) fn value(&self, table: Table, dotted: &str) -> Range<usize> {
         self.find(table, dotted).1
     }
 
-    /// Entry of a list that is the value of a key.
+    /// Returns the place of the value of a key, or `None` if the key is missing.
+    pub(crate) fn value_if_any(&self, table: Table, dotted: &str) -> Option<Range<usize>> {
+        self.walk(table, dotted).map(Spanned::span)
+    }
+
+    /// Returns the place of an entry of the list that is the value of a key.
     pub(crate) fn entry(&self, table: Table, dotted: &str, index: usize) -> Range<usize> {
         let Some(spot) = self.walk(table, dotted).and_then(|value| value.get_ref().as_array()) else {
             return self.value(table, dotted);
         };
         spot.get(index).map_or_else(|| self.value(table, dotted), Spanned::span)
+    }
+
+    /// The part of the text from the first to the last key or value of a table.
+    pub(crate) fn extent(&self, table: Table) -> Range<usize> {
+        let mut extent = self.find(table, "").0;
+        if let Some(value) = self.walk(table, "") {
+            widen(&mut extent, value);
+        }
+        extent
+    }
+
+    /// Tells for each of the tables `[[name]]` whether it has faults.
+    pub(crate) fn with_faults(&self, name: &'static str, count: usize, faults: &[Fault]) -> Vec<bool> {
+        let has = |index| {
+            let extent = self.extent(Table::of(name, index));
+            let within = |span: &Range<usize>| extent.start <= span.start && span.end <= extent.end;
+            faults.iter().any(|fault| fault.span.as_ref().is_some_and(within))
+        };
+        (0..count).map(has).collect()
     }
 
     fn walk(&self, table: Table, dotted: &str) -> Option<&Spanned<DeValue<'a>>> {
@@ -107,6 +135,29 @@ impl<'a> Document<'a> {
     }
 }
 
+/// Widens a part of the text by all that a value has.
+fn widen(extent: &mut Range<usize>, value: &Spanned<DeValue<'_>>) {
+    let include = |extent: &mut Range<usize>, span: Range<usize>| {
+        *extent = extent.start.min(span.start)..extent.end.max(span.end);
+    };
+    include(extent, value.span());
+    match value.get_ref() {
+        DeValue::Table(table) => {
+            for (key, value) in table {
+                include(extent, key.span());
+                widen(extent, value);
+            }
+        }
+        DeValue::Array(list) => list.iter().for_each(|value| widen(extent, value)),
+        _ => {}
+    }
+}
+
+/// The line, from 0, of a place in a text.
+pub(crate) fn line_of(text: &str, place: usize) -> usize {
+    text.get(..place).unwrap_or(text).matches('\n').count()
+}
+
 /// An entry of a table.
 fn lookup<'t, 'a>(
     table: &'t DeTable<'a>,
@@ -115,7 +166,7 @@ fn lookup<'t, 'a>(
     table.iter().find(|(key, _)| key.get_ref() == name)
 }
 
-/// A syntax error in words of the people who make it.
+/// Describes a syntax error.
 fn syntax(text: &str, span: &Range<usize>, message: &str) -> Fault {
     let start = span.start.min(text.len());
     let begin = text.as_bytes()[..start].iter().rposition(|&byte| byte == b'\n').map_or(0, |at| at + 1);
@@ -149,7 +200,7 @@ fn is_word(value: &str) -> bool {
         && value != "false"
 }
 
-/// Where a line like `key = 0,25` has its number.
+/// Returns the place of the number in a line like `key = 0,25`.
 fn decimal_comma(line: &str) -> Option<Range<usize>> {
     let equals = line.find('=')?;
     let value = line[equals + 1..].split('#').next().unwrap_or("");

@@ -1,20 +1,23 @@
-//! What is wrong with a model file, shown where it is.
+//! Faults of a model file, shown at their place in the text.
 
 use std::fmt;
 use std::ops::Range;
+use std::sync::Arc;
 
 use miette::{GraphicalReportHandler, GraphicalTheme, LabeledSpan, MietteDiagnostic, NamedSource, Report};
 
-/// One thing that is wrong.
+use crate::numbers::grouped;
+
+/// A fault of a model file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Fault {
-    /// What is wrong.
+    /// Description of the fault.
     pub message: String,
-    /// Where: bytes of the file. `None`: of the file as a whole.
+    /// Place of the fault, in bytes of the file; `None` for the file as a whole.
     pub span: Option<Range<usize>>,
-    /// What stands there, in a word or two.
+    /// Label at the place, in a word or two.
     pub label: String,
-    /// What to do.
+    /// Advice.
     pub help: Option<String>,
 }
 
@@ -24,34 +27,34 @@ impl Fault {
         Self { message: message.into(), span: Some(span), label: "here".to_owned(), help: None }
     }
 
-    /// With what stands there.
+    /// Sets the label.
     pub(crate) fn label(self, label: impl Into<String>) -> Self {
         Self { label: label.into(), ..self }
     }
 
-    /// With what to do.
+    /// Sets the advice.
     pub(crate) fn help(self, help: impl Into<String>) -> Self {
         Self { help: Some(help.into()), ..self }
     }
 
-    /// With what to do, if that is known.
+    /// Sets the advice, if there is any.
     pub(crate) fn maybe_help(self, help: Option<String>) -> Self {
         Self { help: help.or(self.help), ..self }
     }
 }
 
-/// All that is wrong with a model file; at least one thing.
+/// All faults of a model file; at least one.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ModelErrors {
     /// Name of the file, for messages.
     pub name: String,
     /// Its text, to point into.
     pub text: String,
-    /// In the order of the file.
+    /// Faults in the order of the file.
     pub faults: Vec<Fault>,
 }
 
-/// How errors are drawn.
+/// Style in which errors are drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Drawing {
     /// ASCII, no colours: for files and pipes.
@@ -62,6 +65,12 @@ pub enum Drawing {
 
 /// Columns after which text is broken.
 const WIDTH: usize = 110;
+
+/// Faults that are shown; the rest is counted.
+const SHOWN: usize = 25;
+
+/// Bytes of a line beyond which it is not drawn.
+const LONGEST_LINE: usize = 500;
 
 impl ModelErrors {
     pub(crate) fn new(name: &str, text: &str, mut faults: Vec<Fault>) -> Self {
@@ -80,25 +89,41 @@ impl ModelErrors {
             .with_width(WIDTH)
             .with_links(false)
             .with_context_lines(1);
-        let text = harmless(&self.text);
+        let text = Arc::new(harmless(&self.text));
         let mut out = String::new();
-        for fault in &self.faults {
+        for fault in self.faults.iter().take(SHOWN) {
             let mut diagnostic = MietteDiagnostic::new(harmless(&fault.message));
             if let Some(help) = &fault.help {
                 diagnostic = diagnostic.with_help(harmless(help));
             }
-            if let Some(span) = &fault.span {
-                let span = span.start.min(text.len())..span.end.min(text.len());
-                diagnostic =
-                    diagnostic.with_label(LabeledSpan::new_with_span(Some(harmless(&fault.label)), span));
-            }
-            let report = Report::new(diagnostic).with_source_code(NamedSource::new(&self.name, text.clone()));
+            let span = fault.span.as_ref().map(|span| span.start.min(text.len())..span.end.min(text.len()));
+            let drawn = span.filter(|span| is_drawn(&text, span));
+            let report = if let Some(span) = drawn {
+                let label = LabeledSpan::new_with_span(Some(harmless(&fault.label)), span);
+                let source = NamedSource::new(&self.name, Arc::clone(&text));
+                Report::new(diagnostic.with_label(label)).with_source_code(source)
+            } else {
+                diagnostic.message = match self.line(fault) {
+                    Some(line) => format!("{}:{line}: {}", self.name, diagnostic.message),
+                    None => format!("{}: {}", self.name, diagnostic.message),
+                };
+                Report::new(diagnostic)
+            };
             if handler.render_report(&mut out, report.as_ref()).is_err() {
                 out.push_str(&fault.message);
                 out.push('\n');
             }
         }
+        if let Some(more) = self.more() {
+            out.extend(["  ", more.as_str(), "\n"]);
+        }
         out
+    }
+
+    /// Describes how many faults are not shown.
+    fn more(&self) -> Option<String> {
+        let more = self.faults.len().checked_sub(SHOWN).filter(|more| *more > 0)?;
+        Some(format!("and {} more", grouped(more as u64)))
     }
 
     /// Line of a fault, counted from 1.
@@ -111,7 +136,7 @@ impl ModelErrors {
 /// One line for each fault: `file:line: message; help`.
 impl fmt::Display for ModelErrors {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (place, fault) in self.faults.iter().enumerate() {
+        for (place, fault) in self.faults.iter().take(SHOWN).enumerate() {
             if place > 0 {
                 out.write_str("\n")?;
             }
@@ -124,13 +149,24 @@ impl fmt::Display for ModelErrors {
                 write!(out, "; {help}")?;
             }
         }
+        if let Some(more) = self.more() {
+            write!(out, "\n{}: {more}", self.name)?;
+        }
         Ok(())
     }
 }
 
 impl std::error::Error for ModelErrors {}
 
-/// The same text, byte for byte as long, without what could write to a terminal.
+/// Whether the lines around a place are short enough to be drawn.
+fn is_drawn(text: &str, span: &Range<usize>) -> bool {
+    let before = text.as_bytes()[..span.start].rsplit(|&byte| byte == b'\n').take(2);
+    let after = text.as_bytes()[span.start..].split(|&byte| byte == b'\n').take(2);
+    let long: usize = before.chain(after).map(<[u8]>::len).sum();
+    long <= LONGEST_LINE && span.len() <= LONGEST_LINE
+}
+
+/// Replaces control characters, which could act on a terminal, by as many question marks as they have bytes.
 fn harmless(text: &str) -> String {
     let bad = |c: char| c.is_control() && c != '\n' && c != '\t' && c != '\r';
     if !text.contains(bad) {
@@ -147,7 +183,7 @@ fn harmless(text: &str) -> String {
     out
 }
 
-/// The same quantity by other names: what people write who come from papers and other programs.
+/// Other names of keys, from papers and other programs.
 const SYNONYMS: [(&str, &str); 24] = [
     ("center", "centre"),
     ("e", "youngs_modulus"),
@@ -175,12 +211,15 @@ const SYNONYMS: [(&str, &str); 24] = [
     ("duration", "end_time"),
 ];
 
-/// The candidate that was probably meant.
+/// Names that are compared with one that is not there.
+const CANDIDATES: usize = 500;
+
+/// Returns the candidate that was probably meant.
 pub(crate) fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let word = word.to_lowercase().replace('-', "_");
     let meant = SYNONYMS.iter().find(|(other, _)| *other == word).map(|(_, name)| *name);
     let mut best: Option<(f64, &str)> = None;
-    for candidate in candidates {
+    for candidate in candidates.into_iter().take(CANDIDATES) {
         if Some(candidate) == meant {
             return Some(candidate);
         }
@@ -197,7 +236,7 @@ pub(crate) fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a s
     best.map(|(_, candidate)| candidate)
 }
 
-/// The end of a message that offers the nearest of the names, or all of them if they are few.
+/// Advice that offers the nearest of the names, or all of them if they are few.
 pub(crate) fn suggestion(word: &str, names: &[&str], what: &str) -> Option<String> {
     match nearest(word, names.iter().copied()) {
         Some(name) => Some(format!("did you mean \"{name}\"?")),

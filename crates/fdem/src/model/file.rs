@@ -1,4 +1,4 @@
-//! The model file as it is written: tables and keys, their units and defaults. Descriptions here are those of the JSON schema.
+//! Tables and keys of a model file, with units and defaults. The doc comments here are the descriptions in the JSON schema.
 
 mod body;
 mod boundary;
@@ -19,75 +19,95 @@ pub use output::{Animate, History, Output};
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ModelFile {
-    /// What holds for the model as a whole.
+    /// Settings of the model as a whole.
     pub model: General,
-    /// Bodies, each meshed by itself. Bodies touch, they do not share nodes.
+    /// Bodies. Each is meshed by itself; bodies touch, but share no nodes.
     #[schemars(length(min = 1))]
     pub body: Vec<Body>,
-    /// What bodies are made of.
+    /// Materials of the bodies.
     #[schemars(length(min = 1))]
     pub material: Vec<Material>,
-    /// Contacts and joints between two materials, where they are not what the two materials say.
+    /// Contacts and joints between two materials, where they differ from what the two materials say.
     #[serde(default)]
     pub interface: Vec<Interface>,
-    /// What holds, moves and loads the bodies.
+    /// Supports, motions and loads of the bodies.
     #[serde(default)]
     pub boundary: Vec<Boundary>,
-    /// State at the beginning.
+    /// State at the start of the run.
     #[serde(default)]
     pub initial: Initial,
-    /// How bodies touch.
+    /// Numbers of the contact law.
     #[serde(default)]
     pub contact: Contact,
-    /// How bodies break.
+    /// Numbers of fracture.
     #[serde(default)]
     pub fracture: Fracture,
-    /// What is written.
+    /// Results to write.
     #[serde(default)]
     pub output: Output,
-    /// Quantities that are recorded over time.
+    /// Quantities to record over time.
     #[serde(default)]
     pub history: Vec<History>,
 }
 
-/// What holds for the model as a whole.
+impl ModelFile {
+    /// The names of all tables.
+    pub(crate) const TABLES: [&str; 10] = [
+        "model",
+        "body",
+        "material",
+        "interface",
+        "boundary",
+        "initial",
+        "contact",
+        "fracture",
+        "output",
+        "history",
+    ];
+}
+
+/// Settings of the model as a whole.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct General {
-    /// For people: shown in pictures and reports. Default: none.
+    /// Title for pictures and reports. Default: none.
     #[serde(default)]
     pub title: String,
-    /// What vanishes out of the plane: "stress" (a thin plate, the default) or "strain" (a slice of a long body).
+    /// Plane "stress" (a thin plate, the default) or plane "strain" (a slice of a long body).
     #[serde(default)]
     pub plane: Plane,
-    /// Out of the plane, m. Default: 1.
+    /// Thickness out of the plane, m. Default: 1.
     #[serde(default = "one")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub thickness: f64,
-    /// Acceleration [x, y], m/s², such as [0, -9.81], or "none". Default: "none".
+    /// Acceleration of gravity [x, y], m/s², such as [0, -9.81], or "none". Default: "none".
     #[serde(default)]
     pub gravity: Gravity,
-    /// When the run ends, s.
+    /// Time within which gravity grows from 0 to its full value, as half a cosine, s. Gravity that acts at once makes stresses swing to twice their static values. Default: at once.
+    #[serde(default)]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub gravity_ramp: Option<f64>,
+    /// Time at which the run ends, s.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub end_time: f64,
-    /// "auto" (the default: the critical time step times `safety`), or seconds.
+    /// Time step, s, or "auto" (the default): the critical time step times `safety`.
     #[serde(default)]
     pub time_step: TimeStep,
-    /// Share of the critical time step that "auto" takes. Default: 0.8.
+    /// Time step of "auto" over the critical one. Default: 0.8.
     #[serde(default = "safety")]
     #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1))]
     pub safety: f64,
-    /// Damping of nodes against their motion as a share of the force on them (Cundall); for states of rest. Default: 0.
+    /// Local damping (Cundall): a force against the motion of each node, as a share of the force on it. For finding states of rest. Default: 0.
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "exclusiveMaximum" = 1))]
     pub local_damping: f64,
-    /// A run stops when more energy than this share of all that was in the system appears or vanishes. Default: 0.05.
+    /// Error of the energy balance at which a run stops, as a share of the energy that has been exchanged. Default: 0.05.
     #[serde(default = "energy_bound")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub energy_bound: f64,
 }
 
-/// What vanishes out of the plane.
+/// Plane stress or plane strain.
 #[derive(Debug, Clone, Copy, Default, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Plane {
@@ -108,7 +128,7 @@ pub enum Gravity {
     None(NoGravity),
 }
 
-/// The word for no gravity.
+/// The word "none".
 #[derive(Debug, Clone, Copy, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum NoGravity {
@@ -122,17 +142,17 @@ impl Default for Gravity {
     }
 }
 
-/// A number, or what decides it.
+/// A time step, or a word for how it is chosen.
 #[derive(Debug, Clone, Copy, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum TimeStep {
     /// Seconds.
     Seconds(#[schemars(extend("exclusiveMinimum" = 0))] f64),
-    /// From the critical time step.
+    /// Chosen from the critical time step.
     Auto(AutoStep),
 }
 
-/// The word for a time step that follows from the model.
+/// The word "auto".
 #[derive(Debug, Clone, Copy, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum AutoStep {
@@ -146,35 +166,38 @@ impl Default for TimeStep {
     }
 }
 
-/// State at the beginning.
+/// State at the start of the run.
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Initial {
-    /// Velocity [x, y] of bodies by their names, m/s, such as { hammer = [0, -5] }. Bodies that are not named rest, or move as their own `velocity` says.
+    /// Velocity [x, y] of bodies by name, m/s, such as { hammer = [0, -5] }. Bodies that are not named here have their own `velocity`, or rest.
     #[serde(default)]
     pub velocity: BTreeMap<String, [f64; 2]>,
-    /// Stress [xx, yy, xy] in all bodies, Pa, tension positive. Default: none.
+    /// Stress [xx, yy, xy] in all bodies, Pa, tension positive. Surfaces that touch, joints and absorbing edges carry it from the beginning. Default: none.
     #[serde(default)]
     pub stress: Option<[f64; 3]>,
+    /// Change of that stress per metre of y, [xx, yy, xy] in Pa/m; `stress` is that at y = 0. A yy of density times gravity carries the weight. Default: [0, 0, 0].
+    #[serde(default)]
+    pub stress_gradient: [f64; 3],
 }
 
-/// How bodies touch.
+/// Numbers of the contact law.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Contact {
-    /// Penalty of the contact potential over Young's modulus, of the softer of two. Default: 2.
+    /// Penalty of the contact potential over Young's modulus of the softer body. Default: 2.
     #[serde(default = "penalty")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub penalty: f64,
-    /// Stiffness of friction before it slips, over that of the contact. Default: 0.5.
+    /// Tangential stiffness of contacts before they slip over their normal stiffness. Default: 0.5.
     #[serde(default = "tangential_stiffness")]
     #[schemars(extend("minimum" = 0))]
     pub tangential_stiffness: f64,
-    /// Share of critical damping of normal contact motion. Default: 0.
+    /// Share of critical damping of the normal motion of two elements in contact. It calms contacts that rattle. It is no coefficient of restitution: the finer the mesh, the less of the energy of an impact it takes. Default: 0.
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "maximum" = 1))]
     pub damping: f64,
-    /// Gap up to which couples are kept between detections, over the mean edge. Default: 0.1.
+    /// Buffer of contact detection: couples with a gap up to this are kept between detections. As a share of the mean edge. Default: 0.2.
     #[serde(default = "buffer")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub buffer: f64,
@@ -191,18 +214,18 @@ impl Default for Contact {
     }
 }
 
-/// How bodies break. Only materials that have a strength do.
+/// Numbers of fracture. Only materials with a strength break.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Fracture {
-    /// Which joints there are: "adaptive" (the default: where the traction across an edge has reached the strength) or "intrinsic" (everywhere).
+    /// Where joints are: "adaptive" (the default) inserts one where the traction across an edge reaches the strength; "intrinsic" has them everywhere from the start.
     #[serde(default)]
     pub insertion: Insertion,
-    /// Penalty of joints, α of α E/h, with h the mean height of the two elements over the edge. Default: 50.
+    /// Penalty of joints, the α of α E/h, where h is the mean height of the two elements over the edge. Default: 50.
     #[serde(default = "joint_penalty")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub joint_penalty: f64,
-    /// "exact" (the default: a joint dissipates the fracture energy) or "customary" (3 G/f, which dissipates 1.16 G).
+    /// Critical opening of joints: "exact" (the default), with which a joint dissipates the fracture energy G, or "customary" (3 G/f), with which it dissipates 1.16 G.
     #[serde(default)]
     pub critical_opening: CriticalOpening,
 }
@@ -217,14 +240,14 @@ impl Default for Fracture {
     }
 }
 
-/// Which joints there are between elements.
+/// When joints are inserted between elements.
 #[derive(Debug, Clone, Copy, Default, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Insertion {
-    /// Where the traction across an edge has reached the strength.
+    /// When the traction across an edge reaches the strength.
     #[default]
     Adaptive,
-    /// Everywhere from the beginning.
+    /// At the start, everywhere.
     Intrinsic,
 }
 

@@ -104,7 +104,7 @@ pub(crate) fn interfaces(
     interfaces
 }
 
-/// Number of a material, or what to write instead.
+/// Returns the number of a material, or advice if there is none of this name.
 pub(crate) fn number(file: &ModelFile, name: &str) -> Result<u32, Option<String>> {
     let place = file.material.iter().position(|material| material.name == name);
     place.map(|place| place as u32).ok_or_else(|| {
@@ -126,16 +126,16 @@ pub(crate) fn plane(file: &ModelFile) -> Plane {
     }
 }
 
-/// What a table says of strength.
+/// The keys of the strength of a table.
 struct Keys {
-    /// As [`STRENGTH`] names them.
+    /// Values of the keys [`STRENGTH`].
     values: [Option<f64>; 5],
     weibull_modulus: Option<f64>,
     seed: u64,
 }
 
 impl Keys {
-    /// All five or none.
+    /// The strength, if its keys are complete; none, if none is given.
     fn strength(
         &self,
         name: &str,
@@ -144,6 +144,24 @@ impl Keys {
         faults: &mut Vec<Fault>,
     ) -> Option<Strength> {
         let [tensile, cohesion, angle, energy_i, energy_ii] = self.values;
+        // A strength of 0, which the schema allows for interfaces only, needs no fracture energy.
+        let energy = |strength: Option<f64>, energy: Option<f64>| {
+            energy.or(strength.filter(|strength| *strength == 0.0))
+        };
+        let (energy_i, energy_ii) = (energy(tensile, energy_i), energy(cohesion, energy_ii));
+        for (key, strength, energy) in
+            [("fracture_energy_i", tensile, energy_i), ("fracture_energy_ii", cohesion, energy_ii)]
+        {
+            if strength.is_some_and(|strength| strength > 0.0) && energy == Some(0.0) {
+                faults.push(
+                    Fault::at(
+                        document.value(table, key),
+                        format!("\"{key}\" is 0: it has to be above 0 where the strength is"),
+                    )
+                    .label("out of range"),
+                );
+            }
+        }
         if let (Some(tensile), Some(cohesion), Some(angle), Some(energy_i), Some(energy_ii)) =
             (tensile, cohesion, angle, energy_i, energy_ii)
         {
@@ -157,8 +175,9 @@ impl Keys {
                 seed: self.seed,
             });
         }
+        let values = [tensile, cohesion, angle, energy_i, energy_ii];
         let has = |wanted: bool| {
-            let keys = STRENGTH.iter().zip(self.values).filter(move |(_, value)| value.is_some() == wanted);
+            let keys = STRENGTH.iter().zip(values).filter(move |(_, value)| value.is_some() == wanted);
             keys.map(|(key, _)| *key).collect::<Vec<_>>()
         };
         let given = has(true).first().copied().or(self.weibull_modulus.map(|_| "weibull_modulus"));

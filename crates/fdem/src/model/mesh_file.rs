@@ -7,8 +7,17 @@ use fdem_io::{Mesh, MeshBody};
 use crate::model::fault::suggestion;
 use crate::model::outline::{Point, distance, twice_area};
 use crate::model::piece::{Group, Piece};
+use crate::numbers::grouped;
 
-/// What a fault is about: the key that it belongs to, and the words.
+/// Advice on triangles in Gmsh.
+const TRIANGLES: &str =
+    "a body is a mesh of triangles; in Gmsh set Mesh.RecombineAll = 0 and take \"Recombine Surface\" out";
+
+/// Advice on elements of first order in Gmsh.
+const FIRST_ORDER: &str =
+    "elements have nodes at their corners only; in Gmsh set Mesh.ElementOrder = 1, or run gmsh with -order 1";
+
+/// A problem of a body, and the key that it belongs to.
 #[derive(Debug)]
 pub(crate) struct Problem {
     pub(crate) key: String,
@@ -27,7 +36,7 @@ impl Problem {
 /// `material` is a material for each name in `groups`, by position; [`Piece::materials`] are those, or `default`.
 ///
 /// # Errors
-/// What is no mesh of triangles in the plane; groups that are not there.
+/// Files without a mesh of triangles in the plane; groups that the file does not have.
 pub(crate) fn read(
     bytes: &[u8],
     name: &str,
@@ -37,7 +46,11 @@ pub(crate) fn read(
 ) -> Result<Piece, Problem> {
     let (bytes, _) = fdem_io::unpack(bytes.into(), |_| true)
         .map_err(|error| Problem::new("mesh", format!("cannot read {name}: {error}")))?;
-    let mesh = fdem_io::read_mesh(&bytes, name).map_err(|error| Problem::new("mesh", error.to_string()))?;
+    let mesh = fdem_io::read_mesh(&bytes, name).map_err(|error| {
+        let message = error.to_string();
+        let help = message.contains("second order").then(|| FIRST_ORDER.to_owned());
+        Problem { help, ..Problem::new("mesh", message) }
+    })?;
     check_kind(&mesh, name)?;
     let labels: Vec<String> = mesh.bodies.iter().map(label).collect();
     let surfaces = names(&labels, &mesh.triangles.bodies);
@@ -95,24 +108,25 @@ pub(crate) fn read(
 }
 
 fn check_kind(mesh: &Mesh, name: &str) -> Result<(), Problem> {
-    let refuse = |what: String| {
-        Err(Problem {
-            key: "mesh".to_owned(),
-            message: format!("{name} {what}"),
-            help: Some("a body is a mesh of triangles in the plane z = 0".to_owned()),
-        })
+    let refuse = |what: String, help: &str| {
+        Err(Problem { help: Some(help.to_owned()), ..Problem::new("mesh", format!("{name} {what}")) })
+    };
+    let flat = "a body is a mesh of triangles in the plane z = 0";
+    let several = |count: u64, one: &str, more: &str| {
+        format!("has {} {}", grouped(count), if count == 1 { one } else { more })
     };
     if !mesh.tetrahedra.is_empty() {
-        return refuse(format!("has {} tetrahedra", mesh.tetrahedra.len()));
+        let count = mesh.tetrahedra.len() as u64;
+        return refuse(several(count, "tetrahedron", "tetrahedra"), flat);
     }
     if mesh.source.quadrilaterals > 0 {
-        return refuse(format!("has {} quadrilaterals", mesh.source.quadrilaterals));
+        return refuse(several(mesh.source.quadrilaterals, "quadrilateral", "quadrilaterals"), TRIANGLES);
     }
     if mesh.dimensions == 3 {
-        return refuse("is not flat: it has z that are not 0".to_owned());
+        return refuse("is not flat: it has z that are not 0".to_owned(), flat);
     }
     if mesh.triangles.is_empty() {
-        return refuse("has no triangles".to_owned());
+        return refuse("has no triangles".to_owned(), flat);
     }
     Ok(())
 }
@@ -121,7 +135,7 @@ fn planar([x, y, _]: [f64; 3]) -> Point {
     [x, y]
 }
 
-/// What the model file calls a group: its name, else its number.
+/// The name of a group in model files: its name in the mesh file, or its number.
 fn label(body: &MeshBody) -> String {
     match (&body.name, body.number) {
         (Some(name), _) => name.clone(),

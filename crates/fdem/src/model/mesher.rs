@@ -13,13 +13,11 @@ use std::collections::BTreeMap;
 use fdem_scenes::random::Random;
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 
-use crate::model::outline::{Domain, Inside, Point, distance, twice_area};
+use crate::model::extent::{MOST, too_many};
+use crate::model::outline::{self, Domain, Inside, Point, bounds, distance, twice_area};
 
-/// No loop: nodes inside.
+/// Stands for the loop of nodes inside.
 pub(crate) const INSIDE: u32 = u32::MAX;
-
-/// Elements beyond which a mesh size is taken for a mistake.
-const MOST: f64 = 2e7;
 
 /// Distance of points over the edge that is asked for, so that the mean edge is that one.
 const SPACING: f64 = 0.71;
@@ -45,14 +43,17 @@ pub(crate) struct Meshed {
 /// Meshes a domain with edges of about `size`.
 ///
 /// # Errors
-/// In words: an outline that crosses or touches itself, a size that gives no element or too many.
+/// Messages about outlines that cross or touch themselves, and sizes that give no element or too many.
 pub(crate) fn mesh(domain: &Domain, size: f64, seed: u64) -> Result<Meshed, String> {
-    let expected = domain.area() / (3.0_f64.sqrt() / 4.0 * size * size);
-    if expected.is_nan() || expected > MOST {
-        return Err(format!("a mesh size of {size} gives about {expected:.0} elements"));
+    let length: f64 = domain.loops.iter().map(|corners| outline::length(corners)).sum();
+    let expected = domain.area() / size / size / (3.0_f64.sqrt() / 4.0) + length / size;
+    if let Some(message) = too_many(0.0, expected, size, None) {
+        return Err(message);
     }
     holes_are_inside(domain)?;
-    let mut frame = Frame::new(domain, size)?;
+    let origin = domain.middle_if_far();
+    let domain = &domain.relative_to(origin);
+    let mut frame = Frame::new(domain, origin, size)?;
     let fixed = frame.nodes.len();
     let inside = Inside::new(&domain.loops);
     fill(&mut frame.nodes, domain, &inside, size, seed)?;
@@ -68,10 +69,11 @@ pub(crate) fn mesh(domain: &Domain, size: f64, seed: u64) -> Result<Meshed, Stri
     let numbers = renumber(&mut frame.nodes, &mut frame.loops, &mut triangles);
     let number = |node: u32| Some(numbers[node as usize]).filter(|&number| number != INSIDE);
     let lines = frame.lines.iter().filter_map(|&[a, b]| Some([number(a)?, number(b)?])).collect();
-    Ok(Meshed { nodes: frame.nodes, triangles, loops: frame.loops, lines })
+    let nodes = frame.nodes.iter().map(|&node| frame.place(node)).collect();
+    Ok(Meshed { nodes, triangles, loops: frame.loops, lines })
 }
 
-/// Every hole inside the outline, none in another: else it would be a body of its own, or part of one.
+/// Checks that every hole is inside the outline and none is in another hole.
 fn holes_are_inside(domain: &Domain) -> Result<(), String> {
     let Some((outer, holes)) = domain.loops.split_first() else { return Ok(()) };
     let outline = Inside::new(std::slice::from_ref(outer));
@@ -79,8 +81,19 @@ fn holes_are_inside(domain: &Domain) -> Result<(), String> {
         if let Some(corner) = hole.iter().find(|&&corner| !outline.contains(corner)) {
             return Err(format!("hole {} is not inside the outline: {corner:?} is beyond", number + 1));
         }
-        for (other, around) in holes.iter().enumerate().filter(|(other, _)| *other != number) {
-            if hole.iter().all(|&corner| Inside::new(std::slice::from_ref(around)).contains(corner)) {
+    }
+    let boxes: Vec<[Point; 2]> = holes.iter().map(|hole| bounds(hole.iter().copied())).collect();
+    let beyond = |[low, high]: [Point; 2], [least, most]: [Point; 2]| {
+        (0..2).any(|axis| low[axis] < least[axis] || high[axis] > most[axis])
+    };
+    for (other, around) in holes.iter().enumerate() {
+        let mut around_is_inside = None;
+        for (number, hole) in holes.iter().enumerate().filter(|(number, _)| *number != other) {
+            if beyond(boxes[number], boxes[other]) {
+                continue;
+            }
+            let inside = around_is_inside.get_or_insert_with(|| Inside::new(std::slice::from_ref(around)));
+            if hole.iter().all(|&corner| inside.contains(corner)) {
                 return Err(format!("hole {} is in hole {}", number + 1, other + 1));
             }
         }
@@ -90,23 +103,27 @@ fn holes_are_inside(domain: &Domain) -> Result<(), String> {
 
 /// Points on outlines and lines, and the edges between them.
 struct Frame {
+    /// Of the coordinates of the nodes, in those of the model.
+    origin: Point,
     nodes: Vec<Point>,
     loops: Vec<u32>,
-    /// Of outlines and lines.
+    /// Edges of outlines and lines.
     edges: Vec<[usize; 2]>,
-    /// Those of lines.
+    /// Edges of lines.
     lines: Vec<[u32; 2]>,
 }
 
 impl Frame {
-    fn new(domain: &Domain, size: f64) -> Result<Self, String> {
-        let mut frame = Self { nodes: Vec::new(), loops: Vec::new(), edges: Vec::new(), lines: Vec::new() };
+    fn new(domain: &Domain, origin: Point, size: f64) -> Result<Self, String> {
+        let mut frame =
+            Self { origin, nodes: Vec::new(), loops: Vec::new(), edges: Vec::new(), lines: Vec::new() };
         let mut known: BTreeMap<[u64; 2], usize> = BTreeMap::new();
         let key = |point: Point| point.map(|x| (x + 0.0).to_bits());
         for (number, corners) in (0..).zip(&domain.loops) {
             for &corner in corners {
                 if known.insert(key(corner), frame.nodes.len()).is_some() {
-                    return Err(format!("the outline comes to the point {corner:?} twice"));
+                    let place = frame.place(corner);
+                    return Err(format!("the outline comes to the point {place:?} twice"));
                 }
                 frame.push(corner, number);
             }
@@ -134,6 +151,11 @@ impl Frame {
         Ok(frame)
     }
 
+    /// A point in the coordinates of the model.
+    fn place(&self, point: Point) -> Point {
+        [0, 1].map(|axis| point[axis] + self.origin[axis])
+    }
+
     fn push(&mut self, point: Point, number: u32) {
         self.nodes.push(point);
         self.loops.push(number);
@@ -142,12 +164,12 @@ impl Frame {
     /// Cuts the line between two nodes into equal pieces.
     fn divide(&mut self, a: usize, b: usize, number: u32, size: f64) {
         let (from, to) = (self.nodes[a], self.nodes[b]);
-        let pieces = (distance(from, to) / size).round().clamp(1.0, 1e8) as usize;
+        let pieces = (distance(from, to) / size).round().clamp(1.0, MOST) as usize;
         let mut last = a;
         for piece in 1..pieces {
             let t = piece as f64 / pieces as f64;
             let next = self.nodes.len();
-            // On a line along an axis all have its very coordinate.
+            // Points on a line along an axis have exactly its coordinate.
             self.push([0, 1].map(|axis| from[axis] + t * (to[axis] - from[axis])), number);
             self.edges.push([last, next]);
             last = next;
@@ -209,21 +231,45 @@ struct Cells {
     per_length: f64,
     columns: usize,
     rows: usize,
-    head: Vec<u32>,
+    head: Heads,
     next: Vec<u32>,
 }
+
+/// The first point of each cell.
+enum Heads {
+    /// One for each cell.
+    All(Vec<u32>),
+    /// One for each cell with a point: for outlines that fill little of their bounding box.
+    Some(BTreeMap<usize, u32>),
+}
+
+/// Cells for which memory is taken whether or not they have a point.
+const CELLS: f64 = 2e7;
 
 impl Cells {
     fn new(domain: &Domain, edge: f64) -> Result<Self, String> {
         let [low, high] = domain.bounds();
         let [columns, rows] = [0, 1].map(|axis| ((high[axis] - low[axis]) / edge).floor() + 1.0);
-        // A thin outline around much of nothing would need memory for nothing.
-        if (columns * rows).is_nan() || columns * rows > 50.0 * MOST {
+        let cells = columns * rows;
+        // Beyond, cells have no numbers that are exact.
+        if cells.is_nan() || cells > 2.0_f64.powi(52) {
             return Err("the mesh size is too small for this outline".to_owned());
         }
         let (columns, rows) = (columns as usize, rows as usize);
-        let head = vec![INSIDE; columns * rows];
+        let head = if cells <= CELLS {
+            Heads::All(vec![INSIDE; columns * rows])
+        } else {
+            Heads::Some(BTreeMap::new())
+        };
         Ok(Self { origin: low, per_length: 1.0 / edge, columns, rows, head, next: Vec::new() })
+    }
+
+    /// The first point of a cell, or [`INSIDE`].
+    fn head(&self, cell: usize) -> u32 {
+        match &self.head {
+            Heads::All(heads) => heads[cell],
+            Heads::Some(heads) => heads.get(&cell).copied().unwrap_or(INSIDE),
+        }
     }
 
     fn cell(&self, [x, y]: Point) -> [usize; 2] {
@@ -235,7 +281,11 @@ impl Cells {
     /// Nodes have to come in order.
     fn insert(&mut self, node: u32, point: Point) {
         let [column, row] = self.cell(point);
-        let head = &mut self.head[row * self.columns + column];
+        let cell = row * self.columns + column;
+        let head = match &mut self.head {
+            Heads::All(heads) => &mut heads[cell],
+            Heads::Some(heads) => heads.entry(cell).or_insert(INSIDE),
+        };
         self.next.push(*head);
         *head = node;
     }
@@ -245,7 +295,7 @@ impl Cells {
         let [column, row] = self.cell(point);
         for row in row.saturating_sub(1)..=(row + 1).min(self.rows - 1) {
             for column in column.saturating_sub(1)..=(column + 1).min(self.columns - 1) {
-                let mut node = self.head[row * self.columns + column];
+                let mut node = self.head(row * self.columns + column);
                 while node != INSIDE {
                     let [x, y] = nodes[node as usize];
                     let (dx, dy) = (x - point[0], y - point[1]);
@@ -275,7 +325,10 @@ fn triangulate(frame: &Frame) -> Result<Vec<[u32; 3]>, String> {
         return Err("two points of the outline coincide".to_owned());
     }
     if let Some(node) = crossing {
-        return Err(format!("the outline crosses or touches itself near {:?}", frame.nodes[node]));
+        return Err(format!(
+            "the outline crosses or touches itself near {:?}",
+            frame.place(frame.nodes[node])
+        ));
     }
     Ok(faces_inside(&triangulation, &frame.lines))
 }
@@ -380,7 +433,7 @@ impl Curve {
         Self { origin, per_length: f64::from(u16::MAX) / size[0].max(size[1]) }
     }
 
-    /// How far along the curve a point is.
+    /// Position of a point along the curve.
     fn place(&self, point: Point) -> u64 {
         let [x, y] = [0, 1].map(|axis| ((point[axis] - self.origin[axis]) * self.per_length) as u32);
         fast_hilbert::xy2h(x, y, Self::ORDER)

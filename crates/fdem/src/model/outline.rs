@@ -1,13 +1,17 @@
-//! Closed polygons: areas, what is inside, and shapes of the model file as polygons.
+//! Closed polygons: their areas, tests of points against them, and shapes of the model file as polygons.
 
 use std::f64::consts::TAU;
 
+use crate::model::extent::MOST;
 use crate::model::file::{Disc, Hole, Rectangle};
 
 /// A point or vector, m.
 pub(crate) type Point = [f64; 2];
 
-/// What is to be meshed: loops, of which the first is the outer one, and lines inside that have to be edges of the mesh.
+/// Distance from 0, in widths of a domain, beyond which coordinates have too few digits left for the shape of elements.
+const FAR: f64 = 1024.0;
+
+/// A domain to mesh: loops, the outer one first, and lines inside that become edges of the mesh.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Domain {
     /// Corners in order, either way round.
@@ -22,7 +26,27 @@ impl Domain {
         bounds(self.loops.iter().flatten().copied())
     }
 
-    /// Of the outer loop less the others, m².
+    /// The middle of the bounds along each axis on which that is far from 0 for a domain of this width; 0 along others.
+    ///
+    /// Differences of the corners from it are exact (Sterbenz' lemma), and a mesh that is made of them is the same wherever the domain lies.
+    pub(crate) fn middle_if_far(&self) -> Point {
+        let [low, high] = self.bounds();
+        [0, 1].map(|axis| {
+            let middle = 0.5 * low[axis] + 0.5 * high[axis];
+            if middle.abs() > FAR * (high[axis] - low[axis]) { middle } else { 0.0 }
+        })
+    }
+
+    /// The same in coordinates about another origin.
+    pub(crate) fn relative_to(&self, origin: Point) -> Self {
+        let moved = |point: Point| [0, 1].map(|axis| point[axis] - origin[axis]);
+        Self {
+            loops: self.loops.iter().map(|corners| corners.iter().copied().map(moved).collect()).collect(),
+            lines: self.lines.iter().map(|ends| ends.map(moved)).collect(),
+        }
+    }
+
+    /// Area of the outer loop less the areas of the others, m².
     pub(crate) fn area(&self) -> f64 {
         let mut areas = self.loops.iter().map(|corners| area(corners).abs());
         let outer = areas.next().unwrap_or(0.0);
@@ -42,7 +66,7 @@ pub(crate) fn bounds(points: impl Iterator<Item = Point>) -> [Point; 2] {
     bounds
 }
 
-/// Of a closed polygon, positive counter-clockwise. Taken about its first corner, so that distance from the origin costs no digits.
+/// Area of a closed polygon, positive counter-clockwise. It is computed relative to the first corner, so that a large distance from the origin costs no digits.
 pub(crate) fn area(corners: &[Point]) -> f64 {
     let Some(&origin) = corners.first() else { return 0.0 };
     corners.windows(2).map(|pair| twice_area(origin, pair[0], pair[1])).sum::<f64>() / 2.0
@@ -51,6 +75,11 @@ pub(crate) fn area(corners: &[Point]) -> f64 {
 /// Twice the area of a triangle, positive counter-clockwise.
 pub(crate) fn twice_area(a: Point, b: Point, c: Point) -> f64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1])
+}
+
+/// Length of a closed polygon, m.
+pub(crate) fn length(corners: &[Point]) -> f64 {
+    (0..corners.len()).map(|k| distance(corners[k], corners[(k + 1) % corners.len()])).sum()
 }
 
 pub(crate) fn distance(a: Point, b: Point) -> f64 {
@@ -65,7 +94,7 @@ pub(crate) fn rectangle(rectangle: &Rectangle) -> Option<Vec<Point>> {
 
 /// Points on a circle, `size` apart. Their number is a multiple of four, so that there is one farthest along each axis.
 pub(crate) fn circle(centre: Point, radius: f64, size: f64) -> Vec<Point> {
-    let count = ((TAU * radius / size / 4.0).round() * 4.0).clamp(8.0, 1e8) as usize;
+    let count = ((TAU * radius / size / 4.0).round() * 4.0).clamp(8.0, MOST) as usize;
     (0..count)
         .map(|k| {
             let quarter = count / 4;
@@ -93,10 +122,10 @@ pub(crate) fn hole(hole: &Hole, size: f64) -> Vec<Point> {
     }
 }
 
-/// Tells what is inside of loops: points from which a ray crosses an odd number of edges.
+/// Tests whether points are inside loops: a ray from a point inside crosses an odd number of edges.
 ///
 /// # Cost
-/// Edges are kept by rows of y, so that a question costs the edges of one row.
+/// Edges are sorted into rows of y. A test looks at the edges of one row.
 pub(crate) struct Inside {
     bottom: f64,
     rows_per_length: f64,
@@ -104,11 +133,25 @@ pub(crate) struct Inside {
 }
 
 impl Inside {
+    /// Rows in which an edge is in the mean, at most.
+    const ROWS_OF_AN_EDGE: f64 = 64.0;
+
     pub(crate) fn new(loops: &[Vec<Point>]) -> Self {
         let [low, high] = bounds(loops.iter().flatten().copied());
         let edges: usize = loops.iter().map(Vec::len).sum();
-        let count = edges.clamp(1, 1 << 14);
+        let mut count = edges.clamp(1, 1 << 14);
         let height = (high[1] - low[1]).max(f64::MIN_POSITIVE);
+        // Edges that go far up are in many rows: with fewer rows all have room.
+        let steps: f64 = loops
+            .iter()
+            .flat_map(|corners| {
+                (0..corners.len()).map(|k| (corners[k][1] - corners[(k + 1) % corners.len()][1]).abs())
+            })
+            .sum();
+        let rows_of_an_edge = steps / height * count as f64 / edges.max(1) as f64;
+        if rows_of_an_edge > Self::ROWS_OF_AN_EDGE {
+            count = ((count as f64 * Self::ROWS_OF_AN_EDGE / rows_of_an_edge) as usize).max(1);
+        }
         let mut inside =
             Self { bottom: low[1], rows_per_length: count as f64 / height, rows: vec![Vec::new(); count] };
         for corners in loops {

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::model::mesher::{INSIDE, Meshed};
 use crate::model::outline::{Point, bounds};
+use crate::numbers::brief;
 
 /// A meshed body.
 #[derive(Debug, Clone, Default)]
@@ -11,9 +12,11 @@ pub(crate) struct Piece {
     pub(crate) nodes: Vec<Point>,
     /// Counter-clockwise.
     pub(crate) triangles: Vec<[u32; 3]>,
-    /// Of each triangle.
+    /// Material of each triangle.
     pub(crate) materials: Vec<u32>,
-    /// Edges of one triangle only, as it has them.
+    /// Grain of each triangle; empty if the body has no grains.
+    pub(crate) grains: Vec<u32>,
+    /// Edges of one triangle only, in its direction.
     pub(crate) outline: Vec<[u32; 2]>,
     /// Parts that boundaries may name.
     pub(crate) groups: BTreeMap<String, Group>,
@@ -56,7 +59,7 @@ impl Piece {
     /// Finds the edges of one triangle only.
     ///
     /// # Errors
-    /// In words: edges of more than two triangles, or of two on the same side.
+    /// Messages about edges of more than two triangles, or of two on the same side.
     pub(crate) fn find_outline(&mut self) -> Result<(), String> {
         let mut edges: Vec<([u32; 2], bool)> = Vec::with_capacity(3 * self.triangles.len());
         for &[a, b, c] in &self.triangles {
@@ -74,7 +77,7 @@ impl Piece {
                 1 => self.outline.push(if turned { [edge[1], edge[0]] } else { edge }),
                 2 if edges[place + 1].1 != turned => {}
                 _ => {
-                    let [x, y] = self.nodes[edge[0] as usize];
+                    let [x, y] = self.nodes[edge[0] as usize].map(brief);
                     return Err(format!("elements lie on top of each other at an edge near [{x}, {y}]"));
                 }
             }

@@ -1,4 +1,4 @@
-//! How good a mesh is.
+//! Quality of a mesh.
 
 use fdem_simulation::Mesh;
 use serde::Serialize;
@@ -29,7 +29,7 @@ pub struct Quality {
 }
 
 impl Quality {
-    /// Of a mesh with at least one element.
+    /// Measures a mesh with at least one element.
     pub fn of(mesh: &Mesh) -> Self {
         let mut quality = Self {
             elements: mesh.triangles.len(),
@@ -84,7 +84,7 @@ fn edges([a, b, c]: [Point; 3]) -> [f64; 3] {
     [distance(b, c), distance(c, a), distance(a, b)]
 }
 
-/// Opposite the edges, degrees.
+/// The angles opposite the edges, degrees.
 fn angles([a, b, c]: [f64; 3]) -> [f64; 3] {
     let angle = |a: f64, b: f64, c: f64| {
         ((b * b + c * c - a * a) / (2.0 * b * c)).clamp(-1.0, 1.0).acos().to_degrees()

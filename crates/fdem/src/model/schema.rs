@@ -11,6 +11,7 @@ use toml::de::{DeTable, DeValue};
 
 use crate::model::fault::{Fault, nearest};
 use crate::model::file::ModelFile;
+use crate::numbers::exact;
 
 /// The JSON schema of model files, for editors: keys with descriptions, types, ranges and defaults.
 pub fn schema() -> Value {
@@ -21,11 +22,11 @@ pub fn schema() -> Value {
     schema
 }
 
-/// All keys that are unknown, all that are missing, all values of a wrong type or out of range.
+/// Finds all unknown keys, all missing keys, and all values of a wrong type or out of range.
 pub(crate) fn check(root: &Spanned<DeTable<'_>>) -> Vec<Fault> {
     let schema = schema();
     let mut checker = Checker { schema: &schema, faults: Vec::new() };
-    // What lacks a whole table lacks it at its end.
+    // A missing table is reported at the end of the file.
     let end = root.span().end;
     checker.table(root.get_ref(), end..end, &schema, "the file");
     checker.faults
@@ -37,7 +38,7 @@ struct Checker<'s> {
 }
 
 impl<'s> Checker<'s> {
-    /// A schema itself, behind its reference and without the `null` of optional keys, which TOML cannot say.
+    /// Follows the references of a schema, and removes the `null` of optional keys, which TOML does not have.
     fn resolve(&self, schema: &'s Value) -> &'s Value {
         let mut schema = schema;
         loop {
@@ -69,7 +70,7 @@ impl<'s> Checker<'s> {
         }
         let required = schema.get("required").and_then(Value::as_array).into_iter().flatten();
         for key in required.filter_map(Value::as_str) {
-            // A key that is misspelt is not missed as well.
+            // A misspelt key is not reported as missing.
             if !misspelt.contains(&key) && !table.iter().any(|(known, _)| known.get_ref() == key) {
                 let what = properties.and_then(|properties| self.description(properties.get(key)?));
                 let what = what.map_or_else(String::new, |what| format!(" ({what})"));
@@ -81,7 +82,7 @@ impl<'s> Checker<'s> {
         }
     }
 
-    /// What the first sentence says of a key.
+    /// Returns the first sentence of the description of a key.
     fn description(&self, property: &'s Value) -> Option<String> {
         let text =
             property.get("description").or_else(|| self.resolve(property).get("description"))?.as_str()?;
@@ -128,7 +129,7 @@ impl<'s> Checker<'s> {
     }
 
     fn value(&mut self, value: &Spanned<DeValue<'_>>, schema: &'s Value, key: &str, parent: &str) {
-        // Limits stand beside the reference or the type.
+        // Limits are beside the reference or the type.
         let outer = schema;
         let schema = self.resolve(schema);
         if let Some(branches) = branches(schema) {
@@ -191,10 +192,16 @@ impl<'s> Checker<'s> {
         let least = schema.get("minItems").and_then(Value::as_u64).unwrap_or(0) as usize;
         let most = schema.get("maxItems").and_then(Value::as_u64).map_or(usize::MAX, |most| most as usize);
         if list.len() < least || list.len() > most {
-            let expected = self.expected(schema);
-            let mut fault =
-                Fault::at(span.clone(), format!("\"{key}\" is a list of {}, not {expected}", list.len()))
-                    .label(format!("{} entries", list.len()));
+            let count = list.len();
+            let message = if most == usize::MAX {
+                format!("\"{key}\" is a list of {count}: it has to have at least {least} entries")
+            } else {
+                format!("\"{key}\" is a list of {count}, not {}", self.expected(schema))
+            };
+            let mut fault = Fault::at(span.clone(), message).label(format!("{count} entries"));
+            if key == "points" {
+                fault = fault.help("a polygon has three corners or more");
+            }
             if most < 10 && list.len() == 2 * most {
                 fault = fault.help("numbers have a decimal point; a comma separates entries: [0.5, 1.0]");
             }
@@ -219,7 +226,7 @@ impl<'s> Checker<'s> {
         }
     }
 
-    /// The alternative that the kind of the value speaks for is the one whose faults are told.
+    /// Checks a value against alternatives. If none fits, the faults are those of the alternative with the type of the value.
     fn alternatives(
         &mut self,
         value: &Spanned<DeValue<'_>>,
@@ -287,13 +294,13 @@ impl<'s> Checker<'s> {
         ];
         for (name, text, is_wrong) in wrong {
             if let (true, Some(limit)) = (is_wrong, limit(name)) {
-                let message = format!("\"{key}\" is {number}: it has to be {text} {limit}");
+                let message = format!("\"{key}\" is {}: it has to be {text} {}", exact(number), exact(limit));
                 self.faults.push(Fault::at(span.clone(), message).label("out of range"));
             }
         }
     }
 
-    /// What a schema asks for, in words.
+    /// Describes the values that a schema allows.
     fn expected(&self, schema: &'s Value) -> String {
         let schema = self.resolve(schema);
         if let Some(words) = words(schema) {
@@ -359,7 +366,7 @@ fn quoted(words: &[&str]) -> String {
     }
 }
 
-/// What a value is, in words.
+/// Describes a value.
 fn kind(value: &DeValue<'_>) -> &'static str {
     match value {
         DeValue::String(_) => "text",
@@ -383,7 +390,7 @@ fn json_kind(value: &DeValue<'_>) -> &'static str {
     }
 }
 
-/// What to do about the usual mistakes.
+/// Advice on the usual mistakes.
 fn hint(found: &DeValue<'_>, schema: &Value) -> Option<String> {
     let wants = |kind: &str| types(schema).contains(&kind);
     match found {

@@ -1,71 +1,83 @@
-//! What is written, and what is recorded over time.
+//! Settings of the output, and quantities to record over time.
 
 use serde::Serialize;
 
 use crate::model::bodies::{self, Placed};
 use crate::model::document::{Document, Table};
 use crate::model::fault::{Fault, suggestion};
-use crate::model::file::{Animate, ModelFile};
+use crate::model::file::{Animate, Gravity, ModelFile};
 use crate::model::outline::{Point, distance};
-use crate::results::Field;
+use crate::results::{Field, MOST_ELEMENTS, SAMPLE};
 
-/// Time on the clock between checkpoints, s.
+/// Wall-clock time between checkpoints, s.
 const CHECKPOINT: f64 = 60.0;
 
-/// Result files after that of the beginning.
+/// Result files after the first, which is of the start.
 const FRAMES: u32 = 50;
 
 /// Rows of the history.
 const ROWS: f64 = 1000.0;
 
-/// What is written, and when.
+/// Settings of the output.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct OutputSettings {
-    /// Between result files, s.
+    /// Time between result files, s.
     pub interval: f64,
-    /// What pictures and the report show; at least one.
+    /// Fields of pictures and the report; at least one.
     pub fields: Vec<Field>,
-    /// What an animation shows; `None`: there is none.
+    /// Field of the animation; `None` for no animation.
     pub animate: Option<Field>,
-    /// When checkpoints are written.
+    /// Number of elements beyond which pictures and the report show a sample, and number of triangles of that sample.
+    pub shown: [usize; 2],
+    /// Interval of checkpoints.
     pub checkpoint: Checkpoint,
-    /// Between rows of the history, s.
+    /// Time between rows of the history, s.
     pub history_interval: f64,
 }
 
-/// When checkpoints are written.
+/// Interval of checkpoints.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub enum Checkpoint {
-    /// After so much time on the clock, s.
+    /// Wall-clock time, s.
     Seconds(f64),
-    /// After so many steps.
+    /// Number of steps.
     Steps(u64),
 }
 
 /// A quantity that is recorded over time.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct History {
-    /// Of its columns.
+    /// Name of its columns.
     pub name: String,
-    /// What it is.
+    /// The quantity.
     pub quantity: Quantity,
 }
 
-/// What is recorded.
+/// A kind of quantity.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub enum Quantity {
     /// Displacement and velocity of this node of the mesh.
     Node(u32),
     /// The force that this boundary, by its place in [`Model::boundaries`](fdem_simulation::Model), exerts on the bodies, N.
     Force(usize),
-    /// The energies, which are recorded anyway.
+    /// The energies, which are recorded in any case.
     Energy,
-    /// The length of what is broken, which is recorded anyway.
+    /// The length of the cracks, which is recorded in any case.
     CrackLength,
 }
 
-/// What can be said of the output before anything is meshed.
+/// Checks the output before anything is meshed.
 pub(crate) fn check(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<Fault>) {
+    if file.model.gravity_ramp.is_some() && matches!(file.model.gravity, Gravity::None(_)) {
+        faults.push(
+            Fault::at(
+                document.key(Table::one("model"), "gravity_ramp"),
+                "\"gravity_ramp\" goes with gravity",
+            )
+            .label("there is no gravity")
+            .help("write gravity = [0, -9.81], or take gravity_ramp out"),
+        );
+    }
     let output = &file.output;
     for (first, second, both) in [
         ("interval", "frames", output.interval.is_some() && output.frames.is_some()),
@@ -155,6 +167,7 @@ pub(crate) fn settings(file: &ModelFile) -> OutputSettings {
             None | Some(Animate::Switch(false)) => None,
         },
         fields,
+        shown: output.shown_elements.map_or([MOST_ELEMENTS, SAMPLE], |most| [most as usize; 2]),
         checkpoint: match output.checkpoint_steps {
             Some(steps) => Checkpoint::Steps(steps),
             None => Checkpoint::Seconds(output.checkpoint_interval.unwrap_or(CHECKPOINT)),

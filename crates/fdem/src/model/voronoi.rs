@@ -9,11 +9,17 @@ use spade::{DelaunayTriangulation, HasPosition, Point2, Triangulation};
 use crate::model::mesher::Meshed;
 use crate::model::outline::{Domain, Inside, Point, distance, twice_area};
 
-/// Lines shorter than this many mesh sizes vanish: they would make elements as small.
+/// Length over mesh size below which lines are removed, because they would give elements as small.
 const SHORTEST: f64 = 0.6;
 
 /// Sample points per grain by which points move to the middles of their cells.
 const SAMPLES: f64 = 60.0;
+
+/// Area of the bounding box of an outline over its own, at most.
+const THINNEST: f64 = 1000.0;
+
+/// Comparisons of boundaries of grains with edges of outlines, at most.
+const COMPARISONS: usize = 5_000_000_000;
 
 /// The points around which grains grow.
 pub(crate) struct Grains {
@@ -39,10 +45,20 @@ impl Grains {
     /// Random points inside of `domain`, moved `rounds` times to the middles of their cells.
     ///
     /// # Errors
-    /// In words: where the outline has no room for them.
+    /// Messages about outlines without room for the grains.
     pub(crate) fn new(domain: &Domain, count: usize, seed: u64, rounds: u32) -> Result<Self, String> {
+        let corners: usize = domain.loops.iter().map(Vec::len).sum();
+        if count.saturating_mul(corners) > COMPARISONS {
+            return Err(format!("{count} grains in an outline of {corners} edges are too many"));
+        }
         let inside = Inside::new(&domain.loops);
         let [low, high] = domain.bounds();
+        let filled = domain.area() / (high[0] - low[0]) / (high[1] - low[1]);
+        if filled.is_nan() || filled * THINNEST < 1.0 {
+            return Err(
+                "the outline is too thin for grains: it fills too little of its bounding box".to_owned()
+            );
+        }
         let mut random = Random::with_stream(seed, 1);
         let mut centres = Vec::with_capacity(count);
         let mut left = 1000 * count as u64 + 1_000_000;
@@ -102,7 +118,7 @@ impl Grains {
     /// Adds the boundaries of grains to the lines of `domain`, and their ends to its loops.
     ///
     /// # Errors
-    /// In words: coordinates that cannot be triangulated.
+    /// Messages about coordinates that cannot be triangulated.
     pub(crate) fn cut(&self, domain: &mut Domain, size: f64) -> Result<(), String> {
         let mut net = Net::default();
         net.clip(&self.edges(domain)?, domain);
@@ -116,7 +132,7 @@ impl Grains {
         let [low, high] = domain.bounds();
         let middle = [0, 1].map(|axis| f64::midpoint(low[axis], high[axis]));
         let far = 20.0 * distance(low, high);
-        // Points far away close the cells at the outline. Their own boundaries are far outside.
+        // Points far away close the cells at the outline. The boundaries of their own cells are far outside.
         let mut seeds: Vec<Point> = self.centres.clone();
         for [x, y] in [
             [1.0, 0.1],
@@ -150,7 +166,7 @@ impl Grains {
     /// The grain of each element: parts of the mesh between lines, by the centre that is nearest to the middle of their largest element.
     ///
     /// # Errors
-    /// In words: coordinates that cannot be triangulated.
+    /// Messages about coordinates that cannot be triangulated.
     pub(crate) fn of_elements(&self, mesh: &Meshed) -> Result<Vec<u32>, String> {
         let triangulation = self.triangulation()?;
         let part = parts(mesh);
@@ -215,7 +231,7 @@ fn ordered([a, b]: [u32; 2]) -> [u32; 2] {
     if a < b { [a, b] } else { [b, a] }
 }
 
-/// Which elements are connected by edges that are no lines: the least of their numbers.
+/// Finds the parts of the mesh between lines. Each element gets the smallest number of an element of its part.
 fn parts(mesh: &Meshed) -> Vec<u32> {
     let mut lines: Vec<_> = mesh.lines.iter().map(|&edge| ordered(edge)).collect();
     lines.sort_unstable();
@@ -239,7 +255,7 @@ fn root(parents: &mut [u32], mut node: u32) -> u32 {
     node
 }
 
-/// Where a vertex of the net of lines may go.
+/// Freedom of a vertex of the net of lines.
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
 enum Freedom {
     /// Anywhere.
@@ -383,7 +399,7 @@ impl Net {
                 added.push((number, edge, t, vertex));
             }
         }
-        // From the last to the first, so that the places before stay what they are.
+        // From the last to the first, so that the places before do not change.
         added.sort_by(|a, b| (b.0, b.1).cmp(&(a.0, a.1)).then(b.2.total_cmp(&a.2)).then(a.3.cmp(&b.3)));
         added.dedup();
         for (number, edge, _, vertex) in added {
@@ -425,7 +441,7 @@ fn along(a: Point, b: Point, t: f64) -> Point {
     [0, 1].map(|axis| a[axis] * (1.0 - t) + b[axis] * t)
 }
 
-/// Where the line from `a` to `b` crosses edges of loops: how far along it, and where on which.
+/// Crossings of the line from `a` to `b` with edges of loops: the position along the line, and the place on the edge.
 fn crossings(a: Point, b: Point, domain: &Domain) -> Vec<(f64, Freedom)> {
     let mut found = Vec::new();
     for (number, corners) in domain.loops.iter().enumerate() {

@@ -1,4 +1,6 @@
-//! What may not be meant.
+//! Warnings of what is possible, but probably not meant.
+
+mod gravity;
 
 use std::collections::BTreeMap;
 
@@ -6,6 +8,7 @@ use fdem_contact::discretised::{self, Mesh as Detected};
 use fdem_contact::narrow::Measure;
 use fdem_simulation::{Boundary, Load, Model, Plane, Schedule, Target};
 
+use crate::model::equilibrium;
 use crate::model::outline::{bounds, distance, twice_area};
 use crate::model::{Body, Quality};
 use crate::numbers::brief;
@@ -19,7 +22,7 @@ const REGULAR: f64 = 0.5;
 /// Penalty over Young's modulus below which bodies sink into each other.
 const SOFT: f64 = 0.5;
 
-/// All warnings, in words.
+/// Returns the warnings.
 pub(crate) fn warnings(model: &Model, bodies: &[Body], quality: &Quality) -> Vec<String> {
     let mut warnings = Vec::new();
     process_zone(model, &mut warnings);
@@ -37,7 +40,7 @@ pub(crate) fn warnings(model: &Model, bodies: &[Body], quality: &Quality) -> Vec
     }
     if quality.smallest_angle[0] < 10.0 {
         warnings.push(format!(
-            "element {} near {} has an angle of {:.1} degrees: it is stiff, and sets the time step",
+            "element {} near {} has an angle of {:.1} degrees: its stress is poor; better meshes have 25 degrees or more",
             quality.worst,
             place(quality.worst_at),
             quality.smallest_angle[0]
@@ -50,6 +53,8 @@ pub(crate) fn warnings(model: &Model, bodies: &[Body], quality: &Quality) -> Vec
         ));
     }
     overlaps(model, bodies, &mut warnings);
+    gravity::sudden(model, bodies, &mut warnings);
+    equilibrium::warnings(model, bodies, &mut warnings);
     warnings
 }
 
@@ -62,7 +67,7 @@ fn plane_modulus(model: &Model, material: usize) -> f64 {
     }
 }
 
-/// Elements larger than a third of the zone in which a material softens, E' G/f².
+/// Warns of elements larger than a third of the fracture process zone, E' G/f².
 fn process_zone(model: &Model, warnings: &mut Vec<String>) {
     let mut longest = vec![0.0_f64; model.materials.len()];
     let mut large = vec![0_usize; model.materials.len()];
@@ -97,7 +102,7 @@ fn process_zone(model: &Model, warnings: &mut Vec<String>) {
     }
 }
 
-/// One side held while the opposite one is driven: stress waves load them unequally.
+/// Warns of one side that is held while the opposite one is driven: stress waves load the two unequally.
 fn platens(model: &Model, warnings: &mut Vec<String>) {
     let components = |boundary: &Boundary| match boundary.load {
         Load::Velocity(components) | Load::Displacement(components) => components,
@@ -114,7 +119,7 @@ fn platens(model: &Model, warnings: &mut Vec<String>) {
     for moving in &model.boundaries {
         for axis in 0..2 {
             let Some(speed) = components(moving)[axis].filter(|speed| *speed != 0.0) else { continue };
-            // What is driven towards something that is held, or away from it.
+            // A boundary that is driven towards a held one, or away from it.
             let held = model.boundaries.iter().find(|held| {
                 components(held)[axis] == Some(0.0) && middle(held, axis) != middle(moving, axis)
             });
@@ -133,7 +138,7 @@ fn platens(model: &Model, warnings: &mut Vec<String>) {
     }
 }
 
-/// Velocities, displacements and loads that are there at once.
+/// Warns of velocities and displacements that start at full size.
 fn stepped(boundary: &Boundary, warnings: &mut Vec<String>) {
     let starts = match &boundary.schedule {
         Schedule::Constant => true,
@@ -154,7 +159,7 @@ fn stepped(boundary: &Boundary, warnings: &mut Vec<String>) {
     }
 }
 
-/// Components of nodes that two boundaries prescribe.
+/// Warns of components of nodes that two boundaries prescribe.
 fn prescribed_twice(model: &Model, warnings: &mut Vec<String>) {
     let mut owner: BTreeMap<(u32, usize), usize> = BTreeMap::new();
     let mut told: Vec<[usize; 2]> = Vec::new();
@@ -184,7 +189,7 @@ fn prescribed_twice(model: &Model, warnings: &mut Vec<String>) {
     }
 }
 
-/// Bodies that lie in each other at the beginning.
+/// Warns of bodies that overlap at the start.
 fn overlaps(model: &Model, bodies: &[Body], warnings: &mut Vec<String>) {
     if bodies.len() < 2 {
         return;
@@ -192,7 +197,7 @@ fn overlaps(model: &Model, bodies: &[Body], warnings: &mut Vec<String>) {
     let mesh = &model.mesh;
     let found = Detected::new(&mesh.nodes, &mesh.triangles, &mesh.bodies)
         .and_then(|mesh| discretised::contacts(&mesh));
-    // What cannot be detected cannot be run either, and is told there.
+    // A model whose contacts cannot be detected cannot run; its preflight reports that.
     let Ok(found) = found else { return };
     let element_area = |element: u32| {
         let [a, b, c] = mesh.triangles[element as usize].map(|node| mesh.nodes[node as usize]);

@@ -35,6 +35,11 @@ impl Camera {
             include(a, 0.0);
             include(b, 0.0);
         }
+        for (corners, _) in scene.facets() {
+            for corner in corners {
+                include(corner, 0.0);
+            }
+        }
         if min[0] > max[0] {
             (min, max) = ([0.0; 3], [1.0; 3]);
         }

@@ -9,7 +9,8 @@ use crate::picture::encode::{self, Layer};
 use crate::picture::flat::Flat;
 use crate::picture::furniture::{self, Counts, FOOT, HEAD};
 use crate::picture::raster::{Raster, SAMPLES};
-use crate::picture::scene::{Bond, Scene};
+use crate::picture::room;
+use crate::picture::scene::{Bond, Joint, Scene};
 use crate::picture::svg::Svg;
 
 /// More discs or contacts than this are an image in an SVG file, too.
@@ -35,9 +36,12 @@ const NODE: Rgb = [186, 193, 201];
 
 pub(crate) fn svg(scene: &Scene) -> Result<String, PictureError> {
     let page = Page::new(scene)?;
-    if scene.dimensions == 2 && scene.centres.len().max(scene.bonds.len()) <= MOST_SHAPES {
+    let is_small = scene.centres.len().max(scene.bonds.len()) <= MOST_SHAPES;
+    if scene.dimensions == 2 && is_small && scene.facets().next().is_none() {
+        room::check(room::of_shapes(scene.centres.len() + 2 * scene.bonds.len()))?;
         return Ok(page.svg(|svg| page.shapes(svg)));
     }
+    room::check(room::of_pixels(page.size, SCALE))?;
     let layers = page.layers(SCALE);
     let images = layers.iter().map(|layer| encode::file(layer.size.map(|n| n as u32), &layer.pixels));
     let images = images.collect::<Result<Vec<_>, _>>()?;
@@ -52,7 +56,9 @@ pub(crate) fn svg(scene: &Scene) -> Result<String, PictureError> {
 /// So many pixels wide, or twice as wide as the drawing.
 pub(crate) fn png(scene: &Scene, width: Option<u32>) -> Result<Vec<u8>, PictureError> {
     let page = Page::new(scene)?;
-    page.png(scale(width, page.size[0])?)
+    let scale = scale(width, page.size[0])?;
+    room::check(room::of_pixels(page.size, scale))?;
+    page.png(scale)
 }
 
 /// Pixels for a unit of a drawing.
@@ -118,12 +124,16 @@ impl<'a> Page<'a> {
         let right = |k: usize| self.lefts[k] + camera.area[0] - 6.0;
         furniture::scale_bar(&mut svg, &scene.after_number(), [self.lefts[0], foot], camera.scale);
         if self.lefts.len() > 1 {
-            furniture::coordination_bar(&mut svg, self.counts, [right(0), foot]);
+            furniture::coordination_bar(&mut svg, scene.nouns()[0], self.counts, [right(0), foot]);
             furniture::axes(&mut svg, [self.lefts[1] + 36.0, foot + 34.0], &camera.axes());
         }
         if let Some(overlaps) = scene.overlaps {
-            let name = format!("overlap{}", scene.after_name());
-            furniture::overlap_bar(&mut svg, &name, overlaps, [right(self.lefts.len() - 1), foot]);
+            furniture::overlap_bar(
+                &mut svg,
+                &scene.value_and_unit(),
+                overlaps,
+                [right(self.lefts.len() - 1), foot],
+            );
         }
         svg.finish()
     }
@@ -200,9 +210,17 @@ impl<'a> Page<'a> {
         for [a, b] in outline(scene) {
             flat.line([place(a), place(b)], zoom, BOX);
         }
+        for (corners, owner) in scene.facets() {
+            let fill = if scene.coordination[owner as usize] == 0 { FREE } else { TOUCHING };
+            let corners = corners.map(place);
+            flat.triangle(corners, fill);
+            for k in 0..3 {
+                flat.line([corners[k], corners[(k + 1) % 3]], 0.4 * zoom, RIM);
+            }
+        }
         for (free, fill) in [(false, TOUCHING), (true, FREE)] {
             for (index, centre) in scene.centres.iter().enumerate() {
-                if (scene.coordination[index] == 0) == free {
+                if (scene.coordination[index] == 0) == free && !scene.is_surface(index) {
                     let r = self.radius(index);
                     let (rim, fill) = (rim(r), if r > self.dot { fill } else { RIM });
                     flat.disc(place(*centre), (r - rim / 2.0) * zoom, fill, RIM, rim * zoom);
@@ -221,7 +239,11 @@ impl<'a> Page<'a> {
     fn spheres(&self, size: [usize; 2], zoom: f64) -> Vec<u8> {
         let mut raster = Raster::new(size);
         self.draw_box(&mut raster, zoom);
+        self.draw_facets(&mut raster, zoom, true);
         for (index, centre) in self.scene.centres.iter().enumerate() {
+            if self.scene.is_surface(index) {
+                continue;
+            }
             let radius = self.radius(index) * zoom;
             let colour = self.counts.colour(self.scene.coordination[index]);
             raster.sphere(self.camera.place(*centre).map(|x| x * zoom), radius, colour);
@@ -235,8 +257,12 @@ impl<'a> Page<'a> {
         let Self { scene, camera, .. } = self;
         let mut raster = Raster::new(size);
         self.draw_box(&mut raster, zoom);
+        self.draw_facets(&mut raster, zoom, false);
         let place = |point: [f64; 3]| camera.place(point).map(|x| x * zoom);
         for (index, centre) in scene.centres.iter().enumerate() {
+            if scene.is_surface(index) {
+                continue;
+            }
             let radius = (0.16 * self.radius(index)).max(self.dot / 2.0) * zoom;
             raster.sphere(place(*centre), radius, NODE);
         }
@@ -249,6 +275,21 @@ impl<'a> Page<'a> {
         raster.pixels()
     }
 
+    /// Surfaces; of walls, and where contacts are to be seen, the edges.
+    fn draw_facets(&self, raster: &mut Raster, zoom: f64, solid: bool) {
+        let Some(shapes) = &self.scene.shapes else { return };
+        for (corners, owner) in self.scene.facets() {
+            let corners = corners.map(|corner| self.camera.place(corner).map(|x| x * zoom));
+            if solid && !shapes.walls {
+                raster.triangle(corners, self.counts.colour(self.scene.coordination[owner as usize]));
+            } else {
+                for k in 0..3 {
+                    raster.rod([corners[k], corners[(k + 1) % 3]], 0.3 * zoom, NODE);
+                }
+            }
+        }
+    }
+
     fn draw_box(&self, raster: &mut Raster, zoom: f64) {
         for ends in outline(self.scene) {
             raster.rod(ends.map(|end| self.camera.place(end).map(|x| x * zoom)), 0.7 * zoom, BOX);
@@ -257,8 +298,12 @@ impl<'a> Page<'a> {
 
     /// In pixels of the drawing.
     fn typical_radius(&self) -> f64 {
-        let sum: f64 = (0..self.scene.radii.len()).map(|index| self.radius(index)).sum();
-        sum / self.scene.radii.len().max(1) as f64
+        let drawn = || (0..self.scene.radii.len()).filter(|&index| !self.scene.is_surface(index));
+        match drawn().count() {
+            // Surfaces cast shadows as far as this.
+            0 => 12.0,
+            count => drawn().map(|index| self.radius(index)).sum::<f64>() / count as f64,
+        }
     }
 
     /// Of an element, in pixels of the drawing.
@@ -288,6 +333,9 @@ impl<'a> Page<'a> {
 
     /// In pixels of the drawing: of the smaller element a part, so that lines do not hide what they join.
     fn width(&self, bond: &Bond) -> f64 {
+        if self.scene.shapes.is_some() {
+            return 1.2 + 1.8 * self.share(bond);
+        }
         let smaller = self.scene.radii[bond.i as usize].min(self.scene.radii[bond.j as usize]);
         let flat = self.scene.dimensions == 2;
         let least = if flat { 0.5 } else { 0.6 };
@@ -301,9 +349,12 @@ fn rim(r: f64) -> f64 {
     (r * 0.12).min(0.8)
 }
 
-/// The line of a contact; two halves if it leads to an image.
-fn lines(scene: &Scene, bond: &Bond) -> [Option<[[f64; 3]; 2]>; 2] {
+/// The line of a contact; two halves if it leads to an image, or runs by way of a point.
+pub(crate) fn lines(scene: &Scene, bond: &Bond) -> [Option<[[f64; 3]; 2]>; 2] {
     let [a, b] = [bond.i, bond.j].map(|k| scene.centres[k as usize]);
+    if let Some(Joint { point, to }) = bond.joint {
+        return [to[0].then_some([a, point]), to[1].then_some([point, b])];
+    }
     if !bond.leaves {
         return [Some([a, b]), None];
     }

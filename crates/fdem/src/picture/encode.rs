@@ -1,6 +1,6 @@
 //! SVG and pixels to PNG.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use resvg::tiny_skia::{Pixmap, Transform};
 use resvg::usvg::{self, fontdb};
@@ -26,12 +26,7 @@ pub(crate) fn png(svg: &str, layers: &[Layer], scale: f64) -> Result<Vec<u8>, Pi
 /// As [`png`], as red, green and blue, row after row, with the two sides.
 pub(crate) fn pixels(svg: &str, layers: &[Layer], scale: f64) -> Result<([u32; 2], Vec<u8>), PictureError> {
     let failed = |message: String| PictureError::Png { message };
-    let mut fonts = fontdb::Database::new();
-    fonts.load_font_data(dejavu::sans::regular().to_vec());
-    fonts.load_font_data(dejavu::sans::bold().to_vec());
-    fonts.set_sans_serif_family("DejaVu Sans");
-    let options = usvg::Options { fontdb: Arc::new(fonts), ..usvg::Options::default() };
-    let tree = usvg::Tree::from_str(svg, &options).map_err(|error| failed(error.to_string()))?;
+    let tree = usvg::Tree::from_str(svg, &options()).map_err(|error| failed(error.to_string()))?;
     let round = |side: f32| (f64::from(side) * scale).round() as u32;
     let (width, height) = (round(tree.size().width()), round(tree.size().height()));
     let mut pixmap = Pixmap::new(width, height).ok_or_else(|| failed("it is too large".to_owned()))?;
@@ -43,6 +38,19 @@ pub(crate) fn pixels(svg: &str, layers: &[Layer], scale: f64) -> Result<([u32; 2
     resvg::render(&tree, Transform::from_scale(zoom, zoom), &mut pixmap.as_mut());
     let opaque = pixmap.data().chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
     Ok(([width, height], opaque))
+}
+
+/// Options for reading SVG text: the fonts are those in this program, and no others.
+pub(crate) fn options() -> usvg::Options<'static> {
+    static FONTS: OnceLock<Arc<fontdb::Database>> = OnceLock::new();
+    let fonts = FONTS.get_or_init(|| {
+        let mut fonts = fontdb::Database::new();
+        fonts.load_font_data(dejavu::sans::regular().to_vec());
+        fonts.load_font_data(dejavu::sans::bold().to_vec());
+        fonts.set_sans_serif_family("DejaVu Sans");
+        Arc::new(fonts)
+    });
+    usvg::Options { fontdb: Arc::clone(fonts), ..usvg::Options::default() }
 }
 
 /// Red, green and blue as a PNG file.

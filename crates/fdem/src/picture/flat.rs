@@ -1,5 +1,6 @@
 //! Discs and lines by pixel, each over those before it, with soft edges.
 
+use crate::picture::capsule::Capsule;
 use crate::picture::colour::Rgb;
 
 /// Red, green and blue of each pixel, row after row from the top.
@@ -30,21 +31,45 @@ impl Flat {
         });
     }
 
+    /// A triangle without an outline.
+    pub(crate) fn triangle(&mut self, corners: [[f64; 2]; 3], colour: Rgb) {
+        let heights = corners.map(|[_, y]| y);
+        let (top, bottom) = (
+            heights.into_iter().fold(f64::INFINITY, f64::min),
+            heights.into_iter().fold(f64::NEG_INFINITY, f64::max),
+        );
+        for row in range(top, bottom, self.height) {
+            let Some([from, to]) = across(corners, row as f64 + 0.5) else { continue };
+            for column in range(from, to, self.width) {
+                let u = column as f64 + 0.5;
+                if from <= u && u <= to {
+                    let place = 3 * (row * self.width + column);
+                    self.pixels[place..place + 3].copy_from_slice(&colour);
+                }
+            }
+        }
+    }
+
     /// A line with round ends.
     pub(crate) fn line(&mut self, [a, b]: [[f64; 2]; 2], width: f64, colour: Rgb) {
         let half = width / 2.0;
         let along = [b[0] - a[0], b[1] - a[1]];
         let squared = along[0] * along[0] + along[1] * along[1];
-        let low = [a[0].min(b[0]) - half, a[1].min(b[1]) - half];
-        let high = [a[0].max(b[0]) + half, a[1].max(b[1]) + half];
-        self.cover(low, high, |u, v| {
+        let paint = |u: f64, v: f64| {
             let [du, dv] = [u - a[0], v - a[1]];
             let share =
                 if squared > 0.0 { ((du * along[0] + dv * along[1]) / squared).clamp(0.0, 1.0) } else { 0.0 };
             let [du, dv] = [du - share * along[0], dv - share * along[1]];
             let alpha = (half - (du * du + dv * dv).sqrt() + 0.5).clamp(0.0, 1.0);
             (colour.map(f64::from), alpha * width.min(1.0))
-        });
+        };
+        // Edges are soft over half a pixel.
+        let covered = Capsule::new([a, b], half + 0.5);
+        for row in covered.rows(self.height) {
+            for column in covered.columns(row, self.width) {
+                self.lay(row, column, &paint);
+            }
+        }
     }
 
     pub(crate) fn into_pixels(self) -> Vec<u8> {
@@ -53,21 +78,40 @@ impl Flat {
 
     /// Lays a colour over the pixels from one corner to the other, with the share that `paint` says at the middle of each.
     fn cover(&mut self, low: [f64; 2], high: [f64; 2], paint: impl Fn(f64, f64) -> ([f64; 3], f64)) {
-        let range = |low: f64, high: f64, end: usize| {
-            ((low - 1.0).max(0.0) as usize).min(end)..((high + 2.0).max(0.0) as usize).min(end)
-        };
         for row in range(low[1], high[1], self.height) {
             for column in range(low[0], high[0], self.width) {
-                let (colour, alpha) = paint(column as f64 + 0.5, row as f64 + 0.5);
-                if alpha > 0.0 {
-                    let place = 3 * (row * self.width + column);
-                    for (old, new) in self.pixels[place..place + 3].iter_mut().zip(colour) {
-                        *old = (f64::from(*old) + (new - f64::from(*old)) * alpha).round() as u8;
-                    }
-                }
+                self.lay(row, column, &paint);
             }
         }
     }
+
+    /// Lays over a pixel what `paint` says at its middle.
+    fn lay(&mut self, row: usize, column: usize, paint: &impl Fn(f64, f64) -> ([f64; 3], f64)) {
+        let (colour, alpha) = paint(column as f64 + 0.5, row as f64 + 0.5);
+        if alpha > 0.0 {
+            let place = 3 * (row * self.width + column);
+            for (old, new) in self.pixels[place..place + 3].iter_mut().zip(colour) {
+                *old = (f64::from(*old) + (new - f64::from(*old)) * alpha).round() as u8;
+            }
+        }
+    }
+}
+
+fn range(low: f64, high: f64, end: usize) -> std::ops::Range<usize> {
+    ((low - 1.0).max(0.0) as usize).min(end)..((high + 2.0).max(0.0) as usize).min(end)
+}
+
+/// From where to where a triangle covers the row at `v`.
+pub(crate) fn across(corners: [[f64; 2]; 3], v: f64) -> Option<[f64; 2]> {
+    let mut span: Option<[f64; 2]> = None;
+    for k in 0..3 {
+        let ([x, y], [to_x, to_y]) = (corners[k], corners[(k + 1) % 3]);
+        if (y <= v) != (to_y <= v) {
+            let u = x + (v - y) / (to_y - y) * (to_x - x);
+            span = Some(span.map_or([u, u], |[low, high]| [low.min(u), high.max(u)]));
+        }
+    }
+    span
 }
 
 #[cfg(test)]
@@ -86,6 +130,22 @@ mod tests {
                 "{radius}: {ink} for {area}"
             );
         }
+    }
+
+    /// Two halves cover a square, each pixel once.
+    #[test]
+    fn triangles_cover_their_area() {
+        let halves = [[[2.0, 2.0], [12.0, 2.0], [12.0, 9.0]], [[2.0, 2.0], [12.0, 9.0], [2.0, 9.0]]];
+        let count = |triangles: &[[[f64; 2]; 3]]| {
+            let mut flat = Flat::new([20, 20]);
+            for &corners in triangles {
+                flat.triangle(corners, [0; 3]);
+            }
+            flat.into_pixels().chunks(3).filter(|pixel| *pixel == [0; 3]).count()
+        };
+        assert_eq!(count(&halves), 70);
+        assert!((30..=40).contains(&count(&halves[..1])));
+        assert_eq!(count(&[[[-9e9, -5.0], [9e9, -5.0], [0.0, -1.0]]]), 0);
     }
 
     #[test]

@@ -3,8 +3,9 @@
 use crate::numbers::{brief, grouped};
 use crate::picture::colour::{ALONE, HEAT, Rgb, SEA, at};
 use crate::picture::scene::{Overlaps, Scene};
-use crate::picture::svg::{Anchor, INK, PALE, Svg, shortened};
-use crate::picture::ticks::{round_below, tick_text, ticks};
+use crate::picture::svg::{Anchor, INK, PALE, Svg};
+use crate::picture::text::{OF_TITLES, fitting};
+use crate::picture::ticks::{round_below, tick_texts, ticks};
 
 /// Height of the lines above the drawing, and of the strip below.
 pub(crate) const HEAD: f64 = 66.0;
@@ -42,12 +43,13 @@ impl Counts {
 pub(crate) fn counts(scene: &Scene) -> String {
     let n = scene.centres.len();
     let mut text = format!(
-        "{} {}, {} {}, {} per element",
+        "{} {}, {} {}, {:.4} per {}",
         grouped(n as u64),
         scene.noun(),
         grouped(scene.bonds.len() as u64),
         if scene.bonds.len() == 1 { "contact" } else { "contacts" },
-        brief((scene.mean_coordination() * 1e4).round() / 1e4),
+        scene.mean_coordination(),
+        scene.nouns()[1],
     );
     if scene.alone() > 0 {
         text = format!("{text}, {} without", grouped(scene.alone() as u64));
@@ -56,7 +58,8 @@ pub(crate) fn counts(scene: &Scene) -> String {
 }
 
 pub(crate) fn title(svg: &mut Svg, scene: &Scene, x: f64, width: f64) {
-    svg.bold([x, 30.0], 17.0, &shortened(&scene.title, (width / 11.0) as usize));
+    let (title, size) = fitting(&scene.title, width, OF_TITLES, true);
+    svg.bold([x, 30.0], size, &title);
     svg.label([x, 51.0], 12.5, Anchor::Start, PALE, &counts(scene));
 }
 
@@ -99,21 +102,21 @@ pub(crate) fn overlap_bar(svg: &mut Svg, name: &str, overlaps: Overlaps, [right,
         return;
     }
     strips(svg, [x, y], |share| at(&HEAT, share));
-    let over = if largest > high { "≥ " } else { "" };
-    for tick in ticks(low, high, 4) {
+    let ticks = ticks(low, high, 4);
+    for (tick, text) in ticks.iter().zip(tick_texts(&ticks)) {
         let share = (tick - low) / (high - low);
         svg.line([x + share * BAR, y + 31.0], [x + share * BAR, y + 35.0], 1.0, INK);
-        svg.label([x + share * BAR, y + 47.0], 11.5, Anchor::Middle, INK, &tick_text(tick));
+        svg.label([x + share * BAR, y + 47.0], 11.5, Anchor::Middle, INK, &text);
     }
-    if !over.is_empty() {
+    if largest > high {
         svg.label([right + 4.0, y + 29.0], 11.5, Anchor::Start, INK, "+");
     }
 }
 
-/// Colours of coordination, right aligned.
-pub(crate) fn coordination_bar(svg: &mut Svg, counts: Counts, [right, y]: [f64; 2]) {
+/// Colours of coordination, right aligned. `noun`: whose, with its article.
+pub(crate) fn coordination_bar(svg: &mut Svg, noun: &str, counts: Counts, [right, y]: [f64; 2]) {
     let x = right - BAR;
-    svg.label([x, y + 10.0], 12.0, Anchor::Start, INK, "contacts of an element");
+    svg.label([x, y + 10.0], 12.0, Anchor::Start, INK, &format!("contacts of {noun}"));
     let high = counts.high;
     if counts.largest > high {
         let largest = format!("largest {}", grouped(u64::from(counts.largest)));
@@ -131,10 +134,10 @@ pub(crate) fn coordination_bar(svg: &mut Svg, counts: Counts, [right, y]: [f64; 
         return;
     }
     strips(svg, [x, y], |share| counts.colour((share * f64::from(high)).round() as u32));
-    for tick in ticks(0.0, f64::from(high), 4) {
+    for tick in ticks(0.0, f64::from(high), 4).into_iter().filter(|tick| tick.fract() == 0.0) {
         let share = tick / f64::from(high);
         svg.line([x + share * BAR, y + 31.0], [x + share * BAR, y + 35.0], 1.0, INK);
-        svg.label([x + share * BAR, y + 47.0], 11.5, Anchor::Middle, INK, &tick_text(tick));
+        svg.label([x + share * BAR, y + 47.0], 11.5, Anchor::Middle, INK, &grouped(tick as u64));
     }
 }
 

@@ -1,12 +1,15 @@
 //! Meshed bodies in a plane, and which of them touch.
 
+use std::fmt::Write;
+
 use fdem_contact::discretised::BodyContact;
 
 use crate::numbers::{brief, grouped};
 use crate::picture::colour::{HEAT, Rgb, at, hex};
 use crate::picture::furniture::{self, FOOT, HEAD};
 use crate::picture::scene::Overlaps;
-use crate::picture::svg::{Anchor, PALE, Svg, shortened};
+use crate::picture::svg::{Anchor, PALE, Svg};
+use crate::picture::text::{OF_TITLES, fitting};
 use crate::picture::{Caption, PictureError, drawing, encode};
 
 const MARGIN: f64 = 24.0;
@@ -30,6 +33,11 @@ const BODIES: [Rgb; 8] = [
     [208, 214, 226],
 ];
 const EDGE: Rgb = [134, 149, 166];
+/// Outlines of bodies: wider, darker than edges of triangles.
+const OUTLINE: Rgb = [64, 78, 94];
+const OUTLINE_WIDTH: f64 = 1.4;
+/// Width of an outline over the size of the bodies, at the most.
+const OUTLINE_SHARE: f64 = 0.06;
 
 /// Triangles in a plane by the bodies that they make up, and which of these touch.
 ///
@@ -167,6 +175,7 @@ impl Page {
             ));
         }
         svg.put(format_args!("</g>"));
+        self.outlines(drawing, &mut svg);
         let overlap = drawing.contacts.iter().any(|contact| contact.overlap > 0.0);
         let value = |contact: &BodyContact<2>| if overlap { contact.overlap } else { contact.shared };
         let values = Overlaps::of(drawing.contacts.iter().map(value).collect());
@@ -187,7 +196,8 @@ impl Page {
             ));
         }
         svg.put(format_args!("</g>"));
-        svg.bold([MARGIN, 30.0], 17.0, &shortened(caption.title, (self.area[0] / 11.0) as usize));
+        let (title, size) = fitting(caption.title, self.area[0], OF_TITLES, true);
+        svg.bold([MARGIN, 30.0], size, &title);
         svg.label([MARGIN, 51.0], 12.5, Anchor::Start, PALE, &text);
         let foot = HEAD + self.area[1] + 12.0;
         let unit = caption.unit.map(|unit| format!(" {unit}")).unwrap_or_default();
@@ -200,6 +210,39 @@ impl Page {
             svg.label(right, 12.0, Anchor::End, PALE, &format!("contacts in points: overlap {}", brief(0.0)));
         }
         svg.finish()
+    }
+}
+
+impl Page {
+    /// The outlines of the bodies: edges that one triangle of a body has.
+    fn outlines(&self, drawing: &MeshDrawing<'_>, svg: &mut Svg) {
+        let mut edges: Vec<(u32, [u32; 2])> = Vec::with_capacity(3 * drawing.triangles.len());
+        let mut area = 0.0;
+        for (nodes, &body) in drawing.triangles.iter().zip(drawing.bodies) {
+            edges.extend([0, 1, 2].map(|k| {
+                let (a, b) = (nodes[k], nodes[(k + 1) % 3]);
+                (body, [a.min(b), a.max(b)])
+            }));
+            let [a, b, c] = nodes.map(|node| self.on_paper(drawing.points[node as usize]));
+            area += ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])).abs() / 2.0;
+        }
+        edges.sort_unstable();
+        let (mut path, mut length) = (String::new(), 0.0);
+        for same in edges.chunk_by(|one, other| one == other) {
+            let [(_, ends)] = same else { continue };
+            let [a, b] = ends.map(|node| self.on_paper(drawing.points[node as usize]));
+            length += (b[0] - a[0]).hypot(b[1] - a[1]);
+            // Writing to a string does not fail.
+            let _ = write!(path, "M{:.2} {:.2}L{:.2} {:.2}", a[0], a[1], b[0], b[1]);
+        }
+        // Four times the area over the circumference: the diameter of discs.
+        let width = OUTLINE_WIDTH.min(OUTLINE_SHARE * 4.0 * area / length.max(f64::MIN_POSITIVE));
+        if !path.is_empty() && width > 0.0 {
+            svg.put(format_args!(
+                r#"<path class="bodies" d="{path}" fill="none" stroke="{}" stroke-width="{width:.2}" stroke-linecap="round"/>"#,
+                hex(OUTLINE)
+            ));
+        }
     }
 }
 
@@ -247,7 +290,22 @@ mod tests {
         assert!(svg.contains("2 triangles of 2 bodies, 1 contact between them"));
         assert!(drawn(&[contact(0.0, 0.5)], "").contains("length of shared boundary"));
         assert!(drawn(&[contact(0.0, 0.0)], "").contains("contacts in points"));
-        assert!(!drawn(&[], "").contains("<path"));
+        assert_eq!(drawn(&[], "").matches("<path").count(), 1, "outlines only");
+    }
+
+    #[test]
+    fn bodies_have_outlines_without_the_edges_within() {
+        let points = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [2.0, 0.0]];
+        let drawing = MeshDrawing {
+            points: &points,
+            triangles: &[[0, 1, 2], [0, 2, 3], [1, 4, 2]],
+            bodies: &[0, 0, 1],
+            contacts: &[],
+        };
+        let svg = mesh_svg(&drawing, &Caption::default()).unwrap();
+        let path = svg.split("class=\"bodies\" d=\"").nth(1).unwrap().split('"').next().unwrap();
+        // Four sides of the square and three of the triangle: the side in common is of both, the diagonal of neither.
+        assert_eq!(path.matches('M').count(), 7, "{path}");
     }
 
     #[test]

@@ -1,11 +1,13 @@
-//! How contacts, overlaps, sizes and directions are distributed.
+//! How contacts, overlaps, sizes, directions and distances are distributed.
 
+use crate::analysis::{Radial, RadialOptions, radial};
+use crate::network::Network;
 use crate::numbers::{brief, grouped};
-use crate::picture::colour::{HEAT, Rgb, SEA};
+use crate::picture::colour::{HEAT, Rgb, SEA, hex};
 use crate::picture::furniture::{self, HEAD};
 use crate::picture::scene::Scene;
-use crate::picture::svg::{Anchor, INK, PALE, Svg};
-use crate::picture::ticks::{tick_text, ticks};
+use crate::picture::svg::{Anchor, INK, PALE, Svg, shortened};
+use crate::picture::ticks::{tick_texts, ticks};
 
 /// Of a panel, its axes and texts included.
 pub(crate) const WIDTH: f64 = 420.0;
@@ -46,11 +48,17 @@ enum Kind {
         ring_text: String,
         both_sides: bool,
     },
-    Nothing(&'static str),
+    /// A line through points, and a dashed one at 1.
+    Curve {
+        x: Vec<f64>,
+        y: Vec<f64>,
+        across: String,
+    },
+    Nothing(String),
 }
 
 /// All distributions of a network.
-pub(crate) fn panels(scene: &Scene) -> Vec<Panel> {
+pub(crate) fn panels(scene: &Scene, radial: &Result<Radial, String>) -> Vec<Panel> {
     let mut panels = vec![coordination(scene), overlap(scene), size(scene)];
     if scene.dimensions == 2 {
         panels.push(azimuth(scene, "directions of contacts"));
@@ -58,34 +66,38 @@ pub(crate) fn panels(scene: &Scene) -> Vec<Panel> {
         panels.push(azimuth(scene, "directions of contacts, seen along z"));
         panels.push(inclination(scene));
     }
+    panels.push(distances(scene, radial));
     panels
 }
 
-fn columns(scene: &Scene) -> usize {
-    if scene.dimensions == 2 { 2 } else { 3 }
+/// Panels beside each other.
+const COLUMNS: usize = 3;
+
+/// Size of the drawing of all distributions.
+pub(crate) fn whole_size(scene: &Scene) -> [f64; 2] {
+    let rows = count(scene).div_ceil(COLUMNS);
+    [MARGIN * 2.0 + COLUMNS as f64 * WIDTH, HEAD + rows as f64 * HEIGHT + MARGIN]
 }
 
-/// Of the drawing of all.
-pub(crate) fn width(scene: &Scene) -> f64 {
-    MARGIN * 2.0 + columns(scene) as f64 * WIDTH
+/// How many distributions there are.
+fn count(scene: &Scene) -> usize {
+    if scene.dimensions == 2 { 5 } else { 6 }
 }
 
 /// All of them in one drawing.
-pub(crate) fn svg(scene: &Scene) -> String {
-    let panels = panels(scene);
-    let columns = columns(scene);
-    let rows = panels.len().div_ceil(columns);
-    let width = width(scene);
+pub(crate) fn svg(scene: &Scene, radial: &Result<Radial, String>) -> String {
+    let panels = panels(scene, radial);
+    let [width, height] = whole_size(scene);
     let description: Vec<&str> = panels.iter().map(|panel| panel.description.as_str()).collect();
     let name = format!("Distributions of {}", scene.title);
-    let mut svg = Svg::new(width, HEAD + rows as f64 * HEIGHT + MARGIN, &name, &description.join(" "));
+    let mut svg = Svg::new(width, height, &name, &description.join(" "));
     svg.background();
     furniture::title(&mut svg, scene, MARGIN, width - 2.0 * MARGIN);
     for (k, panel) in panels.iter().enumerate() {
         // A row that is not full stands in the middle.
-        let in_row = columns.min(panels.len() - k / columns * columns);
-        let left = MARGIN + (columns - in_row) as f64 * WIDTH / 2.0;
-        let at = [left + (k % columns) as f64 * WIDTH, HEAD + (k / columns) as f64 * HEIGHT];
+        let in_row = COLUMNS.min(panels.len() - k / COLUMNS * COLUMNS);
+        let left = MARGIN + (COLUMNS - in_row) as f64 * WIDTH / 2.0;
+        let at = [left + (k % COLUMNS) as f64 * WIDTH, HEAD + (k / COLUMNS) as f64 * HEIGHT];
         panel.draw(&mut svg, at);
     }
     svg.finish()
@@ -113,6 +125,12 @@ impl Panel {
                 let rose = Rose { radii, names: *names, ring: *ring, both_sides: *both_sides };
                 rose.draw(svg, [x + WIDTH / 2.0, y + HEIGHT / 2.0 + 6.0]);
                 svg.label([x + WIDTH - 16.0, y + HEIGHT - 12.0], 11.5, Anchor::End, PALE, ring_text);
+            }
+            Kind::Curve { x: distances, y: values, across } => {
+                curve(svg, [x + LEFT, y + TOP], distances, values);
+                let middle = x + LEFT + (WIDTH - LEFT - 16.0) / 2.0;
+                svg.label([middle, y + HEIGHT - 12.0], 12.0, Anchor::Middle, PALE, across);
+                svg.label([x + WIDTH - 16.0, y + 20.0], 12.0, Anchor::End, PALE, "dashed: no structure");
             }
             Kind::Nothing(why) => {
                 svg.label([x + WIDTH / 2.0, y + HEIGHT / 2.0], 12.5, Anchor::Middle, PALE, why);
@@ -158,9 +176,95 @@ impl Bars<'_> {
         }
         svg.line([x, y + height], [x + width, y + height], 1.2, INK);
         let values = if self.whole { ticks((low + 0.5).ceil(), high - 0.5, 8) } else { ticks(low, high, 4) };
-        for tick in values.into_iter().filter(|tick| !self.whole || tick.fract() == 0.0) {
+        let values: Vec<f64> = values.into_iter().filter(|tick| !self.whole || tick.fract() == 0.0).collect();
+        let texts = if self.whole {
+            values.iter().map(|&tick| grouped(tick as u64)).collect()
+        } else {
+            tick_texts(&values)
+        };
+        for (&tick, text) in values.iter().zip(texts) {
             svg.line([across(tick), y + height], [across(tick), y + height + 4.0], 1.0, INK);
-            svg.label([across(tick), y + height + 17.0], 11.0, Anchor::Middle, INK, &tick_text(tick));
+            svg.label([across(tick), y + height + 17.0], 11.0, Anchor::Middle, INK, &text);
+        }
+    }
+}
+
+/// A curve over distances from 0 on, its upper left corner at a point.
+fn curve(svg: &mut Svg, [x, y]: [f64; 2], distances: &[f64], values: &[f64]) {
+    let (width, height) = (WIDTH - LEFT - 16.0, HEIGHT - TOP - BOTTOM);
+    // The last distance is the middle of the last bin.
+    let far = distances.last().map_or(1.0, |&last| last + distances[0]);
+    let tallest = values.iter().copied().fold(1.0, f64::max) * 1.05;
+    let across = |distance: f64| x + distance / far * width;
+    let up = |value: f64| y + height - value / tallest * height;
+    let marks = ticks(0.0, tallest, 4);
+    for (&tick, text) in marks.iter().zip(tick_texts(&marks)) {
+        svg.put(format_args!(
+            r##"<line class="grid" x1="{x:.1}" y1="{0:.1}" x2="{1:.1}" y2="{0:.1}" stroke="#e3e7eb" stroke-width="1"/>"##,
+            up(tick),
+            x + width
+        ));
+        svg.label([x - 7.0, up(tick) + 4.0], 11.0, Anchor::End, INK, &text);
+    }
+    svg.put(format_args!(
+        r#"<line class="ring" x1="{x:.1}" y1="{0:.1}" x2="{1:.1}" y2="{0:.1}" stroke="{INK}" stroke-dasharray="4 3"/>"#,
+        up(1.0),
+        x + width
+    ));
+    let points: Vec<String> = distances
+        .iter()
+        .zip(values)
+        .map(|(&distance, &value)| format!("{:.1},{:.1}", across(distance), up(value)))
+        .collect();
+    svg.put(format_args!(
+        r#"<polyline points="{}" fill="none" stroke="{}" stroke-width="1.6" stroke-linejoin="round"/>"#,
+        points.join(" "),
+        hex(SEA[8])
+    ));
+    svg.line([x, y + height], [x + width, y + height], 1.2, INK);
+    let marks = ticks(0.0, far, 5);
+    for (&tick, text) in marks.iter().zip(tick_texts(&marks)) {
+        svg.line([across(tick), y + height], [across(tick), y + height + 4.0], 1.0, INK);
+        svg.label([across(tick), y + height + 17.0], 11.0, Anchor::Middle, INK, &text);
+    }
+}
+
+/// The radial distribution of a network as `--analyse` has it by default, or why there is none.
+pub(crate) fn g_of_r<const D: usize>(network: &Network<'_, D>) -> Result<Radial, String> {
+    /// More pairs of centres would take longer than all the rest.
+    const MOST_PAIRS: f64 = 2e9;
+    // Within 3 mean diameters there are about so many more than within one.
+    let (elements, contacts) = (network.space.centres.len() as f64, network.couples.len() as f64);
+    if (contacts + elements / 2.0) * 3_f64.powf(D as f64) > MOST_PAIRS {
+        return Err("too many pairs of centres".to_owned());
+    }
+    let found = radial::distribution(network, RadialOptions::default());
+    found.unwrap_or_else(|error| Err(error.to_string()))
+}
+
+/// How far centres are from each other.
+fn distances(scene: &Scene, radial: &Result<Radial, String>) -> Panel {
+    let name = "radial distribution g(r)".to_owned();
+    match radial {
+        Ok(radial) => {
+            let highest =
+                (0..radial.g.len()).max_by(|&a, &b| radial.g[a].total_cmp(&radial.g[b])).unwrap_or(0);
+            let description = format!(
+                "How often centres are at a distance, relative to centres anywhere: largest, {:.4}, at {}, up to {}.",
+                radial.g.get(highest).copied().unwrap_or(0.0),
+                brief(radial.r.get(highest).copied().unwrap_or(0.0)),
+                brief(radial.r_max)
+            );
+            let across = format!("distance of centres{}", scene.after_name());
+            Panel {
+                name,
+                description,
+                kind: Kind::Curve { x: radial.r.clone(), y: radial.g.clone(), across },
+            }
+        }
+        Err(why) => {
+            let description = format!("No radial distribution: {why}.");
+            Panel { name, description, kind: Kind::Nothing(shortened(why, 60)) }
         }
     }
 }
@@ -204,9 +308,10 @@ impl Rose<'_> {
 }
 
 fn coordination(scene: &Scene) -> Panel {
-    let name = "contacts of an element".to_owned();
+    let [of_one, _, many] = scene.nouns();
+    let name = format!("contacts of {of_one}");
     let Some(largest) = scene.coordination.iter().copied().max() else {
-        return Panel { name, description: "No elements.".to_owned(), kind: Kind::Nothing("no elements") };
+        return Panel { name, description: format!("No {many}."), kind: Kind::Nothing(format!("no {many}")) };
     };
     // Few large elements may have thousands: counts are gathered then.
     let step = (largest / 60 + 1) as usize;
@@ -220,14 +325,15 @@ fn coordination(scene: &Scene) -> Panel {
     Panel {
         name,
         description: format!(
-            "Elements have 0 to {largest} contacts, {} on average, most often {commonest}.",
-            brief(scene.mean_coordination())
+            "{} have 0 to {largest} contacts, {:.4} on average, most often {commonest}.",
+            capital(many),
+            scene.mean_coordination()
         ),
         kind: Kind::Bars {
             edges,
             heights,
             across: "contacts".to_owned(),
-            up: "elements",
+            up: many,
             colour: SEA[9],
             whole: true,
         },
@@ -236,7 +342,8 @@ fn coordination(scene: &Scene) -> Panel {
 
 fn overlap(scene: &Scene) -> Panel {
     let values: Vec<f64> = scene.bonds.iter().map(|bond| bond.overlap).collect();
-    histogram(&values, "overlap", &scene.after_name(), "contacts", HEAT[8])
+    let unit = if scene.shapes.is_some() { String::new() } else { scene.after_name() };
+    histogram(&values, scene.value(), &unit, "contacts", HEAT[8])
 }
 
 fn size(scene: &Scene) -> Panel {
@@ -245,8 +352,12 @@ fn size(scene: &Scene) -> Panel {
         return Panel {
             name: "radius".to_owned(),
             description,
-            kind: Kind::Nothing("points have no radius"),
+            kind: Kind::Nothing("points have no radius".to_owned()),
         };
+    }
+    if scene.shapes.is_some() {
+        let radii: Vec<f64> = scene.radii.iter().copied().filter(|&radius| radius > 0.0).collect();
+        return histogram(&radii, "radius", &scene.after_name(), "bodies", SEA[10]);
     }
     histogram(&scene.radii, "radius", &scene.after_name(), "elements", SEA[10])
 }
@@ -259,7 +370,7 @@ fn histogram(values: &[f64], name: &str, unit: &str, up: &'static str, colour: R
     let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     if values.is_empty() {
         let description = format!("No {up}.");
-        return Panel { name, description, kind: Kind::Nothing("none") };
+        return Panel { name, description, kind: Kind::Nothing("none".to_owned()) };
     }
     let sum: f64 = values.iter().sum();
     let description = format!(
@@ -309,7 +420,7 @@ fn azimuth(scene: &Scene, name: &str) -> Panel {
         return Panel {
             name,
             description: "No directions of contacts.".to_owned(),
-            kind: Kind::Nothing("none"),
+            kind: Kind::Nothing("none".to_owned()),
         };
     }
     let shares: Vec<f64> = counts.iter().map(|&count| count as f64 / total as f64).collect();
@@ -353,7 +464,7 @@ fn inclination(scene: &Scene) -> Panel {
         return Panel {
             name,
             description: "No directions of contacts.".to_owned(),
-            kind: Kind::Nothing("none"),
+            kind: Kind::Nothing("none".to_owned()),
         };
     }
     let angle = |k: usize| std::f64::consts::FRAC_PI_2 * k as f64 / BANDS as f64;
@@ -402,7 +513,7 @@ mod tests {
     fn a_row_points_along_x() {
         let centres: Vec<[f64; 2]> = (0..5).map(|k| [f64::from(k), 0.0]).collect();
         let scene = scene(&centres, (0..4).map(|k| Couple::new(k, k + 1)).collect());
-        let panels = panels(&scene);
+        let panels = panels(&scene, &Err(String::new()));
         assert_eq!(heights(&panels[0]), [0, 2, 3]);
         assert_eq!(heights(&panels[1]).iter().sum::<u64>(), 4);
         let Kind::Rose { radii, .. } = &panels[3].kind else { panic!("no rose") };
@@ -413,9 +524,26 @@ mod tests {
     #[test]
     fn nothing_is_said_to_be_nothing() {
         for scene in [scene(&[], vec![]), scene(&[[1.0, 2.0]], vec![])] {
-            let drawn = svg(&scene);
+            let drawn = svg(&scene, &Err("there are no elements".to_owned()));
             assert!(!drawn.contains("NaN") && !drawn.contains("inf\""), "{drawn}");
         }
+    }
+
+    /// A square lattice: centres at its distances, none between them.
+    #[test]
+    fn distances_of_a_lattice_are_peaks() {
+        let centres: Vec<[f64; 2]> = (0..400).map(|k| [f64::from(k % 20), f64::from(k / 20)]).collect();
+        let couples = Couples::Plain(vec![]);
+        let space = Space { centres: &centres, cell: None };
+        let network = Network { space, sizes: Sizes::All(0.5), couples: &couples };
+        let scene = Scene::new(&network, &Caption::default()).unwrap();
+        let panels = panels(&scene, &g_of_r(&network));
+        assert_eq!(panels.len(), count(&scene));
+        let Kind::Curve { x, y, .. } = &panels[4].kind else { panic!("no curve") };
+        let near =
+            |r: f64| x.iter().zip(y).filter(|(x, _)| (*x - r).abs() < 0.03).map(|(_, y)| *y).sum::<f64>();
+        assert!(near(1.0) > 5.0 && near(2_f64.sqrt()) > 5.0 && near(1.2) == 0.0, "{y:?}");
+        assert!(svg(&scene, &g_of_r(&network)).contains("<polyline"));
     }
 
     /// Directions drawn evenly from the sphere are a circle.

@@ -2,7 +2,9 @@
 //!
 //! Everything is drawn twice as large along each axis as it is shown, and averaged.
 
+use crate::picture::capsule::Capsule;
 use crate::picture::colour::Rgb;
+use crate::picture::flat::across;
 
 /// Samples along each axis of a pixel.
 pub(crate) const SAMPLES: usize = 2;
@@ -61,11 +63,10 @@ impl Raster {
         let radius = radius.max(0.75);
         let along = [b[0] - a[0], b[1] - a[1]];
         let squared = along[0] * along[0] + along[1] * along[1];
-        let (low, high) = ([a[0].min(b[0]), a[1].min(b[1])], [a[0].max(b[0]), a[1].max(b[1])]);
-        let columns = self.columns(low[0], radius).start..self.columns(high[0], radius).end;
-        for row in self.rows(low[1], radius).start..self.rows(high[1], radius).end {
+        let covered = Capsule::new([[a[0], a[1]], [b[0], b[1]]], radius);
+        for row in covered.rows(self.height) {
             let v = row as f64 + 0.5 - a[1];
-            for column in columns.clone() {
+            for column in covered.columns(row, self.width) {
                 let u = column as f64 + 0.5 - a[0];
                 let share = if squared > 0.0 {
                     ((u * along[0] + v * along[1]) / squared).clamp(0.0, 1.0)
@@ -83,6 +84,38 @@ impl Raster {
                 if depth > self.depth[place] {
                     self.depth[place] = depth;
                     self.colour[place] = lit(colour, [du as f32, -dv as f32, w as f32]);
+                }
+            }
+        }
+    }
+
+    /// A flat triangle, lit from both sides.
+    pub(crate) fn triangle(&mut self, [a, b, c]: [[f64; 3]; 3], colour: Rgb) {
+        let [ab, ac] = [b, c].map(|p| [p[0] - a[0], p[1] - a[1], p[2] - a[2]]);
+        let normal =
+            [ab[1] * ac[2] - ab[2] * ac[1], ab[2] * ac[0] - ab[0] * ac[2], ab[0] * ac[1] - ab[1] * ac[0]];
+        let length = normal.iter().map(|x| x * x).sum::<f64>().sqrt();
+        // Seen from its edge.
+        if length <= 0.0 || normal[2] == 0.0 || !length.is_finite() {
+            return;
+        }
+        let toward = length.copysign(normal[2]);
+        // Rows run downwards, the light comes from above.
+        let [x, y, z] = normal.map(|x| (x / toward) as f32);
+        let colour = lit(colour, [x, -y, z]);
+        let (low, high) = (a[1].min(b[1]).min(c[1]), a[1].max(b[1]).max(c[1]));
+        for row in range(f64::midpoint(low, high), (high - low) / 2.0, self.height) {
+            let v = row as f64 + 0.5;
+            let Some([from, to]) = across([[a[0], a[1]], [b[0], b[1]], [c[0], c[1]]], v) else { continue };
+            for column in range(f64::midpoint(from, to), (to - from) / 2.0, self.width) {
+                let u = column as f64 + 0.5;
+                if from <= u && u <= to {
+                    let depth = (a[2] - ((u - a[0]) * normal[0] + (v - a[1]) * normal[1]) / normal[2]) as f32;
+                    let place = row * self.width + column;
+                    if depth > self.depth[place] {
+                        self.depth[place] = depth;
+                        self.colour[place] = colour;
+                    }
                 }
             }
         }
@@ -218,6 +251,22 @@ mod tests {
         raster.rod([[3.0, 3.0, 0.0], [3.0, 3.0, 9.0]], 1.0, [0; 3]);
         raster.shade(4.0, 0.3);
         assert_eq!(raster.pixels().len(), 300);
+    }
+
+    /// A triangle covers its area, at the depth of its plane.
+    #[test]
+    fn a_triangle_hides_what_is_behind_its_plane() {
+        let mut raster = Raster::new([100, 100]);
+        raster.triangle([[0.0, 0.0, 0.0], [200.0, 0.0, 100.0], [0.0, 200.0, 0.0]], [200, 0, 0]);
+        let area = painted(&raster) as f64;
+        assert!((area / 5000.0 - 1.0).abs() < 0.03, "{area}");
+        let before = raster.pixels();
+        raster.sphere([120.0, 40.0, 0.0], 20.0, [0, 200, 0]);
+        assert_eq!(raster.pixels(), before, "the plane is at a depth of 60 there");
+        raster.sphere([120.0, 40.0, 90.0], 20.0, [0, 200, 0]);
+        assert!(raster.pixels() != before);
+        raster.triangle([[0.0, 0.0, 0.0], [200.0, 0.0, 100.0], [100.0, 0.0, 9.0]], [200, 0, 0]);
+        raster.triangle([[1e9, -1e9, 0.0], [2e9, 0.0, 100.0], [1e9, 9e9, 9.0]], [200, 0, 0]);
     }
 
     #[test]

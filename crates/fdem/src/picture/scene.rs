@@ -30,6 +30,8 @@ pub(crate) struct Scene {
     pub(crate) drawn: f64,
     /// Smallest and largest size; without elements none.
     pub(crate) sizes: Option<[f64; 2]>,
+    /// There if the elements are bodies: those of radius 0 are drawn as triangles.
+    pub(crate) shapes: Option<Shapes>,
     pub(crate) title: String,
     pub(crate) unit: String,
 }
@@ -45,6 +47,30 @@ pub(crate) struct Bond {
     pub(crate) branch: [f64; 3],
     /// Leads to an image, which is not drawn.
     pub(crate) leaves: bool,
+    /// Of bodies: where they touch.
+    pub(crate) joint: Option<Joint>,
+}
+
+/// The point of a contact of bodies, by way of which its line runs.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Joint {
+    pub(crate) point: [f64; 3],
+    /// Whether the line runs on to the middle of the first body, and of the second.
+    pub(crate) to: [bool; 2],
+}
+
+/// Bodies that are no discs or spheres.
+#[derive(Debug)]
+pub(crate) struct Shapes {
+    /// Name of the value by which contacts are coloured.
+    pub(crate) value: String,
+    pub(crate) points: Vec<[f64; 3]>,
+    /// Triangles, by their corners in `points`.
+    pub(crate) facets: Vec<[u32; 3]>,
+    /// The body of each.
+    pub(crate) owners: Vec<u32>,
+    /// What is behind them is to be seen.
+    pub(crate) walls: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -115,6 +141,7 @@ impl Scene {
                     overlap: network.overlap(couple),
                     branch: std::array::from_fn(|axis| b[axis] - a[axis]),
                     leaves: space.cell.is_some() && b != centres[j as usize],
+                    joint: None,
                 }
             })
             .collect();
@@ -136,6 +163,7 @@ impl Scene {
             are_points: drawn < 1.0,
             drawn,
             sizes: range,
+            shapes: None,
             title: caption.title.to_owned(),
             unit: caption.unit.unwrap_or_default().to_owned(),
         })
@@ -143,6 +171,9 @@ impl Scene {
 
     /// What the elements are, for people.
     pub(crate) fn noun(&self) -> &'static str {
+        if self.shapes.is_some() {
+            return if self.centres.len() == 1 { "body" } else { "bodies" };
+        }
         match (self.are_points, self.dimensions, self.centres.len()) {
             (true, _, 1) => "point",
             (true, ..) => "points",
@@ -151,6 +182,39 @@ impl Scene {
             (false, _, 1) => "sphere",
             (false, ..) => "spheres",
         }
+    }
+
+    /// One of them, with its article; one, and several.
+    pub(crate) fn nouns(&self) -> [&'static str; 3] {
+        if self.shapes.is_some() {
+            ["a body", "body", "bodies"]
+        } else {
+            ["an element", "element", "elements"]
+        }
+    }
+
+    /// What contacts are coloured by.
+    pub(crate) fn value(&self) -> &str {
+        self.shapes.as_ref().map_or("overlap", |shapes| shapes.value.as_str())
+    }
+
+    /// The same with its unit. Values of bodies have units of their own.
+    pub(crate) fn value_and_unit(&self) -> String {
+        if self.shapes.is_some() { self.value().to_owned() } else { format!("overlap{}", self.after_name()) }
+    }
+
+    /// Whether an element is drawn as triangles.
+    pub(crate) fn is_surface(&self, index: usize) -> bool {
+        self.shapes.is_some() && self.radii[index] == 0.0
+    }
+
+    /// The corners of all triangles, each with its body.
+    pub(crate) fn facets(&self) -> impl Iterator<Item = ([[f64; 3]; 3], u32)> + '_ {
+        let shapes = self.shapes.iter();
+        shapes.flat_map(|shapes| {
+            let corners = |nodes: &[u32; 3]| nodes.map(|node| shapes.points[node as usize]);
+            shapes.facets.iter().zip(&shapes.owners).map(move |(nodes, &owner)| (corners(nodes), owner))
+        })
     }
 
     pub(crate) fn mean_coordination(&self) -> f64 {

@@ -39,6 +39,37 @@ pub(crate) fn tick_text(x: f64) -> String {
     brief(x)
 }
 
+/// The ticks of one axis in one format: all with the same number of decimals, and with the same power of ten if they have one.
+pub(crate) fn tick_texts(ticks: &[f64]) -> Vec<String> {
+    let largest = ticks.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
+    let apart = ticks.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|apart| *apart > 0.0);
+    let step = apart.fold(f64::INFINITY, f64::min);
+    let step = if step.is_finite() { step } else { largest };
+    if largest == 0.0 || !largest.is_finite() {
+        return ticks.iter().map(|&x| brief(x)).collect();
+    }
+    let (_, of_largest) = leading(largest);
+    let power = if (1e-3..1e6).contains(&largest) { 0 } else { of_largest };
+    let (digits, of_step) = leading(step);
+    // Six digits of the largest are enough, whatever the step.
+    let decimals = (digits - 1 - of_step + power).clamp(0, 5 - of_largest + power).max(0) as usize;
+    let scale: f64 = format!("1e{}", -power).parse().unwrap_or(1.0);
+    let text = |&x: &f64| {
+        // Plus zero: minus zero is zero to a person.
+        let text = format!("{:.decimals$}", x * scale + 0.0);
+        if power == 0 { text } else { format!("{text}e{power}") }
+    };
+    ticks.iter().map(|x| if *x == 0.0 && power != 0 { "0".to_owned() } else { text(x) }).collect()
+}
+
+/// How many digits a number has, rounded to four, and the power of ten of its first one.
+fn leading(x: f64) -> (i32, i32) {
+    let text = format!("{x:.3e}");
+    let (digits, exponent) = text.split_once('e').unwrap_or(("1", "0"));
+    let digits = digits.trim_end_matches('0').bytes().filter(u8::is_ascii_digit).count();
+    (i32::try_from(digits).unwrap_or(1).max(1), exponent.parse().unwrap_or(0))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -51,6 +82,28 @@ mod tests {
             assert_eq!(round_below(x), round);
         }
         assert_eq!(round_below(f64::NAN), 0.0);
+    }
+
+    #[test]
+    fn the_ticks_of_an_axis_have_one_format() {
+        for (ticks, texts) in [
+            (
+                &[0.0, 0.2, 0.4, 0.600_000_000_000_000_1, 0.8, 1.0][..],
+                &["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"][..],
+            ),
+            (&[0.0, 5e-5, 1e-4, 1.5e-4], &["0", "0.5e-4", "1.0e-4", "1.5e-4"]),
+            (&[0.0, 2e-7, 4e-7], &["0", "2e-7", "4e-7"]),
+            (&[-1e6, 0.0, 1e6], &["-1e6", "0", "1e6"]),
+            (&[5000.0, 10_000.0], &["5000", "10000"]),
+            (&[0.25, 0.5], &["0.25", "0.50"]),
+            (&[-0.0, 1.0], &["0", "1"]),
+            (&[0.0], &["0"]),
+            (&[0.002], &["0.002"]),
+            (&[1e300, 2e300], &["1e300", "2e300"]),
+            (&[1.0, 1.0 + f64::EPSILON], &["1.00000", "1.00000"]),
+        ] {
+            assert_eq!(tick_texts(ticks), texts);
+        }
     }
 
     #[test]

@@ -19,12 +19,12 @@ async function openNetwork() {
   for (let c = 0; c < m; c++) { starts[i[c] + 1]++; starts[j[c] + 1]++; }
   for (let k = 0; k < n; k++) starts[k + 1] += starts[k];
   const next = starts.slice(0, n);
-  const overlap = new Float64Array(m), largest = new Float64Array(n).fill(-Infinity);
+  const overlap = arrays.overlap ?? new Float64Array(m), largest = new Float64Array(n).fill(-Infinity);
   for (let c = 0; c < m; c++) {
     const a = i[c], b = j[c];
     contacts[next[a]++] = c;
     contacts[next[b]++] = c;
-    overlap[c] = reach(a, b) - distance[c];
+    if (!arrays.overlap) overlap[c] = reach(a, b) - distance[c];
     largest[a] = Math.max(largest[a], overlap[c]);
     largest[b] = Math.max(largest[b], overlap[c]);
   }
@@ -39,5 +39,10 @@ async function openNetwork() {
   };
   const at = (k, axis) => (axis < d ? arrays.centre[d * k + axis] : 0);
   const coordination = (k) => starts[k + 1] - starts[k];
-  return { n, m, d, i, j, distance, overlap, largest, radius, at, id, find, starts, contacts, coordination, branch: arrays.branch, shift: arrays.shift };
+  // What is told of each contact.
+  const columns = meta.bodies
+    ? meta.bodies.columns.map(({ name, array }) => ({ name, of: (c) => arrays[array][c] }))
+    : [{ name: "distance", of: (c) => distance[c] }, { name: "overlap", of: (c) => overlap[c] }];
+  const { point, halves, corners, facets, owner } = arrays;
+  return { n, m, d, i, j, distance, overlap, columns, point, halves, corners, facets, owner, largest, radius, at, id, find, starts, contacts, coordination, branch: arrays.branch, shift: arrays.shift };
 }

@@ -37,43 +37,47 @@ class Page {
   paint() {
     if (!this.view) return;
     const { network } = this, by = $("colour-by").value;
+    const heat = stops("heat");
     const touched = this.touched();
     const alpha = (k) => (this.selected < 0 || k === this.selected || touched.has(k) ? 255 : this.isolated ? 0 : 128);
     const ofContact = (c) => {
       const mine = this.selected < 0 || network.i[c] === this.selected || network.j[c] === this.selected;
       const alpha = !$("show-contacts").checked ? 0 : mine ? 255 : this.isolated ? 0 : 128;
-      return [...ramp(meta.heat, this.share(network.overlap[c])), alpha];
+      return [...ramp(heat, this.share(network.overlap[c])), alpha];
     };
     const element = this.elementColours(by);
+    const facet = (k) => (k === this.selected ? ringColour() : meta.bodies?.walls ? (isDark() ? [120, 130, 142] : [150, 160, 172]) : element.of(k));
+    this.view.colourFacets((k) => [...facet(k), alpha(k)]);
     this.view.colour((k) => [...(k === this.selected ? ringColour() : element.of(k)), alpha(k)], ofContact, [128, 136, 144, 255]);
     const unit = meta.unit ? ` (${meta.unit})` : "";
     const legends = [];
     if ($("show-elements").checked && network.n) legends.push(legend(element.name, element.stops, element.low, element.high, element.more));
     if ($("show-contacts").checked && meta.overlaps && !($("show-elements").checked && by === "overlap")) {
       const { low, high, largest } = meta.overlaps;
-      legends.push(legend(`contacts: overlap${unit}`, meta.heat, low, high, largest > high ? largest : null));
+      legends.push(legend(`contacts: ${meta.value}${meta.bodies ? "" : unit}`, heat, low, high, largest > high ? largest : null));
     }
     $("legends").replaceChildren(...legends);
   }
 
   elementColours(by) {
     const { network } = this, unit = meta.unit ? ` (${meta.unit})` : "";
+    const heat = stops("heat"), sea = stops("sea"), alone = isDark() ? DARK_ALONE : meta.alone;
     if (by === "size") {
       const [low, high] = meta.sizes ?? [0, 0];
       const share = (k) => (high > low ? (network.radius(k) - low) / (high - low) : 0.5);
-      return { name: `radius${unit}`, stops: meta.sea, low, high, more: null, of: (k) => ramp(meta.sea, share(k)) };
+      return { name: `radius${unit}`, stops: sea, low, high, more: null, of: (k) => ramp(sea, share(k)) };
     }
     if (by === "overlap") {
       const { low, high, largest } = meta.overlaps ?? { low: 0, high: 0, largest: 0 };
-      const of = (k) => (network.coordination(k) ? ramp(meta.heat, this.share(network.largest[k])) : meta.alone);
-      return { name: `largest overlap${unit}`, stops: meta.heat, low, high, more: largest > high ? largest : null, of };
+      const of = (k) => (network.coordination(k) ? ramp(heat, this.share(network.largest[k])) : alone);
+      return { name: `largest ${meta.value}${meta.bodies ? "" : unit}`, stops: heat, low, high, more: largest > high ? largest : null, of };
     }
     const { high, largest } = meta.counts;
     const of = (k) => {
       const count = network.coordination(k);
-      return count ? ramp(meta.sea, (count - 1) / (Math.max(high, 2) - 1)) : meta.alone;
+      return count ? ramp(sea, (count - 1) / (Math.max(high, 2) - 1)) : alone;
     };
-    return { name: `contacts of an element${meta.alone_count ? " (grey: none)" : ""}`, stops: meta.sea, low: 1, high: Math.max(high, 1), more: largest > high ? largest : null, of };
+    return { name: `contacts of ${meta.noun}${meta.alone_count ? " (grey: none)" : ""}`, stops: sea, low: 1, high: Math.max(high, 1), more: largest > high ? largest : null, of };
   }
 
   touched() {
@@ -94,6 +98,7 @@ class Page {
     this.describe();
     this.table.mark(k);
     $("clear").disabled = k < 0;
+    $("zoom-to").disabled = k < 0 || !this.view;
     $("find-id").value = k < 0 ? "" : this.network.id(k);
     $("find-id").setCustomValidity("");
     if (this.view && k >= 0 && bring) {
@@ -101,6 +106,11 @@ class Page {
       if (x < 0 || y < 0 || x > clientWidth || y > clientHeight) this.view.move(clientWidth / 2 - x, clientHeight / 2 - y);
     }
     this.paint();
+  }
+
+  // The element that is picked to the middle of the view, with those around it.
+  zoomTo() {
+    if (this.view && this.selected >= 0) this.view.focus(this.selected);
   }
 
   describe() {
@@ -112,7 +122,7 @@ class Page {
       return made;
     };
     if (k < 0) {
-      const hint = make("p", "Click an element, or type its id.");
+      const hint = make("p", `Click ${meta.noun}, or type its id.`);
       hint.className = "hint";
       $("picked").replaceChildren(hint);
       return;
@@ -123,7 +133,7 @@ class Page {
       ["centre", ["x", "y", "z"].slice(0, network.d).map((_, axis) => network.at(k, axis)).join(", ") + unit],
       [meta.cutoff === null ? "radius" : "cut-off", (meta.cutoff === null ? network.radius(k) : meta.cutoff) + unit],
       ["contacts", String(count)],
-    ];
+    ].filter(([name]) => !(meta.bodies && name === "radius" && network.radius(k) === 0));
     const list = make("dl", null, ...facts.flatMap(([name, text]) => {
       const value = make("dd", text);
       value.dataset.fact = name;
@@ -132,8 +142,8 @@ class Page {
     const parts = [list];
     if (count) {
       const table = document.createElement("table");
-      table.append(make("caption", `distance and overlap${meta.unit ? ` in ${meta.unit}` : ""}`));
-      const heads = ["id", "distance", "overlap", ...(network.shift ? ["shift"] : [])];
+      table.append(make("caption", meta.bodies ? "contacts" : `distance and overlap${meta.unit ? ` in ${meta.unit}` : ""}`));
+      const heads = ["id", ...network.columns.map(({ name }) => name), ...(network.shift ? ["shift"] : [])];
       table.append(make("thead", null, make("tr", null, ...heads.map((name) => {
         const head = make("th", name);
         head.scope = "col";
@@ -144,7 +154,7 @@ class Page {
       const most = 500;
       for (let at = network.starts[k]; at < network.starts[k + 1] && rows.length < most; at++) {
         const c = network.contacts[at], first = network.i[c] === k, other = first ? network.j[c] : network.i[c];
-        const cells = [make("td", null, elementButton(network, other, (next) => this.pick(next, true))), make("td", String(network.distance[c])), make("td", String(network.overlap[c]))];
+        const cells = [make("td", null, elementButton(network, other, (next) => this.pick(next, true))), ...network.columns.map(({ of }) => make("td", String(of(c))))];
         if (network.shift) cells.push(make("td", Array.from(network.shift.subarray(network.d * c, network.d * (c + 1)), (x) => (first ? x : -x) + 0).join(" ")));
         rows.push(make("tr", null, ...cells));
       }
@@ -161,16 +171,17 @@ class Page {
     const { view, selected } = this;
     const rings = [];
     if (selected >= 0) {
-      const size = view.visible.elements ? view.size : 0.3;
-      for (const k of [...this.touched(), selected]) {
-        if (!view.shown(k)) continue;
+      // More than so many are not told apart, and would take seconds.
+      const most = 600, size = view.visible.elements ? view.size : 0.3;
+      for (const k of [...[...this.touched()].slice(0, most), selected]) {
+        if (!view.shown(k) || (meta.bodies && view.radii[k] === 0)) continue;
         const [x, y] = view.project(k), mine = k === selected;
         const r = Math.max(view.radii[k] * size * view.scale, 2) + (mine ? 2 : 1);
         rings.push(svg("circle", { cx: x.toFixed(1), cy: y.toFixed(1), r: r.toFixed(1), class: mine ? "mine" : "neighbour" }));
         if (mine) rings.push(svg("text", { x: (x + r * 0.75 + 5).toFixed(1), y: (y - r * 0.75 - 4).toFixed(1) }, this.network.id(k)));
       }
     }
-    $("overlay").replaceChildren(...rings.slice(-1200));
+    $("overlay").replaceChildren(...rings);
   }
 
   find() {
@@ -179,12 +190,13 @@ class Page {
       const field = $("find-id"), text = field.value.trim(), k = this.network.find(text);
       if (k >= 0) this.pick(k, true);
       else {
-        field.setCustomValidity(text ? `There is no element ${text}` : "Type the id of an element");
+        field.setCustomValidity(text ? `There is no ${meta.nouns[0]} ${text}` : `Type the id of ${meta.noun}`);
         field.reportValidity();
       }
     });
     $("find-id").addEventListener("input", () => $("find-id").setCustomValidity(""));
     $("clear").addEventListener("click", () => this.pick(-1));
+    $("zoom-to").addEventListener("click", () => this.zoomTo());
     $("isolate").addEventListener("change", () => {
       this.isolated = $("isolate").checked;
       this.paint();
@@ -202,6 +214,10 @@ class Page {
       });
     }
     $("colour-by").addEventListener("change", () => this.paint());
+    $("surfaces")?.addEventListener("change", () => {
+      view.surfaces = Number($("surfaces").value);
+      view.redraw();
+    });
     $("size").addEventListener("input", () => {
       view.size = $("size").value / 100;
       $("size-text").textContent = `${$("size").value} %`;
@@ -263,6 +279,7 @@ class Page {
     };
     canvas.addEventListener("pointerup", up);
     canvas.addEventListener("pointercancel", up);
+    canvas.addEventListener("dblclick", () => this.zoomTo());
     canvas.addEventListener("contextmenu", (event) => event.preventDefault());
     canvas.addEventListener("wheel", (event) => {
       event.preventDefault();
@@ -281,11 +298,23 @@ class Page {
       else if (arrow) view.rotate(-arrow[0] * 0.12, arrow[1] * 0.12);
       else if (event.key === "+" || event.key === "=") view.zoom(1.25);
       else if (event.key === "-" || event.key === "_") view.zoom(0.8);
+      else if (event.key === "z" || event.key === "Z") this.zoomTo();
       else if (event.key === "r" || event.key === "R" || event.key === "Home") view.home();
       else return;
       event.preventDefault();
     });
   }
+}
+
+const isDark = () => $("theme").getAttribute("aria-pressed") === "true";
+
+// Elements without contact before a dark paper.
+const DARK_ALONE = [84, 91, 99];
+
+// The colours of a ramp from small to large: pale to dark before a pale paper. Before a dark one they are turned round, so that large values are
+// seen best, and the darkest are left out.
+function stops(ramp) {
+  return isDark() ? meta[ramp].slice(0, 13).reverse() : meta[ramp];
 }
 
 function ringColour() {
@@ -300,19 +329,23 @@ function legend(name, stops, low, high, more) {
   ends.className = "ends";
   const one = !(high > low);
   bar.style.background = one ? `rgb(${ramp(stops, low === 1 ? 0 : 0.5).join(" ")})` : `linear-gradient(to right, ${stops.map((rgb) => `rgb(${rgb.join(" ")})`).join(", ")})`;
-  const texts = one ? [brief(Number(low.toPrecision(3)))] : [low, low + (high - low) / 2, high].map((x) => brief(Number(x.toPrecision(3))) + (x === high && more !== null ? "+" : ""));
+  const counts = Number.isInteger(low) && Number.isInteger(high);
+  const texts = one ? alike([low]) : counts ? [low, high].map(grouped) : alike([low, low + (high - low) / 2, high]);
+  if (!one && more !== null) texts[texts.length - 1] += "+";
   for (const text of texts) {
     const end = document.createElement("span");
     end.textContent = text;
     ends.append(end);
   }
   const head = document.createElement("div");
-  head.textContent = name + (more === null ? "" : `, largest ${brief(Number(more.toPrecision(3)))}`);
+  head.textContent = name + (more === null ? "" : `, largest ${alike([more])[0]}`);
   made.append(head, bar, ends);
   return made;
 }
 
 theme();
+if (!meta.facets) $("surfaces-label").remove();
+else $("surfaces").value = meta.bodies.walls ? "0.3" : "1";
 for (const part of document.querySelectorAll(meta.dimensions === 2 ? "[data-only-3d]" : "[data-only-2d]")) part.remove();
 openNetwork().then((network) => {
   const page = new Page(network);

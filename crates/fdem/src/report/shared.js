@@ -115,6 +115,18 @@ function brief(x) {
   return Math.abs(rounded) >= 1e-4 && Math.abs(rounded) < 1e6 || rounded === 0 ? String(rounded) : rounded.toExponential().replace("e+", "e");
 }
 
+// Numbers of one scale in one format: as many decimals for all, and the same power of ten.
+function alike(numbers) {
+  const largest = Math.max(...numbers.map(Math.abs));
+  if (!(largest > 0) || !Number.isFinite(largest)) return numbers.map(brief);
+  const of = Math.floor(Math.log10(largest)), power = largest >= 1e-3 && largest < 1e6 ? 0 : of;
+  const scaled = numbers.map((x) => x / 10 ** power);
+  // Three digits of the largest one, and fewer decimals if that loses none of them.
+  let decimals = Math.max(0, 2 - of + power);
+  while (decimals > 0 && scaled.every((x) => Number(x.toFixed(decimals - 1)) === Number(x.toFixed(decimals)))) decimals--;
+  return scaled.map((x) => (x === 0 && power ? "0" : (x + 0).toFixed(decimals) + (power ? `e${power}` : "")));
+}
+
 function grouped(x) {
   return String(x).replace(/\B(?=(\d{3})+$)/g, ",");
 }

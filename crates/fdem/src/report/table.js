@@ -13,9 +13,9 @@ class Table {
     this.columns = [
       { name: "id", text: network.id, compare: (a, b) => this.compareIds(a, b) },
       ...axes.map((name, axis) => this.column(name + unit, (k) => network.at(k, axis))),
-      this.column(`radius${unit}`, (k) => (meta.cutoff === null ? network.radius(k) : NaN)),
+      this.column(`radius${unit}`, (k) => (meta.cutoff === null && !(meta.bodies && network.radius(k) === 0) ? network.radius(k) : NaN)),
       this.column("contacts", network.coordination),
-      this.column(`largest overlap${unit}`, (k) => (network.coordination(k) ? network.largest[k] : NaN)),
+      this.column(`largest ${meta.value}${meta.bodies ? "" : unit}`, (k) => (network.coordination(k) ? network.largest[k] : NaN)),
     ];
     this.head();
     const on = (id, kind, act) => document.getElementById(id).addEventListener(kind, act);

@@ -84,6 +84,40 @@ const RODS = {
     }`,
 };
 
+// Triangles of surfaces: flat, lit from both sides.
+const FACETS = {
+  vertex: `#version 300 es
+    precision highp float;
+    layout(location = 0) in vec3 corner;
+    layout(location = 1) in vec4 colour;
+    uniform mat3 turn;
+    uniform vec2 pan, zoom;
+    uniform vec4 plane;
+    out vec3 place;
+    out vec4 paint;
+    out float beyond;
+    void main() {
+      paint = colour;
+      place = turn * corner;
+      beyond = dot(plane.xyz, corner) - plane.w;
+      gl_Position = colour.a == 0.0 ? vec4(2.0, 2.0, 2.0, 1.0) : vec4((place.xy - pan) * zoom, -0.9 * place.z, 1.0);
+    }`,
+  fragment: `#version 300 es
+    precision highp float;
+    in vec3 place;
+    in vec4 paint;
+    in float beyond;
+    uniform vec3 paper;
+    uniform float flatness, cover;
+    out vec4 colour;
+    void main() {
+      if (beyond > 0.0) discard;
+      vec3 normal = normalize(cross(dFdx(place), dFdy(place)));
+      float light = flatness > 0.5 ? 1.0 : 0.55 + 0.45 * abs(dot(normal, vec3(-0.42, 0.62, 0.6624)));
+      colour = vec4(mix(paper, paint.rgb * light, paint.a < 0.9 ? 0.22 : 1.0), cover);
+    }`,
+};
+
 const HOME = meta.dimensions === 3 ? { yaw: Math.PI / 6, pitch: Math.PI / 9 } : { yaw: 0, pitch: Math.PI / 2 };
 
 class View {
@@ -109,6 +143,10 @@ class View {
         high[axis] = Math.max(high[axis], x);
       });
     }
+    for (let k = 0; network.corners && k < network.corners.length; k++) {
+      low[k % 3] = Math.min(low[k % 3], network.corners[k]);
+      high[k % 3] = Math.max(high[k % 3], network.corners[k]);
+    }
     if (low[0] > high[0]) { low = [0, 0, 0]; high = [1, 1, 1]; }
     this.low = low;
     this.high = high;
@@ -118,6 +156,8 @@ class View {
     this.unit = half > 0 && Number.isFinite(half) ? half : 1;
     this.visible = { elements: true, contacts: true };
     this.size = 1;
+    // How much surfaces cover of what is behind them.
+    this.surfaces = meta.bodies?.walls ? 0.3 : 1;
     this.plane = [0, 0, 0, 1e9];
     this.quality = 1;
     this.selected = -1;
@@ -139,8 +179,9 @@ class View {
     }
     // A contact that leads to an image is two halves, one at each element.
     const across = network.branch ? (c) => network.shift.subarray(d * c, d * c + d).some((x) => x !== 0) || this.leaves(c) : () => false;
+    const { halves } = network;
     let rods = 0;
-    for (let c = 0; c < m; c++) rods += across(c) ? 2 : 1;
+    for (let c = 0; c < m; c++) rods += halves ? (halves[c] & 1) + (halves[c] >> 1) : across(c) ? 2 : 1;
     rods += meta.outline.length;
     const ends = new Float32Array(7 * rods);
     this.rodOf = new Int32Array(rods).fill(-1);
@@ -156,7 +197,13 @@ class View {
       const i = network.i[c], j = network.j[c];
       const from = this.centres.subarray(3 * i, 3 * i + 3), to = this.centres.subarray(3 * j, 3 * j + 3);
       const radius = Math.min(this.radii[i], this.radii[j]) * (d === 2 ? 0.5 : 1) * (0.10 + 0.14 * share(network.overlap[c]));
-      if (across(c)) {
+      if (halves) {
+        // By way of the point of contact.
+        const point = [0, 1, 2].map((axis) => (axis < d ? network.point[d * c + axis] : 0)).map((x, axis) => (x - this.middle[axis]) / this.unit);
+        const wide = (meta.bodies.rod / this.unit) * (0.6 + 0.8 * share(network.overlap[c]));
+        if (halves[c] & 1) put(from, point, wide, c);
+        if (halves[c] & 2) put(point, to, wide, c);
+      } else if (across(c)) {
         const half = [0, 1, 2].map((axis) => (axis < d ? network.branch[d * c + axis] / this.unit / 2 : 0));
         put(from, half.map((x, axis) => from[axis] + x), radius, c);
         put(to, half.map((x, axis) => to[axis] - x), radius, c);
@@ -169,7 +216,15 @@ class View {
     this.rods = rods;
     this.sphereColours = new Uint8Array(4 * n);
     this.rodColours = new Uint8Array(4 * rods);
-    this.programs = [SPHERES, RODS].map((source) => this.program(source));
+    this.alphas = new Uint8Array(n);
+    const { corners, facets } = network;
+    this.facetCount = facets ? facets.length / 3 : 0;
+    this.corners = new Float32Array(9 * this.facetCount);
+    for (let k = 0; k < 3 * this.facetCount; k++) {
+      for (let axis = 0; axis < 3; axis++) this.corners[3 * k + axis] = (corners[3 * facets[k] + axis] - this.middle[axis]) / this.unit;
+    }
+    this.facetColours = new Uint8Array(12 * this.facetCount);
+    this.programs = [SPHERES, RODS, FACETS].map((source) => this.program(source));
     const buffer = (content) => {
       const made = gl.createBuffer();
       gl.bindBuffer(gl.ARRAY_BUFFER, made);
@@ -197,6 +252,13 @@ class View {
     attribute(2, 1, gl.FLOAT, false, 28, 24);
     this.rodColourBuffer = buffer(this.rodColours);
     attribute(3, 4, gl.UNSIGNED_BYTE, true, 4, 0);
+    this.facetArray = gl.createVertexArray();
+    gl.bindVertexArray(this.facetArray);
+    buffer(this.corners);
+    attribute(0, 3, gl.FLOAT, false, 12, 0);
+    this.facetColourBuffer = buffer(this.facetColours);
+    attribute(1, 4, gl.UNSIGNED_BYTE, true, 4, 0);
+    for (const place of [0, 1]) gl.vertexAttribDivisor(place, 0);
     gl.bindVertexArray(null);
   }
 
@@ -260,7 +322,7 @@ class View {
   shown(k) {
     const at = 3 * k, [a, b, c, most] = this.plane;
     const beyond = a * this.centres[at] + b * this.centres[at + 1] + c * this.centres[at + 2] > most;
-    return !beyond && this.sphereColours[4 * k + 3] !== 0;
+    return !beyond && this.alphas[k] !== 0;
   }
 
   // The element in front at a point of the view, or -1.
@@ -276,13 +338,36 @@ class View {
       const r = Math.max(this.radii[k] * size, least), rest = r * r - du * du - dv * dv;
       if (rest < 0) continue;
       const depth = turn[2][0] * a + turn[2][1] * b + turn[2][2] * c + Math.sqrt(rest);
-      if (depth > nearest && this.shown(k)) { nearest = depth; found = k; }
+      if (depth > nearest && this.shown(k) && !(meta.bodies && this.radii[k] === 0)) { nearest = depth; found = k; }
+    }
+    // What is seen through a surface comes before the surface.
+    if (!this.visible.elements || this.surfaces === 0 || (this.surfaces < 1 && found >= 0)) return found;
+    const [right, up, toward] = turn, dot = (row, at) => row[0] * this.corners[at] + row[1] * this.corners[at + 1] + row[2] * this.corners[at + 2];
+    for (let facet = 0; facet < this.facetCount; facet++) {
+      const [a, b, c] = [0, 3, 6].map((corner) => [dot(right, 9 * facet + corner) - u, dot(up, 9 * facet + corner) - v, dot(toward, 9 * facet + corner)]);
+      const [p, q, r] = [b[0] * c[1] - c[0] * b[1], c[0] * a[1] - a[0] * c[1], a[0] * b[1] - b[0] * a[1]];
+      if ((p < 0 || q < 0 || r < 0) && (p > 0 || q > 0 || r > 0)) continue;
+      const depth = (p * a[2] + q * b[2] + r * c[2]) / (p + q + r || 1), owner = this.network.owner[facet];
+      if (depth > nearest && this.alphas[owner]) { nearest = depth; found = owner; }
     }
     return found;
   }
 
+  colourFacets(ofBody) {
+    const { gl, network } = this;
+    for (let k = 0; k < 3 * this.facetCount; k++) this.facetColours.set(ofBody(network.owner[Math.floor(k / 3)]), 4 * k);
+    gl.bindBuffer(gl.ARRAY_BUFFER, this.facetColourBuffer);
+    gl.bufferData(gl.ARRAY_BUFFER, this.facetColours, gl.DYNAMIC_DRAW);
+  }
+
   colour(ofElement, ofContact, outline) {
-    for (let k = 0; k < this.network.n; k++) this.sphereColours.set(ofElement(k), 4 * k);
+    for (let k = 0; k < this.network.n; k++) {
+      const colour = ofElement(k);
+      this.alphas[k] = colour[3];
+      // A body that is drawn as a surface is no sphere.
+      if (meta.bodies && this.radii[k] === 0) colour[3] = 0;
+      this.sphereColours.set(colour, 4 * k);
+    }
     for (let rod = 0; rod < this.rods; rod++) this.rodColours.set(this.rodOf[rod] < 0 ? outline : ofContact(this.rodOf[rod]), 4 * rod);
     const { gl } = this;
     for (const [buffer, content] of [[this.sphereColourBuffer, this.sphereColours], [this.rodColourBuffer, this.rodColours]]) {
@@ -312,6 +397,18 @@ class View {
     const [dx, dy] = [x - this.canvas.clientWidth / 2, this.canvas.clientHeight / 2 - y];
     this.pan = [this.pan[0] + dx / this.scale - dx / scale, this.pan[1] + dy / this.scale - dy / scale];
     this.scale = scale;
+    this.moved();
+  }
+
+  // Element k to the middle of the view, at an eighth of it: those around it are seen, too.
+  focus(k) {
+    const turn = this.turn(), at = this.centres.subarray(3 * k, 3 * k + 3);
+    this.pan = [0, 1].map((row) => turn[row][0] * at[0] + turn[row][1] * at[1] + turn[row][2] * at[2]);
+    const { clientWidth, clientHeight } = this.canvas, r = this.radii[k];
+    // Of a surface nothing but its middle is known.
+    if (meta.bodies && r === 0) return this.moved();
+    const wanted = r > 0 ? Math.min(clientWidth, clientHeight) / (16 * r) : this.scale;
+    this.scale = Math.max(this.fit(), Math.min(this.fit() * 2000, wanted));
     this.moved();
   }
 
@@ -380,6 +477,21 @@ class View {
     gl.uniform1f(rods.lift, flat ? 0.05 : 0);
     gl.bindVertexArray(this.rodArray);
     gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, this.rods);
+    if (this.facetCount && this.visible.elements && this.surfaces > 0) {
+      const facets = use(this.programs[2], 0);
+      const through = this.surfaces < 1;
+      gl.uniform1f(facets.cover, this.surfaces);
+      gl.disable(gl.SAMPLE_ALPHA_TO_COVERAGE);
+      if (through) {
+        gl.enable(gl.BLEND);
+        gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
+        gl.depthMask(false);
+      }
+      gl.bindVertexArray(this.facetArray);
+      gl.drawArrays(gl.TRIANGLES, 0, 3 * this.facetCount);
+      gl.disable(gl.BLEND);
+      gl.depthMask(true);
+    }
     gl.bindVertexArray(null);
     this.afterDraw();
   }

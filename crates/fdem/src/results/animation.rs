@@ -1,4 +1,4 @@
-//! Frames one after the other, as a GIF.
+//! Animations: the frames of a run as a GIF.
 
 use std::borrow::Cow;
 use std::fmt;
@@ -9,13 +9,13 @@ use crate::results::field::{Field, NO_VALUE, numbered_colour};
 use crate::results::frame::Frame;
 use crate::results::pictures::{CRACKS, Pictures};
 
-/// How long the last picture stays, in hundredths of a second.
+/// Time for which the last picture stays, in hundredths of a second.
 const LAST: u16 = 150;
 
-/// An animation that grows frame by frame: one palette for all, and of each frame only the part that is new.
+/// An animation that grows frame by frame. All frames share one palette, and each frame stores only the rectangle that changed.
 ///
 /// # Cost
-/// Some 0.1 s and, for a field that changes everywhere, 100 to 300 kB for a frame of 900 pixels.
+/// About 0.1 s for a frame of 900 pixels, and 100 to 300 kB if the field changes everywhere.
 #[derive(Debug)]
 pub struct Animation<'a> {
     pictures: Pictures<'a>,
@@ -25,13 +25,13 @@ pub struct Animation<'a> {
     film: Option<Film>,
 }
 
-/// What there is as soon as there is a frame.
+/// State of an animation that has at least one frame.
 struct Film {
     encoder: gif::Encoder<Vec<u8>>,
     size: [u16; 2],
-    /// Places in the palette: of the frame before, as it is seen.
+    /// The picture after the last frame, as places in the palette.
     shown: Vec<u8>,
-    /// Not written yet: it may be the last.
+    /// The last frame, not written yet: the final one stays longer.
     waiting: gif::Frame<'static>,
 }
 
@@ -41,15 +41,15 @@ impl fmt::Debug for Film {
     }
 }
 
-/// Why there is no animation.
+/// Reason for which there is no animation.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum AnimationError {
     /// A frame cannot be drawn.
     Picture(PictureError),
-    /// The pictures cannot be made a GIF.
+    /// The encoder refuses the pictures.
     Gif {
-        /// In the words of the library that was to do it.
+        /// Message of the encoder.
         message: String,
     },
     /// There was no frame.
@@ -81,7 +81,7 @@ impl From<gif::EncodingError> for AnimationError {
 }
 
 impl<'a> Animation<'a> {
-    /// Without frames yet. `delay` is between two of them, in hundredths of a second; `width` as in [`Pictures::png`].
+    /// An animation without frames. `delay` is the time between two frames in hundredths of a second; `width` is as in [`Pictures::png`].
     pub fn new(pictures: Pictures<'a>, width: Option<u32>, delay: u16) -> Self {
         Self { pictures, width, delay, palette: Palette::new(pictures.field), film: None }
     }
@@ -114,7 +114,7 @@ impl<'a> Animation<'a> {
         Ok(())
     }
 
-    /// The file. It runs for ever, and its last picture stays a little.
+    /// The file. The animation repeats without end, and its last picture stays longer.
     ///
     /// # Errors
     /// Those of the encoder; [`AnimationError::Empty`].
@@ -126,7 +126,7 @@ impl<'a> Animation<'a> {
     }
 }
 
-/// Where two pictures differ: upper left corner and extent, of a pixel at least.
+/// The rectangle in which two pictures differ: upper left corner and extent, one pixel at least.
 fn changed(before: &[u8], now: &[u8], [width, height]: [u16; 2]) -> ([u16; 2], [u16; 2]) {
     let (mut low, mut high) = ([width, height], [0, 0]);
     let row = usize::from(width);
@@ -142,7 +142,7 @@ fn changed(before: &[u8], now: &[u8], [width, height]: [u16; 2]) -> ([u16; 2], [
     if low[0] < high[0] { (low, [high[0] - low[0], high[1] - low[1]]) } else { ([0, 0], [1, 1]) }
 }
 
-/// The part of a picture as a frame that is laid over those before.
+/// Part of a picture as a frame that is drawn over the frames before.
 fn part(places: &[u8], at: [u16; 2], extent: [u16; 2], size: [u16; 2], delay: u16) -> gif::Frame<'static> {
     let [left, top, width, height] = [at[0], at[1], extent[0], extent[1]].map(usize::from);
     let rows = places.chunks_exact(usize::from(size[0])).skip(top).take(height);
@@ -159,11 +159,11 @@ fn part(places: &[u8], at: [u16; 2], extent: [u16; 2], size: [u16; 2], delay: u1
     }
 }
 
-/// 256 colours for all frames: what the field may have, the greys of text, cracks, and the steps from these to white paper.
+/// 256 colours for all frames: those of the field, of text, outlines and cracks, and the steps from each to the white background.
 #[derive(Debug)]
 struct Palette {
     colours: Vec<Rgb>,
-    /// For each colour of six bits a channel: the place of the nearest, if it was asked for.
+    /// Place of the nearest colour for each colour of six bits a channel, as far as it is known.
     nearest: Vec<Option<u8>>,
 }
 
@@ -198,7 +198,7 @@ impl Palette {
         if let Some(place) = self.nearest[cell] {
             return place;
         }
-        // Of the middle of the cell, whichever of its colours comes first.
+        // The middle of the cell decides, so that the order of the pixels does not matter.
         let middle = colour.map(|channel| i32::from(channel >> (8 - BITS)) * 255 / ((1 << BITS) - 1));
         let distance = |other: &Rgb| -> i32 {
             (0..3).map(|channel| (middle[channel] - i32::from(other[channel])).pow(2)).sum()

@@ -1,27 +1,33 @@
-//! Curves over one axis, as SVG.
+//! Charts of curves, as SVG.
 
+use std::borrow::Cow;
 use std::fmt::Write;
 
 use crate::picture::colour::{Rgb, hex};
-use crate::picture::svg::{Anchor, INK, PALE, Svg, shortened};
+use crate::picture::svg::{Anchor, INK, PALE, Svg};
+use crate::picture::text::{self, fitting};
 use crate::picture::ticks::{tick_text, ticks};
 use crate::results::unit::prefixed;
 
-/// Of a chart, its axes and texts included.
+/// Size of a chart with its axes and texts.
 pub(crate) const WIDTH: f64 = 640.0;
 const HEIGHT: f64 = 360.0;
 
 const LEFT: f64 = 66.0;
 const TOP: f64 = 56.0;
 const BOTTOM: f64 = 52.0;
-/// Characters of the names of curves, beside the chart.
-const LONGEST: usize = 24;
+/// Least and greatest width of the names of curves beside the chart.
+const NAMES: [f64; 2] = [56.0, 230.0];
+/// Font sizes of curve names, titles and axes: the usual size, and the smallest to which long texts shrink.
+const OF_NAMES: [f64; 2] = [11.5, 9.0];
+const OF_TITLES: [f64; 2] = [13.5, 10.0];
+const OF_AXES: [f64; 2] = [12.0, 9.0];
 const RIGHT: f64 = 20.0;
 
-/// A curve has not many more points than there are pixels.
+/// Most points of a curve that are drawn: about as many as there are pixels.
 const MOST_POINTS: usize = 1600;
 
-/// By turns; they are told apart on white paper and on black, and, besides, by their dashes.
+/// Colours of the curves in turn, distinct on white and on black; dashes distinguish them, too.
 const COLOURS: [Rgb; 8] = [
     [31, 119, 190],
     [226, 105, 30],
@@ -34,32 +40,49 @@ const COLOURS: [Rgb; 8] = [
 ];
 const DASHES: [&str; 3] = ["", "7 3", "2 3"];
 
-/// What an axis is of.
+/// Quantity and unit of an axis.
 pub(crate) struct Axis<'a> {
     pub(crate) name: &'a str,
     pub(crate) unit: &'a str,
 }
 
-/// Values over others; those that are not finite are gaps.
+/// A curve; values that are not finite are gaps.
 pub(crate) struct Curve<'a> {
     pub(crate) name: &'a str,
-    pub(crate) across: &'a [f64],
-    pub(crate) up: &'a [f64],
+    pub(crate) across: Cow<'a, [f64]>,
+    pub(crate) up: Cow<'a, [f64]>,
+    /// Running mean, if the values are noisy; it is drawn over the pale curve of the values.
+    pub(crate) mean: Option<Mean>,
 }
 
-/// Curves over one axis.
+/// Running mean of a curve.
+pub(crate) struct Mean {
+    /// Number of rows that are averaged.
+    pub(crate) rows: usize,
+    pub(crate) across: Vec<f64>,
+    pub(crate) up: Vec<f64>,
+}
+
+impl<'a> Curve<'a> {
+    /// A curve without a mean.
+    pub(crate) fn plain(name: &'a str, across: &'a [f64], up: &'a [f64]) -> Self {
+        Self { name, across: Cow::Borrowed(across), up: Cow::Borrowed(up), mean: None }
+    }
+}
+
+/// Curves with common axes.
 pub(crate) struct Chart<'a> {
     pub(crate) name: &'a str,
-    /// In words, for those who cannot see it.
+    /// Description for screen readers.
     pub(crate) description: String,
     pub(crate) across: Axis<'a>,
     pub(crate) up: Axis<'a>,
     pub(crate) curves: Vec<Curve<'a>>,
 }
 
-/// From the numbers of an axis to its place on the paper.
+/// Conversion of the numbers of an axis to positions in the chart.
 struct Scale {
-    /// In the unit that is shown.
+    /// Limits in the unit that is shown.
     low: f64,
     high: f64,
     factor: f64,
@@ -77,7 +100,7 @@ impl Scale {
         if low == high || !(high - low).is_finite() {
             (low, high) = (0.0, 1.0);
         }
-        // Curves keep off the edges, but begin at 0 where all do.
+        // There is a margin beyond the curves, except at a lower limit of 0.
         let gap = 0.04 * (high - low);
         Self { low: if low < 0.0 { low - gap } else { 0.0 }, high: high + gap, factor, unit }
     }
@@ -95,9 +118,11 @@ impl Chart<'_> {
     pub(crate) fn svg(&self) -> String {
         let mut svg = Svg::new(WIDTH, HEIGHT, self.name, &self.description);
         svg.background();
-        svg.label([8.0, 20.0], 13.5, Anchor::Start, INK, self.name);
-        let longest = self.curves.iter().map(|curve| curve.name.chars().count()).max().unwrap_or(0);
-        let legend = if self.curves.len() > 1 { 46.0 + 7.0 * longest.clamp(8, LONGEST) as f64 } else { 0.0 };
+        let (title, size) = fitting(self.name, WIDTH - 16.0, OF_TITLES, false);
+        svg.label([8.0, 20.0], size, Anchor::Start, INK, &title);
+        let wide = |curve: &Curve<'_>| text::width(curve.name, OF_NAMES[0], false);
+        let names = self.curves.iter().map(wide).fold(NAMES[0], f64::max).min(NAMES[1]);
+        let legend = if self.curves.len() > 1 { 46.0 + names } else { 0.0 };
         let (width, height) = (WIDTH - LEFT - RIGHT - legend, HEIGHT - TOP - BOTTOM);
         let across =
             Scale::of(self.curves.iter().flat_map(|curve| curve.across.iter().copied()), self.across.unit);
@@ -122,9 +147,15 @@ impl Chart<'_> {
             let [_, zero] = place([0.0, 0.0]);
             svg.line([LEFT, zero], [LEFT + width, zero], 0.8, PALE);
         }
-        svg.label([LEFT - 58.0, TOP - 12.0], 12.0, Anchor::Start, PALE, &up.label(self.up.name));
+        if let Some(Mean { rows, .. }) = self.curves.iter().find_map(|curve| curve.mean.as_ref()) {
+            let note = format!("pale: as recorded; strong: running mean of {rows} rows");
+            svg.label([WIDTH - RIGHT, TOP - 12.0], 10.5, Anchor::End, PALE, &note);
+        }
+        let (name, size) = fitting(&up.label(self.up.name), WIDTH / 2.0, OF_AXES, false);
+        svg.label([LEFT - 58.0, TOP - 12.0], size, Anchor::Start, PALE, &name);
         let middle = LEFT + width / 2.0;
-        svg.label([middle, HEIGHT - 12.0], 12.0, Anchor::Middle, PALE, &across.label(self.across.name));
+        let (name, size) = fitting(&across.label(self.across.name), WIDTH - 2.0 * LEFT, OF_AXES, false);
+        svg.label([middle, HEIGHT - 12.0], size, Anchor::Middle, PALE, &name);
 
         for (k, curve) in self.curves.iter().enumerate() {
             let colour = hex(COLOURS[k % COLOURS.len()]);
@@ -132,9 +163,17 @@ impl Chart<'_> {
                 "" => String::new(),
                 dash => format!(r#" stroke-dasharray="{dash}""#),
             };
+            let mut values = (&curve.across[..], &curve.up[..]);
+            if let Some(mean) = &curve.mean {
+                svg.put(format_args!(
+                    r#"<path class="recorded" d="{}" fill="none" stroke="{colour}" stroke-width="1" stroke-opacity="0.35" stroke-linejoin="round"/>"#,
+                    path(values.0, values.1, place)
+                ));
+                values = (&mean.across[..], &mean.up[..]);
+            }
             svg.put(format_args!(
                 r#"<path class="curve" d="{}" fill="none" stroke="{colour}" stroke-width="1.7" stroke-linejoin="round"{dash}/>"#,
-                path(curve, place)
+                path(values.0, values.1, place)
             ));
             if legend > 0.0 {
                 let (x, y) = (LEFT + width + 14.0, TOP + 8.0 + 19.0 * k as f64);
@@ -142,19 +181,20 @@ impl Chart<'_> {
                     r#"<line x1="{x:.1}" y1="{y:.1}" x2="{:.1}" y2="{y:.1}" stroke="{colour}" stroke-width="2"{dash}/>"#,
                     x + 20.0
                 ));
-                svg.label([x + 26.0, y + 4.0], 11.5, Anchor::Start, INK, &shortened(curve.name, LONGEST));
+                let (name, size) = fitting(curve.name, names, OF_NAMES, false);
+                svg.label([x + 26.0, y + 4.0], size, Anchor::Start, INK, &name);
             }
         }
         svg.finish()
     }
 }
 
-/// Lines between points that follow each other, none to what is not finite.
-fn path(curve: &Curve<'_>, place: impl Fn([f64; 2]) -> [f64; 2]) -> String {
+/// Lines between consecutive points; points that are not finite leave a gap.
+fn path(across: &[f64], up: &[f64], place: impl Fn([f64; 2]) -> [f64; 2]) -> String {
     let mut path = String::new();
     let mut drawing = false;
-    for k in shown(curve.up) {
-        let [x, y] = place([curve.across[k], curve.up[k]]);
+    for k in shown(up) {
+        let [x, y] = place([across[k], up[k]]);
         if x.is_finite() && y.is_finite() {
             // Writing to a string does not fail.
             let _ = write!(path, "{}{x:.1} {y:.1}", if drawing { 'L' } else { 'M' });
@@ -164,7 +204,8 @@ fn path(curve: &Curve<'_>, place: impl Fn([f64; 2]) -> [f64; 2]) -> String {
     path
 }
 
-/// The places of a curve that are drawn: of many, stretch by stretch the first, the least, the largest and the last, so that no peak is lost.
+/// Indices of the points of a curve that are drawn. A long curve is divided into stretches; the first, the last, the least and the greatest value of each
+/// are drawn, so that no peak is lost.
 fn shown(values: &[f64]) -> Vec<usize> {
     if values.len() <= MOST_POINTS {
         return (0..values.len()).collect();
@@ -202,8 +243,8 @@ mod tests {
     #[test]
     fn gaps_stay_gaps_and_constants_have_an_axis() {
         let across = [0.0, 1.0, 2.0, 3.0];
-        let curve = Curve { name: "a", across: &across, up: &[1.0, f64::NAN, 2.0, f64::INFINITY] };
-        assert_eq!(path(&curve, |point| point), "M0.0 1.0M2.0 2.0");
+        let up = [1.0, f64::NAN, 2.0, f64::INFINITY];
+        assert_eq!(path(&across, &up, |point| point), "M0.0 1.0M2.0 2.0");
         let scale = Scale::of([f64::NAN, 0.0].into_iter(), "J");
         assert_eq!((scale.low, scale.high), (0.0, 1.04));
         let scale = Scale::of([-2e3, 0.0].into_iter(), "J");

@@ -1,4 +1,4 @@
-//! What elements are coloured by.
+//! Fields by which elements are coloured.
 
 use fdem_simulation::Snapshot;
 use schemars::JsonSchema;
@@ -8,7 +8,7 @@ use crate::picture::colour::{self, HEAT, Rgb, SEA};
 use crate::results::frame::Frame;
 use crate::results::stress::{principal, von_mises};
 
-/// A quantity to be shown: what elements are coloured by.
+/// A quantity by which elements are coloured.
 #[derive(
     Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema, clap::ValueEnum,
 )]
@@ -18,15 +18,15 @@ use crate::results::stress::{principal, von_mises};
 pub enum Field {
     /// The larger principal stress in the plane, tension positive, Pa.
     MaxPrincipal,
-    /// The lesser principal stress in the plane, Pa.
+    /// The smaller principal stress in the plane, tension positive, Pa.
     MinPrincipal,
-    /// The equivalent stress of von Mises, Pa.
+    /// The von Mises equivalent stress, Pa.
     VonMises,
-    /// The length of the velocity, m/s.
+    /// The magnitude of the velocity, m/s.
     Velocity,
-    /// The length of the displacement, m.
+    /// The magnitude of the displacement, m.
     Displacement,
-    /// Of joints, 0 to 1.
+    /// The largest damage of the joints of the element, from 0 to 1.
     Damage,
     /// Number of the body.
     Body,
@@ -34,7 +34,7 @@ pub enum Field {
     Material,
 }
 
-/// Those that are numbers on a scale, in the order in which frames have them.
+/// Fields with a continuous scale, in the order of their arrays in a frame.
 pub(crate) const SCALES: [Field; 6] = [
     Field::MaxPrincipal,
     Field::MinPrincipal,
@@ -44,7 +44,7 @@ pub(crate) const SCALES: [Field; 6] = [
     Field::Damage,
 ];
 
-/// Compression blue, tension red, pale where there is none: of equal lightness at equal distance from the middle.
+/// Colours of signed fields: blue for compression, red for tension, pale at zero. Colours at equal distance from the middle are equally light.
 const SIGNED: [Rgb; 17] = [
     [9, 48, 112],
     [20, 70, 146],
@@ -65,7 +65,7 @@ const SIGNED: [Rgb; 17] = [
     [117, 8, 32],
 ];
 
-/// Bodies and materials by turns.
+/// Colours of bodies and materials, used in turn.
 pub(crate) const NUMBERED: [Rgb; 8] = [
     [127, 172, 214],
     [176, 157, 211],
@@ -77,11 +77,11 @@ pub(crate) const NUMBERED: [Rgb; 8] = [
     [155, 165, 196],
 ];
 
-/// What has no value.
+/// Colour of elements without a value.
 pub(crate) const NO_VALUE: Rgb = [203, 205, 208];
 
 impl Field {
-    /// All of them.
+    /// All fields.
     pub const ALL: [Self; 8] = [
         Self::MaxPrincipal,
         Self::MinPrincipal,
@@ -93,7 +93,7 @@ impl Field {
         Self::Material,
     ];
 
-    /// In one word, for options, model files and reports.
+    /// Name of the field in options, model files and reports.
     pub fn key(self) -> &'static str {
         match self {
             Self::MaxPrincipal => "max_principal",
@@ -107,7 +107,7 @@ impl Field {
         }
     }
 
-    /// For people.
+    /// Name of the field in texts.
     pub fn name(self) -> &'static str {
         match self {
             Self::MaxPrincipal => "largest principal stress",
@@ -121,7 +121,7 @@ impl Field {
         }
     }
 
-    /// Of its numbers, empty for none.
+    /// Unit of the values; empty for none.
     pub fn unit(self) -> &'static str {
         match self {
             Self::MaxPrincipal | Self::MinPrincipal | Self::VonMises => "Pa",
@@ -131,17 +131,17 @@ impl Field {
         }
     }
 
-    /// Its place among those on a scale.
+    /// Index of the field in [`SCALES`].
     pub(crate) fn scale(self) -> Option<usize> {
         SCALES.iter().position(|&other| other == self)
     }
 
-    /// Has a sign: its colours are pale at 0.
+    /// Whether the field has a sign: its colours are pale at 0.
     pub(crate) fn signed(self) -> bool {
         matches!(self, Self::MaxPrincipal | Self::MinPrincipal)
     }
 
-    /// From the lowest value to the highest.
+    /// Colours from the lowest value to the highest.
     pub(crate) fn ramp(self) -> &'static [Rgb; 17] {
         match self {
             Self::MaxPrincipal | Self::MinPrincipal => &SIGNED,
@@ -150,7 +150,7 @@ impl Field {
         }
     }
 
-    /// Of each element; `snapshot` is a checked one.
+    /// Values of all elements. `snapshot` has been checked.
     pub(crate) fn values(self, snapshot: &Snapshot) -> Vec<f64> {
         let mean = |vectors: &[[f64; 2]]| -> Vec<f64> {
             let of = |nodes: &[u32; 3]| {
@@ -172,7 +172,7 @@ impl Field {
         }
     }
 
-    /// Of a value, on a scale of that range.
+    /// Colour of a value on a scale with this range.
     pub(crate) fn colour(self, value: f64, range: Range) -> Rgb {
         if value.is_nan() {
             return NO_VALUE;
@@ -181,23 +181,23 @@ impl Field {
     }
 }
 
-/// Of a body or a material, by turns: those next to each other in number differ.
+/// Colour of a body or a material by its number; consecutive numbers have different colours.
 pub(crate) fn numbered_colour(number: u32) -> Rgb {
     NUMBERED[number as usize % NUMBERED.len()]
 }
 
-/// The values at the two ends of the colours; what is beyond has the colour of the end.
+/// The values at the two ends of a colour scale; values beyond have the colour of the end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Range {
-    /// At the start.
+    /// Value at the start.
     pub low: f64,
-    /// At the end.
+    /// Value at the end.
     pub high: f64,
 }
 
 impl Range {
-    /// That of a whole series: what 98 % of the elements do not leave in any frame, so that single elements under a load do not take the colours from all
-    /// others. Stresses have as much on either side of 0, other quantities begin at 0, damage ends at 1.
+    /// The range of a whole series. It covers 98 % of the elements in every frame, so that single elements under a load do not take the colours from all
+    /// others. Ranges of stresses are symmetric about 0, ranges of other quantities begin at 0, and that of damage ends at 1.
     pub fn of<'a>(frames: impl IntoIterator<Item = &'a Frame>, field: Field) -> Self {
         let Some(scale) = field.scale().filter(|_| field != Field::Damage) else {
             return Self { low: 0.0, high: 1.0 };
@@ -214,7 +214,7 @@ impl Range {
         Self { low: if field.signed() { -high } else { 0.0 }, high }
     }
 
-    /// Of the way from the low end to the high one.
+    /// Position of a value between the two ends: 0 at the low end, 1 at the high end.
     pub(crate) fn share(self, value: f64) -> f64 {
         (value - self.low) / (self.high - self.low)
     }

@@ -1,31 +1,32 @@
-//! Triangles and lines as pixels, without a graphics card: four samples to a pixel, so that edges are not staircases.
+//! Rasterization of triangles and lines, with four samples for each pixel against jagged edges.
 
 use crate::picture::colour::Rgb;
 
 /// Samples along the side of a pixel.
 const SAMPLES: usize = 2;
 
-/// An area that is drawn upon, white at first.
+/// A drawing area, white at first.
 pub(crate) struct Fill {
-    /// In samples.
+    /// Width in samples.
     width: usize,
     height: usize,
     samples: Vec<Rgb>,
 }
 
 impl Fill {
-    /// Pixels wide and high.
+    /// A white area of this width and height in pixels.
     pub(crate) fn new([width, height]: [usize; 2]) -> Self {
         let (width, height) = (width * SAMPLES, height * SAMPLES);
         Self { width, height, samples: vec![[255; 3]; width * height] }
     }
 
-    /// A triangle, its corners in pixels from the upper left. A sample is in it if its middle is: of triangles side by side each sample is of one.
+    /// Fills a triangle, its corners in pixels from the upper left. A sample belongs to the triangle that contains its centre, so that each sample belongs to one
+    /// of two adjacent triangles.
     pub(crate) fn triangle(&mut self, corners: [[f64; 2]; 3], colour: Rgb) {
         self.convex(&corners, colour);
     }
 
-    /// A line with blunt ends.
+    /// Draws a line with square ends.
     pub(crate) fn line(&mut self, [a, b]: [[f64; 2]; 2], width: f64, colour: Rgb) {
         let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
         let length = dx.hypot(dy);
@@ -34,7 +35,7 @@ impl Fill {
         }
         let half = width / 2.0;
         let [tx, ty] = if length > 0.0 { [dx / length * half, dy / length * half] } else { [half, 0.0] };
-        // A little longer than it is: cracks along neighbouring edges meet.
+        // The line is slightly extended, so that cracks along neighbouring edges meet.
         let [a, b] = [[a[0] - tx / 2.0, a[1] - ty / 2.0], [b[0] + tx / 2.0, b[1] + ty / 2.0]];
         self.convex(
             &[[a[0] - ty, a[1] + tx], [b[0] - ty, b[1] + tx], [b[0] + ty, b[1] - tx], [a[0] + ty, a[1] - tx]],
@@ -42,7 +43,7 @@ impl Fill {
         );
     }
 
-    /// Row by row: from where the outline is crossed first to where last.
+    /// Fills a convex polygon row by row, from the first crossing of its outline to the last.
     fn convex(&mut self, corners: &[[f64; 2]], colour: Rgb) {
         if !corners.iter().flatten().all(|x| x.is_finite()) {
             return;
@@ -50,7 +51,7 @@ impl Fill {
         let scaled = |axis: usize| corners.iter().map(move |corner| corner[axis] * SAMPLES as f64);
         let (top, bottom) =
             (scaled(1).fold(f64::INFINITY, f64::min), scaled(1).fold(f64::NEG_INFINITY, f64::max));
-        // Sample row k is at k + 0.5. A cast of what is below 0 is 0.
+        // Sample row k is at k + 0.5. A cast of a negative number is 0.
         let first = (top - 0.5).ceil() as usize;
         let end = ((bottom - 0.5).ceil().max(0.0) as usize).min(self.height);
         for row in first..end {
@@ -58,7 +59,7 @@ impl Fill {
             let (mut left, mut right) = (f64::INFINITY, f64::NEG_INFINITY);
             for (k, corner) in corners.iter().enumerate() {
                 let other = corners[(k + 1) % corners.len()];
-                // In one direction, whichever triangle asks: both get the same crossing of a common edge.
+                // The edge has one direction for both of its triangles, which get the same crossing.
                 let (a, b) = if corner[1] <= other[1] { (*corner, other) } else { (other, *corner) };
                 let [x0, y0, x1, y1] = [a[0], a[1], b[0], b[1]].map(|x| x * SAMPLES as f64);
                 if y0 <= y && y < y1 {

@@ -1,28 +1,32 @@
-//! A snapshot made small.
+//! Compressed snapshots.
 
 use std::fmt;
 
 use fdem_simulation::{Crack, Mode, Snapshot};
 
 use crate::results::field::SCALES;
+use crate::results::outlines::Outlines;
 use crate::results::packed::{Packed, Unpacked};
+use crate::results::sample::Sample;
 use crate::results::{SnapshotError, checked};
 
-/// Of a file, and the version of what follows.
-const MAGIC: &[u8; 8] = b"fdemfrm1";
+/// First bytes of a file: its kind and its version.
+const MAGIC: &[u8; 8] = b"fdemfrm3";
 
-/// Arrays with a number for each element: six coordinates of corners, the scales, two halves of the body, the material.
-const OF_ELEMENTS: usize = 6 + SCALES.len() + 3;
-/// With one for each crack: four coordinates of ends, the mode.
+/// Number of arrays with an entry for each element: six coordinates of corners, the scales, two halves of the body, the material, the outlines.
+const OF_ELEMENTS: usize = 6 + SCALES.len() + 4;
+/// Number of further arrays in a sample: two halves of the number of the element.
+const OF_SAMPLES: usize = 2;
+/// Number of arrays with an entry for each crack: four coordinates of ends, the mode.
 const OF_CRACKS: usize = 5;
 
-/// What pictures and reports show of a snapshot, in a few bytes for each element: coordinates and values as 16 bits between the least and the largest
-/// of the frame, deflated. Cracks are those that are broken.
+/// The part of a snapshot that pictures and reports show, in a few bytes for each element. Coordinates and values have 16 bits between the least and the
+/// greatest of the frame, and are deflated. Cracks are the broken joints.
 ///
-/// Elements without finite coordinates, or farther away than four times the extent of all but 2 % of them, are not drawn.
+/// Elements without finite coordinates are not drawn, nor are those farther away than four times the extent of 98 % of all elements.
 ///
 /// # Cost
-/// Of 10,000 elements: some 10 ms and 100 to 200 kB.
+/// About 10 ms and 100 to 200 kB for 10,000 elements.
 ///
 /// # Example
 /// ```
@@ -36,45 +40,50 @@ const OF_CRACKS: usize = 5;
 pub struct Frame {
     pub(crate) step: u64,
     pub(crate) time: f64,
+    /// Elements of the mesh.
+    pub(crate) whole: usize,
+    /// Elements that are in the frame: all, or a sample of them.
     pub(crate) elements: usize,
     pub(crate) cracks: usize,
-    /// The least and the largest coordinate, on each axis.
+    /// The least and the greatest coordinate on each axis.
     pub(crate) bounds: [[f64; 2]; 2],
     pub(crate) scales: [Scale; SCALES.len()],
-    /// Of what is broken by tension, by shear, by both, m.
+    /// Lengths of the joints broken by tension, by shear and by both, m.
     pub(crate) lengths: [f64; 3],
-    /// Of the arrays before they were deflated.
+    /// Size of the arrays before they were deflated, bytes.
     pub(crate) size: usize,
     pub(crate) deflated: Vec<u8>,
 }
 
-/// What the values of a quantity are like.
+/// Range of the values of a field.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Scale {
-    /// The least and the largest.
+    /// The least and the greatest value.
     pub(crate) ends: [f64; 2],
-    /// What 1 % and 99 % do not exceed.
+    /// The 1st and the 99th percentile.
     pub(crate) usual: [f64; 2],
 }
 
-/// A frame as it is drawn.
+/// A frame that is decompressed.
 pub(crate) struct Opened {
-    /// Not numbers where an element is not drawn.
+    /// Corners of the elements; not numbers where an element is not drawn.
     pub(crate) corners: Vec<[[f64; 2]; 3]>,
-    /// Of each of [`SCALES`].
+    /// Values of each field of [`SCALES`].
     pub(crate) values: Vec<Vec<f64>>,
     pub(crate) bodies: Vec<u32>,
     pub(crate) materials: Vec<u32>,
+    /// Bits of the edges of each element, as in [`Outlines`].
+    pub(crate) outlines: Vec<u8>,
     pub(crate) cracks: Vec<([[f64; 2]; 2], Mode)>,
 }
 
-/// Bytes that are no frame.
+/// Error of bytes that are no frame.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum FrameError {
-    /// They begin otherwise.
+    /// The first bytes are not those of a frame.
     NotAFrame,
-    /// They end too early, or contradict themselves.
+    /// The bytes end too early, or contradict themselves.
     Damaged,
 }
 
@@ -90,48 +99,85 @@ impl fmt::Display for FrameError {
 impl std::error::Error for FrameError {}
 
 impl Frame {
-    /// Of a snapshot. Numbers that are not finite are kept as such.
+    /// A frame of a snapshot, without outlines. Numbers that are not finite are kept as such.
     ///
     /// # Errors
     /// A snapshot that contradicts itself.
     pub fn new(snapshot: &Snapshot) -> Result<Self, SnapshotError> {
+        Self::outlined(snapshot, &Outlines { bits: vec![0; snapshot.triangles.len()] })
+    }
+
+    /// A frame of a snapshot, with the outlines of its bodies and grains.
+    ///
+    /// # Errors
+    /// A snapshot that contradicts itself, or outlines of another mesh.
+    pub fn outlined(snapshot: &Snapshot, outlines: &Outlines) -> Result<Self, SnapshotError> {
+        Self::sampled(snapshot, outlines, usize::MAX)
+    }
+
+    /// A frame with at most `most` triangles. A mesh with more elements is shown by a sample: larger triangles that cover the same place, each with the values and the number of one of the
+    /// elements, and one crack of each mode in each place. Ranges of values and lengths of cracks are those of the whole mesh.
+    ///
+    /// # Errors
+    /// A snapshot that contradicts itself, or outlines of another mesh.
+    pub fn sampled(snapshot: &Snapshot, outlines: &Outlines, most: usize) -> Result<Self, SnapshotError> {
         checked(snapshot)?;
-        let corners: [[Vec<f64>; 2]; 3] = [0, 1, 2].map(|corner| {
-            [0, 1].map(|axis| {
-                let place = |nodes: &[u32; 3]| snapshot.positions[nodes[corner] as usize][axis];
-                snapshot.triangles.iter().map(place).collect()
-            })
-        });
-        let bounds =
-            [0, 1].map(|axis| bounds(corners.iter().flat_map(|corner| corner[axis].iter().copied())));
+        let whole = snapshot.triangles.len();
+        let found = outlines.bits.len();
+        if found != whole {
+            return Err(SnapshotError::Length { name: "outlines", found, expected: whole });
+        }
+        let mut corners: Vec<[[f64; 2]; 3]> = snapshot
+            .triangles
+            .iter()
+            .map(|nodes| nodes.map(|node| snapshot.positions[node as usize]))
+            .collect();
+        let bounds = [0, 1].map(|axis| bounds(corners.iter().flatten().map(|corner| corner[axis])));
+        let mut sample = (whole > most).then(|| Sample::new(&corners, &snapshot.bodies, bounds, most));
+        if let Some(sample) = &mut sample {
+            corners = std::mem::take(&mut sample.corners);
+        }
 
         let mut packed = Packed::default();
-        for corner in &corners {
-            for axis in 0..2 {
-                packed.places(&corner[axis], bounds[axis]);
+        for corner in 0..3 {
+            for (axis, &bounds) in bounds.iter().enumerate() {
+                let along: Vec<f64> = corners.iter().map(|corners| corners[corner][axis]).collect();
+                packed.places(&along, bounds);
             }
         }
+        let elements = corners.len();
+        drop(corners);
         let scales = SCALES.map(|field| {
             let values = field.values(snapshot);
             let scale = Scale::of(&values);
-            packed.places(&values, scale.ends);
+            packed.places(&of_sample(sample.as_ref(), values), scale.ends);
             scale
         });
         let halves = |numbers: &[u32], shift: u32| -> Vec<u16> {
             numbers.iter().map(|number| (number >> shift & 0xffff) as u16).collect()
         };
-        packed.numbers(&halves(&snapshot.bodies, 16));
-        packed.numbers(&halves(&snapshot.bodies, 0));
-        packed.numbers(&halves(&snapshot.materials, 0));
+        let bodies = of_sample(sample.as_ref(), snapshot.bodies.clone());
+        packed.numbers(&halves(&bodies, 16));
+        packed.numbers(&halves(&bodies, 0));
+        packed.numbers(&halves(&of_sample(sample.as_ref(), snapshot.materials.clone()), 0));
+        let bits = of_sample(sample.as_ref(), outlines.bits.clone());
+        packed.numbers(&bits.into_iter().map(u16::from).collect::<Vec<_>>());
+        if let Some(sample) = &sample {
+            packed.numbers(&halves(&sample.elements, 16));
+            packed.numbers(&halves(&sample.elements, 0));
+        }
 
-        let broken: Vec<&Crack> = snapshot.cracks.iter().filter(|crack| crack.time.is_some()).collect();
+        let mut broken: Vec<&Crack> = snapshot.cracks.iter().filter(|crack| crack.time.is_some()).collect();
         let mut lengths = [0.0; 3];
         for crack in &broken {
             lengths[usize::from(code(crack.mode))] += crack.length;
         }
+        if let Some(sample) = &sample {
+            sample.cracks(&mut broken, |crack| crack.ends, |crack| code(crack.mode));
+        }
         for end in 0..2 {
             for (axis, &[low, high]) in bounds.iter().enumerate() {
-                // Half way between two elements may be a little outside of both.
+                // The middle between two elements may lie slightly outside of both.
                 let inside = |crack: &&Crack| crack.ends[end][axis].clamp(low, high);
                 packed.places(&broken.iter().map(inside).collect::<Vec<_>>(), [low, high]);
             }
@@ -140,7 +186,8 @@ impl Frame {
         Ok(Self {
             step: snapshot.step,
             time: snapshot.time,
-            elements: snapshot.triangles.len(),
+            whole,
+            elements,
             cracks: broken.len(),
             bounds,
             scales,
@@ -155,22 +202,27 @@ impl Frame {
         self.step
     }
 
-    /// s.
+    /// Time, s.
     pub fn time(&self) -> f64 {
         self.time
     }
 
-    /// What all but 1 % do not fall below, and what all but 1 % do not exceed.
+    /// Whether the frame shows a sample of the elements.
+    pub(crate) fn is_sample(&self) -> bool {
+        self.elements < self.whole
+    }
+
+    /// The 1st and the 99th percentile of a field.
     pub(crate) fn usual(&self, scale: usize) -> [f64; 2] {
         self.scales[scale].usual
     }
 
-    /// As it may be kept in a file. The same frame is the same bytes.
+    /// The frame as bytes for a file. Equal frames have equal bytes.
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut bytes = MAGIC.to_vec();
         bytes.extend(self.step.to_le_bytes());
         bytes.extend(self.time.to_le_bytes());
-        for number in [self.elements, self.cracks, self.size] {
+        for number in [self.whole, self.elements, self.cracks, self.size] {
             bytes.extend((number as u64).to_le_bytes());
         }
         let scales = self.scales.iter().flat_map(|scale| [scale.ends, scale.usual]).flatten();
@@ -181,7 +233,7 @@ impl Frame {
         bytes
     }
 
-    /// What [`Self::to_bytes`] wrote.
+    /// Reads the bytes of [`Self::to_bytes`].
     ///
     /// # Errors
     /// Bytes that are no frame, or a damaged one.
@@ -193,6 +245,7 @@ impl Frame {
             Some(Self {
                 step: words.u64()?,
                 time: words.f64()?,
+                whole: usize::try_from(words.u64()?).ok()?,
                 elements: usize::try_from(words.u64()?).ok()?,
                 cracks: usize::try_from(words.u64()?).ok()?,
                 size: usize::try_from(words.u64()?).ok()?,
@@ -207,12 +260,12 @@ impl Frame {
         Ok(frame)
     }
 
-    /// All numbers.
+    /// Decompresses the frame.
     pub(crate) fn open(&self) -> Result<Opened, FrameError> {
         self.try_open().ok_or(FrameError::Damaged)
     }
 
-    /// As many times `N` points: all first ones, x and then y, all second ones and so on.
+    /// Reads `count` times `N` points: x of all first points, y of all first points, x of all second points and so on.
     fn points<const N: usize>(&self, arrays: &mut Unpacked<'_>, count: usize) -> Option<Vec<[[f64; 2]; N]>> {
         let mut points = vec![[[f64::NAN; 2]; N]; count];
         for corner in 0..N {
@@ -226,7 +279,11 @@ impl Frame {
     }
 
     fn try_open(&self) -> Option<Opened> {
-        let of_elements = self.elements.checked_mul(2 * OF_ELEMENTS)?;
+        if self.elements > self.whole {
+            return None;
+        }
+        let of_samples = if self.is_sample() { OF_SAMPLES } else { 0 };
+        let of_elements = self.elements.checked_mul(2 * (OF_ELEMENTS + of_samples))?;
         let expected = of_elements.checked_add(self.cracks.checked_mul(2 * OF_CRACKS)?)?;
         let bytes = miniz_oxide::inflate::decompress_to_vec_with_limit(&self.deflated, self.size).ok()?;
         if expected != self.size || bytes.len() != expected {
@@ -245,6 +302,11 @@ impl Frame {
             .map(|(&upper, &lower)| u32::from(upper) << 16 | u32::from(lower))
             .collect();
         let materials = arrays.numbers(self.elements)?.into_iter().map(u32::from).collect();
+        let outlines = arrays.numbers(self.elements)?.into_iter().map(|bits| (bits & 0xff) as u8).collect();
+        if self.is_sample() {
+            // Pictures do not need the numbers of the elements.
+            arrays.numbers(2 * self.elements)?;
+        }
         let ends = self.points(&mut arrays, self.cracks)?;
         let modes = arrays.numbers(self.cracks)?.into_iter().map(|code| match code {
             0 => Mode::Tension,
@@ -252,11 +314,19 @@ impl Frame {
             _ => Mode::Mixed,
         });
         let cracks = ends.into_iter().zip(modes).collect();
-        arrays.is_empty().then_some(Opened { corners, values, bodies, materials, cracks })
+        arrays.is_empty().then_some(Opened { corners, values, bodies, materials, outlines, cracks })
     }
 }
 
-/// How frames number it.
+/// Values of the elements that a frame shows.
+fn of_sample<T: Copy>(sample: Option<&Sample>, values: Vec<T>) -> Vec<T> {
+    match sample {
+        Some(sample) => sample.elements.iter().map(|&element| values[element as usize]).collect(),
+        None => values,
+    }
+}
+
+/// Number of a mode in frames.
 pub(crate) fn code(mode: Mode) -> u16 {
     match mode {
         Mode::Tension => 0,
@@ -280,7 +350,7 @@ fn quantile(values: &mut [f64], place: usize) -> f64 {
     *values.select_nth_unstable_by(place, f64::total_cmp).1
 }
 
-/// The least and the largest coordinate of those that are drawn.
+/// The least and the greatest coordinate of the elements that are drawn.
 fn bounds(coordinates: impl Iterator<Item = f64>) -> [f64; 2] {
     let mut finite: Vec<f64> = coordinates.filter(|x| x.is_finite()).collect();
     let Some(last) = finite.len().checked_sub(1) else { return [0.0; 2] };
@@ -290,7 +360,7 @@ fn bounds(coordinates: impl Iterator<Item = f64>) -> [f64; 2] {
     near.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], &x| [low.min(x), high.max(x)])
 }
 
-/// Numbers of eight bytes.
+/// Reader of numbers of eight bytes.
 struct Words<'a> {
     bytes: &'a [u8],
 }

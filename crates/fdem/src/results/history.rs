@@ -1,4 +1,4 @@
-//! The history of a run: a row of numbers for every instant, as a text that grows.
+//! The history of a run: a text file that gets a row of numbers at regular intervals.
 
 use std::fmt;
 use std::io::{self, Write};
@@ -7,7 +7,7 @@ use fdem_simulation::{Crack, Energies};
 
 use crate::results::frame::code;
 
-/// Columns that every history has. Energies in J, lengths in m, times in s.
+/// Columns of every history. Energies are in J, lengths in m, times in s.
 const COLUMNS: [&str; 16] = [
     "step",
     "time",
@@ -27,25 +27,25 @@ const COLUMNS: [&str; 16] = [
     "crack_length_mixed",
 ];
 
-/// What the run is like at one instant.
+/// State of a run at one instant.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Row {
     /// Steps done.
     pub step: u64,
-    /// s.
+    /// Time, s.
     pub time: f64,
-    /// J.
+    /// Energies, J.
     pub energies: Energies,
-    /// How many.
+    /// Number of broken joints.
     pub broken: u64,
-    /// Of what is broken by tension, by shear and by both, m.
+    /// Lengths of the joints broken by tension, by shear and by both, m.
     pub lengths: [f64; 3],
-    /// What the user asked for, in the order of the names.
+    /// Values of the user's columns, in the order of their names.
     pub values: Vec<f64>,
 }
 
 impl Row {
-    /// How many of the joints are broken, and their lengths by tension, shear and both, m: for [`Row::broken`] and [`Row::lengths`].
+    /// Number of broken joints, and their lengths by tension, by shear and by both, m: for [`Row::broken`] and [`Row::lengths`].
     pub fn broken_joints(cracks: &[Crack]) -> (u64, [f64; 3]) {
         let (mut count, mut lengths) = (0, [0.0; 3]);
         for crack in cracks.iter().filter(|crack| crack.time.is_some()) {
@@ -56,7 +56,7 @@ impl Row {
     }
 }
 
-/// Writes rows as they come: delimited text with one line of names, numbers in the shortest form that reads back as the same.
+/// Writes a history as delimited text: one line of names, then the rows. Numbers have the shortest form that reads back as the same number.
 ///
 /// Names of the user's columns end with their unit in brackets: `load [N]`.
 ///
@@ -94,7 +94,7 @@ impl<W: Write> HistoryWriter<W> {
         Ok(Self { out, width: names.len(), line })
     }
 
-    /// Goes on with a text that has its names already, of so many columns of the user.
+    /// Continues a text that has its names already; `width` is the number of the user's columns.
     pub fn going_on(out: W, width: usize) -> Self {
         Self { out, width, line: String::new() }
     }
@@ -102,7 +102,7 @@ impl<W: Write> HistoryWriter<W> {
     /// Writes a row in one piece.
     ///
     /// # Errors
-    /// Those of `out`; [`io::ErrorKind::InvalidInput`] if it has not as many values as there are names.
+    /// Those of `out`; [`io::ErrorKind::InvalidInput`] if the number of values is not that of the names.
     pub fn row(&mut self, row: &Row) -> io::Result<()> {
         if row.values.len() != self.width {
             let problem = format!("a row of {} values, where {} have names", row.values.len(), self.width);
@@ -128,37 +128,37 @@ impl<W: Write> HistoryWriter<W> {
 
     fn number(&mut self, number: f64) {
         use std::fmt::Write;
-        // As short as it can be, also where that is with an exponent. Writing to a string does not fail.
+        // The shorter form, with or without an exponent. Writing to a string does not fail.
         let plain = number == 0.0 || (1e-4..1e16).contains(&number.abs());
         let _ = if plain { write!(self.line, ",{number}") } else { write!(self.line, ",{number:e}") };
     }
 
-    /// What is written to.
+    /// The writer below.
     pub fn get_mut(&mut self) -> &mut W {
         &mut self.out
     }
 }
 
-/// A name as a field of delimited text.
+/// Quotes a name for delimited text where necessary.
 fn quoted(name: &str) -> String {
-    // A line of names is one line.
+    // Names must not break the line.
     let name: String = name.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
     if name.contains([',', '"']) { format!("\"{}\"", name.replace('"', "\"\"")) } else { name }
 }
 
-/// A history that was read.
+/// A history that has been read.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct History {
     names: Vec<String>,
     columns: Vec<Vec<f64>>,
 }
 
-/// A text that is no history.
+/// Error of a text that is no history.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct HistoryError {
-    /// From 1.
+    /// Number of the line, from 1.
     pub line: usize,
-    /// What is wrong with it.
+    /// Description of the error.
     pub problem: String,
 }
 
@@ -171,10 +171,10 @@ impl fmt::Display for HistoryError {
 impl std::error::Error for HistoryError {}
 
 impl History {
-    /// What a [`HistoryWriter`] wrote. A last line without an end was not written whole, and is left out.
+    /// Reads the text of a [`HistoryWriter`]. A last line without a line break is incomplete and left out.
     ///
     /// # Errors
-    /// The first line that is not as it should be.
+    /// The first line that is wrong.
     pub fn read(text: &[u8]) -> Result<Self, HistoryError> {
         let mut lines = whole_lines(text);
         let head = lines.next().ok_or_else(|| HistoryError::at(1, "there are no names of columns"))?;
@@ -200,12 +200,12 @@ impl History {
         Ok(Self { names, columns })
     }
 
-    /// Of all columns.
+    /// Names of all columns.
     pub fn names(&self) -> &[String] {
         &self.names
     }
 
-    /// The first column of that name.
+    /// The first column with this name.
     pub fn column(&self, name: &str) -> Option<&[f64]> {
         let place = self.names.iter().position(|other| other == name)?;
         Some(&self.columns[place])
@@ -217,7 +217,7 @@ impl History {
         all.map(|(name, values)| (name.as_str(), values.as_slice()))
     }
 
-    /// How many rows there are.
+    /// Number of rows.
     pub fn rows(&self) -> usize {
         self.columns.first().map_or(0, Vec::len)
     }
@@ -229,10 +229,10 @@ impl HistoryError {
     }
 }
 
-/// How many bytes of a history to keep so that nothing after `step` is in it, nor a line that was not written whole: for a run that goes on from there.
+/// Number of bytes of a history to keep for a run that resumes at `step`: without later rows, and without an incomplete line.
 ///
 /// # Errors
-/// The first line of which the step cannot be read.
+/// The first line whose step cannot be read.
 pub fn kept(text: &[u8], step: u64) -> Result<usize, HistoryError> {
     let mut end = 0;
     for (k, line) in whole_lines(text).enumerate() {
@@ -250,7 +250,7 @@ pub fn kept(text: &[u8], step: u64) -> Result<usize, HistoryError> {
     Ok(end)
 }
 
-/// Lines that end, without their ends.
+/// Complete lines, without their line breaks.
 fn whole_lines(text: &[u8]) -> impl Iterator<Item = &[u8]> {
     let end = text.iter().rposition(|&byte| byte == b'\n').unwrap_or(0);
     text[..end].split(|&byte| byte == b'\n').filter(move |_| end > 0)

@@ -1,10 +1,10 @@
-//! Numbers as 16 bits each: their place between two others.
+//! Numbers with 16 bits each: their position between two limits.
 
-/// What is not a number, or not within reach.
+/// Code of a value that is not a number, or beyond the limits.
 const NONE: u16 = u16::MAX;
 const STEPS: f64 = 65_534.0;
 
-/// Arrays of numbers of 16 bits, one after the other: of each first the upper bytes, which differ little, then the lower.
+/// Arrays of numbers of 16 bits. Each array has first all upper bytes, which differ little, then all lower bytes.
 #[derive(Default)]
 pub(crate) struct Packed {
     pub(crate) bytes: Vec<u8>,
@@ -17,11 +17,11 @@ impl Packed {
         self.bytes.extend(numbers.iter().map(|number| (number & 255) as u8));
     }
 
-    /// Appends places between `low` and `high`.
+    /// Appends an array of positions between `low` and `high`.
     pub(crate) fn places(&mut self, values: &[f64], [low, high]: [f64; 2]) {
         let place = |&value: &f64| {
             if value.is_finite() && (low..=high).contains(&value) {
-                // A range of no width has all its values at its start.
+                // In a range without width all values are at the start.
                 let share = if high > low { (value - low) / (high - low) } else { 0.0 };
                 (share * STEPS).round() as u16
             } else {
@@ -33,7 +33,7 @@ impl Packed {
     }
 }
 
-/// Arrays read back in the order in which they were packed.
+/// Reader of arrays in the order in which they were packed.
 pub(crate) struct Unpacked<'a> {
     bytes: &'a [u8],
 }
@@ -43,7 +43,7 @@ impl<'a> Unpacked<'a> {
         Self { bytes }
     }
 
-    /// The next array; `None` if there are not as many bytes.
+    /// Reads the next array; `None` if the bytes are too few.
     pub(crate) fn numbers(&mut self, count: usize) -> Option<Vec<u16>> {
         let (array, rest) = self.bytes.split_at_checked(count.checked_mul(2)?)?;
         self.bytes = rest;
@@ -51,7 +51,7 @@ impl<'a> Unpacked<'a> {
         Some(upper.iter().zip(lower).map(|(&upper, &lower)| u16::from_be_bytes([upper, lower])).collect())
     }
 
-    /// The next array, of places between `low` and `high`; what was not a number is not one again.
+    /// Reads the next array of positions between `low` and `high`. Values that were no numbers or beyond the limits are not numbers.
     pub(crate) fn places(&mut self, count: usize, [low, high]: [f64; 2]) -> Option<Vec<f64>> {
         let value = |place: u16| match place {
             NONE => f64::NAN,

@@ -1,4 +1,4 @@
-//! Frames as pictures: elements by colour, cracks as lines, the same view and the same colours in all of a series.
+//! Pictures of frames: coloured elements, outlines, and cracks as lines. All pictures of a series have the same view and the same colour scale.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -9,39 +9,48 @@ use crate::numbers::{brief, grouped};
 use crate::picture::colour::{Rgb, hex};
 use crate::picture::encode::{self, Layer};
 use crate::picture::furniture::{self, BAR, FOOT, HEAD};
-use crate::picture::svg::{Anchor, INK, PALE, Svg, shortened};
+use crate::picture::svg::{Anchor, INK, PALE, Svg};
+use crate::picture::text::{OF_TITLES, fitting};
 use crate::picture::ticks::{tick_text, ticks};
 use crate::picture::{PictureError, drawing};
 use crate::results::field::{Field, Range, numbered_colour};
 use crate::results::fill::Fill;
 use crate::results::frame::{Frame, Opened, code};
+use crate::results::outlines::{OF_BODIES, OF_GRAINS, edges};
 use crate::results::unit::prefixed;
 
 const MARGIN: f64 = 24.0;
-/// The area of the drawing is not larger, nor narrower than what stands around it: with the margins 900 wide.
+/// Greatest size and least width of the drawing area. With its margins a picture is at most 900 wide.
 const MOST: [f64; 2] = [852.0, 700.0];
 const NARROWEST: f64 = 620.0;
 
-/// More triangles than a browser opens with ease are an image.
+/// Most triangles that are drawn as vectors; more are an image, which browsers open faster.
 const MOST_VECTORS: usize = 20_000;
 
-/// Of cracks by tension, by shear, by both: their colours stand beside those of no field, and a white seam parts them from these.
+/// Names and colours of cracks by tension, by shear and by both. No field has these colours, and a white seam separates the cracks from the elements.
 pub(crate) const CRACKS: [(&str, Rgb); 3] =
     [("tension", [17, 24, 39]), ("shear", [200, 0, 170]), ("mixed", [232, 116, 0])];
 const CRACK: f64 = 2.0;
 const SEAM: f64 = 4.0;
 
-/// What a series of pictures shows: the same place in all of them.
+/// Colours and greatest widths of the outlines of bodies and of grains.
+pub(crate) const OUTLINES: [(Rgb, f64); 2] = [([31, 41, 51], 1.3), ([84, 94, 104], 0.8)];
+/// Greatest width of an outline, as a share of the size of the bodies or grains.
+pub(crate) const OUTLINE: f64 = 0.06;
+/// Narrower outlines are not drawn: they would only darken the colours.
+pub(crate) const NARROWEST_OUTLINE: f64 = 0.12;
+
+/// The part of the plane that all pictures of a series show.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrameView {
     low: [f64; 2],
     high: [f64; 2],
-    /// The last time, by which times are told.
+    /// The last time, which decides the unit and the digits of times.
     last: f64,
 }
 
 impl FrameView {
-    /// All that is in any of the frames, but no farther from what is in the first than half of its size: fragments that fly away leave the picture.
+    /// A view of all frames, which reaches beyond the first frame by at most half of its size: fragments that fly farther leave the picture.
     pub fn of<'a>(frames: impl IntoIterator<Item = &'a Frame>) -> Self {
         let mut frames = frames.into_iter();
         let Some(first) = frames.next() else { return Self { low: [0.0; 2], high: [1.0; 2], last: 0.0 } };
@@ -59,7 +68,7 @@ impl FrameView {
         Self { low, high, last }
     }
 
-    /// What is in the middle, and how far it is from there to the sides, m: not nothing, whatever there is.
+    /// The centre, and the distances from there to the sides, m: never zero, also for a view without extent.
     pub(crate) fn middle_and_half(&self) -> ([f64; 2], [f64; 2]) {
         let half = [0, 1].map(|axis| (self.high[axis] - self.low[axis]) / 2.0);
         let middle = [0, 1].map(|axis| self.low[axis] + half[axis]);
@@ -67,7 +76,7 @@ impl FrameView {
         if good { (middle, half) } else { ([0.0; 2], [1.0; 2]) }
     }
 
-    /// A time, with as many digits at every frame.
+    /// A time as text, with the same number of decimals for all frames.
     pub(crate) fn time(&self, time: f64) -> String {
         let (factor, unit) = prefixed("s", self.last);
         let decimals = match self.last * factor {
@@ -79,7 +88,7 @@ impl FrameView {
     }
 }
 
-/// How the frames of a series are drawn.
+/// Settings of the pictures of a series.
 ///
 /// # Example
 /// ```
@@ -95,6 +104,7 @@ impl FrameView {
 ///     damage: vec![0.0],
 ///     bodies: vec![0],
 ///     materials: vec![0],
+///     fragments: vec![0],
 ///     ..Snapshot::default()
 /// };
 /// let frames = [Frame::new(&snapshot)?];
@@ -106,21 +116,21 @@ impl FrameView {
 /// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Pictures<'a> {
-    /// The first line.
+    /// Title.
     pub title: &'a str,
-    /// What elements are coloured by.
+    /// Field by which elements are coloured.
     pub field: Field,
-    /// What the ends of the colours are.
+    /// Values at the ends of the colour scale.
     pub range: Range,
-    /// What is seen.
+    /// Part of the plane that is shown.
     pub view: FrameView,
 }
 
 impl Pictures<'_> {
-    /// A frame as SVG. More than 20,000 elements are an image within.
+    /// A frame as SVG. More than 20,000 elements are an image in it.
     ///
     /// # Errors
-    /// [`PictureError::Png`], also for a frame that is damaged; [`PictureError::TooWide`].
+    /// [`PictureError::Png`], also for a damaged frame; [`PictureError::TooWide`].
     pub fn svg(&self, frame: &Frame) -> Result<String, PictureError> {
         let (page, opened) = (self.page()?, opened(frame)?);
         let mut svg = self.sheet(&page, frame);
@@ -136,7 +146,7 @@ impl Pictures<'_> {
         Ok(svg.finish())
     }
 
-    /// A frame as a PNG file, `width` pixels wide, 200 to 10,000, or as wide as the SVG: 900 at the most.
+    /// A frame as a PNG file, `width` pixels wide (200 to 10,000), or as wide as the SVG (at most 900).
     ///
     /// # Errors
     /// Those of [`Self::svg`]; [`PictureError::Width`].
@@ -145,7 +155,7 @@ impl Pictures<'_> {
         encode::file(size, &pixels)
     }
 
-    /// As [`Self::png`], as red, green and blue, row after row, with the two sides.
+    /// The picture of [`Self::png`] as width, height, and red, green and blue of each pixel, row by row.
     pub(crate) fn pixels(
         &self,
         frame: &Frame,
@@ -164,7 +174,7 @@ impl Pictures<'_> {
         if !extent.iter().all(|side| side.is_finite()) {
             return Err(PictureError::TooWide);
         }
-        // Nothing touches the edge of the drawing.
+        // A margin of four units on each side.
         let fits =
             |axis: usize| if extent[axis] > 0.0 { (MOST[axis] - 8.0) / extent[axis] } else { f64::INFINITY };
         let scale = fits(0).min(fits(1));
@@ -180,13 +190,13 @@ impl Pictures<'_> {
         Svg::new(page.size[0], page.size[1], &name, &description)
     }
 
-    /// Of a frame.
+    /// A sentence with the time, the step and the counts of a frame.
     fn sentence(&self, frame: &Frame) -> String {
         let mut text = format!(
             "t = {}, step {}, {} elements",
             self.view.time(frame.time),
             grouped(frame.step),
-            grouped(frame.elements as u64)
+            grouped(frame.whole as u64)
         );
         if frame.cracks > 0 {
             let total: f64 = frame.lengths.iter().sum();
@@ -205,13 +215,46 @@ impl Pictures<'_> {
         }
     }
 
-    /// Elements and cracks as pixels.
+    /// The outlines of bodies (`kind` 0) or grains (1) as lines in units of the drawing, and their width.
+    fn outlines(page: &Page, opened: &Opened, kind: usize) -> (Vec<[[f64; 2]; 2]>, f64) {
+        let mask = [OF_BODIES, OF_GRAINS][kind];
+        let line = |(element, corner): (usize, usize)| {
+            let corners = opened.corners[element];
+            [corners[corner], corners[(corner + 1) % 3]].map(|end| page.place(end))
+        };
+        let lines: Vec<[[f64; 2]; 2]> = edges(&opened.outlines, mask)
+            .map(line)
+            .filter(|line| line.as_flattened().iter().all(|x| x.is_finite()))
+            .collect();
+        // Four times the area over the circumference is the diameter of a disc.
+        let double =
+            |[a, b, c]: [[f64; 2]; 3]| ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])).abs();
+        let area =
+            opened.corners.iter().map(|&corners| 0.5 * double(corners)).filter(|area| area.is_finite());
+        let area = area.sum::<f64>() * page.scale * page.scale;
+        let length: f64 = lines.iter().map(|[a, b]| (b[0] - a[0]).hypot(b[1] - a[1])).sum();
+        let size = 4.0 * area / length.max(f64::MIN_POSITIVE);
+        (lines, OUTLINES[kind].1.min(OUTLINE * size))
+    }
+
+    /// Elements, outlines and cracks as pixels.
     fn layer(&self, page: &Page, opened: &Opened, scale: f64) -> Layer {
         let size = page.area.map(|side| (side * scale).round() as usize);
         let mut fill = Fill::new(size);
         let pixel = |point: [f64; 2]| page.place(point).map(|x| x * scale);
         for (element, corners) in opened.corners.iter().enumerate() {
             fill.triangle(corners.map(pixel), self.colour(opened, element));
+        }
+        // Grains first: outlines of bodies lie above them.
+        for kind in [1, 0] {
+            let (lines, width) = Self::outlines(page, opened, kind);
+            if width < NARROWEST_OUTLINE {
+                continue;
+            }
+            for line in lines {
+                // A line narrower than a sample would have holes.
+                fill.line(line.map(|end| end.map(|x| x * scale)), (width * scale).max(0.5), OUTLINES[kind].0);
+            }
         }
         for (ends, _) in &opened.cracks {
             fill.line(ends.map(pixel), SEAM * scale, [255; 3]);
@@ -222,7 +265,7 @@ impl Pictures<'_> {
         Layer { at: [MARGIN, HEAD], size, pixels: fill.into_pixels() }
     }
 
-    /// Elements and cracks as paths, one for each colour.
+    /// Elements, outlines and cracks as paths, one for each colour.
     fn vectors(&self, page: &Page, opened: &Opened, svg: &mut Svg) {
         let mut paths: BTreeMap<Rgb, String> = BTreeMap::new();
         for (element, corners) in opened.corners.iter().enumerate() {
@@ -243,6 +286,19 @@ impl Pictures<'_> {
             svg.put(format_args!(r#"<path class="elements" fill="{colour}" stroke="{colour}" d="{path}"/>"#));
         }
         svg.put(format_args!(r#"</g><g fill="none" stroke-linecap="round">"#));
+        for (kind, class) in [(1, "grains"), (0, "bodies")] {
+            let (all, width) = Self::outlines(page, opened, kind);
+            if width >= NARROWEST_OUTLINE && !all.is_empty() {
+                let mut path = String::new();
+                for [a, b] in all {
+                    let _ = write!(path, "M{:.2} {:.2}L{:.2} {:.2}", a[0], a[1], b[0], b[1]);
+                }
+                svg.put(format_args!(
+                    r#"<path class="{class}" d="{path}" stroke="{}" stroke-width="{width:.2}"/>"#,
+                    hex(OUTLINES[kind].0)
+                ));
+            }
+        }
         let mut lines: [String; 3] = Default::default();
         for (ends, mode) in &opened.cracks {
             let [a, b] = ends.map(|end| page.place(end));
@@ -270,9 +326,10 @@ impl Pictures<'_> {
         svg.put(format_args!("</g></svg>"));
     }
 
-    /// Title, scale bar, colour bar and what the lines are.
+    /// Title, scale bar, colour bar and legend of the cracks.
     fn surroundings(&self, page: &Page, frame: &Frame, svg: &mut Svg) {
-        svg.bold([MARGIN, 30.0], 17.0, &shortened(self.title, (page.area[0] / 11.0) as usize));
+        let (title, size) = fitting(self.title, page.area[0], OF_TITLES, true);
+        svg.bold([MARGIN, 30.0], size, &title);
         svg.label([MARGIN, 51.0], 12.5, Anchor::Start, PALE, &self.sentence(frame));
         let (right, foot) = (page.size[0] - MARGIN - 6.0, HEAD + page.area[1] + 12.0);
         let (factor, unit) = prefixed("m", 150.0 / page.scale);
@@ -293,7 +350,7 @@ impl Pictures<'_> {
         self.bar(svg, [right, foot]);
     }
 
-    /// Which colour is which value, right aligned.
+    /// The colour bar, right aligned.
     fn bar(&self, svg: &mut Svg, [right, y]: [f64; 2]) {
         let (Range { low, high }, x) = (self.range, right - BAR);
         if self.field.scale().is_none() {
@@ -326,18 +383,18 @@ fn opened(frame: &Frame) -> Result<Opened, PictureError> {
     frame.open().map_err(|error| PictureError::Png { message: error.to_string() })
 }
 
-/// Where everything stands.
+/// Layout of a picture.
 struct Page {
-    /// What is in the middle of the area, m.
+    /// The point in the middle of the area, m.
     middle: [f64; 2],
-    /// Units of the drawing for a metre.
+    /// Units of the drawing per metre.
     scale: f64,
     area: [f64; 2],
     size: [f64; 2],
 }
 
 impl Page {
-    /// From the upper left of the area.
+    /// Position of a point, from the upper left of the area.
     fn place(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         [
             self.area[0] / 2.0 + (x - self.middle[0]) * self.scale,

@@ -1,11 +1,16 @@
-//! What happened in a run, as curves.
+//! Plots of what happened in a run.
 
 use crate::picture::{PictureError, drawing, encode};
 use crate::results::chart::{Axis, Chart, Curve, WIDTH};
 use crate::results::history::History;
+use crate::results::loads::{Loading, loading};
+use crate::results::noise::mean;
 
 /// More curves are not told apart.
 const MOST_CURVES: usize = 8;
+
+/// Share of the largest strain energy in the first row from which it is that of an initial stress: without one it is rounding.
+const INITIAL: f64 = 1e-6;
 
 /// A plot of a history.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -26,8 +31,11 @@ impl Plot {
     }
 }
 
-/// Energies, the error of their balance, the growth of cracks, and what the user asked for: columns of one unit together over time, and loads (N) over the
-/// first displacement (m) if there are both.
+/// Energies, the error of their balance, the growth of cracks; the user's columns over time, one plot for each unit; and forces over displacements.
+///
+/// The last one shows the force of each boundary over its own displacement, both along the axis on which it does most work, positive in the direction of its
+/// motion. If no boundary moves that has a force, it shows the forces of those at rest over the displacement of a node, on the axis of the largest force.
+/// A force that is noisy is drawn pale, with its running mean.
 ///
 /// # Cost
 /// Of a history of any length, 1,600 points of a curve are drawn, the peaks among them.
@@ -37,23 +45,27 @@ impl Plot {
 /// use fdem::results::{History, HistoryWriter, Row, plots};
 ///
 /// let mut text = Vec::new();
-/// let mut writer = HistoryWriter::new(&mut text, &["load [N]".to_owned(), "opening [m]".to_owned()])?;
+/// let columns = ["top fx [N]", "top fy [N]", "top ux [m]", "top uy [m]"].map(String::from);
+/// let mut writer = HistoryWriter::new(&mut text, &columns)?;
 /// for step in 0..10_u8 {
-///     let values = vec![f64::from(step), 1e-3 * f64::from(step)];
+///     let values = vec![0.0, -f64::from(step), 0.0, -1e-3 * f64::from(step)];
 ///     writer.row(&Row { time: f64::from(step), values, ..Row::default() })?;
 /// }
 /// let names: Vec<String> = plots(&History::read(&text)?).into_iter().map(|plot| plot.name).collect();
-/// let all = ["energies", "energy_error", "crack_growth", "histories", "histories_2", "load_displacement"];
-/// assert_eq!(names, all);
+/// let own = ["energies", "energy_error", "crack_growth"];
+/// assert_eq!(names[..3], own);
+/// assert_eq!(names[3..], ["histories_forces", "histories_displacements", "load_displacement"]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn plots(history: &History) -> Vec<Plot> {
     let time = history.column("time").unwrap_or_default();
+    let changed = change_of_strain(history);
     let over_time = |name: &'static str, up: Axis<'static>, curves: &[(&'static str, &'static str)]| {
-        let curves = curves
-            .iter()
-            .filter_map(|(name, column)| Some(Curve { name, across: time, up: history.column(column)? }));
-        let curves: Vec<Curve<'_>> = curves.collect();
+        let curve = |(name, column): &(&'static str, &'static str)| match &changed {
+            Some(up) if *column == "strain" => Some(Curve::plain("strain (change)", time, up)),
+            _ => Some(Curve::plain(name, time, history.column(column)?)),
+        };
+        let curves: Vec<Curve<'_>> = curves.iter().filter_map(curve).collect();
         let description = described(&curves, "time");
         Chart { name, description, across: Axis { name: "time", unit: "s" }, up, curves }.svg()
     };
@@ -80,7 +92,7 @@ pub fn plots(history: &History) -> Vec<Plot> {
             "energy_error",
             over_time(
                 "Error of the energy balance",
-                Axis { name: "share of the energy in the system", unit: "" },
+                Axis { name: "share of the energy exchanged", unit: "" },
                 &[("error", "error")],
             ),
         ),
@@ -98,59 +110,94 @@ pub fn plots(history: &History) -> Vec<Plot> {
             ),
         ),
     ];
-    plots.extend(of_user(history, time));
+    plots.extend(by_unit(history, time));
+    plots.extend(load_displacement(history));
     plots
 }
 
-/// What the user asked for.
-fn of_user(history: &History, time: &[f64]) -> Vec<Plot> {
+/// The change of the strain energy since the beginning, where an initial stress has stored some: it would hide all other curves. `None` where the bodies begin without stress.
+fn change_of_strain(history: &History) -> Option<Vec<f64>> {
+    let strain = history.column("strain")?;
+    let most = strain.iter().copied().filter(|x| x.is_finite()).fold(0.0, f64::max);
+    let first = *strain.first().filter(|&&first| first > INITIAL * most)?;
+    Some(strain.iter().map(|now| now - first).collect())
+}
+
+/// The user's columns over time, those of one unit together.
+fn by_unit(history: &History, time: &[f64]) -> Vec<Plot> {
     // Units in the order in which they come first.
     let mut units: Vec<(&str, Vec<Curve<'_>>)> = Vec::new();
     for (name, up) in history.of_user() {
+        if at_rest(history, name, up) {
+            continue;
+        }
         let (name, unit) = split(name);
-        let curve = Curve { name, across: time, up };
+        let mut curve = Curve::plain(name, time, up);
+        if unit == "N" {
+            curve.mean = mean(time, up);
+        }
         match units.iter_mut().find(|(other, _)| *other == unit) {
             Some((_, curves)) => curves.push(curve),
             None => units.push((unit, vec![curve])),
         }
     }
-    let curves_of = |wanted: &str| units.iter().find(|(unit, _)| *unit == wanted).map(|(_, curves)| curves);
-    let mut load = None;
-    if let (Some(loads), Some([displacement, ..])) = (curves_of("N"), curves_of("m").map(Vec::as_slice)) {
-        let across = displacement.up;
-        let curves: Vec<Curve<'_>> = loads
-            .iter()
-            .take(MOST_CURVES)
-            .map(|load| Curve { name: load.name, across, up: load.up })
-            .collect();
-        let description = described(&curves, displacement.name);
-        let across = Axis { name: displacement.name, unit: "m" };
-        let up = Axis { name: if let [one] = &curves[..] { one.name } else { "force" }, unit: "N" };
-        let svg = Chart { name: "Load and displacement", description, across, up, curves }.svg();
-        load = Some(Plot { name: "load_displacement".to_owned(), svg });
-    }
-    let mut plots = Vec::new();
+    let mut plots: Vec<Plot> = Vec::new();
     for (unit, mut curves) in units {
-        while !curves.is_empty() {
+        let (one, several) = quantity(unit);
+        let parts = curves.len().div_ceil(MOST_CURVES);
+        for part in 1..=parts {
             let rest = curves.split_off(curves.len().min(MOST_CURVES));
+            let unit_of = if unit.is_empty() { String::new() } else { format!(" ({unit})") };
+            let mut title = match &curves[..] {
+                [curve] if parts == 1 => format!("{} over time{unit_of}: {}", capital(one), curve.name),
+                _ => format!("{} over time{unit_of}", capital(several)),
+            };
+            if parts > 1 {
+                title = format!("{title}, {part} of {parts}");
+            }
             let description = described(&curves, "time");
-            let quantity = quantity(unit);
-            let up = Axis { name: if let [one] = &curves[..] { one.name } else { quantity }, unit };
-            let title = capital(up.name) + " over time";
-            let svg =
-                Chart { name: &title, description, across: Axis { name: "time", unit: "s" }, up, curves }
-                    .svg();
-            let number = if plots.is_empty() { String::new() } else { format!("_{}", plots.len() + 1) };
-            plots.push(Plot { name: format!("histories{number}"), svg });
+            let across = Axis { name: "time", unit: "s" };
+            let svg = Chart { name: &title, description, across, up: Axis { name: one, unit }, curves }.svg();
+            let name = format!("histories_{several}");
+            // Two units may be of quantities without a name of their own.
+            let number = 1 + plots.iter().filter(|plot| plot.name.starts_with(&name)).count();
+            plots.push(Plot { name: if number == 1 { name } else { format!("{name}_{number}") }, svg });
             curves = rest;
         }
     }
-    plots.extend(load);
     plots
 }
 
+/// Whether a column is the displacement of a boundary that stays where it is: its force says enough.
+fn at_rest(history: &History, name: &str, values: &[f64]) -> bool {
+    let boundary = name.strip_suffix(" ux [m]").or_else(|| name.strip_suffix(" uy [m]"));
+    let has_force = |boundary: &str| history.column(&format!("{boundary} fx [N]")).is_some();
+    boundary.is_some_and(has_force) && values.iter().all(|&value| value == 0.0)
+}
+
+/// Forces over displacements.
+fn load_displacement(history: &History) -> Option<Plot> {
+    let Loading { across, mut loads } = loading(history)?;
+    loads.truncate(MOST_CURVES);
+    let curves = loads.iter().map(|load| Curve {
+        mean: mean(&load.displacement, &load.force),
+        ..Curve::plain(&load.name, &load.displacement, &load.force)
+    });
+    let curves: Vec<Curve<'_>> = curves.collect();
+    let description = described(&curves, &across);
+    let up = if let [one] = &loads[..] { format!("force, {}", one.name) } else { "force".to_owned() };
+    let chart = Chart {
+        name: "Load and displacement",
+        description,
+        across: Axis { name: &across, unit: "m" },
+        up: Axis { name: &up, unit: "N" },
+        curves,
+    };
+    Some(Plot { name: "load_displacement".to_owned(), svg: chart.svg() })
+}
+
 /// `load [N]` as `load` and `N`.
-fn split(name: &str) -> (&str, &str) {
+pub(crate) fn split(name: &str) -> (&str, &str) {
     let parts = name.strip_suffix(']').and_then(|rest| rest.rsplit_once('['));
     parts.map_or((name, ""), |(name, unit)| (name.trim_end(), unit))
 }
@@ -161,19 +208,19 @@ fn capital(name: &str) -> String {
     rest.next().map_or_else(String::new, |first| first.to_uppercase().chain(rest).collect())
 }
 
-/// What has the unit.
-fn quantity(unit: &str) -> &'static str {
+/// The quantity of a unit, one and several.
+fn quantity(unit: &str) -> (&'static str, &'static str) {
     match unit {
-        "N" => "force",
-        "m" => "length",
-        "m/s" => "velocity",
-        "Pa" => "stress",
-        "J" => "energy",
-        _ => "value",
+        "N" => ("force", "forces"),
+        "m" => ("displacement", "displacements"),
+        "m/s" => ("velocity", "velocities"),
+        "Pa" => ("stress", "stresses"),
+        "J" => ("energy", "energies"),
+        _ => ("value", "values"),
     }
 }
 
-/// In words.
+/// The curves in words.
 fn described(curves: &[Curve<'_>], over: &str) -> String {
     let mut text = format!("Curves over {over}: ");
     for (k, curve) in curves.iter().enumerate() {

@@ -1,7 +1,7 @@
 //! A page for a browser: the frames of a run to play, its plots and its summary, all in one file.
 //!
-//! It is made as the page of a contact network is ([`crate::report`]): it asks nothing of the network, its content security policy forbids all scripts
-//! and styles but its own, and texts from outside are escaped besides.
+//! As the page of a contact network ([`crate::report`]), it needs no network, its content security policy forbids all scripts and styles but its own, and
+//! texts from outside are escaped.
 
 use std::fmt::Write;
 
@@ -15,17 +15,24 @@ use crate::picture::svg::escape;
 use crate::report::{SHARED, STYLE, filled, hash, rows};
 use crate::results::field::{Field, NO_VALUE, NUMBERED, Range};
 use crate::results::frame::Frame;
-use crate::results::pictures::{CRACKS, FrameView, Pictures};
+use crate::results::names::Names;
+use crate::results::pictures::{CRACKS, FrameView, NARROWEST_OUTLINE, OUTLINE, OUTLINES, Pictures};
 use crate::results::plots::Plot;
 use crate::results::unit::prefixed;
 
-/// Of more frames a part is shown.
-pub const MOST_FRAMES: usize = 60;
+/// Most frames of a page; if there are more, some are left out.
+pub const MOST_FRAMES: usize = 121;
 
-/// Of more elements a browser would run out of memory.
-const MOST_ELEMENTS: usize = 1_000_000;
+/// Most frames that are named when they are left out.
+const MOST_NAMED: usize = 12;
 
-/// What frames may take in the file, in bytes.
+/// Most elements of a frame in a page: a browser would run out of memory with more. Larger meshes are shown by samples, [`Frame::sampled`].
+pub const MOST_ELEMENTS: usize = 1_000_000;
+
+/// Triangles in a sample of more than [`MOST_ELEMENTS`] elements: enough for each pixel of a screen, few enough for some ten frames in a page.
+pub const SAMPLE: usize = 250_000;
+
+/// Most bytes that all frames take in the file.
 const MOST_BYTES: usize = 40 << 20;
 
 const PAGE: &str = include_str!("report/page.html");
@@ -33,11 +40,11 @@ const STYLE_OF_RUNS: &str = include_str!("report/run.css");
 const SCRIPTS: [&str; 3] =
     [include_str!("report/frames.js"), include_str!("report/view.js"), include_str!("report/main.js")];
 
-/// What the page of a run is made of.
+/// Contents of the page of a run.
 ///
 /// # Example
 /// ```
-/// use fdem::results::{Field, Frame, Report};
+/// use fdem::results::{Field, Frame, Names, Report};
 ///
 /// let frames = [Frame::new(&fdem_simulation::Snapshot::default())?];
 /// let report = Report {
@@ -46,7 +53,7 @@ const SCRIPTS: [&str; 3] =
 ///     plots: &[],
 ///     frames: &frames,
 ///     field: Field::MaxPrincipal,
-///     materials: &[],
+///     names: &Names::default(),
 /// };
 /// assert!(report.html()?.contains("nothing &lt;happens&gt;"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -55,32 +62,35 @@ const SCRIPTS: [&str; 3] =
 pub struct Report<'a> {
     /// Heading.
     pub title: &'a str,
-    /// The rows of the summary, a name and what it says; rows without a name go on with the one before.
+    /// Rows of the summary: name and text. A row without a name continues the row before.
     pub facts: &'a [(&'a str, &'a str)],
-    /// Shown one after the other.
+    /// Plots, in the order in which they are shown.
     pub plots: &'a [Plot],
-    /// In the order of time. Of more than [`MOST_FRAMES`], or 40 MB, only some are in the page, the first and the last among them, and the page says so.
+    /// Frames in the order of time. If there are more than [`MOST_FRAMES`], or more than 40 MB, the page has only some of them, with the first and the last,
+    /// and says so.
     pub frames: &'a [Frame],
-    /// What elements are coloured by at first.
+    /// Field by which elements are coloured at first.
     pub field: Field,
-    /// Names of the materials, by their numbers; others are shown as numbers.
-    pub materials: &'a [&'a str],
+    /// Names of bodies and materials; bodies and materials without a name are shown as numbers.
+    pub names: &'a Names,
 }
 
 impl Report<'_> {
     /// The page.
     ///
     /// # Errors
-    /// [`PictureError::TooMany`] for more than a million elements; those of [`Pictures::png`].
+    /// [`PictureError::TooMany`] for a frame with more than [`MOST_ELEMENTS`] elements, which [`Frame::sampled`] would have made smaller; those of [`Pictures::png`].
     ///
     /// # Cost
-    /// For each frame some 15 bytes of an element, 40 MB at the most; about 1 s.
+    /// About 15 bytes for each element and frame, at most 40 MB; about 1 s.
     pub fn html(&self) -> Result<String, PictureError> {
         let found = self.frames.iter().map(|frame| frame.elements).max().unwrap_or(0);
         if found > MOST_ELEMENTS {
             return Err(PictureError::TooMany { what: "elements", found, most: MOST_ELEMENTS });
         }
-        let frames = thinned(self.frames);
+        let whole = self.frames.iter().map(|frame| frame.whole).max().unwrap_or(0);
+        let places = thinned(self.frames);
+        let frames: Vec<&Frame> = places.iter().map(|&place| &self.frames[place]).collect();
         let view = FrameView::of(self.frames);
         let script = format!("(() => {{\n\"use strict\";\n{SHARED}\n{}\n}})();", SCRIPTS.concat());
         let style = format!("{STYLE}{STYLE_OF_RUNS}");
@@ -100,19 +110,20 @@ impl Report<'_> {
                 ),
                 "style" => style.clone(),
                 "title" => escape(self.title),
-                "counts" => escape(&self.counts(found, &view)),
+                "counts" => escape(&self.counts(whole, &view)),
                 "preview" => preview.clone(),
                 "fields" => self.options(),
                 "last" => frames.len().saturating_sub(1).to_string(),
-                "thinned" => self.thinning(frames.len()),
+                "thinned" => self.thinning(&places),
+                "sample" => self.sampling(),
                 "facts" => rows(self.facts),
                 "plots" => figures(self.plots),
-                "rows" => table(&frames),
+                "rows" => table(&frames, &places),
                 "version" => env!("CARGO_PKG_VERSION").to_owned(),
-                "meta" => self.meta(&frames, found, &view),
+                "meta" => self.meta(&frames, whole, &view),
                 "frames" => frames.iter().map(|frame| text(frame)).collect(),
                 "script" => script.clone(),
-                // The page has no other places.
+                // The template has no other placeholders.
                 _ => String::new(),
             })
         })
@@ -137,14 +148,43 @@ impl Report<'_> {
         Field::ALL.iter().map(option).collect()
     }
 
-    fn thinning(&self, shown: usize) -> String {
-        if shown == self.frames.len() {
-            return String::new();
-        }
-        format!("{shown} of {} frames are in this page.", grouped(self.frames.len() as u64))
+    /// A sentence on the frames that are not in the page; empty if all are.
+    fn thinning(&self, places: &[usize]) -> String {
+        let total = self.frames.len();
+        let left_out: Vec<String> = (0..total)
+            .filter(|place| places.binary_search(place).is_err())
+            .map(|place| place.to_string())
+            .collect();
+        let rest = match &left_out[..] {
+            [] => return String::new(),
+            [one] => format!("frame {one} is left out"),
+            [first @ .., last] if left_out.len() <= MOST_NAMED => {
+                format!("frames {} and {last} are left out", first.join(", "))
+            }
+            _ => "the others are in the folder of frames".to_owned(),
+        };
+        let shown = places.len();
+        format!(
+            "<p class=\"hint help\" id=\"thinned\">{shown} of {} frames are in this page; {rest}.</p>",
+            grouped(total as u64)
+        )
     }
 
-    /// What the scripts have to know, safe in a script element.
+    /// Says that the frames show a sample, and where the rest is.
+    fn sampling(&self) -> String {
+        let Some(frame) =
+            self.frames.iter().filter(|frame| frame.is_sample()).max_by_key(|frame| frame.elements)
+        else {
+            return String::new();
+        };
+        format!(
+            "<p class=\"hint help\" id=\"sample\">The mesh has {} elements. The view shows a sample of them: at most {} larger triangles, each with the values of one element. The files for ParaView have all elements.</p>",
+            grouped(frame.whole as u64),
+            grouped(frame.elements as u64)
+        )
+    }
+
+    /// Data for the scripts as JSON, safe in a script element.
     fn meta(&self, frames: &[&Frame], elements: usize, view: &FrameView) -> String {
         let fields = Field::ALL.map(|field| {
             let Range { low, high } = Range::of(self.frames, field);
@@ -162,6 +202,8 @@ impl Report<'_> {
             json!({
                 "step": frame.step,
                 "time": finite(frame.time),
+                "elements": frame.elements,
+                "sample": frame.is_sample(),
                 "cracks": frame.cracks,
                 "size": frame.size,
                 "bounds": frame.bounds,
@@ -170,6 +212,10 @@ impl Report<'_> {
                 "lengths": frame.lengths.map(finite),
             })
         };
+        let outlines = [1, 0].map(|kind| {
+            let (colour, most) = OUTLINES[kind];
+            json!({ "colour": colour, "most": most, "share": OUTLINE, "least": NARROWEST_OUTLINE })
+        });
         let (middle, half) = view.middle_and_half();
         let unit = half[0].max(half[1]);
         let meta = json!({
@@ -179,40 +225,42 @@ impl Report<'_> {
             "numbered": NUMBERED,
             "none": NO_VALUE,
             "cracks": CRACKS.map(|(name, colour)| json!({ "name": name, "colour": colour })),
-            "materials": self.materials,
+            "outlines": outlines,
+            "bodies": self.names.bodies,
+            "materials": self.names.materials,
             "last": finite(self.frames.last().map_or(0.0, |frame| frame.time)),
             "view": { "middle": middle, "unit": unit, "half": half.map(|side| (side / unit).max(1e-6)) },
             "frames": frames.iter().map(about).collect::<Vec<_>>(),
         });
-        // A text in a script element ends at "</script": no "<" is left in it.
+        // A script element ends at "</script", so that no "<" may remain.
         meta.to_string().replace('<', "\\u003c")
     }
 }
 
-/// JSON has no others.
+/// Replaces numbers that JSON cannot have by 0.
 fn finite(x: f64) -> f64 {
     if x.is_finite() { x } else { 0.0 }
 }
 
-/// As many frames as the page has room for, evenly: the first and the last are among them.
-fn thinned(frames: &[Frame]) -> Vec<&Frame> {
+/// Indices of the frames for which the page has room, evenly spaced, with the first and the last.
+fn thinned(frames: &[Frame]) -> Vec<usize> {
     let mut count = frames.len().min(MOST_FRAMES);
     loop {
-        let shown: Vec<&Frame> = match count {
+        let places: Vec<usize> = match count {
             0 => Vec::new(),
-            1 => frames.last().into_iter().collect(),
-            _ => (0..count).map(|k| &frames[k * (frames.len() - 1) / (count - 1)]).collect(),
+            1 => vec![frames.len() - 1],
+            _ => (0..count).map(|k| k * (frames.len() - 1) / (count - 1)).collect(),
         };
-        // Four characters for three bytes.
-        let bytes: usize = shown.iter().map(|frame| frame.deflated.len().div_ceil(3) * 4).sum();
+        // Base64 takes four characters for three bytes.
+        let bytes: usize = places.iter().map(|&place| frames[place].deflated.len().div_ceil(3) * 4).sum();
         if bytes <= MOST_BYTES || count <= 1 {
-            return shown;
+            return places;
         }
         count = (count * MOST_BYTES / bytes).clamp(1, count - 1);
     }
 }
 
-/// Plots one after the other.
+/// The plots as HTML.
 fn figures(plots: &[Plot]) -> String {
     let mut figures = String::new();
     for plot in plots {
@@ -222,19 +270,19 @@ fn figures(plots: &[Plot]) -> String {
     figures
 }
 
-/// A frame as an element of the page.
+/// A frame as a script element of the page.
 fn text(frame: &Frame) -> String {
     format!("<script type=\"text/plain\" class=\"frame\">{}</script>\n", STANDARD.encode(&frame.deflated))
 }
 
-/// The rows of the table of frames.
-fn table(frames: &[&Frame]) -> String {
+/// Rows of the table of frames. Frames have the numbers of their files.
+fn table(frames: &[&Frame], places: &[usize]) -> String {
     let largest = |frame: &Frame, field: Field| brief(frame.scales[field.scale().unwrap_or(0)].ends[1]);
     let mut rows = String::new();
-    for (k, frame) in frames.iter().enumerate() {
+    for (k, (frame, place)) in frames.iter().zip(places).enumerate() {
         let [tension, shear, mixed] = frame.lengths;
         // Writing to a string does not fail.
-        let _ = write!(rows, "<tr><td><button type=\"button\" data-frame=\"{k}\">{}</button></td>", k + 1);
+        let _ = write!(rows, "<tr><td><button type=\"button\" data-frame=\"{k}\">{place}</button></td>");
         let _ = write!(rows, "<td>{}</td>", grouped(frame.step));
         for number in [frame.time, tension + shear + mixed, tension, shear, mixed] {
             let _ = write!(rows, "<td>{}</td>", brief(number));

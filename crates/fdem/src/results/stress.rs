@@ -1,4 +1,4 @@
-//! Numbers that a state of stress, `[xx, yy, xy, zz]`, is judged by. Tension is positive.
+//! Invariants of a stress `[xx, yy, xy, zz]`. Tension is positive.
 
 use fdem_simulation::principal_stresses;
 
@@ -7,7 +7,7 @@ pub(crate) fn principal([xx, yy, xy, _]: [f64; 4]) -> [f64; 2] {
     principal_stresses([xx, yy, xy])
 }
 
-/// Von Mises' equivalent stress, out of the plane included.
+/// Von Mises equivalent stress, with the stress out of the plane.
 pub(crate) fn von_mises([xx, yy, xy, zz]: [f64; 4]) -> f64 {
     let squares = (xx - yy).powi(2) + (yy - zz).powi(2) + (zz - xx).powi(2);
     (squares / 2.0 + 3.0 * xy * xy).sqrt()

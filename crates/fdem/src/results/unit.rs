@@ -1,8 +1,8 @@
-//! Units with the prefix that makes their numbers short.
+//! Units with SI prefixes.
 
-/// What a number is multiplied by to be told with the prefix, and the unit with it; units that take no prefix, and none at all, are left alone.
+/// Factor and prefixed unit with which numbers are shortest. Units that take no prefix stay as they are.
 ///
-/// `largest` is of the numbers that are told.
+/// `largest` is the greatest magnitude of the numbers.
 pub(crate) fn prefixed(unit: &str, largest: f64) -> (f64, String) {
     const PREFIXES: [(f64, f64, &str); 7] = [
         (1e9, 1e-9, "G"),
@@ -17,9 +17,9 @@ pub(crate) fn prefixed(unit: &str, largest: f64) -> (f64, String) {
     if !["Pa", "m", "m/s", "s", "J", "N", "N/m", "J/m"].contains(&unit) || !(1e-9..1e15).contains(&largest) {
         return (1.0, unit.to_owned());
     }
-    // Nobody measures in megametres.
+    // Lengths and times have no prefix above 1: no megametres.
     let most = if unit.starts_with('m') || unit == "s" { 1.0 } else { f64::INFINITY };
-    // A little below the next one still counts: an axis that ends at 1 does not have 999.9 for it.
+    // A tolerance, so that an axis that ends at 1 does not show 999.9 of the smaller unit.
     let found = PREFIXES.iter().find(|(size, ..)| *size <= most && largest * 1.000_001 >= *size);
     found.map_or_else(|| (1.0, unit.to_owned()), |(_, factor, prefix)| (*factor, format!("{prefix}{unit}")))
 }

@@ -1,4 +1,4 @@
-//! A disc that is pressed between two platens: elastic stress, tensile strength, a crack along the diameter.
+//! Brazilian test: a disc between two platens. Elastic stress, tensile strength, and a crack along the loaded diameter.
 
 use std::f64::consts::PI;
 
@@ -105,7 +105,7 @@ fn elastic(size: Size) -> Result<Vec<Outcome>, String> {
     let mesh_size = size.choose(1.4e-3, 0.9e-3);
     let end = 0.5e-3;
     let mut run = start(prepared(&model(mesh_size, 1, end, 0.5, ""))?)?;
-    // The mean over the last tenth of the time: a little of the ramp swings on.
+    // The mean over the last tenth of the time: the disc still swings a little after the ramp.
     let (mut stress, mut load, samples) = ([0.0; 2], 0.0, 50);
     let steps = (end / run.time_step()) as u64;
     advance(&mut run, steps * 9 / 10)?;
@@ -146,7 +146,7 @@ fn split(size: Size, seed: u32) -> Result<Split, String> {
     let samples = 1000;
     let (mut peak, mut imbalance) = (0.0_f64, 0.0);
     for _ in 0..samples {
-        // Means over a while: single steps have waves in them.
+        // Means over several steps, because stress waves disturb single steps.
         let mut forces = [0.0; 2];
         for _ in 0..4 {
             advance(&mut run, (steps / samples / 4).max(1))?;
@@ -159,7 +159,7 @@ fn split(size: Size, seed: u32) -> Result<Split, String> {
             peak = load;
             imbalance = (forces[0] - forces[1]).abs() / load;
         }
-        // What breaks when the halves have come apart is not of the crack.
+        // Joints that break after the halves have separated do not belong to the crack.
         if load < 0.7 * peak && middle_crack(&run)[0] >= 0.5 * DIAMETER {
             break;
         }
@@ -175,7 +175,7 @@ fn split(size: Size, seed: u32) -> Result<Split, String> {
     Ok(Split { strength: 2.0 * peak / (PI * DIAMETER), imbalance, away, balance: run.energies().error() })
 }
 
-/// Length of what is broken in the middle half of the diameter, away from the platens, and its mean distance from the diameter.
+/// Length of the broken joints in the middle half of the diameter, away from the platens, and their mean distance from the diameter.
 fn middle_crack(run: &Simulation) -> [f64; 2] {
     let (mut sum, mut length) = (0.0, 0.0);
     for crack in run.snapshot().cracks.iter().filter(|crack| crack.time.is_some()) {

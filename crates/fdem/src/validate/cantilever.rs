@@ -1,4 +1,4 @@
-//! A double cantilever beam that is peeled apart: linear elastic fracture mechanics.
+//! A double cantilever beam whose arms are pulled apart: linear elastic fracture mechanics.
 
 use fdem_simulation::{FractureOptions, Interface, Material, Mesh, Model, Schedule, Strength, TimeOptions};
 
@@ -17,7 +17,7 @@ const ENERGY: f64 = 20.0;
 /// Length of the process zone, E G/f², m: small beside the arms.
 const ZONE: f64 = 4e-3;
 
-/// At which lengths of the crack load and opening are compared, m.
+/// Lengths of the crack at which load and opening are compared, m.
 const COMPARED: [f64; 3] = [0.030, 0.035, 0.040];
 
 /// Stress intensity of a double cantilever over load and geometry: K = P (3.46 a + 2.38 h) / h^1.5 for a thickness of 1.
@@ -42,9 +42,9 @@ pub(super) fn run(size: Size) -> Result<Vec<Outcome>, String> {
     let mut outcomes = Vec::new();
     for crack in COMPARED {
         let expected = opening(crack);
-        // Both arms move; the ramp takes half of its time.
+        // Both arms move, and the ramp counts as half of its time.
         let middle = expected / (2.0 * speed) + 0.5 * RAMP;
-        // The mean of some periods of the arms: they swing a little.
+        // The mean over some periods of the arms, which swing a little.
         let (mut sum, mut count) = (0.0, 0);
         for k in 0..200 {
             advance_to(&mut run, middle + (f64::from(k) / 199.0 - 0.5) * 2e-4)?;
@@ -60,7 +60,7 @@ pub(super) fn run(size: Size) -> Result<Vec<Outcome>, String> {
     Ok(outcomes)
 }
 
-/// Until the arms have their speed, s.
+/// Time until the arms have reached their speed, s.
 const RAMP: f64 = 2e-4;
 
 fn beam(cells: usize, speed: f64) -> Model {
@@ -101,7 +101,7 @@ fn beam(cells: usize, speed: f64) -> Model {
     }
 }
 
-/// Parts the mesh along y = 0 up to the tip of the crack.
+/// Separates the mesh along y = 0 up to the tip of the crack.
 fn slit(mesh: &Mesh) -> Mesh {
     let mut mesh = mesh.clone();
     for node in nodes_where(&mesh, |[x, y]| y.abs() < 1e-9 && x < CRACK - 1e-9) {

@@ -1,4 +1,4 @@
-//! What joints that are there from the beginning add to the compliance.
+//! Compliance that joints add if they exist from the beginning.
 
 use fdem_simulation::{
     Boundary, FractureOptions, Insertion, Interface, Load, Material, Model, Schedule, Target, TimeOptions,
@@ -7,7 +7,7 @@ use fdem_simulation::{
 use super::models::{advance_to, granite, moved, nodes_where, rectangle, rock, start};
 use super::{Outcome, Size};
 
-/// m, of a column, and number of them.
+/// Width of a column, m, and the number of columns.
 const WIDTH: f64 = 0.01;
 const COLUMNS: usize = 12;
 
@@ -26,11 +26,11 @@ pub(super) fn run(_size: Size) -> Result<Vec<Outcome>, String> {
     Ok(outcomes)
 }
 
-/// Stress over strain of a strip whose columns are joined, over Young's modulus.
+/// Stiffness of a strip with joints between its columns: stress over strain over Young's modulus.
 fn stiffness(insertion: Insertion, joint_penalty: f64) -> Result<f64, String> {
     let length = WIDTH * COLUMNS as f64;
     let mut mesh = rectangle([0.0, 0.0], [length, WIDTH], [COLUMNS, 1]);
-    // Two materials by turns: only what is between them can break.
+    // Columns of two materials alternate: only the joints between the two can break.
     for element in 0..mesh.triangles.len() {
         mesh.materials[element] = (element / 2 % 2) as u32;
     }
@@ -65,7 +65,7 @@ fn stiffness(insertion: Insertion, joint_penalty: f64) -> Result<f64, String> {
     let snapshot = run.snapshot();
     let count = snapshot.stresses.len() as f64;
     let stress = snapshot.stresses.iter().map(|stress| stress[0]).sum::<f64>() / count;
-    // From the left side of the second column to that of the last: as many columns as joints.
+    // The length from the left side of the second column to that of the last has as many columns as joints.
     let left_of = |column: usize| {
         let nodes = snapshot.triangles[2 * column..2 * column + 2].iter().flatten();
         let corners: Vec<_> = nodes.map(|&node| node as usize).collect();

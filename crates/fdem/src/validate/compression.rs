@@ -1,4 +1,4 @@
-//! A block that is pressed until it fails: the bound of Mohr and Coulomb.
+//! Uniaxial compression of a block until it fails: the bound of Mohr and Coulomb.
 
 use super::models::{advance, start};
 use super::rocks::prepared;
@@ -6,7 +6,7 @@ use super::{Outcome, Size};
 
 /// Width of the block, m.
 const WIDTH: f64 = 0.05;
-/// Pa, and the tangent of the angle of friction.
+/// Cohesion, Pa, and the tangent of the angle of internal friction.
 const COHESION: f64 = 3e6;
 const FRICTION: f64 = 0.3;
 

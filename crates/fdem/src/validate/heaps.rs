@@ -1,17 +1,17 @@
-//! Four heaps of fragments that collide: the energy after is the energy before.
+//! Four heaps of fragments that collide: the energy after the collision equals the energy before.
 
 use fdem_simulation::{ContactOptions, Material, Mesh, Model, TimeOptions};
 
 use super::models::{advance, disc, granite, momentum, one_body, start, together, turned, worse};
 use super::{Outcome, Size};
 
-/// m, from fragment to fragment.
+/// Distance from fragment to fragment, m.
 const CELL: f64 = 0.1;
 
-/// m/s, along either axis.
+/// Speed of a heap along either axis, m/s.
 const SPEED: f64 = 10.0;
 
-/// Softer than the fragments, which hardly ring.
+/// Penalty of the contacts. They are softer than the fragments, which therefore hardly vibrate.
 const PENALTY: f64 = 1e-2;
 
 pub(super) fn run(size: Size) -> Result<Vec<Outcome>, String> {
@@ -19,7 +19,7 @@ pub(super) fn run(size: Size) -> Result<Vec<Outcome>, String> {
     let mut fragments = Vec::new();
     let mut velocities = Vec::new();
     for (heap, [right, up]) in [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].into_iter().enumerate() {
-        // No two heaps come alike.
+        // Each heap has a speed of its own.
         let speed = SPEED * (1.0 + 0.1 * heap as f64);
         for i in 0..side {
             for j in 0..side {
@@ -46,7 +46,7 @@ pub(super) fn run(size: Size) -> Result<Vec<Outcome>, String> {
     if run.counts().contacts > 0 {
         return Err("fragments touch at the beginning".to_owned());
     }
-    // They are apart when nothing has touched while the fastest flew over two fragments.
+    // The fragments are apart if none has touched another while the fastest travelled two cells.
     let quiet = 2.0 * CELL / SPEED;
     let (mut most, mut last) = (0, 0.0);
     while most == 0 || run.time() < last + quiet {
@@ -65,7 +65,7 @@ pub(super) fn run(size: Size) -> Result<Vec<Outcome>, String> {
     }
     let (energies, after) = (run.energies(), momentum(&run));
     let total = (energies.kinetic + energies.strain + energies.contact) / before.kinetic;
-    // The heaps' momenta nearly balance: a change is compared with that of all fragments one by one.
+    // The momenta of the heaps nearly cancel: a change is compared with the sum over all fragments.
     let all = (2.0 * before.kinetic * mass(&run.model().mesh)).sqrt();
     let change = (0..3).fold(0.0, |change, k| worse((after[k] - momenta[k]) / all, change));
     Ok(vec![
@@ -81,7 +81,7 @@ pub(super) fn run(size: Size) -> Result<Vec<Outcome>, String> {
     ])
 }
 
-/// A triangle, a square or a hexagon by turns.
+/// A triangle, a square or a hexagon, in turn.
 fn fragment(number: usize) -> Mesh {
     let radius = 0.45 * CELL;
     let corner = |k: usize, n: usize| {
@@ -95,7 +95,7 @@ fn fragment(number: usize) -> Mesh {
     }
 }
 
-/// kg.
+/// Mass of a mesh, kg.
 fn mass(mesh: &Mesh) -> f64 {
     let area = |nodes: &[u32; 3]| {
         let [a, b, c] = nodes.map(|node| mesh.nodes[node as usize]);

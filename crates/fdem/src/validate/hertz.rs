@@ -1,4 +1,4 @@
-//! Hertz contact: half a disc that is pressed on a rigid plane.
+//! Hertz contact: half a disc pressed on a rigid plane.
 //!
 //! By symmetry the half below its horizontal diameter is a disc between two planes. With P the load per length, E* = E/(1 − ν²) and R the radius, the half-width of the
 //! contact is a = √(4 P R/(π E*)), the greatest pressure √(P E*/(π R)), and the approach of the diameter to the plane (Johnson, 5.6)
@@ -20,36 +20,36 @@ use fdem_simulation::{
 use super::models::{advance, force, granite, moved, nodes_where, one_body, rectangle, start, together};
 use super::{Outcome, Size};
 
-/// m, of the disc.
+/// Radius of the disc, m.
 const RADIUS: f64 = 0.1;
 
-/// Half-width of the contact at the end over the radius, about: strains are a quarter of it.
+/// Approximate half-width of the contact at the end over the radius. The largest strains are a quarter of this.
 const WIDTH: f64 = 0.02;
 
 const POISSON: f64 = 0.25;
 
-/// Shares of the approach at the end where the load is looked at.
+/// Shares of the final approach at which the load is compared.
 const LEVELS: [f64; 3] = [0.3, 0.6, 1.0];
 
-/// Of the contact: what gives way there is not in the theory.
+/// Penalty of the contact. It is stiff, because the theory knows no compliance of the contact itself.
 const PENALTY: f64 = 10.0;
 
-/// E/(1 − ν²), Pa.
+/// Plane strain modulus E/(1 − ν²), Pa.
 fn modulus() -> f64 {
     granite().youngs_modulus / (1.0 - POISSON * POISSON)
 }
 
-/// m, at a load in N/m.
+/// Half-width of the contact, m, under a load in N/m.
 fn half_width(load: f64) -> f64 {
     (4.0 * load * RADIUS / (PI * modulus())).sqrt()
 }
 
-/// m, at a load in N/m.
+/// Approach, m, under a load in N/m.
 fn approach(load: f64) -> f64 {
     load / (PI * modulus()) * (2.0 * (4.0 * RADIUS / half_width(load)).ln() - 1.0)
 }
 
-/// N/m, at an approach in m: by bisection.
+/// Load, N/m, at an approach in m, by bisection.
 fn load_at(distance: f64) -> f64 {
     let (mut low, mut high) = (0.0, modulus() * distance);
     for _ in 0..100 {
@@ -60,7 +60,7 @@ fn load_at(distance: f64) -> f64 {
 }
 
 pub(super) fn run(size: Size) -> Result<Vec<Outcome>, String> {
-    // Elements over the half-width at the end.
+    // Number of elements over the half-width at the end.
     let fine = size.choose(6, 12);
     let load = PI * modulus() * WIDTH * WIDTH * RADIUS / 4.0;
     let end = approach(load);
@@ -71,7 +71,7 @@ pub(super) fn run(size: Size) -> Result<Vec<Outcome>, String> {
     let mut outcomes = Vec::new();
     for share in LEVELS {
         advance(&mut run, settling)?;
-        // Friction is none: what presses the diameter down presses the plane.
+        // Without friction the force on the diameter is the force on the plane.
         let found = -force(&run, 0)?[1];
         let expected = load_at(share * end);
         let name = format!("load at an approach of {:.3} µm", 1e6 * share * end);
@@ -86,7 +86,7 @@ pub(super) fn run(size: Size) -> Result<Vec<Outcome>, String> {
     Ok(outcomes)
 }
 
-/// The model, and the steps in which it comes to rest at each of the levels.
+/// The model, and the number of steps in which it comes to rest at each level.
 fn model(disc: Mesh, end: f64, fine: f64) -> Result<(Model, u64), String> {
     let wide = 2.0 * WIDTH * RADIUS;
     let plane = rectangle([-wide, -RADIUS - 0.25 * wide], [wide, -RADIUS], [8, 1]);
@@ -94,7 +94,7 @@ fn model(disc: Mesh, end: f64, fine: f64) -> Result<(Model, u64), String> {
     let mut mesh = together(&[disc, plane]);
     let above = nodes_where(&mesh, |[_, y]| y > -1e-9 * RADIUS);
     let fixed = (first..mesh.nodes.len() as u32).collect();
-    // Only what is at rest in the end counts: large elements are as light as lets them answer as fast as the small ones do.
+    // Only the state of rest counts: large elements are made so light that their time step is that of the small ones.
     let sizes: Vec<f64> = (0..mesh.triangles.len()).map(|element| area(&mesh, element).sqrt()).collect();
     let least = sizes.iter().copied().fold(f64::INFINITY, f64::min);
     for (material, size) in mesh.materials.iter_mut().zip(sizes) {
@@ -120,7 +120,7 @@ fn model(disc: Mesh, end: f64, fine: f64) -> Result<(Model, u64), String> {
                 schedule: Schedule::Constant,
             },
             moved("plane", fixed, [Some(0.0); 2], Schedule::Constant),
-            // By symmetry; nothing else holds it.
+            // Symmetry holds this node; nothing else holds the disc along x.
             moved("lowest node", vec![0], [Some(0.0), None], Schedule::Constant),
         ],
         plane: Plane::Strain,
@@ -189,7 +189,7 @@ fn half_disc(fine: usize) -> Mesh {
     one_body(nodes.into_iter().map(mapped).collect(), triangles)
 }
 
-/// i R (z − i)/(z + i).
+/// The map i R (z − i)/(z + i).
 fn mapped([x, y]: [f64; 2]) -> [f64; 2] {
     let below = x * x + (y + 1.0) * (y + 1.0);
     [2.0 * RADIUS * x / below, RADIUS * (x * x + y * y - 1.0) / below]
@@ -214,10 +214,10 @@ struct Pressures {
     greatest: f64,
 }
 
-/// Of the pressures p of elements, which are equally wide: for a semi-ellipse a² = 4 Σ p x²/Σ p, and p² = p₀² (1 − x²/a²), of which p₀ is found by least squares.
+/// Half-width and greatest pressure from the pressures p of elements of equal width: a semi-ellipse has a² = 4 Σ p x²/Σ p and p² = p₀² (1 − x²/a²), where p₀ follows by least squares.
 fn pressures(run: &Simulation, elements: &[usize]) -> Pressures {
     let snapshot = run.snapshot();
-    // Squares of x and p, and p.
+    // x², p² and p.
     let points = elements.iter().map(|&element| {
         let x = snapshot.triangles[element].map(|node| snapshot.positions[node as usize][0]);
         let (middle, p) = (x.iter().sum::<f64>() / 3.0, -snapshot.stresses[element][1].min(0.0));
@@ -228,7 +228,7 @@ fn pressures(run: &Simulation, elements: &[usize]) -> Pressures {
         moment += p * square;
         sum += p;
     }
-    // Without the ends, where the pressure changes much within an element.
+    // The ends are left out, because the pressure changes much within an element there.
     let inner: Vec<_> = points.filter(|[square, ..]| square.sqrt() < 0.8 * WIDTH * RADIUS).collect();
     let mean = |k: usize| inner.iter().map(|point| point[k]).sum::<f64>() / inner.len() as f64;
     let (x, p) = (mean(0), mean(1));

@@ -1,4 +1,4 @@
-//! Bodies that collide: energy and momentum after as before.
+//! Bodies that collide: energy and momentum are the same before and after.
 
 use std::f64::consts::{PI, TAU};
 
@@ -7,10 +7,10 @@ use fdem_simulation::{ContactOptions, Energies, Material, Mesh, Model, TimeOptio
 use super::models::{advance, disc, granite, momentum, one_body, rotated, start, together, turned, worse};
 use super::{Outcome, Size};
 
-/// Of the critical time step: the blow of two triangles is over within a few of those.
+/// Share of the critical time step. An impact of two triangles lasts a few critical steps only.
 const SAFETY: f64 = 0.05;
 
-/// Penalty of a contact much softer than the bodies: they hardly ring.
+/// Penalty of a contact that is much softer than the bodies, which therefore hardly vibrate.
 const SOFT: f64 = 1e-4;
 
 pub(super) fn run(size: Size) -> Result<Vec<Outcome>, String> {
@@ -83,16 +83,16 @@ fn discs(rings: usize) -> [Blow; 2] {
     [blow("two discs, head-on", [0.0, 1.001], 0.0), blow("two discs, off centre, spinning", [0.3, 1.0], 20.0)]
 }
 
-/// What a collision left as it was, and what not.
+/// Energies before and after a collision.
 struct Met {
     before: Energies,
     after: Energies,
-    /// Change over what there was.
+    /// Change of the momenta over the momentum before.
     momentum: f64,
 }
 
 impl Met {
-    /// Of all energy that is not lost, the relative change.
+    /// Relative change of the kinetic and elastic energy.
     fn energy(&self) -> f64 {
         (self.after.kinetic + self.after.strain + self.after.contact) / self.before.kinetic - 1.0
     }

@@ -1,4 +1,4 @@
-//! A block on an inclined plane: it rests, or it slides.
+//! A block that rests or slides on an inclined plane.
 
 use fdem_simulation::{Boundary, ContactOptions, Load, Material, Model, Schedule, Simulation, Target};
 
@@ -7,13 +7,13 @@ use super::models::{
 };
 use super::{Outcome, Size};
 
-/// Its angle is 21.8°.
+/// Coefficient of friction; its angle is 21.8°.
 const FRICTION: f64 = 0.4;
 
-/// m/s².
+/// Acceleration of gravity, m/s².
 const GRAVITY: f64 = 9.81;
 
-/// m.
+/// Length and height of the block, m.
 const LENGTH: f64 = 0.2;
 const HEIGHT: f64 = 0.1;
 
@@ -48,12 +48,12 @@ pub(super) fn run(size: Size) -> Result<Vec<Outcome>, String> {
 
 struct Block {
     run: Simulation,
-    /// Of the block.
+    /// Nodes of the block.
     nodes: Vec<u32>,
 }
 
 impl Block {
-    /// On a plane that is inclined by so many degrees: the weight is turned. It comes on within a while, so that the block does not hop.
+    /// A block on a plane that is inclined by so many degrees: the plane is level and the weight is turned. The weight grows with a ramp, so that the block does not hop.
     fn on(degrees: f64, size: Size) -> Result<Self, String> {
         let (sin, cos) = degrees.to_radians().sin_cos();
         let fine = size.choose(1, 2);
@@ -67,7 +67,7 @@ impl Block {
         let model = Model {
             mesh,
             materials: vec![Material { youngs_modulus: 1e8, friction: FRICTION, damping: 0.5, ..granite() }],
-            // A slow block that hops must not spend its contacts on getting a grip.
+            // Stiff friction, so that the contacts of a slow block that hops slip at once.
             contact: ContactOptions { tangential_stiffness: 2.0, ..ContactOptions::default() },
             boundaries: vec![
                 moved("ground", held, [Some(0.0); 2], Schedule::Constant),
@@ -83,13 +83,13 @@ impl Block {
         Ok(Self { run: start(model)?, nodes })
     }
 
-    /// m/s, along the plane.
+    /// Velocity of the block along the plane, m/s.
     fn speed(&self) -> f64 {
         mean_velocity(&self.run, &self.nodes)[0]
     }
 
-    /// m/s²: the slope of the velocity after the block has settled, and before it comes to the end of the plane. It hops a little as it slides, as elastic bodies do that rub:
-    /// a line through many velocities, not the difference of two.
+    /// Acceleration of the block, m/s²: the slope of a line through many velocities, after the block has settled and before it reaches the end of the plane. Elastic bodies hop a
+    /// little as they slide, so that the difference of two velocities would scatter.
     fn acceleration(&mut self) -> Result<f64, String> {
         advance_to(&mut self.run, 0.1)?;
         let mut points = Vec::new();
@@ -107,7 +107,7 @@ impl Block {
         Ok(both / one)
     }
 
-    /// m, along the plane.
+    /// Displacement of the block along the plane, m.
     fn place(&self) -> f64 {
         let moved = self.nodes.iter().filter_map(|&node| self.run.node(node)).map(|([x, _], _)| x);
         moved.sum::<f64>() / self.nodes.len() as f64

@@ -4,10 +4,10 @@ use std::fmt::Display;
 
 use fdem_simulation::{Boundary, Load, Material, Mesh, Model, Schedule, Simulation, Strength, Target};
 
-/// kg/m³.
+/// Density of all materials here, kg/m³.
 pub(super) const DENSITY: f64 = 2700.0;
 
-/// Granite with ν = 0, which neither breaks nor rubs.
+/// Granite with ν = 0, without strength limit and friction.
 pub(super) fn granite() -> Material {
     Material {
         name: "granite".to_owned(),
@@ -20,7 +20,7 @@ pub(super) fn granite() -> Material {
     }
 }
 
-/// Of a rock that breaks at a tension of 10⁶ Pa.
+/// Strength of a rock that breaks at a tension of 10⁶ Pa.
 pub(super) fn rock() -> Strength {
     Strength {
         tensile: 1e6,
@@ -97,7 +97,7 @@ pub(super) fn together(parts: &[Mesh]) -> Mesh {
     all
 }
 
-/// Turned about the origin, then moved.
+/// The mesh turned about the origin, then moved.
 pub(super) fn turned(mesh: &Mesh, angle: f64, shift: [f64; 2]) -> Mesh {
     let turn = |node: [f64; 2]| {
         let [x, y] = rotated(node, angle);
@@ -117,7 +117,7 @@ pub(super) fn nodes_where(mesh: &Mesh, at: impl Fn([f64; 2]) -> bool) -> Vec<u32
     (0..mesh.nodes.len() as u32).filter(|&node| at(mesh.nodes[node as usize])).collect()
 }
 
-/// The centroid of an element as it was at the beginning.
+/// Centroid of an undeformed element.
 pub(super) fn centroid(mesh: &Mesh, element: usize) -> [f64; 2] {
     let corners = mesh.triangles[element].map(|node| mesh.nodes[node as usize]);
     std::array::from_fn(|axis| corners.iter().map(|corner| corner[axis]).sum::<f64>() / 3.0)
@@ -128,23 +128,23 @@ pub(super) fn moved(name: &str, nodes: Vec<u32>, velocity: [Option<f64>; 2], sch
     Boundary { name: name.to_owned(), target: Target::Nodes(nodes), load: Load::Velocity(velocity), schedule }
 }
 
-/// A run at its beginning, on one thread.
+/// A run on one thread, at its beginning.
 pub(super) fn start(model: Model) -> Result<Simulation, String> {
     Simulation::new(model, 1).map_err(text)
 }
 
-/// Goes on by so many steps.
+/// Advances a run by so many steps.
 pub(super) fn advance(run: &mut Simulation, steps: u64) -> Result<(), String> {
     run.advance(steps).map_err(text)
 }
 
-/// Goes on to a time, s.
+/// Advances a run to a time, s.
 pub(super) fn advance_to(run: &mut Simulation, time: f64) -> Result<(), String> {
     let steps = ((time - run.time()) / run.time_step()).ceil().max(0.0) as u64;
     advance(run, steps)
 }
 
-/// What a boundary does to the bodies, N.
+/// Force of a boundary on the bodies, N.
 pub(super) fn force(run: &Simulation, boundary: usize) -> Result<[f64; 2], String> {
     run.force(boundary).ok_or_else(|| format!("there is no boundary {boundary}"))
 }
@@ -179,7 +179,7 @@ pub(super) fn momentum(run: &Simulation) -> [f64; 3] {
     sum
 }
 
-/// The one of the two that is farther from zero; what is not a number is farthest.
+/// The number that is farther from zero. NaN counts as farthest.
 pub(super) fn worse(a: f64, b: f64) -> f64 {
     if a.is_nan() || a.abs() >= b.abs() { a } else { b }
 }

@@ -1,4 +1,4 @@
-//! What came of the cases, as text and as a page.
+//! The results of the cases as text and as a page.
 
 use std::fmt::Write;
 
@@ -11,7 +11,7 @@ const STYLE_OF_CASES: &str = ".numbers td:nth-child(1), .numbers th:nth-child(1)
     .case { max-width: 70em; } .case h2 { margin-bottom: 2px; } .case p { margin: 0 0 6px; }\n\
     .failed { color: var(--ring); font-weight: 600; }\n";
 
-/// Heads of the columns.
+/// Headings of the columns.
 const HEADS: [&str; 6] = ["quantity", "expected", "found", "error", "bound", "verdict"];
 
 /// The outcomes as lines of text: a line for each case, and below it one for each quantity, in columns.
@@ -21,7 +21,7 @@ pub fn table(reports: &[CaseReport]) -> String {
         .collect();
     let widths: [usize; 6] =
         std::array::from_fn(|k| rows.iter().map(|row| row[k].chars().count()).max().unwrap_or(0));
-    // Writing to a string does not fail.
+    // Writing to a string cannot fail.
     let line = |text: &mut String, row: &[String; 6]| {
         let _ = write!(text, "  {:<width$}", row[0], width = widths[0]);
         for k in 1..5 {
@@ -43,7 +43,7 @@ pub fn table(reports: &[CaseReport]) -> String {
     text
 }
 
-/// The outcomes as a page for a browser, which asks nothing of the network and runs no script.
+/// The outcomes as an HTML page that needs no network and has no script.
 pub fn html(reports: &[CaseReport], size: Size) -> String {
     let style = format!("{STYLE}{STYLE_OF_CASES}");
     let failed = reports.iter().filter(|report| !report.passed()).count();

@@ -1,11 +1,11 @@
-//! Models of rock from model files, as users write them.
+//! Models of rock, from model files like those of users.
 
 use fdem_simulation::{Model, Simulation};
 
 use super::models::centroid;
 use crate::model::prepare;
 
-/// The model of a file.
+/// The model of a model file.
 pub(super) fn prepared(text: &str) -> Result<Model, String> {
     let prepared = prepare(text, "case.toml", &mut |name| Err(format!("{name}: there are no files")));
     prepared.map(|prepared| prepared.model).map_err(|errors| errors.to_string())

@@ -1,4 +1,4 @@
-//! A shear box: peak and residual strength, fracture energy of sliding, and joints that are left to contact.
+//! A shear box: peak and residual strength, fracture energy of sliding, and joints that contact replaces.
 
 use fdem_simulation::{
     Boundary, FractureOptions, Insertion, Interface, Load, Material, Mesh, Model, Schedule, Simulation,
@@ -11,28 +11,28 @@ use super::models::{
 };
 use super::{Outcome, Size};
 
-/// m, width and height of a cell: flat, so that little of the stress depends on the free ends of the blocks.
+/// Width and height of a cell, m. Cells are flat, so that the free ends of the blocks have little influence on the stress.
 const CELL: f64 = 0.002;
 const HEIGHT: f64 = 0.0005;
 
-/// Of the upper block along the joints.
+/// Number of cells of the upper block along the joints.
 const COLUMNS: usize = 12;
 
 const LENGTH: f64 = CELL * COLUMNS as f64;
 
-/// s, in which the pressure rises.
+/// Time in which the pressure rises, s.
 const PRESSING: f64 = 2e-4;
 
-/// m/s: up to the peak, while the joints break, and then.
+/// Speeds, m/s: up to the peak, while the joints break, and afterwards.
 const SPEEDS: [f64; 3] = [0.004, 0.1, 0.5];
 
-/// s, from one speed to the next.
+/// Time from one speed to the next, s.
 const RAMP: f64 = 2e-4;
 
-/// m, moved at the first speed: the peak is behind.
+/// Displacement at the first speed, m: the peak is over then.
 const SOFTENING: f64 = 1e-6;
 
-/// m, moved when the joints are broken, and have not begun to leave the blocks to contact.
+/// Displacement at which the joints are broken and contact has not begun to replace them, m.
 const BROKEN: f64 = 0.07 * CELL;
 
 pub(super) fn run(size: Size) -> Result<Vec<Outcome>, String> {
@@ -105,7 +105,7 @@ fn model(insertion: Insertion, stress: f64) -> Model {
     let edges = top.windows(2).map(|pair| [pair[1], pair[0]]).collect();
     let rock_of_blocks =
         Material { density: 16.0 * DENSITY, youngs_modulus: 30e9, damping: 0.1, ..granite() };
-    // Stiff, with the same speed of waves: a block must not tilt, or its ends would carry another normal stress than its middle.
+    // The platens are stiff and have the same wave speed. A block that tilts would carry another normal stress at its ends than in its middle.
     let platen = Material {
         name: "platen".to_owned(),
         density: 100.0 * rock_of_blocks.density,
@@ -164,7 +164,7 @@ fn shear(insertion: Insertion, stress: f64) -> Result<Sheared, String> {
     }
     let cracks = run.snapshot().cracks;
     let slid = cracks.iter().map(|crack| crack.sliding.abs()).sum::<f64>() / cracks.len() as f64;
-    // What is not friction.
+    // Work without that of friction.
     let energies = run.energies();
     let energy = (energies.cohesive + energies.friction) / LENGTH - stress * rock().friction * slid;
     let mut contact = Mean::default();
@@ -187,7 +187,7 @@ fn step(run: &mut Simulation) -> Result<(f64, f64), String> {
     if moved.is_nan() {
         return Err("the upper block is nowhere".to_owned());
     }
-    // On the lower block, which does not move: there is no inertia in it.
+    // The force on the lower block, which does not move, contains no inertia.
     Ok((-force(run, 0)?[0] / LENGTH, moved))
 }
 

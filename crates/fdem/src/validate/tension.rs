@@ -1,4 +1,4 @@
-//! A strip that is pulled apart: strength, fracture energy, one crack.
+//! Uniaxial tension of a strip: strength, fracture energy, one crack.
 
 use fdem_simulation::{
     CriticalOpening, FractureOptions, Insertion, Interface, Material, Model, Schedule, Strength,
@@ -13,13 +13,13 @@ use super::{Outcome, Size};
 const WIDTH: f64 = 0.01;
 const HEIGHT: f64 = 0.04;
 
-/// m/s: up to the peak, so slowly that both ends feel the same, and then.
+/// Speeds, m/s: up to the peak, so slow that both ends carry the same load, and afterwards.
 const SPEEDS: [f64; 2] = [4e-4, 2e-3];
 
-/// m, moved at the first speed: the peak is behind.
+/// Displacement at the first speed, m: the peak is over then.
 const SOFTENING: f64 = 1.8e-6;
 
-/// J/m²: enough for the strip to soften slowly.
+/// Fracture energy, J/m²: so large that the strip softens slowly.
 const ENERGY: f64 = 3.0;
 
 pub(super) fn run(size: Size) -> Result<Vec<Outcome>, String> {
@@ -36,7 +36,7 @@ pub(super) fn run(size: Size) -> Result<Vec<Outcome>, String> {
         ]);
     }
     let Torn { energy, .. } = tear(cells, Insertion::Adaptive, CriticalOpening::Customary)?;
-    // 3 times the area below the softening curve.
+    // Three times the area below the softening curve.
     let expected = 1.158_922 * ENERGY;
     outcomes.push(Outcome::relative("energy of the crack, customary 3 G/f", expected, energy, 0.01, "J/m²"));
     Ok(outcomes)
@@ -55,7 +55,7 @@ struct Torn {
 
 fn tear(cells: [usize; 2], insertion: Insertion, critical_opening: CriticalOpening) -> Result<Torn, String> {
     let mut mesh = rectangle([0.0, 0.0], [WIDTH, HEIGHT], cells);
-    // What joins the two halves is a little weaker than they are: it is known where the crack is to be.
+    // The joints between the two halves are a little weaker than the rest, so that the place of the crack is known.
     for element in 0..mesh.triangles.len() {
         mesh.materials[element] = u32::from(centroid(&mesh, element)[1] > 0.5 * HEIGHT);
     }

@@ -1,4 +1,4 @@
-//! Waves in bars: how fast, how strong, and for how long two bars touch.
+//! Waves in bars: speed, reflection at a free end, contact time and stress of two bars.
 
 use fdem_simulation::{ContactOptions, Material, Model, Schedule, Simulation, Strength};
 
@@ -8,7 +8,7 @@ use super::models::{
 };
 use super::{Outcome, Size};
 
-/// √(E/ρ) of granite, m/s.
+/// Wave speed √(E/ρ) of granite, m/s.
 fn speed() -> f64 {
     f64::sqrt(granite().youngs_modulus / DENSITY)
 }
@@ -36,7 +36,7 @@ struct Pushed {
     joints: usize,
 }
 
-/// A bar of 1 m, pushed at its left end, at 1 m/s after a short ramp.
+/// A bar of 1 m that is pushed at its left end, at 1 m/s after a short ramp.
 fn piston(cells: usize, strength: Option<Strength>) -> Result<Pushed, String> {
     let ramp = 4e-5;
     let mesh = rectangle([0.0, 0.0], [1.0, 4.0 / cells as f64], [cells, 4]);
@@ -49,10 +49,10 @@ fn piston(cells: usize, strength: Option<Strength>) -> Result<Pushed, String> {
         ..Model::default()
     };
     let mut run = start(model)?;
-    // When the middle of the ramp passes each station.
+    // Times at which the middle of the ramp passes the stations.
     let first = passes(&mut run, &stations[0], 0.5)?;
     let second = passes(&mut run, &stations[1], 0.5)?;
-    // The wave is on its way back from the free end.
+    // Times between which the wave returns from the free end.
     let (from, to) = (1.0 / speed() + 1.5 * ramp, 1.3 / speed() + 1.5 * ramp);
     advance_to(&mut run, from)?;
     let (mut sum, mut steps) = (0.0, 0);
@@ -69,7 +69,7 @@ fn piston(cells: usize, strength: Option<Strength>) -> Result<Pushed, String> {
     })
 }
 
-/// When nodes reach a velocity along x, s: between two steps.
+/// Time at which nodes reach a velocity along x, s, interpolated between two steps.
 fn passes(run: &mut Simulation, nodes: &[u32], velocity: f64) -> Result<f64, String> {
     let mut before = mean_velocity(run, nodes)[0];
     while run.time() < 2.0 / speed() {
@@ -83,7 +83,7 @@ fn passes(run: &mut Simulation, nodes: &[u32], velocity: f64) -> Result<f64, Str
     Err("the wave never arrives".to_owned())
 }
 
-/// Two bars that meet at 10 m/s: how long they touch, and the stress behind the wave.
+/// Two bars that meet at 10 m/s: contact time, and stress behind the wave.
 fn two_bars(cells: usize) -> Result<[Outcome; 2], String> {
     let (length, meeting) = (0.5, 10.0);
     let height = 4.0 * length / cells as f64;
@@ -91,7 +91,7 @@ fn two_bars(cells: usize) -> Result<[Outcome; 2], String> {
     let right = turned(&left, 0.0, [length + 1e-7, 0.0]);
     let half = [0.5 * meeting, 0.0];
     let velocities = [vec![half; left.nodes.len()], vec![half.map(|v| -v); right.nodes.len()]].concat();
-    // In the left bar, behind the first wave and before the second when the wave is at the end.
+    // Elements of the left bar behind the first wave and before the reflected one, at the time when the wave reaches the end.
     let inside: Vec<usize> = (0..left.triangles.len())
         .filter(|&element| (0.6 * length..0.8 * length).contains(&centroid(&left, element)[0]))
         .collect();

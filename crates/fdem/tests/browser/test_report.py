@@ -18,6 +18,7 @@ from playwright.sync_api import expect, sync_playwright
 
 FDEM = os.environ.get("FDEM", "fdem")
 ROOT = Path(__file__).resolve().parents[4]
+EXAMPLES = ROOT / "examples"
 BED = Path(os.environ.get("FDEM_BED", ROOT.parent / "shared/data/roundrobin/penetration/25KParticles.txt"))
 ARGUMENTS = [
     "--use-angle=swiftshader",
@@ -305,6 +306,110 @@ def test_dark_mode_by_system_and_by_hand(browser, bed):
     with Watched(browser, bed[0], color_scheme="light") as watched:
         assert watched.page.evaluate(background) == light
         watched.shot("light-whole")
+
+
+def lightness(colour):
+    red, green, blue = map(int, re.findall(r"\d+", colour)[:3])
+    return 2 * red + 5 * green + blue
+
+
+def test_large_values_stand_out_in_the_dark(browser, bed):
+    """On dark paper the largest overlaps were the darkest."""
+    for scheme in ("light", "dark"):
+        with Watched(browser, bed[0], color_scheme=scheme) as watched:
+            page = watched.page
+            page.select_option("#colour-by", "overlap")
+            bar = page.evaluate("document.querySelector('.legend .bar').style.background")
+            colours = re.findall(r"rgb\([^)]*\)", bar)
+            assert (lightness(colours[0]) < lightness(colours[-1])) == (scheme == "dark")
+            watched.shot(f"overlap-{scheme}")
+            watched.check()
+
+
+def test_legends_hide_no_elements(browser, bed):
+    with Watched(browser, bed[0]) as watched:
+        legends, canvas = (watched.page.locator(name).bounding_box() for name in ("#legends", "#canvas"))
+        assert legends["y"] >= canvas["y"] + canvas["height"] - 1
+        assert canvas["height"] > 300
+        watched.check()
+
+
+def test_the_view_zooms_to_the_element_that_is_picked(browser, bed):
+    path, network = bed
+    with Watched(browser, path) as watched:
+        page = watched.page
+        assert page.is_disabled("#zoom-to")
+        page.fill("#find-id", "1234")
+        page.keyboard.press("Enter")
+        before = watched.state()
+        page.click("#zoom-to")
+        assert watched.state()["scale"] > 2 * before["scale"]
+        box = page.locator("#canvas").bounding_box()
+        x, y = page.evaluate("fdem.project(1234)")
+        assert abs(x - box["x"] - box["width"] / 2) < 1 and abs(y - box["y"] - box["height"] / 2) < 1
+        watched.shot("zoomed")
+        page.focus("#canvas")
+        page.keyboard.press("r")
+        assert watched.state()["scale"] == pytest.approx(before["scale"])
+        page.keyboard.press("z")
+        assert watched.state()["scale"] > 2 * before["scale"]
+        watched.check()
+
+
+def test_spheres_and_walls(browser, tmp_path):
+    path = tmp_path / "walls.html"
+    files = [EXAMPLES / "balls.csv", EXAMPLES / "floor.stl"]
+    table = tmp_path / "bodies.csv"
+    subprocess.run(
+        [FDEM, "contacts", *map(str, files), "--report", str(path), "-o", str(tmp_path / "c.csv"), "--body-table", str(table)],
+        check=True,
+        capture_output=True,
+    )
+    with open(table, newline="") as rows:
+        rows = list(csv.DictReader(rows))
+    floor = max(max(int(row["i"]), int(row["j"])) for row in rows)
+    ball = min(int(row["i"]) for row in rows if int(row["j"]) == floor)
+    expected = {str(floor if int(row["i"]) == ball else int(row["i"])) for row in rows if int(row["j"]) == floor and int(row["i"]) == ball}
+    with Watched(browser, path) as watched:
+        page = watched.page
+        assert "bodies" in page.text_content("header .lead")
+        page.mouse.click(*page.evaluate(f"fdem.project({ball})"))
+        picked = int(watched.picked("id"))
+        page.evaluate(f"fdem.pick({ball})")
+        assert picked >= 0 and watched.picked("id") == str(ball)
+        heads = page.locator("#picked thead th").all_text_contents()
+        assert heads == ["id", "depth", "shared boundary", "couples of elements"]
+        assert expected <= set(page.locator("#picked tbody td:first-child").all_text_contents())
+        page.evaluate(f"fdem.pick({floor})")
+        assert page.locator('#picked dd[data-fact="radius"]').count() == 0
+        seen = set()
+        for surfaces in ("1", "0.3", "0"):
+            page.select_option("#surfaces", surfaces)
+            page.wait_for_timeout(300)
+            seen.add(pixels(watched))
+        assert len(seen) == 3
+        page.select_option("#surfaces", "0.3")
+        watched.shot("walls")
+        watched.check()
+
+
+@pytest.mark.parametrize("case", ["plane", "image"])
+def test_meshes_and_images(browser, tmp_path, case):
+    path = tmp_path / "bodies.html"
+    file, options = {"plane": ("squares.msh", []), "image": ("grains.npy", ["--labels"])}[case]
+    subprocess.run([FDEM, "contacts", str(EXAMPLES / file), "--report", str(path), *options], check=True, capture_output=True)
+    with Watched(browser, path) as watched:
+        page = watched.page
+        nothing = pixels(watched)
+        page.uncheck("#show-elements")
+        page.wait_for_timeout(300)
+        assert pixels(watched) != nothing
+        page.check("#show-elements")
+        page.evaluate("fdem.pick(0)")
+        assert int(watched.picked("contacts")) > 0
+        assert (page.locator("#surfaces").count() == 1) == (case == "plane")
+        watched.shot(f"bodies-{case}")
+        watched.check()
 
 
 def test_everything_is_reached_by_the_keyboard(browser, bed):

@@ -1,6 +1,6 @@
 """The page of a run in a browser: real clicks and keys in headless Chromium, without a network.
 
-RUN_REPORT: the example `run_report` (default: target/release/examples/run_report beside the sources). CHROMIUM: the browser (default: chromium,
+FDEM: the command (default: target/release/fdem beside the sources). RUN_REPORT: the example `run_report` (default: target/release/examples/run_report beside the sources). CHROMIUM: the browser (default: chromium,
 chromium-browser or google-chrome on the path). FDEM_SHOTS: a folder that screenshots are kept in.
 """
 
@@ -16,6 +16,7 @@ from playwright.sync_api import sync_playwright
 
 ROOT = Path(__file__).resolve().parents[4]
 RUN_REPORT = os.environ.get("RUN_REPORT", str(ROOT / "target/release/examples/run_report"))
+FDEM = os.environ.get("FDEM", str(ROOT / "target/release/fdem"))
 ARGUMENTS = [
     "--use-angle=swiftshader",
     "--enable-unsafe-swiftshader",
@@ -39,10 +40,10 @@ def run(folder, *arguments):
 
 @pytest.fixture(scope="session")
 def disc(tmp_path_factory):
-    """A disc of 6 * 12² elements in 61 frames, of which the page shows 60, and its last snapshot."""
+    """A disc of 6 * 12² elements in 60 frames, its last snapshot and its first."""
     folder = tmp_path_factory.mktemp("disc")
-    page = run(folder, 12, 61)
-    return page, json.loads((folder / "expected_0060.json").read_text()), json.loads((folder / "expected_0000.json").read_text())
+    page = run(folder, 12, 60)
+    return page, json.loads((folder / "expected_0059.json").read_text()), json.loads((folder / "expected_0000.json").read_text())
 
 
 @pytest.fixture(scope="session")
@@ -127,7 +128,7 @@ def test_a_click_reads_the_element_as_it_was_simulated(browser, disc):
             page.mouse.click(*page.evaluate(f"fdem.project({element})"))
             assert watched.state() and page.evaluate("fdem.picked()") == element
             assert watched.fact("element") == f"{element:,}"
-            assert watched.fact("body") == str(last["bodies"][element])
+            assert watched.fact("body") == ["left half", "right half"][last["bodies"][element]]
             assert watched.fact("material") == "sandstone"
             nodes = last["triangles"][element]
             mean = lambda name, axis: sum(last[name][node][axis] for node in nodes) / 3
@@ -216,7 +217,7 @@ def test_frames_by_slider_buttons_keys_and_table(browser, disc):
         page.click('#table-body button[data-frame="45"]')
         watched.arrived(45)
         assert page.locator('#table-body tr[aria-current="true"]').count() == 1
-        assert page.text_content('#table-body tr[aria-current="true"] td') == "46"
+        assert page.text_content('#table-body tr[aria-current="true"] td') == "45"
         watched.check()
 
 
@@ -286,13 +287,34 @@ def test_the_view_zooms_and_moves(browser, disc):
         watched.check()
 
 
+def test_a_frame_that_is_left_out_is_named(browser, tmp_path):
+    with Watched(browser, run(tmp_path, 3, 122)) as watched:
+        text = watched.page.text_content("#thinned")
+        assert text == "121 of 122 frames are in this page; frame 120 is left out."
+        watched.check()
+
+
+def test_outlines_are_drawn_and_can_be_hidden(browser, disc):
+    with Watched(browser, disc[0]) as watched:
+        page = watched.page
+        with_outlines = page.locator("#canvas").screenshot()
+        page.uncheck("#show-outlines")
+        page.wait_for_timeout(200)
+        without = page.locator("#canvas").screenshot()
+        assert with_outlines != without
+        page.check("#show-outlines")
+        page.wait_for_timeout(200)
+        assert page.locator("#canvas").screenshot() == with_outlines
+        watched.check()
+
+
 def test_summary_plots_and_what_is_left_out_are_text(browser, disc):
     path, last, _ = disc
     with Watched(browser, path, java_script_enabled=True) as watched:
         page = watched.page
         assert page.text_content("h1") == "A disc that splits"
         assert "864 elements" in page.text_content(".lead")
-        assert "60 of 61 frames are in this page." in page.text_content("#view-help")
+        assert page.locator("#thinned").count() == 0, "all frames are in the page"
         assert page.locator(".plots svg").count() == 6
         assert page.locator(".plots svg title").all_text_contents()[0] == "Energies"
         rows = page.locator("#table-body tr")
@@ -300,7 +322,59 @@ def test_summary_plots_and_what_is_left_out_are_text(browser, disc):
         cells = rows.nth(59).locator("td").all_text_contents()
         total = sum(crack["length"] for crack in last["cracks"] if crack["time"] is not None)
         assert float(cells[3]) == pytest.approx(total, rel=1e-5)
-        assert [cells[0], cells[1], cells[2]] == ["60", "100,000", "0.002"]
+        assert [cells[0], cells[1], cells[2]] == ["59", "100,000", "0.002"]
+        watched.check()
+
+
+def test_a_sample_of_a_large_mesh_is_shown_and_picked(browser, tmp_path):
+    model = """
+        [model]
+        end_time = 2e-5
+        [[body]]
+        name = "block"
+        material = "rock"
+        rectangle = { min = [0, 0], max = [1, 1] }
+        mesh_size = 0.04
+        velocity = [3, 0]
+        [[material]]
+        name = "rock"
+        density = 2700
+        youngs_modulus = 10e9
+        poissons_ratio = 0.2
+        [output]
+        frames = 2
+        shown_elements = 200
+    """
+    (tmp_path / "block.toml").write_text(model)
+    subprocess.run([FDEM, "run", "block.toml", "-q", "-o", "run"], cwd=tmp_path, check=True, capture_output=True)
+    elements = json.loads((tmp_path / "run/run.json").read_text())["elements"]
+    assert elements > 1000
+    with Watched(browser, tmp_path / "run/report.html") as watched:
+        page = watched.page
+        assert f"The mesh has {elements:,} elements. The view shows a sample" in page.text_content("#sample")
+        assert f"{elements:,} elements" in page.text_content(".lead")
+        numbers = page.evaluate("Array.from({ length: fdem.triangles() }, (_, k) => fdem.number(k))")
+        assert 50 < len(numbers) <= 200
+        assert numbers == sorted(set(numbers)) and numbers[0] >= 0 and numbers[-1] < elements
+        x, y = page.evaluate("fdem.project(30)")
+        page.mouse.click(x, y)
+        picked = page.evaluate("fdem.picked()")
+        assert picked in numbers and watched.fact("element") == f"{picked:,}"
+        assert number(watched.fact("velocity")) == pytest.approx(3, rel=1e-3)
+        page.wait_for_selector("#overlay polygon", state="attached")
+        # An element that is not shown is told as such; the view goes on.
+        missing = next(k for k in range(elements) if k not in numbers)
+        page.fill("#find-id", str(missing))
+        page.keyboard.press("Enter")
+        assert f"Element {missing:,} is not in the sample" in page.text_content("#picked")
+        page.wait_for_selector("#overlay polygon", state="detached")
+        page.fill("#find-id", str(numbers[-1]))
+        page.keyboard.press("Enter")
+        assert watched.fact("element") == f"{numbers[-1]:,}"
+        before = watched.pixels()
+        page.select_option("#field", "body")
+        assert watched.pixels() != before
+        watched.shot("run-sample")
         watched.check()
 
 
@@ -335,7 +409,7 @@ def test_everything_is_reached_by_the_keyboard(browser, disc):
             page.keyboard.press("Tab")
             reached.append(page.evaluate("document.activeElement.id"))
             assert page.evaluate("getComputedStyle(document.activeElement).outlineStyle") != "none", reached
-        for name in ("theme", "canvas", "field", "range", "show-cracks", "show-mesh", "find-id", "play", "previous", "next", "frame", "speed", "zoom-in", "reset"):
+        for name in ("theme", "canvas", "field", "range", "show-cracks", "show-outlines", "show-mesh", "find-id", "play", "previous", "next", "frame", "speed", "zoom-in", "reset"):
             assert name in reached, reached
 
 

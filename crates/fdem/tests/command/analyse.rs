@@ -18,7 +18,8 @@ fn a_lattice_is_told() {
     assert_eq!(run.stdout, "144\n");
     for line in [
         "contacts each    3: 8, 4: 24, 5: 24, 6: 8\n",
-        "rattlers         64 with fewer than 4 contacts, again and again; none is left\n",
+        "rattlers         0 of 64 (removed repeatedly: fewer than 2 contacts each); 64 remain with 4.5000 contacts each\n",
+        "                 as with friction; without it, --rattlers 4, 0 would remain\n",
         "fabric           eigenvalues 0.3333, 0.3333, 0.3333, most contacts along ",
         "clusters         1, the largest of 64 elements; from face to face along x, y, z\n",
         "overlaps         144, 0 to 0, mean 0, 0 of the mean radius\n",
@@ -31,7 +32,8 @@ fn a_lattice_is_told() {
     let json = bench.json("cube.json");
     let analysis = &json["analysis"];
     assert_eq!(analysis["coordination"]["distribution"][5], 24);
-    assert_eq!(analysis["without_rattlers"]["elements"], 0);
+    assert_eq!(analysis["without_rattlers"]["elements"], 64);
+    assert_eq!(analysis["without_rattlers"]["frictionless"]["elements"], 0);
     assert_eq!(analysis["clusters"]["percolation"][2]["percolates"], true);
     assert_eq!(analysis["radial"]["counts"].as_array().unwrap().len(), 150);
     assert!(json["seconds"]["analyse"].as_f64().is_some());
@@ -40,7 +42,7 @@ fn a_lattice_is_told() {
     let run = bench.run(&[&["contacts", "cube.csv"], &options[..], &around].concat()).succeeds();
     for line in [
         "contacts each    6: 64\n",
-        "rattlers         0 with fewer than 2 contacts, again and again; 64 are left with 6.0000 contacts each\n",
+        "rattlers         0 of 64 (removed repeatedly: fewer than 2 contacts each); 64 remain with 6.0000 contacts each\n",
         "around the box along x, y, z\n",
         "packing fraction 0.52360 in [0, 4] x [0, 4] x [0, 4]",
         "g(r)             up to 1.2, largest ",

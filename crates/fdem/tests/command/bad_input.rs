@@ -249,6 +249,79 @@ fn a_full_disk_is_an_error() {
     assert_eq!(bench.files(), ["in.csv"]);
 }
 
+/// Standard output that was closed (`>&-`): the couples went nowhere, and nobody said so.
+#[cfg(unix)]
+#[test]
+fn a_closed_standard_output_is_an_error() {
+    let bench = Bench::new();
+    bench.write("in.csv", GOOD);
+    let fdem = assert_cmd::cargo::cargo_bin!("fdem").display().to_string();
+    let run = |line: &str| {
+        let line = format!("{fdem} {line} >&-");
+        let output =
+            std::process::Command::new("sh").args(["-c", &line]).current_dir(bench.folder.path()).output();
+        crate::Run::of(output.unwrap(), &[&line])
+    };
+    for line in ["contacts in.csv", "contacts in.csv --count", "generate lattice", "--help", "--version"] {
+        run(line).refused_with(&["cannot write standard output: it is closed"]);
+    }
+    run("contacts in.csv -q -o out.csv").succeeds();
+    run("contacts in.csv -q --picture out.svg").succeeds();
+    assert_eq!(bench.files(), ["in.csv", "out.csv", "out.svg"]);
+}
+
+/// Help that cannot be printed was a success.
+#[cfg(target_os = "linux")]
+#[test]
+fn help_on_a_full_disk_is_an_error() {
+    let bench = Bench::new();
+    for arguments in [&["--help"][..], &["contacts", "--help"], &["--version"]] {
+        let full = std::fs::File::options().write(true).open("/dev/full").unwrap();
+        let output = bench.command(arguments).stdout(full).output().unwrap();
+        assert_eq!(output.status.code(), Some(2));
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert!(message.starts_with("error: cannot write standard output: "), "{message}");
+    }
+    assert_eq!(bench.run(&["--version"]).code, Some(0));
+    assert_eq!(bench.run(&["--nothing"]).code, Some(2));
+}
+
+/// What a command that was killed has left behind is removed by the next one; files of a command that still runs are not.
+#[cfg(unix)]
+#[test]
+fn the_next_command_removes_what_a_killed_one_left() {
+    use std::io::Write;
+    use std::process::Stdio;
+    let bench = Bench::new();
+    bench.write("in.csv", GOOD);
+    let waiting = |output: &str| {
+        let before = bench.files().len();
+        let mut command = bench.command(&["contacts", "-", "-o", output]);
+        let mut child = command.stdin(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
+        child.stdin.as_mut().unwrap().write_all(GOOD.as_bytes()).unwrap();
+        let started = std::time::Instant::now();
+        // Its lock and its partial file.
+        while bench.files().len() < before + 2 {
+            assert!(started.elapsed().as_secs() < 60, "the output was never opened");
+            std::thread::sleep(std::time::Duration::from_millis(5));
+        }
+        child
+    };
+    let mut killed = waiting("a.csv");
+    killed.kill().unwrap();
+    killed.wait().unwrap();
+    assert_eq!(bench.files().len(), 3, "{:?}", bench.files());
+    bench.run(&["contacts", "in.csv", "-o", "b.csv"]).succeeds();
+    assert_eq!(bench.files(), ["b.csv", "in.csv"]);
+
+    let mut alive = waiting("a.csv");
+    bench.run(&["contacts", "in.csv", "-o", "c.csv"]).succeeds();
+    assert_eq!(bench.files().len(), 5, "{:?}", bench.files());
+    drop(alive.stdin.take());
+    assert!(alive.wait().unwrap().success());
+    assert_eq!(bench.files(), ["a.csv", "b.csv", "c.csv", "in.csv"]);
+}
+
 /// An interrupt while the couples are written removes what was written aside.
 #[cfg(unix)]
 #[test]

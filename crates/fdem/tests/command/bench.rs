@@ -107,7 +107,7 @@ fn levels_are_timed_where_sizes_are_unlike() {
     assert_eq!(others.iter().map(|row| row[0]).collect::<Vec<_>>(), ["cgrid", "rows"]);
     assert!(others.iter().all(|row| row[7] == rows[0][7]), "{}", run.stdout);
     let told = bench.run(&["contacts", "gas.csv", "--explain", "--engine", "cgrid"]).succeeds();
-    assert!(told.stdout.starts_with("engine    cgrid: asked for"), "{}", told.stdout);
+    assert!(told.stdout.starts_with("engine    cgrid: requested"), "{}", told.stdout);
     assert!(told.stdout.contains("\nlevel "), "{}", told.stdout);
     let [by_default, by_cells] = ["auto", "cgrid"]
         .map(|engine| bench.run(&["contacts", "gas.csv", "--engine", engine]).succeeds().stdout);

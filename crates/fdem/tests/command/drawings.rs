@@ -25,6 +25,76 @@ fn a_picture_shows_every_element_and_couple() {
     }
 }
 
+/// The terminal was flooded with the couples; the summary did not say what had been written.
+#[test]
+fn drawings_alone_print_the_summary_only() {
+    let bench = Bench::new();
+    bench.write("row.csv", ROW);
+    let run = bench
+        .run(&["contacts", "row.csv", "--picture", "p.svg", "--report", "r.html", "--json", "s.json"])
+        .succeeds();
+    assert_eq!(run.stdout, "");
+    let files = "written          p.svg\n                 r.html\n                 s.json\n";
+    assert!(run.stderr.ends_with(files), "{}", run.stderr);
+    assert!(!bench.read("r.html").contains("p.svg"), "a report tells of the packing");
+    let run = bench.run(&["contacts", "row.csv", "--picture", "p.svg", "-o", "-"]).succeeds();
+    assert_eq!(run.rows().len(), 2);
+    let run = bench.run(&["contacts", "row.csv", "--plots", "d.svg", "-o", "c.csv"]).succeeds();
+    assert!(run.stderr.ends_with("written          c.csv\n                 d.svg\n"), "{}", run.stderr);
+    assert_eq!(bench.read("c.csv").lines().count(), 3);
+    let run = bench.run(&["contacts", "row.csv"]).succeeds();
+    assert!(run.rows().len() == 2 && !run.stderr.contains("written"), "{}", run.stderr);
+}
+
+/// One sphere that 20,000 others touch: each contact was drawn in the time of its box, which no picture of such a packing was ready in.
+#[test]
+fn an_element_with_many_contacts_is_drawn() {
+    let bench = Bench::new();
+    let (count, golden) = (20_000, std::f64::consts::PI * (3.0 - 5_f64.sqrt()));
+    let small = (0..count).map(|k| {
+        let z = 1.0 - (2.0 * f64::from(k) + 1.0) / f64::from(count);
+        let (r, a) = ((1.0 - z * z).sqrt(), golden * f64::from(k));
+        format!("{},{},{},0.002\n", r * a.cos(), r * a.sin(), z)
+    });
+    bench.write("hub.csv", format!("x,y,z,radius\n0,0,0,0.999\n{}", small.collect::<String>()));
+    let files = ["--picture", "p.png", "--report", "r.html", "--plots", "d.svg", "--json", "s.json"];
+    bench.run(&[&["contacts", "hub.csv"], &files[..]].concat()).succeeds();
+    assert!(bench.json("s.json")["couples"].as_u64().unwrap() >= 20_000);
+    png_size(&std::fs::read(bench.path("p.png")).unwrap());
+}
+
+/// Wherever memory ends, while the couples are found or while they are drawn: a drawing or an error. It was an abort with exit code 134.
+#[cfg(target_os = "linux")]
+#[test]
+fn any_limit_of_memory_ends_in_a_drawing_or_an_error() {
+    let bench = Bench::new();
+    bench.run(&["generate", "gas", "-n", "40000", "-o", "gas.npy"]).succeeds();
+    let fdem = assert_cmd::cargo::cargo_bin!("fdem").display().to_string();
+    for drawing in ["--picture p.png", "--plots p.png", "--report p.html", "--picture p.svg"] {
+        let mut ends = [0, 0];
+        for kilobytes in (30_000..330_000).step_by(25_000) {
+            let line = format!("ulimit -v {kilobytes} && exec {fdem} contacts gas.npy -q {drawing}");
+            let run = std::process::Command::new("sh")
+                .args(["-c", &line])
+                .current_dir(bench.folder.path())
+                .output()
+                .unwrap();
+            let message = String::from_utf8_lossy(&run.stderr).into_owned();
+            match run.status.code() {
+                Some(0) => ends[0] += 1,
+                Some(2) => {
+                    assert!(message.contains("memory"), "{drawing}, {kilobytes}: {message}");
+                    ends[1] += 1;
+                }
+                // The system could not load the program.
+                Some(127) => {}
+                code => panic!("{drawing}, {kilobytes} kB: {code:?}, {message}"),
+            }
+        }
+        assert!(ends[0] > 0 && ends[1] > 0, "{drawing}: drawings and errors: {ends:?}");
+    }
+}
+
 #[test]
 fn drawings_are_the_same_at_every_run_and_for_any_number_of_threads() {
     let bench = Bench::new();
@@ -142,7 +212,9 @@ fn meshes_in_a_plane_are_drawn() {
         rest.split(|c: char| !c.is_ascii_digit()).next().unwrap().parse().unwrap()
     };
     assert_eq!(svg.matches("<polygon").count(), number("elements"), "{}", run.stderr);
-    assert_eq!(svg.matches("<path").count(), number("body_contacts"));
+    let outlines = svg.matches("<path class=\"bodies\"").count();
+    assert_eq!(outlines, 1, "one path has the outlines of all bodies");
+    assert_eq!(svg.matches("<path").count() - outlines, number("body_contacts"));
     assert!(svg.contains("squares.msh"));
     bench.run(&["contacts", squares, "--count", "--picture", "m.png", "--picture-width", "400"]).succeeds();
     assert_eq!(png_size(&std::fs::read(bench.path("m.png")).unwrap())[0], 400);

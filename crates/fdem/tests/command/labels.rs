@@ -24,6 +24,27 @@ const PIXELS: [u8; 20] = [
     4, 0, 0, 0, 0,
 ];
 
+/// Bodies are where the means of their grid squares are, x along the last axis, and of their size.
+#[test]
+fn bodies_of_an_image_are_drawn() {
+    let bench = Bench::new();
+    bench.write("in.npy", npy("|u1", "(4, 5)", PIXELS));
+    let outputs = ["--picture", "p.svg", "--plots", "d.png", "--report", "r.html", "-o", "o.vtp"];
+    let options = ["--labels", "--spacing", "2,1"];
+    let run = bench.run(&[&["contacts", "in.npy"], &options[..], &outputs].concat()).succeeds();
+    assert!(run.stderr.contains("written          o.vtp\n                 p.svg\n"), "{}", run.stderr);
+    assert!(bench.read("p.svg").contains("4 bodies, 1 contact, 0.5000 per body, 2 without"));
+    assert!(bench.read("r.html").contains("shared length"));
+    let bytes = std::fs::read(bench.path("o.vtp")).unwrap();
+    let network = fdem::io::read_mesh(&bytes, "o.vtp").unwrap();
+    assert_eq!(network.points, [[1.0, 0.5, 0.0], [5.0, 0.5, 0.0], [8.0, 2.0, 0.0], [0.0, 3.0, 0.0]]);
+    assert_eq!(network.segments.nodes, [[0, 1]]);
+    // In space too.
+    bench.write("solid.npy", npy("|u1", "(2, 2, 5)", PIXELS));
+    bench.run(&["contacts", "solid.npy", "--labels", "--report", "r.html", "--picture", "p.png"]).succeeds();
+    assert!(bench.read("r.html").contains("shared area"));
+}
+
 #[test]
 fn contacts_in_2d() {
     let bench = Bench::new();
@@ -186,9 +207,6 @@ fn options_that_do_not_fit_are_refused() {
         &["--engine", "rows"],
         &["--bodies", "body"],
         &["--periodic", "x", "--box", "0,1,0,1"],
-        &["--picture", "p.svg"],
-        &["--plots", "p.png"],
-        &["--report", "p.html"],
         &["--verify", "3"],
     ] {
         refused(&[&["--labels"], other].concat(), &["cannot be used with", "--labels", other[0]]);

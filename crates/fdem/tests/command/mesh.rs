@@ -190,12 +190,9 @@ fn what_does_not_fit_is_refused() {
         &["--cutoff", "1"],
         &["--bodies", "body"],
         &["--periodic", "x", "--box", "0,1,0,1"],
-        &["--plots", "p.png"],
-        &["--report", "p.html"],
     ] {
         refused(&[&["squares.msh"], option].concat(), &["squares.msh: ", option[0], "not for meshes"]);
     }
-    refused(&["floor.stl", "--picture", "p.svg"], &["floor.stl: --picture", "in a plane"]);
     refused(&["squares.msh", "--threads", "100000"], &["squares.msh: --threads: "]);
     refused(&["squares.msh", "--labels"], &["cannot be used with"]);
     bench
@@ -204,6 +201,37 @@ fn what_does_not_fit_is_refused() {
     bench
         .run(&["contacts", "squares.msh", "-o", "x.csv", "--body-table", "x.csv"])
         .refused_with(&["--body-table x.csv is --output too"]);
+}
+
+/// Meshes in a plane and in space, and spheres with walls, have all drawings and a network for ParaView, which were refused.
+#[test]
+fn bodies_of_every_kind_are_drawn() {
+    let bench = Bench::new();
+    bench.write("squares.msh", SQUARES);
+    bench.write("floor.stl", floor(0.0));
+    bench.write("spheres.csv", "x,y,z,radius\n2,2,0.9,1\n3.5,2,0.9,1\n2,2,5,1\n");
+    bench.write("a.inp", tetrahedron("a", 0.0));
+    bench.write("b.inp", tetrahedron("b", 1.5));
+    for (files, bodies, contacts, noun) in [
+        (&["squares.msh"][..], 2, 1, "overlap"),
+        (&["spheres.csv", "floor.stl"], 4, 3, "depth"),
+        (&["a.inp", "b.inp"], 2, 1, "overlap"),
+    ] {
+        let outputs = ["--picture", "p.png", "--plots", "d.svg", "--report", "r.html", "-o", "o.vtp"];
+        let run = bench.run(&[&["contacts"], files, &outputs[..]].concat()).succeeds();
+        assert_eq!(run.stdout, "");
+        let page = bench.read("r.html");
+        assert!(page.contains(&format!("{bodies} bodies, {contacts} contact")), "{files:?}");
+        assert!(page.contains(noun) && page.contains("Table of bodies"), "{files:?}");
+        assert!(std::fs::read(bench.path("p.png")).unwrap().starts_with(b"\x89PNG"));
+        assert!(bench.read("d.svg").contains("contacts of a body"));
+        let bytes = std::fs::read(bench.path("o.vtp")).unwrap();
+        let lines = fdem::io::read_mesh(&bytes, "o.vtp").unwrap();
+        assert!(!lines.segments.is_empty(), "{files:?}");
+    }
+    // A sphere has its number, and two ends in its contact with the other one.
+    let run = bench.run(&["contacts", "spheres.csv", "floor.stl", "--picture", "p.svg"]).succeeds();
+    assert!(run.stderr.contains("written          p.svg"), "{}", run.stderr);
 }
 
 /// 38,000 spheres of two sizes at rest in a drum with walls of triangles (Dosta et al., Comput. Phys. Commun. 296 (2024) 109066).

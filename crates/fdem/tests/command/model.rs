@@ -1,4 +1,4 @@
-//! `fdem new` and `fdem check`: what is printed, exit codes, and files beside the model.
+//! Tests of `fdem new` and `fdem check`: output, exit codes, and files beside the model.
 
 use crate::Bench;
 
@@ -65,6 +65,14 @@ fn what_is_no_model_is_refused() {
     let bench = Bench::new();
     bench.run(&["check"]).refused_with(&["MODEL"]);
     bench.run(&["check", "gone.toml"]).refused_with(&["cannot read gone.toml"]);
+    #[cfg(unix)]
+    {
+        bench.run(&["check", "/dev/zero"]).refused_with(&["/dev/zero", "64 MiB"]);
+        let model = "[model]\nend_time = 1\n[[body]]\nname = \"a\"\nmaterial = \"m\"\nmesh = \"/dev/zero\"\n\
+            [[material]]\nname = \"m\"\ndensity = 1\nyoungs_modulus = 1\npoissons_ratio = 0\n";
+        bench.write("endless.toml", model);
+        bench.run(&["check", "endless.toml"]).refused_with(&["/dev/zero", "device"]);
+    }
     bench.write("bytes.toml", b"[model]\n\xff\xfe");
     bench.run(&["check", "bytes.toml"]).refused_with(&["bytes.toml:2: this is no text in UTF-8"]);
 }
@@ -75,4 +83,23 @@ fn the_schema_is_json() {
     let run = bench.run(&["check", "--schema"]).succeeds();
     let schema: serde_json::Value = serde_json::from_str(&run.stdout).unwrap();
     assert_eq!(schema["properties"]["body"]["type"], "array");
+}
+
+#[test]
+fn errors_are_json_where_that_is_asked_for() {
+    let bench = Bench::new();
+    bench.run(&["new"]).succeeds();
+    bench.write("model.toml", bench.read("model.toml").replacen("density", "densty", 1));
+    let errors = |name: &str| {
+        let run = bench.run(&["check", name, "--json"]);
+        assert_eq!(run.code, Some(2), "{}", run.stderr);
+        let json: serde_json::Value = serde_json::from_str(&run.stdout).unwrap();
+        json["errors"].clone()
+    };
+    let wrong = errors("model.toml");
+    assert!(wrong[0]["message"].as_str().unwrap().contains("no key \"densty\""), "{wrong}");
+    assert_eq!(wrong[0]["help"], "did you mean \"density\"?");
+    let line = 1 + bench.read("model.toml").lines().position(|line| line.starts_with("densty")).unwrap();
+    assert_eq!(wrong[0]["line"], line);
+    assert!(errors("gone.toml")[0]["message"].as_str().unwrap().contains("cannot read gone.toml"));
 }

@@ -1,4 +1,4 @@
-//! `fdem run` and `fdem resume`: results, interrupts, kills, runs that cannot go on.
+//! Tests of `fdem run` and `fdem resume`: results, interrupts, kills, runs that stop or cannot be resumed.
 
 use std::fs;
 use std::path::Path;
@@ -10,7 +10,7 @@ use serde_json::Value;
 
 use crate::Bench;
 
-/// A block falls on a floor and breaks: some hundred elements.
+/// A block of some hundred elements falls on a floor and breaks.
 const CRASH: &str = r#"
 [model]
 title = "crash"
@@ -56,7 +56,7 @@ node = [0.05, 0.1]
 body = "block"
 "#;
 
-/// Grains hit by a projectile: joints open as hinges, far round, and come back.
+/// A projectile hits grains: joints open as hinges, turn far, and close again.
 const GRAINS: &str = r#"
 [model]
 end_time = 0.008
@@ -109,7 +109,7 @@ impl Bench {
         self.command(arguments).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap()
     }
 
-    /// Fails with the first difference, shortly.
+    /// Asserts that a folder has the results of a fingerprint. Fails with the first difference.
     fn is_like(&self, folder: &str, (hash, history, frames): &(String, String, Vec<(String, Vec<u8>)>)) {
         let found = self.fingerprint(folder);
         for (line, (a, b)) in found.1.lines().zip(history.lines()).enumerate() {
@@ -124,7 +124,7 @@ impl Bench {
         assert_eq!(found.2.len(), frames.len());
     }
 
-    /// What must not depend on how often a run was interrupted.
+    /// Results that must not depend on interruptions: hash of the state, history, frames.
     fn fingerprint(&self, folder: &str) -> (String, String, Vec<(String, Vec<u8>)>) {
         let json = self.summary(folder);
         assert_eq!(json["status"], "finished");
@@ -139,7 +139,7 @@ impl Bench {
     }
 }
 
-/// Once joints that had turned far about one of their ends pushed their elements apart: a fifth of what had been dissipated came back.
+/// Joints that had turned far about one of their ends once pushed their elements apart, and returned a fifth of the dissipated energy.
 #[test]
 fn joints_do_not_give_back_what_they_have_dissipated() {
     let bench = Bench::of(GRAINS);
@@ -183,7 +183,7 @@ fn one_folder_has_one_run_at_a_time() {
     bench.run(&["resume", "-q", "run"]).refused_with(&["another fdem", "run"]);
     first.kill().unwrap();
     first.wait().unwrap();
-    // Whoever is gone holds no lock.
+    // A process that has ended holds no lock.
     let mut second = bench.start(&["resume", "-q", "run"]);
     thread::sleep(Duration::from_millis(200));
     assert!(second.try_wait().unwrap().is_none());
@@ -207,10 +207,10 @@ fn what_is_missing_of_a_run_is_found_before_it_goes_on() {
         } else {
             fs::write(&file, &whole[..whole.len() / 2]).unwrap();
         }
-        bench.run(&["resume", "-q", "run"]).refused_with(&says);
+        bench.run(&["resume", "-q", "run", "--end-time", "0.06e-3"]).refused_with(&says);
         fs::write(&file, whole).unwrap();
     }
-    bench.run(&["resume", "-q", "run"]).succeeds();
+    bench.run(&["resume", "-q", "run", "--end-time", "0.06e-3"]).succeeds();
 }
 
 #[test]
@@ -250,12 +250,12 @@ fn a_run_writes_all_that_it_promises_and_is_not_overwritten() {
     assert!(json["broken_joints"].as_u64().unwrap() > 5, "{json}");
     assert!(json["energies"]["error"].as_f64().unwrap().abs() < 0.02, "{json}");
     let frames = bench.fingerprint("crash_results").2;
-    assert_eq!(frames.len(), 3 * 9, "a frame at the beginning and eight more");
+    assert_eq!(frames.len(), 5 * 9, "a frame at the beginning and eight more");
     let history = bench.read("crash_results/history.csv");
     let names = history.lines().next().unwrap();
     assert!(
         names.ends_with(
-            "ground fx [N],ground fy [N],corner ux [m],corner uy [m],corner vx [m/s],corner vy [m/s]"
+            "ground fx [N],ground fy [N],ground ux [m],ground uy [m],corner ux [m],corner uy [m],corner vx [m/s],corner vy [m/s]"
         ),
         "{names}"
     );
@@ -266,10 +266,151 @@ fn a_run_writes_all_that_it_promises_and_is_not_overwritten() {
     assert_eq!(forced.stderr, "");
     assert_eq!(bench.read("crash_results/notes.txt"), "mine");
     assert_eq!(bench.summary("crash_results")["state_hash"], json["state_hash"], "threads change nothing");
+}
 
-    // Resuming what has finished changes nothing either.
-    bench.run(&["resume", "crash_results"]).succeeds();
-    assert_eq!(bench.summary("crash_results")["state_hash"], json["state_hash"]);
+/// A report of more than a million elements was once refused, and the summary of the run was lost with it.
+#[test]
+fn a_mesh_that_is_too_large_for_a_page_is_shown_by_a_sample() {
+    let bench = Bench::of(&CRASH.replace("[output]", "[output]\nshown_elements = 120"));
+    bench.run(&["run", "crash.toml", "--animate", "-q", "-o", "run"]).succeeds();
+    let json = bench.summary("run");
+    assert_eq!(json["status"], "finished");
+    let elements = json["elements"].as_u64().unwrap();
+    assert!(elements > 200, "{elements}");
+    let page = bench.read("run/report.html");
+    assert!(page.contains(&format!("The mesh has {elements} elements. The view shows a sample")));
+    for file in ["picture.png", "animation.gif", "plots/energies.svg"] {
+        assert!(bench.path("run").join(file).exists(), "{file}");
+    }
+    // What ParaView reads is whole.
+    let mesh = fs::read(bench.path("run/frames/00003.vtu")).unwrap();
+    let head = String::from_utf8_lossy(&mesh[..1000]).into_owned();
+    assert!(head.contains(&format!("NumberOfCells=\"{elements}\"")), "{head}");
+}
+
+/// The summary says how the run ended, whether or not the pictures can be drawn.
+#[test]
+fn a_page_that_cannot_be_written_does_not_take_the_run_with_it() {
+    let bench = Bench::of(&CRASH.replace("0.8e-3", "0.05e-3"));
+    bench.run(&["run", "crash.toml", "-q", "-o", "run"]).succeeds();
+    fs::remove_file(bench.path("run/report.html")).unwrap();
+    fs::create_dir(bench.path("run/report.html.part")).unwrap();
+    let longer = ["resume", "-q", "run", "--end-time", "0.06e-3"];
+    let told = bench.run(&longer);
+    assert_eq!(told.code, Some(2), "{}", told.stderr);
+    assert!(told.stderr.contains("report.html"), "{}", told.stderr);
+    assert_eq!(bench.summary("run")["status"], "finished");
+    // Once there is room for the page it is made, without a step.
+    fs::remove_dir(bench.path("run/report.html.part")).unwrap();
+    bench.run(&["resume", "-q", "run"]).succeeds();
+    assert!(bench.path("run/report.html").exists());
+}
+
+#[test]
+fn a_finished_run_has_nothing_left_to_do() {
+    let bench = Bench::of(&CRASH.replace("0.8e-3", "0.05e-3"));
+    bench.run(&["run", "crash.toml", "-q", "-o", "run"]).succeeds();
+    let files = ["run.json", "report.html", "history.csv", "checkpoint", "run.log"];
+    let all = || files.map(|name| fs::read(bench.path("run").join(name)).unwrap());
+    let before = all();
+    let told = bench.run(&["resume", "run"]).succeeds();
+    assert!(told.stdout.contains("nothing to do") && told.stdout.contains("--end-time"), "{}", told.stdout);
+    assert!(all() == before, "a file changed");
+    bench.run(&["resume", "run", "--end-time", "0.01e-3"]).refused_with(&["has come to", "end_time"]);
+    bench.run(&["resume", "run", "--end-time", "0"]).refused_with(&["above 0"]);
+    assert!(all() == before, "a file changed");
+    // An animation is something to do.
+    bench.run(&["resume", "-q", "run", "--animate"]).succeeds();
+    assert!(bench.path("run/animation.gif").exists());
+}
+
+#[test]
+fn a_run_with_a_later_end_is_the_run_that_had_it_from_the_beginning() {
+    let output = "[output]\ninterval = 0.1e-3\nhistory_interval = 1e-6\ncheckpoint_steps = 40\n";
+    let model = CRASH.replace("[output]\nframes = 8\ncheckpoint_steps = 40\n", output);
+    let bench = Bench::of(&model);
+    bench.run(&["run", "crash.toml", "-q", "-o", "whole"]).succeeds();
+    bench.write("crash.toml", model.replace("end_time = 0.8e-3", "end_time = 0.4e-3 # half"));
+    bench.run(&["run", "crash.toml", "-q", "-o", "parts"]).succeeds();
+    bench.run(&["resume", "parts", "-q", "--end-time", "0.8e-3"]).succeeds();
+    bench.is_like("parts", &bench.fingerprint("whole"));
+    assert!(bench.read("parts/model.toml").contains("end_time = 0.0008 # half"));
+}
+
+#[test]
+fn a_resumed_run_keeps_its_account() {
+    let bench = Bench::of(CRASH);
+    bench.run(&["run", "crash.toml", "-q", "-o", "run"]).succeeds();
+    let before = bench.summary("run");
+    // A hundredth more: what only this part took would be less.
+    bench.run(&["resume", "-q", "run", "--end-time", "0.808e-3"]).succeeds();
+    let after = bench.summary("run");
+    let number = |json: &Value, key: &str| json["seconds"][key].as_f64().unwrap();
+    for key in ["bulk", "joints", "detection", "contact_force", "integration", "output", "total"] {
+        assert!(number(&after, key) > number(&before, key), "{key}: {after} after {before}");
+    }
+    let detections = |json: &Value| json["detections"].as_u64().unwrap();
+    assert!(detections(&before) > 1 && detections(&after) > detections(&before), "{after} after {before}");
+}
+
+#[test]
+fn the_history_begins_before_the_first_step() {
+    let bench = Bench::of(&CRASH.replace("0.8e-3", "0.05e-3"));
+    bench.run(&["run", "crash.toml", "-q"]).succeeds();
+    let history = bench.read("crash_results/history.csv");
+    let mut lines = history.lines().map(|line| line.split(',').collect::<Vec<_>>());
+    let (names, first) = (lines.next().unwrap(), lines.next().unwrap());
+    let value = |name: &str| {
+        let place = names.iter().position(|other| *other == name).unwrap();
+        first[place].parse::<f64>().unwrap()
+    };
+    assert_eq!([value("step"), value("time")], [0.0; 2]);
+    let kinetic = 0.5 * 2700.0 * 0.1 * 0.0995 * 401.0;
+    assert!((value("kinetic") / kinetic - 1.0).abs() < 1e-9, "{}", value("kinetic"));
+    let motion = ["corner ux [m]", "corner uy [m]", "corner vx [m/s]", "corner vy [m/s]"].map(value);
+    assert_eq!(motion, [0.0, 0.0, 1.0, -20.0]);
+}
+
+#[test]
+fn columns_of_a_history_cannot_change_on_the_way() {
+    let bench = Bench::of(&CRASH.replace("0.8e-3", "0.05e-3"));
+    bench.run(&["run", "crash.toml", "-q", "-o", "run"]).succeeds();
+    let other = bench.read("run/model.toml").replace("name = \"corner\"", "name = \"edge\"");
+    bench.write("run/model.toml", other);
+    bench.run(&["resume", "-q", "run", "--end-time", "0.06e-3"]).refused_with(&[
+        "history.csv",
+        "columns",
+        "[[history]]",
+    ]);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_message_that_cannot_be_written_is_an_error() {
+    let bench = Bench::of(&CRASH.replace("0.8e-3", "0.01e-3"));
+    let full = fs::File::options().write(true).open("/dev/full").unwrap();
+    let output = bench.command(&["run", "crash.toml", "-q"]).stdout(full).output().unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    assert!(String::from_utf8(output.stderr).unwrap().contains("cannot write standard output"));
+    assert_eq!(bench.summary("crash_results")["status"], "finished");
+}
+
+/// The model in a folder of results has its meshes in `inputs/`.
+#[test]
+fn the_model_of_a_run_can_be_run_again() {
+    let model = CRASH
+        .replace(
+            "rectangle = { min = [-0.05, 0.0005], max = [0.05, 0.1] }\nmesh_size = 0.015",
+            "mesh = \"block.obj\"",
+        )
+        .replace("0.8e-3", "0.01e-3");
+    let bench = Bench::of(&model);
+    bench.write("block.obj", "v 0 0.01 0\nv 0.05 0.01 0\nv 0.05 0.06 0\nv 0.05 0.1 0\nf 1 2 3\nf 1 3 4\n");
+    bench.run(&["run", "crash.toml", "-q", "-o", "run"]).succeeds();
+    fs::remove_file(bench.path("block.obj")).unwrap();
+    bench.run(&["check", "run/model.toml"]).succeeds();
+    bench.run(&["run", "run/model.toml", "-q", "-o", "again"]).succeeds();
+    assert_eq!(bench.summary("run")["state_hash"], bench.summary("again")["state_hash"]);
 }
 
 #[test]
@@ -281,7 +422,7 @@ fn a_run_killed_at_any_moment_goes_on_to_the_same_end() {
     let whole = bench.fingerprint("whole");
     let (mut kills, mut resumed, mut state) = (0, 0, 99_u64);
     while kills < 50 {
-        // From the first instants to the end, in no order.
+        // A pseudorandom share of the usual time.
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         let share = (state >> 40) as f64 / f64::from(1 << 24);
         let patience = Duration::from_secs_f64(usual.as_secs_f64() * share * 0.6);
@@ -294,7 +435,7 @@ fn a_run_killed_at_any_moment_goes_on_to_the_same_end() {
         };
         thread::sleep(patience);
         if child.try_wait().unwrap().is_some() {
-            // It was through: what it left is what an uninterrupted run leaves. Begin anew.
+            // The run had finished: it has the results of an uninterrupted run. Begin again.
             bench.is_like("cut", &whole);
             fs::remove_dir_all(bench.path("cut")).unwrap();
             continue;
@@ -313,9 +454,10 @@ fn a_run_killed_at_any_moment_goes_on_to_the_same_end() {
 #[cfg(unix)]
 #[test]
 fn an_interrupt_saves_where_the_run_stands() {
-    // Long enough to be interrupted, and without checkpoints on the way.
-    let model =
-        CRASH.replace("0.8e-3", "20e-3").replace("checkpoint_steps = 40", "checkpoint_interval = 1000");
+    // Long enough to be interrupted, and without checkpoints during the run.
+    let model = CRASH
+        .replace("0.8e-3", "20e-3")
+        .replace("checkpoint_steps = 40", "checkpoint_interval = 1000\nshown_elements = 100");
     let bench = Bench::of(&model);
     let child = bench.start(&["run", "crash.toml", "--output", "cut"]);
     let begun = || bench.path("cut/history.csv").exists() && bench.path("cut/frames/00001.vtu").exists();
@@ -331,7 +473,6 @@ fn an_interrupt_saves_where_the_run_stands() {
     let steps = json["steps"].as_u64().unwrap();
     assert!(steps > 10, "{json}");
     assert!(bench.path("cut/report.html").exists());
-    // It stands where it was interrupted: the last row of the history is of no later step, and the run goes on from there.
     bench.write("cut/model.toml", model.replace("-20", "-21"));
     bench.run(&["resume", "cut"]).refused_with(&["not the model of this run"]);
 }
@@ -360,7 +501,7 @@ fn what_cannot_run_leaves_no_folder() {
             fs::create_dir(bench.path(folder)).unwrap();
         }
         if folder == "torn" {
-            bench.write("torn/checkpoint", [b"fdem checkpoint 1\n".as_slice(), &[7; 100]].concat());
+            bench.write("torn/checkpoint", [b"fdem checkpoint 3\n".as_slice(), &[7; 100]].concat());
         }
         if folder == "old" {
             bench.write("old/checkpoint", "fdem checkpoint 0\n");

@@ -54,6 +54,31 @@ fn a_series_is_one_table_with_the_box_of_each_frame() {
     let names: Vec<&str> = COUPLES.lines().next().unwrap().split(',').collect();
     let npyz::DType::Record(fields) = array.dtype() else { panic!("no fields") };
     assert_eq!(fields.iter().map(|field| field.name.as_str()).collect::<Vec<_>>(), names);
+
+    // The archive has one array for each column; `crates/io/tests/python/test_written.py` reads it and the Parquet file.
+    for file in ["all.npz", "all.parquet"] {
+        let run = bench.run(&["contacts", "run.dump", "-o", file]).succeeds();
+        assert!(run.stderr.ends_with(&format!("written          {file}\n")), "{}", run.stderr);
+    }
+    let archive = std::fs::read(bench.path("all.npz")).unwrap();
+    for name in ["frame.npy", "step.npy", "i.npy", "overlap.npy", "shift.npy"] {
+        assert!(archive.windows(name.len()).any(|part| part == name.as_bytes()), "{name}");
+    }
+    assert!(std::fs::read(bench.path("all.parquet")).unwrap().ends_with(b"PAR1"));
+    bench
+        .run(&["contacts", "run.dump", "-o", "all.vtp"])
+        .refused_with(&[".csv, .npy, .npz or .parquet", "{frame}"]);
+}
+
+/// The files of a series are named: one of all frames, and those of single frames in one line.
+#[test]
+fn the_summary_names_the_files_of_a_series() {
+    let bench = dump();
+    let run =
+        bench.run(&["contacts", "run.dump", "--picture", "p{frame}.svg", "--json", "s.json"]).succeeds();
+    assert_eq!(run.stdout, "");
+    let files = "written          s.json\n                 p{frame}.svg: 2 files, frame 0 to 1\n";
+    assert!(run.stderr.ends_with(files), "{}", run.stderr);
 }
 
 #[test]
@@ -203,7 +228,7 @@ fn the_format_is_told_by_content_or_by_option() {
     bench.write("no.xyz", "x,y,radius\n0,0,1\n1,0\n");
     bench.run(&["contacts", "no.xyz"]).refused_with(&[
         "no.xyz:3:",
-        "promises a XYZ file",
+        "the name stands for a XYZ file",
         "expected 3 fields",
     ]);
 }

@@ -205,3 +205,23 @@ fn bodies_are_turned_about_their_middle_and_then_moved() {
         assert!((found - expected).abs() < 1e-12, "{found} {expected}");
     }
 }
+
+/// Coordinates have fewer digits far from 0; shapes of elements have to keep theirs.
+#[test]
+fn a_body_far_away_has_the_mesh_of_one_that_is_near() {
+    let disc = |x: &str| {
+        right(&with_shape(&format!("disc = {{ centre = [{x}, 0], radius = 0.025 }}\nmesh_size = 0.001")))
+            .model
+            .mesh
+    };
+    let (near, far) = (disc("0"), disc("1e5"));
+    assert_eq!(near.triangles, far.triangles);
+    for (a, b) in near.nodes.iter().zip(&far.nodes) {
+        let apart = [b[0] - 1e5 - a[0], b[1] - a[1]];
+        assert!(apart[0].hypot(apart[1]) < 3e-11, "{a:?} {b:?}");
+    }
+    let crossing =
+        "polygon = { points = [[100000, 0], [100001, 1], [100001, 0], [100000, 1]] }\nmesh_size = 0.1";
+    let told = crate::read(&with_shape(crossing)).unwrap_err().to_string();
+    assert!(told.contains("from [100000.0, 0.0] to [100001.0, 1.0]"), "{told}");
+}

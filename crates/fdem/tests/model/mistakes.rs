@@ -83,7 +83,7 @@ fn an_unknown_table_is_pointed_at_with_the_nearest_one() {
 #[test]
 fn a_missing_key_is_named_at_its_table() {
     let text = changed("density = 2700\n", "");
-    refused(&text, "[[material]]", &["[[material]] \"rock\" lacks the key \"density\" (kg/m³)"]);
+    refused(&text, "[[material]]", &["[[material]] \"rock\" lacks the key \"density\" (Density, kg/m³)"]);
     let text = changed("[model]\nend_time = 1e-3\n", "");
     let errors = read(&text).unwrap_err();
     assert!(errors.to_string().contains("the file lacks the key \"model\""), "{errors}");
@@ -119,6 +119,14 @@ fn a_decimal_comma_is_seen_in_all_its_forms() {
     refused(&changed("0.25", "\"0,25\""), "\"0,25\"", &["not a number", "no decimal comma, no quotes: 0.25"]);
     let text = changed("max = [1.0, 0.5]", "max = [1,0, 0,5]");
     refused(&text, "[1,0, 0,5]", &["a list of 4, not a list of 2", "decimal point"]);
+}
+
+#[test]
+fn a_ramp_of_gravity_without_gravity_is_refused() {
+    let text = changed("end_time", "gravity_ramp = 0.1\nend_time");
+    refused(&text, "gravity_ramp", &["\"gravity_ramp\" goes with gravity", "write gravity = [0, -9.81]"]);
+    let text = changed("end_time", "gravity = [0, -9.81]\ngravity_ramp = 0\nend_time");
+    refused(&text, "0", &["\"gravity_ramp\""]);
 }
 
 #[test]
@@ -166,6 +174,85 @@ fn several_errors_are_told_at_once_in_the_order_of_the_file() {
     let lines: Vec<_> = errors.faults.iter().map(|fault| errors.line(fault).unwrap()).collect();
     assert_eq!(lines, [8, 12], "{errors}");
     assert_eq!(errors.render(Drawing::Plain).matches("[model.toml:").count(), 2);
+}
+
+/// Unknown keys, unknown names, shapes, files and places of boundaries: all in one round, and nothing that only follows from another fault.
+#[test]
+fn faults_of_every_kind_are_told_in_one_round() {
+    let text = r#"
+[model]
+end_time = 1
+tittle = "many faults"
+
+[[body]]
+name = "good"
+material = "rock"
+disc = { radius = 1 }
+mesh_size = 0.3
+
+[[body]]
+name = "bow"
+material = "rock"
+polygon = { points = [[0, 0], [1, 1], [1, 0], [0, 1]] }
+mesh_size = 0.1
+
+[[body]]
+name = "odd"
+material = "soil"
+disc = { radus = 1 }
+mesh_size = 0.1
+
+[[body]]
+name = "from file"
+material = "rock"
+mesh = "gone.msh"
+
+[[material]]
+name = "rock"
+densty = 2700
+youngs_modulus = 30e9
+poissons_ratio = 0.25
+
+[[boundary]]
+name = "a"
+body = "good"
+group = "holes"
+pressure = 1
+
+[[boundary]]
+name = "b"
+body = "bow"
+side = "left"
+fixed = "x"
+
+[[boundary]]
+name = "c"
+body = "bad"
+fixed = "x"
+"#;
+    let errors = read(text).unwrap_err();
+    for (at, part) in [
+        ("tittle", "[model] has no key \"tittle\""),
+        ("[[0, 0], [1, 1], [1, 0], [0, 1]]", "the outline crosses itself"),
+        ("\"soil\"", "there is no material \"soil\""),
+        ("radus", "has no key \"radus\""),
+        ("\"gone.msh\"", "cannot read gone.msh"),
+        ("densty", "[[material]] \"rock\" has no key \"densty\""),
+        ("\"holes\"", "no body here has a group \"holes\""),
+        ("\"bad\"", "there is no body \"bad\""),
+    ] {
+        told(text, &errors, at, &[part]);
+    }
+    assert_eq!(errors.faults.len(), 8, "{errors}");
+}
+
+#[test]
+fn lines_that_are_no_toml_do_not_hide_unknown_keys_in_others() {
+    let text = changed("\"block\"", "block").replace("density", "densty");
+    let errors = read(&text).unwrap_err();
+    told(&text, &errors, "block", &["text goes in quotes"]);
+    told(&text, &errors, "densty", &["did you mean \"density\"?"]);
+    assert_eq!(errors.faults.len(), 2, "{errors}");
 }
 
 #[test]
@@ -230,19 +317,45 @@ fn a_body_has_one_shape_and_a_size() {
         let (start, rest) = SMALL.split_once("rectangle").unwrap();
         format!("{start}polygon = {{ points = {points} }}\n{}", rest.split_once('\n').unwrap().1)
     };
-    let bow = "{ points = [[0, 0], [2, 0], [0, 1.5], [1.9, 1.4]] }";
-    refused(
-        &polygon("[[0, 0], [2, 0], [0, 1.5], [1.9, 1.4]]"),
-        bow,
-        &["the outline crosses or touches itself"],
-    );
-    refused(&polygon("[[0, 0], [1, 0]]"), "[[0, 0], [1, 0]]", &["\"points\" is a list of 2"]);
+    for (points, parts) in [
+        (
+            "[[0, 0], [2, 0], [0, 1.5], [1.9, 1.4]]",
+            [
+                "the outline crosses itself: the line from [2.0, 0.0] to [0.0, 1.5] cuts the one from [1.9, 1.4] to [0.0, 0.0]",
+                "a bowtie is two bodies",
+            ],
+        ),
+        // A bowtie of two halves alike has no area; that is not what is wrong with it.
+        (
+            "[[0, 0], [1, 1], [1, 0], [0, 1]]",
+            ["the outline crosses itself", "in their order around the outline"],
+        ),
+        (
+            "[[0, 0], [1, 0]]",
+            [
+                "\"points\" is a list of 2: it has to have at least 3 entries",
+                "a polygon has three corners or more",
+            ],
+        ),
+        (
+            "[[0, 0], [1, 0], [0, 1], [0, 0]]",
+            [
+                "the last point is the first again, [0.0, 0.0]",
+                "outlines close by themselves: take the last point out",
+            ],
+        ),
+        (
+            "[[0, 0], [1, 0], [1, 0], [0, 1]]",
+            ["points 2 and 3 are the same, [1.0, 0.0]", "take one of them out"],
+        ),
+    ] {
+        refused(&polygon(points), points, &parts);
+    }
+    let holes = "{ min = [0, 0], max = [1.0, 0.5], holes = [{ centre = [0.4, 0.25], radius = 0.1 }, { centre = [0.5, 0.25], radius = 0.1 }] }";
+    let text = changed("{ min = [0, 0], max = [1.0, 0.5] }", holes);
+    refused(&text, holes, &["the outline crosses or touches itself"]);
     refused(&polygon("[[0, 0], [1, 0], [2, 0]]"), "[[0, 0], [1, 0], [2, 0]]", &["the polygon has no area"]);
-    refused(
-        &changed("mesh_size = 0.1", "mesh_size = 1e-6"),
-        "{ min = [0, 0], max = [1.0, 0.5] }",
-        &["a mesh size of 0.000001 gives about"],
-    );
+    refused(&changed("mesh_size = 0.1", "mesh_size = 1e-6"), "1e-6", &["a mesh size of 1e-6 m gives about"]);
 }
 
 #[test]
@@ -347,7 +460,20 @@ fn mesh_files_are_refused_with_their_name_and_element() {
     );
     refused("mesh = \"a.msh\"\nmesh_size = 1", squares, "mesh_size", &["not for meshes from files"]);
     let quadrilateral = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n";
-    refused("mesh = \"a.obj\"", quadrilateral, "\"a.obj\"", &["a.obj has 1 quadrilaterals"]);
+    refused(
+        "mesh = \"a.obj\"",
+        quadrilateral,
+        "\"a.obj\"",
+        &["a.obj has 1 quadrilateral", "in Gmsh set Mesh.RecombineAll = 0"],
+    );
+    let second = b"$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n6\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0.5 0 0\n5 0.5 0.5 0\n6 0 0.5 0\n$EndNodes\n\
+        $Elements\n1\n1 9 2 1 1 1 2 3 4 5 6\n$EndElements\n";
+    refused(
+        "mesh = \"a.msh\"",
+        second,
+        "\"a.msh\"",
+        &["a triangle of 6 nodes (second order)", "in Gmsh set Mesh.ElementOrder = 1"],
+    );
     let flat = b"v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n";
     refused("mesh = \"a.obj\"", flat, "\"a.obj\"", &["a.obj: element 0 (triangle) has no area"]);
     let steep = b"v 0 0 0\nv 1 0 0\nv 2 0 1\nf 1 2 3\n";
@@ -365,7 +491,9 @@ fn packings_that_find_no_room_say_how_far_they_came() {
     let (start, rest) = SMALL.split_once("rectangle").unwrap();
     let packing = "{ count = 50, radius = [0.1, 0.2], within = { min = [0, 0], max = [1, 1] } }";
     let text = format!("{start}packing = {packing}\n{}", rest.split_once('\n').unwrap().1);
-    refused(&text, packing, &["of 50 found room", "take fewer or smaller ones"]);
+    refused(&text, packing, &["50 discs cover 3.66519 times the rectangle", "take fewer or smaller ones"]);
+    let fewer = |text: &str| text.replace("count = 50", "count = 12");
+    refused(&fewer(&text), &fewer(packing), &["of 12 found room", "take fewer or smaller ones"]);
     let text = text.replace("count = 50, ", "");
     refused(
         &text,

@@ -269,6 +269,39 @@ fn what_may_not_be_meant_is_warned_of() {
 }
 
 #[test]
+fn gravity_that_acts_at_once_is_warned_of_where_something_rests() {
+    let sudden = |text: &str| {
+        let told = right(text).warnings;
+        assert!(told.iter().all(|warning| warning.starts_with("gravity acts at once")), "{told:?}");
+        told.into_iter().next()
+    };
+    let falling = SMALL.replace("[model]", "[model]\ngravity = [0, -9.81]");
+    let weak = "tensile_strength = 1e5\ncohesion = 3e5\nfriction_angle = 30\nfracture_energy_i = 100\nfracture_energy_ii = 100\n";
+    let held = "[[boundary]]\nname = \"ground\"\nside = \"bottom\"\nfixed = \"xy\"\n";
+    // Nothing holds the body, or its weight does not matter, or it is all held.
+    assert_eq!(sudden(&falling), None);
+    assert_eq!(sudden(&format!("{falling}{held}")), None);
+    let all = held.replace("side = \"bottom\"\n", "");
+    assert_eq!(sudden(&format!("{falling}{weak}{all}")), None);
+    // 20 passages of a wave through 0.5 m.
+    let warning = sudden(&format!("{falling}{weak}{held}")).unwrap();
+    assert!(
+        warning.contains("twice its static stress") && warning.contains("gravity_ramp = 0.003 in"),
+        "{warning}"
+    );
+    // A second body on the first, and one that is above it.
+    for (bottom, rests) in [("0.5", true), ("0.500000001", true), ("0.51", false)] {
+        let block = "[[body]]\nname = \"top\"\nmaterial = \"rock\"\nmesh_size = 0.1\n";
+        let block = format!("{block}rectangle = {{ min = [0.1, {bottom}], max = [0.4, 0.8] }}\n");
+        let two = format!("{falling}{held}body = \"block\"\n{block}");
+        assert_eq!(sudden(&two).is_some(), rests, "{bottom}");
+        let ramped = two.replace("[model]", "[model]\ngravity_ramp = 0.01");
+        assert_eq!(right(&ramped).model.gravity_schedule, Schedule::Ramp(0.01));
+        assert_eq!(sudden(&ramped), None);
+    }
+}
+
+#[test]
 fn a_regular_mesh_under_fracture_is_warned_of() {
     let mut mesh = String::new();
     for row in 0..5 {
@@ -318,4 +351,38 @@ fn the_preflight_knows_steps_and_time() {
     let unstable = right(&SMALL.replace("[model]", "[model]\ntime_step = 1e-3"));
     let preflight = Preflight::of(&unstable).unwrap();
     assert!(preflight.warnings[0].contains("the run will not be stable"), "{:?}", preflight.warnings);
+}
+
+#[test]
+fn an_initial_stress_may_change_with_height() {
+    let prepared = right(&with("[initial]\nstress = [-1e6, -2e6, 0.5e6]\nstress_gradient = [1e4, 3e4, 0]\n"));
+    let (mesh, stresses) = (&prepared.model.mesh, &prepared.model.stresses);
+    assert_eq!(stresses.len(), mesh.triangles.len());
+    for (nodes, stress) in mesh.triangles.iter().zip(stresses) {
+        let y = nodes.iter().map(|&node| mesh.nodes[node as usize][1]).sum::<f64>() / 3.0;
+        for (k, expected) in [-1e6 + 1e4 * y, -2e6 + 3e4 * y, 0.5e6].into_iter().enumerate() {
+            assert!((stress[k] - expected).abs() < 1e-3, "{stress:?} at {y}");
+        }
+    }
+    assert!(right(SMALL).model.stresses.is_empty());
+}
+
+#[test]
+fn what_an_initial_stress_does_not_balance_is_said() {
+    let gravity = |stress: &str| {
+        let text = SMALL.replace("end_time = 1e-3", "end_time = 1e-3\ngravity = [0, -9.81]");
+        format!("{text}\n[[boundary]]\nname = \"below\"\nside = \"bottom\"\nabsorbing = true\n{stress}")
+    };
+    let told = |text: &str, what: &str| right(text).warnings.iter().any(|warning| warning.contains(what));
+    assert!(told(&gravity(""), "is not carried by an initial stress"));
+    let carried = "[initial]\nstress = [0, -13243.5, 0]\nstress_gradient = [0, 26487, 0]\n";
+    assert!(!told(&gravity(carried), "is not carried by an initial stress"));
+
+    let touching = |stress: &str| {
+        let second = "[[body]]\nname = \"lid\"\nmaterial = \"rock\"\nrectangle = { min = [0, 0.5], max = [1.0, 0.7] }\nmesh_size = 0.08\n";
+        format!("{SMALL}\n{second}\n[initial]\nstress = {stress}\n")
+    };
+    assert!(told(&touching("[0, 1e6, 0]"), "\"block\" and \"lid\" touch, and it pulls them apart"));
+    assert!(told(&touching("[0, -1e6, 0.5e6]"), "more than friction holds"));
+    assert!(!right(&touching("[0, -1e6, 0]")).warnings.iter().any(|warning| warning.contains("[initial]")));
 }

@@ -1,14 +1,14 @@
-//! A disc that is pressed from above and below and splits: snapshots as a simulation would give them, by formulas instead of steps.
+//! A disc that is pressed from above and below and splits: snapshots like those of a simulation, from formulas.
 
 use std::f64::consts::PI;
 
-use fdem_simulation::{Crack, Energies, Mode, Snapshot};
+use fdem_simulation::{ContactForce, Crack, Energies, Forces, Mesh, Mode, Snapshot};
 
-/// Of the disc, m.
+/// Radius of the disc, m.
 pub(crate) const RADIUS: f64 = 0.025;
-/// Of the whole, s.
+/// Duration, s.
 pub(crate) const END: f64 = 2e-3;
-/// When the first edge breaks, as a share of that.
+/// Time at which the first edge breaks, as a share of the duration.
 const BREAKS: f64 = 0.4;
 
 /// A disc of rings of triangles in two halves, which share no nodes.
@@ -20,7 +20,7 @@ pub(crate) struct Disc {
 }
 
 impl Disc {
-    /// Of `rings` rings: 6 rings² elements.
+    /// A disc of `rings` rings with 6 rings² elements.
     pub(crate) fn new(rings: u32) -> Self {
         let place = |ring: u32, k: u32| {
             // Rings are turned against each other by parts of an edge, so that the seam is jagged.
@@ -54,7 +54,7 @@ impl Disc {
         Self::cut(&nodes, &triangles)
     }
 
-    /// Every half gets its own nodes.
+    /// Separates the two halves, which get nodes of their own.
     fn cut(nodes: &[[f64; 2]], triangles: &[[u32; 3]]) -> Self {
         let left = |nodes_of: &[u32; 3]| nodes_of.iter().map(|&k| nodes[k as usize][0]).sum::<f64>() < 0.0;
         let mut edges = std::collections::BTreeMap::new();
@@ -80,7 +80,30 @@ impl Disc {
         Self { nodes: nodes.repeat(2), triangles, seam }
     }
 
-    /// At a share of the whole time.
+    /// The undeformed mesh: two bodies.
+    pub(crate) fn mesh(&self) -> Mesh {
+        let half = self.nodes.len() as u32 / 2;
+        Mesh {
+            nodes: self.nodes.clone(),
+            triangles: self.triangles.clone(),
+            bodies: self.triangles.iter().map(|nodes| u32::from(nodes[0] >= half)).collect(),
+            materials: vec![0; self.triangles.len()],
+        }
+    }
+
+    /// Forces between the elements beside the seam.
+    pub(crate) fn forces(snapshot: &Snapshot) -> Forces {
+        let contact = |crack: &Crack| ContactForce {
+            elements: crack.elements,
+            point: crack.ends[0],
+            normal: [-1e3 * crack.length, 0.0],
+            tangential: [0.0, 1e2 * crack.sliding],
+        };
+        let reactions = snapshot.positions.iter().map(|[_, y]| [0.0, if *y > 0.02 { -3.0 } else { 0.0 }]);
+        Forces { contacts: snapshot.cracks.iter().map(contact).collect(), reactions: reactions.collect() }
+    }
+
+    /// The snapshot at a share of the duration.
     pub(crate) fn snapshot(&self, share: f64) -> Snapshot {
         let n = self.nodes.len();
         let load =
@@ -140,10 +163,12 @@ impl Disc {
         snapshot.bodies =
             self.triangles.iter().map(|corners| u32::from(corners[0] as usize >= n / 2)).collect();
         snapshot.materials = vec![0; self.triangles.len()];
+        snapshot.fragments =
+            if broken < self.seam.len() { vec![0; self.triangles.len()] } else { snapshot.bodies.clone() };
         snapshot
     }
 
-    /// Energies at a share of the whole time, J.
+    /// Energies at a share of the duration, J.
     pub(crate) fn energies(share: f64) -> Energies {
         let strain =
             0.5 * (share.min(BREAKS) / BREAKS).powi(2) * (1.0 - 1.8 * (share - BREAKS).clamp(0.0, 0.5));
@@ -151,11 +176,11 @@ impl Disc {
         let damping = 0.05 * share;
         let kinetic = 0.004 + 0.3 * (share - BREAKS).clamp(0.0, 0.4);
         let external = strain + cohesive + damping + kinetic - 1e-4 * share;
-        Energies { kinetic, strain, cohesive, damping, external, ..Energies::default() }
+        Energies { kinetic, strain, cohesive, damping, external, exchanged: external, ..Energies::default() }
     }
 }
 
-/// Of a disc under two opposite loads (Hondros' solution for point loads, cut off near them), `xx` at the centre being `centre`.
+/// Stress in a disc under two opposite point loads (Hondros' solution, bounded near the loads); `centre` is the stress `xx` at the centre.
 fn stress([x, y]: [f64; 2], centre: f64) -> [f64; 4] {
     let (r, p) = (RADIUS, -centre * RADIUS);
     let of = |dy: f64| {

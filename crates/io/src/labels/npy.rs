@@ -9,12 +9,12 @@ use crate::excerpt;
 use crate::labels::{LabelError, LabelImage, NPY, Planes, kind_of, size_of_array};
 use crate::npy_header::{Dtype, Header};
 
-/// Magic bytes, version, and the longer of the two kinds of length.
+/// Number of bytes of magic, version, and the longer of the two forms of length.
 const PREFIX: usize = 12;
-/// More text than any header of an array of numbers has; NumPy itself reads 10,000 characters.
+/// Upper bound on the length of the header of an array of numbers; NumPy itself accepts 10,000 characters.
 const LONGEST_HEADER: u64 = 1 << 16;
 
-/// Reads the header; `size` is that of the file, if it is known.
+/// Reads the header; `size` is the size of the file, if it is known.
 pub(super) fn open(input: &mut dyn Read, size: Option<u64>) -> Result<LabelImage<'_>, LabelError> {
     let header = header(input)?;
     let shown = header.shown_shape();
@@ -51,7 +51,7 @@ pub(super) fn open(input: &mut dyn Read, size: Option<u64>) -> Result<LabelImage
     Ok(LabelImage { planes: Planes::Stream(input), scalar, kind, shape, reversed, format, position: 0 })
 }
 
-/// Reads as many bytes as the header has, and no more.
+/// Reads exactly the bytes of the header.
 fn header(input: &mut dyn Read) -> Result<Header, LabelError> {
     let problem = |problem: String| LabelError::Header { problem };
     let mut bytes = Vec::new();
@@ -59,7 +59,7 @@ fn header(input: &mut dyn Read) -> Result<Header, LabelError> {
         let more = up_to.saturating_sub(bytes.len()) as u64;
         (&mut *input).take(more).read_to_end(bytes).map_err(LabelError::Read)
     };
-    // Version 1 has a length of two bytes and starts its text two bytes earlier; its text is never that short.
+    // In version 1 the length has two bytes, so the text starts two bytes earlier; it is never shorter than that.
     read(&mut bytes, PREFIX)?;
     if !bytes.starts_with(NPY) {
         return Err(problem("it does not start with \\x93NUMPY".to_owned()));
@@ -76,7 +76,7 @@ fn header(input: &mut dyn Read) -> Result<Header, LabelError> {
     Header::parse(&bytes).map_err(problem)
 }
 
-/// Opens the array `member` of an archive, or the only one.
+/// Opens the array `member` of an archive, or its only array.
 pub(super) fn visit_member<R: Read + Seek, T, E: From<LabelError>>(
     input: R,
     member: Option<&str>,

@@ -12,19 +12,19 @@ use crate::npy_header::Scalar;
 
 /// The pages of a file, each a plane.
 pub(super) trait Pages {
-    /// The bytes of a page, in the byte order of this machine; pages are asked for in order.
+    /// The bytes of a page in native byte order; pages must be requested in order.
     fn read(&mut self, page: usize) -> Result<&[u8], LabelError>;
 }
 
-/// A file with its pages looked at.
+/// A file whose pages have been checked.
 pub(super) struct Stack<R: Read + Seek> {
     decoder: Decoder<R>,
-    /// The page that the decoder is at.
+    /// The current page of the decoder.
     at: usize,
     page: Vec<u8>,
 }
 
-/// What all pages have in common.
+/// The common properties of all pages.
 #[derive(Debug, Clone, PartialEq)]
 struct Page {
     width: u32,
@@ -33,7 +33,7 @@ struct Page {
     sample: DecodingSampleType,
 }
 
-/// What the pages are together.
+/// The properties of the image that the pages form.
 pub(super) struct Described {
     scalar: Scalar,
     kind: LabelKind,
@@ -49,7 +49,7 @@ impl Described {
     }
 }
 
-/// Looks at all pages, without their labels.
+/// Checks all pages, without reading their labels.
 pub(super) fn open<R: Read + Seek>(input: R, size: u64) -> Result<(Stack<R>, Described), LabelError> {
     let failed = |page: usize| move |error: TiffError| LabelError::Page { page, problem: error.to_string() };
     let mut limits = Limits::default();
@@ -83,7 +83,7 @@ pub(super) fn open<R: Read + Seek>(input: R, size: u64) -> Result<(Stack<R>, Des
     Ok((Stack { decoder, at: 0, page: Vec::new() }, Described { scalar, kind, shape }))
 }
 
-/// What the current page is.
+/// The properties of the current page.
 fn page<R: Read + Seek>(decoder: &mut Decoder<R>, size: u64, number: usize) -> Result<Page, LabelError> {
     let bad = |problem: String| LabelError::Page { page: number, problem };
     let failed = |error: TiffError| bad(error.to_string());
@@ -95,7 +95,7 @@ fn page<R: Read + Seek>(decoder: &mut Decoder<R>, size: u64, number: usize) -> R
     if !matches!(color, ColorType::Gray(_)) {
         return Err(bad(format!("it is {color:?}: labels are grey")));
     }
-    // The decoder turns these numbers round.
+    // The decoder inverts these numbers.
     if photometric == Some(PhotometricInterpretation::WhiteIsZero) {
         return Err(bad(
             "white is zero in it, so that labels are upside down: save it with black as zero".to_owned()
@@ -104,13 +104,13 @@ fn page<R: Read + Seek>(decoder: &mut Decoder<R>, size: u64, number: usize) -> R
     let layout = decoder.image_buffer_layout().map_err(failed)?;
     let sample =
         layout.sample_type.ok_or_else(|| bad(format!("its numbers are {color:?}, which are not read")))?;
-    // The most that a byte of a file can stand for.
+    // The largest number of bytes that one byte of the file can expand to.
     let compression = tag(decoder, Tag::Compression)?;
     let most = match compression.map(CompressionMethod::from_u16_exhaustive) {
         None | Some(CompressionMethod::None) => 1,
         Some(CompressionMethod::PackBits) => 64,
         Some(CompressionMethod::Deflate | CompressionMethod::OldDeflate) => 1032,
-        // A code of 12 bits for a string of at most 4096 bytes.
+        // A code of 12 bits stands for a string of at most 4096 bytes.
         Some(CompressionMethod::LZW) => 2731,
         Some(other) => return Err(bad(format!("it is compressed by {other:?}, which is not read"))),
     };
@@ -122,7 +122,8 @@ fn page<R: Read + Seek>(decoder: &mut Decoder<R>, size: u64, number: usize) -> R
     Ok(Page { width, height, color, sample })
 }
 
-/// How many pages `ImageJ` says that there are: of large stacks it writes the first only, and lets the others follow without a header.
+/// The number of pages stated by `ImageJ`: for large stacks it writes only the header of the first page, and the others follow without
+/// headers.
 fn declared_pages<R: Read + Seek>(decoder: &mut Decoder<R>) -> Option<usize> {
     let text = decoder.get_tag_ascii_string(Tag::ImageDescription).ok()?;
     text.starts_with("ImageJ=").then_some(())?;
@@ -134,7 +135,7 @@ impl Page {
         format!("{} x {} pixels of {:?}", self.width, self.height, self.sample)
     }
 
-    /// What the labels are.
+    /// The type of the labels.
     fn labels(&self, page: usize) -> Result<(Scalar, LabelKind), LabelError> {
         let (kind, size) = match self.sample {
             DecodingSampleType::U8 => ('u', 1),

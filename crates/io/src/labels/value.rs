@@ -7,7 +7,7 @@ mod sealed {
     use super::Scalar;
 
     pub trait Sealed: Sized {
-        /// Appends the numbers of `bytes`, which are whole ones.
+        /// Appends the numbers in `bytes`, which contains only complete ones.
         #[allow(private_interfaces, reason = "sealed: nobody else calls it")]
         fn extend(into: &mut Vec<Self>, bytes: &[u8], scalar: &Scalar);
     }
@@ -15,7 +15,7 @@ mod sealed {
 
 /// A type that labels can be read as: `u8`, `u16`, `u32`, `u64`, `i32` or `i64`.
 pub trait LabelValue: sealed::Sealed + Copy {
-    /// Its name.
+    /// The kind of labels.
     const KIND: LabelKind;
 }
 
@@ -32,7 +32,7 @@ macro_rules! value {
                         ($size, false) => append(into, bytes, |bytes| <$read>::from_le_bytes(bytes).into()),
                         ($size, true) => append(into, bytes, |bytes| <$read>::from_be_bytes(bytes).into()),
                     )*
-                    // `kind_of` has no others.
+                    // `kind_of` returns no others.
                     _ => {}
                 }
             }

@@ -8,7 +8,7 @@ use crate::mesh::cursor::{Cursor, float, integer, name};
 use crate::mesh::error::{Fault, MeshProblem, Place, malformed, unsupported};
 use crate::mesh::{BodiesFrom, MeshBody};
 
-/// Keywords that make or move nodes and elements in ways that are not read.
+/// Keywords that create or move nodes and elements in ways that are not supported.
 const REFUSED: [&str; 11] = [
     "NGEN",
     "NFILL",
@@ -33,7 +33,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Draft, Fault> {
         }
         if line.starts_with(b"*") {
             let mut text = line.to_vec();
-            // A keyword line goes on after a comma at its end.
+            // A keyword line continues after a comma at its end.
             while text.ends_with(b",") {
                 let Some((_, more)) = cursor.line() else { break };
                 text.extend_from_slice(more);
@@ -50,9 +50,9 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Draft, Fault> {
 
 /// A keyword line: `*NAME, KEY=VALUE, KEY`.
 struct Keyword {
-    /// In capitals, blanks within it single.
+    /// The keyword in capitals; runs of blanks are reduced to one.
     name: String,
-    /// Keys in capitals, values as they are, without quotes.
+    /// Keys in capitals; values unchanged, without quotes.
     parameters: Vec<(String, String)>,
 }
 
@@ -73,7 +73,7 @@ impl Keyword {
         self.parameters.iter().find(|(known, _)| known == key).map(|(_, value)| value.as_str())
     }
 
-    /// A parameter that must be there.
+    /// A required parameter.
     fn need(&self, key: &str, place: Place) -> Result<&str, Fault> {
         let missing =
             || (place, malformed(format!("*{} without {key}=", excerpt::field(self.name.as_bytes()))));
@@ -81,7 +81,7 @@ impl Keyword {
     }
 }
 
-/// What the data lines that follow are.
+/// The meaning of the following data lines.
 enum Block {
     Other,
     Nodes,
@@ -101,7 +101,7 @@ impl Block {
     }
 }
 
-/// An element whose line is not complete yet.
+/// An element whose line is incomplete so far.
 #[derive(Debug, Clone, Copy)]
 struct Pending {
     number: u64,
@@ -110,7 +110,7 @@ struct Pending {
     found: usize,
 }
 
-/// Nodes and elements of a part, or those outside of any.
+/// Nodes and elements of a part, or those outside of parts.
 #[derive(Default)]
 struct Part {
     name: Option<String>,
@@ -119,9 +119,9 @@ struct Part {
     points: Vec<[f64; 3]>,
     places: Vec<Place>,
     elements: Vec<Raw>,
-    /// Set that `*ELEMENT` names, one for each element.
+    /// For each element, the set named by `*ELEMENT`.
     named: Vec<Option<u32>>,
-    /// Number of an element or name of a set, and the set that `*ELSET` puts it into.
+    /// The number of an element or the name of a set, and the set that `*ELSET` adds it to.
     members: Vec<(Member, u32, Place)>,
 }
 
@@ -140,15 +140,15 @@ struct Instance {
 
 #[derive(Default)]
 struct Reader {
-    /// The first is what stands outside of parts.
+    /// The first entry holds what is outside of parts.
     parts: Vec<Part>,
-    /// The part that is open.
+    /// Index of the open part.
     open: usize,
     instances: Vec<Instance>,
     instance_open: bool,
-    /// Names of sets, in capitals as Abaqus compares them, with their numbers.
+    /// Names of sets in capitals, because Abaqus ignores case, with their numbers.
     sets: BTreeMap<String, u32>,
-    /// As they are spelled first.
+    /// Names in their first spelling.
     set_names: Vec<String>,
 }
 
@@ -202,7 +202,7 @@ impl Reader {
             }
             "ELSET" => {
                 let spelled = keyword.need("ELSET", place)?.to_owned();
-                // Where there are parts, they are the bodies.
+                // If there are parts, they are the bodies.
                 if self.open != 0 || keyword.get("INSTANCE").is_some() {
                     return Ok(Block::Other);
                 }
@@ -245,7 +245,7 @@ impl Reader {
     fn data(&mut self, block: &mut Block, line: &[u8], place: Place) -> Result<(), Fault> {
         let bad = |problem: String| (place, malformed(problem));
         let mut fields: Vec<&[u8]> = line.split(|&byte| byte == b',').map(<[u8]>::trim_ascii).collect();
-        // A comma at the end has nothing behind it.
+        // A comma at the end is not followed by a field.
         if fields.last().is_some_and(|field| field.is_empty()) {
             fields.pop();
         }
@@ -256,7 +256,7 @@ impl Reader {
                     return Err(bad("expected a node".into()));
                 };
                 let number = integer(number).map_err(bad)?;
-                // Behind the coordinates there may be the direction of a normal.
+                // The direction of a normal may follow the coordinates.
                 if !matches!(coordinates.len(), 1..=6) {
                     return Err(bad(format!("node {number} has {} coordinates", coordinates.len())));
                 }
@@ -367,7 +367,7 @@ impl Reader {
             place_part(&parts[0], [0.0; 3], bodies, &mut draft)?;
             return Ok(draft);
         }
-        // What stands outside of parts is a body of its own, without name.
+        // Elements outside of parts form a body of their own, without name.
         draft.bodies = vec![MeshBody { number: None, name: None }];
         place_part(&parts[0], [0.0; 3], std::iter::repeat(0), &mut draft)?;
         draft.bodies_from = if instanced { BodiesFrom::Instances } else { BodiesFrom::Parts };
@@ -383,7 +383,7 @@ impl Reader {
         Ok(draft)
     }
 
-    /// The set of each element: the one `*ELEMENT` names, or if no `*ELEMENT` does, the one of `*ELSET`.
+    /// The set of each element: the one named by `*ELEMENT` or, if no `*ELEMENT` names one, that of `*ELSET`.
     fn body_of_elements(&self, part: &Part) -> Result<Vec<Option<u32>>, Fault> {
         if part.named.iter().any(Option::is_some) {
             return Ok(part.named.clone());
@@ -455,7 +455,7 @@ fn members(fields: &[&[u8]], generate: bool) -> Result<Vec<Member>, String> {
     fields.iter().map(member).collect()
 }
 
-/// Adds a part, moved, with the body of each of its elements.
+/// Adds a translated part, with the body of each of its elements.
 fn place_part(
     part: &Part,
     shift: [f64; 3],
@@ -482,7 +482,7 @@ fn place_part(
     Ok(())
 }
 
-/// Shape of a type of elements: a family, then the number of nodes, then letters for the formulation.
+/// The shape of an element type: its name is a family, the number of nodes, and letters for the formulation.
 fn shape(kind: &str) -> Option<Shape> {
     const FAMILIES: [(&str, Shape); 38] = [
         ("T2D2", Shape::Segment),

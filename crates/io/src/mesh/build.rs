@@ -1,4 +1,4 @@
-//! From what a reader collects to a mesh: node numbers become indices, quadrilaterals triangles, bodies are counted.
+//! Makes a mesh from the data of a reader: node numbers become indices, quadrilaterals become triangles, and bodies are counted.
 
 use crate::mesh::error::{Fault, MeshProblem, Place, unsupported};
 use crate::mesh::{BodiesFrom, Cells, Mesh, MeshBody, MeshFormat, MeshSource};
@@ -33,7 +33,7 @@ impl Shape {
         }
     }
 
-    /// The polygon with so many corners.
+    /// The polygon with this number of corners.
     pub(crate) fn polygon(corners: usize, element: u64) -> Result<Self, MeshProblem> {
         match corners {
             3 => Ok(Self::Triangle),
@@ -43,7 +43,7 @@ impl Shape {
     }
 }
 
-/// The fault of an element that is none of the shapes above.
+/// The fault for an element of an unsupported shape.
 pub(crate) fn refused(element: u64, what: &str) -> MeshProblem {
     unsupported(
         format!("element {element} is {what}"),
@@ -51,7 +51,7 @@ pub(crate) fn refused(element: u64, what: &str) -> MeshProblem {
     )
 }
 
-/// An element as a file has it.
+/// An element as it is in the file.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Raw {
     pub(crate) shape: Shape,
@@ -59,36 +59,36 @@ pub(crate) struct Raw {
     pub(crate) number: u64,
     /// Index into [`Draft::bodies`].
     pub(crate) body: u32,
-    /// As many as the shape has, numbered as the file does.
+    /// The nodes, as many as the shape has, with the numbers of the file.
     pub(crate) nodes: [i64; 4],
 }
 
 /// How a file numbers its nodes.
 #[derive(Debug)]
 pub(crate) enum Numbering {
-    /// One after another from this number on.
+    /// Consecutive numbers from this one on.
     From(i64),
-    /// Each with a number of its own, in the order of the points.
+    /// One number for each point, in the order of the points.
     Own(Vec<i64>),
 }
 
-/// All that a reader collects from a file.
+/// The data that a reader collects from a file.
 #[derive(Debug)]
 pub(crate) struct Draft {
     pub(crate) points: Vec<[f64; 3]>,
     pub(crate) numbering: Numbering,
-    /// Where each point stands, for numbers that repeat; empty where none can.
+    /// The place of each point, to report repeated numbers; empty if numbers cannot repeat.
     pub(crate) places: Vec<Place>,
     pub(crate) elements: Vec<Raw>,
     pub(crate) bodies: Vec<MeshBody>,
     pub(crate) bodies_from: BodiesFrom,
-    /// Elements of one node that the reader did not collect.
+    /// Number of elements of one node that the reader did not collect.
     pub(crate) point_elements: u64,
     pub(crate) collapsed_facets: u64,
 }
 
 impl Draft {
-    /// Nothing yet, one body.
+    /// An empty draft with one body.
     pub(crate) fn new(numbering: Numbering) -> Self {
         Self {
             points: Vec::new(),
@@ -102,7 +102,7 @@ impl Draft {
         }
     }
 
-    /// Adds a point, or says which coordinate is not finite.
+    /// Adds a point, or reports which coordinate is not finite.
     pub(crate) fn push_point(&mut self, point: [f64; 3], place: Place, node: i64) -> Result<(), Fault> {
         check_finite(point, node).map_err(|problem| (place, problem))?;
         self.points.push(point);
@@ -181,11 +181,11 @@ impl Mesh {
     }
 }
 
-/// The corners of two triangles that make up a quadrilateral and face the same way; `None` if no diagonal gives such.
+/// The corners of two triangles that form a quadrilateral and have the same orientation; `None` if neither diagonal gives such triangles.
 ///
-/// In a plane, the two face the same way exactly if the diagonal lies inside.
+/// In a plane, both have the same orientation exactly if the diagonal is inside.
 fn split(corners: [[f64; 3]; 4]) -> Option<[[usize; 3]; 2]> {
-    // Scaled, so that products neither overflow nor vanish: which way a triangle faces does not depend on its size.
+    // Scaled, so that products neither overflow nor underflow: the orientation of a triangle does not depend on its size.
     let mut low = corners[0];
     let mut high = corners[0];
     for corner in corners {
@@ -219,11 +219,11 @@ impl<const N: usize> Cells<N> {
     }
 }
 
-/// From the number of a node to its index.
+/// Finds the index of a node from its number.
 pub(crate) enum Lookup {
-    /// Index plus this number, for so many nodes.
+    /// The number is the index plus this offset; below, the number of nodes.
     From(i64, usize),
-    /// Number and index, in the order of the numbers.
+    /// Pairs of number and index, sorted by number.
     Sorted(Vec<(i64, u32)>),
 }
 
@@ -284,10 +284,10 @@ mod tests {
         let flat = |corners: [[f64; 2]; 4]| split(corners.map(|[x, y]| [x, y, 0.0]));
         let (first, second) = (Some([[0, 1, 2], [0, 2, 3]]), Some([[1, 2, 3], [1, 3, 0]]));
         assert_eq!(flat([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]), first);
-        // A dart, the tip at its first corner, then at its second.
+        // A dart with its tip at the first corner, then at the second.
         assert_eq!(flat([[0.0, 0.0], [2.0, -1.0], [1.0, 0.0], [2.0, 1.0]]), first);
         assert_eq!(flat([[2.0, 1.0], [0.0, 0.0], [2.0, -1.0], [1.0, 0.0]]), second);
-        // A bow tie, and corners on one line.
+        // A bow tie, and corners on a line.
         assert_eq!(flat([[0.0, 0.0], [1.0, 1.0], [1.0, 0.0], [0.0, 1.0]]), None);
         assert_eq!(flat([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [3.0, 0.0]]), None);
         assert_eq!(flat([[7.0, 7.0]; 4]), None);

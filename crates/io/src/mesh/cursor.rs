@@ -1,4 +1,4 @@
-//! A walk over the bytes of a file: lines, words, numbers, binary values.
+//! Reads the bytes of a file in sequence: lines, words, numbers, binary values.
 
 use memchr::memchr;
 
@@ -41,7 +41,7 @@ impl Scalar {
         matches!(self, Self::F32 | Self::F64)
     }
 
-    /// The first bytes as a number; 0 if there are too few, which callers exclude.
+    /// The first bytes as a number; 0 if there are too few, which callers rule out.
     fn bits(self, bytes: &[u8], endian: Endian) -> u64 {
         let mut wide = [0; 8];
         let size = self.size().min(bytes.len());
@@ -63,7 +63,7 @@ impl Scalar {
         }
     }
 
-    /// `None` for floats and for whole numbers beyond 63 bits.
+    /// The integer; `None` for floats and for integers beyond 63 bits.
     pub(crate) fn integer(self, bytes: &[u8], endian: Endian) -> Option<i64> {
         let bits = self.bits(bytes, endian);
         Some(match self {
@@ -77,13 +77,13 @@ impl Scalar {
     }
 }
 
-/// The bytes of a file and how far they are read.
+/// The bytes of a file and the position of reading.
 #[derive(Debug, Clone)]
 pub(crate) struct Cursor<'a> {
     bytes: &'a [u8],
     at: usize,
     line: u64,
-    /// Whether binary data was read, so that lines mean nothing any more.
+    /// Whether binary data have been read; lines are then meaningless.
     binary: bool,
 }
 
@@ -100,7 +100,7 @@ impl<'a> Cursor<'a> {
         &self.bytes[self.at..]
     }
 
-    /// Steps over bytes, counting the lines in them.
+    /// Skips bytes and counts the lines in them.
     pub(crate) fn advance(&mut self, bytes: usize) {
         let end = self.bytes.len().min(self.at.saturating_add(bytes));
         if !self.binary {
@@ -109,7 +109,7 @@ impl<'a> Cursor<'a> {
         self.at = end;
     }
 
-    /// A fault at the place of the cursor.
+    /// A fault at the current position.
     pub(crate) fn fault<T>(&self, problem: MeshProblem) -> Result<T, Fault> {
         Err((self.place(), problem))
     }
@@ -122,7 +122,7 @@ impl<'a> Cursor<'a> {
         self.fault(MeshProblem::CutOff { expected: expected.into() })
     }
 
-    /// The next line without its end and its blanks, with its place; `None` at the end of the file.
+    /// The next line, trimmed, with its place; `None` at the end of the file.
     pub(crate) fn line(&mut self) -> Option<(Place, &'a [u8])> {
         if self.at == self.bytes.len() {
             return None;
@@ -133,7 +133,7 @@ impl<'a> Cursor<'a> {
         Some((place, rest[..length].trim_ascii()))
     }
 
-    /// The next line with something on it.
+    /// The next line that is not blank.
     pub(crate) fn filled_line(&mut self) -> Option<(Place, &'a [u8])> {
         loop {
             let (place, line) = self.line()?;
@@ -143,7 +143,7 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// The next word between blanks and line ends; the cursor stands behind it, and its place is that of the word.
+    /// The next word. The cursor moves behind it, and the current place is that of the word.
     pub(crate) fn word(&mut self, expected: &str) -> Result<&'a [u8], Fault> {
         let blanks = self.rest().iter().take_while(|byte| byte.is_ascii_whitespace()).count();
         self.advance(blanks);
@@ -156,7 +156,7 @@ impl<'a> Cursor<'a> {
         Ok(&rest[..length])
     }
 
-    /// The next word without taking it.
+    /// The next word, without moving the cursor.
     pub(crate) fn peek(&self) -> Option<&'a [u8]> {
         self.clone().word("").ok()
     }
@@ -171,13 +171,13 @@ impl<'a> Cursor<'a> {
         float(word).map_err(|problem| (self.place(), problem_in(what, &problem)))
     }
 
-    /// A count of things that take at least one byte each, so that no count asks for more memory than the file has bytes.
+    /// A number of items of at least one byte each. It cannot exceed the number of bytes that are left, so it limits the memory.
     pub(crate) fn word_count(&mut self, what: &str) -> Result<usize, Fault> {
         let count = self.word_integer(what)?;
         self.checked_count(count, 1, what)
     }
 
-    /// Whether `count` things of at least `size` bytes each may follow.
+    /// Checks that `count` items of at least `size` bytes each can follow.
     pub(crate) fn checked_count(&self, count: i64, size: usize, what: &str) -> Result<usize, Fault> {
         let Ok(fits) = usize::try_from(count) else {
             return self.bad(format!("{what}: {count} is negative"));
@@ -188,7 +188,7 @@ impl<'a> Cursor<'a> {
         Ok(fits)
     }
 
-    /// The next bytes as they are.
+    /// The next bytes, unchanged.
     pub(crate) fn take(&mut self, count: usize, what: &str) -> Result<&'a [u8], Fault> {
         self.binary = true;
         let rest = self.rest();
@@ -226,7 +226,7 @@ pub(crate) fn integer(word: &[u8]) -> Result<i64, String> {
     number.ok_or_else(|| format!("expected a whole number, found '{}'", excerpt::field(word)))
 }
 
-/// A number as text; it may be infinite or NaN, which is refused where it is a coordinate.
+/// A number as text. It may be infinite or NaN, which callers refuse for coordinates.
 pub(crate) fn float(word: &[u8]) -> Result<f64, String> {
     fast_float2::parse(word).map_err(|_| format!("expected a number, found '{}'", excerpt::field(word)))
 }
@@ -236,7 +236,7 @@ pub(crate) fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> + Clone {
     line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty())
 }
 
-/// Text for a name: invalid UTF-8 is replaced, controls are escaped, blanks around it are dropped, its length is bounded.
+/// Text for a name: invalid UTF-8 is replaced, control characters are escaped, surrounding blanks are removed, and the length is limited.
 pub(crate) fn name(bytes: &[u8]) -> String {
     excerpt::line(bytes)
 }

@@ -1,4 +1,4 @@
-//! Everything that can be wrong with a mesh file.
+//! The errors of reading a mesh.
 
 use std::fmt;
 
@@ -12,23 +12,23 @@ use crate::mesh::MeshFormat;
 pub enum Place {
     /// Line of text, counted from 1.
     Line(u64),
-    /// Offset in bytes, counted from 0, in a file or a part of one that is no text.
+    /// Offset in bytes, counted from 0, in a file or a part of a file that is not text.
     Byte(u64),
     /// The file as a whole.
     File,
 }
 
-/// Why a mesh could not be read: what is wrong, in which file, and where.
+/// The reason why a mesh could not be read: what is wrong, in which file, and where.
 ///
-/// Printed as `file:line: text`, or `file: at byte 84: text` where there are no lines.
+/// Printed as `file:line: text`, or as `file: at byte 84: text` if there are no lines.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub struct MeshError {
-    /// Name of the file as it was given to [`read_mesh`](crate::read_mesh).
+    /// Name of the file as passed to [`read_mesh`](crate::read_mesh).
     pub file: String,
-    /// Where the file is wrong.
+    /// The place of the error.
     pub place: Place,
-    /// What is wrong there.
+    /// The problem.
     pub problem: MeshProblem,
 }
 
@@ -52,39 +52,40 @@ impl MeshError {
     }
 }
 
-/// What is wrong in a mesh file.
+/// The problem of a mesh file.
 ///
-/// Elements and nodes go by their numbers in the file; where it has none, they are counted from 0, in OBJ vertices from 1, as its faces do.
+/// Elements and nodes have the numbers of the file. If it has none, they are counted from 0; vertices of OBJ files are counted from 1, as
+/// in their faces.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum MeshProblem {
-    /// The content is that of none of the formats, and the name says nothing.
+    /// The content has none of the formats, and the name does not help.
     #[error("no mesh: expected Gmsh .msh, STL, OBJ, PLY, VTK, VTU, VTP or Abaqus .inp, found {found}")]
     UnknownFormat {
-        /// The first bytes, or the name of a format that is read by nothing here.
+        /// The first bytes, or the name of an unsupported format.
         found: String,
     },
-    /// The file does not keep to its format.
+    /// The file violates its format.
     #[error("{problem}")]
     Malformed {
-        /// What is wrong.
+        /// The problem.
         problem: String,
     },
     /// The file ends too early.
     #[error("the file ends here: expected {expected}")]
     CutOff {
-        /// What should follow.
+        /// The expected content.
         expected: String,
     },
-    /// The format allows this, but it is not read.
+    /// The format allows this, but it is not supported.
     #[error("{what}: {advice}")]
     Unsupported {
         /// The keyword, version or element.
         what: String,
-        /// What is read, or what to do.
+        /// What is supported, or advice.
         advice: String,
     },
-    /// An element names a node that is not there.
+    /// An element names a node that does not exist.
     #[error("element {element} ({kind}) names node {node}, which the file does not have")]
     UnknownNode {
         /// Number of the element.
@@ -104,7 +105,7 @@ pub enum MeshProblem {
         /// Number of the node.
         node: i64,
     },
-    /// A quadrilateral cannot be split into two triangles that face the same way.
+    /// A quadrilateral cannot be split into two triangles of the same orientation.
     #[error("element {element} (quadrilateral) crosses itself or has no area")]
     FoldedQuadrilateral {
         /// Number of the element.
@@ -113,7 +114,7 @@ pub enum MeshProblem {
     /// Two nodes have the same number.
     #[error("node {node} is defined twice")]
     RepeatedNumber {
-        /// The number.
+        /// The number of the node.
         node: i64,
     },
     /// A coordinate is NaN, infinite or beyond 64-bit floats.
@@ -125,29 +126,29 @@ pub enum MeshProblem {
         axis: char,
     },
     /// An element belongs to two bodies.
-    #[error("{what} is in {first} and in {second}: which body it is a part of cannot be told")]
+    #[error("{what} is in {first} and in {second}: its body is ambiguous")]
     TwoBodies {
         /// The element or entity.
         what: String,
-        /// Name or number of one.
+        /// Name or number of one body.
         first: String,
-        /// Name or number of the other.
+        /// Name or number of the other body.
         second: String,
     },
-    /// There is no segment, triangle or tetrahedron in the file.
+    /// The file has no segment, triangle or tetrahedron.
     #[error("the {format} file has {} and no element that is read", excerpt::count(*points, "node"))]
     NoElements {
-        /// Its format.
+        /// Format of the file.
         format: MeshFormat,
-        /// How many nodes there are.
+        /// Number of nodes.
         points: u64,
     },
-    /// More nodes than 32 bits count.
+    /// There are more nodes than 32 bits can count.
     #[error("more than 4294967295 nodes")]
     TooManyNodes,
 }
 
-/// A problem and its place: what the readers fail with, before the file's name is added.
+/// A place and a problem: the error of the readers, before the name of the file is added.
 pub(crate) type Fault = (Place, MeshProblem);
 
 pub(crate) fn malformed(problem: impl Into<String>) -> MeshProblem {

@@ -40,7 +40,7 @@ enum Encoding {
 /// Dimension and tag of an entity or a physical group.
 type Tag = (i64, i64);
 
-/// Which body an element may be a part of; `physical` is 0 without a group.
+/// The possible bodies of an element; `physical` is 0 without a group.
 #[derive(Debug, Clone, Copy)]
 struct Part {
     dimension: i64,
@@ -56,7 +56,7 @@ struct Reader<'a> {
     /// Physical groups of the entities, version 4.1.
     groups: BTreeMap<Tag, Vec<i64>>,
     draft: Draft,
-    /// Numbers of the nodes; `None` before they are read.
+    /// Numbers of the nodes; `None` until they have been read.
     nodes: Option<Vec<i64>>,
     parts: Vec<Part>,
 }
@@ -186,7 +186,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// A number as wide as an address, version 4.1.
+    /// A number with the width of an address, version 4.1.
     fn wide(&mut self, what: &str) -> Result<i64, Fault> {
         match self.encoding {
             Encoding::Ascii => self.cursor.word_integer(what),
@@ -201,7 +201,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// A count of things that take at least `binary` bytes each, or two characters.
+    /// A number of items of at least `binary` bytes each, or of two characters each.
     fn count(&mut self, binary: usize, what: &str) -> Result<usize, Fault> {
         let count = self.wide(what)?;
         let size = if matches!(self.encoding, Encoding::Ascii) { 2 } else { binary };
@@ -313,7 +313,7 @@ impl<'a> Reader<'a> {
         let mut read = 0;
         while read < total {
             let binary = !matches!(self.encoding, Encoding::Ascii);
-            // Binary files have one header for a block, text files one for each element.
+            // Binary files have one header per block, text files one per element.
             let mut number = if binary { 0 } else { self.int("number of an element")? };
             let kind = self.int("type of an element")?;
             let block = if binary { self.int("number of elements of a block")? } else { 1 };
@@ -439,7 +439,7 @@ impl<'a> Reader<'a> {
         let mut known: BTreeMap<Tag, u32> = BTreeMap::new();
         self.draft.bodies.clear();
         for (raw, part) in self.draft.elements.iter_mut().zip(&self.parts) {
-            // What is in no group is one body, whatever its dimension.
+            // Elements in no group form one body, whatever their dimension.
             let tag = if body(part) == 0 { (0, 0) } else { (part.dimension, body(part)) };
             raw.body = *known.entry(tag).or_insert_with(|| {
                 let number = (tag != (0, 0)).then_some(tag.1);
@@ -457,7 +457,7 @@ impl<'a> Reader<'a> {
         Ok(self.draft)
     }
 
-    /// Version 2.2 writes what is in two groups twice: the same nodes, other numbers.
+    /// Version 2.2 writes an element of two groups twice: with the same nodes and different numbers.
     fn check_groups(&self) -> Result<(), Fault> {
         if self.version != Some(Version::Two) {
             return Ok(());

@@ -8,7 +8,7 @@ use crate::mesh::cursor::{Cursor, float, integer, name, words};
 use crate::mesh::error::{Fault, MeshProblem, Place, malformed, unsupported};
 use crate::mesh::{BodiesFrom, MeshBody};
 
-/// Statements that say nothing about which elements there are.
+/// Statements that do not affect elements.
 const IGNORED: [&[u8]; 14] = [
     b"vt",
     b"vn",
@@ -40,7 +40,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Draft, Fault> {
     Ok(reader.finish())
 }
 
-/// The next line without its comment, joined with the lines that follow a backslash.
+/// The next line without its comment, joined with continuation lines after a backslash.
 fn statement<'a>(cursor: &mut Cursor<'a>) -> Option<(Place, std::borrow::Cow<'a, [u8]>)> {
     let bare = |line: &'a [u8]| match memchr::memchr(b'#', line) {
         Some(at) => line[..at].trim_ascii(),
@@ -60,7 +60,7 @@ fn statement<'a>(cursor: &mut Cursor<'a>) -> Option<(Place, std::borrow::Cow<'a,
     Some((place, joined.into()))
 }
 
-/// Names in the order in which they appear; index 0 is what stands before the first.
+/// Names in the order of their first appearance; index 0 stands for everything before the first name.
 #[derive(Debug, Default)]
 struct Names {
     numbers: BTreeMap<String, u32>,
@@ -147,7 +147,7 @@ impl Reader {
         let mut values = [0.0; 3];
         let mut found = 0;
         for field in fields {
-            // Behind x, y and z there may be a weight or a colour.
+            // A weight or a colour may follow x, y and z.
             let value = float(field).map_err(malformed)?;
             if let Some(to) = values.get_mut(found) {
                 *to = value;
@@ -161,7 +161,7 @@ impl Reader {
         self.draft.push_point(values, place, node).map_err(|(_, problem)| problem)
     }
 
-    /// The vertex of `7`, `7/1`, `7//3`, `7/1/3`, or of `-1`, the last one so far.
+    /// The vertex of `7`, `7/1`, `7//3`, `7/1/3`, or of `-1`, which is the latest one.
     fn reference(&self, field: &[u8]) -> Result<i64, MeshProblem> {
         let vertex = field.split(|&byte| byte == b'/').next().unwrap_or(field);
         let number = integer(vertex).map_err(malformed)?;

@@ -12,7 +12,7 @@ enum Encoding {
     Binary(Endian),
 }
 
-/// An element of the header, a table of its own in the data.
+/// An element of the header: a table in the data.
 #[derive(Debug)]
 struct Table {
     name: String,
@@ -24,7 +24,7 @@ struct Table {
 #[derive(Debug)]
 struct Property {
     name: String,
-    /// Type of the length, for a list.
+    /// Type of the length if the property is a list.
     length: Option<Scalar>,
     scalar: Scalar,
 }
@@ -117,7 +117,7 @@ fn scalar(name: &[u8]) -> Option<Scalar> {
     })
 }
 
-/// The values of one property in one row: one, or those of a list.
+/// The values of one property in one row: one value, or those of a list.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Value {
     Whole(i64),
@@ -133,7 +133,7 @@ impl Value {
     }
 }
 
-/// Calls `with` for each row: the number of the row, its place, the values of each property.
+/// Calls `with` for each row with its number, its place, and the values of each property.
 fn each_row(
     cursor: &mut Cursor<'_>,
     encoding: Encoding,

@@ -1,4 +1,4 @@
-//! STL: solids of facets, whose equal corners are welded.
+//! STL: solids of facets; equal corners are merged.
 
 use crate::mesh::BodiesFrom;
 use crate::mesh::MeshBody;
@@ -6,12 +6,12 @@ use crate::mesh::build::{Draft, Numbering, Raw, Shape, check_finite};
 use crate::mesh::cursor::{Cursor, Endian, Scalar, float, name, words};
 use crate::mesh::error::{Fault, Place, malformed};
 
-/// Bytes before the first facet of a binary file.
+/// Number of bytes before the first facet of a binary file.
 const HEADER: usize = 84;
-/// Bytes of a facet: normal, three corners, attribute.
+/// Number of bytes of a facet: normal, three corners, attribute.
 const FACET: usize = 50;
 
-/// Whether the size is that of a binary file with the number of facets it claims; some of these start with `solid` too.
+/// Whether the size matches the number of facets of a binary file; some binary files start with `solid` too.
 pub(crate) fn is_binary(bytes: &[u8]) -> bool {
     claimed(bytes).is_some_and(|facets| bytes.len() as u64 == HEADER as u64 + facets * FACET as u64)
 }
@@ -26,10 +26,10 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Draft, Fault> {
     if is_binary(bytes) || !text { binary(bytes) } else { ascii(bytes) }
 }
 
-/// A corner that is not welded yet.
+/// A corner before merging.
 pub(crate) type Corner = [f64; 3];
 
-/// A facet with its place, its solid, and its number counted from 0.
+/// A facet with its place, its solid, and its number, counted from 0.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Facet {
     pub(crate) corners: [Corner; 3],
@@ -58,7 +58,7 @@ fn binary(bytes: &[u8]) -> Result<Draft, Fault> {
     weld(&list, vec![MeshBody { number: None, name: None }], BodiesFrom::File)
 }
 
-/// What may come next in an ASCII file.
+/// The statements that may come next in an ASCII file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum State {
     Outside,
@@ -134,7 +134,7 @@ fn corner<'a>(mut fields: impl Iterator<Item = &'a [u8]>) -> Result<Corner, Stri
     }
 }
 
-/// Corners of one solid with equal coordinates become one node, numbered as they appear.
+/// Merges corners of one solid with equal coordinates into one node; nodes are numbered in the order of appearance.
 pub(crate) fn weld(facets: &[Facet], solids: Vec<MeshBody>, bodies_from: BodiesFrom) -> Result<Draft, Fault> {
     let mut draft = Draft::new(Numbering::From(0));
     (draft.bodies, draft.bodies_from) = (solids, bodies_from);
@@ -150,11 +150,11 @@ pub(crate) fn weld(facets: &[Facet], solids: Vec<MeshBody>, bodies_from: BodiesF
     draft.collapsed_facets = facets.iter().filter(collapsed).count() as u64;
     let facets: Vec<&Facet> = facets.iter().filter(|facet| !collapsed(facet)).collect();
     let corner = |at: usize| facets[at / 3].corners[at % 3];
-    // -0 is 0: the sum turns it into that, and then equal numbers have equal bits.
+    // Adding 0 turns -0 into 0, so that equal numbers have equal bits.
     let key = |at: usize| (facets[at / 3].solid, corner(at).map(|value| (value + 0.0).to_bits()));
     let mut sorted: Vec<((u32, [u64; 3]), usize)> = (0..3 * facets.len()).map(|at| (key(at), at)).collect();
     sorted.sort_unstable();
-    // For each corner the first that equals it.
+    // For each corner, the first one that is equal.
     let mut first: Vec<usize> = (0..sorted.len()).collect();
     for pair in sorted.windows(2) {
         if pair[0].0 == pair[1].0 {

@@ -1,4 +1,4 @@
-//! Tables of triangles: nine columns, three corners a line, under a line with their names.
+//! Tables of triangles: nine named columns, one triangle of three corners per line.
 
 use crate::excerpt;
 use crate::mesh::build::Draft;
@@ -7,7 +7,7 @@ use crate::mesh::error::{Fault, malformed};
 use crate::mesh::stl::{Facet, weld};
 use crate::mesh::{BodiesFrom, MeshBody};
 
-/// Columns as the DEM round robin of 2024 names them, before a unit in brackets, in small letters.
+/// The column names of the DEM round robin of 2024, without units in brackets, in lower case.
 const COLUMNS: [&str; 9] = [
     "vertex1_x",
     "vertex1_y",
@@ -20,7 +20,7 @@ const COLUMNS: [&str; 9] = [
     "vertex3_z",
 ];
 
-/// Whether a line names the columns of such a table.
+/// Whether a line contains these column names.
 pub(crate) fn is_header(line: &[u8]) -> bool {
     let bare = |word: &[u8]| word.split(|&byte| byte == b'[').next().unwrap_or(word).to_ascii_lowercase();
     words(line).map(bare).eq(COLUMNS.iter().map(|column| column.as_bytes().to_vec()))

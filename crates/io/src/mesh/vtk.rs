@@ -20,22 +20,22 @@ pub(crate) fn has_cells(bytes: &[u8]) -> Result<bool, Fault> {
     Ok(reader.sections.iter().any(|(list, _)| list.has_cells()))
 }
 
-/// The points with their data, whatever the cells.
+/// The points with their data, regardless of cells.
 pub(crate) fn points(bytes: &[u8]) -> Result<PointCloud, Fault> {
     Ok(Reader::new(bytes, Want::Points)?.read_all()?.cloud)
 }
 
-/// What a file is read for; all else is stepped over.
+/// What is read from a file; everything else is skipped.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Want {
-    /// Points, cells, and the data that tell bodies apart.
+    /// Points, cells, and the data that distinguish bodies.
     Mesh,
     Cells,
     /// Points and their data.
     Points,
 }
 
-/// Whether the file is binary, and whether cells have offsets, as from version 5 on.
+/// Whether the file is binary, and whether cells have offsets, as they do from version 5 on.
 fn header(cursor: &mut Cursor<'_>) -> Result<(bool, bool), Fault> {
     const MAGIC: &[u8] = b"# vtk datafile version";
     let (place, first) = cursor.line().unwrap_or((Place::Line(1), b""));
@@ -58,15 +58,15 @@ fn header(cursor: &mut Cursor<'_>) -> Result<(bool, bool), Fault> {
     }
 }
 
-/// Type of the values of an array.
+/// Type of the values in an array.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Kind {
     Scalar(Scalar),
-    /// Eight in a byte.
+    /// Eight values per byte.
     Bit,
 }
 
-/// What data belong to.
+/// The things that data describe.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Of {
     Cells,
@@ -80,11 +80,11 @@ struct Reader<'a> {
     binary: bool,
     offsets: bool,
     draft: Draft,
-    /// Cells of an unstructured grid; or vertices, lines, polygons, strips, as they are numbered.
+    /// Cells of an unstructured grid; or vertices, lines, polygons and strips, in the order of their numbers.
     sections: [(CellList, Option<Place>); 4],
-    /// What the data that follow belong to; nothing stands for the file.
+    /// What the following data describe; nothing before the first section.
     of: Option<Of>,
-    /// How many cells or points the data that follow have.
+    /// Number of cells or points of the following data.
     rows: usize,
     bodies: BodyData,
 }
@@ -190,12 +190,12 @@ impl<'a> Reader<'a> {
             if self.offsets { self.with_offsets(first, second)? } else { self.with_counts(first, second)? };
         let types = kind.map(|kind| vec![kind; list.ends.len()]);
         let old = std::mem::replace(&mut self.sections[section].0, list);
-        // The types may stand before the cells.
+        // The types may come before the cells.
         self.sections[section].0.types = types.unwrap_or(old.types);
         Ok(())
     }
 
-    /// Each cell after the number of its nodes, up to version 4.
+    /// Cells up to version 4: each is preceded by the number of its nodes.
     fn with_counts(&mut self, cells: usize, size: usize) -> Result<CellList, Fault> {
         let mut list = CellList::default();
         let int = Kind::Scalar(Scalar::I32);
@@ -219,7 +219,7 @@ impl<'a> Reader<'a> {
         Ok(list)
     }
 
-    /// Where each cell starts and, last, where the last ends, then all nodes, from version 5 on.
+    /// Cells from version 5 on: the start of each, followed by the end of the last, then all nodes.
     fn with_offsets(&mut self, offsets: usize, nodes: usize) -> Result<CellList, Fault> {
         self.expect("OFFSETS")?;
         let kind = self.kind()?;
@@ -242,7 +242,7 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// The arrays of cells and points: read where they are bodies, else stepped over.
+    /// The arrays of cells and points. Those that give bodies are read; others are skipped.
     fn data(&mut self, keyword: &[u8]) -> Result<(), Fault> {
         match keyword {
             b"SCALARS" => {
@@ -274,7 +274,7 @@ impl<'a> Reader<'a> {
                 let kind = self.kind()?;
                 self.skip(components, self.rows as i64, kind)
             }
-            // Colours are floats as text, bytes in binary files.
+            // Colours are floats in text files and bytes in binary files.
             b"COLOR_SCALARS" => {
                 self.cursor.word("name of an array")?;
                 let components = self.cursor.word_integer("number of components")?;
@@ -291,7 +291,7 @@ impl<'a> Reader<'a> {
                 self.cursor.word("name of a field")?;
                 let arrays = self.cursor.word_count("number of arrays")?;
                 for _ in 0..arrays {
-                    // Metadata may stand between arrays.
+                    // Metadata may come between arrays.
                     while self.cursor.peek() == Some(b"METADATA") {
                         self.keyword()?;
                     }
@@ -340,7 +340,7 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// Whether the array is one of points, or the time of the file.
+    /// Whether the array is kept: data of points, or the time of the file.
     fn keeps(&self, name: &str, rows: i64) -> bool {
         match self.of {
             Some(Of::Points) => true,
@@ -373,7 +373,7 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// The type of the values that follow; ends the line.
+    /// The type of the following values; reads to the end of the line.
     fn kind(&mut self) -> Result<Kind, Fault> {
         let word = self.cursor.word("type of values")?;
         let kind = self.kind_of(word)?;

@@ -1,4 +1,4 @@
-//! What the legacy and the XML format of VTK have in common: types of cells, and which data tell bodies apart.
+//! Common parts of the legacy and the XML format of VTK: types of cells, and the data that distinguish bodies.
 
 use std::collections::BTreeMap;
 
@@ -7,16 +7,16 @@ use crate::mesh::build::{Draft, Raw, Shape, refused};
 use crate::mesh::error::{Fault, MeshProblem, Place, malformed};
 use crate::mesh::{BodiesFrom, MeshBody};
 
-/// Names of cell data that tell bodies apart, in small letters; the first that is there counts.
+/// Names of cell data that distinguish bodies, in lower case; the first one that exists is used.
 const BODIES: [&str; 8] =
     ["body", "body_id", "bodyid", "gmsh:physical", "cellentityids", "objectid", "partid", "regionid"];
 
-/// Whether cell data of this name may tell bodies apart.
+/// Whether cell data of this name may distinguish bodies.
 pub(crate) fn names_bodies(name: &str) -> bool {
     BODIES.contains(&name.to_ascii_lowercase().as_str())
 }
 
-/// Cells: nodes one after another, the end of each, their types.
+/// Cells: all nodes, the end of each cell, and the types.
 #[derive(Debug, Default)]
 pub(crate) struct CellList {
     pub(crate) connectivity: Vec<i64>,
@@ -24,7 +24,7 @@ pub(crate) struct CellList {
     pub(crate) types: Vec<i64>,
 }
 
-/// Types of cells where the file says what they are by the section they stand in.
+/// The type of cells whose section in the file determines what they are.
 const EMPTY: i64 = 0;
 const VERTEX: i64 = 1;
 pub(crate) const POLY_VERTEX: i64 = 2;
@@ -33,12 +33,12 @@ pub(crate) const STRIP: i64 = 6;
 pub(crate) const POLYGON: i64 = 7;
 
 impl CellList {
-    /// Whether any cell is more than vertices.
+    /// Whether there are cells other than vertices.
     pub(crate) fn has_cells(&self) -> bool {
         self.types.iter().any(|kind| ![EMPTY, VERTEX, POLY_VERTEX].contains(kind))
     }
 
-    /// Adds the cells to the draft, numbered from `first` on, between the points of a piece that start at `base`.
+    /// Adds the cells to the draft. They are numbered from `first` on; the points of their piece start at `base`.
     pub(crate) fn add(&self, draft: &mut Draft, first: u64, base: usize, place: Place) -> Result<(), Fault> {
         if self.types.len() != self.ends.len() {
             let problem = format!("{} types for {} cells", self.types.len(), self.ends.len());
@@ -87,7 +87,7 @@ fn add_cell(
         Ok(())
     };
     match (kind, nodes) {
-        // Points, whatever their number, are one element.
+        // A set of points is one element, whatever their number.
         (1 | POLY_VERTEX, [first, ..]) => push(Shape::Point, &[*first]),
         (3, _) => push(Shape::Segment, nodes),
         (POLY_LINE, [_, _, ..]) => nodes.windows(2).try_for_each(|pair| push(Shape::Segment, pair)),
@@ -96,7 +96,7 @@ fn add_cell(
             let shape = Shape::polygon(nodes.len(), number).map_err(|problem| (place, problem))?;
             push(shape, nodes)
         }
-        // A pixel counts its corners row by row, not around.
+        // A pixel lists its corners row by row, not around its outline.
         (8, &[a, b, c, d]) => push(Shape::Quadrilateral, &[a, b, d, c]),
         (8 | 9, _) => push(Shape::Quadrilateral, nodes),
         (10, _) => push(Shape::Tetrahedron, nodes),
@@ -122,12 +122,12 @@ fn add_cell(
     }
 }
 
-/// Cell data that tell bodies apart.
+/// Cell data that distinguish bodies.
 #[derive(Debug, Default)]
 pub(crate) struct BodyData(Vec<(String, Place, Vec<i64>)>);
 
 impl BodyData {
-    /// Adds the values of some cells, behind those that the same name has already.
+    /// Appends the values of some cells to those of the same name.
     pub(crate) fn push(&mut self, name: &str, place: Place, values: &[i64]) {
         match self.0.iter_mut().find(|(known, ..)| known == name) {
             Some((.., known)) => known.extend_from_slice(values),
@@ -135,7 +135,7 @@ impl BodyData {
         }
     }
 
-    /// Gives each element the body of its cell.
+    /// Sets the body of each element to that of its cell.
     pub(crate) fn apply(self, draft: &mut Draft, cells: u64) -> Result<(), Fault> {
         let rank = |name: &str| BODIES.iter().position(|known| *known == name.to_ascii_lowercase());
         let Some((name, place, values)) = self.0.into_iter().min_by_key(|(name, ..)| rank(name)) else {
@@ -148,7 +148,7 @@ impl BodyData {
         let mut known: BTreeMap<i64, u32> = BTreeMap::new();
         draft.bodies.clear();
         for raw in &mut draft.elements {
-            // Cells are numbered from 0 on, and so are the values.
+            // Cells and values are numbered from 0.
             let value = values[raw.number as usize];
             raw.body = *known.entry(value).or_insert_with(|| {
                 draft.bodies.push(MeshBody { number: Some(value), name: None });
@@ -160,9 +160,9 @@ impl BodyData {
     }
 }
 
-/// Whole numbers among floats, as bodies are sometimes written.
+/// Converts floats to integers, because bodies are sometimes written as floats.
 pub(crate) fn whole(values: &[f64], name: &str) -> Result<Vec<i64>, MeshProblem> {
-    /// 2^53: up to here every whole number is a float.
+    /// 2^53: up to here every integer is a float.
     const LARGEST: f64 = 9_007_199_254_740_992.0;
     let convert = |&value: &f64| (value.fract() == 0.0 && value.abs() <= LARGEST).then_some(value as i64);
     let converted: Option<Vec<i64>> = values.iter().map(convert).collect();

@@ -4,19 +4,19 @@ use crate::mesh::error::Fault;
 use crate::mesh::{vtk, vtk_xml};
 use crate::series::values::Values;
 
-/// Points, and data of one component.
+/// Points, and their data of one component.
 #[derive(Debug, Default)]
 pub(crate) struct PointCloud {
-    /// Any numbers, also infinite ones.
+    /// Arbitrary numbers, including infinite ones.
     pub(crate) points: Vec<[f64; 3]>,
-    /// By their names, in the order of the file.
+    /// Arrays with their names, in the order of the file.
     pub(crate) arrays: Vec<(String, Values)>,
     pub(crate) step: Option<i64>,
     pub(crate) time: Option<f64>,
 }
 
 impl PointCloud {
-    /// Adds values behind those that the same name has already.
+    /// Appends values to those of the same name.
     pub(crate) fn push(&mut self, name: &str, values: Values) {
         let Some((_, known)) = self.arrays.iter_mut().find(|(known, _)| known == name) else {
             self.arrays.push((name.to_owned(), values));
@@ -36,7 +36,7 @@ impl PointCloud {
         }
     }
 
-    /// Notes the time or the step, if field data of this name are one.
+    /// Takes the time or the step if this is the name of such field data.
     pub(crate) fn note(&mut self, name: &str, value: f64) {
         match name {
             "TimeValue" | "TIME" if value.is_finite() => self.time = Some(value),
@@ -46,17 +46,17 @@ impl PointCloud {
     }
 }
 
-/// Whether field data of this name are looked at.
+/// Whether field data of this name are used.
 pub(crate) fn is_time(name: &str) -> bool {
     matches!(name, "TimeValue" | "TIME" | "CYCLE")
 }
 
-/// Whether a legacy file has cells other than vertices; not where it is damaged, which the reader of points will say.
+/// Whether a legacy file has cells other than vertices. False for a damaged file; the reader of points will report the error.
 pub(crate) fn is_mesh(bytes: &[u8]) -> bool {
     vtk::has_cells(bytes).unwrap_or(false)
 }
 
-/// The same of a VTU or VTP file.
+/// The same for a VTU or VTP file.
 pub(crate) fn is_xml_mesh(bytes: &[u8]) -> bool {
     vtk_xml::has_cells(bytes).unwrap_or(false)
 }

@@ -1,4 +1,4 @@
-//! XML VTK: `.vtu` and `.vtp`, with arrays as text, in base64 or appended, compressed with zlib or not.
+//! XML VTK: `.vtu` and `.vtp`, with arrays as text, in base64 or appended, optionally compressed with zlib.
 
 use std::borrow::Cow;
 
@@ -41,12 +41,12 @@ pub(crate) fn has_cells(bytes: &[u8]) -> Result<bool, Fault> {
     })
 }
 
-/// The points with their data, whatever the cells.
+/// The points with their data, regardless of cells.
 pub(crate) fn points(bytes: &[u8]) -> Result<PointCloud, Fault> {
     with_file(bytes, |file| {
         let mut cloud = PointCloud::default();
         for piece in file.pieces() {
-            // Whatever keeps a file from being a mesh is told here.
+            // Reports the errors that also prevent the file from being a mesh.
             file.piece_has_cells(piece)?;
             file.cloud(piece, &mut cloud)?;
         }
@@ -68,7 +68,7 @@ pub(crate) fn points(bytes: &[u8]) -> Result<PointCloud, Fault> {
     })
 }
 
-/// Opens a file for `act`.
+/// Parses a file and passes it to `act`.
 fn with_file<T>(bytes: &[u8], act: impl FnOnce(&File<'_, '_>) -> Result<T, Fault>) -> Result<T, Fault> {
     let (xml, appended) = split(bytes);
     let text = match str::from_utf8(&xml) {
@@ -76,7 +76,7 @@ fn with_file<T>(bytes: &[u8], act: impl FnOnce(&File<'_, '_>) -> Result<T, Fault
         Err(error) => return Err((Place::Byte(error.valid_up_to() as u64), malformed("not UTF-8"))),
     };
     let document = Document::parse(text).map_err(|error| {
-        // The error ends with its place, which has a field of its own here.
+        // The error text ends with its place, which is a separate field here.
         let (line, said) = (error.pos().row, error.to_string());
         let said = said.split_once(" at ").map_or(said.as_str(), |(problem, _)| problem);
         (Place::Line(u64::from(line)), malformed(format!("XML: {}", excerpt::line(said.as_bytes()))))
@@ -85,7 +85,7 @@ fn with_file<T>(bytes: &[u8], act: impl FnOnce(&File<'_, '_>) -> Result<T, Fault
     act(&file)
 }
 
-/// The XML without appended data, which may be no text, and those data from the byte behind `_`.
+/// The XML without appended data, which need not be text, and these data from the byte after `_`.
 fn split(bytes: &[u8]) -> (Cow<'_, [u8]>, Option<&[u8]>) {
     let found = memmem::find(bytes, b"<AppendedData").and_then(|start| {
         let close = start + memchr::memchr(b'>', &bytes[start..])?;
@@ -100,11 +100,11 @@ fn split(bytes: &[u8]) -> (Cow<'_, [u8]>, Option<&[u8]>) {
     }
 }
 
-/// What holds for all arrays of a file.
+/// Properties of all arrays of a file.
 struct File<'a, 'input> {
     data_set: Node<'a, 'input>,
     endian: Endian,
-    /// Type of the numbers before data: of bytes, blocks.
+    /// Type of the integers before binary data: the numbers of bytes or blocks.
     header: Scalar,
     zlib: bool,
     appended: Option<(Coding, &'input [u8])>,
@@ -180,7 +180,7 @@ impl<'a, 'input> File<'a, 'input> {
         Ok(self.is_grid() && count(piece, "NumberOfCells")? > 0 && self.types(piece)?.has_cells())
     }
 
-    /// The types of the cells of a grid, and nothing else of them.
+    /// The types of the cells of a grid, without their nodes.
     fn types(&self, piece: Node<'a, 'input>) -> Result<CellList, Fault> {
         let mut list = CellList::default();
         for array in children(child(piece, "Cells")).filter(|node| node.attribute("Name") == Some("types")) {
@@ -199,7 +199,7 @@ impl<'a, 'input> File<'a, 'input> {
         }
         let (base, points) = (before, cloud.points.len() - before);
         for array in children(child(piece, "PointData")).filter(|node| node.has_tag_name("DataArray")) {
-            // Some write 0 for one.
+            // Some programs write 0 instead of 1.
             if !matches!(array.attribute("NumberOfComponents"), None | Some("1" | "0"))
                 || scalar(array.attribute("type").unwrap_or("")).is_none()
             {
@@ -221,7 +221,7 @@ impl<'a, 'input> File<'a, 'input> {
         Ok(())
     }
 
-    /// Adds the points and cells of a piece to the draft; the number of its cells.
+    /// Adds the points and cells of a piece to the draft; returns the number of its cells.
     fn piece(
         &self,
         piece: Node<'a, 'input>,
@@ -278,7 +278,7 @@ impl<'a, 'input> File<'a, 'input> {
         Ok(())
     }
 
-    /// The coordinates of a piece, and where they stand; `None` where there are none.
+    /// The coordinates of a piece and their place; `None` if there are none.
     fn coordinates(&self, piece: Node<'a, 'input>) -> Result<Option<(Place, Vec<f64>)>, Fault> {
         let expected = count(piece, "NumberOfPoints")?;
         let arrays = children(child(piece, "Points"));
@@ -293,11 +293,11 @@ impl<'a, 'input> File<'a, 'input> {
             Values::Whole(values) => values.into_iter().map(|value| value as f64).collect(),
         };
         check(array, "coordinates", expected.saturating_mul(3), coordinates.len())?;
-        // Places are found by counting lines from the start.
+        // Finding a place takes a count of the lines from the start.
         Ok(Some((place(array), coordinates)))
     }
 
-    /// Connectivity, offsets, and the types of cells or `kind` for all.
+    /// Connectivity, offsets, and the types of cells; `kind` if all have the same type.
     fn cell_list(
         &self,
         piece: Node<'a, 'input>,
@@ -330,7 +330,7 @@ impl<'a, 'input> File<'a, 'input> {
         let scalar = scalar(kind).ok_or_else(|| {
             fault(malformed(format!("type '{}' of an array", excerpt::field(kind.as_bytes()))))
         })?;
-        // Elements with remarks may stand before or behind the data.
+        // Elements with remarks may precede or follow the data.
         let texts = array.children().filter(|node| !node.is_element()).filter_map(|node| node.text());
         let texts: Vec<&str> = texts.filter(|text| !text.trim_ascii().is_empty()).collect();
         let text = match texts[..] {
@@ -367,9 +367,9 @@ impl<'a, 'input> File<'a, 'input> {
         integers.map(Values::Whole).ok_or_else(|| fault(malformed("a number beyond 63 bits")))
     }
 
-    /// The bytes of an array, unpacked: headers are dropped.
+    /// The bytes of an array, decompressed and without headers.
     fn decode(&self, coding: Coding, data: &[u8]) -> Result<Vec<u8>, String> {
-        // In base64 blanks may stand before the data, in raw data any byte counts.
+        // In base64 the data may be preceded by blanks; in raw data every byte counts.
         let data = if coding == Coding::Base64 { data.trim_ascii_start() } else { data };
         let word = self.header.size();
         let number = |bytes: &[u8], at: usize| -> Result<usize, String> {
@@ -397,7 +397,7 @@ impl<'a, 'input> File<'a, 'input> {
         for (at, size) in packed.into_iter().enumerate() {
             let expected = if at + 1 == first && last != 0 { last } else { block };
             let part = &bytes[from..from + size];
-            // No more is unpacked than the header allows, and no more is asked for than the data hold.
+            // Decompresses no more than the header allows, and allocates no more than the data contain.
             match miniz_oxide::inflate::decompress_to_vec_zlib_with_limit(part, expected) {
                 Ok(part) if part.len() == expected => unpacked.extend_from_slice(&part),
                 Ok(part) => {
@@ -416,7 +416,7 @@ impl<'a, 'input> File<'a, 'input> {
     }
 }
 
-/// The first bytes of data, decoded. In base64 a header may be a piece of its own, padded at its end.
+/// The first bytes of data, decoded. In base64 a header may be encoded separately, with its own padding.
 fn bytes_of(coding: Coding, data: &[u8], count: usize) -> Result<Vec<u8>, String> {
     let cut_off =
         || format!("an array should take {}, and ends before", excerpt::count(count as u64, "byte"));
@@ -425,7 +425,7 @@ fn bytes_of(coding: Coding, data: &[u8], count: usize) -> Result<Vec<u8>, String
     }
     let (mut bytes, mut at) = (Vec::new(), 0_usize);
     while bytes.len() < count {
-        // A run ends with padding, or where enough of it is known to be decoded.
+        // A run ends with padding, or when enough bytes are decoded.
         let wanted = (count - bytes.len()).div_ceil(3).saturating_mul(4);
         let window = &data[at..data.len().min(at.saturating_add(wanted))];
         let padding = memchr::memchr(b'=', window);

@@ -1,4 +1,4 @@
-//! Arrays behind the header of a VTK file, each compressed once.
+//! Arrays after the header of a VTK file, each compressed once.
 
 use std::io::{self, Write};
 
@@ -7,10 +7,10 @@ use flate2::write::ZlibEncoder;
 
 use crate::written::{Column, Values};
 
-/// Bytes that are compressed at a time: a multiple of the size of every value.
+/// Number of bytes compressed at a time: a multiple of the size of every value.
 const BLOCK: usize = 1 << 20;
 
-/// What stands behind the `_` of a file, as it will be written.
+/// The bytes that follow the `_` of a file.
 #[derive(Default)]
 pub(super) struct Appended {
     pub(super) bytes: Vec<u8>,
@@ -18,7 +18,7 @@ pub(super) struct Appended {
 }
 
 impl Appended {
-    /// Adds a column of so many rows; the result is the element that announces it.
+    /// Adds a column of `rows` rows; returns the XML element that describes it.
     pub(super) fn column(&mut self, column: &Column<'_>, rows: usize) -> io::Result<String> {
         let of_type = match column.values {
             Values::I32(_) => "Int32",
@@ -30,7 +30,7 @@ impl Appended {
                 return Err(io::Error::new(io::ErrorKind::InvalidInput, problem));
             }
         };
-        let head = announcement(of_type, column.name, column.components, self.bytes.len());
+        let head = announcement(of_type, column.name, column.components, column.unit, self.bytes.len());
         let size = column.values.size();
         self.array(rows * column.width() * size, |bytes, block| {
             column.values.write_le(bytes.start / size..bytes.end / size, block);
@@ -38,20 +38,37 @@ impl Appended {
         Ok(head)
     }
 
-    /// Adds as many bytes, all the same.
+    /// Adds the arrays that say something of the whole file: the time, and named numbers. The result is the element that announces them.
+    pub(super) fn field_data(&mut self, time: f64, named: &[(String, Vec<i64>)]) -> io::Result<String> {
+        let mut head = String::from("<FieldData>\n");
+        let mut add = |name: &str, values: Values<'_>, count: usize| -> io::Result<()> {
+            let column = Column { name: "", components: &[], unit: "", values };
+            let array = self.column(&column, count)?;
+            let tuples = format!(" Name=\"{}\" NumberOfTuples=\"{count}\"", escaped(name));
+            head += &array.replace(" Name=\"\"", &tuples);
+            Ok(())
+        };
+        add("TimeValue", Values::f64(|_| time), 1)?;
+        for (name, numbers) in named {
+            add(name, Values::i64(|k| numbers[k]), numbers.len())?;
+        }
+        Ok(head + "</FieldData>\n")
+    }
+
+    /// Adds `count` equal bytes.
     pub(super) fn repeated(&mut self, name: &str, byte: u8, count: usize) -> io::Result<String> {
-        let head = announcement("UInt8", name, &[], self.bytes.len());
+        let head = announcement("UInt8", name, &[], "", self.bytes.len());
         self.array(count, |bytes, block| block.resize(bytes.len(), byte))?;
         Ok(head)
     }
 
-    /// `part` appends what is between two places in the array.
+    /// Adds an array. `part` appends the bytes between two places of it.
     fn array(&mut self, size: usize, part: impl Fn(std::ops::Range<usize>, &mut Vec<u8>)) -> io::Result<()> {
         let blocks = size.div_ceil(BLOCK);
         for number in [blocks, BLOCK, size % BLOCK] {
             self.bytes.extend((number as u64).to_le_bytes());
         }
-        // Their sizes come before them and are not known yet.
+        // The sizes of blocks precede them and are not known yet.
         let sizes = self.bytes.len();
         self.bytes.resize(sizes + 8 * blocks, 0);
         for block in 0..blocks {
@@ -68,17 +85,29 @@ impl Appended {
     }
 }
 
-fn announcement(of_type: &str, name: &str, components: &[&str], offset: usize) -> String {
+/// Text for an attribute of XML.
+pub(super) fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+fn announcement(of_type: &str, name: &str, components: &[&str], unit: &str, offset: usize) -> String {
     let mut names = String::new();
     for (k, part) in components.iter().enumerate() {
         names = format!("{names} ComponentName{k}=\"{part}\"");
     }
-    // Some readers make a column of a number of components that is 1.
+    // Some readers mishandle a stated number of components of 1.
     let count = match components.len() {
         0 | 1 => String::new(),
         count => format!(" NumberOfComponents=\"{count}\""),
     };
+    let array = format!(
+        "<DataArray type=\"{of_type}\" Name=\"{name}\"{count}{names} format=\"appended\" offset=\"{offset}\""
+    );
+    if unit.is_empty() {
+        return format!("{array}/>\n");
+    }
+    // The key by which VTK calls the unit of an array.
     format!(
-        "<DataArray type=\"{of_type}\" Name=\"{name}\"{count}{names} format=\"appended\" offset=\"{offset}\"/>\n"
+        "{array}>\n<InformationKey name=\"UNITS_LABEL\" location=\"vtkDataArray\">{unit}</InformationKey>\n</DataArray>\n"
     )
 }

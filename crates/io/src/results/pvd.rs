@@ -1,10 +1,12 @@
-//! Which file is of which instant.
+//! The list of files by time.
 
 use std::fmt::Write;
 
-/// A collection for ParaView: the times, s, and the files that are of them, as they are called from where the collection will be.
+use super::appended::escaped;
+
+/// Makes a ParaView collection from times, in s, and the names of the files of these times relative to the collection.
 ///
-/// Written whole again whenever a file is added: it is short, and so is the moment in which there is none.
+/// It is written anew whenever a file is added: it is short, so the moment in which it does not exist is short too.
 ///
 /// # Example
 /// ```
@@ -16,9 +18,8 @@ pub fn pvd<'a>(files: impl IntoIterator<Item = (f64, &'a str)>) -> String {
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n<Collection>\n",
     );
     for (time, file) in files {
-        let file =
-            file.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;");
-        // Writing to a string does not fail.
+        let file = escaped(file);
+        // Writing to a string cannot fail.
         let _ = writeln!(text, "<DataSet timestep=\"{time}\" part=\"0\" file=\"{file}\"/>");
     }
     text + "</Collection>\n</VTKFile>\n"

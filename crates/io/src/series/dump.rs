@@ -1,4 +1,4 @@
-//! Dumps of LAMMPS and LIGGGHTS, as text.
+//! Text dumps of LAMMPS and LIGGGHTS.
 
 use std::sync::atomic::AtomicU64;
 
@@ -12,7 +12,7 @@ use crate::read::ReadOptions;
 use crate::series::rows::{RowTable, at_end, broken, expect, number, numbers, whole};
 
 const ITEM: &[u8] = b"ITEM:";
-/// How coordinates may be given; the first that has both x and y counts.
+/// Prefixes of coordinates; the first with which both x and y exist is used.
 const KINDS: [&str; 4] = ["", "s", "u", "su"];
 
 /// Whether the content is that of a dump.
@@ -20,7 +20,7 @@ pub(crate) fn is(bytes: &[u8]) -> bool {
     bytes.trim_ascii_start().starts_with(ITEM)
 }
 
-/// Steps over a frame; false if it is damaged or followed by anything but another.
+/// Skips a frame; returns false if it is damaged or followed by anything other than another frame.
 pub(crate) fn pass(lines: &mut Lines<'_>) -> bool {
     let passed = Head::read(lines).is_ok_and(|head| lines.pass(head.count as u64));
     passed && lines.clone().next_filled().is_none_or(|(_, line)| line.starts_with(ITEM))
@@ -49,13 +49,13 @@ pub(crate) fn read(
     Ok(table.packing(elements, Format::LammpsDump, lines.number - before, Some(cell), frame))
 }
 
-/// What stands before the rows of a frame.
+/// The lines before the rows of a frame.
 struct Head<'a> {
     step: i64,
     time: Option<f64>,
     count: usize,
     cell: Option<SimulationBox>,
-    /// The names of the columns, and the line they are on.
+    /// The line with the names of the columns; below, its number.
     columns: &'a [u8],
     line: u64,
 }
@@ -111,7 +111,7 @@ impl<'a> Head<'a> {
     }
 }
 
-/// The box after its line, in any of its three forms.
+/// The box, given after its line in any of its three forms.
 fn bounds(lines: &mut Lines<'_>, line: u64, kinds: &[u8]) -> Result<SimulationBox, ReadError> {
     let kinds: Vec<&[u8]> = words(kinds).take(7).collect();
     let (form, flags) = match kinds[..] {
@@ -121,7 +121,7 @@ fn bounds(lines: &mut Lines<'_>, line: u64, kinds: &[u8]) -> Result<SimulationBo
     };
     let mut repeats = [false; 3];
     match flags.len() {
-        // Old dumps do not say.
+        // Old dumps do not say which edges are periodic.
         0 => {}
         3 => {
             for (repeat, flag) in repeats.iter_mut().zip(flags) {
@@ -186,7 +186,7 @@ enum Form {
     Edges,
 }
 
-/// A box whose second edge has a component `xy` along x, and the third `xz` along x and `yz` along y.
+/// A box whose second edge has the component `xy` along x, and whose third edge has `xz` along x and `yz` along y.
 pub(super) fn tilted(
     low: [f64; 3],
     high: [f64; 3],
@@ -208,10 +208,10 @@ pub(super) fn ascend(line: u64, low: f64, high: f64) -> Result<(), ReadError> {
     }
 }
 
-/// The names of the columns, the coordinates among them as one kind of four.
+/// The names of the columns; one of the four kinds of coordinates is chosen.
 fn names(fields: &[&[u8]]) -> Vec<Name> {
     let has = |axis: &str, kind: &str| fields.contains(&[axis, kind].concat().as_bytes());
-    // Of a kind with all three, else with two: a dump in two dimensions.
+    // Prefers a kind with all three axes, then one with two: a dump in two dimensions.
     let complete = |axes: &'static [&'static str]| {
         KINDS.into_iter().find(|kind| axes.iter().all(|axis| has(axis, kind)))
     };
@@ -223,7 +223,7 @@ fn names(fields: &[&[u8]]) -> Vec<Name> {
             chosen.and_then(|kind| ["x", "y", "z"].into_iter().find(|axis| [axis, kind].concat() == text));
         match (axis, name.role()) {
             (Some(axis), _) => axis.clone_into(&mut name.plain),
-            // `c_x` is a compute of that name.
+            // `c_x` is a compute named `x`.
             (None, Some(Role::X | Role::Y | Role::Z)) => name.plain = format!("column {text}"),
             _ => {}
         }
@@ -232,7 +232,7 @@ fn names(fields: &[&[u8]]) -> Vec<Name> {
     fields.iter().map(name).collect()
 }
 
-/// Which axes are given in fractions of the box.
+/// Which axes are given as fractions of the box.
 fn scaled(names: &[Name], roles: &[Option<Role>]) -> [bool; 3] {
     [Role::X, Role::Y, Role::Z].map(|role| {
         let at = roles.iter().position(|found| *found == Some(role));
@@ -240,7 +240,7 @@ fn scaled(names: &[Name], roles: &[Option<Role>]) -> [bool; 3] {
     })
 }
 
-/// From fractions of the box to coordinates.
+/// Converts fractions of the box into coordinates.
 fn unscale(centres: &mut Centres, cell: &SimulationBox, scaled: [bool; 3]) -> Result<(), String> {
     match centres {
         Centres::Two(centres) => unscale_in(centres, cell, scaled),

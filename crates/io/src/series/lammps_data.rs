@@ -12,10 +12,10 @@ use crate::read::ReadOptions;
 use crate::series::dump::{ascend, tilted};
 use crate::series::rows::{RowTable, broken, number, whole};
 
-/// How far the line with the number of atoms is looked for: headers are short.
+/// Number of bytes searched for the line with the number of atoms: headers are short.
 const HEAD: usize = 1 << 14;
 
-/// The columns of the atom styles. Three image flags may follow.
+/// The columns of the atom styles. Three image flags may follow them.
 const STYLES: [(&str, &str); 24] = [
     ("angle", "id molecule type x y z"),
     ("atomic", "id type x y z"),
@@ -44,7 +44,7 @@ const STYLES: [(&str, &str); 24] = [
 ];
 const IMAGES: [&str; 3] = ["nx", "ny", "nz"];
 
-/// Whether the content is that of a data file: among its first lines one counts the atoms.
+/// Whether the content is a data file: one of its first lines gives the number of atoms.
 pub(crate) fn is(bytes: &[u8]) -> bool {
     let head = &bytes[..bytes.len().min(HEAD)];
     if head.contains(&0) {
@@ -74,7 +74,7 @@ pub(crate) fn read(
 ) -> Result<Packing, ReadError> {
     let head = Head::read(&mut lines)?;
     let row = lines.clone().map(|(number, line)| (number, bare(line))).find(|(_, line)| !line.is_empty());
-    // Blank lines stand between the keyword and the rows.
+    // Blank lines separate the keyword from the rows.
     while lines.clone().next().is_some_and(|(_, line)| bare(line).is_empty()) && lines.more() {
         lines.next();
     }
@@ -94,18 +94,18 @@ pub(crate) fn read(
             ),
         );
     }
-    // What follows is passed over, but counted.
+    // The rest is skipped, but its lines are counted.
     let count = lines.number + lines.count() as u64;
     let format = Format::LammpsData { style: head.style };
     Ok(table.packing(elements, format, count, Some(head.cell), Frame::default()))
 }
 
-/// All up to the rows of atoms.
+/// Everything before the rows of atoms.
 struct Head {
     count: usize,
     cell: SimulationBox,
     style: Option<String>,
-    /// Where `Atoms` stands.
+    /// Line of `Atoms`.
     line: u64,
 }
 
@@ -113,7 +113,7 @@ impl Head {
     fn read(lines: &mut Lines<'_>) -> Result<Self, ReadError> {
         let (mut count, mut limits, mut tilt, mut origin) = (None, [None; 3], [0.0; 3], None);
         let mut edges: [Option<[f64; 3]>; 3] = [None; 3];
-        // The first line is a title, whatever it says.
+        // The first line is a title, whatever it contains.
         lines.next();
         let (line, style) = loop {
             let Some((line, text)) = lines.next() else {
@@ -159,7 +159,7 @@ impl Head {
             (_, [Some(x), Some(y), Some(z)]) => {
                 tilted([x[0], y[0], z[0]], [x[1], y[1], z[1]], tilt, [false; 3])
             }
-            // What LAMMPS takes where nothing is said.
+            // The default of LAMMPS if no limits are given.
             (_, limits) if limits.iter().all(Option::is_none) => {
                 tilted([-0.5; 3], [0.5; 3], tilt, [false; 3])
             }
@@ -172,7 +172,7 @@ impl Head {
     }
 }
 
-/// Which axis a word such as `xlo` or `yhi` is about.
+/// The axis of a word such as `xlo` or `yhi`.
 fn limit(word: &[u8], end: &[u8]) -> Option<usize> {
     let (letter, rest) = word.split_first()?;
     let axis = b"xyz".iter().position(|axis| axis == letter)?;
@@ -184,14 +184,14 @@ fn three(line: u64, fields: [&[u8]; 3], what: &str) -> Result<[f64; 3], ReadErro
     Ok([x?, y?, z?])
 }
 
-/// What stands in the comment behind `Atoms`.
+/// The comment after `Atoms`.
 fn style(line: &[u8]) -> Option<String> {
     let at = memchr::memchr(b'#', line)?;
     let style = excerpt::field(&line[at + 1..]);
     (!style.is_empty()).then_some(style)
 }
 
-/// The columns, by choice or by the style.
+/// The columns, by the user's choice or by the style.
 fn names(head: &Head, columns: Option<usize>, options: &ReadOptions) -> Result<Vec<Name>, ReadError> {
     let plain = |names: &mut dyn Iterator<Item = &str>| names.map(Name::unsuffixed).collect::<Vec<_>>();
     let known = head.style.as_deref().and_then(|style| STYLES.iter().find(|(name, _)| *name == style));

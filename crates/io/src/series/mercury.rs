@@ -11,12 +11,13 @@ use crate::packing::{Format, Frame, Packing, SimulationBox};
 use crate::read::ReadOptions;
 use crate::series::rows::{RowTable, at_end, broken, expect, number, whole};
 
-/// Bytes that hold the first two lines of any such file.
+/// Number of bytes that contain the first two lines of any such file.
 const HEAD: usize = 1 << 12;
 const COLUMNS_2D: &str = "x y vx vy radius angle omega info";
 const COLUMNS_3D: &str = "x y z vx vy vz radius alpha beta gamma omegax omegay omegaz info";
 
-/// Whether the content is that of such a file: a line of 8 numbers, or 6 in 2D, of which the first counts the lines of 14, or 8, that follow.
+/// Whether the content is such a file: a line of 8 numbers, or 6 in 2D, the first of which is the number of following lines of 14, or 8,
+/// numbers.
 pub(crate) fn is(bytes: &[u8]) -> bool {
     let head = &bytes[..bytes.len().min(HEAD)];
     let mut lines = Lines::new(head);
@@ -35,7 +36,7 @@ fn is_number(word: &[u8]) -> bool {
     fast_float2::parse::<f64, _>(word).is_ok()
 }
 
-/// Steps over a frame; false if it is damaged or followed by anything but another.
+/// Skips a frame; returns false if it is damaged or followed by anything other than another frame.
 pub(crate) fn pass(lines: &mut Lines<'_>) -> bool {
     let head = lines.next_filled().and_then(|(_, line)| Head::of(line));
     let passed = head.is_some_and(|head| lines.pass(head.count as u64));
@@ -58,7 +59,7 @@ pub(crate) fn read(
     let elements = table.read(&mut lines, head.count, options, progress)?;
     at_end(&mut lines, head.count, "the header of the next frame or the end of the file")?;
     let time = number(line, words(text).nth(1).unwrap_or_default(), "the time")?;
-    // Limits of walls may be infinite; then there is no box.
+    // The limits of walls may be infinite; then there is no box.
     let limits: Vec<f64> =
         words(text).skip(2).map(|word| fast_float2::parse(word).unwrap_or(f64::NAN)).collect();
     let (mut low, mut high) = ([0.0; 3], [0.0; 3]);
@@ -77,7 +78,7 @@ pub(crate) fn read(
     ))
 }
 
-/// What the line before the rows says first.
+/// The first numbers of the line before the rows.
 struct Head {
     count: usize,
     dimensions: usize,

@@ -1,4 +1,4 @@
-//! NumPy archives: arrays by their names, or one alone.
+//! NumPy archives: several arrays with known names, or a single array.
 
 use std::io::{Cursor, Read};
 
@@ -14,13 +14,13 @@ use crate::packing::{Format, Frame, Packing, SimulationBox};
 use crate::read::ReadOptions;
 use crate::series::values::{self, Values};
 
-/// Bytes read between two looks at the memory.
+/// Number of bytes read between two checks of the memory.
 const PIECE: usize = 1 << 18;
-/// More text than any header of an array of numbers has.
+/// Upper bound on the length of the header of an array of numbers.
 const LONGEST_HEADER: u64 = 1 << 16;
-/// Columns that an array of a row for each element has at most.
+/// Largest number of columns of an array with one row per element.
 const WIDEST: u64 = 16;
-/// More members are no packing.
+/// Largest number of members of a packing.
 const MOST_MEMBERS: usize = 1000;
 
 type Archive<'a> = ZipArchive<Cursor<&'a [u8]>>;
@@ -54,7 +54,7 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Packing, ReadE
         for place in 0..width {
             let name = name(&label, place, if header.shape.len() == 1 { None } else { Some(width) });
             if name.role().is_some() {
-                // What has a role has a row for each element; all else may have any length.
+                // Arrays with a role have one row per element; others may have any length.
                 match &rows {
                     Some((rows, other)) if *rows != header.shape[0] => {
                         return Err(broken(format!(
@@ -69,10 +69,10 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Packing, ReadE
         }
     }
     let names: Vec<Name> = columns.iter().map(|(name, ..)| name.clone()).collect();
-    // Counted again where an array is read: a header may claim any number.
+    // The rows are counted again when an array is read, because a header may claim any number.
     let claimed = rows.as_ref().map_or(0, |(rows, _)| *rows);
     let rows = usize::try_from(claimed).map_err(|_| broken(format!("an array of {claimed} rows")))?;
-    // The array read last, so that none is unpacked for each of its columns.
+    // The latest array that was read, so that an array is not decompressed again for each of its columns.
     let mut last: Option<(usize, Header, Vec<u8>)> = None;
     let column = |place: usize| {
         let (_, at, component) = columns[place];
@@ -90,8 +90,8 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Packing, ReadE
     Ok(packing)
 }
 
-/// The box in arrays `edges` (D, D), an edge a row, `origin` (D) and `periodic` (D), as `fdem` writes them; without `origin` from 0, without `periodic` it does
-/// not repeat.
+/// The box in the arrays `edges` (D, D), one edge per row, `origin` (D) and `periodic` (D), as `fdem` writes them. Without `origin` it
+/// starts at 0; without `periodic` it is not periodic.
 fn simulation_box(archive: &mut Archive<'_>, dimensions: usize) -> Result<Option<SimulationBox>, ReadError> {
     let mut numbers = |wanted: &str, shape: &[u64]| -> Result<Option<Vec<f64>>, ReadError> {
         let Some(at) = (0..archive.len()).find(|&at| label(archive, at) == wanted) else { return Ok(None) };
@@ -137,7 +137,7 @@ fn broken(problem: String) -> ReadError {
     ReadError::Broken { place: Place::File, problem }
 }
 
-/// The name of a member without its end.
+/// The name of a member without its extension.
 fn label(archive: &Archive<'_>, at: usize) -> String {
     let name = archive.name_for_index(at).and_then(Result::ok).unwrap_or_default();
     excerpt::field(name.strip_suffix(".npy").unwrap_or(&name).as_bytes())
@@ -164,7 +164,7 @@ fn name(label: &str, place: usize, width: Option<usize>) -> Name {
     name
 }
 
-/// The header of a member, and its bytes, header included, if they are wanted.
+/// The header of a member and, if `whole`, all of its bytes, including the header.
 fn member(archive: &mut Archive<'_>, at: usize, whole: bool) -> Result<(Header, Vec<u8>), ReadError> {
     let shown = label(archive, at);
     let failed = |problem: String| {
@@ -179,7 +179,7 @@ fn member(archive: &mut Archive<'_>, at: usize, whole: bool) -> Result<(Header, 
     }
     let header = Header::parse(&bytes).map_err(failed)?;
     if whole {
-        // No more is unpacked than the array has by its own account, and a byte that shows whether it goes on.
+        // Decompresses no more than the size that the array states, plus one byte that shows whether the data continue.
         let claimed = claimed(&header).and_then(|claimed| u64::try_from(claimed).ok()).unwrap_or(u64::MAX);
         let rest = claimed.saturating_add(1).saturating_sub(bytes.len() as u64);
         let read = fill(&mut file, rest, &mut bytes)?;
@@ -188,7 +188,7 @@ fn member(archive: &mut Archive<'_>, at: usize, whole: bool) -> Result<(Header, 
     Ok((header, bytes))
 }
 
-/// Reads up to `limit` bytes, asking for memory as they arrive.
+/// Reads up to `limit` bytes; memory is allocated as they arrive.
 fn fill(input: &mut dyn Read, limit: u64, bytes: &mut Vec<u8>) -> Result<std::io::Result<()>, ReadError> {
     let mut left = limit;
     while left > 0 {
@@ -204,11 +204,11 @@ fn fill(input: &mut dyn Read, limit: u64, bytes: &mut Vec<u8>) -> Result<std::io
     Ok(Ok(()))
 }
 
-/// Bytes of header and data, as the header has it.
+/// Number of bytes of header and data according to the header.
 fn claimed(header: &Header) -> Option<u128> {
     let size = match &header.dtype {
         Dtype::Plain(scalar) => scalar.size,
-        // Those are read whole, up to the end.
+        // Structured arrays are read to the end.
         Dtype::Record(_) => return Some(u128::MAX),
     };
     let values =

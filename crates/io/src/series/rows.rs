@@ -1,4 +1,4 @@
-//! Rows of text under names that stand elsewhere: counted, between blanks.
+//! Counted rows of text whose column names are given elsewhere; fields are separated by blanks.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -14,10 +14,10 @@ use crate::read::ReadOptions;
 use crate::row::RowReader;
 use crate::table::{MOST_COLUMNS, Table};
 
-/// Lines between two reports of progress.
+/// Number of lines between two reports of progress.
 const LINES_PER_REPORT: u64 = 1024;
 
-/// The columns of counted rows.
+/// The columns of rows whose number is known.
 #[derive(Debug)]
 pub(super) struct RowTable {
     pub(super) roles: Vec<Option<Role>>,
@@ -27,7 +27,7 @@ pub(super) struct RowTable {
 }
 
 impl RowTable {
-    /// Gives roles to columns with these names, which stand on `line`; `shown` is what messages show of it.
+    /// Assigns roles to columns with these names. `line` is the line of the names, and messages show `shown`.
     pub(super) fn new(
         names: &[Name],
         line: u64,
@@ -44,7 +44,7 @@ impl RowTable {
         Ok(Self { columns: Column::all(names, &roles, true), roles, unit, reader })
     }
 
-    /// Reads as many rows as there should be.
+    /// Reads the stated number of rows.
     pub(super) fn read(
         &self,
         lines: &mut Lines<'_>,
@@ -52,7 +52,7 @@ impl RowTable {
         options: &ReadOptions,
         progress: &AtomicU64,
     ) -> Result<Elements, ReadError> {
-        // A row takes two bytes for every column at least, whatever the count claims.
+        // A row takes at least two bytes per column, which bounds the memory whatever the count claims.
         let room = count.min(lines.rest().len() / (2 * self.roles.len().max(1)) + 1);
         let mut elements = Elements::new(&self.roles, room)?;
         for done in 0..count {
@@ -130,7 +130,7 @@ pub(super) fn broken<T>(line: u64, problem: impl Into<String>) -> Result<T, Read
     Err(ReadError::Broken { place: Place::Line(line.max(1)), problem: problem.into() })
 }
 
-/// The next line that is not blank, or an error that says what should be there.
+/// The next line that is not blank, or an error that says what is expected.
 pub(super) fn expect<'a>(lines: &mut Lines<'a>, what: &str) -> Result<(u64, &'a [u8]), ReadError> {
     match lines.next_filled() {
         Some(line) => Ok(line),
@@ -138,7 +138,7 @@ pub(super) fn expect<'a>(lines: &mut Lines<'a>, what: &str) -> Result<(u64, &'a 
     }
 }
 
-/// Refuses what follows the rows of a frame.
+/// Refuses anything that follows the rows of a frame.
 pub(super) fn at_end(lines: &mut Lines<'_>, count: usize, expected: &str) -> Result<(), ReadError> {
     match lines.next_filled() {
         None => Ok(()),
@@ -153,7 +153,7 @@ pub(super) fn at_end(lines: &mut Lines<'_>, count: usize, expected: &str) -> Res
     }
 }
 
-/// As many finite numbers as `N` on a line, and no more.
+/// Exactly `N` finite numbers on a line.
 pub(super) fn numbers<const N: usize>(line: u64, text: &[u8], what: &str) -> Result<[f64; N], ReadError> {
     let mut found = [0.0; N];
     let mut fields = words(text);

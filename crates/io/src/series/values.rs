@@ -1,4 +1,4 @@
-//! Elements from arrays of numbers, one for each column.
+//! Makes elements from arrays of numbers, one array per column.
 
 use crate::columns::{Name, Role};
 use crate::elements::Elements;
@@ -40,7 +40,7 @@ impl Values {
     }
 }
 
-/// Makes a packing of `rows` elements out of columns with these names; only those that have a role are asked for.
+/// Makes a packing of `rows` elements from columns with these names; only columns with a role are requested.
 pub(super) fn packing(
     names: &[Name],
     rows: usize,

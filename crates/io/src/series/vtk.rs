@@ -1,4 +1,4 @@
-//! Points of VTK files, with a radius among their data.
+//! Points of VTK files, with a radius from their data.
 
 use crate::columns::{Name, Role};
 use crate::error::ReadError;
@@ -8,7 +8,7 @@ use crate::packing::{Format, Frame, Packing};
 use crate::read::ReadOptions;
 use crate::series::values::{self, Values};
 
-/// Names of diameters that elsewhere are none: `ParaView` draws spheres of this diameter.
+/// Names that stand for diameters here only: `ParaView` draws spheres of this diameter.
 const DIAMETERS: [&str; 3] = ["scale", "glyphscale", "diameters"];
 
 pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Packing, ReadError> {
@@ -37,7 +37,7 @@ fn packing(cloud: PointCloud, format: Format, options: &ReadOptions) -> Result<P
             return Ok(Values::Real(points.iter().map(|point| point[place]).collect()));
         };
         let (label, values) = &mut arrays[array];
-        // Each column is asked for once.
+        // Each column is requested once.
         let values = std::mem::replace(values, Values::Whole(Vec::new()));
         if values.len() == rows {
             return Ok(values);
@@ -48,7 +48,7 @@ fn packing(cloud: PointCloud, format: Format, options: &ReadOptions) -> Result<P
     values::packing(&names, rows, column, format, Frame { index: 0, step, time }, options)
 }
 
-/// The role that point data have by their name; coordinates are points.
+/// The role of point data by their name. Point data are never coordinates; the points are.
 fn name(label: &str) -> Name {
     let mut name = Name::unsuffixed(label);
     if DIAMETERS.contains(&name.plain.as_str()) {

@@ -1,4 +1,4 @@
-//! XYZ, and extended XYZ with its columns and its box in the comment.
+//! XYZ, and extended XYZ with columns and box in the comment.
 
 use std::sync::atomic::AtomicU64;
 
@@ -12,16 +12,16 @@ use crate::read::ReadOptions;
 use crate::series::rows::{RowTable, at_end, broken, expect, number, whole};
 use crate::table::MOST_COLUMNS;
 
-/// Whether the content is that of such a file: no table starts with a line of one whole number.
+/// Whether the content is such a file; no table starts with a line of a single integer.
 pub(crate) fn is(bytes: &[u8]) -> bool {
-    /// Bytes that hold any number.
+    /// Number of bytes that contain any integer.
     const HEAD: usize = 64;
     Lines::new(&bytes[..bytes.len().min(HEAD)])
         .next_filled()
         .is_some_and(|(_, line)| whole::<usize>(line).is_some())
 }
 
-/// Steps over a frame; false if it is damaged or followed by anything but another.
+/// Skips a frame; returns false if it is damaged or followed by anything other than another frame.
 pub(crate) fn pass(lines: &mut Lines<'_>) -> bool {
     let count: Option<u64> = lines.next_filled().and_then(|(_, line)| whole(line));
     let passed = count.is_some_and(|count| lines.next().is_some() && lines.pass(count));
@@ -64,10 +64,11 @@ pub(crate) fn read(
     Ok(table.packing(elements, format, lines.number - before, comment.cell()?, frame))
 }
 
-/// A name, then x y z, then whatever else; fewer columns are named all the same, so that what is missing is told.
+/// A name, then x y z, then any other columns. If there are fewer columns, they are named in the same way, so that the message says which
+/// one is missing.
 fn plain_names(found: usize) -> Vec<Name> {
     let usual = ["element", "x", "y", "z"];
-    // Columns of a plain file have no names; of those behind z nothing is known.
+    // Columns of a plain file have no names; those after z are unknown.
     let name = |place: usize| match usual.get(place) {
         Some(name) => Name::unsuffixed(name),
         None => Name::unsuffixed(&(place + 1).to_string()),
@@ -75,7 +76,7 @@ fn plain_names(found: usize) -> Vec<Name> {
     (0..found.max(usual.len())).map(name).collect()
 }
 
-/// The columns after `Properties=`: `name:type:count`, one after the other.
+/// The columns in `Properties=`: `name:type:count`, repeated.
 fn names(line: u64, properties: &str) -> Result<Vec<Name>, ReadError> {
     let parts: Vec<&str> = properties.split(':').collect();
     let (triples, rest) = parts.as_chunks::<3>();
@@ -113,7 +114,7 @@ fn names(line: u64, properties: &str) -> Result<Vec<Name>, ReadError> {
                 || !matches!(kind, "R" | "I")
                 || matches!(name.role(), Some(Role::X | Role::Y | Role::Z))
             {
-                // Not a number, or part of some other vector.
+                // The property is not a number, or is part of another vector.
                 name.plain = format!("property {}", name.written);
             }
             names.push(name);
@@ -125,12 +126,12 @@ fn names(line: u64, properties: &str) -> Result<Vec<Name>, ReadError> {
 /// The second line of a frame.
 struct Comment {
     line: u64,
-    /// In small letters, with their values.
+    /// Keys in lower case, with their values.
     pairs: Vec<(String, String)>,
 }
 
 impl Comment {
-    /// `key=value` between blanks; values with blanks stand in quotes or brackets. Other words are a comment.
+    /// Parses `key=value` pairs separated by blanks; values with blanks are in quotes or brackets. Other words are comments.
     fn parse(line: u64, text: &[u8]) -> Self {
         let text = String::from_utf8_lossy(text);
         let mut rest = text.trim();
@@ -210,7 +211,7 @@ impl Comment {
     }
 }
 
-/// Values between blanks or commas, in brackets or not.
+/// Values separated by blanks or commas, with or without brackets.
 fn fields(text: &str) -> impl Iterator<Item = &str> {
     text.split(|c: char| c.is_whitespace() || matches!(c, ',' | '[' | ']')).filter(|field| !field.is_empty())
 }

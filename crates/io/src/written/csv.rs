@@ -4,12 +4,12 @@ use std::io::{self, Write};
 
 use crate::written::{CHUNK, Plain, Table, Values};
 
-/// Writes a table as text under a header of the names of its columns; components are columns of their own.
+/// Writes a table as text under a header with the names of its columns; components become separate columns.
 ///
-/// Floats are the shortest text that reads back as the same `f64`. The bytes depend on nothing but the table.
+/// A float is written as the shortest text that reads back as the same `f64`. The bytes are a function of the table alone.
 ///
 /// # Cost
-/// Time proportional to the values; one buffer of 256 KiB, so `out` needs none. `out` is not flushed.
+/// Time proportional to the values. Uses a buffer of 256 KiB, so `out` needs none. `out` is not flushed.
 ///
 /// # Errors
 /// Those of `out`.
@@ -22,7 +22,7 @@ pub fn write_csv<W: Write>(out: &mut W, table: &Table<'_>) -> io::Result<()> {
     write_csv_rows(out, table)
 }
 
-/// Writes the rows alone: of a table with the same columns as one that was written before.
+/// Writes only the rows, for a table with the same columns as one written before.
 ///
 /// # Errors
 /// Those of `out`.

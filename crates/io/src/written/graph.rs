@@ -1,18 +1,18 @@
-//! Tables of elements and of couples as a graph.
+//! Writes tables of elements and of couples as a graph.
 
 use std::io::{self, Write};
 
 use crate::written::csv::write_text;
 use crate::written::{CHUNK, Plain, Table, Values};
 
-/// Writes elements and couples as GraphML, undirected.
+/// Writes elements and couples as an undirected GraphML graph.
 ///
 /// # Shapes
-/// The first column of `elements` is what they are called, no name twice; the first two of `couples` are the names of two elements. All others
-/// become attributes of the nodes and of the edges.
+/// The first column of `elements` holds their names, all different. The first two columns of `couples` hold the names of two elements. All
+/// other columns become attributes of the nodes and of the edges.
 ///
 /// # Cost
-/// Time proportional to the values; one buffer of 256 KiB. `out` is not flushed.
+/// Time proportional to the values. Uses a buffer of 256 KiB. `out` is not flushed.
 ///
 /// # Errors
 /// Those of `out`; [`io::ErrorKind::InvalidInput`] if there are fewer columns.
@@ -74,7 +74,7 @@ pub fn write_graphml<W: Write>(out: &mut W, elements: &Table<'_>, couples: &Tabl
     out.write_all(&chunk)
 }
 
-/// The attributes of a node or an edge, the start of which lacks its last quote.
+/// The attributes of a node or an edge; its start tag lacks the last quote.
 fn write_data(columns: &[Plain<'_>], letter: u8, row: usize, end: &[u8], chunk: &mut Vec<u8>) {
     if columns.is_empty() {
         return chunk.extend_from_slice(b"\"/>\n");
@@ -93,18 +93,19 @@ fn write_data(columns: &[Plain<'_>], letter: u8, row: usize, end: &[u8], chunk: 
     chunk.extend_from_slice(b">\n");
 }
 
-/// Writes elements and couples as JSON, undirected, in the node-link form of networkx and d3: `nodes` with `id`, `edges` with `source` and `target`.
+/// Writes elements and couples as an undirected graph in JSON, in the node-link form of networkx and d3: `nodes` with `id`, `edges` with
+/// `source` and `target`.
 ///
 /// networkx from 3.4 on reads it with `node_link_graph(data, edges="edges")`.
 ///
 /// # Shapes
-/// As [`write_graphml`]. `multigraph`: whether two elements may have several couples, as in a box that repeats.
+/// See [`write_graphml`]. `multigraph`: whether two elements may have several couples, as in a periodic box.
 ///
 /// # Cost
-/// As [`write_graphml`].
+/// See [`write_graphml`].
 ///
 /// # Errors
-/// As [`write_graphml`]. A float that is not finite is written as `null`.
+/// See [`write_graphml`]. A float that is not finite is written as `null`.
 ///
 /// # Example
 /// ```
@@ -136,7 +137,7 @@ pub fn write_node_link<W: Write>(
     out.write_all(&chunk)
 }
 
-/// Rows as objects, the first columns of which go by other names.
+/// Writes rows as objects; the first columns are renamed.
 fn write_objects<W: Write>(
     out: &mut W,
     columns: &[Plain<'_>],

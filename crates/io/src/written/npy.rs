@@ -1,17 +1,17 @@
-//! Tables as a NumPy array of records.
+//! Writes tables as a NumPy array of records.
 
 use std::io::{self, Write};
 
 use crate::npy_header::header;
 use crate::written::{CHUNK, Plain, Table};
 
-/// Writes a table as a NumPy array with the columns of [`write_csv`](crate::write_csv) as fields: whole numbers `<i4`, `<i8` or `<u8`, floats `<f8`,
-/// texts `|S` and their width.
+/// Writes a table as a NumPy array with the columns of [`write_csv`](crate::write_csv) as fields: integers as `<i4`, `<i8` or `<u8`, floats
+/// as `<f8`, texts as `|S` with their width.
 ///
 /// `numpy.load` gives an array of shape `(rows,)`; `a["overlap"]` is a column of it.
 ///
 /// # Cost
-/// As [`write_csv`](crate::write_csv).
+/// See [`write_csv`](crate::write_csv).
 ///
 /// # Errors
 /// Those of `out`.
@@ -29,26 +29,10 @@ use crate::written::{CHUNK, Plain, Table};
 /// # Ok::<(), std::io::Error>(())
 /// ```
 pub fn write_npy<W: Write>(out: &mut W, table: &Table<'_>) -> io::Result<()> {
-    write_npy_header(out, table, table.rows() as u64)?;
-    write_npy_rows(out, table)
-}
-
-/// Writes the header of an array of `rows` rows of several tables, all with the columns of this one.
-///
-/// # Errors
-/// Those of `out`.
-pub fn write_npy_header<W: Write>(out: &mut W, table: &Table<'_>, rows: u64) -> io::Result<()> {
-    let fields: Vec<_> =
-        table.plain().map(|column| format!("('{}', '{}')", column.name, column.values.dtype())).collect();
-    out.write_all(&header(&format!("[{}]", fields.join(", ")), &format!("({rows},)")))
-}
-
-/// Writes the rows alone, under [`write_npy_header`].
-///
-/// # Errors
-/// Those of `out`.
-pub fn write_npy_rows<W: Write>(out: &mut W, table: &Table<'_>) -> io::Result<()> {
     let columns: Vec<Plain<'_>> = table.plain().collect();
+    let fields: Vec<_> =
+        columns.iter().map(|column| format!("('{}', '{}')", column.name, column.values.dtype())).collect();
+    out.write_all(&header(&format!("[{}]", fields.join(", ")), &format!("({},)", table.rows())))?;
     let mut chunk = Vec::with_capacity(CHUNK + CHUNK / 16);
     for row in 0..table.rows() {
         for column in &columns {

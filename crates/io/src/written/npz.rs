@@ -1,4 +1,4 @@
-//! Tables as NumPy arrays, one for each column, in an archive.
+//! Writes tables as an archive of NumPy arrays, one for each column.
 
 use std::io::{self, Write};
 
@@ -8,18 +8,18 @@ use zip::{CompressionMethod, ZipWriter};
 use crate::npy_header::header;
 use crate::written::Table;
 
-/// Writes tables as an archive of NumPy arrays, one for each column, not compressed: what `numpy.savez` writes.
+/// Writes tables as an uncompressed archive of NumPy arrays, one for each column, like `numpy.savez`.
 ///
 /// A column of several components is one array.
 ///
 /// # Shapes
-/// Of a plain column `(rows,)`, of one with components `(rows, components)`; a column of one component is plain too. No name may come twice.
+/// `(rows,)` for a plain column, `(rows, components)` for one with components; a column of one component is plain. Names must be different.
 ///
 /// # Cost
-/// Time proportional to the values, which are written column by column; one buffer of 256 KiB. `out` is not flushed.
+/// Time proportional to the values, which are written column by column. Uses a buffer of 256 KiB. `out` is not flushed.
 ///
 /// # Errors
-/// Those of `out`; [`io::ErrorKind::InvalidInput`] if a name comes twice.
+/// Those of `out`; [`io::ErrorKind::InvalidInput`] if a name occurs twice.
 ///
 /// # Source
 /// NumPy Enhancement Proposal 1; PKWARE, APPNOTE.TXT, with sizes of 64 bits.
@@ -42,7 +42,7 @@ pub fn write_npz<W: Write>(out: &mut W, tables: &[&Table<'_>]) -> io::Result<()>
         return Err(io::Error::new(io::ErrorKind::InvalidInput, format!("two arrays are called {name}")));
     }
     let mut archive = ZipWriter::new_stream(out);
-    // The sizes are not known to the archive before the data: those of 64 bits do for all.
+    // The sizes are unknown before the data are written, so 64-bit sizes are used.
     let options = SimpleFileOptions::default().compression_method(CompressionMethod::Stored).large_file(true);
     for table in tables {
         let rows = table.rows();

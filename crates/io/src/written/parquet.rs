@@ -1,4 +1,4 @@
-//! Tables as Parquet.
+//! Writes tables as Parquet.
 
 use std::error::Error;
 use std::io::{self, Write};
@@ -14,14 +14,14 @@ use parquet::schema::types::{ColumnPath, Type};
 
 use crate::written::{Plain, Table, Values};
 
-/// Rows that are kept together: readers take them in one go, and a column of them is kept until it is complete.
+/// Number of rows per group. Readers load a group at a time, and a column of a group is kept in memory until it is complete.
 const GROUP: usize = 1 << 20;
-/// Values that are handed over at a time.
+/// Number of values passed on at a time.
 const BATCH: usize = 1 << 14;
 
-/// Writes a table as Parquet, compressed with Snappy; components are columns of their own, as in [`write_csv`](crate::write_csv).
+/// Writes a table as Parquet, compressed with Snappy; components become separate columns, as in [`write_csv`](crate::write_csv).
 ///
-/// No value is absent: all columns are required ones. Texts are UTF-8.
+/// All columns are required: no value is absent. Texts are UTF-8.
 ///
 /// # Cost
 /// Time proportional to the values; some 10 MB of memory. `out` is not flushed.
@@ -30,7 +30,7 @@ const BATCH: usize = 1 << 14;
 /// Those of `out`.
 ///
 /// # Source
-/// The Apache Parquet format, by the crate parquet.
+/// The Apache Parquet format, as written by the crate parquet.
 ///
 /// # Example
 /// ```
@@ -52,7 +52,7 @@ fn write<W: Write + Send>(out: &mut W, table: &Table<'_>) -> Result<(), ParquetE
     let mut properties = WriterProperties::builder()
         .set_created_by(concat!("fdem-io ", env!("CARGO_PKG_VERSION")).to_owned())
         .set_compression(Compression::SNAPPY)
-        // Floats hardly repeat, and whole numbers are told by their differences.
+        // Floats seldom repeat, and integers are encoded by their differences.
         .set_dictionary_enabled(false)
         .set_statistics_enabled(EnabledStatistics::Chunk);
     for column in &columns {
@@ -124,7 +124,7 @@ fn write_column(
     Ok(())
 }
 
-/// The error of the output, where it is one.
+/// The error of the output, if it was the cause.
 fn io_error(error: ParquetError) -> io::Error {
     match error {
         ParquetError::External(inner) => match inner.downcast::<io::Error>() {

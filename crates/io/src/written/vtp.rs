@@ -1,4 +1,4 @@
-//! Points and lines for ParaView.
+//! Writes points and lines for ParaView.
 
 use std::io::{self, Write};
 
@@ -7,20 +7,20 @@ use flate2::write::ZlibEncoder;
 
 use crate::written::{Column, Table, Values};
 
-/// Bytes that are compressed at a time: a multiple of the size of every value.
+/// Number of bytes compressed at a time: a multiple of the size of every value.
 const BLOCK: usize = 1 << 20;
 
-/// Writes points and lines between them, with what is known of both, as a VTK file of `PolyData`: binary, compressed.
+/// Writes points, lines between them, and the data of both as a VTK file of `PolyData`: binary, compressed.
 ///
 /// # Shapes
-/// The first column of `points` is where they are: three components, floats. The first column of `lines` is the two points, by their number
-/// from 0: two components of 64 bits. All others become arrays of the points and of the lines (cells).
+/// The first column of `points` holds their positions: three components, floats. The first column of `lines` holds the numbers of two
+/// points, counted from 0: two components of 64 bits. All other columns become data arrays of the points and of the lines (cells).
 ///
 /// # Cost
-/// Each array is compressed twice, since its size comes before it: some 10 ns per byte. Memory: two blocks of 1 MiB. `out` is not flushed.
+/// Each array is compressed twice, because its size precedes it: some 10 ns per byte. Memory: two blocks of 1 MiB. `out` is not flushed.
 ///
 /// # Errors
-/// Those of `out`; [`io::ErrorKind::InvalidInput`] if the first columns are not what they should be, or a column is of text.
+/// Those of `out`; [`io::ErrorKind::InvalidInput`] if a first column has the wrong form, or a column contains text.
 ///
 /// # Source
 /// The VTK User's Guide, "VTK File Formats", XML formats, appended data.
@@ -51,12 +51,13 @@ pub fn write_vtp<W: Write>(out: &mut W, points: &Table<'_>, lines: &Table<'_>) -
     let (2, Values::I64(at)) = (ends.width(), &ends.values) else {
         return Err(invalid("the ends of a line are two whole numbers"));
     };
-    // Two numbers for each line, but no array of pairs.
-    let connectivity = Column { name: "connectivity", components: &[], values: Values::i64(at) };
-    // Where each line ends in the list of points.
+    // Two numbers per line, computed without an array of pairs.
+    let connectivity = Column { name: "connectivity", components: &[], unit: "", values: Values::i64(at) };
+    // The end of each line in the list of points.
     let offsets = Column {
         name: "offsets",
         components: &[],
+        unit: "",
         values: Values::i64(|k| 2 * (k.cast_signed() as i64 + 1)),
     };
 
@@ -86,7 +87,7 @@ pub fn write_vtp<W: Write>(out: &mut W, points: &Table<'_>, lines: &Table<'_>) -
     out.write_all(b"\n</AppendedData>\n</VTKFile>\n")
 }
 
-/// An array that is a column by the name of its one component, otherwise by that of the whole.
+/// The name of an array: that of its component if there is only one, otherwise that of the column.
 fn plain_name(column: &Column<'_>) -> &'static str {
     match column.components {
         [name] => name,
@@ -98,10 +99,10 @@ fn encoder() -> ZlibEncoder<Vec<u8>> {
     ZlibEncoder::new(Vec::new(), Compression::fast())
 }
 
-/// The arrays behind the header.
+/// The arrays after the header.
 struct Body<'t> {
     arrays: Vec<Array<'t>>,
-    /// Where the next one starts.
+    /// The offset of the next array.
     at: u64,
     encoder: ZlibEncoder<Vec<u8>>,
     block: Vec<u8>,
@@ -110,12 +111,12 @@ struct Body<'t> {
 struct Array<'t> {
     values: &'t Values<'t>,
     length: usize,
-    /// Bytes of each block when it is compressed.
+    /// Number of bytes of each compressed block.
     sizes: Vec<u64>,
 }
 
 impl<'t> Body<'t> {
-    /// Adds an array of `rows` rows; the result is the element that announces it.
+    /// Adds an array of `rows` rows; returns the XML element that describes it.
     fn announce(&mut self, column: &'t Column<'_>, name: &str, rows: usize) -> io::Result<String> {
         let of_type = match column.values {
             Values::I32(_) => "Int32",
@@ -139,7 +140,7 @@ impl<'t> Body<'t> {
         ))
     }
 
-    /// The block that starts with this value.
+    /// Compresses the block that starts with this value.
     fn compress(&mut self, array: &Array<'_>, start: usize) -> io::Result<&[u8]> {
         self.block.clear();
         array.values.write_le(start..array.length.min(start + array.per_block()), &mut self.block);
@@ -171,7 +172,7 @@ impl<'t> Body<'t> {
 }
 
 impl Array<'_> {
-    /// Values of a block.
+    /// Number of values per block.
     fn per_block(&self) -> usize {
         BLOCK / self.values.size()
     }

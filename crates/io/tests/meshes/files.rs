@@ -1,4 +1,4 @@
-//! One small mesh, written in every format and encoding that is read.
+//! One small mesh, written in every supported format and encoding.
 
 #![allow(clippy::cast_possible_wrap, reason = "numbers of a small mesh")]
 
@@ -7,10 +7,10 @@ use std::fmt::Write as _;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 
-/// A file by a name that tells format and encoding.
+/// Files with names that state format and encoding.
 type Files = Vec<(String, Vec<u8>)>;
 
-/// Floats of 32 bits all.
+/// All of them are exact as 32-bit floats.
 pub(crate) const POINTS: [[f64; 3]; 7] = [
     [0.0, 0.0, 0.0],
     [1.0, 0.0, 0.0],
@@ -21,7 +21,7 @@ pub(crate) const POINTS: [[f64; 3]; 7] = [
     [0.5, 0.5, -1.25],
 ];
 
-/// An element in the numbers of each format.
+/// An element with its numbers in each format.
 struct Element {
     gmsh: i32,
     vtk: u8,
@@ -41,7 +41,7 @@ const ELEMENTS: [Element; 6] = [
     Element { gmsh: 15, vtk: 1, abaqus: "MASS", dimension: 0, body: 15, set: "mass", nodes: &[3] },
 ];
 
-/// Nodes with gaps, in falling order.
+/// Node numbers with gaps, in descending order.
 fn node(index: usize) -> usize {
     75 - 10 * index
 }
@@ -53,7 +53,7 @@ struct Out {
 }
 
 impl Out {
-    /// As text, or in binary with the high byte first or last.
+    /// Writes text, or binary with the high byte first or last.
     fn new(binary: Option<bool>) -> Self {
         Self { bytes: Vec::new(), binary }
     }
@@ -112,7 +112,7 @@ impl Out {
         self.put(&value.to_string(), (value as f32).to_le_bytes());
     }
 
-    /// The end of a line, which binary data do not have.
+    /// Ends a line; binary data have no lines.
     fn end(&mut self) {
         if self.binary.is_none() {
             self.text("\n");
@@ -179,7 +179,7 @@ fn gmsh_4(binary: Option<bool>) -> Vec<u8> {
     let mut out = Out::new(binary);
     gmsh_head(&mut out, "4.1");
     out.text("$Entities\n");
-    // One entity for each element, of which two triangles share the group.
+    // One entity per element; two of the triangles share a group.
     let of =
         |dimension: i32| ELEMENTS.iter().zip(1..).filter(move |(element, _)| element.dimension == dimension);
     for dimension in 0..4 {
@@ -324,7 +324,7 @@ fn vtk_legacy(version: &str, encoding: &str, binary: Option<bool>) -> Vec<u8> {
     out.bytes
 }
 
-/// VTU in text, base64, and appended, raw or not, packed or not.
+/// VTU in text, base64, and appended, raw or encoded, compressed or not.
 pub(crate) fn xml() -> Files {
     let mut files = Vec::new();
     for (how, big, wide, zlib) in [
@@ -397,7 +397,7 @@ impl Xml {
         bytes
     }
 
-    /// A `<DataArray>`, with its data in it or appended.
+    /// A `<DataArray>` with its data inline or appended.
     fn array(&mut self, attributes: &str, write: impl Fn(&mut Out)) -> String {
         if self.how == "ascii" {
             let mut out = Out::new(None);
@@ -419,7 +419,7 @@ impl Xml {
         format!("<DataArray {attributes} format=\"appended\" offset=\"{offset}\"/>\n")
     }
 
-    /// Header and data, packed in blocks of 40 bytes.
+    /// Header and data, compressed in blocks of 40 bytes.
     fn coded(&self, data: &[u8]) -> Vec<u8> {
         const BLOCK: usize = 40;
         let mut header = Out::new(Some(self.big));
@@ -445,14 +445,14 @@ impl Xml {
         }
         match (self.how, self.zlib) {
             ("raw", _) => [header.bytes, packed].concat(),
-            // A packed array has its header in a piece of its own.
+            // A compressed array has a separately encoded header.
             (_, true) => (STANDARD.encode(header.bytes) + &STANDARD.encode(packed)).into_bytes(),
             (_, false) => STANDARD.encode([header.bytes, packed].concat()).into_bytes(),
         }
     }
 }
 
-/// The faces only, in formats of surfaces: OBJ, PLY, VTP.
+/// Only the faces, in formats of surfaces: OBJ, PLY, VTP.
 pub(crate) fn surfaces() -> Files {
     let mut files = vec![("objects.obj".to_owned(), obj().into_bytes())];
     for ((encoding, binary), format) in
@@ -527,10 +527,10 @@ fn vtp() -> String {
     )
 }
 
-/// Corners of facets: two of one solid, one without area, and one of another solid that shares two corners with the first.
+/// Corners of facets: two facets of one solid, one without area, and one of another solid that shares two corners with the first.
 const FACETS: [([usize; 3], usize); 4] = [([0, 1, 2], 0), ([0, 2, 3], 0), ([4, 4, 5], 0), ([1, 4, 5], 1)];
 
-/// STL, and the same as a table.
+/// STL, and the same facets as a table.
 pub(crate) fn solids() -> Files {
     let mut text = String::new();
     for (name, solid) in [("left part", 0), ("", 1)] {

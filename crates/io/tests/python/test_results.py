@@ -11,6 +11,7 @@ import meshio
 import numpy as np
 import pytest
 import pyvista as pv
+from vtkmodules.vtkCommonCore import vtkDataArray
 
 RUN_REPORT = os.environ["RUN_REPORT"]
 
@@ -27,7 +28,8 @@ def folder(tmp_path_factory):
 def instant(request, folder):
     number = f"{request.param:04}"
     expected = json.loads((folder / f"expected_{number}.json").read_text())
-    return folder / f"mesh_{number}.vtu", folder / f"cracks_{number}.vtp", expected
+    names = ["mesh_{}.vtu", "cracks_{}.vtp", "damaged_joints_{}.vtp", "contacts_{}.vtp"]
+    return [*(folder / name.format(number) for name in names), expected]
 
 
 def in_space(vectors):
@@ -35,7 +37,7 @@ def in_space(vectors):
 
 
 def test_mesh_by_vtk(instant):
-    path, _, expected = instant
+    path, *_, expected = instant
     mesh = pv.read(path)
     assert isinstance(mesh, pv.UnstructuredGrid)
     assert mesh.points.dtype == np.float64
@@ -57,9 +59,34 @@ def test_mesh_by_vtk(instant):
     mean = (stress[:, 0] + stress[:, 1] + stress[:, 3]) / 3
     deviator = np.sqrt(1.5 * (((stress[:, [0, 1, 3]] - mean[:, None]) ** 2).sum(axis=1) + 2 * stress[:, 2] ** 2))
     assert np.allclose(mesh.cell_data["von_mises"], deviator, rtol=0, atol=1e-12 * scale)
-    for name, key in [("damage", "damage"), ("body", "bodies"), ("material", "materials")]:
+    assert np.array_equal(mesh.point_data["reaction"], in_space(expected["reactions"]))
+    for name, key in [("damage", "damage"), ("body", "bodies"), ("material", "materials"), ("fragment", "fragments")]:
         assert np.array_equal(mesh.cell_data[name], expected[key]), name
     assert mesh.field_data["TimeValue"].tolist() == [expected["time"]]
+    for name, number in [("body: left half", 0), ("body: right half", 1), ("material: sandstone", 0)]:
+        assert mesh.field_data[name].tolist() == [number]
+
+
+def unit(array):
+    """The unit that VTK knows of an array."""
+    key = vtkDataArray.UNITS_LABEL()
+    information = array.GetInformation()
+    return information.Get(key) if information.Has(key) else None
+
+
+def test_units_by_vtk(instant):
+    mesh, cracks, contacts = pv.read(instant[0]), pv.read(instant[1]), pv.read(instant[3])
+    points, cells = mesh.GetPointData(), mesh.GetCellData()
+    units = {"displacement": "m", "velocity": "m/s", "reaction": "N"}
+    assert {name: unit(points.GetArray(name)) for name in units} == units
+    units = {"stress": "Pa", "principal_stress": "Pa", "von_mises": "Pa", "damage": None, "fragment": None}
+    assert {name: unit(cells.GetArray(name)) for name in units} == units
+    if cracks.n_lines:
+        units = {"opening": "m", "sliding": "m", "time_of_failure": "s", "length": "m", "mode": None}
+        assert {name: unit(cracks.GetCellData().GetArray(name)) for name in units} == units
+    if contacts.n_points:
+        units = {"force": "N", "normal_force": "N", "tangential_force": "N", "elements": None}
+        assert {name: unit(contacts.GetPointData().GetArray(name)) for name in units} == units
 
 
 def test_triangles_are_counter_clockwise(instant):
@@ -71,7 +98,7 @@ def test_triangles_are_counter_clockwise(instant):
 
 
 def test_mesh_by_meshio(instant):
-    path, _, expected = instant
+    path, *_, expected = instant
     mesh = meshio.read(path)
     assert np.array_equal(mesh.points, in_space(expected["positions"]))
     assert np.array_equal(mesh.cells_dict["triangle"], expected["triangles"])
@@ -79,10 +106,11 @@ def test_mesh_by_meshio(instant):
     assert np.array_equal(mesh.cell_data["damage"][0], expected["damage"])
 
 
-def test_cracks_by_vtk(instant):
-    _, path, expected = instant
-    cracks = expected["cracks"]
-    mesh = pv.read(path)
+@pytest.mark.parametrize("broken", [True, False])
+def test_cracks_by_vtk(instant, broken):
+    expected = instant[-1]
+    cracks = [crack for crack in expected["cracks"] if (crack["time"] is not None) == broken]
+    mesh = pv.read(instant[1 if broken else 2])
     assert mesh.n_lines == len(cracks)
     if not cracks:
         return
@@ -92,13 +120,35 @@ def test_cracks_by_vtk(instant):
     assert np.array_equal(found[:, :, :2], [crack["ends"] for crack in cracks]) and not found[:, :, 2].any()
     for name in ("mode", "damage", "opening", "sliding", "length", "elements"):
         assert np.array_equal(mesh.cell_data[name], [crack[name] for crack in cracks]), name
+    assert (mesh.cell_data["broken"] == broken).all()
     times = [np.nan if crack["time"] is None else crack["time"] for crack in cracks]
     assert np.array_equal(mesh.cell_data["time_of_failure"], times, equal_nan=True)
-    assert np.isnan(mesh.cell_data["time_of_failure"]).any() == any(crack["time"] is None for crack in cracks)
+    assert mesh.field_data["TimeValue"].tolist() == [expected["time"]]
+
+
+def test_contacts_by_vtk(instant):
+    expected = instant[-1]
+    contacts = expected["contacts"]
+    mesh = pv.read(instant[3])
+    assert mesh.n_points == len(contacts) == mesh.n_verts
+    if not contacts:
+        return
+    assert np.array_equal(mesh.points, in_space([contact["point"] for contact in contacts]))
+    normal, tangential = (np.array([contact[key] for contact in contacts]) for key in ("normal", "tangential"))
+    assert np.array_equal(mesh.point_data["force"], in_space(normal + tangential))
+    for name, vectors in [("normal_force", normal), ("tangential_force", tangential)]:
+        assert np.allclose(mesh.point_data[name], np.hypot(*vectors.T), rtol=1e-15, atol=0)
+    elements = np.array([contact["elements"] for contact in contacts])
+    assert np.array_equal(mesh.point_data["elements"], elements)
+    for name, key in [("bodies", "bodies"), ("fragments", "fragments")]:
+        assert np.array_equal(mesh.point_data[name], np.array(expected[key])[elements])
+    arrows = mesh.glyph(orient="force", scale="normal_force", factor=1e-3)
+    assert arrows.n_cells > len(contacts)
 
 
 def test_collections(folder):
-    for name, kind in [("mesh.pvd", pv.UnstructuredGrid), ("cracks.pvd", pv.PolyData)]:
+    for name in ("mesh", "cracks", "damaged_joints", "contacts"):
+        name, kind = f"{name}.pvd", pv.UnstructuredGrid if name == "mesh" else pv.PolyData
         reader = pv.get_reader(folder / name)
         assert reader.time_values == [0.0, 0.001, 0.002]
         for time in reader.time_values:

@@ -1,4 +1,4 @@
-"""What the command writes, read by those who will read it: pyvista (VTK), pyarrow, pandas, networkx and numpy.
+"""What the command writes, read by those who will read it: pyvista (VTK), pyarrow, pandas, Polars, DuckDB, networkx and numpy.
 
 FDEM=path/to/fdem pytest test_written.py
 """
@@ -8,9 +8,11 @@ import os
 import pathlib
 import subprocess
 
+import duckdb
 import networkx as nx
 import numpy as np
 import pandas as pd
+import polars
 import pyarrow.parquet as pq
 import pytest
 import pyvista as pv
@@ -66,11 +68,24 @@ def axes(table):
 def test_parquet(case):
     folder, file, options, _, csv, _ = case
     path = contacts(folder, file, "couples.parquet", *options)
+    by_polars = pd.DataFrame(polars.read_parquet(path).to_dict(as_series=False), columns=csv.columns)
+    by_duckdb = pd.DataFrame(duckdb.read_parquet(str(path)).fetchnumpy())
+    for frame in [by_polars, by_duckdb]:
+        for name in csv:
+            assert np.array_equal(frame[name], csv[name]), name
     for frame in [pd.read_parquet(path), pq.read_table(path).to_pandas()]:
         assert list(frame.columns) == list(csv.columns)
         assert frame["i"].dtype == np.int64 and frame["overlap"].dtype == np.float64
         for name in csv:
             assert np.array_equal(frame[name], csv[name]), name
+
+
+def test_npy(case):
+    folder, file, options, _, csv, _ = case
+    records = np.load(contacts(folder, file, "couples.npy", *options))
+    assert list(records.dtype.names) == list(csv.columns)
+    for name in csv:
+        assert np.array_equal(records[name], csv[name]), name
 
 
 def test_npz(case):
@@ -181,3 +196,24 @@ def test_bed_in_paraview(tmp_path):
     assert mesh["coordination"].sum() == 2 * 53_876
     frame = pd.read_parquet(contacts(tmp_path, BED, "bed.parquet", "--skip-bad-lines"))
     assert len(frame) == 53_876
+
+
+def test_a_series_is_one_table(tmp_path):
+    frames = []
+    for step in (500, 600, 700):
+        rows = "".join(f"{k} {k * 0.9} 5 {step / 1000} 0.5\n" for k in range(1, 4 + step // 100))
+        frames.append(
+            f"ITEM: TIMESTEP\n{step}\nITEM: NUMBER OF ATOMS\n{rows.count(chr(10))}\nITEM: BOX BOUNDS pp pp ff\n0 20\n0 20\n0 10\n"
+            f"ITEM: ATOMS id x y z radius\n{rows}"
+        )
+    file = tmp_path / "run.dump"
+    file.write_text("".join(frames))
+    csv = pd.read_csv(contacts(tmp_path, file, "all.csv"))
+    assert csv["frame"].nunique() == 3 and len(csv) > 20
+    pd.testing.assert_frame_equal(pd.read_parquet(contacts(tmp_path, file, "all.parquet")), csv, check_dtype=False)
+    array = np.load(contacts(tmp_path, file, "all.npy"))
+    with np.load(contacts(tmp_path, file, "all.npz")) as archive:
+        assert sorted(archive) == sorted(["frame", "step", "i", "j", "distance", "overlap", "shift"])
+        for name in ("frame", "step", "i", "j", "distance", "overlap"):
+            assert (archive[name] == csv[name]).all() and (array[name] == csv[name]).all()
+        assert (archive["shift"] == csv[["sx", "sy", "sz"]]).all()

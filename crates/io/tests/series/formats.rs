@@ -9,7 +9,7 @@ use fdem_io::PackingFormat;
 pub(crate) const CENTRES: [[f64; 3]; 3] = [[0.5, 1.0, 1.5], [2.0, 2.25, 2.5], [3.0, -1.0, 0.0]];
 pub(crate) const RADII: [f64; 3] = [0.5, 0.25, 1.0];
 
-/// Those that are text.
+/// The text formats.
 pub(crate) const FILES: [(PackingFormat, &str); 11] = [
     (PackingFormat::Text, "x,y,z,radius\n0.5,1,1.5,0.5\n2,2.25,2.5,0.25\n3,-1,0,1\n"),
     (PackingFormat::Text, "#format x_y_z_r_matId\n0.5 1 1.5 0.5 1\n2 2.25 2.5 0.25 1\n3 -1 0 1 1\n"),
@@ -68,7 +68,7 @@ pub(crate) const FILES: [(PackingFormat, &str); 11] = [
     ),
 ];
 
-/// VTU files as arrays of bytes: in base64, appended raw, and packed with zlib.
+/// VTU files as bytes: in base64, appended raw, and compressed with zlib.
 pub(crate) fn vtu() -> Vec<(&'static str, Vec<u8>)> {
     let bytes = |values: &[f64]| values.iter().flat_map(|value| value.to_le_bytes()).collect::<Vec<u8>>();
     let arrays = [bytes(&CENTRES.concat()), bytes(&RADII)];

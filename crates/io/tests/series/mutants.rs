@@ -1,4 +1,4 @@
-//! Damaged files of every format are read or refused; nothing panics.
+//! Damaged files of every format are read or refused, without a panic.
 
 use std::borrow::Cow;
 use std::sync::atomic::AtomicU64;
@@ -22,7 +22,7 @@ fn all() -> Vec<Vec<u8>> {
         .collect()
 }
 
-/// Reads whatever it is in several ways, and checks what holds for any file.
+/// Reads a file in several ways and checks the properties of any result.
 fn read(bytes: &[u8]) {
     let (bytes, _) = match unpack(Cow::Borrowed(bytes), |_| true) {
         Ok(unpacked) => unpacked,
@@ -96,7 +96,7 @@ fn every_start_of_every_file_is_read_or_refused() {
     }
 }
 
-/// Words that mean something in some format.
+/// Words with a meaning in some format.
 const WORDS: [&str; 20] = [
     "18446744073709551615",
     "-1",

@@ -17,34 +17,39 @@ a mesh of triangles or tetrahedra                 :func:`mesh`
 an image whose labels are bodies                  :func:`labels`
 elements that move a little between searches      :class:`Detector`
 points, and other points to look around           :func:`query`
+two sets of spheres, or spheres and walls         :func:`between`, :func:`walls`
 a file                                            :func:`read`
 code written for SciPy, ASE, matscipy or freud    :class:`KDTree`, :func:`neighbor_list`,
                                                   :meth:`Contacts.neighbor_list`
 ================================================= ====================================================
 
-Touching counts. Each couple comes once, ``i < j``. Results do not depend on the engine, and neither they nor their order on the number of threads.
-NaN, a negative radius, arrays of unlike length: a ``ValueError`` that names the element. While a search runs, other threads of Python go on, and must not
-write to its arrays. Ctrl-C ends searches for contacts, of spheres, boxes and labels, within a fraction of a second; queries, meshes and checks are finished first. The
-working memory of the last search, up to 128 MB, is kept for the next.
+Elements that just touch count as contacts. Each couple is listed once, ``i < j``. The couples do not depend on the engine; neither the couples nor their order depend on the
+number of threads. NaN, a negative radius or arrays of different lengths raise a ``ValueError`` that names the element. Other threads of Python run while a search runs, and must
+not write to its arrays. Ctrl-C stops searches for contacts of spheres, boxes and labels within a fraction of a second; queries, meshes and checks are finished first. Up to 128 MB of
+working memory are kept from one search to the next.
 """
 
 from ._analysis import Analysis
 from ._ase import neighbor_list
+from ._between import CrossContacts, between
 from ._box import Box
-from ._contacts import Contacts, Csr, boxes, contacts
+from ._contacts import Contacts, Csr
 from ._detector import Detector
 from ._fdem import __version__
+from ._kdtree import KDTree
 from ._labels import LabelContacts, labels
-from ._mesh import BodyContacts, MeshContacts, mesh
+from ._mesh import BodyContacts, MeshContacts, WallContacts, mesh, walls
 from ._neighbors import NeighborList
-from ._query import KDTree, Neighbours, query
+from ._query import Neighbours, query
 from ._read import Mesh, Packing, read
+from ._search import boxes, contacts
 
 __all__ = [
     "Analysis",
     "BodyContacts",
     "Box",
     "Contacts",
+    "CrossContacts",
     "Csr",
     "Detector",
     "KDTree",
@@ -54,7 +59,9 @@ __all__ = [
     "NeighborList",
     "Neighbours",
     "Packing",
+    "WallContacts",
     "__version__",
+    "between",
     "boxes",
     "contacts",
     "labels",
@@ -62,4 +69,5 @@ __all__ = [
     "neighbor_list",
     "query",
     "read",
+    "walls",
 ]

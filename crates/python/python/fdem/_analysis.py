@@ -1,4 +1,4 @@
-"""What the network of contacts says."""
+"""Analysis of the network of contacts."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class Numbers:
-    """Named numbers, arrays, and groups of such; what there is none of is ``None``."""
+    """Named numbers, arrays, and groups of them; a missing value is ``None``."""
 
     def __init__(self, parts: dict[str, Any]) -> None:
         self.__dict__.update({name: _told(part) for name, part in parts.items()})
@@ -33,20 +33,20 @@ class Numbers:
 
 
 class Analysis(Numbers):
-    """What :meth:`Contacts.analyse` finds; its parts are attributes.
+    """The result of :meth:`Contacts.analyse`; its parts are attributes.
 
     ================== ==============================================================================================================================
-    part               what is in it
+    part               content
     ================== ==============================================================================================================================
     coordination       `mean`; `distribution` ``[k]``: elements with ``k`` contacts; `of_each` ``[n]``
-    without_rattlers   the same once elements with fewer than `min_contacts` contacts are taken out, again and again: `rattlers`, `elements`,
+    without_rattlers   the same after elements with fewer than `min_contacts` contacts were removed repeatedly: `rattlers`, `elements`,
                        `couples`, `mean`, `distribution`, `is_rattler` ``[n]``
     directions         `counts` in `bands` of equal solid angle times `sectors`: where contacts point
     fabric             `tensor` ``[D, D]`` (Satake 1982: the mean of the dyads of the contact normals), `eigenvalues` in descending order,
                        `principal_directions`, `deviator`, `anisotropy`
     clusters           `count`, `largest`, `sizes`, `percolation` for each axis, `of_each` ``[n]``
     overlaps           `overlaps` and, within a tolerance, `gaps`: `count`, `min`, `mean`, `max`, `histogram`
-    packing            `fraction` of the `region` that is solid, with overlaps counted twice; `fraction_without_overlap`: counted once, and a lower bound where
+    packing            solid `fraction` of the `region`, with overlaps counted twice; `fraction_without_overlap`: counted once, which is a lower bound where
                        three elements overlap in one place
     radial             the radial distribution: `r`, `g`, `counts`
     ================== ==============================================================================================================================

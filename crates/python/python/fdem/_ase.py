@@ -1,4 +1,4 @@
-"""Neighbour lists as ASE and matscipy spell them."""
+"""Neighbour lists with the arguments and results of ASE and matscipy."""
 
 from __future__ import annotations
 
@@ -8,9 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _fdem
-from ._box import Box
-from ._contacts import Contacts, contacts
-from ._input import array_of, is_number, number, points
+from ._box import Box, cell_of
+from ._input import array_of, is_number, number, points, threads_of
 
 _SYMBOLS = (
     "X H He Li Be B C N O F Ne Na Mg Al Si P S Cl Ar K Ca Sc Ti V Cr Mn Fe Co Ni Cu Zn Ga Ge As Se Br Kr Rb Sr Y Zr Nb Mo Tc Ru Rh Pd Ag Cd In Sn Sb Te I Xe "
@@ -19,7 +18,7 @@ _SYMBOLS = (
 ).split()
 
 _MARGIN = 1e-9
-"""Relative to the cut-off: candidates are found with a little more, and then decided by the sums of ASE."""
+"""Part of the cut-off by which the search looks farther. The distances of the pairs it finds are then computed as ASE computes them, and compared with the cut-off."""
 
 
 def neighbor_list(
@@ -27,6 +26,7 @@ def neighbor_list(
     atoms: Any = None,
     cutoff: Union[float, npt.ArrayLike, dict[tuple[Any, Any], float], None] = None,
     self_interaction: bool = False,
+    max_nbins: Optional[float] = None,
     *,
     positions: Optional[npt.ArrayLike] = None,
     cell: Optional[npt.ArrayLike] = None,
@@ -37,35 +37,39 @@ def neighbor_list(
 ) -> Any:
     """All pairs of atoms that are less than a cut-off apart, as ``ase.neighborlist.neighbor_list`` and ``matscipy.neighbours.neighbour_list`` list them.
 
-    For those who migrate; :func:`contacts` lists each couple once, counts what touches, and is faster.
+    A replacement for code that uses these. :func:`contacts` lists each couple once, counts touching elements too, and is faster.
 
     Parameters
     ----------
     quantities : str
-        What is returned, a letter each: ``i`` first atom, ``j`` second atom, ``d`` distance, ``D`` vector from the first to the second, ``S`` shift of the second in
+        The columns to return, one letter each: ``i`` first atom, ``j`` second atom, ``d`` distance, ``D`` vector from the first to the second, ``S`` shift of the second in
         edges of the cell, so that ``D = positions[j] - positions[i] + S @ cell``.
     atoms : ase.Atoms or alike, optional
-        What has ``positions``, ``cell`` and ``pbc``, and for a `cutoff` by elements ``numbers``.
+        An object with ``positions``, ``cell`` and ``pbc``, and with ``numbers`` for a `cutoff` by elements.
     cutoff : number, array [n] or dict
-        One distance; a radius for each atom, of which two are added; or a distance for each pair of elements, ``{("H", "O"): 1.2, (1, 1): 0.8}``, and none for
-        others.
+        One distance; a radius for each atom, so that the cut-off of a pair is the sum of both; or a distance for each pair of elements,
+        ``{("H", "O"): 1.2, (1, 1): 0.8}``. Pairs that the dict lacks are not listed.
     self_interaction : bool, default False
         Whether each atom is its own neighbour at distance 0.
+    max_nbins : number, optional
+        Has no effect: memory does not grow with the volume of the cell. ASE has this argument.
     positions, cell, pbc, numbers, cell_origin
-        In place of `atoms`. A cell is a matrix of edges, or their lengths; edges of zero length are allowed where nothing repeats.
+        In place of `atoms`. A cell is a matrix of edges, or their lengths. Edges of zero length are allowed along directions that do not repeat.
     threads : int, optional
-        One for each processor by default. The result does not depend on it.
+        Number of threads; one for each processor by default. The result does not depend on it.
 
     Returns
     -------
     array, or tuple of arrays
-        In the order of `quantities`: int64 ``[m]``, float64 ``[m]``, ``[m, 3]``, and int64 ``[m, 3]``. Each pair is there from both sides, and each image counts.
-        Sorted by ``i``, then ``j``.
+        In the order of `quantities`: int64 ``[m]`` for ``i`` and ``j``, float64 ``[m]`` for ``d``, float64 ``[m, 3]`` for ``D``, int64 ``[m, 3]`` for ``S``. Each pair
+        is listed from both sides, and every image counts. Sorted by ``i``, as ASE sorts, and for each ``i`` by ``j``, then ``S``.
 
     Raises
     ------
     ValueError, TypeError
-        As :func:`contacts`; for letters and elements that are none.
+        As :func:`contacts`; for unknown letters and unknown elements.
+    MemoryError
+        If the list does not fit.
 
     Examples
     --------
@@ -79,6 +83,8 @@ def neighbor_list(
             raise ValueError(f"there is no quantity '{letter}': choose among i, j, d, D, S")
     if cutoff is None:
         raise TypeError("give a cutoff")
+    if max_nbins is not None:
+        number(max_nbins, "max_nbins")
     if atoms is not None:
         positions = atoms.positions if positions is None else positions
         cell = np.asarray(atoms.cell) if cell is None else cell
@@ -87,58 +93,39 @@ def neighbor_list(
             numbers = atoms.numbers
     if positions is None:
         raise TypeError("give atoms, or positions")
-    centres = points(positions, "positions").astype(np.float64)
+    centres = np.require(points(positions, "positions"), np.float64, ["C", "A"])
     if centres.shape[1] != 3:
         raise ValueError(f"positions must have the shape [n, 3], not {centres.shape}")
     repeats = np.broadcast_to(np.asarray(False if pbc is None else pbc, bool), 3)
     edges, signs = _edges_of(cell, repeats)
     limits = _Limits(cutoff, numbers, len(centres))
 
+    # The search finds a little more than is listed.
     margin = limits.largest * _MARGIN
-    if margin > 0 or len(centres) == 0:
-        found = _search(centres, limits, margin, edges * signs[:, None], repeats, cell_origin, threads)
-        starts, partners, couples = _fdem.csr(found.n, found.pairs, True)
-        i = np.repeat(np.arange(found.n), np.diff(starts))
-        j = partners.astype(np.int64)
-        shift = found.shift[np.where(couples < 0, ~couples, couples)].astype(np.int64)
-        shift[couples < 0] *= -1
-        shift *= signs.astype(np.int64)
-        vector = centres[j] - centres[i] + shift @ edges
-        distance = np.sqrt((vector * vector).sum(axis=1))
-        kept = distance < limits.of(i, j)
-        i, j, shift, vector, distance = (column[kept] for column in (i, j, shift, vector, distance))
+    box = Box(edges * signs[:, None], cell_origin) if repeats.any() else None
+    _, repeating = cell_of(box, repeats.tolist(), 3)
+    if limits.radii is not None:
+        elements = _fdem.Elements(centres, "radii", 0.0, limits.radii, margin, None, repeating)
     else:
-        i = j = np.zeros(0, np.int64)
-        shift, vector, distance = np.zeros((0, 3), np.int64), np.zeros((0, 3)), np.zeros(0)
-    if self_interaction:
-        own = np.arange(len(centres))
-        i, j = np.concatenate([i, own]), np.concatenate([j, own])
-        shift = np.concatenate([shift, np.zeros((len(own), 3), np.int64)])
-        vector = np.concatenate([vector, np.zeros((len(own), 3))])
-        distance = np.concatenate([distance, np.zeros(len(own))])
-    order = np.lexsort((*shift.T[::-1], j, i))
-    columns = {"i": i, "j": j, "d": distance, "D": vector, "S": shift}
-    listed = tuple(columns[letter][order] for letter in quantities)
+        elements = _fdem.Elements(centres, "cutoff", limits.largest, None, margin, None, repeating)
+    columns = _fdem.neighbor_list(
+        elements,
+        quantities,
+        limits.largest,
+        limits.kinds,
+        limits.table,
+        edges.tolist(),
+        signs.astype(int).tolist(),
+        bool(self_interaction),
+        threads_of(threads),
+    )
+    named = dict(zip("ijdDS", columns))
+    listed = tuple(named[letter] for letter in quantities)
     return listed[0] if len(listed) == 1 else listed
 
 
-def _search(
-    centres: npt.NDArray[np.float64],
-    limits: _Limits,
-    margin: float,
-    edges: npt.NDArray[np.float64],
-    repeats: npt.NDArray[np.bool_],
-    origin: Optional[npt.ArrayLike],
-    threads: Optional[int],
-) -> Contacts:
-    box = Box(edges, origin) if repeats.any() else None
-    if limits.radii is not None:
-        return contacts(centres, limits.radii, tolerance=margin, box=box, periodic=repeats.tolist(), threads=threads)
-    return contacts(centres, cutoff=limits.largest + margin, box=box, periodic=repeats.tolist(), threads=threads)
-
-
 def _edges_of(cell: Optional[npt.ArrayLike], repeats: npt.NDArray[np.bool_]) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
-    """The edges of a cell, those that are missing made up, and by which signs it becomes right-handed."""
+    """The edges of a cell, with unit edges in place of those of zero length, and the signs that make it right-handed."""
     edges = np.zeros((3, 3)) if cell is None else array_of(cell, "cell").astype(np.float64)
     if edges.shape == (3,):
         edges = np.diag(edges)
@@ -149,7 +136,7 @@ def _edges_of(cell: Optional[npt.ArrayLike], repeats: npt.NDArray[np.bool_]) -> 
         raise ValueError(f"edge {edge} of the cell repeats and has no length")
     made_up = edges.copy()
     for edge in np.flatnonzero(missing):
-        # Across all edges that are there: the last right singular vector belongs to what they do not span.
+        # Orthogonal to all edges so far: the last right singular vector belongs to the space that they do not span.
         present = made_up[made_up.any(axis=1)]
         made_up[edge] = np.linalg.svd(present)[2][-1] if len(present) else np.eye(3)[edge]
     signs = np.ones(3)
@@ -159,41 +146,40 @@ def _edges_of(cell: Optional[npt.ArrayLike], repeats: npt.NDArray[np.bool_]) -> 
 
 
 class _Limits:
-    """The cut-off of each pair."""
+    """The cut-off of each pair: the sum of two of the `radii`, the entry of the `table` for two `kinds`, or else the `largest`."""
+
+    radii: Optional[npt.NDArray[np.float64]] = None
+    kinds: Optional[npt.NDArray[np.uint32]] = None
+    table: Optional[npt.NDArray[np.float64]] = None
 
     def __init__(self, cutoff: Any, numbers: Optional[npt.ArrayLike], n: int) -> None:
-        self.radii: Optional[npt.NDArray[np.float64]] = None
-        self._table: Optional[npt.NDArray[np.float64]] = None
-        self._kinds = np.zeros(0, np.int64)
         if isinstance(cutoff, dict):
             if numbers is None:
                 raise TypeError("a cutoff for pairs of elements needs numbers")
-            self._kinds = np.asarray(numbers, np.int64)
-            if self._kinds.shape != (n,):
-                raise ValueError(f"numbers must have one entry for each of {n} atoms, not the shape {self._kinds.shape}")
-            kinds = int(self._kinds.max(initial=0)) + 1
-            self._table = np.full((kinds, kinds), -1.0)
+            each = np.asarray(numbers, np.int64)
+            if each.shape != (n,):
+                raise ValueError(f"numbers must have one entry for each of {n} atoms, not the shape {each.shape}")
+            present, kinds = np.unique(each, return_inverse=True)
+            place = {int(kind): k for k, kind in enumerate(present)}
+            self.kinds = np.require(kinds.reshape(n), np.uint32, ["C", "A"])
+            # No distance is less than a limit of -1.
+            self.table = np.full((len(present), len(present)), -1.0)
             for pair, distance in cutoff.items():
+                limit = _checked(number(distance, "cutoff"))
                 a, b = (_number_of(kind) for kind in pair)
-                if a < kinds and b < kinds:
-                    self._table[a, b] = self._table[b, a] = _checked(number(distance, "cutoff"))
-            self.largest = float(self._table.max(initial=0.0))
+                if a in place and b in place:
+                    self.table[place[a], place[b]] = self.table[place[b], place[a]] = limit
+            self.largest = float(self.table.max(initial=0.0))
         elif is_number(cutoff):
             self.largest = _checked(number(cutoff, "cutoff"))
         else:
-            self.radii = array_of(cutoff, "cutoff").astype(np.float64)
-            if self.radii.shape != (n,):
-                raise ValueError(f"cutoff must be one number, or a radius for each of {n} atoms, not of the shape {self.radii.shape}")
-            for atom in np.flatnonzero(~(np.isfinite(self.radii) & (self.radii >= 0)))[:1]:
-                raise ValueError(f"atom {atom}: a cutoff must be finite and not negative, not {self.radii[atom]}")
-            self.largest = 2.0 * float(self.radii.max(initial=0.0))
-
-    def of(self, i: npt.NDArray[np.int64], j: npt.NDArray[np.int64]) -> Any:
-        if self.radii is not None:
-            return self.radii[i] + self.radii[j]
-        if self._table is not None:
-            return self._table[self._kinds[i], self._kinds[j]]
-        return self.largest
+            radii = np.require(array_of(cutoff, "cutoff"), np.float64, ["C", "A"])
+            if radii.shape != (n,):
+                raise ValueError(f"cutoff must be one number, or a radius for each of {n} atoms, not of the shape {radii.shape}")
+            for atom in np.flatnonzero(~(np.isfinite(radii) & (radii >= 0)))[:1]:
+                raise ValueError(f"atom {atom}: a cutoff must be finite and not negative, not {radii[atom]}")
+            self.radii = radii
+            self.largest = 2.0 * float(radii.max(initial=0.0))
 
 
 def _checked(distance: float) -> float:

@@ -16,7 +16,7 @@ from ._input import AXES, axes, floats
 class Box:
     """A box that repeats: an origin, and edges of any direction.
 
-    Whatever ``box=`` takes is turned into one of these. To make one is needed only where the short forms do not say enough.
+    Every value of ``box=`` is converted to a ``Box``. Make one yourself where the short forms are ambiguous, or for a sheared box that does not start at 0.
 
     Parameters
     ----------
@@ -27,6 +27,7 @@ class Box:
 
     Examples
     --------
+    >>> from fdem import Box
     >>> Box.of([4.0, 2.0], 2)
     Box(edges=[[4.0, 0.0], [0.0, 2.0]], origin=[0.0, 0.0])
     >>> Box.from_bounds([-1, -1], [3, 1])
@@ -66,13 +67,13 @@ class Box:
 
     @classmethod
     def of(cls, box: Any, dimensions: int) -> Box:
-        """Whatever describes a box.
+        """Converts a description of a box.
 
         Parameters
         ----------
         box : Box or array
             ``[D]``: lengths of the edges along the axes, from 0. ``[D, 2]``: where the box starts and ends on each axis. ``[D, D]``: the edges, one a row, from
-            0. In 2D the last two have one shape; what could be both is refused.
+            0. In 2D the last two have one shape; an array that could be either is refused.
         dimensions : int
             D.
 
@@ -124,7 +125,7 @@ Cell = tuple[list[float], list[list[float]], list[bool]]
 
 
 def cell_of(box: Any, periodic: Union[bool, Sequence[bool]], dimensions: int) -> tuple[Union[Box, None], Union[Cell, None]]:
-    """The box and what the extension module is told of it; neither if nothing repeats."""
+    """The box, and the box as the extension module takes it; None for both if nothing repeats."""
     repeats = axes(periodic, dimensions)
     if box is None:
         if any(repeats):

@@ -2,178 +2,24 @@
 
 from __future__ import annotations
 
+import base64
 import errno
 import os
 import pathlib
 import tempfile
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple, Optional, Union
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _fdem
-from ._box import Box, cell_of
-from ._input import AXES, Floats, alike, floats, is_number, number, numbers, points, threads_of, whole
+from ._box import Box
+from ._input import AXES, Engine, Floats, threads_of, whole
 from ._verify import verify_periodic
 
 if TYPE_CHECKING:
     from ._analysis import Analysis
     from ._neighbors import NeighborList
-
-
-def contacts(
-    positions: npt.ArrayLike,
-    radii: Optional[npt.ArrayLike] = None,
-    cutoff: Optional[float] = None,
-    *,
-    box: Any = None,
-    periodic: Union[bool, Sequence[bool]] = False,
-    groups: Optional[npt.ArrayLike] = None,
-    tolerance: float = 0.0,
-    engine: str = "auto",
-    threads: Optional[int] = None,
-) -> Contacts:
-    """Finds all couples of spheres (discs in 2D) that touch, or of points that are at most `cutoff` apart.
-
-    Parameters
-    ----------
-    positions : array [n, 2] or [n, 3], float32 or float64
-        Centres. In C order they are read where they are; other orders, strides, byte orders and whole numbers are converted, float64 never to float32. They
-        must not change before `distance`, `overlap` or `vector` of the result has been asked for.
-    radii : array [n] or number, optional
-        The radius of each element, or of all. If positions and radii have different types, both become float64.
-    cutoff : number, optional
-        The distance at which points touch. One of `radii` and `cutoff` must be given. A number is rounded to the type of the positions.
-    box : array or Box, optional
-        The box that repeats: ``[D]`` lengths of its edges from 0; ``[D, 2]`` where it starts and ends on each axis; ``[D, D]`` edges, one a row; or a
-        :class:`Box`.
-    periodic : bool or one for each axis (edge), default False
-        What repeats. Every image that touches counts, also in a box that is smaller than the elements; elements outside the box are taken for their images
-        inside it.
-    groups : array [n] of whole numbers, optional
-        Elements with equal numbers are parts of one body and form no couple.
-    tolerance : number, default 0
-        The gap between surfaces that still counts as contact.
-    engine : {"auto", "rows", "multilevel", "cgrid", "nbs", "direct"}
-        How to search. The couples are the same; their order is not.
-    threads : int, optional
-        How many threads search; by default one for each processor, or one if there are too few elements for more to be of use. Neither the couples nor their
-        order depend on it.
-
-    Returns
-    -------
-    Contacts
-        Each couple once: ``i < j``, or ``i == j`` for an element that touches its own image. In the order of the engine, which depends on nothing but the
-        arguments; :meth:`Contacts.sorted` has them in ascending order.
-
-    Raises
-    ------
-    ValueError
-        For NaN, infinity, negative sizes, arrays of unlike length, a box without volume; it names the element.
-    TypeError
-        For what are no numbers, and unless just one of `radii` and `cutoff` is given.
-    MemoryError
-        If the couples do not fit.
-
-    Notes
-    -----
-    Elements touch if ``|x_i - x_j|^2 <= (r_i + r_j + tolerance)^2``, computed in the type of the positions, in this order, each operation rounded once.
-
-    Time is proportional to the elements and the couples; one thread finds the 6 million couples of a million points with 12 neighbours each in less than a tenth
-    of a second.
-
-    Examples
-    --------
-    >>> import numpy as np, fdem
-    >>> found = fdem.contacts(np.array([[0.0, 0, 0], [1, 0, 0], [5, 5, 5]]), radii=0.5)
-    >>> found.i, found.j
-    (array([0], dtype=uint32), array([1], dtype=uint32))
-
-    Points that are at most 1.5 apart in a square that repeats:
-
-    >>> found = fdem.contacts([[0.5, 2.0], [3.5, 2.0]], cutoff=1.5, box=[4, 4], periodic=True)
-    >>> found.shift.tolist(), found.distance.tolist()
-    ([[-1, 0]], [1.0])
-
-    What is wrong is named:
-
-    >>> fdem.contacts([[0.0, 0.0], [1.0, float("nan")]], radii=1.0)
-    Traceback (most recent call last):
-    ValueError: element 1: coordinate y is NaN, not a finite number
-    """
-    centres = points(positions, "positions")
-    kind, size, others, centres = sizes_of(centres, radii, cutoff)
-    cell_box, cell = cell_of(box, periodic, centres.shape[1])
-    bodies = None if groups is None else numbers(groups, "groups", len(centres))
-    elements = _fdem.Elements(centres, kind, size, others, number(tolerance, "tolerance"), bodies, cell)
-    return Contacts._search(elements, centres, kind, size, others, cell_box, bodies, float(tolerance), cell, engine, threads)
-
-
-def boxes(
-    lower: npt.ArrayLike,
-    upper: npt.ArrayLike,
-    *,
-    box: Any = None,
-    periodic: Union[bool, Sequence[bool]] = False,
-    groups: Optional[npt.ArrayLike] = None,
-    tolerance: float = 0.0,
-    engine: str = "auto",
-    threads: Optional[int] = None,
-) -> Contacts:
-    """Finds all couples of axis-aligned boxes that touch or overlap.
-
-    Parameters
-    ----------
-    lower, upper : array [n, 2] or [n, 3], float32 or float64
-        The corners of each box, ``lower <= upper``. If their types differ, both become float64.
-    box, periodic, groups, tolerance, engine, threads
-        As for :func:`contacts`. Boxes touch if the gap between them is at most `tolerance` on every axis.
-
-    Returns
-    -------
-    Contacts
-        Its `distance` is that of the closest points, 0 if they overlap; its `overlap` the smallest length, over the axes, that both have in common, negative for a
-        gap.
-
-    Raises
-    ------
-    ValueError, TypeError, MemoryError
-        As :func:`contacts`.
-
-    Examples
-    --------
-    >>> import fdem
-    >>> found = fdem.boxes([[0, 0], [1, 0], [4, 4]], [[1, 1], [3, 2], [5, 5]])
-    >>> found.pairs.tolist(), found.distance.tolist()
-    ([[0, 1]], [0.0])
-    """
-    low, high = alike(points(lower, "lower"), points(upper, "upper"))
-    if low.shape != high.shape:
-        raise ValueError(f"lower has the shape {low.shape}, and upper {high.shape}")
-    cell_box, cell = cell_of(box, periodic, low.shape[1])
-    bodies = None if groups is None else numbers(groups, "groups", len(low))
-    elements = _fdem.Elements(low, "upper", 0.0, high, number(tolerance, "tolerance"), bodies, cell)
-    return Contacts._search(elements, low, "upper", 0.0, high, cell_box, bodies, float(tolerance), cell, engine, threads)
-
-
-def sizes_of(
-    centres: Floats, radii: Optional[npt.ArrayLike], cutoff: Optional[float]
-) -> tuple[str, float, Optional[Floats], Floats]:
-    """Which sizes there are: their kind, the one size, the array, and the centres in the type of both."""
-    if (radii is None) == (cutoff is None):
-        raise TypeError("give radii, or the cutoff of points: one of the two")
-    if cutoff is not None:
-        if not is_number(cutoff):
-            raise TypeError("cutoff is one number; if elements differ in size, give radii")
-        return "cutoff", number(cutoff, "cutoff"), None, centres
-    if is_number(radii):
-        return "radius", number(radii, "radii"), None, centres
-    each = floats(radii, "radii")
-    if each.shape != (len(centres),):
-        raise ValueError(f"radii must be one number, or one for each of {len(centres)} elements, not of the shape {each.shape}")
-    centres, each = alike(centres, each)
-    return "radii", 0.0, each, centres
 
 
 class Csr(NamedTuple):
@@ -184,13 +30,13 @@ class Csr(NamedTuple):
     indices: npt.NDArray[np.uint32]
     """``[indptr[n]]``: the partners, ascending for each element."""
     couples: npt.NDArray[np.int64]
-    """``[indptr[n]]``: which couple each is, as a place in the arrays of the contacts."""
+    """``[indptr[n]]``: the couple of each partner, as an index into the arrays of the contacts."""
 
 
 class Contacts:
-    """Couples of elements that touch, and what is known of them.
+    """Couples of elements that touch, with their distances, overlaps and images.
 
-    Made by :func:`contacts`, :func:`boxes` and :class:`Detector`. The couples are there at once; all else is computed when it is asked for, and kept.
+    Made by :func:`contacts`, :func:`boxes` and :class:`Detector`. The couples are there at once; everything else is computed when it is asked for, and kept.
 
     Examples
     --------
@@ -214,7 +60,7 @@ class Contacts:
     _groups: Optional[npt.NDArray[np.uint32]]
     _tolerance: float
     _cell: Any
-    _engine: str
+    _engine: Engine
     _threads: int
     _pairs: npt.NDArray[np.uint32]
     _shifts: npt.NDArray[np.int32]
@@ -232,15 +78,36 @@ class Contacts:
         groups: Optional[npt.NDArray[np.uint32]],
         tolerance: float,
         cell: Any,
-        engine: str,
+        engine: Engine,
         threads: Optional[int],
     ) -> Contacts:
+        count = threads_of(threads)
+        pairs, shifts = _fdem.contacts(elements, engine, count)
+        arguments = (elements, positions, kind, size, others, box, groups, tolerance, cell, engine, count)
+        return cls._of(arguments, pairs, shifts)
+
+    @classmethod
+    def _of(cls, arguments: tuple[Any, ...], pairs: npt.NDArray[np.uint32], shifts: npt.NDArray[np.int32]) -> Contacts:
+        """The couples of some elements: the arguments of :meth:`_search`, with the number of threads."""
         self = cls.__new__(cls)
-        self._elements, self._positions, self._kind, self._size, self._others = elements, positions, kind, size, others
-        self._box, self._groups, self._tolerance, self._cell = box, groups, tolerance, cell
-        self._engine, self._threads, self._kept = engine, threads_of(threads), {}
-        self._pairs, self._shifts = _fdem.contacts(elements, engine, self._threads)
+        self._elements, self._positions, self._kind, self._size, self._others = arguments[:5]
+        self._box, self._groups, self._tolerance, self._cell, self._engine, self._threads = arguments[5:]
+        self._pairs, self._shifts, self._kept = pairs, shifts, {}
         return self
+
+    def __getstate__(self) -> dict[str, Any]:
+        # The extension module only borrows the arrays. With the fingerprint a copy notices positions that were changed as the original does.
+        state = dict(self.__dict__)
+        state["_elements"] = self._elements.fingerprint
+        # Pictures are drawn again.
+        state["_kept"] = {name: value for name, value in self._kept.items() if name != "png"}
+        return state
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._elements = _fdem.Elements(
+            self._positions, self._kind, self._size, self._others, self._tolerance, self._groups, self._cell, state["_elements"]
+        )
 
     def _with(self, pairs: npt.NDArray[np.uint32], shifts: npt.NDArray[np.int32]) -> Contacts:
         other = Contacts.__new__(Contacts)
@@ -287,7 +154,7 @@ class Contacts:
 
     @property
     def distance(self) -> Floats:
-        """``[m]``, of the type of the positions: the distance of the centres, of the closest points of boxes.
+        """``[m]``, of the type of the positions: the distance of the centres, or of the closest points of boxes.
 
         Raises ``RuntimeError`` if the positions have been changed in place since the search, which a sample of them shows.
         """
@@ -297,8 +164,7 @@ class Contacts:
     def overlap(self) -> Floats:
         """``[m]``, of the type of the positions: how deep the elements overlap; negative for a gap within the tolerance.
 
-        The sum of the radii, or the cut-off, less the distance. Of boxes the smallest length, over the axes, that both have in common. Raises ``RuntimeError`` as
-        `distance`.
+        The sum of the radii, or the cut-off, less the distance. For boxes it is the smallest overlap along an axis. Raises ``RuntimeError`` as `distance`.
         """
         return self._measured("overlap")
 
@@ -327,7 +193,7 @@ class Contacts:
 
     @property
     def coordination(self) -> npt.NDArray[np.int64]:
-        """``[n]``, int64: the contacts that each element has. One with its own image counts twice: it has two ends."""
+        """``[n]``, int64: the number of contacts of each element. A contact with its own image counts twice, because it has two ends."""
         if "coordination" not in self._kept:
             self._kept["coordination"] = _fdem.coordination(self.n, self._pairs)
         counts: npt.NDArray[np.int64] = self._kept["coordination"]
@@ -337,7 +203,7 @@ class Contacts:
         """The same couples in ascending order: by `i`, then `j`, then `shift`.
 
         >>> import fdem
-        >>> found = fdem.contacts([[2.0, 0], [0, 0], [1, 0]], cutoff=1).sorted()
+        >>> found = fdem.contacts([[2, 0], [0, 0], [1, 0]], cutoff=1).sorted()
         >>> found.pairs.tolist()
         [[0, 2], [1, 2]]
         """
@@ -360,7 +226,7 @@ class Contacts:
         Examples
         --------
         >>> import fdem
-        >>> rows = fdem.contacts([[0.0, 0], [1, 0], [2, 0]], cutoff=1).csr()
+        >>> rows = fdem.contacts([[0, 0], [1, 0], [2, 0]], cutoff=1).csr()
         >>> rows.indptr.tolist(), rows.indices.tolist()
         ([0, 1, 3, 4], [1, 0, 2, 1])
         """
@@ -373,13 +239,45 @@ class Contacts:
 
         return NeighborList._of(self)
 
+    def edge_index(self, full: bool = True) -> npt.NDArray[np.int64]:
+        """The couples as a graph of PyTorch Geometric has its edges; ``torch.from_numpy`` takes the array as it is, without a copy.
+
+        Parameters
+        ----------
+        full : bool, default True
+            Whether each couple is there from both sides.
+
+        Returns
+        -------
+        array [2, edges], int64
+            The two elements of each edge. The first ``len(self)`` edges are the couples in their order, from `i` to `j`; then follow, in the same order, those
+            from `j` to `i`.
+
+        Notes
+        -----
+        `i`, `j` and `pairs` are uint32, which PyTorch hardly knows. Elements are fewer than 2^31, so ``torch.from_numpy(found.pairs.view(np.int32))`` has the
+        couples without a copy.
+
+        Examples
+        --------
+        >>> import fdem
+        >>> fdem.contacts([[0, 0], [1, 0], [2, 0]], cutoff=1).sorted().edge_index().tolist()
+        [[0, 1, 1, 2], [1, 2, 0, 1]]
+        """
+        m = len(self._pairs)
+        edges = np.empty((2, 2 * m if full else m), np.int64)
+        edges[:, :m] = self._pairs.T
+        if full:
+            edges[::-1, m:] = self._pairs.T
+        return edges
+
     def to_scipy(self, values: Optional[str] = "distance", full: bool = True) -> Any:
         """A sparse matrix ``[n, n]``, ``scipy.sparse.csr_array``.
 
         Parameters
         ----------
         values : {"distance", "overlap", None}
-            What an entry is; with None it is 1. Couples that touch through several faces of a box that repeats have several entries.
+            The values of the entries; with None they are 1. Couples that touch through several faces of a box that repeats have several entries.
         full : bool, default True
             Whether the matrix is symmetric, or its upper half only.
 
@@ -388,7 +286,7 @@ class Contacts:
         ImportError
             Without SciPy.
         """
-        sparse = _optional("scipy.sparse", "scipy")
+        sparse = optional("scipy.sparse", "scipy")
         rows = self.csr(full)
         data = np.ones(len(rows.indices), np.int64) if values is None else self._column(values)[rows.couples]
         index = np.int32 if max(self.n, len(rows.indices)) < 2**31 else np.int64
@@ -405,7 +303,7 @@ class Contacts:
         ImportError
             Without NetworkX.
         """
-        networkx = _optional("networkx", "networkx")
+        networkx = optional("networkx", "networkx")
         graph = networkx.Graph() if self._box is None else networkx.MultiGraph()
         graph.add_nodes_from(range(self.n))
         columns = [self.i.tolist(), self.j.tolist(), self.distance.tolist(), self.overlap.tolist()]
@@ -425,11 +323,91 @@ class Contacts:
         ImportError
             Without pandas.
         """
-        pandas = _optional("pandas", "pandas")
+        pandas = optional("pandas", "pandas")
         columns = {"i": self.i, "j": self.j, "distance": self.distance, "overlap": self.overlap}
         if self._box is not None:
             columns.update({f"s{AXES[axis]}": column for axis, column in enumerate(self.shift.T)})
         return pandas.DataFrame(columns)
+
+    def to_pyvista(self) -> Any:
+        """A ``pyvista.PolyData`` with a point for each element and a line for each couple.
+
+        Returns
+        -------
+        pyvista.PolyData
+            Points have `radius` (not those with a cut-off), `coordination`, `id` and `image`; lines have `distance`, `overlap` and `shift`. In a box that repeats the line
+            of a couple through a face ends at a point of its own, the image of `j`, whose `image` is 1. In 2D z is 0.
+
+        Raises
+        ------
+        ImportError
+            Without PyVista.
+        TypeError
+            For boxes, which have no centres.
+
+        Examples
+        --------
+        >>> import fdem
+        >>> found = fdem.contacts([[0.0, 0.0], [1.0, 0.0], [9.0, 9.0]], radii=0.5)
+        >>> data = found.to_pyvista()
+        >>> data.n_points, data.n_lines, data.point_data["coordination"].tolist()
+        (3, 1, [1, 1, 0])
+        """
+        pyvista = optional("pyvista", "pyvista")
+        n, m, dimensions = self.n, len(self), self._positions.shape[1]
+        vectors = self.vector
+        across = np.flatnonzero(self.shift.any(axis=1))
+        points = np.zeros((n + len(across), 3), self._positions.dtype)
+        points[:n, :dimensions] = self._positions
+        points[n:, :dimensions] = self._positions[self.i[across]] + vectors[across]
+        lines = np.full((m, 3), 2, np.int64)
+        lines[:, 1:] = self._pairs
+        lines[across, 2] = n + np.arange(len(across))
+        data = pyvista.PolyData(points, lines=lines.reshape(-1)) if m else pyvista.PolyData(points)
+        element = np.concatenate([np.arange(n), self.j[across].astype(np.int64)])
+        if self._kind == "radii" and self._others is not None:
+            data.point_data["radius"] = self._others[element]
+        elif self._kind == "radius":
+            data.point_data["radius"] = np.full(len(element), self._size)
+        data.point_data["coordination"] = self.coordination[element]
+        data.point_data["id"] = element
+        data.point_data["image"] = (np.arange(len(element)) >= n).astype(np.int32)
+        if m:
+            shift = np.zeros((m, 3), np.int32)
+            shift[:, :dimensions] = self.shift
+            data.cell_data["distance"], data.cell_data["overlap"], data.cell_data["shift"] = self.distance, self.overlap, shift
+        return data
+
+    def write(self, path: Union[str, os.PathLike[str]]) -> None:
+        """Writes the couples to a file, as the command ``fdem contacts --output`` does; numbers are float64 and int64.
+
+        Parameters
+        ----------
+        path : str or path
+            The end of its name tells the format: ``.csv``, ``.npy`` and ``.parquet`` have the couples; ``.npz``, ``.vtp`` (for ParaView), ``.graphml`` and ``.json`` have the
+            elements too. Written whole or not at all.
+
+        Raises
+        ------
+        ValueError
+            For other ends of the name, and for boxes.
+        OSError
+            If the file cannot be written.
+        RuntimeError
+            As `distance`.
+
+        Examples
+        --------
+        >>> import os, tempfile, fdem
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     path = os.path.join(folder, "couples.csv")
+        ...     fdem.contacts([[0, 0], [1, 0]], radii=0.5).write(path)
+        ...     print(open(path).read(), end="")
+        i,j,distance,overlap
+        0,1,1.0,0.0
+        """
+        target = pathlib.Path(path)
+        _write_whole(target, _fdem.file(self._elements, self._pairs, self._shifts, os.fspath(target)))
 
     def _column(self, name: str) -> Floats:
         if name not in ("distance", "overlap"):
@@ -442,24 +420,24 @@ class Contacts:
         Parameters
         ----------
         k : int
-            How many elements; all if there are no more.
+            Number of elements; all of them if there are fewer.
         seed : int
             The same seed picks the same elements.
 
         Returns
         -------
         int
-            How many elements were compared.
+            Number of elements that were compared.
 
         Raises
         ------
         RuntimeError
-            If a couple is missing, or is one too many.
+            If a couple is missing, or a couple is listed that does not touch.
 
         Examples
         --------
         >>> import fdem
-        >>> fdem.contacts([[0.0, 0], [1, 0], [2, 0]], cutoff=1).verify()
+        >>> fdem.contacts([[0, 0], [1, 0], [2, 0]], cutoff=1).verify()
         3
         """
         sample, seed = whole(k, "k", 0), whole(seed, "seed", 0)
@@ -472,10 +450,10 @@ class Contacts:
         return checked
 
     def explain(self) -> str:
-        """What the search does: engine and why, cells, memory, threads, and how many couples it would expect.
+        """Describes the search: the engine and the reason for it, cells, memory, threads, and the expected number of couples.
 
         >>> import fdem
-        >>> print(fdem.contacts([[0.0, 0], [1, 0], [2, 0]], cutoff=1).explain())  # doctest: +ELLIPSIS
+        >>> print(fdem.contacts([[0, 0], [1, 0], [2, 0]], cutoff=1).explain())  # doctest: +ELLIPSIS
         engine...
         """
         return _fdem.explain(self._elements, self._engine, self._threads)
@@ -492,12 +470,12 @@ class Contacts:
         Parameters
         ----------
         min_contacts : int, optional
-            Elements with fewer contacts are rattlers: D + 1 unless given, the fewest that hold an element without friction; 2 for elements with friction.
+            Elements with fewer contacts are rattlers. The default is D + 1, the least number that holds an element without friction; take 2 for elements with friction.
         inner : array [D, 2], optional
-            Where the packing fraction is measured, the limits of each axis. Unless given: the whole box where it repeats, elsewhere what is more than the largest
-            diameter away from the faces of the domain.
+            The region in which the packing fraction is measured, as limits on each axis. The default is the whole box along axes that repeat; along other axes it is the
+            domain without a margin of the largest diameter.
         rdf : number or (number, int), optional
-            The largest distance of the radial distribution, and the number of its bins; 3 mean diameters and 150 unless given.
+            The largest distance of the radial distribution, and the number of its bins. The defaults are 3 mean diameters and 150.
 
         Returns
         -------
@@ -507,7 +485,7 @@ class Contacts:
         Raises
         ------
         ValueError
-            For boxes, which have no centres, and for regions and distances that cannot be.
+            For boxes, which have no centres, and for impossible regions and distances.
         RuntimeError
             As `distance`.
 
@@ -534,9 +512,9 @@ class Contacts:
         path : str or path
             Written whole or not at all.
         title : str
-            Stands above the picture.
+            The text above the picture.
         width : int, optional
-            Pixels that a PNG is wide.
+            The width of a PNG in pixels.
 
         Raises
         ------
@@ -549,7 +527,7 @@ class Contacts:
         --------
         >>> import os, tempfile, fdem
         >>> with tempfile.TemporaryDirectory() as folder:
-        ...     fdem.contacts([[0.0, 0], [1, 0]], radii=0.5).picture(os.path.join(folder, "two.png"))
+        ...     fdem.contacts([[0, 0], [1, 0]], radii=0.5).picture(os.path.join(folder, "two.png"))
         ...     os.listdir(folder)
         ['two.png']
         """
@@ -560,7 +538,7 @@ class Contacts:
         self._draw("plots", path, ("png", "svg"), title, width)
 
     def report(self, path: Union[str, os.PathLike[str]], *, title: str = "") -> None:
-        """Writes a page for a browser, ``.html``, all in one file: plots, a view to turn, cut and pick elements in, and a table; as :meth:`picture`."""
+        """Writes one ``.html`` file for a browser, as :meth:`picture`: plots, a table, and a view that can be turned and cut and in which elements can be picked."""
         self._draw("report", path, ("html",), title, None)
 
     def _draw(self, what: str, path: Union[str, os.PathLike[str]], forms: tuple[str, ...], title: str, width: Optional[int]) -> None:
@@ -569,22 +547,10 @@ class Contacts:
         if form not in forms:
             raise ValueError(f"{target}: end the name in {' or '.join('.' + each for each in forms)}")
         wide = None if width is None else whole(width, "width", 1)
-        drawn = _fdem.draw(self._elements, self._pairs, self._shifts, what, form, title, wide)
-        if not target.parent.is_dir():
-            raise FileNotFoundError(errno.ENOENT, "there is no such folder", str(target.parent))
-        # Aside first: a full disk leaves the old file as it was.
-        with tempfile.NamedTemporaryFile(dir=target.parent, prefix=target.name, delete=False) as aside:
-            try:
-                aside.write(drawn)
-                aside.close()
-                # As any file that is created, and not for its owner alone.
-                mask = os.umask(0)
-                os.umask(mask)
-                os.chmod(aside.name, 0o666 & ~mask)
-                os.replace(aside.name, target)
-            except BaseException:
-                os.unlink(aside.name)
-                raise
+        _write_whole(target, self._drawn(what, form, title, wide))
+
+    def _drawn(self, what: str, form: str, title: str, width: Optional[int]) -> bytes:
+        return _fdem.draw(self._elements, self._pairs, self._shifts, what, form, title, width)
 
     def _noun(self) -> str:
         flat = self._positions.shape[1] == 2
@@ -606,11 +572,54 @@ class Contacts:
         if self._box is not None:
             rows.append(("through faces of the box", f"{len(self._shifts):,}"))
         body = "".join(f"<tr><th style='text-align:left'>{name}</th><td>{value}</td></tr>" for name, value in rows)
-        return f"<table><caption>fdem.Contacts</caption>{body}</table>"
+        table = f"<table><caption>fdem.Contacts</caption>{body}</table>"
+        # Notebooks that show HTML leave out the picture.
+        picture = self._repr_png_()
+        if picture is None:
+            return table
+        encoded = base64.b64encode(picture).decode("ascii")
+        return f"{table}<img alt='the elements and their contacts' style='max-width:100%' src='data:image/png;base64,{encoded}'>"
+
+    def _repr_png_(self) -> Optional[bytes]:
+        """The picture for notebooks; none of boxes, of very many elements, and of positions that have been changed since the search."""
+        if "png" not in self._kept:
+            drawable = self._kind != "upper" and 0 < self.n <= _MOST_SHOWN and len(self) <= 8 * _MOST_SHOWN
+            try:
+                self._kept["png"] = self._drawn("picture", "png", "", _SHOWN_WIDTH) if drawable else None
+            except RuntimeError:
+                return None
+        picture: Optional[bytes] = self._kept["png"]
+        return picture
 
 
-def _optional(module: str, package: str) -> Any:
-    """A module of a package that fdem does without otherwise."""
+_MOST_SHOWN = 50_000
+"""Elements that are drawn in a notebook in about a second."""
+
+_SHOWN_WIDTH = 900
+"""Pixels that the picture in a notebook is wide."""
+
+
+def _write_whole(target: pathlib.Path, content: bytes) -> None:
+    """Writes a file whole or not at all."""
+    if not target.parent.is_dir():
+        raise FileNotFoundError(errno.ENOENT, "there is no such folder", str(target.parent))
+    # Aside first: a full disk leaves the old file as it was.
+    with tempfile.NamedTemporaryFile(dir=target.parent, prefix=target.name, delete=False) as aside:
+        try:
+            aside.write(content)
+            aside.close()
+            # With the rights of any file that is created, and not those of its owner alone.
+            mask = os.umask(0)
+            os.umask(mask)
+            os.chmod(aside.name, 0o666 & ~mask)
+            os.replace(aside.name, target)
+        except BaseException:
+            os.unlink(aside.name)
+            raise
+
+
+def optional(module: str, package: str) -> Any:
+    """Imports a module of a package that fdem needs for one purpose only."""
     import importlib
 
     try:

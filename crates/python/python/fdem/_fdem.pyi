@@ -8,6 +8,7 @@ __all__ = [
     "__version__",
     "Buffered",
     "Elements",
+    "Tree",
     "analyse",
     "ascending",
     "contacts",
@@ -15,13 +16,16 @@ __all__ = [
     "csr",
     "draw",
     "explain",
+    "file",
     "labels",
     "main",
     "measure",
     "mesh",
     "nearest",
+    "neighbor_list",
     "read",
     "verify",
+    "walls",
     "within",
 ]
 
@@ -43,12 +47,36 @@ class Elements:
         tolerance: float,
         groups: Optional[npt.NDArray[np.uint32]],
         cell: Optional[tuple[list[float], list[list[float]], list[bool]]],
+        fingerprint: Optional[int] = None,
     ) -> Elements: ...
+    @property
+    def fingerprint(self) -> int: ...
 
 @final
 class Buffered:
     def __new__(cls, buffer: float, engine: str, threads: int) -> Buffered: ...
-    def update(self, elements: Elements) -> tuple[npt.NDArray[np.uint32], Optional[str]]: ...
+    def update(self, elements: Elements) -> tuple[_Found, Optional[str]]: ...
+
+@final
+class Tree:
+    def __new__(cls, points: npt.NDArray[np.float64], sides: Sequence[float]) -> Tree: ...
+    def nearest(
+        self, at: npt.NDArray[np.float64], k: int, p: float, bound: float, threads: int
+    ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.int64]]: ...
+    def within(
+        self, at: npt.NDArray[np.float64], r: npt.NDArray[np.float64], p: float, threads: int
+    ) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64], npt.NDArray[np.float64]]: ...
+    def count_within(
+        self, at: npt.NDArray[np.float64], r: npt.NDArray[np.float64], p: float, threads: int
+    ) -> npt.NDArray[np.int64]: ...
+    def count_pairs(
+        self,
+        other: Tree,
+        r: npt.NDArray[np.float64],
+        p: float,
+        weights: Optional[npt.NDArray[np.float64]],
+        other_weights: Optional[npt.NDArray[np.float64]],
+    ) -> npt.NDArray[np.float64]: ...
 
 def contacts(elements: Elements, engine: str, threads: int) -> _Found: ...
 def verify(elements: Elements, pairs: npt.NDArray[np.uint32], sample: int, seed: int) -> tuple[int, Optional[str]]: ...
@@ -63,6 +91,7 @@ def analyse(
     r_max: Optional[float],
     bins: Optional[int],
 ) -> tuple[str, npt.NDArray[np.uint32], npt.NDArray[np.uint32], npt.NDArray[np.bool_]]: ...
+def file(elements: Elements, pairs: npt.NDArray[np.uint32], shifts: npt.NDArray[np.int32], name: str) -> bytes: ...
 def draw(
     elements: Elements,
     pairs: npt.NDArray[np.uint32],
@@ -72,6 +101,23 @@ def draw(
     title: str,
     width: Optional[int],
 ) -> bytes: ...
+def neighbor_list(
+    elements: Elements,
+    quantities: str,
+    cutoff: float,
+    kinds: Optional[npt.NDArray[np.uint32]],
+    table: Optional[npt.NDArray[np.float64]],
+    edges: list[list[float]],
+    signs: list[int],
+    self_interaction: bool,
+    threads: int,
+) -> tuple[
+    Optional[npt.NDArray[np.int64]],
+    Optional[npt.NDArray[np.int64]],
+    Optional[npt.NDArray[np.float64]],
+    Optional[npt.NDArray[np.float64]],
+    Optional[npt.NDArray[np.int64]],
+]: ...
 def csr(elements: int, pairs: npt.NDArray[np.uint32], full: bool) -> _Rows: ...
 def coordination(elements: int, pairs: npt.NDArray[np.uint32]) -> npt.NDArray[np.int64]: ...
 def ascending(pairs: npt.NDArray[np.uint32], shifts: npt.NDArray[np.int32]) -> _Found: ...
@@ -81,6 +127,14 @@ def labels(image: npt.NDArray[Any], neighbourhood: str, background: Optional[int
 def mesh(
     nodes: npt.NDArray[np.float64], cells: npt.NDArray[np.uint32], bodies: npt.NDArray[np.uint32], self_contact: bool, threads: int
 ) -> tuple[dict[str, Any], dict[str, Any]]: ...
+def walls(
+    centres: npt.NDArray[np.float64],
+    radii: npt.NDArray[np.float64],
+    nodes: npt.NDArray[np.float64],
+    cells: npt.NDArray[np.uint32],
+    bodies: npt.NDArray[np.uint32],
+    threads: int,
+) -> dict[str, Any]: ...
 def read(
     bytes: bytes,
     name: str,

@@ -1,10 +1,10 @@
-"""What users give, as the arrays that the extension module takes: in C order, aligned, in the byte order of the machine."""
+"""Converts arguments to the arrays that the extension module takes: in C order, aligned, in the byte order of the machine."""
 
 from __future__ import annotations
 
 import operator
 from collections.abc import Sequence
-from typing import Any, Optional, Union
+from typing import Any, Literal, Optional, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -12,11 +12,14 @@ import numpy.typing as npt
 Floats = npt.NDArray[Any]
 """An array of float32 or float64."""
 
+Engine = Literal["auto", "rows", "multilevel", "cgrid", "nbs", "direct"]
+"""The name of a search."""
+
 AXES = "xyz"
 
 
 def array_of(value: Any, name: str) -> npt.NDArray[Any]:
-    """`value` as an array, or an exception that says what it is for."""
+    """`value` as an array; exceptions name the argument."""
     if isinstance(value, np.ma.MaskedArray):
         if np.ma.is_masked(value):
             raise TypeError(f"{name} has masked entries: leave those elements out, or fill them")
@@ -28,7 +31,7 @@ def array_of(value: Any, name: str) -> npt.NDArray[Any]:
 
 
 def floats(value: Any, name: str) -> Floats:
-    """`value` as float32 or float64: what is neither becomes the smallest of the two that holds it exactly."""
+    """`value` as float32 or float64: other types become the smaller of the two that holds their values exactly."""
     array = array_of(value, name)
     dtype = array.dtype
     if dtype == np.float32 or dtype == np.float16:
@@ -105,7 +108,7 @@ def threads_of(threads: Optional[int]) -> int:
 
 
 def numbers(value: Any, name: str, length: int) -> npt.NDArray[np.uint32]:
-    """Whole numbers, one for each of `length` elements, as uint32 that are equal where they are."""
+    """Whole numbers, one for each of `length` elements, as uint32 numbers that are equal for equal values."""
     array = array_of(value, name)
     if array.shape != (length,):
         raise ValueError(f"{name} must have one number for each of {length} elements, not the shape {array.shape}")
@@ -117,7 +120,7 @@ def numbers(value: Any, name: str, length: int) -> npt.NDArray[np.uint32]:
 
 
 def axes(value: Union[bool, Sequence[bool]], dimensions: int) -> list[bool]:
-    """Which axes are periodic."""
+    """Whether each axis is periodic."""
     array = array_of(value, "periodic")
     if array.dtype.kind not in "biu" or not np.isin(array, (0, 1)).all():
         raise TypeError("periodic must be True or False, or one of them for each axis")

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Optional, Union
+from typing import Any, Literal, Optional, Union
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _fdem
 from ._input import array_of, is_number, number, threads_of, whole
-
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,17 +24,17 @@ class LabelContacts:
     faces: npt.NDArray[np.uint64]
     """``[m]``: pairs of neighbouring pixels (voxels), one of each label, that share a face."""
     edges: npt.NDArray[np.uint64]
-    """``[m]``: those that meet along an edge; 0 unless these were asked for."""
+    """``[m]``: pairs that meet along an edge; 0 unless `neighbourhood` includes edges."""
     vertices: npt.NDArray[np.uint64]
-    """``[m]``: those that meet at a vertex; 0 unless these were asked for."""
+    """``[m]``: pairs that meet at a vertex; 0 unless `neighbourhood` includes vertices."""
     area: npt.NDArray[np.float64]
     """``[m]``: the area of the faces (length in 2D), in the unit of the spacing."""
     point: npt.NDArray[np.float64]
-    """``[m, D]``: the mean place of the contact along the axes of the image, the first pixel starting at 0."""
+    """``[m, D]``: the mean position of the contact along the axes of the image; the first pixel starts at 0."""
     normal: npt.NDArray[np.float64]
     """``[m, D]``: the mean direction from `i` to `j`, of length 1; zeros where it cancels out."""
     bodies: int
-    """How many labels there are, those without contact included, the background not."""
+    """The number of labels, including those without contacts, without the background."""
 
     def __len__(self) -> int:
         return len(self.i)
@@ -47,37 +46,37 @@ class LabelContacts:
 def labels(
     image: npt.ArrayLike,
     *,
-    neighbourhood: str = "face",
+    neighbourhood: Literal["face", "edge", "vertex"] = "face",
     background: Optional[int] = 0,
     spacing: Union[float, Sequence[float], None] = None,
     threads: Optional[int] = None,
 ) -> LabelContacts:
-    """Finds which bodies touch in an image whose numbers say of which body each pixel (voxel) is a part.
+    """Finds which bodies touch in an image whose numbers are the bodies of its pixels (voxels).
 
     Parameters
     ----------
     image : array [rows, columns] or [planes, rows, columns] of whole numbers
-        In C order and of type uint8, uint16, uint32, uint64, int32 or int64 it is read where it is; else it is converted.
+        An array in C order of type uint8, uint16, uint32, uint64, int32 or int64 is read where it is; others are converted.
     neighbourhood : {"face", "edge", "vertex"}
-        Which pixels are neighbours; each kind includes those before it. In 2D there is no "edge".
+        The pixels that are neighbours: those that share a face, an edge, or a vertex; each kind includes the kinds before it. In 2D there is no "edge".
     background : int or None, default 0
-        The label that is no body; None if all are.
+        The label that is not a body; None if all labels are bodies.
     spacing : number or one for each axis of the array, default 1
         The edges of a pixel.
     threads : int, optional
-        One for each processor by default. The result does not depend on it.
+        Number of threads; one for each processor by default. The result does not depend on it.
 
     Returns
     -------
     LabelContacts
-        ``i, j, faces, edges, vertices, area, point, normal``, and `bodies`, how many there are. Axes are in the order of the array.
+        ``i, j, faces, edges, vertices, area, point, normal``, and `bodies`, the number of bodies. Axes are in the order of the array.
 
     Raises
     ------
     ValueError
         For an image of other dimensions, a spacing that is not positive.
     TypeError
-        For an image of anything but whole numbers.
+        For an image that is not of whole numbers.
 
     Examples
     --------

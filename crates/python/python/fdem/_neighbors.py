@@ -1,4 +1,4 @@
-"""Contacts as freud has them."""
+"""Contacts as a neighbour list of freud."""
 
 from __future__ import annotations
 
@@ -17,34 +17,35 @@ if TYPE_CHECKING:
 class NeighborList:
     """Contacts seen from each element, with the names of ``freud.locality.NeighborList``.
 
-    Each couple is there twice, sorted by `query_point_indices`, then `point_indices`: what freud finds with
+    Each couple is listed twice, sorted by `query_point_indices`, then `point_indices`, as freud lists the result of
     ``AABBQuery(box, points).query(points, dict(r_max=cutoff, exclude_ii=True)).toNeighborList()``. Made by :meth:`Contacts.neighbor_list`.
 
-    Differences: distances are of the type of the positions, not always float32; points that are just `cutoff` apart are neighbours; in a small box every image counts.
+    There are three differences: distances have the type of the positions, which need not be float32; points that are exactly `cutoff` apart are neighbours; in a
+    small box every image counts.
 
     Attributes
     ----------
     query_point_indices, point_indices : array [b], uint32
         The two ends of each bond.
-    segments : array [n], int64
+    segments : array [n], uint32 (int64 beyond 2^32 bonds)
         Where the bonds of each element start.
-    neighbor_counts : array [n], int64
-        How many it has.
+    neighbor_counts : array [n], uint32
+        How many bonds it has.
     num_points, num_query_points : int
         The number of elements.
 
     Examples
     --------
     >>> import fdem
-    >>> bonds = fdem.contacts([[0.0, 0], [1, 0], [2, 0]], cutoff=1).neighbor_list()
+    >>> bonds = fdem.contacts([[0, 0], [1, 0], [2, 0]], cutoff=1).neighbor_list()
     >>> bonds[:].tolist(), bonds.vectors[:, 0].tolist()
     ([[0, 1], [1, 0], [1, 2], [2, 1]], [1.0, -1.0, 1.0, -1.0])
     """
 
     query_point_indices: npt.NDArray[np.uint32]
     point_indices: npt.NDArray[np.uint32]
-    segments: npt.NDArray[np.int64]
-    neighbor_counts: npt.NDArray[np.int64]
+    segments: npt.NDArray[Any]
+    neighbor_counts: npt.NDArray[np.uint32]
     num_points: int
     num_query_points: int
 
@@ -59,7 +60,9 @@ class NeighborList:
         self = cls.__new__(cls)
         starts, self.point_indices, couples = _fdem.csr(contacts.n, contacts.pairs, True)
         self._contacts, self._couples = contacts, couples
-        self.segments, self.neighbor_counts = starts[:-1], np.diff(starts)
+        # freud counts in 32 bits; a place beyond them would be wrong without a word.
+        of_places = np.uint32 if starts[-1] < 2**32 else np.int64
+        self.segments, self.neighbor_counts = starts[:-1].astype(of_places), np.diff(starts).astype(np.uint32)
         self.query_point_indices = np.repeat(np.arange(contacts.n, dtype=np.uint32), self.neighbor_counts)
         self.num_points = self.num_query_points = contacts.n
         return self

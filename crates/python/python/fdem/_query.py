@@ -2,25 +2,29 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple, Optional
+import math
+from collections.abc import Sequence
+from typing import Any, NamedTuple, Optional, Union
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _fdem
-from ._contacts import contacts
-from ._input import Floats, alike, is_number, number, points, threads_of, whole
+from ._box import Box, Cell, cell_of
+from ._input import Floats, alike, number, points, threads_of, whole
 
 
 class Neighbours(NamedTuple):
-    """What :func:`query` has found: for each point that asked, a stretch of the arrays."""
+    """The elements that :func:`query` has found, those of the first point first."""
 
     offsets: npt.NDArray[np.int64]
-    """``[q + 1]``: what point ``k`` has found is at ``offsets[k]:offsets[k + 1]``."""
+    """``[q + 1]``: the elements around point ``k`` are at ``offsets[k]:offsets[k + 1]``."""
     indices: npt.NDArray[np.uint32]
     """``[m]``: the elements found."""
     distances: Floats
-    """``[m]``: how far they are."""
+    """``[m]``: their distances."""
+    shifts: npt.NDArray[np.int32]
+    """``[m, D]``: the edges of the box by which each element is displaced; zeros without a box that repeats."""
 
 
 def query(
@@ -29,6 +33,8 @@ def query(
     *,
     at: Optional[npt.ArrayLike] = None,
     k: Optional[int] = None,
+    box: Any = None,
+    periodic: Union[bool, Sequence[bool]] = False,
     threads: Optional[int] = None,
 ) -> Neighbours:
     """Finds the elements within `r` of points, or the `k` nearest to each.
@@ -36,26 +42,29 @@ def query(
     Parameters
     ----------
     positions : array [n, 2] or [n, 3], float32 or float64
-        The elements that are sought.
+        The elements.
     r : number
         The largest distance, which counts.
     at : array [q, D], optional
-        The points around which they are sought; `positions` otherwise, and then each finds itself too.
+        The points to look around; `positions` by default, and then each element finds itself too.
     k : int
-        How many are sought, in place of `r`; fewer are found only where there are no more.
+        How many elements are sought, in place of `r`; fewer are found only where there are no more.
+    box, periodic
+        As for :func:`contacts`. Every image of an element counts, also for `k`, and `shifts` tells which one it is.
     threads : int, optional
-        One for each processor by default. The result does not depend on it.
+        Number of threads; one for each processor by default. The result does not depend on it.
 
     Returns
     -------
     Neighbours
-        ``offsets, indices, distances``. With `r` the indices of each point ascend; with `k` the nearest comes first, and of equally near ones that with the smaller
-        index.
+        ``offsets, indices, distances, shifts``: the elements around point ``q`` are ``indices[offsets[q]:offsets[q + 1]]``. They are ascending by number (and shift), or,
+        for `k`, by distance, then number (and shift).
 
     Raises
     ------
     ValueError
-        For NaN, infinity, negative `r`.
+        For NaN, negative `r`, points of another dimension, a box without volume; for `k` also where points are so far from the box that the images up to there do
+        not fit into memory.
     TypeError
         Unless just one of `r` and `k` is given.
 
@@ -67,6 +76,12 @@ def query(
     ([0, 2, 2], [0, 1])
     >>> fdem.query([[0.0, 0.0], [1.0, 0.0], [5.0, 0.0]], k=1, at=[[4.0, 0.0]]).distances.tolist()
     [1.0]
+
+    In a box that repeats, the nearest element may be an image:
+
+    >>> found = fdem.query([[0.5, 1.0], [2.0, 1.0]], k=1, at=[[3.75, 1.0]], box=[4, 4], periodic=True)
+    >>> found.indices.tolist(), found.distances.tolist(), found.shifts.tolist()
+    ([0], [0.75], [[1, 0]])
     """
     if (r is None) == (k is None):
         raise TypeError("give r, the largest distance, or k, how many are sought: one of the two")
@@ -77,86 +92,60 @@ def query(
         elements, asking = alike(elements, points(at, "at"))
     if elements.shape[1] != asking.shape[1]:
         raise ValueError(f"positions have {elements.shape[1]} coordinates, and the points at which to look {asking.shape[1]}")
+    of_box, cell = cell_of(box, periodic, elements.shape[1])
+    if of_box is not None and cell is not None:
+        elements, asking = alike(elements, asking)
+        if r is not None:
+            return _within_images(elements, asking, number(r, "r"), cell, threads_of(threads))
+        return _nearest_images(elements, asking, whole(k, "k", 0), of_box, cell, threads_of(threads))
     if r is not None:
-        return Neighbours(*_fdem.within(elements, asking, number(r, "r"), threads_of(threads)))
-    return Neighbours(*_fdem.nearest(elements, asking, whole(k, "k", 0), threads_of(threads)))
+        found = _fdem.within(elements, asking, number(r, "r"), threads_of(threads))
+    else:
+        found = _fdem.nearest(elements, asking, whole(k, "k", 0), threads_of(threads))
+    return Neighbours(*found, np.zeros((len(found[1]), elements.shape[1]), np.int32))
 
 
-class KDTree:
-    """Couples of points, asked for as of ``scipy.spatial.cKDTree``.
+def _within_images(elements: Floats, asking: Floats, r: float, cell: Cell, threads: int) -> Neighbours:
+    """The couples of two sets within `r`: points that ask, and elements, of which none forms a couple with its like."""
+    q = len(asking)
+    both = np.concatenate([asking, elements])
+    groups = np.repeat(np.array([0, 1], np.uint32), [q, len(elements)])
+    searched = _fdem.Elements(both, "cutoff", r, None, 0.0, groups, cell)
+    pairs, shifts = _fdem.ascending(*_fdem.contacts(searched, "auto", threads))
+    distances = _fdem.measure(searched, pairs, shifts, False, threads)
+    all_shifts = np.zeros((len(pairs), both.shape[1]), np.int32)
+    all_shifts[len(pairs) - len(shifts) :] = shifts
+    offsets = np.zeros(q + 1, np.int64)
+    np.cumsum(np.bincount(pairs[:, 0], minlength=q)[:q], out=offsets[1:])
+    return Neighbours(offsets, pairs[:, 1] - np.uint32(q), distances, all_shifts)
 
-    There is no tree: this is :func:`contacts` in the words of SciPy, for those who migrate. New code has less to convert with :func:`contacts`.
 
-    Parameters
-    ----------
-    data : array [n, 2] or [n, 3]
-        The points.
-    leafsize, compact_nodes, copy_data, balanced_tree
-        Of no effect.
-    boxsize : number or array [D], optional
-        Lengths of a box from 0 that repeats.
-
-    Examples
-    --------
-    >>> import fdem
-    >>> fdem.KDTree([[0.0, 0.0], [1.0, 0.0], [5.0, 5.0]]).query_pairs(1.0)
-    {(0, 1)}
-    """
-
-    def __init__(
-        self,
-        data: npt.ArrayLike,
-        leafsize: int = 16,
-        compact_nodes: bool = True,
-        copy_data: bool = False,
-        balanced_tree: bool = True,
-        boxsize: Any = None,
-    ) -> None:
-        self.data = points(data, "data")
-        self.n, self.m = self.data.shape
-        self.boxsize: Optional[npt.NDArray[np.float64]] = None
-        if boxsize is not None:
-            sides = np.asarray(boxsize, np.float64)
-            if sides.shape not in ((), (self.m,)):
-                raise ValueError(f"boxsize must be one number or {self.m}, not of the shape {sides.shape}")
-            if not (np.isfinite(sides) & (sides >= 0)).all():
-                raise ValueError(f"boxsize must be finite and not negative, not {boxsize}")
-            self.boxsize = np.broadcast_to(sides, (self.m,))
-
-    def query_pairs(self, r: float, p: float = 2.0, eps: float = 0.0, output_type: str = "set") -> Any:
-        """All couples of points that are at most `r` apart.
-
-        Parameters
-        ----------
-        r : number
-            The largest distance, which counts.
-        p : number
-            2: no other norm is there.
-        eps : number
-            Of no effect: the result is exact.
-        output_type : {"set", "ndarray"}
-            A set of tuples ``(i, j)``, or an array ``[m, 2]`` of intp, with ``i < j``.
-
-        Raises
-        ------
-        ValueError
-            For another norm or output, NaN, negative `r`.
-        """
-        if p != 2:
-            raise ValueError(f"p must be 2, the Euclidean norm, not {p}")
-        if output_type not in ("set", "ndarray"):
-            raise ValueError(f"there is no output_type '{output_type}': choose one of set, ndarray")
-        if not is_number(r):
-            raise TypeError("r is one number")
-        if self.boxsize is None:
-            pairs = contacts(self.data, cutoff=r).pairs
-        else:
-            repeats = (self.boxsize > 0).tolist()
-            extent = np.ptp(self.data, axis=0) if self.n else np.ones(self.m)
-            edges = np.where(repeats, self.boxsize, extent + 1)
-            pairs = contacts(self.data, cutoff=r, box=np.diag(edges), periodic=repeats).pairs
-            # Here images are no couples of their own.
-            pairs = np.unique(pairs[pairs[:, 0] != pairs[:, 1]], axis=0)
-        if output_type == "ndarray":
-            return pairs.astype(np.intp)
-        return set(map(tuple, pairs.tolist()))
+def _nearest_images(elements: Floats, asking: Floats, k: int, box: Box, cell: Cell, threads: int) -> Neighbours:
+    """The nearest ones among those within a distance that grows until all points have found `k`: what is farther is not nearer."""
+    q, dimensions = asking.shape
+    if len(elements) == 0 or k == 0:
+        zeros = np.zeros(q + 1, np.int64)
+        return Neighbours(zeros, np.zeros(0, np.uint32), np.zeros(0, elements.dtype), np.zeros((0, dimensions), np.int32))
+    indices = np.zeros((q, k), np.uint32)
+    distances = np.zeros((q, k), elements.dtype)
+    shifts = np.zeros((q, k, dimensions), np.int32)
+    # A ball that has about twice as many elements where they are as dense as in the box.
+    ball = {2: math.pi, 3: 4 / 3 * math.pi}[dimensions]
+    r = (2 * k * abs(np.linalg.det(box.edges)) / (len(elements) * ball)) ** (1 / dimensions)
+    waiting = np.arange(q)
+    while len(waiting):
+        found = _within_images(elements, np.ascontiguousarray(asking[waiting]), r, cell, threads)
+        counts = np.diff(found.offsets)
+        enough = counts >= k
+        asked = np.repeat(np.arange(len(waiting)), counts)
+        # Stable: those at one distance stay ascending by number and shift.
+        order = np.lexsort((found.distances, asked))
+        nearest = order[(found.offsets[:-1][enough, None] + np.arange(k)).reshape(-1)]
+        done = waiting[enough]
+        indices[done] = found.indices[nearest].reshape(-1, k)
+        distances[done] = found.distances[nearest].reshape(-1, k)
+        shifts[done] = found.shifts[nearest].reshape(-1, k, dimensions)
+        waiting = waiting[~enough]
+        r *= 1.5
+    offsets = np.arange(q + 1, dtype=np.int64) * k
+    return Neighbours(offsets, indices.reshape(-1), distances.reshape(-1), shifts.reshape(-1, dimensions))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
-from typing import Any, Optional, Union
+from typing import Any, Literal, Optional, Union, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -23,31 +23,31 @@ class Packing:
     radii: Optional[npt.NDArray[np.float64]]
     """``[n]``: radii; None if the file has none."""
     ids: Optional[npt.NDArray[np.int64]]
-    """``[n]``: what the file calls the elements; None if it does not."""
+    """``[n]``: the ids of the elements in the file; None if it has none."""
     bodies: Optional[npt.NDArray[np.int64]]
-    """``[n]``: the body of each, of the column that was asked for."""
+    """``[n]``: the body of each element, from the column that was asked for; None without one."""
     row_numbers: Optional[npt.NDArray[np.uint64]]
-    """``[n]``: the row of each, from 0, if rows were left out."""
+    """``[n]``: the row of each element, from 0, if rows were left out; else None."""
     box: Optional[Box]
     """The box of the file, as :func:`contacts` takes it; None if it has none, or one without extent along an axis."""
     periodic: tuple[bool, ...]
-    """``(D,)``: along which edges of the box the file says that it repeats."""
+    """``(D,)``: whether the box repeats along each edge, as the file says."""
     frames: int
-    """How many frames the file has."""
+    """The number of frames of the file."""
     frame: int
-    """Which of them this is, from 0."""
+    """The number of this frame, from 0."""
     step: Optional[int]
     """The number of its time step, if the file has one."""
     time: Optional[float]
-    """Its time, if the file has one."""
+    """The time of the frame, if the file has one."""
     format: str
-    """How the file was understood."""
+    """The format that was read."""
     unit: Optional[str]
-    """The unit in the names of its columns, if there is one."""
+    """The unit in the names of the columns, if there is one."""
     skipped: int
-    """How many bad lines were left out."""
+    """The number of bad lines that were left out."""
     bad_lines: list[str]
-    """The first of them, with what is wrong."""
+    """The first bad lines, each with its error."""
 
     def __len__(self) -> int:
         return len(self.positions)
@@ -69,32 +69,72 @@ class Mesh:
     nodes: npt.NDArray[np.float64]
     """``[n, 2]`` if all is flat, else ``[n, 3]``."""
     segments: npt.NDArray[np.uint32]
-    """``[s, 2]``: nodes of each."""
+    """``[s, 2]``: the nodes of each segment."""
     triangles: npt.NDArray[np.uint32]
-    """``[t, 3]``: nodes of each."""
+    """``[t, 3]``: the nodes of each triangle."""
     tetrahedra: npt.NDArray[np.uint32]
-    """``[v, 4]``: nodes of each."""
+    """``[v, 4]``: the nodes of each tetrahedron."""
     segments_bodies: npt.NDArray[np.uint32]
-    """``[s]``: the body of each, a place in `bodies`."""
+    """``[s]``: the body of each segment, an index into `bodies`."""
     triangles_bodies: npt.NDArray[np.uint32]
-    """``[t]``: the body of each."""
+    """``[t]``: the body of each triangle."""
     tetrahedra_bodies: npt.NDArray[np.uint32]
-    """``[v]``: the body of each."""
+    """``[v]``: the body of each tetrahedron."""
     bodies: list[tuple[Optional[int], Optional[str]]]
     """The number and the name of each body in the file, where it has them."""
     format: str
-    """How the file was understood."""
+    """The format that was read."""
 
     def __repr__(self) -> str:
         parts = [f"{len(getattr(self, kind)):,} {kind}" for kind in ("segments", "triangles", "tetrahedra") if len(getattr(self, kind))]
         return f"<fdem.Mesh: {len(self.nodes):,} nodes, {', '.join(parts)}, {len(self.bodies)} bodies; {self.format}>"
 
 
+PackingFormat = Literal["text", "npy", "npz", "lammps-dump", "lammps-data", "xyz", "mercury", "vtk", "vtk-xml"]
+"""The name of a format of packings."""
+
+
+@overload
 def read(
     path: Union[str, os.PathLike[str]],
     frame: Optional[int] = None,
     *,
-    format: Optional[str] = None,
+    kind: Literal["packing"],
+    format: Optional[PackingFormat] = None,
+    columns: Optional[str] = None,
+    bodies: Optional[str] = None,
+    skip_bad_lines: bool = False,
+) -> Packing: ...
+@overload
+def read(path: Union[str, os.PathLike[str]], *, kind: Literal["mesh"]) -> Mesh: ...
+@overload
+def read(
+    path: Union[str, os.PathLike[str]],
+    frame: int,
+    *,
+    kind: None = None,
+    format: Optional[PackingFormat] = None,
+    columns: Optional[str] = None,
+    bodies: Optional[str] = None,
+    skip_bad_lines: bool = False,
+) -> Packing: ...
+@overload
+def read(
+    path: Union[str, os.PathLike[str]],
+    frame: None = None,
+    *,
+    kind: None = None,
+    format: Optional[PackingFormat] = None,
+    columns: Optional[str] = None,
+    bodies: Optional[str] = None,
+    skip_bad_lines: bool = False,
+) -> Any: ...
+def read(
+    path: Union[str, os.PathLike[str]],
+    frame: Optional[int] = None,
+    *,
+    kind: Optional[Literal["packing", "mesh"]] = None,
+    format: Optional[PackingFormat] = None,
     columns: Optional[str] = None,
     bodies: Optional[str] = None,
     skip_bad_lines: bool = False,
@@ -105,28 +145,31 @@ def read(
     ----------
     path : str or path
         Packings: delimited text, also of YADE; NumPy ``.npy`` and ``.npz``; dumps and data of LAMMPS and LIGGGHTS; XYZ, also extended; MercuryDPM; points of VTK, VTU
-        and VTP. Meshes: Gmsh, STL, OBJ, PLY, VTK, VTU, VTP, Abaqus. Compressed by gzip or zstd or not. The content says which it is, and then the name.
+        and VTP. Meshes: Gmsh, STL, OBJ, PLY, VTK, VTU, VTP, Abaqus. Files may be compressed by gzip or zstd. The format is recognised by the content, then by the name.
     frame : int, optional
-        Which frame of a dump, an XYZ or a MercuryDPM file, from 0, or from the end if it is negative. Of several one must be chosen.
+        The frame of a dump, an XYZ or a MercuryDPM file, from 0, or from the end if it is negative. Required if the file has several frames.
+    kind : {"packing", "mesh"}, optional
+        What the file must hold. With it, or with a `frame`, type checkers know what is returned.
     format : str, optional
-        What a packing is, if neither content nor name say: "text", "npy", "npz", "lammps-dump", "lammps-data", "xyz", "mercury", "vtk", "vtk-xml".
+        The format of a packing, if neither content nor name tell it: "text", "npy", "npz", "lammps-dump", "lammps-data", "xyz", "mercury", "vtk", "vtk-xml".
     columns : str, optional
-        What the columns of a packing are, if the file does not say: ``"id,x,y,z,radius"``; ``-`` is one that is left out.
+        The columns of a packing, if the file does not name them: ``"id,x,y,z,radius"``; ``-`` is a column that is left out.
     bodies : str, optional
         The column with the body of each element: its name, or its number from 1.
     skip_bad_lines : bool, default False
-        Whether lines that cannot be read are left out; `skipped` and `bad_lines` of the result tell of them. Otherwise the first is an error.
+        Whether lines that cannot be read are left out and listed in `skipped` and `bad_lines` of the result. Otherwise the first bad line is an error.
 
     Returns
     -------
     Packing or Mesh
+        By the content of the file; that which `kind` names, if it is given.
 
     Raises
     ------
     OSError
         If the file cannot be opened.
     ValueError
-        If it cannot be understood, with file, line and text.
+        If it cannot be understood, with file, line and text; if it does not hold what `kind` names.
 
     Examples
     --------
@@ -134,18 +177,22 @@ def read(
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     path = pathlib.Path(folder, "packing.csv")
     ...     _ = path.write_text("x,y,radius\\n0,0,0.5\\n1,0,0.5\\n")
-    ...     packing = fdem.read(path)
+    ...     packing = fdem.read(path, kind="packing")
     >>> packing
     <fdem.Packing: 2 elements in 2D, radii; comma-separated text>
     >>> len(fdem.contacts(packing.positions, packing.radii))
     1
     """
+    if kind not in (None, "packing", "mesh"):
+        raise ValueError(f"there is no kind '{kind}': choose one of packing, mesh")
     name = os.fspath(path)
     with open(name, "rb") as file:
         content = file.read()
     chosen = None if frame is None else whole(frame, "frame", -(2**62))
-    kind, found = _fdem.read(content, name, format, chosen, columns, bodies, bool(skip_bad_lines))
-    if kind == "mesh":
+    holds, found = _fdem.read(content, name, format, chosen, columns, bodies, bool(skip_bad_lines))
+    if kind is not None and holds != kind:
+        raise ValueError(f"{name}: this is a {holds}, not a {kind}")
+    if holds == "mesh":
         return Mesh(**found)
     box = _box_of(name, found.pop("cell"), found["positions"].shape[1])
     return Packing(**found, **box)

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 def verify_periodic(found: Contacts, periodic: list[bool], sample: int, seed: int) -> int:
     """Compares the couples of `sample` elements with all images of all elements, in float64.
 
-    Where the distance is within rounding of the limit, both answers count as right.
+    Both answers count as right if the distance is within rounding of the limit.
     """
     box = found._box
     assert box is not None

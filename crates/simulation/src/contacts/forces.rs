@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::contacts::Couple;
+use crate::forces::ContactForce;
 use crate::model::Model;
 use crate::potential::{Interaction, Point, Triangle, area_coordinates, dot, interaction, length, minus};
 use crate::solid::{Solid, height};
@@ -18,6 +19,21 @@ pub(super) struct Contact {
     /// Not any more, in the last pass over it.
     pub(super) touches: bool,
     pub(super) deep: bool,
+}
+
+impl Contact {
+    /// The force on the first of the two elements, where they overlap now.
+    pub(super) fn force(&self, elements: [u32; 2], solid: &Solid) -> ContactForce {
+        let sum = self.forces[0].iter().fold([0.0; 2], |sum, force| [sum[0] + force[0], sum[1] + force[1]]);
+        let [a, b] = elements.map(|element| solid.triangle(element));
+        let point = interaction(&a, &b).map_or_else(
+            // They have parted in this step.
+            |_| [0, 1].map(|axis| a.iter().chain(&b).map(|corner| corner[axis]).sum::<f64>() / 6.0),
+            |interaction| interaction.point,
+        );
+        let tangential = self.grip.friction;
+        ContactForce { elements, point, normal: minus(sum, tangential), tangential }
+    }
 }
 
 /// Energy of a contact, and works since the last pass.
@@ -69,6 +85,12 @@ pub(super) fn law(model: &Model, a: u32, b: u32) -> Law {
         tangential: model.contact.tangential_stiffness * penalty,
         damping: model.contact.damping,
     }
+}
+
+/// Penalty of contacts between two materials, Pa, and their coefficient of friction.
+pub(crate) fn penalty_and_friction(model: &Model, [a, b]: [u32; 2]) -> [f64; 2] {
+    let law = law(model, a, b);
+    [law.penalty / model.thickness, law.friction]
 }
 
 /// Stiffness of a contact over an edge of an element of this material at either of its ends, N/m: an upper bound.

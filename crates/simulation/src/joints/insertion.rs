@@ -186,7 +186,7 @@ impl Joints {
             return;
         }
         joint.open[end] = true;
-        if self.insertion == Insertion::Adaptive {
+        if self.insertion == Insertion::Adaptive || solid.is_prestressed() {
             let traction = known.unwrap_or_else(|| traction(solid, sides));
             joint.ends[end] = Memory::under(&joint.law, traction);
         }

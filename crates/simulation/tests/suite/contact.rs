@@ -1,4 +1,4 @@
-//! Bodies that collide, press and rub.
+//! Collisions, contact pressure and friction.
 
 use crate::common::*;
 use fdem_simulation::*;
@@ -7,7 +7,7 @@ fn triangle(at: [[f64; 2]; 3]) -> Mesh {
     Mesh { nodes: at.to_vec(), triangles: vec![[0, 1, 2]], bodies: vec![0], materials: vec![0] }
 }
 
-/// Runs two bodies, the second at `velocity`, until they have met and parted. Returns the kinetic energy of the motion before and after, all energy that is elastic after, and both momenta.
+/// Runs two bodies, the second with `velocity`, until they have met and separated. Returns the kinetic energies before and after, the strain energy after, and both momenta.
 fn collide(
     first: &Mesh,
     second: &Mesh,
@@ -16,7 +16,7 @@ fn collide(
 ) -> ([f64; 2], f64, [[f64; 3]; 2]) {
     let mesh = together(&[first.clone(), second.clone()]);
     let velocities = [vec![[0.0; 2]; first.nodes.len()], vec![velocity; second.nodes.len()]].concat();
-    // A blow of two triangles is over within a few critical steps.
+    // An impact of two triangles lasts a few critical steps only.
     let time = TimeOptions { safety: 0.05, ..TimeOptions::default() };
     let model = Model { mesh, velocities, materials: vec![material], time, ..Model::default() };
     let mut run = Simulation::new(model, 1).expect("a model");
@@ -55,7 +55,7 @@ fn two_triangles_bounce_whatever_meets_whatever() {
             let along = [cos * velocity[0] - sin * velocity[1], sin * velocity[0] + cos * velocity[1]];
             let (first, second) = (turned(&first, turn, [0.0; 2]), turned(&second, turn, [0.0; 2]));
             let (kinetic, strain, [before, after]) = collide(&first, &second, along, stiff.clone());
-            // What rings on in the triangles is strain half of the time; none of it is lost.
+            // The triangles vibrate after the impact: part of the energy is strain energy, and none is lost.
             assert!(((kinetic[1] + strain) / kinetic[0] - 1.0).abs() < 1e-3, "{name}: {kinetic:?} {strain}");
             let scale = before[0].abs() + before[1].abs();
             for k in 0..3 {
@@ -70,7 +70,7 @@ fn two_bars_part_after_the_wave_has_been_there_and_back() {
     let (length, speed) = (0.5, f64::sqrt(50e9 / 2700.0));
     let left = rectangle([0.0, 0.0], [length, 0.02], 100, 4);
     let right = rectangle([length, 0.0], [2.0 * length, 0.02], 100, 4);
-    // Side by side at rest in a frame of their mean velocity: 10 m/s against each other.
+    // The bars approach each other with 10 m/s, symmetrically.
     let mesh = together(&[left.clone(), turned(&right, 0.0, [1e-7, 0.0])]);
     let velocities = [vec![[5.0, 0.0]; left.nodes.len()], vec![[-5.0, 0.0]; right.nodes.len()]].concat();
     let contact = ContactOptions { penalty: 10.0, ..ContactOptions::default() };
@@ -84,7 +84,7 @@ fn two_bars_part_after_the_wave_has_been_there_and_back() {
             began = began.or(Some(run.time()));
         }
         if began.is_some_and(|began| run.time() - began > 1.0 * length / speed) && stress == 0.0 {
-            // In the left bar, behind the first wave and before the second.
+            // Elements of the left bar behind the first wave and before the reflected one.
             let snapshot = run.snapshot();
             let inside: Vec<f64> = (0..left.triangles.len())
                 .filter(|&e| {
@@ -103,7 +103,79 @@ fn two_bars_part_after_the_wave_has_been_there_and_back() {
     assert!((stress / expected - 1.0).abs() < 0.02, "{stress} {expected}");
 }
 
-/// A block on a plane that is inclined by `degrees`, which is gravity turned.
+/// A disc about the origin, of rings of elements around a point.
+fn disc(radius: f64, rings: usize) -> Mesh {
+    let mut nodes = vec![[0.0; 2]];
+    let mut triangles = Vec::new();
+    let first = |ring: usize| if ring == 0 { 0 } else { 1 + 3 * ring * (ring - 1) };
+    for ring in 1..=rings {
+        let count = 6 * ring;
+        nodes.extend((0..count).map(|k| {
+            let (sin, cos) = (std::f64::consts::TAU * k as f64 / count as f64).sin_cos();
+            [cos, sin].map(|x| x * radius * ring as f64 / rings as f64)
+        }));
+        let outer = |k: usize| (first(ring) + k % count) as u32;
+        let inner = |k: usize| (first(ring - 1) + k % (count - 6).max(1)) as u32;
+        for sector in 0..6 {
+            for k in 0..ring {
+                let (o, i) = (sector * ring + k, sector * (ring - 1) + k);
+                triangles.push([outer(o), outer(o + 1), inner(i)]);
+                if k + 1 < ring {
+                    triangles.push([inner(i), outer(o + 1), inner(i + 1)]);
+                }
+            }
+        }
+    }
+    let count = triangles.len();
+    Mesh { nodes, triangles, bodies: vec![0; count], materials: vec![0; count] }
+}
+
+/// Velocity of separation of two discs over that of their approach.
+fn restitution(rings: usize, damping: f64) -> f64 {
+    let body = disc(0.5, rings);
+    let half = vec![[0.0, 2.5]; body.nodes.len()];
+    let down: Vec<_> = half.iter().map(|[u, v]| [-u, -v]).collect();
+    let model = Model {
+        mesh: together(&[body.clone(), turned(&body, 0.3, [0.0, 1.0005])]),
+        velocities: [half, down].concat(),
+        materials: vec![Material { poissons_ratio: 0.2, ..granite() }],
+        contact: ContactOptions { damping, ..ContactOptions::default() },
+        time: TimeOptions { safety: 0.5, ..TimeOptions::default() },
+        ..Model::default()
+    };
+    let mut run = Simulation::new(model, 1).expect("a model");
+    run.advance(1).expect("a step");
+    let total = 2.0 * (run.energies().kinetic / 2.5_f64.powi(2));
+    let (mut met, mut apart) = (false, 0);
+    while apart < 200 {
+        run.advance(1).expect("a step");
+        let touches = run.counts().contacts > 0;
+        met |= touches;
+        apart = if met && !touches { apart + 1 } else { 0 };
+        assert!(run.steps() < 100_000, "they never met, or never part");
+    }
+    // The momentum of the upper disc, which is half of the mass.
+    let snapshot = run.snapshot();
+    let mesh = &run.model().mesh;
+    let mut momentum = 0.0;
+    for (element, nodes) in snapshot.triangles.iter().enumerate().skip(mesh.triangles.len() / 2) {
+        let [a, b, c] = mesh.triangles[element].map(|node| mesh.nodes[node as usize]);
+        let area = 0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]));
+        momentum +=
+            nodes.iter().map(|&n| 2700.0 * area / 3.0 * snapshot.velocities[n as usize][1]).sum::<f64>();
+    }
+    momentum / (0.5 * total) / 2.5
+}
+
+/// As the book says of it.
+#[test]
+fn damping_of_contacts_takes_less_on_a_finer_mesh() {
+    let lost = |rings| restitution(rings, 0.0) - restitution(rings, 1.0);
+    let (coarse, fine) = (lost(5), lost(10));
+    assert!(coarse > 0.1 && fine > 0.005 && fine < 0.02, "{coarse} {fine}");
+}
+
+/// A block on a plane that is inclined by `degrees`: the plane is level and gravity is turned.
 fn slide(degrees: f64, friction: f64) -> Simulation {
     let (sin, cos) = degrees.to_radians().sin_cos();
     let base = rectangle([-0.2, -0.1], [1.2, 0.0], 28, 2);

@@ -14,7 +14,7 @@ fn held(name: &str, nodes: Vec<u32>, velocity: [Option<f64>; 2], schedule: Sched
 /// A strip of 2 by 8 cells of 5 mm, pulled apart slowly along y.
 fn tension(insertion: Insertion, strength: Strength) -> Simulation {
     let mut mesh = rectangle([0.0, 0.0], [0.01, 0.04], 2, 8);
-    // Only the joints in the middle, between two materials that are a little stronger, have this strength: it is known where the crack is to be.
+    // Only the joints in the middle, between two materials that are a little stronger, have this strength, so that the place of the crack is known.
     for element in 0..mesh.triangles.len() {
         mesh.materials[element] =
             u32::from(mesh.triangles[element].iter().any(|&node| mesh.nodes[node as usize][1] > 0.0201));
@@ -69,5 +69,65 @@ fn tension_peaks_at_the_strength_and_dissipates_the_fracture_energy_in_one_crack
         let dissipated = run.energies().cohesive;
         assert!((dissipated / (3.0 * 0.01) - 1.0).abs() < 0.01, "{insertion:?}: {dissipated}");
         assert!(run.energies().error().abs() < 1e-3, "{:?}", run.energies());
+    }
+}
+
+/// A block of two halves, the lower one fixed, with a joint without strength between them.
+fn open_joint(top: Load, insertion: Insertion) -> Model {
+    let mut mesh = rectangle([0.0, 0.0], [0.04, 0.02], 8, 4);
+    for element in 0..mesh.triangles.len() {
+        mesh.materials[element] =
+            u32::from(mesh.triangles[element].iter().any(|&node| mesh.nodes[node as usize][1] > 0.0101));
+    }
+    let bottom = nodes_where(&mesh, |[_, y]| y < 1e-9);
+    let nodes = nodes_where(&mesh, |[_, y]| y > 0.02 - 1e-9);
+    // Counter-clockwise: from right to left along the top.
+    let edges = nodes.windows(2).map(|pair| [pair[1], pair[0]]).collect();
+    let half = Material { damping: 0.5, youngs_modulus: 30e9, ..granite() };
+    let open = Strength { tensile: 0.0, cohesion: 0.0, energy_i: 0.0, energy_ii: 0.0, ..rock() };
+    let ramp = Schedule::Ramp(1e-4);
+    Model {
+        mesh,
+        materials: vec![half.clone(), half],
+        interfaces: vec![Interface { materials: [0, 1], friction: 0.0, penalty: None, strength: Some(open) }],
+        boundaries: vec![
+            held("bottom", bottom, [Some(0.0), Some(0.0)], Schedule::Constant),
+            Boundary { name: "top".to_owned(), target: Target::Edges(edges), load: top, schedule: ramp },
+        ],
+        fracture: FractureOptions { insertion, ..FractureOptions::default() },
+        ..Model::default()
+    }
+}
+
+/// The interface of `rock()` has a coefficient of friction of 0.3.
+#[test]
+fn a_joint_without_strength_carries_pressure_and_friction_and_no_tension() {
+    for insertion in [Insertion::Adaptive, Insertion::Intrinsic] {
+        let moved = |traction: [f64; 2], axis: usize| {
+            let model = open_joint(Load::Traction(traction), insertion);
+            let corner = model.mesh.nodes.len() - 1;
+            let mut run = Simulation::new(model, 1).expect("a model");
+            let mut most = 0.0_f64;
+            while run.time() < 3e-4 {
+                run.advance(20).expect("steps");
+                most = most.max(run.force(0).expect("a boundary")[1].abs());
+            }
+            assert!(run.energies().error().abs() < 1e-2, "{:?}", run.energies());
+            // Joints split nodes, which are numbered anew: the corner is found through its element.
+            let mesh = &run.model().mesh;
+            let place = |triangle: &[u32; 3]| triangle.iter().position(|&node| node as usize == corner);
+            let (element, k) =
+                (0..).zip(&mesh.triangles).find_map(|(i, t)| Some((i, place(t)?))).expect("an element");
+            let snapshot = run.snapshot();
+            let now: usize = snapshot.triangles[element][k] as usize;
+            (snapshot.positions[now][axis] - mesh.nodes[corner][axis], most)
+        };
+        let (held, pressed) = moved([0.2e6, -1e6], 0);
+        let (slid, _) = moved([0.4e6, -1e6], 0);
+        let (lifted, pulled) = moved([0.0, 1e5], 1);
+        assert!(held.abs() < 3e-6 && slid > 3e-5, "{insertion:?}: {held} {slid}");
+        // All of 1 MPa on 40 mm, once it is at rest; next to nothing of the pull.
+        assert!((3.9e4..5.5e4).contains(&pressed), "{insertion:?}: {pressed}");
+        assert!(lifted > 3e-5 && pulled < 400.0, "{insertion:?}: {lifted} {pulled}");
     }
 }

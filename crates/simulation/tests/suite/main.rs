@@ -1,16 +1,22 @@
-//! What a simulation must do, by what could go wrong.
+//! Tests of the simulation, by the kind of failure.
 
 #![allow(clippy::expect_used, clippy::panic, reason = "tests")]
 
 mod common;
 
-/// Waves, spin; the same for any number of threads.
+/// Models far from the origin of their coordinates.
+mod coordinates;
+/// Waves, rotation, gravity; independence of the number of threads.
 mod motion;
 /// Collisions, friction.
 mod contact;
+/// Forces and fragments for results.
+mod forces;
 /// Strength, energy of fracture.
 mod fracture;
-/// Runs that stop and go on; runs that cannot go on.
+/// Runs that are saved and resumed; runs that stop by themselves.
 mod resume;
-/// Models that cannot be.
+/// Initial stress: what it stores, and what keeps it.
+mod stress;
+/// Models that are refused.
 mod refusal;

@@ -1,4 +1,4 @@
-//! Elastic bodies: waves, rotation, collisions. What is conserved, and what theory says.
+//! Elastic bodies: waves, rotation, gravity. Comparison with theory and conservation laws.
 
 use crate::common::*;
 use fdem_simulation::*;
@@ -29,7 +29,7 @@ fn a_wave_in_a_bar_travels_at_the_speed_of_theory_and_doubles_at_the_free_end() 
     };
     let mut run = Simulation::new(model, 1).expect("a model");
     let speed = f64::sqrt(50e9 / 2700.0);
-    // When the middle is at half the speed of the ramp's middle.
+    // Time at which the velocity in the middle of the bar is that of the middle of the ramp.
     let mut arrival = None;
     while arrival.is_none() {
         run.advance(1).expect("a step");
@@ -72,6 +72,41 @@ fn a_block_that_spins_has_no_strain_and_keeps_its_momenta() {
     }
     let error = run.energies().balance() / energy.kinetic;
     assert!(error.abs() < 1e-9, "{error}");
+}
+
+#[test]
+fn gravity_at_once_doubles_the_load_and_a_ramp_does_not() {
+    let height = 1.0;
+    let mesh = rectangle([0.0, 0.0], [0.1, height], 2, 40);
+    let base = nodes_where(&mesh, |[_, y]| y < 1e-9);
+    let passage = height / f64::sqrt(50e9 / 2700.0);
+    let weight = 2700.0 * 0.1 * height * 9.81;
+    let largest_load = |gravity_schedule: Schedule| {
+        let model = Model {
+            mesh: mesh.clone(),
+            materials: vec![granite()],
+            gravity: [0.0, -9.81],
+            gravity_schedule,
+            boundaries: vec![Boundary {
+                name: "base".to_owned(),
+                target: Target::Nodes(base.clone()),
+                load: Load::Velocity([Some(0.0); 2]),
+                schedule: Schedule::Constant,
+            }],
+            ..Model::default()
+        };
+        let mut run = Simulation::new(model, 1).expect("a model");
+        let mut largest = 0.0_f64;
+        while run.time() < 30.0 * passage {
+            run.advance(1).expect("a step");
+            largest = largest.max(run.force(0).expect("the base")[1] / weight);
+        }
+        assert!(run.energies().error().abs() < 1e-6, "{:?}", run.energies());
+        largest
+    };
+    let (sudden, ramped) = (largest_load(Schedule::Constant), largest_load(Schedule::Ramp(20.0 * passage)));
+    assert!((sudden / 2.0 - 1.0).abs() < 0.03, "{sudden}");
+    assert!((ramped - 1.0).abs() < 0.02, "{ramped}");
 }
 
 #[test]

@@ -1,7 +1,7 @@
 use crate::common::*;
 use fdem_simulation::*;
 
-/// A block that falls on another, slanted, and breaks.
+/// A tilted block that falls on another and breaks.
 fn crash(insertion: Insertion) -> Model {
     let ground = rectangle([0.0, -0.1], [0.4, 0.0], 16, 4);
     let block = turned(&rectangle([0.0, 0.0], [0.1, 0.1], 6, 6), 0.5, [0.2, 0.001]);
@@ -100,7 +100,7 @@ fn a_step_that_is_too_long_stops_the_run_and_names_an_element() {
 
 #[test]
 fn the_critical_step_is_stable_and_not_far_from_the_limit() {
-    // Elastic, so that only the elements count: a bound for these, not for contacts.
+    // An elastic body without contacts, so that only the elements set the critical step.
     let mesh = rectangle([0.0; 2], [1.0, 1.0], 8, 8);
     let velocities =
         (0..mesh.nodes.len()).map(|k| [1e-3 * ((k * 7) % 5) as f64, -1e-3 * ((k * 3) % 4) as f64]).collect();

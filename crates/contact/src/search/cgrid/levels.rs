@@ -1,4 +1,4 @@
-//! The cells of each level, and which elements are handed to the level above.
+//! The cells of each level, and which elements move to the level above.
 
 use std::f64::consts::SQRT_2;
 
@@ -7,27 +7,29 @@ use crate::real::Real;
 use crate::search::cgrid::spans::Spans;
 use crate::search::multilevel::Level;
 
-/// Axes along which lists are nested: of more the first ones, which is enough to tell elements apart.
+/// Largest number of axes along which lists are nested. In higher dimensions the first ones are used, which separate elements well enough.
 pub(super) const MOST_AXES: usize = 16;
 
-/// Each class of sizes has cells 4 times as wide as the class below. There are so many below and above the one of usual sizes: all there can be of lengths from
-/// `2^-500` to `2^501`.
+/// Number of classes of sizes below and above the usual one. Each class has cells 4 times as wide as the class below. This covers all
+/// lengths from `2^-500` to `2^501`.
 const CLASSES_BELOW: i32 = 504;
 const CLASSES: usize = 1009;
 
-/// A class of so few elements is not worth lists of its own: it takes at most half as many tests of each with its like.
+/// A class with at most this number of elements does not pay for lists of its own: it makes at most half as many tests of each element with
+/// its like.
 const FEW: usize = 64;
 
-/// More cells than this on an axis take longer to sort and separate nothing.
+/// With more cells than this on an axis, sorting takes longer and no more elements are separated.
 const MOST_CELLS: f64 = 17_592_186_044_416.0;
 
-/// Elements from which the cost of cells is judged.
+/// Number of elements in the sample from which the cost of cells is estimated.
 const SAMPLE: usize = 32;
 
-/// How many times wider than those of their class the cells of a level may be.
+/// Factors by which the cells of a level may be wider than those of its class.
 const WIDER: [f64; 7] = [1.0, SQRT_2, 2.0, 2.0 * SQRT_2, 4.0, 4.0 * SQRT_2, 8.0];
 
-/// In nanoseconds on a processor of 2023; only their ratios matter: to sort an element, to list it in a cell, to test two.
+/// Costs in nanoseconds on a processor of 2023; only their ratios matter. To sort an element; then to list it in a cell, and to test two
+/// elements.
 const SORT: f64 = 150.0;
 const ENTRY: f64 = 15.0;
 const TEST: f64 = 8.0;
@@ -39,20 +41,20 @@ pub(super) struct Levels<'e, 'a, T, const D: usize> {
     cost: f64,
     /// The level of each class.
     level_of: Vec<u16>,
-    /// Cells of the class of usual sizes, for an element that covers as many as it may.
+    /// Edge of the cells of the usual class, for an element that covers as many cells as allowed.
     usual: f64,
-    /// Ends of all elements.
+    /// The smallest lower ends of all elements, axis by axis; then the largest upper ends.
     low: [f64; D],
     high: [f64; D],
 }
 
-/// Elements of a class, and the widths of some of them.
+/// The elements of a class, and the widths of a sample of them.
 #[derive(Clone, Debug)]
 struct Class<const D: usize> {
     elements: usize,
     smallest: f64,
     largest: f64,
-    /// Of every so many elements the widths are kept.
+    /// Every `stride`-th element is in the sample.
     stride: usize,
     widths: Vec<[f64; D]>,
 }
@@ -88,12 +90,12 @@ impl<const D: usize> Class<D> {
     }
 }
 
-/// Cells that an element may cover: those of a cube of four edges, up to 3D; a longer one may cover as many.
+/// Largest number of cells that an element may cover: that of a cube of four edges, up to 3D. Longer elements may cover as many.
 fn most_cells<const D: usize>() -> f64 {
     [5.0, 25.0, 125.0][D.min(3) - 1]
 }
 
-/// Cells of an edge that an element covers, on average over where it is.
+/// Number of cells of an edge that an element covers, averaged over its positions.
 fn cover<const D: usize>(widths: &[f64; D], edge: f64) -> f64 {
     widths.iter().take(MOST_AXES).map(|width| width / edge + 1.0).product()
 }
@@ -102,7 +104,7 @@ fn longest<const D: usize>(widths: &[f64; D]) -> f64 {
     widths.iter().take(MOST_AXES).fold(0.0, |longest, &width| f64::max(longest, width))
 }
 
-/// About the smallest cells of which an element covers no more than it may.
+/// The smallest edge, approximately, with which an element covers no more cells than allowed.
 fn needed<const D: usize>(widths: &[f64; D]) -> f64 {
     let most = most_cells::<D>();
     // Below the normal numbers a product may be no larger than its factor.
@@ -134,7 +136,7 @@ impl<'e, 'a, T: Real, const D: usize> Levels<'e, 'a, T, D> {
         };
 
         let mut classes = vec![Class::<D>::EMPTY; CLASSES];
-        // Of equal elements one speaks for all, but for where they end.
+        // Equal elements differ only in where they end, so one of them represents all.
         let each = if matches!(elements.shape, Shape::Equal(_)) { n } else { 1 };
         for index in 0..n {
             for axis in 0..D {
@@ -151,12 +153,12 @@ impl<'e, 'a, T: Real, const D: usize> Levels<'e, 'a, T, D> {
         levels
     }
 
-    /// Nanoseconds that the search is predicted to take, were the elements spread evenly.
+    /// The predicted time of the search in nanoseconds, assuming that elements are spread evenly.
     pub(super) fn cost(&self) -> f64 {
         self.cost
     }
 
-    /// What it is for any elements, from below.
+    /// Lower bound on [`Levels::cost`] for any elements.
     pub(super) fn least_cost(elements: usize) -> f64 {
         elements as f64 * (SORT + ENTRY)
     }
@@ -169,7 +171,7 @@ impl<'e, 'a, T: Real, const D: usize> Levels<'e, 'a, T, D> {
         self.spans
     }
 
-    /// Where the cells begin.
+    /// The corner where the cells begin.
     pub(super) fn origin(&self) -> [f64; D] {
         self.low
     }
@@ -179,16 +181,16 @@ impl<'e, 'a, T: Real, const D: usize> Levels<'e, 'a, T, D> {
         if self.each.len() == 1 { 0 } else { self.level_of[self.class(&self.spans.widths(index))] }
     }
 
-    /// Cells of a class.
+    /// The edge of the cells of a class.
     fn edge(&self, class: usize) -> f64 {
-        // 4 to the power of `class - CLASSES_BELOW`, by its bits.
+        // 4 to the power of `class - CLASSES_BELOW`, from its bits.
         self.usual * f64::from_bits((2 * class as u64 + 15) << 52)
     }
 
-    /// The first class with cells of which an element covers no more than it may.
+    /// The first class whose cells are so wide that an element covers no more of them than allowed.
     fn class(&self, widths: &[f64; D]) -> usize {
         let most = most_cells::<D>();
-        // At least that wide, for the longest edge alone.
+        // Lower bound on the edge, from the longest edge of the element alone.
         let ratio = (longest(widths) / (most - 1.0)).max(T::MIN_RESOLVED) / self.usual;
         let exponent = (ratio.to_bits() >> 52) as i32 - 1023;
         let class = exponent.div_euclid(2) + CLASSES_BELOW;
@@ -199,7 +201,7 @@ impl<'e, 'a, T: Real, const D: usize> Levels<'e, 'a, T, D> {
         class
     }
 
-    /// Makes levels of the classes that have elements.
+    /// Makes levels from the classes that have elements.
     fn choose(&mut self, classes: Vec<Class<D>>) {
         let mut above = classes.iter().map(|class| class.elements).sum::<usize>();
         let mut waiting = Class::EMPTY;
@@ -214,7 +216,7 @@ impl<'e, 'a, T: Real, const D: usize> Levels<'e, 'a, T, D> {
                 waiting = class;
             } else {
                 let (cost, cell_size) = self.cell_size(self.edge(number), &class);
-                // The finer elements are sorted too, and listed once or twice.
+                // The finer elements are sorted too, and each is listed once or twice.
                 let finer = self.each.iter().map(|level| level.elements as f64).sum::<f64>();
                 self.cost += cost + finer * (SORT + 2.0 * ENTRY);
                 let Class { elements, smallest, largest, .. } = class;
@@ -223,7 +225,8 @@ impl<'e, 'a, T: Real, const D: usize> Levels<'e, 'a, T, D> {
         }
     }
 
-    /// The time for a level, and its cells: those of its class, or wider ones, of which elements cover fewer, if that takes less time.
+    /// The predicted time for a level and the edge of its cells: that of its class, or a wider one if that takes less time because elements
+    /// cover fewer cells.
     fn cell_size(&self, edge: f64, class: &Class<D>) -> (f64, f64) {
         let widest = (0..D).map(|axis| self.high[axis] - self.low[axis]).fold(0.0, f64::max);
         let least = T::MIN_RESOLVED.max(widest / MOST_CELLS);
@@ -231,7 +234,7 @@ impl<'e, 'a, T: Real, const D: usize> Levels<'e, 'a, T, D> {
         for wider in WIDER {
             let edge = (edge * wider).max(least);
             let cost = self.cost_of(edge, class);
-            // Where costs are beyond floats, any will do.
+            // If no cost fits into a float, any edge will do.
             if cost < best.0 || best.1 == 0.0 {
                 best = (cost, edge);
             }
@@ -239,10 +242,10 @@ impl<'e, 'a, T: Real, const D: usize> Levels<'e, 'a, T, D> {
         best
     }
 
-    /// The time for the elements of a level among themselves, were they spread evenly.
+    /// The predicted time for the elements of a level among themselves, assuming that they are spread evenly.
     fn cost_of(&self, edge: f64, class: &Class<D>) -> f64 {
         let n = class.elements as f64;
-        // Where elements are, not where they end: one that covers all says nothing of the room that others have.
+        // The bounds of the anchors, not of the ends: an element that covers everything says nothing about the space that the others have.
         let bounds = self.spans.elements().bounds();
         let (mut entries, mut tests) = (0.0, 0.0);
         for (k, one) in class.widths.iter().enumerate() {

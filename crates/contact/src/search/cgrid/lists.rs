@@ -1,4 +1,4 @@
-//! The lists: bodies enter them at their minimum, leave them at their maximum, and are spread axis by axis down to cells.
+//! The lists of the C-grid: bodies enter at their minimum, leave at their maximum, and are spread axis by axis down to cells.
 
 use crate::couple::Couple;
 use crate::elements::{Bounds, Elements, Geometry, Shape};
@@ -17,54 +17,54 @@ struct Place {
     enters: u32,
     /// "Out": the last slab in which it is.
     leaves: u32,
-    /// Where it stands on a list: by the slabs of the axes below.
+    /// Its place in the order of a list, given by the slabs on the axes below.
     order: u32,
     /// The next body on the list.
     next: u32,
 }
 
-/// The number of a body, with the cell in which it enters.
+/// The number of a body and the cell in which it enters, for sorting.
 #[derive(Clone, Copy, Debug)]
 struct Key {
     cell: u64,
     body: u32,
 }
 
-/// What the search of one level did.
+/// Counts of what the search of one level did.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Counted {
     pub(super) entries: u64,
     pub(super) tests: u64,
 }
 
-/// The bodies of a level and those of finer levels that may touch them, with memory for their lists.
+/// The bodies of a level and the finer bodies that may touch them, with the memory for their lists.
 #[derive(Clone, Debug)]
 pub(super) struct Bodies<T, const D: usize> {
-    /// The numbers of the elements, in the order of the lists once they are sorted.
+    /// The numbers of the elements; in the order of the lists once they are sorted.
     numbers: Vec<u32>,
     unsorted: Vec<u32>,
     points: Vec<[T; D]>,
     far_points: Vec<[T; D]>,
     radii: Vec<T>,
-    /// One set for each axis.
+    /// One array of places for each axis.
     places: Vec<Vec<Place>>,
     sorted_places: Vec<Place>,
-    /// Of each body a bit for every axis but the first, set in the slab in which it enters, and the bit [`OWN`].
+    /// Bits of each body: one for every axis but the first, set in the slab in which the body enters, and [`OWN`].
     entered: Vec<u32>,
     keys: Vec<Key>,
     sorted_keys: Vec<Key>,
-    /// The cells, along one axis, in which bodies enter.
+    /// The cells along one axis in which bodies enter.
     slabs: Vec<u64>,
 }
 
-/// A body of this level, not of a finer one. The first axis needs no bit of its own.
+/// Marks a body of this level, as opposed to a finer level. The first axis needs no bit, so its bit is free.
 const OWN: u32 = 1;
 
-/// The bodies in a cell are on a list for each combination of this bit and those of so many axes.
+/// Number of axes whose bits separate the lists of a cell: there is one list for each combination of these bits and [`OWN`].
 const TOLD_APART: usize = 4;
 const LISTS: usize = 1 << (1 + TOLD_APART);
 
-/// Where cells begin, and how many there are to a length.
+/// The origin of the cells and the number of cells per unit length.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cells<const D: usize> {
     pub(super) origin: [f64; D],
@@ -72,7 +72,8 @@ pub(super) struct Cells<const D: usize> {
 }
 
 impl<const D: usize> Cells<D> {
-    /// The cell of a coordinate. All that couples depend on is that it does not descend where the coordinate ascends; each operation sees to that.
+    /// The cell of a coordinate. The couples depend only on this: the cell does not descend while the coordinate ascends. Each operation
+    /// below preserves that.
     #[inline]
     fn of(&self, axis: usize, x: f64) -> u64 {
         ((x - self.origin[axis]) * self.inverse) as u64
@@ -98,7 +99,7 @@ impl<T: Real, const D: usize> Bodies<T, D> {
         }
     }
 
-    /// Room for so many bodies.
+    /// Reserves memory for `bodies` bodies.
     pub(super) fn reserve(&mut self, elements: &Elements<'_, T, D>, bodies: usize) -> Result<(), Error> {
         fn exactly<V>(values: &mut Vec<V>, count: usize) -> Result<(), Error> {
             values.clear();
@@ -118,7 +119,7 @@ impl<T: Real, const D: usize> Bodies<T, D> {
         exactly(&mut self.slabs, bodies)
     }
 
-    /// Whether bodies have far points, and whether they have radii, as numbers.
+    /// 1 or 0: whether bodies have far points, and whether they have radii.
     fn extra(elements: &Elements<'_, T, D>) -> [usize; 2] {
         match elements.shape {
             Shape::Equal(_) => [0, 0],
@@ -149,7 +150,7 @@ impl<T: Real, const D: usize> Bodies<T, D> {
         bodies * each
     }
 
-    /// Takes bodies in, in ascending order, and says of each whether it is of this level.
+    /// Takes in bodies in ascending order, each with whether it belongs to this level.
     pub(super) fn fill(&mut self, bodies: impl Iterator<Item = (u32, bool)>) {
         self.unsorted.clear();
         self.entered.clear();
@@ -159,10 +160,10 @@ impl<T: Real, const D: usize> Bodies<T, D> {
         }
     }
 
-    /// Sorts the bodies by the cells in which they enter: by the last axis, among equals by the one before, and so on; then by number.
+    /// Sorts the bodies by the cells in which they enter: by the last axis, then by the axis before, and so on, then by number.
     ///
-    /// One pass for each axis, the first axis first: a stable sort keeps what those before have done. The cells of an axis are numbered from 0,
-    /// those left out in which nothing enters: no couple is reported there.
+    /// There is one stable pass per axis, the first axis first. The cells of an axis are numbered from 0. Cells in which nothing enters get
+    /// no number, because no couple is reported there.
     pub(super) fn sort(&mut self, spans: &Spans<'_, '_, T, D>, cells: &Cells<D>) {
         let Self { unsorted, keys, sorted_keys, slabs, places, .. } = self;
         keys.clear();
@@ -196,7 +197,7 @@ impl<T: Real, const D: usize> Bodies<T, D> {
         self.arrange(spans.elements());
     }
 
-    /// Brings what is known of the bodies into their order.
+    /// Puts the data of the bodies into their order.
     fn arrange(&mut self, elements: &Elements<'_, T, D>) {
         let order = || self.keys.iter().map(|key| key.body as usize);
         for set in &mut self.places {
@@ -228,7 +229,7 @@ impl<T: Real, const D: usize> Bodies<T, D> {
         }
     }
 
-    /// Calls `visit` with all couples of two bodies of this level, or of one of this level and a finer one.
+    /// Calls `visit` with all couples of two bodies of this level, or of one body of this level and one of a finer level.
     pub(super) fn search(
         &mut self,
         elements: &Elements<'_, T, D>,
@@ -257,7 +258,8 @@ impl<T: Real, const D: usize> Bodies<T, D> {
     }
 }
 
-/// The last of `slabs`, ascending cells, that is at most `cell`: from `first`, which is, by leaps that double.
+/// The last of `slabs`, which are ascending cells, that is at most `cell`. Searches from `first`, which is at most `cell`, in steps that
+/// double.
 fn last_up_to(slabs: &[u64], first: u32, cell: u64) -> u32 {
     let (mut low, mut leap) = (first as usize, 1);
     while low + leap < slabs.len() && slabs[low + leap] <= cell {
@@ -268,14 +270,14 @@ fn last_up_to(slabs: &[u64], first: u32, cell: u64) -> u32 {
     (low + slabs[low + 1..high].partition_point(|&other| other <= cell)) as u32
 }
 
-/// Sorts by cell, digit by digit, and keeps the order of equals.
+/// Sorts by cell, digit by digit; the order of equal cells is kept.
 fn sort_keys(keys: &mut Vec<Key>, other: &mut Vec<Key>) {
     const DIGITS: usize = 1 << 11;
     let most = keys.iter().fold(0, |most, key| most | key.cell);
     if keys.is_sorted_by_key(|key| key.cell) {
         return;
     }
-    // Few keys do not fill the counts of many digits.
+    // With few keys, large digits would leave most counts empty.
     let bits = if keys.len() < DIGITS { 6 } else { DIGITS.ilog2() };
     let mut starts = [0_u32; DIGITS];
     for shift in (0..u64::BITS - most.leading_zeros()).step_by(bits as usize) {
@@ -300,7 +302,7 @@ fn sort_keys(keys: &mut Vec<Key>, other: &mut Vec<Key>) {
     }
 }
 
-/// Sorted bodies that also have to see each other, by the numbers of their elements.
+/// The geometry and the filter of sorted bodies; the filter needs the numbers of their elements.
 #[derive(Clone, Copy)]
 struct Seen<'a, G> {
     geometry: G,
@@ -342,22 +344,23 @@ struct Pass<'s, G> {
     numbers: &'s [u32],
     places: &'s mut [Vec<Place>],
     entered: &'s mut [u32],
-    /// One instance for all visitors: couples are few beside tests.
+    /// A trait object, so that the code is compiled once: couples are few compared with tests.
     visit: &'s mut dyn FnMut(Couple),
     counted: Counted,
 }
 
 impl<G: Geometry> Pass<'_, G> {
-    /// The sub-divider: spreads the list of a slab of the axis above over the slabs of `axis`, one after the other, and each of these over the axis below.
+    /// The sub-divider: spreads the list of a slab of the axis above over the slabs of `axis`, one after the other, and each of these over
+    /// the axis below.
     ///
-    /// `first` is the first body of the list, which is in the order in which bodies enter along `axis`. The list of `axis` holds the bodies of one slab. From slab to slab,
-    /// bodies enter and others leave, and the list stays in the order of the axis below.
+    /// `first` is the first body of the list, which is in the order in which bodies enter along `axis`. The list of `axis` holds the bodies
+    /// of one slab. From slab to slab bodies enter and leave, and the list keeps the order of the axis below.
     fn spread(&mut self, axis: usize, first: u32) {
         if axis == 0 {
             return self.cells(first);
         }
         let bit = 1 << axis;
-        // Of two bodies one has to have entered here, and on each axis above, and one is of this level.
+        // At least one of two bodies must have entered here, and likewise on each axis above, and one must belong to this level.
         let needed = ((1_u32 << self.places.len()) - bit) | OWN;
         let (mut head, mut entering) = (NONE, first);
         while entering != NONE {
@@ -391,7 +394,7 @@ impl<G: Geometry> Pass<'_, G> {
                 last = body;
                 self.counted.entries += 1;
             }
-            // At least one has entered.
+            // At least one body has entered.
             self.places[axis][last as usize].next = NONE;
             if met & needed == needed {
                 self.spread(axis - 1, head);
@@ -399,7 +402,7 @@ impl<G: Geometry> Pass<'_, G> {
         }
     }
 
-    /// The next body on a list of `axis`; above the last axis bodies follow each other.
+    /// The next body on a list of `axis`; above the last axis, the next body in order.
     #[inline]
     fn after(&self, axis: usize, body: u32) -> u32 {
         if axis < self.places.len() {
@@ -411,9 +414,10 @@ impl<G: Geometry> Pass<'_, G> {
         }
     }
 
-    /// The first axis, whose slabs are cells: each body that enters is compared with those that are there.
+    /// Handles the first axis, whose slabs are cells: each body that enters is compared with those that are in the cell.
     ///
-    /// Two bodies are compared where, on every axis, one of them enters while the other is there: in the cell of the larger of their minimum corners, and in no other.
+    /// Two bodies are compared where, on every axis, one of them enters while the other is present: in the cell of the larger of their
+    /// minimum corners, and in no other.
     fn cells(&mut self, first: u32) {
         let all = (1_u32 << self.places.len()) - 1;
         let mut heads = [NONE; LISTS];
@@ -435,7 +439,8 @@ impl<G: Geometry> Pass<'_, G> {
         }
     }
 
-    /// Compares a body with those on a list that have entered on the axes on which it has not; those that have left the cell are taken off.
+    /// Compares a body with those on a list that have entered on the axes on which it has not. Takes bodies off the list that have left the
+    /// cell.
     #[inline]
     fn compare(&mut self, body: u32, needed: u32, head: &mut u32) {
         let cell = self.places[0][body as usize].enters;

@@ -1,21 +1,21 @@
-//! What an element spans along each axis: where it enters the lists, and where it leaves them.
+//! The extent of an element along each axis: where it enters the lists and where it leaves them.
 
 use crate::elements::{Elements, Shape};
 use crate::real::Real;
 
-/// Boxes that are looked at to see whether most are long.
+/// Number of boxes in the sample that shows whether most are long.
 const SAMPLE: usize = 63;
 
-/// The bounding boxes of elements, as wide as contact reaches: where elements touch, these overlap (closed) on every axis.
+/// The bounding boxes of elements, extended by the reach of contact: if elements touch, their boxes overlap (closed) on every axis.
 ///
 /// # Why no couple is lost
-/// Boxes: `low = min` and `high = max + tolerance`, rounded as the comparison of [`Elements`] rounds it. They overlap on every axis exactly where the
-/// boxes touch.
+/// Boxes: `low = min` and `high = max + tolerance`, rounded as in the comparison of [`Elements`]. They overlap on every axis exactly where
+/// the boxes touch.
 ///
-/// Spheres: `low = x - h` and `high = x + h` with `h = (r + tolerance / 2) (1 + (D + 8) EPSILON) + MIN_RESOLVED / 2`. By [`Elements::rounding`], of which the
-/// relative part may be had of `r_i + r_j` and need not be had of the largest of all, spheres that touch are at most `h_i + h_j` apart along an axis: that bound is
-/// four times what is needed, which covers the roundings of `h`. So `x_i - h_i <= x_j + h_j` for exact numbers; both sides are
-/// rounded once, and rounding does not change an order.
+/// Spheres: `low = x - h` and `high = x + h` with `h = (r + tolerance / 2) (1 + (D + 8) EPSILON) + MIN_RESOLVED / 2`. The relative part of
+/// [`Elements::rounding`] may be taken of `r_i + r_j` instead of the largest sum. So spheres that touch are at most `h_i + h_j` apart along
+/// an axis; that bound is four times what is needed, which covers the roundings of `h`. Hence `x_i - h_i <= x_j + h_j` holds for exact
+/// numbers. Both sides are rounded once, and rounding does not change an order.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Spans<'e, 'a, T, const D: usize> {
     elements: &'e Elements<'a, T, D>,
@@ -52,7 +52,7 @@ impl<'e, 'a, T: Real, const D: usize> Spans<'e, 'a, T, D> {
         [centre - half, centre + half]
     }
 
-    /// Whether these are boxes of which most, of a sample, are several times longer than they are wide on average.
+    /// Whether the elements are boxes most of which, judged by a sample, are several times longer than their mean width.
     pub(super) fn are_long_boxes(&self) -> bool {
         let n = self.elements.len();
         if n == 0 || !matches!(self.elements.shape, Shape::Boxes(_)) {
@@ -62,13 +62,13 @@ impl<'e, 'a, T: Real, const D: usize> Spans<'e, 'a, T, D> {
         let long = |&k: &usize| {
             let widths = self.widths(k * n / sample);
             let longest = widths.iter().fold(0.0, |longest, &width| f64::max(longest, width));
-            // The volume of a cube of half its length is larger than that of the box.
+            // The volume of a cube of half the length of the box is larger than that of the box.
             longest > 0.0 && widths.iter().map(|width| 2.0 * width / longest).product::<f64>() < 1.0
         };
         2 * (0..sample).filter(long).count() > sample
     }
 
-    /// Its width along each axis, at least 0.
+    /// The width of an element along each axis, at least 0.
     pub(super) fn widths(&self, index: usize) -> [f64; D] {
         std::array::from_fn(|axis| {
             let [low, high] = self.span(index, axis);

@@ -1,55 +1,56 @@
-//! The choice of levels: a model of what a search costs.
+//! The choice of levels by a model of the cost of a search.
 
 use crate::elements::{Bounds, Elements, Shape};
 use crate::grid::{Grid, edge_for};
 use crate::real::Real;
 use crate::search::rows::scan::PART;
 
-/// Elements of similar size, which are searched on cells of their own.
+/// Elements of similar size that are searched on their own cells.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Level {
-    /// How many there are.
+    /// Number of elements.
     pub elements: usize,
-    /// The smallest diameter (largest edge of a box) among them.
+    /// The smallest diameter (largest edge of a box) of the elements.
     pub smallest: f64,
-    /// The largest.
+    /// The largest diameter (largest edge of a box) of the elements.
     pub largest: f64,
-    /// Edge of their cells.
+    /// Edge of the cells.
     pub cell_size: f64,
 }
 
-/// What costs what, in nanoseconds on a processor of 2023; only their ratios matter.
+/// Costs in nanoseconds on a processor of 2023; only their ratios matter. `SORT`: to sort one element.
 const SORT: f64 = 25.0;
-/// Among elements of one level: to begin with a row, and for each element that is near along it.
+/// Within one level: to start a window on a row, and, below, to test one element in it.
 const WINDOW: f64 = 4.0;
 const CANDIDATE: f64 = 0.4;
-/// To find a row near another, and where to begin in it.
+/// To find a row near another one, and the place to begin in it.
 const PAIR_OF_ROWS: f64 = 60.0;
 const PAIR_OF_LEVELS: f64 = 5_000.0;
 
-/// The same among elements of two levels, which are seldom in cache.
+/// The same costs between two levels, whose elements are seldom in cache.
 struct Across {
     window: f64,
     candidate: f64,
     pair_of_rows: f64,
-    /// Part of the width of its row from which an element looks, if there are several in the row.
+    /// The width of the region that an element searches from, as a fraction of the width of its row, if there are several elements in the
+    /// row.
     width: f64,
 }
 
-/// Each sphere finds the rows near it by itself.
+/// Each sphere finds the rows near it on its own.
 const SPHERES: Across = Across { window: 25.0, candidate: 0.5, pair_of_rows: 0.0, width: 0.0 };
 
-/// Boxes that are near each other do so together.
+/// Boxes that are near each other find rows together.
 const BOXES: Across = Across { window: 8.0, candidate: 1.0, pair_of_rows: PAIR_OF_ROWS, width: 1.0 };
 
-/// That of an element among others of its size.
+/// The predicted time per element among elements of one size.
 const USUAL: f64 = 40.0;
 
-/// Elements in a cell, on average, where they are too thinly spread to fill cells of their size.
+/// Average number of elements in a cell where they are too sparse to fill cells of their size.
 const THIN: f64 = 1.0;
 
-/// What is known of the elements, and of the time that a search among them takes.
+/// The known properties of the elements, and the predicted time of a search among them.
 pub(super) struct Model<'e, 'a, T, const D: usize> {
     elements: &'e Elements<'a, T, D>,
     bounds: Bounds<D>,
@@ -59,18 +60,18 @@ pub(super) struct Model<'e, 'a, T, const D: usize> {
     levels: Vec<Level>,
 }
 
-/// Two classes to an octave: by the exponent and the first bit of the fraction.
+/// The class of a size. There are two classes per octave, given by the exponent and the first bit of the fraction.
 fn class(size: f64) -> usize {
     (size.to_bits() >> 51) as usize
 }
 
-/// Sizes are not negative.
+/// Number of classes; sizes are not negative.
 const CLASSES: usize = 1 << 12;
 
 impl<'e, 'a, T: Real, const D: usize> Model<'e, 'a, T, D> {
     pub(super) fn new(elements: &'e Elements<'a, T, D>, limits: Option<&[f64]>) -> Self {
         let mut counts = vec![(0, f64::INFINITY, 0.0_f64); CLASSES];
-        // Of equal elements one speaks for all.
+        // Equal elements are counted once, all together.
         let each = if matches!(elements.shape, Shape::Equal(_)) { elements.len() } else { 1 };
         for index in (0..elements.len()).step_by(each.max(1)) {
             let size = elements.size(index);
@@ -114,17 +115,17 @@ impl<'e, 'a, T: Real, const D: usize> Model<'e, 'a, T, D> {
         Level { elements, smallest, largest, cell_size }
     }
 
-    /// The cells of a level.
+    /// The grid of a level.
     pub(super) fn grid(&self, level: &Level) -> Grid<D> {
         Grid::with_cell_size(self.bounds.min, self.bounds.max, level.cell_size)
     }
 
-    /// No element of the one level touches one of the other that is farther away along an axis.
+    /// The largest distance along an axis between touching elements of the two levels.
     pub(super) fn reach(&self, level: &Level, other: &Level) -> f64 {
         self.elements.reach_between(level.largest, other.largest)
     }
 
-    /// Makes one level of neighbouring ones as long as that saves time.
+    /// Merges neighbouring levels as long as that saves time.
     fn merge(&mut self) {
         loop {
             let mut best = (0.0, None);
@@ -145,7 +146,7 @@ impl<'e, 'a, T: Real, const D: usize> Model<'e, 'a, T, D> {
             self.levels[k - 1] = both;
             self.levels.remove(k);
         }
-        // Pair by pair one may get stuck where all at once would do.
+        // Merging two at a time can get stuck where merging all at once would save time.
         let [first, .., last] = self.levels[..] else { return };
         let all = self.level(self.elements.len(), first.smallest, last.largest);
         if self.cost(&all) <= self.total() {
@@ -153,7 +154,7 @@ impl<'e, 'a, T: Real, const D: usize> Model<'e, 'a, T, D> {
         }
     }
 
-    /// Makes one level of all that are on the same side of every limit.
+    /// Merges all levels that lie between the same limits.
     fn merge_between(&mut self, limits: &[f64]) {
         let place = |level: &Level| limits.iter().filter(|&&limit| level.smallest > limit).count();
         let groups = self.levels.chunk_by(|one, two| place(one) == place(two)).map(|group| {
@@ -163,7 +164,7 @@ impl<'e, 'a, T: Real, const D: usize> Model<'e, 'a, T, D> {
         self.levels = groups.collect();
     }
 
-    /// The time of the whole search, in nanoseconds.
+    /// The predicted time of the whole search, in nanoseconds.
     pub(super) fn total(&self) -> f64 {
         let pairs = self
             .levels
@@ -173,7 +174,8 @@ impl<'e, 'a, T: Real, const D: usize> Model<'e, 'a, T, D> {
         pairs.sum::<f64>() + self.levels.iter().map(|level| self.cost(level)).sum::<f64>()
     }
 
-    /// Windows that elements of one level open on rows of another (half of them on the same), and elements in these windows.
+    /// Predicted number of windows that elements of one level open on rows of another (half of them within one level), and of elements in
+    /// these windows.
     pub(super) fn work(&self, level: &Level, other: Option<&Level>) -> [f64; 2] {
         let (windows, other) = match other {
             None => (self.rows_around(level, 2.0 * level.cell_size).midpoint(1.0), level),
@@ -183,11 +185,11 @@ impl<'e, 'a, T: Real, const D: usize> Model<'e, 'a, T, D> {
         [windows, candidates].map(|each| each * level.elements as f64)
     }
 
-    /// The time to sort a level and to compare it with itself.
+    /// The predicted time to sort a level and to compare it with itself.
     fn cost(&self, level: &Level) -> f64 {
         let reach = self.reach(level, level);
         let n = level.elements as f64;
-        // Half of the windows around an element, and half of its own.
+        // Half of the windows around an element, and half of the window in its own row.
         let windows = self.rows_around(level, 2.0 * level.cell_size).midpoint(1.0);
         let candidates = 2.0 * reach * windows * self.along_rows(level);
         n * (SORT + windows * WINDOW + candidates * CANDIDATE)
@@ -195,12 +197,12 @@ impl<'e, 'a, T: Real, const D: usize> Model<'e, 'a, T, D> {
             + PAIR_OF_LEVELS
     }
 
-    /// The time to compare two levels.
+    /// The predicted time to compare two levels.
     fn cost_of(&self, one: &Level, two: &Level) -> f64 {
         self.cost_to_look(one, two).min(self.cost_to_look(two, one))
     }
 
-    /// Whether the first level looks for elements of the second, because that takes less time than the reverse.
+    /// Whether the elements of the first level look for those of the second, because that takes less time than the reverse.
     pub(super) fn looks(&self, level: &Level, other: &Level) -> bool {
         self.cost_to_look(level, other) <= self.cost_to_look(other, level)
     }
@@ -211,7 +213,7 @@ impl<'e, 'a, T: Real, const D: usize> Model<'e, 'a, T, D> {
             + PAIR_OF_LEVELS
     }
 
-    /// The time that one element of a level looks for those of another.
+    /// The predicted time for one element of a level to look for those of another.
     fn cost_of_element(&self, level: &Level, other: &Level) -> f64 {
         let windows = self.windows(level, other);
         let candidates = 2.0 * self.reach(level, other) * windows * self.along_rows(other);
@@ -223,25 +225,25 @@ impl<'e, 'a, T: Real, const D: usize> Model<'e, 'a, T, D> {
         if matches!(self.elements.shape, Shape::Boxes(_)) { &BOXES } else { &SPHERES }
     }
 
-    /// Rows of the other level that are near an element of this one.
+    /// Number of rows of the other level near an element of this one.
     fn windows(&self, level: &Level, other: &Level) -> f64 {
         let several = 1.0 - self.rows(level) / level.elements as f64;
         let width = self.across().width * level.cell_size * several;
         self.rows_around(other, width + 2.0 * self.reach(level, other))
     }
 
-    /// Elements of `level` that look for those of `other` at a time, so many that all parts take about as long.
+    /// Number of elements of `level` per part of the search for those of `other`; all parts take about the same time.
     pub(super) fn part(&self, level: &Level, other: &Level) -> usize {
         let most = PART as f64;
         (most * USUAL / self.cost_of_element(level, other)).clamp(64.0, most) as usize
     }
 
-    /// Rows of a level that hold elements.
+    /// Number of rows of a level that hold elements.
     fn rows(&self, level: &Level) -> f64 {
         self.rows_around(level, f64::INFINITY).min(level.elements as f64)
     }
 
-    /// Rows of a level that cross a square (cube, ...) of an edge.
+    /// Number of rows of a level that cross a square (cube, ...) with the given edge.
     fn rows_around(&self, level: &Level, edge: f64) -> f64 {
         let long = self.long();
         let short = self.extents.iter().enumerate().filter(|&(axis, _)| axis != long);
@@ -250,13 +252,13 @@ impl<'e, 'a, T: Real, const D: usize> Model<'e, 'a, T, D> {
             .product()
     }
 
-    /// Elements per length of a row.
+    /// Elements per unit length of a row.
     fn along_rows(&self, level: &Level) -> f64 {
         let length = self.extents[self.long()].max(level.cell_size);
         level.elements as f64 / (self.rows_around(level, f64::INFINITY) * length)
     }
 
-    /// The axis of the rows.
+    /// The axis along the rows.
     fn long(&self) -> usize {
         (0..D).fold(0, |long, axis| if self.extents[axis] > self.extents[long] { axis } else { long })
     }

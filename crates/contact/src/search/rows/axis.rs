@@ -1,14 +1,14 @@
-//! Cell numbers along one axis with the empty stretches taken out.
+//! Numbers for the cells of one axis that leave out empty stretches.
 
 /// Maps the cells of an axis, in order, to fewer numbers if most of them are empty.
 ///
-/// The axis is cut into stretches; of each stretch only the part between its first and its last cell that hold
-/// elements is numbered. One element thrown far away costs one number, not the way there.
+/// The axis is cut into stretches. In each stretch only the cells from the first to the last occupied one are numbered. An element far away
+/// from the others costs one number, not one for every cell in between.
 #[derive(Clone, Debug)]
 pub(crate) struct AxisMap {
     cells: u64,
     stretches: Vec<Stretch>,
-    /// Stretch of a cell: `cell >> shift`.
+    /// The stretch of a cell is `cell >> shift`.
     shift: u32,
 }
 
@@ -20,22 +20,22 @@ struct Stretch {
     number: u64,
 }
 
-/// As many stretches as stay in the first-level cache.
+/// Largest number of stretches: they stay in the first-level cache.
 const MAX_STRETCHES: u64 = 1024;
 
 impl AxisMap {
-    /// An axis of so many `cells`, none of them occupied.
+    /// An axis with this number of `cells`, none of them occupied.
     pub(crate) fn new(cells: u64) -> Self {
         let shift = (0..64).find(|shift| (cells - 1) >> shift < MAX_STRETCHES).unwrap_or(63);
         let empty = Stretch { first: u64::MAX, last: 0, number: 0 };
         Self { cells: 0, stretches: vec![empty; ((cells - 1) >> shift) as usize + 1], shift }
     }
 
-    /// Keeps a number for a cell.
+    /// Marks a cell as occupied.
     #[inline]
     pub(crate) fn occupy(&mut self, cell: u64) {
         let stretch = &mut self.stretches[(cell >> self.shift) as usize];
-        // Seldom: a store that is not made does not hold up the next load.
+        // The condition is seldom true. A store that is skipped does not delay the next load.
         if cell < stretch.first {
             stretch.first = cell;
         }
@@ -44,7 +44,7 @@ impl AxisMap {
         }
     }
 
-    /// Numbers the cells: after the last that is occupied, before the first is looked up.
+    /// Numbers the occupied cells. Call it after the last [`AxisMap::occupy`] and before the first look-up.
     pub(crate) fn number(&mut self) {
         self.cells = 0;
         for stretch in self.stretches.iter_mut().filter(|stretch| stretch.first != u64::MAX) {
@@ -53,7 +53,7 @@ impl AxisMap {
         }
     }
 
-    /// How many numbers there are.
+    /// How many numbers are in use.
     pub(crate) fn cells(&self) -> u64 {
         self.cells
     }

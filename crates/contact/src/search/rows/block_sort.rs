@@ -1,18 +1,18 @@
-//! Sorting a block of rows, in cache.
+//! Sorts a block of rows in cache.
 
 use crate::error::Error;
 use crate::real::Real;
 use crate::search::rows::keys::RowKeys;
 use crate::search::rows::layout::{reserve, resize};
 
-/// Memory to sort one block, kept between blocks.
+/// Working memory for sorting one block, kept from block to block.
 #[derive(Clone, Debug)]
 pub(crate) struct BlockSort<T, const D: usize> {
-    /// The block before the sort.
+    /// The points of the block before the sort.
     points: Vec<[T; D]>,
     ids: Vec<u32>,
     radii: Vec<T>,
-    /// One for each element: row, place along the row, place in the block, from the highest bits to the lowest.
+    /// One key per element: row, place along the row, place in the block, from the highest bits to the lowest.
     keys: Vec<u64>,
     moved: Vec<u64>,
     counts: Vec<u32>,
@@ -20,42 +20,42 @@ pub(crate) struct BlockSort<T, const D: usize> {
     pub(crate) starts: Vec<u32>,
 }
 
-/// A stretch of rows.
+/// The start of a block: consecutive rows and their elements.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Block {
     pub(crate) first_row: u64,
-    /// Its first element.
+    /// First element of the block.
     pub(crate) start: usize,
 }
 
-/// Elements of the layout.
+/// The elements of some blocks, in the arrays of the layout.
 pub(crate) struct Elements<'a, T> {
-    /// Points before the sort; one array for each axis of each row after it.
+    /// Before the sort: points. After the sort: one array for each axis of each row.
     pub(crate) coordinates: &'a mut [T],
     pub(crate) ids: &'a mut [u32],
-    /// As many as elements, or none.
+    /// One radius per element, or empty.
     pub(crate) radii: &'a mut [T],
 }
 
-/// With fewer bits for the place along the row, elements are compared instead.
+/// If fewer bits are left for the place along the row, elements are compared instead of keys.
 const MIN_PLACE_BITS: u32 = 8;
 
-/// More are not exact in `f64`.
+/// More bits than this are not exact in `f64`.
 const MAX_PLACE_BITS: u32 = 50;
 
-/// Insertion is quick while elements move over a few others on average; beyond, another sort takes over.
+/// Insertion sort is fast while each element moves over a few others on average; beyond this number another sort is used.
 const MAX_MOVES_PER_ELEMENT: usize = 4;
 
-/// With more keys to a digit than this, on average of those digits that occur, one pass leaves too much to insertion.
+/// Average number of keys per occurring digit beyond which one pass leaves too much work to insertion sort.
 const CROWDED: usize = 3;
 
-/// Bits of the place along the row that are then sorted by: rows are short there.
+/// Bits of the place along the row that are sorted by in that case, where rows are short.
 const PLACE_BITS_SORTED: u32 = 6;
 
-/// Counts of digits stay in the first-level cache.
+/// Largest number of bits of a digit: the counts stay in the first-level cache.
 const MAX_DIGIT_BITS: u32 = 11;
 
-/// So many elements are sorted without counting.
+/// Up to this number, elements are sorted without counting.
 const FEW: usize = 32;
 
 impl<T, const D: usize> Default for BlockSort<T, D> {
@@ -73,9 +73,9 @@ impl<T, const D: usize> Default for BlockSort<T, D> {
 }
 
 impl<T: Real, const D: usize> BlockSort<T, D> {
-    /// Sorts `elements`, which begin with the first of the `blocks` and end where the last begins.
+    /// Sorts `elements`, which begin with the first of the `blocks` and end where the last one begins.
     ///
-    /// By row, then along the row, then by place before, block by block.
+    /// Each block is sorted by row, then along the row, then by the place that the element had before.
     pub(crate) fn sort(
         &mut self,
         keys: &RowKeys<D>,
@@ -141,10 +141,10 @@ impl<T: Real, const D: usize> BlockSort<T, D> {
         Ok(())
     }
 
-    /// Sorts the keys, which have so many bits for the row and for the `rest`, and whose `digits` are counted: by these, and then by insertion.
+    /// Sorts the keys by counting their `digits`, then by insertion. Keys have `row_bits` bits for the row and `rest` bits below.
     ///
-    /// Those in one row are nearly uniform, so that few have one digit. Where most rows are empty many have; passes by digits that tell
-    /// all rows apart are quicker there.
+    /// Keys of one row are nearly uniform, so few of them share a digit. If most rows are empty, many keys share a digit; then passes by
+    /// digits that tell all rows apart are faster.
     fn sort_keys(&mut self, row_bits: u32, rest: u32, digits: Digits) -> Result<(), Error> {
         let n = self.keys.len();
         if n <= FEW {
@@ -179,7 +179,7 @@ impl<T: Real, const D: usize> BlockSort<T, D> {
         Ok(())
     }
 
-    /// Any number of cells, by comparing them. The keys become the number of the row in the block, and the place.
+    /// Sorts any number of rows by comparing cells. The keys become the number of the row in the block, followed by the place.
     fn sort_by_comparison(&mut self, keys: &RowKeys<D>, id_bits: u32) {
         let points = &self.points;
         self.moved.iter_mut().zip(0..).for_each(|(place, index)| *place = index);
@@ -198,7 +198,7 @@ impl<T: Real, const D: usize> BlockSort<T, D> {
 
     /// Writes the block in the order of the keys, row by row.
     ///
-    /// The keys round places along the row, so that elements very close together may be in the wrong order.
+    /// Keys round the place along the row, so elements that are very close together may still be in the wrong order; this puts them right.
     fn write(
         &mut self,
         keys: &RowKeys<D>,
@@ -245,7 +245,7 @@ impl<T: Real, const D: usize> BlockSort<T, D> {
     }
 }
 
-/// Writes the coordinates of one row, axis by axis; false if those along the row do not ascend.
+/// Writes the coordinates of one row, axis by axis. Returns false if those along the row do not ascend.
 #[inline]
 fn fill<T: Real, const D: usize>(
     points: &[[T; D]],
@@ -270,19 +270,19 @@ fn fill<T: Real, const D: usize>(
     ascend
 }
 
-/// The highest part of a key, as one of as many numbers as there are keys.
+/// The highest part of a key, scaled to a number below the number of keys.
 #[derive(Clone, Copy, Debug)]
 struct Digits {
     factor: u64,
 }
 
 impl Digits {
-    /// For `n` keys below `end`, which is more than `n`.
+    /// Digits for `n` keys below `end`; `end` is more than `n`.
     fn new(end: u64, n: usize) -> Self {
         Self { factor: (((n as u128) << 64) / u128::from(end)) as u64 }
     }
 
-    /// Ascends with the key, and stays below `n`.
+    /// The digit of a key: it ascends with the key and stays below `n`.
     #[inline]
     fn of(self, key: u64) -> usize {
         ((u128::from(key) * u128::from(self.factor)) >> 64) as usize
@@ -299,7 +299,7 @@ fn add_up(counts: &mut [u32]) -> usize {
     occupied as usize
 }
 
-/// One pass of a sort by counting: stable, by one digit. `starts` becomes the end of each digit.
+/// One stable pass of a counting sort by one digit. `starts` becomes the end of each digit.
 #[inline]
 fn spread(keys: &[u64], sorted: &mut [u64], starts: &mut [u32], digit: impl Fn(u64) -> usize) {
     for &key in keys {
@@ -309,9 +309,9 @@ fn spread(keys: &[u64], sorted: &mut [u64], starts: &mut [u32], digit: impl Fn(u
     }
 }
 
-/// Copies the keys, at least two, and puts right most that are up to two places off, without a branch that could be foreseen wrongly.
+/// Copies the keys, of which there are at least two, and corrects most that are up to two places off, without unpredictable branches.
 fn swap_neighbours(keys: &[u64], sorted: &mut [u64]) {
-    // The largest so far, and the largest of the others: they wait until two smaller ones have passed.
+    // The largest key so far and the largest of the others: they wait until two smaller ones have passed.
     let (mut first, mut second) = (keys[0].max(keys[1]), keys[0].min(keys[1]));
     for (place, &key) in sorted.iter_mut().zip(&keys[2..]) {
         let smaller = first.min(key);
@@ -323,7 +323,7 @@ fn swap_neighbours(keys: &[u64], sorted: &mut [u64]) {
     (sorted[n - 2], sorted[n - 1]) = (second, first);
 }
 
-/// Sorts what is nearly sorted.
+/// Insertion sort for keys that are nearly sorted.
 fn insert(keys: &mut [u64]) {
     let mut moves = MAX_MOVES_PER_ELEMENT * keys.len();
     for k in 1..keys.len() {
@@ -345,7 +345,7 @@ fn insert(keys: &mut [u64]) {
     }
 }
 
-/// A copy, in memory that is kept.
+/// Copies `of` into `values`, whose memory is reused.
 fn copy<V: Copy>(values: &mut Vec<V>, of: &[V]) -> Result<(), Error> {
     values.clear();
     reserve(values, of.len())?;
@@ -353,7 +353,7 @@ fn copy<V: Copy>(values: &mut Vec<V>, of: &[V]) -> Result<(), Error> {
     Ok(())
 }
 
-/// Bits of `x`.
+/// Number of bits needed for `x`.
 fn bits(x: u64) -> u32 {
     64 - x.leading_zeros()
 }
@@ -386,7 +386,7 @@ mod tests {
         assert_eq!(sorted, [1, 0, 2, 3, 4, 5, 6], "three places are too many");
     }
 
-    /// In one pass where keys are uniform, in two where most have the same highest bits.
+    /// One pass suffices where keys are uniform; two are needed where most keys have the same highest bits.
     #[test]
     fn keys_are_sorted_however_they_are_distributed() {
         let mut state = 5_u64;

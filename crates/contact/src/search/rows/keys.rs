@@ -1,4 +1,4 @@
-//! The number by which elements are sorted into rows.
+//! The keys by which elements are sorted into rows.
 
 use std::cmp::Ordering;
 
@@ -6,23 +6,23 @@ use crate::grid::{Grid, nearest_integer};
 use crate::real::Real;
 use crate::search::rows::axis::AxisMap;
 
-/// The cells of an element on all axes but the long one, as one integer: rows ascend by it.
+/// The cells of an element on all axes but the long one, as one integer; rows ascend by it.
 ///
-/// Domains with more rows than [`MAX_ROWS`] get the most significant axes only, in which case several rows share a number.
+/// In domains with more rows than [`MAX_ROWS`] the key holds the most significant axes only, and several rows share a key.
 #[derive(Clone, Debug)]
 pub(crate) struct RowKeys<const D: usize> {
     grid: Grid<D>,
     /// The axes, most significant first, the long one last.
     axes: [usize; D],
-    /// How their cells are numbered; empty if each has its own number.
+    /// How the cells of each axis are numbered; empty if every cell has its own number.
     maps: Vec<AxisMap>,
     /// How many of the axes the key holds.
     held: usize,
     rows: u64,
 }
 
-/// Coordinates along the rows as integers that ascend with them: parts of the way through the domain. If most of that is empty,
-/// of the way from the least to the largest of some points, because one far element would leave one part for all others.
+/// Converts coordinates along the rows into integers that ascend with them: fractions of the extent of the domain. If most of the domain is
+/// empty, fractions of the range of some points instead, because a single far element would leave the same integer for all others.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Places {
     low: f64,
@@ -32,7 +32,7 @@ pub(crate) struct Places {
 }
 
 impl Places {
-    /// For a coordinate of one of the points.
+    /// The integer for a coordinate of one of the points.
     #[inline]
     fn of(&self, x: f64) -> u64 {
         let place = (x - self.low) * self.scale;
@@ -40,18 +40,18 @@ impl Places {
     }
 }
 
-/// The largest number of rows that are told apart: it leaves bits for the place along the row.
+/// Largest number of rows that keys tell apart: it leaves bits for the place along the row.
 const MAX_ROWS: f64 = 281_474_976_710_656.0;
 
 impl<const D: usize> RowKeys<D> {
-    /// Keys for the cells of `grid`, with `axes` by number of cells, the long one first.
+    /// Keys for the cells of `grid`. `axes` are sorted by number of cells, the long one first.
     pub(crate) fn new(grid: Grid<D>, axes: &[usize; D]) -> Self {
         let mut axes = *axes;
         axes.reverse();
         Self { grid, axes, maps: Vec::new(), held: 0, rows: 0 }.hold_axes()
     }
 
-    /// The same without the stretches of cells that hold none of `points`.
+    /// The same keys without the stretches of cells that hold none of `points`.
     pub(crate) fn without_empty_stretches<'p, T: Real>(
         mut self,
         points: impl Iterator<Item = &'p [T; D]>,
@@ -82,7 +82,7 @@ impl<const D: usize> RowKeys<D> {
         self
     }
 
-    /// Number of keys, those of empty rows included.
+    /// Number of keys, including those of empty rows.
     pub(crate) fn rows(&self) -> u64 {
         self.rows
     }
@@ -104,7 +104,7 @@ impl<const D: usize> RowKeys<D> {
             }
             return;
         }
-        // In floats, which are exact so far. An axis that is not held has one cell, number 0.
+        // Computed in floats, which are exact for such numbers. An axis that the key does not hold has one cell, number 0.
         let (mut cells, mut step) = ([1.0; D], [0.0; D]);
         for level in 0..self.held {
             (cells[level], step[level]) = (self.grid.cells()[self.axes[level]] as f64, 1.0);
@@ -119,7 +119,7 @@ impl<const D: usize> RowKeys<D> {
         }
     }
 
-    /// Counts the key of each point from `first_row` on, and adds its place along the row.
+    /// Writes the key of each point, counted from `first_row`, followed by its place along the row.
     #[inline]
     pub(crate) fn add_places<T: Real>(
         &self,
@@ -134,7 +134,7 @@ impl<const D: usize> RowKeys<D> {
         }
     }
 
-    /// Numbers of `bits` bits for places along the rows of `points`.
+    /// A conversion into integers of `bits` bits for places along the rows of `points`.
     pub(crate) fn places<T: Real>(&self, points: &[[T; D]], bits: u32) -> Places {
         let long = self.long();
         let [mut low, mut high] = self.grid.span(long);
@@ -150,7 +150,7 @@ impl<const D: usize> RowKeys<D> {
         Places { low, scale: if high > low { parts / (high - low) } else { 0.0 }, last: parts, bits }
     }
 
-    /// The order of two points by row, whether their keys hold all axes or not.
+    /// The order of two points by row, also if keys do not hold all axes.
     pub(crate) fn compare<T: Real>(&self, a: &[T; D], b: &[T; D]) -> Ordering {
         let cells = |point: &[T; D]| {
             let point = *point;

@@ -1,6 +1,6 @@
 //! Elements in row order: the lists of NBS as sorted, contiguous runs.
 
-#![allow(unsafe_code, reason = "one scatter, to places of its own for every thread")]
+#![allow(unsafe_code, reason = "threads drop elements into one array, each into places of its own")]
 
 use std::ops::Range;
 
@@ -31,41 +31,41 @@ pub(crate) struct Layout<T, const D: usize> {
     pub(crate) coordinates: Vec<T>,
     /// The upper ends of boxes, with the tolerance added, in the order of `coordinates`; empty for spheres.
     far: Vec<T>,
-    /// Of boxes, tolerance included, along the long axis: that of some of them.
+    /// Mean width of boxes along the long axis, tolerance included, from a sample.
     mean_width: f64,
     /// Empty for elements of one radius.
     pub(crate) radii: Vec<T>,
     pub(crate) ids: Vec<u32>,
     /// The numbers of the filter, if the elements have one.
     pub(crate) labels: Labels,
-    /// First element of each row, and the number of elements.
+    /// First element of each row; the last entry is the number of elements.
     pub(crate) starts: Vec<u32>,
     /// The cells of each row, as [`Layout::row_cells`] has them; empty until [`Layout::keep_cells`].
     cells: Vec<[u32; D]>,
-    /// The axes by number of cells: the long one first, then the one whose rows change fastest.
+    /// The axes by number of cells: the long one first, then the one whose index changes fastest from row to row.
     pub(crate) axes: [usize; D],
     pub(crate) grid: Grid<D>,
-    /// The bin of each element, a few rows to a bin.
+    /// The bin of each element; a bin is a few rows.
     bins: Vec<u16>,
-    /// Elements in each bin, for each stretch of elements that a thread takes.
+    /// Number of elements in each bin, for each stretch of elements that one thread handles.
     counts: Vec<u32>,
     /// The block of each bin.
     block_of: Vec<u16>,
-    /// The blocks, and behind them the end of the last.
+    /// The blocks, followed by an entry for the end of the last one.
     blocks: Vec<Block>,
-    /// Where the next element of each block goes, for each stretch.
+    /// For each stretch, where the next element of each block goes.
     cursors: Vec<u32>,
     sorts: Vec<BlockSort<T, D>>,
 }
 
-/// Which elements a layout is of, by their numbers.
+/// The elements that a layout holds, by number.
 pub(crate) trait Chosen: Copy + Sync {
     fn len(self) -> usize;
 
-    /// The number of the `k`-th.
+    /// The number of the `k`-th element.
     fn number(self, k: usize) -> usize;
 
-    /// The points of some, copied into `few` if they are not side by side.
+    /// The points of the elements `range`, copied into `few` if they are not contiguous.
     fn points<'p, T: Copy, const D: usize>(
         self,
         points: &'p [[T; D]],
@@ -74,7 +74,7 @@ pub(crate) trait Chosen: Copy + Sync {
     ) -> &'p [[T; D]];
 }
 
-/// So many elements, and no others.
+/// All elements; the field is how many.
 #[derive(Clone, Copy)]
 struct All(usize);
 
@@ -126,34 +126,35 @@ impl Chosen for &[u32] {
     }
 }
 
-/// The widest vector is 16 lanes (`f32`, AVX-512).
+/// Unused entries behind each array: the widest vector has 16 lanes (`f32`, AVX-512).
 pub(crate) const PADDING: usize = 16;
 
-/// Rows are sorted in blocks of consecutive ones with about as many elements: they fit the second-level cache.
-const BLOCK: usize = 2048;
+/// Approximate number of elements in a block of consecutive rows: these can be sorted in the second-level cache.
+const BLOCK: usize = if cfg!(miri) { 32 } else { 2048 };
 
-/// So many blocks can be filled at once before the processor runs out of memory pages that it knows.
+/// Largest number of blocks that are filled at once: with more, the processor runs out of entries in its translation lookaside buffer.
 const MAX_BLOCKS: usize = 1024;
 
-/// Blocks are made of bins of rows; so many that their counts stay in the first-level cache.
+/// Largest number of bins, of which blocks are made: their counts stay in the first-level cache.
 const MAX_BINS: u64 = 8192;
 
-/// Elements whose rows are found at once.
+/// Number of elements whose rows are found at a time.
 const FEW: usize = 64;
 
-/// Fewer elements are not worth other threads.
-const FEW_ELEMENTS: usize = 20_000;
+/// With fewer elements several threads do not pay.
+const FEW_ELEMENTS: usize = if cfg!(miri) { 60 } else { 20_000 };
 
-/// Fewer are not worth a second one, if that is all: blocks that both drop into go from cache to cache, which takes twice the time as long as all fits into these.
-const FEW_FOR_TWO: usize = 150_000;
+/// With fewer elements a second thread alone does not pay. Cache lines of blocks that both threads write move between their caches, which
+/// takes twice the time while everything would fit into the cache of one.
+const FEW_FOR_TWO: usize = if cfg!(miri) { 60 } else { 150_000 };
 
-/// Points that are looked at before all are.
+/// Number of points in the sample that is looked at first.
 const SAMPLE: usize = 512;
 
-/// So many candidates cost as much time as another window.
+/// Number of candidates that cost as much time as one more window.
 const WINDOW: f64 = 10.0;
 
-/// A block that holds a larger part of the elements than one in so many shows that most bins are empty.
+/// If one block holds more than this fraction of the elements (one in so many), most bins are empty.
 const SKEWED: usize = 8;
 
 impl<T: Real, const D: usize> Layout<T, D> {
@@ -192,7 +193,7 @@ impl<T: Real, const D: usize> Layout<T, D> {
         self.build_along(points, radii, grid, axes, pool)
     }
 
-    /// The same with the `axes` in a given order: that of a layout with which this one is to be compared.
+    /// The same with the `axes` in a given order: that of the layout with which this one is to be compared.
     pub(crate) fn build_along(
         &mut self,
         points: &[[T; D]],
@@ -206,7 +207,7 @@ impl<T: Real, const D: usize> Layout<T, D> {
 
     /// The same for the `chosen` elements.
     ///
-    /// Two steps: elements are dropped into blocks of rows, and every block is sorted in cache.
+    /// Works in two steps: elements are dropped into blocks of rows, then every block is sorted in cache.
     pub(crate) fn build_of(
         &mut self,
         points: &[[T; D]],
@@ -240,7 +241,7 @@ impl<T: Real, const D: usize> Layout<T, D> {
         self.sort_blocks(&keys, pool)
     }
 
-    /// Takes the upper ends of boxes, of which the lower ends have been sorted, by their numbers.
+    /// Sets the upper ends of boxes, given by element; the lower ends have been sorted already.
     pub(crate) fn set_far(&mut self, far_points: &[[T; D]], tolerance: T, pool: &Pool) -> Result<(), Error> {
         let n = self.len();
         resize(&mut self.far, D * n + PADDING, T::ZERO)?;
@@ -273,21 +274,21 @@ impl<T: Real, const D: usize> Layout<T, D> {
         Ok(())
     }
 
-    /// Whether boxes look ahead in all rows around them, instead of ahead and back in half of them: where most are so much shorter than the longest that this leaves
-    /// enough candidates out to pay for twice as many windows.
+    /// Whether boxes look only ahead, but in all rows around them, instead of ahead and back in half of the rows. That pays if most boxes
+    /// are so much shorter than the longest one that the candidates left out outweigh twice the number of windows.
     pub(crate) fn looks_ahead(&self, reach: T) -> bool {
         let [low, high] = self.grid.span(self.axes[0]);
         let along_rows = self.len() as f64 / (self.rows() as f64 * (high - low));
         !self.far.is_empty() && (reach.to_f64() - self.mean_width) * along_rows > WINDOW
     }
 
-    /// Puts the numbers of a filter into the order that has been built.
+    /// Arranges the numbers of a filter in the order that has been built.
     pub(crate) fn label(&mut self, filter: Option<Filter<'_>>, pool: &Pool) -> Result<(), Error> {
         let n = self.len();
         self.labels.arrange(filter, &self.ids[..n], PADDING, pool)
     }
 
-    /// Counts the elements of bins of `2^shift` rows, and cuts the bins into blocks.
+    /// Counts the elements in bins of `2^shift` rows, and groups the bins into blocks.
     fn find_blocks(
         &mut self,
         points: &[[T; D]],
@@ -332,7 +333,7 @@ impl<T: Real, const D: usize> Layout<T, D> {
         Ok(())
     }
 
-    /// Whether one block has a large part of the elements, because most bins are empty.
+    /// Whether one block holds a large part of the elements because most bins are empty.
     fn is_skewed(&self) -> bool {
         let n = self.bins.len();
         let largest = self.blocks.windows(2).map(|pair| pair[1].start - pair[0].start).max();
@@ -341,8 +342,8 @@ impl<T: Real, const D: usize> Layout<T, D> {
 
     /// Drops every element into its block, in the order of the elements.
     ///
-    /// Every thread drops a stretch of them; of each block the first places go to the first stretch. So the order is that
-    /// of one thread.
+    /// Each thread drops one stretch of elements. In each block the first places belong to the first stretch, so the order is the same as
+    /// on one thread.
     fn fill_blocks(
         &mut self,
         points: &[[T; D]],
@@ -379,7 +380,7 @@ impl<T: Real, const D: usize> Layout<T, D> {
                 let place = &mut cursors[block_of[bin as usize] as usize];
                 let at = *place as usize;
                 *place += 1;
-                // SAFETY: the sums above gave every block of every stretch a range of its own, as long as its count.
+                // SAFETY: the sums above gave every block of every stretch a range of places of its own, as long as its count; one task has a stretch.
                 unsafe {
                     places.write(at, *point);
                     ids.write(at, number as u32);
@@ -392,7 +393,7 @@ impl<T: Real, const D: usize> Layout<T, D> {
         Ok(())
     }
 
-    /// Sorts every block; threads take stretches of blocks.
+    /// Sorts every block. A thread takes several consecutive blocks.
     fn sort_blocks(&mut self, keys: &RowKeys<D>, pool: &Pool) -> Result<(), Error> {
         let count = self.blocks.len() - 1;
         let stretches = if pool.threads() == 1 { 1 } else { count.min(4 * pool.threads()) };
@@ -421,9 +422,9 @@ impl<T: Real, const D: usize> Layout<T, D> {
         Ok(())
     }
 
-    /// What a kernel reads; `filter` is that of [`Layout::label`].
+    /// The arrays that a kernel reads; `filter` is the one given to [`Layout::label`].
     pub(crate) fn arrays<'a>(&'a self, filter: Option<Filter<'a>>) -> Arrays<'a, T> {
-        let filter = filter.map(|filter| self.labels.filter(filter));
+        let filter = filter.map(|filter| self.labels.arranged(filter));
         Arrays { coordinates: &self.coordinates, far: &self.far, radii: &self.radii, ids: &self.ids, filter }
     }
 
@@ -432,7 +433,7 @@ impl<T: Real, const D: usize> Layout<T, D> {
         self.starts.len() - 1
     }
 
-    /// The elements of a row, by their place in the order.
+    /// The places of the elements of a row in the sorted order.
     #[inline]
     pub(crate) fn row(&self, row: usize) -> Range<usize> {
         self.starts[row] as usize..self.starts[row + 1] as usize
@@ -453,15 +454,15 @@ impl<T: Real, const D: usize> Layout<T, D> {
         &self.coordinates[D * row.start + self.axes[0] * row.len()..][..row.len()]
     }
 
-    /// About where in a row the coordinate along it is `x`, if elements are spread evenly.
+    /// Estimate of the place in a row where the coordinate along it is `x`, assuming that elements are spread evenly.
     pub(crate) fn guess(&self, row: &Range<usize>, x: T) -> usize {
         let [low, high] = self.grid.span(self.axes[0]);
         let guess = (x.to_f64() - low) / (high - low) * row.len() as f64;
-        // Saturates.
+        // The conversion saturates.
         (guess as usize).min(row.len())
     }
 
-    /// The radii of a row, none if the elements have one radius or are boxes.
+    /// The radii of a row; empty if the elements have one radius or are boxes.
     pub(crate) fn radii(&self, row: &Range<usize>) -> &[T] {
         self.radii.get(row.clone()).unwrap_or_default()
     }
@@ -471,7 +472,7 @@ impl<T: Real, const D: usize> Layout<T, D> {
         std::array::from_fn(|axis| self.coordinates[D * row.start + axis * row.len() + k])
     }
 
-    /// The extremes of a stretch of a row, axis by axis.
+    /// The smallest and largest coordinates of a stretch of a row, axis by axis.
     pub(crate) fn extremes(&self, row: &Range<usize>, stretch: &Range<usize>) -> [[T; D]; 2] {
         let (mut min, mut max) = ([T::ZERO; D], [T::ZERO; D]);
         for axis in 0..D {
@@ -484,7 +485,7 @@ impl<T: Real, const D: usize> Layout<T, D> {
         [min, max]
     }
 
-    /// The cells of a row on all axes but the long one, most significant first; rows ascend by it.
+    /// The cells of a row on all axes but the long one, most significant first. Rows ascend by these.
     #[inline]
     pub(crate) fn row_cells(&self, row: usize) -> [i64; D] {
         if let Some(cells) = self.cells.get(row) {
@@ -501,7 +502,8 @@ impl<T: Real, const D: usize> Layout<T, D> {
         cells
     }
 
-    /// Writes down the cells of each row, for searches that leap from row to row: to find them by the coordinates of an element takes memory that is seldom in cache.
+    /// Stores the cells of each row for searches that skip from row to row. Finding the cells from the coordinates of an element would read
+    /// memory that is seldom in cache.
     pub(crate) fn keep_cells(&mut self) -> Result<(), Error> {
         if self.grid.cells().iter().any(|&cells| cells > u64::from(u32::MAX)) {
             return Ok(());
@@ -513,8 +515,8 @@ impl<T: Real, const D: usize> Layout<T, D> {
         Ok(())
     }
 
-    /// What [`Layout::bytes`] will be for `n` elements over `grid`, from above, if no few bins of many hold most of them. Each has so many
-    /// `floats` besides its point: its radius, or the upper ends of its box.
+    /// Upper bound on [`Layout::bytes`] for `n` elements over `grid`, unless a few bins hold most of them. `floats` is the number of floats
+    /// per element in addition to its point: 1 for a radius, `D` for the upper ends of a box.
     pub(crate) fn expected_bytes(
         n: usize,
         floats: usize,
@@ -527,7 +529,7 @@ impl<T: Real, const D: usize> Layout<T, D> {
         let bins = rows.min(MAX_BINS as f64) as usize;
         let blocks = bins.min(n / (n / MAX_BLOCKS).max(BLOCK) + 1);
         let stretches = n.div_ceil(stretch(n, pool));
-        // A block is full when it has enough, and the bin that fills it may be large.
+        // A block is closed once it has enough elements, and the bin that closes it may be large.
         let in_block = n.min((n / MAX_BLOCKS).max(BLOCK) + 2 * n.div_ceil(bins));
         let sorts = if pool.threads() == 1 { 1 } else { blocks.min(4 * pool.threads()) };
 
@@ -535,15 +537,15 @@ impl<T: Real, const D: usize> Layout<T, D> {
         let arrays = (n + PADDING) * (element + labels * size_of::<u32>()) + n * size_of::<u16>();
         let counts = stretches * (bins + blocks) * size_of::<u32>();
         let lists = 2 * bins * size_of::<u16>() + 2 * blocks * size_of::<Block>();
-        // Room for starts doubles as they are found.
+        // The memory for starts doubles as they are found.
         let starts = 3 * (occupied + sorts) * size_of::<u32>();
-        // As many digits as elements, or fewer in two passes.
+        // There are at most as many digits as elements, fewer with two passes.
         let digits = (in_block + 16 * in_block.next_power_of_two().isqrt()) * size_of::<u32>();
         let sort = in_block * (element + 2 * size_of::<u64>()) + digits;
         arrays + counts + lists + starts + sorts * sort
     }
 
-    /// Bytes held, per element where it matters.
+    /// Bytes held; small arrays that do not grow with the elements are left out.
     pub(crate) fn bytes(&self) -> usize {
         let sorts: usize = self.sorts.iter().map(BlockSort::bytes).sum();
         let floats = self.coordinates.capacity() + self.far.capacity() + self.radii.capacity();
@@ -562,12 +564,12 @@ impl<T: Real, const D: usize> Layout<T, D> {
     }
 }
 
-/// A bin is `2^shift` rows.
+/// The smallest shift with which bins of `2^shift` rows are few enough.
 fn shift_to_bins<const D: usize>(keys: &RowKeys<D>) -> u32 {
     (0..64).find(|shift| (keys.rows() - 1) >> shift < MAX_BINS).unwrap_or(63)
 }
 
-/// Whether a sample of the points says that one bin has a large part of all, so that no more of them need be counted to know.
+/// Whether a sample of the points shows that one bin holds a large part of all points. Then not all need be counted to find that out.
 fn seem_skewed<T: Real, const D: usize>(points: &[[T; D]], chosen: impl Chosen, keys: &RowKeys<D>) -> bool {
     let shift = shift_to_bins(keys);
     let mut bins = [0; SAMPLE];
@@ -584,20 +586,20 @@ fn seem_skewed<T: Real, const D: usize>(points: &[[T; D]], chosen: impl Chosen, 
     bins.chunk_by(u64::eq).any(|equal| equal.len() > 2 * SAMPLE / SKEWED)
 }
 
-/// Elements that one thread counts and drops into blocks, one stretch after the other.
+/// Number of consecutive elements that one thread counts and drops into blocks.
 fn stretch(n: usize, pool: &Pool) -> usize {
     let few = if pool.threads() == 2 { FEW_FOR_TWO } else { FEW_ELEMENTS };
     if n < few { n } else { n.div_ceil(pool.threads()) }
 }
 
-/// Exactly `len` entries; existing ones keep their value.
+/// Resizes to `len` entries without spare capacity; existing entries keep their value.
 pub(crate) fn resize<V: Clone>(values: &mut Vec<V>, len: usize, value: V) -> Result<(), Error> {
     reserve(values, len.saturating_sub(values.len()))?;
     values.resize(len, value);
     Ok(())
 }
 
-/// Room for `more` entries, and no more than that.
+/// Reserves room for exactly `more` entries.
 pub(crate) fn reserve<V>(values: &mut Vec<V>, more: usize) -> Result<(), Error> {
     let bytes = (values.len() + more).saturating_mul(size_of::<V>());
     values.try_reserve_exact(more).map_err(|_| Error::OutOfMemory { bytes })
@@ -608,7 +610,7 @@ mod tests {
     use super::*;
     use crate::elements::Elements;
 
-    /// The order of the layout is that of a plain sort by cells, then along the row, then by number; for any number of threads.
+    /// The order of the layout equals that of a plain sort by cells, then along the row, then by number, for any number of threads.
     fn is_a_plain_sort<const D: usize>(points: &[[f64; D]], reach: f64, what: &str) {
         let elements = Elements::points(points, reach).unwrap();
         let grid = Grid::unbounded(&elements);
@@ -670,8 +672,8 @@ mod tests {
         }
     }
 
-    /// The last block has few elements, and rows from just below `2^40` to just above it: the number of the row and the place together have
-    /// more bits than an integer.
+    /// The last block has few elements, and its rows lie on both sides of row number `2^40`: the number of the row and the place together
+    /// would need more bits than an integer has.
     #[test]
     fn rows_are_counted_from_the_block() {
         let mut state = 3_u64;

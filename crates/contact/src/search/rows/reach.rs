@@ -1,19 +1,20 @@
-//! The rows of another set of elements that a stretch of a row may reach.
+//! Finds the rows of another layout within reach of a stretch of a row.
 
 use crate::real::Real;
 use crate::search::rows::layout::Layout;
 
 /// Finds the rows of a layout that lie inside a box of cells, however many cells are empty.
 ///
-/// Rows ascend by cells, so those in the box are runs, one for each prefix of cells that exists. Between runs the search leaps to
-/// the next row that may be inside. It starts every leap where that leap of the previous call ended: neighbouring boxes have neighbouring runs.
+/// Rows ascend by cells, so the rows in the box form runs, one for each existing combination of cells on the more significant axes. Between
+/// runs the search skips to the next row that may be inside. Each skip starts where the same skip of the previous call ended, because
+/// neighbouring boxes have neighbouring runs.
 #[derive(Debug)]
 pub(crate) struct RowsInReach<'a, T, const D: usize> {
     layout: &'a Layout<T, D>,
     hints: Vec<usize>,
 }
 
-/// Leaps that are remembered; further ones start from the row before them.
+/// Number of skips that are remembered; further ones start from the row before them.
 const MAX_HINTS: usize = 64;
 
 impl<'a, T: Real, const D: usize> RowsInReach<'a, T, D> {
@@ -21,12 +22,12 @@ impl<'a, T: Real, const D: usize> RowsInReach<'a, T, D> {
         Self { layout, hints: Vec::new() }
     }
 
-    /// Calls `found` with all rows, ascending, that may hold an element within `reach` of the box from `min` to `max`, on every axis but
-    /// the long one, until it says `false`; then so does this.
+    /// Calls `found`, in ascending order, with all rows that may hold an element within `reach` of the box from `min` to `max`, on every
+    /// axis but the long one. Stops, and returns `false`, once `found` returns `false`.
     ///
-    /// Cells ascend with the coordinate, whatever the rounding. If `x - reach <= y` for the numbers `x` of a box and `y` of an element,
-    /// then the left side rounded is at most `y` too, because `y` is a float, and so its cell is at most that of `y`. The same
-    /// holds above.
+    /// No row is missed: cells ascend with the coordinate, whatever the rounding. If `x - reach <= y` for the number `x` of a box and `y`
+    /// of an element, then the rounded left side is at most `y` too, because `y` is a float; so its cell is at most that of `y`. The same
+    /// holds at the other end.
     pub(crate) fn find(
         &mut self,
         min: &[T; D],
@@ -37,11 +38,12 @@ impl<'a, T: Real, const D: usize> RowsInReach<'a, T, D> {
         self.walk(min, max, reach, |row, _| found(row))
     }
 
-    /// Calls `found` with all rows, ascending, that may hold an element within `reach` of one in the box from `min` to `max`, as the crow flies if the
-    /// reach is `round` and on every axis if not, and how far apart along the row the two may be at most.
+    /// Calls `found`, in ascending order, with all rows that may hold an element within `reach` of the box from `min` to `max`, and with
+    /// the largest possible distance along the row. Distances are Euclidean if the reach is `round`, and per axis if not.
     ///
-    /// Elements of a row are at least as far from the box as the cells of the row. Quotients are those of the grid, which err by less than `2^-51` of themselves: what is
-    /// taken off for that is more. What the root loses to rounding, some `2^-52` of the reach, is less than what every reach has been given for it.
+    /// Elements of a row are at least as far from the box as the cells of the row. The quotients of the grid err by less than `2^-51` of
+    /// their value, and more than that is subtracted. The root loses some `2^-52` of the reach to rounding, which is less than the margin
+    /// that every reach contains.
     pub(crate) fn find_around(
         &mut self,
         min: &[T; D],
@@ -131,7 +133,7 @@ impl<'a, T: Real, const D: usize> RowsInReach<'a, T, D> {
     }
 }
 
-/// The first row whose cells are at least `wanted`; quick where `hint` is near.
+/// The first row whose cells are at least `wanted`; fast if `hint` is near it.
 fn first_row_from<T: Real, const D: usize>(layout: &Layout<T, D>, wanted: &[i64; D], hint: usize) -> usize {
     let rows = layout.rows();
     let is_before = |row: usize| layout.row_cells(row) < *wanted;

@@ -1,4 +1,4 @@
-//! Searches over sorted rows, part by part and on all threads.
+//! Searches over sorted rows, in parts, on all threads.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -16,28 +16,29 @@ use crate::search::rows::reach::RowsInReach;
 use crate::simd::kernel::{Arrays, Looks, Neighbour, Output, Span, Task};
 use crate::simd::prefetch;
 
-/// Elements of one part of the work, where each has about as many partners: enough to forget its start, few enough for its couples to stay in cache.
-pub(crate) const PART: usize = 4096;
+/// Elements in one part of the work, if each has about as many partners. Enough to outweigh the start of a part, few enough for its couples
+/// to stay in cache.
+pub(crate) const PART: usize = if cfg!(miri) { 64 } else { 4096 };
 
-/// Parts that each thread has in a batch.
+/// Number of parts per thread in a batch.
 const PARTS_AT_ONCE: usize = 8;
 
-/// So many elements before and behind a guess are asked for from memory.
+/// Number of elements before and behind an estimated place that are prefetched.
 const NEAR: usize = 16;
 
-/// Room for couples to begin with: they stay in the first-level cache.
-pub(crate) const FIRST_ROOM: usize = 1024;
+/// First capacity for couples: they stay in the first-level cache.
+pub(crate) const FIRST_ROOM: usize = if cfg!(miri) { 32 } else { 1024 };
 
 /// A search that sorts elements into rows.
 pub(crate) trait Scanner<T: Real, const D: usize> {
-    /// Sorts the elements, and hands over what is to be scanned; for no elements `search` may not be called.
+    /// Sorts the elements and passes the scans to `search`, which need not be called if there are no elements.
     fn with_scans(
         &mut self,
         elements: &Elements<'_, T, D>,
         search: impl FnOnce(Scans<'_, T, D>) -> Result<(), Error>,
     ) -> Result<(), Error>;
 
-    /// Searches all, in the order of the scans.
+    /// Runs all scans in their order.
     fn search(&mut self, elements: &Elements<'_, T, D>, sink: Sink<'_>) -> Result<(), Error> {
         self.with_scans(elements, |scans| scans.all(sink))
     }
@@ -51,7 +52,7 @@ pub(crate) trait Scanner<T: Real, const D: usize> {
         self.search(elements, Sink::Visit(&mut visit))
     }
 
-    /// Appends what `convert` makes of each block of couples to `list`, in their order, on all threads; `parts` is memory for that.
+    /// Appends to `list` what `convert` makes of each block of couples, in their order, on all threads. `parts` is working memory.
     fn append_converted<V: Copy + Send + Sync>(
         &mut self,
         elements: &Elements<'_, T, D>,
@@ -78,7 +79,7 @@ pub(crate) trait Scanner<T: Real, const D: usize> {
         })
     }
 
-    /// Folds the couples on all threads, a block of couples at a time: so many as stay in the first-level cache.
+    /// Folds the couples on all threads, in blocks of couples that stay in the first-level cache.
     fn fold_blocks<S: Send>(
         &mut self,
         elements: &Elements<'_, T, D>,
@@ -104,24 +105,24 @@ pub(crate) trait Scanner<T: Real, const D: usize> {
     }
 }
 
-/// What becomes of the couples.
+/// Where the couples go.
 pub(crate) enum Sink<'a> {
     List(&'a mut Vec<Couple>),
-    /// A block at a time.
+    /// Visits a block of couples at a time.
     Visit(&'a mut dyn FnMut(&[Couple])),
     Count(&'a mut u64),
 }
 
-/// What is to be searched, one after the other.
+/// The scans of a search, to be run one after the other.
 pub(crate) struct Scans<'a, T, const D: usize> {
     pub(crate) each: &'a [Scan<'a, T, D>],
     pub(crate) pool: &'a Pool,
-    /// Memory for couples on their way to a visitor or into a list.
+    /// Working memory for couples before they are visited or appended to a list.
     pub(crate) parts: &'a mut Vec<Vec<Couple>>,
 }
 
 impl<T: Real, const D: usize> Scans<'_, T, D> {
-    /// Searches all rows on all threads.
+    /// Runs all scans on all threads.
     pub(crate) fn all(self, sink: Sink<'_>) -> Result<(), Error> {
         let Self { each: scans, pool, parts: memory } = self;
         match sink {
@@ -155,7 +156,8 @@ impl<T: Real, const D: usize> Scans<'_, T, D> {
                 Ok(())
             }
             Sink::Visit(visit) => {
-                // Searched at the same time and visited in their order, a batch after the other, so that couples wait in cache.
+                // The parts of a batch are searched at the same time and visited in their order, batch by batch, so that couples stay in
+                // cache.
                 for batch in parts(scans).chunks(PARTS_AT_ONCE * pool.threads()) {
                     pool.go_on()?;
                     memory.resize_with(memory.len().max(batch.len()), Vec::new);
@@ -171,14 +173,14 @@ impl<T: Real, const D: usize> Scans<'_, T, D> {
     }
 }
 
-/// The parts of the work, in the order of the couples. They do not depend on the number of threads.
+/// The parts of the work in the order of their couples. They do not depend on the number of threads.
 fn parts<'s, 'a, T: Real, const D: usize>(
     scans: &'s [Scan<'a, T, D>],
 ) -> Vec<(&'s Scan<'a, T, D>, Range<usize>)> {
     scans.iter().flat_map(|scan| scan.ranges().map(move |range| (scan, range))).collect()
 }
 
-/// The same, in as few parts as the threads allow: one thread that nobody stops does each scan in one go.
+/// The same in as few parts as possible: one thread that cannot be stopped does each scan as one part.
 fn stretches<'s, 'a, T: Real, const D: usize>(
     scans: &'s [Scan<'a, T, D>],
     pool: &Pool,
@@ -208,33 +210,33 @@ fn append<'a, T: Real, V: Copy + Send, const D: usize>(
     ordered::append(list, parts.len(), fill, pool, memory)
 }
 
-/// The rows of one layout, to be compared with each other or with those of another.
+/// The rows of one layout, to be compared with each other or with the rows of another layout.
 pub(crate) struct Scan<'a, T, const D: usize> {
     pub(crate) layout: &'a Layout<T, D>,
-    /// The other set, if there are two, with the same axes.
+    /// The other layout, with the same axes, if two sets are compared.
     pub(crate) against: Option<&'a Layout<T, D>>,
-    /// What the kernel reads of the first and of the other set (of one set twice); radii in both or in none.
+    /// The arrays that the kernel reads, of the first and of the other set (twice the same for one set). Both have radii or neither.
     pub(crate) arrays: [Arrays<'a, T>; 2],
     pub(crate) reach: T,
     pub(crate) reach_squared: T,
     pub(crate) tolerance: T,
-    /// The largest radius of the first set; of no meaning without radii.
+    /// The largest radius of the first set; meaningless without radii.
     pub(crate) largest: f64,
-    /// Whether both sets are parts of one, whose couples come with the smaller number first.
+    /// Whether both sets are parts of one set; then the smaller number of a couple comes first.
     pub(crate) one_numbering: bool,
-    /// Elements of one part of the work.
+    /// Elements in one part of the work.
     pub(crate) part: usize,
     pub(crate) search_row: &'a (dyn Fn(&Task<'_, T>, &mut Output<'_>) + Sync),
 }
 
 impl<T: Real, const D: usize> Scan<'_, T, D> {
-    /// Stretches of elements in row order, which are the parts of the work.
+    /// The parts of the work: ranges of places in row order.
     pub(crate) fn ranges(&self) -> impl Iterator<Item = Range<usize>> + use<'_, T, D> {
         let n = self.layout.len();
         (0..n).step_by(self.part).map(move |start| start..n.min(start + self.part))
     }
 
-    /// Appends the couples of a stretch to a list.
+    /// Appends the couples of a range of places to a list.
     fn list(&self, range: Range<usize>, couples: &mut Vec<Couple>) -> Result<(), Error> {
         couples.try_reserve(FIRST_ROOM).map_err(|_| out_of_memory(FIRST_ROOM))?;
         let mut room = Ok(());
@@ -242,7 +244,7 @@ impl<T: Real, const D: usize> Scan<'_, T, D> {
         room
     }
 
-    /// Writes the couples whose first elements are at the places `range` of the order.
+    /// Writes the couples whose first elements are at the places `range`.
     pub(crate) fn part(
         &self,
         range: Range<usize>,
@@ -293,7 +295,7 @@ impl<T: Real, const D: usize> Scan<'_, T, D> {
     fn rows_of_two_sets(&self, other: &Layout<T, D>, range: Range<usize>, out: &mut Output<'_>) {
         let mut rows = RowsInReach::new(other);
         let mut neighbours = Vec::new();
-        // Spheres of one set in levels are of unlike sizes, each with a reach of its own.
+        // Spheres of levels have unlike sizes, each with its own reach.
         let alone = self.one_numbering && self.arrays[0].far.is_empty();
         let far = if alone { T::ZERO } else { self.reach + self.reach };
         for (_, places, stretch) in self.stretches(&range) {
@@ -304,7 +306,7 @@ impl<T: Real, const D: usize> Scan<'_, T, D> {
                 neighbours.clear();
                 let [min, max] = self.layout.extremes(&places, &piece);
                 let reach = self.reach_of(&places, &piece);
-                // What is needed of each row has been asked for before the first is looked at.
+                // All rows are found, and what is needed of them is prefetched, before the first is read.
                 rows.find_around(&min, &max, reach, self.arrays[0].far.is_empty(), |row, reach| {
                     let (row, reach) = (other.row(row), T::at_least(reach));
                     let low = other.guess(&row, first - reach);
@@ -324,7 +326,7 @@ impl<T: Real, const D: usize> Scan<'_, T, D> {
         }
     }
 
-    /// Asks for what the kernel reads of the other set around an element of a row.
+    /// Prefetches what the kernel reads of the other set near one place in a row.
     fn ask_for(&self, row: &Range<usize>, element: usize) {
         let theirs = &self.arrays[1];
         let first = element.saturating_sub(NEAR);
@@ -335,9 +337,9 @@ impl<T: Real, const D: usize> Scan<'_, T, D> {
         prefetch::lines(theirs.ids, row.start + first, 2 * NEAR);
     }
 
-    /// The reach of the elements of a stretch, which may be smaller than others of their set.
+    /// The reach of the elements of a stretch, which may be smaller than that of their set.
     ///
-    /// The reach less the difference of radii reaches farther than it must, by what rounding has been allowed for larger numbers.
+    /// Subtracting the difference of radii leaves slightly more than needed, because the margin for rounding was made for larger numbers.
     fn reach_of(&self, places: &Range<usize>, stretch: &Range<usize>) -> f64 {
         let reach = self.reach.to_f64();
         match self.layout.radii(places).get(stretch.clone()) {
@@ -349,7 +351,7 @@ impl<T: Real, const D: usize> Scan<'_, T, D> {
         }
     }
 
-    /// Cuts a stretch of a row where it is empty for longer than `far`: a short piece has fewer rows around it, and what lies between is not looked at.
+    /// Cuts a stretch of a row at gaps longer than `far`. A short piece has fewer rows around it, and the gap is not searched.
     fn pieces(
         along: &[T],
         stretch: Range<usize>,
@@ -362,7 +364,7 @@ impl<T: Real, const D: usize> Scan<'_, T, D> {
         })
     }
 
-    /// The rows that have places in `range`: each with its places, and those of them that are inside, counted from its start.
+    /// The rows that have places in `range`: the number of the row, its places, and the part of it inside `range`, counted from its start.
     pub(crate) fn stretches(
         &self,
         range: &Range<usize>,
@@ -376,7 +378,7 @@ impl<T: Real, const D: usize> Scan<'_, T, D> {
         })
     }
 
-    /// Compares a stretch of a row with `neighbours`, and in one set with the rest of its row.
+    /// Compares a stretch of a row with `neighbours` and, if there is one set, with the rest of its row.
     pub(crate) fn stretch(
         &self,
         places: &Range<usize>,
@@ -403,7 +405,7 @@ impl<T: Real, const D: usize> Scan<'_, T, D> {
     }
 }
 
-/// The first number that is not below `low`, among ascending ones; quick where it is near `guess`.
+/// The place of the first number that is not below `low` in an ascending list; fast if `guess` is near it.
 fn first_near<T: Real>(along: &[T], low: T, guess: usize) -> usize {
     let (mut from, mut to) = (guess.saturating_sub(NEAR), along.len().min(guess + NEAR));
     if from > 0 && along[from - 1] >= low {
@@ -415,13 +417,13 @@ fn first_near<T: Real>(along: &[T], low: T, guess: usize) -> usize {
     from + along[from..to].partition_point(|&x| x < low)
 }
 
-/// Doubles the room for couples; without memory for that, what was found is given up, and `room` says so.
+/// Doubles the room for couples. If there is no memory, the couples found are dropped and `room` becomes the error.
 fn grow(found: &mut Vec<Couple>, room: &mut Result<(), Error>) {
     if room.is_ok() {
         *room = make_room(found);
     }
     if room.is_err() {
-        // The search goes on into memory that it has; its result is refused.
+        // The search continues in the memory that it has; its result is discarded.
         found.clear();
     }
 }
@@ -435,7 +437,7 @@ mod tests {
     use super::*;
     use crate::filter::{Filter, GroupMatrix};
     use crate::grid::Grid;
-    use crate::simd::{Kernels, Simd};
+    use crate::simd::{Available, Kernels, Simd};
 
     /// Points from 0 to `width` on each axis.
     fn scattered<const D: usize>(n: usize, width: f64, seed: u64) -> Vec<[f64; D]> {
@@ -447,7 +449,7 @@ mod tests {
         (0..n).map(|_| std::array::from_fn(|_| next())).collect()
     }
 
-    /// The rows of one layout against those of another, whose cells are of another size than the reach, and elsewhere.
+    /// Compares the rows of one layout with those of another whose cells have another size than the reach and other places.
     fn two_layouts<const D: usize>(cell: f64, reach: f64, shift: f64) -> usize {
         let (mut moving, fixed) = (scattered::<D>(300, 6.0, 1), scattered::<D>(400, 7.0, 2));
         moving.iter_mut().flatten().for_each(|x| *x += shift);
@@ -485,7 +487,7 @@ mod tests {
         for (kind, simd) in
             (0..4).flat_map(|kind| Simd::available().into_iter().map(move |simd| (kind, simd)))
         {
-            let filters = filters(kind);
+            let (filters, level) = (filters(kind), Available::new(simd).unwrap());
             own.label(filters[0], &pool).unwrap();
             other.label(filters[1], &pool).unwrap();
             let mut expected = expected.clone();
@@ -493,7 +495,7 @@ mod tests {
                 [Some(ours), Some(theirs)] => ours.admits_of(i as usize, &theirs, j as usize),
                 _ => true,
             });
-            let search_row = |task: &Task<'_, f64>, out: &mut Output<'_>| f64::search::<D>(simd, task, out);
+            let search_row = |task: &Task<'_, f64>, out: &mut Output<'_>| f64::search::<D>(level, task, out);
             let scan = Scan {
                 layout: &own,
                 against: Some(&other),

@@ -1,6 +1,6 @@
-//! Writing to one array from several threads, each to places of its own.
+//! Writing to one array from several threads, each thread to its own places.
 
-#![allow(unsafe_code, reason = "that the places are different cannot be told to the compiler")]
+#![allow(unsafe_code, reason = "the compiler cannot see that the threads write to different places")]
 
 use std::marker::PhantomData;
 
@@ -14,9 +14,10 @@ pub(crate) struct Scatter<'a, V> {
     array: PhantomData<&'a mut [V]>,
 }
 
-// SAFETY: the array is borrowed for as long as this lives, and `write` asks its callers for places of their own.
+// SAFETY: this stands for a mutable borrow of the array, which may be sent where `V` may. Its one method writes, to places that no other thread uses at the
+// same time, by the contract of that method.
 unsafe impl<V: Send> Send for Scatter<'_, V> {}
-// SAFETY: as above.
+// SAFETY: as above: what is shared is the borrow, and each entry is written by one thread.
 unsafe impl<V: Send> Sync for Scatter<'_, V> {}
 
 impl<'a, V: Copy> Scatter<'a, V> {
@@ -27,14 +28,14 @@ impl<'a, V: Copy> Scatter<'a, V> {
     /// Writes one entry.
     ///
     /// # Safety
-    /// No other thread writes the same place before the array is used again.
+    /// No other thread writes the same place while the array is borrowed by this.
     ///
     /// # Panics
-    /// Behind the end of the array.
+    /// If `place` is behind the end of the array.
     #[inline]
     pub(crate) unsafe fn write(self, place: usize, value: V) {
         assert!(place < self.len);
-        // SAFETY: inside the array, and nobody else's place by the contract of this function.
+        // SAFETY: the place is inside the array, and no other thread writes it by the contract of this function.
         unsafe { self.start.add(place).write(value) };
         prefetch::write(self.start.wrapping_add(place));
     }
@@ -52,7 +53,7 @@ mod tests {
             for thread in 0..2 {
                 scope.spawn(move || {
                     for place in (thread..1000).step_by(2) {
-                        // SAFETY: even places for one thread, odd ones for the other.
+                        // One thread writes to even places, the other to odd ones.
                         unsafe { scatter.write(place, place + 1) };
                     }
                 });

@@ -1,11 +1,11 @@
-//! What holds for any elements in any box (proptest).
+//! Properties of any elements in any box (proptest).
 
 use fdem_contact::{Elements, Engine, PeriodicBox, PeriodicCouple, PeriodicSearch};
 use proptest::prelude::*;
 
 use super::{ENGINES, Radii, brute, displaced, found};
 
-/// Right-handed edges of small integers, so that everything below is exact.
+/// Right-handed edges of small integers, so that all arithmetic below is exact.
 fn edges() -> impl Strategy<Value = [[f64; 3]; 3]> {
     prop::array::uniform3(prop::array::uniform3(-6..7_i32)).prop_filter_map("no volume", |rows| {
         let [a, b, c] = rows;
@@ -51,7 +51,8 @@ proptest! {
         }
     }
 
-    /// Each element moved by edges of its own: the shifts change by as many, and nothing else does. All moved alike: nothing changes.
+    /// Each element moved by whole edges of its own: the shifts change by these, and nothing else changes. All moved alike: nothing
+    /// changes.
     #[test]
     fn moving_by_whole_edges(
         edges in edges(),
@@ -72,7 +73,7 @@ proptest! {
         prop_assert_eq!(of_spheres(&apart, &radii, &cell), canonical(expected.collect()));
     }
 
-    /// Elements that the caller wraps give the couples of those that the search wraps, and their shifts say what was wrapped.
+    /// Elements that the caller wraps give the same couples as elements that the search wraps; the shifts differ by the periods.
     #[test]
     fn wrapping_beforehand(edges in edges(), (centres, radii) in spheres()) {
         let cell = PeriodicBox::triclinic([0.0; 3], edges, [true, true, false]).unwrap();
@@ -85,7 +86,7 @@ proptest! {
         prop_assert_eq!(of_spheres(&centres, &radii, &cell), canonical(expected.collect()));
     }
 
-    /// The other basis of the same lattice, its first edge added to the second: the same contacts under other names.
+    /// Another basis of the same lattice, with the first edge added to the second: the same contacts with other shifts.
     #[test]
     fn another_basis(edges in edges(), (centres, radii) in spheres(), times in -3..4_i32) {
         let cell = PeriodicBox::triclinic([0.0; 3], edges, [true; 3]).unwrap();
@@ -101,7 +102,7 @@ proptest! {
         prop_assert_eq!(of_spheres(&centres, &radii, &cell), canonical(expected.collect()));
     }
 
-    /// Any floats at all: couples or a typed refusal, of all engines alike.
+    /// Arbitrary floats: all engines give the same couples or a typed error.
     #[test]
     fn any_floats_give_couples_or_an_error(
         edges in prop::array::uniform2(prop::array::uniform2(any::<f32>())),

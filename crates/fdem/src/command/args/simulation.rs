@@ -56,13 +56,17 @@ pub(crate) struct RunArguments {
     pub(crate) options: RunOptions,
 }
 
-/// Go on with a run that was interrupted, from its last checkpoint.
+/// Go on with a run that was interrupted, from its last checkpoint, or with one that is finished, to a later end time.
 #[derive(Debug, Args)]
 #[command(after_help = "Example: fdem resume brazilian_disc_results")]
 pub(crate) struct ResumeArguments {
     /// The folder of its results.
     #[arg(value_name = "DIR")]
     pub(crate) folder: PathBuf,
+
+    /// Make the run end at another time, s. `end_time` in the folder's model.toml is changed; frames and rows of the history keep their spacing.
+    #[arg(long, value_name = "SECONDS", value_parser = positive)]
+    pub(crate) end_time: Option<f64>,
 
     #[command(flatten)]
     pub(crate) options: RunOptions,
@@ -104,4 +108,11 @@ pub(crate) struct ValidateArguments {
     /// Do not tell how long it has taken so far.
     #[arg(short, long)]
     pub(crate) quiet: bool,
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(number) if number.is_finite() && number > 0.0 => Ok(number),
+        _ => Err("a number above 0 is needed".to_owned()),
+    }
 }

@@ -1,15 +1,15 @@
-//! The folder of a run: what is in it, and how it stays readable whatever happens.
+//! The folder of a run: its files, and how they stay readable whatever happens.
 //!
 //! ```text
 //! model.toml, inputs/   the model as it was given, with the files that it names
-//! checkpoint            the state of the run; `fdem resume` goes on from here
-//! history.csv           a row for each instant
-//! results.pvd, cracks.pvd, frames/   for ParaView
+//! checkpoint            the state of the run, from which `fdem resume` goes on
+//! history.csv           a row of energies, cracks and recorded quantities for each instant
+//! results.pvd, cracks.pvd, damaged_joints.pvd, contacts.pvd, frames/   for ParaView
 //! plots/, report.html, animation.gif   made when the run ends
-//! run.json, run.log     what ran, on what, for how long; run.json tells that this is the folder of a run
+//! run.json, run.log     model, machine, times and result; run.json marks a folder as that of a run
 //! ```
-//! Every file but the two that grow, history and log, is written aside, synced and renamed: at any instant the folder holds whole files only. A checkpoint says how many frames there were
-//! and up to which step the history counts; what is later than that is removed when the run goes on.
+//! The history and the log grow. Every other file is written to a temporary file, synced and renamed, so that the folder holds complete files at any instant. A checkpoint records the number of frames
+//! and the length of the history; frames and rows that are later are removed when the run goes on.
 
 use std::fs::{self, File, TryLockError};
 use std::io::{self, Read, Write};
@@ -21,48 +21,55 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use crate::command::failure::{Failure, display_name};
+use crate::command::run::account::Account;
 
 pub(crate) const MODEL: &str = "model.toml";
 pub(crate) const HISTORY: &str = "history.csv";
 pub(crate) const LOG: &str = "run.log";
 const CHECKPOINT: &str = "checkpoint";
 const FRAMES: &str = "frames";
-const INPUTS: &str = "inputs";
+pub(crate) const INPUTS: &str = "inputs";
 pub(crate) const PLOTS: &str = "plots";
+/// Written last when a run ends.
+pub(crate) const REPORT: &str = "report.html";
 
-/// What tells that a folder is of a run: made first, and never removed.
+/// Marks a folder as that of a run: this file is written first and never removed.
 pub(crate) const SUMMARY: &str = "run.json";
 
-/// All that a run makes, for `--force`.
-const FILES: [&str; 10] = [
-    // First, so that nobody goes on with a run of which the rest is gone.
+/// Files that a run makes; `--force` removes them.
+const FILES: [&str; 12] = [
+    // First, so that nobody can resume a run whose other files are removed.
     CHECKPOINT,
     MODEL,
     HISTORY,
     LOG,
     "results.pvd",
     "cracks.pvd",
-    "report.html",
+    "damaged_joints.pvd",
+    "contacts.pvd",
+    REPORT,
     "animation.gif",
     "picture.png",
     "picture.svg",
 ];
 const FOLDERS: [&str; 4] = [FRAMES, INPUTS, PLOTS, "animation"];
 
-/// The first line of a checkpoint: another version of its contents has another one.
-const MAGIC: &[u8] = b"fdem checkpoint 2\n";
+/// First line of a checkpoint. It changes whenever the contents change.
+const MAGIC: &[u8] = b"fdem checkpoint 3\n";
 
-/// Where a run stands.
+/// The state of a run, with the state of its files.
 #[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct Checkpoint {
-    /// Of the model, [`Prepared::hash`](crate::model::Prepared).
+    /// Hash of the model, [`Prepared::hash`](crate::model::Prepared).
     pub(crate) model: String,
-    /// Step and time of the frames that have been written.
+    /// Step and time, s, of each frame that has been written.
     pub(crate) frames: Vec<(u64, f64)>,
     /// Length of the history, bytes.
     pub(crate) history: u64,
-    /// Time on the clock until here, s.
-    pub(crate) seconds: f64,
+    /// Time between frames and time between rows of the history, s: they stay as they are if the end time changes.
+    pub(crate) intervals: [f64; 2],
+    /// Times and numbers since the beginning of the run.
+    pub(crate) account: Account,
     pub(crate) state: State,
 }
 
@@ -70,16 +77,16 @@ pub(crate) struct Checkpoint {
 #[derive(Debug, Clone)]
 pub(crate) struct Folder {
     path: PathBuf,
-    /// The model's file, locked as long as somebody is at work here.
+    /// The model's file. It is locked while a run uses the folder.
     lock: Option<Arc<File>>,
 }
 
 impl Folder {
-    /// One for a new run, with the model's text and the files that it names.
+    /// Makes the folder of a new run, with the text of the model and the files that it names.
     pub(crate) fn create(path: &Path, force: bool, text: &[u8], inputs: &[Vec<u8>]) -> Result<Self, Failure> {
         let mut folder = Self { path: path.to_owned(), lock: None };
         let there = match fs::read_dir(path) {
-            // The first file, if a run was killed before it was whole.
+            // A run that was killed while it wrote its first file has left this one.
             Ok(mut entries) => {
                 entries.any(|entry| entry.is_ok_and(|entry| entry.file_name() != "run.json.part"))
             }
@@ -118,7 +125,7 @@ impl Folder {
         Ok(folder)
     }
 
-    /// That of a run which has been.
+    /// Opens the folder of an earlier run.
     pub(crate) fn open(path: &Path) -> Result<(Self, Checkpoint), Failure> {
         let mut folder = Self { path: path.to_owned(), lock: None };
         folder.lock()?;
@@ -126,7 +133,7 @@ impl Folder {
         Ok((folder, checkpoint))
     }
 
-    /// Takes the folder for this process alone, until it ends. Where there is no model nobody is at work; a file system without locks has none.
+    /// Locks the folder for this process. A folder without a model has no run; a file system without locks is used unlocked.
     fn lock(&mut self) -> Result<(), Failure> {
         let Ok(file) = File::open(self.path(MODEL)) else { return Ok(()) };
         if matches!(file.try_lock(), Err(TryLockError::WouldBlock)) {
@@ -139,7 +146,20 @@ impl Folder {
         Ok(())
     }
 
-    /// Removes what a run makes, and nothing else.
+    /// Whether the run came to its end and everything was drawn.
+    pub(crate) fn is_finished(&self) -> bool {
+        let summary = fs::read(self.path(SUMMARY)).ok();
+        let summary = summary.and_then(|bytes| serde_json::from_slice::<serde_json::Value>(&bytes).ok());
+        summary.is_some_and(|json| json["status"] == "finished") && self.path(REPORT).exists()
+    }
+
+    /// Replaces the text of the model, and keeps the folder locked.
+    pub(crate) fn replace_model(&mut self, text: &[u8]) -> Result<(), Failure> {
+        self.write(MODEL, text)?;
+        self.lock()
+    }
+
+    /// Removes the files that a run makes, and nothing else.
     fn clear(&self) -> Result<(), Failure> {
         let remove = |name: &&str, how: fn(PathBuf) -> io::Result<()>| {
             let path = self.path(name);
@@ -152,7 +172,7 @@ impl Folder {
         FOLDERS.iter().try_for_each(|name| remove(name, fs::remove_dir_all))
     }
 
-    /// Makes a folder in it.
+    /// Makes a folder inside.
     pub(crate) fn make(&self, name: &str) -> Result<(), Failure> {
         let path = self.path(name);
         fs::create_dir_all(&path).map_err(|error| Failure::writing(&path, error))
@@ -162,7 +182,7 @@ impl Folder {
         if name.is_empty() { self.path.clone() } else { self.path.join(name) }
     }
 
-    /// Writes a file aside, and puts it under its name when it is whole.
+    /// Writes a temporary file, and renames it when it is complete.
     pub(crate) fn write(&self, name: &str, bytes: &[u8]) -> Result<(), Failure> {
         let path = self.path(name);
         self.write_aside(&path, bytes).map_err(|error| Failure::writing(&path, error))
@@ -177,7 +197,7 @@ impl Folder {
         file.sync_all()?;
         drop(file);
         fs::rename(&aside, path)?;
-        // The name, too, is on the disk only when the folder is.
+        // The name of the file is on the disk only after the folder is synced.
         #[cfg(unix)]
         File::open(folder)?.sync_all()?;
         #[cfg(not(unix))]
@@ -190,12 +210,12 @@ impl Folder {
         fs::read(&path).map_err(|error| Failure::reading(&display_name(&path), &error))
     }
 
-    /// A file that the model names, by the order in which it does.
+    /// Reads a file that the model names. `number`: its place in the order in which the model names files.
     pub(crate) fn input(&self, number: usize) -> io::Result<Vec<u8>> {
         fs::read(self.path(&format!("{INPUTS}/{number}")))
     }
 
-    /// Saves where the run stands.
+    /// Writes the checkpoint.
     pub(crate) fn save(&self, checkpoint: &Checkpoint) -> Result<(), Failure> {
         let path = self.path(CHECKPOINT);
         let payload = postcard::to_allocvec(checkpoint).map_err(|error| Failure::writing(&path, error))?;
@@ -229,17 +249,38 @@ impl Folder {
     }
 }
 
-/// Files of a frame.
+/// Name of the mesh file of a frame.
 pub(crate) fn mesh_file(number: usize) -> String {
     format!("{FRAMES}/{number:05}.vtu")
 }
 
-/// Cracks of a frame.
+/// Name of the file of the broken joints of a frame.
 pub(crate) fn cracks_file(number: usize) -> String {
     format!("{FRAMES}/{number:05}_cracks.vtp")
 }
 
-/// A frame as the report needs it.
+/// Name of the file of the joints of a frame that soften and hold.
+pub(crate) fn damaged_file(number: usize) -> String {
+    format!("{FRAMES}/{number:05}_damaged_joints.vtp")
+}
+
+/// Name of the file of the contact forces of a frame.
+pub(crate) fn contacts_file(number: usize) -> String {
+    format!("{FRAMES}/{number:05}_contacts.vtp")
+}
+
+/// Names of the files of a frame for ParaView.
+type Named = fn(usize) -> String;
+
+/// The collections that ParaView opens, and how the file of each frame is called.
+pub(crate) const COLLECTIONS: [(&str, Named); 4] = [
+    ("results.pvd", mesh_file),
+    ("cracks.pvd", cracks_file),
+    ("damaged_joints.pvd", damaged_file),
+    ("contacts.pvd", contacts_file),
+];
+
+/// Name of the file of a frame for the report.
 pub(crate) fn packed_file(number: usize) -> String {
     format!("{FRAMES}/{number:05}.frame")
 }

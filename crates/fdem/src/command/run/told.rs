@@ -1,28 +1,32 @@
-//! What a run tells: progress on the terminal, `run.log`, `run.json`.
+//! Progress of a run on the terminal, `run.log` and `run.json`.
 
 use std::fs::{File, OpenOptions};
 use std::io::{IsTerminal, Write};
 use std::time::{Duration, Instant};
 
-use fdem_simulation::{Simulation, Timings};
+use fdem_simulation::Simulation;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 
 use crate::command::failure::Failure;
+use crate::command::progress::{bar_of_run, columns, fitted};
+use crate::command::run::account::{Account, PARTS};
 use crate::command::run::folder::{Folder, LOG};
 use crate::model::Prepared;
 use crate::numbers::{brief, grouped};
 
-/// Between two looks at the bar.
+/// Time between two updates of the bar.
 const REFRESH: Duration = Duration::from_millis(100);
 
-/// Lines of progress where there is no terminal: every so many percent.
+/// Percentage between two lines of progress, where there is no terminal.
 const PERCENT: u64 = 10;
 
 /// Progress and log of a run.
 pub(crate) struct Told {
     bar: Option<ProgressBar>,
+    /// Columns of the terminal that the bar was made for.
+    width: usize,
     lines: bool,
     log: File,
     start: Instant,
@@ -38,15 +42,15 @@ impl Told {
         let log = OpenOptions::new().create(true).append(true).open(&path);
         let terminal = std::io::stderr().is_terminal();
         let bar = (!quiet && terminal).then(|| {
-            let style =
-                ProgressStyle::with_template("{wide_bar} {percent} %, {elapsed} gone, {eta} left\n{msg}");
-            ProgressBar::new(total)
-                .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
-                .with_position(run.steps())
+            let bar = ProgressBar::new(total).with_position(run.steps());
+            // While a large frame is written no step tells how far the run is.
+            bar.enable_steady_tick(REFRESH);
+            bar
         });
         let now = Instant::now();
         Ok(Self {
             bar,
+            width: 0,
             lines: !quiet && !terminal,
             log: log.map_err(|error| Failure::writing(&path, error))?,
             start: now,
@@ -57,14 +61,14 @@ impl Told {
         })
     }
 
-    /// Seconds since this part of the run began.
-    pub(crate) fn seconds(&self) -> f64 {
-        self.start.elapsed().as_secs_f64()
+    /// Time since this part of the run began.
+    pub(crate) fn elapsed(&self) -> Duration {
+        self.start.elapsed()
     }
 
-    /// A line for the log, and for whoever looks.
+    /// Writes a line to the log and to standard error.
     pub(crate) fn say(&mut self, text: &str) {
-        // A log that cannot be written to is no reason to lose the run.
+        // The run goes on without its log.
         let _ = writeln!(self.log, "{:10.3} s  {text}", self.start.elapsed().as_secs_f64());
         match &self.bar {
             Some(bar) => bar.println(text),
@@ -75,7 +79,14 @@ impl Told {
         }
     }
 
-    /// How far the run is.
+    /// Shows on a terminal what is done between steps.
+    pub(crate) fn does(&self, text: &str) {
+        if let Some(bar) = &self.bar {
+            bar.set_message(text.to_owned());
+        }
+    }
+
+    /// Updates the progress.
     pub(crate) fn show(&mut self, run: &Simulation) {
         let percent = 100 * run.steps() / self.total.max(1) / PERCENT;
         let line = percent > self.percent;
@@ -84,20 +95,26 @@ impl Told {
         }
         self.last = Instant::now();
         let rate = (run.steps() - self.first_step) as f64 * run.model().mesh.triangles.len() as f64
-            / self.seconds().max(1e-9);
+            / self.start.elapsed().as_secs_f64().max(1e-9);
         let counts = run.counts();
-        let text = format!(
-            "time {} s, step {} of {}, {:.1} million element-steps a second, kinetic energy {} J, {} joints broken",
-            brief(run.time()),
-            grouped(run.steps()),
-            grouped(self.total),
-            rate / 1e6,
-            brief(run.energies().kinetic),
-            grouped(counts.broken as u64)
-        );
+        // In the order of what is left out last where the terminal is narrow.
+        let parts = [
+            format!("time {} s", brief(run.time())),
+            format!("step {} of {}", grouped(run.steps()), grouped(self.total)),
+            format!("{} joints broken", grouped(counts.broken as u64)),
+            format!("{:.1} million element-steps a second", rate / 1e6),
+            format!("kinetic energy {} J", brief(run.energies().kinetic)),
+        ];
+        let text = parts.join(", ");
         if let Some(bar) = &self.bar {
+            let width = columns();
+            if width != self.width {
+                self.width = width;
+                let style = ProgressStyle::with_template(&format!("{}\n{{msg}}", bar_of_run(width)));
+                bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+            }
             bar.set_position(run.steps());
-            bar.set_message(text.clone());
+            bar.set_message(fitted(&parts, width));
         }
         if line {
             self.percent = percent;
@@ -115,27 +132,16 @@ impl Told {
     }
 }
 
-/// Parts of a step, in their order, with the seconds that they took.
-pub(crate) fn parts(timings: &Timings) -> [(&'static str, f64); 5] {
-    [
-        ("bulk", timings.bulk),
-        ("joints", timings.joints),
-        ("detection", timings.detection),
-        ("contact force", timings.contact),
-        ("integration", timings.integration),
-    ]
-    .map(|(name, time)| (name, time.as_secs_f64()))
-}
-
-/// The file for programs. `seconds`: on the clock, in all parts of the run; `output`: of it for results.
-pub(crate) fn json(run: &Simulation, prepared: &Prepared, status: &str, seconds: f64, output: f64) -> Value {
+/// The contents of `run.json`, for programs. `account`: that of the whole run.
+pub(crate) fn json(run: &Simulation, prepared: &Prepared, status: &str, account: &Account) -> Value {
     let (counts, energies) = (run.counts(), run.energies());
-    let mut timings: serde_json::Map<String, Value> = parts(&run.timings())
+    let mut timings: serde_json::Map<String, Value> = PARTS
         .into_iter()
+        .zip(account.parts)
         .map(|(name, seconds)| (name.replace(' ', "_"), json!(seconds)))
         .collect();
-    timings.insert("output".to_owned(), json!(output));
-    timings.insert("total".to_owned(), json!(seconds));
+    timings.insert("output".to_owned(), json!(account.output));
+    timings.insert("total".to_owned(), json!(account.seconds));
     let critical = run.critical_step();
     json!({
         "version": env!("CARGO_PKG_VERSION"),
@@ -158,7 +164,7 @@ pub(crate) fn json(run: &Simulation, prepared: &Prepared, status: &str, seconds:
             "element": critical.element,
             "cause": critical.cause.to_string(),
         },
-        "detections": counts.detections,
+        "detections": account.detections,
         "joints": counts.joints,
         "broken_joints": counts.broken,
         "crack_length": run.crack_lengths().iter().sum::<f64>(),
@@ -179,7 +185,7 @@ pub(crate) fn json(run: &Simulation, prepared: &Prepared, status: &str, seconds:
     })
 }
 
-/// SHA-256 of where all is, how it moves, its stress, its cracks and its energies: equal for equal runs, whatever the threads, and however often they were interrupted.
+/// SHA-256 of positions, velocities, stresses, cracks and energies. Equal runs have equal hashes, for any number of threads and of interruptions.
 fn state_hash(run: &Simulation) -> String {
     let (snapshot, energies) = (run.snapshot(), run.energies());
     let mut hash = Sha256::new();

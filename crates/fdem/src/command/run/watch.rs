@@ -1,16 +1,16 @@
-//! Ctrl-C and the other signals that ask a program to end: a run saves where it stands first.
+//! Ctrl-C and the other signals that ask a program to end. A run writes a checkpoint before it ends.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicI32, Ordering};
 
 use crate::command::failure::Failure;
 
-/// The signal that came, or none.
+/// The signal that has arrived, if any.
 #[derive(Clone, Debug)]
 pub(crate) struct Watch(Arc<AtomicI32>);
 
 impl Watch {
-    /// From now on signals are noted. A second one ends the program at once: what is in the folder is whole at any instant.
+    /// Starts to watch for signals. A second signal ends the program at once: the files in the folder are complete at any instant.
     pub(crate) fn new() -> Result<Self, Failure> {
         let came = Arc::new(AtomicI32::new(0));
         let note = {
@@ -25,7 +25,7 @@ impl Watch {
         Ok(Self(came))
     }
 
-    /// The number of the signal that asks to end.
+    /// Number of the signal that asks the run to end.
     pub(crate) fn signal(&self) -> Option<i32> {
         Some(self.0.load(Ordering::SeqCst)).filter(|&signal| signal != 0)
     }

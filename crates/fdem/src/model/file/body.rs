@@ -5,38 +5,38 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-/// A body, or several of one kind. It has exactly one of the keys mesh, rectangle, disc, ring, polygon, voronoi and packing.
+/// A body, or several of one kind. It has exactly one shape: mesh, rectangle, disc, ring, polygon, voronoi or packing.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Body {
-    /// By which boundaries, histories and results call it.
+    /// Name of the body for boundaries, histories and results.
     #[schemars(length(min = 1))]
     pub name: String,
-    /// Name of its material.
+    /// Name of the material of the body.
     pub material: String,
-    /// Edge of its elements, m. Not for meshes from files, which have theirs.
+    /// Mean edge of the elements, m. Meshes from files have their own size and take no such key.
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub mesh_size: Option<f64>,
-    /// Another seed gives another mesh. Default: 1.
+    /// Seed of the mesh: another seed gives another mesh. Default: 1.
     #[serde(default = "seed")]
     pub seed: u64,
-    /// Turned by this angle about the middle of its bounding box, degrees, counter-clockwise. Default: 0.
+    /// Angle by which the body is turned about the middle of its bounding box, degrees, counter-clockwise. Default: 0.
     #[serde(default)]
     pub angle: f64,
-    /// Then moved by [x, y], m. Default: [0, 0].
+    /// Translation [x, y] after the turn, m. Default: [0, 0].
     #[serde(default)]
     pub translate: [f64; 2],
-    /// At the beginning, [x, y], m/s. Default: [0, 0].
+    /// Velocity [x, y] at the start, m/s. Default: [0, 0].
     #[serde(default)]
     pub velocity: Option<[f64; 2]>,
     /// A file with a mesh of triangles: Gmsh .msh 2.2 or 4.1, or another format that `fdem contacts` reads. Its path is relative to the model file.
     #[serde(default)]
     pub mesh: Option<String>,
-    /// Of a mesh from a file: take only these physical groups of surfaces. Default: all of the file.
+    /// Physical groups of surfaces to take from a mesh file. Default: the whole file.
     #[serde(default)]
     pub only: Option<Vec<String>>,
-    /// Of a mesh from a file: material of a physical group, as { group = "material" }. Groups that are not named have the material of the body.
+    /// Materials of physical groups of a mesh file, as { group = "material" }. Groups that are not named have the material of the body.
     #[serde(default)]
     pub groups: BTreeMap<String, String>,
     /// A rectangle along the axes.
@@ -45,16 +45,16 @@ pub struct Body {
     /// A disc.
     #[serde(default)]
     pub disc: Option<Disc>,
-    /// What is between two circles of one centre.
+    /// The area between two circles with the same centre.
     #[serde(default)]
     pub ring: Option<Ring>,
     /// A polygon.
     #[serde(default)]
     pub polygon: Option<Polygon>,
-    /// A body of Voronoi grains: their boundaries are edges of the mesh.
+    /// Voronoi grains in an outline. Their boundaries are edges of the mesh.
     #[serde(default)]
     pub voronoi: Option<Voronoi>,
-    /// Discs or polygons that do not overlap, each a body of its own.
+    /// Discs or polygons that do not overlap. Each is a body of its own.
     #[serde(default)]
     pub packing: Option<Packing>,
 }
@@ -67,7 +67,7 @@ pub struct Rectangle {
     pub min: [f64; 2],
     /// Upper right corner, m.
     pub max: [f64; 2],
-    /// What is cut out: { centre = [x, y], radius = r } or a list of points. Default: nothing.
+    /// Holes: each { centre = [x, y], radius = r } or a list of points. Default: none.
     #[serde(default)]
     pub holes: Vec<Hole>,
 }
@@ -76,25 +76,25 @@ pub struct Rectangle {
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Disc {
-    /// m. Default: [0, 0].
+    /// Centre [x, y], m. Default: [0, 0].
     #[serde(default)]
     pub centre: [f64; 2],
-    /// m.
+    /// Radius, m.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub radius: f64,
 }
 
-/// What is between two circles of one centre.
+/// The area between two circles with the same centre.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Ring {
-    /// m. Default: [0, 0].
+    /// Centre [x, y], m. Default: [0, 0].
     #[serde(default)]
     pub centre: [f64; 2],
-    /// Of the outer circle, m.
+    /// Radius of the outer circle, m.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub radius: f64,
-    /// Of the hole, m.
+    /// Radius of the inner circle, m.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub inner_radius: f64,
 }
@@ -103,47 +103,47 @@ pub struct Ring {
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Polygon {
-    /// Corners [x, y] in order, either way round, m.
+    /// Corners [x, y] in their order around the outline, either way round, m. The outline closes by itself.
     #[schemars(length(min = 3))]
     pub points: Vec<[f64; 2]>,
-    /// What is cut out: { centre = [x, y], radius = r } or a list of points. Default: nothing.
+    /// Holes: each { centre = [x, y], radius = r } or a list of points. Default: none.
     #[serde(default)]
     pub holes: Vec<Hole>,
 }
 
-/// What is cut out of a body.
+/// A hole in a body.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum Hole {
-    /// Corners in order, m.
+    /// Corners in their order around the hole, m.
     Points(#[schemars(length(min = 3))] Vec<[f64; 2]>),
     /// A circle.
     Disc(Disc),
 }
 
-/// Grains: the cells of random points, evened out.
+/// Voronoi cells of random points that were spread evenly.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Voronoi {
-    /// What the grains fill: { rectangle = … }, { disc = … } or { polygon = … }.
+    /// Outline that the grains fill: { rectangle = … }, { disc = … } or { polygon = … }.
     pub outline: Outline,
-    /// How many.
+    /// Number of grains.
     #[schemars(range(min = 1, max = 100_000))]
     pub grains: usize,
-    /// Another seed gives other grains. Default: 1.
+    /// Seed of the grains: another seed gives other grains. Default: 1.
     #[serde(default = "seed")]
     pub seed: u64,
-    /// Rounds of moving each point to the middle of its cell: more of them make grains alike. Default: 3.
+    /// Rounds in which each point moves to the middle of its cell (Lloyd's algorithm): the more, the more alike the grains. Default: 3.
     #[serde(default = "rounds")]
     #[schemars(range(max = 100))]
     pub rounds: u32,
-    /// Materials of the grains, spread so that neighbours differ where that is possible (with four or more they do nearly everywhere); an `[[interface]]` of two says
-    /// how such neighbours hold together. Default: the material of the body.
+    /// Materials of the grains. Neighbours get different ones where that is possible: with four or more materials nearly everywhere. An `[[interface]]` of two
+    /// materials gives the strength between such neighbours. Default: the material of the body.
     #[serde(default)]
     pub materials: Vec<String>,
 }
 
-/// What grains fill; exactly one of the keys.
+/// Outline of grains; exactly one of the keys.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Outline {
@@ -162,36 +162,36 @@ pub struct Outline {
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Packing {
-    /// "disc" or "polygon". Default: "disc".
+    /// Shape of the bodies: "disc" or "polygon". Default: "disc".
     #[serde(default)]
     pub shape: Piece,
-    /// How many, at random places.
+    /// Number of bodies, at random places.
     #[serde(default)]
     #[schemars(range(min = 1, max = 1_000_000))]
     pub count: Option<usize>,
-    /// Smallest and largest radius, m; of polygons that of the circle around them.
+    /// Smallest and largest radius, m; for polygons, that of the circle around them.
     #[serde(default)]
     pub radius: Option<[f64; 2]>,
-    /// The rectangle that they fill: { min = [x, y], max = [x, y] }.
+    /// Rectangle that the bodies fill: { min = [x, y], max = [x, y] }.
     #[serde(default)]
     pub within: Option<Rectangle>,
-    /// Least distance between two of them, and from the sides, m. Default: 0.
+    /// Least distance between two bodies, and between a body and the sides of the rectangle, m. Default: 0.
     #[serde(default)]
     #[schemars(extend("minimum" = 0))]
     pub gap: f64,
-    /// Least and largest number of corners of polygons. Default: [5, 8].
+    /// Smallest and largest number of corners of polygons. Default: [5, 8].
     #[serde(default = "corners")]
     #[schemars(inner(range(min = 3, max = 100)))]
     pub corners: [u32; 2],
-    /// Another seed gives another packing. Default: 1.
+    /// Seed of the packing: another seed gives another packing. Default: 1.
     #[serde(default = "seed")]
     pub seed: u64,
-    /// A file with x, y and radius of each, m, instead of `count`, `radius` and `within`: any format that `fdem contacts` reads. Its path is relative to the model file.
+    /// File with x, y and radius of each body, m, instead of `count`, `radius` and `within`: any format that `fdem contacts` reads. Its path is relative to the model file.
     #[serde(default)]
     pub file: Option<String>,
 }
 
-/// What a packing is of.
+/// Shape of the bodies of a packing.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Piece {

@@ -3,53 +3,53 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-/// What acts on a part of the bodies. Where: `body` (default: all bodies) and at most one of side, box, group. What: exactly one of
-/// fixed, velocity, displacement, force, traction, pressure, absorbing. When: ramp or table (default: from the beginning, constant).
+/// A support, motion or load on a part of the bodies. Where: `body` (default: all bodies) and at most one of side, box, group. What: exactly one of
+/// fixed, velocity, displacement, force, traction, pressure, absorbing. When: ramp or table (default: constant from the start).
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Boundary {
-    /// By which histories call it.
+    /// Name of the boundary for histories.
     #[schemars(length(min = 1))]
     pub name: String,
-    /// Name of a body; without side, box and group all of it. Default: all bodies.
+    /// Name of a body. Without side, box and group the boundary acts on all of the body. Default: all bodies.
     #[serde(default)]
     pub body: Option<String>,
-    /// What is farthest to the "left", "right", "top" or "bottom" of all that `body` means.
+    /// Side of the body, or of all bodies together: the nodes farthest to the "left", "right", "top" or "bottom".
     #[serde(default)]
     pub side: Option<Side>,
-    /// What lies in a box [xmin, ymin, xmax, ymax], m.
+    /// Box [xmin, ymin, xmax, ymax], m: the nodes and edges inside.
     #[serde(default, rename = "box")]
     #[schemars(rename = "box")]
     pub limits: Option<[f64; 4]>,
-    /// A physical group of curves or surfaces of a mesh from a file; of other shapes "outer" (the outline), "holes" (of all holes) or "hole-1", "hole-2", …
+    /// Physical group of curves or surfaces of a mesh file. Other shapes have the groups "outer" (the outline), "holes" (all holes) and "hole-1", "hole-2", …
     #[serde(default)]
     pub group: Option<String>,
-    /// Held along "x", "y" or "xy".
+    /// Directions in which the nodes are held: "x", "y" or "xy".
     #[serde(default)]
     pub fixed: Option<Fixed>,
-    /// Moved with this velocity [x, y], m/s; a component may be "free".
+    /// Prescribed velocity [x, y], m/s. A component may be "free".
     #[serde(default)]
     pub velocity: Option<[Component; 2]>,
-    /// Moved by [x, y] from where it was, m; a component may be "free".
+    /// Prescribed displacement [x, y] from the start, m. A component may be "free".
     #[serde(default)]
     pub displacement: Option<[Component; 2]>,
-    /// In all [x, y], N, on the nodes in equal parts.
+    /// Total force [x, y], N. Each node gets an equal part.
     #[serde(default)]
     pub force: Option<[f64; 2]>,
-    /// On edges of the outline [x, y], Pa, in fixed directions.
+    /// Traction [x, y] on edges of the outline, Pa, in fixed directions.
     #[serde(default)]
     pub traction: Option<[f64; 2]>,
-    /// On edges of the outline, Pa, against their outward normals.
+    /// Pressure on edges of the outline, Pa, against their outward normals.
     #[serde(default)]
     pub pressure: Option<f64>,
-    /// true: edges of the outline let waves out (Lysmer and Kuhlemeyer).
+    /// true: edges of the outline absorb waves (Lysmer and Kuhlemeyer), carry the initial stress, and support the body with the stiffness of the ground beyond. Default: false.
     #[serde(default)]
     pub absorbing: bool,
-    /// From 0 to all of it as half a cosine within this time, s.
+    /// Time within which the load rises from 0 to its full value, as half a cosine, s.
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub ramp: Option<f64>,
-    /// [[time, factor], …], s: linear between them, constant before the first and after the last.
+    /// Factor of the load over time, [[time, factor], …], s: linear between the entries, constant before the first and after the last.
     #[serde(default)]
     #[schemars(length(min = 1))]
     pub table: Option<Vec<[f64; 2]>>,
@@ -59,17 +59,17 @@ pub struct Boundary {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Side {
-    /// Least x.
+    /// Smallest x.
     Left,
     /// Largest x.
     Right,
     /// Largest y.
     Top,
-    /// Least y.
+    /// Smallest y.
     Bottom,
 }
 
-/// Which components are held.
+/// Directions in which nodes are held.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Fixed {
@@ -101,7 +101,7 @@ impl Component {
     }
 }
 
-/// The word for what is not prescribed.
+/// The word "free".
 #[derive(Debug, Clone, Copy, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Free {

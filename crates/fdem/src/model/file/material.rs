@@ -3,31 +3,31 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-/// An elastic material. With the five keys `tensile_strength`, `cohesion`, `friction_angle`, `fracture_energy_i` and `fracture_energy_ii` it breaks, without it does not.
+/// An elastic material. It breaks if it has the five keys `tensile_strength`, `cohesion`, `friction_angle`, `fracture_energy_i` and `fracture_energy_ii`, and does not break without them.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Material {
-    /// By which bodies and interfaces call it.
+    /// Name of the material for bodies and interfaces.
     #[schemars(length(min = 1))]
     pub name: String,
-    /// kg/m³.
+    /// Density, kg/m³.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub density: f64,
-    /// Pa.
+    /// Young's modulus, Pa.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub youngs_modulus: f64,
-    /// From 0 to 0.5; in plane strain below 0.5. Auxetic materials have a negative one, above -1.
+    /// Poisson's ratio, from above -1 to 0.5; in plane strain below 0.5.
     #[schemars(extend("exclusiveMinimum" = -1, "maximum" = 0.5))]
     pub poissons_ratio: f64,
-    /// Share of critical damping of an element's fastest mode by its viscosity. Default: 0.
+    /// Viscous damping, as a share of the critical damping of the fastest mode of an element. Default: 0.
     #[serde(default)]
     #[schemars(extend("minimum" = 0))]
     pub damping: f64,
-    /// Coefficient of friction where the material touches, unless an `[[interface]]` says otherwise. Default: 0.
+    /// Coefficient of friction of contacts, unless an `[[interface]]` says otherwise. Default: 0.
     #[serde(default)]
     #[schemars(extend("minimum" = 0))]
     pub friction: f64,
-    /// Pa.
+    /// Tensile strength, Pa.
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub tensile_strength: Option<f64>,
@@ -35,7 +35,7 @@ pub struct Material {
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub cohesion: Option<f64>,
-    /// Of internal friction, degrees.
+    /// Angle of internal friction, degrees.
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "exclusiveMaximum" = 90))]
     pub friction_angle: Option<f64>,
@@ -47,54 +47,55 @@ pub struct Material {
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub fracture_energy_ii: Option<f64>,
-    /// Weibull modulus of the scatter of tensile strength and cohesion from edge to edge, with a mean of 1. Default: no scatter.
+    /// Weibull modulus of the scatter of tensile strength and cohesion from edge to edge. The mean keeps its value. Default: no scatter.
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub weibull_modulus: Option<f64>,
-    /// Of that scatter. Default: 1.
+    /// Seed of that scatter. Default: 1.
     #[serde(default = "seed")]
     pub weibull_seed: u64,
 }
 
-/// Contacts and joints between two materials, which may be the same.
+/// Contacts between two materials, and the joints between their elements inside one body. Different bodies touch; no interface bonds them.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Interface {
-    /// Names of the two.
+    /// Names of the two. A material with itself: its contacts with other bodies of it, and all joints inside of it, in place of its own strength.
     pub materials: [String; 2],
-    /// Coefficient of friction of contacts. Default: the lesser of the two materials.
+    /// Coefficient of friction of contacts. Default: that of the material with less friction.
     #[serde(default)]
     #[schemars(extend("minimum" = 0))]
     pub friction: Option<f64>,
-    /// Penalty of contacts, Pa. Default: as `[contact]` says.
+    /// Penalty of contacts, Pa. Default: from the `penalty` of `[contact]`.
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub penalty: Option<f64>,
-    /// Of joints between the two, Pa; needs the four keys below. Default: the lesser of the two materials.
+    /// Tensile strength of joints between the two, inside bodies, Pa; needs the four keys below. With 0 here and for `cohesion` the joint is open and has friction only; then
+    /// it needs no fracture energies. Default: the strength of the weaker material.
     #[serde(default)]
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(extend("minimum" = 0))]
     pub tensile_strength: Option<f64>,
-    /// Shear strength without normal stress, Pa.
+    /// Shear strength of these joints without normal stress, Pa; may be 0.
     #[serde(default)]
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(extend("minimum" = 0))]
     pub cohesion: Option<f64>,
-    /// Of internal friction, degrees.
+    /// Angle of friction of these joints, degrees.
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "exclusiveMaximum" = 90))]
     pub friction_angle: Option<f64>,
-    /// Fracture energy of opening (mode I), J/m².
+    /// Fracture energy of opening (mode I), J/m². Not needed where the tensile strength is 0.
     #[serde(default)]
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(extend("minimum" = 0))]
     pub fracture_energy_i: Option<f64>,
-    /// Fracture energy of sliding (mode II), beyond friction, J/m².
+    /// Fracture energy of sliding (mode II), beyond friction, J/m². Not needed where the cohesion is 0.
     #[serde(default)]
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(extend("minimum" = 0))]
     pub fracture_energy_ii: Option<f64>,
-    /// Weibull modulus of the scatter of tensile strength and cohesion from edge to edge, with a mean of 1. Default: no scatter.
+    /// Weibull modulus of the scatter of tensile strength and cohesion from edge to edge. The mean keeps its value. Default: no scatter.
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub weibull_modulus: Option<f64>,
-    /// Of that scatter. Default: 1.
+    /// Seed of that scatter. Default: 1.
     #[serde(default = "seed")]
     pub weibull_seed: u64,
 }

@@ -5,7 +5,7 @@ use serde::Deserialize;
 
 use crate::results::Field;
 
-/// What is written.
+/// Results to write.
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Output {
@@ -13,21 +13,25 @@ pub struct Output {
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub interval: Option<f64>,
-    /// Number of result files after that of the beginning, at equal intervals. Default: 50.
+    /// Number of result files after the first, which is of the start, at equal intervals. Default: 50.
     #[serde(default)]
     #[schemars(range(min = 1, max = 1_000_000))]
     pub frames: Option<u32>,
-    /// What pictures and the report show; result files for ParaView have everything. Default: `max_principal`, `velocity`, `damage`.
+    /// Fields that pictures and the report show; result files for ParaView have all fields. Default: `max_principal`, `velocity`, `damage`.
     #[serde(default)]
     pub fields: Option<Vec<Field>>,
-    /// An animation (GIF): true, for the first of `fields`, or the name of a field. Default: false.
+    /// Animation (GIF): true for the first of `fields`, or the name of a field. Default: false.
     #[serde(default)]
     pub animate: Option<Animate>,
+    /// Triangles that pictures and the report show at most; a larger mesh is shown by a sample of as many. Default: all, and 250,000 of more than 1,000,000.
+    #[serde(default)]
+    #[schemars(range(min = 100, max = 1_000_000))]
+    pub shown_elements: Option<u32>,
     /// Time between rows of the history, s. Default: a thousandth of the end time.
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub history_interval: Option<f64>,
-    /// Time on the clock between checkpoints, s. Default: 60.
+    /// Wall-clock time between checkpoints, s. Default: 60.
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub checkpoint_interval: Option<f64>,
@@ -37,13 +41,13 @@ pub struct Output {
     pub checkpoint_steps: Option<u64>,
 }
 
-/// Whether there is an animation, and of what.
+/// Whether there is an animation, and its field.
 #[derive(Debug, Clone, Copy, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum Animate {
-    /// Of the first of the fields, or none.
+    /// An animation of the first of the fields, or none.
     Switch(bool),
-    /// Of this.
+    /// An animation of this field.
     Field(Field),
 }
 
@@ -51,25 +55,25 @@ pub enum Animate {
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct History {
-    /// Of its column.
+    /// Name of its column.
     #[schemars(length(min = 1))]
     pub name: String,
     /// Displacement and velocity of the node nearest to [x, y], m.
     #[serde(default)]
     pub node: Option<[f64; 2]>,
-    /// Of `node`: only nodes of this body. Default: all.
+    /// Body among whose nodes the one nearest to `node` is taken. Default: all bodies.
     #[serde(default)]
     pub body: Option<String>,
-    /// Name of a boundary: the force, in all, that it exerts on the bodies, N.
+    /// Name of a boundary: its total force on the bodies, N, and the mean displacement of its nodes, m.
     #[serde(default)]
     pub force: Option<String>,
-    /// true: all energies, J; they are recorded whether or not this is here.
+    /// true: all energies, J. They are recorded in any case.
     #[serde(default)]
     pub energy: bool,
-    /// true: length of what is broken, m; it is recorded whether or not this is here.
+    /// true: length of the cracks, m. It is recorded in any case.
     #[serde(default)]
     pub crack_length: bool,
-    /// Time between records, s. The history is one table: the shortest of all intervals holds. Default: that of `[output]`.
+    /// Time between rows, s. The history is one table with the shortest of all intervals. Default: that of `[output]`.
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub interval: Option<f64>,

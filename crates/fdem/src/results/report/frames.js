@@ -1,6 +1,6 @@
-// Frames from the texts in this page, each opened when it is first looked at.
+// The frames in this page. Each is decompressed when it is shown for the first time.
 
-// Places between two numbers, of 16 bits; the last is nowhere.
+// Positions between two limits, of 16 bits; the last code means no value.
 const STEPS = 65534, NOWHERE = 65535;
 
 class Frames {
@@ -13,7 +13,7 @@ class Frames {
     return meta.frames.length;
   }
 
-  // A promise of frame k.
+  // Returns a promise of frame k.
   get(k) {
     let frame = this.opened.get(k);
     if (!frame) {
@@ -24,12 +24,12 @@ class Frames {
   }
 
   async open(k) {
-    const about = meta.frames[k], n = meta.elements;
+    const about = meta.frames[k], n = about.elements;
     const bytes = await inflated(bytesOfBase64(this.texts[k].textContent), about.size);
     this.texts[k].textContent = "";
     if (bytes.length !== about.size) throw new Error("the data is damaged");
     let at = 0;
-    // Of each array first all upper bytes, then all lower ones.
+    // Each array has all upper bytes first, then all lower bytes.
     const numbers = (count) => {
       const array = new Uint16Array(count);
       for (let i = 0; i < count; i++) array[i] = (bytes[at + i] << 8) | bytes[at + count + i];
@@ -37,7 +37,7 @@ class Frames {
       return array;
     };
     const value = (place, [low, high]) => (place === NOWHERE ? NaN : low + (place / STEPS) * (high - low));
-    // In units of half the view, from its middle: 32 bits are enough then.
+    // Coordinates are relative to the centre of the view, in units of half of it: 32 bits suffice.
     const corners = new Float32Array(6 * n);
     for (let corner = 0; corner < 3; corner++) {
       for (let axis = 0; axis < 2; axis++) {
@@ -45,7 +45,7 @@ class Frames {
         for (let i = 0; i < n; i++) corners[6 * i + 2 * corner + axis] = (value(places[i], about.bounds[axis]) - meta.view.middle[axis]) / meta.view.unit;
       }
     }
-    // Triangles that are nowhere become points.
+    // Triangles without coordinates become points.
     for (let i = 0; i < n; i++) {
       const mine = corners.subarray(6 * i, 6 * i + 6);
       if (mine.some(Number.isNaN)) mine.fill(0);
@@ -53,6 +53,19 @@ class Frames {
     const scales = about.scales.map(() => numbers(n));
     const upper = numbers(n), lower = numbers(n), material = numbers(n);
     const body = (i) => upper[i] * 65536 + lower[i];
+    const outlines = outlinesOf(corners, numbers(n));
+    // In a sample the elements have their numbers with them, from the lowest to the highest.
+    const sample = about.sample ? [numbers(n), numbers(n)] : null;
+    const number = (i) => (sample && i >= 0 ? sample[0][i] * 65536 + sample[1][i] : i);
+    const place = (element) => {
+      let low = 0, high = n;
+      while (low < high) {
+        const middle = (low + high) >> 1;
+        if (number(middle) < element) low = middle + 1;
+        else high = middle;
+      }
+      return low < n && number(low) === element ? low : -1;
+    };
     const cracks = new Float32Array(4 * about.cracks);
     for (let end = 0; end < 2; end++) {
       for (let axis = 0; axis < 2; axis++) {
@@ -60,11 +73,32 @@ class Frames {
         for (let i = 0; i < about.cracks; i++) cracks[4 * i + 2 * end + axis] = (value(places[i], about.bounds[axis]) - meta.view.middle[axis]) / meta.view.unit;
       }
     }
-    return { k, about, corners, scales, body, material, cracks, modes: numbers(about.cracks), value: (scale, i) => value(scales[scale][i], about.scales[scale]) };
+    return { k, about, corners, scales, number, place, body, material, outlines, cracks, modes: numbers(about.cracks), value: (scale, i) => value(scales[scale][i], about.scales[scale]) };
   }
 }
 
-// A factor and a unit with a prefix, so that numbers are short.
+// The outlines of grains and of bodies: the ends of their lines, and the mean size of a grain or body. The bits of an element mark its edges that are outlines.
+function outlinesOf(corners, bits) {
+  let area = 0;
+  for (let at = 0; at < corners.length; at += 6) {
+    area += Math.abs((corners[at + 2] - corners[at]) * (corners[at + 5] - corners[at + 1]) - (corners[at + 3] - corners[at + 1]) * (corners[at + 4] - corners[at])) / 2;
+  }
+  return [3, 0].map((first) => {
+    const ends = [];
+    let length = 0;
+    bits.forEach((of, i) => {
+      for (let k = 0; k < 3; k++) {
+        if (!((of >> (first + k)) & 1)) continue;
+        const a = 6 * i + 2 * k, b = 6 * i + 2 * ((k + 1) % 3);
+        ends.push(corners[a], corners[a + 1], corners[b], corners[b + 1]);
+        length += Math.hypot(corners[b] - corners[a], corners[b + 1] - corners[a + 1]);
+      }
+    });
+    return { ends: new Float32Array(ends), size: length > 0 ? (4 * area) / length : 0 };
+  });
+}
+
+// Returns a factor and a prefixed unit with which numbers are short.
 function prefixed(unit, largest) {
   if (!["Pa", "m", "m/s", "s", "J", "N"].includes(unit) || !(largest >= 1e-9 && largest < 1e15)) return [1, unit];
   const most = unit.startsWith("m") || unit === "s" ? 1 : Infinity;

@@ -1,4 +1,4 @@
-// The page: what its controls do.
+// The page and its controls.
 
 function preview(why) {
   $("why").textContent = why;
@@ -28,7 +28,7 @@ class Page {
     $("canvas").addEventListener("webglcontextlost", () => preview("This is a picture only: the graphics card was lost. Open the page again to play it."));
   }
 
-  // Shows frame k; resolves when it is there, or when another one is wanted.
+  // Shows frame k; resolves when it is shown, or when another frame was requested.
   async show(k) {
     this.wanted = Math.max(0, Math.min(this.frames.count - 1, k));
     const about = meta.frames[this.wanted];
@@ -46,7 +46,7 @@ class Page {
     this.paint();
     this.describe();
     document.querySelectorAll("#table-body tr").forEach((row, at) => (at === mine ? row.setAttribute("aria-current", "true") : row.removeAttribute("aria-current")));
-    // The next one is opened while this one is looked at.
+    // Decompresses the next frame in advance.
     if (mine + 1 < this.frames.count) this.frames.get(mine + 1).catch(() => {});
   }
 
@@ -64,10 +64,11 @@ class Page {
     return field.key === "damage" ? [0, 1] : [0, high || 1];
   }
 
-  // Colours of elements and cracks, and what they mean.
+  // Sets the colours of elements and cracks, and the legends.
   paint() {
-    const frame = this.shown, n = meta.elements, field = this.field();
+    const frame = this.shown, field = this.field();
     if (!frame) return;
+    const n = frame.about.elements;
     const colours = new Uint32Array(3 * n);
     const packed = ([r, g, b]) => (255 << 24) | (b << 16) | (g << 8) | r;
     if (field.scale === null) {
@@ -123,15 +124,20 @@ class Page {
   }
 
   describe() {
-    const frame = this.shown, k = this.selected;
-    if (k < 0 || !frame) {
+    const frame = this.shown;
+    if (this.selected < 0 || !frame) {
       $("picked").replaceChildren(make("p", "Click an element, or type its number, from 0.", { class: "hint" }));
+      return;
+    }
+    const k = frame.place(this.selected);
+    if (k < 0) {
+      $("picked").replaceChildren(make("p", `Element ${grouped(this.selected)} is not in the sample that this frame shows.`, { class: "hint" }));
       return;
     }
     const list = document.createElement("dl");
     const add = (name, text) => list.append(make("dt", name), make("dd", text, { "data-fact": name }));
-    add("element", grouped(k));
-    add("body", String(frame.body(k)));
+    add("element", grouped(this.selected));
+    add("body", meta.bodies[frame.body(k)] ?? String(frame.body(k)));
     add("material", meta.materials[frame.material[k]] ?? String(frame.material[k]));
     const c = this.view.corners(k), middle = [0, 1].map((axis) => ((c[0][axis] + c[1][axis] + c[2][axis]) / 3) * meta.view.unit + meta.view.middle[axis]);
     add("x", quantity(middle[0], "m"));
@@ -140,11 +146,12 @@ class Page {
     $("picked").replaceChildren(list, make("p", "At this frame; numbers are rounded to 1/65,534 of what they range over in it.", { class: "scale" }));
   }
 
-  // The outline of what is picked.
+  // Draws the outline of the picked element.
   ring() {
     const parts = [];
-    if (this.selected >= 0 && this.view.frame) {
-      const points = this.view.corners(this.selected).map((corner) => this.view.project(corner).map((x) => x.toFixed(1)).join(","));
+    const k = this.selected >= 0 && this.view.frame ? this.view.frame.place(this.selected) : -1;
+    if (k >= 0) {
+      const points = this.view.corners(k).map((corner) => this.view.project(corner).map((x) => x.toFixed(1)).join(","));
       parts.push(svg("polygon", { points: points.join(" ") }));
     }
     $("overlay").replaceChildren(...parts);
@@ -154,7 +161,7 @@ class Page {
     const { view } = this;
     $("controls").addEventListener("submit", (event) => event.preventDefault());
     for (const id of ["field", "range"]) $(id).addEventListener("change", () => this.paint());
-    for (const name of ["cracks", "mesh"]) {
+    for (const name of ["cracks", "outlines", "mesh"]) {
       $(`show-${name}`).addEventListener("change", (event) => {
         view.visible[name] = event.target.checked;
         this.paint();
@@ -178,7 +185,7 @@ class Page {
     }
   }
 
-  // To a frame, at rest.
+  // Shows a frame and stops playing.
   go(k) {
     this.play(false);
     return this.show(k);
@@ -189,7 +196,7 @@ class Page {
     this.playing = on;
     $("play").textContent = on ? "Pause" : "Play";
     if (!on) return;
-    // From the end it begins again.
+    // At the end, playing starts again from the first frame.
     let restart = this.wanted === this.frames.count - 1, before = -Infinity;
     const mine = (this.turns = (this.turns ?? 0) + 1);
     const turn = async (now) => {
@@ -233,7 +240,7 @@ class Page {
     });
     const up = (event) => {
       const started = down.delete(event.pointerId);
-      if (started && event.type === "pointerup" && travelled <= 3 && event.button === 0) this.pick(view.pick(...point(event)));
+      if (started && event.type === "pointerup" && travelled <= 3 && event.button === 0) this.pick(this.shown ? this.shown.number(view.pick(...point(event))) : -1);
     };
     canvas.addEventListener("pointerup", up);
     canvas.addEventListener("pointercancel", up);
@@ -288,12 +295,12 @@ async function start() {
     return;
   }
   const page = new Page(view, new Frames());
-  // What came of it first; to play begins at the beginning. A run without frames has nothing to play.
+  // The last frame is shown first. Without frames there is nothing to play.
   if (page.frames.count) await page.show(page.frames.count - 1);
   else for (const control of $("player").querySelectorAll("button, input, select")) control.disabled = true;
   if (page.frames.count === 1) $("play").disabled = $("frame").disabled = true;
   $("loading").hidden = true;
-  // For the console, and for tests: where the middle of element k is on the page, what is shown, a frame at full size and how long it took.
+  // For the console and for tests: position of triangle k on the page, its element, the number of triangles, the picked element, the state, showing a frame, and the time of a redraw.
   window.fdem = {
     project: (k) => {
       const box = view.canvas.getBoundingClientRect(), corners = view.corners(k);
@@ -301,6 +308,8 @@ async function start() {
       return [box.left + x, box.top + y];
     },
     picked: () => page.selected,
+    number: (k) => view.frame.number(k),
+    triangles: () => view.frame.about.elements,
     state: () => ({ frame: page.shown?.k ?? -1, wanted: page.wanted, playing: page.playing, pan: view.pan, zoomed: view.zoomed }),
     show: (k) => page.go(k),
     time: () => {

@@ -1,4 +1,4 @@
-// The view: triangles with a colour each, and cracks as strips of even width over them.
+// The view: coloured triangles, and above them outlines and cracks as strips of constant width.
 
 const TRIANGLES = {
   vertex: `#version 300 es
@@ -21,11 +21,11 @@ const TRIANGLES = {
     uniform float mesh;
     out vec4 colour;
     void main() {
-      // Near an edge one share is small: less than a pixel's change of it.
+      // Near an edge one of the shares is smaller than its change over a pixel.
       vec3 wide = fwidth(share);
       vec3 away = smoothstep(vec3(0.0), wide * 1.1, share);
       float edge = 1.0 - min(away.x, min(away.y, away.z));
-      // Of elements of a few pixels lines would hide all else.
+      // Elements of a few pixels have no lines, which would cover them.
       float room = clamp((0.22 - max(wide.x, max(wide.y, wide.z))) * 12.0, 0.0, 1.0);
       colour = vec4(mix(paint.rgb, paint.rgb * 0.45, mesh * edge * room), 1.0);
     }`,
@@ -56,11 +56,11 @@ const STRIPS = {
     void main() { colour = paint; }`,
 };
 
-// Pixels at the foot that the legends have.
+// Height of the legends at the bottom, in pixels.
 const FOOT = 76;
 
 class View {
-  // Throws where WebGL2 is missing.
+  // Throws an error if WebGL2 is missing.
   constructor(canvas) {
     this.canvas = canvas;
     const gl = canvas.getContext("webgl2", { alpha: false, antialias: true, powerPreference: "high-performance" });
@@ -68,7 +68,7 @@ class View {
     this.gl = gl;
     this.triangles = this.program(TRIANGLES, ["pan", "zoom", "mesh"]);
     this.strips = this.program(STRIPS, ["pan", "zoom", "pixel", "width", "seam"]);
-    this.buffers = { corners: gl.createBuffer(), colours: gl.createBuffer(), ends: gl.createBuffer(), modes: gl.createBuffer() };
+    this.buffers = { corners: gl.createBuffer(), colours: gl.createBuffer(), ends: gl.createBuffer(), modes: gl.createBuffer(), outlines: [gl.createBuffer(), gl.createBuffer()], outlineColours: [gl.createBuffer(), gl.createBuffer()] };
     this.ofTriangles = gl.createVertexArray();
     gl.bindVertexArray(this.ofTriangles);
     this.attribute(0, this.buffers.corners, 2, gl.FLOAT, 8, 0, 0);
@@ -78,9 +78,17 @@ class View {
     this.attribute(0, this.buffers.ends, 2, gl.FLOAT, 16, 0, 1);
     this.attribute(1, this.buffers.ends, 2, gl.FLOAT, 16, 8, 1);
     this.attribute(2, this.buffers.modes, 4, gl.UNSIGNED_BYTE, 4, 0, 1);
+    this.ofOutlines = this.buffers.outlines.map((ends, kind) => {
+      const array = gl.createVertexArray();
+      gl.bindVertexArray(array);
+      this.attribute(0, ends, 2, gl.FLOAT, 16, 0, 1);
+      this.attribute(1, ends, 2, gl.FLOAT, 16, 8, 1);
+      this.attribute(2, this.buffers.outlineColours[kind], 4, gl.UNSIGNED_BYTE, 4, 0, 1);
+      return array;
+    });
     gl.bindVertexArray(null);
     this.frame = null;
-    this.visible = { cracks: true, mesh: false };
+    this.visible = { cracks: true, outlines: true, mesh: false };
     this.pan = [0, 0];
     this.zoomed = 1;
     this.asked = 0;
@@ -112,7 +120,7 @@ class View {
     gl.vertexAttribDivisor(place, divisor);
   }
 
-  // What is to be seen: a frame, a colour for each corner, one for each crack.
+  // Sets the frame, a colour for each corner and a colour for each crack.
   show(frame, colours, modes) {
     const { gl } = this;
     const fill = (buffer, data) => {
@@ -122,6 +130,11 @@ class View {
     if (this.frame !== frame) {
       fill(this.buffers.corners, frame.corners);
       fill(this.buffers.ends, frame.cracks);
+      frame.outlines.forEach(({ ends }, kind) => {
+        const [r, g, b] = meta.outlines[kind].colour;
+        fill(this.buffers.outlines[kind], ends);
+        fill(this.buffers.outlineColours[kind], new Uint32Array(ends.length / 4).fill(((255 << 24) | (b << 16) | (g << 8) | r) >>> 0));
+      });
       this.frame = frame;
     }
     fill(this.buffers.colours, colours);
@@ -133,7 +146,7 @@ class View {
     if (!this.asked) this.asked = requestAnimationFrame(() => this.draw());
   }
 
-  // Pixels of the page for a unit.
+  // Pixels of the page per unit.
   get scale() {
     const { clientWidth, clientHeight } = this.canvas;
     return 0.94 * this.zoomed * Math.min(clientWidth / (2 * meta.view.half[0]), (clientHeight - FOOT) / (2 * meta.view.half[1]));
@@ -158,11 +171,19 @@ class View {
     gl.uniform1f(this.triangles.mesh, this.visible.mesh ? 1 : 0);
     gl.bindVertexArray(this.ofTriangles);
     gl.drawArrays(gl.TRIANGLES, 0, this.frame.corners.length / 2);
+    gl.useProgram(this.strips.program);
+    gl.uniform2fv(this.strips.pan, pan);
+    gl.uniform2fv(this.strips.zoom, zoom);
+    gl.uniform2fv(this.strips.pixel, pixel);
+    this.frame.outlines.forEach(({ ends, size }, kind) => {
+      const { most, share, least } = meta.outlines[kind], width = Math.min(most, share * size * this.scale);
+      if (!this.visible.outlines || !ends.length || width < least) return;
+      gl.bindVertexArray(this.ofOutlines[kind]);
+      gl.uniform1f(this.strips.width, Math.max(width, 0.5) * ratio);
+      gl.uniform1f(this.strips.seam, 0);
+      gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, ends.length / 4);
+    });
     if (this.visible.cracks && this.frame.about.cracks) {
-      gl.useProgram(this.strips.program);
-      gl.uniform2fv(this.strips.pan, pan);
-      gl.uniform2fv(this.strips.zoom, zoom);
-      gl.uniform2fv(this.strips.pixel, pixel);
       gl.bindVertexArray(this.ofStrips);
       for (const [wide, seam] of [[4.2, 1], [2.2, 0]]) {
         gl.uniform1f(this.strips.width, wide * ratio);
@@ -174,7 +195,7 @@ class View {
     this.afterDraw();
   }
 
-  // From units to pixels of the canvas, and back.
+  // Conversion from units to pixels of the canvas, and back.
   project([x, y]) {
     const { clientWidth, clientHeight } = this.canvas;
     return [clientWidth / 2 + (x - this.pan[0]) * this.scale, (clientHeight - FOOT) / 2 - (y - this.pan[1]) * this.scale];
@@ -185,13 +206,13 @@ class View {
     return [this.pan[0] + (x - clientWidth / 2) / this.scale, this.pan[1] - (y - (clientHeight - FOOT) / 2) / this.scale];
   }
 
-  // By pixels.
+  // Moves the view by pixels.
   move(dx, dy) {
     this.pan = [this.pan[0] - dx / this.scale, this.pan[1] + dy / this.scale];
     this.redraw();
   }
 
-  // What is at this pixel stays there.
+  // Zooms the view about a pixel.
   zoom(factor, x = this.canvas.clientWidth / 2, y = (this.canvas.clientHeight - FOOT) / 2) {
     const before = this.unproject([x, y]);
     this.zoomed = Math.min(2000, Math.max(0.1, this.zoomed * factor));
@@ -211,7 +232,7 @@ class View {
     return [[c[0], c[1]], [c[2], c[3]], [c[4], c[5]]];
   }
 
-  // The element at a pixel, -1 for none: the last of those drawn there.
+  // Returns the element at a pixel, the last that is drawn there, or -1.
   pick(x, y) {
     if (!this.frame) return -1;
     const [px, py] = this.unproject([x, y]), { corners } = this.frame;

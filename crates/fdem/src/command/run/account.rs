@@ -1,0 +1,44 @@
+//! The account of a run: where its time went, from its beginning and through every interruption.
+
+use std::time::Duration;
+
+use fdem_simulation::{Simulation, Timings};
+use serde::{Deserialize, Serialize};
+
+/// Parts of a step, in their order.
+pub(crate) const PARTS: [&str; 5] = ["bulk", "joints", "detection", "contact force", "integration"];
+
+/// Times and numbers that add up over all parts of a run. A checkpoint keeps them, because a [`Simulation`] counts only since it was made.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Account {
+    /// Time on the clock, s.
+    pub(crate) seconds: f64,
+    /// Part of [`Self::seconds`] that went into results: files, plots, the report, s.
+    pub(crate) output: f64,
+    /// Time in each of [`PARTS`], s.
+    pub(crate) parts: [f64; PARTS.len()],
+    /// Times that couples were detected.
+    pub(crate) detections: u64,
+}
+
+impl Account {
+    /// Adds what a simulation has done since it was made, with the time on the clock and the time for results since then.
+    pub(crate) fn and(&self, run: &Simulation, clock: Duration, output: Duration) -> Self {
+        let Timings { bulk, joints, detection, contact, integration } = run.timings();
+        let mut parts = self.parts;
+        for (sum, time) in parts.iter_mut().zip([bulk, joints, detection, contact, integration]) {
+            *sum += time.as_secs_f64();
+        }
+        Self {
+            seconds: self.seconds + clock.as_secs_f64(),
+            output: self.output + output.as_secs_f64(),
+            parts,
+            detections: self.detections + run.counts().detections,
+        }
+    }
+
+    /// Time in the steps, s.
+    pub(crate) fn busy(&self) -> f64 {
+        self.parts.iter().sum()
+    }
+}

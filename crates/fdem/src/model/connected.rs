@@ -1,0 +1,179 @@
+//! Whether the mesh of a body holds together: its pieces, nodes that were not merged, and nodes that hang on edges.
+
+use std::collections::BTreeMap;
+
+use crate::model::outline::{Point, bounds, distance};
+use crate::model::piece::Piece;
+use crate::numbers::{brief, grouped};
+
+/// Distance over the extent of a body below which two points are in one place.
+const SAME: f64 = 1e-9;
+
+/// Distance over the length of an edge below which a node lies on it.
+const ON: f64 = 1e-6;
+
+/// What a mesh falls into.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Found {
+    /// Parts that have no node in common.
+    pieces: usize,
+    /// Nodes in the place of another, and one of them.
+    unmerged: (usize, Option<u32>),
+    /// Nodes on the edge of an element that does not have them, and one of them.
+    hanging: (usize, Option<u32>),
+}
+
+/// What is to be said of the mesh of a body.
+pub(crate) fn warnings(name: &str, piece: &Piece, warnings: &mut Vec<String>) {
+    let found = look(piece);
+    let at = |node: Option<u32>| {
+        let [x, y] = node.map_or([0.0; 2], |node| piece.nodes[node as usize]).map(brief);
+        format!("[{x}, {y}]")
+    };
+    let falls = if found.pieces > 1 {
+        format!("[[body]] \"{name}\": its mesh falls into {} pieces", grouped(found.pieces as u64))
+    } else {
+        format!("[[body]] \"{name}\": its mesh is open inside")
+    };
+    if found.unmerged.0 > 0 {
+        warnings.push(format!(
+            "{falls}; nodes in the place of another: {}, as at {}: they do not hold together; merge them (in Gmsh \"Coherence Mesh\", or Coherence for the geometry)",
+            grouped(found.unmerged.0 as u64),
+            at(found.unmerged.1)
+        ));
+    }
+    if found.hanging.0 > 0 {
+        warnings.push(format!(
+            "{falls}; nodes on edges of other elements: {}, as at {}: they do not hold together; give both sides the same nodes",
+            grouped(found.hanging.0 as u64),
+            at(found.hanging.1)
+        ));
+    }
+    if found.pieces > 1 && found.unmerged.0 == 0 && found.hanging.0 == 0 {
+        warnings.push(format!("{falls} that have no node in common: nothing holds them to each other, and they touch as bodies do"));
+    }
+}
+
+fn look(piece: &Piece) -> Found {
+    let mut nodes: Vec<u32> = piece.outline.iter().flatten().copied().collect();
+    nodes.sort_unstable();
+    nodes.dedup();
+    Found { pieces: pieces(piece), unmerged: unmerged(piece, &nodes), hanging: hanging(piece, &nodes) }
+}
+
+/// The number of parts that have no node in common.
+fn pieces(piece: &Piece) -> usize {
+    let mut parent: Vec<u32> = (0..piece.nodes.len() as u32).collect();
+    let mut count = parent.len();
+    for &[a, b, c] in &piece.triangles {
+        for other in [b, c] {
+            let (a, b) = (root(&mut parent, a), root(&mut parent, other));
+            if a != b {
+                parent[a.max(b) as usize] = a.min(b);
+                count -= 1;
+            }
+        }
+    }
+    count
+}
+
+fn root(parent: &mut [u32], mut node: u32) -> u32 {
+    while parent[node as usize] != node {
+        parent[node as usize] = parent[parent[node as usize] as usize];
+        node = parent[node as usize];
+    }
+    node
+}
+
+/// Nodes of the outline in the place of one with a smaller number.
+fn unmerged(piece: &Piece, nodes: &[u32]) -> (usize, Option<u32>) {
+    let [low, high] = bounds(piece.nodes.iter().copied());
+    let same = SAME * (high[0] - low[0]).max(high[1] - low[1]);
+    // Cells much wider than the distance: two nodes in one place are in one cell or in two that touch.
+    let cell = |x: f64| (x / (8.0 * same)).floor();
+    let mut first: BTreeMap<[u64; 2], Vec<u32>> = BTreeMap::new();
+    let mut found = (0, None);
+    for &node in nodes {
+        let point = piece.nodes[node as usize];
+        let mut places: Vec<[u64; 2]> = Vec::with_capacity(4);
+        for x in [point[0] - same, point[0] + same].map(cell) {
+            for y in [point[1] - same, point[1] + same].map(cell) {
+                let place = [x, y].map(|x| (x + 0.0).to_bits());
+                if !places.contains(&place) {
+                    places.push(place);
+                }
+            }
+        }
+        let near = |&other: &u32| distance(piece.nodes[other as usize], point) <= same;
+        if places.iter().any(|place| first.get(place).is_some_and(|others| others.iter().any(near))) {
+            found = (found.0 + 1, found.1.or(Some(node)));
+            continue;
+        }
+        for place in places {
+            first.entry(place).or_default().push(node);
+        }
+    }
+    found
+}
+
+/// Nodes of the outline inside of its edges.
+fn hanging(piece: &Piece, nodes: &[u32]) -> (usize, Option<u32>) {
+    // Along a direction in which no edge of a usual mesh stands upright.
+    let along = |[x, y]: Point| 0.540_302 * x + 0.841_471 * y;
+    let mut order: Vec<(f64, u32)> =
+        nodes.iter().map(|&node| (along(piece.nodes[node as usize]), node)).collect();
+    order.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut hangs = Vec::new();
+    for edge in &piece.outline {
+        let [a, b] = edge.map(|node| piece.nodes[node as usize]);
+        let length = distance(a, b);
+        let (from, to) = (along(a).min(along(b)), along(a).max(along(b)));
+        let start = order.partition_point(|(place, _)| *place < from);
+        for &(_, node) in order[start..].iter().take_while(|(place, _)| *place <= to) {
+            let point = piece.nodes[node as usize];
+            let [near, far] = [distance(point, a), distance(point, b)];
+            // What is on the way from end to end, and at neither.
+            if near.min(far) > ON * length && near + far - length <= 0.5 * ON * ON * length {
+                hangs.push(node);
+            }
+        }
+    }
+    hangs.sort_unstable();
+    hangs.dedup();
+    (hangs.len(), hangs.first().copied())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn piece(nodes: &[Point], triangles: &[[u32; 3]]) -> Piece {
+        let mut piece = Piece { nodes: nodes.to_vec(), triangles: triangles.to_vec(), ..Piece::default() };
+        piece.find_outline().expect("a mesh");
+        piece
+    }
+
+    #[test]
+    fn pieces_unmerged_and_hanging_nodes_are_counted() {
+        let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        let whole = piece(&corners, &[[0, 1, 2], [0, 2, 3]]);
+        assert_eq!(look(&whole), Found { pieces: 1, unmerged: (0, None), hanging: (0, None) });
+
+        let mut nodes = corners.to_vec();
+        nodes.extend([[0.0, 0.0], [1.0, 1.0 + 1e-12]]);
+        let parted = piece(&nodes, &[[0, 1, 2], [4, 5, 3]]);
+        assert_eq!(look(&parted), Found { pieces: 2, unmerged: (2, Some(4)), hanging: (0, None) });
+
+        // The upper half has a node in the middle of the diagonal, the lower one has not.
+        let mut nodes = corners.to_vec();
+        nodes.push([0.5, 0.5]);
+        let hanging = piece(&nodes, &[[0, 1, 2], [0, 4, 3], [4, 2, 3]]);
+        assert_eq!(look(&hanging), Found { pieces: 1, unmerged: (0, None), hanging: (1, Some(4)) });
+
+        let apart = piece(
+            &[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [5.0, 0.0], [6.0, 0.0], [5.0, 1.0]],
+            &[[0, 1, 2], [3, 4, 5]],
+        );
+        assert_eq!(look(&apart).pieces, 2);
+    }
+}

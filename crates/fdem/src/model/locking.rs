@@ -1,0 +1,161 @@
+//! How much too stiff triangles of constant strain are in bending, and where a model bends.
+//!
+//! Both were measured against beam theory (`tests/model/locking.rs`; the table is in the book).
+
+use fdem_simulation::{Load, Model, Plane, Target};
+
+use crate::model::bodies::Placed;
+use crate::model::outline::{bounds, distance, twice_area};
+use crate::numbers::brief;
+
+/// Length of a member over its thickness from which it bends.
+const SLENDER: f64 = 5.0;
+
+/// Elements through a member of which it takes so many to bend well.
+const ENOUGH: f64 = 8.0;
+
+/// Poisson's ratio in plane strain from which elements lock.
+const NEARLY_INCOMPRESSIBLE: f64 = 0.45;
+
+/// Share of the length of a member that, when it is held or driven, does not let it bend.
+const HELD: f64 = 0.5;
+
+/// Poisson's ratios in plane strain of the rows of [`EXCESS`].
+const RATIOS: [f64; 8] = [0.0, 0.2, 0.3, 0.4, 0.45, 0.49, 0.495, 0.499];
+
+/// Elements through the thickness of the columns of [`EXCESS`].
+const ELEMENTS: [f64; 4] = [2.0, 4.0, 8.0, 16.0];
+
+/// Measured stiffness of a cantilever over that of beam theory with shear, less 1, in percent: the means of three meshes.
+const EXCESS: [[f64; 4]; 8] = [
+    [58.8, 11.6, 2.8, 0.7],
+    [51.4, 9.8, 2.4, 0.6],
+    [50.8, 9.3, 2.2, 0.6],
+    [59.3, 10.3, 2.5, 0.6],
+    [79.1, 13.5, 3.3, 0.8],
+    [162.1, 31.5, 8.3, 2.1],
+    [202.7, 43.7, 12.3, 3.2],
+    [267.0, 72.7, 24.3, 7.6],
+];
+
+/// Stiffness of a member in bending over the true one, less 1, with so many elements through its thickness.
+///
+/// Logarithms are linear between the measured values: in the number of elements, and in the ratio of the two moduli of the plane, to which 1/(1 - 2 nu) is
+/// proportional. Plane stress is plane strain with nu/(1 + nu).
+pub(crate) fn excess(plane: Plane, poissons_ratio: f64, elements: f64) -> f64 {
+    let nu = match plane {
+        Plane::Stress => poissons_ratio / (1.0 + poissons_ratio),
+        Plane::Strain => poissons_ratio,
+    };
+    let stiff = |nu: f64| -(1.0 - 2.0 * nu.clamp(0.0, RATIOS[7])).ln();
+    let row = RATIOS.partition_point(|ratio| *ratio <= nu).clamp(1, 7) - 1;
+    let down = (stiff(nu) - stiff(RATIOS[row])) / (stiff(RATIOS[row + 1]) - stiff(RATIOS[row]));
+    let column = ELEMENTS.partition_point(|count| *count <= elements).clamp(1, 3) - 1;
+    // Beyond the table the last two columns go on.
+    let along = (elements.max(1.0) / ELEMENTS[column]).log2();
+    let between = |row: &[f64; 4]| (1.0 - along) * row[column].ln() + along * row[column + 1].ln();
+    let logarithm = (1.0 - down) * between(&EXCESS[row]) + down * between(&EXCESS[row + 1]);
+    logarithm.exp() / 100.0
+}
+
+/// A body that bends.
+struct Member {
+    /// Number of the body.
+    body: usize,
+    /// m.
+    thickness: f64,
+    /// Elements through its thickness.
+    elements: f64,
+    /// Number of its material.
+    material: usize,
+}
+
+/// Members that are too stiff, and materials that lock.
+pub(crate) fn warnings(model: &Model, placed: &[Placed], warnings: &mut Vec<String>) {
+    // Where nothing is held, loaded or heavy, bodies fly and hit each other: that need not bend them.
+    let bends = !model.boundaries.is_empty() || model.gravity != [0.0; 2];
+    let coarse: Vec<Member> = (0..if bends { placed.len() } else { 0 })
+        .filter_map(|body| member(model, placed, body))
+        .filter(|member| member.elements < ENOUGH - 0.5)
+        .collect();
+    let error = |member: &Member| {
+        excess(model.plane, model.materials[member.material].poissons_ratio, member.elements)
+    };
+    if let Some(worst) = coarse.iter().max_by(|a, b| error(a).total_cmp(&error(b))) {
+        let more = match coarse.len() {
+            1 => String::new(),
+            count => format!(" ({count} bodies are like it, this one most)"),
+        };
+        let edge = worst.thickness / worst.elements;
+        let needed = needed(model.plane, model.materials[worst.material].poissons_ratio);
+        warnings.push(format!(
+            "\"{}\" has {:.1} elements through its thickness of {} m{more}: if it bends, it is about {:.0} % too stiff; {needed:.0} elements, of {} m, make it 5 %",
+            placed[worst.body].name,
+            worst.elements,
+            brief(worst.thickness),
+            100.0 * error(worst),
+            brief(edge * worst.elements / needed)
+        ));
+    }
+    for (number, material) in model.materials.iter().enumerate() {
+        let nu = material.poissons_ratio;
+        let used = model.mesh.materials.contains(&(number as u32));
+        if matches!(model.plane, Plane::Strain) && nu > NEARLY_INCOMPRESSIBLE && used {
+            warnings.push(format!(
+                "[[material]] \"{}\": elements lock where Poisson's ratio is {nu} in plane strain: a member with {ENOUGH} elements through its thickness is about {:.0} % too stiff in bending, \
+                 one with 16 about {:.0} %",
+                material.name,
+                100.0 * excess(model.plane, nu, ENOUGH),
+                100.0 * excess(model.plane, nu, 2.0 * ENOUGH),
+            ));
+        }
+    }
+}
+
+/// Elements through the thickness with which a member is 5 % too stiff.
+fn needed(plane: Plane, poissons_ratio: f64) -> f64 {
+    let mut elements = 1.0;
+    while excess(plane, poissons_ratio, elements) > 0.05 {
+        elements += 1.0;
+    }
+    elements
+}
+
+/// A body that is slender, and not held or driven along most of its length.
+fn member(model: &Model, placed: &[Placed], body: usize) -> Option<Member> {
+    let Placed { piece, first, .. } = &placed[body];
+    let point = |node: u32| piece.nodes[node as usize];
+    let area: f64 =
+        piece.triangles.iter().map(|t| twice_area(point(t[0]), point(t[1]), point(t[2])) / 2.0).sum();
+    let around: f64 = piece.outline.iter().map(|&[a, b]| distance(point(a), point(b))).sum();
+    // The rectangle of this area and circumference.
+    let root = around * around / 4.0 - 4.0 * area;
+    let thickness = (around / 2.0 - root.max(0.0).sqrt()) / 2.0;
+    let length = area / thickness;
+    if !(root > 0.0 && length > SLENDER * thickness) {
+        return None;
+    }
+    let own = first[0]..first[0] + piece.nodes.len() as u32;
+    for boundary in &model.boundaries {
+        let (Load::Velocity(_) | Load::Displacement(_), Target::Nodes(nodes)) =
+            (boundary.load, &boundary.target)
+        else {
+            continue;
+        };
+        let held =
+            nodes.iter().filter(|node| own.contains(node)).map(|&node| model.mesh.nodes[node as usize]);
+        let [low, high] = bounds(held);
+        if (high[0] - low[0]).max(high[1] - low[1]) > HELD * length {
+            return None;
+        }
+    }
+    let mean = piece
+        .triangles
+        .iter()
+        .flat_map(|t| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]])
+        .map(|[a, b]| distance(point(a), point(b)))
+        .sum::<f64>()
+        / (3 * piece.triangles.len()) as f64;
+    let material = *piece.materials.first()? as usize;
+    Some(Member { body, thickness, elements: thickness / mean, material })
+}

@@ -1,0 +1,149 @@
+//! A model file with faults, read as far as it can be: what is right in it is checked all the same, so that people see all faults at once.
+//!
+//! A table that cannot be read is replaced by one that has its name and nothing to complain of. Faults that are found in such a table later, or that follow from
+//! it, are no news.
+
+use std::ops::Range;
+
+use serde::de::DeserializeOwned;
+use toml::{Table as Toml, Value};
+
+use crate::model::document::{Document, Table};
+use crate::model::fault::Fault;
+use crate::model::file::{Body, Boundary, Contact, Fracture, General, History, Initial, Interface, Material};
+use crate::model::file::{ModelFile, Output};
+
+/// Stands for a name that could not be read. No name in a file can be this: it would have to be written as an escape.
+const NAMELESS: &str = "\u{1}";
+
+/// A file with faults.
+pub(crate) struct Partial {
+    pub(crate) file: ModelFile,
+    /// The parts of the text that have faults.
+    broken: Vec<Range<usize>>,
+    /// Tables of which one has no name that can be read.
+    nameless: Vec<&'static str>,
+}
+
+impl Partial {
+    /// Reads what is right. `faults`: what the schema found.
+    pub(crate) fn read(text: &str, document: &Document<'_>, faults: &[Fault]) -> Option<Self> {
+        let mut root: Toml = toml::from_str(text).ok()?;
+        root.retain(|key, _| ModelFile::TABLES.contains(&key));
+        let mut reader = Reader { document, broken: Vec::new(), nameless: Vec::new(), faults };
+        reader.list::<Material>(&mut root, "material", |_| {
+            [("density", Value::from(1.0)), ("youngs_modulus", 1.0.into()), ("poissons_ratio", 0.0.into())]
+                .into()
+        });
+        reader.list::<Body>(&mut root, "body", |body| {
+            let material = body.get("material").filter(|name| name.is_str()).cloned();
+            let disc: Toml = [("radius".to_owned(), Value::from(1.0))].into_iter().collect();
+            [
+                ("material", material.unwrap_or_else(|| NAMELESS.into())),
+                ("disc", disc.into()),
+                ("mesh_size", 1.0.into()),
+            ]
+            .into()
+        });
+        reader.list::<Interface>(&mut root, "interface", |_| {
+            vec![("materials", Value::Array(vec![NAMELESS.into(), NAMELESS.into()]))]
+        });
+        reader.list::<Boundary>(&mut root, "boundary", |_| vec![("fixed", "x".into())]);
+        reader.list::<History>(&mut root, "history", |_| vec![("energy", true.into())]);
+        reader.one::<General>(&mut root, "model");
+        reader.one::<Initial>(&mut root, "initial");
+        reader.one::<Contact>(&mut root, "contact");
+        reader.one::<Fracture>(&mut root, "fracture");
+        reader.one::<Output>(&mut root, "output");
+        if !root.contains_key("model") {
+            root.insert(
+                "model".to_owned(),
+                [("end_time".to_owned(), Value::from(1.0))].into_iter().collect::<Toml>().into(),
+            );
+        }
+        for list in ["material", "body"] {
+            if !root.contains_key(list) {
+                reader.nameless.push(list);
+                root.insert(list.to_owned(), Value::Array(Vec::new()));
+            }
+        }
+        let Reader { broken, nameless, .. } = reader;
+        let file = Value::Table(root).try_into().ok()?;
+        Some(Self { file, broken, nameless })
+    }
+
+    /// Whether a fault that was found later is news.
+    pub(crate) fn is_news(&self, fault: &Fault) -> bool {
+        let unknown = fault.label.strip_prefix("unknown ");
+        let follows =
+            fault.message.contains(NAMELESS) || unknown.is_some_and(|table| self.nameless.contains(&table));
+        !follows && (unknown.is_some() || !self.is_broken(fault.span.as_ref()))
+    }
+
+    /// Whether a part of the text has faults.
+    fn is_broken(&self, span: Option<&Range<usize>>) -> bool {
+        span.is_some_and(|span| {
+            self.broken.iter().any(|broken| broken.start <= span.start && span.end <= broken.end)
+        })
+    }
+}
+
+struct Reader<'d, 'f> {
+    document: &'d Document<'d>,
+    faults: &'f [Fault],
+    broken: Vec<Range<usize>>,
+    nameless: Vec<&'static str>,
+}
+
+impl Reader<'_, '_> {
+    /// Replaces what cannot be read in a list of tables. `rest`: keys of the table to put in its place, beside its name.
+    fn list<T: DeserializeOwned>(
+        &mut self,
+        root: &mut Toml,
+        name: &'static str,
+        rest: impl Fn(&Toml) -> Vec<(&'static str, Value)>,
+    ) {
+        let Some(value) = root.get_mut(name) else { return };
+        let Value::Array(list) = value else {
+            self.nameless.push(name);
+            root.remove(name);
+            return;
+        };
+        for (index, item) in list.iter_mut().enumerate() {
+            self.look(Table::of(name, index));
+            if item.clone().try_into::<T>().is_ok() {
+                continue;
+            }
+            let empty = Toml::new();
+            let table = item.as_table().unwrap_or(&empty);
+            let title = table.get("name").filter(|name| name.is_str()).cloned();
+            if title.is_none() {
+                self.nameless.push(name);
+            }
+            let mut instead: Toml =
+                rest(table).into_iter().map(|(key, value)| (key.to_owned(), value)).collect();
+            if name != "interface" {
+                instead.insert("name".to_owned(), title.unwrap_or_else(|| NAMELESS.into()));
+            }
+            *item = instead.into();
+        }
+    }
+
+    /// Removes a table that cannot be read.
+    fn one<T: DeserializeOwned>(&mut self, root: &mut Toml, name: &'static str) {
+        let Some(value) = root.get(name) else { return };
+        self.look(Table::one(name));
+        if value.clone().try_into::<T>().is_err() {
+            root.remove(name);
+        }
+    }
+
+    /// Notes whether a table has faults.
+    fn look(&mut self, table: Table) {
+        let extent = self.document.extent(table);
+        let within = |span: &Range<usize>| extent.start <= span.start && span.end <= extent.end;
+        if self.faults.iter().any(|fault| fault.span.as_ref().is_some_and(within)) {
+            self.broken.push(extent);
+        }
+    }
+}

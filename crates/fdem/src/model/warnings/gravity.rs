@@ -1,0 +1,112 @@
+//! Gravity that acts at once on bodies that rest.
+
+use fdem_contact::narrow::{Measure, Triangle, triangle_triangle_2d};
+use fdem_contact::{Couple, Detector, Elements, Engine, Filter, Search};
+use fdem_simulation::{Load, Model, Schedule, Target};
+
+use crate::model::Body;
+use crate::model::outline::bounds;
+use crate::numbers::brief;
+
+/// Bodies rest on each other if the gap between them is below this share of the shortest edge of an element's box.
+const RESTING: f64 = 1e-3;
+
+/// Share of the tensile strength below which the weight of a body is no load.
+const NO_LOAD: f64 = 0.01;
+
+/// Passages of a wave through the height of the model in the ramp that is proposed: five periods of a column.
+const PASSAGES: f64 = 20.0;
+
+/// Warns of gravity without a ramp where a body that can break is held up, or where bodies rest on each other.
+pub(super) fn sudden(model: &Model, bodies: &[Body], warnings: &mut Vec<String>) {
+    let [x, y] = model.gravity;
+    let gravity = x.hypot(y);
+    if gravity == 0.0 || model.gravity_schedule != Schedule::Constant {
+        return;
+    }
+    let held = held_nodes(model);
+    if !held.contains(&true) {
+        return;
+    }
+    let [low, high] = bounds(model.mesh.nodes.iter().copied());
+    let height =
+        (0..2).map(|axis| (high[axis] - low[axis]) * model.gravity[axis].abs() / gravity).sum::<f64>();
+    let of_body = |body: &Body| body.nodes.clone().map(|node| held[node as usize]);
+    let wholly: Vec<bool> = bodies.iter().map(|body| of_body(body).all(|held| held)).collect();
+    let carried = bodies.iter().zip(&wholly).any(|(body, wholly)| {
+        let partly = of_body(body).any(|held| held) && !wholly;
+        partly && breaks_under_weight(model, body, gravity * height)
+    });
+    if !carried && (bodies.len() < 2 || !rests(model, |body| wholly[body as usize])) {
+        return;
+    }
+    let speed = |material: &fdem_simulation::Material| (material.youngs_modulus / material.density).sqrt();
+    let slowest = model.materials.iter().map(speed).fold(f64::INFINITY, f64::min);
+    warnings.push(format!(
+        "gravity acts at once: what it carries swings to twice its static stress, and can fail where it would stand; \
+         write gravity_ramp = {} in [model], or longer for what rocks",
+        brief(PASSAGES * height / slowest)
+    ));
+}
+
+/// Whether each node is held along the direction of gravity.
+fn held_nodes(model: &Model) -> Vec<bool> {
+    let mut held = vec![false; model.mesh.nodes.len()];
+    for boundary in &model.boundaries {
+        let holds = match boundary.load {
+            Load::Velocity(components) | Load::Displacement(components) => {
+                (0..2).any(|axis| components[axis].is_some() && model.gravity[axis] != 0.0)
+            }
+            Load::Absorbing => true,
+            Load::Force(_) | Load::Traction(_) | Load::Pressure(_) => false,
+        };
+        if holds {
+            let nodes: Vec<u32> = match &boundary.target {
+                Target::Nodes(nodes) => nodes.clone(),
+                Target::Edges(edges) => edges.iter().flatten().copied().collect(),
+            };
+            for node in nodes {
+                held[node as usize] = true;
+            }
+        }
+    }
+    held
+}
+
+/// Whether a body has a material that breaks, and whose strength the weight of a column of this g H is a share of.
+fn breaks_under_weight(model: &Model, body: &Body, potential: f64) -> bool {
+    body.elements.clone().any(|element| {
+        let material = &model.materials[model.mesh.materials[element as usize] as usize];
+        material.strength.is_some_and(|strength| material.density * potential > NO_LOAD * strength.tensile)
+    })
+}
+
+/// Whether two bodies rest on each other at the beginning, of which at least one is not held as a whole.
+fn rests(model: &Model, wholly: impl Fn(u32) -> bool) -> bool {
+    let mesh = &model.mesh;
+    let corners = |element: u32| mesh.triangles[element as usize].map(|node| mesh.nodes[node as usize]);
+    let (low, high): (Vec<_>, Vec<_>) = (0..mesh.triangles.len() as u32)
+        .map(|element| bounds(corners(element).into_iter()))
+        .map(|[low, high]| (low, high))
+        .unzip();
+    let edges = low.iter().zip(&high).map(|(low, high)| (high[0] - low[0]).min(high[1] - low[1]));
+    let gap = RESTING * edges.fold(f64::INFINITY, f64::min);
+    let mut overlap = Vec::new();
+    let mut touches = |a: u32, b: u32| {
+        let [Ok(a), Ok(b)] = [a, b].map(|element| Triangle::new(corners(element))) else { return false };
+        let measure = triangle_triangle_2d(&a, &b, &mut overlap).measure;
+        !matches!(measure, Measure::Gap(distance) if distance > gap)
+    };
+    let mut rests = false;
+    let found = Elements::boxes(&low, &high)
+        .and_then(|boxes| boxes.with_tolerance(gap))
+        .and_then(|boxes| boxes.with_filter(Filter::bodies(&mesh.bodies)))
+        .and_then(|boxes| {
+            Detector::new(Engine::Auto).for_each(&boxes, |Couple { i, j }| {
+                let held = [i, j].into_iter().all(|element| wholly(mesh.bodies[element as usize]));
+                rests = rests || (!held && touches(i, j));
+            })
+        });
+    // What cannot be detected cannot be run either, and is told there.
+    found.is_ok() && rests
+}

@@ -1,0 +1,163 @@
+//! What may not be meant: units, keys without effect, interfaces, slivers, meshes that fall apart, members that bend.
+
+use fdem::model::{Preflight, prepare};
+
+use crate::{SMALL, right};
+
+/// The small model with more tables.
+fn with(more: &str) -> String {
+    format!("{SMALL}\n{more}")
+}
+
+/// The small model with a mesh from a file.
+fn from_file(file: &'static str) -> Vec<String> {
+    let (start, rest) = SMALL.split_once("rectangle").unwrap();
+    let text = format!("{start}mesh = \"a.obj\"\n{}", rest.split_once("mesh_size = 0.1\n").unwrap().1);
+    prepare(&text, "m", &mut |_| Ok(file.as_bytes().to_vec())).unwrap().warnings
+}
+
+#[track_caller]
+fn warned(text: &str, part: &str) {
+    let warnings = right(text).warnings;
+    assert!(warnings.iter().any(|warning| warning.contains(part)), "{part:?} is not in {warnings:?}");
+}
+
+const STRENGTH: &str = "tensile_strength = 10e6\ncohesion = 30e6\nfriction_angle = 30\nfracture_energy_i = 100\nfracture_energy_ii = 100\n";
+
+#[test]
+fn numbers_in_other_units_are_asked_about() {
+    warned(
+        &SMALL.replace("30e9", "30"),
+        "youngs_modulus = 30 Pa is little for a solid: if GPa are meant, write 3e10",
+    );
+    warned(&SMALL.replace("30e9", "210e3"), "if MPa are meant, write 2.1e11");
+    warned(
+        &SMALL.replace("2700", "2.7"),
+        "density = 2.7 kg/m³ is little for a solid: if g/cm³ are meant, write 2.7e3",
+    );
+    let strength = STRENGTH.replace("10e6", "10");
+    warned(
+        &format!("{SMALL}{strength}"),
+        "tensile_strength = 10 Pa is little for a solid: if MPa are meant, write 1e7",
+    );
+    warned(&SMALL.replace("end_time", "gravity = [0, -9810]\nend_time"), "1000 times that of the earth");
+}
+
+#[test]
+fn keys_without_effect_are_told() {
+    let boundary = |keys: &str| with(&format!("[[boundary]]\nname = \"b\"\nside = \"left\"\n{keys}\n"));
+    for (text, part) in [
+        (
+            boundary("fixed = \"x\"\nramp = 1"),
+            "[[boundary]] \"b\": ramp changes nothing where the body is fixed",
+        ),
+        (boundary("fixed = \"x\"\ntable = [[0, 1]]"), "\"b\": table changes nothing where the body is fixed"),
+        (boundary("absorbing = true\nramp = 1"), "\"b\": ramp changes nothing at an absorbing edge"),
+        (boundary("velocity = [\"free\", \"free\"]"), "\"b\": both components are free"),
+        (boundary("displacement = [\"free\", \"free\"]"), "\"b\": both components are free"),
+        (
+            with(
+                "[[body]]\nname = \"p\"\nmaterial = \"rock\"\nmesh_size = 0.1\npacking = { count = 2, radius = [0.1, 0.2], corners = [3, 4], within = { min = [2, 0], max = [4, 2] } }",
+            ),
+            "[[body]] \"p\": packing.corners changes nothing here",
+        ),
+        (
+            with("[[material]]\nname = \"spare\"\ndensity = 1000\nyoungs_modulus = 1e9\npoissons_ratio = 0"),
+            "[[material]] \"spare\" is that of no element",
+        ),
+    ] {
+        warned(&text, part);
+    }
+    let (start, rest) = SMALL.split_once("rectangle").unwrap();
+    let text =
+        format!("{start}mesh = \"a.obj\"\nseed = 3\n{}", rest.split_once("mesh_size = 0.1\n").unwrap().1);
+    let prepared =
+        prepare(&text, "m", &mut |_| Ok(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n".to_vec())).unwrap();
+    assert_eq!(prepared.warnings, ["[[body]] \"block\": seed changes nothing here"]);
+}
+
+#[test]
+fn a_strength_between_materials_that_no_edge_separates_is_warned_of() {
+    let mortar = "[[body]]\nname = \"other\"\nmaterial = \"mortar\"\nrectangle = { min = [1, 0], max = [2, 0.5] }\nmesh_size = 0.1\n\
+        [[material]]\nname = \"mortar\"\ndensity = 2000\nyoungs_modulus = 5e9\npoissons_ratio = 0.2\n";
+    let between = |a: &str, b: &str| format!("[[interface]]\nmaterials = [\"{a}\", \"{b}\"]\n{STRENGTH}");
+    warned(
+        &with(&format!("{mortar}{}", between("rock", "mortar"))),
+        "[[interface]] of \"rock\" and \"mortar\" has a strength, but no edge of the mesh lies between the two",
+    );
+    warned(
+        &with(&between("rock", "rock")),
+        "[[interface]] of \"rock\" with itself: its strength is that of all ",
+    );
+    let grains = "voronoi = { outline = { rectangle = { min = [0, 0], max = [1, 0.5] } }, grains = 10, materials = [\"rock\", \"mortar\"] }";
+    let text =
+        with(&format!("{}{}", &mortar[mortar.find("[[material]]").unwrap()..], between("rock", "mortar")))
+            .replace("rectangle = { min = [0, 0], max = [1.0, 0.5] }", grains);
+    assert_eq!(right(&text).warnings, Vec::<String>::new());
+}
+
+#[test]
+fn joints_without_strength_need_no_fracture_energy() {
+    let other = "[[material]]\nname = \"b\"\ndensity = 2000\nyoungs_modulus = 5e9\npoissons_ratio = 0.2\n";
+    let with_keys =
+        |keys: &str| with(&format!("{other}[[interface]]\nmaterials = [\"rock\", \"b\"]\n{keys}\n"));
+    let open = right(&with_keys("tensile_strength = 0\ncohesion = 0\nfriction_angle = 45"));
+    let strength = open.model.interfaces[0].strength.unwrap();
+    assert_eq!(
+        (strength.tensile, strength.cohesion, strength.energy_i, strength.energy_ii),
+        (0.0, 0.0, 0.0, 0.0)
+    );
+    let told = |keys: &str| crate::read(&with_keys(keys)).unwrap_err().to_string();
+    let lacks = told("tensile_strength = 0\ncohesion = 1e6\nfriction_angle = 45");
+    assert!(lacks.contains("add fracture_energy_ii, or"), "{lacks}");
+    let none = told(
+        "tensile_strength = 1\ncohesion = 1\nfriction_angle = 45\nfracture_energy_i = 0\nfracture_energy_ii = 1",
+    );
+    assert!(
+        none.contains("\"fracture_energy_i\" is 0: it has to be above 0 where the strength is"),
+        "{none}"
+    );
+    let text = format!("{SMALL}{}", STRENGTH.replace("tensile_strength = 10e6", "tensile_strength = 0"));
+    let material = crate::read(&text).unwrap_err().to_string();
+    assert!(
+        material.contains("\"tensile_strength\" is 0: it has to be above 0"),
+        "materials have a strength or none: {material}"
+    );
+}
+
+#[test]
+fn a_sliver_is_named_with_its_place_and_what_the_run_takes_without_it() {
+    assert_eq!(Preflight::of(&right(SMALL)).unwrap().warnings, Vec::<String>::new());
+    // A corner of a polygon that is a millimetre from its neighbour.
+    let (start, rest) = SMALL.split_once("rectangle").unwrap();
+    let polygon = "polygon = { points = [[0, 0], [1, 0], [1, 0.5], [0.501, 0.5], [0.5, 0.5], [0, 0.5]] }\nmesh_size = 0.05\n";
+    let text = format!("{start}{polygon}{}", rest.split_once("mesh_size = 0.1\n").unwrap().1);
+    let preflight = Preflight::of(&right(&text)).unwrap();
+    let warning = preflight.warnings.iter().find(|warning| warning.contains("is a sliver")).unwrap();
+    for part in ["at [0.", "the time step", "without, the run would take about "] {
+        assert!(warning.contains(part), "{warning}");
+    }
+}
+
+#[test]
+fn meshes_that_fall_apart_are_told_with_the_number_of_pieces() {
+    let whole = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n";
+    assert_eq!(from_file(whole), Vec::<String>::new());
+    let unmerged = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 0\nv 1 1 0\nf 1 2 3\nf 5 6 4\n";
+    let told = from_file(unmerged).join("\n");
+    assert!(
+        told.contains(
+            "[[body]] \"block\": its mesh falls into 2 pieces; nodes in the place of another: 2, as at ["
+        ),
+        "{told}"
+    );
+    let hanging = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0.5 0.5 0\nf 1 2 3\nf 1 5 4\nf 5 3 4\n";
+    let told = from_file(hanging).join("\n");
+    assert!(
+        told.contains("its mesh is open inside; nodes on edges of other elements: 1, as at [0.5, 0.5]"),
+        "{told}"
+    );
+    let apart = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 5 0 0\nv 6 0 0\nv 5 1 0\nf 1 2 3\nf 4 5 6\n";
+    let told = from_file(apart).join("\n");
+    assert!(told.contains("its mesh falls into 2 pieces that have no node in common"), "{told}");
+}
