@@ -55,7 +55,7 @@ impl Buffered {
                 let before = search.take().filter(|(kind, _)| *kind == elements.kind).map(|(_, search)| search);
                 let (couples, shifts, reason, after) = match &cell {
                     None => {
-                        let mut follows: Box<Search<T, D>> = if let Some(Ok(follows)) = before.map(Box::downcast) {
+                        let mut follows: Box<Search<T, D>> = if let Some(Ok(follows)) = before.map(<Box<dyn Any + Send + Sync>>::downcast) {
                             follows
                         } else {
                             let detector = Detector::new(engine).with_threads(threads)?.stopped_by(stop);
@@ -69,7 +69,7 @@ impl Buffered {
                         (couples, Vec::new(), reason, follows as Box<dyn Any + Send + Sync>)
                     }
                     Some(cell) => {
-                        let mut follows: Box<PeriodicBuffered<T, D>> = if let Some(Ok(follows)) = before.map(Box::downcast) {
+                        let mut follows: Box<PeriodicBuffered<T, D>> = if let Some(Ok(follows)) = before.map(<Box<dyn Any + Send + Sync>>::downcast) {
                             follows
                         } else {
                             let search = PeriodicSearch::new(engine).with_threads(threads)?.stopped_by(stop);

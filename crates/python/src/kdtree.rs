@@ -78,7 +78,7 @@ impl PyTree {
                 .zip(distances.chunks_mut((CHUNK * k).max(1)).zip(numbers.chunks_mut((CHUNK * k).max(1))));
             tasks::run(threads, parts, |(at, (distances, numbers))| {
                 distances.fill(f64::INFINITY);
-                numbers.fill(self.tree.len() as i64);
+                numbers.fill(self.tree.len().cast_signed() as i64);
                 let rows = distances.chunks_mut(k.max(1)).zip(numbers.chunks_mut(k.max(1)));
                 for (at, (distances, numbers)) in at.chunks(self.dimensions).zip(rows) {
                     let hits = self.tree.nearest(norm, at, k, bound);
@@ -118,7 +118,7 @@ impl PyTree {
             let (mut offsets, mut end) = (zeros::<i64>(radii.len() + 1)?, 0);
             let counts = found.iter().flat_map(|(counts, _)| counts);
             for (offset, count) in offsets[1..].iter_mut().zip(counts) {
-                end += *count as i64;
+                end += count.cast_signed() as i64;
                 *offset = end;
             }
             let (mut numbers, mut distances) = (zeros::<i64>(len)?, zeros::<f64>(len)?);
@@ -147,7 +147,7 @@ impl PyTree {
                 values.chunks(CHUNK * self.dimensions).zip(radii.chunks(CHUNK)).zip(counts.chunks_mut(CHUNK));
             tasks::run(threads, parts, |((at, radii), counts)| {
                 for ((at, &r), count) in at.chunks(self.dimensions).zip(radii).zip(counts) {
-                    *count = self.tree.count_within(norm, at, r) as i64;
+                    *count = self.tree.count_within(norm, at, r).cast_signed() as i64;
                 }
             });
             Ok(counts)

@@ -1,4 +1,4 @@
-//! A k-d tree for any number of dimensions, any Minkowski norm and boxes that repeat: what SciPy's tree is asked for and sorted rows do not answer.
+//! A k-d tree for any number of dimensions, any Minkowski norm and boxes that repeat: the questions to `SciPy`'s tree that sorted rows do not answer.
 //!
 //! Nodes have the smallest box around their points. The bound for a node is computed by the operations that compute the distance of a point, in the same order;
 //! each of them is monotone as it rounds, so no rounding makes a node seem farther (or less far) than its points.
@@ -211,7 +211,9 @@ impl Tree {
             return;
         }
         if let Some(halves) = self.halves(node) {
-            halves.into_iter().for_each(|half| self.visit_within(norm, at, limit, half, visit));
+            for half in halves {
+                self.visit_within(norm, at, limit, half, visit);
+            }
             return;
         }
         for place in self.range(node) {

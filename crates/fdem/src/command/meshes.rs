@@ -18,7 +18,7 @@ use crate::command::input::{self, Input, Opened, id, sizes};
 use crate::command::mesh_summary::{BodyOf, Couples, FileOf, LeftOut, MeshSummary};
 use crate::command::output::TableFormat;
 use crate::command::progress::{Position, Progress};
-use crate::command::shapes::{Lines, Parts, Shapes};
+use crate::command::shapes::{Branches, Parts, Shapes};
 use crate::command::summary::Seconds;
 use crate::command::tables::{normal, point, write_table};
 use crate::network::Sizes;
@@ -416,7 +416,7 @@ impl Task<'_> {
                     outputs.count(found.contacts.len() as u64)?;
                 } else if let Some(couples) = &mut outputs.couples {
                     if outputs.table == TableFormat::Vtp {
-                        let lines = Lines::new(&model.parts(), &found.contacts);
+                        let lines = Branches::new(&model.parts(), &found.contacts);
                         let points = lines.points(&model.ids, &model.bodies);
                         let table = lines.table(&found.contacts);
                         couples.write(|mut out| fdem_io::write_vtp(&mut out, &points, &table))?;

@@ -166,8 +166,8 @@ fn surface<const D: usize, const N: usize>(parts: &Parts<'_, D, N>) -> (Vec<[u32
     facets.into_iter().map(|(body, nodes)| (nodes, body)).unzip()
 }
 
-/// Elements, contact points and the lines between them, for ParaView.
-pub(crate) struct Lines {
+/// The branches of the contacts, from the middle of each element to the contact point, for ParaView.
+pub(crate) struct Branches {
     /// Of the elements in their numbering, then of the contacts.
     places: Vec<[f64; 3]>,
     radii: Vec<f64>,
@@ -176,7 +176,7 @@ pub(crate) struct Lines {
     lines: Vec<([i64; 2], u32)>,
 }
 
-impl Lines {
+impl Branches {
     /// A line from the middle of each element to the contact point: two for each couple, but none to the middle of a wall that a sphere touches.
     pub(crate) fn new<const D: usize, const N: usize>(
         parts: &Parts<'_, D, N>,
@@ -300,9 +300,9 @@ mod tests {
         let contact = |point| Contact { point, normal: [0.0, 0.0, 1.0], measure: Measure::Depth(0.0) };
         let contacts =
             [(Couple::new(0, 1), contact([1.0, 1.0, 0.0])), (Couple::new(1, 2), contact([1.0, 1.0, 1.0]))];
-        let lines = Lines::new(&parts, &contacts);
-        assert_eq!(lines.lines, [([3, 1], 0), ([1, 4], 1), ([4, 2], 1)]);
-        assert_eq!(lines.places[0], [1.0, 1.0, 0.0]);
-        assert_eq!(lines.contacts, [1, 2, 1]);
+        let branches = Branches::new(&parts, &contacts);
+        assert_eq!(branches.lines, [([3, 1], 0), ([1, 4], 1), ([4, 2], 1)]);
+        assert_eq!(branches.places[0], [1.0, 1.0, 0.0]);
+        assert_eq!(branches.contacts, [1, 2, 1]);
     }
 }

@@ -66,17 +66,11 @@ fn many_bodies_in_one_place_are_refused() {
     let copies: String = (1..1000).map(|k| body.replace("\"block\"", &format!("\"block {k}\""))).collect();
     refused(&format!("{SMALL}{copies}"), "bodies lie in each other: more than ");
     // Meshes from files are known once they are read.
-    let mut obj = String::new();
-    for k in 0..30 {
-        let x = f64::from(k);
-        obj += &format!(
-            "v {x} 0 0\nv {} 0 0\nv {x} 30 0\nf {} {} {}\n",
-            x + 1.0,
-            3 * k + 1,
-            3 * k + 2,
-            3 * k + 3
-        );
-    }
+    let triangle = |k: u32| {
+        let [a, b, c] = [3 * k + 1, 3 * k + 2, 3 * k + 3];
+        format!("v {k} 0 0\nv {} 0 0\nv {k} 30 0\nf {a} {b} {c}\n", k + 1)
+    };
+    let obj: String = (0..30).map(triangle).collect();
     let file =
         body.replace("rectangle = { min = [0, 0], max = [1.0, 0.5] }\nmesh_size = 0.1", "mesh = \"a.obj\"");
     let copies: String = (0..2000).map(|k| file.replace("\"block\"", &format!("\"file {k}\""))).collect();

@@ -22,7 +22,7 @@ use crate::written::{CHUNK, Table, Values};
 /// let mut spool = Spool::new();
 /// for part in 0..2 {
 ///     let table = Table::new(2).with("k", Values::i64(move |row| 2 * part + row as i64));
-///     spool.add(&table, || Ok(Cursor::new(Vec::new())))?;
+///     spool.add(&table, || Ok(file()))?;
 /// }
 /// let mut out = Vec::new();
 /// write_csv(&mut out, &spool.table())?;
@@ -195,8 +195,9 @@ mod tests {
     use super::*;
     use crate::write_csv;
 
-    fn file() -> io::Result<Cursor<Vec<u8>>> {
-        Ok(Cursor::new(Vec::new()))
+    /// What stands for a temporary file.
+    fn file() -> Cursor<Vec<u8>> {
+        Cursor::new(Vec::new())
     }
 
     /// Values on both sides of the border of a block come back, in any order.
@@ -209,16 +210,16 @@ mod tests {
             let table = Table::new(rows).with("x", Values::f64(move |k| (from + k) as f64)).with_components(
                 "s",
                 &["a", "b", "c"],
-                Values::i32(move |k| (3 * from + k) as i32),
+                Values::i32(move |k| (3 * from + k).try_into().unwrap()),
             );
-            spool.add(&table, file).unwrap();
+            spool.add(&table, || Ok(file())).unwrap();
         }
         let table = spool.table();
         assert_eq!(table.rows(), 3 * rows);
         let Values::F64(x) = &table.columns()[0].values else { panic!("no floats") };
         let Values::I32(s) = &table.columns()[1].values else { panic!("no whole numbers") };
         for k in [0, 3 * rows - 1, rows, rows - 1, 1, 2 * rows] {
-            assert_eq!((x(k), s(3 * k + 2)), (k as f64, (3 * k + 2) as i32));
+            assert_eq!((x(k), s(3 * k + 2)), (k as f64, i32::try_from(3 * k + 2).unwrap()));
         }
         drop(table);
         spool.check().unwrap();
@@ -227,22 +228,22 @@ mod tests {
     #[test]
     fn other_columns_are_refused() {
         let mut spool = Spool::new();
-        spool.add(&Table::new(1).with("x", Values::f64(|_| 0.0)), file).unwrap();
+        spool.add(&Table::new(1).with("x", Values::f64(|_| 0.0)), || Ok(file())).unwrap();
         for other in [
             Table::new(1),
             Table::new(1).with("y", Values::f64(|_| 0.0)),
             Table::new(1).with("x", Values::i64(|_| 0)),
         ] {
-            assert!(spool.add(&other, file).is_err());
+            assert!(spool.add(&other, || Ok(file())).is_err());
         }
-        assert!(Spool::new().add(&Table::new(1).with("t", Values::text(1, |_| "a")), file).is_err());
+        assert!(Spool::new().add(&Table::new(1).with("t", Values::text(1, |_| "a")), || Ok(file())).is_err());
     }
 
     /// A file that ends too early is an error, not zeros.
     #[test]
     fn a_shorter_file_is_an_error() {
         let mut spool = Spool::new();
-        spool.add(&Table::new(9).with("x", Values::f64(|_| 1.0)), file).unwrap();
+        spool.add(&Table::new(9).with("x", Values::f64(|_| 1.0)), || Ok(file())).unwrap();
         spool.columns[0].file.get_mut().file.get_mut().truncate(20);
         write_csv(&mut Vec::new(), &spool.table()).unwrap();
         assert_eq!(spool.check().unwrap_err().kind(), io::ErrorKind::UnexpectedEof);

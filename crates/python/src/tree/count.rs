@@ -84,9 +84,15 @@ impl Pairs<'_> {
         let sizes = [0, 1].map(|of| self.trees[of].range(nodes[of]).len());
         match [0, 1].map(|of| self.trees[of].halves(nodes[of])) {
             [Some(halves), other] if other.is_none() || sizes[0] >= sizes[1] => {
-                halves.into_iter().for_each(|half| self.count([half, nodes[1]], bins));
+                for half in halves {
+                    self.count([half, nodes[1]], bins);
+                }
             }
-            [_, Some(halves)] => halves.into_iter().for_each(|half| self.count([nodes[0], half], bins)),
+            [_, Some(halves)] => {
+                for half in halves {
+                    self.count([nodes[0], half], bins);
+                }
+            }
             _ => {
                 for place in self.trees[0].range(nodes[0]) {
                     let row = self.trees[0].row(place);

@@ -40,8 +40,8 @@ fn momentum_of(run: &Simulation, counts: impl Fn(usize) -> bool) -> [f64; 2] {
         let area = 0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]));
         let mass = granite().density * area / 3.0;
         for &node in nodes {
-            for axis in 0..2 {
-                sum[axis] += mass * snapshot.velocities[node as usize][axis];
+            for (sum, velocity) in sum.iter_mut().zip(snapshot.velocities[node as usize]) {
+                *sum += mass * velocity;
             }
         }
     }
@@ -78,9 +78,9 @@ fn contact_forces_are_what_changes_the_momentum_of_a_fragment() {
             let bodies = contact.elements.map(|element| snapshot.bodies[element as usize]);
             between_fragments += usize::from(sign != 0.0 && bodies[0] == bodies[1]);
             rubbing += usize::from(contact.tangential != [0.0; 2]);
-            for axis in 0..2 {
-                expected[axis] += sign * contact.force()[axis];
-                scale += contact.force()[axis].abs();
+            for (expected, force) in expected.iter_mut().zip(contact.force()) {
+                *expected += sign * force;
+                scale += force.abs();
             }
         }
         let mut nodes: Vec<u32> = (0..snapshot.triangles.len())
@@ -89,14 +89,14 @@ fn contact_forces_are_what_changes_the_momentum_of_a_fragment() {
             .collect();
         nodes.sort_unstable();
         nodes.dedup();
-        for axis in 0..2 {
-            expected[axis] += nodes.iter().map(|&node| forces.reactions[node as usize][axis]).sum::<f64>();
+        for (axis, &of_contacts) in expected.iter().enumerate() {
+            let of_supports: f64 = nodes.iter().map(|&node| forces.reactions[node as usize][axis]).sum();
+            let expected = of_contacts + of_supports;
             let found = (after[axis] - momentum[axis]) / run.time_step();
             assert!(
-                (found - expected[axis]).abs() < 1e-9 * scale.max(found.abs() * 1e3),
-                "step {}: {found} {}, {scale}",
-                run.steps(),
-                expected[axis]
+                (found - expected).abs() < 1e-9 * scale.max(found.abs() * 1e3),
+                "step {}: {found} {expected}, {scale}",
+                run.steps()
             );
         }
     }

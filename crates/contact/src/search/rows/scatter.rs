@@ -53,7 +53,7 @@ mod tests {
             for thread in 0..2 {
                 scope.spawn(move || {
                     for place in (thread..1000).step_by(2) {
-                        // One thread writes to even places, the other to odd ones.
+                        // SAFETY: one thread writes to even places, the other to odd ones, all below the array's length.
                         unsafe { scatter.write(place, place + 1) };
                     }
                 });
