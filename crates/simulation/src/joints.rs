@@ -1,10 +1,11 @@
-//! Joints between elements: which edges may part, when they do, and what holds them until they are broken.
+//! Joints between elements: which edges can separate, when they do, and the tractions that joints carry until they are broken.
 //!
-//! A joint acts between the two nodes at either end of its edge, each end for half of it (Newton-Cotes). As long as the two nodes at an end are one, that end cannot open
-//! and is left out: an edge that reaches its strength within whole material opens when a second one at the same vertex does, which is how cracks begin and end.
+//! A joint acts at its two ends, each of which stands for half of the edge (Newton-Cotes integration). The force at an end acts between the node on one side
+//! and the node on the other. As long as both sides share one node, that end cannot open and has no force. An edge that reaches its strength within whole
+//! material therefore opens only when a second edge at the same vertex reaches its strength: this is how cracks begin and end.
 //!
-//! A joint that is put in under load begins with the traction that acts there, so that nothing is released: with adaptive insertion (`joints/insertion.rs`), and under initial stress if joints are
-//! there from the beginning. The elastic energy of these is counted from the beginning.
+//! A joint that is inserted under load begins with the traction that acts there, so that no stress is released at once. This holds for adaptive insertion
+//! (`joints/insertion.rs`), and for intrinsic joints under initial stress. The energy balance counts the elastic energy of the latter from the beginning.
 
 mod insertion;
 mod near;
@@ -22,47 +23,49 @@ use crate::solid::{Node, Solid, height, triangle_of};
 use crate::team::Team;
 use crate::topology::{Edge, NONE, Topology};
 
-/// Sliding of a broken joint over its length at which it begins to leave the two elements to contact, and at which it is done.
+/// Sliding of a broken joint over its length at which it begins to hand over to the contact of its two elements, and at which the handover is complete.
 const FADE: [f64; 2] = [0.1, 0.3];
 
-/// Distance between the two sides of a broken end, over the length of the joint, beyond which it has gone astray: two elements that turn about the other end
-/// as about a hinge. Half way round the joint has no direction any more, and farther round open looks like closed; so the other end, whose fracture process is long over but for the
-/// two points at which a joint is looked at, is broken with it. Where the other end is a single node still, the end presses again only after it was seen open nearer by: it takes hold
-/// where there is no force yet.
+/// An end is astray if it is broken and its two sides are farther apart than this, over the length of the joint: the two elements turn about the other end as
+/// about a hinge. Half way round, the joint has no direction any more; farther round, an open joint looks closed.
+///
+/// If the other end has two nodes, it breaks together with the astray end: its fracture process is long over, and only the evaluation at no more than two
+/// points keeps it whole. If the other end is still a single node, the astray end has no force. It presses again only after it was found open at a smaller
+/// distance, so that its force begins at zero.
 const APART: f64 = 0.5;
 
-/// What becomes of a joint.
+/// State of a joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum State {
     /// Elastic or softening.
     Holding,
-    /// Presses and rubs only.
+    /// Transmits pressure and friction only.
     Broken,
-    /// Has left the two elements to contact.
+    /// Has handed over to the contact of the two elements.
     Gone,
 }
 
-/// An edge that may part.
+/// A joint on the edge between two elements.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) struct Joint {
     pub(crate) edge: u32,
     pub(crate) state: State,
     #[serde(skip, default = "Joint::no_law")]
     pub(crate) law: Law,
-    /// Of the undeformed edge.
+    /// Length of the undeformed edge, m.
     #[serde(skip)]
     pub(crate) length: f64,
-    /// Nodes on either side of each end.
+    /// Nodes of each end, on side 0 and on side 1.
     #[serde(skip)]
     nodes: [[u32; 2]; 2],
     pub(crate) ends: [Memory; 2],
-    /// The nodes at an end are two.
+    /// Whether each end has two nodes.
     pub(crate) open: [bool; 2],
-    /// See [`APART`].
+    /// Whether each end is astray: see [`APART`].
     pub(crate) astray: [bool; 2],
-    /// Share that has been left to contact.
+    /// Share of the joint that has been handed over to contact, 0 to 1.
     pub(crate) faded: f64,
-    /// Of that, in the last step.
+    /// Increase of `faded` in the last step.
     pub(crate) fading: f64,
 }
 
@@ -75,7 +78,7 @@ pub(crate) struct Break {
     pub(crate) modes: [f64; 2],
 }
 
-/// What the joints have of a run, to be saved.
+/// State of the joints in a saved run.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Saved {
     joints: Vec<Joint>,
@@ -88,7 +91,7 @@ impl Joint {
         Law { penalty: 0.0, tensile: 0.0, cohesion: 0.0, friction: 0.0, critical: [1.0; 2] }
     }
 
-    /// The mean of its ends.
+    /// Damage from 0 (whole) to 1 (broken): the mean of both ends while the joint holds.
     pub(crate) fn damage(&self) -> f64 {
         if self.state == State::Holding {
             0.5 * self.ends.iter().map(|end| end.damage(&self.law)).sum::<f64>()
@@ -98,40 +101,40 @@ impl Joint {
     }
 }
 
-/// All joints of a model, there or to come.
+/// All joints of a model, and the strengths of edges that may still get one.
 #[derive(Debug)]
 pub(crate) struct Joints {
     pub(crate) all: Vec<Joint>,
-    /// Of each joint on its side 0, at each end; side 1 has the opposite.
+    /// Force of each joint on its side 0, at each end, N; side 1 has the opposite.
     forces: Vec<[Point; 2]>,
-    /// Those that broke, by joint.
+    /// Joints that broke, ascending by their numbers.
     breaks: Vec<Break>,
-    /// The joints of the two edges at each corner: 4 times their number, 2 for the second end, 1 for side 1; or [`NONE`].
+    /// Joints of the two edges at each corner, as 4 × number + 2 × end + side; or [`NONE`].
     at_corner: Vec<[u32; 2]>,
     /// The joint of each edge, or [`NONE`].
     pub(crate) of_edge: Vec<u32>,
-    /// What may break each edge: a number among `strengths`, or [`NONE`].
+    /// Strength of each edge, as an index of `strengths`; [`NONE`] if the edge cannot break.
     class: Vec<u32>,
     strengths: Vec<Strength>,
-    /// Factor of the strengths of each edge; empty for 1.
+    /// Factor of the strength of each edge; empty if all factors are 1.
     factors: Vec<f64>,
-    /// Whether an edge of a vertex has a joint.
+    /// Whether any edge at each vertex has a joint.
     pub(crate) at_vertex: Vec<bool>,
     insertion: Insertion,
-    /// Vertices on free surfaces and with joints, where edges may part, each once.
+    /// Vertices on free surfaces and vertices with joints, each once. Those whose edges all have joints are removed.
     tips: Vec<u32>,
-    /// Whether a vertex is, or was, among these.
+    /// Whether each vertex is, or was, among `tips`.
     is_tip: Vec<bool>,
-    /// What the weakest edge of each element bears, and how near it is to that; empty if joints are not inserted.
+    /// Lowest strengths of the edges of each element, and how near its stress is to them; both lists are empty if joints are not inserted.
     weakest: Vec<Weakest>,
     near: Vec<Near>,
     slopes: Slopes,
 }
 
-/// What a pass over the joints found.
+/// Results of a pass over the joints.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Parting {
-    /// Work of the joints since the last pass.
+    /// Work done against the joints since the last pass, J.
     pub(crate) work: f64,
     /// Joints that broke.
     pub(crate) broken: Vec<u32>,
@@ -139,7 +142,7 @@ pub(crate) struct Parting {
 }
 
 impl Joints {
-    /// Classes and scatter of all edges; no joints yet.
+    /// Finds the strength of each edge, with its scatter. Inserts no joints yet.
     pub(crate) fn new(model: &Model, topology: &Topology) -> Self {
         let mesh = &model.mesh;
         let mut strengths: Vec<Strength> = Vec::new();
@@ -197,7 +200,7 @@ impl Joints {
         joints
     }
 
-    /// Whether an edge may ever part.
+    /// Whether an edge can ever get a joint.
     pub(crate) fn may_part(&self, edge: u32) -> bool {
         self.class[edge as usize] != NONE
     }
@@ -212,7 +215,7 @@ impl Joints {
         })
     }
 
-    /// The law of an edge that may part.
+    /// The law of a joint on an edge; `None` if the edge cannot break.
     pub(crate) fn law(
         &self,
         edge: u32,
@@ -234,7 +237,7 @@ impl Joints {
         })
     }
 
-    /// Puts joints on all edges that may part, whole. [`Joints::part`] gives them the traction of the initial stress.
+    /// Inserts undamaged joints on all edges that can break. [`Joints::part`] gives them the traction of the initial stress.
     pub(crate) fn everywhere(&mut self, model: &Model, topology: &Topology) -> Result<(), ModelError> {
         let count = self.class.iter().filter(|&&class| class != NONE).count();
         self.all.reserve_exact(count);
@@ -287,12 +290,12 @@ impl Joints {
         }
     }
 
-    /// How many are broken.
+    /// Number of broken joints.
     pub(crate) fn broken(&self) -> usize {
         self.breaks.len()
     }
 
-    /// Joints that are broken, with when and how.
+    /// Broken joints, each with when and how it broke.
     pub(crate) fn breaks(&self) -> impl Iterator<Item = (&Joint, &Break)> {
         self.breaks.iter().map(|broken| (&self.all[broken.joint as usize], broken))
     }
@@ -307,7 +310,7 @@ impl Joints {
         Saved { joints: self.all.clone(), forces: self.forces.clone(), breaks: self.breaks.clone() }
     }
 
-    /// Joints as they were saved.
+    /// Restores the saved joints.
     pub(crate) fn restore(
         &mut self,
         saved: Saved,
@@ -342,7 +345,7 @@ impl Joints {
         Ok(())
     }
 
-    /// Tractions and forces of all joints, from where the nodes are.
+    /// Updates all joints and their forces from the positions of the nodes.
     pub(crate) fn pull(&mut self, solid: &Solid, step: f64, time: f64, team: &Team) -> Parting {
         let found = team.change_both(&mut self.all, &mut self.forces, |first, joints, forces| {
             let mut sum = Parting::default();
@@ -372,7 +375,7 @@ impl Joints {
         all
     }
 
-    /// The force of the joints on a corner of an element.
+    /// Adds the force of the joints on a corner of an element.
     #[inline]
     pub(crate) fn add_force(&self, corner: u32, force: &mut Point) {
         for code in self.at_corner[corner as usize] {
@@ -386,12 +389,12 @@ impl Joints {
         }
     }
 
-    /// Whether the two elements at an edge hang together there.
+    /// Whether the two elements at an edge are connected there: by the mesh, or by a joint that holds.
     pub(crate) fn holds(&self, edge: u32) -> bool {
         self.all.get(self.of_edge[edge as usize] as usize).is_none_or(|joint| joint.state == State::Holding)
     }
 
-    /// Forces of the joints that are broken and still press their two elements.
+    /// Forces of the broken joints that still press their two elements.
     pub(crate) fn pressing(&self, solid: &Solid, topology: &Topology) -> Vec<ContactForce> {
         let mut pressing = Vec::new();
         for (joint, forces) in self.all.iter().zip(&self.forces) {
@@ -418,7 +421,7 @@ impl Joints {
         pressing
     }
 
-    /// Elastic energy of all joints before they have opened or slid, J: what the initial stress has stored in those that are there from the beginning.
+    /// Elastic energy, J, that the initial stress has stored in intrinsic joints. Valid only before any joint has opened or slid.
     pub(crate) fn stored(&self, solid: &Solid) -> f64 {
         let of_end = |joint: &Joint, end: usize| {
             let offset = joint.ends[end].offset;
@@ -441,7 +444,7 @@ impl Joints {
         }
     }
 
-    /// Mean opening and sliding of a joint.
+    /// Mean opening and sliding of a joint, m.
     pub(crate) fn gap(joint: &Joint, solid: &Solid) -> [f64; 2] {
         let frame = Frame::new(joint, solid);
         let mut mean = [0.0; 2];
@@ -454,11 +457,11 @@ impl Joints {
     }
 }
 
-/// Where a joint is.
+/// Position and direction of a joint.
 struct Frame<'a> {
     ends: [[&'a Node; 2]; 2],
     tangent: Point,
-    /// Outward of side 0.
+    /// Outward normal of side 0.
     normal: Point,
 }
 
@@ -466,7 +469,7 @@ impl<'a> Frame<'a> {
     #[inline]
     fn new(joint: &Joint, solid: &'a Solid) -> Self {
         let ends = joint.nodes.map(|end| end.map(|node| &solid.nodes[node as usize]));
-        // Half way between the two edges, seen from side 0: its outward normal is to the right.
+        // The line half way between the two edges, in the direction of side 0: its outward normal is to the right.
         let sum = ends.map(|[a, b]| [a.position[0] + b.position[0], a.position[1] + b.position[1]]);
         let along = minus(sum[1], sum[0]);
         let long = 1.0 / dot(along, along).sqrt();
@@ -479,7 +482,7 @@ fn nodes_at(edge: &Edge, solid: &Solid) -> [[u32; 2]; 2] {
     std::array::from_fn(|end| edge.corners.map(|side| solid.corners.node_at(side[end])))
 }
 
-/// Forces of one joint; the work since the last time, and, if it broke, the modes of its damage.
+/// Updates one joint and its forces. Returns the work since the last pass and, if the joint broke, the modes of its damage.
 #[inline]
 fn pull(joint: &mut Joint, forces: &mut [Point; 2], solid: &Solid, step: f64) -> (f64, Option<[f64; 2]>) {
     let Frame { ends, tangent, normal } = Frame::new(joint, solid);
@@ -505,7 +508,7 @@ fn pull(joint: &mut Joint, forces: &mut [Point; 2], solid: &Solid, step: f64) ->
         };
         let force: Point =
             std::array::from_fn(|axis| share * (pressure * normal[axis] + shear * tangent[axis]));
-        // What the last force did in the second half of its step, and this one in the first half.
+        // Work of the last force in the second half of its step, and of the new force in the first half of its step.
         work += 0.5 * step * (dot(forces[end], rate) + dot(force, rate));
         forces[end] = force;
         slid += 0.5 * sliding;
@@ -526,7 +529,7 @@ fn pull(joint: &mut Joint, forces: &mut [Point; 2], solid: &Solid, step: f64) ->
         State::Broken => {
             let share = (slid.abs() / joint.length - FADE[0]) / (FADE[1] - FADE[0]);
             joint.faded = joint.faded.max(share.clamp(0.0, 1.0));
-            // Open, neither a joint nor a contact acts.
+            // Neither the joint nor the contact has a force while the joint is open, so it can hand over at once.
             if least >= 0.0 || joint.faded >= 1.0 || strayed {
                 leave(joint, forces);
             }
@@ -537,14 +540,14 @@ fn pull(joint: &mut Joint, forces: &mut [Point; 2], solid: &Solid, step: f64) ->
     (work, modes)
 }
 
-/// Leaves the two elements to contact.
+/// Hands over to the contact of the two elements.
 fn leave(joint: &mut Joint, forces: &mut [Point; 2]) {
     joint.faded = 1.0;
     joint.state = State::Gone;
     *forces = [[0.0; 2]; 2];
 }
 
-/// Normal (tension positive) and tangential traction across an edge: the mean of the two elements.
+/// Normal (tension positive) and tangential traction across an edge, Pa, from the mean stress of its two elements.
 fn traction(solid: &Solid, edge: &Edge) -> [f64; 2] {
     let [a, b] = edge.corners[0].map(|corner| solid.at_corner(corner).position);
     let along = minus(b, a);
@@ -569,13 +572,14 @@ pub(crate) fn penalty(model: &Model, edge: &Edge) -> f64 {
     model.fracture.joint_penalty * modulus / (0.5 * (heights[0] + heights[1]))
 }
 
-/// Of an edge, undeformed.
+/// Length of an undeformed edge, m.
 fn edge_length(model: &Model, vertices: [u32; 2]) -> f64 {
     let [a, b] = vertices.map(|vertex| model.mesh.nodes[vertex as usize]);
     length(minus(b, a))
 }
 
-/// What may break between two materials: what an interface says, or the weaker of the two.
+/// Strength between two materials: that of their interface if it has one, otherwise that of the material with the lower tensile strength. `None` if the edge
+/// cannot break.
 fn strength_between(model: &Model, a: u32, b: u32) -> Option<Strength> {
     if let Some(strength) = model.interface(a, b).and_then(|interface| interface.strength) {
         return Some(strength);
@@ -621,7 +625,7 @@ mod tests {
         (model, topology)
     }
 
-    /// Elements that turn about one end of a joint, whose other end is broken, may come so far round that the frame of the joint is turned, too.
+    /// Two elements that turn about one end of a joint, while its other end is broken, may turn so far that the frame of the joint is reversed.
     #[test]
     fn a_broken_end_that_came_round_does_not_press() {
         let (model, topology) = two_triangles();
@@ -631,7 +635,7 @@ mod tests {
         for vertex in 0..4 {
             joints.part(vertex, &mut solid, None, &model, &topology);
         }
-        // The upper end, far round; the lower one as if it were a hinge.
+        // The upper end has turned far; the lower end is like a hinge.
         let joint = &mut joints.all[0];
         let end = usize::from(solid.constants[joint.nodes[0][0] as usize].vertex != 2);
         joint.open[1 - end] = false;
@@ -643,7 +647,7 @@ mod tests {
         let mut forces = [[0.0; 2]; 2];
         let (_, modes) = pull(joint, &mut forces, &solid, 1e-6);
         assert_eq!((forces, modes), ([[0.0; 2]; 2], None));
-        // Near it presses if it comes from the open side only.
+        // At a small distance the end presses only if it was open before.
         let mut at = |x: f64| {
             for (node, place) in [(a, [x, 1.0]), (b, [-x, 1.0])] {
                 solid.nodes[node as usize].position = place;
@@ -657,7 +661,7 @@ mod tests {
         assert!(forces[end].iter().any(|force| force.abs() > 1.0), "{forces:?}");
     }
 
-    /// Where both ends are two nodes, a joint breaks as a whole when one end has come far round the other, and is contact's from then on.
+    /// If both ends have two nodes, a joint breaks as a whole when one end has opened far, and hands over to contact.
     #[test]
     fn a_joint_that_opens_as_a_hinge_is_broken_at_both_ends() {
         let (model, topology) = two_triangles();

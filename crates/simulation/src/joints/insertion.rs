@@ -1,13 +1,15 @@
-//! Where joints are put in, and what they begin with.
+//! Adaptive insertion: where joints are inserted, and with which traction.
 //!
-//! In whole material an edge gets a joint when the mean traction of its two elements reaches the strength. At a free surface and at the tip of a crack elements see less than the node:
-//! there the traction is that of the force which holds the two sides of an edge together at the node,
+//! In whole material an edge gets a joint when the mean traction of its two elements reaches the strength. At a free surface and at a crack tip, the traction
+//! at the node is higher than in the elements. There the traction is computed from the force `R` with which the other side of the edge holds side 0 at the
+//! node,
 //!
 //! ```text
-//! R = m₁ a - f₁
+//! R = m₀ a - f₀
 //! ```
-//! with `f₁` all forces on the elements of side 1 there, `m₁` what they weigh, and `a` the acceleration that the two sides share as long as they are one; over the area that the edge,
-//! and a joint behind the tip whose end is still closed, have at that node. When the two come apart their joints begin with just that traction: nothing jumps.
+//! with `f₀` the sum of all forces on the elements of side 0 at the node, `m₀` their mass at the node, and `a` the common acceleration of the two sides as long
+//! as they share the node. `R` acts on the area at the node of the edge, and of a joint behind the tip whose end is still closed. When the two sides separate,
+//! their joints begin with exactly this traction, so that no force jumps.
 
 use crate::cohesive::{Memory, reaches};
 use crate::contacts::Contacts;
@@ -19,7 +21,7 @@ use crate::solid::Solid;
 use crate::team::Team;
 use crate::topology::{Edge, NONE, Topology};
 
-/// What insertion looks at.
+/// What insertion reads of a run.
 #[derive(Clone, Copy)]
 struct State<'a> {
     solid: &'a Solid,
@@ -29,7 +31,7 @@ struct State<'a> {
 }
 
 impl Joints {
-    /// Puts joints on the edges whose traction has reached their strength, and parts the nodes that nothing holds together any more.
+    /// Inserts joints on the edges whose traction has reached their strength, and splits the nodes at which elements are no longer connected.
     pub(crate) fn insert(
         &mut self,
         solid: &mut Solid,
@@ -68,7 +70,7 @@ impl Joints {
         failing.dedup();
         let mut vertices = Vec::new();
         for edge in failing {
-            // Checked for all edges when the model was.
+            // The laws of all edges were checked together with the model.
             if let Ok(Some(law)) = self.law(edge, model, topology) {
                 self.put(edge, law, topology, model);
                 let corners = topology.edges[edge as usize].corners[0];
@@ -81,14 +83,14 @@ impl Joints {
             self.part(vertex, solid, Some(contacts), model, topology);
         }
         if !vertices.is_empty() {
-            // Where all edges have joints nothing is left to look at.
+            // Vertices whose edges all have joints need no further checks.
             let of_edge = &self.of_edge;
             let may_fail = |edge: u32| of_edge[edge as usize] == NONE;
             self.tips.retain(|&vertex| topology.edges_around(vertex).any(|(edge, _)| may_fail(edge)));
         }
     }
 
-    /// Whether the mean traction of the two elements of an edge without joint reaches a share of its strength.
+    /// Whether an edge has no joint and the mean traction of its two elements reaches `share` times its strength.
     fn overstressed(&self, edge: u32, state: State<'_>, share: f64) -> bool {
         self.of_edge[edge as usize] == NONE
             && self.strength(edge).is_some_and(|strength| {
@@ -97,14 +99,15 @@ impl Joints {
             })
     }
 
-    /// Edges at a vertex on a free surface or at the tip of a crack whose two sides are no longer held together there.
+    /// Adds the failing edges at a vertex on a free surface or at a crack tip: those where the traction that holds their two sides together at the vertex
+    /// reaches the strength.
     fn failing_at(&self, vertex: u32, state: State<'_>, failing: &mut Vec<u32>) {
         let State { solid, topology, .. } = state;
         let corners = topology.corners_of(vertex);
         if corners.iter().all(|&corner| self.near[corner as usize / 3] == Near::Far) {
             return;
         }
-        // What moves a node that is held is not known; the mean traction decides there.
+        // The force that moves a held node is unknown here. There the mean traction of the elements decides.
         if solid.hold_at(corners[0]) != NONE {
             return;
         }
@@ -117,7 +120,7 @@ impl Joints {
             topology.groups(vertex, holds, &mut groups);
             let fan = Fan { vertex, groups: &groups, joints: self, state };
             let sides = fan.groups_beside(edge);
-            // Held on the other way round.
+            // The two sides are still connected the other way round the vertex.
             if sides[0] == sides[1] {
                 continue;
             }
@@ -129,7 +132,8 @@ impl Joints {
         }
     }
 
-    /// Gives the groups of elements that joints separate at a vertex a node each, and joints whose ends come free the traction that acts there.
+    /// Splits the node of a vertex, so that each group of elements between joints has a node of its own. Joint ends that open begin with the traction that acts
+    /// there.
     pub(crate) fn part(
         &mut self,
         vertex: u32,
@@ -141,7 +145,7 @@ impl Joints {
         let corners = topology.corners_of(vertex);
         let mut groups = Vec::new();
         topology.groups(vertex, |edge| self.of_edge[edge as usize] == NONE, &mut groups);
-        // The tractions of ends that come free now, before the nodes know of it.
+        // Tractions of the ends that open now, computed before the nodes are split.
         let mut begin: Vec<(u32, [f64; 2])> = Vec::new();
         if let Some(contacts) = contacts.filter(|_| solid.hold_at(corners[0]) == NONE) {
             let state = State { solid, contacts, model, topology };
@@ -172,7 +176,8 @@ impl Joints {
         }
     }
 
-    /// Notes that the nodes at an end of a joint are two now. `known`: the traction that held them together.
+    /// Marks an end of a joint as open if it has two nodes now. `known`: the traction that held them together; if it is `None`, that of the two elements is
+    /// taken.
     fn open(&mut self, edge: u32, vertex: u32, known: Option<[f64; 2]>, solid: &Solid, topology: &Topology) {
         if edge == NONE {
             return;
@@ -193,7 +198,7 @@ impl Joints {
     }
 }
 
-/// Of an edge, undeformed.
+/// Half of the length of an undeformed edge, m.
 fn half_length(edge: u32, state: State<'_>) -> f64 {
     let corners = state.topology.edges[edge as usize].corners[0];
     0.5 * edge_length(state.model, corners.map(|corner| state.topology.vertices[corner as usize]))
@@ -244,7 +249,8 @@ impl Fan<'_> {
         groups.len()
     }
 
-    /// The traction, Pa, with which group `sides[1]` holds group `sides[0]`, on `more` half lengths of edges besides those of the closed joints between the two.
+    /// Traction, Pa, with which group `sides[1]` holds group `sides[0]`. It acts on the half lengths of the closed joints between the two groups, and on
+    /// `more`, m, besides.
     fn held_by(&self, sides: [u32; 2], more: f64) -> Point {
         let State { solid, contacts, model, topology } = self.state;
         let (mut force, mut mass) = ([[0.0; 2]; 2], [0.0; 2]);
@@ -267,7 +273,7 @@ impl Fan<'_> {
                 }
             }
         }
-        // Weight is the same for both sides, and cancels.
+        // Gravity accelerates both sides equally, so it cancels.
         let share = mass[0] / (mass[0] + mass[1]);
         std::array::from_fn(|axis| {
             let held = share * (force[0][axis] + force[1][axis]) - force[0][axis];

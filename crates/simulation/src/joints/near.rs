@@ -1,29 +1,29 @@
-//! Which elements are near to what their edges bear, in any direction: only these are looked at closely.
+//! Finds the elements whose stress is near the strength of their edges in any direction. Only the edges of these elements are checked one by one.
 //!
-//! An edge fails by the mean traction of its two elements, `σ` normal and `τ` tangential, if `σ ≥ f_t`, or if `|τ| ≥ c` and `|τ| + µ σ ≥ c`. Both `σ` and `|τ| + µ σ` are convex in the
-//! traction: if the mean reaches a limit, so does one of the two elements. Over all directions, with the mean stress `s` and the radius `R` of Mohr's circle, they are at
-//! most `s + R` and `µ s + R √(1 + µ²)`.
+//! An edge fails by the mean traction of its two elements, `σ` normal and `τ` tangential, if `σ ≥ f_t`, or if `|τ| ≥ c` and `|τ| + µ σ ≥ c`. Both `σ` and
+//! `|τ| + µ σ` are convex in the traction: if the mean reaches a limit, at least one of the two elements reaches it. The largest values over all directions are
+//! at most `s + R` and `µ s + R √(1 + µ²)`, with the mean stress `s` and the radius `R` of Mohr's circle.
 
 use crate::model::Strength;
 
-/// Below this share of their strength, edges at a free surface or at the tip of a crack are not looked at. The traction at a node exceeds that of the elements
-/// around it: by 1.6 ahead of a crack, where stress goes with 1/√r; by less elsewhere.
+/// Edges at a free surface or a crack tip are checked if the mean traction of their elements reaches this share of their strength. The traction at the node
+/// exceeds that of the elements around it: by a factor of 1.6 ahead of a crack, where stress is proportional to 1/√r, and by less elsewhere.
 pub(crate) const SUSPECT: f64 = 0.25;
 
-/// Bounds are computed in another way than tractions, and rounded otherwise.
+/// Relative tolerance for rounding: the bounds are not computed by the same formulas as the tractions.
 const ROUNDING: f64 = 1e-9;
 
-/// How near an element is to what its edges bear.
+/// How near the stress of an element is to the strength of its edges.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Near {
     Far,
-    /// One of them may reach [`SUSPECT`].
+    /// An edge may reach [`SUSPECT`].
     Suspect,
-    /// One of them may fail.
+    /// An edge may fail.
     Failing,
 }
 
-/// What the weakest of the edges of an element bears, Pa: tension, and cohesion.
+/// Lowest tensile strength and lowest cohesion of the edges of an element, Pa.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Weakest {
     tensile: f64,
@@ -31,7 +31,7 @@ pub(crate) struct Weakest {
 }
 
 impl Weakest {
-    /// Of these; of none, what nothing reaches.
+    /// The weakest of the given strengths, or infinity if there are none.
     pub(crate) fn of(strengths: impl Iterator<Item = Strength>) -> Self {
         let none = Self { tensile: f64::INFINITY, cohesion: f64::INFINITY };
         strengths.fold(none, |weakest, strength| Self {
@@ -41,19 +41,20 @@ impl Weakest {
     }
 }
 
-/// The least and the largest tangent of the angle of internal friction, each with `√(1 + µ²)`: what is convex in µ is largest at one of them.
+/// The smallest and the largest tangent µ of the angle of internal friction, each with `√(1 + µ²)`. The bound for shear is convex in µ, so it is largest at one
+/// of the two.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Slopes([[f64; 2]; 2]);
 
 impl Slopes {
-    /// Of all strengths of a model.
+    /// The slopes of all strengths of a model.
     pub(crate) fn of(strengths: &[Strength]) -> Self {
         let all = strengths.iter().map(|strength| strength.friction);
         let ends = [all.clone().fold(f64::INFINITY, f64::min), all.fold(0.0, f64::max)];
         Self(ends.map(|friction| [friction, (1.0 + friction * friction).sqrt()]))
     }
 
-    /// How near a stress, `[xx, yy, xy]`, is to what an element bears.
+    /// How near a stress, `[xx, yy, xy]`, is to the strengths of an element's edges.
     #[inline]
     pub(crate) fn near(&self, weakest: Weakest, [xx, yy, xy]: [f64; 3]) -> Near {
         let (mean, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
@@ -89,7 +90,7 @@ mod tests {
         }
     }
 
-    /// No edge that fails by the mean of two stresses escapes, and no share of one either.
+    /// Every edge that fails by the mean of two stresses is found, and so is every edge that reaches [`SUSPECT`] of its strength.
     #[test]
     fn what_the_mean_of_two_elements_reaches_one_of_them_reaches() {
         let (strong, weak) = (strength(1.5, 0.2), strength(1.0, 0.7));
