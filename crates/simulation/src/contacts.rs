@@ -1,9 +1,11 @@
-//! Contacts between elements: which couples there are, and what they do to each other.
+//! Contacts between elements: detection of couples, and their forces.
 //!
-//! Only elements near a free surface can touch another that they do not hang together with. Those within two rings of elements around a vertex that an outer edge or
-//! a broken joint touches are *watched*: their boxes go to the detection, with a buffer, and when a crack comes to an element that is not watched, the set is made anew.
-//! The search looks only when something may have come as far as a part of the buffer, and a couple that does not touch sleeps until nodes may have come half as far as the two
-//! are apart. Both bounds add up the speed of the fastest node, so that no contact is late.
+//! Only elements near a free surface can touch elements to which they are not connected. A vertex is free if an outer edge or a broken joint ends there.
+//! Elements within two rings around the free vertices are *watched*: contact detection gets their boxes, with a buffer. When a crack reaches an element that is
+//! not watched, the watched elements are found anew.
+//!
+//! The detection gets new boxes only when elements may have moved by a part of the buffer. A couple that does not touch is skipped until nodes may have
+//! travelled half of its gap. Both bounds add up the distance of the fastest node in each step, so that no contact is found too late.
 
 mod forces;
 
@@ -21,77 +23,77 @@ use crate::solid::{Solid, triangle_of};
 use crate::team::Team;
 use crate::topology::{NONE, Topology};
 
-/// Part of the buffer that is kept for the steps in which nobody looks where the elements are.
+/// Share of the buffer for the motion of elements between two updates of their boxes.
 const SLACK: f64 = 0.25;
 
 /// Two elements that may touch.
 #[derive(Debug)]
 pub(crate) struct Couple {
     elements: [u32; 2],
-    /// The joint between the two, if there was one.
+    /// The joint between the two, or [`NONE`].
     joint: u32,
-    /// Has hung together until now, and may overlap already.
+    /// Whether the two were connected and may overlap already. Cleared when their forces are computed for the first time.
     born: bool,
-    /// The two do not touch before nodes have travelled as far, m.
+    /// The two cannot touch before nodes have travelled this distance since the beginning, m.
     apart_until: f64,
-    /// Most couples do not touch.
+    /// `None` for most couples, which do not touch.
     contact: Option<Box<Contact>>,
 }
 
-/// What contacts have of a run, to be saved.
+/// State of the contacts in a saved run.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Saved {
     watched: Vec<bool>,
-    /// Couples that touch, and what they remember.
+    /// Couples that touch, with their history of friction and damping.
     grips: Vec<([u32; 2], Grip)>,
     /// Couples that could touch but do not.
     apart: Vec<[u32; 2]>,
 }
 
-/// Elements that may touch, and how they are found.
+/// Couples of elements that may touch, and their detection.
 #[derive(Debug)]
 pub(crate) struct Contacts {
     options: Vec<Law>,
     materials: usize,
-    /// Whether a vertex is on a free surface.
+    /// Whether each vertex is free: at the end of an outer edge or of a broken joint.
     free: Vec<bool>,
-    /// Place of each corner's group among those of its vertex: elements of one group hang together there.
+    /// Group of each corner among those of its vertex: elements of one group are connected there.
     groups: Vec<u32>,
-    /// Whether an element is watched.
+    /// Whether each element is watched.
     pub(crate) watched: Vec<bool>,
     list: Vec<u32>,
     search: Buffered<f64, 2>,
-    /// All couples with a smaller gap are among the candidates whenever the search has looked, m.
+    /// After each update of the search, all couples with a smaller gap than this are among the candidates, m.
     slack: f64,
-    /// How far a node may have come in all steps so far, m, and what this was when the search looked last.
+    /// Upper bound of the distance that nodes have travelled in all steps so far, m, and its value at the last update of the search.
     travel: f64,
     looked: f64,
-    /// Those that may touch as joints are now, ascending.
+    /// Couples that may touch in the present state of the joints, ascending.
     couples: Vec<Couple>,
-    /// Of each element the couples, as twice their number and 1 for the second of the two: the slices between `first` of it and of the next one.
+    /// Couples of each element, as 2 × number + side. Those of element `e` are in the slice `first[e]..first[e + 1]`.
     entries: Vec<u32>,
     first: Vec<u32>,
-    /// Elements that have come apart since the couples were listed: at a vertex, or along an edge.
+    /// Pairs of elements that have separated, at a vertex or along an edge, since the couples were listed.
     parted: Vec<[u32; 2]>,
-    /// An element on a free surface is not watched.
+    /// Whether an element at a free vertex is not watched yet.
     unwatched: bool,
     pub(crate) detections: u64,
 }
 
-/// What a pass over the couples found.
+/// Results of a pass over the couples. Energies and works in J.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Touching {
-    /// Stored in the potentials.
+    /// Energy stored in the potentials.
     pub(crate) energy: f64,
     /// Work against friction since the last pass.
     pub(crate) friction: f64,
-    /// Dissipated by damping since the last pass.
+    /// Energy dissipated by damping since the last pass.
     pub(crate) damping: f64,
-    /// Energy of potentials that joints have handed over since the last pass.
+    /// Potential energy that appeared because joints handed over to contact since the last pass.
     pub(crate) handed_over: f64,
-    /// Couples that overlap.
+    /// Number of couples that overlap.
     pub(crate) count: usize,
-    /// The first element that is penetrated to its centroid.
+    /// First element of the first couple in which one element reaches the centroid of the other.
     pub(crate) deep: Option<u32>,
 }
 
@@ -131,7 +133,7 @@ impl Contacts {
         Ok(contacts)
     }
 
-    /// Groups the corners of a vertex by the edges that hold.
+    /// Groups the corners of a vertex: elements are connected by the edges that `holds` accepts.
     fn group(&mut self, vertex: u32, topology: &Topology, holds: impl Fn(u32) -> bool) {
         let mut groups = Vec::new();
         topology.groups(vertex, holds, &mut groups);
@@ -140,7 +142,7 @@ impl Contacts {
         }
     }
 
-    /// Notes joints that broke: their elements may touch.
+    /// Registers joints that broke: their elements may touch from now on.
     pub(crate) fn part(&mut self, broken: &[u32], joints: &Joints, topology: &Topology) {
         for &joint in broken {
             let edge = &topology.edges[joints.all[joint as usize].edge as usize];
@@ -169,7 +171,7 @@ impl Contacts {
         }
     }
 
-    /// Finds the couples, again if need be.
+    /// Updates the couples as far as motion and broken joints require.
     pub(crate) fn detect(
         &mut self,
         solid: &Solid,
@@ -182,7 +184,7 @@ impl Contacts {
             self.unwatched = false;
             self.looked = f64::NEG_INFINITY;
         }
-        // Both of a couple may have come this far.
+        // Both elements of a couple may have travelled this far.
         if 2.0 * (self.travel - self.looked) > self.slack {
             self.look(solid, joints, topology, team)?;
             self.looked = self.travel;
@@ -191,12 +193,12 @@ impl Contacts {
         Ok(())
     }
 
-    /// Notes that no node has moved farther than this in a step, m.
+    /// Adds the distance of the fastest node in a step, m.
     pub(crate) fn note_motion(&mut self, distance: f64) {
         self.travel += distance;
     }
 
-    /// Shows the boxes of all watched elements to the search.
+    /// Updates the search with the boxes of all watched elements.
     fn look(&mut self, solid: &Solid, joints: &Joints, topology: &Topology, team: &Team) -> Result<(), Stop> {
         let list = &self.list;
         let bounds = |element: u32| {
@@ -227,7 +229,7 @@ impl Contacts {
         Ok(())
     }
 
-    /// Elements within two rings of a free surface.
+    /// Watches the elements within two rings around free vertices.
     fn watch(&mut self, topology: &Topology) {
         let mut near = self.free.clone();
         for _ in 0..2 {
@@ -246,13 +248,13 @@ impl Contacts {
         self.list_watched();
     }
 
-    /// The list of the elements that are watched, ascending.
+    /// Lists the watched elements, ascending.
     fn list_watched(&mut self) {
         self.list.clear();
         self.list.extend((0..self.watched.len() as u32).filter(|&element| self.watched[element as usize]));
     }
 
-    /// What is saved of contacts.
+    /// State of the contacts for a saved run.
     pub(crate) fn save(&self) -> Saved {
         let (mut grips, mut apart) = (Vec::new(), Vec::new());
         for couple in &self.couples {
@@ -264,7 +266,7 @@ impl Contacts {
         Saved { watched: self.watched.clone(), grips, apart }
     }
 
-    /// Contacts as they were saved. Joints are restored already.
+    /// Restores the saved contacts. The joints must be restored before.
     pub(crate) fn restore(
         &mut self,
         saved: Saved,
@@ -292,7 +294,7 @@ impl Contacts {
         Ok(())
     }
 
-    /// Takes these couples, which may touch now; those that did keep what they remember.
+    /// Replaces the couples by those that may touch now. Couples that were there before keep their history.
     fn choose(&mut self, mut couples: Vec<Couple>) {
         couples.sort_unstable_by_key(|couple| couple.elements);
         let mut before = std::mem::take(&mut self.couples).into_iter().peekable();
@@ -307,26 +309,26 @@ impl Contacts {
         self.list_couples();
     }
 
-    /// Adds what may touch since elements have come apart.
+    /// Adds couples of elements that have separated.
     fn add_parted(&mut self, joints: &Joints, topology: &Topology) {
         let mut parted = std::mem::take(&mut self.parted);
         parted.retain(|pair| self.couples.binary_search_by_key(pair, |couple| couple.elements).is_err());
         parted.sort_unstable();
-        // Two that share an edge were found at both of its ends.
+        // Elements that share an edge are listed for the edge and for both of its ends.
         parted.dedup();
         let new = parted.into_iter().filter_map(|pair| couple(pair, &self.groups, joints, topology));
         let count = self.couples.len();
         self.couples.extend(new);
         if self.couples.len() > count {
-            // Stable sorting of two ascending runs is one merge.
+            // A stable sort of two ascending runs is one merge.
             self.couples.sort_by_key(|couple| couple.elements);
             self.list_couples();
         }
     }
 
-    /// The couples of each element, side by side in their order.
+    /// Lists the couples of each element, in the order of the couples.
     fn list_couples(&mut self) {
-        // Counted, then put in.
+        // Counting sort.
         let first = &mut self.first;
         first.fill(0);
         for element in self.couples.iter().flat_map(|couple| couple.elements) {
@@ -343,12 +345,12 @@ impl Contacts {
                 *next += 1;
             }
         }
-        // Each stands at the end of its slice now, where the next one begins.
+        // Each offset is at the end of its slice now, which is the beginning of the next slice.
         first.rotate_right(1);
         first[0] = 0;
     }
 
-    /// Forces of all couples.
+    /// Computes the forces of all couples.
     pub(crate) fn press(&mut self, solid: &Solid, joints: &Joints, step: f64, team: &Team) -> Touching {
         let (options, materials, travel) = (&self.options, self.materials, self.travel);
         team.change(&mut self.couples, |_, couples| {
@@ -359,13 +361,13 @@ impl Contacts {
                 let pair = couple.elements.map(|element| &solid.elements[element as usize]);
                 let law = &options[pair[0].material as usize * materials + pair[1].material as usize];
                 let joint = joints.all.get(couple.joint as usize);
-                // What overlaps behind a joint that has gone astray was never pressed by it.
+                // An astray joint did not press its elements apart: their overlap now must not count at once.
                 couple.born |= joint.is_some_and(|joint| joint.fading > 0.0 && joint.astray != [false; 2]);
                 let share = joint.map_or([1.0, 0.0], |joint| [joint.faded, joint.fading]);
                 press(couple, solid, law, share, step, travel);
             }
         });
-        // One after the other: chunks would depend on how many couples there are that do not touch, which a run that was resumed may have other ones of.
+        // Summed couple by couple: sums of chunks would depend on the couples that do not touch, and a resumed run may have others.
         let mut all = Touching::default();
         for couple in &self.couples {
             let Some(contact) = &couple.contact else { continue };
@@ -388,7 +390,7 @@ impl Contacts {
         self.couples.iter().filter_map(touching).collect()
     }
 
-    /// The force of the contacts on a corner of an element.
+    /// Adds the force of the contacts on a corner of an element.
     #[inline]
     pub(crate) fn add_force(&self, corner: u32, force: &mut Point) {
         let element = corner as usize / 3;
@@ -402,12 +404,12 @@ impl Contacts {
     }
 }
 
-/// How two elements lie in the undeformed mesh.
+/// What two elements have in common in the undeformed mesh.
 enum Relation {
     Apart,
-    /// A vertex in common: a corner of each there.
+    /// A vertex: the corner of each element there.
     Vertex([u32; 2]),
-    /// An edge in common.
+    /// An edge.
     Edge(u32),
 }
 
@@ -427,12 +429,12 @@ fn relation([a, b]: [u32; 2], topology: &Topology) -> Relation {
     Relation::Apart
 }
 
-/// A couple of two elements that were never together.
+/// A couple of two elements that were never connected.
 fn apart(elements: [u32; 2]) -> Couple {
     Couple { elements, joint: NONE, born: false, apart_until: 0.0, contact: None }
 }
 
-/// A new couple of two elements, if they may touch as joints are now.
+/// A new couple of two elements; `None` if they cannot touch in the present state of the joints.
 fn couple(elements: [u32; 2], groups: &[u32], joints: &Joints, topology: &Topology) -> Option<Couple> {
     let couple = apart(elements);
     match relation(elements, topology) {
@@ -449,7 +451,7 @@ fn couple(elements: [u32; 2], groups: &[u32], joints: &Joints, topology: &Topolo
     }
 }
 
-/// Of all edges of elements.
+/// Mean length of the edges of all elements, m.
 pub(crate) fn mean_edge(model: &Model) -> f64 {
     let mesh = &model.mesh;
     let mut sum = 0.0;

@@ -1,4 +1,4 @@
-//! What two elements do to each other where they touch: the potential, friction, damping.
+//! Forces between two elements in contact: potential, friction, damping.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,26 +8,26 @@ use crate::model::Model;
 use crate::potential::{Interaction, Point, Triangle, area_coordinates, dot, interaction, length, minus};
 use crate::solid::{Solid, height};
 
-/// What two elements that touch do to each other.
+/// Forces and history of two elements in contact.
 #[derive(Debug, Default)]
 pub(super) struct Contact {
-    /// On the corners of both: of potential, damping and friction.
+    /// Forces of potential, damping and friction on the corners of both elements, N.
     pub(super) forces: [[Point; 3]; 2],
     pub(super) grip: Grip,
-    /// Since the last pass.
+    /// Energy, and works since the last pass.
     pub(super) works: Works,
-    /// Not any more, in the last pass over it.
+    /// Whether the two overlap. False in the one pass after they have separated.
     pub(super) touches: bool,
     pub(super) deep: bool,
 }
 
 impl Contact {
-    /// The force on the first of the two elements, where they overlap now.
+    /// Force on the first of the two elements, at the point where they overlap now.
     pub(super) fn force(&self, elements: [u32; 2], solid: &Solid) -> ContactForce {
         let sum = self.forces[0].iter().fold([0.0; 2], |sum, force| [sum[0] + force[0], sum[1] + force[1]]);
         let [a, b] = elements.map(|element| solid.triangle(element));
         let point = interaction(&a, &b).map_or_else(
-            // They have parted in this step.
+            // They have separated in this step.
             |_| [0, 1].map(|axis| a.iter().chain(&b).map(|corner| corner[axis]).sum::<f64>() / 6.0),
             |interaction| interaction.point,
         );
@@ -36,7 +36,7 @@ impl Contact {
     }
 }
 
-/// Energy of a contact, and works since the last pass.
+/// Energy of a contact, and works since the last pass, J.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Works {
     pub(super) energy: f64,
@@ -45,32 +45,32 @@ pub(super) struct Works {
     pub(super) handed_over: f64,
 }
 
-/// What a contact remembers of friction and damping.
+/// History of friction and damping of a contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Grip {
-    /// Friction on the first element.
+    /// Friction on the first element, N.
     friction: Point,
-    /// Damping on the first element.
+    /// Damping on the first element, N.
     damping: Point,
-    /// Shares of the corners in both: where it acted.
+    /// Area coordinates, in both elements, of the point where the force acted.
     shares: [[f64; 3]; 2],
-    /// Potential energy that does not count: see [`count_from`].
+    /// Initial potential energy, J, which is not counted: see [`count_from`].
     spared: f64,
 }
 
-/// How elements of two materials touch.
+/// Contact parameters of two materials.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Law {
-    /// Pa times thickness.
+    /// Penalty times thickness, N/m.
     penalty: f64,
     friction: f64,
-    /// N/m.
+    /// Tangential stiffness, N/m.
     tangential: f64,
-    /// Share of critical.
+    /// Share of critical damping.
     damping: f64,
 }
 
-/// Of contacts between these materials.
+/// Parameters of contacts between two materials.
 pub(super) fn law(model: &Model, a: u32, b: u32) -> Law {
     let interface = model.interface(a, b);
     let [one, two] = [a, b].map(|material| &model.materials[material as usize]);
@@ -93,18 +93,19 @@ pub(crate) fn penalty_and_friction(model: &Model, [a, b]: [u32; 2]) -> [f64; 2] 
     [law.penalty / model.thickness, law.friction]
 }
 
-/// Stiffness of a contact over an edge of an element of this material at either of its ends, N/m: an upper bound.
+/// Upper bound of the stiffness, N/m, that a contact over edge `k` of an element of this material has at either end of the edge.
 pub(crate) fn stiffness(model: &Model, triangle: &Triangle, k: usize, material: u32) -> f64 {
     let penalty = (0..model.materials.len() as u32)
         .map(|other| law(model, material, other).penalty)
         .fold(0.0_f64, f64::max);
     let edge = minus(triangle[(k + 1) % 3], triangle[k]);
-    // φ grows by 3 over the height; half of the edge's pressure goes to an end; each of the two presses the other.
+    // φ grows by 3 over the height. Half of the pressure on the edge goes to each end. Each of the two elements presses the other: factor 2.
     let normal = 3.0 * penalty / height(triangle, k) * 0.5 * length(edge);
     2.0 * normal.max(model.contact.tangential_stiffness * penalty)
 }
 
-/// Forces of one couple, of which a share counts; and how much more than in the last step.
+/// Computes the forces of one couple. `weight`: share of the forces that acts, while a joint between the two carries the rest; `fading`: increase of this share
+/// in the last step. `step` in s, `travel` in m.
 pub(super) fn press(
     couple: &mut Couple,
     solid: &Solid,
@@ -115,14 +116,14 @@ pub(super) fn press(
 ) {
     let [a, b] = couple.elements.map(|element| solid.triangle(element));
     let gap = gap(&a, &b);
-    // A joint that holds its share of the two still has nothing to do with how far they are apart.
+    // While the joint carries the whole load, the gap says nothing about when contact begins: the couple must not be skipped.
     let found = match (weight > 0.0, gap < 0.0) {
         (true, true) => interaction(&a, &b),
         (true, false) => Err(gap),
         (false, _) => Err(0.0),
     };
     let born = std::mem::take(&mut couple.born);
-    // What the last friction and damping did in the second half of their step.
+    // Work of the last friction and damping in the second half of their step.
     let mut sum = Works::default();
     let before = couple.contact.as_ref().filter(|contact| contact.touches).map(|contact| contact.grip);
     if let Some(before) = &before {
@@ -133,10 +134,10 @@ pub(super) fn press(
     let Interaction { mut forces, energy, point, deep } = match found {
         Ok(interaction) => interaction,
         Err(distance) => {
-            // For one pass more, so that this work is counted.
+            // Keeps the contact for one more pass, so that this work is counted.
             couple.contact = before.map(|_| Box::new(Contact { works: sum, ..Contact::default() }));
             if couple.contact.is_none() {
-                // Both may come nearer; a little less, for the roundings of the travel.
+                // Both elements may move, each by half of the distance. The factor is slightly below 0.5 because `travel` is rounded.
                 couple.apart_until = travel + 0.499 * distance;
             }
             return;
@@ -168,7 +169,7 @@ pub(super) fn press(
             if law.damping > 0.0 {
                 let [m, n] = couple.elements.map(|element| mass(solid, element));
                 let critical = 2.0 * (law.penalty * m * n / (m + n)).sqrt();
-                // Never more than what presses the two apart, so that nothing sticks.
+                // At most the force that presses the two apart, so that they do not stick.
                 let damping = (-law.damping * weight * critical * dot(rate, normal)).clamp(-size, size);
                 grip.damping = normal.map(|n| damping * n);
                 pressed += damping;
@@ -196,10 +197,10 @@ pub(super) fn press(
     **contact = Contact { forces, grip, works: sum, touches: true, deep };
 }
 
-/// What counts of a potential energy, and its derivative, if `spared` was there before the two elements could touch.
+/// Counted part of the potential energy `U`, J, and its derivative by `U`, if the energy `U₀` (`spared`) was there before the two elements could touch.
 ///
-/// Elements that hung together until a joint at their vertex broke overlap by what that joint has slid. To count this overlap at once would give them energy from
-/// nothing. `(U - U₀)² / U` begins without energy and without force and soon is `U`; what they give up of the overlap is spared no longer.
+/// Elements that were connected until a joint at their vertex broke overlap by the sliding of that joint. Counting this overlap at once would create energy.
+/// `(U - U₀)² / U` begins without energy and without force, and its ratio to `U` tends to 1. When `U` falls below `U₀`, the caller lowers `U₀` to `U`.
 fn count_from(spared: f64, potential: f64) -> (f64, f64) {
     if potential <= spared {
         return (0.0, 0.0);
@@ -208,7 +209,7 @@ fn count_from(spared: f64, potential: f64) -> (f64, f64) {
     (potential * (1.0 - share) * (1.0 - share), 1.0 - share * share)
 }
 
-/// Of the first element against the second, where these shares of their corners are.
+/// Velocity, m/s, of the first element relative to the second, at the points with these area coordinates.
 fn relative_velocity(elements: [u32; 2], shares: &[[f64; 3]; 2], solid: &Solid) -> Point {
     let mut rate = [0.0; 2];
     for (side, sign) in [(0, 1.0), (1, -1.0)] {
@@ -223,12 +224,12 @@ fn relative_velocity(elements: [u32; 2], shares: &[[f64; 3]; 2], solid: &Solid) 
     rate
 }
 
-/// Of the nodes of an element, without what others share of them.
+/// Mean mass of the three nodes of an element, kg.
 fn mass(solid: &Solid, element: u32) -> f64 {
     solid.nodes_of(element).iter().map(|&node| solid.constants[node as usize].mass / 3.0).sum()
 }
 
-/// Between the boxes around two triangles along the axis on which they are farthest apart; negative if they overlap.
+/// Gap, m, between the boxes of two triangles along the axis on which they are farthest apart; negative if the boxes overlap.
 #[inline]
 fn gap(a: &Triangle, b: &Triangle) -> f64 {
     let along = |axis: usize| {
