@@ -1,32 +1,30 @@
 //! The stress in an element: isotropic, exact under finite rotations, derived from an energy.
 //!
-//! Munjiza's stress (book, (4.178)-(4.184)) splits the strain into a change of shape and a change of area, each with its modulus. It follows from no
-//! energy, so that a cycle of large strains gains or loses some. Here both parts have one, per undeformed area,
-//!
-//! ```text
+//! Munjiza's stress (book, (4.178)-(4.184)) splits the strain into a change of shape and a change of area, each with its modulus. It does not follow from an
+//! energy, so that a cycle of large strains gains or loses energy. Here both parts follow from an energy per undeformed area,
 //! W = G/2 (I₁/J − 2) + K/2 (J − 1)²,    I₁ = F:F,  J = det F,
 //! ```
-//! whose stress `P = ∂W/∂F` is his to the first order of the strain and vanishes under any rotation.
-//!
+//! whose stress `P = ∂W/∂F` equals his to first order in the strain and vanishes under any rotation.
 //! An element under initial stress `S` (second Piola-Kirchhoff) has the energy
 //!
 //! ```text
 //! U = σ:C⁻¹:σ / 2 + S:E + W,    E = (FᵀF - 1)/2,    σ = S at the beginning.
 //! ```
-//! Its gradient is `P = F S + ∂W/∂F`: the initial stress, turned with the element, and the stress of the deformation. The first term is what the stress stored by Hooke's law before the run. With it,
-//! `U` is `(ε₀ + E):C:(ε₀ + E) / 2` to the second order of the strains, `ε₀ = C⁻¹:σ`: positive, and 0 where the element has given up all of its stress.
+//! Its gradient is `P = F S + ∂W/∂F`: the initial stress, which turns with the element, and the stress of the deformation. The first term of `U` is the energy
+//! that the stress stored by Hooke's law before the run. With this term, `U` is `(ε₀ + E):C:(ε₀ + E) / 2` to second order in the strains, with `ε₀ = C⁻¹:σ`. It
+//! is positive, and 0 where the element has lost all of its stress.
 
 use crate::model::{Material, Plane};
 use crate::potential::length;
 
-/// A tensor of the plane: `[xx, xy, yx, yy]`.
+/// A tensor in the plane: `[xx, xy, yx, yy]`.
 pub(crate) type Tensor = [f64; 4];
 
 /// Moduli in the plane, Pa.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Moduli {
     pub(crate) shear: f64,
-    /// Mean stress in the plane over the change of area.
+    /// Mean in-plane stress over the relative change of area.
     pub(crate) bulk: f64,
     /// σzz over σxx + σyy.
     pub(crate) out_of_plane: f64,
@@ -44,23 +42,23 @@ impl Moduli {
         }
     }
 
-    /// Strain energy per area and thickness that a stress, `[xx, yy, xy]`, has stored by Hooke's law: `σ:C⁻¹:σ / 2`, J/m³.
+    /// Energy density, J/m³, that a stress `[xx, yy, xy]` has stored by Hooke's law: `σ:C⁻¹:σ / 2`.
     pub(crate) fn stored(&self, [xx, yy, xy]: [f64; 3]) -> f64 {
         let (difference, sum) = (xx - yy, xx + yy);
         (0.5 * difference * difference + 2.0 * xy * xy) / (4.0 * self.shear) + sum * sum / (8.0 * self.bulk)
     }
 
-    /// P-wave modulus: stress over strain in a wave of compression, Pa.
+    /// P-wave modulus, Pa: stress over strain in a compressional wave.
     pub(crate) fn wave(&self) -> f64 {
         self.shear + self.bulk
     }
 
-    /// The first Piola-Kirchhoff stress, and the energy per undeformed area and thickness. `j` is the determinant of `f`, positive.
+    /// First Piola-Kirchhoff stress, Pa, and energy per undeformed volume, J/m³. `j` is the determinant of `f`; it must be positive.
     #[inline]
     pub(crate) fn stress(&self, f: &Tensor, j: f64) -> (Tensor, f64) {
         let [a, b, c, d] = *f;
         let cofactor = [d, -c, -b, a];
-        // I₁ - 2J as squares of what a rotation does not have: nothing large cancels.
+        // I₁ - 2J as a sum of squares that vanish under rotation, so that no large terms cancel.
         let (difference, sum) = (a - d, b + c);
         let shape = (difference * difference + sum * sum) / j;
         let volume = j - 1.0;
@@ -104,7 +102,7 @@ pub(crate) fn determinant(f: &Tensor) -> f64 {
     f[0] * f[3] - f[1] * f[2]
 }
 
-/// The viscous first Piola-Kirchhoff stress of `2 µ D` (book, (4.176), (4.183)), `D` the symmetric part of `rate F⁻¹`.
+/// First Piola-Kirchhoff stress of the viscous stress `2 µ D` (book, (4.176), (4.183)), with `D` the symmetric part of `rate F⁻¹`.
 #[inline]
 pub(crate) fn viscous_stress(viscosity: f64, f: &Tensor, j: f64, rate: &Tensor) -> Tensor {
     let [a, b, c, d] = *f;
@@ -194,7 +192,7 @@ mod tests {
         }
     }
 
-    /// What an initial stress has stored is what the strain of that stress stores.
+    /// The energy stored by an initial stress equals the energy of the strain that causes this stress.
     #[test]
     fn an_initial_stress_has_stored_the_energy_of_its_strain() {
         for plane in [Plane::Stress, Plane::Strain] {

@@ -1,4 +1,4 @@
-//! Forces between elements and on nodes, as results show them.
+//! Forces between elements and on nodes for results.
 
 use crate::contacts::Contacts;
 use crate::joints::Joints;
@@ -10,7 +10,7 @@ use crate::topology::Topology;
 /// Forces at the beginning of the last step. There are none before the first step of a run, nor before the first step after a resume.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Forces {
-    /// Couples of elements that press each other, ascending by their elements.
+    /// Forces of couples of elements that press each other, ascending by their elements.
     pub contacts: Vec<ContactForce>,
     /// Force of all boundaries on each node, N.
     pub reactions: Vec<[f64; 2]>,
@@ -18,7 +18,7 @@ pub struct Forces {
 
 /// Contact force between two elements.
 ///
-/// A joint that is broken and closed presses its two elements until they have slid far enough for the contact to take over: its force counts here, too.
+/// A broken joint that is closed presses its two elements until they have slid far enough for the contact to take over. Its force is included.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactForce {
     /// Numbers of the two elements, the lower first.
@@ -37,7 +37,7 @@ impl ContactForce {
         [self.normal[0] + self.tangential[0], self.normal[1] + self.tangential[1]]
     }
 
-    /// The forces of two contacts of the same elements as one, at the mean of their points, weighted by the forces.
+    /// Merges the forces of two contacts of the same elements. The point is the mean of their points, weighted by the forces.
     fn merged(self, other: Self) -> Self {
         let [a, b] = [self.force(), other.force()].map(|[x, y]| x.hypot(y));
         let sum = |one: Point, two: Point| [one[0] + two[0], one[1] + two[1]];
@@ -50,7 +50,7 @@ impl ContactForce {
     }
 }
 
-/// Forces of contacts and broken joints, couple by couple.
+/// Forces of contacts and broken joints, one for each couple of elements.
 pub(crate) fn contact_forces(
     contacts: &Contacts,
     joints: &Joints,
@@ -75,7 +75,7 @@ pub(crate) fn contact_forces(
     all
 }
 
-/// Forces of all boundaries on each node: `held` has those on the nodes that boundaries move.
+/// Force of all boundaries on each node, N. `held`: forces on the nodes that boundaries move.
 pub(crate) fn reactions(solid: &Solid, loads: &Loads, held: &[(u32, Point)]) -> Vec<[f64; 2]> {
     let mut forces = vec![[0.0; 2]; solid.nodes.len()];
     let applied = loads.applied().map(|(corner, force)| (solid.corners.node_at(corner), force));

@@ -1,4 +1,4 @@
-//! Elements and nodes, and the forces of deformation.
+//! Elements and nodes, and the forces of their deformation.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,21 +8,22 @@ use crate::potential::{Point, Triangle, cross, length, minus};
 use crate::team::Team;
 use crate::topology::{NONE, Nodes};
 
-/// What moves.
+/// Motion of a node.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Node {
+    /// Relative to [`Solid::origin`], m.
     pub(crate) position: Point,
-    /// Half a step before the position.
+    /// Velocity half a step before the position, m/s.
     pub(crate) velocity: Point,
 }
 
-/// Of a node, what its motion does not change. Apart from what moves, which a step reads far more often.
+/// Properties of a node that its motion does not change. They are stored apart from [`Node`], which a step reads far more often.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Constants {
     pub(crate) mass: f64,
-    /// The node of the mesh.
+    /// Node of the mesh.
     pub(crate) vertex: u32,
-    /// What moves it: a number among the holds of the loads, or [`NONE`].
+    /// Prescribed motion of the node: an index of the holds of the loads, or [`NONE`].
     pub(crate) hold: u32,
 }
 
@@ -30,32 +31,32 @@ pub(crate) struct Constants {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Element {
     pub(crate) material: u32,
-    /// Inverse of the undeformed edges from corner 0, as columns.
+    /// Inverse of the matrix whose columns are the undeformed edges from corner 0, 1/m.
     gradients: Tensor,
-    /// Undeformed area times thickness.
+    /// Undeformed area times thickness, m³.
     pub(crate) volume: f64,
 }
 
-/// What its deformation makes in an element.
+/// Results of the deformation of an element.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Strained {
-    /// On its corners.
+    /// Forces on its corners, N.
     pub(crate) forces: [Point; 3],
-    /// Cauchy, `[xx, yy, xy]`.
+    /// Cauchy stress, `[xx, yy, xy]` in Pa.
     pub(crate) stress: [f64; 3],
     pub(crate) energy: f64,
-    /// The viscous part of the stress (first Piola-Kirchhoff).
+    /// Viscous part of the stress (first Piola-Kirchhoff), Pa.
     pub(crate) viscous: Tensor,
 }
 
 impl Element {
-    /// What it weighs at each of its corners, kg.
+    /// Mass at each of its corners, kg.
     pub(crate) fn corner_mass(&self, model: &Model) -> f64 {
         model.materials[self.material as usize].density * self.volume / 3.0
     }
 }
 
-/// The material of an element, as its forces need it.
+/// Constants of a material for the forces of its elements.
 #[derive(Clone, Copy, Debug)]
 struct Response {
     moduli: Moduli,
@@ -63,17 +64,17 @@ struct Response {
     viscosity: f64,
 }
 
-/// Bodies of elements.
+/// Nodes and elements of all bodies.
 ///
 /// Positions of nodes are relative to [`Solid::origin`], so that bodies far from the origin of the model's coordinates lose no digits.
 #[derive(Debug)]
 pub(crate) struct Solid {
-    /// In the model's coordinates, m.
+    /// Origin of positions, in the model's coordinates, m.
     pub(crate) origin: Point,
     pub(crate) nodes: Vec<Node>,
     pub(crate) constants: Vec<Constants>,
     pub(crate) elements: Vec<Element>,
-    /// Of each element.
+    /// Results of the deformation of each element.
     pub(crate) strained: Vec<Strained>,
     pub(crate) corners: Nodes,
     pub(crate) thickness: f64,
@@ -87,18 +88,18 @@ pub(crate) struct Solid {
 /// The initial stress of an element.
 #[derive(Clone, Copy, Debug)]
 struct Prestress {
-    /// Second Piola-Kirchhoff, `[xx, yy, xy]`.
+    /// Second Piola-Kirchhoff stress, `[xx, yy, xy]` in Pa.
     stress: [f64; 3],
-    /// What it has stored before the run, J/m³.
+    /// Energy that it has stored before the run, J/m³.
     energy: f64,
 }
 
-/// What a pass over the elements found.
+/// Results of a pass over the elements.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Deformation {
-    /// Dissipated by viscosity since the last pass.
+    /// Energy dissipated by viscosity since the last pass, J.
     pub(crate) dissipated: f64,
-    /// The first inverted element, with its ratio of areas.
+    /// The first inverted element, with its ratio of deformed to undeformed area.
     pub(crate) inverted: Option<(u32, f64)>,
 }
 
@@ -121,7 +122,7 @@ impl Solid {
             .iter()
             .map(|material| Response {
                 moduli: Moduli::new(material, model.plane),
-                // The fastest mode of an element is near 2 c over its height: E/ω is half of h √(E ρ).
+                // The highest angular frequency ω of an element is about 2 c/h, so E/ω is half of h √(E ρ).
                 viscosity: 0.5 * material.damping * (material.youngs_modulus * material.density).sqrt(),
             })
             .collect();
@@ -172,7 +173,7 @@ impl Solid {
         solid
     }
 
-    /// Room for so many nodes in all.
+    /// Reserves memory for `count` nodes in total.
     pub(crate) fn reserve_nodes(&mut self, count: usize) {
         let more = count.saturating_sub(self.nodes.len());
         self.nodes.reserve_exact(more);
@@ -180,7 +181,7 @@ impl Solid {
         self.corners.first.reserve_exact(more);
     }
 
-    /// Numbers the nodes by their first corners: where each element has its own, a step goes through them as it goes through the elements.
+    /// Numbers the nodes by their first corners. If each element has nodes of its own, a step then reads the nodes in the order of the elements.
     pub(crate) fn number_by_corners(&mut self) {
         let mut order: Vec<u32> = (0..self.nodes.len() as u32).collect();
         order.sort_unstable_by_key(|&node| self.corners.first[node as usize]);
@@ -194,7 +195,7 @@ impl Solid {
         self.corners = Nodes::new(of_corner.collect(), order.len());
     }
 
-    /// Gives a node the mass of its corners.
+    /// Sets the mass of a node to the sum over its corners.
     pub(crate) fn weigh(&mut self, node: u32, model: &Model) {
         let (mut mass, mut corner) = (0.0, self.corners.first[node as usize]);
         while corner != NONE {
@@ -204,13 +205,13 @@ impl Solid {
         self.constants[node as usize].mass = mass;
     }
 
-    /// The nodes of an element now.
+    /// Present nodes of an element.
     #[inline]
     pub(crate) fn nodes_of(&self, element: u32) -> [u32; 3] {
         self.corners.of_corner[element as usize]
     }
 
-    /// The corners of an element now.
+    /// Present positions of the corners of an element.
     #[inline]
     pub(crate) fn triangle(&self, element: u32) -> Triangle {
         self.nodes_of(element).map(|node| self.nodes[node as usize].position)
@@ -221,23 +222,23 @@ impl Solid {
         &self.nodes[self.corners.node_at(corner) as usize]
     }
 
-    /// How far a node has moved.
+    /// Displacement of a node, m.
     pub(crate) fn displacement(&self, node: usize, model: &Model) -> Point {
         let vertex = self.constants[node].vertex as usize;
         minus(self.nodes[node].position, minus(model.mesh.nodes[vertex], self.origin))
     }
 
-    /// The place of a position in the model's coordinates, m.
+    /// Converts a position to the model's coordinates, m.
     pub(crate) fn place(&self, position: Point) -> Point {
         [position[0] + self.origin[0], position[1] + self.origin[1]]
     }
 
-    /// What holds the node of a corner, or [`NONE`].
+    /// Prescribed motion of the node of a corner: an index of the holds of the loads, or [`NONE`].
     pub(crate) fn hold_at(&self, corner: u32) -> u32 {
         self.constants[self.corners.node_at(corner) as usize].hold
     }
 
-    /// Stress and forces of all elements, from where their nodes are and how they move.
+    /// Computes stresses and forces of all elements from the positions and velocities of their nodes.
     pub(crate) fn deform(&mut self, step: f64, team: &Team) -> Deformation {
         let Self { nodes, elements, strained, corners, responses, heights, prestress, .. } = self;
         let found = team.change(strained, |first, chunk| {
@@ -267,7 +268,7 @@ impl Solid {
                     let (e, f) = (minus(b.velocity, a.velocity), minus(c.velocity, a.velocity));
                     let rate = product(&[e[0], f[0], e[1], f[1]], &element.gradients);
                     let viscous = viscous_stress(response.viscosity * heights[number], &gradient, j, &rate);
-                    // What the last force did in the second half of its step, and this one in the first half.
+                    // Work of the last viscous stress in the second half of its step, and of the new one in the first half of its step.
                     let power = contraction(&strained.viscous, &rate) + contraction(&viscous, &rate);
                     sum.dissipated += 0.5 * step * power * element.volume;
                     strained.viscous = viscous;
@@ -290,7 +291,7 @@ impl Solid {
         all
     }
 
-    /// Strain energy by the last pass.
+    /// Strain energy of all elements in the last pass, J.
     pub(crate) fn strain_energy(&self, team: &Team) -> f64 {
         team.look(self.elements.len(), |range| {
             self.strained[range].iter().map(|strained| strained.energy).sum::<f64>()
@@ -299,12 +300,12 @@ impl Solid {
         .sum()
     }
 
-    /// Whether the elements begin under stress.
+    /// Whether there is initial stress.
     pub(crate) fn is_prestressed(&self) -> bool {
         !self.prestress.is_empty()
     }
 
-    /// The force on a corner of an element by its initial stress.
+    /// Force of the initial stress of an element on one of its corners, N.
     pub(crate) fn initial_force(&self, corner: u32) -> Point {
         let Some(prestress) = self.prestress.get(corner as usize / 3) else { return [0.0; 2] };
         let element = &self.elements[corner as usize / 3];
@@ -314,16 +315,16 @@ impl Solid {
         [[-one[0] - two[0], -one[1] - two[1]], one, two][corner as usize % 3]
     }
 
-    /// The stress out of the plane of an element.
+    /// Out-of-plane stress of an element, Pa.
     pub(crate) fn stress_out_of_plane(&self, element: usize) -> f64 {
         let [xx, yy, _] = self.strained[element].stress;
         self.responses[self.elements[element].material as usize].moduli.out_of_plane * (xx + yy)
     }
 }
 
-/// The middle of the bounding box along each axis on which that is as far from 0 as the box is wide; 0 along others.
+/// Middle of the bounding box along each axis on which the middle is at least as far from 0 as the box is wide; 0 along other axes.
 ///
-/// All coordinates are within a factor of 2 of the middle then, so that differences from it are exact (Sterbenz' lemma).
+/// All coordinates are then within a factor of 2 of the middle, so that differences from it are exact (Sterbenz' lemma).
 fn middle_if_far(nodes: &[Point]) -> Point {
     std::array::from_fn(|axis| {
         let along = || nodes.iter().map(|node| node[axis]);
@@ -333,12 +334,12 @@ fn middle_if_far(nodes: &[Point]) -> Point {
     })
 }
 
-/// An element of the mesh.
+/// Undeformed corners of an element.
 pub(crate) fn triangle_of(mesh: &crate::model::Mesh, element: usize) -> Triangle {
     mesh.triangles[element].map(|node| mesh.nodes[node as usize])
 }
 
-/// Height of a triangle over its edge from corner `k`.
+/// Height of a triangle over its edge from corner `k`, m.
 pub(crate) fn height(triangle: &Triangle, k: usize) -> f64 {
     let [a, b, c] = [k, (k + 1) % 3, (k + 2) % 3].map(|k| triangle[k]);
     let edge = minus(b, a);
@@ -349,12 +350,12 @@ pub(crate) fn least_height(triangle: &Triangle) -> f64 {
     (0..3).map(|k| height(triangle, k)).fold(f64::INFINITY, f64::min)
 }
 
-/// Largest ratio of stiffness to mass of an element that is free, 1/s²: the square of its highest frequency.
+/// Square of the highest angular frequency of a free element, 1/s²: the largest ratio of its stiffness to its lumped mass.
 pub(crate) fn highest_square(triangle: &Triangle, material: &crate::model::Material, plane: Plane) -> f64 {
     let moduli = Moduli::new(material, plane);
     let [a, b, c] = *triangle;
     let double = cross(minus(b, a), minus(c, a));
-    // ∇N of each corner; S = Σ ∇N ∇Nᵀ. With S diagonal, B Bᵀ is diag(s₁, s₂, s₁ + s₂), and D is the same in any axes.
+    // ∇N of each corner, and S = Σ ∇N ∇Nᵀ. In the axes in which S is diagonal, B Bᵀ is diag(s₁, s₂, s₁ + s₂). D is the same in all axes.
     let gradients = [minus(c, b), minus(a, c), minus(b, a)].map(|[x, y]| [-y / double, x / double]);
     let (mut xx, mut yy, mut xy) = (0.0, 0.0, 0.0);
     for [x, y] in gradients {
