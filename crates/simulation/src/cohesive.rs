@@ -1,28 +1,29 @@
-//! The law of a joint: what holds two elements together across a common edge, until it breaks.
+//! Traction-separation law of the joint between two elements.
 //!
-//! Combined single and smeared crack (book, ch. 7): elastic up to the strength, then softening by z(D) (7.12). Opening (mode I) unloads towards the origin;
-//! sliding (mode II) is plastic, with the strength of Mohr and Coulomb,
+//! Combined single and smeared crack model (book, ch. 7): elastic up to the strength, then softening by z(D) (7.12). Opening (mode I) unloads towards the
+//! origin. Sliding (mode II) is plastic, with the strength of Mohr and Coulomb,
 //!
 //! ```text
 //! σ ≤ z(D) f_t,    |τ| ≤ z(D) c + σₙ tan φ    (σₙ: compression),
 //! ```
-//! so that it peaks at c + σₙ tan φ and ends at σₙ tan φ. The damage D = `√(D_I² + D_II²)` is what has opened and slid beyond the elastic range over what dissipates
-//! the fracture energy. A joint does not break by compression, and one that is broken still presses and rubs.
+//! so that the shear traction peaks at c + σₙ tan φ and ends at σₙ tan φ. The damage is D = `√(D_I² + D_II²)`: opening and sliding beyond the elastic range,
+//! each over the value at which the fracture energy is dissipated. Compression does not break a joint, and a broken joint still transmits pressure and
+//! friction.
 
 use crate::model::{CriticalOpening, Strength};
 use crate::potential::length;
 
-/// Of the softening curve (7.12), from the experiments that the book fits.
+/// Parameters of the softening curve (7.12), which the book fits to experiments.
 const A: f64 = 0.63;
 const B: f64 = 1.8;
 
 /// ∫ z dD from 0 to 1.
 pub(crate) const AREA: f64 = 0.386_307_294_743_943;
 
-/// Critical opening and sliding of a joint without strength over its length.
+/// Critical opening and sliding of a joint without strength, over its length.
 const OPEN: f64 = 1e-6;
 
-/// Of the strength, what is left at damage `d`: 1 at 0, 0 at 1.
+/// Share of the strength that is left at damage `d`: 1 at 0, 0 at 1.
 pub(crate) fn softening(d: f64) -> f64 {
     // Most joints are whole.
     if d == 0.0 {
@@ -39,25 +40,25 @@ pub(crate) fn softening(d: f64) -> f64 {
     factor * (A * rest + B * sixth)
 }
 
-/// Of one joint.
+/// Parameters of one joint.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Law {
-    /// Pa/m.
+    /// Penalty stiffness, Pa/m.
     pub(crate) penalty: f64,
     pub(crate) tensile: f64,
     pub(crate) cohesion: f64,
-    /// Tangent of the angle.
+    /// Tangent of the friction angle.
     pub(crate) friction: f64,
-    /// Opening and sliding beyond the elastic ones at which nothing holds any more, m.
+    /// Opening and sliding beyond the elastic range at which the joint is broken, m.
     pub(crate) critical: [f64; 2],
 }
 
 impl Law {
-    /// `elastic`: the work up to the strength counts as dissipated, for joints that are there from the beginning. `None` if that alone is more than the
-    /// fracture energy. `length` of the joint, m.
+    /// `elastic`: the work up to the strength counts as dissipated, as for intrinsic joints. Returns `None` if this work alone exceeds the fracture energy.
+    /// `length`: length of the joint, m.
     ///
-    /// Where one of the two strengths is 0 there is no energy to take a critical length from: it is that of the other, and a small share of the length of
-    /// the joint where both are 0, which is an open joint with friction.
+    /// A strength of 0 gives no critical length, so the joint takes that of the other strength. If both strengths are 0, the joint is open, with friction only:
+    /// its critical length is a small share of its length.
     pub(crate) fn new(
         strength: &Strength,
         penalty: f64,
@@ -98,19 +99,19 @@ pub(crate) fn reaches(strength: &Strength, [normal, tangential]: [f64; 2]) -> bo
         || tangential.abs() >= strength.cohesion + strength.friction * (-normal).max(0.0)
 }
 
-/// What one end of a joint remembers.
+/// History of one end of a joint.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Memory {
-    /// Largest opening beyond the elastic one, and sliding beyond the elastic one, m.
+    /// Largest opening beyond the elastic range, and total sliding beyond it, m.
     pub(crate) beyond: [f64; 2],
     /// Plastic sliding, m.
     pub(crate) slip: f64,
-    /// Added to opening and sliding: what a joint that was put in under load would have had already, m.
+    /// Opening and sliding, m, that give the traction at insertion. They are added to the opening and sliding of the nodes.
     pub(crate) offset: [f64; 2],
 }
 
 impl Memory {
-    /// Of a joint put in where this traction acts: it begins with just that.
+    /// History of a joint that is inserted where this traction acts: the joint begins with this traction, limited by its strength.
     pub(crate) fn under(law: &Law, traction: [f64; 2]) -> Self {
         let limit = law.cohesion + law.friction * (-traction[0]).max(0.0);
         let traction = [traction[0].min(law.tensile), traction[1].clamp(-limit, limit)];
@@ -122,19 +123,19 @@ impl Memory {
         [self.beyond[0] / law.critical[0], self.beyond[1] / law.critical[1]]
     }
 
-    /// 0 whole, 1 broken.
+    /// Damage from 0 (whole) to 1 (broken).
     pub(crate) fn damage(&self, law: &Law) -> f64 {
         // Most joints are whole.
         if self.beyond == [0.0; 2] {
             return 0.0;
         }
         let [opening, sliding] = self.modes(law);
-        // A square root of a square rounds; pure modes are exact.
+        // Pure opening needs no square root.
         let damage = if sliding == 0.0 { opening } else { length([opening, sliding]) };
         damage.min(1.0)
     }
 
-    /// The traction, normal (tension positive) and tangential, at this opening and sliding, Pa. Remembers what gives way.
+    /// Normal (tension positive) and tangential traction at this opening and sliding, Pa. Updates the history.
     pub(crate) fn traction(&mut self, law: &Law, opening: f64, sliding: f64) -> [f64; 2] {
         let (opening, sliding) = (opening + self.offset[0], sliding + self.offset[1]);
         let elastic = law.penalty * opening;
@@ -179,7 +180,7 @@ mod tests {
         Law::new(&ROCK, 1e13, opening, elastic, 1.0).expect("the energies are enough")
     }
 
-    /// Work of a path of openings or slidings under a constant other component.
+    /// Work on a path of openings (`axis` 0) or slidings (`axis` 1), with the other component constant.
     fn work(law: &Law, memory: &mut Memory, axis: usize, path: impl Iterator<Item = f64>, other: f64) -> f64 {
         let (mut sum, mut last) = (0.0, None);
         for value in path {
@@ -239,7 +240,7 @@ mod tests {
         assert!((residual / (0.3 * pressure) - 1.0).abs() < 1e-9, "{residual}");
         let mut memory = Memory::default();
         let all = work(&law, &mut memory, 1, steps(0.0, 1e-4), closing);
-        // What friction took, and what is stored in the end, is not of the crack.
+        // The work of friction and the energy stored at the end do not belong to the crack.
         let friction = 0.3 * pressure * (1e-4 - 0.5 * residual / law.penalty);
         assert!(((all - friction) / ROCK.energy_ii - 1.0).abs() < 3e-3, "{}", all - friction);
     }
@@ -281,7 +282,7 @@ mod tests {
         assert!((shear - 0.3e7).abs() < 1e-6, "{shear}");
     }
 
-    /// Without tensile strength it still has its cohesion, and the other way round; what breaks one breaks both.
+    /// A joint without tensile strength still has its cohesion, and the other way round. Breaking in one mode breaks it in both.
     #[test]
     fn one_strength_may_be_zero() {
         let cohesive = Strength { tensile: 0.0, energy_i: 0.0, ..ROCK };

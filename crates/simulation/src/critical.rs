@@ -1,13 +1,14 @@
 //! The longest stable time step.
 //!
-//! Central differences are stable up to 2/ω, with ω the highest frequency of all that is elastic (book, (5.34)). A bound that holds for any mesh: with λ the square of the highest
-//! frequency of an element alone, a spring k between two nodes at most as stiff as 2 k on each,
+//! Central differences are stable up to a time step of 2/ω, with ω the highest angular frequency of the elastic system (book, (5.34)). The following bound
+//! holds for any mesh. λ is the square of the highest angular frequency of a free element, mₑ its mass at the node, and a spring k between two nodes is at most
+//! as stiff as 2 k on each:
 //!
 //! ```text
 //! ω² ≤ max over nodes of (Σ λ mₑ + 2 Σ k) / Σ mₑ
 //! ```
-//! over the elements and *all* springs at the node: joints, and contacts on every edge that is, or may become, free. A node is counted as small as it can get: all edges
-//! around it that may part have parted.
+//! The sums are over the elements and *all* springs at the node: for every edge that is, or may become, free, the stiffer of its joint and its contact. Each
+//! node is as small as it can become, as if all edges around it that can separate had separated.
 
 use crate::contacts;
 use crate::error::ModelError;
@@ -21,22 +22,22 @@ use crate::topology::{NONE, Topology};
 /// The longest stable time step, and what sets it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CriticalStep {
-    /// s.
+    /// Time step, s.
     pub step: f64,
-    /// At one of its corners.
+    /// An element at the node that sets the step.
     pub element: u32,
-    /// Which stiffness is the largest there.
+    /// Largest stiffness at this node.
     pub cause: Cause,
 }
 
-/// Of the stiffness of a node.
+/// Origin of the stiffness at a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cause {
-    /// Of elements.
+    /// Elements, and the ground beyond absorbing edges.
     Bulk,
-    /// Of joints.
+    /// Joints.
     Joint,
-    /// Of contacts.
+    /// Contacts.
     Contact,
 }
 
@@ -51,10 +52,10 @@ impl std::fmt::Display for Cause {
 }
 
 impl CriticalStep {
-    /// Of a model as it may become.
+    /// The critical time step of a model, with all joints and contacts that it may get.
     ///
     /// # Errors
-    /// What makes the model impossible to simulate.
+    /// An error that says why the model cannot be simulated.
     pub fn of(model: &Model) -> Result<Self, ModelError> {
         crate::checks::check(model)?;
         let topology = Topology::new(&model.mesh)?;
@@ -67,7 +68,7 @@ impl CriticalStep {
         let mut corners: Vec<Corner> = (0..mesh.triangles.len())
             .flat_map(|element| element_corners(model, topology, joints, element))
             .collect();
-        // Edges that are not outer ones are refused where loads are made.
+        // Absorbing edges that are not outer edges are refused when the loads are made.
         for (corner, stiffness) in Ground::new(model, topology).unwrap_or_default().springs() {
             corners[corner as usize].bulk += stiffness;
         }
@@ -102,13 +103,13 @@ impl CriticalStep {
         }
         let damping = model.materials.iter().map(|material| material.damping).fold(0.0, f64::max);
         let damping = damping.max(model.contact.damping);
-        // With a share ξ of critical damping, by velocities half a step old.
+        // Reduction for a share ξ of critical damping, with velocities that are half a step old.
         let factor = (1.0 + damping * damping).sqrt() - damping;
         Self { step: 2.0 / f64::sqrt(worst) * factor, element, cause }
     }
 }
 
-/// What a corner of an element adds to its node.
+/// Mass, kg, and stiffness, N/m, that a corner of an element adds to its node.
 #[derive(Clone, Copy, Default)]
 struct Corner {
     mass: f64,

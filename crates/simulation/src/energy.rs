@@ -39,8 +39,8 @@ impl Energies {
     /// Energy, J, with which an error of the balance is compared: the largest energy exchanged so far.
     ///
     /// The exchanged energy is the larger of two sums of magnitudes. The first has kinetic energy, changes of the stored energies, and dissipated energies. The
-    /// second has the work of loads, of gravity, and of boundaries that move or hold nodes. Terms of different signs do not cancel, the largest value never
-    /// falls, and energy that stays stored from beginning to end does not count.
+    /// second has the work of loads, of gravity, and of boundaries that move or hold nodes. Terms of different signs do not cancel, the scale never falls, and
+    /// energy that stays stored from beginning to end does not count.
     pub fn scale(&self) -> f64 {
         self.exchanged
     }

@@ -1,14 +1,15 @@
-//! Absorbing edges: the ground beyond them.
+//! The ground beyond absorbing edges.
 //!
-//! Three parts act at either end of an edge, per area:
+//! Three forces act on each end of an edge. Impedances and stiffnesses are per area.
 //!
-//! - Dashpots of the impedances, `ρ c_p` along the normal and `ρ c_s` along the edge: waves leave (Lysmer and Kuhlemeyer, 1969).
-//! - Springs, `G/R` along the normal and `G/(2 R)` along the edge, with `R` half of the longer side of the box around the body: the static stiffness of the ground, so that a weight or a load that
-//!   lasts is carried after a finite settlement (viscous-spring boundary; Deeks and Randolph, 1994; Liu, Du, Du, Wang and Wu, 2006). Waves shorter than `R` hardly see them.
-//! - The static force of the beginning, where there is an initial stress: what holds the nodes of these edges in equilibrium then, under stress, weight and loads. The ground goes on to carry
-//!   what it carried before; a body in equilibrium stays at rest.
+//! - Dashpots with the impedances `ρ c_p` along the normal and `ρ c_s` along the edge, so that waves leave (Lysmer and Kuhlemeyer, 1969).
+//! - Springs with the stiffnesses `G/R` along the normal and `G/(2 R)` along the edge, with `R` half of the longer side of the bounding box of the body. They
+//!   have the static stiffness of the ground, so that weight or a lasting load is carried after a finite settlement (viscous-spring boundary; Deeks and
+//!   Randolph, 1994; Liu, Du, Du, Wang and Wu, 2006). They hardly affect waves shorter than `R`.
+//! - Under initial stress, a constant static force. It holds the nodes of these edges in equilibrium at the beginning, under stress, weight and loads. The
+//!   ground goes on to carry what it carried before, so that a body in equilibrium stays at rest.
 //!
-//! Springs and static forces do work as loads do; what the dashpots take is dissipated.
+//! The work of springs and static forces counts as work of loads; the work of dashpots is dissipated.
 
 use crate::elastic::Moduli;
 use crate::error::ModelError;
@@ -30,25 +31,25 @@ struct Edge {
     boundary: u32,
     /// Corners of the element at both ends.
     corners: [u32; 2],
-    /// Half of the undeformed edge times the thickness, m²: the share of an end.
+    /// Half of the undeformed edge times the thickness, m²: the area of each end.
     area: f64,
-    /// Outward, undeformed.
+    /// Outward normal of the undeformed edge.
     normal: Point,
-    /// Along the normal and along the edge, Pa s/m.
+    /// Impedance along the normal and along the edge, Pa s/m.
     impedance: [f64; 2],
-    /// Along the normal and along the edge, Pa/m.
+    /// Stiffness along the normal and along the edge, Pa/m.
     stiffness: [f64; 2],
-    /// Static force from the beginning on both ends, N.
+    /// Static force on each end, N.
     held: [Point; 2],
 }
 
-/// What the ground does to a corner of an element.
+/// Forces of the ground on a corner of an element.
 pub(crate) struct Reaction {
     pub(crate) boundary: u32,
     pub(crate) corner: u32,
-    /// Springs and static force, N.
+    /// Force of springs, and static force, N.
     pub(crate) elastic: Point,
-    /// Dashpots, N.
+    /// Force of dashpots, N.
     pub(crate) viscous: Point,
 }
 
@@ -92,10 +93,11 @@ impl Ground {
         self.edges.is_empty()
     }
 
-    /// Sets the static forces to what holds the nodes of absorbing edges in equilibrium now, at the beginning. `others`: the force on a corner besides that of its element's initial stress.
+    /// Sets the static forces so that they hold the nodes of absorbing edges in equilibrium now, at the beginning. `others`: force on a corner besides that of
+    /// the initial stress of its element, N.
     pub(crate) fn support(&mut self, model: &Model, solid: &Solid, others: impl Fn(u32) -> Point) {
         let node_at = |corner: u32| solid.corners.node_at(corner) as usize;
-        // The edges at a node share its force by their lengths.
+        // Edges at the same node share its force in proportion to their lengths.
         let mut width = vec![0.0; solid.nodes.len()];
         for edge in &self.edges {
             for corner in edge.corners {
@@ -121,7 +123,7 @@ impl Ground {
         }
     }
 
-    /// What the ground does now.
+    /// Present forces of the ground.
     pub(crate) fn reactions<'a>(
         &'a self,
         solid: &'a Solid,
@@ -150,7 +152,7 @@ impl Ground {
         })
     }
 
-    /// Stiffness of the springs on corners of elements, N/m.
+    /// Stiffness of the springs on corners of elements, N/m, in the stiffer of the two directions.
     pub(crate) fn springs(&self) -> impl Iterator<Item = (u32, f64)> + '_ {
         self.edges.iter().flat_map(|edge| {
             edge.corners.map(|corner| (corner, edge.area * edge.stiffness[0].max(edge.stiffness[1])))
@@ -158,14 +160,14 @@ impl Ground {
     }
 }
 
-/// The traction that resists a vector by factors along a normal and across it.
+/// Traction against a displacement or velocity, with one factor along `normal` and one across it.
 fn against(vector: Point, normal: Point, [along, across]: [f64; 2]) -> Point {
     let tangent = [-normal[1], normal[0]];
     let (n, t) = (along * dot(vector, normal), across * dot(vector, tangent));
     std::array::from_fn(|axis| -n * normal[axis] - t * tangent[axis])
 }
 
-/// Half of the longer side of the box around each body, m.
+/// Half of the longer side of the bounding box of each body, m.
 fn radii(model: &Model) -> std::collections::BTreeMap<u32, f64> {
     let mesh = &model.mesh;
     let mut boxes = std::collections::BTreeMap::new();

@@ -1,4 +1,4 @@
-//! A run: the state of a model, and the step that moves it on.
+//! A run of a model: its state, and the time step that advances it.
 
 use std::time::{Duration, Instant};
 
@@ -21,19 +21,19 @@ use crate::solid::{Constants, Node, Solid};
 use crate::team::Team;
 use crate::topology::{NONE, Nodes, Topology};
 
-/// Steps between two looks at the balance of energy.
+/// Steps between two checks of the energy balance.
 const AUDIT: u64 = 100;
 
-/// Nodes faster than this many times the speed of waves of compression have run away.
+/// A run stops when a node is faster than this multiple of the highest wave speed √(E/ρ) of the materials.
 const RUNAWAY: f64 = 10.0;
 
-/// The energy balance is not judged while less energy has been exchanged than a uniform strain of this size stores.
+/// Energy errors are ignored while the exchanged energy is below that of a uniform strain of this size, plus [`NEGLIGIBLE_SHARE`] of the initial strain energy.
 const NEGLIGIBLE_STRAIN: f64 = 1e-8;
 
-/// Nor while less has been exchanged than this share of what the initial stress has stored: coordinates are rounded.
+/// Share of the initial strain energy that is added to this limit, because coordinates are rounded.
 const NEGLIGIBLE_SHARE: f64 = 1e-9;
 
-/// A model in motion.
+/// A run of a model.
 ///
 /// # Example
 /// ```
@@ -59,32 +59,32 @@ pub struct Simulation {
     team: Team,
     critical: CriticalStep,
     time_step: f64,
-    /// m/s.
+    /// Largest speed of a node at which the run continues, m/s.
     speed_limit: f64,
-    /// Exchanged energy below which the balance is not judged, J.
+    /// Exchanged energy below which the energy balance is not checked, J.
     negligible: f64,
     step: u64,
     totals: Totals,
-    /// At the beginning of the last step; without strain energy, initial energy and scale.
+    /// Energies at the beginning of the last step, J, without strain energy, initial energy and exchanged energy.
     energies: Energies,
-    /// Work of applied forces then, J: a part of `energies.external`.
+    /// Work of applied forces until then, J: a part of `energies.external`.
     loads_work: f64,
-    /// All energies of a state from which the run was resumed, until its first step.
+    /// All energies of the state from which the run was resumed; `None` after the first step.
     resumed: Option<Energies>,
-    /// On the bodies, by each boundary, at the beginning of the last step, N.
+    /// Force of each boundary on the bodies at the beginning of the last step, N.
     reactions: Vec<Point>,
-    /// On each node that a boundary moves, at the beginning of the last step, N.
+    /// Force on each node that a boundary moves, at the beginning of the last step, N.
     held: Vec<(u32, Point)>,
     touching: Touching,
     timings: Timings,
 }
 
-/// What adds up over a run.
+/// Sums over a run, J.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Totals {
     friction: f64,
     cohesive: f64,
-    /// The most that this has been.
+    /// Largest value of `cohesive` so far.
     most_cohesive: f64,
     damping: f64,
     external: f64,
@@ -92,11 +92,11 @@ struct Totals {
     loads: f64,
     /// Energies at the beginning, once the first step has found them.
     first: Option<Energies>,
-    /// The most energy exchanged at any audit.
+    /// Largest exchanged energy at any audit.
     exchanged: f64,
 }
 
-/// Everything about a run that its model does not say: enough to go on as if it had never stopped.
+/// State of a run, without its model. A run that is resumed from it continues as if it had never stopped.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct State {
     step: u64,
@@ -115,7 +115,7 @@ pub struct State {
 }
 
 impl State {
-    /// Steps done.
+    /// Number of steps done.
     pub fn step(&self) -> u64 {
         self.step
     }
@@ -128,7 +128,7 @@ pub struct Timings {
     pub bulk: Duration,
     /// Insertion of joints and their forces.
     pub joints: Duration,
-    /// Boxes and couples.
+    /// Detection of contacts: boxes and couples.
     pub detection: Duration,
     /// Forces of contacts.
     pub contact: Duration,
@@ -136,32 +136,32 @@ pub struct Timings {
     pub integration: Duration,
 }
 
-/// How many there are of what changes.
+/// Numbers of joints, contacts and nodes, which change during a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
-    /// Joints that hold, whole or softening.
+    /// Joints that hold, elastic or softening.
     pub joints: usize,
-    /// Joints that are broken.
+    /// Broken joints.
     pub broken: usize,
     /// Couples of elements that overlap.
     pub contacts: usize,
-    /// Times that couples were detected.
+    /// Number of detections of couples so far.
     pub detections: u64,
     /// Nodes.
     pub nodes: usize,
 }
 
 impl Simulation {
-    /// A run at its beginning, on so many threads; 0 is one for each processor. Results are the same for any number.
+    /// Creates a run on `threads` threads; 0 stands for one per processor. Results do not depend on the number of threads.
     ///
     /// # Errors
-    /// What makes the model impossible to simulate.
+    /// An error that says why the model cannot be simulated.
     pub fn new(model: Model, threads: usize) -> Result<Self, ModelError> {
         checks::check(&model)?;
         let topology = Topology::new(&model.mesh)?;
         let mut solid = Solid::new(&model);
         let mut joints = Joints::new(&model, &topology);
-        // All laws can be made: a run does not find out later that one cannot.
+        // Checks the laws of all edges now, so that none can fail during the run.
         for edge in 0..topology.edges.len() as u32 {
             joints.law(edge, &model, &topology)?;
         }
@@ -172,7 +172,7 @@ impl Simulation {
             solid.reserve_nodes(3 * model.mesh.triangles.len());
             joints.everywhere(&model, &topology)?;
         }
-        // Also elements that have no more than a vertex in common.
+        // This also separates elements that have only a vertex in common.
         for vertex in 0..topology.vertex_count() as u32 {
             joints.part(vertex, &mut solid, None, &model, &topology);
         }
@@ -224,7 +224,7 @@ impl Simulation {
         })
     }
 
-    /// One step: from positions at its beginning, and velocities half a step earlier, to positions at its end.
+    /// Advances one step: from positions at its beginning, and velocities half a step earlier, to positions at its end.
     fn step(&mut self) -> Result<(), Stop> {
         let Self { model, topology, solid, joints, contacts, seams, loads, team, totals, timings, .. } = self;
         let (step, time) = (self.time_step, self.step as f64 * self.time_step);
@@ -267,7 +267,7 @@ impl Simulation {
         contacts.note_motion(step * moved.fastest);
         totals.external += moved.external[0];
         totals.damping += moved.damping[0];
-        // The balance holds here, where the positions are: what the second half of the step does comes after it.
+        // The energy balance holds here, at the time of the positions. The work in the second half of the step is added after it.
         self.energies = Energies {
             kinetic: moved.kinetic,
             contact: touching.energy + pressing.energy,
@@ -288,7 +288,7 @@ impl Simulation {
         self.touching = touching;
         clock.read(&mut timings.integration);
 
-        // By the forces of this step, for the next one.
+        // Joints are inserted by the forces of this step and act from the next one.
         joints.insert(solid, contacts, model, topology, team);
         clock.read(&mut timings.joints);
 
@@ -301,7 +301,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// Checks the energy balance, every [`AUDIT`] steps.
+    /// Checks the energy balance every [`AUDIT`] steps.
     fn audit(&mut self) -> Result<(), Stop> {
         self.resumed = None;
         if self.totals.first.is_none() {
@@ -329,7 +329,7 @@ impl Simulation {
                 available,
             });
         }
-        // Joints that are there from the beginning store energy as the elements do, and give it back.
+        // Intrinsic joints store elastic energy and return it, as elements do.
         let returned = match self.model.fracture.insertion {
             Insertion::Adaptive => self.totals.most_cohesive - energies.cohesive,
             Insertion::Intrinsic => -energies.cohesive,
@@ -341,7 +341,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// The element that holds most energy for its mass.
+    /// The element with the most energy per mass.
     fn hottest(&self) -> u32 {
         let density = |number: usize| {
             let element = &self.solid.elements[number];
@@ -356,10 +356,10 @@ impl Simulation {
         (0..self.solid.elements.len()).max_by(|&a, &b| density(a).total_cmp(&density(b))).unwrap_or(0) as u32
     }
 
-    /// Goes on by so many steps.
+    /// Advances the run by `steps` steps.
     ///
     /// # Errors
-    /// Why the run cannot go on; it stands where that was found then.
+    /// The reason why the run cannot continue. The run stays at the step in which this was found.
     pub fn advance(&mut self, steps: u64) -> Result<(), Stop> {
         match self.team.pool() {
             Some(pool) => pool.install(|| (0..steps).try_for_each(|_| self.step())),
@@ -377,12 +377,12 @@ impl Simulation {
         self.step
     }
 
-    /// s.
+    /// Simulated time, s.
     pub fn time(&self) -> f64 {
         self.step as f64 * self.time_step
     }
 
-    /// s.
+    /// Time step, s.
     pub fn time_step(&self) -> f64 {
         self.time_step
     }
@@ -403,7 +403,7 @@ impl Simulation {
         Energies { initial: first.balance(), exchanged: exchanged.max(self.totals.exchanged), ..now }
     }
 
-    /// The sum of the magnitudes of the works of loads, of gravity, and of what moves or holds nodes, J.
+    /// Sum of the magnitudes of three works, J: of loads, of gravity, and of boundaries that move or hold nodes.
     fn work_done(&self) -> f64 {
         let factor = self.model.gravity_schedule.factor(self.time());
         let by_gravity = |range: std::ops::Range<usize>| {
@@ -422,12 +422,12 @@ impl Simulation {
         self.loads_work.abs() + gravity.abs() + held.abs()
     }
 
-    /// What a boundary did to the bodies at the beginning of the last step, N.
+    /// Force of a boundary on the bodies at the beginning of the last step, N; `None` if there is no such boundary.
     pub fn force(&self, boundary: usize) -> Option<[f64; 2]> {
         self.reactions.get(boundary).copied()
     }
 
-    /// How many joints, contacts and nodes there are.
+    /// Numbers of joints, contacts and nodes.
     pub fn counts(&self) -> Counts {
         Counts {
             joints: self.joints.all.len() - self.joints.broken(),
@@ -438,22 +438,23 @@ impl Simulation {
         }
     }
 
-    /// An element that another has penetrated to its centroid in the last step: its contact is too soft.
+    /// An element of a couple of which one reached the centroid of the other in the last step: the contact is too soft. `None` if there is no such couple.
     pub fn penetrated(&self) -> Option<u32> {
         self.touching.deep
     }
 
-    /// Where the time went.
+    /// Computing time so far, by parts of the steps.
     pub fn timings(&self) -> Timings {
         self.timings
     }
 
-    /// Threads at work.
+    /// Number of threads.
     pub fn threads(&self) -> usize {
         self.team.threads()
     }
 
-    /// Displacement and velocity of a node of the mesh; of the first of its nodes where it has come apart.
+    /// Displacement, m, and velocity, m/s, of a node of the mesh; those of the first of its nodes if the mesh has broken there. `None` if there is no such
+    /// node.
     pub fn node(&self, node: u32) -> Option<([f64; 2], [f64; 2])> {
         if node as usize >= self.topology.vertex_count() {
             return None;
@@ -462,7 +463,7 @@ impl Simulation {
         Some((self.solid.displacement(node, &self.model), self.solid.nodes[node].velocity))
     }
 
-    /// Lengths of broken joints, m: broken by opening, by sliding, by both.
+    /// Total lengths of joints that broke by opening, by sliding, and by both, m.
     pub fn crack_lengths(&self) -> [f64; 3] {
         let mut lengths = [0.0; 3];
         for (joint, broken) in self.joints.breaks() {
@@ -543,7 +544,7 @@ impl Simulation {
         }
     }
 
-    /// All that is needed to go on from here.
+    /// State from which the run can be resumed.
     pub fn state(&self) -> State {
         State {
             step: self.step,
@@ -562,10 +563,10 @@ impl Simulation {
         }
     }
 
-    /// Goes on from a state of a run of the same model.
+    /// Creates a run that continues from a state of a run of the same model.
     ///
     /// # Errors
-    /// What makes the model impossible to simulate; [`ModelError::Length`] or [`ModelError::Missing`] if the state is of another one.
+    /// An error that says why the model cannot be simulated; [`ModelError::Length`] or [`ModelError::Missing`] if the state belongs to another model.
     pub fn resume(model: Model, state: State, threads: usize) -> Result<Self, ModelError> {
         let mut run = Self::new(model, threads)?;
         let elements = run.solid.elements.len();
@@ -615,7 +616,7 @@ impl Simulation {
     }
 }
 
-/// By what the damage of a joint is, of shares of opening and sliding.
+/// Mode of failure of a joint from the shares of opening and sliding in its damage.
 fn mode(modes: [f64; 2]) -> Mode {
     let squares = modes.map(|share| share * share);
     let opening = squares[0] / (squares[0] + squares[1]).max(f64::MIN_POSITIVE);
@@ -628,7 +629,7 @@ fn mode(modes: [f64; 2]) -> Mode {
     }
 }
 
-/// Time since it was read last.
+/// Measures the time since its last reading.
 struct Clock(Instant);
 
 impl Clock {
@@ -648,7 +649,7 @@ mod tests {
     use super::*;
     use crate::model::{Material, Mesh};
 
-    /// Energies that cancel hide no motion out of nothing: dissipation below zero balances it, and still it could not have become kinetic.
+    /// Kinetic energy out of nothing is found although the balance holds: negative dissipation cancels it, but it exceeds the energy available.
     #[test]
     fn kinetic_energy_out_of_nothing_stops_a_run() {
         let mesh = Mesh {

@@ -11,7 +11,7 @@ use crate::topology::{NONE, Nodes};
 /// Motion of a node.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Node {
-    /// Relative to [`Solid::origin`], m.
+    /// Position relative to [`Solid::origin`], m.
     pub(crate) position: Point,
     /// Velocity half a step before the position, m/s.
     pub(crate) velocity: Point,
