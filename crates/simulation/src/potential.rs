@@ -1,42 +1,42 @@
 //! The distributed potential contact force of two triangles (book, 2.4 and 2.5).
 //!
-//! Each triangle carries a potential φ that is 1 at its centroid, 0 on its boundary and linear between (φ = 3 min λ, with λ the area coordinates). Two triangles A and B
-//! that overlap store the energy
+//! Each triangle carries a potential φ that is 1 at its centroid, 0 on its boundary and linear in between (φ = 3 min λ, with λ the area coordinates). Two
+//! triangles A and B that overlap store the energy
 //!
 //! ```text
 //! U = p ∫ (φ_A + φ_B) dA    over the overlap,
 //! ```
-//! and the forces are its exact gradient. With B as the target, the boundary of A inside B is pressed by `p φ_B` against its normal n (2.25); the nodes b of B take
-//! the reaction, shared by `λ_b`, and, because `φ_B` moves with them, `−U_B ∇λ_b` besides. That last part sums to zero; without it, bodies whose elements
-//! deform while they touch would gain or lose energy.
-//!
-//! All of it follows from φ along the edges of A alone, where it is linear between a few points. The integral over the overlap, too: with `w = 1 − φ`, the distance from
-//! the centroid c of B in parts of that to its boundary, the field `(x − c) h`, `h = 1/2 − w/3 + C/w²`, has the divergence φ for any C. With C = −1/6 it vanishes on the
-//! boundary of B, and what flows out of the edges of A, `h = −φ² (3 − 2 φ)/(6 w²)` without cancellation, is the integral; if c is in A, less a third of the area of B. Where an edge of A passes near
-//! c that is 0/0 nearly: there C = 0 serves, and the edges of B inside A, where h = 1/6, count too.
+//! and the forces are the exact gradient of this energy. With B as the target, a pressure `p φ_B` acts on the boundary of A inside B, against its normal n
+//! (2.25). The nodes b of B take the reaction in the shares `λ_b`. They also take the forces `−U_B ∇λ_b`, because `φ_B` moves with them. These forces sum to
+//! zero, but without them, bodies whose elements deform while they touch would gain or lose energy.
+//! Everything follows from φ along the edges of A alone, where φ is linear between a few points. This includes the integral over the overlap. Let c be the
+//! centroid of B, and let `w = 1 − φ` be the distance from c over the distance of the boundary of B in the same direction. The field `(x − c) h` with
+//! `h = 1/2 − w/3 + C/w²` has the divergence φ for any C. With C = −1/6 the field vanishes on the boundary of B, and its flux out of the edges of A is the
+//! integral, less a third of the area of B if c is in A. Without cancellation, `h = −φ² (3 − 2 φ)/(6 w²)` there. Near c the flux is nearly 0/0. If an edge of A
+//! passes near c, C = 0 is used instead, and the flux out of the edges of B inside A, where h = 1/6, is added.
 
-/// A point or vector of the plane.
+/// A point or vector in the plane.
 pub(crate) type Point = [f64; 2];
-/// Corners, counter-clockwise.
+/// Corners of a triangle, counter-clockwise.
 pub(crate) type Triangle = [Point; 3];
 
-/// Nearer to the centroid than this, in parts of the distance of the boundary, an edge passes near it.
+/// An edge passes near the centroid if its smallest w is below this.
 const NEAR: f64 = 0.1;
 
-/// What two triangles do to each other, for a penalty of 1 and a thickness of 1.
+/// Forces and energy of two triangles that overlap, for a penalty of 1 and a thickness of 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Interaction {
-    /// On the corners of the first and of the second.
+    /// Forces on the corners of the first and of the second triangle.
     pub(crate) forces: [[Point; 3]; 2],
     /// The integral of the potentials over the overlap.
     pub(crate) energy: f64,
     /// The point where the force acts: the mean of the boundary in contact, weighted by its pressure.
     pub(crate) point: Point,
-    /// The first reaches the centroid of the second or the reverse: the potential does not grow any deeper.
+    /// Whether one triangle reaches the centroid of the other: the potential does not grow with further penetration.
     pub(crate) deep: bool,
 }
 
-/// The forces on the corners of `a` and `b`. If they do not overlap, a distance that they are apart at least.
+/// Computes the interaction of two triangles. If they do not overlap, returns a lower bound of their distance.
 pub(crate) fn interaction(a: &Triangle, b: &Triangle) -> Result<Interaction, f64> {
     let coordinates = [Coordinates::of(a), Coordinates::of(b)];
     let in_b = a.map(|corner| coordinates[1].at(corner));
@@ -49,12 +49,12 @@ pub(crate) fn interaction(a: &Triangle, b: &Triangle) -> Result<Interaction, f64
     let mut sum = Sum::default();
     press(a, b, &coordinates[1], [&chords[0], &chords[1]], [first, second], &mut sum);
     press(b, a, &coordinates[0], [&chords[1], &chords[0]], [second, first], &mut sum);
-    // Triangles that touch in a point or along a line.
+    // The triangles touch only in a point or along a line.
     if sum.energy <= 0.0 {
         return Err(0.0);
     }
     result.energy = sum.energy;
-    // Without a resultant there is no friction, wherever it would act.
+    // Without pressure there is no friction, so any point will do.
     result.point = if sum.weight > 0.0 { sum.moment.map(|x| x / sum.weight) } else { a[0] };
     result.deep = sum.deep;
     Ok(result)
@@ -68,7 +68,8 @@ struct Sum {
     deep: bool,
 }
 
-/// Adds what the potential of `target` does to the boundary of `contactor`, and the reaction. `chords`: of the edges of the contactor in the target, and the reverse.
+/// Adds the forces of the potential of `target` on the boundary of `contactor`, and their reaction. `chords`: those of the edges of the contactor in the
+/// target, and the reverse.
 fn press(
     contactor: &Triangle,
     target: &Triangle,
@@ -85,7 +86,7 @@ fn press(
     for (k, chord) in chords[0].iter().enumerate() {
         let next = (k + 1) % 3;
         let along = minus(contactor[next], contactor[k]);
-        // As long as the edge.
+        // The normal has the length of the edge.
         let normal = [along[1], -along[0]];
         let beyond = dot(minus(contactor[k], centroid), normal);
         inside &= beyond >= 0.0;
@@ -149,14 +150,14 @@ impl Coordinates {
         [1.0 - one - two, one, two]
     }
 
-    /// `Err` if corners with these coordinates are all beyond one of the edges, or on it: how far at least.
+    /// Returns `Err` if corners with these coordinates are all on or beyond one of the edges; the value is a lower bound of their distance.
     #[inline]
     fn beyond(&self, corners: &[[f64; 3]; 3]) -> Result<(), f64> {
         let mut distance = None;
         for k in 0..3 {
             let most = corners[0][k].max(corners[1][k]).max(corners[2][k]);
             if most <= 0.0 {
-                // The gradient is one over the height.
+                // The length of the gradient is one over the height.
                 let beyond = -most / length(self.gradients[k]);
                 distance = Some(distance.map_or(beyond, |other: f64| other.max(beyond)));
             }
@@ -165,10 +166,10 @@ impl Coordinates {
     }
 }
 
-/// The part of an edge in another triangle, with integrals along the edge, whose length is 1.
+/// The part of an edge that lies in another triangle, with integrals over this part. The length of the edge counts as 1.
 #[derive(Clone, Copy, Default)]
 struct Chord {
-    /// Of the edge.
+    /// Length of the part.
     long: f64,
     /// ∫ φ (1 − s) and ∫ φ s.
     at_start: f64,
@@ -176,17 +177,17 @@ struct Chord {
     /// ∫ h with C = −1/6, and with C = 0.
     outside: f64,
     near: f64,
-    /// The least w.
+    /// Smallest w on the part.
     least: f64,
 }
 
-/// Of the three edges of a triangle whose corners have these coordinates in the other.
+/// Chords of the three edges of a triangle whose corners have these area coordinates in the other triangle.
 #[inline]
 fn chords(corners: &[[f64; 3]; 3]) -> [Chord; 3] {
     [0, 1, 2].map(|k| chord(&corners[k], &corners[(k + 1) % 3]))
 }
 
-/// Of an edge, by the coordinates of its ends.
+/// Chord of an edge whose ends have these area coordinates in the other triangle.
 #[inline]
 fn chord(start: &[f64; 3], end: &[f64; 3]) -> Chord {
     let (mut from, mut to) = (0.0_f64, 1.0_f64);
@@ -204,7 +205,7 @@ fn chord(start: &[f64; 3], end: &[f64; 3]) -> Chord {
     if from >= to {
         return Chord::default();
     }
-    // Ends of the pieces on which one coordinate is the least: there two are equal.
+    // Ends of the pieces on which one coordinate is the smallest: two coordinates are equal there.
     let (mut cuts, mut count) = ([from, to, to, to, to], 1);
     for (k, l) in [(0, 1), (1, 2), (2, 0)] {
         let (x, y) = (start[k] - start[l], end[k] - end[l]);
@@ -233,7 +234,7 @@ fn chord(start: &[f64; 3], end: &[f64; 3]) -> Chord {
         let (v, w) = (1.0 - a, 1.0 - b);
         chord.at_start += long / 6.0 * (a * (3.0 - 2.0 * s - t) + b * (3.0 - s - 2.0 * t));
         chord.at_end += long / 6.0 * (a * (2.0 * s + t) + b * (s + 2.0 * t));
-        // Of -φ² (3 - 2 φ)/(6 w²), φ from a to b.
+        // Integral of -φ² (3 - 2 φ)/(6 w²), with φ from a to b.
         chord.outside -= long * (a * a + a * b + b * b - a * b * (a + b)) / (6.0 * v * w);
         chord.near += long * (0.5 - (v + w) / 6.0);
         chord.least = chord.least.min(v).min(w);
@@ -252,7 +253,7 @@ pub(crate) fn dot(a: Point, b: Point) -> f64 {
     a[0] * b[0] + a[1] * b[1]
 }
 
-/// By a square root, which is the same on every platform, unlike `hypot`.
+/// Length of a vector, by a square root: it is the same on every platform, unlike `hypot`.
 #[inline]
 pub(crate) fn length(a: Point) -> f64 {
     dot(a, a).sqrt()
@@ -278,7 +279,7 @@ pub(crate) fn area_coordinates(triangle: &Triangle, point: Point) -> [f64; 3] {
 mod tests {
     use super::*;
 
-    /// Pairs of triangles that overlap in many ways, from a fixed sequence.
+    /// Pairs of triangles that overlap in many ways, from a fixed pseudo-random sequence.
     fn pairs() -> impl Iterator<Item = (Triangle, Triangle)> {
         let mut state = 12345_u64;
         let mut random = move || {
@@ -327,7 +328,7 @@ mod tests {
         assert!(overlapping > 1000, "{overlapping}");
     }
 
-    /// The integral of the potential of `target` over what `contactor` covers of it, by many small triangles.
+    /// Integral of the potential of `target` over the part that `contactor` covers, summed over many small triangles.
     fn summed(contactor: &Triangle, target: &Triangle) -> f64 {
         let (n, mut sum) = (120_u32, 0.0);
         let coordinates = Coordinates::of(contactor);
@@ -361,7 +362,7 @@ mod tests {
         assert!(deep > 30, "{deep}");
     }
 
-    /// Where both forms of the integral are good they agree; where an edge goes through the centroid, the one that is used is continuous.
+    /// Both forms of the integral agree where both are accurate. The form for edges near the centroid is continuous where an edge goes through the centroid.
     #[test]
     fn an_edge_through_the_centroid_is_as_one_that_passes_near() {
         let target = [[0.0, 0.0], [3.0, 0.0], [0.0, 3.0]];
@@ -374,7 +375,7 @@ mod tests {
                 assert!((passing - through).abs() < 3.0 * shift + 1e-14, "{shift}: {passing} {through}");
             }
         }
-        // Across the limit between the two forms, where w along the edge is 0.1 at least.
+        // On both sides of the limit between the two forms, where the smallest w on the edge is 0.1.
         let (one, other) = (energy(0.9 - 1e-9), energy(0.9 + 1e-9));
         assert!((one - other).abs() < 1e-8, "{one} {other}");
     }
@@ -404,14 +405,14 @@ mod tests {
 
     #[test]
     fn an_edge_pressed_flat_into_an_edge() {
-        // A square's lower triangle dips by d into the edge of another: pressure 3 d/H on most of the edge.
+        // A triangle dips by d into the edge of another: the pressure is 3 d/H on most of the edge.
         let d = 1e-6;
         let below = [[0.0, 0.0], [1.0, 0.0], [0.5, 1.0]].map(|[x, y]: Point| [x, -y]);
         let below = [below[0], below[2], below[1]];
         let above = [[0.0, -d], [1.0, -d], [0.5, 1.0 - d]];
         let found = interaction(&above, &below).unwrap_or_default();
         let up = found.forces[0].iter().map(|f| f[1]).sum::<f64>();
-        // Both potentials press, each with 3 d on a length of 1.
+        // Both potentials press, each with 3 d over a length of 1.
         assert!((up / (6.0 * d) - 1.0).abs() < 1e-4, "{up}");
         assert!((found.point[0] - 0.5).abs() < 1e-9 && !found.deep);
         assert!((found.energy / (3.0 * d * d) - 1.0).abs() < 1e-4);

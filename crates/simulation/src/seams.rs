@@ -1,21 +1,23 @@
 //! Contacts of surfaces that touch at the beginning under initial stress.
 //!
-//! The potentials of contacts (`potential.rs`) begin unloaded where two surfaces just touch. A *seam* carries what the initial stress needs there: on the part that two outer edges have in common, at two
-//! points (Gauss), it presses with the normal traction `p₀` and holds with the tangential traction `τ₀` of the stress of the two elements (their mean, if these differ). Equal edges or not: linear
-//! tractions give each node exactly the force that balances a uniform stress, so that bodies under matching stress stay at rest.
+//! The potentials of contacts (`potential.rs`) are zero where two surfaces just touch. A *seam* carries the initial stress across such surfaces. It acts at two
+//! Gauss points on the common part of two outer edges, with the normal traction `p₀` and the tangential traction `τ₀` of the stress of the two elements (the
+//! mean stress if the two differ). The edges need not match: two Gauss points integrate the linear shape functions exactly, so that each node gets exactly the
+//! force that balances a uniform stress. Bodies under matching stress stay at rest.
 //!
-//! With the opening `g` and the stiffness `k` of the contact potential of the two elements, a seam stores, per area,
+//! Let `g` be the opening and `k` the stiffness of the contact potential of the two elements. A seam stores, per area,
 //!
 //! ```text
 //! ψ = p₀²/(2 k) - p₀ g    g ≤ 0,        p = -∂ψ/∂g = p₀
 //! ψ = (p₀ - k g)²/(2 k)   0 < g < p₀/k  p = p₀ - k g
 //! ψ = 0                   p₀/k ≤ g      p = 0
 //! ```
-//! Bodies that approach meet the contact potential on top of `p₀`; where they part, the traction falls as that of a contact does, as if they had begun with an overlap of `p₀/k`. Forces are the
-//! exact gradient of `ψ`, also as the edges turn: neither energy nor angular momentum is lost. Tangential traction is Coulomb's, `|τ| ≤ µ p`, with a spring before it slips, as in contacts.
+//! When bodies approach, the contact potential acts in addition to `p₀`. When they separate, the traction falls as in a contact that began with an overlap of
+//! `p₀/k`. Forces are the exact gradient of `ψ`, including the rotation of the edges, so that energy and angular momentum are conserved. The tangential
+//! traction follows Coulomb's law, `|τ| ≤ µ p`, with a spring before it slips, as in contacts.
 //!
-//! A seam joins two points of the surfaces. As these move apart, by a tenth to three tenths of the shorter edge, it hands over to the contact potential: its share fades, and what that share had stored
-//! counts as dissipated by friction. It does not come back.
+//! A seam joins two points of the surfaces. As their distance grows from 0.1 to 0.3 of the shorter edge, the seam fades and hands over to the contact
+//! potential. The energy that the faded share had stored counts as dissipated by friction. The faded share does not come back.
 
 use fdem_contact::{Couple as Pair, Detector, Elements as Boxes, Engine, Search};
 use serde::{Deserialize, Serialize};
@@ -28,75 +30,75 @@ use crate::solid::{Solid, height, triangle_of};
 use crate::team::Team;
 use crate::topology::{NONE, Topology, follower};
 
-/// Edges that are nearer than this share of the shorter one touch.
+/// Edges touch if they are nearer than this share of the shorter edge.
 const TOUCH: f64 = 1e-6;
 
-/// Common parts of edges that are shorter than this share of the shorter edge come from rounding.
+/// Common parts of edges that are shorter than this share of the shorter edge are attributed to rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// Tractions on the two sides of a surface differ if they differ by more than this share.
+/// The tractions on the two sides of a surface count as different if their difference exceeds this share of their mean.
 const UNLIKE: f64 = 0.05;
 
-/// Distance of the two points of a seam, over the shorter edge, at which it begins to fade, and at which it is gone.
+/// Distance of the two points of a seam, over the shorter edge, at which the seam begins to fade, and at which it has faded completely.
 const FADE: [f64; 2] = [0.1, 0.3];
 
-/// Tangential stiffness over normal stiffness is at most this: the critical time step counts as much.
+/// Upper limit of tangential over normal stiffness: the critical time step allows for this much.
 const TANGENTIAL: f64 = 0.5;
 
-/// Surfaces that touch at the beginning, and what the initial stress asks of them: to check a model before a run.
+/// Surfaces that touch at the beginning under initial stress, and the problems found there. Checks a model before a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct InitialContacts {
     /// Length of the surfaces that carry initial stress, m.
     pub length: f64,
-    /// Elements across which the initial stress pulls: a contact does not hold it.
+    /// First two elements between which the initial stress is tensile: a contact cannot carry tension.
     pub pulled: Option<[u32; 2]>,
-    /// Elements between which the initial shear is more than friction holds: they slip at once.
+    /// First two elements between which the initial shear exceeds friction: they slip at once.
     pub slipping: Option<[u32; 2]>,
-    /// Elements with different initial tractions on their common surface, which begins with the mean: they are not in equilibrium.
+    /// First two elements with different initial tractions on their common surface. The surface begins with the mean, so that they are not in equilibrium.
     pub unlike: Option<[u32; 2]>,
 }
 
 impl InitialContacts {
-    /// Those of a model; none without initial stress.
+    /// Initial contacts of a model; none without initial stress.
     ///
     /// # Errors
-    /// What makes the model impossible to simulate.
+    /// An error that says why the model cannot be simulated.
     pub fn of(model: &Model) -> Result<Self, ModelError> {
         crate::checks::check(model)?;
         Ok(Seams::new(model, &Topology::new(&model.mesh)?, &Solid::new(model))?.found)
     }
 }
 
-/// A point of a seam: what does not change.
+/// Constants of a point of a seam.
 #[derive(Clone, Copy, Debug)]
 struct Place {
     /// Corners of both edges, each in the direction of its element.
     corners: [[u32; 2]; 2],
-    /// Shares of these corners in the point.
+    /// Weights of these corners at the point.
     shares: [[f64; 2]; 2],
-    /// m².
+    /// Area that the point stands for, m².
     area: f64,
-    /// The shorter edge, m.
+    /// Length of the shorter edge, m.
     reach: f64,
-    /// Opening and sliding at the beginning, m: rounding of the mesh.
+    /// Opening and sliding at the beginning, m, by rounding of the mesh.
     gap: [f64; 2],
-    /// `p₀`, Pa.
+    /// Initial normal traction `p₀`, Pa.
     pressure: f64,
-    /// Normal and tangential, Pa/m.
+    /// Normal and tangential stiffness, Pa/m.
     stiffness: [f64; 2],
     /// Coefficient of friction.
     friction: f64,
 }
 
-/// A point of a seam: what changes.
+/// State of a point of a seam.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Hold {
     /// Sliding, and sliding at which the tangential spring is relaxed, m.
     sliding: f64,
     slip: f64,
-    /// Tangential traction that acts, Pa.
+    /// Present tangential traction, Pa.
     traction: f64,
-    /// Share that has been left to contact.
+    /// Share that has been handed over to contact, 0 to 1.
     faded: f64,
 }
 
@@ -105,17 +107,17 @@ pub(crate) struct Hold {
 pub(crate) struct Seams {
     places: Vec<Place>,
     holds: Vec<Hold>,
-    /// On the corners of both edges, in the last step.
+    /// Forces on the corners of both edges in the last step, N.
     forces: Vec<[[Point; 2]; 2]>,
     found: InitialContacts,
 }
 
-/// Energy and work of all seams.
+/// Energy and work of seams, J.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Pressing {
-    /// Stored in the potential.
+    /// Energy stored in the potential.
     pub(crate) energy: f64,
-    /// Work against friction, and energy of shares that have faded, since the last pass.
+    /// Work against friction, and energy of the shares that have faded, since the last pass.
     pub(crate) friction: f64,
 }
 
@@ -142,7 +144,7 @@ impl Seams {
         let reach = lengths[0].min(lengths[1]);
         let tangent = minus(ends[0][1], ends[0][0]).map(|x| x / lengths[0]);
         let normal = [tangent[1], -tangent[0]];
-        // The other edge runs the other way, on the line of the first.
+        // The other edge runs in the opposite direction on the line of the first.
         let from = ends[1].map(|end| minus(end, ends[0][0]));
         let [start, end] = from.map(|from| dot(from, tangent));
         let off = from.map(|from| dot(from, normal).abs()).into_iter().fold(0.0, f64::max);
@@ -175,7 +177,7 @@ impl Seams {
         let tangential = model.contact.tangential_stiffness.min(TANGENTIAL) * stiffness;
         let limit = friction * pressure;
         let held = if tangential > 0.0 { shear.clamp(-limit, limit) } else { 0.0 };
-        // A component that vanishes may be left of rounding.
+        // Smaller differences come from rounding.
         if (held - shear).abs() > ROUNDING * pressure {
             self.found.slipping.get_or_insert(elements);
         }
@@ -202,7 +204,7 @@ impl Seams {
         }
     }
 
-    /// What tangential springs have stored at the beginning, J.
+    /// Energy that tangential springs have stored at the beginning, J.
     pub(crate) fn stored(&self) -> f64 {
         let stored = |(place, hold): (&Place, &Hold)| {
             if hold.traction == 0.0 {
@@ -213,7 +215,7 @@ impl Seams {
         self.places.iter().zip(&self.holds).map(stored).sum()
     }
 
-    /// The force on each corner at the beginning; empty without seams.
+    /// Force on each corner at the beginning, N; empty without seams.
     pub(crate) fn initial_forces(&self, solid: &Solid) -> Vec<Point> {
         if self.places.is_empty() {
             return Vec::new();
@@ -262,7 +264,7 @@ impl Seams {
         self.holds.clone()
     }
 
-    /// Seams as they were saved.
+    /// Restores the saved seams.
     pub(crate) fn restore(&mut self, saved: Vec<Hold>) -> Result<(), ModelError> {
         let (found, expected) = (saved.len(), self.holds.len());
         if found != expected {
@@ -273,15 +275,15 @@ impl Seams {
     }
 }
 
-/// Where the two points of a seam are. The frame is that of the first edge.
+/// Positions of the two points of a seam, in the frame of the first edge.
 struct Frame {
     tangent: Point,
     normal: Point,
-    /// Length of the first edge.
+    /// Length of the first edge, m.
     long: f64,
     /// From the point on the first edge to that on the second.
     apart: Point,
-    /// The same along the normal and along the tangent.
+    /// `apart` along the normal and along the tangent.
     gap: [f64; 2],
 }
 
@@ -300,7 +302,7 @@ impl Place {
         Frame { tangent, normal, long, apart, gap: [dot(apart, normal), dot(apart, tangent)] }
     }
 
-    /// Normal traction and potential per area at an opening.
+    /// Normal traction, Pa, and potential energy per area, J/m², at an opening.
     #[inline]
     fn potential(&self, opening: f64) -> [f64; 2] {
         let (most, stiffness) = (self.pressure, self.stiffness[0]);
@@ -311,7 +313,8 @@ impl Place {
         [pressure, 0.5 * pressure * pressure / stiffness]
     }
 
-    /// Forces on the corners of both edges by normal and tangential traction: the gradient of opening and sliding, which turn with the first edge.
+    /// Forces on the corners of both edges from the normal and the tangential traction. They follow from the gradients of opening and sliding, which turn with
+    /// the first edge.
     #[inline]
     fn forces(&self, frame: &Frame, pressure: f64, traction: f64) -> [[Point; 2]; 2] {
         let Frame { tangent, normal, long, gap, .. } = frame;
@@ -328,7 +331,7 @@ impl Place {
         forces
     }
 
-    /// Forces of a point now, its energy, and the work against friction since the last pass.
+    /// Updates a point. Returns its forces, and its energy and the work against friction since the last pass.
     #[inline]
     fn press(&self, hold: &mut Hold, ends: [[Point; 2]; 2]) -> ([[Point; 2]; 2], Pressing) {
         if hold.faded >= 1.0 {
@@ -357,7 +360,7 @@ impl Place {
         (self.forces(&frame, weight * pressure, traction), pressing)
     }
 
-    /// Has forces added to the corners on which they act.
+    /// Calls `add` with each corner and the force on it.
     #[inline]
     fn add(&self, forces: [[Point; 2]; 2], mut add: impl FnMut(u32, Point)) {
         for (corners, forces) in self.corners.into_iter().zip(forces) {
@@ -368,7 +371,7 @@ impl Place {
     }
 }
 
-/// Pairs of edges whose boxes touch, ascending. Edges are numbers of corners.
+/// Pairs of edges whose boxes touch, ascending. Each edge is given by the number of its first corner.
 fn near(edges: &[u32], ends: impl Fn(u32) -> [Point; 2]) -> Result<Vec<[u32; 2]>, ModelError> {
     let [mut min, mut max] = [Vec::with_capacity(edges.len()), Vec::with_capacity(edges.len())];
     let mut shortest = f64::INFINITY;
@@ -418,7 +421,7 @@ mod tests {
             let forces = place.forces(&frame, place.potential(frame.gap[0])[0], 0.0);
             let energy = |ends| place.area * place.potential(place.frame(ends).gap[0])[1];
             check(forces, ends, energy);
-            // The work against a constant tangential traction.
+            // Work against a constant tangential traction.
             let forces = place.forces(&frame, 0.0, 1.5);
             check(forces, ends, |ends| place.area * 1.5 * place.frame(ends).gap[1]);
             let torque: f64 = (0..4).map(|k| cross(ends[k / 2][k % 2], forces[k / 2][k % 2])).sum();
@@ -426,7 +429,7 @@ mod tests {
         }
     }
 
-    /// The second edge moved along the normal until the opening is this.
+    /// Moves the second edge along the normal until the gap is `opening`.
     fn shifted(place: &Place, mut ends: [[Point; 2]; 2], opening: f64) -> [[Point; 2]; 2] {
         let frame = place.frame(ends);
         for end in &mut ends[1] {
@@ -450,7 +453,7 @@ mod tests {
         }
     }
 
-    /// What slides far leaves the seam; the energy that it had stored is dissipated, no more and no less.
+    /// A seam that slides far fades completely. Work and stored energy are dissipated exactly.
     #[test]
     fn what_slides_away_is_accounted_for() {
         let (place, ends) = place();
