@@ -2,9 +2,12 @@
 //!
 //! Munjiza's stress (book, (4.178)-(4.184)) splits the strain into a change of shape and a change of area, each with its modulus. It does not follow from an
 //! energy, so that a cycle of large strains gains or loses energy. Here both parts follow from an energy per undeformed area,
+//!
+//! ```text
 //! W = G/2 (I₁/J − 2) + K/2 (J − 1)²,    I₁ = F:F,  J = det F,
 //! ```
 //! whose stress `P = ∂W/∂F` equals his to first order in the strain and vanishes under any rotation.
+//!
 //! An element under initial stress `S` (second Piola-Kirchhoff) has the energy
 //!
 //! ```text

@@ -9,6 +9,7 @@
 //! and the forces are the exact gradient of this energy. With B as the target, a pressure `p φ_B` acts on the boundary of A inside B, against its normal n
 //! (2.25). The nodes b of B take the reaction in the shares `λ_b`. They also take the forces `−U_B ∇λ_b`, because `φ_B` moves with them. These forces sum to
 //! zero, but without them, bodies whose elements deform while they touch would gain or lose energy.
+//!
 //! Everything follows from φ along the edges of A alone, where φ is linear between a few points. This includes the integral over the overlap. Let c be the
 //! centroid of B, and let `w = 1 − φ` be the distance from c over the distance of the boundary of B in the same direction. The field `(x − c) h` with
 //! `h = 1/2 − w/3 + C/w²` has the divergence φ for any C. With C = −1/6 the field vanishes on the boundary of B, and its flux out of the edges of A is the
