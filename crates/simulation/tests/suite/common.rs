@@ -28,7 +28,7 @@ pub(crate) fn rock() -> Strength {
     }
 }
 
-/// A rectangle of `nx` by `ny` cells, each of two triangles whose common edge alternates.
+/// A rectangle of `nx` by `ny` cells, each split into two triangles along alternating diagonals.
 pub(crate) fn rectangle(min: [f64; 2], max: [f64; 2], nx: usize, ny: usize) -> Mesh {
     let node = |i: usize, j: usize| (j * (nx + 1) + i) as u32;
     let along = |axis: usize, k: usize, n: usize| min[axis] + (max[axis] - min[axis]) * k as f64 / n as f64;
@@ -48,7 +48,7 @@ pub(crate) fn rectangle(min: [f64; 2], max: [f64; 2], nx: usize, ny: usize) -> M
     Mesh { nodes, triangles, bodies: vec![0; count], materials: vec![0; count] }
 }
 
-/// Several meshes as bodies of one.
+/// One mesh of several, each as a body of its own.
 pub(crate) fn together(parts: &[Mesh]) -> Mesh {
     let mut all = Mesh::default();
     for (body, part) in parts.iter().enumerate() {
@@ -61,14 +61,14 @@ pub(crate) fn together(parts: &[Mesh]) -> Mesh {
     all
 }
 
-/// Moved by `shift` after a turn about the origin.
+/// The mesh turned about the origin and then moved by `shift`.
 pub(crate) fn turned(mesh: &Mesh, angle: f64, shift: [f64; 2]) -> Mesh {
     let (sin, cos) = angle.sin_cos();
     let turn = |[x, y]: [f64; 2]| [cos * x - sin * y + shift[0], sin * x + cos * y + shift[1]];
     Mesh { nodes: mesh.nodes.iter().map(|&node| turn(node)).collect(), ..mesh.clone() }
 }
 
-/// Numbers of the nodes where `at` holds.
+/// Numbers of the nodes at whose positions `at` is true.
 pub(crate) fn nodes_where(mesh: &Mesh, at: impl Fn([f64; 2]) -> bool) -> Vec<u32> {
     (0..mesh.nodes.len() as u32).filter(|&node| at(mesh.nodes[node as usize])).collect()
 }

@@ -7,7 +7,8 @@ fn triangle(at: [[f64; 2]; 3]) -> Mesh {
     Mesh { nodes: at.to_vec(), triangles: vec![[0, 1, 2]], bodies: vec![0], materials: vec![0] }
 }
 
-/// Runs two bodies, the second with `velocity`, until they have met and separated. Returns the kinetic energies before and after, the strain energy after, and both momenta.
+/// Runs two bodies, the second with `velocity`, until they have met and separated. Returns the kinetic energies before and after, the strain energy after, and
+/// the momenta before and after.
 fn collide(
     first: &Mesh,
     second: &Mesh,
@@ -16,7 +17,7 @@ fn collide(
 ) -> ([f64; 2], f64, [[f64; 3]; 2]) {
     let mesh = together(&[first.clone(), second.clone()]);
     let velocities = [vec![[0.0; 2]; first.nodes.len()], vec![velocity; second.nodes.len()]].concat();
-    // An impact of two triangles lasts a few critical steps only.
+    // An impact of two triangles lasts only a few critical steps.
     let time = TimeOptions { safety: 0.05, ..TimeOptions::default() };
     let model = Model { mesh, velocities, materials: vec![material], time, ..Model::default() };
     let mut run = Simulation::new(model, 1).expect("a model");
@@ -70,7 +71,7 @@ fn two_bars_part_after_the_wave_has_been_there_and_back() {
     let (length, speed) = (0.5, f64::sqrt(50e9 / 2700.0));
     let left = rectangle([0.0, 0.0], [length, 0.02], 100, 4);
     let right = rectangle([length, 0.0], [2.0 * length, 0.02], 100, 4);
-    // The bars approach each other with 10 m/s, symmetrically.
+    // The bars approach each other symmetrically at 10 m/s.
     let mesh = together(&[left.clone(), turned(&right, 0.0, [1e-7, 0.0])]);
     let velocities = [vec![[5.0, 0.0]; left.nodes.len()], vec![[-5.0, 0.0]; right.nodes.len()]].concat();
     let contact = ContactOptions { penalty: 10.0, ..ContactOptions::default() };
@@ -103,7 +104,7 @@ fn two_bars_part_after_the_wave_has_been_there_and_back() {
     assert!((stress / expected - 1.0).abs() < 0.02, "{stress} {expected}");
 }
 
-/// A disc about the origin, of rings of elements around a point.
+/// A disc around the origin, made of rings of elements.
 fn disc(radius: f64, rings: usize) -> Mesh {
     let mut nodes = vec![[0.0; 2]];
     let mut triangles = Vec::new();
@@ -130,7 +131,7 @@ fn disc(radius: f64, rings: usize) -> Mesh {
     Mesh { nodes, triangles, bodies: vec![0; count], materials: vec![0; count] }
 }
 
-/// Velocity of separation of two discs over that of their approach.
+/// Coefficient of restitution of two discs: velocity of separation over velocity of approach.
 fn restitution(rings: usize, damping: f64) -> f64 {
     let body = disc(0.5, rings);
     let half = vec![[0.0, 2.5]; body.nodes.len()];
@@ -154,7 +155,7 @@ fn restitution(rings: usize, damping: f64) -> f64 {
         apart = if met && !touches { apart + 1 } else { 0 };
         assert!(run.steps() < 100_000, "they never met, or never part");
     }
-    // The momentum of the upper disc, which is half of the mass.
+    // Momentum of the upper disc, which has half of the mass.
     let snapshot = run.snapshot();
     let mesh = &run.model().mesh;
     let mut momentum = 0.0;
@@ -167,7 +168,7 @@ fn restitution(rings: usize, damping: f64) -> f64 {
     momentum / (0.5 * total) / 2.5
 }
 
-/// As the book says of it.
+/// The documentation of `ContactOptions::damping` says so.
 #[test]
 fn damping_of_contacts_takes_less_on_a_finer_mesh() {
     let lost = |rings| restitution(rings, 0.0) - restitution(rings, 1.0);
@@ -175,7 +176,7 @@ fn damping_of_contacts_takes_less_on_a_finer_mesh() {
     assert!(coarse > 0.1 && fine > 0.005 && fine < 0.02, "{coarse} {fine}");
 }
 
-/// A block on a plane that is inclined by `degrees`: the plane is level and gravity is turned.
+/// A block on a plane inclined by `degrees`: the plane is level, and gravity is turned instead.
 fn slide(degrees: f64, friction: f64) -> Simulation {
     let (sin, cos) = degrees.to_radians().sin_cos();
     let base = rectangle([-0.2, -0.1], [1.2, 0.0], 28, 2);

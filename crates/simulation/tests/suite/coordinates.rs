@@ -3,10 +3,10 @@
 use crate::common::*;
 use fdem_simulation::*;
 
-/// Far from 0, and a power of 2: coordinates of the models here are exact with it and without.
+/// An offset far from 0. It is a power of 2, so that the coordinates of the models here are exact with and without it.
 const FAR: [f64; 2] = [131_072.0, -131_072.0];
 
-/// A block of 5 cm that is driven into another, and breaks. All coordinates are multiples of 2^-20 m, and the middle of the model is at `middle`.
+/// A block of 3 cm that is driven into another and breaks. All coordinates are multiples of 2^-20 m, and the middle of the model is at `middle`.
 fn crash(middle: [f64; 2]) -> Model {
     let lower = rectangle([-0.031_25, -0.031_25], [0.031_25, -0.000_976_562_5], 16, 8);
     let upper = rectangle([-0.015_625, 0.000_976_562_5], [0.015_625, 0.031_25], 8, 8);
@@ -47,7 +47,7 @@ fn a_model_far_away_does_the_same_to_the_last_bit() {
         assert_eq!((&a.stresses, &a.damage), (&b.stresses, &b.damage));
         assert_eq!(near.energies(), far.energies());
         assert_eq!([0, 1].map(|k| near.force(k)), [0, 1].map(|k| far.force(k)));
-        // Places are in the coordinates of the model.
+        // Positions are in the coordinates of the model.
         let moved = |[x, y]: [f64; 2]| [x + FAR[0], y + FAR[1]];
         assert_eq!(a.positions.iter().copied().map(moved).collect::<Vec<_>>(), b.positions);
         let ends =

@@ -1,9 +1,9 @@
-//! Forces and fragments that results show, compared with the motion that they cause.
+//! Forces and fragments in results, compared with the motion that they cause.
 
 use crate::common::*;
 use fdem_simulation::*;
 
-/// A block that falls on the ground, slanted, slides and breaks, under a force from the left.
+/// A tilted block that falls on the ground under a force from the left, slides and breaks.
 fn crash() -> Model {
     let ground = rectangle([0.0, -0.1], [0.4, 0.0], 16, 4);
     let block = turned(&rectangle([0.0, 0.0], [0.1, 0.1], 6, 6), 0.5, [0.2, 0.001]);
@@ -31,7 +31,7 @@ fn crash() -> Model {
     }
 }
 
-/// Momentum of the elements that `counts` picks.
+/// Momentum of the elements for which `counts` is true.
 fn momentum_of(run: &Simulation, counts: impl Fn(usize) -> bool) -> [f64; 2] {
     let (snapshot, mesh) = (run.snapshot(), &run.model().mesh);
     let mut sum = [0.0; 2];
@@ -54,7 +54,7 @@ fn contact_forces_are_what_changes_the_momentum_of_a_fragment() {
     let (mut rubbing, mut between_fragments) = (0, 0);
     for _ in 0..60 {
         run.advance(49).expect("steps");
-        // The fragment of the last element: steps in which it breaks are left out.
+        // Only the fragment of the last element is checked. Steps in which it breaks are skipped.
         let before = run.snapshot();
         let last = *before.fragments.last().expect("elements");
         let own = |element: usize| before.fragments[element] == last;
@@ -148,7 +148,7 @@ fn fragments_are_what_hangs_together_by_edges_that_are_not_broken() {
     run.advance(1500).expect("steps");
     let snapshot = run.snapshot();
     assert!(counts(&run) > 3, "{}", counts(&run));
-    // The same by other means: the lowest number goes from neighbour to neighbour until nothing changes.
+    // The same result by another method: the lowest number spreads from neighbour to neighbour until nothing changes.
     let triangles = &run.model().mesh.triangles;
     let mut neighbours = Vec::new();
     for a in 0..triangles.len() {

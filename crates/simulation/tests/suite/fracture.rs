@@ -14,7 +14,8 @@ fn held(name: &str, nodes: Vec<u32>, velocity: [Option<f64>; 2], schedule: Sched
 /// A strip of 2 by 8 cells of 5 mm, pulled apart slowly along y.
 fn tension(insertion: Insertion, strength: Strength) -> Simulation {
     let mut mesh = rectangle([0.0, 0.0], [0.01, 0.04], 2, 8);
-    // Only the joints in the middle, between two materials that are a little stronger, have this strength, so that the place of the crack is known.
+    // Only the joints in the middle, between the two materials, have this strength. The materials are slightly stronger, so that the place of the crack is
+    // known.
     for element in 0..mesh.triangles.len() {
         mesh.materials[element] =
             u32::from(mesh.triangles[element].iter().any(|&node| mesh.nodes[node as usize][1] > 0.0201));
@@ -72,7 +73,7 @@ fn tension_peaks_at_the_strength_and_dissipates_the_fracture_energy_in_one_crack
     }
 }
 
-/// A block of two halves, the lower one fixed, with a joint without strength between them.
+/// A block of two halves with a joint without strength between them. The lower half is fixed.
 fn open_joint(top: Load, insertion: Insertion) -> Model {
     let mut mesh = rectangle([0.0, 0.0], [0.04, 0.02], 8, 4);
     for element in 0..mesh.triangles.len() {
@@ -99,7 +100,7 @@ fn open_joint(top: Load, insertion: Insertion) -> Model {
     }
 }
 
-/// The interface of `rock()` has a coefficient of friction of 0.3.
+/// The joint has the coefficient of friction of `rock()`, 0.3.
 #[test]
 fn a_joint_without_strength_carries_pressure_and_friction_and_no_tension() {
     for insertion in [Insertion::Adaptive, Insertion::Intrinsic] {
@@ -126,7 +127,7 @@ fn a_joint_without_strength_carries_pressure_and_friction_and_no_tension() {
         let (slid, _) = moved([0.4e6, -1e6], 0);
         let (lifted, pulled) = moved([0.0, 1e5], 1);
         assert!(held.abs() < 3e-6 && slid > 3e-5, "{insertion:?}: {held} {slid}");
-        // All of 1 MPa on 40 mm, once it is at rest; next to nothing of the pull.
+        // The fixed side carries the whole pressure of 1 MPa on 40 mm, and more while the block still moves. It carries almost nothing of the pull.
         assert!((3.9e4..5.5e4).contains(&pressed), "{insertion:?}: {pressed}");
         assert!(lifted > 3e-5 && pulled < 400.0, "{insertion:?}: {lifted} {pulled}");
     }

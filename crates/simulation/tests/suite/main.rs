@@ -1,4 +1,4 @@
-//! Tests of the simulation, by the kind of failure.
+//! Tests of the simulation, by subject.
 
 #![allow(clippy::expect_used, clippy::panic, reason = "tests")]
 
@@ -8,15 +8,15 @@ mod common;
 mod coordinates;
 /// Waves, rotation, gravity; independence of the number of threads.
 mod motion;
-/// Collisions, friction.
+/// Collisions and friction.
 mod contact;
-/// Forces and fragments for results.
+/// Forces and fragments in results.
 mod forces;
-/// Strength, energy of fracture.
+/// Strength and fracture energy.
 mod fracture;
 /// Runs that are saved and resumed; runs that stop by themselves.
 mod resume;
-/// Initial stress: what it stores, and what keeps it.
+/// Initial stress: stored energy and equilibrium.
 mod stress;
 /// Models that are refused.
 mod refusal;

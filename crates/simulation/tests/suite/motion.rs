@@ -29,7 +29,7 @@ fn a_wave_in_a_bar_travels_at_the_speed_of_theory_and_doubles_at_the_free_end() 
     };
     let mut run = Simulation::new(model, 1).expect("a model");
     let speed = f64::sqrt(50e9 / 2700.0);
-    // Time at which the velocity in the middle of the bar is that of the middle of the ramp.
+    // The wave has arrived when the velocity in the middle of the bar reaches that of the middle of the ramp.
     let mut arrival = None;
     while arrival.is_none() {
         run.advance(1).expect("a step");

@@ -9,7 +9,7 @@ fn held(target: Target, load: Load) -> Boundary {
     Boundary { name: "jaw".to_owned(), target, load, schedule: Schedule::Constant }
 }
 
-/// Message with which a changed model is refused.
+/// Message with which a changed model is refused; "accepted" if it is not.
 fn refusal(change: impl FnOnce(&mut Model)) -> String {
     let mut model = square();
     change(&mut model);
@@ -81,7 +81,7 @@ fn boundaries_that_cannot_be_say_why() {
     );
     let twice = refusal(|m| m.boundaries = vec![held(nodes(), push), held(nodes(), push)]);
     assert_eq!(twice, "node 0 is moved along x by boundaries 'jaw' and 'jaw'");
-    // Two boundaries may both hold a node at a corner still.
+    // Two boundaries may both fix a node at a corner.
     let fixed = Load::Velocity([Some(0.0), Some(0.0)]);
     assert_eq!(refusal(|m| m.boundaries = vec![held(nodes(), fixed), held(nodes(), fixed)]), "accepted");
     let table = |rows: Vec<[f64; 2]>| Boundary { schedule: Schedule::Table(rows), ..held(nodes(), push) };

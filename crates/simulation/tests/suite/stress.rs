@@ -1,4 +1,4 @@
-//! Bodies under initial stress: what they store, and what keeps them at rest.
+//! Bodies under initial stress: stored energy and equilibrium.
 
 use crate::common::*;
 use fdem_simulation::*;
@@ -6,10 +6,11 @@ use fdem_simulation::*;
 /// Steps of a run that should stay at rest.
 const STEPS: u64 = 2000;
 
-/// Kinetic over strain energy of a body at rest: velocities by rounding.
+/// Upper limit of kinetic over strain energy for a body at rest: its velocities come from rounding.
 const REST: f64 = 1e-18;
 
-/// A model under one stress, with the tractions of that stress on its outer sides `sides` (left, right, bottom, top of the box), and its bottom held if it is not among them.
+/// A model under uniform stress. The outer sides in `sides` (left, right, bottom, top of the bounding box) carry the tractions of that stress. The bottom is
+/// held if it is not among them.
 fn stressed(mesh: Mesh, stress: [f64; 3], sides: [bool; 4]) -> Model {
     let [xx, yy, xy] = stress;
     let (min, max) = bounds(&mesh);
@@ -54,13 +55,13 @@ fn bounds(mesh: &Mesh) -> ([f64; 2], [f64; 2]) {
     ([0, 1].map(|k| fold(k, f64::INFINITY, f64::min)), [0, 1].map(|k| fold(k, f64::NEG_INFINITY, f64::max)))
 }
 
-/// Outer edges of elements both ends of which are where `at` holds.
+/// Edges of elements at both of whose ends `at` is true.
 fn edges_where(mesh: &Mesh, at: impl Fn([f64; 2]) -> bool) -> Vec<[u32; 2]> {
     let all = mesh.triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
     all.filter(|edge| edge.iter().all(|&node| at(mesh.nodes[node as usize]))).collect()
 }
 
-/// Runs a model, which stays at rest and keeps its stress.
+/// Runs a model, and checks that it stays at rest and keeps its stress.
 fn rests(name: &str, model: Model) -> Simulation {
     let mut run = Simulation::new(model, 1).expect("a model");
     for _ in 0..4 {
@@ -99,7 +100,7 @@ fn a_body_under_matching_stress_stays_at_rest_with_any_joints() {
     }
 }
 
-/// Two blocks, one on the other, whose meshes match or do not.
+/// Two blocks, one on the other. Their meshes match if `above`, the number of cells along the upper one, is 8.
 fn blocks(above: usize) -> Mesh {
     together(&[rectangle([0.0; 2], [2.0, 1.0], 8, 4), rectangle([0.0, 1.0], [2.0, 2.0], above, 5)])
 }
@@ -140,7 +141,7 @@ fn blocks_that_are_released_part_without_gain_of_energy() {
     }
 }
 
-/// Rock whose vertical stress carries its weight, between edges that absorb, with a free surface.
+/// Rock whose vertical stress carries its weight, with absorbing edges at both sides and below, and a pressure of `-stress_at_top` above.
 fn ground(stress_at_top: f64, gravity: f64) -> Model {
     let mesh = rectangle([0.0; 2], [8.0, 5.0], 16, 10);
     let weight = 2700.0 * gravity;
@@ -179,11 +180,11 @@ fn absorbing_edges_keep_the_stress_and_carry_the_weight() {
     rests("stress and weight", ground(-10e6, 9.81));
 }
 
-/// A wave leaves through the edges, and the static stress stays.
+/// A wave leaves through the absorbing edges, and the static stress stays.
 #[test]
 fn a_wave_leaves_through_absorbing_edges_and_the_stress_stays() {
     let mut model = ground(-10e6, 0.0);
-    // Smooth, so that waves as short as the elements, which hardly travel, have no part in it.
+    // Smooth, so that there are no waves as short as the elements, which hardly travel.
     let speed = |[x, y]: [f64; 2]| {
         let distance = ((x - 4.0) * (x - 4.0) + (y - 2.5) * (y - 2.5)).sqrt();
         0.25 * (1.0 + (std::f64::consts::PI * (distance / 2.0).min(1.0)).cos())
@@ -202,7 +203,7 @@ fn a_wave_leaves_through_absorbing_edges_and_the_stress_stays() {
     }
 }
 
-/// Without initial stress a body settles on an absorbing edge, by its weight over the stiffness of the ground, and no farther.
+/// Without initial stress, a body settles on an absorbing edge by its weight over the stiffness of the ground, and does not sink farther.
 #[test]
 fn a_body_on_an_absorbing_edge_settles_and_does_not_sink() {
     let mesh = rectangle([0.0; 2], [2.0, 1.0], 8, 4);
@@ -221,7 +222,7 @@ fn a_body_on_an_absorbing_edge_settles_and_does_not_sink() {
         ..Model::default()
     };
     let mut run = Simulation::new(model, 1).expect("a model");
-    // The box is 2 m long, so R is 1 m; 1 m of rock rests on each area.
+    // The box is 2 m long, so R is 1 m. The weight per area is that of 1 m of rock.
     let settled = 2700.0 * 9.81 / (1e8 / 2.5);
     let mut lowest = 0.0_f64;
     while run.time() < 3.0 {
@@ -234,7 +235,7 @@ fn a_body_on_an_absorbing_edge_settles_and_does_not_sink() {
     assert!((carried / (2.0 * 2700.0 * 9.81) - 1.0).abs() < 0.01, "{carried}");
 }
 
-/// A square with a hole that is opened at once, held outside.
+/// A square under initial stress with a hole that opens at once. Its outline is held.
 fn opened_hole() -> Model {
     let square = rectangle([-15.0; 2], [15.0; 2], 30, 30);
     let outside = |nodes: &[u32; 3]| {
@@ -266,7 +267,7 @@ fn opened_hole() -> Model {
     }
 }
 
-/// What the rock exchanges is a small part of what it has stored; its balance is judged by the exchange, and is sound.
+/// The rock exchanges a small part of its stored energy. The error of the balance is small compared with the exchanged energy.
 #[test]
 fn a_hole_in_stressed_rock_is_no_error_of_the_energy() {
     let mut run = Simulation::new(opened_hole(), 1).expect("a model");
@@ -287,7 +288,7 @@ fn a_hole_in_stressed_rock_is_no_error_of_the_energy() {
     assert!(scale > most && scale < 0.2 * stored, "exchanged {scale}, kinetic {most}, stored {stored}");
 }
 
-/// What `check` says of surfaces that touch.
+/// `InitialContacts` finds tension, slip and unequal tractions on surfaces that touch.
 #[test]
 fn stress_that_surfaces_do_not_bear_is_found_before_a_run() {
     let found = |stress: [f64; 3]| {
@@ -305,7 +306,7 @@ fn stress_that_surfaces_do_not_bear_is_found_before_a_run() {
     assert!(all.unlike.is_some(), "{all:?}");
 }
 
-/// Blocks in contact, joints and absorbing edges under stress go on bit for bit.
+/// A resumed run with contacts, joints and absorbing edges under stress continues bit for bit.
 #[test]
 fn stressed_contacts_joints_and_edges_go_on_bit_for_bit() {
     let mut model = stressed(blocks(5), [-3e6, -10e6, 1e6], [true, true, true, true]);
