@@ -29,9 +29,9 @@ const FADE: [f64; 2] = [0.1, 0.3];
 /// An end is astray if it is broken and its two sides are farther apart than this, over the length of the joint: the two elements turn about the other end as
 /// about a hinge. Half way round, the joint has no direction any more; farther round, an open joint looks closed.
 ///
-/// If the other end has two nodes, it breaks together with the astray end: its fracture process is long over, and only the evaluation at no more than two
-/// points keeps it whole. If the other end is still a single node, the astray end has no force. It presses again only after it was found open at a smaller
-/// distance, so that its force begins at zero.
+/// If the other end has two nodes, it breaks together with the astray end: its fracture process is long over, and it seems to hold only because a joint is
+/// evaluated at no more than two points. If the other end is still a single node, the astray end has no force. It presses again only after it was found open at
+/// a smaller distance, so that its force begins at zero.
 const APART: f64 = 0.5;
 
 /// State of a joint.

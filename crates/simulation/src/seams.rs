@@ -453,7 +453,7 @@ mod tests {
         }
     }
 
-    /// A seam that slides far fades completely. Work and stored energy are dissipated exactly.
+    /// A seam that slides far fades completely. The dissipated energy equals the work done on it and the energy that it had stored.
     #[test]
     fn what_slides_away_is_accounted_for() {
         let (place, ends) = place();

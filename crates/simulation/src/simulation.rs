@@ -438,7 +438,8 @@ impl Simulation {
         }
     }
 
-    /// An element of a couple of which one reached the centroid of the other in the last step: the contact is too soft. `None` if there is no such couple.
+    /// An element of a couple in which one element reached the centroid of the other in the last step: the contact is too soft. `None` if there is no such
+    /// couple.
     pub fn penetrated(&self) -> Option<u32> {
         self.touching.deep
     }
