@@ -22,7 +22,7 @@ use crate::written::{CHUNK, Table, Values};
 /// let mut spool = Spool::new();
 /// for part in 0..2 {
 ///     let table = Table::new(2).with("k", Values::i64(move |row| 2 * part + row as i64));
-///     spool.add(&table, || Ok(file()))?;
+///     spool.add(&table, || Ok(Cursor::new(Vec::new())))?;
 /// }
 /// let mut out = Vec::new();
 /// write_csv(&mut out, &spool.table())?;
