@@ -173,7 +173,7 @@ where
 /// # Safety
 /// That of [`search`].
 #[inline(always)]
-unsafe fn all<T, V, C, const D: usize, const SHAPE: u8, const COUNT: bool, const FILTER: bool>(
+unsafe fn all<T, V, C, const D: usize, const SHAPE: u8, const FILTER: bool>(
     task: &Task<'_, T>,
     out: &mut Output<'_>,
 ) where
@@ -198,7 +198,7 @@ unsafe fn all<T, V, C, const D: usize, const SHAPE: u8, const COUNT: bool, const
                 copy::<T, V, D, SHAPE>(task, &mut rows, from..to, &mut copies)
             };
             match segment {
-                Some(mut segment) => clusters::<T, V, C, D, SHAPE, COUNT, FILTER>(
+                Some(mut segment) => clusters::<T, V, C, D, SHAPE, FILTER>(
                     task,
                     &mut rows,
                     &mut segment,
@@ -206,7 +206,7 @@ unsafe fn all<T, V, C, const D: usize, const SHAPE: u8, const COUNT: bool, const
                     &mut writer,
                     out,
                 ),
-                None => rows.compare::<V, false, SHAPE, COUNT, FILTER>(from..to, &mut writer, out),
+                None => rows.compare::<V, false, SHAPE, FILTER>(from..to, &mut writer, out),
             }
         }
         from = to;
@@ -400,7 +400,7 @@ impl<C: Estimate, const D: usize> Cluster<C, D> {
 /// # Safety
 /// That of [`search`]; `rows` and `segment` are made from `task`, and `writer` from `out`.
 #[inline(always)]
-unsafe fn clusters<T, V, C, const D: usize, const SHAPE: u8, const COUNT: bool, const FILTER: bool>(
+unsafe fn clusters<T, V, C, const D: usize, const SHAPE: u8, const FILTER: bool>(
     task: &Task<'_, T>,
     rows: &mut Rows<'_, T, D>,
     segment: &mut Segment<D>,
@@ -466,7 +466,7 @@ unsafe fn clusters<T, V, C, const D: usize, const SHAPE: u8, const COUNT: bool, 
                 follow(rows, pieces);
                 let hopeless = repeated >= 3 && 2 * repeated > done;
                 let to = if hopeless { range.end } else { from + members };
-                rows.compare::<V, false, SHAPE, COUNT, FILTER>(from..to, writer, out);
+                rows.compare::<V, false, SHAPE, FILTER>(from..to, writer, out);
                 if hopeless {
                     out.patience.lost();
                     return;
@@ -484,7 +484,7 @@ unsafe fn clusters<T, V, C, const D: usize, const SHAPE: u8, const COUNT: bool, 
                         let place = hits.ids.offset_from_unsigned(task.other.ids.as_ptr());
                         bits = rows.labels.admitted::<f32, C>(&label, place, bits);
                     }
-                    writer.take::<f32, C, false, COUNT>(id, hits.ids, bits, out);
+                    writer.take::<f32, C, false>(id, hits.ids, bits, out);
                 }
             }
         }

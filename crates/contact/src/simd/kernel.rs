@@ -229,7 +229,9 @@ impl Writer {
         let (len, capacity) = (out.couples.len(), out.couples.capacity());
         let start = out.couples.as_mut_ptr();
         // Wraps: without any room `full` would lie before `start`. It is only compared.
-        let full = start.wrapping_add(if capacity - len < ROOM { len } else { capacity - ROOM + 1 });
+        // If couples are only counted there is never room: so the loops need no variant for it, and no other test.
+        let is_full = out.count_only || capacity - len < ROOM;
+        let full = start.wrapping_add(if is_full { len } else { capacity - ROOM + 1 });
         Self { to: start.wrapping_add(len), full, count: 0 }
     }
 
@@ -252,7 +254,7 @@ impl Writer {
     /// # Safety
     /// That of [`Vector::store_couples`], room for couples aside, and that of [`Writer::close`].
     #[inline(always)]
-    pub(super) unsafe fn take<T, V: Vector<T>, const TWO_SETS: bool, const COUNT: bool>(
+    pub(super) unsafe fn take<T, V: Vector<T>, const TWO_SETS: bool>(
         &mut self,
         id: u32,
         ids: *const u32,
@@ -260,13 +262,13 @@ impl Writer {
         out: &mut Output<'_>,
     ) {
         let found = hits.count_ones() as usize;
-        if COUNT {
-            self.count += found as u64;
-            return;
-        }
         // SAFETY: the contract of this function. Before `full` there is room for ROOM couples, which is at least LANES; `make_room` asserts that.
         unsafe {
             if self.to >= self.full {
+                if out.count_only {
+                    self.count += found as u64;
+                    return;
+                }
                 *self = self.make_room(out);
             }
             V::store_couples::<TWO_SETS>(id, ids, hits, self.to);
@@ -297,14 +299,13 @@ pub(super) const EQUAL: u8 = 0;
 pub(super) const RADII: u8 = 1;
 pub(super) const BOXES: u8 = 2;
 
-/// Calls the variant of a kernel for a shape, for whether the task has a filter, and for whether couples are only counted.
+/// Calls the variant of a kernel for a shape and for whether the task has a filter.
 macro_rules! variant {
     ($task:expr, $out:expr, $kernel:ident::<$($generic:tt),*>, $shape:ident) => {
-        match ($out.count_only, $task.own.filter.is_some()) {
-            (false, false) => $kernel::<$($generic),*, $shape, false, false>($task, $out),
-            (true, false) => $kernel::<$($generic),*, $shape, true, false>($task, $out),
-            (false, true) => $kernel::<$($generic),*, $shape, false, true>($task, $out),
-            (true, true) => $kernel::<$($generic),*, $shape, true, true>($task, $out),
+        if $task.own.filter.is_some() {
+            $kernel::<$($generic),*, $shape, true>($task, $out)
+        } else {
+            $kernel::<$($generic),*, $shape, false>($task, $out)
         }
     };
 }
@@ -340,15 +341,7 @@ pub(crate) unsafe fn search<T, V, const D: usize, const TWO_SETS: bool>(
 /// # Safety
 /// That of [`search`].
 #[inline(always)]
-unsafe fn all<
-    T,
-    V,
-    const D: usize,
-    const TWO_SETS: bool,
-    const SHAPE: u8,
-    const COUNT: bool,
-    const FILTER: bool,
->(
+unsafe fn all<T, V, const D: usize, const TWO_SETS: bool, const SHAPE: u8, const FILTER: bool>(
     task: &Task<'_, T>,
     out: &mut Output<'_>,
 ) where
@@ -360,7 +353,7 @@ unsafe fn all<
     let mut writer = Writer::new(out);
     // SAFETY: the contract of this function; `new` has asserted that the stretch is inside the row, and the writer was made from `out`.
     unsafe {
-        rows.compare::<V, TWO_SETS, SHAPE, COUNT, FILTER>(task.from..task.to, &mut writer, out);
+        rows.compare::<V, TWO_SETS, SHAPE, FILTER>(task.from..task.to, &mut writer, out);
         writer.close(out);
     }
 }
@@ -483,13 +476,7 @@ impl<'a, T: Real, const D: usize> Rows<'a, T, D> {
     /// The processor has the instructions of `V`, which has at most the lanes for which this was made; `range` is inside that of the task; the groups of the
     /// filters are groups of their matrix; `writer` was made from `out`.
     #[inline(always)]
-    pub(super) unsafe fn compare<
-        V: Vector<T>,
-        const TWO_SETS: bool,
-        const SHAPE: u8,
-        const COUNT: bool,
-        const FILTER: bool,
-    >(
+    pub(super) unsafe fn compare<V: Vector<T>, const TWO_SETS: bool, const SHAPE: u8, const FILTER: bool>(
         &mut self,
         range: Range<usize>,
         writer: &mut Writer,
@@ -518,7 +505,7 @@ impl<'a, T: Real, const D: usize> Rows<'a, T, D> {
                 }
                 let element = Element { centre, far, radius, id: *own.ids.add(k), label };
                 if !TWO_SETS && !task.two_sets {
-                    window::<T, V, D, TWO_SETS, SHAPE, COUNT, FILTER>(
+                    window::<T, V, D, TWO_SETS, SHAPE, FILTER>(
                         &own,
                         k + 1,
                         high,
@@ -542,7 +529,7 @@ impl<'a, T: Real, const D: usize> Rows<'a, T, D> {
                         _ => first_from::<_, _, false>(row.along, *low, row.len, V::splat(x - *reach)),
                     };
                     let high = if SHAPE == BOXES { high } else { x + *reach };
-                    window::<T, V, D, TWO_SETS, SHAPE, COUNT, FILTER>(
+                    window::<T, V, D, TWO_SETS, SHAPE, FILTER>(
                         row,
                         *low,
                         high,
@@ -592,15 +579,7 @@ pub(super) unsafe fn first_from<T, V: Vector<T>, const BEYOND: bool>(
 /// That of [`Rows::compare`]; `row` is one of its rows, and `first` is at most the length of the row.
 #[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "inlined: they stay in registers")]
-unsafe fn window<
-    T,
-    V,
-    const D: usize,
-    const TWO_SETS: bool,
-    const SHAPE: u8,
-    const COUNT: bool,
-    const FILTER: bool,
->(
+unsafe fn window<T, V, const D: usize, const TWO_SETS: bool, const SHAPE: u8, const FILTER: bool>(
     row: &Row<T, D>,
     first: usize,
     high: T,
@@ -646,7 +625,7 @@ unsafe fn window<
             if FILTER {
                 hits = labels.admitted::<T, V>(&element.label, row.start + j, hits);
             }
-            writer.take::<T, V, TWO_SETS, COUNT>(element.id, row.ids.add(j), hits, out);
+            writer.take::<T, V, TWO_SETS>(element.id, row.ids.add(j), hits, out);
             j += V::LANES;
             if j >= row.len || *row.along.add(j) > high {
                 return;
