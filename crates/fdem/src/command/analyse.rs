@@ -1,4 +1,4 @@
-//! `fdem contacts --analyse`: what the network says, for people.
+//! `fdem contacts --analyse` analyses the network of contacts and shows the result in the summary.
 
 use std::fmt;
 
@@ -8,7 +8,7 @@ use crate::command::failure::Failure;
 use crate::command::summary::{brief, grouped};
 use crate::network::Network;
 
-/// The analysis, if it is asked for.
+/// Returns the analysis of the network, or `None` without `--analyse`.
 pub(crate) fn run<const D: usize>(
     arguments: &AnalyseArguments,
     network: &Network<'_, D>,
@@ -44,12 +44,12 @@ pub(crate) fn run<const D: usize>(
     })
 }
 
-/// `R` or `R,BINS`.
+/// Reads the numbers of `--rdf`: `R` or `R,BINS`.
 fn radial(numbers: &[f64]) -> Result<RadialOptions, Failure> {
     let wrong = |why: String| Err(Failure::Unusable(format!("--rdf: {why}")));
     match numbers {
         [r_max] => Ok(RadialOptions { r_max: Some(*r_max), bins: None }),
-        // Too many bins are refused where they are made.
+        // The analysis refuses too many bins.
         [r_max, bins] if bins.fract() == 0.0 && *bins >= 0.0 => {
             Ok(RadialOptions { r_max: Some(*r_max), bins: Some(*bins as usize) })
         }
@@ -61,7 +61,7 @@ fn radial(numbers: &[f64]) -> Result<RadialOptions, Failure> {
     }
 }
 
-/// The lines of the summary.
+/// Writes the analysis as lines of the summary.
 pub(crate) fn write_lines(out: &mut fmt::Formatter<'_>, analysis: &Analysis, unit: &str) -> fmt::Result {
     let mut line = |label: &str, text: String| writeln!(out, "{label:<16} {text}");
     line("contacts each", distribution(&analysis.coordination.distribution))?;
@@ -164,9 +164,9 @@ pub(crate) fn write_lines(out: &mut fmt::Formatter<'_>, analysis: &Analysis, uni
     }
 }
 
-/// `0: 12, 1: 345, …`, the numbers of elements with so many contacts.
+/// Number of elements with each number of contacts, as `0: 12, 1: 345, …`.
 fn distribution(counts: &[u64]) -> String {
-    /// More fill more than a line.
+    /// Most entries that are shown: more do not fit on a line.
     const MOST: usize = 14;
     let mut parts: Vec<_> = counts.iter().enumerate().filter(|(_, count)| **count > 0).collect();
     let more = parts.len().saturating_sub(MOST);

@@ -1,22 +1,22 @@
-//! Which frames of a file are meant, as Python counts and slices.
+//! Selection of frames of a file by the indices and slices of Python.
 
 use std::str::FromStr;
 
-/// What `--frames` says.
+/// Value of `--frames`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Frames {
-    /// One, from the end if negative.
+    /// One frame; negative numbers count from the end.
     One(i64),
     /// `START:STOP:STEP`, each of which may be left out.
     Slice { start: Option<i64>, stop: Option<i64>, step: i64 },
 }
 
-/// The frames of a file that are treated.
+/// The selected frames of a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Selection {
-    /// Outputs are those of a single packing.
+    /// One frame: outputs are those of a single packing.
     One(usize),
-    /// Outputs tell the frames apart.
+    /// A series: outputs are marked with their frame.
     Series(Vec<usize>),
 }
 
@@ -48,7 +48,7 @@ impl FromStr for Frames {
 }
 
 impl Frames {
-    /// Those of `count` frames; all of them, or the only one, where nothing is said.
+    /// Selects among `count` frames. Without `--frames`, a file of one frame is a single packing, and any other file a series of all its frames.
     pub(crate) fn select(frames: Option<Self>, count: usize) -> Result<Selection, String> {
         let n = count as i128;
         match frames {
