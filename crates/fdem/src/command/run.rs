@@ -204,7 +204,7 @@ impl Going {
         })
     }
 
-    /// Runs to the end, or as far as it goes, and draws what has been recorded.
+    /// Runs to the end, or until the run is interrupted or stops. Draws the results recorded so far.
     fn go(&mut self) -> Result<(), Failure> {
         let end = self.steps().inspect_err(|failure| {
             // The disk may be full: then the summary cannot be written either.
@@ -212,7 +212,7 @@ impl Going {
         })?;
         match &end {
             End::Finished | End::Interrupted(_) => self.save()?,
-            // The frame shows what is wrong; the last good checkpoint stays.
+            // The frame shows the reason. The last good checkpoint is kept.
             End::Stopped(_) => self.frame()?,
         }
         self.told.end();
@@ -221,12 +221,12 @@ impl Going {
             End::Interrupted(_) => "interrupted".to_owned(),
             End::Stopped(stop) => format!("stopped: {stop}"),
         };
-        // Before anything is drawn: whatever happens to the pictures, the summary says how the run ended.
+        // The summary is written before the drawings, so that it shows how the run ended even if drawing fails.
         self.summarise(&status)?;
         let facts = self.facts(&status);
         let drawn = self.draw(&facts);
         if !matches!(end, End::Stopped(_)) {
-            // Again, so that the account has the time for drawing too.
+            // The checkpoint is written again, so that its account has the time for drawing.
             self.save()?;
         }
         self.summarise(&status)?;
@@ -262,7 +262,7 @@ impl Going {
                 When::Seconds(_) => u64::MAX,
             };
             let opening = (step == 0).then(|| self.recorder.values(&self.run, &self.prepared));
-            // The first slice is one step: forces and energies of the beginning are known after it.
+            // The first slice is one step, because the initial forces and energies are known after it.
             let stop = frame.min(row).min(checkpoint).min(self.total).min(step + slice);
             let start = Instant::now();
             if let Err(stop) = self.run.advance(stop - step) {
@@ -297,7 +297,7 @@ impl Going {
         Ok(End::Finished)
     }
 
-    /// Writes the files of this instant.
+    /// Writes the files of a frame.
     fn frame(&mut self) -> Result<(), Failure> {
         let start = Instant::now();
         self.told.does(&format!("writing frame {}", self.recorder.frames.len()));

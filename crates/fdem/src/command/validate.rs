@@ -17,7 +17,7 @@ pub(crate) fn run(arguments: &ValidateArguments) -> Result<(), Failure> {
     for case in chosen {
         let report = case.report(size);
         let seconds = start.elapsed().as_secs_f64();
-        // A message that nobody can see any more is no failure.
+        // A message that cannot be shown is not an error.
         let _ = writeln!(io::stdout(), "{}", table(std::slice::from_ref(&report)).trim_end());
         if !arguments.quiet {
             let _ = writeln!(io::stderr(), "after {seconds:.0} s");
