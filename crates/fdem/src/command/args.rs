@@ -1,4 +1,4 @@
-//! The options, each defined once: parsing, help and their texts.
+//! Options of the command: definitions, parsing and help.
 
 mod simulation;
 
@@ -131,13 +131,13 @@ pub(crate) struct ContactsArguments {
 }
 
 impl ContactsArguments {
-    /// Whether couples are written: not where drawings alone are asked for.
+    /// Whether couples are written: not if only drawings are asked for.
     pub(crate) fn writes_couples(&self) -> bool {
         !self.count && (self.output.is_some() || !self.drawings.any())
     }
 }
 
-/// The box that repeats.
+/// Options for a periodic box.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct PeriodicArguments {
     /// The edges along which the box repeats, the first being x: `x`, `xy`, `xyz`, `z`, … The box is that of the file, unless --box or --edges gives one.
@@ -158,7 +158,7 @@ pub(crate) struct PeriodicArguments {
     pub(crate) origin: Option<Numbers>,
 }
 
-/// What the network says.
+/// Options for the analysis of the network.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct AnalyseArguments {
     /// Also tell what the network says, in the summary and in full in its JSON: contacts of an element with and without rattlers, fabric and directions, clusters and whether they reach
@@ -181,7 +181,7 @@ pub(crate) struct AnalyseArguments {
     pub(crate) rattlers: Option<u32>,
 }
 
-/// Meshes instead of packings.
+/// Options for meshes.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct MeshArguments {
     /// Of meshes: also write which bodies touch to FILE.csv, .npy, .npz or .parquet, as `i,j,couples,overlap,shared,x,y,z,nx,ny,nz`: how many elements, how much
@@ -194,7 +194,7 @@ pub(crate) struct MeshArguments {
     pub(crate) self_contact: bool,
 }
 
-/// Images of bodies instead of packings.
+/// Options for labelled images.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct LabelArguments {
     /// FILE is an image, 2D or 3D (NumPy .npy or .npz, or the pages of a TIFF file), in which each number is a body: find which bodies touch,
@@ -223,7 +223,7 @@ pub(crate) struct LabelArguments {
     pub(crate) member: Option<String>,
 }
 
-/// The neighbourhoods by the names of the command line.
+/// Neighbourhoods by their names on the command line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum NeighbourhoodName {
     Face,
@@ -241,19 +241,19 @@ impl NeighbourhoodName {
     }
 }
 
-/// The label that is no body, if there is one.
+/// Label of the background, if there is one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Background(pub(crate) Option<i128>);
 
-/// Which of the edges x, y and z are meant.
+/// Edges x, y and z that are given.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Axes(pub(crate) [bool; 3]);
 
-/// Numbers between commas.
+/// Numbers separated by commas.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Numbers(pub(crate) Vec<f64>);
 
-/// What to read, and what the elements are.
+/// Options for the input and its elements.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct InputArguments {
     /// Packing or mesh to read; `-` reads standard input.
@@ -294,7 +294,7 @@ pub(crate) struct InputArguments {
     pub(crate) ignore_ids: bool,
 }
 
-/// The engines by the names of the command line.
+/// Engines by their names on the command line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum EngineName {
     /// Chosen from the elements; the summary says which, and why.
@@ -356,7 +356,7 @@ pub(crate) struct BenchArguments {
     pub(crate) json: Option<PathBuf>,
 }
 
-/// The engines that can be timed, by the names of the command line.
+/// Engines that can be timed, by their names on the command line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Contestant {
     /// The default engine for similar sizes: sorted rows with vector instructions.
@@ -372,7 +372,7 @@ pub(crate) enum Contestant {
     Direct,
 }
 
-/// The vector instructions by the names of the command line.
+/// Vector instructions by their names on the command line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum SimdName {
     /// The fastest that this processor has.
@@ -542,13 +542,13 @@ pub(crate) enum BookPacking {
     D,
 }
 
-/// A finite number of at least zero.
+/// Reads a finite number of at least zero.
 fn length(text: &str) -> Result<f64, String> {
     let value = number(text)?;
     if value < 0.0 { Err(format!("'{text}' is negative")) } else { Ok(value) }
 }
 
-/// A finite number above zero.
+/// Reads a finite number above zero.
 fn positive(text: &str) -> Result<f64, String> {
     let value = number(text)?;
     if value > 0.0 { Ok(value) } else { Err(format!("'{text}' is not above zero")) }
@@ -575,7 +575,7 @@ fn background(text: &str) -> Result<Background, String> {
     Ok(Background(Some(number)))
 }
 
-/// Letters, each once; or none of them.
+/// Reads the letters of axes, each at most once, or `none`.
 fn axes(text: &str) -> Result<Axes, String> {
     let mut axes = [false; 3];
     if text == "none" {

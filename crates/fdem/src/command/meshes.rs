@@ -350,7 +350,7 @@ impl Task<'_> {
         Ok(found)
     }
 
-    /// Adds couples of spheres, and of spheres with triangles.
+    /// Adds couples of spheres, and couples of spheres with triangles.
     fn with_spheres(
         &self,
         model: &Model<3, 3>,
@@ -397,7 +397,7 @@ impl Task<'_> {
             found.contacts.push((Couple::new(sphere, triangle), contact));
         }
         found.contacts.sort_unstable_by_key(|(couple, _)| *couple);
-        // For surfaces, no shared boundary is added to that of the contacts.
+        // The contacts of bodies are gathered from those of elements alone, because surfaces share no further boundary.
         let with_bodies: Vec<_> =
             found.contacts.iter().map(|(couple, contact)| (model.bodies_of(*couple), *contact)).collect();
         found.bodies = gather(&with_bodies)?;

@@ -190,7 +190,8 @@ impl Output {
     }
 }
 
-/// An output that is written and closed, because a process can have fewer open files than outputs. Without [`Self::commit`], the partial file is removed on drop.
+/// An output that is written and closed, because there may be more outputs than a process can have open files. Without [`Self::commit`], the partial file is
+/// removed on drop.
 pub(crate) struct Written {
     name: PathBuf,
     aside: Option<Part>,
@@ -214,7 +215,7 @@ impl Written {
     }
 }
 
-/// Handles Ctrl-C and the other signals that ask a program to end: removes partial files and exits with 128 plus the number of the signal.
+/// Watches for Ctrl-C and the other signals that ask a program to end, removes partial files and exits with 128 plus the number of the signal.
 pub(crate) fn remove_partial_output_when_interrupted() -> Result<(), Failure> {
     watch_for_interrupts(aside::remove_all_and_exit).map_err(|error| {
         Failure::Unusable(format!(

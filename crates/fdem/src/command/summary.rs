@@ -308,7 +308,7 @@ pub(crate) fn write_end(
 
 /// Peak resident memory of this process, bytes, on systems that report it.
 ///
-/// `getrusage` is not used, because its value is inherited by a program that replaces the process: under `cargo run` it would be that of cargo.
+/// `getrusage` is not used here, because its value survives the start of a program: under `cargo run` it would include cargo.
 #[cfg(target_os = "linux")]
 pub(crate) fn peak_bytes() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;

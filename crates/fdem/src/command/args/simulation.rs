@@ -1,4 +1,4 @@
-//! Of the commands that simulate.
+//! Options of the commands that simulate.
 
 use std::path::PathBuf;
 
@@ -72,7 +72,7 @@ pub(crate) struct ResumeArguments {
     pub(crate) options: RunOptions,
 }
 
-/// How a simulation runs.
+/// Options of a simulation.
 #[derive(Debug, Args)]
 #[expect(clippy::option_option, reason = "so clap has options whose value may be left out")]
 pub(crate) struct RunOptions {
