@@ -15,20 +15,20 @@ use crate::report::{self, BodiesReport, Report};
 #[derive(Clone, Debug, Args)]
 pub(crate) struct DrawingArguments {
     /// Draw the elements and their contacts, coloured by overlap: discs in 2D, shaded spheres and a view of the contacts in 3D. A contact across a face of
-    /// the box is drawn as two halves. Of meshes in a plane: the triangles by body, and which bodies touch. Of meshes in space, of spheres and walls, and of
-    /// images: the bodies, and lines between their middles by way of the contact; bodies of images are discs or spheres of their area or volume.
+    /// the box is drawn as two halves. For meshes in a plane, draw the triangles coloured by body, and the contacts of bodies. For meshes in 3D, for spheres and walls,
+    /// and for images, draw the bodies, and lines between their centres through the contact points; bodies of images are discs or spheres of the same area or volume.
     #[arg(long, value_name = "FILE.svg|FILE.png", value_parser = drawing)]
     pub(crate) picture: Option<PathBuf>,
 
-    /// Draw how contacts, overlaps, sizes and directions are distributed.
+    /// Draw the distributions of contacts, overlaps, sizes and directions.
     #[arg(long, value_name = "FILE.svg|FILE.png", value_parser = drawing)]
     pub(crate) plots: Option<PathBuf>,
 
-    /// Pixels that PNG pictures are wide [default: twice those of an SVG].
+    /// Width of PNG pictures in pixels [default: twice the width of an SVG].
     #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(200..=10_000))]
     pub(crate) picture_width: Option<u32>,
 
-    /// Write a page for a browser, all in one file: the summary, the distributions, a view to turn, cut and pick elements in, and a table of all elements.
+    /// Write an HTML page in one file: the summary, the distributions, a 3D view in which elements can be selected, and a table of all elements.
     #[arg(long, value_name = "FILE.html", value_parser = page)]
     pub(crate) report: Option<PathBuf>,
 }
