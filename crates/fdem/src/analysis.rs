@@ -120,13 +120,13 @@ impl fmt::Display for AnalysisError {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Dimensions { dimensions } => {
-                write!(out, "networks in 2D and 3D are analysed, not in {dimensions}D")
+                write!(out, "a network in {dimensions}D cannot be analysed, only in 2D and 3D")
             }
             Self::Region { axis, limits: [min, max] } => {
                 write!(out, "the inner region is empty along axis {axis}: from {min} to {max}")
             }
             Self::ShearedBox => out.write_str(
-                "an inner region has edges along the axes, and cannot be measured in a sheared box",
+                "an inner region has edges along the axes and cannot be measured in a sheared box",
             ),
             Self::Radial { problem } => write!(out, "the radial distribution: {problem}"),
             Self::Search(error) => write!(out, "the radial distribution: {error}"),

@@ -88,13 +88,15 @@ pub enum PictureError {
 impl fmt::Display for PictureError {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Dimensions { found } => write!(out, "{found}D cannot be drawn, 2D and 3D can"),
+            Self::Dimensions { found } => {
+                write!(out, "a network in {found}D cannot be drawn, only in 2D and 3D")
+            }
             Self::NotFinite { index } => {
                 write!(out, "element {index} has a coordinate or a radius that is not finite")
             }
             Self::TooWide => write!(out, "the domain is too wide to be drawn"),
             Self::Width { found, least, most } => {
-                write!(out, "a PNG of {found} pixels is not possible, {least} to {most} are")
+                write!(out, "a PNG cannot be {found} pixels wide, only {least} to {most}")
             }
             Self::TooMany { what, found, most } => {
                 write!(out, "{found} {what} are too many for a report, which shows up to {most}")
@@ -102,7 +104,7 @@ impl fmt::Display for PictureError {
             Self::OutOfMemory { bytes } => {
                 write!(out, "no memory for {bytes} bytes, which the drawing may take")
             }
-            Self::Png { message } => write!(out, "the picture cannot be made a PNG: {message}"),
+            Self::Png { message } => write!(out, "the picture cannot be converted to PNG: {message}"),
         }
     }
 }

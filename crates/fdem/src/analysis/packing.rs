@@ -144,16 +144,14 @@ pub(crate) fn fraction<const D: usize>(
     // Along axes where the region is the whole periodic box, its border cuts no element.
     let whole: [bool; D] = std::array::from_fn(|axis| inner.is_none() && frame.periods[axis].is_some());
     if !frame.along_axes && whole.iter().filter(|whole| !**whole).count() > 1 {
-        return Ok(Err(
-            "the box is sheared and has more than one edge along which it does not repeat".to_owned()
-        ));
+        return Ok(Err("the box is sheared and has more than one edge that is not periodic".to_owned()));
     }
     let packing = measured(network, &frame, region, whole);
     let sums = [packing.measure, packing.solid, packing.overlap, packing.overlap_error];
     if !sums.iter().all(|sum| sum.is_finite()) {
-        return Ok(
-            Err("lengths are too large, or too small, for areas and volumes to be numbers".to_owned()),
-        );
+        return Ok(Err(
+            "lengths are too large or too small for areas and volumes to be finite numbers".to_owned()
+        ));
     }
     Ok(Ok(packing))
 }

@@ -53,7 +53,7 @@ fn radial(numbers: &[f64]) -> Result<RadialOptions, Failure> {
         [r_max, bins] if bins.fract() == 0.0 && *bins >= 0.0 => {
             Ok(RadialOptions { r_max: Some(*r_max), bins: Some(*bins as usize) })
         }
-        [_, bins] => wrong(format!("{bins} is no number of bins")),
+        [_, bins] => wrong(format!("{bins} is not a number of bins")),
         _ => wrong(format!(
             "give the largest distance, or that and the number of bins, not {} numbers",
             numbers.len()
@@ -81,7 +81,10 @@ pub(crate) fn write_lines(out: &mut fmt::Formatter<'_>, analysis: &Analysis, uni
     )?;
     if let Some(Frictionless { min_contacts, elements }) = rest.frictionless {
         let left = grouped(elements);
-        line("", format!("as with friction; without it, --rattlers {min_contacts}, {left} would remain"))?;
+        line(
+            "",
+            format!("as with friction; {left} would remain without friction (--rattlers {min_contacts})"),
+        )?;
     }
     if let Some(fabric) = &analysis.fabric {
         let first = vector(&fabric.principal_directions[0]);
@@ -132,7 +135,7 @@ pub(crate) fn write_lines(out: &mut fmt::Formatter<'_>, analysis: &Analysis, uni
             line(
                 "packing fraction",
                 format!(
-                    "{:.5} in {}{unit}, at least {:.5} with overlaps counted once",
+                    "{:.5} in {}{unit}; at least {:.5} without counting overlaps twice",
                     packing.fraction,
                     sides.join(" x "),
                     packing.fraction_without_overlap
@@ -190,11 +193,11 @@ fn percolation(analysis: &Analysis) -> String {
         names.collect::<Vec<_>>().join(", ")
     };
     match (axes(true), axes(false)) {
-        (around, faces) if around.is_empty() && faces.is_empty() => {
-            "none reaches all the way along an axis".to_owned()
+        (around, faces) if around.is_empty() && faces.is_empty() => "none percolates".to_owned(),
+        (around, faces) if faces.is_empty() => format!("percolates around the box along {around}"),
+        (around, faces) if around.is_empty() => format!("percolates from face to face along {faces}"),
+        (around, faces) => {
+            format!("percolates around the box along {around}, from face to face along {faces}")
         }
-        (around, faces) if faces.is_empty() => format!("around the box along {around}"),
-        (around, faces) if around.is_empty() => format!("from face to face along {faces}"),
-        (around, faces) => format!("around the box along {around}, from face to face along {faces}"),
     }
 }

@@ -372,7 +372,7 @@ pub(crate) enum Contestant {
     Nbs,
     /// All pairs are compared.
     Direct,
-    }
+}
 
 /// Vector instructions by their names on the command line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

@@ -88,7 +88,7 @@ fn contenders<const D: usize>(
         // Nothing can be done if even this message cannot be printed.
         let _ = writeln!(
             io::stderr(),
-            "direct is left out: {} elements, all against all, take long. --engines rows,nbs,direct times it too",
+            "direct is left out: comparing all pairs of {} elements takes long. --engines rows,nbs,direct includes it",
             grouped(count as u64)
         );
         engines

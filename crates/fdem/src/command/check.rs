@@ -101,12 +101,12 @@ pub(crate) fn read_text(path: &Path) -> Result<String, Failure> {
         .and_then(|file| file.take(LARGEST + 1).read_to_end(&mut bytes))
         .map_err(|error| Failure::reading(&name, &error))?;
     if bytes.len() as u64 > LARGEST {
-        return Err(Failure::Unusable(format!("{name} is larger than 64 MiB: it is no model file")));
+        return Err(Failure::Unusable(format!("{name} is larger than 64 MiB: it is not a model file")));
     }
     String::from_utf8(bytes).map_err(|error| {
         let start = String::from_utf8_lossy(&error.as_bytes()[..error.utf8_error().valid_up_to()]);
         let line = start.matches('\n').count() + 1;
-        Failure::Unusable(format!("{name}:{line}: this is no text in UTF-8"))
+        Failure::Unusable(format!("{name}:{line}: this is not UTF-8 text"))
     })
 }
 

@@ -30,7 +30,7 @@ pub(crate) fn run(arguments: &ContactsArguments) -> Result<(), Failure> {
     }
     let inputs = || std::iter::once(&arguments.input.file).chain(&arguments.more);
     if inputs().filter(|file| is_stdout(file)).count() > 1 {
-        return Err(Failure::Unusable("standard input can be read once only".to_owned()));
+        return Err(Failure::Unusable("standard input can only be read once".to_owned()));
     }
     for input in inputs() {
         let mut files = vec![
@@ -289,7 +289,7 @@ pub(crate) fn show(summary: &impl fmt::Display, files: &[String]) {
 
 pub(crate) fn wrong(name: &str, mismatch: &str) -> Failure {
     Failure::Wrong(format!(
-        "{name}: --verify: {mismatch} (in the order of the file, from 0). This is a bug in fdem: please report it with \
+        "{name}: --verify: {mismatch} (numbered in the order of the file, from 0). This is a bug in fdem: please report it with \
          the file. Nothing was written"
     ))
 }

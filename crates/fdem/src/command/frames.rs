@@ -29,7 +29,7 @@ impl FromStr for Frames {
             if text.is_empty() {
                 return Ok(None);
             }
-            let wrong = |_| format!("'{text}' is no frame: expected a whole number, or START:STOP:STEP");
+            let wrong = |_| format!("'{text}' is not a frame: expected a whole number, or START:STOP:STEP");
             text.parse().map(Some).map_err(wrong)
         };
         let parts: Vec<&str> = text.split(':').collect();
@@ -37,12 +37,12 @@ impl FromStr for Frames {
             [one] => number(one)?.map(Self::One).ok_or_else(|| "no frame is given".to_owned()),
             [start, stop] => Ok(Self::Slice { start: number(start)?, stop: number(stop)?, step: 1 }),
             [start, stop, step] => match number(step)? {
-                Some(0) => Err("a step of 0 leads nowhere".to_owned()),
+                Some(0) => Err("the step must not be 0".to_owned()),
                 step => {
                     Ok(Self::Slice { start: number(start)?, stop: number(stop)?, step: step.unwrap_or(1) })
                 }
             },
-            _ => Err(format!("'{text}' has more than START:STOP:STEP")),
+            _ => Err(format!("'{text}' has more parts than START:STOP:STEP")),
         }
     }
 }
@@ -83,7 +83,7 @@ impl Frames {
                     at += i128::from(step);
                 }
                 if frames.is_empty() {
-                    return Err(format!("--frames takes none of the {count} frames of the file"));
+                    return Err(format!("--frames selects none of the {count} frames of the file"));
                 }
                 Ok(Selection::Series(frames))
             }

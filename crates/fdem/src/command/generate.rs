@@ -30,7 +30,7 @@ pub(crate) fn run(arguments: &GenerateArguments) -> Result<(), Failure> {
         let what = if dims == 2 { "discs" } else { "spheres" };
         let edge = edge(&arguments.kind, &radii)?;
         let place =
-            edge.map_or_else(String::new, |edge| format!(" (in a box of edge {edge} from the origin)"));
+            edge.map_or_else(String::new, |edge| format!(" (in a box with edges of {edge} from the origin)"));
         // A message that cannot be shown is not an error.
         let _ = writeln!(io::stderr(), "wrote {} {what} to {}{place}", centres.len(), display_name(path));
     }
@@ -90,7 +90,7 @@ fn any_dimension<const D: usize>(kind: &Kind) -> Result<Cloud<D>, Failure> {
         Kind::Deposit { .. } => unreachable!("a deposit is planar"),
         Kind::Book { packing: BookPacking::A, spacing: None, .. } => book::packing_a(n),
         Kind::Book { packing: BookPacking::A, spacing: Some(_), .. } => {
-            return Err(Failure::Unusable("packing A is dense: it has no --spacing".to_owned()));
+            return Err(Failure::Unusable("packing A is dense: --spacing does not apply to it".to_owned()));
         }
         Kind::Book { packing: BookPacking::B, spacing, .. } => book::packing_b(n, spacing.unwrap_or(SPACING)),
         Kind::Book { packing: BookPacking::C, spacing, .. } => book::packing_c(n, spacing.unwrap_or(SPACING)),

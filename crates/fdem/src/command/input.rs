@@ -151,7 +151,7 @@ pub(crate) fn understand(
         Selection::One(frame) => frame,
         Selection::Series(frames) => {
             return Err(Failure::Unusable(format!(
-                "{}: {} frames, where one is wanted: choose it with --frames N",
+                "{}: {} frames are selected, but one is needed: choose it with --frames N",
                 opened.name,
                 frames.len()
             )));
@@ -282,7 +282,7 @@ pub(crate) fn refusal(packing: &Packing, error: &Error) -> String {
         Error::DomainTooWide { axis, width, cell_size, stretched_by: Some((index, position)), .. } => {
             format!(
                 "the domain is {width:e} wide along {axis}, {cells:.1e} cells of {cell_size:e}: too many for the \
-             lists of this engine. It is stretched by {element} at {axis} = {position:e}. Remove that element, or take \
+             lists of this engine. It is stretched by {element} at {axis} = {position:e}. Remove that element, or choose \
              --engine rows, whose memory does not depend on the domain",
                 axis = ["x", "y", "z"][*axis],
                 cells = width / cell_size,
@@ -291,7 +291,7 @@ pub(crate) fn refusal(packing: &Packing, error: &Error) -> String {
         }
         Error::OutOfMemory { bytes } => format!(
             "no memory for {bytes} bytes: the couples do not fit. --count needs no memory for them; a smaller \
-             --tolerance, --radius or --cutoff makes fewer"
+             --tolerance, --radius or --cutoff gives fewer couples"
         ),
         Error::NoThreads { .. } => format!("--threads: {error}"),
         _ => match error.element() {

@@ -73,7 +73,7 @@ impl<L: Label + LabelValue, const D: usize> Middles<L, D> {
         for (label, Sum { count, twice }) in self.bodies {
             let number: i128 = label.into();
             let id = i64::try_from(number).map_err(|_| {
-                Stop::Option(format!("the label {number} is beyond 63 bits, and cannot be drawn"))
+                Stop::Option(format!("the label {number} needs more than 63 bits and cannot be drawn"))
             })?;
             let middle = std::array::from_fn(|axis| twice[axis] as f64 / (2.0 * count as f64) * edges[axis]);
             let size = count as f64 * square;

@@ -60,17 +60,18 @@ impl fmt::Display for LabelSummary {
             None => ", no background".to_owned(),
         };
         line("bodies", format!("{}{background}", grouped(self.bodies as u64)))?;
-        line("neighbours", format!("at a {}", self.neighbours()))?;
+        line("neighbours", format!("share a {}", self.neighbours()))?;
         line("contacts", grouped(self.contacts as u64))?;
         line("coordination", format!("{:.4} contacts per body", self.mean_coordination))?;
         line("without contact", grouped(self.without_contact as u64))?;
         let measure = if is_2d { "length" } else { "area" };
         line("shared faces", format!("{}, {measure} {}", grouped(self.faces), brief(self.area)))?;
         if let Some(edges) = self.edges {
-            line("shared edges", format!("{} besides", grouped(edges)))?;
+            line("shared edges", format!("{} without a shared face", grouped(edges)))?;
         }
         if let Some(vertices) = self.vertices {
-            line("shared vertices", format!("{} besides", grouped(vertices)))?;
+            let without = if is_2d { "face" } else { "face or edge" };
+            line("shared vertices", format!("{} without a shared {without}", grouped(vertices)))?;
         }
         write_end(out, None, &self.seconds, self.peak_bytes)
     }

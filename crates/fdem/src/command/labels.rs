@@ -168,7 +168,10 @@ impl Task<'_> {
         let background = self.arguments.labels.background.0;
         let converted = background.map(|number| {
             L::try_from(number).map_err(|_| {
-                Stop::Option(format!("--background {number}: no label of {} can be that", image.format()))
+                Stop::Option(format!(
+                    "--background {number}: a label of {} cannot have this value",
+                    image.format()
+                ))
             })
         });
         let converted = converted.transpose()?;

@@ -142,7 +142,10 @@ impl fmt::Display for MeshSummary {
         line("couples", grouped(self.couples as u64))?;
         if spheres > 0 || spheres_and_meshes > 0 {
             let [a, b, c] = [spheres, spheres_and_meshes, meshes].map(|n| grouped(n as u64));
-            line("", format!("{a} of spheres, {b} of spheres and triangles, {c} of triangles"))?;
+            line(
+                "",
+                format!("{a} between spheres, {b} between spheres and triangles, {c} between triangles"),
+            )?;
         }
         line("body contacts", grouped(self.body_contacts as u64))?;
         line("coordination", format!("{:.4} contacts per body", self.mean_coordination))?;

@@ -80,7 +80,7 @@ fn refuse_periodic(input: &Input, arguments: &PeriodicArguments) -> Result<(), F
     let repeats = input.packing.cell.is_some_and(|cell| cell.repeats.contains(&true));
     if repeats && arguments.periodic.is_none() {
         return Err(Failure::Unusable(format!(
-            "{}: its box repeats, which it cannot beside other files: --periodic none leaves it alone",
+            "{}: its box is periodic, which is not possible with several files: --periodic none ignores the box",
             input.name
         )));
     }
@@ -111,7 +111,7 @@ fn read(
         let mesh = mesh.map_err(|error| Failure::Unusable(error.to_string()))?;
         if mesh.triangles.is_empty() && mesh.tetrahedra.is_empty() {
             return Err(Failure::Unusable(format!(
-                "{name}: the mesh has segments only: triangles or tetrahedra are compared"
+                "{name}: the mesh has only segments, but triangles or tetrahedra are needed"
             )));
         }
         return Ok(Source { name, content: Content::Mesh(mesh) });
@@ -126,7 +126,7 @@ fn read(
     match std::mem::replace(&mut input.packing.centres, Centres::Three(Vec::new())) {
         Centres::Three(centres) => Ok(Source { name, content: Content::Spheres { input, centres, radii } }),
         Centres::Two(_) => Err(Failure::Unusable(format!(
-            "{name}: discs in 2D are compared within one file only; with other files spheres in 3D are"
+            "{name}: discs in 2D can only be compared within one file; several files need spheres in 3D"
         ))),
     }
 }
@@ -181,7 +181,7 @@ impl Task<'_> {
         let flat = spheres.is_none() && meshes().all(|(_, mesh)| mesh.dimensions == 2);
         match (spheres, solid) {
             (Some(spheres), Some((solid, _))) => Err(Failure::Unusable(format!(
-                "{solid} has tetrahedra, {} has spheres: spheres are compared with triangles; give the surface of the body",
+                "{solid} has tetrahedra, {} has spheres: spheres can only be compared with triangles; give the surface of the body",
                 spheres.name
             ))),
             (None, Some(_)) => {
@@ -249,7 +249,7 @@ impl Task<'_> {
                     model.points.extend(mesh.points.iter().map(|&p| point(p)));
                     if u32::try_from(model.points.len()).is_err() {
                         return Err(Failure::Unusable(format!(
-                            "{}: more than 4294967295 nodes with the files before",
+                            "{}: with this file there are more than 4294967295 nodes",
                             source.name
                         )));
                     }
@@ -291,7 +291,7 @@ impl Task<'_> {
             }
             if u32::try_from(model.ids.len()).is_err() {
                 return Err(Failure::Unusable(format!(
-                    "{}: more than 4294967295 elements with the files before",
+                    "{}: with this file there are more than 4294967295 elements",
                     source.name
                 )));
             }
@@ -553,7 +553,10 @@ impl<const D: usize, const N: usize> Model<D, N> {
         for &number in numbers {
             let id = i64::try_from(number);
             self.ids.push(id.map_err(|_| {
-                Failure::Unusable(format!("{}: the element number {number} is beyond 63 bits", source.name))
+                Failure::Unusable(format!(
+                    "{}: the element number {number} needs more than 63 bits",
+                    source.name
+                ))
             })?);
         }
         // Bodies that have elements of this kind, in the order of the file.

@@ -55,7 +55,7 @@ impl TableFormat {
             [names @ .., last] => format!("{} or {last}", names.join(", ")),
             [] => String::new(),
         };
-        Err(Failure::writing(path, format!("its name does not tell the format: end it in {names}")))
+        Err(Failure::writing(path, format!("its extension must be that of a format: {names}")))
     }
 
     /// Refuses formats that hold the network of a packing.
@@ -142,7 +142,7 @@ impl Output {
         };
         let folder = folder(&target);
         if !folder.is_dir() {
-            return Err(Failure::writing(path, format!("no folder {}", display_name(folder))));
+            return Err(Failure::writing(path, format!("there is no folder {}", display_name(folder))));
         }
         // Only the kind is shown, because the error itself names the temporary file.
         let (file, claim) = aside::create(folder, permissions)
@@ -245,7 +245,10 @@ pub(crate) fn refuse_to_overwrite(files: &[(&str, Option<&PathBuf>)]) -> Result<
         let Some(path) = path else { continue };
         for (other, taken) in &files[..k] {
             if taken.is_some_and(|taken| same_file(path, taken)) {
-                return Err(Failure::Unusable(format!("{option} {} is {other} too", display_name(path))));
+                return Err(Failure::Unusable(format!(
+                    "{option} {} is the same file as {other}",
+                    display_name(path)
+                )));
             }
         }
     }
@@ -275,7 +278,7 @@ fn target(path: &Path) -> Result<PathBuf, Failure> {
             Err(_) => return Ok(target),
         }
     }
-    Err(Failure::writing(path, "its links lead in a circle"))
+    Err(Failure::writing(path, "its links form a loop"))
 }
 
 fn folder(path: &Path) -> &Path {

@@ -38,7 +38,7 @@ fn box_of_options<const D: usize>(
         if takes_file_box(arguments) {
             return Ok(None);
         }
-        return Err(unusable("--periodic none", "--box and --edges give a box that repeats"));
+        return Err(unusable("--periodic none", "--box and --edges give a periodic box"));
     }
     let periodic = std::array::from_fn(|axis| axes.0[axis]);
     let count = |option: &str, numbers: &[f64], expected: usize, what: &str| {
@@ -88,11 +88,11 @@ fn file_box<const D: usize>(
         return Ok(None);
     }
     let unusable = |why: String| {
-        let advice = "--periodic none leaves it alone, --box and --edges give another";
+        let advice = "--periodic none ignores it, --box and --edges replace it";
         Failure::Unusable(format!("{}: the box of the file: {why}. {advice}", input.name))
     };
     if D == 2 && cell.edges[..2].iter().any(|edge| edge[2] != 0.0) {
-        return Err(unusable("its edges leave the plane of the elements, which are 2D".to_owned()));
+        return Err(unusable("its edges leave the plane of the 2D elements".to_owned()));
     }
     let mut edges: [[f64; D]; D] =
         std::array::from_fn(|edge| std::array::from_fn(|axis| cell.edges[edge][axis]));
@@ -123,7 +123,7 @@ pub(crate) fn check<const D: usize>(
         couple.i > couple.j || couple.j as usize >= n || (couple.i == couple.j && couple.shift <= [0; D])
     };
     if let Some(PeriodicCouple { i, j, shift }) = couples.iter().find(faulty) {
-        return Err(format!("({i}, {j}) with shift {shift:?} is no couple"));
+        return Err(format!("({i}, {j}) with shift {shift:?} is not a couple"));
     }
     let picked = pick(n, sample);
     let is_picked = |element: u32| picked.binary_search(&element).is_ok();
@@ -161,7 +161,7 @@ pub(crate) fn check<const D: usize>(
             return match touching.peek() {
                 Some(missing) if *missing < couple => Err(missing_couple(*missing)),
                 _ => Err(format!(
-                    "elements {i} and {j} with shift {shift:?} are listed too often: once more, or without touching"
+                    "elements {i} and {j} with shift {shift:?} are listed too often, or do not touch"
                 )),
             };
         }
@@ -298,8 +298,8 @@ mod tests {
             checked(&couples).unwrap_err()
         };
         assert!(with(couple(0, 1, [0, 1])).contains("too often"));
-        assert!(with(couple(1, 1, [-1, 0])).contains("no couple"));
-        assert!(with(couple(2, 1, [0, 0])).contains("no couple"));
-        assert!(with(couple(2, 4, [0, 0])).contains("no couple"));
+        assert!(with(couple(1, 1, [-1, 0])).contains("not a couple"));
+        assert!(with(couple(2, 1, [0, 0])).contains("not a couple"));
+        assert!(with(couple(2, 4, [0, 0])).contains("not a couple"));
     }
 }

@@ -77,7 +77,7 @@ pub(crate) fn resume(arguments: &ResumeArguments) -> Result<(), Failure> {
     let mut text = read_text(&path)?;
     if let Some(end) = arguments.end_time {
         text = with_end_time(&text, end).ok_or_else(|| {
-            Failure::Unusable(format!("{} has no end_time to be changed", display_name(&path)))
+            Failure::Unusable(format!("{} has no end_time that could be changed", display_name(&path)))
         })?;
     }
     let mut next = 0;
@@ -92,7 +92,7 @@ pub(crate) fn resume(arguments: &ResumeArguments) -> Result<(), Failure> {
     let prepared = prepared.map_err(|errors| refused(&errors))?;
     if prepared.hash != checkpoint.model {
         return Err(Failure::Unusable(format!(
-            "{} is not the model of this run any more: put it back, or start anew with `fdem run`. Only end_time may change",
+            "{} has changed since this run: restore it, or start a new run with `fdem run`. Only end_time may change",
             display_name(&path)
         )));
     }
@@ -106,7 +106,7 @@ pub(crate) fn resume(arguments: &ResumeArguments) -> Result<(), Failure> {
     let steps = Preflight::with(&prepared, simulation.critical_step()).map_err(unusable)?.steps;
     if steps < step {
         return Err(unusable(format!(
-            "it has come to {} s, and its end_time is {} s",
+            "it has reached {} s, but its end_time is {} s",
             brief(simulation.time()),
             brief(prepared.end_time)
         )));
@@ -126,7 +126,7 @@ pub(crate) fn resume(arguments: &ResumeArguments) -> Result<(), Failure> {
     }
     let earlier = Earlier { account, intervals };
     let mut going = Going::new(folder, prepared, simulation, recorder, earlier, &arguments.options)?;
-    going.told.say(&format!("goes on after step {}", grouped(step)));
+    going.told.say(&format!("continues after step {}", grouped(step)));
     going.go()
 }
 
@@ -241,13 +241,13 @@ impl Going {
             )),
             End::Interrupted(signal) => Err(Failure::Interrupted {
                 message: format!(
-                    "interrupted after step {}; `fdem resume {place}` goes on",
+                    "interrupted after step {}; `fdem resume {place}` continues it",
                     self.run.steps()
                 ),
                 signal,
             }),
             End::Stopped(stop) => Err(Failure::Wrong(format!(
-                "{stop}\nthe last frame in {place} shows it; its checkpoint is of before"
+                "{stop}\nthe last frame in {place} shows this state; the checkpoint is from an earlier step"
             ))),
         }
     }
@@ -334,7 +334,7 @@ impl Going {
         if let Some(element) = self.run.penetrated().filter(|_| !self.warned) {
             self.warned = true;
             self.told.say(&format!(
-                "warning: at step {} element {element} and another overlap to a centroid: contacts are too soft; raise [contact] penalty",
+                "warning: at step {} element {element} and another one overlap as deep as a centroid: contacts are too soft; increase penalty in [contact]",
                 self.run.steps()
             ));
         }
@@ -415,11 +415,7 @@ impl Going {
             ),
             (
                 "balance",
-                format!(
-                    "{} J, {:.2e} of what has been in the system",
-                    brief(energies.balance()),
-                    energies.error()
-                ),
+                format!("{} J, {:.2e} of the exchanged energy", brief(energies.balance()), energies.error()),
             ),
             (
                 "detection",

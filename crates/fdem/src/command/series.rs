@@ -87,11 +87,11 @@ fn files(arguments: &ContactsArguments, chosen: &[usize]) -> Vec<String> {
 fn refuse_options_of_one_frame(arguments: &ContactsArguments, name: &str) -> Result<(), Failure> {
     let refused = |problem: &str| Err(Failure::Unusable(format!("{name}: {problem}")));
     if arguments.explain {
-        return refused("--explain tells of one frame: choose it with --frames N");
+        return refused("--explain needs one frame: choose it with --frames N");
     }
     if arguments.analysis.analyse && arguments.json.is_none() {
         return refused(
-            "--analyse of several frames is told by --json only: give it a file, or choose a frame with --frames N",
+            "--analyse of several frames is written only to --json: give --json FILE, or choose a frame with --frames N",
         );
     }
     for (option, path) in arguments.drawings.files() {
@@ -156,7 +156,7 @@ impl SeriesTable {
         let format = TableFormat::of(path)?;
         if !TABLES.contains(&format) {
             return Err(Failure::Unusable(format!(
-                "--output: one table of several frames ends in .csv, .npy, .npz or .parquet; for a file for each put {PLACE} into its name"
+                "--output: a table of several frames must end in .csv, .npy, .npz or .parquet; for a file per frame, put {PLACE} into its name"
             )));
         }
         let output = Output::open(path)?;
@@ -178,7 +178,7 @@ impl SeriesTable {
         // Without a periodic box, shifts are zero, and any number of columns holds them.
         if shifts != columns && shifts != 0 {
             return Err(Failure::Unusable(format!(
-                "frame {}: its box repeats along other edges than that of the first frame, or in another dimension: one table cannot hold both. Put \
+                "frame {}: its box has other periodic edges than that of the first frame, or another dimension: one table cannot hold both. Put \
                  {PLACE} into the name of the output, or give --periodic",
                 packing.frame.index
             )));

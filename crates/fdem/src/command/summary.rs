@@ -225,7 +225,7 @@ impl fmt::Display for Summary {
             line("", format!("{} of radius zero: points", grouped(self.points as u64)))?;
         }
         if let Some(bodies) = self.bodies {
-            line("bodies", format!("{}, without couples of their own parts", grouped(bodies as u64)))?;
+            line("bodies", format!("{}, without couples within a body", grouped(bodies as u64)))?;
         }
         if self.skipped_lines > 0 {
             line("skipped", format!("{} that could not be read", grouped(self.skipped_lines)))?;
@@ -250,7 +250,7 @@ impl fmt::Display for Summary {
         }
         if let Some(StillBox { origin, edges }) = &self.still_box {
             let (origin, edges) = (point(origin), edges_of(edges));
-            line("box", format!("edges {edges}{unit} from {origin}, of the file: it does not repeat"))?;
+            line("box", format!("edges {edges}{unit} from {origin}, the box of the file: not periodic"))?;
         }
         line("engine", format!("{}: {}", self.engine, self.reason))?;
         if let (Some(size), Some(cells)) = (self.cell_size, &self.cells) {

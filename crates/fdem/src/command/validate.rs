@@ -41,7 +41,10 @@ fn chosen(asked: &[String]) -> Result<Vec<&'static Case>, Failure> {
     if let Some(unknown) = asked.iter().find(|asked| !cases().iter().any(|case| is(case, asked))) {
         let known: Vec<String> =
             cases().iter().map(|case| format!("{} {}", case.number, case.name)).collect();
-        return Err(Failure::Unusable(format!("there is no case '{unknown}': {}", known.join(", "))));
+        return Err(Failure::Unusable(format!(
+            "there is no case '{unknown}', but there are {}",
+            known.join(", ")
+        )));
     }
     Ok(cases().iter().filter(|case| asked.is_empty() || asked.iter().any(|asked| is(case, asked))).collect())
 }

@@ -207,7 +207,7 @@ impl Page {
             furniture::overlap_bar(&mut svg, name, values, [width - MARGIN - 6.0, foot]);
         } else if !drawing.contacts.is_empty() {
             let right = [width - MARGIN - 6.0, foot + 10.0];
-            svg.label(right, 12.0, Anchor::End, PALE, &format!("contacts in points: overlap {}", brief(0.0)));
+            svg.label(right, 12.0, Anchor::End, PALE, &format!("point contacts: overlap {}", brief(0.0)));
         }
         svg.finish()
     }
@@ -289,7 +289,7 @@ mod tests {
         assert!(svg.contains("area that overlaps") && svg.contains("a &lt;b&gt;") && svg.contains("mm"));
         assert!(svg.contains("2 triangles of 2 bodies, 1 contact between them"));
         assert!(drawn(&[contact(0.0, 0.5)], "").contains("length of shared boundary"));
-        assert!(drawn(&[contact(0.0, 0.0)], "").contains("contacts in points"));
+        assert!(drawn(&[contact(0.0, 0.0)], "").contains("point contacts"));
         assert_eq!(drawn(&[], "").matches("<path").count(), 1, "outlines only");
     }
 

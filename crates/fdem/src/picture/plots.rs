@@ -250,7 +250,7 @@ fn distances(scene: &Scene, radial: &Result<Radial, String>) -> Panel {
             let highest =
                 (0..radial.g.len()).max_by(|&a, &b| radial.g[a].total_cmp(&radial.g[b])).unwrap_or(0);
             let description = format!(
-                "How often centres are at a distance, relative to centres anywhere: largest, {:.4}, at {}, up to {}.",
+                "Radial distribution function of the centres: its largest value is {:.4} at {}, up to a distance of {}.",
                 radial.g.get(highest).copied().unwrap_or(0.0),
                 brief(radial.r.get(highest).copied().unwrap_or(0.0)),
                 brief(radial.r_max)
@@ -473,7 +473,7 @@ fn inclination(scene: &Scene) -> Panel {
     // The other quarter is its mirror image, because opposite directions are the same and the azimuth has a plot of its own.
     let radii: Vec<f64> = bands.iter().chain(bands.iter().rev()).copied().collect();
     let description = format!(
-        "Relative to no preferred direction: {:.2} near the plane of x and y, {:.2} near z.",
+        "Relative to isotropic contacts: {:.2} near the plane of x and y, {:.2} near z.",
         bands[0],
         bands[BANDS - 1]
     );

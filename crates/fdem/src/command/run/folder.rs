@@ -102,7 +102,7 @@ impl Folder {
         if there {
             if ![SUMMARY, CHECKPOINT].iter().any(|name| folder.path(name).exists()) {
                 return Err(Failure::Unusable(format!(
-                    "{} is not empty, and holds no run that --force could replace: choose another folder with --output",
+                    "{} is not empty and has no run that --force could replace: choose another folder with --output",
                     display_name(path)
                 )));
             }
@@ -138,7 +138,7 @@ impl Folder {
         let Ok(file) = File::open(self.path(MODEL)) else { return Ok(()) };
         if matches!(file.try_lock(), Err(TryLockError::WouldBlock)) {
             return Err(Failure::Unusable(format!(
-                "another fdem is at work in {}",
+                "another fdem process is using {}",
                 display_name(&self.path)
             )));
         }
@@ -230,9 +230,7 @@ impl Folder {
         match File::open(&path).and_then(|mut file| file.read_to_end(&mut bytes)) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => {
                 let folder = display_name(&self.path);
-                return Err(Failure::Unusable(format!(
-                    "{folder} holds no run: there is no checkpoint in it"
-                )));
+                return Err(Failure::Unusable(format!("{folder} has no run: there is no checkpoint in it")));
             }
             Err(error) => return Err(Failure::reading(&name, &error)),
             Ok(_) => {}

@@ -87,7 +87,7 @@ impl Recorder {
         HistoryWriter::new(&mut head, &columns(prepared)).map_err(|error| Failure::writing(&path, error))?;
         if !text.starts_with(&head) {
             return Err(Failure::Unusable(format!(
-                "{}: its columns are not those of the [[history]] tables in {}: put these back",
+                "{}: its columns are not those of the [[history]] tables in {}: restore these tables",
                 display_name(&path),
                 display_name(&folder.path(MODEL))
             )));
