@@ -70,8 +70,7 @@ impl fmt::Display for LabelSummary {
             line("shared edges", format!("{} without a shared face", grouped(edges)))?;
         }
         if let Some(vertices) = self.vertices {
-            let without = if is_2d { "face" } else { "face or edge" };
-            line("shared vertices", format!("{} without a shared {without}", grouped(vertices)))?;
+            line("shared vertices", format!("{} without a shared face or edge", grouped(vertices)))?;
         }
         write_end(out, None, &self.seconds, self.peak_bytes)
     }

@@ -241,7 +241,7 @@ impl Going {
             )),
             End::Interrupted(signal) => Err(Failure::Interrupted {
                 message: format!(
-                    "interrupted after step {}; `fdem resume {place}` continues it",
+                    "interrupted after step {}; `fdem resume {place}` continues the run",
                     self.run.steps()
                 ),
                 signal,

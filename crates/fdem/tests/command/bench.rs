@@ -182,7 +182,7 @@ fn bad_input_and_options_are_refused_as_elsewhere() {
     bench.run(&["bench", "row.csv", "--cutoff", "1e300"]).refused_with(&["row.csv: cut-off 1e300"]);
     bench
         .run(&["bench", "row.csv", "--cutoff", "1", "--json", "row.csv"])
-        .refused_with(&["--json row.csv is the input too"]);
+        .refused_with(&["--json row.csv is the same file as the input"]);
     let foreign = if cfg!(target_arch = "aarch64") { "avx2" } else { "neon" };
     bench.run(&["bench", "row.csv", "--cutoff", "1", "--simd", foreign]).refused_with(&["--simd", foreign]);
     bench

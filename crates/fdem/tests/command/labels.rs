@@ -73,7 +73,7 @@ fn contacts_in_2d() {
     let normal = run.stdout.strip_prefix(start).unwrap_or_else(|| panic!("{}", run.stdout));
     let normal: Vec<f64> = normal.trim().split(',').map(|x| x.parse().unwrap()).collect();
     assert!((normal[0] - 0.6).abs() < 1e-15 && (normal[1] - 0.8).abs() < 1e-15, "{normal:?}");
-    assert!(run.stderr.contains("shared vertices  3 without a shared face"), "{}", run.stderr);
+    assert!(run.stderr.contains("shared vertices  3 without a shared face or edge"), "{}", run.stderr);
     let run =
         bench.run(&["contacts", "in.npy", "--labels", "--count", "-q", "--background", "none"]).succeeds();
     assert_eq!((run.stdout.as_str(), run.stderr.as_str()), ("5\n", ""));
