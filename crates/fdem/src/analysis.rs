@@ -1,17 +1,17 @@
-//! What a contact network says: coordination, rattlers, directions, clusters, overlaps, packing fraction, radial distribution.
+//! Analysis of contact networks: coordination, rattlers, directions, clusters, overlaps, packing fraction, radial distribution.
 //!
 //! ```text
 //! Network ── analyse ──> Analysis
-//!                          ├─ coordination, without_rattlers    contacts of an element
-//!                          ├─ directions, fabric                where contacts point
-//!                          ├─ clusters                          what hangs together, and from face to face
-//!                          ├─ overlaps                          how deep, how far apart
-//!                          ├─ packing                           how much of the space is filled
-//!                          └─ radial                            how far centres are from each other
+//!                          ├─ coordination, without_rattlers    contacts per element
+//!                          ├─ directions, fabric                directions of contacts
+//!                          ├─ clusters                          connected elements, percolation
+//!                          ├─ overlaps                          overlaps and gaps
+//!                          ├─ packing                           filled fraction of the space
+//!                          └─ radial                            distances between centres
 //! ```
 //!
-//! All sums run over the couples in their order: the result does not depend on threads. Contacts with walls are not in the network: elements
-//! that rest on a wall have fewer contacts here than in the experiment.
+//! All sums run over the couples in their order, so that the result does not depend on threads. The network does not include contacts with walls: elements that
+//! rest on a wall have fewer contacts here than in the experiment.
 
 mod clusters;
 mod coordination;
@@ -37,52 +37,52 @@ pub use volumes::{disc_in_rectangle, sphere_in_box};
 
 use crate::network::Network;
 
-/// What to analyse, and how.
+/// Options of an analysis.
 ///
 /// # Units
 /// Lengths in the unit of the centres.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Options<const D: usize> {
-    /// Elements with fewer contacts are rattlers. Unless given it is chosen from the data ([`WithoutRattlers`]): `D + 1`, the fewest that hold an element without
-    /// friction, or 2, the fewest that hold one with friction.
+    /// Elements with fewer contacts are rattlers. By default the number is chosen from the data ([`WithoutRattlers`]): `D + 1`, the fewest contacts that hold an
+    /// element without friction, or 2, the fewest that hold one with friction.
     pub min_contacts: Option<u32>,
-    /// Where the packing fraction is measured, `[min, max]` of each axis. Unless given: as far as the box repeats, and the domain shrunk by the largest
-    /// diameter on both sides along the other axes.
+    /// Region in which the packing fraction is measured, `[min, max]` of each axis. By default the whole box along periodic axes, and along the other axes the domain
+    /// shrunk by the largest diameter on both sides.
     pub inner: Option<[[f64; 2]; D]>,
-    /// The radial distribution; [`RadialOptions::default`] is 3 mean diameters in 150 bins.
+    /// Options of the radial distribution.
     pub radial: RadialOptions,
 }
 
-/// How the radial distribution is measured.
+/// Options of the radial distribution.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RadialOptions {
-    /// The largest distance.
+    /// Largest distance; by default 3 mean diameters, or less in a small domain.
     pub r_max: Option<f64>,
-    /// Bins of equal width.
+    /// Number of bins of equal width; by default 150.
     pub bins: Option<usize>,
 }
 
-/// What [`analyse`] finds.
+/// Result of [`analyse`].
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Analysis {
     /// Contacts of the elements.
     pub coordination: Coordination,
-    /// The same after rattlers were removed repeatedly until none was left.
+    /// Contacts of the elements after rattlers are removed repeatedly until none is left.
     pub without_rattlers: WithoutRattlers,
-    /// Where contacts point.
+    /// Directions of the contacts.
     pub directions: Directions,
-    /// Where they point on the whole; `None` without a contact that has a direction.
+    /// Fabric tensor; `None` if no contact has a direction.
     pub fabric: Option<Fabric>,
-    /// What hangs together.
+    /// Connected components and percolation.
     pub clusters: Clusters,
-    /// How deep elements overlap, and how far they are apart where a tolerance makes couples of them.
+    /// Overlaps of the couples, and gaps between those within the tolerance.
     pub overlaps: Overlaps,
-    /// How much of the space is filled; `None` for points.
+    /// Packing fraction; `None` for points, for example.
     pub packing: Option<PackingFraction>,
     /// Why `packing` is `None`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub no_packing: Option<String>,
-    /// How far centres are from each other.
+    /// Radial distribution of the centres.
     pub radial: Option<Radial>,
     /// Why `radial` is `None`.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -93,23 +93,23 @@ pub struct Analysis {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum AnalysisError {
-    /// The network is neither flat nor in space.
+    /// The network is neither 2D nor 3D.
     Dimensions {
-        /// How many it has.
+        /// Its number of dimensions.
         dimensions: usize,
     },
-    /// The inner region is empty, or not of numbers.
+    /// The inner region is empty, or its limits are not finite.
     Region {
         /// The axis.
         axis: usize,
         /// Its limits.
         limits: [f64; 2],
     },
-    /// The inner region has limits along the axes, and the box that repeats is sheared.
+    /// The box is sheared, but an inner region has faces at right angles to the axes.
     ShearedBox,
-    /// The largest distance, or the number of bins, cannot be.
+    /// The largest distance or the number of bins is invalid.
     Radial {
-        /// What is wrong.
+        /// Description of the problem.
         problem: String,
     },
     /// The search for the radial distribution was refused.
@@ -120,13 +120,13 @@ impl fmt::Display for AnalysisError {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Dimensions { dimensions } => {
-                write!(out, "networks in 2D and 3D are analysed, not in {dimensions}D")
+                write!(out, "a network in {dimensions}D cannot be analysed, only in 2D and 3D")
             }
             Self::Region { axis, limits: [min, max] } => {
                 write!(out, "the inner region is empty along axis {axis}: from {min} to {max}")
             }
             Self::ShearedBox => out.write_str(
-                "an inner region has edges along the axes, and cannot be measured in a sheared box",
+                "an inner region has edges along the axes and cannot be measured in a sheared box",
             ),
             Self::Radial { problem } => write!(out, "the radial distribution: {problem}"),
             Self::Search(error) => write!(out, "the radial distribution: {error}"),
@@ -139,17 +139,17 @@ impl std::error::Error for AnalysisError {}
 /// Analyses a network.
 ///
 /// # Cost
-/// Linear in the couples, some 100 ns each, and one search for the pairs of centres within the largest distance of the radial distribution: some 150 per element
-/// by default in a dense packing in 3D. Memory: some 50 bytes per element.
+/// Linear in the couples, some 100 ns each, and one search for the pairs of centres within the largest distance of the radial distribution, by default some 150
+/// pairs per element in a dense packing in 3D. Memory: some 50 bytes per element.
 ///
 /// # Errors
-/// [`AnalysisError`]. What has no meaning for the network, such as the packing fraction of points, is `None` and says why.
+/// [`AnalysisError`]. A result that has no meaning for the network, such as the packing fraction of points, is no error: it is `None`, with a reason.
 ///
 /// # Panics
-/// If the couples are not of these elements.
+/// If the couples were not found among these elements.
 ///
 /// # Source
-/// The parts name theirs.
+/// See the types of the results.
 ///
 /// # Example
 /// ```
@@ -157,7 +157,7 @@ impl std::error::Error for AnalysisError {}
 /// use fdem::contact::{Engine, Elements, PeriodicBox, PeriodicSearch};
 /// use fdem::network::{Couples, Network, Sizes, Space};
 ///
-/// // One sphere in a cube that repeats: the simple cubic lattice.
+/// // One sphere in a periodic cube: the simple cubic lattice.
 /// let centres = [[0.5, 0.5, 0.5]];
 /// let cell = PeriodicBox::orthogonal([0.0; 3], [1.0; 3], [true; 3])?;
 /// let mut couples = Vec::new();
@@ -194,7 +194,7 @@ pub fn analyse<const D: usize>(
     })
 }
 
-/// What was found, or why nothing was.
+/// Splits a result into its value and the reason why there is none.
 fn told<T>(found: Result<T, String>) -> (Option<T>, Option<String>) {
     match found {
         Ok(found) => (Some(found), None),

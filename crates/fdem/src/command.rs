@@ -1,7 +1,8 @@
 //! The command line: the only place that knows paths, the terminal and exit codes.
 //!
 //! Exit code 0: done; 1: a check that was asked for failed; 2: bad input, bad usage, or an output that cannot be
-//! written; 128 and the number of the signal: interrupted. Unless it is 0 no output file is left behind, not even a part of one.
+//! written; 128 plus the number of the signal: interrupted. Unless the code is 0, no output file is left behind, not even a partial one; only simulations keep their
+//! results.
 
 mod analyse;
 mod args;
@@ -54,7 +55,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         Ok(arguments) => arguments,
         Err(error) => return help_or_refusal(&error),
     };
-    // Runs of models do not lose what they have when they are interrupted.
+    // Interrupted simulations keep their results and handle signals themselves.
     let watched = match arguments.task {
         Task::Run(_) | Task::Resume(_) => Ok(()),
         _ => output::remove_partial_output_when_interrupted(),
@@ -72,23 +73,23 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     match done {
         Ok(()) => 0,
         Err(failure) => {
-            // Nothing is left to do if even the error cannot be printed.
+            // Nothing can be done if even the error cannot be printed.
             let _ = writeln!(io::stderr(), "error: {failure}");
             failure.exit_code()
         }
     }
 }
 
-/// Prints what the parser says, and returns the exit code. Help and version are "errors" of the parser too: they go to standard output, and
-/// are lost if it cannot be written.
+/// Prints the message of the parser and returns the exit code. Help and version are also "errors" of the parser: they go to standard output, and it is an error
+/// if it cannot be written.
 fn help_or_refusal(error: &clap::Error) -> u8 {
     if error.use_stderr() {
-        // Nothing is left to do if even the error cannot be printed.
+        // Nothing can be done if even the error cannot be printed.
         let _ = error.print();
         return error.exit_code() as u8;
     }
     match output::check_stdout().and_then(|()| error.print()).and_then(|()| io::stdout().flush()) {
-        // A reader that leaves early (`| head`) has what it wants.
+        // It is no error if the reader ends early (`| head`).
         Err(problem) if problem.kind() != io::ErrorKind::BrokenPipe => {
             let _ = writeln!(io::stderr(), "error: cannot write standard output: {problem}");
             2

@@ -1,12 +1,13 @@
 //! fdem: contact detection and the combined finite-discrete element method.
 //!
-//! This crate holds the `fdem` command, as a library, and what it says of contact networks ([`network`], [`analysis`]) and shows of them ([`picture`], [`report`]); the rest is in the crates below:
-//! - [`contact`]: which of N elements touch (package `fdem-contact`);
-//! - [`io`]: packings in, couples out, in the field's formats (package `fdem-io`);
-//! - [`scenes`]: seeded packings (package `fdem-scenes`);
-//! - [`simulation`]: bodies that deform, collide and break (package `fdem-simulation`), from the files that [`model`] reads.
+//! This crate is the library of the `fdem` command. It analyses contact networks ([`network`], [`analysis`]) and draws them ([`picture`], [`report`]). It reads
+//! model files ([`model`]), writes the results of simulations ([`results`]) and runs the verification ladder ([`validate`]). It uses these crates:
+//! - [`contact`] finds the couples of elements that touch (package `fdem-contact`);
+//! - [`io`] reads packings and meshes and writes couples in the formats of the field (package `fdem-io`);
+//! - [`scenes`] generates packings from seeds (package `fdem-scenes`);
+//! - [`simulation`] simulates bodies that deform, collide and break (package `fdem-simulation`).
 //!
-//! A program of yours that needs couples depends on `fdem-contact` alone, whose one dependency, rayon, is optional.
+//! A program that only needs couples can depend on `fdem-contact` alone, whose only dependency, rayon, is optional.
 
 pub mod analysis;
 pub mod command;

@@ -1,12 +1,12 @@
-//! Pictures of a packing and its contact network, as SVG or PNG: no display, no graphics card, the same bytes at every run.
+//! Pictures of a packing and its contact network as SVG or PNG. They need no display and no graphics card, and their bytes are the same in every run.
 //!
 //! ```text
 //! Network ──> Scene ──┬─> discs, spheres, rods by pixel ─┐
 //!                     ├─> discs and lines as SVG ────────┼─> SVG ──> PNG
 //!                     └─> distributions ─────────────────┘
 //! ```
-//! [`svg`] and [`png()`] draw the elements and the contacts, [`plots_svg`] and [`plots_png`] how contacts, overlaps, sizes and directions
-//! are distributed. [`mesh_svg`] and [`mesh_png`] draw meshed bodies in a plane.
+//! [`svg`] and [`png()`] draw the elements and the contacts. [`plots_svg`] and [`plots_png`] draw the distributions of contacts, overlaps, sizes and directions.
+//! [`mesh_svg`] and [`mesh_png`] draw meshed bodies in a plane, [`bodies_svg`] and [`bodies_png`] bodies of any shape.
 
 pub(crate) mod bodies;
 pub(crate) mod camera;
@@ -30,12 +30,12 @@ use std::fmt;
 use crate::network::Network;
 use scene::Scene;
 
-/// What a picture says of where its network is from.
+/// Title and unit of a picture.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Caption<'a> {
-    /// In the first line: the file, for example.
+    /// First line of the picture, for example the name of the file.
     pub title: &'a str,
-    /// The unit of length, if it is known.
+    /// Unit of length, if it is known.
     pub unit: Option<&'a str>,
 }
 
@@ -45,42 +45,42 @@ pub struct Caption<'a> {
 pub enum PictureError {
     /// Only 2D and 3D can be drawn.
     Dimensions {
-        /// Those of the network.
+        /// Dimensions of the network.
         found: usize,
     },
-    /// An element is nowhere, or has no size.
+    /// A coordinate or a radius is not finite.
     NotFinite {
-        /// Its place among the elements.
+        /// Index of the element, or of the node of a mesh.
         index: usize,
     },
-    /// The domain is wider than the largest number.
+    /// The width of the domain is not finite.
     TooWide,
-    /// A PNG cannot be so wide.
+    /// The width of a PNG is out of range.
     Width {
-        /// Pixels that were asked for.
+        /// Width that was asked for, pixels.
         found: u32,
-        /// The fewest there may be.
+        /// Smallest width, pixels.
         least: u32,
-        /// The most.
+        /// Largest width, pixels.
         most: u32,
     },
-    /// A report of so many would not open in a browser.
+    /// There are too many elements, contacts or triangles: a browser could not open the file.
     TooMany {
-        /// Of what.
+        /// Name of the objects.
         what: &'static str,
-        /// How many there are.
+        /// Their number.
         found: usize,
-        /// How many can be shown.
+        /// Largest number that can be shown.
         most: usize,
     },
-    /// There is no memory for the drawing.
+    /// There is not enough memory for the drawing.
     OutOfMemory {
-        /// What it may take.
+        /// Memory that it may take, bytes.
         bytes: usize,
     },
-    /// The drawing could not be made a PNG file.
+    /// The drawing could not be converted to a PNG file.
     Png {
-        /// In the words of the library that was to do it.
+        /// Message of the library that converts it.
         message: String,
     },
 }
@@ -88,13 +88,15 @@ pub enum PictureError {
 impl fmt::Display for PictureError {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Dimensions { found } => write!(out, "{found}D cannot be drawn, 2D and 3D can"),
+            Self::Dimensions { found } => {
+                write!(out, "a network in {found}D cannot be drawn, only in 2D and 3D")
+            }
             Self::NotFinite { index } => {
                 write!(out, "element {index} has a coordinate or a radius that is not finite")
             }
             Self::TooWide => write!(out, "the domain is too wide to be drawn"),
             Self::Width { found, least, most } => {
-                write!(out, "a PNG of {found} pixels is not possible, {least} to {most} are")
+                write!(out, "a PNG cannot be {found} pixels wide, only {least} to {most}")
             }
             Self::TooMany { what, found, most } => {
                 write!(out, "{found} {what} are too many for a report, which shows up to {most}")
@@ -102,20 +104,20 @@ impl fmt::Display for PictureError {
             Self::OutOfMemory { bytes } => {
                 write!(out, "no memory for {bytes} bytes, which the drawing may take")
             }
-            Self::Png { message } => write!(out, "the picture cannot be made a PNG: {message}"),
+            Self::Png { message } => write!(out, "the picture cannot be converted to PNG: {message}"),
         }
     }
 }
 
 impl std::error::Error for PictureError {}
 
-/// Elements and contacts as SVG.
+/// Draws elements and contacts as SVG.
 ///
-/// In 2D discs, those without contact white, and a line for each contact, coloured by its overlap. In 3D two views along parallel rays,
-/// turned by 30 degrees and seen 20 degrees from above: the elements coloured by their contacts, and the contacts by overlap. Lines are the
-/// wider the larger the overlap. A contact across a face of the box is drawn as two halves. Points are drawn smaller than they reach.
+/// In 2D the picture shows discs, white if they have no contact, and a line for each contact, coloured by its overlap. In 3D it shows two views in parallel
+/// projection, turned by 30 degrees and tilted by 20 degrees: the elements coloured by their number of contacts, and the contacts coloured by overlap. Larger
+/// overlaps have wider lines. A contact across a face of the box is drawn as two halves. Points are drawn smaller than their cut-off.
 ///
-/// Text is text. Spheres, and more discs than a browser opens with ease (50,000), are an image within.
+/// Texts are SVG text. Spheres, and more than 50,000 discs or contacts, which a browser would open slowly, are an embedded image.
 ///
 /// # Errors
 /// [`PictureError::Dimensions`], [`PictureError::NotFinite`], [`PictureError::TooWide`].
@@ -145,7 +147,7 @@ pub fn svg<const D: usize>(network: &Network<'_, D>, caption: &Caption<'_>) -> R
     drawing::svg(&Scene::new(network, caption)?)
 }
 
-/// As [`svg`], as a PNG file: `width` pixels wide, 200 to 10,000, or twice as many as the SVG.
+/// As [`svg`], as a PNG file. `width`: 200 to 10,000 pixels, by default twice the width of the SVG.
 ///
 /// # Errors
 /// Those of [`svg`], [`PictureError::Width`] and [`PictureError::Png`].
@@ -161,11 +163,11 @@ pub fn png<const D: usize>(
     drawing::png(&Scene::new(network, caption)?, width)
 }
 
-/// How contacts, overlaps, sizes, the directions of contacts and the distances of centres are distributed, as SVG.
+/// Draws the distributions of contacts, overlaps, sizes, directions of contacts and distances of centres as SVG.
 ///
-/// Directions are axes: each contact counts both ways. In 2D and of the azimuth in 3D the radius of a sector is its share of the contacts; of the
-/// inclination in 3D it is that share over the one of contacts that prefer no direction, so that a circle is isotropy. Distances are shown by the
-/// radial distribution [`crate::analysis::Radial`], up to 3 mean diameters.
+/// Each contact counts in both of its directions. In 2D, and for the azimuth in 3D, the radius of a sector is its share of the contacts. For the inclination in
+/// 3D, it is this share over the share for isotropic contacts, so that isotropy is a circle. Distances are shown by the radial distribution
+/// [`crate::analysis::Radial`], up to 3 mean diameters.
 ///
 /// # Errors
 /// Those of [`svg`].
@@ -180,7 +182,7 @@ pub fn plots_svg<const D: usize>(
     Ok(plots::svg(&Scene::new(network, caption)?, &g_of_r(network)))
 }
 
-/// As [`plots_svg`], as a PNG file, wide as [`png()`] is.
+/// As [`plots_svg`], as a PNG file. `width`: as for [`png()`].
 ///
 /// # Errors
 /// Those of [`png()`].

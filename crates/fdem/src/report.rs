@@ -1,12 +1,12 @@
-//! A page for a browser: a network to look at, turn, cut, pick and read, all in one file.
+//! Report of a network as an HTML page in one file, with a 3D view, distributions and a table.
 //!
 //! ```text
 //! Network ──> Scene ──┬─> arrays, deflated, base64 ─┐
 //!                     ├─> distributions as SVG ─────┼─> page.html with style.css and the scripts
 //! facts ──────────────┴─> text and tables ──────────┘
 //! ```
-//! The page asks nothing of the network, and its content security policy forbids all scripts and styles but its own, by their hashes. Texts from outside
-//! (the name of a file) are escaped besides.
+//! The page loads nothing over the network. Its content security policy allows only its own script and style, by their hashes. Texts from outside, such as
+//! the name of a file, are also escaped.
 
 mod arrays;
 
@@ -28,15 +28,15 @@ use crate::picture::scene::Scene;
 use crate::picture::svg::escape;
 use crate::picture::{Bodies, Caption, PictureError, bodies, g_of_r, panels, preview, room};
 
-/// Of more a browser would run out of memory.
+/// Largest number in a report: with more, a browser would run out of memory.
 pub const MOST_ELEMENTS: usize = 1_000_000;
 
-/// Of more a browser would run out of memory.
+/// Largest number in a report: with more, a browser would run out of memory.
 pub const MOST_CONTACTS: usize = 5_000_000;
 
 const PAGE: &str = include_str!("report/page.html");
 pub(crate) const STYLE: &str = include_str!("report/style.css");
-/// What the page of a run has too.
+/// Script that the page of a run also has.
 pub(crate) const SHARED: &str = include_str!("report/shared.js");
 const SCRIPTS: [&str; 5] = [
     SHARED,
@@ -46,35 +46,35 @@ const SCRIPTS: [&str; 5] = [
     include_str!("report/main.js"),
 ];
 
-/// What a report is made of.
+/// Contents of a report.
 ///
 /// # Shapes
-/// `ids`: one for each element, or none: then they are numbered from 0. `facts`: the rows of the summary, a name and what it says; rows without a
-/// name go on with the one before.
+/// `ids`: one per element, or `None` if elements are numbered from 0. `facts`: rows of the summary, each with a name and a text. A row without a name continues
+/// the row before.
 #[derive(Clone, Copy, Debug)]
 pub struct Report<'a, const D: usize> {
     /// Elements and contacts.
     pub network: Network<'a, D>,
     /// Title and unit.
     pub caption: Caption<'a>,
-    /// What the elements are called.
+    /// Ids of the elements.
     pub ids: Option<&'a [i64]>,
     /// The summary.
     pub facts: &'a [(&'a str, &'a str)],
 }
 
-/// The page.
+/// Writes the report of a network as HTML.
 ///
-/// Numbers of single elements and contacts are shown as the 64-bit numbers that they are.
+/// Values of single elements and contacts are shown with all digits of their 64 bits.
 ///
 /// # Errors
 /// [`PictureError::TooMany`] for more than [`MOST_ELEMENTS`] or [`MOST_CONTACTS`], and those of [`crate::picture::png()`].
 ///
 /// # Panics
-/// If a couple was not found among these elements, or there are ids for some elements only.
+/// If a couple was not found among these elements, or the number of ids is not that of the elements.
 ///
 /// # Cost
-/// About 60 bytes for an element with three contacts.
+/// The page has about 60 bytes per element with three contacts.
 ///
 /// # Example
 /// ```
@@ -108,34 +108,34 @@ pub fn html<const D: usize>(report: &Report<'_, D>) -> Result<String, PictureErr
     let picture = room::of_pixels(room::LARGEST_PAGE, 1.0);
     room::check(room::of_scene(&network) + picture + page_bytes::<D>(elements, contacts))?;
     let scene = Scene::new(&network, &caption)?;
-    // The usual numbers need no place in the file.
+    // Ids that are numbers from 0 are not stored.
     let ids = ids.filter(|ids| ids.iter().enumerate().any(|(index, &id)| id != index.cast_signed() as i64));
     let data = data(&scene, &network, ids);
     page(&scene, &g_of_r(&network), facts, data)
 }
 
-/// Bodies of any shape, for a page.
+/// Contents of a report of bodies of any shape.
 #[derive(Clone, Copy, Debug)]
 pub struct BodiesReport<'a> {
     /// The bodies and their contacts.
     pub bodies: Bodies<'a>,
     /// Title and unit.
     pub caption: Caption<'a>,
-    /// What the bodies are called; without it they are numbered from 0.
+    /// Ids of the bodies; `None` if they are numbered from 0.
     pub ids: Option<&'a [i64]>,
-    /// What is told of each contact: a name, and a number for each. The first one has the values that contacts are coloured by; four at most.
+    /// Columns of the contacts, at most four: a name, and a value per contact. The values of the first column colour the contacts.
     pub columns: &'a [(&'a str, &'a [f64])],
     /// The summary.
     pub facts: &'a [(&'a str, &'a str)],
 }
 
-/// The page of bodies: meshes, spheres with walls, or those of an image.
+/// Writes the report of bodies as HTML: meshes, spheres with walls, or bodies of an image.
 ///
 /// # Errors
 /// As [`html`]; [`PictureError::TooMany`] also for more than [`crate::picture::MOST_FACETS`] triangles.
 ///
 /// # Panics
-/// If there are ids or columns for some bodies or contacts only, or a contact or a triangle names what is not there.
+/// If the number of ids is not that of the bodies, the length of a column is not the number of contacts, or an index of a contact or a triangle is out of range.
 ///
 /// # Example
 /// ```
@@ -177,7 +177,7 @@ pub fn bodies_html(report: &BodiesReport<'_>) -> Result<String, PictureError> {
     page(&scene, &bodies::no_radial(), facts, data_of_bodies(&scene, columns, ids))
 }
 
-/// The page of a scene; `data`: what its arrays are, and the arrays.
+/// Writes the page of a scene. `meta` describes the arrays in `data`.
 fn page(
     scene: &Scene,
     radial: &Result<Radial, String>,
@@ -207,7 +207,7 @@ fn page(
             "value" => escape(scene.value()),
             "version" => env!("CARGO_PKG_VERSION").to_owned(),
             "meta" => meta.clone(),
-            // The largest part by far, and there once only.
+            // The data is by far the largest part. It occurs once, so it is moved.
             "data" => data.take(),
             "script" => script.clone(),
             _ => unreachable!("the page has no other places"),
@@ -216,7 +216,7 @@ fn page(
     filled(PAGE, value)
 }
 
-/// The template with its `{{names}}` replaced, what replaces them not searched again.
+/// Replaces the `{{names}}` of a template by their values. Values are not searched for names.
 pub(crate) fn filled(
     template: &str,
     value: impl Fn(&str) -> Result<String, PictureError>,
@@ -226,7 +226,7 @@ pub(crate) fn filled(
     for part in parts {
         let (name, rest) = part.split_once("}}").unwrap_or((part, ""));
         let value = value(name)?;
-        // Not twice as much as is needed, as a text that grows by itself would take.
+        // Reserves what is needed and no more: a growing string could take twice as much.
         page.reserve_exact(value.len() + rest.len());
         page += &value;
         page += rest;
@@ -234,19 +234,19 @@ pub(crate) fn filled(
     Ok(page)
 }
 
-/// Bytes that the arrays of a page may take at most, with their compressed forms and the page itself.
+/// Most bytes that the arrays of a page take, with their compressed forms and the page itself.
 fn page_bytes<const D: usize>(elements: usize, contacts: usize) -> usize {
-    /// Arrays, twice as much while they are compressed, and as much again for the text and the page.
+    /// The arrays, twice their size during compression, and twice their size for the text and the page.
     const COPIES: usize = 5;
     COPIES * (elements * (8 * D + 16) + contacts * (16 + 8 * D))
 }
 
-/// As a content security policy names a script or a style.
+/// Hash of a script or a style for the content security policy.
 pub(crate) fn hash(text: &str) -> String {
     format!("sha256-{}", STANDARD.encode(Sha256::digest(text)))
 }
 
-/// What the arrays are, and the arrays.
+/// Returns the description of the arrays of a network, and the packed arrays.
 fn data<const D: usize>(scene: &Scene, network: &Network<'_, D>, ids: Option<&[i64]>) -> (String, String) {
     let count_of_numbers = scene.centres.len() * (D + 2) + scene.bonds.len() * (2 + D);
     let mut arrays = arrays::Arrays::default();
@@ -269,7 +269,7 @@ fn data<const D: usize>(scene: &Scene, network: &Network<'_, D>, ids: Option<&[i
     packed(scene, &arrays, ids.is_some(), json!({ "cutoff": cutoff, "bodies": null, "facets": 0 }))
 }
 
-/// As [`data`], of bodies.
+/// As [`data`], for bodies.
 fn data_of_bodies(scene: &Scene, columns: &[(&str, &[f64])], ids: Option<&[i64]>) -> (String, String) {
     const NAMES: [&str; 4] = ["overlap", "second", "third", "fourth"];
     let d = scene.dimensions;
@@ -303,7 +303,7 @@ fn data_of_bodies(scene: &Scene, columns: &[(&str, &[f64])], ids: Option<&[i64]>
     packed(scene, &arrays, ids.is_some(), json!({ "cutoff": null, "bodies": bodies, "facets": facets }))
 }
 
-/// How wide the line of a contact of bodies is: of the radii of spheres, or else of the whole, a part.
+/// Width of the lines of the contacts of bodies: a part of the mean radius of the spheres, or without spheres of the diagonal of all triangles.
 fn rod(scene: &Scene) -> f64 {
     let spheres = || scene.radii.iter().copied().filter(|&radius| radius > 0.0);
     let count = spheres().count();
@@ -320,7 +320,7 @@ fn rod(scene: &Scene) -> f64 {
     0.003 * diagonal
 }
 
-/// What is told of the arrays and of the scene, with `more`; and the arrays.
+/// Returns the description of the arrays and of the scene, with `more`, and the packed arrays.
 fn packed(scene: &Scene, arrays: &arrays::Arrays, ids: bool, more: serde_json::Value) -> (String, String) {
     let counts = Counts::new(&scene.coordination);
     let [noun, one, many] = scene.nouns();
@@ -332,7 +332,7 @@ fn packed(scene: &Scene, arrays: &arrays::Arrays, ids: bool, more: serde_json::V
         "noun": noun,
         "nouns": [one, many],
         "value": scene.value(),
-        // Of the radius, what is drawn.
+        // Radius as drawn over radius.
         "drawn": scene.drawn,
         "sizes": scene.sizes,
         "overlaps": scene.overlaps.map(|o| json!({ "low": o.low, "high": o.high, "largest": o.largest })),
@@ -349,7 +349,7 @@ fn packed(scene: &Scene, arrays: &arrays::Arrays, ids: bool, more: serde_json::V
     if let (Some(meta), serde_json::Value::Object(more)) = (meta.as_object_mut(), more) {
         meta.extend(more);
     }
-    // A text in a script element ends at "</script": no "<" is left in it.
+    // A script element would end at "</script", so every "<" is escaped.
     let meta = meta.to_string().replace('<', "\\u003c");
     let deflated = miniz_oxide::deflate::compress_to_vec(&arrays.bytes, 6);
     (meta, STANDARD.encode(deflated))
@@ -417,7 +417,7 @@ mod tests {
             .unwrap()
     }
 
-    /// Neither elements nor attributes nor the end of the script come from outside.
+    /// Texts from outside cannot add elements or attributes, or end the script.
     #[test]
     fn names_are_text() {
         let hostile = r#"</script><img src=x onerror="alert(1)">'{{script}}"#;

@@ -1,4 +1,4 @@
-//! What hangs together by contacts, and reaches from face to face or around the box.
+//! Clusters of elements in contact, and percolation from face to face or around the box.
 
 use serde::Serialize;
 
@@ -8,15 +8,15 @@ use crate::network::Network;
 /// Connected components of the network.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Clusters {
-    /// How many there are; an element without contact is one.
+    /// Number of clusters. An element without contact is a cluster.
     pub count: u64,
-    /// Elements of the largest.
+    /// Number of elements of the largest cluster.
     pub largest: u64,
-    /// How many there are of each size, the smallest first.
+    /// Number of clusters of each size, the smallest size first.
     pub sizes: Vec<ClusterSize>,
-    /// Along each axis, or each edge of a box.
+    /// Percolation along each axis, or along each edge of a box.
     pub percolation: Vec<Percolation>,
-    /// The cluster of each element, numbered in the order of their first elements. Not in the JSON.
+    /// Cluster of each element. Clusters are numbered in the order of their first elements. Not in the JSON.
     #[serde(skip)]
     pub of_each: Vec<u32>,
 }
@@ -24,33 +24,33 @@ pub struct Clusters {
 /// Clusters of one size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct ClusterSize {
-    /// Elements.
+    /// Number of elements of each of them.
     pub elements: u64,
-    /// Clusters.
+    /// Number of clusters of this size.
     pub clusters: u64,
 }
 
-/// Whether a cluster reaches all the way along an axis.
+/// Percolation along an axis.
 ///
-/// Where the box repeats: if it winds around, that is if going along its couples leads from an element to another image of it, displaced along this edge (and
-/// perhaps along others). This is exact: shifts are whole numbers. Elsewhere: if it reaches both faces of the domain, the box around all elements;
-/// an element reaches a face if its surface is no farther from it than the largest radius. Across the edges of a sheared box distances are measured at
-/// right angles to its faces.
+/// Along a periodic edge, a cluster percolates if it winds around the box: a path along its couples leads from an element to another image of this element,
+/// displaced along this edge (and perhaps along others). This test is exact, because shifts are integers. Along any other axis, a cluster percolates if it
+/// reaches both faces of the domain, which is the box around all elements. An element reaches a face if its surface is no farther from the face than the largest
+/// radius. In a sheared box, distances are measured at right angles to its faces.
 ///
 /// # Source
 /// M.E.J. Newman, R.M. Ziff, "Fast Monte Carlo algorithm for site or bond percolation", Phys. Rev. E 64 (2001) 016706; winding by displacements: J. Machta et al.,
 /// Phys. Rev. E 54 (1996) 1332.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Percolation {
-    /// 0 is x, or the first edge.
+    /// Number of the axis: 0 is x, or the first edge.
     pub axis: usize,
-    /// Whether the box repeats along it.
+    /// Whether the box is periodic along it.
     pub periodic: bool,
     /// Whether a cluster percolates.
     pub percolates: bool,
-    /// How many do.
+    /// Number of clusters that percolate.
     pub clusters: u64,
-    /// Elements in these.
+    /// Number of elements in these clusters.
     pub elements: u64,
 }
 
@@ -66,7 +66,7 @@ impl Clusters {
         let mut percolates: Vec<[bool; D]> = vec![[false; D]; sizes.len()];
         let periodic = network.space.cell.map_or([false; D], |cell| cell.periodic());
         for couple in network.couples.iter() {
-            // Along a tree of couples elements have one place each; where another couple leads to another one, the cluster winds.
+            // The tree gives each element one displacement. If a couple leads to another one, the cluster winds around the box.
             let (from, to) = (forest.find(couple.i).1, forest.find(couple.j).1);
             for axis in 0..D {
                 if from[axis] + i64::from(couple.shift[axis]) != to[axis] {
@@ -122,11 +122,11 @@ fn reach_faces<const D: usize>(
     }
 }
 
-/// Trees of elements; each knows by how many edges of the box it is displaced from the one above, in the cluster put together.
+/// Trees of connected elements (union-find). Each element has its displacement from its parent, in edges of the box.
 struct Forest<const D: usize> {
     above: Vec<u32>,
     displaced: Vec<[i64; D]>,
-    /// Elements below, of those at the top.
+    /// Number of elements of each tree, valid for its root.
     sizes: Vec<u32>,
 }
 
@@ -135,7 +135,7 @@ impl<const D: usize> Forest<D> {
         Self { above: (0..n as u32).collect(), displaced: vec![[0; D]; n], sizes: vec![1; n] }
     }
 
-    /// The top of the tree of an element, and how the element is displaced from it.
+    /// Returns the root of the tree of an element, and the displacement of the element from it.
     fn find(&mut self, element: u32) -> (u32, [i64; D]) {
         let mut top = element;
         let mut total = [0; D];
@@ -143,7 +143,7 @@ impl<const D: usize> Forest<D> {
             total = plus(total, self.displaced[top as usize]);
             top = self.above[top as usize];
         }
-        // All on the way are put below the top.
+        // Path compression: the root becomes the parent of all elements on the way.
         let (mut at, mut left) = (element, total);
         while self.above[at as usize] != top && at != top {
             let next = self.above[at as usize];
@@ -155,7 +155,7 @@ impl<const D: usize> Forest<D> {
         (top, total)
     }
 
-    /// Element `j` is displaced by `shift` from `i`.
+    /// Joins the trees of two elements, where `j` is displaced from `i` by `shift`.
     fn join(&mut self, i: u32, j: u32, shift: [i64; D]) {
         let ((a, of_i), (b, of_j)) = (self.find(i), self.find(j));
         if a == b {
@@ -172,7 +172,7 @@ impl<const D: usize> Forest<D> {
         self.sizes[top as usize] += self.sizes[below as usize];
     }
 
-    /// The number of the tree of each element, in the order of their first elements, and the sizes of the trees.
+    /// Returns the number of the tree of each element, and the sizes of the trees. Trees are numbered in the order of their first elements.
     fn numbers(&mut self) -> (Vec<u32>, Vec<u64>) {
         let n = self.above.len();
         let mut of_top = vec![u32::MAX; n];

@@ -6,14 +6,14 @@ use crate::network::Network;
 
 /// Contacts of the elements.
 ///
-/// Every couple counts for both of its elements; an element that touches its own image has two contacts of it.
+/// A couple counts for both of its elements, so that an element that touches its own image has two contacts by it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Coordination {
-    /// `2 m / n` of `m` couples and `n` elements; 0 without elements.
+    /// Mean number of contacts, `2 m / n` for `m` couples and `n` elements; 0 without elements.
     pub mean: f64,
-    /// Elements with `k` contacts, at `k`.
+    /// Number of elements with `k` contacts, at index `k`.
     pub distribution: Vec<u64>,
-    /// Contacts of each element, in the order of the centres. Not in the JSON.
+    /// Number of contacts of each element, in the order of the centres. Not in the JSON.
     #[serde(skip)]
     pub of_each: Vec<u32>,
 }
@@ -34,54 +34,54 @@ impl Coordination {
     }
 }
 
-/// The elements that carry load, if there is any: rattlers, elements with too few contacts, are removed repeatedly until none is left.
+/// The elements that can carry load: rattlers, elements with too few contacts, are removed repeatedly until none is left.
 ///
-/// Unless the number of contacts is given, it is chosen from the data: `D + 1` for a packing without friction; 2, for one with friction, if `D + 1` would remove
-/// more than half of the elements that 2 leaves. A packing that friction holds falls apart under the larger number: each element removed makes its
-/// neighbours rattlers.
+/// By default the number of contacts is chosen from the data: `D + 1`, as without friction, or 2, as with friction, if `D + 1` would remove more than half of the
+/// elements that 2 leaves. With `D + 1`, a packing that friction holds would lose most of its elements, because each removed element makes rattlers of its
+/// neighbours.
 ///
 /// # Source
 /// C.S. O'Hern, L.E. Silbert, A.J. Liu, S.R. Nagel, "Jamming at zero temperature and zero applied stress", Phys. Rev. E 68 (2003) 011306: frictionless elements
 /// with fewer than `D + 1` contacts. With friction: K. Shundyak, M. van Hecke, W. van Saarloos, Phys. Rev. E 75 (2007) 010301: fewer than 2.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct WithoutRattlers {
-    /// Fewer contacts make a rattler.
+    /// Elements with fewer contacts are rattlers.
     pub min_contacts: u32,
-    /// What `D + 1`, the number for packings without friction, would leave: there if 2 was chosen instead.
+    /// The result with `D + 1` contacts, if 2 was chosen instead.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub frictionless: Option<Frictionless>,
-    /// How many elements were removed.
+    /// Number of removed elements.
     pub rattlers: u64,
-    /// Elements that remain.
+    /// Number of remaining elements.
     pub elements: u64,
-    /// Couples among them.
+    /// Number of couples among them.
     pub couples: u64,
-    /// Contacts of one that remains, with others that do; 0 without any.
+    /// Mean number of contacts among the remaining elements; 0 if none remains.
     pub mean: f64,
-    /// Elements that remain with `k` contacts, at `k`.
+    /// Number of remaining elements with `k` contacts, at index `k`.
     pub distribution: Vec<u64>,
     /// Whether each element is a rattler. Not in the JSON.
     #[serde(skip)]
     pub is_rattler: Vec<bool>,
 }
 
-/// What a number of contacts that was not chosen would leave.
+/// The result for packings without friction, if it was not chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Frictionless {
-    /// Fewer contacts make a rattler.
+    /// Elements with fewer contacts are rattlers.
     pub min_contacts: u32,
-    /// Elements that would remain.
+    /// Number of elements that would remain.
     pub elements: u64,
 }
 
 impl WithoutRattlers {
-    /// With this number of contacts, or the one that is chosen from the data.
+    /// Removes rattlers by the given number of contacts, or by a number chosen from the data.
     pub(crate) fn of<const D: usize>(
         network: &Network<'_, D>,
         coordination: &Coordination,
         min_contacts: Option<u32>,
     ) -> Self {
-        /// The fewest contacts of an element that friction holds.
+        /// Fewest contacts of an element held by friction.
         const WITH_FRICTION: u32 = 2;
         let neighbours = Neighbours::of(network, &coordination.of_each);
         let with = |min_contacts| Self::with(&neighbours, coordination, min_contacts);
@@ -96,7 +96,7 @@ impl WithoutRattlers {
         frictionless
     }
 
-    /// What remains does not depend on the order in which elements are removed.
+    /// Removes elements with fewer contacts. The result does not depend on the order of removal.
     fn with(neighbours: &Neighbours, coordination: &Coordination, min_contacts: u32) -> Self {
         let mut contacts = coordination.of_each.clone();
         let mut is_rattler: Vec<_> = contacts.iter().map(|&contacts| contacts < min_contacts).collect();
@@ -131,7 +131,7 @@ impl WithoutRattlers {
     }
 }
 
-/// The other elements of the couples of each element, once for each contact.
+/// Neighbours of each element, one per contact.
 struct Neighbours {
     starts: Vec<usize>,
     others: Vec<u32>,
@@ -163,7 +163,7 @@ impl Neighbours {
     }
 }
 
-/// One more at this place.
+/// Adds one at an index of a distribution.
 fn count(distribution: &mut Vec<u64>, place: u32) {
     if distribution.len() <= place as usize {
         distribution.resize(place as usize + 1, 0);
@@ -171,7 +171,7 @@ fn count(distribution: &mut Vec<u64>, place: u32) {
     distribution[place as usize] += 1;
 }
 
-/// 0 of nothing.
+/// Returns `number / of`, or 0 if `of` is 0.
 fn ratio(number: u64, of: u64) -> f64 {
     if of == 0 { 0.0 } else { number as f64 / of as f64 }
 }

@@ -1,4 +1,4 @@
-//! How many contacts point where.
+//! Histogram of the directions of contacts.
 
 use std::f64::consts::TAU;
 
@@ -6,30 +6,30 @@ use serde::Serialize;
 
 use crate::network::Network;
 
-/// Sectors of the full circle in 2D, each around a multiple of 5 degrees.
+/// Number of sectors in 2D, each around a multiple of 5 degrees.
 const SECTORS_2D: usize = 72;
-/// Sectors in 3D, each around a multiple of 15 degrees.
+/// Number of sectors in 3D, each around a multiple of 15 degrees.
 const SECTORS_3D: usize = 24;
-/// Bands between planes at right angles to z, equally far from each other; an odd number, so that one lies around the equator.
+/// Number of bands of equal height in z. It is odd, so that one band lies around the equator.
 const BANDS: usize = 9;
 
-/// Roundings of the coordinates must not decide where a vertical contact goes.
+/// Contacts this close to z count as vertical, so that rounding errors do not decide their sector.
 const ALONG_Z: f64 = 1e-9;
 
-/// A histogram of the directions from centre to centre of the couples: a rose in 2D, cells of equal solid angle in 3D.
+/// Histogram of the directions from centre to centre of the couples: a rose in 2D, cells of equal solid angle in 3D.
 ///
-/// A contact has no first element: each couple counts in its direction and in the opposite one. Sectors lie around the multiples of their width, the first
-/// around the axis x, so that the directions of lattices are inside. In 3D bands of equal height in z have equal areas (Archimedes); each is cut
-/// into sectors of the angle from x towards y. Contacts along z, up to `1e-9`, have no such angle and count as 0.
+/// Each couple counts in its direction and in the opposite one. The sectors are centred on multiples of their width, the first on the axis x, so that the
+/// directions of lattices lie inside of sectors. In 3D, bands of equal height in z have equal areas (Archimedes); each band is divided into sectors by the angle
+/// from x towards y. Contacts along z, up to `1e-9`, have no such angle and count as angle 0.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Directions {
-    /// Bands in z from -1 to 1; 1 in 2D.
+    /// Number of bands in z from -1 to 1; 1 in 2D.
     pub bands: usize,
-    /// Sectors of each band.
+    /// Number of sectors of each band.
     pub sectors: usize,
-    /// `bands * sectors` numbers, band after band, those of the lowest z first; their sum is twice the number of couples with a direction.
+    /// Counts of the `bands * sectors` cells, band by band from the lowest z. Their sum is twice the number of couples with a direction.
     pub counts: Vec<u64>,
-    /// Couples with the same centre twice: they have no direction.
+    /// Number of couples whose centres coincide, which have no direction.
     pub without_direction: u64,
 }
 
@@ -61,7 +61,7 @@ impl Directions {
     }
 }
 
-/// The direction of a vector, if it has one; extremely short and long vectors included.
+/// Returns the unit vector of a vector, also of an extremely short or long one; `None` if it has no direction.
 pub(crate) fn unit<const D: usize>(vector: [f64; D]) -> Option<[f64; D]> {
     let largest = vector.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
     if largest == 0.0 || !largest.is_finite() {

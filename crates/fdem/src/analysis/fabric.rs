@@ -5,9 +5,9 @@ use serde::Serialize;
 use crate::analysis::directions::unit;
 use crate::network::Network;
 
-/// Where contacts point on the whole: `F = 1/m Σ n ⊗ n` over the `m` couples with a direction, `n` the unit vector from centre to centre.
+/// Fabric tensor `F = 1/m Σ n ⊗ n` over the `m` couples with a direction, where `n` is the unit vector from centre to centre.
 ///
-/// Its trace is 1; `F = 1/D` in every direction if contacts point everywhere alike. The density of directions that has this fabric and no finer detail is
+/// Its trace is 1. For isotropic contacts, `F = 1/D` in every direction. The second-order density of directions with this fabric is
 /// `E(n) = (1 + a n·F'n) / (area of the unit sphere)` with `F' = F - 1/D` and `a = D (D + 2) / 2`; in 2D this is `(1 + a_c cos 2(θ - θ_1)) / 2π`.
 ///
 /// # Source
@@ -18,18 +18,18 @@ use crate::network::Network;
 pub struct Fabric {
     /// `F`, row by row.
     pub tensor: Vec<Vec<f64>>,
-    /// The eigenvalues, the largest first.
+    /// Eigenvalues, the largest first.
     pub eigenvalues: Vec<f64>,
-    /// The principal directions in the same order: unit vectors, the largest component of each positive.
+    /// Principal directions in the same order, as unit vectors whose largest component is positive.
     pub principal_directions: Vec<Vec<f64>>,
-    /// `√(D / (D - 1) F':F')`, the size of the deviator: 0 for contacts everywhere, 1 for contacts in one direction; in 2D the difference of the eigenvalues.
+    /// Size of the deviator, `√(D / (D - 1) F':F')`: 0 for isotropic contacts, 1 for contacts in one direction. In 2D it is the difference of the eigenvalues.
     pub deviator: f64,
-    /// `a_c`: `2 deviator` in 2D, `15/2 deviator` in 3D.
+    /// Anisotropy `a_c`: `2 deviator` in 2D, `15/2 deviator` in 3D.
     pub anisotropy: f64,
 }
 
 impl Fabric {
-    /// `None` without a couple that has a direction.
+    /// Returns the fabric tensor, or `None` if no couple has a direction.
     pub(crate) fn of<const D: usize>(network: &Network<'_, D>) -> Option<Self> {
         let mut sum = [[0.0; D]; D];
         let mut couples = 0_u64;
@@ -67,7 +67,7 @@ impl Fabric {
     }
 }
 
-/// Eigenvalues of a symmetric matrix, the largest first, and their unit vectors, by rotations that make one entry zero each (Jacobi 1846).
+/// Returns the eigenvalues of a symmetric matrix, the largest first, and its unit eigenvectors, by Jacobi rotations (1846).
 fn eigen<const D: usize>(mut matrix: [[f64; D]; D]) -> ([f64; D], [[f64; D]; D]) {
     /// Convergence is quadratic: 3 x 3 matrices take some 6 sweeps.
     const MOST_SWEEPS: usize = 50;
@@ -78,7 +78,7 @@ fn eigen<const D: usize>(mut matrix: [[f64; D]; D]) -> ([f64; D], [[f64; D]; D])
         for p in 0..D {
             for q in p + 1..D {
                 let off = matrix[p][q];
-                // Too small to change the eigenvalues.
+                // The entry is too small to change the eigenvalues.
                 if matrix[p][p].abs() + off == matrix[p][p].abs()
                     && matrix[q][q].abs() + off == matrix[q][q].abs()
                 {
@@ -109,7 +109,7 @@ fn eigen<const D: usize>(mut matrix: [[f64; D]; D]) -> ([f64; D], [[f64; D]; D])
     let signed = |vector: [f64; D]| {
         let largest =
             vector.iter().fold(0.0_f64, |largest, &x| if x.abs() > largest.abs() { x } else { largest });
-        // Plus zero: minus zero is zero.
+        // Adding 0.0 turns -0.0 into 0.0.
         if largest < 0.0 { vector.map(|x| -x + 0.0) } else { vector.map(|x| x + 0.0) }
     };
     (order.map(|k| matrix[k][k]), order.map(|k| signed(vectors[k])))

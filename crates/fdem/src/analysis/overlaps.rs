@@ -1,50 +1,50 @@
-//! How deep elements overlap, and how far they are apart.
+//! Overlaps of elements, and gaps between them.
 
 use serde::Serialize;
 
 use crate::network::{Network, Sizes};
 
-/// Overlaps of the couples, and gaps where a tolerance makes couples of elements that do not touch.
+/// Overlaps of couples that touch, and gaps of couples that are only within the tolerance.
 ///
 /// # Units
 /// The length unit of the centres.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Overlaps {
-    /// Of the couples that touch, the sum of radii less the distance, at least 0; `None` without any.
+    /// Overlaps of the couples that touch: sum of radii minus distance, at least 0. `None` if no couple touches.
     pub overlaps: Option<Spread>,
-    /// Of the others, the distance less the sum of radii, above 0; `None` without any.
+    /// Gaps of the other couples: distance minus sum of radii, above 0. `None` if there are no others.
     pub gaps: Option<Spread>,
     /// Mean radius of the elements; `None` for points and without elements.
     pub mean_radius: Option<f64>,
-    /// The mean overlap of the couples that touch in units of the mean radius.
+    /// Mean overlap of the couples that touch, over the mean radius.
     pub mean_over_radius: Option<f64>,
 }
 
-/// What is said of many lengths.
+/// Statistics of lengths.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Spread {
-    /// How many.
+    /// Number of lengths.
     pub count: u64,
-    /// The smallest.
+    /// Smallest length.
     pub min: f64,
-    /// Their mean.
+    /// Mean length.
     pub mean: f64,
-    /// The largest.
+    /// Largest length.
     pub max: f64,
-    /// From 0 to the largest.
+    /// Histogram from 0 to the largest length.
     pub histogram: Histogram,
 }
 
-/// Lengths in bins of equal width.
+/// Histogram of lengths with bins of equal width.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Histogram {
-    /// Of a bin; the first starts at 0.
+    /// Width of a bin. The first bin starts at 0.
     pub width: f64,
-    /// Lengths in each bin, the lower limit included; the last one includes its upper limit too.
+    /// Number of lengths in each bin. A bin includes its lower limit; the last bin also includes its upper limit.
     pub counts: Vec<u64>,
 }
 
-/// Bins of a histogram.
+/// Number of bins of a histogram.
 const BINS: usize = 20;
 
 impl Overlaps {
@@ -78,7 +78,7 @@ impl Spread {
         }
         let mut counts = vec![0; BINS];
         for length in lengths() {
-            // All of them may be 0.
+            // All lengths may be 0.
             let place = if max > 0.0 { length / max * BINS as f64 } else { 0.0 };
             counts[(place as usize).min(BINS - 1)] += 1;
         }

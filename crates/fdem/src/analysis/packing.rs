@@ -1,4 +1,4 @@
-//! How much of the space is filled.
+//! The packing fraction.
 
 use std::f64::consts::PI;
 
@@ -8,45 +8,45 @@ use crate::analysis::AnalysisError;
 use crate::analysis::volumes::{disc_in_rectangle, sphere_in_box};
 use crate::network::{Network, Sizes};
 
-/// How much of a region is filled: its area in 2D, its volume in 3D.
+/// Filled fraction of a region: of its area in 2D, of its volume in 3D.
 ///
-/// The parts of elements inside the region are summed up in closed form ([`sphere_in_box`](crate::analysis::sphere_in_box)), all images included where the box
-/// repeats. What two elements have in common is in that sum twice; `overlap` is what the couples have in common, the lens of two discs or spheres, and
-/// `fraction_without_overlap` has it once. What three elements have in common is then taken off too often: where they have, the part that is covered lies between
-/// the two fractions; where overlaps are small, as in packings of hard grains, the second one is it.
+/// The parts of elements inside the region are computed in closed form ([`sphere_in_box`](crate::analysis::sphere_in_box)) and summed, with all images in a
+/// periodic box. Space shared by two elements is in this sum twice. `overlap` is the space shared by the couples, the lenses of two discs or spheres, and
+/// `fraction_without_overlap` counts it once. Space shared by three elements is then subtracted too often: if there is any, the covered fraction lies between
+/// the two fractions. If overlaps are small, as in packings of hard grains, the covered fraction is `fraction_without_overlap`.
 ///
-/// A lens that the border of the region cuts is counted by the part of the ball around it that is inside; `overlap_error` bounds what this may be wrong by.
+/// A lens at the border of the region is counted in proportion to the part of its bounding ball that is inside. `overlap_error` bounds the error of this.
 ///
 /// # Units
 /// The length unit of the centres, squared in 2D, cubed in 3D.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PackingFraction {
-    /// `[min, max]` along each axis; in a sheared box at right angles to its faces, from the face that the origin is on.
+    /// Limits `[min, max]` along each axis. In a sheared box they are distances at right angles to its faces, from the face with the origin.
     pub region: Vec<[f64; 2]>,
     /// Area or volume of the region.
     pub measure: f64,
-    /// Of the parts of elements in it, together.
+    /// Area or volume of the parts of elements in the region, summed.
     pub solid: f64,
     /// `solid / measure`.
     pub fraction: f64,
-    /// Of the lenses of the couples in it.
+    /// Area or volume of the lenses of the couples in the region, summed.
     pub overlap: f64,
-    /// The error of `overlap` is no larger.
+    /// Upper bound of the error of `overlap`.
     pub overlap_error: f64,
-    /// `(solid - overlap) / measure`, at least 0: no more than the part that is covered, and all of it where no three elements overlap in one place.
+    /// `(solid - overlap) / measure`, at least 0. It is a lower bound of the covered fraction, and equal to it if no three elements overlap in one place.
     pub fraction_without_overlap: f64,
 }
 
-/// Coordinates in which the faces of the domain lie at right angles to an axis each: those of the centres, or in a sheared box the distances from its faces.
+/// Coordinates whose axes are at right angles to the faces of the domain: the coordinates of the centres, or in a sheared box the distances from its faces.
 pub(crate) struct Frame<const D: usize> {
-    /// Along which axes the box repeats, and after which length.
+    /// Period along each periodic axis.
     pub(crate) periods: [Option<f64>; D],
-    /// The box where it repeats, elsewhere that around all elements with their radii; empty without elements.
+    /// Limits of the box along periodic axes, and of the box around all elements with their radii along the others; empty without elements.
     pub(crate) domain: [[f64; 2]; D],
     pub(crate) largest_radius: f64,
     /// Whether the coordinates are those of the centres.
     pub(crate) along_axes: bool,
-    /// Volume of the parallelepiped of the box over that of a box of its heights; 1 unless it is sheared.
+    /// Volume of the box over the product of its heights; 1 unless the box is sheared.
     stretch: f64,
 }
 
@@ -103,13 +103,13 @@ impl<const D: usize> Frame<D> {
         }
     }
 
-    /// Area or volume between limits.
+    /// Area or volume of a region.
     pub(crate) fn measure(&self, limits: &[[f64; 2]; D]) -> f64 {
         limits.iter().fold(self.stretch, |product, [low, high]| product * (high - low))
     }
 }
 
-/// The fraction in `inner`, or in the region that is measured by default; or why there is none.
+/// Returns the packing fraction in `inner`, or in the default region, or the reason why there is none.
 pub(crate) fn fraction<const D: usize>(
     network: &Network<'_, D>,
     inner: Option<[[f64; 2]; D]>,
@@ -141,19 +141,17 @@ pub(crate) fn fraction<const D: usize>(
             "nothing is left along {name} when the domain is shrunk by the largest diameter on both sides"
         )));
     }
-    // Where the region is the whole box around, every image has its place: nothing cuts.
+    // Along axes where the region is the whole periodic box, its border cuts no element.
     let whole: [bool; D] = std::array::from_fn(|axis| inner.is_none() && frame.periods[axis].is_some());
     if !frame.along_axes && whole.iter().filter(|whole| !**whole).count() > 1 {
-        return Ok(Err(
-            "the box is sheared and has more than one edge along which it does not repeat".to_owned()
-        ));
+        return Ok(Err("the box is sheared and has more than one edge that is not periodic".to_owned()));
     }
     let packing = measured(network, &frame, region, whole);
     let sums = [packing.measure, packing.solid, packing.overlap, packing.overlap_error];
     if !sums.iter().all(|sum| sum.is_finite()) {
-        return Ok(
-            Err("lengths are too large, or too small, for areas and volumes to be numbers".to_owned()),
-        );
+        return Ok(Err(
+            "lengths are too large or too small for areas and volumes to be finite numbers".to_owned()
+        ));
     }
     Ok(Ok(packing))
 }
@@ -201,7 +199,7 @@ fn measured<const D: usize>(
     }
 }
 
-/// The region, and where it has no border.
+/// The region, and the axes along which it is the whole periodic box.
 struct Inside<'a, const D: usize> {
     frame: &'a Frame<D>,
     region: [[f64; 2]; D],
@@ -209,7 +207,7 @@ struct Inside<'a, const D: usize> {
 }
 
 impl<const D: usize> Inside<'_, D> {
-    /// What is inside of a disc or sphere, and of each of its images.
+    /// Visits the area or volume inside the region of a disc or sphere and of each of its images.
     fn for_each_part(&self, centre: [f64; D], radius: f64, mut visit: impl FnMut(f64)) {
         let limits: [[f64; 2]; D] = std::array::from_fn(|axis| {
             if self.whole[axis] { [f64::NEG_INFINITY, f64::INFINITY] } else { self.region[axis] }
@@ -233,7 +231,7 @@ impl<const D: usize> Inside<'_, D> {
                 centre[axis] + shift[axis] * self.frame.periods[axis].unwrap_or(0.0)
             });
             visit(ball_in_box(at, radius, limits));
-            // The next one, as an odometer counts.
+            // The next shift, counted like an odometer.
             let Some(axis) = (0..D).find(|&axis| shift[axis] < images[axis][1]) else { return };
             shift[axis] += 1.0;
             for before in 0..axis {
@@ -252,17 +250,17 @@ fn ball_in_box<const D: usize>(centre: [f64; D], radius: f64, limits: [[f64; 2];
     }
 }
 
-/// Area of a disc, volume of a sphere, rounded as those of discs and spheres that are inside of a box.
+/// Area of a disc or volume of a sphere, rounded in the same way as in [`disc_in_rectangle`] and [`sphere_in_box`].
 pub(crate) fn ball<const D: usize>(radius: f64) -> f64 {
     if D == 2 { PI * radius * radius } else { 4.0 * PI / 3.0 * radius.powi(3) }
 }
 
-/// What two discs or spheres have in common.
+/// Intersection of two discs or spheres.
 struct Lens<const D: usize> {
     measure: f64,
-    /// Where its middle is, from the first centre towards the second, in units of the distance.
+    /// Position of its middle on the line of the centres: 0 at the first centre, 1 at the second.
     at: f64,
-    /// It is inside a ball of this radius around its middle.
+    /// Radius of a ball around its middle that contains the lens.
     radius: f64,
 }
 
@@ -278,7 +276,7 @@ impl<const D: usize> Lens<D> {
             return Some(Self { measure, at: if a < b { 0.0 } else { 1.0 }, radius: smaller });
         }
         let d = distance;
-        // From the first centre to the plane of the rim, and half the chord, from factors that lose no digits (Heron).
+        // Distance of the plane of the rim from the first centre, and radius of the rim by Heron's formula, whose factors lose no digits.
         let to_plane = (d * d + (a - b) * (a + b)) / (2.0 * d);
         let rim = ((a + b + d) * (a + b - d) * (d + a - b) * (d - a + b)).max(0.0).sqrt() / (2.0 * d);
         let measure = if D == 2 {
@@ -293,7 +291,7 @@ impl<const D: usize> Lens<D> {
     }
 }
 
-/// Of two or three edges.
+/// Determinant of two or three edges.
 fn determinant<const D: usize>(edges: &[[f64; D]; D]) -> f64 {
     let minor = |row: usize, other: usize, a: usize, b: usize| {
         edges[row][a] * edges[other][b] - edges[row][b] * edges[other][a]
@@ -308,7 +306,7 @@ fn determinant<const D: usize>(edges: &[[f64; D]; D]) -> f64 {
 mod tests {
     use super::*;
 
-    /// Twice the integral of the height of the lens, or of the area of its slices.
+    /// Area or volume of a lens by numerical integration.
     fn by_slices(d_is_3: bool, a: f64, b: f64, distance: f64) -> f64 {
         const SLICES: usize = 1_000_000;
         let low = (-a).max(distance - b);

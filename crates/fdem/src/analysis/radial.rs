@@ -7,13 +7,14 @@ use crate::analysis::packing::{Frame, ball};
 use crate::analysis::{AnalysisError, RadialOptions};
 use crate::network::{Network, unshifted};
 
-/// How often centres are at a distance `r` from each other, in units of how often they would be if they were anywhere: `g(r)`.
+/// Radial distribution function `g(r)`: number of pairs of centres at a distance `r`, over the number expected for uniformly random centres.
 ///
-/// `g_k = counts_k / (references * density * V_k)`, `V_k` the area or volume of the shell of bin `k`. Where the box repeats every element is a reference, all images
-/// that are near enough count, an element's own included, and the density is `n` by the box: exact, whatever the distance. Elsewhere references are the centres at
-/// least `r_max` from the faces of the box around all centres, so that no shell sticks out, and the density is that of these centres.
+/// `g_k = counts_k / (references * density * V_k)`, where `V_k` is the area or volume of the shell of bin `k`. Along periodic axes every element is a reference
+/// and all images count, also an element's own; in a box that is periodic along all axes, the density is the number of elements over the volume of the box, and
+/// the result is exact for any distance. Along other axes, the references are the centres at least `r_max` from the faces of the box around all centres, so
+/// that all shells are inside, and the density is that of the references.
 ///
-/// For independent random centres in a box that repeats the mean of `g` is `1 - 1/n`.
+/// For independent random centres in a periodic box, the mean of `g` is `1 - 1/n`.
 ///
 /// # Units
 /// Lengths in the unit of the centres.
@@ -22,24 +23,24 @@ use crate::network::{Network, unshifted};
 /// M.P. Allen, D.J. Tildesley, "Computer Simulation of Liquids" (1987), section 2.6.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Radial {
-    /// The largest distance.
+    /// Largest distance.
     pub r_max: f64,
-    /// Middle of each bin.
+    /// Distance in the middle of each bin.
     pub r: Vec<f64>,
-    /// The function in each bin.
+    /// Value of the function in each bin.
     pub g: Vec<f64>,
-    /// Centres in the shell of a reference, summed over all references; the lower limit of a bin belongs to it, `r_max` to the last one.
+    /// Number of centres in the shell of a reference, summed over all references. A bin includes its lower limit; the last bin also includes `r_max`.
     pub counts: Vec<u64>,
-    /// Elements in the middle of shells.
+    /// Number of reference elements.
     pub references: u64,
-    /// Centres by area or volume.
+    /// Number of centres per area or volume.
     pub density: f64,
 }
 
 const DEFAULT_BINS: usize = 150;
 const MOST_BINS: usize = 1_000_000;
 
-/// The distribution, or why there is none.
+/// Returns the distribution, or the reason why there is none.
 pub(crate) fn distribution<const D: usize>(
     network: &Network<'_, D>,
     options: RadialOptions,
@@ -67,7 +68,7 @@ pub(crate) fn distribution<const D: usize>(
         let [low, high] = frame.domain[axis];
         if frame.periods[axis].is_some() { [low, high] } else { [low + r_max, high - r_max] }
     });
-    // The lower limits only, so that of layers at equal distances as many count as fit.
+    // The lower limit is included and the upper one is not, so that equidistant layers have the right density.
     let is_reference: Vec<_> = (0..n)
         .map(|element| {
             let x = frame.coordinates(network, element);
@@ -100,7 +101,7 @@ pub(crate) fn distribution<const D: usize>(
     }))
 }
 
-/// The domain without radii.
+/// Shrinks the domain to the box around the centres, along axes that are not periodic.
 fn around_centres<const D: usize>(frame: &mut Frame<D>, network: &Network<'_, D>) {
     for axis in (0..D).filter(|&axis| frame.periods[axis].is_none()) {
         let places =
@@ -110,7 +111,7 @@ fn around_centres<const D: usize>(frame: &mut Frame<D>, network: &Network<'_, D>
     }
 }
 
-/// Three mean diameters, but no more than half of what repeats, nor a quarter of a domain that does not.
+/// Default largest distance: three mean diameters, but at most half of a periodic box and a quarter of an open domain.
 fn usual_distance<const D: usize>(frame: &Frame<D>, network: &Network<'_, D>) -> f64 {
     let n = network.space.centres.len();
     let mean = (0..n).fold(0.0, |sum, element| sum + network.sizes.radius(element)) / n as f64;
@@ -125,7 +126,7 @@ fn usual_distance<const D: usize>(frame: &Frame<D>, network: &Network<'_, D>) ->
     r_max
 }
 
-/// Centres around references, by distance.
+/// Counts the centres around references by distance.
 fn count<const D: usize>(
     network: &Network<'_, D>,
     r_max: f64,

@@ -1,10 +1,11 @@
-//! How much of a disc or a sphere is in a box, in closed form.
+//! Area of a disc in a rectangle and volume of a sphere in a box, in closed form.
 
 use std::f64::consts::PI;
 
-/// Area that a disc and a rectangle with sides along the axes have in common. Limits may be infinite.
+/// Area of the part of a disc inside a rectangle with sides along the axes. Limits may be infinite.
 ///
-/// Inclusion and exclusion over the corners: a corner cuts a quadrant out of the plane, and the area of a quadrant of a disc has a closed form.
+/// The area follows by inclusion and exclusion over the corners: each corner bounds a quadrant of the plane, and the part of a disc in a quadrant has a closed
+/// form.
 ///
 /// # Errors in the last digits
 /// Some `1e-15` of the area of the disc.
@@ -19,15 +20,15 @@ pub fn disc_in_rectangle(centre: [f64; 2], radius: f64, limits: [[f64; 2]; 2]) -
     in_box(centre, radius, limits, PI, |[a, b]| quadrant(a, b)) * radius * radius
 }
 
-/// Volume that a sphere and a box with edges along the axes have in common. Limits may be infinite.
+/// Volume of the part of a sphere inside a box with edges along the axes. Limits may be infinite.
 ///
-/// Inclusion and exclusion over the corners: a corner cuts an octant out of space, and the volume of an octant of a sphere has a closed form.
+/// The volume follows by inclusion and exclusion over the corners: each corner bounds an octant, and the part of a sphere in an octant has a closed form.
 ///
 /// # Errors in the last digits
 /// Some `1e-14` of the volume of the sphere.
 ///
 /// # Source
-/// The divergence theorem over the faces, which are parts of discs, and the part of the sphere, the area of which follows from the theorem of Gauss and Bonnet.
+/// The divergence theorem over the plane faces, which are parts of discs, and the spherical face, whose area follows from the theorem of Gauss and Bonnet.
 /// Other ways to the same volumes: B. Freireich, M. Kodam, C. Wassgren, AIChE J. 56 (2010) 3036–3048; S. Strobl, A. Formella, T. Pöschel, J. Comput. Phys. 311
 /// (2016) 158–172.
 ///
@@ -41,7 +42,7 @@ pub fn sphere_in_box(centre: [f64; 3], radius: f64, limits: [[f64; 2]; 3]) -> f6
     in_box(centre, radius, limits, 4.0 * PI / 3.0, |[a, b, c]| octant(a, b, c)) * radius.powi(3)
 }
 
-/// The same of the unit ball, the volume of which is `whole`, by what is beyond a corner.
+/// Area or volume of the part of a ball inside a box, in units of `radius^D`. `whole`: that of the unit ball; `beyond`: that of its part beyond a corner.
 fn in_box<const D: usize>(
     centre: [f64; D],
     radius: f64,
@@ -52,7 +53,7 @@ fn in_box<const D: usize>(
     if limits.iter().any(|[low, high]| low >= high) || radius <= 0.0 {
         return 0.0;
     }
-    // Limits outside of the ball cut nothing off.
+    // Limits outside of the ball have no effect.
     let scaled: [[f64; 2]; D] = std::array::from_fn(|axis| {
         limits[axis].map(|limit| ((limit - centre[axis]) / radius).clamp(-1.0, 1.0))
     });
@@ -87,7 +88,7 @@ fn segment(a: f64) -> f64 {
     a.acos() - a * (1.0 - a * a).max(0.0).sqrt()
 }
 
-/// Area of the part of a disc with `x >= a >= 0` and `y >= b >= 0`: a sector less two triangles.
+/// Area of the part of a disc with `x >= a >= 0` and `y >= b >= 0`: a sector minus two triangles.
 fn corner_area(a: f64, b: f64, radius_squared: f64) -> f64 {
     if a * a + b * b >= radius_squared {
         return 0.0;
@@ -132,13 +133,13 @@ fn cap(a: f64) -> f64 {
     PI * (1.0 - a) * (1.0 - a) * (2.0 + a) / 3.0
 }
 
-/// As [`octant`], of limits that are not negative: a third of the area of each face times its distance from the centre, outwards.
+/// As [`octant`] for limits that are not negative: the sum over the faces of a third of their area times their outward distance from the centre.
 fn corner_volume(a: f64, b: f64, c: f64) -> f64 {
     if a * a + b * b + c * c >= 1.0 {
         return 0.0;
     }
     let mut flat = 0.0;
-    // The part of the sphere is a triangle of arcs: its area is 2π less the turns along its sides and at its corners.
+    // The spherical face is a triangle of arcs: its area is 2π minus the turning angles along its sides and at its corners.
     let mut round = 2.0 * PI;
     for [x, y, z] in [[a, b, c], [b, c, a], [c, a, b]] {
         let radius_squared = 1.0 - x * x;
@@ -153,7 +154,7 @@ fn corner_volume(a: f64, b: f64, c: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Slices along x, by Gauss-Legendre with two nodes in each of many, of exact areas.
+    /// Volume by exact areas of slices along x, with two Gauss-Legendre nodes in each interval.
     fn by_slices(limits: [[f64; 2]; 3]) -> f64 {
         const SLICES: usize = 20_000;
         let [low, high] = limits[0].map(|limit| limit.clamp(-1.0, 1.0));

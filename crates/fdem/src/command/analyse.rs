@@ -1,4 +1,4 @@
-//! `fdem contacts --analyse`: what the network says, for people.
+//! `fdem contacts --analyse` analyses the network of contacts and shows the result in the summary.
 
 use std::fmt;
 
@@ -8,7 +8,7 @@ use crate::command::failure::Failure;
 use crate::command::summary::{brief, grouped};
 use crate::network::Network;
 
-/// The analysis, if it is asked for.
+/// Returns the analysis of the network, or `None` without `--analyse`.
 pub(crate) fn run<const D: usize>(
     arguments: &AnalyseArguments,
     network: &Network<'_, D>,
@@ -44,16 +44,16 @@ pub(crate) fn run<const D: usize>(
     })
 }
 
-/// `R` or `R,BINS`.
+/// Reads the numbers of `--rdf`: `R` or `R,BINS`.
 fn radial(numbers: &[f64]) -> Result<RadialOptions, Failure> {
     let wrong = |why: String| Err(Failure::Unusable(format!("--rdf: {why}")));
     match numbers {
         [r_max] => Ok(RadialOptions { r_max: Some(*r_max), bins: None }),
-        // Too many bins are refused where they are made.
+        // The analysis refuses too many bins.
         [r_max, bins] if bins.fract() == 0.0 && *bins >= 0.0 => {
             Ok(RadialOptions { r_max: Some(*r_max), bins: Some(*bins as usize) })
         }
-        [_, bins] => wrong(format!("{bins} is no number of bins")),
+        [_, bins] => wrong(format!("{bins} is not a number of bins")),
         _ => wrong(format!(
             "give the largest distance, or that and the number of bins, not {} numbers",
             numbers.len()
@@ -61,7 +61,7 @@ fn radial(numbers: &[f64]) -> Result<RadialOptions, Failure> {
     }
 }
 
-/// The lines of the summary.
+/// Writes the analysis as lines of the summary.
 pub(crate) fn write_lines(out: &mut fmt::Formatter<'_>, analysis: &Analysis, unit: &str) -> fmt::Result {
     let mut line = |label: &str, text: String| writeln!(out, "{label:<16} {text}");
     line("contacts each", distribution(&analysis.coordination.distribution))?;
@@ -81,7 +81,10 @@ pub(crate) fn write_lines(out: &mut fmt::Formatter<'_>, analysis: &Analysis, uni
     )?;
     if let Some(Frictionless { min_contacts, elements }) = rest.frictionless {
         let left = grouped(elements);
-        line("", format!("as with friction; without it, --rattlers {min_contacts}, {left} would remain"))?;
+        line(
+            "",
+            format!("as with friction; {left} would remain without friction (--rattlers {min_contacts})"),
+        )?;
     }
     if let Some(fabric) = &analysis.fabric {
         let first = vector(&fabric.principal_directions[0]);
@@ -132,7 +135,7 @@ pub(crate) fn write_lines(out: &mut fmt::Formatter<'_>, analysis: &Analysis, uni
             line(
                 "packing fraction",
                 format!(
-                    "{:.5} in {}{unit}, at least {:.5} with overlaps counted once",
+                    "{:.5} in {}{unit}; at least {:.5} without counting overlaps twice",
                     packing.fraction,
                     sides.join(" x "),
                     packing.fraction_without_overlap
@@ -164,9 +167,9 @@ pub(crate) fn write_lines(out: &mut fmt::Formatter<'_>, analysis: &Analysis, uni
     }
 }
 
-/// `0: 12, 1: 345, …`, the numbers of elements with so many contacts.
+/// Number of elements with each number of contacts, as `0: 12, 1: 345, …`.
 fn distribution(counts: &[u64]) -> String {
-    /// More fill more than a line.
+    /// Most entries that are shown: more do not fit on a line.
     const MOST: usize = 14;
     let mut parts: Vec<_> = counts.iter().enumerate().filter(|(_, count)| **count > 0).collect();
     let more = parts.len().saturating_sub(MOST);
@@ -190,11 +193,11 @@ fn percolation(analysis: &Analysis) -> String {
         names.collect::<Vec<_>>().join(", ")
     };
     match (axes(true), axes(false)) {
-        (around, faces) if around.is_empty() && faces.is_empty() => {
-            "none reaches all the way along an axis".to_owned()
+        (around, faces) if around.is_empty() && faces.is_empty() => "none percolates".to_owned(),
+        (around, faces) if faces.is_empty() => format!("percolates around the box along {around}"),
+        (around, faces) if around.is_empty() => format!("percolates from face to face along {faces}"),
+        (around, faces) => {
+            format!("percolates around the box along {around}, from face to face along {faces}")
         }
-        (around, faces) if faces.is_empty() => format!("around the box along {around}"),
-        (around, faces) if around.is_empty() => format!("from face to face along {faces}"),
-        (around, faces) => format!("around the box along {around}, from face to face along {faces}"),
     }
 }

@@ -1,4 +1,4 @@
-//! The options, each defined once: parsing, help and their texts.
+//! Options of the command: definitions, parsing and help.
 
 mod simulation;
 
@@ -38,49 +38,50 @@ pub(crate) enum Task {
 
 /// Find which elements of a packing, or of meshes, touch.
 ///
-/// Reads circles or spheres from FILE and writes every couple that touches, once, as `i,j,distance,overlap`. Touching
-/// counts. Elements go by the ids in the file, or by the number of their data row from 0; couples come in the order of
-/// the rows.
+/// Reads circles or spheres from FILE and writes every couple in contact once, as `i,j,distance,overlap`. Elements that just
+/// touch are in contact. Elements are named by their ids in the file, or by the number of their data row from 0. Couples are
+/// sorted by the rows of their elements.
 ///
-/// Text: columns separated by commas, semicolons, tabs or blanks; `#` or `%` starts a comment; a header names the columns
-/// (x, PosX[m], X (mm), `x_mm`, radius, diameter, d, id, …). Without a header 2 columns are x y, 3 are x y z, 4 are x y z radius.
-/// NumPy .npy arrays of numbers: the same columns. Without z the packing is 2D.
+/// Text files: columns are separated by commas, semicolons, tabs or blanks; `#` or `%` starts a comment; a header names the columns
+/// (x, PosX[m], X (mm), `x_mm`, radius, diameter, d, id, …). Without a header, 2 columns are x y, 3 are x y z, 4 are x y z radius.
+/// NumPy .npy arrays of numbers have the same columns. Without z, the packing is 2D.
 ///
-/// Other formats are told by their content, or by --format: dumps and data files of LAMMPS and LIGGGHTS, XYZ and extended XYZ, YADE's text, MercuryDPM's .data,
-/// VTK, VTU and VTP with points only and a radius among their data, NumPy .npz with arrays `positions` and `radii`. All, and meshes, may be compressed by
-/// gzip or zstd. If the file says that its box repeats, it does, unless --periodic says otherwise.
+/// Other formats are recognised by their content, or given by --format: dumps and data files of LAMMPS and LIGGGHTS, XYZ and extended XYZ, text of YADE, .data of
+/// MercuryDPM, VTK, VTU and VTP with only points and a radius among their data, NumPy .npz with arrays `positions` and `radii`. All files, also meshes, may be
+/// compressed by gzip or zstd. If the file says that its box is periodic, the box is periodic, unless --periodic says otherwise.
 ///
-/// A file of several frames is a series: all couples become one table (.csv, .npy, .npz or .parquet) with the columns `frame,step` in front (a step of -1 where
-/// the file has none), --json becomes an array, --count prints a line for each frame. With `{frame}` in the name of an output each frame has a file of its own. See --frames.
+/// A file of several frames is a series: all couples are written to one table (.csv, .npy, .npz or .parquet) that starts with the columns `frame,step` (the step is
+/// -1 if the file has none), --json writes an array, and --count prints a line per frame. With `{frame}` in the name of an output, each frame has its own file.
+/// See --frames.
 ///
-/// Meshes (Gmsh, STL, OBJ, PLY, VTK, VTU, VTP, Abaqus, tables of triangles) are told by their content: couples are of elements of different bodies
-/// then, as `i,j,body_i,body_j,kind,measure,x,y,z,nx,ny,nz`, with their numbers in the files. Bodies are counted from 0 over all files; the summary as
-/// JSON says which is which. Only tetrahedra count where a file has some, else its triangles; beside tetrahedra of another file triangles are bodies without volume:
-/// what touches is found, its measure is 0, and shared boundary is that of tetrahedra. Flat meshes, with z = 0 everywhere, are 2D.
-/// A table of triangles has the columns `vertex1_X` to `vertex3_Z`, between blanks or tabs.
+/// Meshes (Gmsh, STL, OBJ, PLY, VTK, VTU, VTP, Abaqus, tables of triangles) are recognised by their content. Couples are elements of different bodies,
+/// written as `i,j,body_i,body_j,kind,measure,x,y,z,nx,ny,nz` with the numbers of the elements in the files. Bodies are numbered from 0 over all files; the JSON
+/// summary lists them. If a file has tetrahedra, only these are compared, otherwise its triangles. Triangles compared with tetrahedra of another file
+/// are bodies without volume: contacts are found, but their measure is 0, and shared boundary is only found between tetrahedra. Meshes with z = 0 everywhere are 2D.
+/// A table of triangles has the columns `vertex1_X` to `vertex3_Z`, separated by blanks or tabs.
 ///
-/// In a box that repeats (`--periodic`) elements outside are wrapped into it, every image that touches counts, and couples have their shift
-/// besides, `sx,sy,sz`: element j, displaced by so many edges of the box from where the file has it, touches element i where the file has it.
+/// In a periodic box (`--periodic`), elements outside are wrapped into the box, every image in contact counts, and couples also have the columns
+/// `sx,sy,sz`: element j, displaced from its position in the file by this number of edges of the box, touches element i at its position in the file.
 #[derive(Clone, Debug, Args)]
 #[command(after_help = "Example: fdem contacts packing.csv --output couples.csv --json summary.json")]
 pub(crate) struct ContactsArguments {
     #[command(flatten)]
     pub(crate) input: InputArguments,
 
-    /// More files: meshes, and packings of spheres. Each mesh is a body, unless it has several; each sphere is one.
+    /// More files: meshes and packings of spheres. Each mesh is a body, unless it contains several; each sphere is a body.
     #[arg(value_name = "FILE")]
     pub(crate) more: Vec<PathBuf>,
 
-    /// How to search; all engines give the same couples.
+    /// Engine of the search; all engines find the same couples.
     #[arg(long, value_enum, default_value_t = EngineName::Auto)]
     pub(crate) engine: EngineName,
 
-    /// Threads of the engine rows; 0 is one for each processor. The couples and their order are the same for any number.
+    /// Number of threads of the engines rows and multilevel, and of --labels; 0 is one per processor. Couples and their order do not depend on it.
     #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true, value_parser = whole::<usize>)]
     pub(crate) threads: usize,
 
-    /// Elements with the same whole number in this column are parts of one body and form no couple. A column of the file by name, or by its number
-    /// from 1; without a header the other columns are counted without it.
+    /// Elements with the same integer in this column belong to the same body and form no couple. The column is given by its name, or by its number
+    /// from 1; without a header, the other columns are counted without it.
     #[arg(long, value_name = "COLUMN")]
     pub(crate) bodies: Option<String>,
 
@@ -96,21 +97,21 @@ pub(crate) struct ContactsArguments {
     #[command(flatten)]
     pub(crate) analysis: AnalyseArguments,
 
-    /// Print what the search would take, and no couples: engine, cells, rows, images, about how many couples, memory. Of levels also what they do, which is
-    /// counted: windows on rows of cells that elements open, candidates in these windows, couples, each beside what was predicted.
+    /// Print an estimate of the search and no couples: engine, cells, rows, images, approximate number of couples, memory. For levels, also print the counted and the
+    /// predicted work: windows on rows of cells, candidates in these windows, couples.
     #[arg(long, conflicts_with_all = ["output", "count", "picture", "plots", "report", "verify", "analyse"])]
     pub(crate) explain: bool,
 
-    /// Write the couples to FILE, in the format that its name ends in. Without it couples go to standard output, or nowhere if --picture, --plots or --report
-    /// is given; `-` is standard output in any case. Tables: `.csv`, `.npy` (records), `.parquet`, and `.npz`, one
-    /// array for each column; of a packing `i` and `j` are rows of `positions` there, and `ids` has what the file calls them. ParaView: `.vtp`: centres are points, couples lines; those across a
-    /// face of the box end at images, points with `image` 1; those of meshes, of spheres and walls, run by way of the contact, points with `contact` 1. A packing
-    /// and its couples also: `.graphml`, and `.json`
+    /// Write the couples to FILE, in the format of its extension. Without it, couples go to standard output, or nowhere if --picture, --plots or --report
+    /// is given; `-` is always standard output. Tables: `.csv`, `.npy` (records), `.parquet`, and `.npz` with one array per column; for a packing, `i` and `j` in
+    /// .npz are rows of `positions`, and `ids` has the ids of the file. ParaView: `.vtp` with centres as points and couples as lines; lines across a
+    /// face of the box end at images, which are points with `image` 1; lines of meshes, and of spheres and walls, lead through the contact point, which has
+    /// `contact` 1. Networks of a packing: `.graphml`, and `.json`
     /// (networkx from 3.4: `node_link_graph(data, edges="edges")`).
     #[arg(long, short, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
 
-    /// Print the number of couples only; stores none.
+    /// Print only the number of couples, and do not store couples.
     #[arg(long, conflicts_with = "output")]
     pub(crate) count: bool,
 
@@ -121,7 +122,7 @@ pub(crate) struct ContactsArguments {
     #[command(flatten)]
     pub(crate) drawings: DrawingArguments,
 
-    /// Check the couples of K random elements against all others by brute force; exit code 1 if any differ.
+    /// Check the couples of K random elements by brute force; exit code 1 if any differ.
     #[arg(long, value_name = "K", allow_negative_numbers = true, value_parser = at_least_one)]
     pub(crate) verify: Option<usize>,
 
@@ -131,43 +132,43 @@ pub(crate) struct ContactsArguments {
 }
 
 impl ContactsArguments {
-    /// Whether couples are written: not where drawings alone are asked for.
+    /// Whether couples are written: not if only drawings are asked for.
     pub(crate) fn writes_couples(&self) -> bool {
         !self.count && (self.output.is_some() || !self.drawings.any())
     }
 }
 
-/// The box that repeats.
+/// Options for a periodic box.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct PeriodicArguments {
-    /// The edges along which the box repeats, the first being x: `x`, `xy`, `xyz`, `z`, … The box is that of the file, unless --box or --edges gives one.
-    /// `none`: the box of the file does not repeat, whatever it says.
+    /// Edges along which the box is periodic, the first edge being x: `x`, `xy`, `xyz`, `z`, … The box is that of the file, unless --box or --edges gives one.
+    /// With `none`, the box of the file is not periodic, whatever the file says.
     #[arg(long, value_name = "AXES", value_parser = axes)]
     pub(crate) periodic: Option<Axes>,
 
-    /// The box, with edges along the axes: `X0,X1,Y0,Y1` and in 3D `Z0,Z1`. Axes that do not repeat need limits too, in order; they are not used.
+    /// Periodic box with edges along the axes: `X0,X1,Y0,Y1` and in 3D `Z0,Z1`. Axes that are not periodic also need ascending limits, which are not used.
     #[arg(long = "box", value_name = "LIMITS", allow_hyphen_values = true, value_parser = numbers, requires = "periodic", conflicts_with = "edges")]
     pub(crate) limits: Option<Numbers>,
 
-    /// A sheared box: the components of its edges, one edge after the other, 4 numbers in 2D and 9 in 3D.
+    /// Sheared box: components of its edges, one edge after the other, 4 numbers in 2D and 9 in 3D.
     #[arg(long, value_name = "VECTORS", allow_hyphen_values = true, value_parser = numbers, requires = "periodic")]
     pub(crate) edges: Option<Numbers>,
 
-    /// Where the edges of a sheared box start [default: 0 along each axis].
+    /// Corner at which the edges of a sheared box start [default: 0 along each axis].
     #[arg(long, value_name = "POINT", allow_hyphen_values = true, value_parser = numbers, requires = "edges", conflicts_with = "limits")]
     pub(crate) origin: Option<Numbers>,
 }
 
-/// What the network says.
+/// Options for the analysis of the network.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct AnalyseArguments {
-    /// Also tell what the network says, in the summary and in full in its JSON: contacts of an element with and without rattlers, fabric and directions, clusters and whether they reach
-    /// all the way along an axis, overlaps and gaps, packing fraction, radial distribution.
+    /// Also analyse the network, briefly in the summary and in full in its JSON: coordination with and without rattlers, fabric and directions, clusters and
+    /// percolation, overlaps and gaps, packing fraction, radial distribution.
     #[arg(long)]
     pub(crate) analyse: bool,
 
-    /// Where `--analyse` measures the packing fraction: `X0,X1,Y0,Y1` and in 3D `Z0,Z1` [default: the domain, shrunk by the largest diameter on both sides where
-    /// the box does not repeat].
+    /// Region in which `--analyse` measures the packing fraction: `X0,X1,Y0,Y1` and in 3D `Z0,Z1` [default: the domain, shrunk by the largest diameter on both sides
+    /// along axes that are not periodic].
     #[arg(long, value_name = "LIMITS", allow_hyphen_values = true, value_parser = numbers, requires = "analyse")]
     pub(crate) inner: Option<Numbers>,
 
@@ -181,49 +182,50 @@ pub(crate) struct AnalyseArguments {
     pub(crate) rattlers: Option<u32>,
 }
 
-/// Meshes instead of packings.
+/// Options for meshes.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct MeshArguments {
-    /// Of meshes: also write which bodies touch to FILE.csv, .npy, .npz or .parquet, as `i,j,couples,overlap,shared,x,y,z,nx,ny,nz`: how many elements, how much
-    /// overlaps, how much boundary they share, where, and in which direction.
+    /// For meshes, also write the bodies that touch to FILE.csv, .npy, .npz or .parquet, as `i,j,couples,overlap,shared,x,y,z,nx,ny,nz`: number of couples of elements,
+    /// overlap, shared boundary, mean place and direction of the contact.
     #[arg(long, value_name = "FILE")]
     pub(crate) body_table: Option<PathBuf>,
 
-    /// Of meshes: elements of one body form couples too, unless they have a node in common.
+    /// For meshes, elements of the same body also form couples, unless they share a node.
     #[arg(long)]
     pub(crate) self_contact: bool,
 }
 
-/// Images of bodies instead of packings.
+/// Options for labelled images.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct LabelArguments {
-    /// FILE is an image, 2D or 3D (NumPy .npy or .npz, or the pages of a TIFF file), in which each number is a body: find which bodies touch,
-    /// with the faces that they share, their area, and the mean place and direction of the contact. x is along the last axis of the array; the origin is the centre of the first grid square.
+    /// FILE is a 2D or 3D image (NumPy .npy or .npz, or the pages of a TIFF file) in which each number is a body: find the bodies that touch,
+    /// with the number and area of the faces that they share, and the mean place and direction of the contact. x is along the last axis of the array; the origin is the
+    /// centre of the first pixel or voxel.
     #[arg(long, conflicts_with_all = [
         "columns", "radius", "cutoff", "tolerance", "format", "frames", "skip_bad_lines", "ignore_ids", "engine", "bodies", "periodic", "limits", "edges",
         "origin", "explain", "verify", "more", "body_table", "self_contact", "analyse",
     ])]
     pub(crate) labels: bool,
 
-    /// Which pixels or voxels are neighbours: those that share a face (a side in 2D), also those that share an edge (3D), also those that share
-    /// a vertex (a corner).
+    /// Pixels or voxels that are neighbours: `face`: those that share a face (in 2D a side); `edge`: also those that share an edge (3D only); `vertex`: also those that
+    /// share a vertex (a corner).
     #[arg(long, value_enum, default_value_t = NeighbourhoodName::Face, requires = "labels")]
     pub(crate) neighbourhood: NeighbourhoodName,
 
-    /// Edges of a pixel or voxel, for areas, places and directions [default: 1 each].
+    /// Edge lengths of a pixel or voxel, for areas, places and directions [default: 1 each].
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = numbers, requires = "labels")]
     pub(crate) spacing: Option<Numbers>,
 
-    /// The number that is no body; `none` if every number is one.
+    /// Number of the background, which is not a body; `none` if every number is a body.
     #[arg(long, value_name = "NUMBER", allow_hyphen_values = true, value_parser = background, default_value = "0", requires = "labels")]
     pub(crate) background: Background,
 
-    /// The array of an .npz file, if it has several.
+    /// Name of the array in an .npz file that has several.
     #[arg(long, value_name = "NAME", requires = "labels")]
     pub(crate) member: Option<String>,
 }
 
-/// The neighbourhoods by the names of the command line.
+/// Neighbourhoods by their names on the command line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum NeighbourhoodName {
     Face,
@@ -241,71 +243,71 @@ impl NeighbourhoodName {
     }
 }
 
-/// The label that is no body, if there is one.
+/// Label of the background, if there is one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Background(pub(crate) Option<i128>);
 
-/// Which of the edges x, y and z are meant.
+/// Edges x, y and z that are given.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Axes(pub(crate) [bool; 3]);
 
-/// Numbers between commas.
+/// Numbers separated by commas.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Numbers(pub(crate) Vec<f64>);
 
-/// What to read, and what the elements are.
+/// Options for the input and its elements.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct InputArguments {
     /// Packing or mesh to read; `-` reads standard input.
     pub(crate) file: PathBuf,
 
-    /// What the columns are: in order (`radius,x,y,z`; `_` skips one) or by name (`x=PosX[m],y=PosY[m],radius=R`).
+    /// Meaning of the columns: in order (`radius,x,y,z`; `_` skips a column) or by name (`x=PosX[m],y=PosY[m],radius=R`).
     #[arg(long, value_name = "LIST")]
     pub(crate) columns: Option<Columns>,
 
-    /// One radius for all elements, in place of the file's.
+    /// Radius of all elements, in place of the radii in the file.
     #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = length, conflicts_with = "cutoff")]
     pub(crate) radius: Option<f64>,
 
-    /// The elements are points; couples are at most D apart.
+    /// The elements are points, and couples are those at a distance of at most D.
     #[arg(long, value_name = "D", allow_negative_numbers = true, value_parser = length)]
     pub(crate) cutoff: Option<f64>,
 
-    /// Gap that still counts as contact, in the unit of the file.
+    /// Largest gap that counts as contact, in the unit of the file.
     #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = length, default_value_t = 0.0)]
     pub(crate) tolerance: f64,
 
-    /// What FILE is, whatever it looks like: `text`, `npy`, `npz`, `lammps-dump`, `lammps-data`, `xyz`, `mercury`, `vtk` (the points of a legacy file) or
-    /// `vtk-xml` (those of VTU and VTP).
+    /// Format of FILE, in place of the recognised one: `text`, `npy`, `npz`, `lammps-dump`, `lammps-data`, `xyz`, `mercury`, `vtk` (the points of a legacy file) or
+    /// `vtk-xml` (the points of VTU and VTP).
     #[arg(long, value_name = "NAME", value_parser = PackingFormat::from_str)]
     pub(crate) format: Option<PackingFormat>,
 
-    /// Which frames of FILE, counted from 0, as Python slices: `7`, `-1` for the last, `0:100:10` for every tenth of the first 100 [default: all].
-    /// One number gives what a file of one frame gives, a slice what a series does.
+    /// Frames of FILE, counted from 0, as Python indices or slices: `7`, `-1` for the last, `0:100:10` for every tenth of the first 100 [default: all].
+    /// With one number, outputs are those of a single packing; with a slice, those of a series.
     #[arg(long, value_name = "START:STOP:STEP", allow_hyphen_values = true, value_parser = Frames::from_str)]
     pub(crate) frames: Option<Frames>,
 
-    /// Leave lines that cannot be read out, and report them, instead of stopping at the first.
+    /// Skip lines that cannot be read and report them, instead of stopping at the first.
     #[arg(long)]
     pub(crate) skip_bad_lines: bool,
 
-    /// Number the elements by data row even if the file has an id column. (`--columns` without `id` does so too.)
+    /// Number the elements by data row even if the file has a column of ids. (`--columns` without `id` has the same effect.)
     #[arg(long)]
     pub(crate) ignore_ids: bool,
 }
 
-/// The engines by the names of the command line.
+/// Engines by their names on the command line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum EngineName {
-    /// Chosen from the elements; the summary says which, and why.
+    /// An engine chosen for the elements; the summary names it and the reason.
     Auto,
-    /// All against all.
+    /// All pairs are compared.
     Direct,
     /// Munjiza-NBS as published: linear in the number of elements, for similar sizes.
     Nbs,
-    /// Its decomposition on sorted rows with vector instructions: the same, many times faster, in any domain.
+    /// The cells of Munjiza-NBS in sorted rows, with vector instructions: many times as fast, in any domain.
     Rows,
-    /// The same for unlike sizes: levels of similar ones, each on rows of its own.
+    /// As rows, for unlike sizes: elements are divided into levels of similar sizes, each with its own rows.
     Multilevel,
     /// The C-grid of Williams, Perkins and Cook: elements that span many cells.
     #[value(name = "cgrid")]
@@ -325,17 +327,17 @@ impl From<EngineName> for Engine {
     }
 }
 
-/// Time the engines on a packing of yours.
+/// Time the engines on your packing.
 ///
-/// Measured is a detection from coordinates in memory to couples in memory, the checks of the elements included, reading
-/// the file not. Each engine runs once to warm up, then they take turns; the memory of an engine is kept from run to run.
+/// The time is that of a detection from coordinates in memory to couples in memory. It includes the checks of the elements, but
+/// not reading the file. Each engine runs once to warm up, then they take turns. Engines keep their memory between runs.
 #[derive(Debug, Args)]
 #[command(after_help = "Example: fdem bench packing.csv --engines rows,direct --json timings.json")]
 pub(crate) struct BenchArguments {
     #[command(flatten)]
     pub(crate) input: InputArguments,
 
-    /// Engines to time [default: rows, multilevel where sizes are unlike, nbs, and direct for up to 50,000 elements].
+    /// Engines to time [default: rows, multilevel for unlike sizes, nbs, and direct for up to 50,000 elements].
     #[arg(long, value_enum, value_name = "LIST", value_delimiter = ',')]
     pub(crate) engines: Option<Vec<Contestant>>,
 
@@ -343,36 +345,36 @@ pub(crate) struct BenchArguments {
     #[arg(long, value_enum, default_value_t = SimdName::Auto)]
     pub(crate) simd: SimdName,
 
-    /// Numbers of threads of the engines rows and multilevel, each timed; 0 is one for each processor. The others have one.
+    /// Numbers of threads to time for the engines rows and multilevel; 0 is one per processor. The other engines have one thread.
     #[arg(long, value_name = "LIST", value_delimiter = ',', default_value = "1", allow_negative_numbers = true, value_parser = whole::<usize>)]
     pub(crate) threads: Vec<usize>,
 
-    /// Timed runs of each engine.
+    /// Number of timed runs of each engine.
     #[arg(long, value_name = "K", default_value_t = 7, allow_negative_numbers = true, value_parser = runs)]
     pub(crate) repeat: usize,
 
-    /// Write the timings as JSON, one object per row of the table.
+    /// Write the timings as JSON, with one object per row of the table.
     #[arg(long, value_name = "FILE")]
     pub(crate) json: Option<PathBuf>,
 }
 
-/// The engines that can be timed, by the names of the command line.
+/// Engines that can be timed, by their names on the command line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Contestant {
     /// The default engine for similar sizes: sorted rows with vector instructions.
     Rows,
-    /// The default engine for unlike sizes: levels of similar ones.
+    /// The default engine for unlike sizes: levels of similar sizes.
     Multilevel,
     /// The C-grid of Williams, Perkins and Cook: elements that span many cells.
     #[value(name = "cgrid")]
     CGrid,
     /// Munjiza-NBS as published.
     Nbs,
-    /// All against all.
+    /// All pairs are compared.
     Direct,
 }
 
-/// The vector instructions by the names of the command line.
+/// Vector instructions by their names on the command line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum SimdName {
     /// The fastest that this processor has.
@@ -399,7 +401,7 @@ impl From<SimdName> for Simd {
     }
 }
 
-/// Make a packing: the same seed gives the same file on every platform.
+/// Generate a packing. The same seed gives the same file on every platform.
 #[derive(Debug, Args)]
 #[command(after_help = "Example: fdem generate gas -n 100000 --neighbours 12 --output gas.csv")]
 pub(crate) struct GenerateArguments {
@@ -432,11 +434,11 @@ pub(crate) enum Kind {
         /// Radius of every element.
         #[arg(long, value_name = "R", default_value_t = 0.5, allow_negative_numbers = true, value_parser = positive)]
         radius: f64,
-        /// Spacing, in diameters; at 1 neighbours touch exactly.
+        /// Spacing, in diameters; at 1, neighbours touch exactly.
         #[arg(long, value_name = "S", default_value_t = 1.0, allow_negative_numbers = true, value_parser = positive)]
         spacing: f64,
     },
-    /// A lattice whose elements are moved at random.
+    /// A lattice whose elements are displaced randomly.
     Jittered {
         #[command(flatten)]
         common: Common,
@@ -453,7 +455,7 @@ pub(crate) enum Kind {
         #[arg(long, value_name = "J", default_value_t = 0.2, allow_negative_numbers = true, value_parser = length)]
         jitter: f64,
     },
-    /// Small gases scattered in a huge empty domain.
+    /// Small gases scattered in a large empty domain.
     Clusters {
         #[command(flatten)]
         common: Common,
@@ -473,7 +475,7 @@ pub(crate) enum Kind {
         #[arg(long, value_name = "Z", default_value_t = 1.0, allow_negative_numbers = true, value_parser = positive)]
         neighbours: f64,
     },
-    /// 2D discs dropped one by one into a box, each rolling to rest on those before it.
+    /// 2D discs dropped one by one into a box, each rolling to rest on the earlier ones.
     Deposit {
         #[command(flatten)]
         common: Common,
@@ -488,13 +490,13 @@ pub(crate) enum Kind {
         #[arg(long, value_name = "C", default_value_t = 1e-3, allow_negative_numbers = true, value_parser = length)]
         compression: f64,
     },
-    /// A packing of the book's examples, diameter 1: A dense; B spaced in x; C in all axes; D pairs spaced in x.
+    /// A packing of the examples in the book, with the diameter 1: A dense; B spaced along x; C spaced along all axes; D pairs spaced along x.
     Book {
         #[command(flatten)]
         common: Common,
         #[command(flatten)]
         dims: Dims,
-        /// Which packing.
+        /// Packing of the book.
         #[arg(long, value_enum)]
         packing: BookPacking,
         /// Spacing of packings B, C and D, in diameters [default: 2].
@@ -542,13 +544,13 @@ pub(crate) enum BookPacking {
     D,
 }
 
-/// A finite number of at least zero.
+/// Reads a finite number of at least zero.
 fn length(text: &str) -> Result<f64, String> {
     let value = number(text)?;
     if value < 0.0 { Err(format!("'{text}' is negative")) } else { Ok(value) }
 }
 
-/// A finite number above zero.
+/// Reads a finite number above zero.
 fn positive(text: &str) -> Result<f64, String> {
     let value = number(text)?;
     if value > 0.0 { Ok(value) } else { Err(format!("'{text}' is not above zero")) }
@@ -575,7 +577,7 @@ fn background(text: &str) -> Result<Background, String> {
     Ok(Background(Some(number)))
 }
 
-/// Letters, each once; or none of them.
+/// Reads the letters of axes, each at most once, or `none`.
 fn axes(text: &str) -> Result<Axes, String> {
     let mut axes = [false; 3];
     if text == "none" {

@@ -1,4 +1,5 @@
-//! Files that are written aside until they are whole, and their removal: at the end, on a signal, or, after a command that was killed, by the next one.
+//! Partial files. Outputs are written under temporary names until they are complete. Partial files are removed at the end or on a signal; those of a command
+//! that was killed are removed by the next command that writes into the folder.
 //!
 //! A process that writes into a folder keeps a lock file there, `.fdem-NAME.lock`, open and locked; its partial files are called `.fdem-NAME-….part`.
 //! The system releases the lock when the process ends, however it ends. The next command that writes into the folder removes the partial files
@@ -15,7 +16,7 @@ const PREFIX: &str = ".fdem-";
 const LOCK: &str = ".lock";
 const PART: &str = ".part";
 
-/// The right to keep partial files in a folder. Dropped, it removes its lock file.
+/// Marks the partial files of this process in a folder as in use, by a lock file. The lock file is removed on drop.
 #[derive(Debug)]
 pub(crate) struct Claim {
     folder: PathBuf,
@@ -54,7 +55,7 @@ pub(crate) fn create(
     })
 }
 
-/// Does `rename`, which puts a partial file under its name; an interrupt comes before or after it.
+/// Calls `rename`, which moves a partial file to its final name. Interrupts are handled before or after it.
 pub(crate) fn put_in_place<R>(part: &Path, rename: impl FnOnce() -> R) -> R {
     aside(|aside| {
         aside.parts.retain(|path| path != part);
@@ -62,12 +63,12 @@ pub(crate) fn put_in_place<R>(part: &Path, rename: impl FnOnce() -> R) -> R {
     })
 }
 
-/// Removes the partial files of this process, and ends it.
+/// Removes the partial files of this process and ends the process.
 pub(crate) fn remove_all_and_exit(code: i32) {
     aside(|aside| {
         let locks = aside.claims.iter().filter_map(Weak::upgrade);
         for path in aside.parts.drain(..).chain(locks.map(|claim| claim.lock.path().to_owned())) {
-            // It may have been removed already; there is nobody left to tell.
+            // The file may have been removed already, and an error could not be reported any more.
             let _ = fs::remove_file(path);
         }
         std::process::exit(code);
@@ -98,7 +99,7 @@ impl Claim {
             let lost = matches!(locked, Err(TryLockError::WouldBlock)) || !lock.path().exists();
             let name = lock.path().file_name().map(|name| name.to_string_lossy().into_owned());
             if let (Some(name), false) = (name, lost) {
-                // Where a file system has no locks, nobody can lock the file to remove it either.
+                // On a file system without locks, no other process can lock the file to remove it.
                 let stem = name.strip_suffix(LOCK).unwrap_or(&name);
                 return Ok(Self { folder: folder.to_owned(), prefix: format!("{stem}-"), lock });
             }
@@ -116,7 +117,7 @@ fn remove_abandoned(folder: &Path) {
     let is_file = |path: &Path| fs::symlink_metadata(path).is_ok_and(|metadata| metadata.is_file());
     for stem in names.iter().filter_map(|name| name.strip_suffix(LOCK)) {
         let path = folder.join(format!("{stem}{LOCK}"));
-        // What cannot be opened belongs to somebody else.
+        // A file that cannot be opened belongs to somebody else.
         let Some(file) = Some(&path).filter(|path| is_file(path)).and_then(|path| File::open(path).ok())
         else {
             continue;
@@ -127,7 +128,7 @@ fn remove_abandoned(folder: &Path) {
             let _ = fs::remove_file(path);
         }
     }
-    // A lock file is there before the first of its parts, and until the last one is gone.
+    // A lock file exists before its first partial file is created and until the last one is removed: partial files without a lock file are abandoned.
     for name in names.iter().filter(|name| name.ends_with(PART)) {
         let stem = name.strip_suffix(PART).and_then(|name| name.rsplit_once('-')).map(|(stem, _)| stem);
         let path = folder.join(name);

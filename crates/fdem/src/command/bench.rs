@@ -1,4 +1,4 @@
-//! `fdem bench`: read, time the engines in turn, report.
+//! `fdem bench` reads a packing, times the engines in turn and prints a table.
 
 use std::fmt::{self, Write as _};
 use std::hint::black_box;
@@ -18,7 +18,7 @@ use crate::command::output::{Output, refuse_to_overwrite};
 use crate::command::progress::Progress;
 use crate::command::summary::grouped;
 
-/// Above this number of elements all-against-all takes seconds a run, and is timed only if asked for.
+/// Most elements for which the engine direct is timed by default. With more, a run takes seconds.
 const MOST_FOR_DIRECT: usize = 50_000;
 
 pub(crate) fn run(arguments: &BenchArguments) -> Result<(), Failure> {
@@ -56,12 +56,11 @@ fn measure<const D: usize>(
         threads: 1,
         keep: true,
     };
-    // Elements that no engine takes are an error, not a row of the table.
+    // Elements that no engine accepts are an error, not a row of the table.
     let elements = request.elements(centres).map_err(|error| refused(name, packing, &error))?;
     let mut contenders = contenders(arguments, &elements)?;
 
-    // Nothing draws meanwhile: a progress bar is a thread, which would be measured too. All engines write into one list, so that none
-    // pays for memory that another has.
+    // There is no progress bar, because its thread would be measured too. All engines write into the same list, so that they find the same memory allocated.
     let mut couples = Vec::new();
     for run in 0..=arguments.repeat {
         for contender in &mut contenders {
@@ -86,10 +85,10 @@ fn contenders<const D: usize>(
             engines.push(Contestant::Direct);
             return engines;
         }
-        // Nothing is left to do if even this cannot be printed.
+        // Nothing can be done if even this message cannot be printed.
         let _ = writeln!(
             io::stderr(),
-            "direct is left out: {} elements, all against all, take long. --engines rows,nbs,direct times it too",
+            "direct is left out: comparing all pairs of {} elements takes long. --engines rows,nbs,direct includes it",
             grouped(count as u64)
         );
         engines
@@ -140,7 +139,7 @@ fn contenders<const D: usize>(
     Ok(contenders)
 }
 
-/// 0 is one thread for each processor.
+/// Returns the number of threads; 0 stands for one per processor.
 fn threads_of(threads: usize) -> usize {
     if threads > 0 { threads } else { std::thread::available_parallelism().map_or(1, NonZero::get) }
 }
@@ -149,7 +148,7 @@ fn unusable(option: &str, error: &Error) -> Failure {
     Failure::Unusable(format!("{option}: {error}"))
 }
 
-/// One row of the table, being measured.
+/// An engine that is timed: a row of the table.
 struct Contender<const D: usize> {
     search: AnySearch<D>,
     simd: Option<Simd>,
@@ -169,7 +168,7 @@ enum AnySearch<const D: usize> {
 }
 
 impl<const D: usize> Contender<D> {
-    /// One detection, unless an earlier one was refused; `counts` if it is no warm-up.
+    /// Runs one detection, unless the engine has refused an earlier one. Its time is recorded if `counts`, which is false for warm-ups.
     fn run(&mut self, centres: &[[f64; D]], request: &Request<'_>, couples: &mut Vec<Couple>, counts: bool) {
         if self.result.is_err() {
             return;
@@ -208,7 +207,7 @@ impl<const D: usize> Contender<D> {
 }
 
 impl<const D: usize> AnySearch<D> {
-    /// What is timed.
+    /// Runs the detection that is timed, including the checks of the elements. Returns the number of couples.
     fn couples(
         &mut self,
         centres: &[[f64; D]],
@@ -227,14 +226,14 @@ impl<const D: usize> AnySearch<D> {
     }
 }
 
-/// The middle of ascending times; of an even number, the mean of the middle two.
+/// Median of ascending times; the mean of the middle two if their number is even.
 fn median(times: &[Duration]) -> Option<Duration> {
     let upper = times.get(times.len() / 2)?;
     let lower = times[(times.len() - 1) / 2];
     Some((lower + *upper) / 2)
 }
 
-/// What was measured of one engine; `null` in JSON is what there was not.
+/// Measurements of one engine. Missing values are `null` in JSON.
 #[derive(Debug, Serialize)]
 struct Row {
     engine: &'static str,
@@ -244,20 +243,20 @@ struct Row {
     couples: Option<usize>,
     median_ms: Option<f64>,
     best_ms: Option<f64>,
-    /// Memory that the engine holds, the coordinates and the couples aside.
+    /// Memory that the engine holds, without the coordinates and the couples.
     bytes_per_element: Option<f64>,
     /// Why the engine did not run.
     #[serde(skip_serializing_if = "Option::is_none")]
     refused: Option<String>,
 }
 
-/// Written as a table to standard output.
+/// The table that is written to standard output.
 struct Report {
     rows: Vec<Row>,
 }
 
 impl Report {
-    /// All engines that ran must have found as many couples.
+    /// Checks that all engines that ran found the same number of couples.
     fn check(&self, name: &str) -> Result<(), Failure> {
         let mut found = self.rows.iter().filter_map(|row| Some((row.engine, row.couples?)));
         let Some((first, couples)) = found.next() else { return Ok(()) };
@@ -316,7 +315,7 @@ impl fmt::Display for Report {
             let mut text = String::new();
             for (column, cell) in line.iter().enumerate() {
                 let width = lines.iter().map(|line| line[column].len()).max().unwrap_or(0);
-                // Names to the left, numbers to the right.
+                // Names are aligned to the left, numbers to the right.
                 if column < 2 {
                     write!(text, "{cell:<width$}  ")?;
                 } else {

@@ -14,7 +14,7 @@ use crate::command::progress::Progress;
 use crate::command::run::folder::{INPUTS, SUMMARY};
 use crate::model::{Drawing, ModelErrors, Preflight, prepare_within, schema};
 
-/// Bytes beyond which a file is no model: a schema check and the errors need its text in memory.
+/// Largest model file, bytes. The check against the schema and the errors need its text in memory.
 const LARGEST: u64 = 64 << 20;
 
 pub(crate) fn run(arguments: &CheckArguments) -> Result<(), Failure> {
@@ -44,9 +44,9 @@ pub(crate) fn run(arguments: &CheckArguments) -> Result<(), Failure> {
 
 /// Why a model cannot run.
 enum Problem {
-    /// Places in the file are wrong.
+    /// Errors in the file.
     Model(ModelErrors),
-    /// The file cannot be read, or what it says cannot be simulated.
+    /// The file cannot be read, or its model cannot be simulated.
     Other(Failure),
 }
 
@@ -58,7 +58,7 @@ impl Problem {
         }
     }
 
-    /// An object with a list `errors`: `message`, and where they are known `line`, `label` and `help`.
+    /// An object with a list `errors`. Each error has a `message`; errors in the file also have `file`, `line`, `label` and `help`.
     fn json(&self) -> Value {
         let errors: Vec<Value> = match self {
             Self::Model(errors) => errors
@@ -80,7 +80,7 @@ impl Problem {
     }
 }
 
-/// Reads, checks and meshes a model file. Files that it names are looked for beside it.
+/// Reads, checks and meshes a model file. Paths in the file are relative to its folder.
 fn preflight(path: &Path) -> Result<Preflight, Problem> {
     let name = display_name(path);
     let text = read_text(path).map_err(Problem::Other)?;
@@ -101,18 +101,19 @@ pub(crate) fn read_text(path: &Path) -> Result<String, Failure> {
         .and_then(|file| file.take(LARGEST + 1).read_to_end(&mut bytes))
         .map_err(|error| Failure::reading(&name, &error))?;
     if bytes.len() as u64 > LARGEST {
-        return Err(Failure::Unusable(format!("{name} is larger than 64 MiB: it is no model file")));
+        return Err(Failure::Unusable(format!("{name} is larger than 64 MiB: it is not a model file")));
     }
     String::from_utf8(bytes).map_err(|error| {
         let start = String::from_utf8_lossy(&error.as_bytes()[..error.utf8_error().valid_up_to()]);
         let line = start.matches('\n').count() + 1;
-        Failure::Unusable(format!("{name}:{line}: this is no text in UTF-8"))
+        Failure::Unusable(format!("{name}:{line}: this is not UTF-8 text"))
     })
 }
 
-/// Reads the files that a model names, which are looked for beside it. The model of a folder of results has them in `inputs/`, in the order in which it names them.
+/// Returns a function that reads the files that a model names. Paths are relative to the folder of the model. In a folder of results, a file that is missing
+/// there is read from `inputs/`, which numbers the files in the order in which the model names them.
 ///
-/// A device may have no end, and is refused.
+/// The function refuses devices and pipes, which may have no end.
 pub(crate) fn inputs_of(model: &Path) -> impl FnMut(&str) -> Result<Vec<u8>, String> {
     let folder = model.parent().unwrap_or(Path::new("")).to_owned();
     let mut number = 0;

@@ -1,4 +1,4 @@
-//! `fdem contacts`: read, detect, write, report.
+//! `fdem contacts` reads a packing, finds its couples, writes them and shows a summary.
 
 use std::fmt;
 use std::io::{self, Write};
@@ -30,7 +30,7 @@ pub(crate) fn run(arguments: &ContactsArguments) -> Result<(), Failure> {
     }
     let inputs = || std::iter::once(&arguments.input.file).chain(&arguments.more);
     if inputs().filter(|file| is_stdout(file)).count() > 1 {
-        return Err(Failure::Unusable("standard input can be read once only".to_owned()));
+        return Err(Failure::Unusable("standard input can only be read once".to_owned()));
     }
     for input in inputs() {
         let mut files = vec![
@@ -83,7 +83,7 @@ pub(crate) fn run(arguments: &ContactsArguments) -> Result<(), Failure> {
     let mut summary = treat(arguments, &progress, &input, &mut outputs)?;
 
     summary.frame = of_several.then_some(frame);
-    // The last output is the summary, which tells how long the others took.
+    // The summary is the last output, because it has the times of the others.
     summary.measure_peak();
     outputs.finish(&summary, arguments.quiet)
 }
@@ -102,7 +102,7 @@ pub(crate) fn treat(
     }
 }
 
-/// What the search would take, instead of the search.
+/// Writes an estimate of the cost of the search, in place of the couples.
 fn explain(arguments: &ContactsArguments, input: &Input, mut outputs: Outputs) -> Result<(), Failure> {
     let told = match &input.packing.centres {
         Centres::Two(centres) => told(arguments, input, centres),
@@ -145,7 +145,7 @@ fn request<'a>(arguments: &ContactsArguments, input: &'a Input) -> Result<Reques
     })
 }
 
-/// Detection and the outputs that need the dimension.
+/// Finds the couples, verifies and analyses them as asked for, and writes all outputs except the summary.
 fn find<const D: usize>(
     arguments: &ContactsArguments,
     progress: &Progress,
@@ -197,16 +197,16 @@ fn find<const D: usize>(
     drawn.map(|()| summary)
 }
 
-/// The files that the command writes; all appear together, at the end.
+/// The files that the command writes. All appear together at the end.
 pub(crate) struct Outputs {
-    /// The one table of several frames, in place of `couples`.
+    /// The table of all frames of a series, in place of `couples`.
     pub(crate) series: Option<SeriesTable>,
     pub(crate) table: TableFormat,
-    /// None where only drawings are wanted.
+    /// `None` if only drawings are asked for.
     pub(crate) couples: Option<Output>,
     pub(crate) json: Option<Output>,
     pub(crate) drawings: Drawings,
-    /// Which bodies of meshes touch.
+    /// Table of the bodies that touch, for meshes.
     pub(crate) bodies: Option<(TableFormat, Output)>,
 }
 
@@ -230,7 +230,7 @@ impl Outputs {
         })
     }
 
-    /// Prints a number of couples, in place of the couples.
+    /// Writes the number of couples in place of the couples.
     pub(crate) fn count(&mut self, couples: u64) -> Result<(), Failure> {
         self.couples.as_mut().map_or(Ok(()), |output| output.write(|out| writeln!(out, "{couples}")))
     }
@@ -260,7 +260,7 @@ impl Outputs {
         })
     }
 
-    /// Closes all files, which appear at [`Written::commit`].
+    /// Closes all files. They appear at [`Written::commit`].
     pub(crate) fn close(self) -> Result<Vec<Written>, Failure> {
         self.all().into_iter().map(Output::close).collect()
     }
@@ -269,7 +269,7 @@ impl Outputs {
         self.all().into_iter().try_for_each(Output::commit)
     }
 
-    /// The summary as JSON comes last: it tells how long the others took.
+    /// Returns all outputs. The summary as JSON comes last, because it has the times of the others.
     fn all(self) -> Vec<Output> {
         let bodies = self.bodies.map(|(_, output)| output);
         self.couples.into_iter().chain(bodies).chain(self.drawings.outputs()).chain(self.json).collect()
@@ -283,13 +283,13 @@ pub(crate) fn show(summary: &impl fmt::Display, files: &[String]) {
         let label = if k == 0 { "written" } else { "" };
         text.extend([&format!("{label:<16} {file}"), "\n"]);
     }
-    // A summary that nobody can see any more is no failure.
+    // A summary that cannot be shown is not an error.
     let _ = io::stderr().write_all(text.as_bytes());
 }
 
 pub(crate) fn wrong(name: &str, mismatch: &str) -> Failure {
     Failure::Wrong(format!(
-        "{name}: --verify: {mismatch} (in the order of the file, from 0). This is a bug in fdem: please report it with \
+        "{name}: --verify: {mismatch} (numbered in the order of the file, from 0). This is a bug in fdem: please report it with \
          the file. Nothing was written"
     ))
 }

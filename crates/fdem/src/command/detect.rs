@@ -1,4 +1,4 @@
-//! One detection: elements in, couples and what they say about the packing out.
+//! One detection: finds the couples of a packing and their statistics.
 
 use std::sync::atomic::Ordering;
 
@@ -11,21 +11,21 @@ use crate::command::periodic;
 use crate::command::progress::Position;
 use crate::network::{Couples, Sizes, Space, unshifted};
 
-/// What to find.
+/// Elements and options of a detection.
 pub(crate) struct Request<'a> {
     pub(crate) sizes: Sizes<'a>,
     pub(crate) tolerance: f64,
-    /// The body of each element: none forms a couple with its own.
+    /// Body of each element. Elements of the same body form no couple.
     pub(crate) bodies: Option<&'a [u32]>,
     pub(crate) engine: Engine,
-    /// 0 is one for each processor.
+    /// Number of threads; 0 is one per processor.
     pub(crate) threads: usize,
-    /// Keep the couples; otherwise only the statistics.
+    /// Whether the couples are kept; otherwise only their statistics are.
     pub(crate) keep: bool,
 }
 
 impl<'a> Request<'a> {
-    /// The elements, checked.
+    /// Returns the elements, or why the library refuses them.
     pub(crate) fn elements<'b, const D: usize>(
         &self,
         centres: &'b [[f64; D]],
@@ -46,22 +46,22 @@ impl<'a> Request<'a> {
     }
 }
 
-/// What was found.
+/// Result of a detection.
 pub(crate) struct Found<const D: usize> {
-    /// In ascending order; empty unless they were to be kept.
+    /// Couples in ascending order; empty unless the request keeps them.
     pub(crate) couples: Couples<D>,
-    /// In a box that repeats that of the elements in it, without images.
+    /// Plan of the search. In a periodic box it is the plan for the wrapped elements without images.
     pub(crate) plan: Plan<D>,
     pub(crate) statistics: Statistics<D>,
 }
 
-/// Sums over the couples that do not depend on their order.
+/// Statistics of the couples. They do not depend on the order of the couples.
 #[derive(Debug, PartialEq)]
 pub(crate) struct Statistics<const D: usize> {
     pub(crate) couples: u64,
-    /// Elements with at least one contact are marked.
+    /// Whether each element has a contact.
     touched: Vec<bool>,
-    /// Of equally large overlaps the first couple counts.
+    /// Largest overlap and its couple, the first one if several couples have it.
     pub(crate) max_overlap: Option<(f64, PeriodicCouple<D>)>,
 }
 
@@ -93,7 +93,7 @@ impl<const D: usize> Statistics<D> {
     }
 }
 
-/// Finds the couples. `position` counts them for whoever watches.
+/// Finds the couples. `position` counts them for the progress display.
 pub(crate) fn detect<const D: usize>(
     space: &Space<'_, D>,
     request: &Request<'_>,
@@ -156,9 +156,9 @@ fn detect_periodic<const D: usize>(
     Ok((Couples::Periodic(couples), plan))
 }
 
-/// Compares the couples of `sample` random elements with brute force; returns how many elements were checked, or what is wrong.
+/// Compares the couples of `sample` random elements with brute force. Returns the number of checked elements, or a description of the mismatch.
 ///
-/// The sample is the same at every run: an error found once can be found again.
+/// The sample is the same in every run, so that an error can be reproduced.
 pub(crate) fn check<const D: usize>(
     space: &Space<'_, D>,
     request: &Request<'_>,

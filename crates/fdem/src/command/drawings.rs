@@ -1,4 +1,4 @@
-//! What `fdem contacts` draws: `--picture`, `--plots`, `--report`.
+//! Drawings of `fdem contacts`: `--picture`, `--plots`, `--report`.
 
 use std::path::{Path, PathBuf};
 
@@ -11,30 +11,30 @@ use crate::network::Network;
 use crate::picture::{self, Bodies, Caption, MeshDrawing, PictureError};
 use crate::report::{self, BodiesReport, Report};
 
-/// Pictures, and a page to look at.
+/// Options for pictures and reports.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct DrawingArguments {
     /// Draw the elements and their contacts, coloured by overlap: discs in 2D, shaded spheres and a view of the contacts in 3D. A contact across a face of
-    /// the box is drawn as two halves. Of meshes in a plane: the triangles by body, and which bodies touch. Of meshes in space, of spheres and walls, and of
-    /// images: the bodies, and lines between their middles by way of the contact; bodies of images are discs or spheres of their area or volume.
+    /// the box is drawn as two halves. For meshes in a plane, draw the triangles coloured by body, and the contacts of bodies. For meshes in 3D, for spheres and walls,
+    /// and for images, draw the bodies, and lines between their centres through the contact points; bodies of images are discs or spheres of the same area or volume.
     #[arg(long, value_name = "FILE.svg|FILE.png", value_parser = drawing)]
     pub(crate) picture: Option<PathBuf>,
 
-    /// Draw how contacts, overlaps, sizes and directions are distributed.
+    /// Draw the distributions of contacts, overlaps, sizes and directions.
     #[arg(long, value_name = "FILE.svg|FILE.png", value_parser = drawing)]
     pub(crate) plots: Option<PathBuf>,
 
-    /// Pixels that PNG pictures are wide [default: twice those of an SVG].
+    /// Width of PNG pictures in pixels [default: twice the width of an SVG].
     #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(200..=10_000))]
     pub(crate) picture_width: Option<u32>,
 
-    /// Write a page for a browser, all in one file: the summary, the distributions, a view to turn, cut and pick elements in, and a table of all elements.
+    /// Write an HTML page in one file: the summary, the distributions, a 3D view in which elements can be selected, and a table of all elements.
     #[arg(long, value_name = "FILE.html", value_parser = page)]
     pub(crate) report: Option<PathBuf>,
 }
 
 impl DrawingArguments {
-    /// Each option and what it was given.
+    /// Each option and its file, if it is given.
     pub(crate) fn files(&self) -> [(&'static str, Option<&PathBuf>); 3] {
         [
             ("--picture", self.picture.as_ref()),
@@ -43,12 +43,12 @@ impl DrawingArguments {
         ]
     }
 
-    /// Whether couples are needed for any.
+    /// Whether any drawing is asked for.
     pub(crate) fn any(&self) -> bool {
         self.files().iter().any(|(_, file)| file.is_some())
     }
 
-    /// Refuses what cannot be shown, before the work.
+    /// Refuses a report of too many elements before the search.
     pub(crate) fn check(&self, elements: usize, name: &str) -> Result<(), Failure> {
         if self.report.is_some() && elements > report::MOST_ELEMENTS {
             let error =
@@ -59,28 +59,28 @@ impl DrawingArguments {
     }
 }
 
-/// The files, opened before the work.
+/// Files of the drawings, opened before the search.
 pub(crate) struct Drawings {
     picture: Option<(Form, Output)>,
     plots: Option<(Form, Output)>,
     report: Option<Output>,
-    /// Of PNG pictures, in pixels.
+    /// Width of PNG pictures, pixels.
     width: Option<u32>,
-    /// The picture has been drawn.
+    /// Whether the picture has been drawn.
     is_drawn: bool,
 }
 
-/// Bodies of any shape, and what is said of them.
+/// Bodies of any shape with their contacts, as input of the drawings.
 pub(crate) struct BodiesDrawing<'a> {
-    /// The file, as messages call it.
+    /// Name of the file in messages.
     pub(crate) name: &'a str,
     pub(crate) bodies: Bodies<'a>,
     pub(crate) unit: Option<&'a str>,
-    /// What the bodies are called, unless they are numbered from 0.
+    /// Ids of the bodies; `None` if they are numbered from 0.
     pub(crate) ids: Option<&'a [i64]>,
-    /// What is told of each contact.
+    /// Columns of the contacts: a name and a value per contact.
     pub(crate) columns: &'a [(&'a str, &'a [f64])],
-    /// What the command says, in lines.
+    /// Summary of the command, in lines.
     pub(crate) summary: &'a str,
 }
 
@@ -106,7 +106,7 @@ impl Drawings {
         })
     }
 
-    /// Draws; `summary` is what the command says of the network, in lines.
+    /// Draws the network. `summary` returns the summary of the command, in lines.
     pub(crate) fn write<const D: usize>(
         &mut self,
         input: &Input,
@@ -144,7 +144,7 @@ impl Drawings {
         Ok(())
     }
 
-    /// Draws bodies of any shape; not those pictures that are drawn otherwise already.
+    /// Draws bodies of any shape, except the picture if [`write_mesh`](Self::write_mesh) has drawn it.
     pub(crate) fn write_bodies(&mut self, drawing: &BodiesDrawing<'_>) -> Result<(), Failure> {
         let BodiesDrawing { name, bodies, unit, ids, columns, summary } = *drawing;
         let title = title(name);
@@ -195,14 +195,14 @@ impl Drawings {
     }
 }
 
-/// The file without its folder.
+/// File name without its folder.
 fn title(name: &str) -> String {
     Path::new(name).file_name().map_or(name.to_owned(), |name| name.to_string_lossy().into())
 }
 
-/// The lines of a summary, each a name and what it says, but for those that differ from run to run.
+/// Splits each line of a summary into its name and its text. Lines that differ from run to run are left out.
 fn facts(summary: &str) -> Vec<(&str, &str)> {
-    /// Columns of the names.
+    /// Width of a name and the blank after it.
     const NAMES: usize = 17;
     let lines = summary.lines().filter_map(|line| line.split_at_checked(NAMES));
     lines

@@ -1,4 +1,4 @@
-//! `fdem contacts --explain`: what a search would take, and no couples. For levels, what it does with them is counted.
+//! `fdem contacts --explain` estimates the cost of a search and writes no couples. For levels, the work is also counted.
 
 use std::fmt::Write;
 
@@ -8,24 +8,24 @@ use serde::Serialize;
 use crate::command::detect::Request;
 use crate::network::Space;
 
-/// Written as JSON by `--json`, and as text to standard output.
+/// The estimate, written as JSON by `--json` and as text to standard output.
 #[derive(Debug, Serialize)]
 pub(crate) struct Told {
     elements: usize,
-    /// Parts of one of these form no couple.
+    /// Number of bodies. Elements of the same body form no couple.
     #[serde(skip_serializing_if = "Option::is_none")]
     bodies: Option<usize>,
-    /// In a box that repeats.
+    /// Number of images, in a periodic box only.
     #[serde(skip_serializing_if = "Option::is_none")]
     images: Option<usize>,
     engine: &'static str,
     reason: String,
     cell_size: Option<f64>,
     cells: Option<Vec<u64>>,
-    /// Those of the engines multilevel and cgrid.
+    /// Levels of the engines multilevel and cgrid.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     levels: Vec<ToldLevel>,
-    /// Of each level by itself and of each two, if they are of the open space: predicted and counted.
+    /// Predicted and counted work in each level and between each two levels. Empty in a periodic box.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     work: Vec<ToldWork>,
     rows: Option<f64>,
@@ -73,7 +73,7 @@ impl From<&Work> for ToldWork {
     }
 }
 
-/// The same as a table below the levels, which it counts from 1.
+/// Formats the work as a table. Levels are counted from 1.
 fn table(works: &[ToldWork]) -> String {
     let mut text = String::new();
     let mut line = |cells: [String; 6]| {

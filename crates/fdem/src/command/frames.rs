@@ -1,22 +1,22 @@
-//! Which frames of a file are meant, as Python counts and slices.
+//! Selection of frames of a file by the indices and slices of Python.
 
 use std::str::FromStr;
 
-/// What `--frames` says.
+/// Value of `--frames`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Frames {
-    /// One, from the end if negative.
+    /// One frame; negative numbers count from the end.
     One(i64),
     /// `START:STOP:STEP`, each of which may be left out.
     Slice { start: Option<i64>, stop: Option<i64>, step: i64 },
 }
 
-/// The frames of a file that are treated.
+/// The selected frames of a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Selection {
-    /// Outputs are those of a single packing.
+    /// One frame: outputs are those of a single packing.
     One(usize),
-    /// Outputs tell the frames apart.
+    /// A series: outputs are marked with their frame.
     Series(Vec<usize>),
 }
 
@@ -29,7 +29,7 @@ impl FromStr for Frames {
             if text.is_empty() {
                 return Ok(None);
             }
-            let wrong = |_| format!("'{text}' is no frame: expected a whole number, or START:STOP:STEP");
+            let wrong = |_| format!("'{text}' is not a frame: expected a whole number, or START:STOP:STEP");
             text.parse().map(Some).map_err(wrong)
         };
         let parts: Vec<&str> = text.split(':').collect();
@@ -37,18 +37,18 @@ impl FromStr for Frames {
             [one] => number(one)?.map(Self::One).ok_or_else(|| "no frame is given".to_owned()),
             [start, stop] => Ok(Self::Slice { start: number(start)?, stop: number(stop)?, step: 1 }),
             [start, stop, step] => match number(step)? {
-                Some(0) => Err("a step of 0 leads nowhere".to_owned()),
+                Some(0) => Err("the step must not be 0".to_owned()),
                 step => {
                     Ok(Self::Slice { start: number(start)?, stop: number(stop)?, step: step.unwrap_or(1) })
                 }
             },
-            _ => Err(format!("'{text}' has more than START:STOP:STEP")),
+            _ => Err(format!("'{text}' has more parts than START:STOP:STEP")),
         }
     }
 }
 
 impl Frames {
-    /// Those of `count` frames; all of them, or the only one, where nothing is said.
+    /// Selects among `count` frames. Without `--frames`, a file of one frame is a single packing, and any other file a series of all its frames.
     pub(crate) fn select(frames: Option<Self>, count: usize) -> Result<Selection, String> {
         let n = count as i128;
         match frames {
@@ -83,7 +83,7 @@ impl Frames {
                     at += i128::from(step);
                 }
                 if frames.is_empty() {
-                    return Err(format!("--frames takes none of the {count} frames of the file"));
+                    return Err(format!("--frames selects none of the {count} frames of the file"));
                 }
                 Ok(Selection::Series(frames))
             }

@@ -1,4 +1,4 @@
-//! `fdem generate`: seeded packings.
+//! `fdem generate` writes packings, random ones from a seed.
 
 use std::io::{self, Write};
 
@@ -30,14 +30,14 @@ pub(crate) fn run(arguments: &GenerateArguments) -> Result<(), Failure> {
         let what = if dims == 2 { "discs" } else { "spheres" };
         let edge = edge(&arguments.kind, &radii)?;
         let place =
-            edge.map_or_else(String::new, |edge| format!(" (in a box of edge {edge} from the origin)"));
-        // A message that nobody can see any more is no failure.
+            edge.map_or_else(String::new, |edge| format!(" (in a box with edges of {edge} from the origin)"));
+        // A message that cannot be shown is not an error.
         let _ = writeln!(io::stderr(), "wrote {} {what} to {}{place}", centres.len(), display_name(path));
     }
     Ok(())
 }
 
-/// Of the box that a gas fills: what a periodic search needs, and nobody can tell from the elements.
+/// Edge of the box that a gas fills. Periodic searches need it, and it cannot be found from the elements.
 fn edge(kind: &Kind, radii: &[f64]) -> Result<Option<f64>, Failure> {
     let Kind::Gas { dims, neighbours, .. } = kind else { return Ok(None) };
     if radii.is_empty() {
@@ -75,7 +75,7 @@ fn planar(kind: &Kind) -> Result<Cloud<2>, Failure> {
 }
 
 fn any_dimension<const D: usize>(kind: &Kind) -> Result<Cloud<D>, Failure> {
-    /// In diameters.
+    /// Default spacing of the packings B, C and D, in diameters.
     const SPACING: f64 = 2.0;
     let n = shape(kind).0.elements;
     Ok(match *kind {
@@ -90,7 +90,7 @@ fn any_dimension<const D: usize>(kind: &Kind) -> Result<Cloud<D>, Failure> {
         Kind::Deposit { .. } => unreachable!("a deposit is planar"),
         Kind::Book { packing: BookPacking::A, spacing: None, .. } => book::packing_a(n),
         Kind::Book { packing: BookPacking::A, spacing: Some(_), .. } => {
-            return Err(Failure::Unusable("packing A is dense: it has no --spacing".to_owned()));
+            return Err(Failure::Unusable("packing A is dense: --spacing does not apply to it".to_owned()));
         }
         Kind::Book { packing: BookPacking::B, spacing, .. } => book::packing_b(n, spacing.unwrap_or(SPACING)),
         Kind::Book { packing: BookPacking::C, spacing, .. } => book::packing_c(n, spacing.unwrap_or(SPACING)),

@@ -1,4 +1,4 @@
-//! The input of the commands that search a packing: opened, read, and what is wrong with it in the words of the command.
+//! Input of the commands that search a packing: opens and reads files, and words the library's errors for the command line.
 
 use std::fs;
 use std::io::{self, Read, Write};
@@ -19,25 +19,25 @@ use crate::network::Sizes;
 
 /// A packing that has been read.
 pub(crate) struct Input {
-    /// The file, as messages call it.
+    /// Name of the file in messages.
     pub(crate) name: String,
-    /// Without the bodies.
+    /// The packing. Its bodies are in `bodies`.
     pub(crate) packing: Packing,
     pub(crate) bodies: Option<Bodies>,
-    /// Time it took.
+    /// Time to read it, s.
     pub(crate) seconds: f64,
 }
 
 /// The bodies that elements are parts of.
 pub(crate) struct Bodies {
-    /// One for each element: the number of its body among all, in ascending order of what the file calls them.
+    /// Number of the body of each element. Bodies are numbered from 0 in ascending order of their ids in the file.
     pub(crate) numbers: Vec<u32>,
-    /// How many there are.
+    /// Number of bodies.
     pub(crate) count: usize,
 }
 
 impl Bodies {
-    /// The library numbers bodies with 32 bits; no file has more bodies than elements, and of these the library takes no more.
+    /// Numbers the bodies. 32 bits are enough: there are no more bodies than elements, and the library accepts no more elements than that.
     fn new(names: &[i64]) -> Self {
         let mut distinct = names.to_vec();
         distinct.sort_unstable();
@@ -47,24 +47,24 @@ impl Bodies {
     }
 }
 
-/// A file that has been opened, but not understood.
+/// A file that has been opened but not parsed.
 pub(crate) struct Opened {
-    /// As messages call it.
+    /// Name of the file in messages.
     pub(crate) name: String,
-    /// Unpacked.
+    /// Decompressed content.
     pub(crate) bytes: Vec<u8>,
     pub(crate) kind: FileKind,
-    /// Time it took.
+    /// Time to open it, s.
     pub(crate) seconds: f64,
 }
 
 impl Opened {
-    /// Whether the content, or else the name, is that of a mesh.
+    /// Whether the file is a mesh, by its content or else its name.
     pub(crate) fn is_mesh(&self) -> bool {
         matches!(self.kind, FileKind::Mesh(_))
     }
 
-    /// The frames of a packing.
+    /// Opens the frames of a packing.
     pub(crate) fn series(&self) -> Result<Series<'_>, Failure> {
         let format = match self.kind {
             FileKind::Packing(format) => format,
@@ -74,13 +74,13 @@ impl Opened {
             .map_err(|error| unreadable(&self.name, &error))
     }
 
-    /// Those that are treated.
+    /// Selects frames of the file.
     pub(crate) fn select(&self, series: &Series<'_>, frames: Option<Frames>) -> Result<Selection, Failure> {
         Frames::select(frames, series.frames())
             .map_err(|problem| Failure::Unusable(format!("{}: {problem}", self.name)))
     }
 
-    /// Reads a frame, with the column `bodies` if there are any; warns of lines that were left out.
+    /// Reads a frame, and the column `bodies` if one is given. Warns of skipped lines.
     pub(crate) fn frame(
         &self,
         series: &Series<'_>,
@@ -105,7 +105,7 @@ impl Opened {
     }
 }
 
-/// Opens and unpacks the file, or standard input for `-`. `format`: what it is, instead of what it looks like.
+/// Opens and decompresses the file, or standard input for `-`. A `format` overrides the content and the name.
 pub(crate) fn open(
     file: &Path,
     format: Option<PackingFormat>,
@@ -130,17 +130,17 @@ pub(crate) fn open(
     Ok(Opened { name, bytes, kind, seconds })
 }
 
-/// A name without the end that says how the file is compressed.
+/// File name without the extension of its compression.
 fn bare_name(name: &str) -> &str {
     [".gz", ".zst", ".zstd"].iter().find_map(|end| name.strip_suffix(end)).unwrap_or(name)
 }
 
-/// Opens and reads a file of one frame, or the frame that is asked for.
+/// Opens and reads a file of one frame, or the selected frame.
 pub(crate) fn read(arguments: &InputArguments, progress: &Progress) -> Result<Input, Failure> {
     understand(open(&arguments.file, arguments.format, progress)?, arguments, progress)
 }
 
-/// As [`read`], of a file that is open.
+/// As [`read`], for a file that is open.
 pub(crate) fn understand(
     opened: Opened,
     arguments: &InputArguments,
@@ -151,7 +151,7 @@ pub(crate) fn understand(
         Selection::One(frame) => frame,
         Selection::Series(frames) => {
             return Err(Failure::Unusable(format!(
-                "{}: {} frames, where one is wanted: choose it with --frames N",
+                "{}: {} frames are selected, but one is needed: choose it with --frames N",
                 opened.name,
                 frames.len()
             )));
@@ -176,7 +176,7 @@ fn read_bytes(file: &Path, name: &str, position: &Position) -> Result<Vec<u8>, F
     read_all(input, size, name, position).map_err(failed)
 }
 
-/// Reads to the end, but no further than the first block of what can be neither a packing nor a mesh: `/dev/zero` has no end.
+/// Reads to the end. Stops after the first block if it can be neither a packing nor a mesh: `/dev/zero` has no end.
 fn read_all(mut input: impl Read, size: u64, name: &str, position: &Position) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     bytes.try_reserve_exact(usize::try_from(size).unwrap_or(0)).map_err(|_| io::ErrorKind::OutOfMemory)?;
@@ -189,24 +189,24 @@ fn read_all(mut input: impl Read, size: u64, name: &str, position: &Position) ->
     }
 }
 
-/// Bytes that tell rubbish from the rest.
+/// Size of the first block, bytes.
 const BLOCK: u64 = 1 << 20;
 
-/// Whether nothing that is read starts with these bytes.
+/// Whether no supported file starts with these bytes.
 fn is_rubbish(start: &[u8], size: u64, name: &str) -> bool {
     const ARRAYS: [&[u8]; 2] = [b"\x93NUMPY", b"PK\x03\x04"];
     let is_array = ARRAYS.iter().any(|magic| start.starts_with(magic));
     !is_array && start.contains(&0) && Compression::of(start).is_none() && !may_be_mesh(start, size, name)
 }
 
-/// Whether a file of this size that starts with these bytes may be a mesh. That of a binary STL file tells more than its content.
+/// Whether a file of this size that starts with these bytes may be a mesh. A binary STL file is recognised by its size, which follows from its number of facets.
 fn may_be_mesh(start: &[u8], size: u64, name: &str) -> bool {
     let facets = start.get(80..84).and_then(|count| count.try_into().ok()).map(u32::from_le_bytes);
     let is_stl = facets.is_some_and(|facets| size == 84 + 50 * u64::from(facets));
     is_stl || MeshFormat::of(start, bare_name(name)).is_some()
 }
 
-/// `file:line: what is wrong`, so that an editor can jump there.
+/// The failure for an input that cannot be parsed: `file:line: error`, so that an editor can jump to the line.
 fn unreadable(name: &str, error: &ReadError) -> Failure {
     Failure::Unusable(match error.line() {
         Some(line) => format!("{name}:{line}: {error}"),
@@ -214,7 +214,7 @@ fn unreadable(name: &str, error: &ReadError) -> Failure {
     })
 }
 
-/// Lines left out are never left out in silence, not even with `--quiet`.
+/// Warns of skipped lines, even with `--quiet`.
 fn report_skipped(name: &str, packing: &Packing, of_several: bool) {
     const SHOWN: usize = 5;
     let skipped = &packing.source.skipped;
@@ -226,18 +226,18 @@ fn report_skipped(name: &str, packing: &Packing, of_several: bool) {
     let mut text =
         vec![format!("warning: {name}: skipped {} bad {}{frame}", skipped.count, format.noun(skipped.count))];
     text.extend(skipped.first.iter().take(SHOWN).map(|bad| {
-        // Of an array the problem itself names the row.
+        // In an array, the problem itself names the row.
         let place = if format.has_lines() { format!("{}:", bad.line) } else { String::new() };
         format!("  {name}:{place} {}: {}", bad.problem, bad.text)
     }));
     if skipped.count > SHOWN as u64 {
         text.push(format!("  and {} more", skipped.count - SHOWN as u64));
     }
-    // Nothing is left to do if even the warning cannot be printed; the count is in the JSON summary too.
+    // Nothing can be done if the warning cannot be printed. The count is in the JSON summary too.
     let _ = writeln!(io::stderr(), "{}", text.join("\n"));
 }
 
-/// An option on the command line wins over the file.
+/// Sizes of the elements. Options override the file.
 pub(crate) fn sizes<'a>(
     arguments: &InputArguments,
     name: &str,
@@ -258,7 +258,7 @@ pub(crate) fn sizes<'a>(
     }
 }
 
-/// What an element is called: its id in the file, or the number of its data row, the first being 0.
+/// Id of an element in the file, or the number of its data row, from 0.
 pub(crate) fn id(packing: &Packing, index: usize) -> i64 {
     match (&packing.ids, &packing.row_numbers) {
         (Some(ids), _) => ids[index],
@@ -267,7 +267,7 @@ pub(crate) fn id(packing: &Packing, index: usize) -> i64 {
     }
 }
 
-/// The library's refusals in the words of the command: elements by their id or row, options by name.
+/// The failure for an error of the library. It names elements by their id or row, and options by name.
 pub(crate) fn refused(name: &str, packing: &Packing, error: &Error) -> Failure {
     Failure::Unusable(format!("{name}: {}", refusal(packing, error)))
 }
@@ -282,7 +282,7 @@ pub(crate) fn refusal(packing: &Packing, error: &Error) -> String {
         Error::DomainTooWide { axis, width, cell_size, stretched_by: Some((index, position)), .. } => {
             format!(
                 "the domain is {width:e} wide along {axis}, {cells:.1e} cells of {cell_size:e}: too many for the \
-             lists of this engine. It is stretched by {element} at {axis} = {position:e}. Remove that element, or take \
+             lists of this engine. It is stretched by {element} at {axis} = {position:e}. Remove that element, or choose \
              --engine rows, whose memory does not depend on the domain",
                 axis = ["x", "y", "z"][*axis],
                 cells = width / cell_size,
@@ -291,7 +291,7 @@ pub(crate) fn refusal(packing: &Packing, error: &Error) -> String {
         }
         Error::OutOfMemory { bytes } => format!(
             "no memory for {bytes} bytes: the couples do not fit. --count needs no memory for them; a smaller \
-             --tolerance, --radius or --cutoff makes fewer"
+             --tolerance, --radius or --cutoff gives fewer couples"
         ),
         Error::NoThreads { .. } => format!("--threads: {error}"),
         _ => match error.element() {

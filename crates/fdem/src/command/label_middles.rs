@@ -1,4 +1,4 @@
-//! Where the bodies of an image are and how large, for those who draw them: sums of whole numbers over their pixels or voxels.
+//! Centres and sizes of the bodies in an image, for drawings: integer sums over their pixels or voxels.
 
 use std::collections::BTreeMap;
 
@@ -8,11 +8,11 @@ use fdem_io::{LabelValue, Table, Values};
 use crate::command::labels::{AxisOrder, Stop};
 use crate::picture::{Bodies, BodyJoint};
 
-/// Sums over the bodies, while the image is read slab by slab.
+/// Sums over the pixels or voxels of each body, while the image is read slab by slab.
 pub(crate) struct Middles<L, const D: usize> {
     shape: [usize; D],
     background: Option<L>,
-    /// Grid squares that have been added.
+    /// Number of pixels or voxels added so far.
     added: usize,
     bodies: BTreeMap<L, Sum<D>>,
 }
@@ -20,7 +20,7 @@ pub(crate) struct Middles<L, const D: usize> {
 #[derive(Clone, Copy)]
 struct Sum<const D: usize> {
     count: u64,
-    /// Twice the places along the axes of the array, for the middle of a run of squares.
+    /// Sum of twice the positions along the axes of the array, because twice the middle of a run is an integer.
     twice: [u128; D],
 }
 
@@ -29,7 +29,7 @@ impl<L: Label + LabelValue, const D: usize> Middles<L, D> {
         Self { shape, background, added: 0, bodies: BTreeMap::new() }
     }
 
-    /// Adds the planes that follow.
+    /// Adds the next planes.
     pub(crate) fn add(&mut self, slab: &[L]) {
         let width = self.shape[D - 1].max(1);
         for row in slab.chunks(width) {
@@ -58,7 +58,7 @@ impl<L: Label + LabelValue, const D: usize> Middles<L, D> {
         }
     }
 
-    /// The bodies in the order of their labels, and their contacts.
+    /// Returns the bodies, in ascending order of their labels, and their contacts.
     pub(crate) fn finish(
         self,
         contacts: &[ImageContact<L, D>],
@@ -73,7 +73,7 @@ impl<L: Label + LabelValue, const D: usize> Middles<L, D> {
         for (label, Sum { count, twice }) in self.bodies {
             let number: i128 = label.into();
             let id = i64::try_from(number).map_err(|_| {
-                Stop::Option(format!("the label {number} is beyond 63 bits, and cannot be drawn"))
+                Stop::Option(format!("the label {number} needs more than 63 bits and cannot be drawn"))
             })?;
             let middle = std::array::from_fn(|axis| twice[axis] as f64 / (2.0 * count as f64) * edges[axis]);
             let size = count as f64 * square;
@@ -110,7 +110,7 @@ impl<L: Label + LabelValue, const D: usize> Middles<L, D> {
     }
 }
 
-/// Bodies of an image as discs or spheres of their area or volume.
+/// Bodies of an image as discs of the same area or spheres of the same volume.
 #[derive(Debug, Default)]
 pub(crate) struct Drawn {
     dimensions: usize,
@@ -129,7 +129,7 @@ impl Drawn {
         &self.ids
     }
 
-    /// What is told of each contact.
+    /// Columns of the contacts: a name and a value per contact.
     pub(crate) fn columns(&self) -> [(&'static str, &[f64]); 2] {
         [(self.measure(), &self.areas), ("shared faces", &self.faces)]
     }
@@ -152,7 +152,7 @@ impl Drawn {
         }
     }
 
-    /// Points for ParaView: the middles.
+    /// Points for ParaView: the centres of the bodies.
     pub(crate) fn points(&self) -> Table<'_> {
         Table::new(self.ids.len())
             .with_components("positions", &["x", "y", "z"], Values::f64(|k| self.centres[k / 3][k % 3]))
@@ -162,7 +162,7 @@ impl Drawn {
             .with("coordination", Values::i32(|k| self.coordination[k]))
     }
 
-    /// Lines for ParaView: from middle to middle of bodies that touch.
+    /// Lines for ParaView: between the centres of bodies that touch.
     pub(crate) fn lines<'a, L: Label + LabelValue, const D: usize>(
         &'a self,
         contacts: &'a [ImageContact<L, D>],

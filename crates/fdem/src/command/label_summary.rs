@@ -1,4 +1,4 @@
-//! What a person, or a script, wants to know of the contacts in a labelled image.
+//! Summary of the contacts in a labelled image.
 
 use std::fmt;
 
@@ -6,40 +6,40 @@ use serde::Serialize;
 
 use crate::command::summary::{Seconds, brief, grouped, peak_bytes, write_end};
 
-/// Written as JSON by `--json`, and as text to standard error. Axes are in the order x, y, z.
+/// The summary, written as JSON by `--json` and as text to standard error. Axes are in the order x, y, z.
 #[derive(Debug, Serialize)]
 pub(crate) struct LabelSummary {
     pub(crate) file: String,
     pub(crate) format: String,
-    /// Grid squares along each axis.
+    /// Pixels or voxels along each axis.
     pub(crate) shape: Vec<usize>,
     pub(crate) spacing: Vec<f64>,
-    /// Absent if every number is a body.
+    /// Label of the background; absent if every number is a body.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) background: Option<i128>,
-    /// Different labels, the background not counted.
+    /// Number of different labels without the background.
     pub(crate) bodies: usize,
     pub(crate) neighbourhood: &'static str,
-    /// As asked for; 0 is one for each processor.
+    /// Number of threads as given; 0 is one per processor.
     pub(crate) threads: usize,
     pub(crate) contacts: usize,
     pub(crate) mean_coordination: f64,
-    /// Bodies without any.
+    /// Number of bodies without contact.
     pub(crate) without_contact: usize,
-    /// Shared by all contacts together, as are the following.
+    /// Number of shared faces, as a sum over all contacts. `edges`, `vertices` and `area` are such sums too.
     pub(crate) faces: u64,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) edges: Option<u64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) vertices: Option<u64>,
-    /// In 2D the length of the shared sides.
+    /// Area of the shared faces; in 2D the length of the shared sides.
     pub(crate) area: f64,
     pub(crate) seconds: Seconds,
     pub(crate) peak_bytes: Option<u64>,
 }
 
 impl LabelSummary {
-    /// Notes the largest memory the process has had so far.
+    /// Records the peak memory of the process so far.
     pub(crate) fn measure_peak(&mut self) {
         self.peak_bytes = peak_bytes();
     }
@@ -60,24 +60,24 @@ impl fmt::Display for LabelSummary {
             None => ", no background".to_owned(),
         };
         line("bodies", format!("{}{background}", grouped(self.bodies as u64)))?;
-        line("neighbours", format!("at a {}", self.neighbours()))?;
+        line("neighbours", format!("share a {}", self.neighbours()))?;
         line("contacts", grouped(self.contacts as u64))?;
         line("coordination", format!("{:.4} contacts per body", self.mean_coordination))?;
         line("without contact", grouped(self.without_contact as u64))?;
         let measure = if is_2d { "length" } else { "area" };
         line("shared faces", format!("{}, {measure} {}", grouped(self.faces), brief(self.area)))?;
         if let Some(edges) = self.edges {
-            line("shared edges", format!("{} besides", grouped(edges)))?;
+            line("shared edges", format!("{} without a shared face", grouped(edges)))?;
         }
         if let Some(vertices) = self.vertices {
-            line("shared vertices", format!("{} besides", grouped(vertices)))?;
+            line("shared vertices", format!("{} without a shared face or edge", grouped(vertices)))?;
         }
         write_end(out, None, &self.seconds, self.peak_bytes)
     }
 }
 
 impl LabelSummary {
-    /// What neighbours share, at least one of it.
+    /// Names what neighbours may share.
     fn neighbours(&self) -> &'static str {
         match (self.neighbourhood, self.shape.len()) {
             ("face", _) => "face",

@@ -49,13 +49,13 @@ pub(crate) fn run(arguments: &ContactsArguments) -> Result<(), Failure> {
     outputs.finish(&summary, arguments.quiet)
 }
 
-/// An image whose end can be found.
+/// An image that can be read from any position.
 enum Opened {
     File(File),
     Memory(Cursor<Vec<u8>>),
 }
 
-/// What comes through a pipe is kept, if it starts as an image does: `/dev/zero` has no end.
+/// Opens an image. A pipe is read into memory if it starts like an image: `/dev/zero` has no end.
 fn open(file: &Path, name: &str) -> Result<Opened, Failure> {
     const STARTS: [&[u8]; 4] = [b"\x93NUMPY", b"PK", b"II", b"MM"];
     let failed = |error: io::Error| Failure::reading(name, &error);
@@ -79,11 +79,11 @@ fn open(file: &Path, name: &str) -> Result<Opened, Failure> {
     Ok(Opened::Memory(Cursor::new(bytes)))
 }
 
-/// Why an image was not gone on with.
+/// Why the work on an image stopped.
 pub(crate) enum Stop {
     Unreadable(LabelError),
     Refused(Error),
-    /// With options that do not fit the image.
+    /// An option does not fit the image.
     Option(String),
     Failed(Failure),
 }
@@ -101,7 +101,7 @@ impl From<Error> for Stop {
 }
 
 impl Stop {
-    /// In the words of the command.
+    /// The failure with the message of the command.
     fn told(self, name: &str) -> Failure {
         let text = match self {
             Self::Failed(failure) => return failure,
@@ -122,21 +122,21 @@ impl Stop {
     }
 }
 
-/// What was asked for.
+/// The arguments of the command and its progress.
 struct Task<'a> {
     arguments: &'a ContactsArguments,
     progress: &'a Progress,
     name: &'a str,
 }
 
-/// The order of x, y and z among the axes of the bytes.
+/// Order of x, y and z among the axes of the stored array.
 #[derive(Clone, Copy)]
 pub(crate) struct AxisOrder {
     reversed: bool,
 }
 
 impl AxisOrder {
-    /// x is the last axis of the array, and its fastest in C order.
+    /// Sorts values of the stored axes into the order x, y, z. x is the last axis of the array, which is the fastest in C order.
     pub(crate) fn xyz<T: Copy, const D: usize>(self, mut axes: [T; D]) -> [T; D] {
         if !self.reversed {
             axes.reverse();
@@ -145,7 +145,7 @@ impl AxisOrder {
     }
 }
 
-/// Grid squares that are compared at a time, or one plane.
+/// Pixels or voxels that are compared at a time, unless one plane has more.
 const SLAB: usize = 1 << 17;
 
 impl Task<'_> {
@@ -168,7 +168,10 @@ impl Task<'_> {
         let background = self.arguments.labels.background.0;
         let converted = background.map(|number| {
             L::try_from(number).map_err(|_| {
-                Stop::Option(format!("--background {number}: no label of {} can be that", image.format()))
+                Stop::Option(format!(
+                    "--background {number}: a label of {} cannot have this value",
+                    image.format()
+                ))
             })
         });
         let converted = converted.transpose()?;
@@ -255,7 +258,7 @@ impl Task<'_> {
         Ok(summary)
     }
 
-    /// In the order of the bytes.
+    /// Spacing in the order of the stored axes.
     fn spacing<const D: usize>(&self, order: AxisOrder) -> Result<Spacing<D>, Stop> {
         let Some(numbers) = &self.arguments.labels.spacing else { return Ok(Spacing::UNIT) };
         let edges: [f64; D] = numbers.0[..].try_into().map_err(|_| {
@@ -265,12 +268,12 @@ impl Task<'_> {
                 numbers.0.len()
             ))
         })?;
-        // Turning round is its own inverse.
+        // Reversing the order is its own inverse.
         Ok(Spacing::new(order.xyz(edges))?)
     }
 }
 
-/// Reads and compares slab after slab.
+/// Reads and compares the image slab by slab. Returns the contacts and the number of bodies.
 fn stream<L: Label + LabelValue, const D: usize>(
     image: &mut LabelImage<'_>,
     mut contacts: ImageContacts<L, D>,
@@ -304,7 +307,7 @@ fn stream<L: Label + LabelValue, const D: usize>(
     Ok((contacts, bodies))
 }
 
-/// A row for each contact, with the counts of edges and of vertices if they were counted. `position` counts the rows.
+/// Table with a row per contact, and with the numbers of edges and vertices if they were counted. `position` counts the rows.
 fn table<'a, L: Label + LabelValue, const D: usize>(
     contacts: &'a [ImageContact<L, D>],
     [edges, vertices]: [bool; 2],
@@ -314,7 +317,7 @@ fn table<'a, L: Label + LabelValue, const D: usize>(
 ) -> Table<'a> {
     let label = |which: usize| {
         let at = move |k: usize| -> i128 { contacts[k].labels()[which].into() };
-        // Labels are no wider than their type.
+        // Labels fit into these types.
         if L::KIND == LabelKind::U64 {
             Values::u64(move |k| at(k) as u64)
         } else {

@@ -1,8 +1,8 @@
-//! How much memory there is, where the system says so.
+//! Free memory, on systems that report it.
 
 use std::fs;
 
-/// Bytes that this process may still take: the free memory of the machine, or what a limit of the process leaves of it.
+/// Bytes that this process can still allocate: the free memory of the machine, or less if a limit of the process allows less. `None` without `/proc/meminfo`.
 pub(crate) fn free() -> Option<f64> {
     let machine = kilobytes(&fs::read_to_string("/proc/meminfo").ok()?, "MemAvailable:");
     let limits = fs::read_to_string("/proc/self/limits").ok();
@@ -15,7 +15,7 @@ pub(crate) fn free() -> Option<f64> {
     }
 }
 
-/// A line such as `MemAvailable:   123 kB`, in bytes.
+/// Value of a line such as `MemAvailable:   123 kB`, bytes.
 fn kilobytes(text: &str, name: &str) -> Option<f64> {
     let line = text.lines().find(|line| line.starts_with(name))?;
     let number: f64 = line[name.len()..].split_whitespace().next()?.parse().ok()?;

@@ -1,4 +1,4 @@
-//! What a person, or a script, wants to know of the contacts of meshes.
+//! Summary of the contacts of meshes.
 
 use std::fmt;
 
@@ -7,7 +7,7 @@ use serde::Serialize;
 use crate::command::args::EngineName;
 use crate::command::summary::{Seconds, brief, grouped, peak_bytes, write_end};
 
-/// Written as JSON by `--json`, and as text to standard error.
+/// The summary, written as JSON by `--json` and as text to standard error.
 #[derive(Debug, Serialize)]
 pub(crate) struct MeshSummary {
     pub(crate) files: Vec<FileOf>,
@@ -17,17 +17,17 @@ pub(crate) struct MeshSummary {
     pub(crate) bodies: usize,
     #[serde(serialize_with = "engine_name")]
     pub(crate) engine: EngineName,
-    /// As asked for; 0 is one for each processor.
+    /// Number of threads as given; 0 is one per processor.
     pub(crate) threads: usize,
     pub(crate) couples: usize,
     pub(crate) couples_by_kind: Couples,
     /// Pairs of bodies that touch, and bodies that touch themselves.
     pub(crate) body_contacts: usize,
-    /// Of a body, with other bodies.
+    /// Mean number of contacts of a body with other bodies.
     pub(crate) mean_coordination: f64,
-    /// Bodies without any.
+    /// Number of bodies without contact.
     pub(crate) without_contact: usize,
-    /// Of all contacts together.
+    /// Overlap, as a sum over all contacts; `shared` is the sum of the shared boundaries.
     pub(crate) overlap: f64,
     pub(crate) shared: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -36,7 +36,7 @@ pub(crate) struct MeshSummary {
     pub(crate) peak_bytes: Option<u64>,
 }
 
-/// How many couples are of what.
+/// Number of couples of each kind.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub(crate) struct Couples {
     pub(crate) meshes: usize,
@@ -44,16 +44,16 @@ pub(crate) struct Couples {
     pub(crate) spheres_and_meshes: usize,
 }
 
-/// A file and what was taken from it.
+/// A file and the elements taken from it.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct FileOf {
     pub(crate) file: String,
     pub(crate) format: String,
     pub(crate) elements: usize,
-    /// What they are.
+    /// Kind of the elements.
     pub(crate) kind: &'static str,
     pub(crate) bodies: u32,
-    /// Those of this file are numbered from here.
+    /// Number of the first body of this file.
     pub(crate) first_body: u32,
     pub(crate) bodies_from: String,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -91,9 +91,9 @@ impl fmt::Display for LeftOut {
 pub(crate) struct BodyOf {
     /// Its number in the tables.
     pub(crate) body: u32,
-    /// Place of its file among the files, from 0.
+    /// Index of its file in `files`.
     pub(crate) file: usize,
-    /// What the file calls it.
+    /// Its number in the file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) number: Option<i64>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -107,7 +107,7 @@ fn engine_name<S: serde::Serializer>(engine: &EngineName, serializer: S) -> Resu
 }
 
 impl MeshSummary {
-    /// Notes the largest memory the process has had so far.
+    /// Records the peak memory of the process so far.
     pub(crate) fn measure_peak(&mut self) {
         self.peak_bytes = peak_bytes();
     }
@@ -142,7 +142,10 @@ impl fmt::Display for MeshSummary {
         line("couples", grouped(self.couples as u64))?;
         if spheres > 0 || spheres_and_meshes > 0 {
             let [a, b, c] = [spheres, spheres_and_meshes, meshes].map(|n| grouped(n as u64));
-            line("", format!("{a} of spheres, {b} of spheres and triangles, {c} of triangles"))?;
+            line(
+                "",
+                format!("{a} between spheres, {b} between spheres and triangles, {c} between triangles"),
+            )?;
         }
         line("body contacts", grouped(self.body_contacts as u64))?;
         line("coordination", format!("{:.4} contacts per body", self.mean_coordination))?;

@@ -1,4 +1,4 @@
-//! `fdem contacts` of meshes: one or several files, with spheres against surfaces.
+//! `fdem contacts` for meshes: one or several files, and spheres against surfaces.
 
 use std::sync::atomic::Ordering;
 use std::time::Instant;
@@ -57,7 +57,7 @@ pub(crate) fn run(
     outputs.finish(&summary, arguments.quiet)
 }
 
-/// Options that say nothing of meshes are not passed over.
+/// Refuses options that have no meaning for meshes.
 fn refuse_options_of_packings(arguments: &ContactsArguments, name: &str) -> Result<(), Failure> {
     let given = [
         ("--cutoff", arguments.input.cutoff.is_some()),
@@ -75,19 +75,19 @@ fn refuse_options_of_packings(arguments: &ContactsArguments, name: &str) -> Resu
     }
 }
 
-/// A box that repeats is not passed over either.
+/// Refuses a packing whose file has a periodic box, unless `--periodic` is given.
 fn refuse_periodic(input: &Input, arguments: &PeriodicArguments) -> Result<(), Failure> {
     let repeats = input.packing.cell.is_some_and(|cell| cell.repeats.contains(&true));
     if repeats && arguments.periodic.is_none() {
         return Err(Failure::Unusable(format!(
-            "{}: its box repeats, which it cannot beside other files: --periodic none leaves it alone",
+            "{}: its box is periodic, which is not possible with several files: --periodic none ignores the box",
             input.name
         )));
     }
     Ok(())
 }
 
-/// A file of bodies.
+/// A file with bodies.
 struct Source {
     name: String,
     content: Content,
@@ -111,7 +111,7 @@ fn read(
         let mesh = mesh.map_err(|error| Failure::Unusable(error.to_string()))?;
         if mesh.triangles.is_empty() && mesh.tetrahedra.is_empty() {
             return Err(Failure::Unusable(format!(
-                "{name}: the mesh has segments only: triangles or tetrahedra are compared"
+                "{name}: the mesh has only segments, but triangles or tetrahedra are needed"
             )));
         }
         return Ok(Source { name, content: Content::Mesh(mesh) });
@@ -126,39 +126,39 @@ fn read(
     match std::mem::replace(&mut input.packing.centres, Centres::Three(Vec::new())) {
         Centres::Three(centres) => Ok(Source { name, content: Content::Spheres { input, centres, radii } }),
         Centres::Two(_) => Err(Failure::Unusable(format!(
-            "{name}: discs in 2D are compared within one file only; with other files spheres in 3D are"
+            "{name}: discs in 2D can only be compared within one file; several files need spheres in 3D"
         ))),
     }
 }
 
-/// All elements in one numbering, over the files in their order; meshes and spheres apart.
+/// Elements of all files with one numbering, in the order of the files. Meshes and spheres are stored separately.
 struct Model<const D: usize, const N: usize> {
     points: Vec<[f64; D]>,
     elements: Vec<[u32; N]>,
-    /// The body of each element of the meshes, and its number among all.
+    /// Body of each element of the meshes; `mesh_numbers` has its number among all elements.
     mesh_bodies: Vec<u32>,
     mesh_numbers: Vec<u32>,
     centres: Vec<[f64; D]>,
     radii: Vec<f64>,
     sphere_numbers: Vec<u32>,
     sphere_bodies: Vec<u32>,
-    /// Of all elements: what the file calls them, and their bodies.
+    /// Id of each element in its file; `bodies` has its body.
     ids: Vec<i64>,
     bodies: Vec<u32>,
-    /// The first node of each file, or the first sphere.
+    /// Number of the first node or the first sphere of each file.
     starts: Vec<usize>,
     described: Vec<FileOf>,
     named: Vec<BodyOf>,
     body_count: u32,
 }
 
-/// What was found, in numbers of the model, sorted by `i`, then `j`.
+/// Result of a search. Elements have the numbers of the model; contacts are sorted by `i`, then `j`.
 struct Found<const D: usize> {
     contacts: Vec<(Couple, Contact<D>)>,
     bodies: Vec<BodyContact<D>>,
     couples: Couples,
     verified: Option<usize>,
-    /// Seconds that it took.
+    /// Time for verifying, s.
     verifying: f64,
 }
 
@@ -181,7 +181,7 @@ impl Task<'_> {
         let flat = spheres.is_none() && meshes().all(|(_, mesh)| mesh.dimensions == 2);
         match (spheres, solid) {
             (Some(spheres), Some((solid, _))) => Err(Failure::Unusable(format!(
-                "{solid} has tetrahedra, {} has spheres: spheres are compared with triangles; give the surface of the body",
+                "{solid} has tetrahedra, {} has spheres: spheres can only be compared with triangles; give the surface of the body",
                 spheres.name
             ))),
             (None, Some(_)) => {
@@ -249,7 +249,7 @@ impl Task<'_> {
                     model.points.extend(mesh.points.iter().map(|&p| point(p)));
                     if u32::try_from(model.points.len()).is_err() {
                         return Err(Failure::Unusable(format!(
-                            "{}: more than 4294967295 nodes with the files before",
+                            "{}: with this file there are more than 4294967295 nodes",
                             source.name
                         )));
                     }
@@ -291,7 +291,7 @@ impl Task<'_> {
             }
             if u32::try_from(model.ids.len()).is_err() {
                 return Err(Failure::Unusable(format!(
-                    "{}: more than 4294967295 elements with the files before",
+                    "{}: with this file there are more than 4294967295 elements",
                     source.name
                 )));
             }
@@ -299,7 +299,7 @@ impl Task<'_> {
         Ok(model)
     }
 
-    /// Contacts of the meshes, then those of `more`, gathered.
+    /// Finds the contacts of the meshes, and further contacts by `more`.
     fn search<const D: usize, const N: usize>(
         &self,
         model: &Model<D, N>,
@@ -350,7 +350,7 @@ impl Task<'_> {
         Ok(found)
     }
 
-    /// Adds couples of spheres, and of spheres with triangles.
+    /// Adds couples of spheres, and couples of spheres with triangles.
     fn with_spheres(
         &self,
         model: &Model<3, 3>,
@@ -397,7 +397,7 @@ impl Task<'_> {
             found.contacts.push((Couple::new(sphere, triangle), contact));
         }
         found.contacts.sort_unstable_by_key(|(couple, _)| *couple);
-        // Surfaces have no boundary in common but what their contacts tell.
+        // The contacts of bodies are gathered from those of elements alone, because surfaces share no further boundary.
         let with_bodies: Vec<_> =
             found.contacts.iter().map(|(couple, contact)| (model.bodies_of(*couple), *contact)).collect();
         found.bodies = gather(&with_bodies)?;
@@ -477,7 +477,7 @@ impl Task<'_> {
         Ok(summary)
     }
 
-    /// The unit of the spheres, if there are any.
+    /// Unit of the first file of spheres, if there is one.
     fn unit(&self) -> Option<&str> {
         self.files.iter().find_map(|file| match &file.content {
             Content::Spheres { input, .. } => input.packing.source.unit.as_deref(),
@@ -485,11 +485,11 @@ impl Task<'_> {
         })
     }
 
-    /// In the words of the command, with the file.
+    /// The failure with the message of the command, which names the file.
     fn told<const D: usize, const N: usize>(&self, model: &Model<D, N>, stop: Stop) -> Failure {
         let names: Vec<_> = self.files.iter().map(|file| file.name.as_str()).collect();
         let all = names.join(", ");
-        // The last file of this kind that starts at the number or before.
+        // The last file of this kind whose first number is not above `number`.
         let file_of = |spheres: bool, number: usize| {
             let of_kind =
                 |file: &usize| matches!(self.files[*file].content, Content::Spheres { .. }) == spheres;
@@ -519,7 +519,7 @@ impl Task<'_> {
     }
 }
 
-/// Why a search was not gone on with.
+/// Why a search stopped.
 enum Stop {
     Refused(DiscretisedError),
     Wrong(String),
@@ -538,7 +538,7 @@ impl From<Error> for Stop {
 }
 
 impl<const D: usize, const N: usize> Model<D, N> {
-    /// Numbers, bodies and description of the elements of a mesh.
+    /// Adds numbers, bodies and description of the elements of a mesh.
     fn add_mesh(
         &mut self,
         file: usize,
@@ -553,7 +553,10 @@ impl<const D: usize, const N: usize> Model<D, N> {
         for &number in numbers {
             let id = i64::try_from(number);
             self.ids.push(id.map_err(|_| {
-                Failure::Unusable(format!("{}: the element number {number} is beyond 63 bits", source.name))
+                Failure::Unusable(format!(
+                    "{}: the element number {number} needs more than 63 bits",
+                    source.name
+                ))
             })?);
         }
         // Bodies that have elements of this kind, in the order of the file.
@@ -592,7 +595,7 @@ impl<const D: usize, const N: usize> Model<D, N> {
         Ok(())
     }
 
-    /// What is drawn.
+    /// The elements and spheres, for drawing.
     fn parts(&self) -> Parts<'_, D, N> {
         Parts {
             points: &self.points,
@@ -611,14 +614,14 @@ impl<const D: usize, const N: usize> Model<D, N> {
         [couple.i, couple.j].map(|k| self.bodies[k as usize])
     }
 
-    /// A row for each contact of elements, with their numbers in the files. `position` counts them.
+    /// Table with a row per contact of elements, which have their numbers in the files. `position` counts the rows.
     fn table<'a>(&'a self, contacts: &'a [(Couple, Contact<D>)], position: &'a Position) -> Table<'a> {
         let bodies = move |k: usize| self.bodies_of(contacts[k].0).map(i64::from);
         let first = move |k: usize| {
             position.store(k as u64, Ordering::Relaxed);
             self.ids[contacts[k].0.i as usize]
         };
-        // Plus zero: minus zero is zero.
+        // Adding 0.0 turns -0.0 into 0.0.
         Table::new(contacts.len())
             .with("i", Values::i64(first))
             .with("j", Values::i64(move |k| self.ids[contacts[k].0.j as usize]))
@@ -639,7 +642,7 @@ impl<const D: usize, const N: usize> Model<D, N> {
     }
 }
 
-/// Bytes of the longest word of [`kind`].
+/// Length of the longest word of [`kind`], bytes.
 const LONGEST_KIND: usize = 6;
 
 fn kind(measure: Measure) -> &'static str {
@@ -652,7 +655,7 @@ fn kind(measure: Measure) -> &'static str {
     }
 }
 
-/// A row for each contact of bodies.
+/// Table with a row per contact of bodies.
 fn body_table<const D: usize>(contacts: &[BodyContact<D>]) -> Table<'_> {
     Table::new(contacts.len())
         .with("i", Values::i64(|k| contacts[k].bodies[0].into()))

@@ -1,4 +1,4 @@
-//! Outputs that are whole or not there: written aside, then renamed.
+//! Outputs that are complete or absent: they are written to a partial file, which is renamed at the end.
 
 use std::ffi::OsStr;
 use std::fs::{self, File};
@@ -26,19 +26,19 @@ pub(crate) enum TableFormat {
     Json,
 }
 
-/// The formats of tables of any kind.
+/// Formats that hold any table.
 pub(crate) const TABLES: [TableFormat; 4] =
     [TableFormat::Csv, TableFormat::Npy, TableFormat::Npz, TableFormat::Parquet];
 
 impl TableFormat {
-    /// Standard output gets CSV.
+    /// Returns the format of an output by its extension; CSV for standard output.
     pub(crate) fn of(path: Option<&Path>) -> Result<Self, Failure> {
         use TableFormat::{Csv, GraphMl, Json, Npy, Npz, Parquet, Vtp};
         let any = [Csv, Npy, Npz, Parquet, Vtp, GraphMl, Json];
         Self::among(&any, path)
     }
 
-    /// The format, if it is one of these.
+    /// Returns the format of an output by its extension, if it is among `formats`.
     pub(crate) fn among(formats: &[Self], path: Option<&Path>) -> Result<Self, Failure> {
         let Some(path) = path.filter(|path| !is_stdout(path)) else { return Ok(Self::Csv) };
         let extension = path.extension().map(OsStr::to_ascii_lowercase);
@@ -46,7 +46,7 @@ impl TableFormat {
         if let Some(format) = formats.iter().find(is_named) {
             return Ok(*format);
         }
-        // A device has no extension and no format of its own; what is wrong with a folder is not its name.
+        // A device has no extension and no format of its own. A folder is refused later, with a better message.
         if is_device(path) || path.is_dir() {
             return Ok(Self::Csv);
         }
@@ -55,10 +55,10 @@ impl TableFormat {
             [names @ .., last] => format!("{} or {last}", names.join(", ")),
             [] => String::new(),
         };
-        Err(Failure::writing(path, format!("its name does not tell the format: end it in {names}")))
+        Err(Failure::writing(path, format!("its extension must be that of a format: {names}")))
     }
 
-    /// Refuses formats that hold networks of the elements of one packing.
+    /// Refuses formats that hold the network of a packing.
     pub(crate) fn is_table(self, what: &str) -> Result<Self, Failure> {
         match self {
             Self::Csv | Self::Npy | Self::Npz | Self::Parquet => Ok(self),
@@ -82,7 +82,7 @@ impl TableFormat {
     }
 }
 
-/// One output, opened before the work starts so that a wrong name is told at once.
+/// An output. It is opened before the work starts, so that a wrong name is reported at once.
 pub(crate) struct Output {
     name: PathBuf,
     to: To,
@@ -90,7 +90,7 @@ pub(crate) struct Output {
 
 enum To {
     Stdout(BufWriter<Stdout>),
-    /// An existing pipe or device such as `/dev/null`: cannot be replaced by a rename.
+    /// An existing pipe or device such as `/dev/null`, which cannot be replaced by a rename.
     Device(BufWriter<File>),
     Aside {
         file: BufWriter<NamedTempFile>,
@@ -102,12 +102,12 @@ enum To {
 /// Whether the program was started without standard output, as by `>&-`: the standard library has opened `/dev/null` in its place.
 static NO_STDOUT: AtomicBool = AtomicBool::new(false);
 
-/// Notes that the program was started without standard output: to write there is an error from now on.
+/// Records that the program was started without standard output. Writing to it is an error from then on.
 pub(crate) fn stdout_is_closed() {
     NO_STDOUT.store(true, Ordering::Relaxed);
 }
 
-/// Refuses to write to a standard output that is closed.
+/// Returns an error if standard output is closed.
 pub(crate) fn check_stdout() -> io::Result<()> {
     if NO_STDOUT.load(Ordering::Relaxed) {
         return Err(io::Error::other("it is closed"));
@@ -132,7 +132,7 @@ impl Output {
             return Ok(Self { name, to: To::Device(BufWriter::new(file)) });
         }
         let target = target(path)?;
-        // A rename needs no permission of the file it replaces; whoever protected the file meant it all the same.
+        // A rename does not need the permission to write the file that it replaces. A protected file is respected all the same.
         let permissions = if target.exists() {
             let file =
                 File::options().write(true).open(&target).map_err(|error| Failure::writing(path, error))?;
@@ -142,17 +142,17 @@ impl Output {
         };
         let folder = folder(&target);
         if !folder.is_dir() {
-            return Err(Failure::writing(path, format!("no folder {}", display_name(folder))));
+            return Err(Failure::writing(path, format!("there is no folder {}", display_name(folder))));
         }
-        // The kind alone: the error itself names the temporary file.
+        // Only the kind is shown, because the error itself names the temporary file.
         let (file, claim) = aside::create(folder, permissions)
             .map_err(|error| Failure::writing(path, io::Error::from(error.kind())))?;
         Ok(Self { name, to: To::Aside { file: BufWriter::new(file), target, claim } })
     }
 
-    /// Writes through `write`; an error names the output.
+    /// Writes the output by `write`. An error names the output.
     ///
-    /// A reader of standard output that leaves early (`| head`) has what it wants: no error.
+    /// It is no error if the reader of standard output ends early (`| head`).
     pub(crate) fn write(
         &mut self,
         write: impl FnOnce(&mut (dyn Write + Send)) -> io::Result<()>,
@@ -169,17 +169,17 @@ impl Output {
         }
     }
 
-    /// The name of the file, as messages show it; standard output has none.
+    /// Name of the file in messages; `None` for standard output.
     pub(crate) fn file_name(&self) -> Option<String> {
         (!matches!(self.to, To::Stdout(_))).then(|| display_name(&self.name))
     }
 
-    /// Makes the output appear under its name. Dropped without this, a file written aside is removed.
+    /// Makes the output appear under its name. Without this call, the partial file is removed on drop.
     pub(crate) fn commit(self) -> Result<(), Failure> {
         self.close()?.commit()
     }
 
-    /// Closes the output; a file written aside still has to be put under its name.
+    /// Closes the output. A partial file must still be renamed by [`Written::commit`].
     pub(crate) fn close(self) -> Result<Written, Failure> {
         let Self { name, to } = self;
         let To::Aside { file, target, claim } = to else { return Ok(Written { name, aside: None }) };
@@ -190,16 +190,16 @@ impl Output {
     }
 }
 
-/// An output that is written and closed: there may be more of them than a process may have open files. Dropped without
-/// [`Self::commit`], a file written aside is removed.
+/// An output that is written and closed, because there may be more outputs than a process can have open files. Without [`Self::commit`], the partial file is
+/// removed on drop.
 pub(crate) struct Written {
     name: PathBuf,
     aside: Option<Part>,
 }
 
-/// A file written aside, and where it belongs.
+/// A partial file and its final path.
 struct Part {
-    // Removed before the claim is given up.
+    // Dropped, and so removed, before the claim.
     file: TempPath,
     target: PathBuf,
     _claim: Arc<Claim>,
@@ -215,8 +215,7 @@ impl Written {
     }
 }
 
-/// On Ctrl-C and the other signals that ask a program to end: removes what has been written aside, and ends with the
-/// customary exit code.
+/// Watches for Ctrl-C and the other signals that ask a program to end, removes partial files and exits with 128 plus the number of the signal.
 pub(crate) fn remove_partial_output_when_interrupted() -> Result<(), Failure> {
     watch_for_interrupts(aside::remove_all_and_exit).map_err(|error| {
         Failure::Unusable(format!(
@@ -238,22 +237,25 @@ fn watch_for_interrupts(clean_up: impl Fn(i32) + Send + 'static) -> Result<(), c
     ctrlc::set_handler(move || clean_up(130))
 }
 
-/// No output may replace the input, nor another output.
+/// Refuses outputs that would replace the input or another output.
 ///
-/// `files`: what each is, for the message, and its name if it is wanted; the first is the input.
+/// `files`: a description of each file for the message, and its path if it is given. The first is the input.
 pub(crate) fn refuse_to_overwrite(files: &[(&str, Option<&PathBuf>)]) -> Result<(), Failure> {
     for (k, (option, path)) in files.iter().enumerate().skip(1) {
         let Some(path) = path else { continue };
         for (other, taken) in &files[..k] {
             if taken.is_some_and(|taken| same_file(path, taken)) {
-                return Err(Failure::Unusable(format!("{option} {} is {other} too", display_name(path))));
+                return Err(Failure::Unusable(format!(
+                    "{option} {} is the same file as {other}",
+                    display_name(path)
+                )));
             }
         }
     }
     Ok(())
 }
 
-/// Whether both names stand for one file, which may not exist yet.
+/// Whether both paths lead to the same file, which may not exist yet.
 fn same_file(a: &Path, b: &Path) -> bool {
     if is_stdout(a) || is_device(a) {
         return false;
@@ -265,9 +267,9 @@ fn same_file(a: &Path, b: &Path) -> bool {
     a == b || place(a).is_some_and(|a| Some(a) == place(b))
 }
 
-/// The file that a name stands for: links are followed, also where they lead to nothing yet.
+/// Follows links to the file itself, which may not exist yet.
 fn target(path: &Path) -> Result<PathBuf, Failure> {
-    /// As many as Linux follows.
+    /// Most links that are followed, as by Linux.
     const MOST_LINKS: usize = 40;
     let mut target = path.to_owned();
     for _ in 0..MOST_LINKS {
@@ -276,7 +278,7 @@ fn target(path: &Path) -> Result<PathBuf, Failure> {
             Err(_) => return Ok(target),
         }
     }
-    Err(Failure::writing(path, "its links lead in a circle"))
+    Err(Failure::writing(path, "its links form a loop"))
 }
 
 fn folder(path: &Path) -> &Path {
@@ -286,7 +288,7 @@ fn folder(path: &Path) -> &Path {
     }
 }
 
-/// Prints a text on standard output. A reader that leaves early (`| head`) has what it wants: no error.
+/// Prints a text on standard output. It is no error if its reader ends early (`| head`).
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
     let mut output = Output::open(None)?;
     output.write(|out| out.write_all(text.as_bytes()))
@@ -296,12 +298,12 @@ pub(crate) fn is_stdout(path: &Path) -> bool {
     path == Path::new("-")
 }
 
-/// Whether a path is of something that is neither a file nor a folder.
+/// Whether a path exists and is neither a file nor a folder.
 pub(crate) fn is_device(path: &Path) -> bool {
     fs::metadata(path).is_ok_and(|metadata| !metadata.is_file() && !metadata.is_dir())
 }
 
-/// What a new file gets, before the umask; a temporary file would be private otherwise.
+/// Permissions of a new file before the umask. Temporary files are private by default.
 #[cfg(unix)]
 #[allow(clippy::unnecessary_wraps, reason = "elsewhere there is none")]
 fn default_permissions() -> Option<fs::Permissions> {

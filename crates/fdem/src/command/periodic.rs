@@ -1,4 +1,4 @@
-//! Packings in a box that repeats: the box from the options, and the check by brute force.
+//! Packings in a periodic box: the box from the options or the file, and the check by brute force.
 
 use fdem_contact::{PeriodicBox, PeriodicCouple};
 use fdem_io::SimulationBox;
@@ -9,7 +9,7 @@ use crate::command::failure::Failure;
 use crate::command::input::Input;
 use crate::network::{Sizes, Space};
 
-/// The box that repeats, if any: that of the options, or else that of the file, where it or the options say along which edges.
+/// Returns the periodic box, if there is one: the box of the options, or else of the file. The options, or else the file, say along which edges it repeats.
 pub(crate) fn periodic_box<const D: usize>(
     arguments: &PeriodicArguments,
     input: &Input,
@@ -38,7 +38,7 @@ fn box_of_options<const D: usize>(
         if takes_file_box(arguments) {
             return Ok(None);
         }
-        return Err(unusable("--periodic none", "--box and --edges give a box that repeats"));
+        return Err(unusable("--periodic none", "--box and --edges give a periodic box"));
     }
     let periodic = std::array::from_fn(|axis| axes.0[axis]);
     let count = |option: &str, numbers: &[f64], expected: usize, what: &str| {
@@ -73,12 +73,12 @@ fn box_of_options<const D: usize>(
     made.map(Some)
 }
 
-/// Whether the box is that of the file, if it has one.
+/// Whether the options leave the box to the file.
 pub(crate) fn takes_file_box(arguments: &PeriodicArguments) -> bool {
     arguments.limits.is_none() && arguments.edges.is_none()
 }
 
-/// The box of a file, repeating along these axes if along any.
+/// Returns the box of a file, periodic along the given axes; `None` if it is periodic along none.
 fn file_box<const D: usize>(
     cell: &SimulationBox,
     Axes(axes): Axes,
@@ -88,17 +88,17 @@ fn file_box<const D: usize>(
         return Ok(None);
     }
     let unusable = |why: String| {
-        let advice = "--periodic none leaves it alone, --box and --edges give another";
+        let advice = "--periodic none ignores it, --box and --edges replace it";
         Failure::Unusable(format!("{}: the box of the file: {why}. {advice}", input.name))
     };
     if D == 2 && cell.edges[..2].iter().any(|edge| edge[2] != 0.0) {
-        return Err(unusable("its edges leave the plane of the elements, which are 2D".to_owned()));
+        return Err(unusable("its edges leave the plane of the 2D elements".to_owned()));
     }
     let mut edges: [[f64; D]; D] =
         std::array::from_fn(|edge| std::array::from_fn(|axis| cell.edges[edge][axis]));
     let longest = edges.as_flattened().iter().fold(0.0_f64, |longest, x| longest.max(x.abs()));
     for edge in (0..D).filter(|&edge| !axes[edge]) {
-        // What does not repeat needs no extent, but the box does.
+        // The file need not give edges that do not repeat, but the box needs them.
         if edges[edge].iter().all(|x| *x == 0.0) {
             edges[edge][edge] = if longest > 0.0 { longest } else { 1.0 };
         }
@@ -108,9 +108,9 @@ fn file_box<const D: usize>(
     PeriodicBox::triclinic(origin, edges, periodic).map(Some).map_err(|error| unusable(error.to_string()))
 }
 
-/// Compares the couples of `sample` elements with all images of all elements; returns how many were checked, or what is wrong.
+/// Compares the couples of `sample` elements with all images of all elements. Returns the number of checked elements, or a description of the mismatch.
 ///
-/// `couples` must ascend. One element is picked out of each of `sample` stretches, the same at every run.
+/// `couples` must be in ascending order. The elements are divided into `sample` ranges, and one element of each is picked, the same in every run.
 pub(crate) fn check<const D: usize>(
     space: &Space<'_, D>,
     cell: &PeriodicBox<f64, D>,
@@ -123,7 +123,7 @@ pub(crate) fn check<const D: usize>(
         couple.i > couple.j || couple.j as usize >= n || (couple.i == couple.j && couple.shift <= [0; D])
     };
     if let Some(PeriodicCouple { i, j, shift }) = couples.iter().find(faulty) {
-        return Err(format!("({i}, {j}) with shift {shift:?} is no couple"));
+        return Err(format!("({i}, {j}) with shift {shift:?} is not a couple"));
     }
     let picked = pick(n, sample);
     let is_picked = |element: u32| picked.binary_search(&element).is_ok();
@@ -132,7 +132,7 @@ pub(crate) fn check<const D: usize>(
     let places: Vec<_> = (0..n as u32).map(|element| space.wrapped(cell, element)).collect();
     let fractions: Vec<_> = places.iter().map(|(point, _)| cell.fractions(point)).collect();
     let largest = (0..n).map(|index| request.sizes.radius(index)).fold(0.0, f64::max);
-    // Wider than any reach by more than all roundings.
+    // More than the largest distance of two elements in contact, by more than all rounding errors.
     let reach = (2.0 * largest + request.tolerance) * (1.0 + 1e-9);
     let margin = cell.heights().map(|height| reach / height + 1e-9);
 
@@ -161,7 +161,7 @@ pub(crate) fn check<const D: usize>(
             return match touching.peek() {
                 Some(missing) if *missing < couple => Err(missing_couple(*missing)),
                 _ => Err(format!(
-                    "elements {i} and {j} with shift {shift:?} are listed too often: once more, or without touching"
+                    "elements {i} and {j} with shift {shift:?} are listed too often, or do not touch"
                 )),
             };
         }
@@ -174,7 +174,7 @@ fn missing_couple<const D: usize>(couple: PeriodicCouple<D>) -> String {
     format!("elements {i} and {j} touch with shift {shift:?} but are not listed")
 }
 
-/// The library's comparison, of two points as if they were the only elements.
+/// Whether two elements touch at the given points, by the library's own comparison.
 fn touch<const D: usize>(request: &Request<'_>, i: u32, a: &[f64; D], j: u32, b: &[f64; D]) -> bool {
     let radii = [i, j].map(|element| request.sizes.radius(element as usize));
     let sizes = match request.sizes {
@@ -188,7 +188,7 @@ fn touch<const D: usize>(request: &Request<'_>, i: u32, a: &[f64; D], j: u32, b:
     request.elements(&pair).is_ok_and(|elements| elements.touch(0, 1))
 }
 
-/// All whole numbers `s` with `|apart - s| <= margin` along periodic edges, and 0 along the others.
+/// Visits all integer vectors `s` with `|apart - s| <= margin` along periodic edges and 0 along the others.
 fn for_each_shift<const D: usize>(
     periodic: [bool; D],
     apart: &[f64; D],
@@ -206,21 +206,21 @@ fn for_each_shift<const D: usize>(
     let mut shift = low;
     loop {
         visit(shift);
-        // The next one, as an odometer counts.
+        // The next shift, counted like an odometer.
         let Some(edge) = (0..D).find(|&edge| shift[edge] < high[edge]) else { return };
         shift[edge] += 1;
         shift[..edge].copy_from_slice(&low[..edge]);
     }
 }
 
-/// `sample` numbers below `n`, ascending, one at random out of each of as many stretches; all of them if there are no more.
+/// Returns `sample` numbers below `n` in ascending order, a random one from each of `sample` equal ranges; all numbers if `n` is not above `sample`.
 fn pick(n: usize, sample: usize) -> Vec<u32> {
     let sample = sample.min(n);
     let mut state = 0_u64;
     let one_of = |k: usize| {
         let (from, to) =
             (k as u128 * n as u128 / sample as u128, (k as u128 + 1) * n as u128 / sample as u128);
-        // A linear congruence with Knuth's numbers: good enough to be out of step with any order of the elements.
+        // Knuth's linear congruential generator is random enough to avoid patterns in the order of the elements.
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (from + u128::from(state >> 33) % (to - from)) as u32
     };
@@ -254,7 +254,7 @@ mod tests {
         assert!(picked.iter().zip(0..).all(|(&element, k)| element / 100 == k), "{picked:?}");
     }
 
-    /// Every kind of mistake is found: four points in a square that repeats, each at distance 1 of its neighbours.
+    /// Every kind of mistake is found among four points in a periodic square, each at a distance of 1 from its neighbours.
     #[test]
     fn mistakes_are_found() {
         let centres = [[0.5, 0.5], [1.5, 0.5], [0.5, 3.5], [1.5, -0.5]];
@@ -269,7 +269,7 @@ mod tests {
             keep: true,
         };
         let couple = |i, j, shift| PeriodicCouple { i, j, shift };
-        // Of the elements 2 and 3 one is two periods up and the other one down.
+        // Element 2 lies above the square, element 3 below it.
         let mut right = vec![
             couple(0, 1, [0, 0]),
             couple(0, 1, [-1, 0]),
@@ -298,8 +298,8 @@ mod tests {
             checked(&couples).unwrap_err()
         };
         assert!(with(couple(0, 1, [0, 1])).contains("too often"));
-        assert!(with(couple(1, 1, [-1, 0])).contains("no couple"));
-        assert!(with(couple(2, 1, [0, 0])).contains("no couple"));
-        assert!(with(couple(2, 4, [0, 0])).contains("no couple"));
+        assert!(with(couple(1, 1, [-1, 0])).contains("not a couple"));
+        assert!(with(couple(2, 1, [0, 0])).contains("not a couple"));
+        assert!(with(couple(2, 4, [0, 0])).contains("not a couple"));
     }
 }

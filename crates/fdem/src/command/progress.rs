@@ -93,9 +93,9 @@ pub(crate) fn columns() -> usize {
     usize::from(console::Term::stderr().size().1)
 }
 
-/// What of a step fits into a line of this width, beside a label of so many characters.
+/// Template of the progress of a step that fits into a line of this width, beside a label of `label` characters.
 fn template(total: bool, label: usize, width: usize) -> &'static str {
-    // Percentages, times and counts as long as they become, and ten columns of the bar.
+    // The widths hold for the longest percentages, times and counts, and for a bar of ten columns.
     match (total, width.saturating_sub(label)) {
         (true, 38..) => "{msg} {wide_bar} {percent} %, {eta} left",
         (true, 8..) => "{msg} {percent} %",
@@ -105,7 +105,7 @@ fn template(total: bool, label: usize, width: usize) -> &'static str {
     }
 }
 
-/// The first line of the progress of a run, for a terminal of this width.
+/// Template of the first line of the progress of a run, for a terminal of this width.
 pub(crate) fn bar_of_run(width: usize) -> &'static str {
     match width {
         52.. => "{wide_bar} {percent} %, {elapsed} gone, {eta} left",
@@ -114,7 +114,7 @@ pub(crate) fn bar_of_run(width: usize) -> &'static str {
     }
 }
 
-/// Those of the parts, in their order, that fit side by side into a line; of a first part that is too long, its beginning.
+/// Joins the parts that fit into a line, in their order. If none fits, returns the beginning of the first part.
 pub(crate) fn fitted(parts: &[String], width: usize) -> String {
     let mut line = String::new();
     let mut used = 0;
@@ -161,7 +161,7 @@ mod tests {
 
     #[test]
     fn bars_fit_into_any_width() {
-        // What the keys become at their longest.
+        // The longest values of the keys.
         let longest = |template: &str, label: usize| {
             let keys = [
                 ("{msg}", label),

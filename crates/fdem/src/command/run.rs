@@ -77,7 +77,7 @@ pub(crate) fn resume(arguments: &ResumeArguments) -> Result<(), Failure> {
     let mut text = read_text(&path)?;
     if let Some(end) = arguments.end_time {
         text = with_end_time(&text, end).ok_or_else(|| {
-            Failure::Unusable(format!("{} has no end_time to be changed", display_name(&path)))
+            Failure::Unusable(format!("{} has no end_time that could be changed", display_name(&path)))
         })?;
     }
     let mut next = 0;
@@ -92,7 +92,7 @@ pub(crate) fn resume(arguments: &ResumeArguments) -> Result<(), Failure> {
     let prepared = prepared.map_err(|errors| refused(&errors))?;
     if prepared.hash != checkpoint.model {
         return Err(Failure::Unusable(format!(
-            "{} is not the model of this run any more: put it back, or start anew with `fdem run`. Only end_time may change",
+            "{} has changed since this run: restore it, or start a new run with `fdem run`. Only end_time may change",
             display_name(&path)
         )));
     }
@@ -106,7 +106,7 @@ pub(crate) fn resume(arguments: &ResumeArguments) -> Result<(), Failure> {
     let steps = Preflight::with(&prepared, simulation.critical_step()).map_err(unusable)?.steps;
     if steps < step {
         return Err(unusable(format!(
-            "it has come to {} s, and its end_time is {} s",
+            "it has reached {} s, but its end_time is {} s",
             brief(simulation.time()),
             brief(prepared.end_time)
         )));
@@ -126,7 +126,7 @@ pub(crate) fn resume(arguments: &ResumeArguments) -> Result<(), Failure> {
     }
     let earlier = Earlier { account, intervals };
     let mut going = Going::new(folder, prepared, simulation, recorder, earlier, &arguments.options)?;
-    going.told.say(&format!("goes on after step {}", grouped(step)));
+    going.told.say(&format!("continues after step {}", grouped(step)));
     going.go()
 }
 
@@ -204,7 +204,7 @@ impl Going {
         })
     }
 
-    /// Runs to the end, or as far as it goes, and draws what has been recorded.
+    /// Runs to the end, or until the run is interrupted or stops. Draws the results recorded so far.
     fn go(&mut self) -> Result<(), Failure> {
         let end = self.steps().inspect_err(|failure| {
             // The disk may be full: then the summary cannot be written either.
@@ -212,7 +212,7 @@ impl Going {
         })?;
         match &end {
             End::Finished | End::Interrupted(_) => self.save()?,
-            // The frame shows what is wrong; the last good checkpoint stays.
+            // The frame shows the reason. The last good checkpoint is kept.
             End::Stopped(_) => self.frame()?,
         }
         self.told.end();
@@ -221,12 +221,12 @@ impl Going {
             End::Interrupted(_) => "interrupted".to_owned(),
             End::Stopped(stop) => format!("stopped: {stop}"),
         };
-        // Before anything is drawn: whatever happens to the pictures, the summary says how the run ended.
+        // The summary is written before the drawings, so that it shows how the run ended even if drawing fails.
         self.summarise(&status)?;
         let facts = self.facts(&status);
         let drawn = self.draw(&facts);
         if !matches!(end, End::Stopped(_)) {
-            // Again, so that the account has the time for drawing too.
+            // The checkpoint is written again, so that its account has the time for drawing.
             self.save()?;
         }
         self.summarise(&status)?;
@@ -241,13 +241,13 @@ impl Going {
             )),
             End::Interrupted(signal) => Err(Failure::Interrupted {
                 message: format!(
-                    "interrupted after step {}; `fdem resume {place}` goes on",
+                    "interrupted after step {}; `fdem resume {place}` continues the run",
                     self.run.steps()
                 ),
                 signal,
             }),
             End::Stopped(stop) => Err(Failure::Wrong(format!(
-                "{stop}\nthe last frame in {place} shows it; its checkpoint is of before"
+                "{stop}\nthe last frame in {place} shows this state; the checkpoint is from an earlier step"
             ))),
         }
     }
@@ -262,7 +262,7 @@ impl Going {
                 When::Seconds(_) => u64::MAX,
             };
             let opening = (step == 0).then(|| self.recorder.values(&self.run, &self.prepared));
-            // The first slice is one step: forces and energies of the beginning are known after it.
+            // The first slice is one step, because the initial forces and energies are known after it.
             let stop = frame.min(row).min(checkpoint).min(self.total).min(step + slice);
             let start = Instant::now();
             if let Err(stop) = self.run.advance(stop - step) {
@@ -297,7 +297,7 @@ impl Going {
         Ok(End::Finished)
     }
 
-    /// Writes the files of this instant.
+    /// Writes the files of a frame.
     fn frame(&mut self) -> Result<(), Failure> {
         let start = Instant::now();
         self.told.does(&format!("writing frame {}", self.recorder.frames.len()));
@@ -334,7 +334,7 @@ impl Going {
         if let Some(element) = self.run.penetrated().filter(|_| !self.warned) {
             self.warned = true;
             self.told.say(&format!(
-                "warning: at step {} element {element} and another overlap to a centroid: contacts are too soft; raise [contact] penalty",
+                "warning: at step {} element {element} and another one overlap as deep as a centroid: contacts are too soft; increase penalty in [contact]",
                 self.run.steps()
             ));
         }
@@ -415,11 +415,7 @@ impl Going {
             ),
             (
                 "balance",
-                format!(
-                    "{} J, {:.2e} of what has been in the system",
-                    brief(energies.balance()),
-                    energies.error()
-                ),
+                format!("{} J, {:.2e} of the exchanged energy", brief(energies.balance()), energies.error()),
             ),
             (
                 "detection",

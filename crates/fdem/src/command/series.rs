@@ -1,4 +1,4 @@
-//! `fdem contacts` of several frames: one table of all, or a file for each.
+//! `fdem contacts` for several frames: one table of all frames, or a file per frame.
 
 use std::fs::File;
 use std::io;
@@ -16,10 +16,10 @@ use crate::command::series_summary::SeriesSummary;
 use crate::command::tables::{frame_table, write_table};
 use crate::network::Network;
 
-/// What stands for the number of a frame in the name of an output.
+/// Placeholder for the number of a frame in the name of an output.
 const PLACE: &str = "{frame}";
 
-/// Treats frame after frame; only one is in memory.
+/// Treats one frame after the other. Only one packing is in memory.
 pub(crate) fn run(
     arguments: &ContactsArguments,
     opened: &Opened,
@@ -70,7 +70,7 @@ pub(crate) fn run(
     Ok(())
 }
 
-/// The files that were written: one of all frames by its name, those of single frames in one line.
+/// Returns a line for each output: the name of a file of all frames, or the name and the frames of files per frame.
 fn files(arguments: &ContactsArguments, chosen: &[usize]) -> Vec<String> {
     let frames = match chosen {
         [frame] => format!("frame {frame}"),
@@ -87,11 +87,11 @@ fn files(arguments: &ContactsArguments, chosen: &[usize]) -> Vec<String> {
 fn refuse_options_of_one_frame(arguments: &ContactsArguments, name: &str) -> Result<(), Failure> {
     let refused = |problem: &str| Err(Failure::Unusable(format!("{name}: {problem}")));
     if arguments.explain {
-        return refused("--explain tells of one frame: choose it with --frames N");
+        return refused("--explain needs one frame: choose it with --frames N");
     }
     if arguments.analysis.analyse && arguments.json.is_none() {
         return refused(
-            "--analyse of several frames is told by --json only: give it a file, or choose a frame with --frames N",
+            "--analyse of several frames is written only to --json: give --json FILE, or choose a frame with --frames N",
         );
     }
     for (option, path) in arguments.drawings.files() {
@@ -108,18 +108,18 @@ fn names_frame(path: &Path) -> bool {
     path.to_str().is_some_and(|name| name.contains(PLACE))
 }
 
-/// The outputs that may be named after frames.
+/// Outputs whose names may contain the number of a frame.
 fn names(arguments: &ContactsArguments) -> [&Option<PathBuf>; 5] {
     let drawings = &arguments.drawings;
     [&arguments.output, &arguments.json, &drawings.picture, &drawings.plots, &drawings.report]
 }
 
-/// Whether any output is named after its frame.
+/// Whether the name of any output contains the placeholder of a frame.
 pub(crate) fn names_frames(arguments: &ContactsArguments) -> bool {
     names(arguments).into_iter().flatten().any(|path| names_frame(path))
 }
 
-/// The arguments with the number of the frame in the names of the outputs.
+/// Returns the arguments with the number of the frame inserted into the names of the outputs.
 pub(crate) fn of_frame(arguments: &ContactsArguments, frame: usize) -> Result<ContactsArguments, Failure> {
     let mut own = arguments.clone();
     let drawings = &mut own.drawings;
@@ -140,14 +140,14 @@ pub(crate) fn of_frame(arguments: &ContactsArguments, frame: usize) -> Result<Co
     Ok(own)
 }
 
-/// One table of the couples of all frames. The first frame decides whether it has columns for shifts.
+/// Table of the couples of all frames. The first frame decides whether it has columns for shifts.
 pub(crate) struct SeriesTable {
     name: PathBuf,
     output: Output,
-    /// How many shifts a row has, from the first frame on.
+    /// Number of columns for shifts; `None` before the first frame.
     shifts: Option<usize>,
     format: TableFormat,
-    /// The rows, where the format has them all at once.
+    /// Rows of all frames, for formats that are written at once at the end.
     rows: Option<Spool<File>>,
 }
 
@@ -156,7 +156,7 @@ impl SeriesTable {
         let format = TableFormat::of(path)?;
         if !TABLES.contains(&format) {
             return Err(Failure::Unusable(format!(
-                "--output: one table of several frames ends in .csv, .npy, .npz or .parquet; for a file for each put {PLACE} into its name"
+                "--output: a table of several frames must end in .csv, .npy, .npz or .parquet; for a file per frame, put {PLACE} into its name"
             )));
         }
         let output = Output::open(path)?;
@@ -175,10 +175,10 @@ impl SeriesTable {
         let is_first = self.shifts.is_none();
         let shifts = if network.space.cell.is_some() { D } else { 0 };
         let columns = *self.shifts.get_or_insert(shifts);
-        // What does not repeat is not displaced.
+        // Without a periodic box, shifts are zero, and any number of columns holds them.
         if shifts != columns && shifts != 0 {
             return Err(Failure::Unusable(format!(
-                "frame {}: its box repeats along other edges than that of the first frame, or in another dimension: one table cannot hold both. Put \
+                "frame {}: its box has other periodic edges than that of the first frame, or another dimension: one table cannot hold both. Put \
                  {PLACE} into the name of the output, or give --periodic",
                 packing.frame.index
             )));
@@ -190,7 +190,7 @@ impl SeriesTable {
             Some(rows) => {
                 let folder = self.name.parent().filter(|folder| !folder.as_os_str().is_empty());
                 let file = || tempfile::tempfile_in(folder.unwrap_or(Path::new(".")));
-                // The kind alone: the error itself names the temporary file.
+                // Only the kind is shown, because the error itself names the temporary file.
                 let failed = |error: io::Error| match error.kind() {
                     io::ErrorKind::Other => Failure::writing(&self.name, error),
                     kind => Failure::writing(&self.name, io::Error::from(kind)),

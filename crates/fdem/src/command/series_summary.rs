@@ -1,13 +1,13 @@
-//! What a person wants to know of a series: a line for each frame, and what they add up to.
+//! Summary of a series of frames: a line per frame, and totals.
 
 use std::fmt;
 
 use crate::command::summary::{Seconds, Summary, brief, grouped, peak_bytes, write_end};
 
-/// The summaries of the frames; as JSON these are an array.
+/// Summaries of the frames. In JSON they are an array.
 pub(crate) struct SeriesSummary {
     pub(crate) frames: Vec<Summary>,
-    /// How many the file has.
+    /// Number of frames in the file.
     of: usize,
     seconds: Seconds,
     peak_bytes: Option<u64>,
@@ -17,7 +17,7 @@ const HEADER: [&str; 8] =
     ["frame", "step", "time", "elements", "couples", "coordination", "without contact", "largest overlap"];
 
 impl SeriesSummary {
-    /// None yet, of a file with so many frames that took so long to open.
+    /// Creates an empty summary. `of`: the number of frames in the file; `opening`: the time to open it, s.
     pub(crate) fn new(of: usize, opening: f64) -> Self {
         let seconds = Seconds { read: opening, ..Seconds::default() };
         Self { frames: Vec::new(), of, seconds, peak_bytes: None }
@@ -37,7 +37,7 @@ impl SeriesSummary {
         self.frames.push(frame);
     }
 
-    /// Notes the largest memory the process has had so far, of all frames.
+    /// Records the peak memory of the process so far.
     pub(crate) fn measure_peak(&mut self) {
         self.peak_bytes = peak_bytes();
     }

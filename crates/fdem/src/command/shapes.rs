@@ -1,4 +1,4 @@
-//! Bodies of meshes, with spheres or without, as they are drawn and as ParaView takes them.
+//! Bodies of meshes, with or without spheres, for drawings and for ParaView.
 
 use fdem_contact::Couple;
 use fdem_contact::discretised::BodyContact;
@@ -7,12 +7,12 @@ use fdem_io::{Table, Values};
 
 use crate::picture::{Bodies, BodyJoint};
 
-/// Elements of meshes and spheres, each a part of a body.
+/// Elements of meshes and spheres with their bodies.
 #[derive(Clone, Copy)]
 pub(crate) struct Parts<'a, const D: usize, const N: usize> {
     pub(crate) points: &'a [[f64; D]],
     pub(crate) elements: &'a [[u32; N]],
-    /// The body of each element, and its number among all elements and spheres.
+    /// Body of each element; `numbers` has its number among all elements and spheres.
     pub(crate) bodies: &'a [u32],
     pub(crate) numbers: &'a [u32],
     pub(crate) centres: &'a [[f64; D]],
@@ -22,7 +22,7 @@ pub(crate) struct Parts<'a, const D: usize, const N: usize> {
     pub(crate) body_count: usize,
 }
 
-/// What is drawn of the bodies.
+/// Bodies and contacts as they are drawn.
 pub(crate) struct Shapes {
     centres: Vec<[f64; 3]>,
     radii: Vec<f64>,
@@ -30,7 +30,7 @@ pub(crate) struct Shapes {
     facets: Vec<[u32; 3]>,
     owners: Vec<u32>,
     joints: Vec<BodyJoint>,
-    /// Numbers of each contact: what overlaps, the boundary that is shared, and the couples of elements.
+    /// Overlap of each contact; `shared` and `couples` have its shared boundary and its number of couples of elements.
     overlap: Vec<f64>,
     shared: Vec<f64>,
     couples: Vec<f64>,
@@ -78,7 +78,7 @@ impl Shapes {
         shapes
     }
 
-    /// What is told of each contact; contacts are coloured by the first: by what overlaps, or, where nothing does, by the boundary that is shared.
+    /// Columns of the contacts: a name and a value per contact. The first column colours the contacts. It is the overlap, or the shared boundary if nothing overlaps.
     pub(crate) fn columns(&self) -> [(&'static str, &[f64]); 3] {
         let spheres = self.radii.iter().any(|&radius| radius > 0.0);
         let overlap = (if spheres { "depth" } else { "overlap" }, &self.overlap[..]);
@@ -107,7 +107,7 @@ impl Shapes {
     }
 }
 
-/// The middle of each meshed body: the mean of its elements, weighted by their areas or volumes, or, where they have none, each the same.
+/// Centre of each meshed body: the mean of the centres of its elements, weighted by their areas or volumes. Without any area or volume, the weights are equal.
 fn middles<const D: usize, const N: usize>(parts: &Parts<'_, D, N>) -> Vec<[f64; 3]> {
     let mut weighted = vec![[0.0; 4]; parts.body_count];
     let mut plain = weighted.clone();
@@ -145,7 +145,7 @@ fn measure<const N: usize>(corners: &[[f64; 3]; N]) -> f64 {
     cross.iter().zip(edge(3)).map(|(n, x)| n * x).sum::<f64>().abs()
 }
 
-/// The triangles of the surface: all of them, and the faces of tetrahedra that no other one of the body has.
+/// Triangles of the surface and their bodies: all triangles, and the faces that only one tetrahedron of a body has.
 fn surface<const D: usize, const N: usize>(parts: &Parts<'_, D, N>) -> (Vec<[u32; 3]>, Vec<u32>) {
     let mut facets: Vec<(u32, [u32; 3])> = Vec::new();
     let mut faces: Vec<(u32, [u32; 3])> = Vec::new();
@@ -166,18 +166,18 @@ fn surface<const D: usize, const N: usize>(parts: &Parts<'_, D, N>) -> (Vec<[u32
     facets.into_iter().map(|(body, nodes)| (nodes, body)).unzip()
 }
 
-/// The branches of the contacts, from the middle of each element to the contact point, for ParaView.
+/// Lines from the centres of elements to contact points, for ParaView.
 pub(crate) struct Branches {
-    /// Of the elements in their numbering, then of the contacts.
+    /// Centres of the elements in the order of their numbers, then the contact points.
     places: Vec<[f64; 3]>,
     radii: Vec<f64>,
     contacts: Vec<i32>,
-    /// Two points each, and the contact.
+    /// The two points of each line, and its contact.
     lines: Vec<([i64; 2], u32)>,
 }
 
 impl Branches {
-    /// A line from the middle of each element to the contact point: two for each couple, but none to the middle of a wall that a sphere touches.
+    /// Makes a line from the centre of each element of a couple to the contact point, but none from the centre of a wall that a sphere touches.
     pub(crate) fn new<const D: usize, const N: usize>(
         parts: &Parts<'_, D, N>,
         contacts: &[(Couple, Contact<D>)],
@@ -212,7 +212,7 @@ impl Branches {
         Self { places, radii, contacts: coordination, lines }
     }
 
-    /// The points; `ids` and `bodies` are those of the elements, and -1 at contacts.
+    /// Table of the points. `ids` and `bodies` are those of the elements; contact points have -1.
     pub(crate) fn points<'a>(&'a self, ids: &'a [i64], bodies: &'a [u32]) -> Table<'a> {
         let n = self.radii.len();
         Table::new(self.places.len())
@@ -224,7 +224,7 @@ impl Branches {
             .with("contact", Values::i32(move |k| i32::from(k >= n)))
     }
 
-    /// The lines, each with what is known of its contact.
+    /// Table of the lines with the values of their contacts.
     pub(crate) fn table<'a, const D: usize>(&'a self, contacts: &'a [(Couple, Contact<D>)]) -> Table<'a> {
         let contact = move |k: usize| &contacts[self.lines[k].1 as usize].1;
         Table::new(self.lines.len())
@@ -235,13 +235,13 @@ impl Branches {
             .with_components(
                 "normal",
                 &["nx", "ny", "nz"],
-                // Plus zero: minus zero is zero.
+                // Adding 0.0 turns -0.0 into 0.0.
                 Values::f64(move |k| contact(k / 3).normal.get(k % 3).copied().unwrap_or(0.0) + 0.0),
             )
     }
 }
 
-/// What the measure of a contact is, where there is no place for a word.
+/// Number for the kind of measure of a contact, in formats without text.
 fn kind(measure: Measure) -> i32 {
     match measure {
         Measure::Gap(_) => 0,
@@ -279,11 +279,11 @@ mod tests {
         // Volumes of 1/6 and 2/6.
         let x = (0.25 / 6.0 + 0.5 / 3.0) / 0.5;
         assert!(middles[0].iter().all(|found| (found - x).abs() < 1e-15), "{middles:?}");
-        // The flat element has the corner at 9 twice.
+        // The triangle counts its node at 9 twice.
         assert_eq!(middles[2][1], 4.5, "a body without volume has the mean of its elements");
     }
 
-    /// The line to a wall ends where the sphere touches it.
+    /// The line to a wall ends at the contact point.
     #[test]
     fn lines_lead_to_contacts() {
         let parts = Parts {

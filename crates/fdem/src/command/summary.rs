@@ -1,4 +1,4 @@
-//! What a person, or a script, wants to know of a detection.
+//! Summary of a detection.
 
 use std::fmt;
 
@@ -12,17 +12,17 @@ use crate::network::{Sizes, Space};
 
 pub(crate) use crate::numbers::{brief, grouped};
 
-/// Written as JSON by `--json`, and as text to standard error.
+/// The summary, written as JSON by `--json` and as text to standard error.
 #[derive(Debug, Serialize)]
 pub(crate) struct Summary {
     pub(crate) file: String,
     pub(crate) format: String,
-    /// Of several, counted from 0.
+    /// Number of the frame from 0, in a file of several frames.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) frame: Option<usize>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) step: Option<i64>,
-    /// As the file has it.
+    /// Time of the frame in the file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) time: Option<f64>,
     /// Columns that were read, as `role=name`.
@@ -34,18 +34,18 @@ pub(crate) struct Summary {
     pub(crate) dimensions: usize,
     /// Elements of radius zero.
     points: usize,
-    /// Parts of one of these form no couple.
+    /// Number of bodies. Elements of the same body form no couple.
     #[serde(skip_serializing_if = "Option::is_none")]
     bodies: Option<usize>,
     /// Smallest and largest radius; absent without elements.
     radius: Option<[f64; 2]>,
     /// The box around all elements, `[min, max]` per axis; empty without elements.
     domain: Vec<[f64; 2]>,
-    /// Points that touch at this distance, instead of discs or spheres.
+    /// Distance at which points touch, in place of discs or spheres.
     #[serde(skip_serializing_if = "Option::is_none")]
     cutoff: Option<f64>,
     tolerance: f64,
-    /// The box that repeats.
+    /// Periodic box.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) periodic: Option<Periodic>,
     /// A box of the file that does not repeat.
@@ -55,7 +55,7 @@ pub(crate) struct Summary {
     reason: String,
     cell_size: Option<f64>,
     cells: Option<Vec<u64>>,
-    /// As asked for; 0 is one for each processor.
+    /// Number of threads as given; 0 is one per processor.
     threads: usize,
     pub(crate) couples: u64,
     pub(crate) mean_coordination: f64,
@@ -64,7 +64,7 @@ pub(crate) struct Summary {
     pub(crate) max_overlap: Option<f64>,
     /// The two elements that overlap most.
     max_overlap_couple: Option<[i64; 2]>,
-    /// By how many edges the second of them is displaced.
+    /// Displacement of the second of them, in edges of the box.
     #[serde(skip_serializing_if = "Option::is_none")]
     max_overlap_shift: Option<Vec<i32>>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -189,7 +189,7 @@ impl Summary {
         self
     }
 
-    /// Notes the largest memory the process has had so far.
+    /// Records the peak memory of the process so far.
     pub(crate) fn measure_peak(&mut self) {
         self.peak_bytes = peak_bytes();
     }
@@ -225,7 +225,7 @@ impl fmt::Display for Summary {
             line("", format!("{} of radius zero: points", grouped(self.points as u64)))?;
         }
         if let Some(bodies) = self.bodies {
-            line("bodies", format!("{}, without couples of their own parts", grouped(bodies as u64)))?;
+            line("bodies", format!("{}, without couples within a body", grouped(bodies as u64)))?;
         }
         if self.skipped_lines > 0 {
             line("skipped", format!("{} that could not be read", grouped(self.skipped_lines)))?;
@@ -250,7 +250,7 @@ impl fmt::Display for Summary {
         }
         if let Some(StillBox { origin, edges }) = &self.still_box {
             let (origin, edges) = (point(origin), edges_of(edges));
-            line("box", format!("edges {edges}{unit} from {origin}, of the file: it does not repeat"))?;
+            line("box", format!("edges {edges}{unit} from {origin}, the box of the file: not periodic"))?;
         }
         line("engine", format!("{}: {}", self.engine, self.reason))?;
         if let (Some(size), Some(cells)) = (self.cell_size, &self.cells) {
@@ -274,7 +274,7 @@ impl fmt::Display for Summary {
     }
 }
 
-/// What is known of a frame; nothing of a file that has only one and says nothing of it.
+/// Number, time step and time of a frame, as far as they are known; `None` if none is.
 fn told_frame(frame: Option<usize>, step: Option<i64>, time: Option<f64>) -> Option<String> {
     let parts = [
         frame.map(|frame| frame.to_string()),
@@ -285,7 +285,7 @@ fn told_frame(frame: Option<usize>, step: Option<i64>, time: Option<f64>) -> Opt
     (!parts.is_empty()).then(|| parts.join(", "))
 }
 
-/// The last lines of every summary: what was verified, if anything, the time, and the largest memory.
+/// Writes the last lines of every summary: the number of verified elements, if there is one, times and peak memory.
 pub(crate) fn write_end(
     out: &mut fmt::Formatter<'_>,
     verified: Option<usize>,
@@ -306,9 +306,9 @@ pub(crate) fn write_end(
     Ok(())
 }
 
-/// The largest resident memory of this process, where the system tells.
+/// Peak resident memory of this process, bytes, on systems that report it.
 ///
-/// Not from `getrusage`: what that reports survives the start of a program, so that `cargo run` would be measured too.
+/// `getrusage` is not used here, because its value survives the start of a program: under `cargo run` it would include cargo.
 #[cfg(target_os = "linux")]
 pub(crate) fn peak_bytes() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
@@ -316,7 +316,7 @@ pub(crate) fn peak_bytes() -> Option<u64> {
     Some(peak.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()? * 1024)
 }
 
-/// As above.
+/// Peak resident memory of this process, bytes.
 #[cfg(all(unix, not(target_os = "linux")))]
 pub(crate) fn peak_bytes() -> Option<u64> {
     use nix::sys::resource::{UsageWho, getrusage};

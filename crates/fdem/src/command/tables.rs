@@ -1,4 +1,4 @@
-//! Couples and elements as tables, and the tables in the format that the name of the output tells.
+//! Tables of couples and elements, written in the format given by the extension of the output.
 
 use std::io::{self, Write};
 use std::path::Path;
@@ -16,7 +16,7 @@ const POINT: [&str; 3] = ["x", "y", "z"];
 const SHIFT: [&str; 3] = ["sx", "sy", "sz"];
 const NORMAL: [&str; 3] = ["nx", "ny", "nz"];
 
-/// Names of coordinates.
+/// Names of the coordinates.
 pub(crate) fn point<const D: usize>() -> &'static [&'static str] {
     &POINT[..D]
 }
@@ -26,7 +26,7 @@ pub(crate) fn normal<const D: usize>() -> &'static [&'static str] {
     &NORMAL[..D]
 }
 
-/// Writes a table that is no network of elements.
+/// Writes a table in a format that holds any table.
 pub(crate) fn write_table(
     output: &mut Output,
     format: TableFormat,
@@ -36,12 +36,12 @@ pub(crate) fn write_table(
         TableFormat::Npy => fdem_io::write_npy(&mut out, table),
         TableFormat::Npz => fdem_io::write_npz(&mut out, &[table]),
         TableFormat::Parquet => fdem_io::write_parquet(&mut out, table),
-        // Networks have been refused before.
+        // Formats for networks have been refused before.
         _ => fdem_io::write_csv(&mut out, table),
     })
 }
 
-/// Writes the couples of a packing, with the elements where the format has a place for them. `position` counts the couples.
+/// Writes the couples of a packing, and its elements if the format holds them. `position` counts the couples.
 pub(crate) fn write_network<const D: usize>(
     output: &mut Output,
     format: TableFormat,
@@ -53,12 +53,12 @@ pub(crate) fn write_network<const D: usize>(
     output.write(|out| drawn.write(format, out))
 }
 
-/// The bytes of a file with the couples of a network, and with its elements where the format has a place for them.
+/// Returns the bytes of a file with the couples of a network, and with its elements if the format holds them.
 ///
-/// Elements have their numbers from 0 for ids. The format is the one that the end of `name` tells, as for the command's option `--output`.
+/// Ids of elements are their numbers from 0. The extension of `name` gives the format, as for the option `--output` of the command.
 ///
 /// # Errors
-/// A sentence, if the name tells no format.
+/// A message if the extension is not that of a format.
 pub fn network_file<const D: usize>(network: &Network<'_, D>, name: &Path) -> Result<Vec<u8>, String> {
     let format = TableFormat::of(Some(name)).map_err(|error| error.to_string())?;
     let mut bytes = Vec::new();
@@ -99,7 +99,7 @@ impl<const D: usize> Drawn<'_, D> {
 /// The number written where a frame has no time step.
 const NO_STEP: i64 = -1;
 
-/// The couples of one frame of several, with its number and its step, and `shifts` columns of shifts: those of its box, or zeros.
+/// Table of the couples of a frame, with its number, its step and `shifts` columns of shifts, which are zero without a periodic box.
 pub(crate) fn frame_table<'a, const D: usize>(
     packing: &'a Packing,
     network: &'a Network<'a, D>,
@@ -119,9 +119,9 @@ pub(crate) fn frame_table<'a, const D: usize>(
     }
 }
 
-/// A packing and its couples, in the words of its file.
+/// A packing and its couples, with the ids of its file.
 struct Drawn<'a, const D: usize> {
-    /// None: elements have their numbers for ids.
+    /// `None`: the ids of elements are their numbers.
     packing: Option<&'a Packing>,
     network: &'a Network<'a, D>,
     position: &'a Position,
@@ -132,7 +132,7 @@ fn id_of(packing: Option<&Packing>, index: usize) -> i64 {
 }
 
 impl<'a, const D: usize> Drawn<'a, D> {
-    /// Couples with the ids of the file; with shifts where the box repeats.
+    /// Couples with the ids of the file, and with shifts in a periodic box.
     fn couples(&self) -> Table<'a> {
         let table = self.measures(self.ids(Table::new(self.network.couples.len())));
         if self.network.space.cell.is_some() { self.shifts(table) } else { table }
@@ -146,7 +146,7 @@ impl<'a, const D: usize> Drawn<'a, D> {
             .with("j", Values::i64(move |k| id_of(packing, couples.get(k).j as usize)))
     }
 
-    /// Couples with the rows of the elements, and shifts in any case.
+    /// Couples with the row numbers of the elements, always with shifts.
     fn couples_by_row(&self) -> Table<'a> {
         let couples = self.network.couples;
         let table = Table::new(couples.len())
@@ -177,7 +177,7 @@ impl<'a, const D: usize> Drawn<'a, D> {
         table.with_components("shift", &SHIFT[..D], at)
     }
 
-    /// Where the elements are, how large, and what the file calls them if it does.
+    /// Positions of the elements, their radii unless they are points, and the ids of the file, if it has any.
     fn elements_by_row(&self) -> Table<'a> {
         let Self { packing, network, .. } = *self;
         let centres = network.space.centres;
@@ -195,7 +195,7 @@ impl<'a, const D: usize> Drawn<'a, D> {
         table
     }
 
-    /// The box that repeats, one row for each edge; without columns if there is none.
+    /// Periodic box, one row per edge; without columns if there is none.
     fn cell(&self) -> Table<'a> {
         let table = Table::new(D);
         let Some(cell) = self.network.space.cell else { return table };
@@ -216,7 +216,7 @@ impl<'a, const D: usize> Drawn<'a, D> {
         self.described(table, degrees, |k| k)
     }
 
-    /// With radius and coordination of the elements that `element` names.
+    /// Adds columns for radius and coordination. `element` returns the element of a row.
     fn described(
         &self,
         table: Table<'a>,
@@ -231,7 +231,7 @@ impl<'a, const D: usize> Drawn<'a, D> {
         table.with("coordination", Values::i32(move |k| degrees[element(k)].cast_signed()))
     }
 
-    /// Contacts of each element.
+    /// Number of contacts of each element.
     fn degrees(&self) -> Vec<u32> {
         let mut degrees = vec![0; self.network.space.centres.len()];
         for couple in self.network.couples.iter() {
@@ -241,13 +241,13 @@ impl<'a, const D: usize> Drawn<'a, D> {
         degrees
     }
 
-    /// Couples across a face of the box, ascending: their lines end at points of their own.
+    /// Couples across a face of the box, in ascending order. Their lines end at extra points.
     fn across(&self) -> Vec<usize> {
         let couples = self.network.couples;
         (0..couples.len()).filter(|&k| couples.get(k).shift != [0; D]).collect()
     }
 
-    /// The elements where the file has them, then the images at which lines across a face end.
+    /// Elements at their positions in the file, then the images at which lines across a face end.
     fn points(&self, degrees: &'a [u32], across: &'a [usize]) -> Table<'a> {
         let Self { packing, network, .. } = *self;
         let (space, couples) = (network.space, network.couples);
@@ -267,7 +267,7 @@ impl<'a, const D: usize> Drawn<'a, D> {
         self.described(table, degrees, element).with("image", Values::i32(move |k| i32::from(k >= n)))
     }
 
-    /// A line for each couple.
+    /// Table with a line per couple.
     fn lines(&self, across: &'a [usize]) -> Table<'a> {
         let (couples, n) = (self.network.couples, self.network.space.centres.len());
         let end = move |k: usize| {

@@ -17,7 +17,7 @@ pub(crate) fn run(arguments: &ValidateArguments) -> Result<(), Failure> {
     for case in chosen {
         let report = case.report(size);
         let seconds = start.elapsed().as_secs_f64();
-        // A message that nobody can see any more is no failure.
+        // A message that cannot be shown is not an error.
         let _ = writeln!(io::stdout(), "{}", table(std::slice::from_ref(&report)).trim_end());
         if !arguments.quiet {
             let _ = writeln!(io::stderr(), "after {seconds:.0} s");
@@ -41,7 +41,10 @@ fn chosen(asked: &[String]) -> Result<Vec<&'static Case>, Failure> {
     if let Some(unknown) = asked.iter().find(|asked| !cases().iter().any(|case| is(case, asked))) {
         let known: Vec<String> =
             cases().iter().map(|case| format!("{} {}", case.number, case.name)).collect();
-        return Err(Failure::Unusable(format!("there is no case '{unknown}': {}", known.join(", "))));
+        return Err(Failure::Unusable(format!(
+            "there is no case '{unknown}', but there are {}",
+            known.join(", ")
+        )));
     }
     Ok(cases().iter().filter(|case| asked.is_empty() || asked.iter().any(|asked| is(case, asked))).collect())
 }

@@ -1,31 +1,32 @@
-//! Bodies of any shape and their contacts: meshes in space, spheres and walls, the bodies of a labelled image.
+//! Pictures of bodies of any shape and their contacts: meshes in 3D, spheres and walls, bodies of a labelled image.
 
 use crate::picture::plots;
 use crate::picture::scene::{Bond, Joint, Overlaps, Scene, Shapes};
 use crate::picture::{Caption, PictureError, drawing, encode, room};
 
-/// No report of bodies has more triangles.
+/// Largest number of triangles in a picture or a report of bodies.
 pub const MOST_FACETS: usize = 1_000_000;
 
 /// Bodies and the contacts between them.
 ///
 /// # Shapes
-/// `n` bodies: `centres`, `radii` and, if given, `ids` of the report. `f` triangles: `facets` names their corners in `points`, `owners` their bodies. In a plane `z` is 0.
+/// `centres` and `radii` have one entry per body. `facets` and `owners` have one entry per triangle: its corners, as indices of `points`, and its body. In 2D,
+/// `z` is 0.
 #[derive(Clone, Copy, Debug)]
 pub struct Bodies<'a> {
-    /// 2 or 3.
+    /// Number of dimensions, 2 or 3.
     pub dimensions: usize,
-    /// The middle of each body.
+    /// Centre of each body.
     pub centres: &'a [[f64; 3]],
     /// Radius of each body that is drawn as a disc or a sphere; 0 for those that are drawn as triangles.
     pub radii: &'a [f64],
     /// Corners of triangles.
     pub points: &'a [[f64; 3]],
-    /// Triangles of the surfaces; in a plane of the bodies.
+    /// Triangles of the surfaces of the bodies; in 2D, of the bodies themselves.
     pub facets: &'a [[u32; 3]],
-    /// The body of each triangle.
+    /// Body of each triangle.
     pub owners: &'a [u32],
-    /// Whether the triangles are walls: they are drawn so that what is behind them is seen.
+    /// Whether the triangles are walls, which are drawn transparently.
     pub walls: bool,
     /// The contacts.
     pub joints: &'a [BodyJoint],
@@ -36,28 +37,28 @@ pub struct Bodies<'a> {
 /// Two bodies that touch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodyJoint {
-    /// Their places among the bodies.
+    /// Indices of the bodies.
     pub bodies: [u32; 2],
-    /// Where they touch.
+    /// Point of contact.
     pub point: [f64; 3],
-    /// The direction from the first to the second; zeros if there is none.
+    /// Direction from the first to the second body; zeros if there is none.
     pub normal: [f64; 3],
-    /// By which it is coloured, and ordered: larger ones are drawn on top.
+    /// Value that colours the contact. Larger values are drawn on top.
     pub value: f64,
 }
 
-/// Bodies and their contacts as SVG.
+/// Draws bodies and their contacts as SVG.
 ///
 /// # Errors
-/// Those of [`svg`](crate::picture::svg); [`PictureError::TooMany`] for more than [`MOST_FACETS`].
+/// Those of [`svg`](crate::picture::svg); [`PictureError::TooMany`] for more than [`MOST_FACETS`] triangles.
 ///
 /// # Panics
-/// If a contact or a triangle names what is not there.
+/// If an index of a contact or a triangle is out of range.
 pub fn bodies_svg(bodies: &Bodies<'_>, caption: &Caption<'_>) -> Result<String, PictureError> {
     drawing::svg(&scene(bodies, caption)?)
 }
 
-/// As [`bodies_svg`], as a PNG file: `width` pixels wide, 200 to 10,000, or twice as many as the SVG.
+/// As [`bodies_svg`], as a PNG file. `width`: 200 to 10,000 pixels, by default twice the width of the SVG.
 ///
 /// # Errors
 /// Those of [`bodies_svg`], [`PictureError::Width`] and [`PictureError::Png`].
@@ -72,7 +73,7 @@ pub fn bodies_png(
     drawing::png(&scene(bodies, caption)?, width)
 }
 
-/// How the contacts of bodies, their values, their directions and the radii are distributed, as SVG.
+/// Draws the distributions of the contacts of bodies, their values and directions, and of the radii as SVG.
 ///
 /// # Errors
 /// Those of [`bodies_svg`].
@@ -83,7 +84,7 @@ pub fn bodies_plots_svg(bodies: &Bodies<'_>, caption: &Caption<'_>) -> Result<St
     Ok(plots::svg(&scene(bodies, caption)?, &no_radial()))
 }
 
-/// As [`bodies_plots_svg`], as a PNG file, wide as [`bodies_png`] is.
+/// As [`bodies_plots_svg`], as a PNG file. `width`: as for [`bodies_png`].
 ///
 /// # Errors
 /// Those of [`bodies_png`].
@@ -101,12 +102,12 @@ pub fn bodies_plots_png(
     encode::png(&plots::svg(&scene, &no_radial()), &[], scale)
 }
 
-/// Bodies are no points that are anywhere.
+/// The reason why bodies have no radial distribution.
 pub(crate) fn no_radial() -> Result<crate::analysis::Radial, String> {
     Err("bodies have no radial distribution".to_owned())
 }
 
-/// What is drawn.
+/// Makes the scene of bodies.
 pub(crate) fn scene(bodies: &Bodies<'_>, caption: &Caption<'_>) -> Result<Scene, PictureError> {
     let Bodies { dimensions, centres, radii, points, facets, owners, walls, joints, value } = *bodies;
     assert_eq!(
@@ -139,7 +140,7 @@ pub(crate) fn scene(bodies: &Bodies<'_>, caption: &Caption<'_>) -> Result<Scene,
             }
             let [a, b] = [i, j].map(|body| centres[body as usize]);
             let distance = a.iter().zip(b).fold(0.0, |sum, (a, b)| sum + (a - b) * (a - b)).sqrt();
-            // The middle of a wall is nowhere near its contacts.
+            // The centre of a wall may be far from its contacts.
             let to = [i, j].map(|body| !walls || is_sphere(body));
             Bond {
                 i,
@@ -216,7 +217,7 @@ mod tests {
         assert!(plots.contains("contacts of a body") && plots.contains("bodies have no radial distribution"));
     }
 
-    /// The line of a contact with a wall ends where it is touched; the middle of a body of its own is reached.
+    /// The line of a contact with a wall ends at the contact point; for any other body it ends at the centre.
     #[test]
     fn lines_end_at_walls() {
         let ends = |walls| {

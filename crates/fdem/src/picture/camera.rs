@@ -1,4 +1,4 @@
-//! From space to paper.
+//! Projection of the scene onto the drawing.
 
 use crate::picture::scene::Scene;
 
@@ -6,19 +6,19 @@ use crate::picture::scene::Scene;
 const TURN: [f64; 2] = [0.5, 0.866_025_403_784_438_6];
 const TILT: [f64; 2] = [0.342_020_143_325_668_7, 0.939_692_620_785_908_4];
 
-/// Along parallel rays: sizes and the scale bar hold at every depth.
+/// Parallel projection, so that sizes and the scale bar hold at every depth.
 pub(crate) struct Camera {
     flat: bool,
-    /// Pixels for a unit of length.
+    /// Pixels per unit of length.
     pub(crate) scale: f64,
-    /// What is drawn at the middle of the area, on the plane of the paper.
+    /// Projected point in the middle of the area.
     middle: [f64; 3],
-    /// Pixels across and down.
+    /// Width and height of the area, pixels.
     pub(crate) area: [f64; 2],
 }
 
 impl Camera {
-    /// Shows all elements and the box in an area of at least and at most so many pixels.
+    /// Shows all elements and the box in an area of `least` to `most` pixels. `None` if the extent is not finite.
     pub(crate) fn new(scene: &Scene, least: [f64; 2], most: [f64; 2]) -> Option<Self> {
         let flat = scene.dimensions == 2;
         let (mut min, mut max) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
@@ -48,7 +48,7 @@ impl Camera {
             return None;
         }
         let scale = (0..2).map(|axis| most[axis] / extent[axis]).fold(f64::INFINITY, f64::min);
-        // Points in one place, or as good as: any scale shows them.
+        // For points in one place, any scale will do.
         let scale = if scale.is_normal() { scale } else { 1.0 };
         Some(Self {
             flat,
@@ -58,7 +58,7 @@ impl Camera {
         })
     }
 
-    /// In pixels from the upper left corner of the area, and towards the eye.
+    /// Returns the position of a point in pixels from the upper left corner of the area, and towards the eye.
     pub(crate) fn place(&self, point: [f64; 3]) -> [f64; 3] {
         let [x, y, z] = project(self.flat, point);
         [
@@ -68,7 +68,7 @@ impl Camera {
         ]
     }
 
-    /// Directions of the axes on the paper, y down, each with its name.
+    /// Names of the axes and their directions in the drawing, with y downwards.
     pub(crate) fn axes(&self) -> Vec<(&'static str, [f64; 2])> {
         let count = if self.flat { 2 } else { 3 };
         let axis = |k: usize| {
@@ -79,7 +79,7 @@ impl Camera {
     }
 }
 
-/// Right, up and towards the eye: 2D as it is, 3D with z upwards.
+/// Returns coordinates to the right, up and towards the eye. In 3D, z points upwards.
 fn project(flat: bool, [x, y, z]: [f64; 3]) -> [f64; 3] {
     if flat {
         return [x, y, 0.0];

@@ -1,6 +1,6 @@
-//! The pixels of a thick line with round ends, row by row: a line costs the pixels that it covers, not those of the box around it.
+//! Pixels of a thick line with round ends, row by row, so that the cost is that of the covered pixels and not of the bounding box.
 
-/// A line from `a` to `b` and everything within `radius` of it.
+/// All points within `radius` of the line from `a` to `b`.
 pub(crate) struct Capsule {
     a: [f64; 2],
     b: [f64; 2],
@@ -14,14 +14,14 @@ impl Capsule {
         Self { a, b, radius, length: (x * x + y * y).sqrt() }
     }
 
-    /// The rows whose middle may be covered, of `height` rows.
+    /// Rows whose middle may be covered, among `height` rows.
     pub(crate) fn rows(&self, height: usize) -> std::ops::Range<usize> {
         let low = self.a[1].min(self.b[1]) - self.radius;
         let high = self.a[1].max(self.b[1]) + self.radius;
         clipped(low, high, height)
     }
 
-    /// The columns of a row whose middle may be covered, of `width` columns: all that are, and some beside them.
+    /// Columns of a row whose middle may be covered, among `width` columns: all that are covered, and a few others.
     pub(crate) fn columns(&self, row: usize, width: usize) -> std::ops::Range<usize> {
         let v = row as f64 + 0.5;
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
@@ -41,19 +41,19 @@ impl Capsule {
         if low > high {
             return 0..0;
         }
-        // Roundings of far ends.
+        // Allows for rounding errors if the ends are far away.
         let margin = 1e-9 * (self.length + self.a[0].abs() + self.b[0].abs());
         clipped(low - margin, high + margin, width)
     }
 
-    /// Where the row at `v` crosses the rectangle between the ends.
+    /// Range in which the row at `v` crosses the rectangle between the ends.
     fn between(&self, v: f64) -> Option<[f64; 2]> {
         if self.length.partial_cmp(&0.0) != Some(std::cmp::Ordering::Greater) {
             return None;
         }
         let [x, y] = [(self.b[0] - self.a[0]) / self.length, (self.b[1] - self.a[1]) / self.length];
         let v = v - self.a[1];
-        // Relative to `a` at u: the place along the line is u x + v y, the distance from it u y - v x.
+        // At u relative to `a`, the position along the line is u x + v y, and the distance from it u y - v x.
         let along = within(x, v * y, [0.0, self.length])?;
         let across = within(y, -v * x, [-self.radius, self.radius])?;
         let (from, to) = (along[0].max(across[0]), along[1].min(across[1]));
@@ -61,7 +61,7 @@ impl Capsule {
     }
 }
 
-/// The u for which `factor u + constant` lies between the limits.
+/// Range of u for which `factor u + constant` lies between the limits.
 fn within(factor: f64, constant: f64, [low, high]: [f64; 2]) -> Option<[f64; 2]> {
     if factor.abs() < 1e-12 {
         let slack = 1e-9 * (high - low);
@@ -72,7 +72,7 @@ fn within(factor: f64, constant: f64, [low, high]: [f64; 2]) -> Option<[f64; 2]>
     Some([ends[0].min(ends[1]), ends[0].max(ends[1])])
 }
 
-/// The whole numbers from `low` to `high`, one more at each end, below `end`.
+/// Integers from `low` to `high`, with one more at each end, between 0 and `end`.
 fn clipped(low: f64, high: f64, end: usize) -> std::ops::Range<usize> {
     ((low - 1.0).max(0.0) as usize).min(end)..((high + 2.0).max(0.0) as usize).min(end)
 }
@@ -81,7 +81,7 @@ fn clipped(low: f64, high: f64, end: usize) -> std::ops::Range<usize> {
 mod tests {
     use super::*;
 
-    /// Every pixel that the line covers is in the ranges, whatever its direction; and the ranges have few others.
+    /// The ranges contain every pixel that the line covers, for any direction, and few others.
     #[test]
     fn ranges_hold_the_line_and_little_else() {
         const SIDE: usize = 120;

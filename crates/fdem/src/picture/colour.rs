@@ -1,9 +1,9 @@
-//! Colours: two ramps of even lightness, and what stands outside them.
+//! Colours: two ramps with even steps of lightness, and colours outside the ramps.
 
 /// Red, green and blue.
 pub(crate) type Rgb = [u8; 3];
 
-/// Overlaps, pale to dark. Both ramps are equal steps of lightness and hue in OKLCH, so that equal steps of a value look equal, also without colour.
+/// Ramp for overlaps, pale to dark. Both ramps have equal steps of lightness and hue in OKLCH, so that equal steps of a value look equal, also in grey.
 pub(crate) const HEAT: [Rgb; 17] = [
     [242, 204, 122],
     [245, 185, 92],
@@ -24,7 +24,7 @@ pub(crate) const HEAT: [Rgb; 17] = [
     [48, 18, 83],
 ];
 
-/// Counts and sizes, pale to dark.
+/// Ramp for counts and sizes, pale to dark.
 pub(crate) const SEA: [Rgb; 17] = [
     [199, 229, 147],
     [170, 221, 141],
@@ -45,19 +45,19 @@ pub(crate) const SEA: [Rgb; 17] = [
     [43, 32, 97],
 ];
 
-/// Elements without contact, which no ramp has.
+/// Colour of elements without contact, which is in no ramp.
 pub(crate) const ALONE: Rgb = [203, 205, 208];
 
-/// The colour at a share from 0 to 1 of the way; beyond the ends that of the end.
+/// Colour at a share from 0 to 1 of the ramp. Shares outside are clamped.
 pub(crate) fn at(ramp: &[Rgb; 17], share: f64) -> Rgb {
-    // What is no number, such as 0 of 0, is at the start.
+    // NaN, such as 0/0, has the first colour.
     let share = if share.is_nan() { 0.0 } else { share.clamp(0.0, 1.0) };
     let place = share * (ramp.len() - 1) as f64;
     let stop = (place as usize).min(ramp.len() - 2);
     mix(ramp[stop], ramp[stop + 1], place - stop as f64)
 }
 
-/// From one colour to another.
+/// Mixes two colours: `from` at a share of 0, `to` at 1.
 pub(crate) fn mix(from: Rgb, to: Rgb, share: f64) -> Rgb {
     std::array::from_fn(|channel| {
         let (from, to) = (f64::from(from[channel]), f64::from(to[channel]));
@@ -65,7 +65,7 @@ pub(crate) fn mix(from: Rgb, to: Rgb, share: f64) -> Rgb {
     })
 }
 
-/// As `#rrggbb`.
+/// Formats a colour as `#rrggbb`.
 pub(crate) fn hex([r, g, b]: Rgb) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }

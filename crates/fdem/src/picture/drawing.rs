@@ -1,4 +1,4 @@
-//! Elements and contacts on paper: one area in 2D, two in 3D.
+//! Drawing of elements and contacts: one area in 2D, two in 3D.
 
 use std::ops::RangeInclusive;
 
@@ -13,13 +13,13 @@ use crate::picture::room;
 use crate::picture::scene::{Bond, Joint, Scene};
 use crate::picture::svg::Svg;
 
-/// More discs or contacts than this are an image in an SVG file, too.
+/// Most discs or contacts that an SVG file has as shapes; more are an embedded image.
 const MOST_SHAPES: usize = 50_000;
 
-/// Pixels of a PNG for a unit of the drawing.
+/// Default number of PNG pixels per unit of the drawing.
 const SCALE: f64 = 2.0;
 
-/// Pixels that a PNG may be wide: less cannot be read, more would not fit into memory.
+/// Widths of a PNG, pixels: a narrower one cannot be read, a wider one would need too much memory.
 const WIDTHS: RangeInclusive<u32> = 200..=10_000;
 
 const MARGIN: f64 = 24.0;
@@ -28,10 +28,10 @@ const TOUCHING: Rgb = [219, 228, 238];
 const FREE: Rgb = [255, 255, 255];
 const RIM: Rgb = [134, 149, 166];
 const BOX: Rgb = [120, 130, 140];
-/// Radii of the smallest dots, in pixels of the drawing: points, and what would be less than a pixel, must be seen.
+/// Limits of the smallest radius at which elements are drawn, in pixels of the drawing, so that points and tiny elements stay visible.
 const DOTS: [f64; 2] = [0.6, 2.0];
 
-/// Elements where the contacts are shown.
+/// Colour of elements in the view of the contacts.
 const NODE: Rgb = [186, 193, 201];
 
 pub(crate) fn svg(scene: &Scene) -> Result<String, PictureError> {
@@ -53,7 +53,7 @@ pub(crate) fn svg(scene: &Scene) -> Result<String, PictureError> {
     }))
 }
 
-/// So many pixels wide, or twice as wide as the drawing.
+/// Draws a PNG, `width` pixels wide or twice as wide as the drawing.
 pub(crate) fn png(scene: &Scene, width: Option<u32>) -> Result<Vec<u8>, PictureError> {
     let page = Page::new(scene)?;
     let scale = scale(width, page.size[0])?;
@@ -61,7 +61,7 @@ pub(crate) fn png(scene: &Scene, width: Option<u32>) -> Result<Vec<u8>, PictureE
     page.png(scale)
 }
 
-/// Pixels for a unit of a drawing.
+/// Returns the number of pixels per unit of a drawing, for a width of a PNG.
 pub(crate) fn scale(pixels: Option<u32>, width: f64) -> Result<f64, PictureError> {
     match pixels {
         None => Ok(SCALE),
@@ -70,20 +70,20 @@ pub(crate) fn scale(pixels: Option<u32>, width: f64) -> Result<f64, PictureError
     }
 }
 
-/// A smaller one, for those who cannot turn it.
+/// Draws a smaller PNG, for browsers that cannot show the 3D view.
 pub(crate) fn preview(scene: &Scene) -> Result<Vec<u8>, PictureError> {
     Page::new(scene)?.png(1.0)
 }
 
-/// Where everything stands.
+/// Layout of a drawing.
 struct Page<'a> {
     scene: &'a Scene,
     camera: Camera,
     counts: Counts,
-    /// Left sides of the areas.
+    /// Left edges of the areas.
     lefts: Vec<f64>,
     size: [f64; 2],
-    /// The least radius of an element: larger where there are few.
+    /// Smallest radius of an element in pixels; larger if there are few elements.
     dot: f64,
 }
 
@@ -112,7 +112,7 @@ impl<'a> Page<'a> {
         encode::png(&self.svg(|_| ()), &self.layers(scale), scale)
     }
 
-    /// All that is text; `draw` puts the rest below it.
+    /// Draws the texts over the drawing of `draw`.
     fn svg(&self, draw: impl FnOnce(&mut Svg)) -> String {
         let Self { scene, camera, .. } = self;
         let [width, height] = self.size;
@@ -146,7 +146,7 @@ impl<'a> Page<'a> {
         }
     }
 
-    /// Discs and lines of 2D as SVG.
+    /// Draws discs and lines in 2D as SVG.
     fn shapes(&self, svg: &mut Svg) {
         let Self { scene, .. } = self;
         svg.background();
@@ -235,7 +235,7 @@ impl<'a> Page<'a> {
         flat.into_pixels()
     }
 
-    /// Elements in 3D.
+    /// Draws the elements in 3D.
     fn spheres(&self, size: [usize; 2], zoom: f64) -> Vec<u8> {
         let mut raster = Raster::new(size);
         self.draw_box(&mut raster, zoom);
@@ -252,7 +252,7 @@ impl<'a> Page<'a> {
         raster.pixels()
     }
 
-    /// Contacts in 3D, with small elements where they meet.
+    /// Draws the contacts in 3D, with small spheres at the centres of elements.
     fn rods(&self, size: [usize; 2], zoom: f64) -> Vec<u8> {
         let Self { scene, camera, .. } = self;
         let mut raster = Raster::new(size);
@@ -275,7 +275,7 @@ impl<'a> Page<'a> {
         raster.pixels()
     }
 
-    /// Surfaces; of walls, and where contacts are to be seen, the edges.
+    /// Draws surfaces. Only the edges of triangles are drawn for walls and unless `solid`.
     fn draw_facets(&self, raster: &mut Raster, zoom: f64, solid: bool) {
         let Some(shapes) = &self.scene.shapes else { return };
         for (corners, owner) in self.scene.facets() {
@@ -296,17 +296,17 @@ impl<'a> Page<'a> {
         }
     }
 
-    /// In pixels of the drawing.
+    /// Mean radius of the elements that are not surfaces, in pixels of the drawing.
     fn typical_radius(&self) -> f64 {
         let drawn = || (0..self.scene.radii.len()).filter(|&index| !self.scene.is_surface(index));
         match drawn().count() {
-            // Surfaces cast shadows as far as this.
+            // Reach of the shadows of surfaces.
             0 => 12.0,
             count => drawn().map(|index| self.radius(index)).sum::<f64>() / count as f64,
         }
     }
 
-    /// Of an element, in pixels of the drawing.
+    /// Radius of an element, in pixels of the drawing.
     fn radius(&self, index: usize) -> f64 {
         (self.scene.radii[index] * self.camera.scale).max(self.dot)
     }
@@ -316,7 +316,7 @@ impl<'a> Page<'a> {
         [x + self.lefts[0], y + HEAD]
     }
 
-    /// The smallest overlaps first, so that the largest are on top.
+    /// Contacts in ascending order of their overlap, so that the largest are on top.
     fn pale_to_dark(&self) -> Vec<&'a Bond> {
         let mut bonds: Vec<&Bond> = self.scene.bonds.iter().collect();
         bonds.sort_by(|a, b| a.overlap.total_cmp(&b.overlap));
@@ -331,7 +331,7 @@ impl<'a> Page<'a> {
         at(&HEAT, self.share(bond))
     }
 
-    /// In pixels of the drawing: of the smaller element a part, so that lines do not hide what they join.
+    /// Width of the line of a contact in pixels of the drawing: a part of the smaller radius, so that lines do not hide the elements.
     fn width(&self, bond: &Bond) -> f64 {
         if self.scene.shapes.is_some() {
             return 1.2 + 1.8 * self.share(bond);
@@ -344,12 +344,12 @@ impl<'a> Page<'a> {
     }
 }
 
-/// Width of the outline of a disc of radius `r`.
+/// Width of the outline of a disc with the radius `r`.
 fn rim(r: f64) -> f64 {
     (r * 0.12).min(0.8)
 }
 
-/// The line of a contact; two halves if it leads to an image, or runs by way of a point.
+/// Line of a contact. It has two halves if it leads to an image or through a contact point.
 pub(crate) fn lines(scene: &Scene, bond: &Bond) -> [Option<[[f64; 3]; 2]>; 2] {
     let [a, b] = [bond.i, bond.j].map(|k| scene.centres[k as usize]);
     if let Some(Joint { point, to }) = bond.joint {

@@ -1,4 +1,4 @@
-//! SVG and pixels to PNG.
+//! Conversion of SVG and pixels to PNG.
 
 use std::sync::{Arc, OnceLock};
 
@@ -11,19 +11,19 @@ use crate::picture::PictureError;
 pub(crate) struct Layer {
     /// Upper left corner in the drawing.
     pub(crate) at: [f64; 2],
-    /// In pixels.
+    /// Width and height, pixels.
     pub(crate) size: [usize; 2],
-    /// Red, green and blue, row after row.
+    /// Red, green and blue of each pixel, row by row.
     pub(crate) pixels: Vec<u8>,
 }
 
-/// Draws the text over the layers over white, each unit of the drawing as so many pixels.
+/// Draws SVG over layers over a white background as a PNG file. `scale`: pixels per unit of the drawing.
 pub(crate) fn png(svg: &str, layers: &[Layer], scale: f64) -> Result<Vec<u8>, PictureError> {
     let (size, pixels) = pixels(svg, layers, scale)?;
     file(size, &pixels)
 }
 
-/// As [`png`], as red, green and blue, row after row, with the two sides.
+/// As [`png`], but returns width and height and the red, green and blue of each pixel, row by row.
 pub(crate) fn pixels(svg: &str, layers: &[Layer], scale: f64) -> Result<([u32; 2], Vec<u8>), PictureError> {
     let failed = |message: String| PictureError::Png { message };
     let tree = usvg::Tree::from_str(svg, &options()).map_err(|error| failed(error.to_string()))?;
@@ -40,7 +40,7 @@ pub(crate) fn pixels(svg: &str, layers: &[Layer], scale: f64) -> Result<([u32; 2
     Ok(([width, height], opaque))
 }
 
-/// Options for reading SVG text: the fonts are those in this program, and no others.
+/// Options for SVG text. Only the fonts embedded in this program are used.
 pub(crate) fn options() -> usvg::Options<'static> {
     static FONTS: OnceLock<Arc<fontdb::Database>> = OnceLock::new();
     let fonts = FONTS.get_or_init(|| {
@@ -53,7 +53,7 @@ pub(crate) fn options() -> usvg::Options<'static> {
     usvg::Options { fontdb: Arc::clone(fonts), ..usvg::Options::default() }
 }
 
-/// Red, green and blue as a PNG file.
+/// Encodes red, green and blue of each pixel as a PNG file.
 pub(crate) fn file([width, height]: [u32; 2], pixels: &[u8]) -> Result<Vec<u8>, PictureError> {
     let failed = |error: png::EncodingError| PictureError::Png { message: error.to_string() };
     let mut bytes = Vec::new();

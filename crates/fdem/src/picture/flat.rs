@@ -1,9 +1,9 @@
-//! Discs and lines by pixel, each over those before it, with soft edges.
+//! Discs, triangles and lines drawn into pixels in order. The edges of discs and lines are antialiased.
 
 use crate::picture::capsule::Capsule;
 use crate::picture::colour::Rgb;
 
-/// Red, green and blue of each pixel, row after row from the top.
+/// Red, green and blue of each pixel, row by row from the top.
 pub(crate) struct Flat {
     width: usize,
     height: usize,
@@ -11,14 +11,14 @@ pub(crate) struct Flat {
 }
 
 impl Flat {
-    /// White.
+    /// Creates a white image.
     pub(crate) fn new([width, height]: [usize; 2]) -> Self {
         Self { width, height, pixels: vec![255; 3 * width * height] }
     }
 
-    /// A disc with an outline on its rim.
+    /// Draws a disc with an outline.
     pub(crate) fn disc(&mut self, [x, y]: [f64; 2], radius: f64, fill: Rgb, outline: Rgb, stroke: f64) {
-        // What is smaller than a pixel covers a part of it.
+        // A disc smaller than a pixel covers a part of it.
         let outer = radius + stroke / 2.0;
         self.cover([x - outer, y - outer], [x + outer, y + outer], |u, v| {
             let distance = ((u - x) * (u - x) + (v - y) * (v - y)).sqrt();
@@ -31,7 +31,7 @@ impl Flat {
         });
     }
 
-    /// A triangle without an outline.
+    /// Draws a triangle without an outline.
     pub(crate) fn triangle(&mut self, corners: [[f64; 2]; 3], colour: Rgb) {
         let heights = corners.map(|[_, y]| y);
         let (top, bottom) = (
@@ -50,7 +50,7 @@ impl Flat {
         }
     }
 
-    /// A line with round ends.
+    /// Draws a line with round ends.
     pub(crate) fn line(&mut self, [a, b]: [[f64; 2]; 2], width: f64, colour: Rgb) {
         let half = width / 2.0;
         let along = [b[0] - a[0], b[1] - a[1]];
@@ -63,7 +63,7 @@ impl Flat {
             let alpha = (half - (du * du + dv * dv).sqrt() + 0.5).clamp(0.0, 1.0);
             (colour.map(f64::from), alpha * width.min(1.0))
         };
-        // Edges are soft over half a pixel.
+        // Antialiasing reaches half a pixel beyond the edge.
         let covered = Capsule::new([a, b], half + 0.5);
         for row in covered.rows(self.height) {
             for column in covered.columns(row, self.width) {
@@ -76,7 +76,7 @@ impl Flat {
         self.pixels
     }
 
-    /// Lays a colour over the pixels from one corner to the other, with the share that `paint` says at the middle of each.
+    /// Blends a colour over the pixels of a rectangle. `paint` returns colour and opacity at the middle of a pixel.
     fn cover(&mut self, low: [f64; 2], high: [f64; 2], paint: impl Fn(f64, f64) -> ([f64; 3], f64)) {
         for row in range(low[1], high[1], self.height) {
             for column in range(low[0], high[0], self.width) {
@@ -85,7 +85,7 @@ impl Flat {
         }
     }
 
-    /// Lays over a pixel what `paint` says at its middle.
+    /// Blends a colour over a pixel. `paint` returns colour and opacity at its middle.
     fn lay(&mut self, row: usize, column: usize, paint: &impl Fn(f64, f64) -> ([f64; 3], f64)) {
         let (colour, alpha) = paint(column as f64 + 0.5, row as f64 + 0.5);
         if alpha > 0.0 {
@@ -101,7 +101,7 @@ fn range(low: f64, high: f64, end: usize) -> std::ops::Range<usize> {
     ((low - 1.0).max(0.0) as usize).min(end)..((high + 2.0).max(0.0) as usize).min(end)
 }
 
-/// From where to where a triangle covers the row at `v`.
+/// Range in which a triangle covers the row at `v`.
 pub(crate) fn across(corners: [[f64; 2]; 3], v: f64) -> Option<[f64; 2]> {
     let mut span: Option<[f64; 2]> = None;
     for k in 0..3 {

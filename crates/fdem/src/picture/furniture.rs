@@ -1,4 +1,4 @@
-//! What stands around a drawing: title, colour bars, scale bar, axes.
+//! Parts around a drawing: title, colour bars, scale bar, axes.
 
 use crate::numbers::{brief, grouped};
 use crate::picture::colour::{ALONE, HEAT, Rgb, SEA, at};
@@ -7,14 +7,14 @@ use crate::picture::svg::{Anchor, INK, PALE, Svg};
 use crate::picture::text::{OF_TITLES, fitting};
 use crate::picture::ticks::{round_below, tick_texts, ticks};
 
-/// Height of the lines above the drawing, and of the strip below.
+/// Height of the space above the drawing, and below it.
 pub(crate) const HEAD: f64 = 66.0;
 pub(crate) const FOOT: f64 = 74.0;
 
 /// Width of a colour bar.
 pub(crate) const BAR: f64 = 230.0;
 
-/// Counts of contacts that the colours tell apart.
+/// Range of the numbers of contacts in the colour bar.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Counts {
     pub(crate) high: u32,
@@ -22,7 +22,7 @@ pub(crate) struct Counts {
 }
 
 impl Counts {
-    /// Up to the count that 99.5 % do not exceed; a few large elements would leave the others without colours.
+    /// Ends the colours at the number that 99.5 % of the elements do not exceed, because a few large elements would leave the others with nearly one colour.
     pub(crate) fn new(coordination: &[u32]) -> Self {
         let mut sorted = coordination.to_vec();
         let Some(last) = sorted.len().checked_sub(1) else { return Self { high: 1, largest: 0 } };
@@ -39,7 +39,7 @@ impl Counts {
     }
 }
 
-/// The sentence of counts.
+/// Line with the numbers of elements and contacts.
 pub(crate) fn counts(scene: &Scene) -> String {
     let n = scene.centres.len();
     let mut text = format!(
@@ -63,8 +63,7 @@ pub(crate) fn title(svg: &mut Svg, scene: &Scene, x: f64, width: f64) {
     svg.label([x, 51.0], 12.5, Anchor::Start, PALE, &counts(scene));
 }
 
-/// A length of about 90 pixels, at the lower left.
-/// `unit` follows the number.
+/// Draws a scale bar of a round length. `unit` follows the number.
 pub(crate) fn scale_bar(svg: &mut Svg, unit: &str, [x, y]: [f64; 2], scale: f64) {
     let length = round_below(150.0 / scale);
     let width = length * scale;
@@ -79,7 +78,7 @@ pub(crate) fn scale_bar(svg: &mut Svg, unit: &str, [x, y]: [f64; 2], scale: f64)
     svg.label([x, y + 42.0], 12.0, Anchor::Start, INK, &text);
 }
 
-/// The directions of x, y and z.
+/// Draws the directions of the axes.
 pub(crate) fn axes(svg: &mut Svg, [x, y]: [f64; 2], axes: &[(&str, [f64; 2])]) {
     for (name, [dx, dy]) in axes {
         let tip = [x + 26.0 * dx, y + 26.0 * dy];
@@ -88,7 +87,7 @@ pub(crate) fn axes(svg: &mut Svg, [x, y]: [f64; 2], axes: &[(&str, [f64; 2])]) {
     }
 }
 
-/// Colours of overlaps, right aligned.
+/// Draws the colour bar of the overlaps, aligned to the right.
 pub(crate) fn overlap_bar(svg: &mut Svg, name: &str, overlaps: Overlaps, [right, y]: [f64; 2]) {
     let Overlaps { low, high, largest } = overlaps;
     let x = right - BAR;
@@ -113,7 +112,7 @@ pub(crate) fn overlap_bar(svg: &mut Svg, name: &str, overlaps: Overlaps, [right,
     }
 }
 
-/// Colours of coordination, right aligned. `noun`: whose, with its article.
+/// Draws the colour bar of the numbers of contacts, aligned to the right. `noun`: element or body, with its article.
 pub(crate) fn coordination_bar(svg: &mut Svg, noun: &str, counts: Counts, [right, y]: [f64; 2]) {
     let x = right - BAR;
     svg.label([x, y + 10.0], 12.0, Anchor::Start, INK, &format!("contacts of {noun}"));
@@ -141,11 +140,11 @@ pub(crate) fn coordination_bar(svg: &mut Svg, noun: &str, counts: Counts, [right
     }
 }
 
-/// The colours of a bar, its upper left corner 18 above them.
+/// Draws the colours of a bar, 18 units below its upper left corner.
 pub(crate) fn strips(svg: &mut Svg, [x, y]: [f64; 2], colour: impl Fn(f64) -> Rgb) {
     const STRIPS: usize = 64;
     for strip in 0..STRIPS {
-        // Each to the end, below those after it: no gap shines through.
+        // Each strip reaches to the right end and is covered by the next ones, so that there are no gaps.
         let left = BAR * strip as f64 / STRIPS as f64;
         let share = (strip as f64 + 0.5) / STRIPS as f64;
         svg.rect([x + left, y + 18.0], [BAR - left, 13.0], colour(share));

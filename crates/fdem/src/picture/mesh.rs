@@ -1,4 +1,4 @@
-//! Meshed bodies in a plane, and which of them touch.
+//! Pictures of meshed bodies in a plane and their contacts.
 
 use std::fmt::Write;
 
@@ -14,14 +14,14 @@ use crate::picture::{Caption, PictureError, drawing, encode};
 
 const MARGIN: f64 = 24.0;
 
-/// The area of the drawing is not larger, nor narrower than what stands below it.
+/// Largest size of the drawing; `NARROWEST` is the width that the parts below it need.
 const MOST: [f64; 2] = [900.0, 860.0];
 const NARROWEST: f64 = 520.0;
 
-/// More triangles are neither told apart nor opened by a browser.
+/// Largest number of triangles: more could not be distinguished, nor opened by a browser.
 const MOST_TRIANGLES: usize = 300_000;
 
-/// Bodies by turns: pale, so that contacts stand out.
+/// Colours of the bodies in turn. They are pale so that contacts stand out.
 const BODIES: [Rgb; 8] = [
     [200, 220, 240],
     [222, 213, 238],
@@ -33,16 +33,16 @@ const BODIES: [Rgb; 8] = [
     [208, 214, 226],
 ];
 const EDGE: Rgb = [134, 149, 166];
-/// Outlines of bodies: wider, darker than edges of triangles.
+/// Colour of the outlines of bodies, darker than the edges of triangles.
 const OUTLINE: Rgb = [64, 78, 94];
 const OUTLINE_WIDTH: f64 = 1.4;
-/// Width of an outline over the size of the bodies, at the most.
+/// Largest width of an outline over the size of the bodies.
 const OUTLINE_SHARE: f64 = 0.06;
 
-/// Triangles in a plane by the bodies that they make up, and which of these touch.
+/// Meshed bodies in a plane and their contacts.
 ///
 /// # Shapes
-/// `triangles` and `bodies`: one entry per triangle, with places in `points` and numbers of bodies.
+/// `triangles` and `bodies` have one entry per triangle: indices of `points`, and the number of a body.
 #[derive(Clone, Copy, Debug)]
 pub struct MeshDrawing<'a> {
     /// The nodes.
@@ -51,18 +51,18 @@ pub struct MeshDrawing<'a> {
     pub triangles: &'a [[u32; 3]],
     /// The body of each triangle.
     pub bodies: &'a [u32],
-    /// Of the bodies.
+    /// Contacts of the bodies.
     pub contacts: &'a [BodyContact<2>],
 }
 
-/// Meshed bodies as SVG: the triangles, coloured by body, and for each two bodies that touch a line from the middle of the one through the contact to
-/// that of the other, coloured by the area that overlaps, or, where nothing does, by the boundary that they share.
+/// Draws meshed bodies as SVG: triangles coloured by body, and for each two bodies that touch a line from centroid to centroid through the contact point. The
+/// lines are coloured by the area of overlap, or by the length of the shared boundary if nothing overlaps.
 ///
 /// # Errors
-/// [`PictureError::NotFinite`] names a node; [`PictureError::TooWide`]; [`PictureError::TooMany`]: more than 300,000 triangles.
+/// [`PictureError::NotFinite`] with the number of a node; [`PictureError::TooWide`]; [`PictureError::TooMany`] for more than 300,000 triangles.
 ///
 /// # Panics
-/// If a triangle has nodes that are not there, or fewer bodies are given than triangles.
+/// If a node of a triangle or a body of a contact is out of range.
 ///
 /// # Cost
 /// Time proportional to the triangles and contacts.
@@ -82,7 +82,7 @@ pub fn mesh_svg(drawing: &MeshDrawing<'_>, caption: &Caption<'_>) -> Result<Stri
     Ok(page.svg(drawing, caption))
 }
 
-/// As [`mesh_svg`], as a PNG file: `width` pixels wide, 200 to 10,000, or twice as many as the SVG.
+/// As [`mesh_svg`], as a PNG file. `width`: 200 to 10,000 pixels, by default twice the width of the SVG.
 ///
 /// # Errors
 /// Those of [`mesh_svg`], [`PictureError::Width`] and [`PictureError::Png`].
@@ -98,12 +98,12 @@ pub fn mesh_png(
     encode::png(&page.svg(drawing, caption), &[], drawing::scale(width, page.size[0])?)
 }
 
-/// Where everything stands.
+/// Layout of the drawing.
 struct Page {
     low: [f64; 2],
     high: [f64; 2],
     scale: f64,
-    /// Of the drawing, without what stands around it.
+    /// Size of the drawing without the parts around it.
     area: [f64; 2],
     size: [f64; 2],
 }
@@ -139,7 +139,7 @@ impl Page {
     }
 
     fn on_paper(&self, [x, y]: [f64; 2]) -> [f64; 2] {
-        // In the middle of an area that is wider.
+        // Centres a drawing that is narrower than its area.
         let gap = (self.area[0] - (self.high[0] - self.low[0]) * self.scale) / 2.0;
         [MARGIN + gap + (x - self.low[0]) * self.scale, HEAD + (self.high[1] - y) * self.scale]
     }
@@ -207,14 +207,14 @@ impl Page {
             furniture::overlap_bar(&mut svg, name, values, [width - MARGIN - 6.0, foot]);
         } else if !drawing.contacts.is_empty() {
             let right = [width - MARGIN - 6.0, foot + 10.0];
-            svg.label(right, 12.0, Anchor::End, PALE, &format!("contacts in points: overlap {}", brief(0.0)));
+            svg.label(right, 12.0, Anchor::End, PALE, &format!("point contacts: overlap {}", brief(0.0)));
         }
         svg.finish()
     }
 }
 
 impl Page {
-    /// The outlines of the bodies: edges that one triangle of a body has.
+    /// Draws the outlines of the bodies: edges that belong to only one triangle of a body.
     fn outlines(&self, drawing: &MeshDrawing<'_>, svg: &mut Svg) {
         let mut edges: Vec<(u32, [u32; 2])> = Vec::with_capacity(3 * drawing.triangles.len());
         let mut area = 0.0;
@@ -235,7 +235,7 @@ impl Page {
             // Writing to a string does not fail.
             let _ = write!(path, "M{:.2} {:.2}L{:.2} {:.2}", a[0], a[1], b[0], b[1]);
         }
-        // Four times the area over the circumference: the diameter of discs.
+        // Four times the area over the circumference is the diameter for a disc.
         let width = OUTLINE_WIDTH.min(OUTLINE_SHARE * 4.0 * area / length.max(f64::MIN_POSITIVE));
         if !path.is_empty() && width > 0.0 {
             svg.put(format_args!(
@@ -246,7 +246,7 @@ impl Page {
     }
 }
 
-/// The centroid of each body that has triangles, weighted by area; without any area, of the nodes.
+/// Centroid of each body that has triangles, weighted by area. Without any area, it is the mean of the centroids of the triangles.
 fn centroids(drawing: &MeshDrawing<'_>) -> Vec<Option<[f64; 2]>> {
     let count = drawing.bodies.iter().max().map_or(0, |&last| last as usize + 1);
     let mut sums = vec![[0.0; 3]; count];
@@ -289,7 +289,7 @@ mod tests {
         assert!(svg.contains("area that overlaps") && svg.contains("a &lt;b&gt;") && svg.contains("mm"));
         assert!(svg.contains("2 triangles of 2 bodies, 1 contact between them"));
         assert!(drawn(&[contact(0.0, 0.5)], "").contains("length of shared boundary"));
-        assert!(drawn(&[contact(0.0, 0.0)], "").contains("contacts in points"));
+        assert!(drawn(&[contact(0.0, 0.0)], "").contains("point contacts"));
         assert_eq!(drawn(&[], "").matches("<path").count(), 1, "outlines only");
     }
 
@@ -304,7 +304,7 @@ mod tests {
         };
         let svg = mesh_svg(&drawing, &Caption::default()).unwrap();
         let path = svg.split("class=\"bodies\" d=\"").nth(1).unwrap().split('"').next().unwrap();
-        // Four sides of the square and three of the triangle: the side in common is of both, the diagonal of neither.
+        // Four sides of the square and three of the triangle: the common side belongs to both outlines, the diagonal to none.
         assert_eq!(path.matches('M').count(), 7, "{path}");
     }
 

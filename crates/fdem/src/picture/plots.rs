@@ -1,4 +1,4 @@
-//! How contacts, overlaps, sizes, directions and distances are distributed.
+//! Plots of the distributions of contacts, overlaps, sizes, directions and distances.
 
 use crate::analysis::{Radial, RadialOptions, radial};
 use crate::network::Network;
@@ -9,23 +9,23 @@ use crate::picture::scene::Scene;
 use crate::picture::svg::{Anchor, INK, PALE, Svg, shortened};
 use crate::picture::ticks::{tick_texts, ticks};
 
-/// Of a panel, its axes and texts included.
+/// Size of a panel with its axes and texts.
 pub(crate) const WIDTH: f64 = 420.0;
 pub(crate) const HEIGHT: f64 = 300.0;
 
 const MARGIN: f64 = 24.0;
-/// The area of a histogram within its panel.
+/// Margins of a histogram within its panel.
 const LEFT: f64 = 66.0;
 const TOP: f64 = 40.0;
 const BOTTOM: f64 = 52.0;
 
-/// Sectors of half a turn.
+/// Number of sectors in half a turn.
 const SECTORS: usize = 18;
 
-/// One distribution.
+/// A plot of one distribution.
 pub(crate) struct Panel {
     pub(crate) name: String,
-    /// In words, for those who cannot see it.
+    /// Description for screen readers.
     pub(crate) description: String,
     kind: Kind,
 }
@@ -40,7 +40,7 @@ enum Kind {
         colour: Rgb,
         whole: bool,
     },
-    /// Sectors of equal angle over half a turn from the right, counter-clockwise; drawn on both sides if they are axes in a plane.
+    /// Sectors of equal angle over half a turn, counter-clockwise from the right. With `both_sides`, they are repeated in the other half.
     Rose {
         radii: Vec<f64>,
         names: [&'static str; 2],
@@ -48,7 +48,7 @@ enum Kind {
         ring_text: String,
         both_sides: bool,
     },
-    /// A line through points, and a dashed one at 1.
+    /// A line through points, and a dashed line at 1.
     Curve {
         x: Vec<f64>,
         y: Vec<f64>,
@@ -57,7 +57,7 @@ enum Kind {
     Nothing(String),
 }
 
-/// All distributions of a network.
+/// Returns the plots of all distributions of a network.
 pub(crate) fn panels(scene: &Scene, radial: &Result<Radial, String>) -> Vec<Panel> {
     let mut panels = vec![coordination(scene), overlap(scene), size(scene)];
     if scene.dimensions == 2 {
@@ -70,7 +70,7 @@ pub(crate) fn panels(scene: &Scene, radial: &Result<Radial, String>) -> Vec<Pane
     panels
 }
 
-/// Panels beside each other.
+/// Number of panels in a row.
 const COLUMNS: usize = 3;
 
 /// Size of the drawing of all distributions.
@@ -79,12 +79,12 @@ pub(crate) fn whole_size(scene: &Scene) -> [f64; 2] {
     [MARGIN * 2.0 + COLUMNS as f64 * WIDTH, HEAD + rows as f64 * HEIGHT + MARGIN]
 }
 
-/// How many distributions there are.
+/// Number of distributions.
 fn count(scene: &Scene) -> usize {
     if scene.dimensions == 2 { 5 } else { 6 }
 }
 
-/// All of them in one drawing.
+/// Draws all distributions as one SVG.
 pub(crate) fn svg(scene: &Scene, radial: &Result<Radial, String>) -> String {
     let panels = panels(scene, radial);
     let [width, height] = whole_size(scene);
@@ -94,7 +94,7 @@ pub(crate) fn svg(scene: &Scene, radial: &Result<Radial, String>) -> String {
     svg.background();
     furniture::title(&mut svg, scene, MARGIN, width - 2.0 * MARGIN);
     for (k, panel) in panels.iter().enumerate() {
-        // A row that is not full stands in the middle.
+        // A row that is not full is centred.
         let in_row = COLUMNS.min(panels.len() - k / COLUMNS * COLUMNS);
         let left = MARGIN + (COLUMNS - in_row) as f64 * WIDTH / 2.0;
         let at = [left + (k % COLUMNS) as f64 * WIDTH, HEAD + (k / COLUMNS) as f64 * HEIGHT];
@@ -104,7 +104,7 @@ pub(crate) fn svg(scene: &Scene, radial: &Result<Radial, String>) -> String {
 }
 
 impl Panel {
-    /// Alone.
+    /// Draws this panel alone.
     pub(crate) fn svg(&self) -> String {
         let mut svg = Svg::new(WIDTH, HEIGHT, &self.name, &self.description);
         self.draw(&mut svg, [0.0, 0.0]);
@@ -143,7 +143,7 @@ struct Bars<'a> {
     edges: &'a [f64],
     heights: &'a [u64],
     colour: Rgb,
-    /// Values are whole numbers, each in the middle of its bar.
+    /// Whether values are integers, each in the middle of its bar.
     whole: bool,
 }
 
@@ -189,10 +189,10 @@ impl Bars<'_> {
     }
 }
 
-/// A curve over distances from 0 on, its upper left corner at a point.
+/// Draws a curve over distances from 0 on. `[x, y]`: upper left corner.
 fn curve(svg: &mut Svg, [x, y]: [f64; 2], distances: &[f64], values: &[f64]) {
     let (width, height) = (WIDTH - LEFT - 16.0, HEIGHT - TOP - BOTTOM);
-    // The last distance is the middle of the last bin.
+    // The last distance is the middle of the last bin, which ends half a bin later.
     let far = distances.last().map_or(1.0, |&last| last + distances[0]);
     let tallest = values.iter().copied().fold(1.0, f64::max) * 1.05;
     let across = |distance: f64| x + distance / far * width;
@@ -229,11 +229,11 @@ fn curve(svg: &mut Svg, [x, y]: [f64; 2], distances: &[f64], values: &[f64]) {
     }
 }
 
-/// The radial distribution of a network as `--analyse` has it by default, or why there is none.
+/// Returns the radial distribution of a network with the default options of `--analyse`, or the reason why there is none.
 pub(crate) fn g_of_r<const D: usize>(network: &Network<'_, D>) -> Result<Radial, String> {
-    /// More pairs of centres would take longer than all the rest.
+    /// Most pairs of centres: more would take longer than everything else.
     const MOST_PAIRS: f64 = 2e9;
-    // Within 3 mean diameters there are about so many more than within one.
+    // There are about 3^D times as many pairs within 3 mean diameters as within one.
     let (elements, contacts) = (network.space.centres.len() as f64, network.couples.len() as f64);
     if (contacts + elements / 2.0) * 3_f64.powf(D as f64) > MOST_PAIRS {
         return Err("too many pairs of centres".to_owned());
@@ -242,7 +242,7 @@ pub(crate) fn g_of_r<const D: usize>(network: &Network<'_, D>) -> Result<Radial,
     found.unwrap_or_else(|error| Err(error.to_string()))
 }
 
-/// How far centres are from each other.
+/// Plot of the radial distribution.
 fn distances(scene: &Scene, radial: &Result<Radial, String>) -> Panel {
     let name = "radial distribution g(r)".to_owned();
     match radial {
@@ -250,7 +250,7 @@ fn distances(scene: &Scene, radial: &Result<Radial, String>) -> Panel {
             let highest =
                 (0..radial.g.len()).max_by(|&a, &b| radial.g[a].total_cmp(&radial.g[b])).unwrap_or(0);
             let description = format!(
-                "How often centres are at a distance, relative to centres anywhere: largest, {:.4}, at {}, up to {}.",
+                "Radial distribution function of the centres: its largest value is {:.4} at {}, up to a distance of {}.",
                 radial.g.get(highest).copied().unwrap_or(0.0),
                 brief(radial.r.get(highest).copied().unwrap_or(0.0)),
                 brief(radial.r_max)
@@ -313,7 +313,7 @@ fn coordination(scene: &Scene) -> Panel {
     let Some(largest) = scene.coordination.iter().copied().max() else {
         return Panel { name, description: format!("No {many}."), kind: Kind::Nothing(format!("no {many}")) };
     };
-    // Few large elements may have thousands: counts are gathered then.
+    // A few large elements may have thousands of contacts; a bar then stands for several numbers.
     let step = (largest / 60 + 1) as usize;
     let mut heights = vec![0_u64; largest as usize / step + 1];
     for &contacts in &scene.coordination {
@@ -381,7 +381,7 @@ fn histogram(values: &[f64], name: &str, unit: &str, up: &'static str, colour: R
         brief(high),
         brief(sum / values.len() as f64)
     );
-    // Values that differ by their rounding only are one.
+    // Values that differ only by rounding are drawn as one.
     let spread = (high - low).is_normal() && high - low > 1e-9 * high.abs().max(low.abs());
     let (from, to) = match (spread, high == 0.0) {
         (true, _) => (low, high),
@@ -402,13 +402,13 @@ fn capital(text: &str) -> String {
     characters.next().map_or_else(String::new, |first| first.to_uppercase().chain(characters).collect())
 }
 
-/// Axes of the contacts in the plane of x and y.
+/// Plot of the directions of the contacts in the plane of x and y.
 fn azimuth(scene: &Scene, name: &str) -> Panel {
     let mut counts = [0_u64; SECTORS];
     for bond in &scene.bonds {
         let [x, y, _] = bond.branch;
         if x != 0.0 || y != 0.0 {
-            // An axis has no sense: half a turn is all there is.
+            // Opposite directions are the same, so that half a turn is enough.
             let turn = y.atan2(x) / std::f64::consts::PI;
             let half = if turn < 0.0 { turn + 1.0 } else { turn };
             counts[(half * SECTORS as f64) as usize % SECTORS] += 1;
@@ -446,7 +446,7 @@ fn azimuth(scene: &Scene, name: &str) -> Panel {
     }
 }
 
-/// Angle of the contacts to z, in bands of equal angle, each over what it would have without a preferred direction.
+/// Plot of the angle of the contacts to the plane of x and y, in bands of equal angle, each relative to isotropic contacts.
 fn inclination(scene: &Scene) -> Panel {
     const BANDS: usize = SECTORS / 2;
     let mut counts = [0_u64; BANDS];
@@ -470,10 +470,10 @@ fn inclination(scene: &Scene) -> Panel {
     let angle = |k: usize| std::f64::consts::FRAC_PI_2 * k as f64 / BANDS as f64;
     let density = |k: usize| counts[k] as f64 / total as f64 / (angle(k + 1).sin() - angle(k).sin());
     let bands: Vec<f64> = (0..BANDS).map(density).collect();
-    // The other quarter mirrors it: contacts are axes, and their azimuth is shown beside.
+    // The other quarter is its mirror image, because opposite directions are the same and the azimuth has a plot of its own.
     let radii: Vec<f64> = bands.iter().chain(bands.iter().rev()).copied().collect();
     let description = format!(
-        "Relative to no preferred direction: {:.2} near the plane of x and y, {:.2} near z.",
+        "Relative to isotropic contacts: {:.2} near the plane of x and y, {:.2} near z.",
         bands[0],
         bands[BANDS - 1]
     );
@@ -529,7 +529,7 @@ mod tests {
         }
     }
 
-    /// A square lattice: centres at its distances, none between them.
+    /// A square lattice has centres at the distances of the lattice and none between them.
     #[test]
     fn distances_of_a_lattice_are_peaks() {
         let centres: Vec<[f64; 2]> = (0..400).map(|k| [f64::from(k % 20), f64::from(k / 20)]).collect();
@@ -546,7 +546,7 @@ mod tests {
         assert!(svg(&scene, &g_of_r(&network)).contains("<polyline"));
     }
 
-    /// Directions drawn evenly from the sphere are a circle.
+    /// Directions distributed evenly over the sphere make a circle.
     #[test]
     fn inclinations_of_all_directions_are_even() {
         let count = 40_000;

@@ -1,18 +1,18 @@
-//! Spheres and rods by pixel, with a depth for each: no graphics card, the same pixels everywhere.
+//! Spheres, rods and triangles drawn into pixels with a depth buffer, without a graphics card. The pixels are the same on every machine.
 //!
-//! Everything is drawn twice as large along each axis as it is shown, and averaged.
+//! The image is drawn at twice its size along each axis and averaged.
 
 use crate::picture::capsule::Capsule;
 use crate::picture::colour::Rgb;
 use crate::picture::flat::across;
 
-/// Samples along each axis of a pixel.
+/// Number of samples along each axis of a pixel.
 pub(crate) const SAMPLES: usize = 2;
 
-/// Direction to the light, from the left, above and in front.
+/// Direction to the light: left, above and in front.
 const LIGHT: [f32; 3] = [-0.42, 0.62, 0.662_4];
 
-/// What the eye sees, in samples; depths grow towards it.
+/// Depth and colour of each sample. Depths increase towards the eye.
 pub(crate) struct Raster {
     width: usize,
     height: usize,
@@ -21,7 +21,7 @@ pub(crate) struct Raster {
 }
 
 impl Raster {
-    /// Of so many pixels, empty.
+    /// Creates an empty image of the given size in pixels.
     pub(crate) fn new([width, height]: [usize; 2]) -> Self {
         let (width, height) = (width * SAMPLES, height * SAMPLES);
         Self {
@@ -32,9 +32,9 @@ impl Raster {
         }
     }
 
-    /// A sphere at a point of the paper, in samples, x to the right, y down, z towards the eye.
+    /// Draws a sphere. Coordinates are in samples: x to the right, y down, z towards the eye.
     ///
-    /// Spheres that fall between the samples would be lost: none is smaller than one.
+    /// The radius is at least 0.75 samples, so that no sphere falls between the samples.
     pub(crate) fn sphere(&mut self, [x, y, z]: [f64; 3], radius: f64, colour: Rgb) {
         let radius = radius.max(0.75);
         let (columns, rows) = (self.columns(x, radius), self.rows(y, radius));
@@ -58,7 +58,7 @@ impl Raster {
         }
     }
 
-    /// A rod with round ends.
+    /// Draws a rod with round ends.
     pub(crate) fn rod(&mut self, [a, b]: [[f64; 3]; 2], radius: f64, colour: Rgb) {
         let radius = radius.max(0.75);
         let along = [b[0] - a[0], b[1] - a[1]];
@@ -89,18 +89,18 @@ impl Raster {
         }
     }
 
-    /// A flat triangle, lit from both sides.
+    /// Draws a flat triangle, lit from both sides.
     pub(crate) fn triangle(&mut self, [a, b, c]: [[f64; 3]; 3], colour: Rgb) {
         let [ab, ac] = [b, c].map(|p| [p[0] - a[0], p[1] - a[1], p[2] - a[2]]);
         let normal =
             [ab[1] * ac[2] - ab[2] * ac[1], ab[2] * ac[0] - ab[0] * ac[2], ab[0] * ac[1] - ab[1] * ac[0]];
         let length = normal.iter().map(|x| x * x).sum::<f64>().sqrt();
-        // Seen from its edge.
+        // The triangle is seen from its edge.
         if length <= 0.0 || normal[2] == 0.0 || !length.is_finite() {
             return;
         }
         let toward = length.copysign(normal[2]);
-        // Rows run downwards, the light comes from above.
+        // Rows run downwards, but the light is given with y upwards.
         let [x, y, z] = normal.map(|x| (x / toward) as f32);
         let colour = lit(colour, [x, -y, z]);
         let (low, high) = (a[1].min(b[1]).min(c[1]), a[1].max(b[1]).max(c[1]));
@@ -121,9 +121,9 @@ impl Raster {
         }
     }
 
-    /// Darkens what lies in hollows, and pales what lies far behind. `reach`: how far what stands in front casts its shadow, in samples.
+    /// Darkens samples in hollows (ambient occlusion) and fades distant samples. `reach`: length of shadows, in samples.
     pub(crate) fn shade(&mut self, reach: f64, haze: f32) {
-        // Two rings of eight directions; whole numbers, so that the same samples are looked at everywhere.
+        // Three rings of eight directions. Offsets are rounded to integers, so that the result is the same on every machine.
         const DIRECTIONS: [[f64; 2]; 8] = [
             [1.0, 0.0],
             [0.707, 0.707],
@@ -159,7 +159,7 @@ impl Raster {
                             continue;
                         }
                         let above = self.depth[(v * width + u).cast_unsigned()] - depth;
-                        // As much as the sky is higher there, less if that is far above: another layer.
+                        // The steeper the slope, the more light is hidden; a very steep one hides less, because it belongs to another layer.
                         if above > 0.0 {
                             let slope = above / far;
                             hidden += slope.min(1.0) * if slope > 3.0 { 0.75 } else { 1.0 };
@@ -176,7 +176,7 @@ impl Raster {
         }
     }
 
-    /// Red, green and blue of each pixel, row after row from the top.
+    /// Red, green and blue of each pixel, row by row from the top.
     pub(crate) fn pixels(&self) -> Vec<u8> {
         let (width, height) = (self.width / SAMPLES, self.height / SAMPLES);
         let mut pixels = Vec::with_capacity(3 * width * height);
@@ -209,12 +209,12 @@ fn range(middle: f64, radius: f64, end: usize) -> std::ops::Range<usize> {
     ((middle - radius).max(0.0) as usize).min(end)..((middle + radius + 1.0).max(0.0) as usize).min(end)
 }
 
-/// A surface in the light; its rim is a little darker, so that neighbours of one colour are told apart.
+/// Colour of a lit surface. The rim is a little darker, so that neighbours of the same colour can be distinguished.
 fn lit(colour: Rgb, normal: [f32; 3]) -> Rgb {
     let lambert = normal.iter().zip(LIGHT).map(|(n, l)| n * l).sum::<f32>().max(0.0);
     let rim = 0.80 + 0.20 * normal[2];
     let light = (0.62 + 0.50 * lambert) * rim;
-    // A soft highlight: the fourth power of a half vector is cheap and has no seam.
+    // A soft highlight by the half vector between light and eye.
     let shine = (normal[0] * -0.23 + normal[1] * 0.34 + normal[2] * 0.912).max(0.0).powi(24) * 26.0;
     colour.map(|channel| (f32::from(channel) * light + shine).min(255.0).round() as u8)
 }
@@ -253,7 +253,7 @@ mod tests {
         assert_eq!(raster.pixels().len(), 300);
     }
 
-    /// A triangle covers its area, at the depth of its plane.
+    /// A triangle covers its area at the depth of its plane.
     #[test]
     fn a_triangle_hides_what_is_behind_its_plane() {
         let mut raster = Raster::new([100, 100]);

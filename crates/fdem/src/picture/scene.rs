@@ -1,36 +1,36 @@
-//! What is drawn: a network of any dimension, in numbers that pictures need.
+//! The scene: a network in 2D or 3D, prepared for drawing.
 
 use crate::network::{Network, Sizes};
 use crate::picture::{Caption, PictureError};
 
-/// Points are drawn this much smaller than half the distance at which they touch: they have no size, and neighbours would hide each other.
+/// Radius at which points are drawn, over half of their cut-off. At half of the cut-off, neighbours would hide each other.
 const POINT: f64 = 0.35;
 
-/// Of the overlaps this share is told apart by colour; a few larger ones would leave the others without.
+/// Share of the overlaps that the colours cover, because a few larger overlaps would leave the others with nearly one colour.
 const SHOWN: f64 = 0.99;
 
-/// Elements and contacts in three dimensions; `z` is 0 in a plane.
+/// Elements and contacts in three dimensions; in 2D, `z` is 0.
 #[derive(Debug)]
 pub(crate) struct Scene {
     pub(crate) dimensions: usize,
-    /// In the box, if there is one.
+    /// Centres, wrapped into the box if there is one.
     pub(crate) centres: Vec<[f64; 3]>,
-    /// As drawn.
+    /// Radii as drawn.
     pub(crate) radii: Vec<f64>,
-    /// Contacts of each element, both ends counted.
+    /// Number of contacts of each element. A contact of an element with its own image counts twice, a contact of a body with itself once.
     pub(crate) coordination: Vec<u32>,
     pub(crate) bonds: Vec<Bond>,
-    /// Overlaps at the two ends of the colours, and the largest of all.
+    /// Range of the overlaps; `None` without contacts.
     pub(crate) overlaps: Option<Overlaps>,
-    /// Corner and edges of the box, those that repeat or not.
+    /// Corner and edges of the box, including edges that are not periodic.
     pub(crate) cell: Option<([f64; 3], Vec<[f64; 3]>)>,
-    /// Elements that are points have no size of their own.
+    /// Whether the elements are points, which have no size.
     pub(crate) are_points: bool,
-    /// Of a radius, what is drawn.
+    /// Radius as drawn over radius.
     pub(crate) drawn: f64,
-    /// Smallest and largest size; without elements none.
+    /// Smallest and largest radius; `None` without elements.
     pub(crate) sizes: Option<[f64; 2]>,
-    /// There if the elements are bodies: those of radius 0 are drawn as triangles.
+    /// Triangles, if the elements are bodies. Bodies with the radius 0 are drawn by them.
     pub(crate) shapes: Option<Shapes>,
     pub(crate) title: String,
     pub(crate) unit: String,
@@ -43,58 +43,58 @@ pub(crate) struct Bond {
     pub(crate) j: u32,
     pub(crate) distance: f64,
     pub(crate) overlap: f64,
-    /// From `i` to the image of `j`.
+    /// Vector from `i` to the image of `j`.
     pub(crate) branch: [f64; 3],
-    /// Leads to an image, which is not drawn.
+    /// Whether the contact leads to an image, which is not drawn.
     pub(crate) leaves: bool,
-    /// Of bodies: where they touch.
+    /// Contact point, for bodies.
     pub(crate) joint: Option<Joint>,
 }
 
-/// The point of a contact of bodies, by way of which its line runs.
+/// Contact point of two bodies. The line of the contact leads through it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Joint {
     pub(crate) point: [f64; 3],
-    /// Whether the line runs on to the middle of the first body, and of the second.
+    /// Whether the line leads to the centre of the first body, and of the second.
     pub(crate) to: [bool; 2],
 }
 
-/// Bodies that are no discs or spheres.
+/// Bodies other than discs and spheres.
 #[derive(Debug)]
 pub(crate) struct Shapes {
     /// Name of the value by which contacts are coloured.
     pub(crate) value: String,
     pub(crate) points: Vec<[f64; 3]>,
-    /// Triangles, by their corners in `points`.
+    /// Corners of the triangles, as indices of `points`.
     pub(crate) facets: Vec<[u32; 3]>,
-    /// The body of each.
+    /// Body of each triangle.
     pub(crate) owners: Vec<u32>,
-    /// What is behind them is to be seen.
+    /// Whether the triangles are walls, which are drawn transparently.
     pub(crate) walls: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Overlaps {
     pub(crate) low: f64,
-    /// Where the colours end.
+    /// Upper end of the colours.
     pub(crate) high: f64,
     pub(crate) largest: f64,
 }
 
 impl Overlaps {
-    /// `None` of none.
+    /// Returns the range of overlaps; `None` without any.
     pub(crate) fn of(mut values: Vec<f64>) -> Option<Self> {
         let last = values.len().checked_sub(1)?;
         let (_, &mut high, _) = values.select_nth_unstable_by((last as f64 * SHOWN) as usize, f64::total_cmp);
         let largest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let smallest = values.iter().copied().fold(f64::INFINITY, f64::min);
-        // No overlap has a place of its own; gaps within a tolerance are beyond it. One step of rounding is no spread.
+        // The colours start at 0, or at the largest gap within a tolerance. They end at the largest overlap, unless it is far above the others.
         let low = smallest.min(0.0);
         let high = if largest <= high * 1.25 { largest } else { high };
         Some(Self { low, high, largest })
     }
 
-    /// Place among the colours, 0 to 1.
+    /// Position of an overlap in the colours, from 0 to 1.
     pub(crate) fn share(&self, overlap: f64) -> f64 {
         if self.high > self.low {
             ((overlap - self.low) / (self.high - self.low)).clamp(0.0, 1.0)
@@ -169,7 +169,7 @@ impl Scene {
         })
     }
 
-    /// What the elements are, for people.
+    /// Name of the elements, in the singular for one element.
     pub(crate) fn noun(&self) -> &'static str {
         if self.shapes.is_some() {
             return if self.centres.len() == 1 { "body" } else { "bodies" };
@@ -184,7 +184,7 @@ impl Scene {
         }
     }
 
-    /// One of them, with its article; one, and several.
+    /// Name of an element with its article, without it, and in the plural.
     pub(crate) fn nouns(&self) -> [&'static str; 3] {
         if self.shapes.is_some() {
             ["a body", "body", "bodies"]
@@ -193,12 +193,12 @@ impl Scene {
         }
     }
 
-    /// What contacts are coloured by.
+    /// Name of the value that colours the contacts.
     pub(crate) fn value(&self) -> &str {
         self.shapes.as_ref().map_or("overlap", |shapes| shapes.value.as_str())
     }
 
-    /// The same with its unit. Values of bodies have units of their own.
+    /// Name of the value that colours the contacts, with its unit. For bodies the unit is left out, because it depends on the value.
     pub(crate) fn value_and_unit(&self) -> String {
         if self.shapes.is_some() { self.value().to_owned() } else { format!("overlap{}", self.after_name()) }
     }
@@ -208,7 +208,7 @@ impl Scene {
         self.shapes.is_some() && self.radii[index] == 0.0
     }
 
-    /// The corners of all triangles, each with its body.
+    /// Corners and body of each triangle.
     pub(crate) fn facets(&self) -> impl Iterator<Item = ([[f64; 3]; 3], u32)> + '_ {
         let shapes = self.shapes.iter();
         shapes.flat_map(|shapes| {
@@ -221,17 +221,17 @@ impl Scene {
         2.0 * self.bonds.len() as f64 / self.centres.len().max(1) as f64
     }
 
-    /// Elements without contact.
+    /// Number of elements without contact.
     pub(crate) fn alone(&self) -> usize {
         self.coordination.iter().filter(|&&contacts| contacts == 0).count()
     }
 
-    /// ` mm`, or nothing.
+    /// Unit after a number, as in ` mm`; empty if it is not known.
     pub(crate) fn after_number(&self) -> String {
         if self.unit.is_empty() { String::new() } else { format!(" {}", self.unit) }
     }
 
-    /// ` (mm)`, or nothing.
+    /// Unit after a name, as in ` (mm)`; empty if it is not known.
     pub(crate) fn after_name(&self) -> String {
         if self.unit.is_empty() { String::new() } else { format!(" ({})", self.unit) }
     }

@@ -1,15 +1,15 @@
-//! A drawing as SVG text.
+//! Writer of SVG text.
 
 use std::fmt::Write;
 
 use crate::picture::colour::{Rgb, hex};
 
-/// Text and lines of every picture.
+/// Colour of main texts and lines.
 pub(crate) const INK: &str = "#1f2933";
-/// What says less.
+/// Colour of secondary texts and lines.
 pub(crate) const PALE: &str = "#64707d";
 
-/// Where a text stands relative to its point.
+/// Part of a text that is placed at its point.
 #[derive(Clone, Copy)]
 pub(crate) enum Anchor {
     Start,
@@ -17,13 +17,13 @@ pub(crate) enum Anchor {
     End,
 }
 
-/// SVG text that grows.
+/// An SVG drawing to which shapes are appended.
 pub(crate) struct Svg {
     text: String,
 }
 
 impl Svg {
-    /// `name` and `description` are what a screen reader says.
+    /// Creates an empty drawing. Screen readers read `name` and `description`.
     pub(crate) fn new(width: f64, height: f64, name: &str, description: &str) -> Self {
         let mut svg = Self { text: String::new() };
         svg.put(format_args!(
@@ -34,7 +34,7 @@ impl Svg {
         svg
     }
 
-    /// A line of SVG.
+    /// Appends a line of SVG.
     pub(crate) fn put(&mut self, arguments: std::fmt::Arguments<'_>) {
         // Writing to a string does not fail.
         let _ = self.text.write_fmt(arguments);
@@ -80,7 +80,7 @@ impl Svg {
         ));
     }
 
-    /// Raster, as a PNG file in the text.
+    /// Appends an image as an embedded PNG file.
     pub(crate) fn image(&mut self, [x, y]: [f64; 2], [width, height]: [f64; 2], png: &[u8]) {
         use base64::Engine;
         let data = base64::engine::general_purpose::STANDARD.encode(png);
@@ -95,7 +95,7 @@ impl Svg {
     }
 }
 
-/// Text for XML and HTML, in quotes or not. Characters that XML cannot hold become the one for what is unknown.
+/// Escapes a text for XML and HTML, inside or outside of quotes. Characters that are invalid in XML become U+FFFD.
 pub(crate) fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for c in text.chars() {
@@ -113,7 +113,7 @@ pub(crate) fn escape(text: &str) -> String {
     escaped
 }
 
-/// At most `most` characters: the start and the end of longer texts.
+/// Shortens a text to `most` characters: longer texts keep their start and their end.
 pub(crate) fn shortened(text: &str, most: usize) -> String {
     let count = text.chars().count();
     if count <= most {

@@ -1,17 +1,17 @@
-//! Texts that fit into their room, measured in the letters that PNG files have.
+//! Fits texts into a given width, measured with the embedded fonts.
 
 use resvg::usvg;
 
 use crate::picture::encode;
 use crate::picture::svg::{escape, shortened};
 
-/// No letter is wider than this, over its size: texts that fit all the same need no measuring.
+/// Upper bound of the width of a letter over its size. Texts that fit by this bound are not measured.
 const WIDEST: f64 = 1.2;
 
-/// Size of the letters of titles, and the smallest that long titles have.
+/// Font size of titles, and the smallest size of long titles.
 pub(crate) const OF_TITLES: [f64; 2] = [17.0, 11.0];
 
-/// Width of a text in letters of a size.
+/// Width of a text at a font size.
 pub(crate) fn width(text: &str, size: f64, bold: bool) -> f64 {
     const LARGE: f64 = 100.0;
     if text.trim().is_empty() {
@@ -28,7 +28,7 @@ pub(crate) fn width(text: &str, size: f64, bold: bool) -> f64 {
     }
 }
 
-/// A text that fits into `room`, and the size of its letters: as it is, in letters down to the smaller of two sizes, or with its middle left out.
+/// Fits a text into the width `room`. Returns the text and its font size: a long text gets a smaller size, down to `least`, and beyond that loses its middle.
 pub(crate) fn fitting(text: &str, room: f64, [size, least]: [f64; 2], bold: bool) -> (String, f64) {
     let count = text.chars().count();
     if WIDEST * size * count as f64 <= room {
@@ -39,7 +39,7 @@ pub(crate) fn fitting(text: &str, room: f64, [size, least]: [f64; 2], bold: bool
         return (text.to_owned(), size);
     }
     if least * wide <= room {
-        // In steps of half a unit, so that sizes repeat.
+        // Sizes are multiples of half a unit, so that few different sizes occur.
         return (text.to_owned(), ((2.0 * room / wide).floor() / 2.0).max(least));
     }
     let mut most = (count as f64 * room / (least * wide)) as usize;
@@ -58,7 +58,7 @@ mod tests {
 
     #[test]
     fn widths_are_those_of_the_letters() {
-        // In DejaVu Sans an "M" has 1767 of 2048 units, an "i" 569. Ten more letters are ten units wider, whatever the gaps at the ends.
+        // In DejaVu Sans, an "M" is 1767 of 2048 units wide and an "i" 569. The difference of ten letters does not depend on the gaps at the ends.
         for (letter, units) in [("M", 1767.0), ("i", 569.0)] {
             let ten = width(&letter.repeat(20), 20.0, false) - width(&letter.repeat(10), 20.0, false);
             assert!((ten / (10.0 * units / 2048.0 * 20.0) - 1.0).abs() < 0.01, "{letter}: {ten}");

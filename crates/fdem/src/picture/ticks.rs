@@ -2,12 +2,12 @@
 
 use crate::numbers::brief;
 
-/// The largest of 1, 2 and 5 times a power of ten that is not above `x`; 0 if `x` is not above 0.
+/// Largest number of the form 1, 2 or 5 times a power of ten that is not above `x`; 0 if `x` is not above 0 or not finite.
 pub(crate) fn round_below(x: f64) -> f64 {
     if x.is_nan() || x <= 0.0 || x.is_infinite() {
         return 0.0;
     }
-    // Read from its digits: powers of ten that are multiplied up are not the nearest numbers, nor the same everywhere.
+    // The number is parsed from its digits: computed powers of ten are not exactly rounded, and differ between machines.
     let text = format!("{x:e}");
     let (digits, exponent) = text.split_once('e').unwrap_or(("1", "0"));
     let first = match digits.as_bytes().first() {
@@ -29,17 +29,17 @@ pub(crate) fn ticks(low: f64, high: f64, count: usize) -> Vec<f64> {
         step *= 2.0;
     }
     let first = (low / step - 1e-9).ceil();
-    // Differences of neighbouring floats do not count on for ever.
+    // Limits the number of ticks if low and high are neighbouring floats.
     let most = ((width / step) as usize).min(4 * count);
     (0..=most + 1).map(|k| (first + k as f64) * step).filter(|&x| x <= high + step * 1e-9).collect()
 }
 
-/// A tick without the noise of its multiplication.
+/// Text of a tick without rounding errors.
 pub(crate) fn tick_text(x: f64) -> String {
     brief(x)
 }
 
-/// The ticks of one axis in one format: all with the same number of decimals, and with the same power of ten if they have one.
+/// Texts of the ticks of an axis, all with the same number of decimals, and with the same power of ten if they need one.
 pub(crate) fn tick_texts(ticks: &[f64]) -> Vec<String> {
     let largest = ticks.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
     let apart = ticks.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|apart| *apart > 0.0);
@@ -51,18 +51,18 @@ pub(crate) fn tick_texts(ticks: &[f64]) -> Vec<String> {
     let (_, of_largest) = leading(largest);
     let power = if (1e-3..1e6).contains(&largest) { 0 } else { of_largest };
     let (digits, of_step) = leading(step);
-    // Six digits of the largest are enough, whatever the step.
+    // At most six digits of the largest tick are shown, whatever the step.
     let decimals = (digits - 1 - of_step + power).clamp(0, 5 - of_largest + power).max(0) as usize;
     let scale: f64 = format!("1e{}", -power).parse().unwrap_or(1.0);
     let text = |&x: &f64| {
-        // Plus zero: minus zero is zero to a person.
+        // Adding 0.0 turns -0.0 into 0.0.
         let text = format!("{:.decimals$}", x * scale + 0.0);
         if power == 0 { text } else { format!("{text}e{power}") }
     };
     ticks.iter().map(|x| if *x == 0.0 && power != 0 { "0".to_owned() } else { text(x) }).collect()
 }
 
-/// How many digits a number has, rounded to four, and the power of ten of its first one.
+/// Number of digits of a number rounded to four digits, and the power of ten of its first digit.
 fn leading(x: f64) -> (i32, i32) {
     let text = format!("{x:.3e}");
     let (digits, exponent) = text.split_once('e').unwrap_or(("1", "0"));

@@ -1,22 +1,22 @@
-//! Numbers of a report, one array after the other, little-endian.
+//! Numbers of a report as consecutive little-endian arrays.
 
 use serde::Serialize;
 
-/// Arrays in one piece of memory, each at a place that its type can be read from.
+/// Arrays in one block of bytes. Each is aligned for its type.
 #[derive(Default)]
 pub(crate) struct Arrays {
     pub(crate) bytes: Vec<u8>,
     pub(crate) index: Vec<Entry>,
 }
 
-/// Where an array is.
+/// Name, type and position of an array.
 #[derive(Debug, Serialize, PartialEq)]
 pub(crate) struct Entry {
     name: &'static str,
     kind: &'static str,
-    /// In bytes.
+    /// Offset, bytes.
     start: usize,
-    /// In numbers.
+    /// Number of elements.
     length: usize,
 }
 

@@ -1,6 +1,6 @@
-// The network from the text in this page: base64 of deflated little-endian arrays.
+// Reads the network from the text in this page, which is base64 of deflated little-endian arrays.
 
-// Arrays by name, and what follows from them.
+// Returns the arrays by name, and values computed from them.
 async function openNetwork() {
   const element = document.getElementById("data");
   const bytes = await inflated(bytesOfBase64(element.textContent), meta.bytes);
@@ -39,7 +39,7 @@ async function openNetwork() {
   };
   const at = (k, axis) => (axis < d ? arrays.centre[d * k + axis] : 0);
   const coordination = (k) => starts[k + 1] - starts[k];
-  // What is told of each contact.
+  // The columns of the contacts.
   const columns = meta.bodies
     ? meta.bodies.columns.map(({ name, array }) => ({ name, of: (c) => arrays[array][c] }))
     : [{ name: "distance", of: (c) => distance[c] }, { name: "overlap", of: (c) => overlap[c] }];

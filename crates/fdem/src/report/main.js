@@ -1,4 +1,4 @@
-// The page: what its controls do.
+// The page and its controls.
 
 function preview(why) {
   $("why").textContent = why;
@@ -33,7 +33,7 @@ class Page {
     }
   }
 
-  // Colours of elements and contacts, and their legends.
+  // Colours elements and contacts, and shows the legends.
   paint() {
     if (!this.view) return;
     const { network } = this, by = $("colour-by").value;
@@ -92,7 +92,7 @@ class Page {
     return others;
   }
 
-  // Picks element k, or none for -1.
+  // Selects element k, or none for -1.
   pick(k, bring = false) {
     this.selected = k;
     this.describe();
@@ -108,7 +108,7 @@ class Page {
     this.paint();
   }
 
-  // The element that is picked to the middle of the view, with those around it.
+  // Zooms to the selected element and its neighbourhood.
   zoomTo() {
     if (this.view && this.selected >= 0) this.view.focus(this.selected);
   }
@@ -150,7 +150,7 @@ class Page {
         return head;
       }))));
       const rows = [];
-      // A large element may have thousands; the list is for reading.
+      // A large element may have thousands of contacts, but the list is for reading.
       const most = 500;
       for (let at = network.starts[k]; at < network.starts[k + 1] && rows.length < most; at++) {
         const c = network.contacts[at], first = network.i[c] === k, other = first ? network.j[c] : network.i[c];
@@ -166,12 +166,12 @@ class Page {
     $("picked").scrollTop = 0;
   }
 
-  // Rings around the element that is picked and what it touches, seen through what is in front.
+  // Draws rings around the selected element and its neighbours, also where other elements hide them.
   rings() {
     const { view, selected } = this;
     const rings = [];
     if (selected >= 0) {
-      // More than so many are not told apart, and would take seconds.
+      // More rings could not be distinguished, and would take seconds.
       const most = 600, size = view.visible.elements ? view.size : 0.3;
       for (const k of [...[...this.touched()].slice(0, most), selected]) {
         if (!view.shown(k) || (meta.bodies && view.radii[k] === 0)) continue;
@@ -308,11 +308,11 @@ class Page {
 
 const isDark = () => $("theme").getAttribute("aria-pressed") === "true";
 
-// Elements without contact before a dark paper.
+// Colour of elements without contact on a dark background.
 const DARK_ALONE = [84, 91, 99];
 
-// The colours of a ramp from small to large: pale to dark before a pale paper. Before a dark one they are turned round, so that large values are
-// seen best, and the darkest are left out.
+// The colours of a ramp from small to large: pale to dark on a pale background. On a dark background the order is reversed, so that large values stand out,
+// and the darkest colours are left out.
 function stops(ramp) {
   return isDark() ? meta[ramp].slice(0, 13).reverse() : meta[ramp];
 }
@@ -349,7 +349,7 @@ else $("surfaces").value = meta.bodies.walls ? "0.3" : "1";
 for (const part of document.querySelectorAll(meta.dimensions === 2 ? "[data-only-3d]" : "[data-only-2d]")) part.remove();
 openNetwork().then((network) => {
   const page = new Page(network);
-  // For the console, and for tests: where element k is on the page, what is picked, a frame at full size and how long it took.
+  // For the console and tests: position of element k on the page, selection, state of the view, number of visible elements, time of a frame at full resolution.
   window.fdem = {
     project: (k) => {
       const box = page.view.canvas.getBoundingClientRect(), [x, y] = page.view.project(k);

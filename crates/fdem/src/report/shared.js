@@ -1,4 +1,4 @@
-// What the pages of contact networks and of runs have in common: numbers out of their text, colours, light and dark.
+// Code for the pages of contact networks and of runs: decoding of numbers, colours, light and dark mode.
 
 const meta = JSON.parse(document.getElementById("meta").textContent);
 
@@ -109,19 +109,19 @@ function inflate(input, length) {
   return output;
 }
 
-// Six digits for legends; single elements are told with all of theirs.
+// Six digits for legends. Values of single elements are shown with all digits.
 function brief(x) {
   const rounded = Number(x.toPrecision(6)) + 0;
   return Math.abs(rounded) >= 1e-4 && Math.abs(rounded) < 1e6 || rounded === 0 ? String(rounded) : rounded.toExponential().replace("e+", "e");
 }
 
-// Numbers of one scale in one format: as many decimals for all, and the same power of ten.
+// Formats the numbers of a scale with the same number of decimals and the same power of ten.
 function alike(numbers) {
   const largest = Math.max(...numbers.map(Math.abs));
   if (!(largest > 0) || !Number.isFinite(largest)) return numbers.map(brief);
   const of = Math.floor(Math.log10(largest)), power = largest >= 1e-3 && largest < 1e6 ? 0 : of;
   const scaled = numbers.map((x) => x / 10 ** power);
-  // Three digits of the largest one, and fewer decimals if that loses none of them.
+  // Three digits of the largest number, without decimals that are zero for all numbers.
   let decimals = Math.max(0, 2 - of + power);
   while (decimals > 0 && scaled.every((x) => Number(x.toFixed(decimals - 1)) === Number(x.toFixed(decimals)))) decimals--;
   return scaled.map((x) => (x === 0 && power ? "0" : (x + 0).toFixed(decimals) + (power ? `e${power}` : "")));

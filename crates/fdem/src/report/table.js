@@ -1,4 +1,4 @@
-// The elements as text, a page at a time.
+// The table of elements, page by page.
 
 class Table {
   constructor(network, pick) {
@@ -31,7 +31,7 @@ class Table {
 
   column(name, value) {
     const text = (k) => (Number.isNaN(value(k)) ? "–" : String(value(k)));
-    // Where there is no number, it comes last in either direction.
+    // Missing numbers come last in both directions.
     const compare = (a, b) => {
       const [x, y] = [value(a), value(b)];
       if (Number.isNaN(x) || Number.isNaN(y)) return (Number.isNaN(x) - Number.isNaN(y)) * (this.sorted.down ? -1 : 1);
@@ -69,7 +69,7 @@ class Table {
     for (let k = 0; k < network.n; k++) if (!start || network.id(k).startsWith(start)) order.push(k);
     const { column, down } = this.sorted;
     const { compare } = this.columns[column];
-    // Equal ones in the order of the file.
+    // Equal elements stay in the order of the file.
     order.sort(down ? (a, b) => compare(b, a) || a - b : (a, b) => compare(a, b) || a - b);
     this.order = order;
     document.querySelectorAll("#table-head th").forEach((head, k) => {

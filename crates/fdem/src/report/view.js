@@ -1,4 +1,4 @@
-// The view: spheres are squares that the fragment shader rounds, rods are strips; parallel rays, so that sizes hold at every depth.
+// The view. Spheres are squares that the fragment shader rounds, rods are strips. The projection is parallel, so that sizes hold at every depth.
 
 const SPHERES = {
   vertex: `#version 300 es
@@ -32,7 +32,7 @@ const SPHERES = {
     out vec4 colour;
     void main() {
       float rest = 1.0 - dot(corner, corner);
-      // How much of the pixel is covered: the rim is not a staircase.
+      // Covered share of the pixel, for antialiasing of the rim.
       float cover = clamp(0.5 + rest / max(fwidth(rest), 1e-6), 0.0, 1.0);
       if (cover == 0.0) discard;
       float w = sqrt(max(rest, 0.0));
@@ -121,7 +121,7 @@ const FACETS = {
 const HOME = meta.dimensions === 3 ? { yaw: Math.PI / 6, pitch: Math.PI / 9 } : { yaw: 0, pitch: Math.PI / 2 };
 
 class View {
-  // Throws where WebGL2 is missing.
+  // Throws an error without WebGL2.
   constructor(canvas, network) {
     this.canvas = canvas;
     this.network = network;
@@ -151,12 +151,12 @@ class View {
     this.low = low;
     this.high = high;
     this.middle = low.map((x, axis) => x + (high[axis] - x) / 2);
-    // Everything is drawn in units of half the diagonal: 32 bits are enough then, wherever the packing is.
+    // The unit of all coordinates is half of the diagonal, and the origin is the middle, so that 32 bits are enough wherever the packing is.
     const half = Math.hypot(...low.map((x, axis) => (high[axis] - x) / 2));
     this.unit = half > 0 && Number.isFinite(half) ? half : 1;
     this.visible = { elements: true, contacts: true };
     this.size = 1;
-    // How much surfaces cover of what is behind them.
+    // Opacity of surfaces.
     this.surfaces = meta.bodies?.walls ? 0.3 : 1;
     this.plane = [0, 0, 0, 1e9];
     this.quality = 1;
@@ -177,7 +177,7 @@ class View {
       for (let axis = 0; axis < 3; axis++) this.centres[3 * k + axis] = (network.at(k, axis) - this.middle[axis]) / this.unit;
       this.radii[k] = network.radius(k) * meta.drawn / this.unit;
     }
-    // A contact that leads to an image is two halves, one at each element.
+    // A contact that leads to an image has two halves, one at each element.
     const across = network.branch ? (c) => network.shift.subarray(d * c, d * c + d).some((x) => x !== 0) || this.leaves(c) : () => false;
     const { halves } = network;
     let rods = 0;
@@ -198,7 +198,7 @@ class View {
       const from = this.centres.subarray(3 * i, 3 * i + 3), to = this.centres.subarray(3 * j, 3 * j + 3);
       const radius = Math.min(this.radii[i], this.radii[j]) * (d === 2 ? 0.5 : 1) * (0.10 + 0.14 * share(network.overlap[c]));
       if (halves) {
-        // By way of the point of contact.
+        // The line leads through the contact point.
         const point = [0, 1, 2].map((axis) => (axis < d ? network.point[d * c + axis] : 0)).map((x, axis) => (x - this.middle[axis]) / this.unit);
         const wide = (meta.bodies.rod / this.unit) * (0.6 + 0.8 * share(network.overlap[c]));
         if (halves[c] & 1) put(from, point, wide, c);
@@ -262,7 +262,7 @@ class View {
     gl.bindVertexArray(null);
   }
 
-  // Whether the branch of a contact without a shift in the file leads out of the box all the same.
+  // Whether the branch of a contact leads out of the box although its shift is 0, because elements of the file are outside of the box.
   leaves(c) {
     const { network } = this, { d } = network, i = network.i[c], j = network.j[c];
     for (let axis = 0; axis < d; axis++) {
@@ -297,7 +297,7 @@ class View {
     this.redraw();
   }
 
-  // Pixels of the page for a unit, so that everything is seen: parallel to the paper the extent of the box around it.
+  // Pixels of the page per unit at which the projected bounding box fits into the view.
   fit() {
     const turn = this.turn();
     const extent = [0, 1].map((row) => this.low.reduce((sum, x, axis) => sum + Math.abs(turn[row][axis]) * (this.high[axis] - x) / this.unit, 0));
@@ -306,13 +306,13 @@ class View {
     return Math.min(scale, 0.25 * Math.max(clientWidth, clientHeight, 1) * 4);
   }
 
-  // Right, up and towards the eye.
+  // Directions to the right, up and towards the eye, as rows.
   turn() {
     const [s, c, t, u] = [Math.sin(this.yaw), Math.cos(this.yaw), Math.sin(this.pitch), Math.cos(this.pitch)];
     return [[c, s, 0], [-t * s, t * c, u], [u * s, -u * c, t]];
   }
 
-  // In pixels of the page from the corner of the view; the third towards the eye, in units.
+  // Position of element k: pixels of the page from the upper left corner of the view, and units towards the eye.
   project(k) {
     const turn = this.turn(), { clientWidth, clientHeight } = this.canvas;
     const [x, y, z] = turn.map((row) => row[0] * this.centres[3 * k] + row[1] * this.centres[3 * k + 1] + row[2] * this.centres[3 * k + 2]);
@@ -325,11 +325,11 @@ class View {
     return !beyond && this.alphas[k] !== 0;
   }
 
-  // The element in front at a point of the view, or -1.
+  // The front element at a point of the view, or -1.
   pick(x, y) {
     const turn = this.turn(), { clientWidth, clientHeight } = this.canvas;
     const u = (x - clientWidth / 2) / this.scale + this.pan[0], v = (clientHeight / 2 - y) / this.scale + this.pan[1];
-    // Where elements are not drawn, their centres can be picked among the contacts.
+    // If elements are hidden, their centres among the contacts can be picked.
     const size = this.visible.elements ? this.size : 0.3, least = 4 / this.scale;
     let found = -1, nearest = -Infinity;
     for (let k = 0; k < this.network.n; k++) {
@@ -340,7 +340,7 @@ class View {
       const depth = turn[2][0] * a + turn[2][1] * b + turn[2][2] * c + Math.sqrt(rest);
       if (depth > nearest && this.shown(k) && !(meta.bodies && this.radii[k] === 0)) { nearest = depth; found = k; }
     }
-    // What is seen through a surface comes before the surface.
+    // An element that is visible through a surface is picked before the surface.
     if (!this.visible.elements || this.surfaces === 0 || (this.surfaces < 1 && found >= 0)) return found;
     const [right, up, toward] = turn, dot = (row, at) => row[0] * this.corners[at] + row[1] * this.corners[at + 1] + row[2] * this.corners[at + 2];
     for (let facet = 0; facet < this.facetCount; facet++) {
@@ -364,7 +364,7 @@ class View {
     for (let k = 0; k < this.network.n; k++) {
       const colour = ofElement(k);
       this.alphas[k] = colour[3];
-      // A body that is drawn as a surface is no sphere.
+      // A body that is drawn as a surface is not drawn as a sphere.
       if (meta.bodies && this.radii[k] === 0) colour[3] = 0;
       this.sphereColours.set(colour, 4 * k);
     }
@@ -384,13 +384,13 @@ class View {
     this.moved();
   }
 
-  // By pixels of the page.
+  // Moves the view by pixels of the page.
   move(x, y) {
     this.pan = [this.pan[0] - x / this.scale, this.pan[1] + y / this.scale];
     this.moved();
   }
 
-  // About a point of the view, the middle by default.
+  // Zooms about a point of the view, by default the middle.
   zoom(factor, x = this.canvas.clientWidth / 2, y = this.canvas.clientHeight / 2) {
     const least = this.fit() / 20, most = Math.max(this.fit() * 2000, 1);
     const scale = Math.max(least, Math.min(most, this.scale * factor));
@@ -400,12 +400,12 @@ class View {
     this.moved();
   }
 
-  // Element k to the middle of the view, at an eighth of it: those around it are seen, too.
+  // Moves element k to the middle of the view and scales it to an eighth of the view, so that its neighbours are visible.
   focus(k) {
     const turn = this.turn(), at = this.centres.subarray(3 * k, 3 * k + 3);
     this.pan = [0, 1].map((row) => turn[row][0] * at[0] + turn[row][1] * at[1] + turn[row][2] * at[2]);
     const { clientWidth, clientHeight } = this.canvas, r = this.radii[k];
-    // Of a surface nothing but its middle is known.
+    // A surface has a centre but no radius.
     if (meta.bodies && r === 0) return this.moved();
     const wanted = r > 0 ? Math.min(clientWidth, clientHeight) / (16 * r) : this.scale;
     this.scale = Math.max(this.fit(), Math.min(this.fit() * 2000, wanted));
@@ -425,7 +425,7 @@ class View {
     });
   }
 
-  // Fewer pixels while it moves slowly, all of them when it rests.
+  // Draws fewer pixels while a moving view is slow, and all pixels when the view rests.
   frame(now) {
     const moving = this.moving !== undefined && now - this.moving < 200;
     if (moving && this.before !== undefined) {
@@ -469,7 +469,7 @@ class View {
       return places;
     };
     const spheres = use(this.programs[0], 0.75);
-    // Contacts alone meet in small ones.
+    // Without elements, contacts meet in small spheres.
     gl.uniform1f(spheres.size, this.visible.elements ? this.size : 0.12);
     gl.bindVertexArray(this.sphereArray);
     if (this.visible.elements || this.visible.contacts) gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, this.network.n);

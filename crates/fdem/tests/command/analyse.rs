@@ -19,11 +19,11 @@ fn a_lattice_is_told() {
     for line in [
         "contacts each    3: 8, 4: 24, 5: 24, 6: 8\n",
         "rattlers         0 of 64 (removed repeatedly: fewer than 2 contacts each); 64 remain with 4.5000 contacts each\n",
-        "                 as with friction; without it, --rattlers 4, 0 would remain\n",
+        "                 as with friction; 0 would remain without friction (--rattlers 4)\n",
         "fabric           eigenvalues 0.3333, 0.3333, 0.3333, most contacts along ",
-        "clusters         1, the largest of 64 elements; from face to face along x, y, z\n",
+        "clusters         1, the largest of 64 elements; percolates from face to face along x, y, z\n",
         "overlaps         144, 0 to 0, mean 0, 0 of the mean radius\n",
-        "packing fraction 0.52360 in [1, 3] x [1, 3] x [1, 3], at least 0.52360 with overlaps counted once\n",
+        "packing fraction 0.52360 in [1, 3] x [1, 3] x [1, 3]; at least 0.52360 without counting overlaps twice\n",
         "g(r)             up to 0.75, largest 0.000 at 0\n",
         ", analyse 0.",
     ] {
@@ -43,7 +43,7 @@ fn a_lattice_is_told() {
     for line in [
         "contacts each    6: 64\n",
         "rattlers         0 of 64 (removed repeatedly: fewer than 2 contacts each); 64 remain with 6.0000 contacts each\n",
-        "around the box along x, y, z\n",
+        "percolates around the box along x, y, z\n",
         "packing fraction 0.52360 in [0, 4] x [0, 4] x [0, 4]",
         "g(r)             up to 1.2, largest ",
     ] {
@@ -103,7 +103,7 @@ fn what_cannot_be_analysed_is_refused() {
         &["--inner", "empty along axis 2: from 1 to 0"],
     );
     refused("cube.csv", &["--analyse", "--rdf", "1,2,3"], &["--rdf", "not 3 numbers"]);
-    refused("cube.csv", &["--analyse", "--rdf", "1,2.5"], &["--rdf", "2.5 is no number of bins"]);
+    refused("cube.csv", &["--analyse", "--rdf", "1,2.5"], &["--rdf", "2.5 is not a number of bins"]);
     refused("cube.csv", &["--analyse", "--rdf", "1,0"], &["--rdf", "0 bins"]);
     refused("cube.csv", &["--analyse", "--rdf", "1,1e300"], &["--rdf", "bins are not between"]);
     refused("cube.csv", &["--analyse", "--rdf", "-1"], &["--rdf", "-1 is not above 0"]);

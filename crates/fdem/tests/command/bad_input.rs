@@ -112,17 +112,20 @@ fn an_output_that_cannot_be_written_is_named() {
     refused(&["-o", "nowhere/out.csv"], &["nowhere/out.csv", "no folder"]);
     refused(
         &["-o", "out.xlsx"],
-        &["out.xlsx", "end it in .csv, .npy, .npz, .parquet, .vtp, .graphml or .json"],
+        &[
+            "out.xlsx",
+            "its extension must be that of a format: .csv, .npy, .npz, .parquet, .vtp, .graphml or .json",
+        ],
     );
     refused(&["-o", "new\nline.txt"], &["new\\nline.txt"]);
     refused(&["-o", "."], &["directory"]);
-    refused(&["-o", "in.csv"], &["--output in.csv is the input too"]);
-    refused(&["-o", "./in.csv"], &["is the input too"]);
-    refused(&["-o", "a.csv", "--json", "a.csv"], &["--json a.csv is --output too"]);
+    refused(&["-o", "in.csv"], &["--output in.csv is the same file as the input"]);
+    refused(&["-o", "./in.csv"], &["is the same file as the input"]);
+    refused(&["-o", "a.csv", "--json", "a.csv"], &["--json a.csv is the same file as --output"]);
     // Neither exists yet: the names are compared as places.
-    refused(&["-o", "a.csv", "--json", "./a.csv"], &["--json ./a.csv is --output too"]);
+    refused(&["-o", "a.csv", "--json", "./a.csv"], &["--json ./a.csv is the same file as --output"]);
     let absolute = bench.path("a.svg");
-    refused(&["--json", "a.svg", "--picture", absolute.to_str().unwrap()], &["is --json too"]);
+    refused(&["--json", "a.svg", "--picture", absolute.to_str().unwrap()], &["is the same file as --json"]);
     refused(&["-o", "a.csv", "--json", "nowhere/a.json"], &["nowhere/a.json"]);
     assert_eq!(bench.read("in.csv"), GOOD);
 }
@@ -136,7 +139,7 @@ fn links_are_followed_or_refused() {
     bench.write("in.csv", GOOD);
     symlink("a.csv", bench.path("b.csv")).unwrap();
     symlink("b.csv", bench.path("a.csv")).unwrap();
-    bench.run(&["contacts", "in.csv", "-o", "a.csv"]).refused_with(&["a.csv", "circle"]);
+    bench.run(&["contacts", "in.csv", "-o", "a.csv"]).refused_with(&["a.csv", "loop"]);
     symlink("real.csv", bench.path("link.csv")).unwrap();
     bench.run(&["contacts", "in.csv", "-o", "link.csv"]).succeeds();
     assert!(bench.path("link.csv").is_symlink());

@@ -196,7 +196,7 @@ fn drawings_are_refused_whole() {
         .refused_with(&["nowhere/r.html"]);
     bench
         .run(&["contacts", "row.csv", "--picture", "a.svg", "--plots", "a.svg"])
-        .refused_with(&["--plots a.svg is --picture too"]);
+        .refused_with(&["--plots a.svg is the same file as --picture"]);
     assert_eq!(bench.files(), ["row.csv"]);
 }
 

@@ -73,7 +73,7 @@ fn contacts_in_2d() {
     let normal = run.stdout.strip_prefix(start).unwrap_or_else(|| panic!("{}", run.stdout));
     let normal: Vec<f64> = normal.trim().split(',').map(|x| x.parse().unwrap()).collect();
     assert!((normal[0] - 0.6).abs() < 1e-15 && (normal[1] - 0.8).abs() < 1e-15, "{normal:?}");
-    assert!(run.stderr.contains("shared vertices  3 besides"), "{}", run.stderr);
+    assert!(run.stderr.contains("shared vertices  3 without a shared face or edge"), "{}", run.stderr);
     let run =
         bench.run(&["contacts", "in.npy", "--labels", "--count", "-q", "--background", "none"]).succeeds();
     assert_eq!((run.stdout.as_str(), run.stderr.as_str()), ("5\n", ""));
@@ -220,12 +220,14 @@ fn options_that_do_not_fit_are_refused() {
     refused(&["--labels", "--spacing", "1,0"], &["--spacing: ", "is not a length"]);
     refused(&["--labels", "--spacing", "1,-1"], &["--spacing: ", "is not a length"]);
     refused(&["--labels", "--spacing", "1;1"], &["'1;1' is not a number"]);
-    refused(&["--labels", "--background", "256"], &["in.npy: --background 256: no label", "|u1"]);
+    refused(&["--labels", "--background", "256"], &["in.npy: --background 256: a label of", "|u1"]);
     refused(&["--labels", "--background", "-1"], &["--background -1"]);
     refused(&["--labels", "--background", "x"], &["neither a whole number nor none"]);
     refused(&["--labels", "--member", "a"], &["in.npy: there is no member 'a'"]);
     refused(&["--labels", "--threads", "100000"], &["in.npy: --threads: "]);
-    bench.run(&["contacts", "in.npy", "--labels", "-o", "in.npy"]).refused_with(&["is the input too"]);
+    bench
+        .run(&["contacts", "in.npy", "--labels", "-o", "in.npy"])
+        .refused_with(&["is the same file as the input"]);
     let whole = npy("|u1", "(4, 5)", PIXELS);
     bench.write("cut.npy", &whole[..whole.len() - 1]);
     bench

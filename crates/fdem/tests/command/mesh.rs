@@ -172,7 +172,7 @@ fn what_does_not_fit_is_refused() {
     refused(&["spheres.csv"], &["spheres.csv: --body-table is for meshes"]);
     refused(&["floor.stl", "--radius", "5"], &["floor.stl: --radius is for packings"]);
     refused(&["floor.stl", "bad.obj"], &["bad.obj:2: element 0 (triangle) names node 2"]);
-    refused(&["floor.stl", "line.obj"], &["line.obj: the mesh has segments only"]);
+    refused(&["floor.stl", "line.obj"], &["line.obj: the mesh has only segments"]);
     refused(&["floor.stl", "missing.csv"], &["cannot read missing.csv: "]);
     refused(&["floor.stl", "discs.csv"], &["discs.csv: discs in 2D"]);
     refused(
@@ -184,7 +184,7 @@ fn what_does_not_fit_is_refused() {
         &["tiny.csv: sphere 1 (counted from 0): ", "axis 2: 1e-90"],
     );
     refused(&["floor.stl", "tiny.obj"], &["tiny.obj: node 2, axis 1: 1e-90"]);
-    refused(&["-", "-"], &["standard input can be read once only"]);
+    refused(&["-", "-"], &["standard input can only be read once"]);
     for option in [
         &["--tolerance", "0.1"][..],
         &["--cutoff", "1"],
@@ -197,10 +197,10 @@ fn what_does_not_fit_is_refused() {
     refused(&["squares.msh", "--labels"], &["cannot be used with"]);
     bench
         .run(&["contacts", "floor.stl", "spheres.csv", "-o", "spheres.csv"])
-        .refused_with(&["is the input too"]);
+        .refused_with(&["is the same file as the input"]);
     bench
         .run(&["contacts", "squares.msh", "-o", "x.csv", "--body-table", "x.csv"])
-        .refused_with(&["--body-table x.csv is --output too"]);
+        .refused_with(&["--body-table x.csv is the same file as --output"]);
 }
 
 /// Meshes in a plane and in space, and spheres with walls, have all drawings and a network for ParaView, which were refused.

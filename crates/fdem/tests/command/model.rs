@@ -74,7 +74,7 @@ fn what_is_no_model_is_refused() {
         bench.run(&["check", "endless.toml"]).refused_with(&["/dev/zero", "device"]);
     }
     bench.write("bytes.toml", b"[model]\n\xff\xfe");
-    bench.run(&["check", "bytes.toml"]).refused_with(&["bytes.toml:2: this is no text in UTF-8"]);
+    bench.run(&["check", "bytes.toml"]).refused_with(&["bytes.toml:2: this is not UTF-8 text"]);
 }
 
 #[test]

@@ -162,7 +162,7 @@ fn force_replaces_runs_and_nothing_else() {
     fs::create_dir_all(bench.path("mine/plots")).unwrap();
     bench.write("mine/plots/thesis.svg", "drawn by hand");
     bench.write("mine/model.toml", "mine");
-    bench.run(&["run", "crash.toml", "-q", "--force", "-o", "mine"]).refused_with(&["mine", "holds no run"]);
+    bench.run(&["run", "crash.toml", "-q", "--force", "-o", "mine"]).refused_with(&["mine", "has no run"]);
     assert_eq!(bench.read("mine/plots/thesis.svg"), "drawn by hand");
     assert_eq!(bench.read("mine/model.toml"), "mine");
     bench.run(&["run", "crash.toml", "-q", "-o", "run"]).succeeds();
@@ -316,7 +316,7 @@ fn a_finished_run_has_nothing_left_to_do() {
     let told = bench.run(&["resume", "run"]).succeeds();
     assert!(told.stdout.contains("nothing to do") && told.stdout.contains("--end-time"), "{}", told.stdout);
     assert!(all() == before, "a file changed");
-    bench.run(&["resume", "run", "--end-time", "0.01e-3"]).refused_with(&["has come to", "end_time"]);
+    bench.run(&["resume", "run", "--end-time", "0.01e-3"]).refused_with(&["has reached", "end_time"]);
     bench.run(&["resume", "run", "--end-time", "0"]).refused_with(&["above 0"]);
     assert!(all() == before, "a file changed");
     // An animation is something to do.
@@ -474,7 +474,7 @@ fn an_interrupt_saves_where_the_run_stands() {
     assert!(steps > 10, "{json}");
     assert!(bench.path("cut/report.html").exists());
     bench.write("cut/model.toml", model.replace("-20", "-21"));
-    bench.run(&["resume", "cut"]).refused_with(&["not the model of this run"]);
+    bench.run(&["resume", "cut"]).refused_with(&["has changed since this run"]);
 }
 
 #[test]

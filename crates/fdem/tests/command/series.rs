@@ -92,7 +92,7 @@ fn frames_are_chosen_as_python_slices() {
     let run = bench.run(&["contacts", "run.dump", "--frames", "0:1", "-q"]).succeeds();
     assert_eq!(run.stdout.lines().collect::<Vec<_>>(), COUPLES.lines().take(2).collect::<Vec<_>>());
     for (frames, part) in
-        [("2", "0 to 1"), ("5:", "none of the 2 frames"), ("a", "no frame"), ("::0", "leads nowhere")]
+        [("2", "0 to 1"), ("5:", "none of the 2 frames"), ("a", "not a frame"), ("::0", "must not be 0")]
     {
         bench.run(&["contacts", "run.dump", "--frames", frames]).refused_with(&[part]);
     }
@@ -127,7 +127,7 @@ fn each_frame_may_have_files_of_its_own() {
     bench.write("c0.csv", FRAME_0);
     bench
         .run(&["contacts", "c0.csv", "-o", "c{frame}.csv"])
-        .refused_with(&["--output c0.csv is the input too"]);
+        .refused_with(&["--output c0.csv is the same file as the input"]);
 }
 
 /// The second frame is cut off: no file of the first appears either.
@@ -187,7 +187,7 @@ fn options_win_over_the_box_of_the_file() {
     bench.write("wall.stl", "solid w\nfacet\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid w\n");
     bench
         .run(&["contacts", "a.dump", "wall.stl"])
-        .refused_with(&["a.dump: its box repeats", "--periodic none"]);
+        .refused_with(&["a.dump: its box is periodic", "--periodic none"]);
     bench.run(&["contacts", "a.dump", "wall.stl", "--periodic", "none"]).succeeds();
 }
 

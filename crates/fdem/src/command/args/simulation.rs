@@ -1,4 +1,4 @@
-//! Of the commands that simulate.
+//! Options of the commands that simulate.
 
 use std::path::PathBuf;
 
@@ -6,7 +6,7 @@ use clap::Args;
 
 use crate::results::Field;
 
-/// Write a model to start from, with a word on every part.
+/// Write a model file to start from, with a comment on every part.
 #[derive(Debug, Args)]
 #[command(after_help = "Example: fdem new disc.toml && fdem check disc.toml")]
 pub(crate) struct NewArguments {
@@ -14,37 +14,37 @@ pub(crate) struct NewArguments {
     #[arg(value_name = "NAME", default_value = "model.toml")]
     pub(crate) name: PathBuf,
 
-    /// Replace a file that is there already.
+    /// Replace an existing file.
     #[arg(long)]
     pub(crate) force: bool,
 }
 
-/// Check a model without running it: everything that is wrong with the file, else its mesh, time step, run time, memory, and warnings.
+/// Check a model without running it: print all errors of the file, or else its mesh, time step, run time, memory, and warnings.
 #[derive(Debug, Args)]
 #[command(after_help = "Example: fdem check model.toml")]
 pub(crate) struct CheckArguments {
-    /// The model, a TOML file. Meshes and packings that it names are looked for beside it.
+    /// The model, a TOML file. Paths of meshes and packings in it are relative to its folder.
     #[arg(value_name = "MODEL", required_unless_present = "schema")]
     pub(crate) model: Option<PathBuf>,
 
-    /// Print the preflight as JSON.
+    /// Print the result as JSON.
     #[arg(long)]
     pub(crate) json: bool,
 
-    /// Print the JSON schema of model files instead, for editors: keys, descriptions, types, ranges, defaults.
+    /// Print the JSON schema of model files, for editors: keys, descriptions, types, ranges, defaults.
     #[arg(long, conflicts_with_all = ["model", "json"])]
     pub(crate) schema: bool,
 }
 
-/// Simulate a model: bodies that deform, collide and break. Writes results as it goes.
+/// Simulate a model: bodies that deform, collide and break. Results are written during the run.
 #[derive(Debug, Args)]
 #[command(after_help = "Example: fdem run examples/brazilian_disc.toml --threads 2")]
 pub(crate) struct RunArguments {
-    /// The model, a TOML file. Meshes and packings that it names are looked for beside it.
+    /// The model, a TOML file. Paths of meshes and packings in it are relative to its folder.
     #[arg(value_name = "MODEL")]
     pub(crate) model: PathBuf,
 
-    /// Folder for the results [default: the name of the model and `_results`, in the working directory].
+    /// Folder for the results [default: the name of the model with `_results`, in the working directory].
     #[arg(short, long, value_name = "DIR")]
     pub(crate) output: Option<PathBuf>,
 
@@ -56,15 +56,15 @@ pub(crate) struct RunArguments {
     pub(crate) options: RunOptions,
 }
 
-/// Go on with a run that was interrupted, from its last checkpoint, or with one that is finished, to a later end time.
+/// Continue an interrupted run from its last checkpoint, or a finished run to a later end time.
 #[derive(Debug, Args)]
 #[command(after_help = "Example: fdem resume brazilian_disc_results")]
 pub(crate) struct ResumeArguments {
-    /// The folder of its results.
+    /// The folder with the results of the run.
     #[arg(value_name = "DIR")]
     pub(crate) folder: PathBuf,
 
-    /// Make the run end at another time, s. `end_time` in the folder's model.toml is changed; frames and rows of the history keep their spacing.
+    /// New end time of the run, s. It replaces `end_time` in the model.toml of the folder; frames and rows of the history keep their spacing.
     #[arg(long, value_name = "SECONDS", value_parser = positive)]
     pub(crate) end_time: Option<f64>,
 
@@ -72,15 +72,15 @@ pub(crate) struct ResumeArguments {
     pub(crate) options: RunOptions,
 }
 
-/// How a simulation runs.
+/// Options of a simulation.
 #[derive(Debug, Args)]
 #[expect(clippy::option_option, reason = "so clap has options whose value may be left out")]
 pub(crate) struct RunOptions {
-    /// Threads; 0: one for each processor. Results are the same for any number.
+    /// Number of threads; 0 is one per processor. Results do not depend on it.
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub(crate) threads: usize,
 
-    /// Write animation.gif at the end, as `animate` in the model does; without FIELD of the first field that the model shows.
+    /// Write animation.gif at the end, as with `animate` in the model. Without FIELD, it shows the first field of the model.
     #[arg(long, value_name = "FIELD", num_args = 0..=1, require_equals = true)]
     pub(crate) animate: Option<Option<Field>>,
 
@@ -89,23 +89,23 @@ pub(crate) struct RunOptions {
     pub(crate) quiet: bool,
 }
 
-/// Run the verification ladder: cases whose answer is known, against what the simulation says. Exit code 1 if one fails.
+/// Run the verification ladder, which compares simulations with known solutions. Exit code 1 if a case fails.
 #[derive(Debug, Args)]
 #[command(after_help = "Example: fdem validate 1 4 --html ladder.html")]
 pub(crate) struct ValidateArguments {
-    /// Numbers of cases, or words of their names; all without any.
+    /// Numbers of cases, or words of their names [default: all cases].
     #[arg(value_name = "CASE")]
     pub(crate) cases: Vec<String>,
 
-    /// Finer models and more variants: minutes instead of seconds.
+    /// Run finer models and more variants, for minutes instead of seconds.
     #[arg(long)]
     pub(crate) full: bool,
 
-    /// Write the table as a page for a browser, too.
+    /// Also write the table as an HTML page.
     #[arg(long, value_name = "FILE")]
     pub(crate) html: Option<PathBuf>,
 
-    /// Do not tell how long it has taken so far.
+    /// Do not print the time taken so far.
     #[arg(short, long)]
     pub(crate) quiet: bool,
 }

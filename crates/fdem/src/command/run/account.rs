@@ -1,4 +1,4 @@
-//! The account of a run: where its time went, from its beginning and through every interruption.
+//! Times of a run, summed over all parts of an interrupted run.
 
 use std::time::Duration;
 
@@ -8,21 +8,21 @@ use serde::{Deserialize, Serialize};
 /// Parts of a step, in their order.
 pub(crate) const PARTS: [&str; 5] = ["bulk", "joints", "detection", "contact force", "integration"];
 
-/// Times and numbers that add up over all parts of a run. A checkpoint keeps them, because a [`Simulation`] counts only since it was made.
+/// Times and numbers summed over all parts of a run. A checkpoint stores them, because a [`Simulation`] counts only from its own creation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Account {
-    /// Time on the clock, s.
+    /// Wall-clock time, s.
     pub(crate) seconds: f64,
-    /// Part of [`Self::seconds`] that went into results: files, plots, the report, s.
+    /// Part of [`Self::seconds`] spent on results: files, plots, the report, s.
     pub(crate) output: f64,
     /// Time in each of [`PARTS`], s.
     pub(crate) parts: [f64; PARTS.len()],
-    /// Times that couples were detected.
+    /// Number of detections of couples.
     pub(crate) detections: u64,
 }
 
 impl Account {
-    /// Adds what a simulation has done since it was made, with the time on the clock and the time for results since then.
+    /// Adds the times of a simulation since its creation, with the wall-clock time and the time for results since then.
     pub(crate) fn and(&self, run: &Simulation, clock: Duration, output: Duration) -> Self {
         let Timings { bulk, joints, detection, contact, integration } = run.timings();
         let mut parts = self.parts;

@@ -1,15 +1,15 @@
-//! The folder of a run: its files, and how they stay readable whatever happens.
+//! The folder of a run. Its files stay readable even if the run is killed.
 //!
 //! ```text
-//! model.toml, inputs/   the model as it was given, with the files that it names
+//! model.toml, inputs/   copies of the model and of the files that it names
 //! checkpoint            the state of the run, from which `fdem resume` goes on
-//! history.csv           a row of energies, cracks and recorded quantities for each instant
+//! history.csv           rows of energies, cracks and recorded quantities over time
 //! results.pvd, cracks.pvd, damaged_joints.pvd, contacts.pvd, frames/   for ParaView
 //! plots/, report.html, animation.gif   made when the run ends
 //! run.json, run.log     model, machine, times and result; run.json marks a folder as that of a run
 //! ```
-//! The history and the log grow. Every other file is written to a temporary file, synced and renamed, so that the folder holds complete files at any instant. A checkpoint records the number of frames
-//! and the length of the history; frames and rows that are later are removed when the run goes on.
+//! Lines are appended to the history and the log. Every other file is written to a temporary file, synced and renamed, so that the folder holds complete files at
+//! any time. A checkpoint records the number of frames and the length of the history; later frames and rows are removed when the run goes on.
 
 use std::fs::{self, File, TryLockError};
 use std::io::{self, Read, Write};
@@ -86,7 +86,7 @@ impl Folder {
     pub(crate) fn create(path: &Path, force: bool, text: &[u8], inputs: &[Vec<u8>]) -> Result<Self, Failure> {
         let mut folder = Self { path: path.to_owned(), lock: None };
         let there = match fs::read_dir(path) {
-            // A run that was killed while it wrote its first file has left this one.
+            // A run that was killed while writing its first file leaves this one.
             Ok(mut entries) => {
                 entries.any(|entry| entry.is_ok_and(|entry| entry.file_name() != "run.json.part"))
             }
@@ -102,7 +102,7 @@ impl Folder {
         if there {
             if ![SUMMARY, CHECKPOINT].iter().any(|name| folder.path(name).exists()) {
                 return Err(Failure::Unusable(format!(
-                    "{} is not empty, and holds no run that --force could replace: choose another folder with --output",
+                    "{} is not empty and has no run that --force could replace: choose another folder with --output",
                     display_name(path)
                 )));
             }
@@ -138,7 +138,7 @@ impl Folder {
         let Ok(file) = File::open(self.path(MODEL)) else { return Ok(()) };
         if matches!(file.try_lock(), Err(TryLockError::WouldBlock)) {
             return Err(Failure::Unusable(format!(
-                "another fdem is at work in {}",
+                "another fdem process is using {}",
                 display_name(&self.path)
             )));
         }
@@ -146,7 +146,7 @@ impl Folder {
         Ok(())
     }
 
-    /// Whether the run came to its end and everything was drawn.
+    /// Whether the run has reached its end and everything is drawn.
     pub(crate) fn is_finished(&self) -> bool {
         let summary = fs::read(self.path(SUMMARY)).ok();
         let summary = summary.and_then(|bytes| serde_json::from_slice::<serde_json::Value>(&bytes).ok());
@@ -172,7 +172,7 @@ impl Folder {
         FOLDERS.iter().try_for_each(|name| remove(name, fs::remove_dir_all))
     }
 
-    /// Makes a folder inside.
+    /// Makes a subfolder.
     pub(crate) fn make(&self, name: &str) -> Result<(), Failure> {
         let path = self.path(name);
         fs::create_dir_all(&path).map_err(|error| Failure::writing(&path, error))
@@ -230,9 +230,7 @@ impl Folder {
         match File::open(&path).and_then(|mut file| file.read_to_end(&mut bytes)) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => {
                 let folder = display_name(&self.path);
-                return Err(Failure::Unusable(format!(
-                    "{folder} holds no run: there is no checkpoint in it"
-                )));
+                return Err(Failure::Unusable(format!("{folder} has no run: there is no checkpoint in it")));
             }
             Err(error) => return Err(Failure::reading(&name, &error)),
             Ok(_) => {}
@@ -269,10 +267,10 @@ pub(crate) fn contacts_file(number: usize) -> String {
     format!("{FRAMES}/{number:05}_contacts.vtp")
 }
 
-/// Names of the files of a frame for ParaView.
+/// Returns the name of a file of a frame.
 type Named = fn(usize) -> String;
 
-/// The collections that ParaView opens, and how the file of each frame is called.
+/// Collections that ParaView opens, and the names of their files by frame.
 pub(crate) const COLLECTIONS: [(&str, Named); 4] = [
     ("results.pvd", mesh_file),
     ("cracks.pvd", cracks_file),

@@ -32,7 +32,7 @@ pub(crate) struct Recorder {
     targets: Vec<Vec<u32>>,
     /// Step and time, s, of each frame that has been written.
     pub(crate) frames: Vec<(u64, f64)>,
-    /// Elements beyond which frames for the report are samples, and triangles of a sample.
+    /// Most elements of a frame that the report shows completely, and number of triangles in the samples of larger frames.
     shown: [usize; 2],
 }
 
@@ -67,7 +67,7 @@ impl Recorder {
         }
     }
 
-    /// Continues the records of a run from a checkpoint. Later frames and rows are removed; earlier ones have to be there.
+    /// Continues the records of a run from a checkpoint. Later frames and rows are removed; earlier ones must exist.
     pub(crate) fn going_on(
         folder: &Folder,
         prepared: &Prepared,
@@ -77,7 +77,7 @@ impl Recorder {
     ) -> Result<Self, Failure> {
         let path = folder.path(HISTORY);
         let text = folder.read(HISTORY)?;
-        // The row of t = 0 is written after the first step, and once more if the run goes on before it.
+        // The row of t = 0 is written after the first step. A run that goes on from step 0 writes it again, so an existing one is removed.
         let end = if step == 0 {
             usize::try_from(length).map_or(text.len(), |length| length.min(text.len()))
         } else {
@@ -87,7 +87,7 @@ impl Recorder {
         HistoryWriter::new(&mut head, &columns(prepared)).map_err(|error| Failure::writing(&path, error))?;
         if !text.starts_with(&head) {
             return Err(Failure::Unusable(format!(
-                "{}: its columns are not those of the [[history]] tables in {}: put these back",
+                "{}: its columns are not those of the [[history]] tables in {}: restore these tables",
                 display_name(&path),
                 display_name(&folder.path(MODEL))
             )));
@@ -146,7 +146,7 @@ impl Recorder {
         prepared.histories.iter().zip(&self.targets).map(values).collect()
     }
 
-    /// Writes the row of t = 0 after the first step. `values`: those of before that step; forces and energies are those that the step began with.
+    /// Writes the row of t = 0 after the first step. `values`: values before that step. Forces and energies are those at its beginning, known only after it.
     pub(crate) fn first_row(
         &mut self,
         run: &Simulation,
@@ -177,11 +177,11 @@ impl Recorder {
         self.history.row(row).map_err(|error| Failure::writing(&self.folder.path(HISTORY), error))
     }
 
-    /// Writes the files of the bodies and cracks as they are now.
+    /// Writes the files of a frame: bodies, cracks, damaged joints and contact forces.
     pub(crate) fn frame(&mut self, run: &Simulation) -> Result<(), Failure> {
         let (snapshot, forces) = (run.snapshot(), run.forces());
         let number = self.frames.len();
-        // Writing to memory does not fail; a snapshot that contradicts itself would be a bug.
+        // Writing to memory does not fail. An inconsistent snapshot would be a bug.
         let fault = |name: &str, error: std::io::Error| Failure::writing(&self.folder.path(name), error);
         let write = |name: String, write: &dyn Fn(&mut Vec<u8>) -> std::io::Result<()>| {
             let mut bytes = Vec::new();
@@ -228,10 +228,10 @@ impl Recorder {
         done.map_err(|error| Failure::writing(&self.folder.path(HISTORY), error))
     }
 
-    /// Draws plots, the picture, the animation and the report of what has been recorded. `facts`: the rows of the summary; `done`: frames that have been read.
+    /// Draws plots, the picture, the animation and the report from the recorded results. `facts`: rows of the summary; `done`: number of frames read so far.
     ///
     /// # Errors
-    /// The first thing that could not be drawn or written; everything else is drawn all the same.
+    /// The first error. If the history and the frames can be read, everything else is drawn all the same.
     pub(crate) fn finish(
         &mut self,
         prepared: &Prepared,
@@ -263,7 +263,7 @@ impl Recorder {
         .collect()
     }
 
-    /// The frames as the report shows them: samples where there are too many elements for a page.
+    /// Reads the frames for the report. Frames that are too large for a page are samples.
     fn read_frames(&self, done: &Position) -> Result<Vec<Frame>, Failure> {
         let read = |number: usize| {
             let name = packed_file(number);
@@ -299,7 +299,7 @@ fn columns(prepared: &Prepared) -> Vec<String> {
         let parts: &[&str] = match history.quantity {
             Quantity::Node(_) => &["ux [m]", "uy [m]", "vx [m/s]", "vy [m/s]"],
             Quantity::Force(_) => &["fx [N]", "fy [N]", "ux [m]", "uy [m]"],
-            // Every history has these columns.
+            // The history has these columns in any case.
             Quantity::Energy | Quantity::CrackLength => &[],
         };
         names.extend(parts.iter().map(|part| format!("{} {part}", history.name)));

@@ -19,13 +19,13 @@ use crate::numbers::{brief, grouped};
 /// Time between two updates of the bar.
 const REFRESH: Duration = Duration::from_millis(100);
 
-/// Percentage between two lines of progress, where there is no terminal.
+/// Percentage between two lines of progress without a terminal.
 const PERCENT: u64 = 10;
 
 /// Progress and log of a run.
 pub(crate) struct Told {
     bar: Option<ProgressBar>,
-    /// Columns of the terminal that the bar was made for.
+    /// Number of columns of the terminal for which the bar was made.
     width: usize,
     lines: bool,
     log: File,
@@ -43,7 +43,7 @@ impl Told {
         let terminal = std::io::stderr().is_terminal();
         let bar = (!quiet && terminal).then(|| {
             let bar = ProgressBar::new(total).with_position(run.steps());
-            // While a large frame is written no step tells how far the run is.
+            // The bar keeps moving while a large frame is written, when no step updates it.
             bar.enable_steady_tick(REFRESH);
             bar
         });
@@ -79,7 +79,7 @@ impl Told {
         }
     }
 
-    /// Shows on a terminal what is done between steps.
+    /// Shows on a terminal what happens between steps.
     pub(crate) fn does(&self, text: &str) {
         if let Some(bar) = &self.bar {
             bar.set_message(text.to_owned());
@@ -97,7 +97,7 @@ impl Told {
         let rate = (run.steps() - self.first_step) as f64 * run.model().mesh.triangles.len() as f64
             / self.start.elapsed().as_secs_f64().max(1e-9);
         let counts = run.counts();
-        // In the order of what is left out last where the terminal is narrow.
+        // The most important parts come first: a narrow terminal shows only those that fit.
         let parts = [
             format!("time {} s", brief(run.time())),
             format!("step {} of {}", grouped(run.steps()), grouped(self.total)),
@@ -132,7 +132,7 @@ impl Told {
     }
 }
 
-/// The contents of `run.json`, for programs. `account`: that of the whole run.
+/// Returns the contents of `run.json`. `account`: the times of the whole run.
 pub(crate) fn json(run: &Simulation, prepared: &Prepared, status: &str, account: &Account) -> Value {
     let (counts, energies) = (run.counts(), run.energies());
     let mut timings: serde_json::Map<String, Value> = PARTS
@@ -185,7 +185,7 @@ pub(crate) fn json(run: &Simulation, prepared: &Prepared, status: &str, account:
     })
 }
 
-/// SHA-256 of positions, velocities, stresses, cracks and energies. Equal runs have equal hashes, for any number of threads and of interruptions.
+/// SHA-256 of positions, velocities, stresses, cracks and energies. It does not depend on the number of threads or on interruptions.
 fn state_hash(run: &Simulation) -> String {
     let (snapshot, energies) = (run.snapshot(), run.energies());
     let mut hash = Sha256::new();

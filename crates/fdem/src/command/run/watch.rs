@@ -10,7 +10,7 @@ use crate::command::failure::Failure;
 pub(crate) struct Watch(Arc<AtomicI32>);
 
 impl Watch {
-    /// Starts to watch for signals. A second signal ends the program at once: the files in the folder are complete at any instant.
+    /// Starts to watch for signals. A second signal ends the program at once, because the files in the folder are complete at any time.
     pub(crate) fn new() -> Result<Self, Failure> {
         let came = Arc::new(AtomicI32::new(0));
         let note = {
