@@ -3,7 +3,7 @@ check:
     bash .ci/run
 
 test:
-    cargo test --workspace
+    cargo test
 
 # Every line of the book's ten-body example.
 figures:
@@ -49,6 +49,10 @@ fuzz SECONDS="60":
     cargo +nightly fuzz run read_packing -- -max_total_time={{SECONDS}} -max_len=2048 -dict=fuzz/read_packing.dict
     cargo +nightly fuzz run read_series -- -max_total_time={{SECONDS}} -max_len=4096
     cargo +nightly fuzz run read_mesh -- -max_total_time={{SECONDS}} -max_len=4096
+
+# What a release needs, in target/dist: static binaries, wheels, checksums. Each is installed in a bare folder and run.
+dist:
+    bash .ci/dist
 
 deny:
     cargo deny check

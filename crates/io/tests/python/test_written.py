@@ -216,4 +216,4 @@ def test_a_series_is_one_table(tmp_path):
         assert sorted(archive) == sorted(["frame", "step", "i", "j", "distance", "overlap", "shift"])
         for name in ("frame", "step", "i", "j", "distance", "overlap"):
             assert (archive[name] == csv[name]).all() and (array[name] == csv[name]).all()
-        assert (archive["shift"] == csv[["sx", "sy", "sz"]]).all()
+        assert (archive["shift"] == csv[["sx", "sy", "sz"]].to_numpy()).all()
