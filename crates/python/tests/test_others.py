@@ -480,7 +480,7 @@ def test_files_of_couples(tmp_path):
     table = pandas.read_parquet(tmp_path / "couples.parquet")
     assert (table[["sx", "sy", "sz"]].to_numpy() == found.shift).all()
     before = sorted(tmp_path.iterdir())
-    with pytest.raises(ValueError, match=r"couples.txt: .*end it in .csv"):
+    with pytest.raises(ValueError, match=r"couples.txt: .*extension must be that of a format: .csv"):
         found.write(tmp_path / "couples.txt")
     with pytest.raises(ValueError, match="boxes have no centres"):
         fdem.boxes([[0, 0]], [[1, 1]]).write(tmp_path / "boxes.csv")

@@ -420,12 +420,23 @@ impl Going {
             (
                 "detection",
                 format!(
-                    "{} times, {} contacts at the end",
-                    grouped(account.detections),
+                    "{}, {} contacts at the end",
+                    match account.detections {
+                        1 => "once".to_owned(),
+                        times => format!("{} times", grouped(times)),
+                    },
                     grouped(counts.contacts as u64)
                 ),
             ),
-            ("run time", format!("{:.1} s on {} threads: {}", busy, run.threads(), shares.join(", "))),
+            (
+                "run time",
+                format!(
+                    "{busy:.1} s on {} thread{}: {}",
+                    run.threads(),
+                    if run.threads() == 1 { "" } else { "s" },
+                    shares.join(", ")
+                ),
+            ),
         ]
     }
 }

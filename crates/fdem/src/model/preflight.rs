@@ -150,7 +150,7 @@ fn sum(model: &Model, of: impl Fn(&Cost) -> f64) -> f64 {
 /// Time of a step on one core if nothing breaks, s.
 fn whole(model: &Model) -> f64 {
     match model.fracture.insertion {
-        Insertion::Adaptive => WHOLE.seconds * model.mesh.triangles.len() as f64,
+        Insertion::Adaptive => sum(model, |_| WHOLE.seconds),
         Insertion::Intrinsic => sum(model, |cost| cost.seconds),
     }
 }
@@ -222,9 +222,11 @@ impl fmt::Display for Preflight {
     }
 }
 
-/// `75` as `1 min 15 s`.
+/// `75` as `1 min 15 s`; at least 0.1 s.
 fn duration(seconds: f64) -> String {
-    if seconds < 60.0 {
+    if seconds < 0.1 {
+        "0.1 s".to_owned()
+    } else if seconds < 60.0 {
         format!("{seconds:.1} s")
     } else if seconds < 7200.0 {
         format!("{:.0} min {:02.0} s", (seconds / 60.0).floor(), seconds % 60.0)
@@ -245,6 +247,9 @@ mod tests {
 
     #[test]
     fn durations_are_told_as_people_tell_them() {
-        assert_eq!([3.21, 75.0, 7300.0, 1e6].map(duration), ["3.2 s", "1 min 15 s", "2.0 h", "11.6 days"]);
+        assert_eq!(
+            [1e-3, 3.21, 75.0, 7300.0, 1e6].map(duration),
+            ["0.1 s", "3.2 s", "1 min 15 s", "2.0 h", "11.6 days"]
+        );
     }
 }

@@ -58,12 +58,12 @@ fn networks_are_of_packings() {
             .refused_with(&[extension, "not bodies of an image"]);
         bench
             .run(&["contacts", &mesh, "-o", "out.csv", "--body-table", name])
-            .refused_with(&[name, "end it in .csv, .npy, .npz or .parquet"]);
+            .refused_with(&[name, "its extension must be that of a format: .csv, .npy, .npz or .parquet"]);
     }
     for name in ["out.npz", "out.parquet", "out.vtp"] {
         bench
             .run(&["generate", "gas", "-n", "9", "-o", name])
-            .refused_with(&[name, "end it in .csv or .npy"]);
+            .refused_with(&[name, "its extension must be that of a format: .csv or .npy"]);
     }
     assert_eq!(bench.files(), ["in.csv"]);
 }
