@@ -2,7 +2,9 @@
 
 use std::fmt;
 
-use crate::analysis::{Analysis, AnalysisError, Frictionless, Options, RadialOptions, analyse};
+use crate::analysis::{
+    Analysis, AnalysisError, Frictionless, Options, RadialOptions, WithoutRattlers, analyse,
+};
 use crate::command::args::AnalyseArguments;
 use crate::command::failure::Failure;
 use crate::command::summary::{brief, grouped};
@@ -61,24 +63,26 @@ fn radial(numbers: &[f64]) -> Result<RadialOptions, Failure> {
     }
 }
 
+/// How many elements are rattlers, and how many remain.
+fn rattlers(rest: &WithoutRattlers) -> String {
+    let others = match rest.elements {
+        0 => "none remains".to_owned(),
+        left => format!("{} remain with {:.4} contacts each", grouped(left), rest.mean),
+    };
+    format!(
+        "{} of {} (removed repeatedly: fewer than {} contacts each); {others}",
+        grouped(rest.rattlers),
+        grouped(rest.rattlers + rest.elements),
+        rest.min_contacts,
+    )
+}
+
 /// Writes the analysis as lines of the summary.
 pub(crate) fn write_lines(out: &mut fmt::Formatter<'_>, analysis: &Analysis, unit: &str) -> fmt::Result {
     let mut line = |label: &str, text: String| writeln!(out, "{label:<16} {text}");
     line("contacts each", distribution(&analysis.coordination.distribution))?;
     let rest = &analysis.without_rattlers;
-    let others = match rest.elements {
-        0 => "none remains".to_owned(),
-        left => format!("{} remain with {:.4} contacts each", grouped(left), rest.mean),
-    };
-    line(
-        "rattlers",
-        format!(
-            "{} of {} (removed repeatedly: fewer than {} contacts each); {others}",
-            grouped(rest.rattlers),
-            grouped(rest.rattlers + rest.elements),
-            rest.min_contacts,
-        ),
-    )?;
+    line("rattlers", rattlers(rest))?;
     if let Some(Frictionless { min_contacts, elements }) = rest.frictionless {
         let left = grouped(elements);
         line(
