@@ -15,6 +15,9 @@ use crate::table::{MOST_COLUMNS, Table};
 /// Number of lines between two reports of progress: some microseconds of work.
 const LINES_PER_REPORT: u64 = 1024;
 
+/// Most bytes of a line before the first row: names of columns take less, and a file without line ends would be copied several times.
+const LONGEST: usize = 1 << 20;
+
 /// Number of bytes at the start that show what kind of file it is.
 const HEAD: usize = 4096;
 /// Up to this number, control characters are accidental. If there are more, and more than a tenth of the start, the file is not text.
@@ -156,6 +159,9 @@ impl Opening {
                 break (before, number, trimmed);
             }
             let comments = line.trim_ascii_start();
+            if comments.len() > LONGEST {
+                continue;
+            }
             if comments.starts_with(b"#") || comments.starts_with(b"%") {
                 let text = without_marks(comments);
                 comment = Some((number, text));
@@ -166,6 +172,11 @@ impl Opening {
         let fields = split(first, delimiter);
         if fields.len() > MOST_COLUMNS {
             return Err(ReadError::TooManyColumns { line: Some(number) });
+        }
+        if first.len() > LONGEST {
+            let problem =
+                format!("the line has {} bytes: expected names of columns, or numbers", first.len());
+            return Err(ReadError::Malformed { line: number, text: excerpt::line(first), problem });
         }
         let choice = options.columns.as_ref();
         let mut shown = first;

@@ -126,6 +126,17 @@ fn lone_carriage_returns_do_not_join_lines() {
     assert_eq!((packing.centres.len(), packing.source.skipped.count), (2, 1));
 }
 
+/// A file without line ends: nothing as long as the file is copied for names.
+#[test]
+fn a_line_as_long_as_a_file_is_no_header() {
+    for text in ["1".repeat(2_000_000), format!("# {}\n{}", "a".repeat(2_000_000), "1".repeat(2_000_000))] {
+        let error = error(&text);
+        assert!(matches!(error, ReadError::Malformed { .. }), "{error:?}");
+        let told = error.to_string();
+        assert!(told.contains("the line has 2000000 bytes") && told.len() < 300, "{told}");
+    }
+}
+
 #[test]
 fn millions_of_columns_are_no_table() {
     let wide = "1,".repeat(3_000_000);

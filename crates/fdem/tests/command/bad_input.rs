@@ -180,8 +180,8 @@ fn any_limit_of_memory_ends_in_an_answer_or_an_error() {
     bench.run(&["generate", "gas", "-n", "60000", "--neighbours", "12", "-o", "gas.npy"]).succeeds();
     let fdem = assert_cmd::cargo::cargo_bin!("fdem").display().to_string();
     let mut ends = [0, 0];
-    // With less the program itself, the fonts of its pictures included, does not fit: it ends before it starts.
-    for kilobytes in (26_000..74_000).step_by(2_000) {
+    let least = crate::least_memory();
+    for kilobytes in (least..least + 48_000).step_by(2_000) {
         let line = format!("ulimit -v {kilobytes} && exec {fdem} contacts gas.npy --count");
         let run =
             std::process::Command::new("sh").args(["-c", &line]).current_dir(bench.folder.path()).output();
@@ -193,8 +193,6 @@ fn any_limit_of_memory_ends_in_an_answer_or_an_error() {
                 assert!(message.contains("memory"), "{kilobytes}: {message}");
                 ends[1] += 1;
             }
-            // The system could not load the program.
-            Some(127) => {}
             code => panic!("{kilobytes} kB: {code:?}, {message}"),
         }
     }

@@ -40,6 +40,18 @@ use std::process::{Command, Output};
 
 use tempfile::TempDir;
 
+/// A limit of the address space, kB, with which the program starts, whatever its size: with less the system cannot load it.
+#[cfg(target_os = "linux")]
+fn least_memory() -> u32 {
+    let fdem = assert_cmd::cargo::cargo_bin!("fdem").display().to_string();
+    let starts = |kilobytes: &u32| {
+        let line = format!("ulimit -v {kilobytes} && exec {fdem} --version");
+        Command::new("sh").args(["-c", &line]).output().unwrap().status.success()
+    };
+    // One step more: the first one may leave no room for the stack.
+    (10_000..100_000).step_by(2_000).find(starts).unwrap() + 2_000
+}
+
 /// An empty folder and the program run in it.
 struct Bench {
     folder: TempDir,
