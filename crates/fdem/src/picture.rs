@@ -150,7 +150,7 @@ pub fn svg<const D: usize>(network: &Network<'_, D>, caption: &Caption<'_>) -> R
 /// As [`svg`], as a PNG file. `width`: 200 to 10,000 pixels, by default twice the width of the SVG.
 ///
 /// # Errors
-/// Those of [`svg`], [`PictureError::Width`] and [`PictureError::Png`].
+/// The errors of [`svg`], [`PictureError::Width`] and [`PictureError::Png`].
 ///
 /// # Panics
 /// If a couple was not found among these elements.
@@ -170,7 +170,7 @@ pub fn png<const D: usize>(
 /// [`crate::analysis::Radial`], up to 3 mean diameters.
 ///
 /// # Errors
-/// Those of [`svg`].
+/// The errors of [`svg`].
 ///
 /// # Panics
 /// If a couple was not found among these elements.

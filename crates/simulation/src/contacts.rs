@@ -404,7 +404,7 @@ impl Contacts {
     }
 }
 
-/// What two elements have in common in the undeformed mesh.
+/// The part of the undeformed mesh that two elements share.
 enum Relation {
     Apart,
     /// A vertex: the corner of each element there.

@@ -64,13 +64,13 @@ pub(crate) fn coordinate() -> impl Strategy<Value = f64> {
     ]
 }
 
-/// Makes a test of `$all::<float, dimensions>` for `f64` in 1D to 4D, and for `f32` where vectors are used.
+/// Makes a test of `$all::<float, dimensions>` for each float type and dimension.
 macro_rules! in_all_dimensions {
     ($all:ident) => {
         $crate::against_all::in_all_dimensions! {
             $all:
             f64_1d: f64, 1; f64_2d: f64, 2; f64_3d: f64, 3; f64_4d: f64, 4;
-            f32_2d: f32, 2; f32_3d: f32, 3;
+            f32_1d: f32, 1; f32_2d: f32, 2; f32_3d: f32, 3; f32_4d: f32, 4;
         }
     };
     ($all:ident: $($name:ident: $type:ty, $dimensions:literal;)*) => {

@@ -63,7 +63,7 @@ fn radial(numbers: &[f64]) -> Result<RadialOptions, Failure> {
     }
 }
 
-/// How many elements are rattlers, and how many remain.
+/// The numbers of rattlers and of the elements that remain, as a line of the summary.
 fn rattlers(rest: &WithoutRattlers) -> String {
     let others = match rest.elements {
         0 => "none remains".to_owned(),

@@ -50,7 +50,7 @@ pub struct BodyJoint {
 /// Draws bodies and their contacts as SVG.
 ///
 /// # Errors
-/// Those of [`svg`](crate::picture::svg); [`PictureError::TooMany`] for more than [`MOST_FACETS`] triangles.
+/// The errors of [`svg`](crate::picture::svg), and [`PictureError::TooMany`] if there are more than [`MOST_FACETS`] triangles.
 ///
 /// # Panics
 /// If an index of a contact or a triangle is out of range.

@@ -195,7 +195,7 @@ mod tests {
     use super::*;
     use crate::write_csv;
 
-    /// What stands for a temporary file.
+    /// A buffer in memory in place of a temporary file.
     fn file() -> Cursor<Vec<u8>> {
         Cursor::new(Vec::new())
     }

@@ -21,7 +21,7 @@ use crate::solid::Solid;
 use crate::team::Team;
 use crate::topology::{Edge, NONE, Topology};
 
-/// What insertion reads of a run.
+/// The data of a run that insertion reads.
 #[derive(Clone, Copy)]
 struct State<'a> {
     solid: &'a Solid,

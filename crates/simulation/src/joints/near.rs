@@ -13,7 +13,7 @@ pub(crate) const SUSPECT: f64 = 0.25;
 /// Relative tolerance for rounding: the bounds are not computed by the same formulas as the tractions.
 const ROUNDING: f64 = 1e-9;
 
-/// How near the stress of an element is to the strength of its edges.
+/// The distance of an element's stress from the strength of its edges.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Near {
     Far,
@@ -54,7 +54,7 @@ impl Slopes {
         Self(ends.map(|friction| [friction, (1.0 + friction * friction).sqrt()]))
     }
 
-    /// How near a stress, `[xx, yy, xy]`, is to the strengths of an element's edges.
+    /// Compares a stress, `[xx, yy, xy]`, with the strengths of an element's edges.
     #[inline]
     pub(crate) fn near(&self, weakest: Weakest, [xx, yy, xy]: [f64; 3]) -> Near {
         let (mean, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
