@@ -5,7 +5,7 @@
 
 use std::sync::Mutex;
 
-use fdem_contact::{Couple, Engine};
+use fdem_contact::{Couple, Engine, PeriodicBox};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 
@@ -25,63 +25,142 @@ const MAX_BUCKETS: usize = 1 << 9;
 /// Rows that a bucket has at least.
 const MIN_ROWS: usize = 1 << 10;
 
+/// What a neighbour carries, so that positions are read once only: the distance, or the vector if somebody asked for it.
+trait Measure: Copy + Default + Send + Sync {
+    fn new(vector: [f64; 3], distance: f64) -> Self;
+
+    /// The same, seen from the other atom.
+    fn reversed(self) -> Self;
+
+    fn write(self, columns: &mut Columns<'_>, place: usize);
+}
+
+impl Measure for f64 {
+    fn new(_: [f64; 3], distance: f64) -> Self {
+        distance
+    }
+
+    fn reversed(self) -> Self {
+        self
+    }
+
+    #[inline]
+    fn write(self, columns: &mut Columns<'_>, place: usize) {
+        if let Some(column) = &mut columns.distance {
+            column[place] = self;
+        }
+    }
+}
+
+impl Measure for [f64; 3] {
+    fn new(vector: [f64; 3], _: f64) -> Self {
+        vector
+    }
+
+    fn reversed(self) -> Self {
+        // The difference of two equal coordinates is 0, never -0, from either side.
+        self.map(|component| 0.0 - component)
+    }
+
+    #[inline]
+    fn write(self, columns: &mut Columns<'_>, place: usize) {
+        length(&self).write(columns, place);
+        if let Some(column) = &mut columns.vector {
+            column[place] = self;
+        }
+    }
+}
+
 /// A neighbour of the atom `row`, in the same image.
 #[derive(Clone, Copy, Default)]
-struct Plain {
+struct Plain<M> {
     row: u32,
     partner: u32,
+    measure: M,
 }
 
 /// A neighbour of the atom `row`, displaced by `shift` edges.
-#[derive(Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
-struct Shifted {
+#[derive(Clone, Copy, Default)]
+struct Shifted<M> {
     row: u32,
     partner: u32,
+    shift: [i32; 3],
+    measure: M,
+}
+
+/// A couple of which `j` is displaced by `shift` edges.
+#[derive(Clone, Copy, Default)]
+struct ShiftedCouple {
+    i: u32,
+    j: u32,
     shift: [i32; 3],
 }
 
 /// A couple that is seen from both of its atoms.
-trait TwoSided: Copy + Send {
+trait TwoSided<M>: Copy + Send + Sync {
     type Side: Copy + Default + Send;
 
-    /// Whether the atoms are closer than their limit.
-    fn is_kept(&self, atoms: &Atoms<'_>) -> bool;
+    /// The neighbour of the first atom, or nothing if the atoms are not closer than their limit.
+    fn side(&self, atoms: &Atoms<'_>) -> Option<Self::Side>;
 
-    /// The first atom and the neighbour, from either side.
-    fn sides(&self) -> [(u32, Self::Side); 2];
+    /// The first atom.
+    fn row(side: &Self::Side) -> u32;
+
+    /// The neighbour of the other atom.
+    fn reversed(side: &Self::Side) -> Self::Side;
 }
 
-impl TwoSided for Couple {
-    type Side = Plain;
+impl<M: Measure> TwoSided<M> for Couple {
+    type Side = Plain<M>;
 
-    fn is_kept(&self, atoms: &Atoms<'_>) -> bool {
-        length(&atoms.vector(self.i, self.j)) < atoms.limit(self.i, self.j)
-    }
-
-    fn sides(&self) -> [(u32, Plain); 2] {
+    #[inline]
+    fn side(&self, atoms: &Atoms<'_>) -> Option<Plain<M>> {
         let Self { i, j } = *self;
-        [(i, Plain { row: i, partner: j }), (j, Plain { row: j, partner: i })]
+        let measure = atoms.measure(i, j, atoms.vector(i, j))?;
+        Some(Plain { row: i, partner: j, measure })
+    }
+
+    #[inline]
+    fn row(side: &Plain<M>) -> u32 {
+        side.row
+    }
+
+    #[inline]
+    fn reversed(&Plain { row, partner, measure }: &Plain<M>) -> Plain<M> {
+        Plain { row: partner, partner: row, measure: measure.reversed() }
     }
 }
 
-impl TwoSided for Shifted {
-    type Side = Self;
+impl<M: Measure> TwoSided<M> for ShiftedCouple {
+    type Side = Shifted<M>;
 
-    fn is_kept(&self, atoms: &Atoms<'_>) -> bool {
-        length(&atoms.shifted_vector(self)) < atoms.limit(self.row, self.partner)
+    fn side(&self, atoms: &Atoms<'_>) -> Option<Shifted<M>> {
+        let Self { i, j, shift } = *self;
+        let measure = atoms.measure(i, j, atoms.shifted_vector(i, j, shift))?;
+        Some(Shifted { row: i, partner: j, shift, measure })
     }
 
-    fn sides(&self) -> [(u32, Self); 2] {
-        let Self { row, partner, shift } = *self;
-        [(row, *self), (partner, Self { row: partner, partner: row, shift: shift.map(|s| -s) })]
+    fn row(side: &Shifted<M>) -> u32 {
+        side.row
+    }
+
+    fn reversed(&Shifted { row, partner, shift, measure }: &Shifted<M>) -> Shifted<M> {
+        Shifted { row: partner, partner: row, shift: shift.map(|s| -s), measure: measure.reversed() }
     }
 }
 
-/// Positions, edges, and how close two atoms must be.
+/// The atoms, the cell, and what makes two of them neighbours.
 struct Atoms<'a> {
     points: &'a [[f64; 3]],
     edges: [[f64; 3]; 3],
     limits: Limits<'a>,
+    /// Spheres of which every two touch that may be neighbours.
+    set: Set<'a, f64, 3>,
+    /// The box of the spheres. Its edges are those of the cell times `signs`.
+    periodic: Option<PeriodicBox<f64, 3>>,
+    signs: [i32; 3],
+    /// Whether each atom is its own neighbour.
+    with_self: bool,
 }
 
 enum Limits<'a> {
@@ -98,9 +177,8 @@ impl Atoms<'_> {
         std::array::from_fn(|axis| to[axis] - from[axis])
     }
 
-    #[inline]
-    fn shifted_vector(&self, Shifted { row, partner, shift }: &Shifted) -> [f64; 3] {
-        let vector = self.vector(*row, *partner);
+    fn shifted_vector(&self, from: u32, to: u32, shift: [i32; 3]) -> [f64; 3] {
+        let vector = self.vector(from, to);
         let term = |edge: usize, axis: usize| f64::from(shift[edge]) * self.edges[edge][axis];
         std::array::from_fn(|axis| vector[axis] + (term(0, axis) + term(1, axis) + term(2, axis)))
     }
@@ -113,6 +191,13 @@ impl Atoms<'_> {
             Limits::Radii(radii) => radii[i] + radii[j],
             Limits::Kinds(kinds, count, table) => table[kinds[i] as usize * count + kinds[j] as usize],
         }
+    }
+
+    /// What a neighbour of `i` carries, or nothing if `j` is not closer than the limit.
+    #[inline]
+    fn measure<M: Measure>(&self, i: u32, j: u32, vector: [f64; 3]) -> Option<M> {
+        let distance = length(&vector);
+        (distance < self.limit(i, j)).then(|| M::new(vector, distance))
     }
 }
 
@@ -152,9 +237,9 @@ impl Buckets {
     }
 }
 
-/// Deals out those of `couples` that are kept.
-fn deal<C: TwoSided>(
-    mut couples: Vec<C>,
+/// Deals out those of `couples` that are closer than their limit.
+fn deal<M: Measure, C: TwoSided<M>>(
+    couples: &[C],
     atoms: &Atoms<'_>,
     buckets: Buckets,
     threads: usize,
@@ -162,36 +247,34 @@ fn deal<C: TwoSided>(
     let chunks = couples.len().div_ceil(CHUNK);
     let mut dealt: Vec<_> =
         (0..chunks).map(|_| Ok(Dealt { neighbours: Vec::new(), starts: Vec::new() })).collect();
-    tasks::run(threads, couples.chunks_mut(CHUNK).zip(&mut dealt), |(couples, dealt)| {
+    tasks::run(threads, couples.chunks(CHUNK).zip(&mut dealt), |(couples, dealt)| {
         *dealt = deal_chunk(couples, atoms, buckets);
     });
     dealt.into_iter().collect()
 }
 
-fn deal_chunk<C: TwoSided>(
-    couples: &mut [C],
+fn deal_chunk<M: Measure, C: TwoSided<M>>(
+    couples: &[C],
     atoms: &Atoms<'_>,
     buckets: Buckets,
 ) -> Result<Dealt<C::Side>, Problem> {
     let mut starts = vec![0; buckets.count + 1];
-    let mut kept = 0;
-    for place in 0..couples.len() {
-        let couple = couples[place];
-        if couple.is_kept(atoms) {
-            couples[kept] = couple;
-            kept += 1;
-            couple.sides().iter().for_each(|&(row, _)| starts[buckets.of(row) + 1] += 1);
-        }
+    let mut kept = Vec::new();
+    kept.try_reserve_exact(couples.len()).map_err(|_| Problem::out_of_memory::<C::Side>(couples.len()))?;
+    for side in couples.iter().filter_map(|couple| couple.side(atoms)) {
+        starts[buckets.of(C::row(&side)) + 1] += 1;
+        starts[buckets.of(C::row(&C::reversed(&side))) + 1] += 1;
+        kept.push(side);
     }
     for bucket in 0..buckets.count {
         starts[bucket + 1] += starts[bucket];
     }
-    let mut neighbours = zeros(2 * kept)?;
+    let mut neighbours = zeros(2 * kept.len())?;
     let mut next = starts.clone();
-    for couple in &couples[..kept] {
-        for (row, neighbour) in couple.sides() {
-            let place = &mut next[buckets.of(row)];
-            neighbours[*place] = neighbour;
+    for side in &kept {
+        for side in [*side, C::reversed(side)] {
+            let place = &mut next[buckets.of(C::row(&side))];
+            neighbours[*place] = side;
             *place += 1;
         }
     }
@@ -225,51 +308,44 @@ impl<'a> Columns<'a> {
     }
 
     #[inline]
-    fn set(&mut self, place: usize, row: u32, partner: u32, vector: [f64; 3], distance: f64) {
+    fn write(&mut self, place: usize, row: u32, partner: u32, measure: impl Measure) {
         if let Some(column) = &mut self.first {
             column[place] = i64::from(row);
         }
         if let Some(column) = &mut self.second {
             column[place] = i64::from(partner);
         }
-        if let Some(column) = &mut self.distance {
-            column[place] = distance;
-        }
-        if let Some(column) = &mut self.vector {
-            column[place] = vector;
-        }
+        measure.write(self, place);
     }
 }
 
 /// All neighbours, dealt out.
-struct Found {
-    plain: Vec<Dealt<Plain>>,
-    shifted: Vec<Dealt<Shifted>>,
+struct Found<M> {
+    plain: Vec<Dealt<Plain<M>>>,
+    shifted: Vec<Dealt<Shifted<M>>>,
     buckets: Buckets,
-    /// Whether each atom is its own neighbour.
-    with_self: bool,
 }
 
-impl Found {
-    fn rows(&self, bucket: usize, atoms: usize) -> std::ops::Range<u32> {
-        let end = ((bucket + 1) << self.buckets.bits).min(atoms);
+impl<M: Measure> Found<M> {
+    fn rows(&self, bucket: usize, atoms: &Atoms<'_>) -> std::ops::Range<u32> {
+        let end = ((bucket + 1) << self.buckets.bits).min(atoms.points.len());
         (bucket << self.buckets.bits) as u32..end as u32
     }
 
     /// Neighbours in a bucket.
-    fn len(&self, bucket: usize, atoms: usize) -> usize {
+    fn len(&self, bucket: usize, atoms: &Atoms<'_>) -> usize {
         self.plain.iter().map(|dealt| dealt.of(bucket).len()).sum::<usize>()
             + self.shifted.iter().map(|dealt| dealt.of(bucket).len()).sum::<usize>()
-            + if self.with_self { self.rows(bucket, atoms).len() } else { 0 }
+            + if atoms.with_self { self.rows(bucket, atoms).len() } else { 0 }
     }
 
     /// Sorts a bucket, and writes it.
     fn write(&self, bucket: usize, atoms: &Atoms<'_>, columns: &mut Columns<'_>) -> Result<(), Problem> {
-        let rows = self.rows(bucket, atoms.points.len());
+        let rows = self.rows(bucket, atoms);
         let local = |row: u32| (row - rows.start) as usize;
         let plain = || self.plain.iter().flat_map(|dealt| dealt.of(bucket));
-        let own = if self.with_self { rows.clone() } else { 0..0 };
-        let own = own.map(|row| Plain { row, partner: row });
+        let own = if atoms.with_self { rows.clone() } else { 0..0 };
+        let own = own.map(|row| Plain { row, partner: row, measure: M::default() });
 
         // Entry `r` is where the next neighbour of row `r` goes, and in the end where those of row `r` end.
         let mut ends = zeros::<usize>(rows.len() + 1)?;
@@ -278,27 +354,27 @@ impl Found {
         for row in 0..rows.len() {
             ends[row + 1] += ends[row];
         }
-        let mut partners = zeros::<u32>(ends[rows.len()])?;
+        let mut partners = zeros::<(u32, M)>(ends[rows.len()])?;
         for neighbour in plain().copied().chain(own) {
             let place = &mut ends[local(neighbour.row)];
-            partners[*place] = neighbour.partner;
+            partners[*place] = (neighbour.partner, neighbour.measure);
             *place += 1;
         }
 
         let mut shifted = Vec::new();
         for dealt in &self.shifted {
             let more = dealt.of(bucket);
-            shifted.try_reserve(more.len()).map_err(|_| Problem::out_of_memory::<Shifted>(more.len()))?;
+            shifted.try_reserve(more.len()).map_err(|_| Problem::out_of_memory::<Shifted<M>>(more.len()))?;
             shifted.extend_from_slice(more);
         }
-        shifted.sort_unstable();
+        shifted.sort_unstable_by_key(|image| (image.row, image.partner, image.shift));
         let mut shifted = shifted.into_iter().peekable();
 
         let (mut start, mut place) = (0, 0);
         for row in rows.clone() {
             let end = ends[local(row)];
             let partners = &mut partners[start..end];
-            partners.sort_unstable();
+            partners.sort_unstable_by_key(|&(partner, _)| partner);
             start = end;
             let mut partners = partners.iter().copied().peekable();
             loop {
@@ -306,17 +382,15 @@ impl Found {
                     image.row == row
                         && partners
                             .peek()
-                            .is_none_or(|&partner| (image.partner, image.shift) < (partner, [0; 3]))
+                            .is_none_or(|&(partner, _)| (image.partner, image.shift) < (partner, [0; 3]))
                 });
                 if let Some(image) = image {
-                    let vector = atoms.shifted_vector(&image);
-                    columns.set(place, row, image.partner, vector, length(&vector));
+                    columns.write(place, row, image.partner, image.measure);
                     if let Some(column) = &mut columns.shift {
                         column[place] = image.shift.map(i64::from);
                     }
-                } else if let Some(partner) = partners.next() {
-                    let vector = atoms.vector(row, partner);
-                    columns.set(place, row, partner, vector, length(&vector));
+                } else if let Some((partner, measure)) = partners.next() {
+                    columns.write(place, row, partner, measure);
                 } else {
                     break;
                 }
@@ -327,33 +401,24 @@ impl Found {
     }
 }
 
-fn find(
-    set: Set<'_, f64, 3>,
-    cell: Option<fdem_contact::PeriodicBox<f64, 3>>,
-    atoms: &Atoms<'_>,
-    signs: [i32; 3],
-    with_self: bool,
-    threads: usize,
-    stop: &Stop,
-) -> Result<Found, Problem> {
+/// Searches, and deals out what is found.
+fn find<M: Measure>(atoms: &Atoms<'_>, threads: usize, stop: &Stop) -> Result<Found<M>, Problem> {
     let buckets = Buckets::new(atoms.points.len());
-    let (couples, shifts) = match cell {
-        None => (search_open(set, Engine::Auto, threads, stop)?, Vec::new()),
-        Some(cell) => search_periodic(set, &cell, Engine::Auto, threads, stop)?,
+    let (mut couples, shifts) = match &atoms.periodic {
+        None => (search_open(atoms.set, Engine::Auto, threads, stop)?, Vec::new()),
+        Some(periodic) => search_periodic(atoms.set, periodic, Engine::Auto, threads, stop)?,
     };
     let plain = couples.len() - shifts.len();
     let mut shifted = zeros(shifts.len())?;
     for ((to, couple), shift) in shifted.iter_mut().zip(&couples[plain..]).zip(&shifts) {
-        let shift = std::array::from_fn(|edge| shift[edge] * signs[edge]);
-        *to = Shifted { row: couple.i, partner: couple.j, shift };
+        let shift = std::array::from_fn(|edge| shift[edge] * atoms.signs[edge]);
+        *to = ShiftedCouple { i: couple.i, j: couple.j, shift };
     }
-    let mut couples = couples;
     couples.truncate(plain);
     Ok(Found {
-        plain: deal(couples, atoms, buckets, threads)?,
-        shifted: deal(shifted, atoms, buckets, threads)?,
+        plain: deal::<M, _>(&couples, atoms, buckets, threads)?,
+        shifted: deal::<M, _>(&shifted, atoms, buckets, threads)?,
         buckets,
-        with_self,
     })
 }
 
@@ -391,29 +456,48 @@ pub(crate) fn neighbor_list<'py>(
     }
     let held = elements.hold::<f64>(py)?;
     let set = held.set::<3>(elements)?;
-    let atoms = set.points.len();
     let kinds = kinds.as_ref().map(entries_of).transpose()?;
     let limits = match (kinds, &table, set.sizes) {
         (Some(kinds), Some(table), _) => {
             let count = table.as_array().ncols();
             let table = table.as_slice().unwrap_or(&[]);
             if table.len() != count * count
-                || kinds.len() != atoms
+                || kinds.len() != set.points.len()
                 || kinds.iter().any(|&kind| kind as usize >= count)
             {
                 return Err(Problem::Arguments("kinds of other atoms".to_owned()).into());
             }
             Limits::Kinds(kinds, count, table)
         }
-        (_, _, SetSizes::Each(radii)) if radii.len() == atoms => Limits::Radii(radii),
+        (_, _, SetSizes::Each(radii)) if radii.len() == set.points.len() => Limits::Radii(radii),
         _ => Limits::One(cutoff),
     };
-    let searched = Atoms { points: set.points, edges, limits };
-    let cell = elements.cell::<f64, 3>()?;
-    let threads = threads_for(threads, atoms);
+    let atoms = Atoms {
+        points: set.points,
+        edges,
+        limits,
+        set,
+        periodic: elements.cell::<f64, 3>()?,
+        signs,
+        with_self: self_interaction,
+    };
+    let threads = threads_for(threads, set.points.len());
+    if quantities.contains('D') {
+        listed::<[f64; 3]>(py, quantities, &atoms, threads)
+    } else {
+        listed::<f64>(py, quantities, &atoms, threads)
+    }
+}
+
+/// Makes the columns of the list.
+fn listed<'py, M: Measure>(
+    py: Python<'py>,
+    quantities: &str,
+    atoms: &Atoms<'_>,
+    threads: usize,
+) -> PyResult<Listed<'py>> {
     let stop = Stop::default();
-    let search = || find(set, cell, &searched, signs, self_interaction, threads, &stop);
-    let found = interrupt::run(py, true, &stop, search)?;
+    let found = interrupt::run(py, true, &stop, || find::<M>(atoms, threads, &stop))?;
 
     let buckets = found.buckets.count;
     let len = (0..buckets).map(|bucket| found.len(bucket, atoms)).sum::<usize>();
@@ -453,7 +537,7 @@ pub(crate) fn neighbor_list<'py>(
                 (0..buckets).map(|bucket| (bucket, columns.split_off(found.len(bucket, atoms)))).collect();
             let problem = Mutex::new(None);
             tasks::run(threads, parts.into_iter(), |(bucket, mut columns)| {
-                if let Err(error) = found.write(bucket, &searched, &mut columns) {
+                if let Err(error) = found.write(bucket, atoms, &mut columns) {
                     *problem.lock().unwrap_or_else(std::sync::PoisonError::into_inner) = Some(error);
                 }
             });

@@ -17,7 +17,7 @@ use crate::command::failure::{Failure, display_name};
 use crate::command::memory;
 use crate::command::output::print;
 use crate::command::progress::Progress;
-use crate::model::{Checkpoint as When, Preflight, Prepared, prepare_within, with_end_time};
+use crate::model::{Checkpoint as When, Preflight, Prepared, prepare_within, steps, with_end_time};
 use crate::numbers::{brief, grouped};
 use account::{Account, PARTS};
 use folder::{Checkpoint, Folder, MODEL, SUMMARY};
@@ -44,11 +44,13 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     });
     let prepared = prepared.map_err(|errors| refused(&errors))?;
     let unusable = |why: String| Failure::Unusable(format!("{} cannot run: {why}", display_name(path)));
-    let (simulation, _) = progress.step("preparing the run", None, |_| {
-        Simulation::new(prepared.model.clone(), arguments.options.threads)
+    // The estimates have a simulation of their own, which is gone before that of the run is made.
+    let (ready, _) = progress.step("preparing the run", None, |_| {
+        let preflight = Preflight::of(&prepared)?;
+        let simulation = Simulation::new(prepared.model.clone(), arguments.options.threads);
+        Ok((preflight, simulation.map_err(|error| error.to_string())?))
     });
-    let simulation = simulation.map_err(|error| unusable(error.to_string()))?;
-    let preflight = Preflight::with(&prepared, simulation.critical_step()).map_err(unusable)?;
+    let (preflight, simulation) = ready.map_err(unusable)?;
     let target = arguments.output.clone().unwrap_or_else(|| default_folder(path));
     let folder = Folder::create(&target, arguments.force, text.as_bytes(), &inputs)?;
     let recorder = Recorder::new(&folder, &prepared)?;
@@ -103,7 +105,7 @@ pub(crate) fn resume(arguments: &ResumeArguments) -> Result<(), Failure> {
         Simulation::resume(prepared.model.clone(), state, arguments.options.threads)
     });
     let simulation = simulation.map_err(|error| unusable(error.to_string()))?;
-    let steps = Preflight::with(&prepared, simulation.critical_step()).map_err(unusable)?.steps;
+    let (_, steps) = steps(&prepared, simulation.critical_step().step).map_err(unusable)?;
     if steps < step {
         return Err(unusable(format!(
             "it has reached {} s, but its end_time is {} s",

@@ -1,6 +1,7 @@
 //! Estimates of what a run will take, before it starts.
 
 use std::fmt;
+use std::time::{Duration, Instant};
 
 use fdem_simulation::{CriticalStep, Insertion, Model, Simulation};
 use serde::Serialize;
@@ -9,22 +10,31 @@ use crate::model::slivers::Slivers;
 use crate::model::{Prepared, Quality};
 use crate::numbers::{brief, grouped};
 
-/// What an element costs.
+/// Costs of an element.
 struct Cost {
-    /// Time in a step on one core, s.
+    /// Time in a step on one core of the machine on which these were measured, s.
     seconds: f64,
     /// Memory while the run writes a frame or a checkpoint, bytes.
     bytes: f64,
 }
 
-/// Cost of an element of a material that does not break.
+/// Costs of an element of a material that does not break.
 const WHOLE: Cost = Cost { seconds: 40e-9, bytes: 600.0 };
 
-/// Cost of an element with joints on its edges from the beginning.
+/// Costs of an element with joints on its edges from the beginning.
 const JOINED: Cost = Cost { seconds: 160e-9, bytes: 2100.0 };
 
-/// Cost of an element of a material that breaks, in the mean over a run in which it does: joints are inserted, fragments touch.
+/// Costs of an element of a material that breaks, as the mean over a run in which it does: joints are inserted, fragments touch.
 const BREAKING: Cost = Cost { seconds: 400e-9, bytes: 1500.0 };
+
+/// Share of the forces of elements in [`WHOLE`].
+const BULK: f64 = 0.6;
+
+/// The run time is measured over one in so many steps, but over no fewer and no more than these, and for no longer than `PATIENCE`.
+const MEASURED_SHARE: u64 = 100;
+const MEASURED_LEAST: u64 = 10;
+const MEASURED_MOST: u64 = 2000;
+const PATIENCE: Duration = Duration::from_millis(250);
 
 /// Memory of the program without a model, with what it needs to draw, bytes.
 const PROGRAM: f64 = 28e6;
@@ -82,29 +92,17 @@ pub struct Preflight {
 }
 
 impl Preflight {
-    /// Of a model that is ready to run.
+    /// Estimates for a model that is ready to run. The run time is measured: the first steps are computed, for a quarter of a second at most, and forgotten.
     ///
     /// # Errors
-    /// In words: what of the model cannot be run.
+    /// Says why the model cannot be run.
     pub fn of(prepared: &Prepared) -> Result<Self, String> {
-        // All that a run would find is found here.
-        let run = Simulation::new(prepared.model.clone(), 1).map_err(|error| error.to_string())?;
-        Self::with(prepared, run.critical_step())
-    }
-
-    /// The same, where a run was made of the model and has told its critical step.
-    ///
-    /// # Errors
-    /// In words: more steps than a clock can count.
-    pub fn with(prepared: &Prepared, critical: CriticalStep) -> Result<Self, String> {
-        let (model, critical) = (&prepared.model, Critical::from(critical));
-        let step = model.time.step.unwrap_or(critical.step * model.time.safety);
-        let steps = (prepared.end_time / step).ceil();
-        if !(1.0..=MOST).contains(&steps) {
-            return Err(format!(
-                "it would take {steps:e} steps of {step:e} s: look at densities, moduli, penalties, damping and end time"
-            ));
-        }
+        let model = &prepared.model;
+        // All errors that a run would find are found here.
+        let run = Simulation::new(model.clone(), 1).map_err(|error| error.to_string())?;
+        let critical = Critical::from(run.critical_step());
+        let (step, steps) = steps(prepared, critical.step)?;
+        let pace = Pace::of(run, steps, model);
         let mut warnings = prepared.warnings.clone();
         if step > critical.step {
             warnings.push(format!(
@@ -113,7 +111,7 @@ impl Preflight {
                 brief(critical.step)
             ));
         }
-        let seconds = sum(model, |cost| cost.seconds) * steps;
+        let seconds = pace.breaking * steps as f64;
         if let Some(slivers) = Slivers::of(model) {
             warnings.push(slivers.told(&duration(seconds), &duration(seconds / slivers.longer)));
         }
@@ -124,9 +122,9 @@ impl Preflight {
             quality: prepared.quality.clone(),
             critical,
             step,
-            steps: steps as u64,
+            steps,
             seconds,
-            seconds_whole: whole(model) * steps,
+            seconds_whole: pace.whole * steps as f64,
             memory: PROGRAM + sum(model, |cost| cost.bytes).max(in_report(prepared)),
             warnings,
             hash: prepared.hash.clone(),
@@ -134,25 +132,77 @@ impl Preflight {
     }
 }
 
+/// The time step of a run, s, and the number of steps until its end time.
+///
+/// # Errors
+/// Says that there are more steps than can be counted.
+pub(crate) fn steps(prepared: &Prepared, critical: f64) -> Result<(f64, u64), String> {
+    let time = &prepared.model.time;
+    let step = time.step.unwrap_or(critical * time.safety);
+    let steps = (prepared.end_time / step).ceil();
+    if !(1.0..=MOST).contains(&steps) {
+        return Err(format!(
+            "it would take {steps:e} steps of {step:e} s: look at densities, moduli, penalties, damping and end time"
+        ));
+    }
+    Ok((step, steps as u64))
+}
+
+/// Time of a step on one core of this machine, s.
+struct Pace {
+    /// While nothing breaks.
+    whole: f64,
+    /// Mean over a run in which all breaks that can.
+    breaking: f64,
+}
+
+impl Pace {
+    /// Computes the first of the `steps` of a run. Contacts and boundaries have their cost from the first step on; what breaking costs is estimated.
+    fn of(mut run: Simulation, steps: u64, model: &Model) -> Self {
+        let expected = sum(model, |_| WHOLE.seconds);
+        let more = match model.fracture.insertion {
+            Insertion::Adaptive => sum(model, |cost| cost.seconds) - expected,
+            Insertion::Intrinsic => 0.0,
+        };
+        let wanted = (steps / MEASURED_SHARE).clamp(MEASURED_LEAST, MEASURED_MOST);
+        // The first step detects couples; few others do. A model that fails at once has no later step either.
+        let mut times = Vec::new();
+        let mut elements = Duration::ZERO;
+        if run.advance(1).is_ok() {
+            let start = Instant::now();
+            let before = run.timings();
+            while (times.len() as u64) < wanted && (times.is_empty() || start.elapsed() < PATIENCE) {
+                let begin = Instant::now();
+                if run.advance(1).is_err() {
+                    break;
+                }
+                times.push(begin.elapsed().as_secs_f64());
+            }
+            elements = run.timings().bulk - before.bulk;
+        }
+        if times.is_empty() {
+            let seconds = sum(model, |cost| cost.seconds);
+            return Self { whole: seconds - more, breaking: seconds };
+        }
+        let slower = elements.as_secs_f64() / times.len() as f64 / (expected * BULK);
+        // Other work of the machine makes some steps longer, so their mean is not the one to take.
+        times.sort_unstable_by(f64::total_cmp);
+        let whole = times[times.len() / 2];
+        Self { whole, breaking: whole + slower * more }
+    }
+}
+
 /// A cost, added up over the elements.
-fn sum(model: &Model, of: impl Fn(&Cost) -> f64) -> f64 {
-    let cost = |material: &u32| {
+fn sum(model: &Model, cost: impl Fn(&Cost) -> f64) -> f64 {
+    let of = |material: &u32| {
         let breaks = model.materials[*material as usize].strength.is_some();
-        of(match model.fracture.insertion {
+        cost(match model.fracture.insertion {
             _ if !breaks => &WHOLE,
             Insertion::Adaptive => &BREAKING,
             Insertion::Intrinsic => &JOINED,
         })
     };
-    model.mesh.materials.iter().map(cost).sum()
-}
-
-/// Time of a step on one core if nothing breaks, s.
-fn whole(model: &Model) -> f64 {
-    match model.fracture.insertion {
-        Insertion::Adaptive => sum(model, |_| WHOLE.seconds),
-        Insertion::Intrinsic => sum(model, |cost| cost.seconds),
-    }
+    model.mesh.materials.iter().map(of).sum()
 }
 
 /// Memory for the report beside the simulation, bytes: all frames, of which those of large meshes are samples.
