@@ -1,7 +1,7 @@
-//! Connectivity of elements: their corners, the nodes that they share, the edges between them.
+//! Connectivity of elements: their corners, the nodes that they share, and the edges between them.
 //!
-//! A *vertex* is a node of the given mesh; a *node* is a point that moves. Where the mesh is whole a vertex is one node. Where the mesh has broken a vertex is several nodes,
-//! each shared by the corners of elements that are still connected there. Corner `3 e + k` is the `k`-th corner of element `e`.
+//! A *vertex* is a node of the given mesh; a *node* is a point that moves. A vertex has one node where the mesh is intact, and several nodes where it has
+//! broken. Each of these is shared by the corners of elements that are still connected there. Corner `3 e + k` is the `k`-th corner of element `e`.
 
 use crate::error::ModelError;
 use crate::model::Mesh;
@@ -9,7 +9,7 @@ use crate::model::Mesh;
 /// Stands for no edge or no joint.
 pub(crate) const NONE: u32 = u32::MAX;
 
-/// An edge between two elements. Side 0 is the element with the lower number; both sides list their corners in its direction.
+/// An edge between two elements. Side 0 is the element with the lower number. Both sides list their corners in the direction of side 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Edge {
     pub(crate) corners: [[u32; 2]; 2],
@@ -26,7 +26,7 @@ impl Edge {
 pub(crate) struct Topology {
     /// Vertex of each corner.
     pub(crate) vertices: Vec<u32>,
-    /// Corners of each vertex, ascending: the slices between these offsets.
+    /// The corners of vertex `v` are `corners[offsets[v]..offsets[v + 1]]`, ascending.
     offsets: Vec<u32>,
     corners: Vec<u32>,
     /// Edges between elements.
@@ -67,7 +67,7 @@ impl Topology {
         self.offsets.len() - 1
     }
 
-    /// Whether each vertex is at an end of an outer edge.
+    /// Returns for each vertex whether it is at an end of an outer edge.
     pub(crate) fn outer_vertices(&self) -> Vec<bool> {
         let mut outer = vec![false; self.vertex_count()];
         for (element, edges) in self.edge_of.iter().enumerate() {
@@ -80,7 +80,7 @@ impl Topology {
         outer
     }
 
-    /// Numbers the pieces that hang together by edges that `hold`, from 0 in the order of their first elements; the number of each element.
+    /// Numbers the pieces whose elements are connected by edges that hold, from 0 in the order of their first elements. Returns the piece of each element.
     pub(crate) fn pieces(&self, holds: impl Fn(u32) -> bool) -> Vec<u32> {
         let mut pieces = vec![NONE; self.edge_of.len()];
         let (mut count, mut waiting) = (0, Vec::new());
@@ -105,7 +105,7 @@ impl Topology {
         pieces
     }
 
-    /// The edges between elements that meet at a vertex, each once, each with the corner of its side 0.
+    /// Returns the edges between elements that meet at a vertex, each once and with the corner of its side 0.
     pub(crate) fn edges_around(&self, vertex: u32) -> impl Iterator<Item = (u32, u32)> + '_ {
         self.corners_of(vertex).iter().flat_map(move |&corner| {
             let own =
@@ -114,22 +114,22 @@ impl Topology {
         })
     }
 
-    /// The edges that meet in a corner of their element.
+    /// Returns the two edges of an element that meet at one of its corners.
     pub(crate) fn edges_at(&self, corner: u32) -> [u32; 2] {
         let edges = &self.edge_of[corner as usize / 3];
         let k = corner as usize % 3;
         [edges[k], edges[(k + 2) % 3]]
     }
 
-    /// The corner at the same vertex in the element beyond an edge.
+    /// Returns the corner at the same vertex in the element on the other side of an edge.
     fn across(&self, edge: u32, corner: u32) -> u32 {
         let [one, other] = self.edges[edge as usize].corners;
         let end = |side: [u32; 2]| usize::from(side[1] == corner);
         if one.contains(&corner) { other[end(one)] } else { one[end(other)] }
     }
 
-    /// Groups the corners of a vertex: those of elements with a common edge that `holds` are together. Group numbers are those of the lowest corner's place in
-    /// `corners_of`, at the place of each corner.
+    /// Groups the corners of a vertex. Corners of elements with a common edge that holds are in the same group. `groups` gets the group of each corner, in the
+    /// order of [`Self::corners_of`]. The number of a group is the place of its first corner in that order.
     pub(crate) fn groups(&self, vertex: u32, holds: impl Fn(u32) -> bool, groups: &mut Vec<u32>) {
         let corners = self.corners_of(vertex);
         groups.clear();
@@ -139,7 +139,7 @@ impl Topology {
                 continue;
             }
             groups[first] = first as u32;
-            // Around the vertex, one way and the other, as far as edges hold.
+            // Go around the vertex in both directions, as far as the edges hold.
             for start in self.edges_at(corners[first]) {
                 let (mut corner, mut edge) = (corners[first], start);
                 while edge != NONE && holds(edge) {
@@ -189,18 +189,18 @@ fn edges(vertices: &[u32]) -> Result<(Vec<Edge>, Vec<[u32; 3]>), ModelError> {
         for corner in [a, b] {
             edge_of[corner as usize / 3][corner as usize % 3] = number as u32;
         }
-        // The other element has the edge in the other direction.
+        // The other element has the edge in the opposite direction.
         Edge { corners: [[a, follower(a)], [follower(b), b]] }
     });
     Ok((edges.collect(), edge_of))
 }
 
-/// The next corner of the same element.
+/// Returns the next corner of the same element.
 pub(crate) fn follower(corner: u32) -> u32 {
     if corner % 3 == 2 { corner - 2 } else { corner + 1 }
 }
 
-/// The corners of each node, as lists: the first of each node, the next of each corner, ascending.
+/// Linked lists of the corners of each node, in ascending order.
 #[derive(Clone, Debug)]
 pub(crate) struct Nodes {
     /// Nodes of the corners of each element.
@@ -212,7 +212,7 @@ pub(crate) struct Nodes {
 }
 
 impl Nodes {
-    /// The lists for these nodes of corners.
+    /// Builds the lists from the nodes of the corners of each element. `count` is the number of nodes.
     pub(crate) fn new(of_corner: Vec<[u32; 3]>, count: usize) -> Self {
         let mut nodes = Self { first: vec![NONE; count], next: vec![NONE; 3 * of_corner.len()], of_corner };
         for corner in (0..nodes.next.len() as u32).rev() {
@@ -221,7 +221,7 @@ impl Nodes {
         nodes
     }
 
-    /// The node of a corner.
+    /// Returns the node of a corner.
     #[inline]
     pub(crate) fn node_at(&self, corner: u32) -> u32 {
         self.of_corner[corner as usize / 3][corner as usize % 3]
@@ -238,8 +238,8 @@ impl Nodes {
         self.first[node] = corner;
     }
 
-    /// Gives the corners `of` a vertex nodes by `groups`: the first group of each node keeps it, others get new ones. Calls `added` with the old node and the
-    /// new one for each of these. Returns whether there were any.
+    /// Gives each group of the corners `of` a vertex a node of its own. The first group of each node keeps the node, the others get new nodes. Calls `added`
+    /// with the old node and the new one for each new node. Returns whether there are any.
     pub(crate) fn split(&mut self, of: &[u32], groups: &[u32], mut added: impl FnMut(u32, u32)) -> bool {
         let mut split = false;
         for (place, &corner) in of.iter().enumerate() {
@@ -248,7 +248,7 @@ impl Nodes {
                 self.set(corner, self.node_at(of[leader]));
                 continue;
             }
-            // The first of its group: the node is its own unless an earlier group has it.
+            // This corner is the first of its group. It keeps its node unless an earlier group has the node.
             let node = self.node_at(corner);
             let taken = (0..place).any(|k| self.node_at(of[k]) == node);
             if taken {
@@ -320,7 +320,7 @@ mod tests {
         assert_eq!([2, 5, 8, 11].map(|corner| nodes.node_at(corner)), [4, 5, 5, 4]);
         assert_eq!((nodes.first[4], nodes.next[2], nodes.next[11]), (2, 11, NONE));
         assert_eq!((nodes.first[5], nodes.next[5], nodes.next[8]), (5, 8, NONE));
-        // The same again changes nothing.
+        // Splitting again by the same groups changes nothing.
         assert!(!nodes.split(topology.corners_of(4), &groups, |_, _| ()));
     }
 

@@ -138,8 +138,8 @@ pub(crate) fn refused(errors: &ModelErrors) -> Failure {
         Drawing::Plain
     };
     let count = match errors.faults.len() {
-        1 => "1 thing is wrong".to_owned(),
-        count => format!("{count} things are wrong"),
+        1 => "1 error".to_owned(),
+        count => format!("{count} errors"),
     };
-    Failure::Unusable(format!("{count} with {}\n{}", errors.name, errors.render(drawing).trim_end()))
+    Failure::Unusable(format!("{} has {count}\n{}", errors.name, errors.render(drawing).trim_end()))
 }

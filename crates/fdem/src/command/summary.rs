@@ -228,7 +228,8 @@ impl fmt::Display for Summary {
             line("bodies", format!("{}, without couples within a body", grouped(bodies as u64)))?;
         }
         if self.skipped_lines > 0 {
-            line("skipped", format!("{} that could not be read", grouped(self.skipped_lines)))?;
+            let plural = if self.skipped_lines == 1 { "" } else { "s" };
+            line("skipped", format!("{} bad line{plural}", grouped(self.skipped_lines)))?;
         }
         if !self.domain.is_empty() {
             let sides: Vec<_> =
@@ -265,7 +266,7 @@ impl fmt::Display for Summary {
                 Some(shift) if shift.iter().any(|&edges| edges != 0) => format!(", shift {shift:?}"),
                 _ => String::new(),
             };
-            line("largest overlap", format!("{}{unit}, of {i} and {j}{across}", brief(overlap)))?;
+            line("largest overlap", format!("{}{unit} between {i} and {j}{across}", brief(overlap)))?;
         }
         if let Some(analysis) = &self.analysis {
             write_lines(out, analysis, &unit)?;

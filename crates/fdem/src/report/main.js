@@ -17,7 +17,7 @@ class Page {
     try {
       this.view = new View($("canvas"), network);
     } catch (error) {
-      preview(`This is a picture only: ${error.message}.`);
+      preview(`Only a picture is shown: ${error.message}.`);
     }
     this.table = new Table(network, (k) => this.pick(k, true));
     this.find();
@@ -28,7 +28,7 @@ class Page {
       this.keyboard();
       this.paint();
       $("loading").hidden = true;
-      $("canvas").addEventListener("webglcontextlost", () => preview("This is a picture only: the graphics card was lost. Open the page again to turn it."));
+      $("canvas").addEventListener("webglcontextlost", () => preview("Only a picture is shown: the browser lost its connection to the graphics card. Reload the page to rotate the view."));
       window.addEventListener("fdem-theme", () => this.paint());
     }
   }
@@ -92,7 +92,7 @@ class Page {
     return others;
   }
 
-  // Selects element k, or none for -1.
+  // Selects element k, or none if k is -1.
   pick(k, bring = false) {
     this.selected = k;
     this.describe();
@@ -368,6 +368,6 @@ openNetwork().then((network) => {
   };
   document.documentElement.dataset.ready = "true";
 }).catch((error) => {
-  preview(`This is a picture only: ${error.message}.`);
+  preview(`Only a picture is shown: ${error.message}.`);
   document.documentElement.dataset.ready = "failed";
 });

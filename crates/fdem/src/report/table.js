@@ -116,7 +116,7 @@ function elementButton(network, k, pick) {
   const button = document.createElement("button");
   button.type = "button";
   button.textContent = network.id(k);
-  button.setAttribute("aria-label", `pick element ${network.id(k)}`);
+  button.setAttribute("aria-label", `select element ${network.id(k)}`);
   button.addEventListener("click", () => pick(k));
   return button;
 }

@@ -9,13 +9,13 @@ use crate::results::field::{Field, NO_VALUE, numbered_colour};
 use crate::results::frame::Frame;
 use crate::results::pictures::{CRACKS, Pictures};
 
-/// Time for which the last picture stays, in hundredths of a second.
+/// Shortest display time of the last picture, in hundredths of a second.
 const LAST: u16 = 150;
 
-/// An animation that grows frame by frame. All frames share one palette, and each frame stores only the rectangle that changed.
+/// A GIF animation to which frames are added one by one. All frames share one palette, and each frame stores only the rectangle that changed.
 ///
 /// # Cost
-/// About 0.1 s for a frame of 900 pixels, and 100 to 300 kB if the field changes everywhere.
+/// About 0.1 s for a frame 900 pixels wide. A frame takes 100 to 300 kB if the field changes everywhere.
 #[derive(Debug)]
 pub struct Animation<'a> {
     pictures: Pictures<'a>,
@@ -29,9 +29,9 @@ pub struct Animation<'a> {
 struct Film {
     encoder: gif::Encoder<Vec<u8>>,
     size: [u16; 2],
-    /// The picture after the last frame, as places in the palette.
+    /// The picture after the last frame, as indices into the palette.
     shown: Vec<u8>,
-    /// The last frame, not written yet: the final one stays longer.
+    /// The last frame. It is not written yet, because the final frame is shown longer.
     waiting: gif::Frame<'static>,
 }
 
@@ -41,15 +41,15 @@ impl fmt::Debug for Film {
     }
 }
 
-/// Reason for which there is no animation.
+/// The reason why an animation cannot be made.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum AnimationError {
     /// A frame cannot be drawn.
     Picture(PictureError),
-    /// The encoder refuses the pictures.
+    /// The pictures cannot be encoded.
     Gif {
-        /// Message of the encoder.
+        /// The reason, as a message.
         message: String,
     },
     /// There was no frame.
@@ -60,8 +60,8 @@ impl fmt::Display for AnimationError {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Picture(error) => error.fmt(out),
-            Self::Gif { message } => write!(out, "the pictures cannot be made a GIF: {message}"),
-            Self::Empty => write!(out, "an animation needs a frame"),
+            Self::Gif { message } => write!(out, "the GIF cannot be made: {message}"),
+            Self::Empty => write!(out, "an animation needs at least one frame"),
         }
     }
 }
@@ -81,7 +81,7 @@ impl From<gif::EncodingError> for AnimationError {
 }
 
 impl<'a> Animation<'a> {
-    /// An animation without frames. `delay` is the time between two frames in hundredths of a second; `width` is as in [`Pictures::png`].
+    /// Creates an animation without frames. `delay` is the time between two frames in hundredths of a second; `width` is as in [`Pictures::png`].
     pub fn new(pictures: Pictures<'a>, width: Option<u32>, delay: u16) -> Self {
         Self { pictures, width, delay, palette: Palette::new(pictures.field), film: None }
     }
@@ -89,11 +89,11 @@ impl<'a> Animation<'a> {
     /// Adds a frame.
     ///
     /// # Errors
-    /// Those of [`Pictures::png`], and of the encoder.
+    /// The errors of [`Pictures::png`] and of the encoder.
     pub fn push(&mut self, frame: &Frame) -> Result<(), AnimationError> {
         let ([width, height], pixels) = self.pictures.pixels(frame, self.width)?;
         let side = |pixels: u32| {
-            u16::try_from(pixels).map_err(|_| AnimationError::Gif { message: "it is too large".to_owned() })
+            u16::try_from(pixels).map_err(|_| AnimationError::Gif { message: "frame too large".to_owned() })
         };
         let size = [side(width)?, side(height)?];
         let places: Vec<u8> = pixels
@@ -114,10 +114,10 @@ impl<'a> Animation<'a> {
         Ok(())
     }
 
-    /// The file. The animation repeats without end, and its last picture stays longer.
+    /// Returns the file. The animation repeats without end, and shows its last picture for at least 1.5 s.
     ///
     /// # Errors
-    /// Those of the encoder; [`AnimationError::Empty`].
+    /// The errors of the encoder; [`AnimationError::Empty`] if there is no frame.
     pub fn finish(self) -> Result<Vec<u8>, AnimationError> {
         let mut film = self.film.ok_or(AnimationError::Empty)?;
         film.waiting.delay = film.waiting.delay.max(LAST);
@@ -126,7 +126,7 @@ impl<'a> Animation<'a> {
     }
 }
 
-/// The rectangle in which two pictures differ: upper left corner and extent, one pixel at least.
+/// Returns the rectangle in which two pictures differ: its upper left corner and its extent, which is at least one pixel.
 fn changed(before: &[u8], now: &[u8], [width, height]: [u16; 2]) -> ([u16; 2], [u16; 2]) {
     let (mut low, mut high) = ([width, height], [0, 0]);
     let row = usize::from(width);
@@ -142,7 +142,7 @@ fn changed(before: &[u8], now: &[u8], [width, height]: [u16; 2]) -> ([u16; 2], [
     if low[0] < high[0] { (low, [high[0] - low[0], high[1] - low[1]]) } else { ([0, 0], [1, 1]) }
 }
 
-/// Part of a picture as a frame that is drawn over the frames before.
+/// Cuts a part out of a picture, as a frame that is drawn over the earlier frames.
 fn part(places: &[u8], at: [u16; 2], extent: [u16; 2], size: [u16; 2], delay: u16) -> gif::Frame<'static> {
     let [left, top, width, height] = [at[0], at[1], extent[0], extent[1]].map(usize::from);
     let rows = places.chunks_exact(usize::from(size[0])).skip(top).take(height);
@@ -159,11 +159,11 @@ fn part(places: &[u8], at: [u16; 2], extent: [u16; 2], size: [u16; 2], delay: u1
     }
 }
 
-/// 256 colours for all frames: those of the field, of text, outlines and cracks, and the steps from each to the white background.
+/// At most 256 colours for all frames: the colours of the field, of text, outlines and cracks, and steps from these to the white background.
 #[derive(Debug)]
 struct Palette {
     colours: Vec<Rgb>,
-    /// Place of the nearest colour for each colour of six bits a channel, as far as it is known.
+    /// Index of the nearest colour for each colour with six bits per channel; `None` until it is needed.
     nearest: Vec<Option<u8>>,
 }
 
@@ -184,7 +184,7 @@ impl Palette {
             colours.extend((0..144).map(|k| colour::at(field.ramp(), f64::from(k) / 143.0)));
             colours.extend(field.ramp().iter().flat_map(|&colour| fading(colour, 4).take(3)));
         }
-        debug_assert!(colours.len() <= 256, "a GIF has 256 colours");
+        debug_assert!(colours.len() <= 256, "a GIF has at most 256 colours");
         Self { colours, nearest: vec![None; 1 << (3 * BITS)] }
     }
 
@@ -198,7 +198,7 @@ impl Palette {
         if let Some(place) = self.nearest[cell] {
             return place;
         }
-        // The middle of the cell decides, so that the order of the pixels does not matter.
+        // All colours of a cell are replaced by one, so that the result does not depend on the order of the pixels.
         let middle = colour.map(|channel| i32::from(channel >> (8 - BITS)) * 255 / ((1 << BITS) - 1));
         let distance = |other: &Rgb| -> i32 {
             (0..3).map(|channel| (middle[channel] - i32::from(other[channel])).pow(2)).sum()

@@ -24,10 +24,10 @@ const OF_TITLES: [f64; 2] = [13.5, 10.0];
 const OF_AXES: [f64; 2] = [12.0, 9.0];
 const RIGHT: f64 = 20.0;
 
-/// Most points of a curve that are drawn: about as many as there are pixels.
+/// Maximum number of points drawn of a curve: about as many as a picture has pixels across.
 const MOST_POINTS: usize = 1600;
 
-/// Colours of the curves in turn, distinct on white and on black; dashes distinguish them, too.
+/// Colours of the curves, used in turn. They are distinct on white and on black; dashes distinguish the curves, too.
 const COLOURS: [Rgb; 8] = [
     [31, 119, 190],
     [226, 105, 30],
@@ -46,12 +46,12 @@ pub(crate) struct Axis<'a> {
     pub(crate) unit: &'a str,
 }
 
-/// A curve; values that are not finite are gaps.
+/// A curve. Values that are not finite leave gaps.
 pub(crate) struct Curve<'a> {
     pub(crate) name: &'a str,
     pub(crate) across: Cow<'a, [f64]>,
     pub(crate) up: Cow<'a, [f64]>,
-    /// Running mean, if the values are noisy; it is drawn over the pale curve of the values.
+    /// Running mean, if the values are noisy. It is drawn over the values, which are pale.
     pub(crate) mean: Option<Mean>,
 }
 
@@ -82,7 +82,7 @@ pub(crate) struct Chart<'a> {
 
 /// Conversion of the numbers of an axis to positions in the chart.
 struct Scale {
-    /// Limits in the unit that is shown.
+    /// Limits in the displayed unit.
     low: f64,
     high: f64,
     factor: f64,
@@ -148,7 +148,7 @@ impl Chart<'_> {
             svg.line([LEFT, zero], [LEFT + width, zero], 0.8, PALE);
         }
         if let Some(Mean { rows, .. }) = self.curves.iter().find_map(|curve| curve.mean.as_ref()) {
-            let note = format!("pale: as recorded; strong: running mean of {rows} rows");
+            let note = format!("pale: recorded; bold: running mean of {rows} rows");
             svg.label([WIDTH - RIGHT, TOP - 12.0], 10.5, Anchor::End, PALE, &note);
         }
         let (name, size) = fitting(&up.label(self.up.name), WIDTH / 2.0, OF_AXES, false);
@@ -189,7 +189,7 @@ impl Chart<'_> {
     }
 }
 
-/// Lines between consecutive points; points that are not finite leave a gap.
+/// Returns an SVG path of lines between consecutive points. Points that are not finite leave a gap.
 fn path(across: &[f64], up: &[f64], place: impl Fn([f64; 2]) -> [f64; 2]) -> String {
     let mut path = String::new();
     let mut drawing = false;
@@ -204,8 +204,8 @@ fn path(across: &[f64], up: &[f64], place: impl Fn([f64; 2]) -> [f64; 2]) -> Str
     path
 }
 
-/// Indices of the points of a curve that are drawn. A long curve is divided into stretches; the first, the last, the least and the greatest value of each
-/// are drawn, so that no peak is lost.
+/// Returns the indices of the points of a curve that are drawn. A long curve is divided into stretches. The first, the last, the least and the greatest
+/// value of each stretch are drawn, so that no peak is lost.
 fn shown(values: &[f64]) -> Vec<usize> {
     if values.len() <= MOST_POINTS {
         return (0..values.len()).collect();

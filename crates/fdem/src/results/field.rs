@@ -44,7 +44,7 @@ pub(crate) const SCALES: [Field; 6] = [
     Field::Damage,
 ];
 
-/// Colours of signed fields: blue for compression, red for tension, pale at zero. Colours at equal distance from the middle are equally light.
+/// Colours of signed fields: blue for compression, red for tension, pale at zero. Colours at equal distance from the middle are about equally light.
 const SIGNED: [Rgb; 17] = [
     [9, 48, 112],
     [20, 70, 146],
@@ -93,7 +93,7 @@ impl Field {
         Self::Material,
     ];
 
-    /// Name of the field in options, model files and reports.
+    /// Returns the name of the field in options, model files and reports.
     pub fn key(self) -> &'static str {
         match self {
             Self::MaxPrincipal => "max_principal",
@@ -107,7 +107,7 @@ impl Field {
         }
     }
 
-    /// Name of the field in texts.
+    /// Returns the name of the field in texts.
     pub fn name(self) -> &'static str {
         match self {
             Self::MaxPrincipal => "largest principal stress",
@@ -121,7 +121,7 @@ impl Field {
         }
     }
 
-    /// Unit of the values; empty for none.
+    /// Returns the unit of the values; empty if they have none.
     pub fn unit(self) -> &'static str {
         match self {
             Self::MaxPrincipal | Self::MinPrincipal | Self::VonMises => "Pa",
@@ -131,17 +131,17 @@ impl Field {
         }
     }
 
-    /// Index of the field in [`SCALES`].
+    /// Returns the index of the field in [`SCALES`].
     pub(crate) fn scale(self) -> Option<usize> {
         SCALES.iter().position(|&other| other == self)
     }
 
-    /// Whether the field has a sign: its colours are pale at 0.
+    /// Whether the values have a sign. The colours of such a field are pale at 0.
     pub(crate) fn signed(self) -> bool {
         matches!(self, Self::MaxPrincipal | Self::MinPrincipal)
     }
 
-    /// Colours from the lowest value to the highest.
+    /// Returns the colours from the lowest value to the highest.
     pub(crate) fn ramp(self) -> &'static [Rgb; 17] {
         match self {
             Self::MaxPrincipal | Self::MinPrincipal => &SIGNED,
@@ -150,7 +150,7 @@ impl Field {
         }
     }
 
-    /// Values of all elements. `snapshot` has been checked.
+    /// Returns the values of all elements of a snapshot that has been checked.
     pub(crate) fn values(self, snapshot: &Snapshot) -> Vec<f64> {
         let mean = |vectors: &[[f64; 2]]| -> Vec<f64> {
             let of = |nodes: &[u32; 3]| {
@@ -172,7 +172,7 @@ impl Field {
         }
     }
 
-    /// Colour of a value on a scale with this range.
+    /// Returns the colour of a value on a scale with this range.
     pub(crate) fn colour(self, value: f64, range: Range) -> Rgb {
         if value.is_nan() {
             return NO_VALUE;
@@ -181,12 +181,12 @@ impl Field {
     }
 }
 
-/// Colour of a body or a material by its number; consecutive numbers have different colours.
+/// Returns the colour of a body or a material by its number. Consecutive numbers have different colours.
 pub(crate) fn numbered_colour(number: u32) -> Rgb {
     NUMBERED[number as usize % NUMBERED.len()]
 }
 
-/// The values at the two ends of a colour scale; values beyond have the colour of the end.
+/// The values at the two ends of a colour scale. Values beyond an end have the colour of that end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Range {
     /// Value at the start.
@@ -196,8 +196,8 @@ pub struct Range {
 }
 
 impl Range {
-    /// The range of a whole series. It covers 98 % of the elements in every frame, so that single elements under a load do not take the colours from all
-    /// others. Ranges of stresses are symmetric about 0, ranges of other quantities begin at 0, and that of damage ends at 1.
+    /// Returns the range of a whole series. It covers at least 98 % of the elements in every frame, so that a few extreme values do not use up the colours.
+    /// Ranges of principal stresses are symmetric about 0. All other ranges begin at 0; the range of damage ends at 1.
     pub fn of<'a>(frames: impl IntoIterator<Item = &'a Frame>, field: Field) -> Self {
         let Some(scale) = field.scale().filter(|_| field != Field::Damage) else {
             return Self { low: 0.0, high: 1.0 };
@@ -214,7 +214,7 @@ impl Range {
         Self { low: if field.signed() { -high } else { 0.0 }, high }
     }
 
-    /// Position of a value between the two ends: 0 at the low end, 1 at the high end.
+    /// Returns the position of a value between the two ends: 0 at the low end, 1 at the high end.
     pub(crate) fn share(self, value: f64) -> f64 {
         (value - self.low) / (self.high - self.low)
     }

@@ -1,11 +1,11 @@
-//! Rasterization of triangles and lines, with four samples for each pixel against jagged edges.
+//! Rasterization of triangles and lines, with four samples per pixel for smooth edges.
 
 use crate::picture::colour::Rgb;
 
 /// Samples along the side of a pixel.
 const SAMPLES: usize = 2;
 
-/// A drawing area, white at first.
+/// A drawing area, initially white.
 pub(crate) struct Fill {
     /// Width in samples.
     width: usize,
@@ -14,13 +14,13 @@ pub(crate) struct Fill {
 }
 
 impl Fill {
-    /// A white area of this width and height in pixels.
+    /// Creates a white area of this width and height in pixels.
     pub(crate) fn new([width, height]: [usize; 2]) -> Self {
         let (width, height) = (width * SAMPLES, height * SAMPLES);
         Self { width, height, samples: vec![[255; 3]; width * height] }
     }
 
-    /// Fills a triangle, its corners in pixels from the upper left. A sample belongs to the triangle that contains its centre, so that each sample belongs to one
+    /// Fills a triangle. Its corners are in pixels from the upper left. A sample belongs to the triangle that contains its centre, so it belongs to only one
     /// of two adjacent triangles.
     pub(crate) fn triangle(&mut self, corners: [[f64; 2]; 3], colour: Rgb) {
         self.convex(&corners, colour);
@@ -51,7 +51,7 @@ impl Fill {
         let scaled = |axis: usize| corners.iter().map(move |corner| corner[axis] * SAMPLES as f64);
         let (top, bottom) =
             (scaled(1).fold(f64::INFINITY, f64::min), scaled(1).fold(f64::NEG_INFINITY, f64::max));
-        // Sample row k is at k + 0.5. A cast of a negative number is 0.
+        // Sample row k is at k + 0.5. A negative number is cast to 0.
         let first = (top - 0.5).ceil() as usize;
         let end = ((bottom - 0.5).ceil().max(0.0) as usize).min(self.height);
         for row in first..end {
@@ -59,7 +59,7 @@ impl Fill {
             let (mut left, mut right) = (f64::INFINITY, f64::NEG_INFINITY);
             for (k, corner) in corners.iter().enumerate() {
                 let other = corners[(k + 1) % corners.len()];
-                // The edge has one direction for both of its triangles, which get the same crossing.
+                // The edge has the same direction in both of its triangles, so both get the same crossing.
                 let (a, b) = if corner[1] <= other[1] { (*corner, other) } else { (other, *corner) };
                 let [x0, y0, x1, y1] = [a[0], a[1], b[0], b[1]].map(|x| x * SAMPLES as f64);
                 if y0 <= y && y < y1 {
@@ -77,7 +77,7 @@ impl Fill {
         }
     }
 
-    /// Red, green and blue of each pixel, row after row.
+    /// Returns red, green and blue of each pixel, row by row.
     pub(crate) fn into_pixels(self) -> Vec<u8> {
         let (columns, rows) = (self.width / SAMPLES, self.height / SAMPLES);
         let mut pixels = Vec::with_capacity(3 * columns * rows);

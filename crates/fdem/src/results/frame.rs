@@ -13,17 +13,18 @@ use crate::results::{SnapshotError, checked};
 /// First bytes of a file: its kind and its version.
 const MAGIC: &[u8; 8] = b"fdemfrm3";
 
-/// Number of arrays with an entry for each element: six coordinates of corners, the scales, two halves of the body, the material, the outlines.
+/// Number of arrays with an entry for each element: six coordinates of corners, the fields, two halves of the body number, the material, the outlines.
 const OF_ELEMENTS: usize = 6 + SCALES.len() + 4;
-/// Number of further arrays in a sample: two halves of the number of the element.
+/// Number of additional arrays in a sample: two halves of the element number.
 const OF_SAMPLES: usize = 2;
 /// Number of arrays with an entry for each crack: four coordinates of ends, the mode.
 const OF_CRACKS: usize = 5;
 
-/// The part of a snapshot that pictures and reports show, in a few bytes for each element. Coordinates and values have 16 bits between the least and the
-/// greatest of the frame, and are deflated. Cracks are the broken joints.
+/// The part of a snapshot that pictures and reports show, in a few bytes per element. Coordinates and values have 16 bits between the least and the
+/// greatest of the frame, and are deflated. Only broken joints are stored as cracks.
 ///
-/// Elements without finite coordinates are not drawn, nor are those farther away than four times the extent of 98 % of all elements.
+/// An element is not drawn if one of its coordinates is not finite, or is farther from the middle 98 % of all coordinates on its axis than four times their
+/// extent.
 ///
 /// # Cost
 /// About 10 ms and 100 to 200 kB for 10,000 elements.
@@ -40,15 +41,15 @@ const OF_CRACKS: usize = 5;
 pub struct Frame {
     pub(crate) step: u64,
     pub(crate) time: f64,
-    /// Elements of the mesh.
+    /// Number of elements of the mesh.
     pub(crate) whole: usize,
-    /// Elements that are in the frame: all, or a sample of them.
+    /// Number of elements in the frame: all, or a sample.
     pub(crate) elements: usize,
     pub(crate) cracks: usize,
     /// The least and the greatest coordinate on each axis.
     pub(crate) bounds: [[f64; 2]; 2],
     pub(crate) scales: [Scale; SCALES.len()],
-    /// Lengths of the joints broken by tension, by shear and by both, m.
+    /// Total lengths of the joints that broke in tension, in shear and in mixed mode, m.
     pub(crate) lengths: [f64; 3],
     /// Size of the arrays before they were deflated, bytes.
     pub(crate) size: usize,
@@ -58,15 +59,15 @@ pub struct Frame {
 /// Range of the values of a field.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Scale {
-    /// The least and the greatest value.
+    /// The least and the greatest finite value.
     pub(crate) ends: [f64; 2],
     /// The 1st and the 99th percentile.
     pub(crate) usual: [f64; 2],
 }
 
-/// A frame that is decompressed.
+/// A decompressed frame.
 pub(crate) struct Opened {
-    /// Corners of the elements; not numbers where an element is not drawn.
+    /// Corners of the elements. An element with a corner that is NaN is not drawn.
     pub(crate) corners: Vec<[[f64; 2]; 3]>,
     /// Values of each field of [`SCALES`].
     pub(crate) values: Vec<Vec<f64>>,
@@ -77,20 +78,20 @@ pub(crate) struct Opened {
     pub(crate) cracks: Vec<([[f64; 2]; 2], Mode)>,
 }
 
-/// Error of bytes that are no frame.
+/// The reason why bytes cannot be read as a frame.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum FrameError {
     /// The first bytes are not those of a frame.
     NotAFrame,
-    /// The bytes end too early, or contradict themselves.
+    /// The bytes end too early, or are inconsistent.
     Damaged,
 }
 
 impl fmt::Display for FrameError {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         out.write_str(match self {
-            Self::NotAFrame => "this is no frame of a run, or one of another version",
+            Self::NotAFrame => "this is not a frame of a run, or it is from another version",
             Self::Damaged => "the frame is damaged",
         })
     }
@@ -99,27 +100,28 @@ impl fmt::Display for FrameError {
 impl std::error::Error for FrameError {}
 
 impl Frame {
-    /// A frame of a snapshot, without outlines. Numbers that are not finite are kept as such.
+    /// Makes a frame of a snapshot, without outlines. Values that are not finite become NaN.
     ///
     /// # Errors
-    /// A snapshot that contradicts itself.
+    /// [`SnapshotError`] if the snapshot contradicts itself.
     pub fn new(snapshot: &Snapshot) -> Result<Self, SnapshotError> {
         Self::outlined(snapshot, &Outlines { bits: vec![0; snapshot.triangles.len()] })
     }
 
-    /// A frame of a snapshot, with the outlines of its bodies and grains.
+    /// Makes a frame of a snapshot, with the outlines of its bodies and grains.
     ///
     /// # Errors
-    /// A snapshot that contradicts itself, or outlines of another mesh.
+    /// [`SnapshotError`] if the snapshot contradicts itself, or if the outlines belong to another mesh.
     pub fn outlined(snapshot: &Snapshot, outlines: &Outlines) -> Result<Self, SnapshotError> {
         Self::sampled(snapshot, outlines, usize::MAX)
     }
 
-    /// A frame with at most `most` triangles. A mesh with more elements is shown by a sample: larger triangles that cover the same place, each with the values and the number of one of the
-    /// elements, and one crack of each mode in each place. Ranges of values and lengths of cracks are those of the whole mesh.
+    /// Makes a frame with at most `most` triangles. A mesh with more elements is shown by a sample: larger triangles that cover the same area, each with the
+    /// values and the number of one element. The sample has one crack of each mode in each cell of a grid. Ranges of values and lengths of cracks are those of
+    /// the whole mesh.
     ///
     /// # Errors
-    /// A snapshot that contradicts itself, or outlines of another mesh.
+    /// [`SnapshotError`] if the snapshot contradicts itself, or if the outlines belong to another mesh.
     pub fn sampled(snapshot: &Snapshot, outlines: &Outlines, most: usize) -> Result<Self, SnapshotError> {
         checked(snapshot)?;
         let whole = snapshot.triangles.len();
@@ -177,7 +179,7 @@ impl Frame {
         }
         for end in 0..2 {
             for (axis, &[low, high]) in bounds.iter().enumerate() {
-                // The middle between two elements may lie slightly outside of both.
+                // A crack beside an element that is not drawn may reach beyond the bounds.
                 let inside = |crack: &&Crack| crack.ends[end][axis].clamp(low, high);
                 packed.places(&broken.iter().map(inside).collect::<Vec<_>>(), [low, high]);
             }
@@ -197,12 +199,12 @@ impl Frame {
         })
     }
 
-    /// Steps done.
+    /// Returns the number of steps done.
     pub fn step(&self) -> u64 {
         self.step
     }
 
-    /// Time, s.
+    /// Returns the time, s.
     pub fn time(&self) -> f64 {
         self.time
     }
@@ -212,12 +214,12 @@ impl Frame {
         self.elements < self.whole
     }
 
-    /// The 1st and the 99th percentile of a field.
+    /// Returns the 1st and the 99th percentile of a field.
     pub(crate) fn usual(&self, scale: usize) -> [f64; 2] {
         self.scales[scale].usual
     }
 
-    /// The frame as bytes for a file. Equal frames have equal bytes.
+    /// Returns the frame as the bytes of a file. Equal frames have equal bytes.
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut bytes = MAGIC.to_vec();
         bytes.extend(self.step.to_le_bytes());
@@ -236,7 +238,7 @@ impl Frame {
     /// Reads the bytes of [`Self::to_bytes`].
     ///
     /// # Errors
-    /// Bytes that are no frame, or a damaged one.
+    /// [`FrameError`] if the bytes are not a frame, or a damaged one.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, FrameError> {
         let rest = bytes.strip_prefix(MAGIC).ok_or(FrameError::NotAFrame)?;
         let mut words = Words { bytes: rest };
@@ -265,7 +267,7 @@ impl Frame {
         self.try_open().ok_or(FrameError::Damaged)
     }
 
-    /// Reads `count` times `N` points: x of all first points, y of all first points, x of all second points and so on.
+    /// Reads `count` groups of `N` points. The arrays are: x of all first points, y of all first points, x of all second points, and so on.
     fn points<const N: usize>(&self, arrays: &mut Unpacked<'_>, count: usize) -> Option<Vec<[[f64; 2]; N]>> {
         let mut points = vec![[[f64::NAN; 2]; N]; count];
         for corner in 0..N {
@@ -318,7 +320,7 @@ impl Frame {
     }
 }
 
-/// Values of the elements that a frame shows.
+/// Returns the values of the elements in the sample; all values if there is no sample.
 fn of_sample<T: Copy>(sample: Option<&Sample>, values: Vec<T>) -> Vec<T> {
     match sample {
         Some(sample) => sample.elements.iter().map(|&element| values[element as usize]).collect(),
@@ -326,7 +328,7 @@ fn of_sample<T: Copy>(sample: Option<&Sample>, values: Vec<T>) -> Vec<T> {
     }
 }
 
-/// Number of a mode in frames.
+/// Returns the number of a mode in frames.
 pub(crate) fn code(mode: Mode) -> u16 {
     match mode {
         Mode::Tension => 0,
@@ -350,7 +352,7 @@ fn quantile(values: &mut [f64], place: usize) -> f64 {
     *values.select_nth_unstable_by(place, f64::total_cmp).1
 }
 
-/// The least and the greatest coordinate of the elements that are drawn.
+/// Returns the least and the greatest coordinate of the elements that are drawn.
 fn bounds(coordinates: impl Iterator<Item = f64>) -> [f64; 2] {
     let mut finite: Vec<f64> = coordinates.filter(|x| x.is_finite()).collect();
     let Some(last) = finite.len().checked_sub(1) else { return [0.0; 2] };
@@ -360,7 +362,7 @@ fn bounds(coordinates: impl Iterator<Item = f64>) -> [f64; 2] {
     near.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], &x| [low.min(x), high.max(x)])
 }
 
-/// Reader of numbers of eight bytes.
+/// Reader of numbers of eight bytes each.
 struct Words<'a> {
     bytes: &'a [u8],
 }

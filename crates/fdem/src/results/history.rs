@@ -27,10 +27,10 @@ const COLUMNS: [&str; 16] = [
     "crack_length_mixed",
 ];
 
-/// State of a run at one instant.
+/// A row of a history: the state of a run at one instant.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Row {
-    /// Steps done.
+    /// Number of steps done.
     pub step: u64,
     /// Time, s.
     pub time: f64,
@@ -38,14 +38,14 @@ pub struct Row {
     pub energies: Energies,
     /// Number of broken joints.
     pub broken: u64,
-    /// Lengths of the joints broken by tension, by shear and by both, m.
+    /// Total lengths of the joints that broke in tension, in shear and in mixed mode, m.
     pub lengths: [f64; 3],
     /// Values of the user's columns, in the order of their names.
     pub values: Vec<f64>,
 }
 
 impl Row {
-    /// Number of broken joints, and their lengths by tension, by shear and by both, m: for [`Row::broken`] and [`Row::lengths`].
+    /// Returns the number of broken joints, and their total lengths in tension, in shear and in mixed mode, m: [`Row::broken`] and [`Row::lengths`].
     pub fn broken_joints(cracks: &[Crack]) -> (u64, [f64; 3]) {
         let (mut count, mut lengths) = (0, [0.0; 3]);
         for crack in cracks.iter().filter(|crack| crack.time.is_some()) {
@@ -79,10 +79,10 @@ pub struct HistoryWriter<W> {
 }
 
 impl<W: Write> HistoryWriter<W> {
-    /// Writes the names.
+    /// Creates a writer, and writes the names of the columns.
     ///
     /// # Errors
-    /// Those of `out`.
+    /// The errors of `out`.
     pub fn new(mut out: W, names: &[String]) -> io::Result<Self> {
         let mut line = COLUMNS.join(",");
         for name in names {
@@ -94,7 +94,7 @@ impl<W: Write> HistoryWriter<W> {
         Ok(Self { out, width: names.len(), line })
     }
 
-    /// Continues a text that has its names already; `width` is the number of the user's columns.
+    /// Creates a writer that continues a text, without writing names. `width` is the number of the user's columns.
     pub fn going_on(out: W, width: usize) -> Self {
         Self { out, width, line: String::new() }
     }
@@ -102,10 +102,10 @@ impl<W: Write> HistoryWriter<W> {
     /// Writes a row in one piece.
     ///
     /// # Errors
-    /// Those of `out`; [`io::ErrorKind::InvalidInput`] if the number of values is not that of the names.
+    /// The errors of `out`; [`io::ErrorKind::InvalidInput`] if the number of values differs from that of the user's columns.
     pub fn row(&mut self, row: &Row) -> io::Result<()> {
         if row.values.len() != self.width {
-            let problem = format!("a row of {} values, where {} have names", row.values.len(), self.width);
+            let problem = format!("the row has {} values for {} names", row.values.len(), self.width);
             return Err(io::Error::new(io::ErrorKind::InvalidInput, problem));
         }
         let Row { energies: e, lengths: [tension, shear, mixed], .. } = row;
@@ -128,20 +128,20 @@ impl<W: Write> HistoryWriter<W> {
 
     fn number(&mut self, number: f64) {
         use std::fmt::Write;
-        // The shorter form, with or without an exponent. Writing to a string does not fail.
+        // Very small and very large numbers have an exponent. Writing to a string does not fail.
         let plain = number == 0.0 || (1e-4..1e16).contains(&number.abs());
         let _ = if plain { write!(self.line, ",{number}") } else { write!(self.line, ",{number:e}") };
     }
 
-    /// The writer below.
+    /// Returns the underlying writer.
     pub fn get_mut(&mut self) -> &mut W {
         &mut self.out
     }
 }
 
-/// Quotes a name for delimited text where necessary.
+/// Quotes a name for delimited text if necessary.
 fn quoted(name: &str) -> String {
-    // Names must not break the line.
+    // Line breaks in a name would break the line of names.
     let name: String = name.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
     if name.contains([',', '"']) { format!("\"{}\"", name.replace('"', "\"\"")) } else { name }
 }
@@ -153,7 +153,7 @@ pub struct History {
     columns: Vec<Vec<f64>>,
 }
 
-/// Error of a text that is no history.
+/// The reason why a text cannot be read as a history.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct HistoryError {
     /// Number of the line, from 1.
@@ -171,53 +171,53 @@ impl fmt::Display for HistoryError {
 impl std::error::Error for HistoryError {}
 
 impl History {
-    /// Reads the text of a [`HistoryWriter`]. A last line without a line break is incomplete and left out.
+    /// Reads the text of a [`HistoryWriter`]. A last line without a line break is incomplete and is left out.
     ///
     /// # Errors
-    /// The first line that is wrong.
+    /// [`HistoryError`] for the first line that is wrong.
     pub fn read(text: &[u8]) -> Result<Self, HistoryError> {
         let mut lines = whole_lines(text);
-        let head = lines.next().ok_or_else(|| HistoryError::at(1, "there are no names of columns"))?;
+        let head = lines.next().ok_or_else(|| HistoryError::at(1, "there are no column names"))?;
         let names = fields(&utf8(head, 1)?);
         if names.iter().map(String::as_str).take(COLUMNS.len()).ne(COLUMNS) {
-            return Err(HistoryError::at(1, "the names of the columns are not those of a history"));
+            return Err(HistoryError::at(1, "the column names are not those of a history"));
         }
         let mut columns = vec![Vec::new(); names.len()];
         for (k, line) in lines.enumerate() {
             let line_text = utf8(line, k + 2)?;
             let values: Vec<&str> = line_text.trim_end_matches('\r').split(',').collect();
             if values.len() != names.len() {
-                let problem = format!("{} values, where there are {} columns", values.len(), names.len());
+                let problem = format!("{} values for {} columns", values.len(), names.len());
                 return Err(HistoryError::at(k + 2, problem));
             }
             for ((column, value), name) in columns.iter_mut().zip(values).zip(&names) {
                 let number = value
                     .parse()
-                    .map_err(|_| HistoryError::at(k + 2, format!("{name}: {value:?} is no number")))?;
+                    .map_err(|_| HistoryError::at(k + 2, format!("{name}: {value:?} is not a number")))?;
                 column.push(number);
             }
         }
         Ok(Self { names, columns })
     }
 
-    /// Names of all columns.
+    /// Returns the names of all columns.
     pub fn names(&self) -> &[String] {
         &self.names
     }
 
-    /// The first column with this name.
+    /// Returns the values of the first column with this name.
     pub fn column(&self, name: &str) -> Option<&[f64]> {
         let place = self.names.iter().position(|other| other == name)?;
         Some(&self.columns[place])
     }
 
-    /// Name and values of each of the user's columns.
+    /// Returns the name and the values of each of the user's columns.
     pub fn of_user(&self) -> impl Iterator<Item = (&str, &[f64])> {
         let all = self.names.iter().zip(&self.columns).skip(COLUMNS.len());
         all.map(|(name, values)| (name.as_str(), values.as_slice()))
     }
 
-    /// Number of rows.
+    /// Returns the number of rows.
     pub fn rows(&self) -> usize {
         self.columns.first().map_or(0, Vec::len)
     }
@@ -229,10 +229,10 @@ impl HistoryError {
     }
 }
 
-/// Number of bytes of a history to keep for a run that resumes at `step`: without later rows, and without an incomplete line.
+/// Returns the number of bytes of a history to keep for a run that resumes at `step`: all but later rows and an incomplete last line.
 ///
 /// # Errors
-/// The first line whose step cannot be read.
+/// [`HistoryError`] for the first line whose step cannot be read.
 pub fn kept(text: &[u8], step: u64) -> Result<usize, HistoryError> {
     let mut end = 0;
     for (k, line) in whole_lines(text).enumerate() {
@@ -240,7 +240,7 @@ pub fn kept(text: &[u8], step: u64) -> Result<usize, HistoryError> {
             let first = utf8(line, k + 1)?.split(',').next().unwrap_or_default().to_owned();
             let found: u64 = first
                 .parse()
-                .map_err(|_| HistoryError::at(k + 1, format!("step: {first:?} is no number of steps")))?;
+                .map_err(|_| HistoryError::at(k + 1, format!("step: {first:?} is not a step number")))?;
             if found > step {
                 break;
             }
@@ -250,17 +250,17 @@ pub fn kept(text: &[u8], step: u64) -> Result<usize, HistoryError> {
     Ok(end)
 }
 
-/// Complete lines, without their line breaks.
+/// Returns the complete lines, without their line breaks.
 fn whole_lines(text: &[u8]) -> impl Iterator<Item = &[u8]> {
     let end = text.iter().rposition(|&byte| byte == b'\n').unwrap_or(0);
     text[..end].split(|&byte| byte == b'\n').filter(move |_| end > 0)
 }
 
 fn utf8(line: &[u8], number: usize) -> Result<String, HistoryError> {
-    String::from_utf8(line.to_vec()).map_err(|_| HistoryError::at(number, "this is no text"))
+    String::from_utf8(line.to_vec()).map_err(|_| HistoryError::at(number, "this is not UTF-8 text"))
 }
 
-/// The fields of a line of delimited text.
+/// Splits a line of delimited text into its fields.
 fn fields(line: &str) -> Vec<String> {
     let mut fields = vec![String::new()];
     let mut within = false;
@@ -326,33 +326,33 @@ mod tests {
         assert_eq!(
             &text[..kept(&text[..text.len() - 3], 99).unwrap()],
             &history(&[0, 10, 20])[..],
-            "a torn line"
+            "an incomplete line"
         );
         assert_eq!(History::read(&text[..text.len() - 3]).unwrap().rows(), 3);
         assert_eq!(kept(b"", 1), Ok(0));
         let mut going_on = history(&[0, 10]);
         let mut writer = HistoryWriter::going_on(&mut going_on, 2);
-        assert!(writer.row(&Row::default()).is_err(), "two values have names");
+        assert!(writer.row(&Row::default()).is_err(), "two values are expected");
     }
 
     #[test]
     fn what_is_wrong_is_named_with_its_line() {
         let error = |text: &[u8]| History::read(text).unwrap_err().to_string();
-        assert_eq!(error(b""), "line 1 of the history: there are no names of columns");
+        assert_eq!(error(b""), "line 1 of the history: there are no column names");
         assert_eq!(
             error(b"a,b\n1,2\n"),
-            "line 1 of the history: the names of the columns are not those of a history"
+            "line 1 of the history: the column names are not those of a history"
         );
         let mut text = history(&[0]);
         text.extend(b"1,2\n");
-        assert_eq!(error(&text), "line 3 of the history: 2 values, where there are 18 columns");
+        assert_eq!(error(&text), "line 3 of the history: 2 values for 18 columns");
         let mut text = history(&[]);
         text.extend("0,".repeat(16).as_bytes());
         text.extend(b"1,x\n");
-        assert_eq!(error(&text), "line 2 of the history: gap [m]: \"x\" is no number");
+        assert_eq!(error(&text), "line 2 of the history: gap [m]: \"x\" is not a number");
         let mut text = history(&[0]);
         text.extend(b"1.5,\xff\n");
-        assert_eq!(error(&text), "line 3 of the history: this is no text");
+        assert_eq!(error(&text), "line 3 of the history: this is not UTF-8 text");
         assert_eq!(kept(&history(&[0]).repeat(2), 9).unwrap_err().line, 3);
     }
 }

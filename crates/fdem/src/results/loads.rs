@@ -1,36 +1,36 @@
-//! Forces and displacements that belong together.
+//! Pairs of forces and displacements for the load-displacement plot.
 
 use crate::results::history::History;
 use crate::results::plots::split;
 
-/// Force of a boundary over a displacement.
+/// Force of a boundary and the displacement over which it is plotted.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Load {
-    /// The boundary, and the direction.
+    /// Name of the boundary and of the direction.
     pub(crate) name: String,
-    /// m.
+    /// Displacement, m.
     pub(crate) displacement: Vec<f64>,
-    /// N.
+    /// Force, N.
     pub(crate) force: Vec<f64>,
 }
 
-/// Loads, and the displacement that they are over.
+/// Loads with the name of their displacement.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Loading {
-    /// In words.
+    /// Name of the displacement.
     pub(crate) across: String,
     pub(crate) loads: Vec<Load>,
 }
 
 const AXES: [&str; 2] = ["x", "y"];
 
-/// A boundary or a node with two columns.
+/// The x and y columns of a boundary or a node.
 struct Vectors<'a> {
     name: &'a str,
     values: [&'a [f64]; 2],
 }
 
-/// Forces over displacements along the direction of the load; `None` if the history has no two that belong together.
+/// Returns forces and the displacements along them; `None` if the history has no force and displacement that belong together.
 pub(crate) fn loading(history: &History) -> Option<Loading> {
     let forces = vectors(history, 'f', "N");
     let displacements = vectors(history, 'u', "m");
@@ -46,7 +46,7 @@ pub(crate) fn loading(history: &History) -> Option<Loading> {
     supported(&forces, &nodes).or_else(|| without_axes(history))
 }
 
-/// Pairs of columns like `top fx [N]` and `top fy [N]`.
+/// Returns pairs of columns such as `top fx [N]` and `top fy [N]`.
 fn vectors<'a>(history: &'a History, letter: char, unit: &str) -> Vec<Vectors<'a>> {
     let first = format!(" {letter}x [{unit}]");
     let columns = history.of_user().filter_map(|(name, x)| {
@@ -57,7 +57,7 @@ fn vectors<'a>(history: &'a History, letter: char, unit: &str) -> Vec<Vectors<'a
     columns.collect()
 }
 
-/// The load of a boundary over its own displacement, along the axis on which it does most work; `None` if it does none.
+/// Returns the load of a boundary over its own displacement, along the axis on which it does most work; `None` if it does no work.
 fn moved_load(force: &Vectors<'_>, moved: &Vectors<'_>) -> Option<Load> {
     let work = [0, 1].map(|axis| work(moved.values[axis], force.values[axis]).abs());
     let axis = usize::from(work[1] > work[0]);
@@ -74,7 +74,7 @@ fn moved_load(force: &Vectors<'_>, moved: &Vectors<'_>) -> Option<Load> {
     })
 }
 
-/// Forces of boundaries that do not move over the displacement of a node, on the axis of the largest force.
+/// Returns the forces of boundaries that do not move over the displacement of the node that moves farthest, along the axis of the largest force.
 fn supported(forces: &[Vectors<'_>], nodes: &[&Vectors<'_>]) -> Option<Loading> {
     let peak = |vectors: &Vectors<'_>, axis: usize| farthest(vectors.values[axis]).abs();
     let largest = |axis: usize| forces.iter().map(|force| peak(force, axis)).fold(0.0, f64::max);
@@ -99,7 +99,7 @@ fn supported(forces: &[Vectors<'_>], nodes: &[&Vectors<'_>]) -> Option<Loading> 
     })
 }
 
-/// Forces over the first displacement, where neither says its axis.
+/// Returns forces over the first displacement, from columns whose names do not end with an axis.
 fn without_axes(history: &History) -> Option<Loading> {
     let says = |name: &str| [" fx", " fy", " ux", " uy"].iter().any(|axis| name.ends_with(axis));
     let plain = |wanted: &'static str| {
@@ -117,13 +117,13 @@ fn without_axes(history: &History) -> Option<Loading> {
     (!loads.is_empty()).then(|| Loading { across: across.to_owned(), loads })
 }
 
-/// The value that is farthest from 0.
+/// Returns the finite value that is farthest from 0.
 fn farthest(values: &[f64]) -> f64 {
     let finite = values.iter().copied().filter(|value| value.is_finite());
     finite.fold(0.0, |far: f64, value| if value.abs() > far.abs() { value } else { far })
 }
 
-/// Work of a force.
+/// Returns the work of a force, by the trapezoidal rule.
 fn work(displacement: &[f64], force: &[f64]) -> f64 {
     let parts = displacement.windows(2).zip(force.windows(2));
     parts.map(|(u, f)| 0.5 * (f[0] + f[1]) * (u[1] - u[0])).filter(|part| part.is_finite()).sum()

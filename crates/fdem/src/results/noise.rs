@@ -2,18 +2,18 @@
 
 use crate::results::chart::Mean;
 
-/// Fewer rows are shown as they are.
+/// Minimum number of rows for which there is a mean.
 const FEWEST: usize = 50;
 
-/// The rows of a mean are this part of all.
+/// A mean covers about this fraction of all rows: one in 50.
 const PART: usize = 50;
 
-/// A curve is noisy if it goes up and down this many times as far as its mean ...
+/// A noisy curve goes up and down more than this many times as far as its mean ...
 const RESTLESS: f64 = 4.0;
-/// ... and is this share of its range away from it, in the root mean square.
+/// ... and the root mean square of its deviations from the mean is more than this share of its range.
 const AWAY: f64 = 0.01;
 
-/// The running mean of a curve over as many rows before as after each, if the curve is noisy; fewer at the ends.
+/// Returns the running mean of a curve, or `None` if the curve is not noisy. Each mean covers equally many rows before and after its own, fewer at the ends.
 pub(crate) fn mean(across: &[f64], up: &[f64]) -> Option<Mean> {
     if up.len() < FEWEST || across.iter().chain(up).any(|value| !value.is_finite()) {
         return None;
@@ -29,7 +29,7 @@ pub(crate) fn mean(across: &[f64], up: &[f64]) -> Option<Mean> {
     noisy.then(|| Mean { rows: 2 * half + 1, across: averaged(across, half), up: smooth })
 }
 
-/// Means over up to `half` rows before and as many after each.
+/// Returns the means over up to `half` rows before and equally many after each row.
 fn averaged(values: &[f64], half: usize) -> Vec<f64> {
     let last = values.len() - 1;
     let around = |k: usize| {
@@ -51,7 +51,7 @@ mod tests {
         let clean: Vec<f64> = time.iter().map(|&t| peak(t)).collect();
         assert!(mean(&time, &clean).is_none());
         let slow: Vec<f64> = time.iter().map(|&t| (t / 60.0).sin()).collect();
-        assert!(mean(&time, &slow).is_none(), "an oscillation longer than the mean is no noise");
+        assert!(mean(&time, &slow).is_none(), "an oscillation longer than the mean is not noise");
         let noise = |t: f64| 40.0 * (2.1 * t).sin();
         let noisy: Vec<f64> = time.iter().map(|&t| peak(t) + noise(t)).collect();
         let found = mean(&time, &noisy).unwrap();

@@ -2,7 +2,7 @@
 
 use fdem_simulation::Mesh;
 
-/// Outlines of bodies, and of the grains and materials within them: which edges of the undeformed mesh they are. They move with their elements.
+/// The edges of the undeformed mesh that are outlines of bodies, or of grains and materials within the bodies. Outlines move with their elements.
 ///
 /// # Example
 /// ```
@@ -20,19 +20,19 @@ use fdem_simulation::Mesh;
 /// ```
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Outlines {
-    /// Bits of each element: `1 << k` for an edge of the outline of its body between corners `k` and `k + 1`, `8 << k` for one between grains.
+    /// Bits of each element, for the edges between corners `k` and `k + 1`: `1 << k` on the outline of its body, `8 << k` between grains or materials.
     pub(crate) bits: Vec<u8>,
 }
 
-/// Bits of the outline of a body, and of grains.
+/// Masks of the bits for outlines of bodies, and for outlines of grains.
 pub(crate) const OF_BODIES: u8 = 0b111;
 pub(crate) const OF_GRAINS: u8 = 0b11_1000;
 
 impl Outlines {
-    /// Edges that one element has are outlines of bodies; edges between two grains or two materials are outlines of grains.
+    /// Finds the outlines of a mesh. Edges of one element only are outlines of bodies; edges between two grains or two materials are outlines of grains.
     ///
     /// # Shapes
-    /// `grains`: a number for each element, different for two grains that have an edge in common; empty where there are no grains.
+    /// `grains`: a number for each element, different for two grains that have an edge in common; empty if there are no grains.
     ///
     /// # Cost
     /// Sorts the edges of the mesh: about 0.3 µs an element.
@@ -63,18 +63,18 @@ impl Outlines {
         Self { bits }
     }
 
-    /// Edges of the outlines of bodies: the element, and the place of the corner at which the edge begins.
+    /// Returns the edges on the outlines of bodies: the element, and the corner (0, 1 or 2) at which the edge begins.
     pub fn bodies(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
         edges(&self.bits, OF_BODIES)
     }
 
-    /// Edges between grains, and between materials, from both sides.
+    /// Returns the edges between grains and between materials, from both sides: the element, and the corner at which the edge begins.
     pub fn grains(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
         edges(&self.bits, OF_GRAINS)
     }
 }
 
-/// The edges whose bits are in the mask: element and corner.
+/// Returns the edges whose bits are in the mask: element and corner.
 pub(crate) fn edges(bits: &[u8], mask: u8) -> impl Iterator<Item = (usize, usize)> + '_ {
     let within = move |(element, bits): (usize, &u8)| {
         let bits = bits & mask;

@@ -1,10 +1,10 @@
-//! Numbers with 16 bits each: their position between two limits.
+//! Arrays of 16-bit numbers, many of which are positions between two limits.
 
-/// Code of a value that is not a number, or beyond the limits.
+/// Code of a value that is not finite, or is beyond the limits.
 const NONE: u16 = u16::MAX;
 const STEPS: f64 = 65_534.0;
 
-/// Arrays of numbers of 16 bits. Each array has first all upper bytes, which differ little, then all lower bytes.
+/// Arrays of 16-bit numbers. Each array has all upper bytes first, because they differ little and are easy to compress, then all lower bytes.
 #[derive(Default)]
 pub(crate) struct Packed {
     pub(crate) bytes: Vec<u8>,
@@ -21,7 +21,7 @@ impl Packed {
     pub(crate) fn places(&mut self, values: &[f64], [low, high]: [f64; 2]) {
         let place = |&value: &f64| {
             if value.is_finite() && (low..=high).contains(&value) {
-                // In a range without width all values are at the start.
+                // If the limits are equal, all values are at the start.
                 let share = if high > low { (value - low) / (high - low) } else { 0.0 };
                 (share * STEPS).round() as u16
             } else {
@@ -43,7 +43,7 @@ impl<'a> Unpacked<'a> {
         Self { bytes }
     }
 
-    /// Reads the next array; `None` if the bytes are too few.
+    /// Reads the next array; `None` if there are too few bytes.
     pub(crate) fn numbers(&mut self, count: usize) -> Option<Vec<u16>> {
         let (array, rest) = self.bytes.split_at_checked(count.checked_mul(2)?)?;
         self.bytes = rest;
@@ -51,7 +51,7 @@ impl<'a> Unpacked<'a> {
         Some(upper.iter().zip(lower).map(|(&upper, &lower)| u16::from_be_bytes([upper, lower])).collect())
     }
 
-    /// Reads the next array of positions between `low` and `high`. Values that were no numbers or beyond the limits are not numbers.
+    /// Reads the next array of positions between `low` and `high`. Values that were not finite or beyond the limits are NaN.
     pub(crate) fn places(&mut self, count: usize, [low, high]: [f64; 2]) -> Option<Vec<f64>> {
         let value = |place: u16| match place {
             NONE => f64::NAN,
@@ -81,7 +81,7 @@ mod tests {
         let back = unpacked.places(6, [-3.0, 5.0]).unwrap();
         assert_eq!(back[..2], [-3.0, 5.0]);
         assert!((back[2] - 0.1).abs() <= 4.0 / STEPS);
-        assert!(back[3..].iter().all(|x| x.is_nan()), "beyond the ends is nowhere");
+        assert!(back[3..].iter().all(|x| x.is_nan()), "values beyond the limits are NaN");
         assert_eq!(unpacked.numbers(1), Some(vec![513]));
         assert_eq!(unpacked.places(1, [2.5, 2.5]), Some(vec![2.5]));
         assert!(

@@ -20,14 +20,14 @@ use crate::results::outlines::{OF_BODIES, OF_GRAINS, edges};
 use crate::results::unit::prefixed;
 
 const MARGIN: f64 = 24.0;
-/// Greatest size and least width of the drawing area. With its margins a picture is at most 900 wide.
+/// Greatest size and least width of the drawing area. With its margins, a picture is at most 900 wide.
 const MOST: [f64; 2] = [852.0, 700.0];
 const NARROWEST: f64 = 620.0;
 
-/// Most triangles that are drawn as vectors; more are an image, which browsers open faster.
+/// Maximum number of triangles that are drawn as vectors. More are drawn as an image, which browsers open faster.
 const MOST_VECTORS: usize = 20_000;
 
-/// Names and colours of cracks by tension, by shear and by both. No field has these colours, and a white seam separates the cracks from the elements.
+/// Names and colours of cracks in tension, in shear and in mixed mode. No field has these colours, and a white seam separates the cracks from the elements.
 pub(crate) const CRACKS: [(&str, Rgb); 3] =
     [("tension", [17, 24, 39]), ("shear", [200, 0, 170]), ("mixed", [232, 116, 0])];
 const CRACK: f64 = 2.0;
@@ -37,7 +37,7 @@ const SEAM: f64 = 4.0;
 pub(crate) const OUTLINES: [(Rgb, f64); 2] = [([31, 41, 51], 1.3), ([84, 94, 104], 0.8)];
 /// Greatest width of an outline, as a share of the size of the bodies or grains.
 pub(crate) const OUTLINE: f64 = 0.06;
-/// Narrower outlines are not drawn: they would only darken the colours.
+/// Outlines narrower than this are not drawn: they would only darken the colours.
 pub(crate) const NARROWEST_OUTLINE: f64 = 0.12;
 
 /// The part of the plane that all pictures of a series show.
@@ -45,12 +45,13 @@ pub(crate) const NARROWEST_OUTLINE: f64 = 0.12;
 pub struct FrameView {
     low: [f64; 2],
     high: [f64; 2],
-    /// The last time, which decides the unit and the digits of times.
+    /// The latest time of the frames, which determines the unit and the decimals of times.
     last: f64,
 }
 
 impl FrameView {
-    /// A view of all frames, which reaches beyond the first frame by at most half of its size: fragments that fly farther leave the picture.
+    /// Returns a view of all frames. It reaches beyond the first frame by at most half of the longer side of that frame. Fragments that fly farther leave the
+    /// picture.
     pub fn of<'a>(frames: impl IntoIterator<Item = &'a Frame>) -> Self {
         let mut frames = frames.into_iter();
         let Some(first) = frames.next() else { return Self { low: [0.0; 2], high: [1.0; 2], last: 0.0 } };
@@ -68,7 +69,7 @@ impl FrameView {
         Self { low, high, last }
     }
 
-    /// The centre, and the distances from there to the sides, m: never zero, also for a view without extent.
+    /// Returns the centre, and the distances from the centre to the sides, m. At least one distance is above zero, even if the view has no extent.
     pub(crate) fn middle_and_half(&self) -> ([f64; 2], [f64; 2]) {
         let half = [0, 1].map(|axis| (self.high[axis] - self.low[axis]) / 2.0);
         let middle = [0, 1].map(|axis| self.low[axis] + half[axis]);
@@ -76,7 +77,7 @@ impl FrameView {
         if good { (middle, half) } else { ([0.0; 2], [1.0; 2]) }
     }
 
-    /// A time as text, with the same number of decimals for all frames.
+    /// Returns a time as text, with the same unit and number of decimals for all frames.
     pub(crate) fn time(&self, time: f64) -> String {
         let (factor, unit) = prefixed("s", self.last);
         let decimals = match self.last * factor {
@@ -127,7 +128,7 @@ pub struct Pictures<'a> {
 }
 
 impl Pictures<'_> {
-    /// A frame as SVG. More than 20,000 elements are an image in it.
+    /// Returns a frame as SVG. More than 20,000 elements are embedded as an image.
     ///
     /// # Errors
     /// [`PictureError::Png`], also for a damaged frame; [`PictureError::TooWide`].
@@ -146,16 +147,16 @@ impl Pictures<'_> {
         Ok(svg.finish())
     }
 
-    /// A frame as a PNG file, `width` pixels wide (200 to 10,000), or as wide as the SVG (at most 900).
+    /// Returns a frame as a PNG file, `width` pixels wide (200 to 10,000). Without a width it is as wide as the SVG (at most 900).
     ///
     /// # Errors
-    /// Those of [`Self::svg`]; [`PictureError::Width`].
+    /// The errors of [`Self::svg`]; [`PictureError::Width`].
     pub fn png(&self, frame: &Frame, width: Option<u32>) -> Result<Vec<u8>, PictureError> {
         let (size, pixels) = self.pixels(frame, width)?;
         encode::file(size, &pixels)
     }
 
-    /// The picture of [`Self::png`] as width, height, and red, green and blue of each pixel, row by row.
+    /// Returns the picture of [`Self::png`] as its width and height, and red, green and blue of each pixel, row by row.
     pub(crate) fn pixels(
         &self,
         frame: &Frame,
@@ -174,7 +175,7 @@ impl Pictures<'_> {
         if !extent.iter().all(|side| side.is_finite()) {
             return Err(PictureError::TooWide);
         }
-        // A margin of four units on each side.
+        // The drawing has a margin of four units on each side.
         let fits =
             |axis: usize| if extent[axis] > 0.0 { (MOST[axis] - 8.0) / extent[axis] } else { f64::INFINITY };
         let scale = fits(0).min(fits(1));
@@ -190,7 +191,7 @@ impl Pictures<'_> {
         Svg::new(page.size[0], page.size[1], &name, &description)
     }
 
-    /// A sentence with the time, the step and the counts of a frame.
+    /// Returns a sentence with the time, the step and the counts of a frame.
     fn sentence(&self, frame: &Frame) -> String {
         let mut text = format!(
             "t = {}, step {}, {} elements",
@@ -215,7 +216,7 @@ impl Pictures<'_> {
         }
     }
 
-    /// The outlines of bodies (`kind` 0) or grains (1) as lines in units of the drawing, and their width.
+    /// Returns the outlines of bodies (`kind` 0) or grains (1) as lines in units of the drawing, and their width.
     fn outlines(page: &Page, opened: &Opened, kind: usize) -> (Vec<[[f64; 2]; 2]>, f64) {
         let mask = [OF_BODIES, OF_GRAINS][kind];
         let line = |(element, corner): (usize, usize)| {
@@ -237,7 +238,7 @@ impl Pictures<'_> {
         (lines, OUTLINES[kind].1.min(OUTLINE * size))
     }
 
-    /// Elements, outlines and cracks as pixels.
+    /// Draws elements, outlines and cracks as pixels.
     fn layer(&self, page: &Page, opened: &Opened, scale: f64) -> Layer {
         let size = page.area.map(|side| (side * scale).round() as usize);
         let mut fill = Fill::new(size);
@@ -245,7 +246,7 @@ impl Pictures<'_> {
         for (element, corners) in opened.corners.iter().enumerate() {
             fill.triangle(corners.map(pixel), self.colour(opened, element));
         }
-        // Grains first: outlines of bodies lie above them.
+        // Grains come first, so that outlines of bodies lie above them.
         for kind in [1, 0] {
             let (lines, width) = Self::outlines(page, opened, kind);
             if width < NARROWEST_OUTLINE {
@@ -265,7 +266,7 @@ impl Pictures<'_> {
         Layer { at: [MARGIN, HEAD], size, pixels: fill.into_pixels() }
     }
 
-    /// Elements, outlines and cracks as paths, one for each colour.
+    /// Draws elements, outlines and cracks as paths, one for each colour.
     fn vectors(&self, page: &Page, opened: &Opened, svg: &mut Svg) {
         let mut paths: BTreeMap<Rgb, String> = BTreeMap::new();
         for (element, corners) in opened.corners.iter().enumerate() {
@@ -326,7 +327,7 @@ impl Pictures<'_> {
         svg.put(format_args!("</g></svg>"));
     }
 
-    /// Title, scale bar, colour bar and legend of the cracks.
+    /// Draws the title, the scale bar, the colour bar and the legend of the cracks.
     fn surroundings(&self, page: &Page, frame: &Frame, svg: &mut Svg) {
         let (title, size) = fitting(self.title, page.area[0], OF_TITLES, true);
         svg.bold([MARGIN, 30.0], size, &title);
@@ -350,7 +351,7 @@ impl Pictures<'_> {
         self.bar(svg, [right, foot]);
     }
 
-    /// The colour bar, right aligned.
+    /// Draws the colour bar, right-aligned.
     fn bar(&self, svg: &mut Svg, [right, y]: [f64; 2]) {
         let (Range { low, high }, x) = (self.range, right - BAR);
         if self.field.scale().is_none() {
@@ -394,7 +395,7 @@ struct Page {
 }
 
 impl Page {
-    /// Position of a point, from the upper left of the area.
+    /// Returns the position of a point, from the upper left of the area.
     fn place(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         [
             self.area[0] / 2.0 + (x - self.middle[0]) * self.scale,

@@ -1,4 +1,4 @@
-//! Plots of what happened in a run.
+//! Plots of the history of a run.
 
 use crate::picture::{PictureError, drawing, encode};
 use crate::results::chart::{Axis, Chart, Curve, WIDTH};
@@ -6,23 +6,23 @@ use crate::results::history::History;
 use crate::results::loads::{Loading, loading};
 use crate::results::noise::mean;
 
-/// More curves are not told apart.
+/// Maximum number of curves in a plot: more could not be distinguished.
 const MOST_CURVES: usize = 8;
 
-/// Share of the largest strain energy in the first row from which it is that of an initial stress: without one it is rounding.
+/// If the first row has more than this share of the largest strain energy, there is an initial stress; less is rounding.
 const INITIAL: f64 = 1e-6;
 
 /// A plot of a history.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Plot {
-    /// For a file: letters, digits and underscores.
+    /// Name for a file: letters, digits and underscores.
     pub name: String,
-    /// As text.
+    /// The plot as SVG.
     pub svg: String,
 }
 
 impl Plot {
-    /// As a PNG file: `width` pixels wide, 200 to 10,000, or twice as many as the SVG.
+    /// Returns the plot as a PNG file, `width` pixels wide (200 to 10,000). Without a width it is twice as wide as the SVG.
     ///
     /// # Errors
     /// [`PictureError::Width`], [`PictureError::Png`].
@@ -31,14 +31,14 @@ impl Plot {
     }
 }
 
-/// Energies, the error of their balance, the growth of cracks; the user's columns over time, one plot for each unit; and forces over displacements.
+/// Plots a history: energies, the error of their balance, the growth of cracks, the user's columns over time by unit, and forces over displacements.
 ///
-/// The last one shows the force of each boundary over its own displacement, both along the axis on which it does most work, positive in the direction of its
-/// motion. If no boundary moves that has a force, it shows the forces of those at rest over the displacement of a node, on the axis of the largest force.
-/// A force that is noisy is drawn pale, with its running mean.
+/// The last plot shows the force of each boundary over its own displacement. Both are along the axis on which the force does most work, positive in the
+/// direction of motion. If no boundary with a force moves, the plot shows the forces over the displacement of a node, along the axis of the largest force.
+/// A noisy force is drawn pale, with its running mean over it.
 ///
 /// # Cost
-/// Of a history of any length, 1,600 points of a curve are drawn, the peaks among them.
+/// At most 1,600 points of a curve are drawn, however long the history is. Peaks are always drawn.
 ///
 /// # Example
 /// ```
@@ -115,7 +115,8 @@ pub fn plots(history: &History) -> Vec<Plot> {
     plots
 }
 
-/// The change of the strain energy since the beginning, where an initial stress has stored some: it would hide all other curves. `None` where the bodies begin without stress.
+/// Returns the change of the strain energy since the beginning, or `None` if the bodies begin without stress. The energy of an initial stress would hide all
+/// other curves.
 fn change_of_strain(history: &History) -> Option<Vec<f64>> {
     let strain = history.column("strain")?;
     let most = strain.iter().copied().filter(|x| x.is_finite()).fold(0.0, f64::max);
@@ -123,9 +124,9 @@ fn change_of_strain(history: &History) -> Option<Vec<f64>> {
     Some(strain.iter().map(|now| now - first).collect())
 }
 
-/// The user's columns over time, those of one unit together.
+/// Plots the user's columns over time, grouped by unit.
 fn by_unit(history: &History, time: &[f64]) -> Vec<Plot> {
-    // Units in the order in which they come first.
+    // Units are in the order of their first columns.
     let mut units: Vec<(&str, Vec<Curve<'_>>)> = Vec::new();
     for (name, up) in history.of_user() {
         if at_rest(history, name, up) {
@@ -159,7 +160,7 @@ fn by_unit(history: &History, time: &[f64]) -> Vec<Plot> {
             let across = Axis { name: "time", unit: "s" };
             let svg = Chart { name: &title, description, across, up: Axis { name: one, unit }, curves }.svg();
             let name = format!("histories_{several}");
-            // Two units may be of quantities without a name of their own.
+            // Several parts of a unit have the same name, and so have units of unknown quantities.
             let number = 1 + plots.iter().filter(|plot| plot.name.starts_with(&name)).count();
             plots.push(Plot { name: if number == 1 { name } else { format!("{name}_{number}") }, svg });
             curves = rest;
@@ -168,14 +169,14 @@ fn by_unit(history: &History, time: &[f64]) -> Vec<Plot> {
     plots
 }
 
-/// Whether a column is the displacement of a boundary that stays where it is: its force says enough.
+/// Whether a column is the displacement of a boundary that does not move. It is not plotted, because the plot of the force suffices.
 fn at_rest(history: &History, name: &str, values: &[f64]) -> bool {
     let boundary = name.strip_suffix(" ux [m]").or_else(|| name.strip_suffix(" uy [m]"));
     let has_force = |boundary: &str| history.column(&format!("{boundary} fx [N]")).is_some();
     boundary.is_some_and(has_force) && values.iter().all(|&value| value == 0.0)
 }
 
-/// Forces over displacements.
+/// Plots forces over displacements.
 fn load_displacement(history: &History) -> Option<Plot> {
     let Loading { across, mut loads } = loading(history)?;
     loads.truncate(MOST_CURVES);
@@ -196,19 +197,19 @@ fn load_displacement(history: &History) -> Option<Plot> {
     Some(Plot { name: "load_displacement".to_owned(), svg: chart.svg() })
 }
 
-/// `load [N]` as `load` and `N`.
+/// Splits `load [N]` into `load` and `N`. The unit is empty if there is none.
 pub(crate) fn split(name: &str) -> (&str, &str) {
     let parts = name.strip_suffix(']').and_then(|rest| rest.rsplit_once('['));
     parts.map_or((name, ""), |(name, unit)| (name.trim_end(), unit))
 }
 
-/// With a capital letter.
+/// Returns the name with a capital first letter.
 fn capital(name: &str) -> String {
     let mut rest = name.chars();
     rest.next().map_or_else(String::new, |first| first.to_uppercase().chain(rest).collect())
 }
 
-/// The quantity of a unit, one and several.
+/// Returns the quantity of a unit, as singular and plural.
 fn quantity(unit: &str) -> (&'static str, &'static str) {
     match unit {
         "N" => ("force", "forces"),
@@ -220,7 +221,7 @@ fn quantity(unit: &str) -> (&'static str, &'static str) {
     }
 }
 
-/// The curves in words.
+/// Describes the curves in words.
 fn described(curves: &[Curve<'_>], over: &str) -> String {
     let mut text = format!("Curves over {over}: ");
     for (k, curve) in curves.iter().enumerate() {

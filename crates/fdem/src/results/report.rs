@@ -1,7 +1,7 @@
-//! A page for a browser: the frames of a run to play, its plots and its summary, all in one file.
+//! Report of a run as an HTML page in one file, which plays the frames and has the plots and the summary.
 //!
-//! As the page of a contact network ([`crate::report`]), it needs no network, its content security policy forbids all scripts and styles but its own, and
-//! texts from outside are escaped.
+//! Like the page of a contact network ([`crate::report`]), it loads nothing over the network. Its content security policy allows only its own script and
+//! style. Texts from outside are escaped.
 
 use std::fmt::Write;
 
@@ -20,19 +20,20 @@ use crate::results::pictures::{CRACKS, FrameView, NARROWEST_OUTLINE, OUTLINE, OU
 use crate::results::plots::Plot;
 use crate::results::unit::prefixed;
 
-/// Most frames of a page; if there are more, some are left out.
+/// Maximum number of frames in a page. If there are more, some are left out.
 pub const MOST_FRAMES: usize = 121;
 
-/// Most frames that are named when they are left out.
+/// Maximum number of left-out frames that the page lists.
 const MOST_NAMED: usize = 12;
 
-/// Most elements of a frame in a page: a browser would run out of memory with more. Larger meshes are shown by samples, [`Frame::sampled`].
+/// Maximum number of elements of a frame in a page: with more, a browser would run out of memory. Larger meshes are shown by samples, [`Frame::sampled`].
 pub const MOST_ELEMENTS: usize = 1_000_000;
 
-/// Triangles in a sample of more than [`MOST_ELEMENTS`] elements: enough for each pixel of a screen, few enough for some ten frames in a page.
+/// Maximum number of triangles in the sample of a mesh with more than [`MOST_ELEMENTS`] elements: fine enough for a screen, and about ten frames fit in a
+/// page.
 pub const SAMPLE: usize = 250_000;
 
-/// Most bytes that all frames take in the file.
+/// Maximum size of all frames in the file, bytes.
 const MOST_BYTES: usize = 40 << 20;
 
 const PAGE: &str = include_str!("report/page.html");
@@ -66,23 +67,23 @@ pub struct Report<'a> {
     pub facts: &'a [(&'a str, &'a str)],
     /// Plots, in the order in which they are shown.
     pub plots: &'a [Plot],
-    /// Frames in the order of time. If there are more than [`MOST_FRAMES`], or more than 40 MB, the page has only some of them, with the first and the last,
-    /// and says so.
+    /// Frames in the order of time. If there are more than [`MOST_FRAMES`], or more than 40 MB, the page has only some of them, the first and the last among
+    /// them, and says so.
     pub frames: &'a [Frame],
-    /// Field by which elements are coloured at first.
+    /// Field by which elements are initially coloured.
     pub field: Field,
-    /// Names of bodies and materials; bodies and materials without a name are shown as numbers.
+    /// Names of bodies and materials. Bodies and materials without a name are shown as numbers.
     pub names: &'a Names,
 }
 
 impl Report<'_> {
-    /// The page.
+    /// Returns the page as HTML.
     ///
     /// # Errors
-    /// [`PictureError::TooMany`] for a frame with more than [`MOST_ELEMENTS`] elements, which [`Frame::sampled`] would have made smaller; those of [`Pictures::png`].
+    /// [`PictureError::TooMany`] for a frame with more than [`MOST_ELEMENTS`] elements, which [`Frame::sampled`] avoids; the errors of [`Pictures::png`].
     ///
     /// # Cost
-    /// About 15 bytes for each element and frame, at most 40 MB; about 1 s.
+    /// The page has about 15 bytes for each element and frame, at most 40 MB. It takes about 1 s to make.
     pub fn html(&self) -> Result<String, PictureError> {
         let found = self.frames.iter().map(|frame| frame.elements).max().unwrap_or(0);
         if found > MOST_ELEMENTS {
@@ -148,7 +149,7 @@ impl Report<'_> {
         Field::ALL.iter().map(option).collect()
     }
 
-    /// A sentence on the frames that are not in the page; empty if all are.
+    /// Returns a sentence on the frames that are not in the page; empty if all are in it.
     fn thinning(&self, places: &[usize]) -> String {
         let total = self.frames.len();
         let left_out: Vec<String> = (0..total)
@@ -170,7 +171,7 @@ impl Report<'_> {
         )
     }
 
-    /// Says that the frames show a sample, and where the rest is.
+    /// Returns a sentence that says that frames show a sample, and which files have all elements; empty if no frame shows a sample.
     fn sampling(&self) -> String {
         let Some(frame) =
             self.frames.iter().filter(|frame| frame.is_sample()).max_by_key(|frame| frame.elements)
@@ -184,7 +185,7 @@ impl Report<'_> {
         )
     }
 
-    /// Data for the scripts as JSON, safe in a script element.
+    /// Returns the data for the scripts as JSON that is safe in a script element.
     fn meta(&self, frames: &[&Frame], elements: usize, view: &FrameView) -> String {
         let fields = Field::ALL.map(|field| {
             let Range { low, high } = Range::of(self.frames, field);
@@ -232,17 +233,17 @@ impl Report<'_> {
             "view": { "middle": middle, "unit": unit, "half": half.map(|side| (side / unit).max(1e-6)) },
             "frames": frames.iter().map(about).collect::<Vec<_>>(),
         });
-        // A script element ends at "</script", so that no "<" may remain.
+        // A script element ends at "</script", so no "<" may remain.
         meta.to_string().replace('<', "\\u003c")
     }
 }
 
-/// Replaces numbers that JSON cannot have by 0.
+/// Replaces numbers that JSON cannot represent by 0.
 fn finite(x: f64) -> f64 {
     if x.is_finite() { x } else { 0.0 }
 }
 
-/// Indices of the frames for which the page has room, evenly spaced, with the first and the last.
+/// Returns the indices of the frames for which the page has room, evenly spaced, with the first and the last. If there is room for one only, it is the last.
 fn thinned(frames: &[Frame]) -> Vec<usize> {
     let mut count = frames.len().min(MOST_FRAMES);
     loop {
@@ -260,7 +261,7 @@ fn thinned(frames: &[Frame]) -> Vec<usize> {
     }
 }
 
-/// The plots as HTML.
+/// Returns the plots as HTML.
 fn figures(plots: &[Plot]) -> String {
     let mut figures = String::new();
     for plot in plots {
@@ -270,12 +271,12 @@ fn figures(plots: &[Plot]) -> String {
     figures
 }
 
-/// A frame as a script element of the page.
+/// Returns a frame as a script element of the page.
 fn text(frame: &Frame) -> String {
     format!("<script type=\"text/plain\" class=\"frame\">{}</script>\n", STANDARD.encode(&frame.deflated))
 }
 
-/// Rows of the table of frames. Frames have the numbers of their files.
+/// Returns the rows of the table of frames. Frames have the numbers of their files.
 fn table(frames: &[&Frame], places: &[usize]) -> String {
     let largest = |frame: &Frame, field: Field| brief(frame.scales[field.scale().unwrap_or(0)].ends[1]);
     let mut rows = String::new();

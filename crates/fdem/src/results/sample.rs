@@ -1,20 +1,21 @@
-//! A coarser mesh in the place of one that has too many elements for a page.
+//! Coarser meshes, drawn in place of meshes that have too many elements for a page.
 //!
-//! A grid is laid over the frame, and all corners of a body that lie in one cell move to one of them. An element whose corners move to three different places stays, as the triangle
-//! between these; the others have become lines or points and are left out. What stays covers what the mesh covers, up to the width of a cell. Where nothing would stay of
-//! a body in a cell, one of its elements stays as it is: fragments smaller than a cell are seen too.
+//! A grid is laid over the frame, and all corners of a body that lie in one cell move to one of these corners. An element stays if its corners move to three
+//! different places; it is drawn as the triangle between these. The other elements have become lines or points and are left out. The triangles that stay
+//! cover the area of the mesh, up to the width of a cell. If no part of a body would stay in a cell, one of its elements stays as it is, so that fragments
+//! smaller than a cell are visible, too.
 
-/// Bits of a key for the cell on each axis; the rest is for the body.
+/// Bits of a key for the place of the cell on each axis. The other bits are for the body.
 const AXIS: u32 = 20;
 
-/// Attempts that keep bodies apart. More bodies than triangles wanted cannot be kept apart.
+/// Number of attempts that keep bodies apart. Further attempts do not, because bodies cannot be kept apart if there are more of them than triangles.
 const APART: u32 = 4;
 
-/// Part of a mesh, to be drawn in its place.
+/// A part of the elements of a mesh, drawn in place of the mesh.
 pub(super) struct Sample {
-    /// The elements that stay, in their order.
+    /// Numbers of the elements that stay, ascending.
     pub(super) elements: Vec<u32>,
-    /// The corners that they have moved to.
+    /// Corners of these elements, after they have moved.
     pub(super) corners: Vec<[[f64; 2]; 3]>,
     grid: Grid,
 }
@@ -27,7 +28,7 @@ struct Grid {
 }
 
 impl Grid {
-    /// The cell of a point; `None` outside of the frame.
+    /// Returns the cell of a point; `None` outside of the frame.
     fn cell(&self, point: [f64; 2]) -> Option<u64> {
         let inside = |axis: usize| (self.low[axis]..=self.high[axis]).contains(&point[axis]);
         let place = |axis: usize| ((point[axis] - self.low[axis]) / self.side) as u64;
@@ -36,18 +37,21 @@ impl Grid {
 }
 
 impl Sample {
-    /// At most `most` elements, at least one, in the place of all. `corners`: of each element; `bodies`: the body that each belongs to; `bounds`: of what is drawn, on each axis.
+    /// Makes a sample of at most `most` elements; 0 means 1.
+    ///
+    /// # Shapes
+    /// `corners` and `bodies`: one entry for each element. `bounds`: the least and the greatest coordinate that is drawn, on each axis.
     pub(super) fn new(corners: &[[[f64; 2]; 3]], bodies: &[u32], bounds: [[f64; 2]; 2], most: usize) -> Self {
         let most = most.max(1);
         let extent = bounds.map(|[low, high]| high - low).into_iter().fold(f64::MIN_POSITIVE, f64::max);
         let [low, high] = [0, 1].map(|end| [bounds[0][end], bounds[1][end]]);
         let within = |point: &[f64; 2]| (0..2).all(|axis| (low[axis]..=high[axis]).contains(&point[axis]));
         let area: f64 = corners.iter().filter(|corners| corners.iter().all(within)).map(area).sum();
-        // A cell has two triangles.
+        // A cell has about two triangles.
         let mut side = (2.0 * area / most as f64).sqrt();
         let mut attempt = 0;
         loop {
-            // Places on an axis have 20 bits, with room for the last one.
+            // The place of the last cell on an axis must fit into 20 bits.
             side = side.max(extent / f64::from((1 << AXIS) - 2));
             let grid = Grid { low, high, side };
             let sample = Self::on(grid, corners, bodies, attempt < APART);
@@ -60,9 +64,9 @@ impl Sample {
         }
     }
 
-    /// The elements that stay on this grid.
+    /// Makes the sample of a grid. `apart` tells whether bodies are kept apart.
     fn on(grid: Grid, corners: &[[[f64; 2]; 3]], bodies: &[u32], apart: bool) -> Self {
-        // Corners in the order of their cells, each by its number: three for each element.
+        // Keys and numbers of the corners, sorted by key. Corner k of element e has the number 3 e + k.
         let mut keys: Vec<(u64, u32)> = Vec::with_capacity(3 * corners.len());
         for (element, (points, &body)) in (0..).zip(corners.iter().zip(bodies)) {
             let [Some(a), Some(b), Some(c)] = points.map(|point| grid.cell(point)) else { continue };
@@ -70,7 +74,7 @@ impl Sample {
             keys.extend([a, b, c].into_iter().zip(3 * element..).map(|(cell, corner)| (body | cell, corner)));
         }
         keys.sort_unstable();
-        // The first corner of each group, for every corner; those of elements that are not drawn stay NOWHERE.
+        // The first corner of the group of every corner; NOWHERE for elements that are not drawn.
         let mut first = vec![NOWHERE; 3 * corners.len()];
         for group in keys.chunk_by(|(one, _), (other, _)| one == other) {
             for &(_, corner) in group {
@@ -81,7 +85,7 @@ impl Sample {
         let of_element = |element: usize| [0, 1, 2].map(|corner| first[3 * element + corner]);
         let drawn = |[a, ..]: &[u32; 3]| *a != NOWHERE;
 
-        // Different elements may have become the same triangle: the first of them stays.
+        // Several elements may have become the same triangle. The first of them stays.
         let mut triangles: Vec<([u32; 3], u32)> = (0..corners.len())
             .map(|element| (of_element(element), element as u32))
             .filter(|([a, b, c], _)| a != b && b != c && c != a)
@@ -115,7 +119,7 @@ impl Sample {
         Self { elements, corners, grid }
     }
 
-    /// Cracks that are seen at the width of the cells: the first of each mode in each cell. `ends` and `mode`: of a crack.
+    /// Removes cracks that could not be distinguished: only the first crack of each mode in each cell stays. `ends` and `mode` are those of a crack.
     pub(super) fn cracks<T>(
         &self,
         cracks: &mut Vec<T>,
@@ -144,7 +148,7 @@ impl Sample {
     }
 }
 
-/// The first corner of no group.
+/// Stands for no group.
 const NOWHERE: u32 = u32::MAX;
 
 fn area([a, b, c]: &[[f64; 2]; 3]) -> f64 {
@@ -178,7 +182,7 @@ mod tests {
         assert!(sample.elements.is_sorted());
         let covered: f64 = sample.corners.iter().map(area).sum();
         assert!((0.85..1.1).contains(&covered), "{covered}");
-        // No hole: points away from the outline are in a triangle.
+        // There is no hole: all points away from the outline are in a triangle.
         for i in 0..40 {
             for j in 0..40 {
                 let point = [3.1 + 0.8 * f64::from(i) / 39.0, -1.9 + 0.8 * f64::from(j) / 39.0];

@@ -2,12 +2,12 @@
 
 use fdem_simulation::principal_stresses;
 
-/// The largest and the smallest principal stress in the plane.
+/// Returns the largest and the smallest principal stress in the plane.
 pub(crate) fn principal([xx, yy, xy, _]: [f64; 4]) -> [f64; 2] {
     principal_stresses([xx, yy, xy])
 }
 
-/// Von Mises equivalent stress, with the stress out of the plane.
+/// Returns the von Mises equivalent stress, which includes the stress out of the plane.
 pub(crate) fn von_mises([xx, yy, xy, zz]: [f64; 4]) -> f64 {
     let squares = (xx - yy).powi(2) + (yy - zz).powi(2) + (zz - xx).powi(2);
     (squares / 2.0 + 3.0 * xy * xy).sqrt()

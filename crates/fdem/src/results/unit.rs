@@ -1,6 +1,6 @@
 //! Units with SI prefixes.
 
-/// Factor and prefixed unit with which numbers are shortest. Units that take no prefix stay as they are.
+/// Returns the factor and the prefixed unit with which numbers are short. Units that take no prefix stay as they are.
 ///
 /// `largest` is the greatest magnitude of the numbers.
 pub(crate) fn prefixed(unit: &str, largest: f64) -> (f64, String) {
@@ -17,9 +17,9 @@ pub(crate) fn prefixed(unit: &str, largest: f64) -> (f64, String) {
     if !["Pa", "m", "m/s", "s", "J", "N", "N/m", "J/m"].contains(&unit) || !(1e-9..1e15).contains(&largest) {
         return (1.0, unit.to_owned());
     }
-    // Lengths and times have no prefix above 1: no megametres.
+    // Lengths, velocities and times have no prefix above 1, such as megametres.
     let most = if unit.starts_with('m') || unit == "s" { 1.0 } else { f64::INFINITY };
-    // A tolerance, so that an axis that ends at 1 does not show 999.9 of the smaller unit.
+    // With the tolerance, an axis that ends slightly below 1 by rounding does not show 999.9 of the smaller unit.
     let found = PREFIXES.iter().find(|(size, ..)| *size <= most && largest * 1.000_001 >= *size);
     found.map_or_else(|| (1.0, unit.to_owned()), |(_, factor, prefix)| (*factor, format!("{prefix}{unit}")))
 }

@@ -1,6 +1,6 @@
-//! A snapshot as files for ParaView.
+//! Writes snapshots as files for ParaView.
 //!
-//! Numbers are in SI units; every array that has a unit carries it (the information key `UNITS_LABEL` of VTK).
+//! Numbers are in SI units. Every array that has a unit names it under the information key `UNITS_LABEL` of VTK.
 
 use std::io::{self, Write};
 
@@ -16,12 +16,12 @@ const SPACE: [&str; 3] = ["x", "y", "z"];
 
 /// Writes the deformed mesh as a `.vtu` file.
 ///
-/// - Nodes: position, displacement, velocity, and reaction, the force of all boundaries on the node.
+/// - Nodes: position, displacement, velocity, and reaction (the force of all boundaries on the node).
 /// - Elements: stress (`xx`, `yy`, `xy`, `zz`), principal stresses in the plane (`max`, `min`), von Mises stress, damage, body, material and fragment.
 /// - File: the time, and the numbers of bodies and materials by their names.
 ///
 /// # Errors
-/// Those of `out`; [`io::ErrorKind::InvalidInput`] with a [`SnapshotError`] within.
+/// The errors of `out`; [`io::ErrorKind::InvalidInput`] with a [`SnapshotError`] within.
 ///
 /// # Example
 /// ```
@@ -81,16 +81,15 @@ pub fn write_vtu<W: Write>(
 /// failure, length of the undeformed edge, and the two elements.
 ///
 /// # Errors
-/// Those of `out`.
+/// The errors of `out`.
 pub fn write_cracks_vtp<W: Write>(out: &mut W, snapshot: &Snapshot) -> io::Result<()> {
     write_joints(out, snapshot, true)
 }
 
-/// Writes the damaged joints, those that soften but still hold, as [`write_cracks_vtp`] writes the broken ones: `broken` is 0, and the time of failure is
-/// not a number.
+/// Writes the damaged joints, which soften but still hold, in the format of [`write_cracks_vtp`]: `broken` is 0, and the time of failure is NaN.
 ///
 /// # Errors
-/// Those of `out`.
+/// The errors of `out`.
 pub fn write_damaged_joints_vtp<W: Write>(out: &mut W, snapshot: &Snapshot) -> io::Result<()> {
     write_joints(out, snapshot, false)
 }
@@ -120,11 +119,11 @@ fn write_joints<W: Write>(out: &mut W, snapshot: &Snapshot, broken: bool) -> io:
     fdem_io::write_poly_vtp(out, &points, Some(&lines), snapshot.time)
 }
 
-/// Writes the contact forces as a `.vtp` file of points, one for each couple of elements that press each other: the force on the first element, its normal
-/// and its tangential part as numbers, the two elements, their bodies and their fragments. The second element has the opposite force.
+/// Writes the contact forces as a `.vtp` file of points, one for each couple of elements that press each other: the force on the first element, the
+/// magnitudes of its normal and its tangential part, the two elements, their bodies and their fragments. The second element has the opposite force.
 ///
 /// # Errors
-/// Those of `out`; [`io::ErrorKind::InvalidInput`] with a [`SnapshotError`] within, also for a contact of an element that is not there.
+/// The errors of `out`; [`io::ErrorKind::InvalidInput`] with a [`SnapshotError`] within, also if a contact has an element that does not exist.
 pub fn write_contacts_vtp<W: Write>(out: &mut W, snapshot: &Snapshot, forces: &Forces) -> io::Result<()> {
     checked(snapshot)?;
     let (contacts, elements) = (&forces.contacts, snapshot.triangles.len());
@@ -155,12 +154,12 @@ pub fn write_contacts_vtp<W: Write>(out: &mut W, snapshot: &Snapshot, forces: &F
     fdem_io::write_poly_vtp(out, &points, None, snapshot.time)
 }
 
-/// Component `k % 3` of vector `k / 3` of the plane, in space.
+/// Returns component `k % 3` of vector `k / 3` of the plane; the third component is 0.
 fn in_space(vectors: &[[f64; 2]], k: usize) -> f64 {
     if k % 3 < 2 { vectors[k / 3][k % 3] } else { 0.0 }
 }
 
-/// Number of a mode in files.
+/// Returns the number of a mode in files.
 fn code(mode: Mode) -> i32 {
     match mode {
         Mode::Tension => 0,

@@ -43,7 +43,7 @@ pub fn table(reports: &[CaseReport]) -> String {
     text
 }
 
-/// The outcomes as an HTML page that needs no network and has no script.
+/// The outcomes as an HTML page that works offline and has no script.
 pub fn html(reports: &[CaseReport], size: Size) -> String {
     let style = format!("{STYLE}{STYLE_OF_CASES}");
     let failed = reports.iter().filter(|report| !report.passed()).count();
@@ -69,7 +69,7 @@ pub fn html(reports: &[CaseReport], size: Size) -> String {
     }
     page += "</main>\n<footer><p>Made by <code>fdem validate</code>, version ";
     page += env!("CARGO_PKG_VERSION");
-    page += ". This file needs no network.</p></footer>\n</body>\n</html>\n";
+    page += ". This file works offline.</p></footer>\n</body>\n</html>\n";
     page
 }
 

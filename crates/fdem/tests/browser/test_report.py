@@ -151,7 +151,7 @@ def test_a_click_names_the_element_and_all_its_contacts(browser, bed):
         # A contact in the list leads to the other element.
         if expected:
             other = next(iter(shown))
-            page.click(f'#picked button[aria-label="pick element {other}"]')
+            page.click(f'#picked button[aria-label="select element {other}"]')
             assert watched.picked("contacts") == str(len(network.contacts[other]))
         page.keyboard.press("Escape")
         assert page.evaluate("fdem.picked()") == -1
@@ -284,7 +284,7 @@ def test_the_table_is_sorted_filtered_and_paged(browser, bed):
         page.fill("#filter-id", "1234")
         matching = [k for k in range(count) if str(k).startswith("1234")]
         assert page.text_content("#table-count") == f"{len(matching)} of {count:,} elements"
-        page.click('#table-body button[aria-label="pick element 1234"]')
+        page.click('#table-body button[aria-label="select element 1234"]')
         assert watched.picked("contacts") == str(len(network.contacts.get(1234, {})))
         assert page.locator('#table-body tr[aria-selected="true"]').count() == 1
         watched.check()

@@ -13,9 +13,14 @@ fn couples_go_to_standard_output_and_the_summary_to_standard_error() {
     bench.write("row.csv", ROW);
     let run = bench.run(&["contacts", "row.csv"]).succeeds();
     assert_eq!(run.rows(), COUPLES);
-    for part in
-        ["3 discs in 2D", "radius 1 to 1.5", "couples          2", "1.3333", "0.25, of 0 and 1", "direct"]
-    {
+    for part in [
+        "3 discs in 2D",
+        "radius 1 to 1.5",
+        "couples          2",
+        "1.3333",
+        "largest overlap  0.25 between 0 and 1",
+        "direct",
+    ] {
         assert!(run.stderr.contains(part), "{part:?} is not in\n{}", run.stderr);
     }
     assert_eq!(bench.run(&["contacts", "row.csv", "--quiet"]).succeeds().stderr, "");
@@ -186,7 +191,7 @@ fn skipped_lines_do_not_renumber_the_others() {
     bench.write("in.csv", "x,y,r\n0,0,1\nbad,0,1\n1,0,1\n1.5,0,1\n");
     let run = bench.run(&["contacts", "in.csv", "--skip-bad-lines"]).succeeds();
     assert_eq!(run.rows(), ["0,2,1.0,1.0", "0,3,1.5,0.5", "2,3,0.5,1.5"]);
-    assert!(run.stderr.contains("of 2 and 3"), "{}", run.stderr);
+    assert!(run.stderr.contains("between 2 and 3"), "{}", run.stderr);
 }
 
 /// `--output -` is standard output, as `-` is standard input.

@@ -37,7 +37,7 @@ fn mistakes_are_drawn_with_file_line_and_pointer() {
         .replace("plane = \"stress\"", "plane = \"strss\"");
     bench.write("model.toml", text);
     bench.run(&["check", "model.toml"]).refused_with(&[
-        "2 things are wrong with model.toml",
+        "model.toml has 2 errors",
         "[model.toml:11:",
         "did you mean \"stress\"?",
         "did you mean \"density\"?",

@@ -1,6 +1,6 @@
-// The frames in this page. Each is decompressed when it is shown for the first time.
+// The frames in this page. Each is decompressed when it is needed for the first time.
 
-// Positions between two limits, of 16 bits; the last code means no value.
+// Numbers are 16-bit positions between two limits. The last code means no value.
 const STEPS = 65534, NOWHERE = 65535;
 
 class Frames {
@@ -37,7 +37,7 @@ class Frames {
       return array;
     };
     const value = (place, [low, high]) => (place === NOWHERE ? NaN : low + (place / STEPS) * (high - low));
-    // Coordinates are relative to the centre of the view, in units of half of it: 32 bits suffice.
+    // Coordinates are relative to the centre of the view, in units of half its longer side, so that 32 bits suffice.
     const corners = new Float32Array(6 * n);
     for (let corner = 0; corner < 3; corner++) {
       for (let axis = 0; axis < 2; axis++) {
@@ -45,7 +45,7 @@ class Frames {
         for (let i = 0; i < n; i++) corners[6 * i + 2 * corner + axis] = (value(places[i], about.bounds[axis]) - meta.view.middle[axis]) / meta.view.unit;
       }
     }
-    // Triangles without coordinates become points.
+    // A triangle that lacks a coordinate becomes a point, which is not drawn.
     for (let i = 0; i < n; i++) {
       const mine = corners.subarray(6 * i, 6 * i + 6);
       if (mine.some(Number.isNaN)) mine.fill(0);
@@ -54,7 +54,7 @@ class Frames {
     const upper = numbers(n), lower = numbers(n), material = numbers(n);
     const body = (i) => upper[i] * 65536 + lower[i];
     const outlines = outlinesOf(corners, numbers(n));
-    // In a sample the elements have their numbers with them, from the lowest to the highest.
+    // A sample has the numbers of its elements, in ascending order.
     const sample = about.sample ? [numbers(n), numbers(n)] : null;
     const number = (i) => (sample && i >= 0 ? sample[0][i] * 65536 + sample[1][i] : i);
     const place = (element) => {
@@ -77,7 +77,7 @@ class Frames {
   }
 }
 
-// The outlines of grains and of bodies: the ends of their lines, and the mean size of a grain or body. The bits of an element mark its edges that are outlines.
+// Returns the outlines of grains and of bodies: the ends of their lines, and the mean size of a grain or body. The bits of an element mark its edges that are outlines.
 function outlinesOf(corners, bits) {
   let area = 0;
   for (let at = 0; at < corners.length; at += 6) {
@@ -98,7 +98,7 @@ function outlinesOf(corners, bits) {
   });
 }
 
-// Returns a factor and a prefixed unit with which numbers are short.
+// Returns the factor and the prefixed unit with which numbers are short.
 function prefixed(unit, largest) {
   if (!["Pa", "m", "m/s", "s", "J", "N"].includes(unit) || !(largest >= 1e-9 && largest < 1e15)) return [1, unit];
   const most = unit.startsWith("m") || unit === "s" ? 1 : Infinity;

@@ -25,7 +25,7 @@ class Page {
     this.keyboard();
     this.find();
     window.addEventListener("fdem-theme", () => view.redraw());
-    $("canvas").addEventListener("webglcontextlost", () => preview("This is a picture only: the graphics card was lost. Open the page again to play it."));
+    $("canvas").addEventListener("webglcontextlost", () => preview("Only a picture is shown: the browser lost its connection to the graphics card. Reload the page to play the run."));
   }
 
   // Shows frame k; resolves when it is shown, or when another frame was requested.
@@ -113,7 +113,7 @@ class Page {
     $("legends").replaceChildren(...legends);
   }
 
-  // Picks element k, or none for -1.
+  // Selects element k, or none if k is -1.
   pick(k) {
     this.selected = k;
     $("clear").disabled = k < 0;
@@ -126,7 +126,7 @@ class Page {
   describe() {
     const frame = this.shown;
     if (this.selected < 0 || !frame) {
-      $("picked").replaceChildren(make("p", "Click an element, or type its number, from 0.", { class: "hint" }));
+      $("picked").replaceChildren(make("p", "Click an element, or enter its number (from 0).", { class: "hint" }));
       return;
     }
     const k = frame.place(this.selected);
@@ -143,10 +143,10 @@ class Page {
     add("x", quantity(middle[0], "m"));
     add("y", quantity(middle[1], "m"));
     for (const field of meta.fields) if (field.scale !== null) add(field.name, quantity(frame.value(field.scale, k), field.unit));
-    $("picked").replaceChildren(list, make("p", "At this frame; numbers are rounded to 1/65,534 of what they range over in it.", { class: "scale" }));
+    $("picked").replaceChildren(list, make("p", "Values in this frame, rounded to 1/65,534 of their range in the frame.", { class: "scale" }));
   }
 
-  // Draws the outline of the picked element.
+  // Draws the outline of the selected element.
   ring() {
     const parts = [];
     const k = this.selected >= 0 && this.view.frame ? this.view.frame.place(this.selected) : -1;
@@ -291,7 +291,7 @@ async function start() {
   try {
     view = new View($("canvas"));
   } catch (error) {
-    preview(`This is a picture only: ${error.message}.`);
+    preview(`Only a picture is shown: ${error.message}.`);
     return;
   }
   const page = new Page(view, new Frames());
@@ -300,7 +300,8 @@ async function start() {
   else for (const control of $("player").querySelectorAll("button, input, select")) control.disabled = true;
   if (page.frames.count === 1) $("play").disabled = $("frame").disabled = true;
   $("loading").hidden = true;
-  // For the console and for tests: position of triangle k on the page, its element, the number of triangles, the picked element, the state, showing a frame, and the time of a redraw.
+  // For the console and for tests: position of triangle k on the page, the selected element, the element of triangle k, the number of triangles, the state, a function that shows a frame, and the
+  // time of a redraw.
   window.fdem = {
     project: (k) => {
       const box = view.canvas.getBoundingClientRect(), corners = view.corners(k);
@@ -323,6 +324,6 @@ async function start() {
 }
 
 start().then(() => { document.documentElement.dataset.ready = "true"; }, (error) => {
-  preview(`This is a picture only: ${error.message}.`);
+  preview(`Only a picture is shown: ${error.message}.`);
   document.documentElement.dataset.ready = "failed";
 });

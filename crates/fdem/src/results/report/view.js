@@ -25,7 +25,7 @@ const TRIANGLES = {
       vec3 wide = fwidth(share);
       vec3 away = smoothstep(vec3(0.0), wide * 1.1, share);
       float edge = 1.0 - min(away.x, min(away.y, away.z));
-      // Elements of a few pixels have no lines, which would cover them.
+      // Elements of a few pixels have no lines, because the lines would cover them.
       float room = clamp((0.22 - max(wide.x, max(wide.y, wide.z))) * 12.0, 0.0, 1.0);
       colour = vec4(mix(paint.rgb, paint.rgb * 0.45, mesh * edge * room), 1.0);
     }`,
@@ -102,11 +102,11 @@ class View {
       const shader = gl.createShader(kind);
       gl.shaderSource(shader, source);
       gl.compileShader(shader);
-      if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS)) throw new Error(gl.getShaderInfoLog(shader) || "the graphics card was lost");
+      if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS)) throw new Error(gl.getShaderInfoLog(shader) || "the browser lost its connection to the graphics card");
       gl.attachShader(program, shader);
     }
     gl.linkProgram(program);
-    if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(program) || "the graphics card was lost");
+    if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(program) || "the browser lost its connection to the graphics card");
     const places = { program };
     for (const name of names) places[name] = gl.getUniformLocation(program, name);
     return places;
@@ -195,7 +195,7 @@ class View {
     this.afterDraw();
   }
 
-  // Conversion from units to pixels of the canvas, and back.
+  // Converts units to pixels of the canvas. `unproject` converts back.
   project([x, y]) {
     const { clientWidth, clientHeight } = this.canvas;
     return [clientWidth / 2 + (x - this.pan[0]) * this.scale, (clientHeight - FOOT) / 2 - (y - this.pan[1]) * this.scale];
@@ -232,7 +232,7 @@ class View {
     return [[c[0], c[1]], [c[2], c[3]], [c[4], c[5]]];
   }
 
-  // Returns the element at a pixel, the last that is drawn there, or -1.
+  // Returns the triangle at a pixel, the last that is drawn there, or -1.
   pick(x, y) {
     if (!this.frame) return -1;
     const [px, py] = this.unproject([x, y]), { corners } = this.frame;
