@@ -50,7 +50,7 @@ fuzz SECONDS="60":
     cargo +nightly fuzz run read_series -- -max_total_time={{SECONDS}} -max_len=4096
     cargo +nightly fuzz run read_mesh -- -max_total_time={{SECONDS}} -max_len=4096
 
-# What a release needs, in target/dist: static binaries, wheels, checksums. Each is installed in a bare folder and run.
+# What a release needs, in target/downloads: static binaries, wheels, checksums. Each is installed in a bare folder and run.
 dist:
     bash .ci/dist
 

@@ -658,13 +658,22 @@ fn triangles_in_space_agree_with_exact_numbers_and_parry() {
 }
 
 #[test]
-fn tetrahedra_agree_with_exact_numbers_and_slices() {
-    let mut rng = Rng(8);
+fn tetrahedra_on_a_grid_agree_with_exact_numbers_and_slices() {
+    compare_tetrahedra(true, 8);
+}
+
+#[test]
+fn any_tetrahedra_agree_with_exact_numbers_and_slices() {
+    compare_tetrahedra(false, 18);
+}
+
+/// Compares pairs of tetrahedra, with corners on a grid or anywhere.
+fn compare_tetrahedra(grid: bool, seed: u64) {
+    let mut rng = Rng(seed);
     let mut touching = 0;
-    for case in 0..2 * PAIRS {
-        let grid = case % 2 == 0;
+    for case in 0..PAIRS {
         let (one, two): ([[Near; 3]; 4], [[Near; 3]; 4]) =
-            (rng.grid(3, case % 4 == 0), rng.grid(3, case % 4 == 0));
+            (rng.grid(3, case % 2 == 0), rng.grid(3, case % 2 == 0));
         let (p, q): ([[f64; 3]; 4], [[f64; 3]; 4]) = if grid {
             (floats(&one), floats(&two))
         } else {
@@ -676,7 +685,7 @@ fn tetrahedra_agree_with_exact_numbers_and_slices() {
         check_direction(&contact, &p, &q, 1e-11);
         if grid {
             assert_eq!(contact.touches(), exact_touch_3d(&one, &two), "{p:?} {q:?}");
-        } else if case < 1000 {
+        } else if case < 500 {
             assert_eq!(contact.touches(), exact_touch_3d(&rational(&p), &rational(&q)), "{p:?} {q:?}");
         }
         if let Measure::Volume(volume) = contact.measure {
@@ -692,7 +701,7 @@ fn tetrahedra_agree_with_exact_numbers_and_slices() {
             }
         }
     }
-    assert!(touching >= PAIRS, "{touching} of {} pairs have a volume to compare", 2 * PAIRS);
+    assert!(2 * touching >= PAIRS, "{touching} of {PAIRS} pairs have a volume to compare");
 }
 
 #[test]

@@ -87,7 +87,7 @@ fn ranges<T: Real, const D: usize>(cell: &PeriodicBox<T, D>, wrapped: &[[T; D]],
     })
 }
 
-/// All elements against all images, by brute force. Images are compared as documented.
+/// All elements against all images that are near along the first axis, one by one. Images are compared as documented.
 fn brute<T: FromF64, const D: usize>(
     centres: &[[T; D]],
     radii: Radii<'_, T>,
@@ -106,6 +106,11 @@ fn brute<T: FromF64, const D: usize>(
     let reach =
         (0..centres.len()).map(|k| 2.0 * radii.of(k).to_f64()).fold(0.0, f64::max) + tolerance.to_f64();
     let range = ranges(cell, &wrapped, reach);
+    // Elements further apart than this along the first axis are skipped; the bound is generous, so that rounding is left to the comparison.
+    let near = 1.001 * reach + 1e-3;
+    let mut order: Vec<usize> = (0..centres.len()).collect();
+    order.sort_by(|&a, &b| wrapped[a][0].to_f64().total_cmp(&wrapped[b][0].to_f64()));
+    let sorted: Vec<f64> = order.iter().map(|&k| wrapped[k][0].to_f64()).collect();
 
     let mut couples = Vec::new();
     let mut shift = range.map(|most| -most);
@@ -113,8 +118,12 @@ fn brute<T: FromF64, const D: usize>(
         for j in 0..centres.len() {
             let image =
                 if shift == [0; D] { wrapped[j] } else { displaced(&wrapped[j], &shift, &cell.edges()) };
-            for i in 0..=j {
-                if i == j && shift <= [0; D] {
+            let first = sorted.partition_point(|&x| x < image[0].to_f64() - near);
+            for &i in &order[first..] {
+                if wrapped[i][0].to_f64() > image[0].to_f64() + near {
+                    break;
+                }
+                if i > j || i == j && shift <= [0; D] {
                     continue;
                 }
                 let mut squares = T::from_f64(0.0);
