@@ -49,8 +49,8 @@ use sha2::{Digest, Sha256};
 
 pub use bodies::Load;
 pub use fault::{Drawing, Fault, ModelErrors};
-pub use preflight::{Critical, Preflight};
 pub(crate) use preflight::steps;
+pub use preflight::{Critical, Preflight};
 pub use quality::Quality;
 pub use schema::schema;
 pub use settings::{Checkpoint, History, OutputSettings, Quantity};

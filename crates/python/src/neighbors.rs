@@ -25,6 +25,9 @@ const MAX_BUCKETS: usize = 1 << 9;
 /// Rows that a bucket has at least.
 const MIN_ROWS: usize = 1 << 10;
 
+/// Neighbours of an atom up to which they are sorted by counting smaller ones.
+const RANKED: usize = 64;
+
 /// What a neighbour carries, so that positions are read once only: the distance, or the vector if somebody asked for it.
 trait Measure: Copy + Default + Send + Sync {
     fn new(vector: [f64; 3], distance: f64) -> Self;
@@ -354,10 +357,12 @@ impl<M: Measure> Found<M> {
         for row in 0..rows.len() {
             ends[row + 1] += ends[row];
         }
-        let mut partners = zeros::<(u32, M)>(ends[rows.len()])?;
+        let mut partners = zeros::<u32>(ends[rows.len()])?;
+        let mut measures = zeros::<M>(ends[rows.len()])?;
         for neighbour in plain().copied().chain(own) {
             let place = &mut ends[local(neighbour.row)];
-            partners[*place] = (neighbour.partner, neighbour.measure);
+            partners[*place] = neighbour.partner;
+            measures[*place] = neighbour.measure;
             *place += 1;
         }
 
@@ -367,32 +372,36 @@ impl<M: Measure> Found<M> {
             shifted.try_reserve(more.len()).map_err(|_| Problem::out_of_memory::<Shifted<M>>(more.len()))?;
             shifted.extend_from_slice(more);
         }
-        shifted.sort_unstable_by_key(|image| (image.row, image.partner, image.shift));
-        let mut shifted = shifted.into_iter().peekable();
+        shifted.sort_unstable_by_key(|image| image.row);
 
-        let (mut start, mut place) = (0, 0);
+        let mut mixed = Vec::new();
+        let (mut start, mut place, mut images) = (0, 0, shifted.as_slice());
         for row in rows.clone() {
-            let end = ends[local(row)];
-            let partners = &mut partners[start..end];
-            partners.sort_unstable_by_key(|&(partner, _)| partner);
-            start = end;
-            let mut partners = partners.iter().copied().peekable();
-            loop {
-                let image = shifted.next_if(|image| {
-                    image.row == row
-                        && partners
-                            .peek()
-                            .is_none_or(|&(partner, _)| (image.partner, image.shift) < (partner, [0; 3]))
-                });
-                if let Some(image) = image {
-                    columns.write(place, row, image.partner, image.measure);
-                    if let Some(column) = &mut columns.shift {
-                        column[place] = image.shift.map(i64::from);
-                    }
-                } else if let Some((partner, measure)) = partners.next() {
-                    columns.write(place, row, partner, measure);
-                } else {
-                    break;
+            let plain = start..ends[local(row)];
+            start = plain.end;
+            let (partners, measures) = (&partners[plain.clone()], &measures[plain]);
+            let (of_row, rest) = images.split_at(images.iter().take_while(|image| image.row == row).count());
+            images = rest;
+            if of_row.is_empty() && partners.len() <= RANKED {
+                // Each partner is there once, so its place is the number of smaller ones: no branch depends on the data.
+                for (&partner, &measure) in partners.iter().zip(measures) {
+                    let rank: u32 = partners.iter().map(|&other| u32::from(other < partner)).sum();
+                    columns.write(place + rank as usize, row, partner, measure);
+                }
+                place += partners.len();
+                continue;
+            }
+            mixed.clear();
+            mixed.extend(of_row.iter().map(|image| (image.partner, image.shift, image.measure)));
+            mixed
+                .extend(partners.iter().zip(measures).map(|(&partner, &measure)| (partner, [0; 3], measure)));
+            mixed.sort_unstable_by_key(|&(partner, shift, _)| (partner, shift));
+            for &(partner, shift, measure) in &mixed {
+                columns.write(place, row, partner, measure);
+                if let Some(column) = &mut columns.shift
+                    && shift != [0; 3]
+                {
+                    column[place] = shift.map(i64::from);
                 }
                 place += 1;
             }
