@@ -42,7 +42,7 @@ const PROGRAM: f64 = 28e6;
 /// Memory for an element of each frame when the report is made, bytes.
 const IN_REPORT: f64 = 16.0;
 
-/// Most steps that a run may take: beyond this number not every whole number is a floating-point number.
+/// Largest number of steps of a run: beyond it not every whole number is a floating-point number.
 const MOST: f64 = 9e15;
 
 /// The time step beyond which the integration is not stable, and what sets it.
@@ -62,14 +62,14 @@ impl From<CriticalStep> for Critical {
     }
 }
 
-/// What a run would take. Shown as lines of text.
+/// Estimates of what a run would take. Displays as lines of text.
 #[derive(Debug, Clone, Serialize)]
 pub struct Preflight {
-    /// Of the model; empty if it has none.
+    /// Title of the model; empty if it has none.
     pub title: String,
     /// Number of bodies.
     pub bodies: usize,
-    /// Their names; of packings each piece.
+    /// Names of the bodies; each piece of a packing has its own.
     pub names: Vec<String>,
     /// Sizes and shapes of elements.
     pub quality: Quality,
@@ -77,17 +77,17 @@ pub struct Preflight {
     pub critical: Critical,
     /// The time step that the run takes, s.
     pub step: f64,
-    /// Until the end time.
+    /// Number of steps until the end time.
     pub steps: u64,
-    /// Time on one core, s. Where materials can break: if they break to pieces.
+    /// Run time on one core, s; of a model that can break, if it breaks to pieces.
     pub seconds: f64,
-    /// Time on one core if nothing breaks, s.
+    /// Run time on one core if nothing breaks, s.
     pub seconds_whole: f64,
-    /// Bytes.
+    /// Memory that the run takes, bytes.
     pub memory: f64,
-    /// What may not be meant.
+    /// Warnings about what may not be meant.
     pub warnings: Vec<String>,
-    /// Of the model.
+    /// Hash of the model.
     pub hash: String,
 }
 
@@ -178,7 +178,7 @@ impl Pace {
                 }
                 times.push(begin.elapsed().as_secs_f64());
             }
-            elements = run.timings().bulk - before.bulk;
+            elements = run.timings().bulk.saturating_sub(before.bulk);
         }
         if times.is_empty() {
             let seconds = sum(model, |cost| cost.seconds);
