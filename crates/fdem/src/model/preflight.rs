@@ -25,7 +25,7 @@ const WHOLE: Cost = Cost { seconds: 40e-9, bytes: 600.0 };
 const JOINED: Cost = Cost { seconds: 160e-9, bytes: 2100.0 };
 
 /// Costs of an element of a material that breaks, as the mean over a run in which it breaks to pieces: joints are inserted, fragments touch.
-const BREAKING: Cost = Cost { seconds: 180e-9, bytes: 1500.0 };
+const BREAKING: Cost = Cost { seconds: 160e-9, bytes: 1500.0 };
 
 /// Share of the forces of elements in [`WHOLE`].
 const BULK: f64 = 0.6;
