@@ -259,7 +259,7 @@ impl<T: Real, const D: usize, S: Search<T, D>> Buffered<T, D, S> {
     /// The candidates for `elements`: the existing ones if they still contain every couple, otherwise new ones.
     ///
     /// # Errors
-    /// Those of the search; [`Error::InvalidTolerance`] if tolerance and buffer together exceed [`Real::MAX_MAGNITUDE`];
+    /// The errors of the search; [`Error::InvalidTolerance`] if tolerance and buffer together exceed [`Real::MAX_MAGNITUDE`];
     /// [`Error::OutOfMemory`]. After an error nothing is kept, and the next update detects.
     pub fn update<'a>(&'a mut self, elements: &Elements<'a, T, D>) -> Result<Update<'a, T, D>, Error> {
         let reason = match &self.reference {

@@ -169,7 +169,7 @@ pub struct ElementContact<const D: usize> {
 /// See [`MeshSearch`].
 ///
 /// # Errors
-/// Those of [`MeshSearch::contacts`].
+/// The errors of [`MeshSearch::contacts`].
 ///
 /// # Example
 /// ```

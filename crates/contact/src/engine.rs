@@ -225,7 +225,7 @@ impl<T: Real, const D: usize> Detector<T, D> {
     /// How a search over `elements` will run.
     ///
     /// # Errors
-    /// Those of [`Search::for_each`] that can be found without allocating.
+    /// The errors of [`Search::for_each`] that can be found without allocating.
     pub fn plan(&self, elements: &Elements<'_, T, D>) -> Result<Plan<D>, Error> {
         let mut levels = Vec::new();
         let (engine, reason) = match self.engine {

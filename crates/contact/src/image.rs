@@ -93,7 +93,7 @@ pub enum Neighbourhood {
 /// See [`ImageContacts`].
 ///
 /// # Errors
-/// Those of [`ImageContacts::new`], [`ImageContacts::add`] and [`ImageContacts::finish`].
+/// The errors of [`ImageContacts::new`], [`ImageContacts::add`] and [`ImageContacts::finish`].
 ///
 /// # Example
 /// ```

@@ -114,7 +114,7 @@ pub use verify::{Mismatch, verify};
 /// Time proportional to `n`, plus the sorting of the couples.
 ///
 /// # Errors
-/// Those of [`Elements::spheres_with_radii`] and of [`Search::for_each`].
+/// The errors of [`Elements::spheres_with_radii`] and of [`Search::for_each`].
 ///
 /// # Example
 /// ```
@@ -139,7 +139,7 @@ pub fn couples<T: Real, const D: usize>(centres: &[[T; D]], radii: &[T]) -> Resu
 /// Time proportional to `n` plus the number of couples, and their sorting.
 ///
 /// # Errors
-/// Those of [`Elements::points`] and of [`Search::for_each`].
+/// The errors of [`Elements::points`] and of [`Search::for_each`].
 ///
 /// # Example
 /// ```

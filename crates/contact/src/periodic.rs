@@ -200,7 +200,7 @@ impl<T: Real, const D: usize> PeriodicSearch<T, D> {
     /// as in [`Detector::explain`].
     ///
     /// # Errors
-    /// Those of [`PeriodicSearch::for_each`], except running out of memory that only a search takes.
+    /// The errors of [`PeriodicSearch::for_each`], except running out of memory that only a search takes.
     ///
     /// # Example
     /// ```
@@ -267,7 +267,7 @@ impl<T: Real, const D: usize> PeriodicSearch<T, D> {
     /// Writes the couples into `couples`, which is cleared first; its memory is reused.
     ///
     /// # Errors
-    /// Those of [`PeriodicSearch::for_each`], and [`Error::OutOfMemory`] if the couples themselves do not fit. `couples` is empty after an
+    /// The errors of [`PeriodicSearch::for_each`], and [`Error::OutOfMemory`] if the couples themselves do not fit. `couples` is empty after an
     /// error.
     pub fn couples(
         &mut self,
@@ -285,7 +285,7 @@ impl<T: Real, const D: usize> PeriodicSearch<T, D> {
     /// In a large box with all elements inside, nearly all couples have shift 0. Then this takes less than half the memory, and less time.
     ///
     /// # Errors
-    /// Those of [`PeriodicSearch::couples`]; both lists are empty after an error.
+    /// The errors of [`PeriodicSearch::couples`]; both lists are empty after an error.
     pub fn couples_by_shift(
         &mut self,
         elements: &Elements<'_, T, D>,

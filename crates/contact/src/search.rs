@@ -43,7 +43,7 @@ pub trait Search<T: Real, const D: usize> {
     /// Writes the couples into `couples` in the order of the engine. `couples` is cleared first, and its memory is reused.
     ///
     /// # Errors
-    /// Those of [`Search::for_each`], and [`Error::OutOfMemory`] if the couples themselves do not fit. `couples` is empty after an error.
+    /// The errors of [`Search::for_each`], and [`Error::OutOfMemory`] if the couples themselves do not fit. `couples` is empty after an error.
     fn couples(&mut self, elements: &Elements<'_, T, D>, couples: &mut Vec<Couple>) -> Result<(), Error> {
         couples.clear();
         let mut room = Ok(());

@@ -185,7 +185,7 @@ pub fn plots_svg<const D: usize>(
 /// As [`plots_svg`], as a PNG file. `width`: as for [`png()`].
 ///
 /// # Errors
-/// Those of [`png()`].
+/// The errors of [`png()`].
 ///
 /// # Panics
 /// If a couple was not found among these elements.

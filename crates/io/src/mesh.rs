@@ -92,7 +92,7 @@ pub struct MeshBody {
 pub struct MeshSource {
     /// The format.
     pub format: MeshFormat,
-    /// What the bodies are in the file.
+    /// The meaning of bodies in the file.
     pub bodies_from: BodiesFrom,
     /// Number of elements of one node, which are not in the mesh.
     pub point_elements: u64,
@@ -102,7 +102,7 @@ pub struct MeshSource {
     pub quadrilaterals: u64,
 }
 
-/// What the bodies of a mesh are in its file.
+/// The meaning of the bodies of a mesh in its file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum BodiesFrom {
     /// The file does not distinguish bodies: everything is one body.

@@ -195,7 +195,7 @@ impl<'a> Series<'a> {
 /// `name`: the name of the file. `progress`: see [`Series::read`].
 ///
 /// # Errors
-/// Those of [`Series::open`] and [`Series::read`]; [`ReadError::SeveralFrames`].
+/// The errors of [`Series::open`] and [`Series::read`]; [`ReadError::SeveralFrames`].
 ///
 /// # Example
 /// ```

@@ -118,7 +118,7 @@ pub(crate) fn check_text(bytes: &[u8]) -> Result<(), ReadError> {
     Ok(())
 }
 
-/// What the lines up to the first row show about the file.
+/// Properties of a file that the lines up to the first row show.
 #[derive(Debug)]
 struct Opening {
     delimiter: Delimiter,

@@ -20,7 +20,7 @@ const LONGEST_ROW: usize = 160;
 /// Time proportional to `n`. Uses a buffer of 256 KiB, so `out` needs none. `out` is not flushed.
 ///
 /// # Errors
-/// Those of `out`; [`io::ErrorKind::InvalidInput`] if `radii` is not as long as `centres`.
+/// The errors of `out`; [`io::ErrorKind::InvalidInput`] if `radii` is not as long as `centres`.
 ///
 /// # Example
 /// ```
@@ -60,7 +60,7 @@ pub fn write_packing_csv<W: Write>(out: &mut W, centres: &Centres, radii: Option
 /// Time proportional to `n`. Uses a buffer of 256 KiB, so `out` needs none. `out` is not flushed.
 ///
 /// # Errors
-/// Those of `out`; [`io::ErrorKind::InvalidInput`] if `radii` is not as long as `centres`.
+/// The errors of `out`; [`io::ErrorKind::InvalidInput`] if `radii` is not as long as `centres`.
 ///
 /// # Source
 /// NumPy Enhancement Proposal 1, version 1.0 of the format.

@@ -28,7 +28,7 @@ const MIN_ROWS: usize = 1 << 10;
 /// Neighbours of an atom up to which they are sorted by counting smaller ones.
 const RANKED: usize = 64;
 
-/// What a neighbour carries, so that positions are read once only: the distance, or the vector if somebody asked for it.
+/// The distance or, if it is asked for, the vector of a neighbour. It travels with the neighbour, so that positions are read only once.
 trait Measure: Copy + Default + Send + Sync {
     fn new(vector: [f64; 3], distance: f64) -> Self;
 
@@ -196,7 +196,7 @@ impl Atoms<'_> {
         }
     }
 
-    /// What a neighbour of `i` carries, or nothing if `j` is not closer than the limit.
+    /// The measure of the neighbour `j` of `i`, or `None` if `j` is not closer than the limit.
     #[inline]
     fn measure<M: Measure>(&self, i: u32, j: u32, vector: [f64; 3]) -> Option<M> {
         let distance = length(&vector);

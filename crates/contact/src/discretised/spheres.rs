@@ -134,7 +134,7 @@ impl MeshSearch<3> {
     /// `sample` tests per triangle.
     ///
     /// # Errors
-    /// Those of [`MeshSearch::sphere_contacts`]. The inner result is the first [`Mismatch`] found, which numbers the spheres first, then
+    /// The errors of [`MeshSearch::sphere_contacts`]. The inner result is the first [`Mismatch`] found, which numbers the spheres first, then
     /// the triangles.
     ///
     /// # Example

@@ -154,7 +154,7 @@ impl<T: Real, const D: usize> PeriodicBuffered<T, D> {
     /// The couples are those of [`PeriodicSearch::couples`].
     ///
     /// # Errors
-    /// Those of [`PeriodicSearch::couples`]; [`Error::InvalidTolerance`] if tolerance and buffer together are beyond [`Real::MAX_MAGNITUDE`]. `couples` is
+    /// The errors of [`PeriodicSearch::couples`]; [`Error::InvalidTolerance`] if tolerance and buffer together are beyond [`Real::MAX_MAGNITUDE`]. `couples` is
     /// empty then, nothing is kept, and the next update detects.
     pub fn update(
         &mut self,

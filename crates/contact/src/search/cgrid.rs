@@ -118,7 +118,7 @@ impl<T: Real, const D: usize> CGrid<T, D> {
         self.bodies.bytes() + self.level_of.capacity() * size_of::<u16>()
     }
 
-    /// What [`CGrid::bytes`] will be after a search over `elements`.
+    /// The value of [`CGrid::bytes`] after a search over `elements`.
     pub(crate) fn expected_bytes(&self, elements: &Elements<'_, T, D>) -> usize {
         let n = elements.len();
         let numbers = if self.levels(elements).len() > 1 { n * size_of::<u16>() } else { 0 };

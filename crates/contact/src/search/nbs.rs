@@ -136,7 +136,7 @@ impl<const D: usize> Nbs<D> {
     /// The grid that a search over `elements` would use.
     ///
     /// # Errors
-    /// Those of [`Search::for_each`] that can be found without allocating.
+    /// The errors of [`Search::for_each`] that can be found without allocating.
     pub fn plan<T: Real>(&self, elements: &Elements<'_, T, D>) -> Result<Grid<D>, Error> {
         if elements.len() > MAX_LISTED {
             return Err(Error::TooManyElements { elements: elements.len(), limit: MAX_LISTED });

@@ -12,7 +12,7 @@ const SAME: f64 = 1e-9;
 /// Distance over the length of an edge below which a node lies on it.
 const ON: f64 = 1e-6;
 
-/// What a mesh falls into.
+/// Pieces of a mesh, and nodes that should connect them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Found {
     /// Parts that have no node in common.
@@ -23,7 +23,7 @@ struct Found {
     hanging: (usize, Option<u32>),
 }
 
-/// What is to be said of the mesh of a body.
+/// Warns of a mesh that falls into pieces.
 pub(crate) fn warnings(name: &str, piece: &Piece, warnings: &mut Vec<String>) {
     let found = look(piece);
     let at = |node: Option<u32>| {

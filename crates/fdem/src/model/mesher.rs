@@ -103,7 +103,7 @@ fn holes_are_inside(domain: &Domain) -> Result<(), String> {
 
 /// Points on outlines and lines, and the edges between them.
 struct Frame {
-    /// Of the coordinates of the nodes, in those of the model.
+    /// Origin of the coordinates of the nodes, in coordinates of the model.
     origin: Point,
     nodes: Vec<Point>,
     loops: Vec<u32>,

@@ -15,7 +15,7 @@ struct Range {
     mistaken: [(&'static str, f64); 2],
 }
 
-/// What solids have, from gels to diamond, from aerated concrete to osmium.
+/// Values of real solids, from gels to diamond, from aerated concrete to osmium.
 const RANGES: [Range; 3] = [
     Range {
         key: "youngs_modulus",
@@ -127,7 +127,7 @@ fn idle_keys(body: &Body) -> Vec<&'static str> {
     keys
 }
 
-/// What of a boundary has no effect.
+/// Describes a part of a boundary that has no effect, if there is one.
 fn idle(boundary: &Boundary) -> Option<String> {
     let scheduled = match (&boundary.ramp, &boundary.table) {
         (Some(_), _) => Some("ramp"),

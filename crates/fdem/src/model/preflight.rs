@@ -52,7 +52,7 @@ pub struct Critical {
     pub step: f64,
     /// The element that it belongs to.
     pub element: u32,
-    /// What is stiff there: "bulk", "joint" or "contact".
+    /// The stiff part: "bulk", "joint" or "contact".
     pub cause: String,
 }
 

@@ -1,4 +1,4 @@
-//! What is wrong with the shape of a body, told before it is meshed.
+//! Checks the shape of a body before it is meshed.
 
 use crate::model::file::{Body, Hole, Outline, Packing, Piece, Voronoi};
 use crate::model::mesh_file::Problem;
@@ -9,7 +9,7 @@ const COMPARED: usize = 3000;
 
 const INVERTED: &str = "the rectangle has no area: max has to be above and to the right of min";
 
-/// What is wrong with the shape of a body, if anything is.
+/// Describes the fault of a body's shape, if it has one.
 pub(crate) fn problem(body: &Body) -> Option<Problem> {
     find(body).map(|problem| Problem {
         message: format!("[[body]] \"{}\": {}", body.name, problem.message),
@@ -63,7 +63,7 @@ fn holes(key: &str, holes: &[Hole]) -> Option<Problem> {
     })
 }
 
-/// What is wrong with the corners of an outline.
+/// Describes the fault of an outline's corners, if they have one.
 fn corners(key: &str, points: &[Point]) -> Option<Problem> {
     let problem = |message: String, help: &str| {
         Some(Problem { help: Some(help.to_owned()), ..Problem::new(key, message) })

@@ -57,7 +57,7 @@ impl Slivers {
         Some(Self { element, at, height, count, others, longer })
     }
 
-    /// What to tell: `with` and `without` are the times that the run takes, in words.
+    /// Returns the warning. `with` and `without` are the times, in words, that the run takes with and without the slivers.
     pub(crate) fn told(&self, with: &str, without: &str) -> String {
         let [x, y] = self.at.map(brief);
         let like = match self.count {

@@ -61,7 +61,7 @@ pub fn bodies_svg(bodies: &Bodies<'_>, caption: &Caption<'_>) -> Result<String, 
 /// As [`bodies_svg`], as a PNG file. `width`: 200 to 10,000 pixels, by default twice the width of the SVG.
 ///
 /// # Errors
-/// Those of [`bodies_svg`], [`PictureError::Width`] and [`PictureError::Png`].
+/// The errors of [`bodies_svg`], [`PictureError::Width`] and [`PictureError::Png`].
 ///
 /// # Panics
 /// As [`bodies_svg`].
@@ -76,7 +76,7 @@ pub fn bodies_png(
 /// Draws the distributions of the contacts of bodies, their values and directions, and of the radii as SVG.
 ///
 /// # Errors
-/// Those of [`bodies_svg`].
+/// The errors of [`bodies_svg`].
 ///
 /// # Panics
 /// As [`bodies_svg`].
@@ -87,7 +87,7 @@ pub fn bodies_plots_svg(bodies: &Bodies<'_>, caption: &Caption<'_>) -> Result<St
 /// As [`bodies_plots_svg`], as a PNG file. `width`: as for [`bodies_png`].
 ///
 /// # Errors
-/// Those of [`bodies_png`].
+/// The errors of [`bodies_png`].
 ///
 /// # Panics
 /// As [`bodies_svg`].

@@ -85,7 +85,7 @@ pub fn mesh_svg(drawing: &MeshDrawing<'_>, caption: &Caption<'_>) -> Result<Stri
 /// As [`mesh_svg`], as a PNG file. `width`: 200 to 10,000 pixels, by default twice the width of the SVG.
 ///
 /// # Errors
-/// Those of [`mesh_svg`], [`PictureError::Width`] and [`PictureError::Png`].
+/// The errors of [`mesh_svg`], [`PictureError::Width`] and [`PictureError::Png`].
 ///
 /// # Panics
 /// As [`mesh_svg`].

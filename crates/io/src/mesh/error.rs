@@ -82,7 +82,7 @@ pub enum MeshProblem {
     Unsupported {
         /// The keyword, version or element.
         what: String,
-        /// What is supported, or advice.
+        /// The supported values, or advice.
         advice: String,
     },
     /// An element names a node that does not exist.

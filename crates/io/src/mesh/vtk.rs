@@ -25,7 +25,7 @@ pub(crate) fn points(bytes: &[u8]) -> Result<PointCloud, Fault> {
     Ok(Reader::new(bytes, Want::Points)?.read_all()?.cloud)
 }
 
-/// What is read from a file; everything else is skipped.
+/// The parts of a file that are read; everything else is skipped.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Want {
     /// Points, cells, and the data that distinguish bodies.
@@ -82,7 +82,7 @@ struct Reader<'a> {
     draft: Draft,
     /// Cells of an unstructured grid; or vertices, lines, polygons and strips, in the order of their numbers.
     sections: [(CellList, Option<Place>); 4],
-    /// What the following data describe; nothing before the first section.
+    /// The items that the following data describe; `None` before the first section.
     of: Option<Of>,
     /// Number of cells or points of the following data.
     rows: usize,

@@ -21,7 +21,7 @@ use crate::written::{Column, Table, Values};
 /// arguments alone.
 ///
 /// # Errors
-/// Those of `out`; [`io::ErrorKind::InvalidInput`] if the first columns are not what they should be, or a column is of text.
+/// The errors of `out`; [`io::ErrorKind::InvalidInput`] if the first columns are not what they should be, or a column is of text.
 ///
 /// # Source
 /// The VTK User's Guide, "VTK File Formats", XML formats, appended data.

@@ -24,7 +24,7 @@ const TRIANGLE: u8 = 5;
 /// the arguments alone.
 ///
 /// # Errors
-/// Those of `out`; [`io::ErrorKind::InvalidInput`] if a first column has the wrong form, or a column contains text.
+/// The errors of `out`; [`io::ErrorKind::InvalidInput`] if a first column has the wrong form, or a column contains text.
 ///
 /// # Source
 /// The VTK User's Guide, "VTK File Formats", XML formats, appended data.

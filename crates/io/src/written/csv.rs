@@ -12,7 +12,7 @@ use crate::written::{CHUNK, Plain, Table, Values};
 /// Time proportional to the values. Uses a buffer of 256 KiB, so `out` needs none. `out` is not flushed.
 ///
 /// # Errors
-/// Those of `out`.
+/// The errors of `out`.
 ///
 /// # Example
 /// See [`Table`].
@@ -25,7 +25,7 @@ pub fn write_csv<W: Write>(out: &mut W, table: &Table<'_>) -> io::Result<()> {
 /// Writes only the rows, for a table with the same columns as one written before.
 ///
 /// # Errors
-/// Those of `out`.
+/// The errors of `out`.
 pub fn write_csv_rows<W: Write>(out: &mut W, table: &Table<'_>) -> io::Result<()> {
     let columns: Vec<Plain<'_>> = table.plain().collect();
     let mut chunk = Vec::with_capacity(CHUNK + CHUNK / 16);

@@ -15,7 +15,7 @@ use crate::written::{CHUNK, Plain, Table, Values};
 /// Time proportional to the values. Uses a buffer of 256 KiB. `out` is not flushed.
 ///
 /// # Errors
-/// Those of `out`; [`io::ErrorKind::InvalidInput`] if there are fewer columns.
+/// The errors of `out`; [`io::ErrorKind::InvalidInput`] if there are fewer columns.
 ///
 /// # Source
 /// The GraphML specification, with GraphML-Attributes.

@@ -14,7 +14,7 @@ use crate::written::{CHUNK, Plain, Table};
 /// See [`write_csv`](crate::write_csv).
 ///
 /// # Errors
-/// Those of `out`.
+/// The errors of `out`.
 ///
 /// # Source
 /// NumPy Enhancement Proposal 1, version 1.0 of the format.

@@ -19,7 +19,7 @@ use crate::written::Table;
 /// Time proportional to the values, which are written column by column. Uses a buffer of 256 KiB. `out` is not flushed.
 ///
 /// # Errors
-/// Those of `out`; [`io::ErrorKind::InvalidInput`] if a name occurs twice.
+/// The errors of `out`; [`io::ErrorKind::InvalidInput`] if a name occurs twice.
 ///
 /// # Source
 /// NumPy Enhancement Proposal 1; PKWARE, APPNOTE.TXT, with sizes of 64 bits.

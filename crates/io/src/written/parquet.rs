@@ -27,7 +27,7 @@ const BATCH: usize = 1 << 14;
 /// Time proportional to the values; some 10 MB of memory. `out` is not flushed.
 ///
 /// # Errors
-/// Those of `out`.
+/// The errors of `out`.
 ///
 /// # Source
 /// The Apache Parquet format, as written by the crate parquet.

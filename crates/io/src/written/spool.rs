@@ -77,7 +77,7 @@ impl<F: Read + Write + Seek> Spool<F> {
     /// Adds the rows of a table. `file` opens an empty file for each column of the first one.
     ///
     /// # Errors
-    /// Those of the files; [`io::ErrorKind::InvalidInput`] if the columns are not those of the first table, or one is of text.
+    /// The errors of the files; [`io::ErrorKind::InvalidInput`] if the columns are not those of the first table, or one is of text.
     pub fn add(&mut self, table: &Table<'_>, mut file: impl FnMut() -> io::Result<F>) -> io::Result<()> {
         if self.columns.is_empty() {
             for column in table.columns() {

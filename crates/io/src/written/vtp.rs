@@ -20,7 +20,7 @@ const BLOCK: usize = 1 << 20;
 /// Each array is compressed twice, because its size precedes it: some 10 ns per byte. Memory: two blocks of 1 MiB. `out` is not flushed.
 ///
 /// # Errors
-/// Those of `out`; [`io::ErrorKind::InvalidInput`] if a first column has the wrong form, or a column contains text.
+/// The errors of `out`; [`io::ErrorKind::InvalidInput`] if a first column has the wrong form, or a column contains text.
 ///
 /// # Source
 /// The VTK User's Guide, "VTK File Formats", XML formats, appended data.

@@ -92,7 +92,7 @@ pub enum Component {
 }
 
 impl Component {
-    /// What is prescribed, if anything is.
+    /// The prescribed number; `None` if the direction is free.
     pub(crate) fn prescribed(self) -> Option<f64> {
         match self {
             Self::Number(number) => Some(number),
