@@ -33,7 +33,7 @@ pub(crate) struct Couple {
     /// The joint between the two, or [`NONE`].
     joint: u32,
     /// Whether the two were connected and may overlap already. Cleared when their forces are computed for the first time.
-    born: bool,
+    initial_overlap: bool,
     /// The two cannot touch before nodes have travelled this distance since the beginning, m.
     apart_until: f64,
     /// `None` for most couples, which do not touch.
@@ -361,8 +361,9 @@ impl Contacts {
                 let pair = couple.elements.map(|element| &solid.elements[element as usize]);
                 let law = &options[pair[0].material as usize * materials + pair[1].material as usize];
                 let joint = joints.all.get(couple.joint as usize);
-                // An astray joint did not press its elements apart: their overlap now must not count at once.
-                couple.born |= joint.is_some_and(|joint| joint.fading > 0.0 && joint.astray != [false; 2]);
+                // A detached joint did not press its elements apart: their overlap now must not count at once.
+                couple.initial_overlap |=
+                    joint.is_some_and(|joint| joint.fading > 0.0 && joint.detached != [false; 2]);
                 let share = joint.map_or([1.0, 0.0], |joint| [joint.faded, joint.fading]);
                 press(couple, solid, law, share, step, travel);
             }
@@ -431,7 +432,7 @@ fn relation([a, b]: [u32; 2], topology: &Topology) -> Relation {
 
 /// A couple of two elements that were never connected.
 fn apart(elements: [u32; 2]) -> Couple {
-    Couple { elements, joint: NONE, born: false, apart_until: 0.0, contact: None }
+    Couple { elements, joint: NONE, initial_overlap: false, apart_until: 0.0, contact: None }
 }
 
 /// A new couple of two elements; `None` if they cannot touch in the present state of the joints.
@@ -446,7 +447,7 @@ fn couple(elements: [u32; 2], groups: &[u32], joints: &Joints, topology: &Topolo
         }
         Relation::Vertex([a, b]) => {
             let parted = groups[a as usize] != groups[b as usize];
-            parted.then_some(Couple { born: true, ..couple })
+            parted.then_some(Couple { initial_overlap: true, ..couple })
         }
     }
 }

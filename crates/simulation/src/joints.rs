@@ -26,11 +26,11 @@ use crate::topology::{Edge, NONE, Topology};
 /// Sliding of a broken joint over its length at which it begins to hand over to the contact of its two elements, and at which the handover is complete.
 const FADE: [f64; 2] = [0.1, 0.3];
 
-/// An end is astray if it is broken and its two sides are farther apart than this, over the length of the joint: the two elements turn about the other end as
+/// An end is detached if it is broken and its two sides are farther apart than this, over the length of the joint: the two elements turn about the other end as
 /// about a hinge. Half way round, the joint has no direction any more; farther round, an open joint looks closed.
 ///
-/// If the other end has two nodes, it breaks together with the astray end: its fracture process is long over, and it seems to hold only because a joint is
-/// evaluated at no more than two points. If the other end is still a single node, the astray end has no force. It presses again only after it was found open at
+/// If the other end has two nodes, it breaks together with the detached end: its fracture process is long over, and it seems to hold only because a joint is
+/// evaluated at no more than two points. If the other end is still a single node, the detached end has no force. It presses again only after it was found open at
 /// a smaller distance, so that its force begins at zero.
 const APART: f64 = 0.5;
 
@@ -42,7 +42,7 @@ pub(crate) enum State {
     /// Transmits pressure and friction only.
     Broken,
     /// Has handed over to the contact of the two elements.
-    Gone,
+    Removed,
 }
 
 /// A joint on the edge between two elements.
@@ -61,8 +61,8 @@ pub(crate) struct Joint {
     pub(crate) ends: [Memory; 2],
     /// Whether each end has two nodes.
     pub(crate) open: [bool; 2],
-    /// Whether each end is astray: see [`APART`].
-    pub(crate) astray: [bool; 2],
+    /// Whether each end is detached: see [`APART`].
+    pub(crate) detached: [bool; 2],
     /// Share of the joint that has been handed over to contact, 0 to 1.
     pub(crate) faded: f64,
     /// Increase of `faded` in the last step.
@@ -277,7 +277,7 @@ impl Joints {
             nodes: [[0; 2]; 2],
             ends: [Memory::default(); 2],
             open: [false; 2],
-            astray: [false; 2],
+            detached: [false; 2],
             faded: 0.0,
             fading: 0.0,
         });
@@ -350,7 +350,7 @@ impl Joints {
         let found = team.change_both(&mut self.all, &mut self.forces, |first, joints, forces| {
             let mut sum = Parting::default();
             for (k, (joint, forces)) in joints.iter_mut().zip(forces).enumerate() {
-                if joint.state == State::Gone {
+                if joint.state == State::Removed {
                     joint.fading = 0.0;
                     continue;
                 }
@@ -498,9 +498,9 @@ fn pull(joint: &mut Joint, forces: &mut [Point; 2], solid: &Solid, step: f64) ->
         let (opening, sliding) = (dot(gap, normal), dot(gap, tangent));
         if joint.ends[end].damage(&joint.law) >= 1.0 {
             let apart = dot(gap, gap) > (APART * joint.length) * (APART * joint.length);
-            joint.astray[end] = apart || (joint.astray[end] && opening < 0.0);
+            joint.detached[end] = apart || (joint.detached[end] && opening < 0.0);
         }
-        let [pressure, shear] = if joint.astray[end] {
+        let [pressure, shear] = if joint.detached[end] {
             [0.0; 2]
         } else {
             least = least.min(opening);
@@ -513,16 +513,16 @@ fn pull(joint: &mut Joint, forces: &mut [Point; 2], solid: &Solid, step: f64) ->
         forces[end] = force;
         slid += 0.5 * sliding;
     }
-    let strayed = joint.astray != [false; 2] && !whole;
+    let is_detached = joint.detached != [false; 2] && !whole;
     let broken = joint.ends.iter().all(|end| end.damage(&joint.law) >= 1.0) && !whole;
     let before = joint.faded;
     let mut modes = None;
     match joint.state {
-        State::Holding if strayed || broken => {
+        State::Holding if is_detached || broken => {
             joint.state = State::Broken;
             let [a, b] = joint.ends.map(|end| end.modes(&joint.law));
             modes = Some([0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])]);
-            if strayed {
+            if is_detached {
                 leave(joint, forces);
             }
         }
@@ -530,11 +530,11 @@ fn pull(joint: &mut Joint, forces: &mut [Point; 2], solid: &Solid, step: f64) ->
             let share = (slid.abs() / joint.length - FADE[0]) / (FADE[1] - FADE[0]);
             joint.faded = joint.faded.max(share.clamp(0.0, 1.0));
             // Neither the joint nor the contact has a force while the joint is open, so it can hand over at once.
-            if least >= 0.0 || joint.faded >= 1.0 || strayed {
+            if least >= 0.0 || joint.faded >= 1.0 || is_detached {
                 leave(joint, forces);
             }
         }
-        State::Holding | State::Gone => {}
+        State::Holding | State::Removed => {}
     }
     joint.fading = joint.faded - before;
     (work, modes)
@@ -543,7 +543,7 @@ fn pull(joint: &mut Joint, forces: &mut [Point; 2], solid: &Solid, step: f64) ->
 /// Hands over to the contact of the two elements.
 fn leave(joint: &mut Joint, forces: &mut [Point; 2]) {
     joint.faded = 1.0;
-    joint.state = State::Gone;
+    joint.state = State::Removed;
     *forces = [[0.0; 2]; 2];
 }
 
@@ -680,6 +680,9 @@ mod tests {
         let mut forces = [[1.0; 2]; 2];
         let (_, modes) = pull(joint, &mut forces, &solid, 1e-6);
         assert!(modes.is_some());
-        assert_eq!((joint.state, joint.faded, joint.fading, forces), (State::Gone, 1.0, 1.0, [[0.0; 2]; 2]));
+        assert_eq!(
+            (joint.state, joint.faded, joint.fading, forces),
+            (State::Removed, 1.0, 1.0, [[0.0; 2]; 2])
+        );
     }
 }

@@ -44,7 +44,7 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     });
     let prepared = prepared.map_err(|errors| refused(&errors))?;
     let unusable = |why: String| Failure::Unusable(format!("{} cannot run: {why}", display_name(path)));
-    // The estimates have a simulation of their own, which is gone before that of the run is made.
+    // The estimates have a simulation of their own, which is dropped before that of the run is made.
     let (ready, _) = progress.step("preparing the run", None, |_| {
         let preflight = Preflight::of(&prepared)?;
         let simulation = Simulation::new(prepared.model.clone(), arguments.options.threads);
@@ -55,7 +55,7 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     let folder = Folder::create(&target, arguments.force, text.as_bytes(), &inputs)?;
     let recorder = Recorder::new(&folder, &prepared)?;
     let intervals = [prepared.output.interval, prepared.output.history_interval];
-    let mut going = Going::new(
+    let mut running = Running::new(
         folder,
         prepared,
         simulation,
@@ -64,12 +64,12 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<(), Failure> {
         &arguments.options,
     )?;
     for line in preflight.to_string().lines() {
-        going.told.say(line);
+        running.told.say(line);
     }
-    going.frame()?;
+    running.frame()?;
     // From here on the run can be resumed.
-    going.save()?;
-    going.go()
+    running.save()?;
+    running.go()
 }
 
 pub(crate) fn resume(arguments: &ResumeArguments) -> Result<(), Failure> {
@@ -127,9 +127,9 @@ pub(crate) fn resume(arguments: &ResumeArguments) -> Result<(), Failure> {
         folder.replace_model(text.as_bytes())?;
     }
     let earlier = Earlier { account, intervals };
-    let mut going = Going::new(folder, prepared, simulation, recorder, earlier, &arguments.options)?;
-    going.told.say(&format!("continues after step {}", grouped(step)));
-    going.go()
+    let mut running = Running::new(folder, prepared, simulation, recorder, earlier, &arguments.options)?;
+    running.told.say(&format!("continues after step {}", grouped(step)));
+    running.go()
 }
 
 /// Returns the default folder: the name of the model with `_results` after it, in the working directory.
@@ -147,7 +147,7 @@ struct Earlier {
 }
 
 /// A simulation with its folder, its records and its progress.
-struct Going {
+struct Running {
     folder: Folder,
     prepared: Prepared,
     run: Simulation,
@@ -174,7 +174,7 @@ enum End {
     Stopped(Stop),
 }
 
-impl Going {
+impl Running {
     fn new(
         folder: Folder,
         mut prepared: Prepared,

@@ -55,7 +55,7 @@ pub(super) struct Grip {
     /// Area coordinates, in both elements, of the point where the force acted.
     shares: [[f64; 3]; 2],
     /// Initial potential energy, J, which is not counted: see [`count_from`].
-    spared: f64,
+    credited_energy: f64,
 }
 
 /// Contact parameters of two materials.
@@ -122,7 +122,7 @@ pub(super) fn press(
         (true, false) => Err(gap),
         (false, _) => Err(0.0),
     };
-    let born = std::mem::take(&mut couple.born);
+    let initial_overlap = std::mem::take(&mut couple.initial_overlap);
     // Work of the last friction and damping in the second half of their step.
     let mut sum = Works::default();
     let before = couple.contact.as_ref().filter(|contact| contact.touches).map(|contact| contact.grip);
@@ -144,19 +144,19 @@ pub(super) fn press(
         }
     };
     let potential = law.penalty * energy;
-    let spared = match &before {
-        _ if born => potential,
-        Some(before) => before.spared.min(potential),
+    let credited_energy = match &before {
+        _ if initial_overlap => potential,
+        Some(before) => before.credited_energy.min(potential),
         None => 0.0,
     };
-    let (energy, slope) = count_from(spared, potential);
+    let (energy, slope) = count_from(credited_energy, potential);
     let scale = law.penalty * weight * slope;
     for force in forces.iter_mut().flatten().flatten() {
         *force *= scale;
     }
     sum.energy += weight * energy;
     sum.handed_over += fading * energy;
-    let mut grip = Grip { spared, ..Grip::default() };
+    let mut grip = Grip { credited_energy, ..Grip::default() };
     if law.friction > 0.0 || law.damping > 0.0 {
         grip.shares = [area_coordinates(&a, point), area_coordinates(&b, point)];
         let push = forces[0].iter().fold([0.0; 2], |sum, force| [sum[0] + force[0], sum[1] + force[1]]);
@@ -197,15 +197,15 @@ pub(super) fn press(
     **contact = Contact { forces, grip, works: sum, touches: true, deep };
 }
 
-/// Counted part of the potential energy `U`, J, and its derivative by `U`, if the energy `U₀` (`spared`) was there before the two elements could touch.
+/// Counted part of the potential energy `U`, J, and its derivative by `U`, if the energy `U₀` (`credited_energy`) was there before the two elements could touch.
 ///
 /// Elements that were connected until a joint at their vertex broke overlap by the sliding of that joint. Counting this overlap at once would create energy.
 /// `(U - U₀)² / U` begins without energy and without force, and its ratio to `U` tends to 1. When `U` falls below `U₀`, the caller lowers `U₀` to `U`.
-fn count_from(spared: f64, potential: f64) -> (f64, f64) {
-    if potential <= spared {
+fn count_from(credited_energy: f64, potential: f64) -> (f64, f64) {
+    if potential <= credited_energy {
         return (0.0, 0.0);
     }
-    let share = spared / potential;
+    let share = credited_energy / potential;
     (potential * (1.0 - share) * (1.0 - share), 1.0 - share * share)
 }
 
