@@ -92,6 +92,20 @@ def test_long_neighbor_lists_do_not_depend_on_threads(rng):
     assert 2 * len(found) == len(i)
 
 
+def test_neighbor_list_of_atoms_with_few_and_with_hundreds_of_neighbours(rng):
+    """Short rows and long ones are sorted in two ways; distances travel alone, or as vectors."""
+    positions = np.concatenate([rng.random((150, 3)), rng.random((150, 3)) * 12])
+    i, j, d = fdem.neighbor_list("ijd", positions=positions, cutoff=1.5)
+    distances = np.linalg.norm(positions[:, None] - positions, axis=2)
+    expected = np.argwhere((distances < 1.5) & ~np.eye(len(positions), dtype=bool))
+    assert np.array_equal(np.stack([i, j], axis=1), expected)
+    of_each = np.bincount(i, minlength=len(positions))
+    assert of_each.max() > 100 and 0 < np.count_nonzero(of_each < 64) < len(positions)
+    assert np.allclose(d, distances[i, j], rtol=1e-14)
+    vectors, again = fdem.neighbor_list("Dd", positions=positions, cutoff=1.5)
+    assert np.array_equal(vectors, positions[j] - positions[i]) and np.array_equal(d, again)
+
+
 def test_neighbor_list_of_no_atoms_and_of_no_distance():
     for n in (0, 1, 3):
         i, S = fdem.neighbor_list("iS", positions=np.zeros((n, 3)), cutoff=0.0)
