@@ -180,7 +180,7 @@ def test_what_is_refused(rng):
         ("vectors of length 3", lambda tree, _: tree.query([0.0, 0])),
         ("p-norms", lambda tree, _: tree.query([0.0, 0, 0], p=0.5)),
         ("workers", lambda tree, _: tree.query([0.0, 0, 0], workers=0)),
-        ("", lambda tree, _: tree.query([0.0, 0, 0], k=0)),
+        ("k must be at least 1", lambda tree, _: tree.query([0.0, 0, 0], k=0)),
         ("non-decreasing", lambda tree, _: tree.count_neighbors(tree, [2.0, 1.0], cumulative=False)),
         ("one-dimensional", lambda tree, _: tree.count_neighbors(tree, [[1.0]])),
         ("different dimensionality", lambda tree, make: tree.count_neighbors(make(np.zeros((2, 2))), 1.0)),
