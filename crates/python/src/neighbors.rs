@@ -162,7 +162,7 @@ struct Atoms<'a> {
     /// The box of the spheres. Its edges are those of the cell times `signs`.
     periodic: Option<PeriodicBox<f64, 3>>,
     signs: [i32; 3],
-    /// Whether each atom is its own neighbour.
+    /// Whether each atom is its own neighbour, unless the limit for two of its kind is 0.
     with_self: bool,
 }
 
@@ -194,6 +194,11 @@ impl Atoms<'_> {
             Limits::Radii(radii) => radii[i] + radii[j],
             Limits::Kinds(kinds, count, table) => table[kinds[i] as usize * count + kinds[j] as usize],
         }
+    }
+
+    /// Whether an atom is its own neighbour.
+    fn has_self(&self, row: u32) -> bool {
+        self.with_self && !(matches!(self.limits, Limits::Kinds(..)) && self.limit(row, row) <= 0.0)
     }
 
     /// The measure of the neighbour `j` of `i`, or `None` if `j` is not closer than the limit.
@@ -339,7 +344,7 @@ impl<M: Measure> Found<M> {
     fn len(&self, bucket: usize, atoms: &Atoms<'_>) -> usize {
         self.plain.iter().map(|dealt| dealt.of(bucket).len()).sum::<usize>()
             + self.shifted.iter().map(|dealt| dealt.of(bucket).len()).sum::<usize>()
-            + if atoms.with_self { self.rows(bucket, atoms).len() } else { 0 }
+            + self.rows(bucket, atoms).filter(|&row| atoms.has_self(row)).count()
     }
 
     /// Sorts a bucket, and writes it.
@@ -347,7 +352,7 @@ impl<M: Measure> Found<M> {
         let rows = self.rows(bucket, atoms);
         let local = |row: u32| (row - rows.start) as usize;
         let plain = || self.plain.iter().flat_map(|dealt| dealt.of(bucket));
-        let own = if atoms.with_self { rows.clone() } else { 0..0 };
+        let own = rows.clone().filter(|&row| atoms.has_self(row));
         let own = own.map(|row| Plain { row, partner: row, measure: M::default() });
 
         // Entry `r` is where the next neighbour of row `r` goes, and in the end where those of row `r` end.

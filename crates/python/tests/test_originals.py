@@ -68,6 +68,15 @@ def test_neighbor_list_with_self_interaction(rng):
     assert (fdem.neighbor_list("SS", atoms, 1.5)[1] == fdem.neighbor_list("S", atoms, 1.5)).all()
 
 
+def test_self_interaction_of_pairs_that_a_dict_lacks(rng):
+    from ase.neighborlist import neighbor_list
+
+    atoms = atoms_in("cube", 30, rng)
+    cutoff = {("H", "O"): 1.9, ("Si", "Si"): 1.5}
+    ours, theirs = (f("ijS", atoms, cutoff, self_interaction=True) for f in (fdem.neighbor_list, neighbor_list))
+    assert rows(*ours) == rows(*theirs) and (ours[0] == ours[1]).any()
+
+
 def test_long_neighbor_lists_do_not_depend_on_threads(rng):
     """Enough atoms and pairs for several tasks of each kind."""
     from ase import Atoms

@@ -159,6 +159,13 @@ def test_shapes_and_scalars(rng):
     assert "50 points of dimension 3" in repr(ours)
 
 
+@pytest.mark.parametrize("radius", [2, np.int64(2), np.array(2), np.float32(2)])
+def test_a_radius_may_be_a_whole_number(radius, rng):
+    points = rng.random((30, 3)) * 4
+    expected = sorted(fdem.KDTree(points).query_ball_point([2.0, 2.0, 2.0], 2.0))
+    assert len(expected) > 0 and sorted(fdem.KDTree(points).query_ball_point([2.0, 2.0, 2.0], radius)) == expected
+
+
 def test_what_is_refused(rng):
     from scipy.spatial import cKDTree
 

@@ -31,6 +31,8 @@ const SLICE: Duration = Duration::from_millis(100);
 pub(crate) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     let path = &arguments.model;
     let text = read_text(path)?;
+    let target = arguments.output.clone().unwrap_or_else(|| default_folder(path));
+    Folder::check(&target, arguments.force)?;
     let mut inputs = Vec::new();
     let mut read = inputs_of(path);
     let mut load = |file: &str| {
@@ -51,7 +53,6 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<(), Failure> {
         Ok((preflight, simulation.map_err(|error| error.to_string())?))
     });
     let (preflight, simulation) = ready.map_err(unusable)?;
-    let target = arguments.output.clone().unwrap_or_else(|| default_folder(path));
     let folder = Folder::create(&target, arguments.force, text.as_bytes(), &inputs)?;
     let recorder = Recorder::new(&folder, &prepared)?;
     let intervals = [prepared.output.interval, prepared.output.history_interval];

@@ -19,6 +19,7 @@ use crate::model::packing;
 use crate::model::piece::Piece;
 use crate::model::shapes;
 use crate::model::voronoi::{Grains, colours};
+use crate::numbers::brief;
 
 /// Gives the bytes of a file that a model names, or says why it cannot.
 pub type Load<'l> = dyn FnMut(&str) -> Result<Vec<u8>, String> + 'l;
@@ -90,7 +91,7 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<
         }
         if let Some(problem) = shapes::problem(body) {
             let span = document.value(table, &problem.key);
-            faults.push(Fault::at(span, problem.message).label("no area").maybe_help(problem.help));
+            faults.push(Fault::at(span, problem.message).label("this shape").maybe_help(problem.help));
         }
     }
 }
@@ -293,8 +294,19 @@ fn grains(
     default: u32,
 ) -> Result<Piece, String> {
     let grains = Grains::new(domain, voronoi.grains, voronoi.seed, voronoi.rounds)?;
+    let across = (domain.area() / voronoi.grains as f64).sqrt();
     grains.cut(domain, size)?;
-    let meshed = mesh(domain, size, seed)?;
+    let meshed = mesh(domain, size, seed).map_err(|why| {
+        // The borders of such grains come closer to each other than the nodes on them.
+        if across >= size {
+            return why;
+        }
+        format!(
+            "the grains are too small for the mesh: their mean width of {} m is below the mesh size of {} m; take fewer grains or a smaller mesh_size",
+            brief(across),
+            brief(size)
+        )
+    })?;
     let grain = grains.of_elements(&meshed)?;
     let materials = if materials.is_empty() {
         vec![default; grain.len()]

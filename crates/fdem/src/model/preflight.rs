@@ -272,6 +272,12 @@ impl fmt::Display for Preflight {
     }
 }
 
+/// s.
+const YEAR: f64 = 365.25 * 86_400.0;
+
+/// Time from which years are told instead of days, s.
+const YEARS: f64 = 2.0 * YEAR;
+
 /// `75` as `1 min 15 s`; at least 0.1 s.
 fn duration(seconds: f64) -> String {
     if seconds < 0.1 {
@@ -282,8 +288,10 @@ fn duration(seconds: f64) -> String {
         format!("{:.0} min {:02.0} s", (seconds / 60.0).floor(), seconds % 60.0)
     } else if seconds < 48.0 * 3600.0 {
         format!("{:.1} h", seconds / 3600.0)
-    } else {
+    } else if seconds < YEARS {
         format!("{:.1} days", seconds / 86_400.0)
+    } else {
+        format!("{} years", brief((seconds / YEAR).round()))
     }
 }
 
@@ -298,8 +306,8 @@ mod tests {
     #[test]
     fn durations_are_told_as_people_tell_them() {
         assert_eq!(
-            [1e-3, 3.21, 75.0, 7300.0, 1e6].map(duration),
-            ["0.1 s", "3.2 s", "1 min 15 s", "2.0 h", "11.6 days"]
+            [1e-3, 3.21, 75.0, 7300.0, 1e6, 3.2e9].map(duration),
+            ["0.1 s", "3.2 s", "1 min 15 s", "2.0 h", "11.6 days", "101 years"]
         );
     }
 }

@@ -163,6 +163,9 @@ fn force_replaces_runs_and_nothing_else() {
     bench.write("mine/plots/thesis.svg", "drawn by hand");
     bench.write("mine/model.toml", "mine");
     bench.run(&["run", "crash.toml", "-q", "--force", "-o", "mine"]).refused_with(&["mine", "has no run"]);
+    // Before the model is looked at, because large ones take long to mesh.
+    bench.write("wrong.toml", "[model]\n");
+    bench.run(&["run", "wrong.toml", "-q", "-o", "mine"]).refused_with(&["mine", "not empty"]);
     assert_eq!(bench.read("mine/plots/thesis.svg"), "drawn by hand");
     assert_eq!(bench.read("mine/model.toml"), "mine");
     bench.run(&["run", "crash.toml", "-q", "-o", "run"]).succeeds();

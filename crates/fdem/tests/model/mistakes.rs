@@ -165,6 +165,9 @@ fn what_is_no_toml_is_pointed_at() {
     let errors = read(&changed("density = 2700", "density = 2700\ndensity = 2800")).unwrap_err();
     assert!(errors.to_string().contains("model.toml:13: "), "{errors}");
     assert!(read("").unwrap_err().to_string().contains("lacks the key \"model\""));
+    // The parser puts a 0 in the place of what it cannot read; that is not a second fault.
+    let errors = read(&changed("density = 2700", "density = = 2700")).unwrap_err();
+    assert_eq!(errors.to_string().matches("model.toml:").count(), 1, "{errors}");
 }
 
 #[test]
@@ -354,6 +357,13 @@ fn a_body_has_one_shape_and_a_size() {
     let holes = "{ min = [0, 0], max = [1.0, 0.5], holes = [{ centre = [0.4, 0.25], radius = 0.1 }, { centre = [0.5, 0.25], radius = 0.1 }] }";
     let text = changed("{ min = [0, 0], max = [1.0, 0.5] }", holes);
     refused(&text, holes, &["the outline crosses or touches itself"]);
+    let grains = "voronoi = { outline = { rectangle = { min = [0, 0], max = [1.0, 0.5] } }, grains = 5000 }";
+    let text = changed("rectangle = { min = [0, 0], max = [1.0, 0.5] }", grains);
+    refused(
+        &text,
+        grains.split_once("= ").unwrap().1,
+        &["the grains are too small for the mesh", "below the mesh size of 0.1 m"],
+    );
     refused(&polygon("[[0, 0], [1, 0], [2, 0]]"), "[[0, 0], [1, 0], [2, 0]]", &["the polygon has no area"]);
     refused(&changed("mesh_size = 0.1", "mesh_size = 1e-6"), "1e-6", &["a mesh size of 1e-6 m gives about"]);
 }

@@ -33,6 +33,9 @@ def array_of(value: Any, name: str) -> npt.NDArray[Any]:
 def floats(value: Any, name: str) -> Floats:
     """`value` as float32 or float64: other types become the smaller of the two that holds their values exactly."""
     array = array_of(value, name)
+    if array.ndim == 0:
+        # NumPy makes scalars, which cannot be changed, of what is computed with an array without axes.
+        return floats(array.reshape(1), name).reshape(())
     dtype = array.dtype
     if dtype == np.float32 or dtype == np.float16:
         return np.require(array, np.float32, ["C", "A"])

@@ -82,9 +82,11 @@ pub(crate) struct Folder {
 }
 
 impl Folder {
-    /// Makes the folder of a new run, with the text of the model and the files that it names.
-    pub(crate) fn create(path: &Path, force: bool, text: &[u8], inputs: &[Vec<u8>]) -> Result<Self, Failure> {
-        let mut folder = Self { path: path.to_owned(), lock: None };
+    /// Whether the folder has an earlier run, which `force` replaces. Changes nothing.
+    ///
+    /// # Errors
+    /// A folder that must not be replaced, or cannot be read.
+    pub(crate) fn check(path: &Path, force: bool) -> Result<bool, Failure> {
         let there = match fs::read_dir(path) {
             // A run that was killed while writing its first file leaves this one.
             Ok(mut entries) => {
@@ -99,13 +101,20 @@ impl Folder {
                 display_name(path)
             )));
         }
+        if there && ![SUMMARY, CHECKPOINT].iter().any(|name| path.join(name).exists()) {
+            return Err(Failure::Unusable(format!(
+                "{} is not empty and has no run that --force could replace: choose another folder with --output",
+                display_name(path)
+            )));
+        }
+        Ok(there)
+    }
+
+    /// Makes the folder of a new run, with the text of the model and the files that it names.
+    pub(crate) fn create(path: &Path, force: bool, text: &[u8], inputs: &[Vec<u8>]) -> Result<Self, Failure> {
+        let there = Self::check(path, force)?;
+        let mut folder = Self { path: path.to_owned(), lock: None };
         if there {
-            if ![SUMMARY, CHECKPOINT].iter().any(|name| folder.path(name).exists()) {
-                return Err(Failure::Unusable(format!(
-                    "{} is not empty and has no run that --force could replace: choose another folder with --output",
-                    display_name(path)
-                )));
-            }
             folder.lock()?;
         }
         folder.make("")?;
