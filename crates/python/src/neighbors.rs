@@ -154,7 +154,6 @@ impl<M: Measure> TwoSided<M> for ShiftedCouple {
 
 /// The atoms, the cell, and what makes two of them neighbours.
 struct Atoms<'a> {
-    points: &'a [[f64; 3]],
     edges: [[f64; 3]; 3],
     limits: Limits<'a>,
     /// Spheres of which every two touch that may be neighbours.
@@ -176,7 +175,7 @@ enum Limits<'a> {
 impl Atoms<'_> {
     #[inline]
     fn vector(&self, from: u32, to: u32) -> [f64; 3] {
-        let (from, to) = (&self.points[from as usize], &self.points[to as usize]);
+        let (from, to) = (&self.set.points[from as usize], &self.set.points[to as usize]);
         std::array::from_fn(|axis| to[axis] - from[axis])
     }
 
@@ -336,7 +335,7 @@ struct Found<M> {
 
 impl<M: Measure> Found<M> {
     fn rows(&self, bucket: usize, atoms: &Atoms<'_>) -> std::ops::Range<u32> {
-        let end = ((bucket + 1) << self.buckets.bits).min(atoms.points.len());
+        let end = ((bucket + 1) << self.buckets.bits).min(atoms.set.points.len());
         (bucket << self.buckets.bits) as u32..end as u32
     }
 
@@ -417,7 +416,7 @@ impl<M: Measure> Found<M> {
 
 /// Searches, and deals out what is found.
 fn find<M: Measure>(atoms: &Atoms<'_>, threads: usize, stop: &Stop) -> Result<Found<M>, Problem> {
-    let buckets = Buckets::new(atoms.points.len());
+    let buckets = Buckets::new(atoms.set.points.len());
     let (mut couples, shifts) = match &atoms.periodic {
         None => (search_open(atoms.set, Engine::Auto, threads, stop)?, Vec::new()),
         Some(periodic) => search_periodic(atoms.set, periodic, Engine::Auto, threads, stop)?,
@@ -487,7 +486,6 @@ pub(crate) fn neighbor_list<'py>(
         _ => Limits::One(cutoff),
     };
     let atoms = Atoms {
-        points: set.points,
         edges,
         limits,
         set,
