@@ -10,6 +10,7 @@
 //! A program that only needs couples can depend on `fdem-contact` alone, whose only dependency, rayon, is optional.
 
 pub mod analysis;
+mod arrays;
 pub mod command;
 pub mod model;
 pub mod network;

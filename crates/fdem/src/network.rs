@@ -8,6 +8,8 @@
 
 use fdem_contact::{Couple, PeriodicBox, PeriodicCouple};
 
+use crate::arrays::each;
+
 /// The sizes of the elements.
 ///
 /// # Units
@@ -65,7 +67,7 @@ impl<const D: usize> Space<'_, D> {
     /// If the couple was not found among these elements.
     pub fn distance(&self, couple: PeriodicCouple<D>) -> f64 {
         let [a, b] = self.ends(couple);
-        a.iter().zip(b).fold(0.0, |sum, (a, b)| sum + (a - b) * (a - b)).sqrt()
+        a.iter().zip(&b).fold(0.0, |sum, (a, b)| sum + (a - b) * (a - b)).sqrt()
     }
 
     /// Vector from the first element of a couple to the image of the second.
@@ -74,7 +76,7 @@ impl<const D: usize> Space<'_, D> {
     /// If the couple was not found among these elements.
     pub fn branch(&self, couple: PeriodicCouple<D>) -> [f64; D] {
         let [a, b] = self.ends(couple);
-        std::array::from_fn(|axis| b[axis] - a[axis])
+        each(|axis| b[axis] - a[axis])
     }
 
     /// Position of the first element of a couple, wrapped into the box if there is one, and of the image of the second that touches it there.
@@ -83,9 +85,9 @@ impl<const D: usize> Space<'_, D> {
     /// If the couple was not found among these elements.
     pub fn ends(&self, couple: PeriodicCouple<D>) -> [[f64; D]; 2] {
         let PeriodicCouple { i, j, shift } = couple;
-        let Some(cell) = &self.cell else { return [i, j].map(|k| self.centres[k as usize]) };
-        let [(a, of_a), (b, of_b)] = [i, j].map(|k| self.wrapped(cell, k));
-        let shift = std::array::from_fn(|edge| shift[edge] - of_a[edge] + of_b[edge]);
+        let Some(cell) = &self.cell else { return [self.centres[i as usize], self.centres[j as usize]] };
+        let ((a, of_a), (b, of_b)) = (self.wrapped(cell, i), self.wrapped(cell, j));
+        let shift = each(|edge| shift[edge] - of_a[edge] + of_b[edge]);
         [a, cell.displaced(&b, &shift)]
     }
 

@@ -163,6 +163,11 @@ impl<L: Label, const D: usize> ImageContact<L, D> {
         })
     }
 
+    /// The same contact with labels of a type that holds those of every image: code that comes after need not know the type of the image.
+    pub fn widened(self) -> ImageContact<i128, D> {
+        ImageContact { labels: self.labels.map(Into::into), low: self.low, more: self.more }
+    }
+
     /// Adds the counts of the same contact in another part of the image.
     pub(super) fn merge(&mut self, other: &Self) {
         for across in 0..D {
@@ -178,7 +183,9 @@ impl<L: Label, const D: usize> ImageContact<L, D> {
         more.net.iter_mut().zip(&other.net).for_each(|(into, n)| *into += n);
         more.midpoints.iter_mut().zip(&other.midpoints).for_each(|(into, n)| *into += n);
     }
+}
 
+impl<L: Copy, const D: usize> ImageContact<L, D> {
     /// Number of faces across an axis behind which the larger label is, and of those behind which the smaller is.
     fn sides(&self, across: usize) -> [u64; 2] {
         let high = self.high(across);
@@ -371,6 +378,19 @@ mod tests {
         assert_eq!(one.centroid(&Spacing::UNIT)[..2], [5.0, 69_999.5]);
         assert!((one.centroid(&Spacing::UNIT)[2] / x - 1.0).abs() < 1e-15);
         assert_eq!(one.normal(&Spacing::UNIT), [0.0, 1.0, 0.0]);
+    }
+
+    #[test]
+    fn a_widened_contact_is_the_same_contact() {
+        let found = contacts(&[-5_i64, 7, 0, -5], [2, 2], Neighbourhood::Vertex).unwrap();
+        let wide = found[0].clone().widened();
+        assert_eq!(wide.labels(), [-5, 7]);
+        assert_eq!((wide.faces_along(), wide.vertices()), (found[0].faces_along(), found[0].vertices()));
+        assert_eq!(wide.normal(&Spacing::UNIT), found[0].normal(&Spacing::UNIT));
+        assert_eq!(
+            contacts(&[1, u64::MAX], [1, 2], Neighbourhood::Face).unwrap()[0].clone().widened().labels()[1],
+            i128::from(u64::MAX)
+        );
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use crate::analysis::packing::Frame;
+use crate::arrays::each;
 use crate::network::Network;
 
 /// Connected components of the network.
@@ -190,9 +191,9 @@ impl<const D: usize> Forest<D> {
 }
 
 fn plus<const D: usize>(a: [i64; D], b: [i64; D]) -> [i64; D] {
-    std::array::from_fn(|axis| a[axis] + b[axis])
+    each(|axis| a[axis] + b[axis])
 }
 
 fn minus<const D: usize>(a: [i64; D], b: [i64; D]) -> [i64; D] {
-    std::array::from_fn(|axis| a[axis] - b[axis])
+    each(|axis| a[axis] - b[axis])
 }

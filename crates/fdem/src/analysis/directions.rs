@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use serde::Serialize;
 
+use crate::arrays::each;
 use crate::network::Network;
 
 /// Number of sectors in 2D, each around a multiple of 5 degrees.
@@ -67,7 +68,7 @@ pub(crate) fn unit<const D: usize>(vector: [f64; D]) -> Option<[f64; D]> {
     if largest == 0.0 || !largest.is_finite() {
         return None;
     }
-    let scaled = vector.map(|x| x / largest);
+    let scaled: [f64; D] = each(|axis| vector[axis] / largest);
     let length = scaled.iter().fold(0.0, |sum, x| sum + x * x).sqrt();
-    Some(scaled.map(|x| x / length))
+    Some(each(|axis| scaled[axis] / length))
 }

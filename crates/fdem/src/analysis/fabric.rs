@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use crate::analysis::directions::unit;
+use crate::arrays::each;
 use crate::network::Network;
 
 /// Fabric tensor `F = 1/m Σ n ⊗ n` over the `m` couples with a direction, where `n` is the unit vector from centre to centre.
@@ -71,8 +72,7 @@ impl Fabric {
 fn eigen<const D: usize>(mut matrix: [[f64; D]; D]) -> ([f64; D], [[f64; D]; D]) {
     /// Convergence is quadratic: 3 x 3 matrices take some 6 sweeps.
     const MOST_SWEEPS: usize = 50;
-    let mut vectors: [[f64; D]; D] =
-        std::array::from_fn(|row| std::array::from_fn(|column| f64::from(u8::from(row == column))));
+    let mut vectors: [[f64; D]; D] = each(|row| each(|column| f64::from(u8::from(row == column))));
     for _ in 0..MOST_SWEEPS {
         let mut rotated = false;
         for p in 0..D {
@@ -104,7 +104,7 @@ fn eigen<const D: usize>(mut matrix: [[f64; D]; D]) -> ([f64; D], [[f64; D]; D])
             break;
         }
     }
-    let mut order: [usize; D] = std::array::from_fn(|k| k);
+    let mut order: [usize; D] = each(|k| k);
     order.sort_by(|&a, &b| matrix[b][b].total_cmp(&matrix[a][a]));
     let signed = |vector: [f64; D]| {
         let largest =

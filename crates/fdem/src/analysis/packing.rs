@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use crate::analysis::AnalysisError;
 use crate::analysis::volumes::{disc_in_rectangle, sphere_in_box};
+use crate::arrays::each;
 use crate::network::{Network, Sizes};
 
 /// Filled fraction of a region: of its area in 2D, of its volume in 3D.
@@ -97,7 +98,7 @@ impl<const D: usize> Frame<D> {
         match &network.space.cell {
             Some(cell) if !self.along_axes => {
                 let (fractions, heights) = (cell.fractions(&point), cell.heights());
-                std::array::from_fn(|axis| fractions[axis] * heights[axis])
+                each(|axis| fractions[axis] * heights[axis])
             }
             _ => point,
         }
@@ -130,7 +131,7 @@ pub(crate) fn fraction<const D: usize>(
     }
     let margin = 2.0 * frame.largest_radius;
     let region = inner.unwrap_or_else(|| {
-        std::array::from_fn(|axis| {
+        each(|axis| {
             let [low, high] = frame.domain[axis];
             if frame.periods[axis].is_some() { [low, high] } else { [low + margin, high - margin] }
         })
@@ -142,7 +143,7 @@ pub(crate) fn fraction<const D: usize>(
         )));
     }
     // Along axes where the region is the whole periodic box, its border cuts no element.
-    let whole: [bool; D] = std::array::from_fn(|axis| inner.is_none() && frame.periods[axis].is_some());
+    let whole: [bool; D] = each(|axis| inner.is_none() && frame.periods[axis].is_some());
     if !frame.along_axes && whole.iter().filter(|whole| !**whole).count() > 1 {
         return Ok(Err("the box is sheared and has more than one edge that is not periodic".to_owned()));
     }
@@ -174,10 +175,10 @@ fn measured<const D: usize>(
     }
     let (mut overlap, mut overlap_error) = (0.0, 0.0);
     for couple in network.couples.iter() {
-        let radii = [couple.i, couple.j].map(|k| network.sizes.radius(k as usize));
+        let radii = [network.sizes.radius(couple.i as usize), network.sizes.radius(couple.j as usize)];
         let Some(lens) = Lens::<D>::of(radii, network.space.distance(couple)) else { continue };
         let [a, b] = network.space.ends(couple);
-        let middle = std::array::from_fn(|axis| a[axis] + lens.at * (b[axis] - a[axis]));
+        let middle = each(|axis| a[axis] + lens.at * (b[axis] - a[axis]));
         let around = ball::<D>(lens.radius);
         inside.for_each_part(frame.transformed(network, middle), lens.radius, |part| {
             let part = (part / around).min(1.0);
@@ -209,9 +210,12 @@ struct Inside<'a, const D: usize> {
 impl<const D: usize> Inside<'_, D> {
     /// Visits the area or volume inside the region of a disc or sphere and of each of its images.
     fn for_each_part(&self, centre: [f64; D], radius: f64, mut visit: impl FnMut(f64)) {
-        let limits: [[f64; 2]; D] = std::array::from_fn(|axis| {
-            if self.whole[axis] { [f64::NEG_INFINITY, f64::INFINITY] } else { self.region[axis] }
-        });
+        let limits: [[f64; 2]; D] =
+            each(
+                |axis| {
+                    if self.whole[axis] { [f64::NEG_INFINITY, f64::INFINITY] } else { self.region[axis] }
+                },
+            );
         let mut images = [[0.0; 2]; D];
         for axis in 0..D {
             if let (Some(period), false) = (self.frame.periods[axis], self.whole[axis]) {
@@ -225,11 +229,9 @@ impl<const D: usize> Inside<'_, D> {
                 }
             }
         }
-        let mut shift: [f64; D] = std::array::from_fn(|axis| images[axis][0]);
+        let mut shift: [f64; D] = each(|axis| images[axis][0]);
         loop {
-            let at = std::array::from_fn(|axis| {
-                centre[axis] + shift[axis] * self.frame.periods[axis].unwrap_or(0.0)
-            });
+            let at = each(|axis| centre[axis] + shift[axis] * self.frame.periods[axis].unwrap_or(0.0));
             visit(ball_in_box(at, radius, limits));
             // The next shift, counted like an odometer.
             let Some(axis) = (0..D).find(|&axis| shift[axis] < images[axis][1]) else { return };

@@ -5,6 +5,7 @@ use serde::Serialize;
 
 use crate::analysis::packing::{Frame, ball};
 use crate::analysis::{AnalysisError, RadialOptions};
+use crate::arrays::each;
 use crate::network::{Network, unshifted};
 
 /// Radial distribution function `g(r)`: number of pairs of centres at a distance `r`, over the number expected for uniformly random centres.
@@ -64,7 +65,7 @@ pub(crate) fn distribution<const D: usize>(
         return Ok(Err("the elements, or the box around their centres, have no width".to_owned()));
     }
 
-    let inner: [[f64; 2]; D] = std::array::from_fn(|axis| {
+    let inner: [[f64; 2]; D] = each(|axis| {
         let [low, high] = frame.domain[axis];
         if frame.periods[axis].is_some() { [low, high] } else { [low + r_max, high - r_max] }
     });
@@ -137,9 +138,9 @@ fn count<const D: usize>(
     let points = Elements::points(space.centres, r_max).map_err(AnalysisError::Search)?;
     let mut counts = vec![0_u64; bins];
     let mut add = |couple: fdem_contact::PeriodicCouple<D>| {
-        let ends = [couple.i, couple.j].map(|k| u64::from(is_reference[k as usize]));
+        let [i, j] = [couple.i as usize, couple.j as usize];
         let place = space.distance(couple) / r_max * bins as f64;
-        counts[(place as usize).min(bins - 1)] += ends[0] + ends[1];
+        counts[(place as usize).min(bins - 1)] += u64::from(is_reference[i]) + u64::from(is_reference[j]);
     };
     match &space.cell {
         None => Detector::new(Engine::Auto).for_each(&points, |couple| add(unshifted(couple))),

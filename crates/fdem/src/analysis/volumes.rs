@@ -1,5 +1,6 @@
 //! Area of a disc in a rectangle and volume of a sphere in a box, in closed form.
 
+use crate::arrays::each;
 use std::f64::consts::PI;
 
 /// Area of the part of a disc inside a rectangle with sides along the axes. Limits may be infinite.
@@ -54,9 +55,8 @@ fn in_box<const D: usize>(
         return 0.0;
     }
     // Limits outside of the ball have no effect.
-    let scaled: [[f64; 2]; D] = std::array::from_fn(|axis| {
-        limits[axis].map(|limit| ((limit - centre[axis]) / radius).clamp(-1.0, 1.0))
-    });
+    let scaled: [[f64; 2]; D] =
+        each(|axis| each(|side| ((limits[axis][side] - centre[axis]) / radius).clamp(-1.0, 1.0)));
     if scaled.iter().all(|limits| *limits == [-1.0, 1.0]) {
         return whole;
     }
@@ -65,7 +65,7 @@ fn in_box<const D: usize>(
     }
     let mut sum = 0.0;
     for corner in 0..1_u32 << D {
-        let at = std::array::from_fn(|axis| scaled[axis][(corner >> axis & 1) as usize]);
+        let at = each(|axis| scaled[axis][(corner >> axis & 1) as usize]);
         let part = beyond(at);
         sum += if corner.count_ones() % 2 == 0 { part } else { -part };
     }
@@ -157,7 +157,7 @@ mod tests {
     /// Volume by exact areas of slices along x, with two Gauss-Legendre nodes in each interval.
     fn by_slices(limits: [[f64; 2]; 3]) -> f64 {
         const SLICES: usize = 20_000;
-        let [low, high] = limits[0].map(|limit| limit.clamp(-1.0, 1.0));
+        let [low, high] = [limits[0][0].clamp(-1.0, 1.0), limits[0][1].clamp(-1.0, 1.0)];
         let width = (high - low) / SLICES as f64;
         let mut sum = 0.0;
         for slice in 0..SLICES {

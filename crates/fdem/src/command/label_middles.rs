@@ -17,8 +17,9 @@ pub(crate) struct Middles<L, const D: usize> {
     bodies: BTreeMap<L, Sum<D>>,
 }
 
+/// Sums over the pixels or voxels of a body.
 #[derive(Clone, Copy)]
-struct Sum<const D: usize> {
+pub(crate) struct Sum<const D: usize> {
     count: u64,
     /// Sum of twice the positions along the axes of the array, because twice the middle of a run is an integer.
     twice: [u128; D],
@@ -58,55 +59,9 @@ impl<L: Label + LabelValue, const D: usize> Middles<L, D> {
         }
     }
 
-    /// Returns the bodies, in ascending order of their labels, and their contacts.
-    pub(crate) fn finish(
-        self,
-        contacts: &[ImageContact<L, D>],
-        spacing: &Spacing<D>,
-        order: AxisOrder,
-    ) -> Result<Drawn, Stop> {
-        let edges = spacing.edges();
-        let square: f64 = edges.iter().product();
-        let in_three = |point: [f64; D]| std::array::from_fn(|axis| point.get(axis).copied().unwrap_or(0.0));
-        let mut drawn = Drawn { dimensions: D, ..Drawn::default() };
-        let mut labels = Vec::with_capacity(self.bodies.len());
-        for (label, Sum { count, twice }) in self.bodies {
-            let number: i128 = label.into();
-            let id = i64::try_from(number).map_err(|_| {
-                Stop::Option(format!("the label {number} needs more than 63 bits and cannot be drawn"))
-            })?;
-            let middle = std::array::from_fn(|axis| twice[axis] as f64 / (2.0 * count as f64) * edges[axis]);
-            let size = count as f64 * square;
-            let radius = if D == 2 {
-                (size / std::f64::consts::PI).sqrt()
-            } else {
-                libm::cbrt(size * 0.75 / std::f64::consts::PI)
-            };
-            labels.push(label);
-            drawn.ids.push(id);
-            drawn.centres.push(in_three(order.xyz(middle)));
-            drawn.radii.push(radius);
-            drawn.sizes.push(size);
-            drawn.coordination.push(0);
-        }
-        for contact in contacts {
-            let place = |label: &L| labels.partition_point(|other| other < label);
-            let [i, j] = contact.labels();
-            let bodies = [place(&i), place(&j)];
-            for &body in &bodies {
-                drawn.coordination[body] += 1;
-            }
-            let area = contact.area(spacing);
-            drawn.joints.push(BodyJoint {
-                bodies: bodies.map(|body| body as u32),
-                point: in_three(order.xyz(contact.centroid(spacing))),
-                normal: in_three(order.xyz(contact.normal(spacing))),
-                value: area,
-            });
-            drawn.areas.push(area);
-            drawn.faces.push(contact.faces() as f64);
-        }
-        Ok(drawn)
+    /// The label of each body, in ascending order, and its sums.
+    pub(crate) fn into_sums(self) -> Vec<(i128, Sum<D>)> {
+        self.bodies.into_iter().map(|(label, sum)| (label.into(), sum)).collect()
     }
 }
 
@@ -125,6 +80,54 @@ pub(crate) struct Drawn {
 }
 
 impl Drawn {
+    /// Bodies, in ascending order of their labels, and their contacts.
+    pub(crate) fn new<const D: usize>(
+        sums: Vec<(i128, Sum<D>)>,
+        contacts: &[ImageContact<i128, D>],
+        spacing: &Spacing<D>,
+        order: AxisOrder,
+    ) -> Result<Self, Stop> {
+        let edges = spacing.edges();
+        let square: f64 = edges.iter().product();
+        let in_three = |point: [f64; D]| std::array::from_fn(|axis| point.get(axis).copied().unwrap_or(0.0));
+        let mut drawn = Self { dimensions: D, ..Self::default() };
+        for (label, Sum { count, twice }) in sums {
+            let id = i64::try_from(label).map_err(|_| {
+                Stop::Option(format!("the label {label} needs more than 63 bits and cannot be drawn"))
+            })?;
+            let middle = std::array::from_fn(|axis| twice[axis] as f64 / (2.0 * count as f64) * edges[axis]);
+            let size = count as f64 * square;
+            let radius = if D == 2 {
+                (size / std::f64::consts::PI).sqrt()
+            } else {
+                libm::cbrt(size * 0.75 / std::f64::consts::PI)
+            };
+            drawn.ids.push(id);
+            drawn.centres.push(in_three(order.xyz(middle)));
+            drawn.radii.push(radius);
+            drawn.sizes.push(size);
+            drawn.coordination.push(0);
+        }
+        for contact in contacts {
+            let place = |label: &i128| drawn.ids.partition_point(|&id| i128::from(id) < *label);
+            let [i, j] = contact.labels();
+            let bodies = [place(&i), place(&j)];
+            for &body in &bodies {
+                drawn.coordination[body] += 1;
+            }
+            let area = contact.area(spacing);
+            drawn.joints.push(BodyJoint {
+                bodies: bodies.map(|body| body as u32),
+                point: in_three(order.xyz(contact.centroid(spacing))),
+                normal: in_three(order.xyz(contact.normal(spacing))),
+                value: area,
+            });
+            drawn.areas.push(area);
+            drawn.faces.push(contact.faces() as f64);
+        }
+        Ok(drawn)
+    }
+
     pub(crate) fn ids(&self) -> &[i64] {
         &self.ids
     }
@@ -163,9 +166,9 @@ impl Drawn {
     }
 
     /// Lines for ParaView: between the centres of bodies that touch.
-    pub(crate) fn lines<'a, L: Label + LabelValue, const D: usize>(
+    pub(crate) fn lines<'a, const D: usize>(
         &'a self,
-        contacts: &'a [ImageContact<L, D>],
+        contacts: &'a [ImageContact<i128, D>],
         spacing: &'a Spacing<D>,
         order: AxisOrder,
     ) -> Table<'a> {

@@ -14,7 +14,7 @@ use crate::command::args::{ContactsArguments, NeighbourhoodName};
 use crate::command::contacts::Outputs;
 use crate::command::drawings::BodiesDrawing;
 use crate::command::failure::{Failure, display_name};
-use crate::command::label_middles::Middles;
+use crate::command::label_middles::{Drawn, Middles, Sum};
 use crate::command::label_summary::LabelSummary;
 use crate::command::output::{TableFormat, is_stdout, refuse_to_overwrite};
 use crate::command::progress::{Position, Progress};
@@ -175,35 +175,57 @@ impl Task<'_> {
             })
         });
         let converted = converted.transpose()?;
+        let drawn = self.arguments.drawings.any() || writes_vtp(outputs);
         match *image.shape() {
-            [rows, columns] => self.find(image, [rows, columns], converted, outputs),
-            [planes, rows, columns] => self.find(image, [planes, rows, columns], converted, outputs),
+            [rows, columns] => {
+                let found = self.find(image, [rows, columns], converted, drawn)?;
+                self.finish(image, [rows, columns], found, outputs)
+            }
+            [planes, rows, columns] => {
+                let found = self.find(image, [planes, rows, columns], converted, drawn)?;
+                self.finish(image, [planes, rows, columns], found, outputs)
+            }
             _ => Err(Stop::Option("an image has two or three axes".to_owned())),
         }
     }
 
+    /// Reads and compares the image slab by slab. It is compiled for each type of label; what comes after is not.
     fn find<L: Label + LabelValue, const D: usize>(
         &self,
         image: &mut LabelImage<'_>,
         shape: [usize; D],
         background: Option<L>,
-        outputs: &mut Outputs,
-    ) -> Result<LabelSummary, Stop> {
-        let order = AxisOrder { reversed: image.reversed() };
-        let spacing = self.spacing(order)?;
-        let neighbourhood = self.arguments.labels.neighbourhood.into();
-        let contacts = ImageContacts::new(shape, neighbourhood)?
+        drawn: bool,
+    ) -> Result<Found<D>, Stop> {
+        // It is checked before the image is read.
+        self.spacing::<D>(AxisOrder { reversed: image.reversed() })?;
+        let contacts = ImageContacts::new(shape, self.arguments.labels.neighbourhood.into())?
             .with_background(background)
             .with_threads(self.arguments.threads)?;
+        let mut middles = drawn.then(|| Middles::new(shape, background));
         let mut seconds = Seconds::default();
-        let is_vtp = outputs.table == TableFormat::Vtp && outputs.couples.is_some();
-        let mut middles = (self.arguments.drawings.any() || is_vtp).then(|| Middles::new(shape, background));
         let (found, _) = self.progress.step("reading and comparing", Some(shape[0] as u64), |position| {
             stream(image, contacts, middles.as_mut(), position, &mut seconds)
         });
         let (contacts, bodies) = found?;
-        let drawn = middles.map(|middles| middles.finish(&contacts, &spacing, order)).transpose()?;
+        Ok(Found { contacts, bodies, sums: middles.map(Middles::into_sums), seconds })
+    }
 
+    /// Writes the contacts, draws the bodies, and returns the summary.
+    fn finish<const D: usize>(
+        &self,
+        image: &LabelImage<'_>,
+        shape: [usize; D],
+        found: Found<D>,
+        outputs: &mut Outputs,
+    ) -> Result<LabelSummary, Stop> {
+        let Found { contacts, bodies, sums, mut seconds } = found;
+        let order = AxisOrder { reversed: image.reversed() };
+        let spacing = self.spacing(order)?;
+        let neighbourhood: Neighbourhood = self.arguments.labels.neighbourhood.into();
+        let drawn = sums.map(|sums| Drawn::new(sums, &contacts, &spacing, order)).transpose()?;
+
+        let is_vtp = writes_vtp(outputs);
         let edges = D == 3 && neighbourhood >= Neighbourhood::Edge;
         let vertices = neighbourhood == Neighbourhood::Vertex;
         let (written, writing) = self.progress.step("writing", Some(contacts.len() as u64), |position| {
@@ -215,22 +237,22 @@ impl Task<'_> {
                 let (points, lines) = (drawn.points(), drawn.lines(&contacts, &spacing, order));
                 return couples.write(|mut out| fdem_io::write_vtp(&mut out, &points, &lines));
             }
-            let table = table(&contacts, [edges, vertices], &spacing, order, position);
+            let table = table(&contacts, image.kind(), [edges, vertices], &spacing, order, position);
             write_table(couples, outputs.table, &table)
         });
         written.map_err(Stop::Failed)?;
         seconds.write = writing;
 
-        let mut in_contact: Vec<L> = contacts.iter().flat_map(ImageContact::labels).collect();
+        let mut in_contact: Vec<i128> = contacts.iter().flat_map(ImageContact::labels).collect();
         in_contact.sort_unstable();
         in_contact.dedup();
-        let sum = |count: fn(&ImageContact<L, D>) -> u64| contacts.iter().map(count).sum::<u64>();
+        let sum = |count: fn(&ImageContact<i128, D>) -> u64| contacts.iter().map(count).sum::<u64>();
         let summary = LabelSummary {
             file: self.name.to_owned(),
             format: image.format().to_owned(),
             shape: order.xyz(shape).to_vec(),
             spacing: order.xyz(spacing.edges()).to_vec(),
-            background: background.map(Into::into),
+            background: self.arguments.labels.background.0,
             bodies,
             neighbourhood: self.arguments.labels.neighbourhood.name(),
             threads: self.arguments.threads,
@@ -273,6 +295,21 @@ impl Task<'_> {
     }
 }
 
+/// Whether the contacts go into a VTP file, which has the centres of the bodies.
+fn writes_vtp(outputs: &Outputs) -> bool {
+    outputs.table == TableFormat::Vtp && outputs.couples.is_some()
+}
+
+/// What an image holds.
+struct Found<const D: usize> {
+    contacts: Vec<ImageContact<i128, D>>,
+    /// Number of bodies.
+    bodies: usize,
+    /// For drawings: the sums over the pixels or voxels of each body, in ascending order of labels.
+    sums: Option<Vec<(i128, Sum<D>)>>,
+    seconds: Seconds,
+}
+
 /// Reads and compares the image slab by slab. Returns the contacts and the number of bodies.
 fn stream<L: Label + LabelValue, const D: usize>(
     image: &mut LabelImage<'_>,
@@ -280,7 +317,7 @@ fn stream<L: Label + LabelValue, const D: usize>(
     mut middles: Option<&mut Middles<L, D>>,
     position: &Position,
     seconds: &mut Seconds,
-) -> Result<(Vec<ImageContact<L, D>>, usize), Stop> {
+) -> Result<(Vec<ImageContact<i128, D>>, usize), Stop> {
     let plane: usize = image.shape()[1..].iter().product();
     let planes = (SLAB / plane.max(1)).max(1);
     let mut slab = Vec::new();
@@ -302,23 +339,28 @@ fn stream<L: Label + LabelValue, const D: usize>(
     drop(slab);
     let start = Instant::now();
     let bodies = contacts.labels();
-    let contacts = contacts.finish()?;
+    let found = contacts.finish()?;
+    let mut wide = Vec::new();
+    let bytes = found.len() * size_of::<ImageContact<i128, D>>();
+    wide.try_reserve_exact(found.len()).map_err(|_| Error::OutOfMemory { bytes })?;
+    wide.extend(found.into_iter().map(ImageContact::widened));
     seconds.detect += start.elapsed().as_secs_f64();
-    Ok((contacts, bodies))
+    Ok((wide, bodies))
 }
 
 /// Table with a row per contact, and with the numbers of edges and vertices if they were counted. `position` counts the rows.
-fn table<'a, L: Label + LabelValue, const D: usize>(
-    contacts: &'a [ImageContact<L, D>],
+fn table<'a, const D: usize>(
+    contacts: &'a [ImageContact<i128, D>],
+    kind: LabelKind,
     [edges, vertices]: [bool; 2],
     spacing: &'a Spacing<D>,
     order: AxisOrder,
     position: &'a Position,
 ) -> Table<'a> {
     let label = |which: usize| {
-        let at = move |k: usize| -> i128 { contacts[k].labels()[which].into() };
+        let at = move |k: usize| contacts[k].labels()[which];
         // Labels fit into these types.
-        if L::KIND == LabelKind::U64 {
+        if kind == LabelKind::U64 {
             Values::u64(move |k| at(k) as u64)
         } else {
             Values::i64(move |k| at(k) as i64)

@@ -1,5 +1,7 @@
 //! Colours: two ramps with even steps of lightness, and colours outside the ramps.
 
+use crate::arrays::each;
+
 /// Red, green and blue.
 pub(crate) type Rgb = [u8; 3];
 
@@ -59,7 +61,7 @@ pub(crate) fn at(ramp: &[Rgb; 17], share: f64) -> Rgb {
 
 /// Mixes two colours: `from` at a share of 0, `to` at 1.
 pub(crate) fn mix(from: Rgb, to: Rgb, share: f64) -> Rgb {
-    std::array::from_fn(|channel| {
+    each(|channel| {
         let (from, to) = (f64::from(from[channel]), f64::from(to[channel]));
         (from + (to - from) * share).round() as u8
     })

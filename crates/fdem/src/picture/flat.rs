@@ -1,5 +1,6 @@
 //! Discs, triangles and lines drawn into pixels in order. The edges of discs and lines are antialiased.
 
+use crate::arrays::each;
 use crate::picture::capsule::Capsule;
 use crate::picture::colour::Rgb;
 
@@ -24,9 +25,8 @@ impl Flat {
             let distance = ((u - x) * (u - x) + (v - y) * (v - y)).sqrt();
             let inside = (radius - stroke / 2.0 - distance + 0.5).clamp(0.0, 1.0);
             let alpha = (outer - distance + 0.5).clamp(0.0, 1.0);
-            let mixed = std::array::from_fn(|c| {
-                f64::from(outline[c]) + (f64::from(fill[c]) - f64::from(outline[c])) * inside
-            });
+            let mixed =
+                each(|c| f64::from(outline[c]) + (f64::from(fill[c]) - f64::from(outline[c])) * inside);
             (mixed, alpha * (2.0 * outer).min(1.0))
         });
     }

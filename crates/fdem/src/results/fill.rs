@@ -61,7 +61,7 @@ impl Fill {
                 let other = corners[(k + 1) % corners.len()];
                 // The edge has the same direction in both of its triangles, so both get the same crossing.
                 let (a, b) = if corner[1] <= other[1] { (*corner, other) } else { (other, *corner) };
-                let [x0, y0, x1, y1] = [a[0], a[1], b[0], b[1]].map(|x| x * SAMPLES as f64);
+                let [[x0, y0], [x1, y1]] = [scale(a), scale(b)];
                 if y0 <= y && y < y1 {
                     let x = x0 + (y - y0) / (y1 - y0) * (x1 - x0);
                     (left, right) = (left.min(x), right.max(x));
@@ -84,15 +84,20 @@ impl Fill {
         for row in 0..rows {
             for column in 0..columns {
                 let at = row * SAMPLES * self.width + column * SAMPLES;
-                let four = [at, at + 1, at + self.width, at + self.width + 1].map(|k| self.samples[k]);
+                let (upper, lower) = (&self.samples[at..at + 2], &self.samples[at + self.width..][..2]);
                 for channel in 0..3 {
-                    let sum: u32 = four.iter().map(|sample| u32::from(sample[channel])).sum();
+                    let sum: u32 = upper.iter().chain(lower).map(|sample| u32::from(sample[channel])).sum();
                     pixels.push(((sum + 2) / 4) as u8);
                 }
             }
         }
         pixels
     }
+}
+
+/// A point in samples.
+fn scale([x, y]: [f64; 2]) -> [f64; 2] {
+    [x * SAMPLES as f64, y * SAMPLES as f64]
 }
 
 #[cfg(test)]

@@ -242,9 +242,10 @@ impl Pictures<'_> {
     fn layer(&self, page: &Page, opened: &Opened, scale: f64) -> Layer {
         let size = page.area.map(|side| (side * scale).round() as usize);
         let mut fill = Fill::new(size);
-        let pixel = |point: [f64; 2]| page.place(point).map(|x| x * scale);
-        for (element, corners) in opened.corners.iter().enumerate() {
-            fill.triangle(corners.map(pixel), self.colour(opened, element));
+        let scaled = |[x, y]: [f64; 2]| [x * scale, y * scale];
+        let pixel = |point: [f64; 2]| scaled(page.place(point));
+        for (element, [a, b, c]) in opened.corners.iter().enumerate() {
+            fill.triangle([pixel(*a), pixel(*b), pixel(*c)], self.colour(opened, element));
         }
         // Grains come first, so that outlines of bodies lie above them.
         for kind in [1, 0] {
@@ -252,9 +253,9 @@ impl Pictures<'_> {
             if width < NARROWEST_OUTLINE {
                 continue;
             }
-            for line in lines {
+            for [a, b] in lines {
                 // A line narrower than a sample would have holes.
-                fill.line(line.map(|end| end.map(|x| x * scale)), (width * scale).max(0.5), OUTLINES[kind].0);
+                fill.line([scaled(a), scaled(b)], (width * scale).max(0.5), OUTLINES[kind].0);
             }
         }
         for (ends, _) in &opened.cracks {
