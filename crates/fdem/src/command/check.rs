@@ -141,5 +141,5 @@ pub(crate) fn refused(errors: &ModelErrors) -> Failure {
         1 => "1 error".to_owned(),
         count => format!("{count} errors"),
     };
-    Failure::Unusable(format!("{} has {count}\n{}", errors.name, errors.render(drawing).trim_end()))
+    Failure::Unusable(format!("{} has {count}\n\n{}", errors.name, errors.render(drawing).trim_end()))
 }

@@ -2,9 +2,9 @@
 
 use std::fmt;
 use std::ops::Range;
-use std::sync::Arc;
 
-use miette::{GraphicalReportHandler, GraphicalTheme, LabeledSpan, MietteDiagnostic, NamedSource, Report};
+use annotate_snippets::renderer::DecorStyle;
+use annotate_snippets::{AnnotationKind, Group, Level, Message, Origin, Padding, Renderer, Snippet, Title};
 
 use crate::numbers::grouped;
 
@@ -63,8 +63,11 @@ pub enum Drawing {
     Terminal,
 }
 
-/// Columns after which text is broken.
+/// Columns of a drawing: lines of the file that are longer are cut around the pointer.
 const WIDTH: usize = 110;
+
+/// Columns after which messages and advice are broken: `error: ` or a line number and `= help: ` stand before them.
+const TEXT_WIDTH: usize = WIDTH - 12;
 
 /// Faults that are shown; the rest is counted.
 const SHOWN: usize = 25;
@@ -81,43 +84,48 @@ impl ModelErrors {
 
     /// Each fault with its lines of the file and a pointer at the key.
     pub fn render(&self, drawing: Drawing) -> String {
-        let theme = match drawing {
-            Drawing::Plain => GraphicalTheme::none(),
-            Drawing::Terminal => GraphicalTheme::unicode(),
+        let renderer = match drawing {
+            Drawing::Plain => Renderer::plain(),
+            Drawing::Terminal => Renderer::styled().decor_style(DecorStyle::Unicode),
         };
-        let handler = GraphicalReportHandler::new_themed(theme)
-            .with_width(WIDTH)
-            .with_links(false)
-            .with_context_lines(1);
-        let text = Arc::new(harmless(&self.text));
+        let renderer = renderer.term_width(WIDTH);
         let mut out = String::new();
         for fault in self.faults.iter().take(SHOWN) {
-            let mut diagnostic = MietteDiagnostic::new(harmless(&fault.message));
-            if let Some(help) = &fault.help {
-                diagnostic = diagnostic.with_help(harmless(help));
-            }
-            let span = fault.span.as_ref().map(|span| span.start.min(text.len())..span.end.min(text.len()));
-            let drawn = span.filter(|span| is_drawn(&text, span));
-            let report = if let Some(span) = drawn {
-                let label = LabeledSpan::new_with_span(Some(harmless(&fault.label)), span);
-                let source = NamedSource::new(&self.name, Arc::clone(&text));
-                Report::new(diagnostic.with_label(label)).with_source_code(source)
-            } else {
-                diagnostic.message = match self.line(fault) {
-                    Some(line) => format!("{}:{line}: {}", self.name, diagnostic.message),
-                    None => format!("{}: {}", self.name, diagnostic.message),
-                };
-                Report::new(diagnostic)
-            };
-            if handler.render_report(&mut out, report.as_ref()).is_err() {
-                out.push_str(&fault.message);
-                out.push('\n');
-            }
+            out.extend([renderer.render(&[self.report(fault)]).as_str(), "\n\n"]);
         }
-        if let Some(more) = self.more() {
-            out.extend(["  ", more.as_str(), "\n"]);
+        match self.more() {
+            Some(more) => out.push_str(&more),
+            None => out.truncate(out.len().saturating_sub(2)),
         }
+        out.push('\n');
         out
+    }
+
+    /// A fault as it is drawn: the message, the place and the advice.
+    fn report(&self, fault: &Fault) -> Group<'static> {
+        let title = Level::ERROR.primary_title(broken(&harmless(&fault.message)));
+        let help = fault.help.as_ref().map(|help| Level::HELP.message(broken(&harmless(help))));
+        let name = harmless(&self.name);
+        let Some(span) = fault.span.as_ref().map(|span| pointed(&self.text, span)) else {
+            return without_lines(title, Origin::path(name), help);
+        };
+        if !is_drawn(&self.text, &span) {
+            let before = &self.text[..span.start];
+            let column = before.chars().rev().take_while(|c| *c != '\n').count() + 1;
+            let place = Origin::path(name).line(line_of(before, before.len())).char_column(column);
+            return without_lines(title, place, help);
+        }
+        let lines = lines_around(&self.text, &span);
+        let pointer = AnnotationKind::Primary.span(span.start - lines.start..span.end - lines.start);
+        let first = line_of(&self.text, lines.start);
+        let mut source = harmless(&self.text[lines]);
+        // A last line that is empty is drawn if something ends it.
+        if span.start == self.text.len() {
+            source.push('\n');
+        }
+        // Not folded: the lines around the pointer are shown, too.
+        let snippet = Snippet::source(source).line_start(first).path(name).fold(false);
+        title.element(snippet.annotation(pointer.label(harmless(&fault.label)))).elements(help)
     }
 
     /// Describes how many faults are not shown.
@@ -128,8 +136,7 @@ impl ModelErrors {
 
     /// Line of a fault, counted from 1.
     pub fn line(&self, fault: &Fault) -> Option<usize> {
-        let start = fault.span.as_ref()?.start;
-        Some(self.text.get(..start).unwrap_or(&self.text).matches('\n').count() + 1)
+        Some(line_of(&self.text, fault.span.as_ref()?.start))
     }
 }
 
@@ -158,6 +165,19 @@ impl fmt::Display for ModelErrors {
 
 impl std::error::Error for ModelErrors {}
 
+/// A fault whose lines are not drawn.
+fn without_lines(
+    title: Title<'static>,
+    place: Origin<'static>,
+    help: Option<Message<'static>>,
+) -> Group<'static> {
+    let report = title.element(place);
+    match help {
+        Some(help) => report.element(Padding).element(help),
+        None => report,
+    }
+}
+
 /// Whether the lines around a place are short enough to be drawn.
 fn is_drawn(text: &str, span: &Range<usize>) -> bool {
     let before = text.as_bytes()[..span.start].rsplit(|&byte| byte == b'\n').take(2);
@@ -166,15 +186,55 @@ fn is_drawn(text: &str, span: &Range<usize>) -> bool {
     long <= LONGEST_LINE && span.len() <= LONGEST_LINE
 }
 
+/// Line of a byte of the text, counted from 1.
+fn line_of(text: &str, byte: usize) -> usize {
+    text.as_bytes()[..byte.min(text.len())].split(|&byte| byte == b'\n').count()
+}
+
+/// The part of a span that is pointed at: whole characters of the text, without the end of the last line.
+fn pointed(text: &str, span: &Range<usize>) -> Range<usize> {
+    let whole =
+        |byte: usize| (0..=byte.min(text.len())).rev().find(|&at| text.is_char_boundary(at)).unwrap_or(0);
+    let start = whole(span.start);
+    let end = whole(span.end).max(start);
+    start..start + text[start..end].trim_end_matches(['\r', '\n']).len()
+}
+
+/// The lines of a span with one line above and one below.
+fn lines_around(text: &str, span: &Range<usize>) -> Range<usize> {
+    let start_of_line = |byte: usize| text[..byte].rfind('\n').map_or(0, |end| end + 1);
+    let end_of_line = |byte: usize| text[byte..].find('\n').map_or(text.len(), |end| byte + end + 1);
+    start_of_line(start_of_line(span.start).saturating_sub(1))..end_of_line(end_of_line(span.end))
+}
+
+/// Breaks long lines of text between words.
+fn broken(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for line in text.split('\n') {
+        let mut width = 0;
+        for (place, word) in line.split(' ').enumerate() {
+            let length = word.chars().count();
+            if place > 0 {
+                let fits = width + 1 + length <= TEXT_WIDTH;
+                out.push(if fits { ' ' } else { '\n' });
+                width = if fits { width + 1 } else { 0 };
+            }
+            out.push_str(word);
+            width += length;
+        }
+        out.push('\n');
+    }
+    out.pop();
+    out
+}
+
 /// Replaces control characters, which could act on a terminal, by as many question marks as they have bytes.
 fn harmless(text: &str) -> String {
-    let bad = |c: char| c.is_control() && c != '\n' && c != '\t' && c != '\r';
-    if !text.contains(bad) {
-        return text.to_owned();
-    }
     let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
-        if bad(c) {
+    let mut characters = text.chars().peekable();
+    while let Some(c) = characters.next() {
+        let ends_line = c == '\n' || c == '\r' && characters.peek() == Some(&'\n');
+        if c.is_control() && c != '\t' && !ends_line {
             out.extend(std::iter::repeat_n('?', c.len_utf8()));
         } else {
             out.push(c);
@@ -269,6 +329,91 @@ mod tests {
 
     #[test]
     fn what_could_write_to_a_terminal_is_replaced_in_place() {
-        assert_eq!(harmless("a\u{1b}[31m\u{85}ü\n"), "a?[31m??ü\n");
+        assert_eq!(harmless("a\u{1b}[31m\u{85}ü\r\r\n\tb\r"), "a?[31m??ü?\r\n\tb?");
+    }
+
+    /// A fault at a place of a text, drawn.
+    fn drawn(text: &str, span: Range<usize>) -> String {
+        let fault = Fault::at(span, "wrong").help("right");
+        ModelErrors::new("m.toml", text, vec![fault]).render(Drawing::Plain)
+    }
+
+    #[test]
+    fn a_fault_is_drawn_with_its_line_and_those_around_it() {
+        let text = "[a]\nb = 1\n\tcd = 2\r\ne = 3\nf = 4";
+        let expected = "\
+error: wrong
+ --> m.toml:3:2
+  |
+2 | b = 1
+3 |     cd = 2
+  |     ^^ here
+4 | e = 3
+  |
+  = help: right
+";
+        assert_eq!(drawn(text, 11..13), expected);
+        // The end of the file is a place, with a last line that is empty or not.
+        assert!(drawn(text, text.len()..text.len()).contains("5 | f = 4\n  |      ^ here\n"));
+        assert!(drawn("a = 1\n", 6..6).contains("1 | a = 1\n2 |\n  | ^ here\n"));
+        assert!(drawn("", 0..0).contains(" --> m.toml:1:1\n  |\n1 |\n  | ^ here\n"));
+    }
+
+    #[test]
+    fn a_fault_in_a_line_that_is_too_long_is_told_with_its_column() {
+        let text = format!("a = 1\nb = \"{}\"\n", "é".repeat(300));
+        let expected = "error: wrong\n--> m.toml:2:5\n |\n = help: right\n";
+        assert_eq!(drawn(&text, 10..12), expected);
+        let errors =
+            ModelErrors::new("m.toml", &text, vec![Fault { span: None, ..Fault::at(0..0, "wrong") }]);
+        assert_eq!(errors.render(Drawing::Plain), "error: wrong\n--> m.toml\n");
+    }
+
+    #[test]
+    fn every_span_of_a_text_is_drawn_with_its_line() {
+        let text = "a = 1\r\n\n\"岩石\" = \t\"é\u{1b}👩\u{200d}🔬\"\r\r\n[b]\n\n\nc = [\nü\n岩\n\n石\n]\n";
+        for text in [text, text.trim_end()] {
+            for start in 0..=text.len() + 1 {
+                for end in start..=text.len() + 2 {
+                    let drawn = drawn(text, start..end);
+                    let place = format!("m.toml:{}:", line_of(text, start));
+                    assert!(drawn.contains(&place) && drawn.contains("here"), "{start}..{end}:\n{drawn}");
+                    let errors = ModelErrors::new("m.toml", text, vec![Fault::at(start..end, "wrong")]);
+                    assert!(errors.render(Drawing::Terminal).contains("here"), "{start}..{end}");
+                }
+            }
+        }
+    }
+
+    /// Wide characters, tabs and lines that are cut: the pointer starts where the key is.
+    #[test]
+    fn the_pointer_stands_below_the_key() {
+        let width = |text: &str| -> usize { text.chars().map(|c| 1 + usize::from(c > '\u{2fff}')).sum() };
+        for before in ["", "x = ", "\t", "\t岩 = \t", "\"岩石\" = ", &"岩 ".repeat(30), &"b ".repeat(120)]
+        {
+            for after in ["", " = 1", &" 岩".repeat(30)] {
+                let text = format!("a = 1\n{before}KEY{after}\nc = 2\n");
+                let start = 6 + before.len();
+                let drawn = drawn(&text, start..start + 3);
+                let lines: Vec<_> = drawn.lines().collect();
+                let at = lines.iter().position(|line| line.contains("KEY")).unwrap();
+                let (source, pointer) = (lines[at], lines[at + 1]);
+                assert!(source.starts_with("2 | ") && pointer.ends_with("^^^ here"), "{drawn}");
+                assert_eq!(
+                    width(&source[..source.find("KEY").unwrap()]),
+                    pointer.find('^').unwrap(),
+                    "{drawn}"
+                );
+                assert!(width(source) <= WIDTH, "{drawn}");
+            }
+        }
+    }
+
+    #[test]
+    fn long_messages_are_broken_between_words() {
+        let text = format!("{}\nend", "word ".repeat(50).trim_end());
+        let lines = broken(&text);
+        assert_eq!(lines.replace('\n', " "), text.replace('\n', " "));
+        assert_eq!(lines.lines().map(str::len).collect::<Vec<_>>(), [94, 94, 59, 3]);
     }
 }

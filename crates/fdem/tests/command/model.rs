@@ -38,7 +38,7 @@ fn mistakes_are_drawn_with_file_line_and_pointer() {
     bench.write("model.toml", text);
     bench.run(&["check", "model.toml"]).refused_with(&[
         "model.toml has 2 errors",
-        "[model.toml:11:",
+        "--> model.toml:11:",
         "did you mean \"stress\"?",
         "did you mean \"density\"?",
         "^^^",

@@ -32,18 +32,19 @@ fn told(text: &str, errors: &ModelErrors, at: &str, parts: &[&str]) {
     let drawn = errors.render(Drawing::Plain);
     let list = errors.to_string();
     assert!(list.contains(&format!("model.toml:{line}: ")), "{list}");
-    assert!(drawn.contains(&format!("[model.toml:{line}:")), "the drawing has file and line:\n{drawn}");
+    assert!(drawn.contains(&format!("--> model.toml:{line}:")), "the drawing has file and line:\n{drawn}");
     assert!(
-        drawn.contains(['^', '`']) && !drawn.contains(['─', '│', '╭', '\u{1b}']),
+        drawn.contains('^') && !drawn.contains(['━', '│', '╭', '\u{1b}']),
         "a pointer, in ASCII:\n{drawn}"
     );
     let source = text.lines().nth(line - 1).unwrap();
-    assert!(drawn.contains(source.trim()), "the drawing has the line:\n{drawn}");
+    // Long lines are cut around the place.
+    let shown = if source.len() < 100 { source.trim() } else { at };
+    assert!(drawn.contains(shown), "the drawing has the line:\n{drawn}");
     for part in parts {
         assert!(list.contains(part), "{part:?} is not in\n{list}");
         // Long messages are broken into lines.
-        let unbroken: String =
-            drawn.replace(['\n', '|'], " ").split_whitespace().collect::<Vec<_>>().join(" ");
+        let unbroken: String = drawn.replace('\n', " ").split_whitespace().collect::<Vec<_>>().join(" ");
         assert!(unbroken.contains(part), "{part:?} is not in\n{drawn}");
     }
 }
@@ -176,7 +177,7 @@ fn several_errors_are_told_at_once_in_the_order_of_the_file() {
     let errors = read(&text).unwrap_err();
     let lines: Vec<_> = errors.faults.iter().map(|fault| errors.line(fault).unwrap()).collect();
     assert_eq!(lines, [8, 12], "{errors}");
-    assert_eq!(errors.render(Drawing::Plain).matches("[model.toml:").count(), 2);
+    assert_eq!(errors.render(Drawing::Plain).matches("--> model.toml:").count(), 2);
 }
 
 /// Unknown keys, unknown names, shapes, files and places of boundaries: all in one round, and nothing that only follows from another fault.
