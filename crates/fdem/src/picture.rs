@@ -16,6 +16,7 @@ pub(crate) mod encode;
 mod flat;
 pub(crate) mod furniture;
 pub(crate) mod drawing;
+pub(crate) mod letters;
 mod mesh;
 mod plots;
 mod raster;

@@ -7,7 +7,7 @@ use crate::picture::PictureError;
 const PER_ELEMENT: usize = 80;
 const PER_CONTACT: usize = 152;
 
-/// Bytes for the fonts, the text of a drawing and its compression.
+/// Bytes for the letters, the text of a drawing and its compression.
 const REST: usize = 32 << 20;
 
 /// Bytes per pixel of a drawing in 3D: samples with their depths, layers, pixels with and without opacity, the file.

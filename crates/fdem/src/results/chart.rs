@@ -4,8 +4,9 @@ use std::borrow::Cow;
 use std::fmt::Write;
 
 use crate::picture::colour::{Rgb, hex};
+use crate::picture::letters;
 use crate::picture::svg::{Anchor, INK, PALE, Svg};
-use crate::picture::text::{self, fitting};
+use crate::picture::text::fitting;
 use crate::picture::ticks::{tick_text, ticks};
 use crate::results::unit::prefixed;
 
@@ -120,7 +121,7 @@ impl Chart<'_> {
         svg.background();
         let (title, size) = fitting(self.name, WIDTH - 16.0, OF_TITLES, false);
         svg.label([8.0, 20.0], size, Anchor::Start, INK, &title);
-        let wide = |curve: &Curve<'_>| text::width(curve.name, OF_NAMES[0], false);
+        let wide = |curve: &Curve<'_>| letters::width(curve.name, OF_NAMES[0], false);
         let names = self.curves.iter().map(wide).fold(NAMES[0], f64::max).min(NAMES[1]);
         let legend = if self.curves.len() > 1 { 46.0 + names } else { 0.0 };
         let (width, height) = (WIDTH - LEFT - RIGHT - legend, HEIGHT - TOP - BOTTOM);
