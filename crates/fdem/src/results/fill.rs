@@ -84,9 +84,10 @@ impl Fill {
         for row in 0..rows {
             for column in 0..columns {
                 let at = row * SAMPLES * self.width + column * SAMPLES;
-                let (upper, lower) = (&self.samples[at..at + 2], &self.samples[at + self.width..][..2]);
+                let [a, b] = [self.samples[at], self.samples[at + 1]];
+                let [c, d] = [self.samples[at + self.width], self.samples[at + self.width + 1]];
                 for channel in 0..3 {
-                    let sum: u32 = upper.iter().chain(lower).map(|sample| u32::from(sample[channel])).sum();
+                    let sum = [a, b, c, d].iter().fold(0, |sum, sample| sum + u32::from(sample[channel]));
                     pixels.push(((sum + 2) / 4) as u8);
                 }
             }
