@@ -210,6 +210,7 @@ def test_no_elements_and_one():
 def test_what_is_shown():
     positions, edge = gas(600, 6, 3)
     assert repr(fdem.contacts(positions, radii=0.5)).startswith("<fdem.Contacts: ")
+    assert "of 1 disc, mean" in repr(fdem.contacts([[0.0, 0.0]], radii=1.0))
     found = fdem.contacts(positions, cutoff=1, box=[edge] * 3, periodic=True)
     assert "600 points within 1 in a box that repeats" in repr(found)
     assert "<table>" in found._repr_html_() and "600" in found._repr_html_()

@@ -154,6 +154,10 @@ def test_what_neighbor_list_refuses():
         (TypeError, "needs numbers", lambda: fdem.neighbor_list("i", positions=three, cutoff={("H", "H"): 1})),
         (ValueError, "no element 'Xy'", lambda: fdem.neighbor_list("i", positions=three, numbers=[1, 1], cutoff={("H", "Xy"): 1})),
         (ValueError, "radius for each of 2", lambda: fdem.neighbor_list("i", positions=three, cutoff=[1.0])),
+        (TypeError, "atoms must have positions.*int has not", lambda: fdem.neighbor_list("i", 3, 1.0)),
+        (ValueError, r"pbc must be .* shape \(2,\)", lambda: fdem.neighbor_list("i", positions=three, cutoff=1.0, pbc=[True, False])),
+        (ValueError, "for a pair of elements", lambda: fdem.neighbor_list("i", positions=three, numbers=[1, 1], cutoff={("H",): 1})),
+        (ValueError, "symbol or an atomic number", lambda: fdem.neighbor_list("i", positions=three, numbers=[1, 1], cutoff={("H", 1.5): 1})),
     ]:
         with pytest.raises(error, match=words):
             call()

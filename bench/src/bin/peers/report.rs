@@ -252,7 +252,7 @@ fn flags() -> String {
     if cfg!(target_feature = "avx512f") {
         wide.push("avx512f");
     }
-    let profile = "release: opt-level 3, thin LTO, 1 codegen unit";
+    let profile = "release: opt-level 3, no link-time optimisation, 1 codegen unit";
     if wide.is_empty() {
         format!("{profile}, no target-cpu")
     } else {

@@ -83,7 +83,8 @@ impl Frames {
                     at += i128::from(step);
                 }
                 if frames.is_empty() {
-                    return Err(format!("--frames selects none of the {count} frames of the file"));
+                    let frames = if count == 1 { "1 frame" } else { &format!("{count} frames") };
+                    return Err(format!("--frames selects no frame: the file has {frames}"));
                 }
                 Ok(Selection::Series(frames))
             }
@@ -122,8 +123,10 @@ mod tests {
         }
         for empty in ["3:3", "4:1", "7:", "0:3:-1"] {
             let error = Frames::select(Some(empty.parse().unwrap()), 5).unwrap_err();
-            assert!(error.contains("none of the 5"), "{empty}: {error}");
+            assert_eq!(error, "--frames selects no frame: the file has 5 frames", "{empty}");
         }
+        let error = Frames::select(Some("1:".parse().unwrap()), 1).unwrap_err();
+        assert!(error.ends_with("the file has 1 frame"), "{error}");
     }
 
     #[test]

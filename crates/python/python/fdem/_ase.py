@@ -86,6 +86,9 @@ def neighbor_list(
     if max_nbins is not None:
         number(max_nbins, "max_nbins")
     if atoms is not None:
+        for name, given in (("positions", positions), ("cell", cell), ("pbc", pbc)):
+            if given is None and not hasattr(atoms, name):
+                raise TypeError(f"atoms must have {name}, as ase.Atoms has; {type(atoms).__name__} has not")
         positions = atoms.positions if positions is None else positions
         cell = np.asarray(atoms.cell) if cell is None else cell
         pbc = atoms.pbc if pbc is None else pbc
@@ -96,7 +99,10 @@ def neighbor_list(
     centres = np.require(points(positions, "positions"), np.float64, ["C", "A"])
     if centres.shape[1] != 3:
         raise ValueError(f"positions must have the shape [n, 3], not {centres.shape}")
-    repeats = np.broadcast_to(np.asarray(False if pbc is None else pbc, bool), 3)
+    repeats = np.asarray(False if pbc is None else pbc, bool)
+    if repeats.shape not in ((), (1,), (3,)):
+        raise ValueError(f"pbc must be one truth value or three, not of the shape {repeats.shape}")
+    repeats = np.broadcast_to(repeats, 3)
     edges, signs = _edges_of(cell, repeats)
     limits = _Limits(cutoff, numbers, len(centres))
 
@@ -166,6 +172,8 @@ class _Limits:
             self.table = np.full((len(present), len(present)), -1.0)
             for pair, distance in cutoff.items():
                 limit = _checked(number(distance, "cutoff"))
+                if not isinstance(pair, tuple) or len(pair) != 2:
+                    raise ValueError(f"a cutoff is for a pair of elements, such as ('H', 'O'), not for {pair!r}")
                 a, b = (_number_of(kind) for kind in pair)
                 if a in place and b in place:
                     self.table[place[a], place[b]] = self.table[place[b], place[a]] = limit
@@ -193,4 +201,6 @@ def _number_of(kind: Union[str, int]) -> int:
         if kind not in _SYMBOLS:
             raise ValueError(f"there is no element '{kind}'")
         return _SYMBOLS.index(kind)
+    if not isinstance(kind, (int, np.integer)):
+        raise ValueError(f"an element is a symbol or an atomic number, not {kind!r}")
     return int(kind)

@@ -554,11 +554,12 @@ class Contacts:
 
     def _noun(self) -> str:
         flat = self._positions.shape[1] == 2
+        one = self.n == 1
         if self._kind == "upper":
-            return "rectangles" if flat else "boxes"
+            return ("rectangle" if one else "rectangles") if flat else ("box" if one else "boxes")
         if self._kind == "cutoff":
-            return f"points within {self._size:g}"
-        return "discs" if flat else "spheres"
+            return f"{'point' if one else 'points'} within {self._size:g}"
+        return f"{'disc' if flat else 'sphere'}{'' if one else 's'}"
 
     def __repr__(self) -> str:
         mean = 2 * len(self) / self.n if self.n else 0.0
