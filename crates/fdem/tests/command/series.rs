@@ -91,9 +91,12 @@ fn frames_are_chosen_as_python_slices() {
     assert_eq!(run.stdout, "2\n1\n");
     let run = bench.run(&["contacts", "run.dump", "--frames", "0:1", "-q"]).succeeds();
     assert_eq!(run.stdout.lines().collect::<Vec<_>>(), COUPLES.lines().take(2).collect::<Vec<_>>());
-    for (frames, part) in
-        [("2", "0 to 1"), ("5:", "no frame: the file has 2 frames"), ("a", "not a frame"), ("::0", "must not be 0")]
-    {
+    for (frames, part) in [
+        ("2", "0 to 1"),
+        ("5:", "no frame: the file has 2 frames"),
+        ("a", "not a frame"),
+        ("::0", "must not be 0"),
+    ] {
         bench.run(&["contacts", "run.dump", "--frames", frames]).refused_with(&[part]);
     }
     bench.run(&["bench", "run.dump"]).refused_with(&["2 frames", "--frames N"]);
