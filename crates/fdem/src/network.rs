@@ -29,6 +29,7 @@ impl Sizes<'_> {
     ///
     /// # Panics
     /// If an element of the couple has no radius.
+    #[inline]
     pub fn contact_distance(&self, couple: Couple) -> f64 {
         match *self {
             Self::Each(radii) => radii[couple.i as usize] + radii[couple.j as usize],
@@ -65,15 +66,21 @@ impl<const D: usize> Space<'_, D> {
     ///
     /// # Panics
     /// If the couple was not found among these elements.
+    #[inline]
     pub fn distance(&self, couple: PeriodicCouple<D>) -> f64 {
         let [a, b] = self.ends(couple);
-        a.iter().zip(&b).fold(0.0, |sum, (a, b)| sum + (a - b) * (a - b)).sqrt()
+        let mut square = 0.0;
+        for axis in 0..D {
+            square += (a[axis] - b[axis]) * (a[axis] - b[axis]);
+        }
+        square.sqrt()
     }
 
     /// Vector from the first element of a couple to the image of the second.
     ///
     /// # Panics
     /// If the couple was not found among these elements.
+    #[inline]
     pub fn branch(&self, couple: PeriodicCouple<D>) -> [f64; D] {
         let [a, b] = self.ends(couple);
         each(|axis| b[axis] - a[axis])
@@ -83,9 +90,17 @@ impl<const D: usize> Space<'_, D> {
     ///
     /// # Panics
     /// If the couple was not found among these elements.
+    #[inline]
     pub fn ends(&self, couple: PeriodicCouple<D>) -> [[f64; D]; 2] {
+        match &self.cell {
+            None => [self.centres[couple.i as usize], self.centres[couple.j as usize]],
+            Some(cell) => self.ends_in(cell, couple),
+        }
+    }
+
+    /// [`Self::ends`] in a periodic box.
+    fn ends_in(&self, cell: &PeriodicBox<f64, D>, couple: PeriodicCouple<D>) -> [[f64; D]; 2] {
         let PeriodicCouple { i, j, shift } = couple;
-        let Some(cell) = &self.cell else { return [self.centres[i as usize], self.centres[j as usize]] };
         let ((a, of_a), (b, of_b)) = (self.wrapped(cell, i), self.wrapped(cell, j));
         let shift = each(|edge| shift[edge] - of_a[edge] + of_b[edge]);
         [a, cell.displaced(&b, &shift)]
@@ -95,6 +110,7 @@ impl<const D: usize> Space<'_, D> {
     ///
     /// # Panics
     /// If the couple was not found among these elements.
+    #[inline]
     pub fn overlap(&self, sizes: Sizes<'_>, couple: PeriodicCouple<D>) -> f64 {
         sizes.contact_distance(Couple { i: couple.i, j: couple.j }) - self.distance(couple)
     }
@@ -132,6 +148,7 @@ impl<const D: usize> Couples<D> {
     ///
     /// # Panics
     /// If the list is shorter.
+    #[inline]
     pub fn get(&self, k: usize) -> PeriodicCouple<D> {
         match self {
             Self::Plain(couples) => unshifted(couples[k]),
@@ -146,6 +163,7 @@ impl<const D: usize> Couples<D> {
 }
 
 /// A couple with a shift of 0.
+#[inline]
 pub(crate) fn unshifted<const D: usize>(Couple { i, j }: Couple) -> PeriodicCouple<D> {
     PeriodicCouple { i, j, shift: [0; D] }
 }
@@ -169,6 +187,7 @@ impl<const D: usize> Network<'_, D> {
     ///
     /// # Panics
     /// If the couple was not found among these elements.
+    #[inline]
     pub fn overlap(&self, couple: PeriodicCouple<D>) -> f64 {
         self.space.overlap(self.sizes, couple)
     }

@@ -210,12 +210,9 @@ struct Inside<'a, const D: usize> {
 impl<const D: usize> Inside<'_, D> {
     /// Visits the area or volume inside the region of a disc or sphere and of each of its images.
     fn for_each_part(&self, centre: [f64; D], radius: f64, mut visit: impl FnMut(f64)) {
+        let everywhere = [f64::NEG_INFINITY, f64::INFINITY];
         let limits: [[f64; 2]; D] =
-            each(
-                |axis| {
-                    if self.whole[axis] { [f64::NEG_INFINITY, f64::INFINITY] } else { self.region[axis] }
-                },
-            );
+            each(|axis| if self.whole[axis] { everywhere } else { self.region[axis] });
         let mut images = [[0.0; 2]; D];
         for axis in 0..D {
             if let (Some(period), false) = (self.frame.periods[axis], self.whole[axis]) {

@@ -1,7 +1,8 @@
 //! Area of a disc in a rectangle and volume of a sphere in a box, in closed form.
 
-use crate::arrays::each;
 use std::f64::consts::PI;
+
+use crate::arrays::each;
 
 /// Area of the part of a disc inside a rectangle with sides along the axes. Limits may be infinite.
 ///
@@ -157,7 +158,7 @@ mod tests {
     /// Volume by exact areas of slices along x, with two Gauss-Legendre nodes in each interval.
     fn by_slices(limits: [[f64; 2]; 3]) -> f64 {
         const SLICES: usize = 20_000;
-        let [low, high] = [limits[0][0].clamp(-1.0, 1.0), limits[0][1].clamp(-1.0, 1.0)];
+        let [low, high] = limits[0].map(|limit| limit.clamp(-1.0, 1.0));
         let width = (high - low) / SLICES as f64;
         let mut sum = 0.0;
         for slice in 0..SLICES {

@@ -175,40 +175,35 @@ impl Task<'_> {
             })
         });
         let converted = converted.transpose()?;
-        let drawn = self.arguments.drawings.any() || writes_vtp(outputs);
         match *image.shape() {
-            [rows, columns] => {
-                let found = self.find(image, [rows, columns], converted, drawn)?;
-                self.finish(image, [rows, columns], found, outputs)
-            }
-            [planes, rows, columns] => {
-                let found = self.find(image, [planes, rows, columns], converted, drawn)?;
-                self.finish(image, [planes, rows, columns], found, outputs)
-            }
+            [rows, columns] => self.compare(image, [rows, columns], converted, outputs),
+            [planes, rows, columns] => self.compare(image, [planes, rows, columns], converted, outputs),
             _ => Err(Stop::Option("an image has two or three axes".to_owned())),
         }
     }
 
-    /// Reads and compares the image slab by slab. It is compiled for each type of label; what comes after is not.
-    fn find<L: Label + LabelValue, const D: usize>(
+    /// Compares the image and writes what was found. It is compiled for each type of label; [`Self::finish`] is not.
+    fn compare<L: Label + LabelValue, const D: usize>(
         &self,
         image: &mut LabelImage<'_>,
         shape: [usize; D],
         background: Option<L>,
-        drawn: bool,
-    ) -> Result<Found<D>, Stop> {
-        // It is checked before the image is read.
-        self.spacing::<D>(AxisOrder { reversed: image.reversed() })?;
+        outputs: &mut Outputs,
+    ) -> Result<LabelSummary, Stop> {
+        // An option that does not fit is refused before the image is read.
+        let spacing = self.spacing(AxisOrder { reversed: image.reversed() })?;
         let contacts = ImageContacts::new(shape, self.arguments.labels.neighbourhood.into())?
             .with_background(background)
             .with_threads(self.arguments.threads)?;
+        let drawn = self.arguments.drawings.any() || writes_vtp(outputs);
         let mut middles = drawn.then(|| Middles::new(shape, background));
         let mut seconds = Seconds::default();
         let (found, _) = self.progress.step("reading and comparing", Some(shape[0] as u64), |position| {
             stream(image, contacts, middles.as_mut(), position, &mut seconds)
         });
         let (contacts, bodies) = found?;
-        Ok(Found { contacts, bodies, sums: middles.map(Middles::into_sums), seconds })
+        let found = Found { contacts, bodies, sums: middles.map(Middles::into_sums), seconds };
+        self.finish(image, shape, &spacing, found, outputs)
     }
 
     /// Writes the contacts, draws the bodies, and returns the summary.
@@ -216,14 +211,14 @@ impl Task<'_> {
         &self,
         image: &LabelImage<'_>,
         shape: [usize; D],
+        spacing: &Spacing<D>,
         found: Found<D>,
         outputs: &mut Outputs,
     ) -> Result<LabelSummary, Stop> {
         let Found { contacts, bodies, sums, mut seconds } = found;
         let order = AxisOrder { reversed: image.reversed() };
-        let spacing = self.spacing(order)?;
         let neighbourhood: Neighbourhood = self.arguments.labels.neighbourhood.into();
-        let drawn = sums.map(|sums| Drawn::new(sums, &contacts, &spacing, order)).transpose()?;
+        let drawn = sums.map(|sums| Drawn::new(sums, &contacts, spacing, order)).transpose()?;
 
         let is_vtp = writes_vtp(outputs);
         let edges = D == 3 && neighbourhood >= Neighbourhood::Edge;
@@ -234,10 +229,10 @@ impl Task<'_> {
             }
             let Some(couples) = &mut outputs.couples else { return Ok(()) };
             if let (true, Some(drawn)) = (is_vtp, &drawn) {
-                let (points, lines) = (drawn.points(), drawn.lines(&contacts, &spacing, order));
+                let (points, lines) = (drawn.points(), drawn.lines(&contacts, spacing, order));
                 return couples.write(|mut out| fdem_io::write_vtp(&mut out, &points, &lines));
             }
-            let table = table(&contacts, image.kind(), [edges, vertices], &spacing, order, position);
+            let table = table(&contacts, image.kind(), [edges, vertices], spacing, order, position);
             write_table(couples, outputs.table, &table)
         });
         written.map_err(Stop::Failed)?;
@@ -262,7 +257,7 @@ impl Task<'_> {
             faces: sum(ImageContact::faces),
             edges: edges.then(|| sum(ImageContact::edges)),
             vertices: vertices.then(|| sum(ImageContact::vertices)),
-            area: contacts.iter().fold(0.0, |sum, contact| sum + contact.area(&spacing)),
+            area: contacts.iter().fold(0.0, |sum, contact| sum + contact.area(spacing)),
             seconds,
             peak_bytes: None,
         };
@@ -300,7 +295,7 @@ fn writes_vtp(outputs: &Outputs) -> bool {
     outputs.table == TableFormat::Vtp && outputs.couples.is_some()
 }
 
-/// What an image holds.
+/// The contacts and bodies that were found in an image, the same for every type of label.
 struct Found<const D: usize> {
     contacts: Vec<ImageContact<i128, D>>,
     /// Number of bodies.

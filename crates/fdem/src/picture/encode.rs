@@ -40,7 +40,10 @@ pub(crate) fn pixels(svg: &str, layers: &[Layer], scale: f64) -> Result<([u32; 2
         paint.set_color(colour);
         pixmap.fill_path(&path, &paint, FillRule::Winding, zoom, None);
     }
-    let opaque = pixmap.data().chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
+    let mut opaque = Vec::with_capacity(pixmap.data().len() / 4 * 3);
+    for pixel in pixmap.data().chunks_exact(4) {
+        opaque.extend_from_slice(&pixel[..3]);
+    }
     Ok(([width, height], opaque))
 }
 

@@ -145,8 +145,10 @@ fn changed(before: &[u8], now: &[u8], [width, height]: [u16; 2]) -> ([u16; 2], [
 /// Cuts a part out of a picture, as a frame that is drawn over the earlier frames.
 fn part(places: &[u8], at: [u16; 2], extent: [u16; 2], size: [u16; 2], delay: u16) -> gif::Frame<'static> {
     let [left, top, width, height] = [at[0], at[1], extent[0], extent[1]].map(usize::from);
-    let rows = places.chunks_exact(usize::from(size[0])).skip(top).take(height);
-    let buffer: Vec<u8> = rows.flat_map(|row| &row[left..left + width]).copied().collect();
+    let mut buffer = Vec::with_capacity(width * height);
+    for row in places.chunks_exact(usize::from(size[0])).skip(top).take(height) {
+        buffer.extend_from_slice(&row[left..left + width]);
+    }
     gif::Frame {
         delay,
         left: at[0],
