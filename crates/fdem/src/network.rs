@@ -69,6 +69,7 @@ impl<const D: usize> Space<'_, D> {
     #[inline]
     pub fn distance(&self, couple: PeriodicCouple<D>) -> f64 {
         let [a, b] = self.ends(couple);
+        // Every couple comes here: `zip` would be a call in a crate of several units (see `arrays.rs`).
         let mut square = 0.0;
         for axis in 0..D {
             square += (a[axis] - b[axis]) * (a[axis] - b[axis]);
