@@ -16,6 +16,7 @@ mod cantilever;
 mod compliance;
 mod compression;
 mod disc;
+mod free_crack;
 mod heaps;
 mod hertz;
 mod hole;
@@ -225,14 +226,15 @@ const CASES: &[Case] = &[
         number: 8,
         name: "Brazilian disc",
         what: "A disc between two platens that move alike. Before it breaks, the stress in its centre is that of an elastic disc under two point loads; it splits along the loaded diameter, \
-               at the load that its tensile strength gives. Unstructured meshes; fracture energies of 3 and 30 J/m².",
+               at the load that its tensile strength gives. Unstructured meshes; fracture energies of 3 and 30 J/m². The cohesion is high enough that it does not shear beneath the platens first.",
         source: "G. Hondros, Aust. J. Appl. Sci. 10 (1959) 243-268",
         run: brazilian::run,
     },
     Case {
         number: 9,
         name: "uniaxial compression",
-        what: "A block twice as high as wide between platens without friction. Its strength is the bound of Mohr and Coulomb, 2 c cos φ/(1 - sin φ).",
+        what: "A block twice as high as wide between platens without friction, on unstructured meshes. Its strength is that of Mohr and Coulomb, 2 c cos φ/(1 - sin φ), whatever the fracture \
+               energy; pressure on its sides raises it by (1 + sin φ)/(1 - sin φ) times as much.",
         source: "Mohr and Coulomb",
         run: compression::run,
     },
@@ -242,6 +244,14 @@ const CASES: &[Case] = &[
         what: "Two arms are peeled apart slowly. Load and opening follow the line of linear elastic fracture mechanics, with K = P (3.46 a + 2.38 h)/h^1.5.",
         source: "B. Gross and J. E. Srawley, NASA TN D-3295 (1966)",
         run: cantilever::run,
+    },
+    Case {
+        number: 10,
+        name: "free crack in tension",
+        what: "A plate with a notch is pulled apart on unstructured meshes: the crack chooses its path along their edges. Its stress intensity at growth is that of the same crack on a \
+               straight line, and it dissipates the fracture energy times its projected area, as if there were no mesh.",
+        source: "the double cantilever beam above, for the straight line",
+        run: free_crack::run,
     },
     Case {
         number: 11,

@@ -1,14 +1,30 @@
 //! Traction-separation law of the joint between two elements.
 //!
-//! Combined single and smeared crack model (book, ch. 7): elastic up to the strength, then softening by z(D) (7.12). Opening (mode I) unloads towards the
-//! origin. Sliding (mode II) is plastic, with the strength of Mohr and Coulomb,
+//! Combined single and smeared crack model (book, ch. 7): elastic up to the strength, then softening by z(D) (7.12). The book softens opening and sliding each
+//! on its own. Then a joint that lies aslant to a crack, which opens and slides at once, holds more and costs more than one across it, and a crack along the
+//! edges of an unstructured mesh costs up to half more than its fracture energy. Here a joint softens as a whole.
+//!
+//! # The bond
+//! A joint that opens has a traction along the vector of its opening `g` and sliding `s`. With ω the angle between that vector and the normal, its strength
+//! and the energy of its unit of area are
 //!
 //! ```text
-//! σ ≤ z(D) f_t,    |τ| ≤ z(D) c + σₙ tan φ    (σₙ: compression),
+//! 1/S² = cos²ω/f_t² + sin²ω/c²,    G = G_I cos ω + G_II sin⁸ω,
 //! ```
-//! so that the shear traction peaks at c + σₙ tan φ and ends at σₙ tan φ. The damage is D = `√(D_I² + D_II²)`: opening and sliding beyond the elastic range,
-//! each over the value at which the fracture energy is dissipated. Compression does not break a joint, and a broken joint still transmits pressure and
-//! friction.
+//! and its traction is S z(D), with D the length of the vector beyond the elastic range over the value at which G is dissipated. For a vector aslant to the
+//! joint the energy is that of the area across the vector: such a joint is a piece of the staircase that stands for a crack across the vector. The exponent
+//! keeps this up to some 45°; beyond, sliding takes over. A bond unloads towards the origin, and its stiffness only ever falls, so that it dissipates energy
+//! on every path.
+//!
+//! # Pressure
+//! In compression only sliding loads the bond, and friction adds to it. A whole joint holds `c + σₙ tan φ`; one that softens has the bond, `z(D) c`, and beside it a
+//! spring of friction, at most `σₙ tan φ`, with the stiffness that the bond has lost. Sliding without opening therefore peaks at c + σₙ tan φ and ends at σₙ tan φ. Compression does
+//! not break a joint, and a broken joint still transmits pressure and friction.
+//!
+//! # Sources
+//! A. Munjiza, The Combined Finite-Discrete Element Method (2004), ch. 7, for the softening; P. P. Camanho, C. G. Dávila, M. F. de Moura, J. Compos. Mater. 37 (2003) 1415-1438,
+//! for one damage of a vector with a strength and an energy for each of its directions; G. Alfano, E. Sacco, Int. J. Numer. Meth. Eng. 68 (2006) 542-582, for
+//! friction beside a bond.
 
 use crate::model::{CriticalOpening, Strength};
 use crate::potential::length;
@@ -53,8 +69,16 @@ pub(crate) struct Law {
     pub(crate) critical: [f64; 2],
 }
 
+/// Fracture energies that are less than what a joint stores before it softens.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct TooLittle {
+    /// Least energy, J/m².
+    pub(crate) least: f64,
+    pub(crate) sliding: bool,
+}
+
 impl Law {
-    /// `elastic`: the work up to the strength counts as dissipated, as for intrinsic joints. Returns `None` if this work alone exceeds the fracture energy.
+    /// `elastic`: the work up to the strength counts as dissipated, as for intrinsic joints. Fails if this work alone exceeds a fracture energy.
     /// `length`: length of the joint, m.
     ///
     /// A strength of 0 gives no critical length, so the joint takes that of the other strength. If both strengths are 0, the joint is open, with friction only:
@@ -65,100 +89,228 @@ impl Law {
         opening: CriticalOpening,
         elastic: bool,
         length: f64,
-    ) -> Option<Self> {
-        let (tensile, cohesion) = (strength.tensile, strength.cohesion);
-        let stored = if elastic { 0.5 * tensile * tensile / penalty } else { 0.0 };
-        let both = match opening {
-            CriticalOpening::Exact => {
-                [(strength.energy_i - stored) / (AREA * tensile), strength.energy_ii / (AREA * cohesion)]
+    ) -> Result<Self, TooLittle> {
+        let strengths = [strength.tensile, strength.cohesion];
+        let energies = [strength.energy_i, strength.energy_ii];
+        let both: [f64; 2] = std::array::from_fn(|mode| {
+            let stored = if elastic { 0.5 * strengths[mode] * strengths[mode] / penalty } else { 0.0 };
+            match opening {
+                CriticalOpening::Exact => (energies[mode] - stored) / (AREA * strengths[mode]),
+                CriticalOpening::Customary => 3.0 * energies[mode] / strengths[mode],
             }
-            CriticalOpening::Customary => {
-                [3.0 * strength.energy_i / tensile, 3.0 * strength.energy_ii / cohesion]
-            }
-        };
-        let critical = match [tensile > 0.0, cohesion > 0.0] {
+        });
+        let critical = match strengths.map(|strength| strength > 0.0) {
             [true, true] => both,
             [true, false] => [both[0]; 2],
             [false, true] => [both[1]; 2],
             [false, false] => [OPEN * length; 2],
         };
-        let friction = strength.friction;
-        (critical[0] > 0.0 && critical[1] > 0.0).then_some(Self {
-            penalty,
-            tensile,
-            cohesion,
-            friction,
-            critical,
-        })
+        match critical.iter().position(|&length| length <= 0.0 || length.is_nan()) {
+            Some(mode) => {
+                let least = 0.5 * strengths[mode] * strengths[mode] / penalty;
+                Err(TooLittle { least, sliding: mode == 1 })
+            }
+            None => Ok(Self {
+                penalty,
+                tensile: strength.tensile,
+                cohesion: strength.cohesion,
+                friction: strength.friction,
+                critical,
+            }),
+        }
+    }
+
+    /// The law of a joint that stands for a plane aslant to it: the strengths are those at which that plane fails, the energies those of its area.
+    pub(crate) fn on(&self, Plane { excess, area }: Plane) -> Self {
+        Self {
+            tensile: self.tensile / excess,
+            cohesion: self.cohesion / excess,
+            critical: self.critical.map(|length| length * excess * area),
+            ..*self
+        }
+    }
+
+    /// Strength, Pa, and length beyond the elastic range at which the joint is broken, m, of a vector of opening and sliding with the squares of the cosine and
+    /// of the sine of its angle to the normal.
+    fn in_direction(&self, [cosine, sine]: [f64; 2]) -> [f64; 2] {
+        let ([tensile, cohesion], [opening, sliding]) = ([self.tensile, self.cohesion], self.critical);
+        // Pure modes, exactly. A joint without one of its strengths has no other.
+        if sine == 0.0 {
+            return [tensile, opening];
+        }
+        if cosine == 0.0 {
+            return [cohesion, sliding];
+        }
+        let fourth = sine * sine;
+        let strength = tensile * cohesion / (cosine * cohesion * cohesion + sine * tensile * tensile).sqrt();
+        let energy = tensile * opening * cosine.sqrt() + cohesion * sliding * (fourth * fourth);
+        [strength, energy / strength]
     }
 }
 
-/// Whether a traction, normal (tension positive) and tangential, reaches a strength.
-pub(crate) fn reaches(strength: &Strength, [normal, tangential]: [f64; 2]) -> bool {
-    normal >= strength.tensile
-        || tangential.abs() >= strength.cohesion + strength.friction * (-normal).max(0.0)
+/// Use of a strength by a traction, normal (tension positive) and tangential: 1 where it fails, and proportional to the traction.
+pub(crate) fn use_of(strength: &Strength, [normal, tangential]: [f64; 2]) -> f64 {
+    // What has no strength fails under no traction as well.
+    let share = |traction: f64, strength: f64| match traction {
+        traction if strength > 0.0 => traction / strength,
+        traction if traction < 0.0 => 0.0,
+        _ => f64::INFINITY,
+    };
+    if normal > 0.0 {
+        length([share(normal, strength.tensile), share(tangential.abs(), strength.cohesion)])
+    } else {
+        share(tangential.abs() + strength.friction * normal, strength.cohesion).max(0.0)
+    }
+}
+
+/// The plane for which a joint stands.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub(crate) struct Plane {
+    /// Use of the strength on the plane over that on the joint, at least 1.
+    pub(crate) excess: f64,
+    /// Area of the projection of the joint on the plane over that of the joint.
+    pub(crate) area: f64,
+}
+
+impl Plane {
+    /// The plane of the joint itself.
+    pub(crate) const OWN: Self = Self { excess: 1.0, area: 1.0 };
 }
 
 /// History of one end of a joint.
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Memory {
-    /// Largest opening beyond the elastic range, and total sliding beyond it, m.
-    pub(crate) beyond: [f64; 2],
-    /// Plastic sliding, m.
-    pub(crate) slip: f64,
-    /// Opening and sliding, m, that give the traction at insertion. They are added to the opening and sliding of the nodes.
-    pub(crate) offset: [f64; 2],
+    /// Damage by opening and by sliding; the damage is their sum.
+    pub(crate) damages: [f64; 2],
+    /// Stiffness of the bond over the penalty: 1 while it is whole.
+    stiffness: f64,
+    /// Opening, m, that gives the normal traction at insertion. It is added to the opening of the nodes.
+    offset: f64,
+    /// Sliding, m, at which the bond has no shear traction.
+    origin: f64,
+    /// Sliding, m, at which friction has none.
+    rubbed: f64,
+}
+
+impl Default for Memory {
+    fn default() -> Self {
+        Self { damages: [0.0; 2], stiffness: 1.0, offset: 0.0, origin: 0.0, rubbed: 0.0 }
+    }
 }
 
 impl Memory {
     /// History of a joint that is inserted where this traction acts: the joint begins with this traction, limited by its strength.
-    pub(crate) fn under(law: &Law, traction: [f64; 2]) -> Self {
-        let limit = law.cohesion + law.friction * (-traction[0]).max(0.0);
-        let traction = [traction[0].min(law.tensile), traction[1].clamp(-limit, limit)];
-        Self { offset: traction.map(|t| t / law.penalty), ..Self::default() }
+    pub(crate) fn under(law: &Law, [normal, tangential]: [f64; 2]) -> Self {
+        let [normal, tangential] = if law.tensile == 0.0 && normal > 0.0 {
+            [0.0; 2]
+        } else if law.cohesion == 0.0 && normal > 0.0 {
+            [normal.min(law.tensile), 0.0]
+        } else if normal > 0.0 {
+            let squared = normal * normal + tangential * tangential;
+            let [strength, _] =
+                law.in_direction([normal * normal, tangential * tangential].map(|x| x / squared));
+            let share = (strength / squared.sqrt()).min(1.0);
+            [share * normal, share * tangential]
+        } else {
+            let limit = law.cohesion - law.friction * normal;
+            [normal, tangential.clamp(-limit, limit)]
+        };
+        let [offset, back] = [normal, tangential].map(|traction| traction / law.penalty);
+        Self { offset, origin: -back, rubbed: -back, ..Self::default() }
     }
 
-    /// Shares of opening and of sliding in the damage, 0 to 1 and beyond.
-    pub(crate) fn modes(&self, law: &Law) -> [f64; 2] {
-        [self.beyond[0] / law.critical[0], self.beyond[1] / law.critical[1]]
+    /// History of a broken joint.
+    #[cfg(test)]
+    pub(crate) fn broken() -> Self {
+        Self { damages: [1.0, 0.0], stiffness: 0.0, ..Self::default() }
     }
 
     /// Damage from 0 (whole) to 1 (broken).
-    pub(crate) fn damage(&self, law: &Law) -> f64 {
-        // Most joints are whole.
-        if self.beyond == [0.0; 2] {
-            return 0.0;
-        }
-        let [opening, sliding] = self.modes(law);
-        // Pure opening needs no square root.
-        let damage = if sliding == 0.0 { opening } else { length([opening, sliding]) };
-        damage.min(1.0)
+    pub(crate) fn damage(&self) -> f64 {
+        // The parts need not add up to 1 to the last bit.
+        if self.stiffness == 0.0 { 1.0 } else { self.damages[0] + self.damages[1] }
+    }
+
+    /// Elastic energy, J/m², before any opening or sliding.
+    pub(crate) fn stored(&self, law: &Law) -> f64 {
+        0.5 * law.penalty * (self.offset * self.offset + self.origin * self.origin)
     }
 
     /// Normal (tension positive) and tangential traction at this opening and sliding, Pa. Updates the history.
     pub(crate) fn traction(&mut self, law: &Law, opening: f64, sliding: f64) -> [f64; 2] {
-        let (opening, sliding) = (opening + self.offset[0], sliding + self.offset[1]);
-        let elastic = law.penalty * opening;
-        if elastic > law.tensile {
-            self.beyond[0] = self.beyond[0].max(opening - law.tensile / law.penalty);
+        let opening = opening + self.offset;
+        // Without tensile strength nothing holds while the joint is open.
+        if law.tensile == 0.0 && opening > 0.0 {
+            self.soften(law, opening / law.critical[0], [1.0, 0.0]);
+            (self.origin, self.rubbed) = (sliding, sliding);
+            return [0.0; 2];
         }
-        let left = softening(self.damage(law));
-        let normal = if opening <= 0.0 {
-            elastic
-        } else if self.beyond[0] == 0.0 {
-            left * elastic
-        } else {
-            left * law.tensile * (opening / (law.tensile / law.penalty + self.beyond[0])).min(1.0)
-        };
-        let trial = law.penalty * (sliding - self.slip);
-        let limit = left * law.cohesion + law.friction * (-normal).max(0.0);
-        let tangential = trial.clamp(-limit, limit);
-        if tangential != trial {
-            let slip = (trial - tangential) / law.penalty;
-            self.slip += slip;
-            self.beyond[1] += slip.abs();
+        // Without cohesion the bond slides freely.
+        if law.cohesion == 0.0 {
+            self.origin = sliding;
         }
-        [normal, tangential]
+        let pressure = law.penalty * (-opening).max(0.0);
+        let friction = law.friction * pressure;
+        let bond = [opening.max(0.0), sliding - self.origin];
+        self.load(law, bond, friction);
+        let stiffness = law.penalty * self.stiffness;
+        let [normal, tangential] = bond.map(|length| stiffness * length);
+        if pressure == 0.0 {
+            self.rubbed = sliding;
+            return [normal, tangential];
+        }
+        let lost = if law.cohesion == 0.0 { law.penalty } else { law.penalty - stiffness };
+        let trial = lost * (sliding - self.rubbed);
+        let held = trial.clamp(-friction, friction);
+        if held != trial {
+            let slip = (trial - held).abs() / lost;
+            self.rubbed = sliding - held / lost;
+            if law.cohesion == 0.0 {
+                self.soften(law, self.damage() + slip / law.critical[1], [0.0, 1.0]);
+            }
+        }
+        [-pressure, tangential + held]
+    }
+
+    /// Loads the bond by a vector of opening and sliding. `friction`: what pressure adds to the shear strength of a whole joint, Pa.
+    fn load(&mut self, law: &Law, [opening, sliding]: [f64; 2], friction: f64) {
+        let squared = opening * opening + sliding * sliding;
+        if squared == 0.0 || self.stiffness == 0.0 {
+            return;
+        }
+        let whole = self.stiffness == 1.0;
+        let least = if friction > 0.0 { law.cohesion + friction } else { law.tensile.min(law.cohesion) };
+        if whole && law.penalty * law.penalty * squared <= least * least {
+            return;
+        }
+        let squares = [opening * opening / squared, sliding * sliding / squared];
+        let [strength, critical] = law.in_direction(squares);
+        self.soften(law, (squared.sqrt() - strength / law.penalty) / critical, squares);
+        if whole && self.stiffness < 1.0 {
+            self.rubbed = self.origin;
+        }
+    }
+
+    /// Raises the damage to `damage` by a vector in a direction, and lowers the stiffness to that of the damage in this direction. A stiffness that fell more in
+    /// another direction does not rise again.
+    fn soften(&mut self, law: &Law, damage: f64, squares: [f64; 2]) {
+        let (before, damage) = (self.damage(), damage.min(1.0));
+        if damage > before {
+            for (part, square) in self.damages.iter_mut().zip(squares) {
+                *part += (damage - before) * square;
+            }
+        }
+        let damage = damage.max(before);
+        if damage > 0.0 {
+            // A joint without one of its strengths is bonded in the other direction.
+            let squares = match [law.tensile > 0.0, law.cohesion > 0.0] {
+                [true, true] => squares,
+                [tensile, _] => [f64::from(tensile), f64::from(!tensile)],
+            };
+            let [strength, critical] = law.in_direction(squares);
+            let secant = strength * softening(damage) / (strength + law.penalty * damage * critical);
+            self.stiffness = self.stiffness.min(secant);
+        }
     }
 }
 
@@ -218,7 +370,7 @@ mod tests {
                 if elastic { Memory::default() } else { Memory::under(&law, [law.tensile, 0.0]) };
             let dissipated = work(&law, &mut memory, 0, steps(0.0, 4e-5), 0.0);
             assert!((dissipated / ROCK.energy_i - 1.0).abs() < 1e-5, "{elastic} {dissipated}");
-            assert_eq!(memory.damage(&law), 1.0);
+            assert_eq!(memory.damage(), 1.0);
         }
         let law = law(false, CriticalOpening::Customary);
         let mut memory = Memory::under(&law, [law.tensile, 0.0]);
@@ -242,7 +394,92 @@ mod tests {
         let all = work(&law, &mut memory, 1, steps(0.0, 1e-4), closing);
         // The work of friction and the energy stored at the end do not belong to the crack.
         let friction = 0.3 * pressure * (1e-4 - 0.5 * residual / law.penalty);
-        assert!(((all - friction) / ROCK.energy_ii - 1.0).abs() < 3e-3, "{}", all - friction);
+        assert!(((all - friction) / ROCK.energy_ii - 1.0).abs() < 5e-3, "{}", all - friction);
+    }
+
+    /// Work of a path of vectors of opening and sliding, J/m².
+    fn work_along(law: &Law, memory: &mut Memory, path: impl Iterator<Item = [f64; 2]>) -> f64 {
+        let (mut sum, mut last) = (0.0, None::<([f64; 2], [f64; 2])>);
+        for at in path {
+            let traction = memory.traction(law, at[0], at[1]);
+            if let Some((before, from)) = last {
+                sum += (0..2).map(|k| 0.5 * (before[k] + traction[k]) * (at[k] - from[k])).sum::<f64>();
+            }
+            last = Some((traction, at));
+        }
+        sum
+    }
+
+    /// A joint aslant to a crack that opens straight dissipates the energy of its area across the opening. In every direction the strength is on the ellipse.
+    #[test]
+    fn a_vector_aslant_dissipates_the_energy_of_the_area_across_it() {
+        let law = law(false, CriticalOpening::Exact);
+        for degrees in [0.0_f64, 20.0, 40.0, 80.0] {
+            let (sin, cos) = degrees.to_radians().sin_cos();
+            let mut memory = Memory::default();
+            let (mut peak, mut all) = (0.0_f64, Vec::new());
+            for size in steps(0.0, 6e-5) {
+                let [normal, tangential] = memory.traction(&law, size * cos, size * sin);
+                peak = peak.max((normal / ROCK.tensile).hypot(tangential / ROCK.cohesion));
+                all.push([normal, tangential]);
+            }
+            assert!((peak - 1.0).abs() < 1e-2, "{degrees} {peak}");
+            assert!(all.iter().all(|[normal, tangential]| (normal * sin - tangential * cos).abs() < 1e-6));
+            let path = steps(0.0, 6e-5).map(|size| [size * cos, size * sin]);
+            let dissipated = work_along(&law, &mut Memory::default(), path);
+            let expected = ROCK.energy_i * cos + ROCK.energy_ii * sin.powi(8);
+            assert!((dissipated / expected - 1.0).abs() < 1e-2, "{degrees} {dissipated} {expected}");
+            assert_eq!(memory.damage(), 1.0);
+        }
+    }
+
+    /// No path gives energy back that was not put in: the work on any path from the origin and back to no traction is not negative.
+    #[test]
+    fn no_path_creates_energy() {
+        for (seed, elastic) in (0..200).map(|k| (k, k % 2 == 0)) {
+            let law = law(elastic, CriticalOpening::Exact);
+            let mut memory = Memory::default();
+            let random = |k: u64| 2.0 * crate::random::uniform(seed, k) - 1.0;
+            // From point to point, small and large, opening, closing and sliding both ways.
+            let corners: Vec<[f64; 2]> = (0..60)
+                .map(|k| {
+                    let size = 1e-5 * (0.5 + 0.5 * random(1000 + k)).powi(4);
+                    [size * random(2 * k).max(-0.01), size * random(2 * k + 1)]
+                })
+                .collect();
+            let (mut sum, mut least) = (0.0, 0.0_f64);
+            let mut from = [0.0; 2];
+            for to in corners {
+                let part = (0..=2000).map(|k| {
+                    let t = f64::from(k) / 2000.0;
+                    [0, 1].map(|axis| from[axis] + t * (to[axis] - from[axis]))
+                });
+                sum += work_along(&law, &mut memory, part);
+                least = least.min(sum);
+                from = to;
+            }
+            assert!(least > -1e-6 * ROCK.energy_i, "{seed} {least}");
+            assert!(sum > 0.0);
+        }
+    }
+
+    /// A joint that closed again keeps its cohesion, and the crack faces rub beside it.
+    #[test]
+    fn friction_acts_beside_what_is_left_of_the_bond() {
+        let law = law(false, CriticalOpening::Exact);
+        let mut memory = Memory::default();
+        let far = law.tensile / law.penalty + 0.3 * law.critical[0];
+        memory.traction(&law, far, 0.0);
+        let left = softening(memory.damage());
+        let (mut peak, closing) = (0.0_f64, -1e6 / law.penalty);
+        for sliding in steps(0.0, 1e-4) {
+            peak = peak.max(memory.traction(&law, closing, sliding)[1]);
+        }
+        let bond = peak - 0.3e6;
+        assert!(bond > 0.5 * left * law.cohesion && bond < left * law.cohesion, "{bond} {left}");
+        assert_eq!(memory.damage(), 1.0);
+        let residual = memory.traction(&law, closing, 1e-4)[1];
+        assert!((residual / 0.3e6 - 1.0).abs() < 1e-9, "{residual}");
     }
 
     #[test]
@@ -251,18 +488,18 @@ mod tests {
         let mut memory = Memory::default();
         let far = law.tensile / law.penalty + 0.3 * law.critical[0];
         let at_far = memory.traction(&law, far, 0.0)[0];
-        let damage = memory.damage(&law);
+        let damage = memory.damage();
         assert!((memory.traction(&law, far / 2.0, 0.0)[0] / at_far - 0.5).abs() < 1e-12);
         assert_eq!(memory.traction(&law, 0.0, 0.0)[0], 0.0);
         assert_eq!(memory.traction(&law, -1e-7, 0.0)[0], -1e-7 * law.penalty);
         assert_eq!(memory.traction(&law, far, 0.0)[0], at_far);
-        assert_eq!(memory.damage(&law), damage);
+        assert_eq!(memory.damage(), damage);
     }
 
     #[test]
     fn a_joint_put_in_under_load_begins_with_that_load() {
         let law = law(false, CriticalOpening::Exact);
-        for traction in [[1e6, 0.0], [-4e6, 4.2e6], [0.5e6, -3e6]] {
+        for traction in [[1e6, 0.0], [-4e6, 4.2e6], [0.5e6, -2.5e6]] {
             let found = Memory::under(&law, traction).traction(&law, 0.0, 0.0);
             for axis in 0..2 {
                 assert!((found[axis] - traction[axis]).abs() < 1.0, "{traction:?} {found:?}");
@@ -276,7 +513,7 @@ mod tests {
         let law = Law::new(&open, 1e13, CriticalOpening::Exact, false, 0.1).expect("needs no energy");
         let mut memory = Memory::under(&law, [0.0; 2]);
         assert_eq!(memory.traction(&law, 1e-5, 1e-5), [0.0; 2]);
-        assert_eq!(memory.damage(&law), 1.0);
+        assert_eq!(memory.damage(), 1.0);
         let [pressure, shear] = memory.traction(&law, -1e-6, 2e-5);
         assert_eq!(pressure, -1e7);
         assert!((shear - 0.3e7).abs() < 1e-6, "{shear}");
@@ -290,9 +527,9 @@ mod tests {
         let mut memory = Memory::under(&law, [0.0; 2]);
         assert_eq!(memory.traction(&law, 0.0, 2e-7), [0.0, 2e6]);
         assert_eq!(memory.traction(&law, 1e-7, 2e-7)[0], 0.0);
-        assert!(memory.damage(&law) > 0.0);
+        assert!(memory.damage() > 0.0);
         memory.traction(&law, 1e-3, 0.0);
-        assert_eq!(memory.damage(&law), 1.0);
+        assert_eq!(memory.damage(), 1.0);
         let tensile = Strength { cohesion: 0.0, energy_ii: 0.0, ..ROCK };
         let law = Law::new(&tensile, 1e13, CriticalOpening::Exact, true, 0.1).expect("needs no energy");
         let mut memory = Memory::default();
@@ -303,7 +540,11 @@ mod tests {
     #[test]
     fn too_little_fracture_energy_is_refused() {
         let brittle = Strength { energy_i: 0.04, ..ROCK };
-        assert_eq!(Law::new(&brittle, 1e13, CriticalOpening::Exact, true, 1.0), None);
-        assert!(Law::new(&brittle, 1e13, CriticalOpening::Exact, false, 1.0).is_some());
+        let refused = Law::new(&brittle, 1e13, CriticalOpening::Exact, true, 1.0);
+        assert_eq!(refused, Err(TooLittle { least: 0.05, sliding: false }));
+        assert!(Law::new(&brittle, 1e13, CriticalOpening::Exact, false, 1.0).is_ok());
+        let brittle = Strength { energy_ii: 0.4, ..ROCK };
+        let refused = Law::new(&brittle, 1e13, CriticalOpening::Exact, true, 1.0);
+        assert_eq!(refused, Err(TooLittle { least: 0.45, sliding: true }));
     }
 }

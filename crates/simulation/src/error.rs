@@ -97,6 +97,8 @@ pub enum ModelError {
         element: u32,
         /// Least fracture energy that is possible, J/m².
         least: f64,
+        /// Whether it is the energy of sliding (mode II); otherwise that of opening (mode I).
+        sliding: bool,
     },
     /// Threads could not be started.
     Threads {
@@ -155,10 +157,11 @@ impl fmt::Display for ModelError {
                 let axis = ["x", "y"][*axis];
                 write!(out, "node {node} is moved along {axis} by boundaries '{a}' and '{b}'")
             }
-            Self::FractureEnergy { material, element, least } => write!(
+            Self::FractureEnergy { material, element, least, sliding } => write!(
                 out,
-                "material '{material}': joints at element {element} store more than the fracture energy before they soften: \
-                 it must be above {least:.3} J/m², or the joint penalty larger, or joints adaptive"
+                "material '{material}': joints at element {element} store more than the fracture energy of {} before they soften: \
+                 it must be above {least:.3} J/m², or the joint penalty larger, or joints adaptive",
+                if *sliding { "sliding" } else { "opening" }
             ),
             Self::Threads { message } => write!(out, "no threads: {message}"),
             Self::Detection { message } => write!(out, "contact detection: {message}"),

@@ -9,10 +9,11 @@
 
 mod insertion;
 mod near;
+mod plane;
 
 use serde::{Deserialize, Serialize};
 
-use crate::cohesive::{Law, Memory};
+use crate::cohesive::{Law, Memory, Plane, TooLittle};
 use crate::error::ModelError;
 use crate::forces::ContactForce;
 use crate::joints::near::{Near, Slopes, Weakest};
@@ -50,6 +51,8 @@ pub(crate) enum State {
 pub(crate) struct Joint {
     pub(crate) edge: u32,
     pub(crate) state: State,
+    /// The plane for which it stands.
+    pub(crate) plane: Plane,
     #[serde(skip, default = "Joint::no_law")]
     pub(crate) law: Law,
     /// Length of the undeformed edge, m.
@@ -74,7 +77,7 @@ pub(crate) struct Joint {
 pub(crate) struct Break {
     joint: u32,
     pub(crate) time: f64,
-    /// Shares of opening and sliding in the damage.
+    /// Damage by opening and by sliding.
     pub(crate) modes: [f64; 2],
 }
 
@@ -94,7 +97,7 @@ impl Joint {
     /// Damage from 0 (whole) to 1 (broken): the mean of both ends while the joint holds.
     pub(crate) fn damage(&self) -> f64 {
         if self.state == State::Holding {
-            0.5 * self.ends.iter().map(|end| end.damage(&self.law)).sum::<f64>()
+            0.5 * self.ends.iter().map(Memory::damage).sum::<f64>()
         } else {
             1.0
         }
@@ -116,6 +119,8 @@ pub(crate) struct Joints {
     /// Strength of each edge, as an index of `strengths`; [`NONE`] if the edge cannot break.
     class: Vec<u32>,
     strengths: Vec<Strength>,
+    /// Whether each strength is that of an interface.
+    of_interface: Vec<bool>,
     /// Factor of the strength of each edge; empty if all factors are 1.
     factors: Vec<f64>,
     /// Whether any edge at each vertex has a joint.
@@ -145,16 +150,17 @@ impl Joints {
     /// Finds the strength of each edge, with its scatter. Inserts no joints yet.
     pub(crate) fn new(model: &Model, topology: &Topology) -> Self {
         let mesh = &model.mesh;
-        let mut strengths: Vec<Strength> = Vec::new();
+        let (mut strengths, mut of_interface): (Vec<Strength>, Vec<bool>) = (Vec::new(), Vec::new());
         let class: Vec<u32> = topology
             .edges
             .iter()
             .map(|edge| {
                 let [a, b] = edge.elements().map(|element| mesh.materials[element as usize]);
-                let Some(strength) = strength_between(model, a, b) else { return NONE };
-                let known = strengths.iter().position(|other| *other == strength);
-                known.unwrap_or_else(|| {
+                let Some((strength, interface)) = strength_between(model, a, b) else { return NONE };
+                let mut known = strengths.iter().zip(&of_interface);
+                known.position(|(other, at)| *other == strength && *at == interface).unwrap_or_else(|| {
                     strengths.push(strength);
+                    of_interface.push(interface);
                     strengths.len() - 1
                 }) as u32
             })
@@ -181,6 +187,7 @@ impl Joints {
             of_edge: vec![NONE; topology.edges.len()],
             class,
             strengths,
+            of_interface,
             factors,
             at_vertex: vec![false; topology.vertex_count()],
             insertion: model.fracture.insertion,
@@ -229,11 +236,10 @@ impl Joints {
         let vertices = sides.corners[0].map(|corner| topology.vertices[corner as usize]);
         let length = edge_length(model, vertices);
         let law = Law::new(&strength, penalty, model.fracture.critical_opening, elastic, length);
-        law.map(Some).ok_or_else(|| {
+        law.map(Some).map_err(|TooLittle { least, sliding }| {
             let element = sides.elements()[0];
             let material = &model.materials[model.mesh.materials[element as usize] as usize].name;
-            let least = 0.5 * strength.tensile * strength.tensile / penalty;
-            ModelError::FractureEnergy { material: material.clone(), element, least }
+            ModelError::FractureEnergy { material: material.clone(), element, least, sliding }
         })
     }
 
@@ -244,13 +250,13 @@ impl Joints {
         self.forces.reserve_exact(count);
         for edge in 0..topology.edges.len() as u32 {
             if let Some(law) = self.law(edge, model, topology)? {
-                self.put(edge, law, topology, model);
+                self.put(edge, law, Plane::OWN, topology, model);
             }
         }
         Ok(())
     }
 
-    fn put(&mut self, edge: u32, law: Law, topology: &Topology, model: &Model) {
+    fn put(&mut self, edge: u32, law: Law, plane: Plane, topology: &Topology, model: &Model) {
         let number = self.all.len() as u32;
         self.of_edge[edge as usize] = number;
         let sides = &topology.edges[edge as usize];
@@ -272,7 +278,8 @@ impl Joints {
         self.all.push(Joint {
             edge,
             state: State::Holding,
-            law,
+            plane,
+            law: law.on(plane),
             length: edge_length(model, vertices),
             nodes: [[0; 2]; 2],
             ends: [Memory::default(); 2],
@@ -335,7 +342,8 @@ impl Joints {
             } else {
                 None
             };
-            self.put(joint.edge, law.ok_or_else(|| missing("edge", joint.edge))?, topology, model);
+            let law = law.ok_or_else(|| missing("edge", joint.edge))?;
+            self.put(joint.edge, law, joint.plane, topology, model);
         }
         for (own, joint) in self.all.iter_mut().zip(saved.joints) {
             *own = Joint { law: own.law, length: own.length, ..joint };
@@ -423,11 +431,10 @@ impl Joints {
 
     /// Elastic energy, J, that the initial stress has stored in intrinsic joints. Valid only before any joint has opened or slid.
     pub(crate) fn stored(&self, solid: &Solid) -> f64 {
-        let of_end = |joint: &Joint, end: usize| {
-            let offset = joint.ends[end].offset;
-            0.25 * joint.length * solid.thickness * joint.law.penalty * dot(offset, offset)
-        };
-        self.all.iter().map(|joint| of_end(joint, 0) + of_end(joint, 1)).sum()
+        let half = |joint: &Joint| 0.5 * joint.length * solid.thickness;
+        let of_joint =
+            |joint: &Joint| joint.ends.iter().map(|end| half(joint) * end.stored(&joint.law)).sum::<f64>();
+        self.all.iter().map(of_joint).sum()
     }
 
     /// Adds the force of the joints on a corner of an element before anything has moved.
@@ -496,7 +503,7 @@ fn pull(joint: &mut Joint, forces: &mut [Point; 2], solid: &Solid, step: f64) ->
         let gap = minus(b.position, a.position);
         let rate = minus(b.velocity, a.velocity);
         let (opening, sliding) = (dot(gap, normal), dot(gap, tangent));
-        if joint.ends[end].damage(&joint.law) >= 1.0 {
+        if joint.ends[end].damage() >= 1.0 {
             let apart = dot(gap, gap) > (APART * joint.length) * (APART * joint.length);
             joint.detached[end] = apart || (joint.detached[end] && opening < 0.0);
         }
@@ -514,13 +521,13 @@ fn pull(joint: &mut Joint, forces: &mut [Point; 2], solid: &Solid, step: f64) ->
         slid += 0.5 * sliding;
     }
     let is_detached = joint.detached != [false; 2] && !whole;
-    let broken = joint.ends.iter().all(|end| end.damage(&joint.law) >= 1.0) && !whole;
+    let broken = joint.ends.iter().all(|end| end.damage() >= 1.0) && !whole;
     let before = joint.faded;
     let mut modes = None;
     match joint.state {
         State::Holding if is_detached || broken => {
             joint.state = State::Broken;
-            let [a, b] = joint.ends.map(|end| end.modes(&joint.law));
+            let [a, b] = joint.ends.map(|end| end.damages);
             modes = Some([0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])]);
             if is_detached {
                 leave(joint, forces);
@@ -549,11 +556,24 @@ fn leave(joint: &mut Joint, forces: &mut [Point; 2]) {
 
 /// Normal (tension positive) and tangential traction across an edge, Pa, from the mean stress of its two elements.
 fn traction(solid: &Solid, edge: &Edge) -> [f64; 2] {
-    let [a, b] = edge.corners[0].map(|corner| solid.at_corner(corner).position);
-    let along = minus(b, a);
-    let squared = dot(along, along);
+    traction_on(mean_stress(solid, edge), along(solid, edge))
+}
+
+/// Mean stress of the two elements at an edge, `[xx, yy, xy]` in Pa.
+fn mean_stress(solid: &Solid, edge: &Edge) -> [f64; 3] {
     let [one, two] = edge.elements().map(|element| solid.strained[element as usize].stress);
-    let [xx, yy, xy]: [f64; 3] = std::array::from_fn(|i| 0.5 * (one[i] + two[i]));
+    std::array::from_fn(|i| 0.5 * (one[i] + two[i]))
+}
+
+/// Vector along an edge in the direction of side 0, m.
+fn along(solid: &Solid, edge: &Edge) -> Point {
+    let [a, b] = edge.corners[0].map(|corner| solid.at_corner(corner).position);
+    minus(b, a)
+}
+
+/// Normal (tension positive) and tangential traction on a plane along a vector, Pa.
+fn traction_on([xx, yy, xy]: [f64; 3], along: Point) -> [f64; 2] {
+    let squared = dot(along, along);
     // With tangent t and outward normal n = (t_y, -t_x).
     let [x, y] = along;
     let normal = (xx * y * y - 2.0 * xy * x * y + yy * x * x) / squared;
@@ -578,16 +598,17 @@ fn edge_length(model: &Model, vertices: [u32; 2]) -> f64 {
     length(minus(b, a))
 }
 
-/// Strength between two materials: that of their interface if it has one, otherwise that of the material with the lower tensile strength. `None` if the edge
-/// cannot break.
-fn strength_between(model: &Model, a: u32, b: u32) -> Option<Strength> {
+/// Strength between two materials, and whether it is that of an interface between two different ones: that of their interface if it has one, otherwise that of the
+/// material with the lower tensile strength. `None` if the edge cannot break.
+fn strength_between(model: &Model, a: u32, b: u32) -> Option<(Strength, bool)> {
     if let Some(strength) = model.interface(a, b).and_then(|interface| interface.strength) {
-        return Some(strength);
+        return Some((strength, a != b));
     }
-    match [a, b].map(|material| model.materials[material as usize].strength) {
+    let weaker = match [a, b].map(|material| model.materials[material as usize].strength) {
         [Some(one), Some(two)] => Some(if two.tensile < one.tensile { two } else { one }),
         [one, two] => one.or(two),
-    }
+    };
+    weaker.map(|strength| (strength, false))
 }
 
 #[cfg(test)]
@@ -639,7 +660,7 @@ mod tests {
         let joint = &mut joints.all[0];
         let end = usize::from(solid.constants[joint.nodes[0][0] as usize].vertex != 2);
         joint.open[1 - end] = false;
-        joint.ends[end].beyond = [1.0, 0.0];
+        joint.ends[end] = Memory::broken();
         let [a, b] = joint.nodes[end];
         for (node, place) in [(a, [0.9, -0.5]), (b, [-0.9, -0.5])] {
             solid.nodes[node as usize].position = place;
@@ -671,7 +692,7 @@ mod tests {
             joints.part(vertex, &mut solid, None, &model, &topology);
         }
         let joint = &mut joints.all[0];
-        joint.ends[0].beyond = [1.0, 0.0];
+        joint.ends[0] = Memory::broken();
         let [a, b] = joint.nodes[0];
         let [x, y] = solid.nodes[a as usize].position;
         for (node, shift) in [(a, 0.3), (b, -0.3)] {

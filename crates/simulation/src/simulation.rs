@@ -528,7 +528,7 @@ impl Simulation {
         let [opening, sliding] = Joints::gap(joint, &self.solid);
         let modes = broken.map_or_else(
             || {
-                let [a, b] = joint.ends.map(|end| end.modes(&joint.law));
+                let [a, b] = joint.ends.map(|end| end.damages);
                 [a[0] + b[0], a[1] + b[1]]
             },
             |broken| broken.modes,
@@ -617,10 +617,9 @@ impl Simulation {
     }
 }
 
-/// Mode of failure of a joint from the shares of opening and sliding in its damage.
-fn mode(modes: [f64; 2]) -> Mode {
-    let squares = modes.map(|share| share * share);
-    let opening = squares[0] / (squares[0] + squares[1]).max(f64::MIN_POSITIVE);
+/// Mode of failure of a joint from its damage by opening and by sliding.
+fn mode(damages: [f64; 2]) -> Mode {
+    let opening = damages[0] / (damages[0] + damages[1]).max(f64::MIN_POSITIVE);
     if opening >= 0.75 {
         Mode::Tension
     } else if opening <= 0.25 {

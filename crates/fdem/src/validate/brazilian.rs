@@ -29,8 +29,8 @@ pub(super) fn run(size: Size) -> Result<Vec<Outcome>, String> {
     let mean = strengths.iter().sum::<f64>() / count as f64;
     let scatter = strengths.iter().map(|s| (s - mean).powi(2)).sum::<f64>() / (count as f64 - 1.0);
     outcomes.extend([
-        Outcome::relative(format!("mean strength of {count} meshes, 2 P/(π D)"), STRENGTH, mean, 0.1, "Pa"),
-        Outcome::absolute("scatter of the strength over its mean", 0.0, scatter.sqrt() / mean, 0.15, ""),
+        Outcome::relative(format!("mean strength of {count} meshes, 2 P/(π D)"), STRENGTH, mean, 0.05, "Pa"),
+        Outcome::absolute("scatter of the strength over its mean", 0.0, scatter.sqrt() / mean, 0.05, ""),
         Outcome::absolute("difference of the two loads at the peak over the load", 0.0, imbalance, 0.05, ""),
         Outcome::absolute(
             "distance of the cracks from the diameter over the radius, mean",
@@ -139,7 +139,9 @@ struct Split {
 
 fn split(size: Size, seed: u32) -> Result<Split, String> {
     let mesh_size = size.choose(1.6e-3, 1.4e-3);
-    let rock = "tensile_strength = 1e6\ncohesion = 3e6\nfriction_angle = 16.7\nfracture_energy_i = 3\nfracture_energy_ii = 30";
+    // Cohesion and friction of a granite. With a cohesion of 3 f and 17° the elastic stress on the diameter reaches the strength of Mohr and Coulomb at 0.8 of the
+    // radius when the tension in the centre is 0.7 f: such a rock shears beneath the platens first.
+    let rock = "tensile_strength = 1e6\ncohesion = 4e6\nfriction_angle = 45\nfracture_energy_i = 3\nfracture_energy_ii = 30";
     let end = 1.4e-3;
     let mut run = start(prepared(&model(mesh_size, seed, end, 0.1, rock))?)?;
     let steps = (end / run.time_step()) as u64;

@@ -1,8 +1,8 @@
 //! A double cantilever beam whose arms are pulled apart: linear elastic fracture mechanics.
 
-use fdem_simulation::{FractureOptions, Interface, Material, Mesh, Model, Schedule, Strength, TimeOptions};
+use fdem_simulation::{FractureOptions, Interface, Material, Model, Schedule, Strength, TimeOptions};
 
-use super::models::{advance_to, centroid, force, granite, moved, nodes_where, rectangle, start};
+use super::models::{advance_to, centroid, force, granite, moved, nodes_where, rectangle, slit, start};
 use super::{Outcome, Size};
 
 /// Height of each of the two arms, m.
@@ -65,7 +65,7 @@ const RAMP: f64 = 2e-4;
 
 fn beam(cells: usize, speed: f64) -> Model {
     let along = (LENGTH / ARM * cells as f64).round() as usize;
-    let mut mesh = slit(&rectangle([0.0, -ARM], [LENGTH, ARM], [along, 2 * cells]));
+    let mut mesh = slit(&rectangle([0.0, -ARM], [LENGTH, ARM], [along, 2 * cells]), CRACK);
     for element in 0..mesh.triangles.len() {
         mesh.materials[element] = u32::from(centroid(&mesh, element)[1] > 0.0);
     }
@@ -99,20 +99,4 @@ fn beam(cells: usize, speed: f64) -> Model {
         time: TimeOptions { local_damping: 0.02, ..TimeOptions::default() },
         ..Model::default()
     }
-}
-
-/// Separates the mesh along y = 0 up to the tip of the crack.
-fn slit(mesh: &Mesh) -> Mesh {
-    let mut mesh = mesh.clone();
-    for node in nodes_where(&mesh, |[x, y]| y.abs() < 1e-9 && x < CRACK - 1e-9) {
-        let copy = mesh.nodes.len() as u32;
-        mesh.nodes.push(mesh.nodes[node as usize]);
-        for element in 0..mesh.triangles.len() {
-            if centroid(&mesh, element)[1] > 0.0 {
-                let corners = &mut mesh.triangles[element];
-                *corners = corners.map(|corner| if corner == node { copy } else { corner });
-            }
-        }
-    }
-    mesh
 }

@@ -117,6 +117,22 @@ pub(super) fn nodes_where(mesh: &Mesh, at: impl Fn([f64; 2]) -> bool) -> Vec<u32
     (0..mesh.nodes.len() as u32).filter(|&node| at(mesh.nodes[node as usize])).collect()
 }
 
+/// Separates a mesh along y = 0 from the left to `tip`, m.
+pub(super) fn slit(mesh: &Mesh, tip: f64) -> Mesh {
+    let mut mesh = mesh.clone();
+    for node in nodes_where(&mesh, |[x, y]| y.abs() < 1e-9 && x < tip - 1e-9) {
+        let copy = mesh.nodes.len() as u32;
+        mesh.nodes.push(mesh.nodes[node as usize]);
+        for element in 0..mesh.triangles.len() {
+            if centroid(&mesh, element)[1] > 0.0 {
+                let corners = &mut mesh.triangles[element];
+                *corners = corners.map(|corner| if corner == node { copy } else { corner });
+            }
+        }
+    }
+    mesh
+}
+
 /// Centroid of an undeformed element.
 pub(super) fn centroid(mesh: &Mesh, element: usize) -> [f64; 2] {
     let corners = mesh.triangles[element].map(|node| mesh.nodes[node as usize]);

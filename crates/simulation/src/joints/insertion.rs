@@ -1,6 +1,7 @@
 //! Adaptive insertion: where joints are inserted, and with which traction.
 //!
-//! In whole material an edge gets a joint when the mean traction of its two elements reaches the strength. At a free surface and at a crack tip, the traction
+//! In whole material an edge gets a joint when the mean stress of its two elements reaches the strength on the edge or on a plane near it
+//! (`joints/plane.rs`). At a free surface and at a crack tip, the traction
 //! at the node is higher than in the elements. There the traction is computed from the force `R` with which the other side of the edge holds side 0 at the
 //! node,
 //!
@@ -11,10 +12,11 @@
 //! as they share the node. `R` acts on the area at the node of the edge, and of a joint behind the tip whose end is still closed. When the two sides separate,
 //! their joints begin with exactly this traction, so that no force jumps.
 
-use crate::cohesive::{Memory, reaches};
+use crate::cohesive::{Memory, Plane, use_of};
 use crate::contacts::Contacts;
 use crate::joints::near::{Near, SUSPECT};
-use crate::joints::{Joints, edge_length, nodes_at, traction};
+use crate::joints::plane::{MOST, plane_near};
+use crate::joints::{Joints, along, edge_length, mean_stress, nodes_at, traction};
 use crate::model::{Insertion, Model};
 use crate::potential::{Point, dot, length, minus};
 use crate::solid::Solid;
@@ -52,7 +54,7 @@ impl Joints {
                 *near = self.slopes.near(self.weakest[element], solid.strained[element].stress);
                 if *near == Near::Failing {
                     let edges = topology.edge_of[element].into_iter().filter(|&edge| edge != NONE);
-                    failing.extend(edges.filter(|&edge| self.overstressed(edge, state, 1.0)));
+                    failing.extend(edges.filter(|&edge| self.fails(edge, state)));
                 }
             }
             failing
@@ -72,7 +74,8 @@ impl Joints {
         for edge in failing {
             // The laws of all edges were checked together with the model.
             if let Ok(Some(law)) = self.law(edge, model, topology) {
-                self.put(edge, law, topology, model);
+                let plane = self.plane(edge, solid, topology);
+                self.put(edge, law, plane, topology, model);
                 let corners = topology.edges[edge as usize].corners[0];
                 vertices.extend(corners.map(|corner| topology.vertices[corner as usize]));
             }
@@ -90,13 +93,29 @@ impl Joints {
         }
     }
 
-    /// Whether an edge has no joint and the mean traction of its two elements reaches `share` times its strength.
-    fn overstressed(&self, edge: u32, state: State<'_>, share: f64) -> bool {
-        self.of_edge[edge as usize] == NONE
-            && self.strength(edge).is_some_and(|strength| {
-                let traction = traction(state.solid, &state.topology.edges[edge as usize]);
-                reaches(&strength, traction.map(|t| t / share))
-            })
+    /// The plane for which a joint on an edge would stand. The edges of an interface lie in the plane that is weak.
+    fn plane(&self, edge: u32, solid: &Solid, topology: &Topology) -> Plane {
+        let sides = &topology.edges[edge as usize];
+        let of_interface = self.of_interface.get(self.class[edge as usize] as usize) == Some(&true);
+        let strength = self.strength(edge).filter(|_| !of_interface);
+        strength.map_or(Plane::OWN, |strength| {
+            plane_near(along(solid, sides), mean_stress(solid, sides), &strength)
+        })
+    }
+
+    /// Use of the strength of an edge by the mean stress of its two elements; 0 if the edge has a joint or cannot break.
+    fn used(&self, edge: u32, state: State<'_>) -> f64 {
+        let strength = self.strength(edge).filter(|_| self.of_edge[edge as usize] == NONE);
+        strength.map_or(0.0, |strength| {
+            use_of(&strength, traction(state.solid, &state.topology.edges[edge as usize]))
+        })
+    }
+
+    /// Whether the mean stress of the two elements of an edge reaches the strength on the edge or on a plane near it.
+    fn fails(&self, edge: u32, state: State<'_>) -> bool {
+        let used = self.used(edge, state);
+        used >= 1.0
+            || (MOST * used >= 1.0 && used * self.plane(edge, state.solid, state.topology).excess >= 1.0)
     }
 
     /// Adds the failing edges at a vertex on a free surface or at a crack tip: those where the traction that holds their two sides together at the vertex
@@ -113,7 +132,7 @@ impl Joints {
         }
         let mut groups = Vec::new();
         for (edge, _) in topology.edges_around(vertex) {
-            if !self.overstressed(edge, state, SUSPECT) {
+            if self.used(edge, state) < SUSPECT {
                 continue;
             }
             let holds = |other| other != edge && self.of_edge[other as usize] == NONE;
@@ -126,7 +145,8 @@ impl Joints {
             }
             let held = fan.held_by(sides, half_length(edge, state));
             let traction = components(held, solid, &topology.edges[edge as usize]);
-            if self.strength(edge).is_some_and(|strength| reaches(&strength, traction)) {
+            let used = self.strength(edge).map_or(0.0, |strength| use_of(&strength, traction));
+            if used * self.plane(edge, solid, topology).excess >= 1.0 {
                 failing.push(edge);
             }
         }

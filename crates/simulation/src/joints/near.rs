@@ -1,8 +1,9 @@
 //! Finds the elements whose stress is near the strength of their edges in any direction. Only the edges of these elements are checked one by one.
 //!
-//! An edge fails by the mean traction of its two elements, `σ` normal and `τ` tangential, if `σ ≥ f_t`, or if `|τ| ≥ c` and `|τ| + µ σ ≥ c`. Both `σ` and
-//! `|τ| + µ σ` are convex in the traction: if the mean reaches a limit, at least one of the two elements reaches it. The largest values over all directions are
-//! at most `s + R` and `µ s + R √(1 + µ²)`, with the mean stress `s` and the radius `R` of Mohr's circle.
+//! An edge fails by the mean traction of its two elements, `σ` normal and `τ` tangential, if `σ ≤ 0` and `|τ| + µ σ ≥ c`, or if `σ > 0` and the traction is beyond
+//! the ellipse with the half axes `f_t` and `c`. The mean reaches a limit that is convex in the traction only if one of the two elements reaches it. Such limits,
+//! of which every traction that fails reaches one, are `|τ| + µ σ ≥ c` and, where that line is beyond the ellipse, the chord from their intersection to `(f_t, 0)`:
+//! `|τ| + m σ ≥ m f_t`. The largest value of `|τ| + µ σ` over all directions is `µ s + R √(1 + µ²)`, with the mean stress `s` and the radius `R` of Mohr's circle.
 
 use crate::model::Strength;
 
@@ -41,17 +42,26 @@ impl Weakest {
     }
 }
 
-/// The smallest and the largest tangent µ of the angle of internal friction, each with `√(1 + µ²)`. The bound for shear is convex in µ, so it is largest at one
-/// of the two.
+/// The slopes of the limits.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Slopes([[f64; 2]; 2]);
+pub(crate) struct Slopes {
+    /// The smallest and the largest tangent µ of the angle of internal friction, each with `√(1 + µ²)`. The bound for shear is convex in µ, so it is largest at
+    /// one of the two.
+    friction: [[f64; 2]; 2],
+    /// `√(1 + 1/m²)` of the flattest chord: the bound for tension falls with m.
+    chord: f64,
+}
 
 impl Slopes {
     /// The slopes of all strengths of a model.
     pub(crate) fn of(strengths: &[Strength]) -> Self {
         let all = strengths.iter().map(|strength| strength.friction);
         let ends = [all.clone().fold(f64::INFINITY, f64::min), all.fold(0.0, f64::max)];
-        Self(ends.map(|friction| [friction, (1.0 + friction * friction).sqrt()]))
+        let flattest = strengths.iter().map(chord).fold(f64::INFINITY, f64::min);
+        Self {
+            friction: ends.map(|friction| [friction, (1.0 + friction * friction).sqrt()]),
+            chord: (1.0 + 1.0 / (flattest * flattest)).sqrt(),
+        }
     }
 
     /// Compares a stress, `[xx, yy, xy]`, with the strengths of an element's edges.
@@ -59,8 +69,8 @@ impl Slopes {
     pub(crate) fn near(&self, weakest: Weakest, [xx, yy, xy]: [f64; 3]) -> Near {
         let (mean, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
         let radius = (half * half + xy * xy).sqrt();
-        let [one, other] = self.0.map(|[friction, secant]| friction * mean + secant * radius);
-        let (tension, shear) = (mean + radius, one.max(other));
+        let [one, other] = self.friction.map(|[friction, secant]| friction * mean + secant * radius);
+        let (tension, shear) = (mean + self.chord * radius, one.max(other));
         let reaches = |share: f64| tension >= share * weakest.tensile || shear >= share * weakest.cohesion;
         if reaches(1.0 - ROUNDING) {
             Near::Failing
@@ -72,10 +82,21 @@ impl Slopes {
     }
 }
 
+/// Slope m of the chord of a strength. Infinite where the line `|τ| + µ σ = c` is within the ellipse up to the axis: there no chord is needed.
+fn chord(strength: &Strength) -> f64 {
+    let steepness = strength.friction * strength.tensile / strength.cohesion;
+    if strength.tensile > 0.0 && steepness < 1.0 {
+        let share = 2.0 * steepness / (1.0 + steepness * steepness);
+        strength.cohesion / strength.tensile * (1.0 - steepness * share) / (1.0 - share)
+    } else {
+        f64::INFINITY
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cohesive::reaches;
+    use crate::cohesive::use_of;
     use crate::random;
 
     fn strength(tensile: f64, friction: f64) -> Strength {
@@ -107,8 +128,8 @@ mod tests {
             let tangential = (xx - yy) * sin * cos + xy * (sin * sin - cos * cos);
             let found = pair.map(|stress| slopes.near(weakest, stress)).into_iter().max();
             let share = |share: f64| {
-                let traction = [normal / share, tangential / share];
-                reaches(&strong, traction) || reaches(&weak, traction)
+                let used = |strength| use_of(strength, [normal, tangential]);
+                used(&strong) >= share || used(&weak) >= share
             };
             if share(1.0) {
                 failed += 1;
