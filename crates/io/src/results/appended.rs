@@ -15,6 +15,11 @@ const BLOCK: usize = 1 << 20;
 pub(super) struct Appended {
     pub(super) bytes: Vec<u8>,
     block: Vec<u8>,
+    /// Where meshio puts each array as it decodes the file, and the end of the last.
+    ///
+    /// It looks for the next array by its offset in the file, after it has replaced the offsets of the arrays before by these. If one of them is the same number, it
+    /// reads one array in the place of another.
+    decoded: Vec<usize>,
 }
 
 impl Appended {
@@ -65,6 +70,11 @@ impl Appended {
     /// Adds an array. `part` appends the bytes between two places of it.
     fn array(&mut self, size: usize, part: impl Fn(std::ops::Range<usize>, &mut Vec<u8>)) -> io::Result<()> {
         let blocks = size.div_ceil(BLOCK);
+        // It decodes to base64, with the size of the array before it.
+        let begin = self.decoded.last().copied().unwrap_or(0);
+        if self.decoded.is_empty() {
+            self.decoded.push(begin);
+        }
         for number in [blocks, BLOCK, size % BLOCK] {
             self.bytes.extend((number as u64).to_le_bytes());
         }
@@ -75,12 +85,20 @@ impl Appended {
             self.block.clear();
             part(block * BLOCK..size.min((block + 1) * BLOCK), &mut self.block);
             let before = self.bytes.len();
-            let mut encoder = ZlibEncoder::new(&mut self.bytes, Compression::fast());
-            encoder.write_all(&self.block)?;
-            encoder.finish()?;
+            // Another level has another length, where the end would be mistaken. Level 0 does not compress.
+            for level in [1, 2, 6, 0] {
+                self.bytes.truncate(before);
+                let mut encoder = ZlibEncoder::new(&mut self.bytes, Compression::new(level));
+                encoder.write_all(&self.block)?;
+                encoder.finish()?;
+                if block + 1 < blocks || !self.decoded.contains(&self.bytes.len()) {
+                    break;
+                }
+            }
             let compressed = (self.bytes.len() - before) as u64;
             self.bytes[sizes + 8 * block..sizes + 8 * (block + 1)].copy_from_slice(&compressed.to_le_bytes());
         }
+        self.decoded.push(begin + 4 * (8 + size).div_ceil(3));
         Ok(())
     }
 }
@@ -110,4 +128,33 @@ fn announcement(of_type: &str, name: &str, components: &[&str], unit: &str, offs
     format!(
         "{array}>\n<InformationKey name=\"UNITS_LABEL\" location=\"vtkDataArray\">{unit}</InformationKey>\n</DataArray>\n"
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// No array begins in the file where meshio has put one of those before it.
+    #[test]
+    fn no_offset_is_taken_for_that_of_another_array() {
+        // Bytes that no level makes shorter: the second array then ends where the decoded first one does, for some sizes.
+        let random = |k: usize| ((k as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 40) as u8;
+        let mut mended = 0;
+        for first in 220..420 {
+            for second in 1..40 {
+                let mut body = Appended::default();
+                let mut begins = Vec::new();
+                for count in [first, second, 5] {
+                    begins.push(body.bytes.len());
+                    body.array(count, |bytes, block| block.extend(bytes.map(random))).unwrap();
+                }
+                for (k, begin) in begins.iter().enumerate() {
+                    assert!(!body.decoded[..k].contains(begin) || k == 0, "{first} {second} {k}");
+                }
+                // The second byte of what is compressed tells the level: 1 for levels 0 and 1.
+                mended += begins.iter().filter(|&&begin| body.bytes[begin + 33] != 1).count();
+            }
+        }
+        assert!(mended > 0, "no case had to be mended");
+    }
 }
