@@ -241,7 +241,8 @@ impl Memory {
         let opening = opening + self.offset;
         // Without tensile strength nothing holds while the joint is open.
         if law.tensile == 0.0 && opening > 0.0 {
-            self.soften(law, opening / law.critical[0], [1.0, 0.0]);
+            let sliding_alone = law.in_direction([0.0, 1.0]);
+            self.soften(law, opening / law.critical[0], [1.0, 0.0], sliding_alone);
             (self.origin, self.rubbed) = (sliding, sliding);
             return [0.0; 2];
         }
@@ -266,7 +267,8 @@ impl Memory {
             let slip = (trial - held).abs() / lost;
             self.rubbed = sliding - held / lost;
             if law.cohesion == 0.0 {
-                self.soften(law, self.damage() + slip / law.critical[1], [0.0, 1.0]);
+                let opening_alone = law.in_direction([1.0, 0.0]);
+                self.soften(law, self.damage() + slip / law.critical[1], [0.0, 1.0], opening_alone);
             }
         }
         [-pressure, tangential + held]
@@ -285,29 +287,24 @@ impl Memory {
         }
         let squares = [opening * opening / squared, sliding * sliding / squared];
         let [strength, critical] = law.in_direction(squares);
-        self.soften(law, (squared.sqrt() - strength / law.penalty) / critical, squares);
+        let damage = (squared.sqrt() - strength / law.penalty) / critical;
+        self.soften(law, damage, squares, [strength, critical]);
         if whole && self.stiffness < 1.0 {
             self.rubbed = self.origin;
         }
     }
 
-    /// Raises the damage to `damage` by a vector in a direction, and lowers the stiffness to that of the damage in this direction. A stiffness that fell more in
-    /// another direction does not rise again.
-    fn soften(&mut self, law: &Law, damage: f64, squares: [f64; 2]) {
+    /// Raises the damage to `damage`, with these shares of opening and of sliding, and lowers the stiffness to that of the damage in the direction in which the bond
+    /// has this strength, Pa, and this critical length, m. A stiffness that fell more in another direction does not rise again.
+    fn soften(&mut self, law: &Law, damage: f64, shares: [f64; 2], [strength, critical]: [f64; 2]) {
         let (before, damage) = (self.damage(), damage.min(1.0));
         if damage > before {
-            for (part, square) in self.damages.iter_mut().zip(squares) {
-                *part += (damage - before) * square;
+            for (part, share) in self.damages.iter_mut().zip(shares) {
+                *part += (damage - before) * share;
             }
         }
         let damage = damage.max(before);
         if damage > 0.0 {
-            // A joint without one of its strengths is bonded in the other direction.
-            let squares = match [law.tensile > 0.0, law.cohesion > 0.0] {
-                [true, true] => squares,
-                [tensile, _] => [f64::from(tensile), f64::from(!tensile)],
-            };
-            let [strength, critical] = law.in_direction(squares);
             let secant = strength * softening(damage) / (strength + law.penalty * damage * critical);
             self.stiffness = self.stiffness.min(secant);
         }
@@ -315,10 +312,10 @@ impl Memory {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
 
-    const ROCK: Strength = Strength {
+    pub(crate) const ROCK: Strength = Strength {
         tensile: 1e6,
         cohesion: 3e6,
         friction: 0.3,

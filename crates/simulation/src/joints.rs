@@ -554,33 +554,6 @@ fn leave(joint: &mut Joint, forces: &mut [Point; 2]) {
     *forces = [[0.0; 2]; 2];
 }
 
-/// Normal (tension positive) and tangential traction across an edge, Pa, from the mean stress of its two elements.
-fn traction(solid: &Solid, edge: &Edge) -> [f64; 2] {
-    traction_on(mean_stress(solid, edge), along(solid, edge))
-}
-
-/// Mean stress of the two elements at an edge, `[xx, yy, xy]` in Pa.
-fn mean_stress(solid: &Solid, edge: &Edge) -> [f64; 3] {
-    let [one, two] = edge.elements().map(|element| solid.strained[element as usize].stress);
-    std::array::from_fn(|i| 0.5 * (one[i] + two[i]))
-}
-
-/// Vector along an edge in the direction of side 0, m.
-fn along(solid: &Solid, edge: &Edge) -> Point {
-    let [a, b] = edge.corners[0].map(|corner| solid.at_corner(corner).position);
-    minus(b, a)
-}
-
-/// Normal (tension positive) and tangential traction on a plane along a vector, Pa.
-fn traction_on([xx, yy, xy]: [f64; 3], along: Point) -> [f64; 2] {
-    let squared = dot(along, along);
-    // With tangent t and outward normal n = (t_y, -t_x).
-    let [x, y] = along;
-    let normal = (xx * y * y - 2.0 * xy * x * y + yy * x * x) / squared;
-    let tangential = ((xx - yy) * x * y + xy * (y * y - x * x)) / squared;
-    [normal, tangential]
-}
-
 /// Penalty of the joint on an edge, Pa/m.
 pub(crate) fn penalty(model: &Model, edge: &Edge) -> f64 {
     let elements = edge.elements();
@@ -614,25 +587,17 @@ fn strength_between(model: &Model, a: u32, b: u32) -> Option<(Strength, bool)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cohesive::tests::ROCK;
     use crate::model::{Material, Mesh};
 
     fn two_triangles() -> (Model, Topology) {
-        let strength = Strength {
-            tensile: 1e6,
-            cohesion: 3e6,
-            friction: 0.3,
-            energy_i: 10.0,
-            energy_ii: 50.0,
-            weibull_modulus: None,
-            seed: 0,
-        };
         let material = Material {
             name: String::new(),
             density: 2700.0,
             youngs_modulus: 30e9,
             poissons_ratio: 0.2,
             damping: 0.0,
-            strength: Some(strength),
+            strength: Some(ROCK),
             friction: 0.0,
         };
         let mesh = Mesh {

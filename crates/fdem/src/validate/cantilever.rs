@@ -2,7 +2,7 @@
 
 use fdem_simulation::{FractureOptions, Interface, Material, Model, Schedule, Strength, TimeOptions};
 
-use super::models::{advance_to, centroid, force, granite, moved, nodes_where, rectangle, slit, start};
+use super::models::{advance_to, force, granite, moved, nodes_where, rectangle, slit, start};
 use super::{Outcome, Size};
 
 /// Height of each of the two arms, m.
@@ -65,10 +65,7 @@ const RAMP: f64 = 2e-4;
 
 fn beam(cells: usize, speed: f64) -> Model {
     let along = (LENGTH / ARM * cells as f64).round() as usize;
-    let mut mesh = slit(&rectangle([0.0, -ARM], [LENGTH, ARM], [along, 2 * cells]), CRACK);
-    for element in 0..mesh.triangles.len() {
-        mesh.materials[element] = u32::from(centroid(&mesh, element)[1] > 0.0);
-    }
+    let mesh = slit(&rectangle([0.0, -ARM], [LENGTH, ARM], [along, 2 * cells]), CRACK);
     let tensile = (MODULUS * ENERGY / ZONE).sqrt();
     let arm = Material { youngs_modulus: MODULUS, poissons_ratio: 0.3, damping: 0.2, ..granite() };
     let strength = Strength {

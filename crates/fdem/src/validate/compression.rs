@@ -2,7 +2,7 @@
 
 use fdem_simulation::{Boundary, Load, Model, Schedule, Target};
 
-use super::models::{advance, start};
+use super::models::{mean_load, start, worse};
 use super::rocks::prepared;
 use super::{Outcome, Size};
 
@@ -27,16 +27,14 @@ pub(super) fn run(size: Size) -> Result<Vec<Outcome>, String> {
     let (mut outcomes, mut balance) = (Vec::new(), 0.0_f64);
     // Mean strength over the meshes, and the one farthest from the bound.
     let mut strengths = |energy: f64, pressure: f64| -> Result<[f64; 2], String> {
-        let (mut sum, mut farthest) = (0.0, bound);
+        let (mut sum, mut farthest) = (0.0, 0.0);
         for seed in seeds.clone() {
             let crushed = crush(mesh_size, seed, energy, pressure)?;
             sum += crushed.strength;
-            if (crushed.strength - bound).abs() > (farthest - bound).abs() {
-                farthest = crushed.strength;
-            }
+            farthest = worse(farthest, crushed.strength - bound);
             balance = balance.max(crushed.balance.abs());
         }
-        Ok([sum / count as f64, farthest])
+        Ok([sum / count as f64, bound + farthest])
     };
     let [confined, _] = strengths(5.0, CONFINED)?;
     for energy in [5.0, 15.0] {
@@ -68,13 +66,7 @@ fn crush(mesh_size: f64, seed: u32, energy: f64, pressure: f64) -> Result<Crushe
     let mut run = start(block(mesh_size, seed, energy, pressure)?)?;
     let (mut peak, mut at) = (0.0_f64, 0.0);
     loop {
-        let mut load = 0.0;
-        for _ in 0..20 {
-            advance(&mut run, 1)?;
-            for boundary in 0..2 {
-                load += 0.025 * run.force(boundary).unwrap_or_default()[1].abs();
-            }
-        }
+        let load = mean_load(&mut run)?;
         if load > peak {
             (peak, at) = (load, run.time());
         }

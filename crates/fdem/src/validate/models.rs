@@ -117,7 +117,7 @@ pub(super) fn nodes_where(mesh: &Mesh, at: impl Fn([f64; 2]) -> bool) -> Vec<u32
     (0..mesh.nodes.len() as u32).filter(|&node| at(mesh.nodes[node as usize])).collect()
 }
 
-/// Separates a mesh along y = 0 from the left to `tip`, m.
+/// Separates a mesh along y = 0 from the left to `tip`, m. What is above that line becomes material 1.
 pub(super) fn slit(mesh: &Mesh, tip: f64) -> Mesh {
     let mut mesh = mesh.clone();
     for node in nodes_where(&mesh, |[x, y]| y.abs() < 1e-9 && x < tip - 1e-9) {
@@ -129,6 +129,9 @@ pub(super) fn slit(mesh: &Mesh, tip: f64) -> Mesh {
                 *corners = corners.map(|corner| if corner == node { copy } else { corner });
             }
         }
+    }
+    for element in 0..mesh.triangles.len() {
+        mesh.materials[element] = u32::from(centroid(&mesh, element)[1] > 0.0);
     }
     mesh
 }
@@ -163,6 +166,17 @@ pub(super) fn advance_to(run: &mut Simulation, time: f64) -> Result<(), String> 
 /// Force of a boundary on the bodies, N.
 pub(super) fn force(run: &Simulation, boundary: usize) -> Result<[f64; 2], String> {
     run.force(boundary).ok_or_else(|| format!("there is no boundary {boundary}"))
+}
+
+/// Mean load along y between the first two boundaries over the next 20 steps, N: half of the force of the second less that of the first. Single steps are disturbed
+/// by stress waves.
+pub(super) fn mean_load(run: &mut Simulation) -> Result<f64, String> {
+    let (mut sum, steps) = (0.0, 20);
+    for _ in 0..steps {
+        advance(run, 1)?;
+        sum += 0.5 * (force(run, 1)?[1] - force(run, 0)?[1]);
+    }
+    Ok(sum / f64::from(steps))
 }
 
 /// Mean velocity of nodes of the mesh, m/s.

@@ -15,8 +15,8 @@
 use crate::cohesive::{Memory, Plane, use_of};
 use crate::contacts::Contacts;
 use crate::joints::near::{Near, SUSPECT};
-use crate::joints::plane::{MOST, plane_near};
-use crate::joints::{Joints, along, edge_length, mean_stress, nodes_at, traction};
+use crate::joints::plane::{along, breaks, mean_stress, plane_near, traction};
+use crate::joints::{Joints, edge_length, nodes_at};
 use crate::model::{Insertion, Model};
 use crate::potential::{Point, dot, length, minus};
 use crate::solid::Solid;
@@ -54,7 +54,9 @@ impl Joints {
                 *near = self.slopes.near(self.weakest[element], solid.strained[element].stress);
                 if *near == Near::Failing {
                     let edges = topology.edge_of[element].into_iter().filter(|&edge| edge != NONE);
-                    failing.extend(edges.filter(|&edge| self.fails(edge, state)));
+                    failing.extend(edges.filter(|&edge| {
+                        breaks(self.used(edge, state), || self.plane(edge, state.solid, topology))
+                    }));
                 }
             }
             failing
@@ -111,13 +113,6 @@ impl Joints {
         })
     }
 
-    /// Whether the mean stress of the two elements of an edge reaches the strength on the edge or on a plane near it.
-    fn fails(&self, edge: u32, state: State<'_>) -> bool {
-        let used = self.used(edge, state);
-        used >= 1.0
-            || (MOST * used >= 1.0 && used * self.plane(edge, state.solid, state.topology).excess >= 1.0)
-    }
-
     /// Adds the failing edges at a vertex on a free surface or at a crack tip: those where the traction that holds their two sides together at the vertex
     /// reaches the strength.
     fn failing_at(&self, vertex: u32, state: State<'_>, failing: &mut Vec<u32>) {
@@ -146,7 +141,7 @@ impl Joints {
             let held = fan.held_by(sides, half_length(edge, state));
             let traction = components(held, solid, &topology.edges[edge as usize]);
             let used = self.strength(edge).map_or(0.0, |strength| use_of(&strength, traction));
-            if used * self.plane(edge, solid, topology).excess >= 1.0 {
+            if breaks(used, || self.plane(edge, solid, topology)) {
                 failing.push(edge);
             }
         }

@@ -1,4 +1,4 @@
-//! The plane for which a joint stands.
+//! Tractions on edges and on planes near them, and the plane for which a joint stands.
 //!
 //! Material fails on the plane that its stress uses most. An unstructured mesh has edges near that plane, not on it. An edge that had to reach the strength by
 //! its own traction would fail later than the material: a tension by 1/cos² of the angle between the two, a compression by more, because facets aslant to a
@@ -6,16 +6,17 @@
 //! acts, which is then its strength, and its fracture energy is that of its projection on the plane.
 
 use crate::cohesive::{Plane, use_of};
-use crate::joints::traction_on;
 use crate::model::Strength;
-use crate::potential::Point;
+use crate::potential::{Point, dot, minus};
+use crate::solid::Solid;
+use crate::topology::Edge;
 
 /// Largest angle between an edge and the plane for which its joint stands. Six edges meet at a vertex on average, so the nearest one is 15° off on average, and
 /// at most 30°. With a larger reach edges fail that the crack does not take; `bench/NOTES.md` has the table.
 const REACH: f64 = 15.0 * std::f64::consts::PI / 180.0;
 
 /// Largest ratio of the uses of the strength on the plane and on the edge.
-pub(crate) const MOST: f64 = 2.0;
+const MOST: f64 = 2.0;
 
 /// The plane within reach of an edge along a vector on which a stress, `[xx, yy, xy]` in Pa, uses the strength most.
 pub(crate) fn plane_near(along: Point, stress: [f64; 3], strength: &Strength) -> Plane {
@@ -35,6 +36,11 @@ pub(crate) fn plane_near(along: Point, stress: [f64; 3], strength: &Strength) ->
     if used > own && used.is_finite() { Plane { excess, area } } else { Plane::OWN }
 }
 
+/// Whether a use of the strength of an edge breaks it or a plane near it. `plane`: that plane; it is found only if it can decide.
+pub(crate) fn breaks(used: f64, plane: impl FnOnce() -> Plane) -> bool {
+    used >= 1.0 || (MOST * used >= 1.0 && used * plane().excess >= 1.0)
+}
+
 /// Angles from an edge to the plane across the largest tension and to the two on which Mohr and Coulomb's strength is used most, between -90° and 90°.
 fn critical_angles(along: Point, [xx, yy, xy]: [f64; 3], strength: &Strength) -> [f64; 3] {
     use std::f64::consts::{FRAC_PI_2, PI};
@@ -48,19 +54,37 @@ fn critical_angles(along: Point, [xx, yy, xy]: [f64; 3], strength: &Strength) ->
     })
 }
 
+/// Normal (tension positive) and tangential traction across an edge, Pa, from the mean stress of its two elements.
+pub(crate) fn traction(solid: &Solid, edge: &Edge) -> [f64; 2] {
+    traction_on(mean_stress(solid, edge), along(solid, edge))
+}
+
+/// Mean stress of the two elements at an edge, `[xx, yy, xy]` in Pa.
+pub(crate) fn mean_stress(solid: &Solid, edge: &Edge) -> [f64; 3] {
+    let [one, two] = edge.elements().map(|element| solid.strained[element as usize].stress);
+    std::array::from_fn(|i| 0.5 * (one[i] + two[i]))
+}
+
+/// Vector along an edge in the direction of side 0, m.
+pub(crate) fn along(solid: &Solid, edge: &Edge) -> Point {
+    let [a, b] = edge.corners[0].map(|corner| solid.at_corner(corner).position);
+    minus(b, a)
+}
+
+/// Normal (tension positive) and tangential traction on a plane along a vector, Pa.
+fn traction_on([xx, yy, xy]: [f64; 3], along: Point) -> [f64; 2] {
+    let squared = dot(along, along);
+    // With tangent t and outward normal n = (t_y, -t_x).
+    let [x, y] = along;
+    let normal = (xx * y * y - 2.0 * xy * x * y + yy * x * x) / squared;
+    let tangential = ((xx - yy) * x * y + xy * (y * y - x * x)) / squared;
+    [normal, tangential]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    const ROCK: Strength = Strength {
-        tensile: 1e6,
-        cohesion: 3e6,
-        friction: 0.3,
-        energy_i: 1.0,
-        energy_ii: 5.0,
-        weibull_modulus: None,
-        seed: 0,
-    };
+    use crate::cohesive::tests::ROCK;
 
     fn edge(degrees: f64) -> Point {
         let (sin, cos) = degrees.to_radians().sin_cos();
