@@ -66,7 +66,7 @@ fn crush(mesh_size: f64, seed: u32, energy: f64, pressure: f64) -> Result<Crushe
     let mut run = start(block(mesh_size, seed, energy, pressure)?)?;
     let (mut peak, mut at) = (0.0_f64, 0.0);
     loop {
-        let load = mean_load(&mut run)?;
+        let load = mean_load(&mut run, 1)?;
         if load > peak {
             (peak, at) = (load, run.time());
         }

@@ -168,13 +168,12 @@ pub(super) fn force(run: &Simulation, boundary: usize) -> Result<[f64; 2], Strin
     run.force(boundary).ok_or_else(|| format!("there is no boundary {boundary}"))
 }
 
-/// Mean load along y between the first two boundaries over the next 20 steps, N: half of the force of the second less that of the first. Single steps are disturbed
-/// by stress waves.
-pub(super) fn mean_load(run: &mut Simulation) -> Result<f64, String> {
+/// Mean load along an axis between the first two boundaries over the next 20 steps, N: half of the force of the second less that of the first. Single steps are disturbed by stress waves.
+pub(super) fn mean_load(run: &mut Simulation, axis: usize) -> Result<f64, String> {
     let (mut sum, steps) = (0.0, 20);
     for _ in 0..steps {
         advance(run, 1)?;
-        sum += 0.5 * (force(run, 1)?[1] - force(run, 0)?[1]);
+        sum += 0.5 * (force(run, 1)?[axis] - force(run, 0)?[axis]);
     }
     Ok(sum / f64::from(steps))
 }

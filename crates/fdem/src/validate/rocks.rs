@@ -3,11 +3,16 @@
 use fdem_simulation::{Model, Simulation};
 
 use super::models::centroid;
-use crate::model::prepare;
+use crate::model::{Load, prepare};
 
 /// The model of a model file.
 pub(super) fn prepared(text: &str) -> Result<Model, String> {
-    let prepared = prepare(text, "case.toml", &mut |name| Err(format!("{name}: there are no files")));
+    prepared_with(text, &mut |name| Err(format!("{name}: there are no files")))
+}
+
+/// The model of a model file that names files.
+pub(super) fn prepared_with(text: &str, load: &mut Load<'_>) -> Result<Model, String> {
+    let prepared = prepare(text, "case.toml", load);
     prepared.map(|prepared| prepared.model).map_err(|errors| errors.to_string())
 }
 
