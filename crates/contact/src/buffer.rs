@@ -8,11 +8,11 @@ use crate::elements::{Elements, Geometry, Shape};
 use crate::engine::{Detector, Engine};
 use crate::error::Error;
 use crate::filter::{GroupMatrix, Labels};
+use crate::memory::reserve;
 use crate::ordered;
 use crate::pool::Pool;
 use crate::real::Real;
 use crate::search::Search;
-use crate::search::rows::reserve;
 
 /// Repeated contact detection that keeps its candidates until an element has moved farther than half the buffer.
 ///

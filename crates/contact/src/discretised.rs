@@ -43,10 +43,10 @@ use crate::elements::Elements;
 use crate::engine::{Detector, Engine};
 use crate::error::Error;
 use crate::filter::Filter;
+use crate::memory::{reserve, resize};
 use crate::narrow::{Contact, MAX_MAGNITUDE, MIN_MAGNITUDE};
 use crate::pool::Pool;
 use crate::search::Search;
-use crate::search::rows::{reserve, resize};
 use crate::verify::{Mismatch, verify_with};
 use simplex::sealed::Sealed as _;
 

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::simd::Simd;
+use crate::simd::level::Simd;
 
 /// The reason why a set of elements, or a search over it, was refused before anything was computed.
 ///

@@ -4,9 +4,9 @@ use std::fmt::{self, Write};
 
 use crate::elements::{Elements, Shape};
 use crate::engine::{Engine, Plan};
-use crate::grid::Grid;
+use crate::grid::{Grid, rows_of};
 use crate::real::Real;
-use crate::search::multilevel::Level;
+use crate::search::level::Level;
 use crate::simd::Simd;
 use crate::verify::split_mix;
 
@@ -156,13 +156,6 @@ fn grouped(number: f64) -> String {
         let _ = write!(text, "{comma}{digit}");
     }
     text
-}
-
-/// Number of rows: the product of the cells along all axes but the one with the most.
-pub(crate) fn rows_of<const D: usize>(cells: &[u64; D]) -> f64 {
-    let mut cells = *cells;
-    cells.sort_unstable();
-    cells[..D - 1].iter().map(|&cells| cells as f64).product()
 }
 
 /// Number of elements whose neighbours are counted. Enough for an error of 1 % if all have about a dozen neighbours.
@@ -375,14 +368,6 @@ fn bucket(cell: &Cell) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn rows_leave_the_longest_axis_out() {
-        assert_eq!(rows_of(&[7]), 1.0);
-        assert_eq!(rows_of(&[7, 9]), 7.0);
-        assert_eq!(rows_of(&[7, 9, 2]), 14.0);
-        assert_eq!(rows_of(&[1 << 40, 1 << 40, 1 << 40]), 2_f64.powi(80));
-    }
 
     #[test]
     fn numbers_are_grouped() {

@@ -2,8 +2,8 @@
 
 use crate::elements::{Geometry, check_lengths};
 use crate::error::Error;
+use crate::memory::{reserve, resize};
 use crate::pool::Pool;
-use crate::search::rows::{reserve, resize};
 
 /// A filter on couples. Two elements that do not *see* each other form no couple, even where they touch.
 ///

@@ -282,11 +282,26 @@ fn integer_root(n: usize, power: usize) -> usize {
     high
 }
 
+/// Number of rows: the product of the cells along all axes but the one with the most.
+pub(crate) fn rows_of<const D: usize>(cells: &[u64; D]) -> f64 {
+    let mut cells = *cells;
+    cells.sort_unstable();
+    cells[..D - 1].iter().map(|&cells| cells as f64).product()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     const UNBOUNDED: usize = usize::MAX;
+
+    #[test]
+    fn rows_leave_the_longest_axis_out() {
+        assert_eq!(rows_of(&[7]), 1.0);
+        assert_eq!(rows_of(&[7, 9]), 7.0);
+        assert_eq!(rows_of(&[7, 9, 2]), 14.0);
+        assert_eq!(rows_of(&[1 << 40, 1 << 40, 1 << 40]), 2_f64.powi(80));
+    }
 
     #[test]
     fn integers_are_the_nearest() {

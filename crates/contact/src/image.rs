@@ -37,8 +37,8 @@ mod row;
 mod table;
 
 use crate::error::Error;
+use crate::memory::reserve;
 use crate::pool::Pool;
-use crate::search::rows::reserve;
 
 pub(crate) use contact::unit;
 pub use contact::{ImageContact, Spacing};

@@ -10,11 +10,11 @@ use crate::elements::{Bounds, Elements, Shape};
 use crate::error::Error;
 use crate::filter::{GroupMatrix, Labels};
 use crate::grid::{Grid, edge_for};
+use crate::memory::{reserve, resize};
 use crate::pool::Pool;
 use crate::real::Real;
 use crate::search::rows::layout::{Layout, PADDING};
 use crate::search::rows::scan::{PART, Scan, Scans, Sink};
-use crate::search::rows::{reserve, resize};
 use crate::simd::kernel::Arrays;
 use crate::simd::{Available, Simd};
 

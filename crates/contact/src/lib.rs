@@ -52,6 +52,7 @@
 //! [`Elements`] → [`Grid`] (cells) → [`Lists`] → [`CONTACT_MASK`] → [`Search`] ([`Direct`], [`Nbs`], [`Rows`], [`Multilevel`], [`CGrid`]) → [`Couple`].
 
 // In the order in which data flows.
+mod memory;
 mod real;
 mod elements;
 mod filter;
@@ -94,7 +95,8 @@ pub use real::Real;
 pub use search::Search;
 pub use search::cgrid::CGrid;
 pub use search::direct::Direct;
-pub use search::multilevel::{Level, Multilevel, Work};
+pub use search::level::Level;
+pub use search::multilevel::{Multilevel, Work};
 pub use search::nbs::{DEFAULT_MAX_HEADS, Nbs, Observer};
 pub use search::rows::Rows;
 pub use simd::Simd;

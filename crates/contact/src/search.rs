@@ -1,5 +1,6 @@
 //! The trait of a search: elements in, couples out.
 
+pub(crate) mod level;
 pub(crate) mod direct;
 pub(crate) mod nbs;
 pub(crate) mod multilevel;

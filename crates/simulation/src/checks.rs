@@ -158,7 +158,13 @@ fn strength_of(place: &str, strength: &Strength) -> Result<(), ModelError> {
     not_negative(place, "internal friction", strength.friction)?;
     positive(place, "fracture energy of opening", strength.energy_i)?;
     positive(place, "fracture energy of sliding", strength.energy_ii)?;
-    strength.weibull_modulus.map_or(Ok(()), |modulus| positive(place, "Weibull modulus", modulus))
+    match strength.weibull_modulus {
+        // With less, nearly all edges have no strength, and in the limit the mean is no number.
+        Some(modulus) if !(modulus >= 1.0 && modulus.is_finite()) => {
+            Err(out_of_range(place, "Weibull modulus", modulus, "at least 1"))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Strength of joints, which may be 0 and then needs no fracture energy: that of an open joint.

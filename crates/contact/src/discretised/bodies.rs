@@ -4,8 +4,8 @@ use crate::discretised::simplex::sealed::Sealed as _;
 use crate::discretised::{DiscretisedError, ElementContact, Mesh, Simplex};
 use crate::error::Error;
 use crate::image::unit;
+use crate::memory::{reserve, resize};
 use crate::narrow::{Contact, Measure};
-use crate::search::rows::{reserve, resize};
 
 /// Two touching bodies, and the sums and means over all of their contacts.
 ///

@@ -6,8 +6,8 @@ use crate::couple::Couple;
 use crate::discretised::{DiscretisedError, Mesh, MeshSearch, PART, reserve_one};
 use crate::error::Error;
 use crate::filter::Filter;
+use crate::memory::{reserve, resize};
 use crate::narrow::{MeshContact, ShapeError, Sphere, Triangle, sphere_mesh};
-use crate::search::rows::{reserve, resize};
 use crate::verify::{Mismatch, pick};
 
 /// A sphere that touches a triangle of a body.

@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 use crate::image::{Label, Neighbourhood};
-use crate::search::rows::resize;
+use crate::memory::resize;
 use crate::simd::bits_of_bytes;
 
 /// Number of directions to half of the neighbours of a voxel.

@@ -8,10 +8,10 @@ use crate::elements::{Elements, distance_squared};
 use crate::error::Error;
 use crate::index::Index;
 use crate::index::sort::sort;
+use crate::memory::reserve;
 use crate::pool::Pool;
 use crate::real::Real;
 use crate::search::rows::layout::{Layout, PADDING};
-use crate::search::rows::reserve;
 use crate::search::rows::scan::{FIRST_ROOM, PART, Scan};
 use crate::simd::kernel::{Arrays, Output, Task};
 

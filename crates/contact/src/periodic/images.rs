@@ -3,11 +3,11 @@
 use crate::elements::{Bounds, Elements, Shape};
 use crate::error::Error;
 use crate::filter::Labels;
+use crate::memory::{reserve, resize};
 use crate::periodic::cell::{MAX_PERIODS, PeriodicBox, norm};
 use crate::pool::Pool;
 use crate::real::Real;
 use crate::search::make_room;
-use crate::search::rows::{reserve, resize};
 
 /// Elements wrapped into a box; separately, the elements near its faces together with their images.
 ///

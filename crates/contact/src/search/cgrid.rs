@@ -7,10 +7,10 @@ mod spans;
 use crate::couple::Couple;
 use crate::elements::Elements;
 use crate::error::Error;
+use crate::memory::reserve;
 use crate::real::Real;
 use crate::search::Search;
-use crate::search::multilevel::Level;
-use crate::search::rows::reserve;
+use crate::search::level::Level;
 
 use levels::Levels;
 use lists::{Bodies, Cells, Counted};

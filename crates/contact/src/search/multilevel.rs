@@ -7,18 +7,18 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use crate::couple::Couple;
 use crate::elements::{Elements, Shape};
 use crate::error::Error;
-use crate::explain::rows_of;
 use crate::filter::Labels;
+use crate::grid::rows_of;
+use crate::memory::reserve;
 use crate::pool::Pool;
 use crate::real::Real;
 use crate::search::Search;
+use crate::search::level::Level;
 use crate::search::rows::layout::Layout;
-use crate::search::rows::reserve;
 use crate::search::rows::scan::{Scan, Scanner, Scans, Sink};
 use crate::simd::kernel::{Arrays, Looks, Output, Span, Task};
 use crate::simd::{Available, Simd};
 
-pub use levels::Level;
 use levels::Model;
 
 /// A search for elements of any sizes, in levels. It suits powders, where the largest element is many times as large as the smallest.

@@ -20,7 +20,6 @@ use crate::search::Search;
 use crate::simd::{Available, Simd, has_vectors};
 
 use layout::Layout;
-pub(crate) use layout::{reserve, resize};
 use scan::{PART, Scan, Scanner, Scans, Sink};
 
 /// The default engine: the decomposition and the contact mask of Munjiza-NBS, on sorted rows instead of lists.

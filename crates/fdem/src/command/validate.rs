@@ -36,8 +36,13 @@ pub(crate) fn run(arguments: &ValidateArguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Returns the cases with the given numbers, or whose names contain the given words. Without any it returns all cases.
+/// Returns the cases with the given numbers, or whose names contain the given words, in letters of any case. Without any it returns all cases.
 fn chosen(asked: &[String]) -> Result<Vec<&'static Case>, Failure> {
+    if asked.iter().any(|asked| asked.trim().is_empty()) {
+        return Err(Failure::Unusable(
+            "a case is asked for by its number or by words of its name, not by \"\"".to_owned(),
+        ));
+    }
     if let Some(unknown) = asked.iter().find(|asked| !cases().iter().any(|case| is(case, asked))) {
         let known: Vec<String> =
             cases().iter().map(|case| format!("{} {}", case.number, case.name)).collect();
@@ -50,5 +55,6 @@ fn chosen(asked: &[String]) -> Result<Vec<&'static Case>, Failure> {
 }
 
 fn is(case: &Case, asked: &str) -> bool {
-    asked.parse() == Ok(case.number) || (asked.parse::<u32>().is_err() && case.name.contains(asked))
+    asked.parse() == Ok(case.number)
+        || (asked.parse::<u32>().is_err() && case.name.to_lowercase().contains(&asked.to_lowercase()))
 }

@@ -37,6 +37,10 @@ struct Checker<'s> {
     faults: Vec<Fault>,
 }
 
+/// Units whose number is another one in SI units.
+const MULTIPLES: [&str; 14] =
+    ["kPa", "MPa", "GPa", "hPa", "bar", "psi", "mm", "cm", "km", "kN", "MN", "ms", "g/cm", "t/m"];
+
 impl<'s> Checker<'s> {
     /// Follows the references of a schema, and removes the `null` of optional keys, which TOML does not have.
     fn resolve(&self, schema: &'s Value) -> &'s Value {
@@ -268,7 +272,12 @@ impl<'s> Checker<'s> {
         match value.get_ref() {
             DeValue::String(text) if words.contains(&text.as_ref()) => {}
             DeValue::String(text) => {
-                let near = nearest(text, words.iter().copied());
+                let near = if text == "extrinsic" && words.contains(&"adaptive") {
+                    // Its name in the literature is near to that of its opposite.
+                    Some("adaptive")
+                } else {
+                    nearest(text, words.iter().copied())
+                };
                 let help =
                     near.map_or_else(|| format!("it is {list}"), |word| format!("did you mean \"{word}\"?"));
                 self.faults.push(
@@ -405,10 +414,14 @@ fn hint(found: &DeValue<'_>, schema: &Value) -> Option<String> {
             }
             let number: String =
                 text.chars().take_while(|c| "+-.eE".contains(*c) || c.is_ascii_digit()).collect();
-            number
-                .parse::<f64>()
-                .is_ok()
-                .then(|| format!("numbers are in SI units, without quotes: {number}"))
+            let unit = text[number.len()..].trim_start();
+            number.parse::<f64>().is_ok().then(|| {
+                if MULTIPLES.iter().any(|multiple| unit.starts_with(multiple)) {
+                    "numbers are in SI units, without quotes: 3e6 for 3 MPa, 0.005 for 5 mm".to_owned()
+                } else {
+                    format!("numbers are in SI units, without quotes: {number}")
+                }
+            })
         }
         DeValue::Table(_) if wants("array") && schema.get("maxItems").is_none() => {
             Some("a table that may come several times has two brackets: [[name]]".to_owned())

@@ -52,6 +52,13 @@ pub(crate) fn warnings(model: &Model, bodies: &[Body], quality: &Quality) -> Vec
             brief(model.contact.penalty)
         ));
     }
+    if model.fracture.joint_penalty < 1.0 && breaks {
+        warnings.push(format!(
+            "[fracture] joint_penalty = {}: joints are softer than the elements beside them, and may store more than the energy that breaks them; 10 to 100 is usual",
+            brief(model.fracture.joint_penalty)
+        ));
+    }
+    apex(model, &mut warnings);
     overlaps(model, bodies, &mut warnings);
     gravity::sudden(model, bodies, &mut warnings);
     equilibrium::warnings(model, bodies, &mut warnings);
@@ -97,6 +104,22 @@ fn process_zone(model: &Model, warnings: &mut Vec<String>) {
                 brief(zone),
                 brief(longest[number]),
                 brief(zone / IN_PROCESS_ZONE)
+            ));
+        }
+    }
+}
+
+/// Warns of a tensile strength above that at which Mohr and Coulomb's strength in shear is 0, c/tan φ.
+fn apex(model: &Model, warnings: &mut Vec<String>) {
+    for material in &model.materials {
+        let Some(strength) = material.strength else { continue };
+        let apex = strength.cohesion / strength.friction;
+        if strength.tensile > apex {
+            warnings.push(format!(
+                "material \"{}\" cannot carry its tensile strength of {} Pa: by cohesion / tan(friction_angle) it fails in shear at a tension of {} Pa",
+                material.name,
+                brief(strength.tensile),
+                brief(apex)
             ));
         }
     }

@@ -131,8 +131,10 @@ fn of_cracks(cracks: &[Crack], straight: &Crack, bounds: &Bounds, case: &str) ->
         outcomes[1].quantity = format!("the farthest from it, {case}");
     }
     let energy = mean(|crack| crack.energy) / straight.energy;
+    // One mesh scatters more than the mean of several.
+    let bound = bounds.energy + if cracks.len() > 1 { 0.0 } else { 0.05 };
     outcomes.extend([
-        quantity("energy over that of the straight crack", 1.0, energy, bounds.energy),
+        quantity("energy over that of the straight crack", 1.0, energy, bound),
         quantity("length of the path over its projection", 1.0, mean(|crack| crack.path), 0.12),
         quantity("damage beside the path", 0.0, mean(|crack| crack.beside), 0.12),
         quantity("joints beside the path, an element of length", 0.0, mean(|crack| crack.count) * size, 4.0),

@@ -5,7 +5,7 @@ use std::f64::consts::SQRT_2;
 use crate::elements::Shape;
 use crate::real::Real;
 use crate::search::cgrid::spans::Spans;
-use crate::search::multilevel::Level;
+use crate::search::level::Level;
 
 /// Largest number of axes along which lists are nested. In higher dimensions the first ones are used, which separate elements well enough.
 pub(super) const MOST_AXES: usize = 16;

@@ -5,10 +5,10 @@ use crate::elements::{Bounds, Elements, Geometry, Shape};
 use crate::error::Error;
 use crate::filter::Filter;
 use crate::lists::NONE;
+use crate::memory::reserve;
 use crate::real::Real;
 use crate::search::cgrid::levels::MOST_AXES;
 use crate::search::cgrid::spans::Spans;
-use crate::search::rows::reserve;
 
 /// A body on the lists along one axis.
 #[derive(Clone, Copy, Debug, Default)]

@@ -3,21 +3,8 @@
 use crate::elements::{Bounds, Elements, Shape};
 use crate::grid::{Grid, edge_for};
 use crate::real::Real;
+use crate::search::level::Level;
 use crate::search::rows::scan::PART;
-
-/// Elements of similar size that are searched on their own cells.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub struct Level {
-    /// Number of elements.
-    pub elements: usize,
-    /// The smallest diameter (largest edge of a box) of the elements.
-    pub smallest: f64,
-    /// The largest diameter (largest edge of a box) of the elements.
-    pub largest: f64,
-    /// Edge of the cells.
-    pub cell_size: f64,
-}
 
 /// Costs in nanoseconds on a processor of 2023; only their ratios matter. `SORT`: to sort one element.
 const SORT: f64 = 25.0;

@@ -1,9 +1,9 @@
 //! Sorts a block of rows in cache.
 
 use crate::error::Error;
+use crate::memory::{reserve, resize};
 use crate::real::Real;
 use crate::search::rows::keys::RowKeys;
-use crate::search::rows::layout::{reserve, resize};
 
 /// Working memory for sorting one block, kept from block to block.
 #[derive(Clone, Debug)]

@@ -5,9 +5,9 @@
 use std::ops::Range;
 
 use crate::error::Error;
-use crate::explain::rows_of;
 use crate::filter::{Filter, Labels};
-use crate::grid::Grid;
+use crate::grid::{Grid, rows_of};
+use crate::memory::{reserve, resize};
 use crate::pool::Pool;
 use crate::real::Real;
 use crate::search::rows::block_sort::{Block, BlockSort, Elements};
@@ -590,19 +590,6 @@ fn seem_skewed<T: Real, const D: usize>(points: &[[T; D]], chosen: impl Chosen, 
 fn stretch(n: usize, pool: &Pool) -> usize {
     let few = if pool.threads() == 2 { FEW_FOR_TWO } else { FEW_ELEMENTS };
     if n < few { n } else { n.div_ceil(pool.threads()) }
-}
-
-/// Resizes to `len` entries without spare capacity; existing entries keep their value.
-pub(crate) fn resize<V: Clone>(values: &mut Vec<V>, len: usize, value: V) -> Result<(), Error> {
-    reserve(values, len.saturating_sub(values.len()))?;
-    values.resize(len, value);
-    Ok(())
-}
-
-/// Reserves room for exactly `more` entries.
-pub(crate) fn reserve<V>(values: &mut Vec<V>, more: usize) -> Result<(), Error> {
-    let bytes = (values.len() + more).saturating_mul(size_of::<V>());
-    values.try_reserve_exact(more).map_err(|_| Error::OutOfMemory { bytes })
 }
 
 #[cfg(test)]

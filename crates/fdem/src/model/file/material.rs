@@ -47,9 +47,9 @@ pub struct Material {
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub fracture_energy_ii: Option<f64>,
-    /// Weibull modulus of the scatter of tensile strength and cohesion from edge to edge. The mean keeps its value. Default: no scatter.
+    /// Weibull modulus of the scatter of tensile strength and cohesion from edge to edge. The mean keeps its value. At least 1; rock has 2 to 30. Default: no scatter.
     #[serde(default)]
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(extend("minimum" = 1))]
     pub weibull_modulus: Option<f64>,
     /// Seed of that scatter. Default: 1.
     #[serde(default = "seed")]
@@ -91,9 +91,9 @@ pub struct Interface {
     #[serde(default)]
     #[schemars(extend("minimum" = 0))]
     pub fracture_energy_ii: Option<f64>,
-    /// Weibull modulus of the scatter of tensile strength and cohesion from edge to edge. The mean keeps its value. Default: no scatter.
+    /// Weibull modulus of the scatter of tensile strength and cohesion from edge to edge. The mean keeps its value. At least 1; rock has 2 to 30. Default: no scatter.
     #[serde(default)]
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(extend("minimum" = 1))]
     pub weibull_modulus: Option<f64>,
     /// Seed of that scatter. Default: 1.
     #[serde(default = "seed")]

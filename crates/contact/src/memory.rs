@@ -1,0 +1,16 @@
+//! Vectors that grow without spare capacity, and say so where there is no memory.
+
+use crate::error::Error;
+
+/// Resizes to `len` entries without spare capacity; existing entries keep their value.
+pub(crate) fn resize<V: Clone>(values: &mut Vec<V>, len: usize, value: V) -> Result<(), Error> {
+    reserve(values, len.saturating_sub(values.len()))?;
+    values.resize(len, value);
+    Ok(())
+}
+
+/// Reserves room for exactly `more` entries.
+pub(crate) fn reserve<V>(values: &mut Vec<V>, more: usize) -> Result<(), Error> {
+    let bytes = (values.len() + more).saturating_mul(size_of::<V>());
+    values.try_reserve_exact(more).map_err(|_| Error::OutOfMemory { bytes })
+}
