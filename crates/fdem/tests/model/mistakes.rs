@@ -106,6 +106,13 @@ fn a_wrong_type_is_told_with_what_is_expected() {
             "\"2700 kg/m3\"",
             ["not a number", "without quotes: 2700"],
         ),
+        // Without its unit the number would be another one.
+        (
+            "density = 2700",
+            "density = \"2.7 g/cm3\"",
+            "\"2.7 g/cm3\"",
+            ["not a number", "without quotes: 3e6 for 3 MPa"],
+        ),
         ("name = \"block\"", "name = 3", "3", ["\"name\" is a number, not text in quotes", ""]),
         ("min = [0, 0]", "min = [0, 0, 0]", "[0, 0, 0]", ["\"min\" is a list of 3, not a list of 2", ""]),
         ("min = [0, 0]", "min = 0", "0", ["\"min\" is a number, not a list of 2", ""]),

@@ -328,6 +328,37 @@ fn a_regular_mesh_under_fracture_is_warned_of() {
     assert!(warnings(&breakable)[0].starts_with("100 % of the elements have the angles of a regular mesh"));
 }
 
+/// [`SMALL`] with a strength, and lines behind it.
+fn breakable(cohesion: &str, more: &str) -> String {
+    format!(
+        "{SMALL}tensile_strength = 1e6\ncohesion = {cohesion}\nfriction_angle = 30\nfracture_energy_i = 1e3\nfracture_energy_ii = 1e3\n{more}"
+    )
+}
+
+#[test]
+fn a_tension_that_shears_first_and_soft_joints_are_warned_of() {
+    let warnings = |text: &str| right(text).warnings.join("\n");
+    assert_eq!(warnings(&breakable("3e6", "")), "");
+    // c / tan 30° is 0.866 MPa.
+    assert!(warnings(&breakable("5e5", "")).contains("cannot carry its tensile strength of"));
+    let soft = breakable("3e6", "[fracture]\njoint_penalty = 0.01\n");
+    assert!(warnings(&soft).contains("joint_penalty = 0.01: joints are softer"));
+}
+
+#[test]
+fn words_of_the_literature_and_moduli_out_of_range_are_answered() {
+    for (text, parts) in [
+        (
+            breakable("3e6", "[fracture]\ninsertion = \"extrinsic\"\n"),
+            ["insertion", "did you mean \"adaptive\"?"],
+        ),
+        (breakable("3e6", "weibull_modulus = 1e-3\n"), ["weibull_modulus", "at least 1"]),
+    ] {
+        let errors = fdem::model::prepare(&text, "m", &mut |_| Err(String::new())).unwrap_err().to_string();
+        assert!(parts.iter().all(|part| errors.contains(part)), "{errors}");
+    }
+}
+
 #[test]
 fn the_preflight_knows_steps_and_time() {
     let prepared = right(SMALL);
