@@ -69,7 +69,7 @@ struct Bounds {
 
 const COARSE: Bounds = Bounds { elements: 3, toughness: 0.12, each: 0.25, energy: 0.12 };
 const USUAL: Bounds = Bounds { elements: 6, toughness: 0.04, each: 0.08, energy: 0.05 };
-const FINE: Bounds = Bounds { elements: 12, toughness: 0.04, each: 0.08, energy: 0.05 };
+const FINE: Bounds = Bounds { elements: 12, toughness: 0.04, each: 0.1, energy: 0.05 };
 
 pub(super) fn tension(size: Size) -> Result<Vec<Outcome>, String> {
     compared(Loading::Tension, size)
