@@ -2,6 +2,7 @@
 
 use crate::error::Error;
 use crate::mask::Set;
+use crate::memory::resize;
 
 /// Marks an empty head and the end of a list; the book writes -1 (p. 106).
 pub const NONE: u32 = u32::MAX;
@@ -46,12 +47,12 @@ impl Lists {
     /// writes them all; that is the only loop over cells.
     pub(crate) fn prepare(&mut self, elements: usize, cells: [u32; 2], reset: bool) -> Result<(), Error> {
         for (heads, cells) in self.heads.iter_mut().zip(cells) {
-            resize(heads, cells as usize)?;
+            resize(heads, cells as usize, NONE)?;
             if reset {
                 heads.fill(NONE);
             }
         }
-        resize(&mut self.next, elements)
+        resize(&mut self.next, elements, NONE)
     }
 
     /// Number of integers held: heads and next numbers.
@@ -99,17 +100,6 @@ impl Lists {
     pub(crate) fn remove(&mut self, set: Set, cell: u32) {
         self.heads[set as usize][cell as usize] = NONE;
     }
-}
-
-/// Sets the length to exactly `len` without spare capacity, because the memory law counts every integer; new integers are [`NONE`].
-fn resize(integers: &mut Vec<u32>, len: usize) -> Result<(), Error> {
-    if len > integers.len() {
-        integers
-            .try_reserve_exact(len - integers.len())
-            .map_err(|_| Error::OutOfMemory { bytes: len * size_of::<u32>() })?;
-    }
-    integers.resize(len, NONE);
-    Ok(())
 }
 
 #[cfg(test)]

@@ -4,10 +4,12 @@
 
 use std::fmt::{self, Display};
 
-use fdem_simulation::{Insertion, Interface, Material, Model, Schedule, Simulation};
+use fdem_simulation::{Insertion, Material, Model, Schedule, Simulation};
 use rayon::prelude::*;
 
-use super::models::{advance_to, centroid, mean_load, moved, nodes_where, rectangle, slit, start, worse};
+use super::models::{
+    advance_to, along_slit, centroid, mean_load, moved, nodes_where, rectangle, slit, start, worse,
+};
 use super::rocks::{prepared, prepared_with};
 use super::{Outcome, Size};
 
@@ -31,14 +33,14 @@ const RAMP: f64 = 2.5e-4;
 /// Time at which the work against the joints of a beam is compared, s. The crack has grown through three quarters of it.
 const BENT: f64 = 1.15e-3;
 
-/// How the specimen is loaded.
+/// The load on the specimen.
 #[derive(Clone, Copy)]
 enum Loading {
     Tension,
     Bending,
 }
 
-/// What makes the mesh of a free crack.
+/// The mesher of the specimen with a free crack.
 #[derive(Clone, Copy)]
 enum Mesher {
     /// The mesher of this crate, with a seed.
@@ -60,10 +62,11 @@ impl Display for Mesher {
 /// Largest errors that pass with a number of elements in the process zone.
 struct Bounds {
     elements: u32,
-    /// Of the toughness: of the mean over the meshes, and of each mesh.
+    /// Error of the mean toughness over the meshes.
     toughness: f64,
+    /// Error of the toughness of each mesh.
     each: f64,
-    /// Of the energy.
+    /// Error of the mean energy.
     energy: f64,
 }
 
@@ -306,16 +309,7 @@ impl Specimen {
         let cells = |length: f64| (length / ZONE * f64::from(STRAIGHT)).round() as usize;
         let whole = rectangle([0.0, -HALF], [WIDTH, HALF], [cells(WIDTH), 2 * cells(HALF)]);
         let any = prepared(&self.model_file("rectangle = { min = [0, 0], max = [1, 1] }\nmesh_size = 0.5"))?;
-        let rock = &any.materials[0];
-        let half = Material { strength: None, ..rock.clone() };
-        let joints =
-            Interface { materials: [0, 1], friction: rock.friction, penalty: None, strength: rock.strength };
-        let mut model = Model {
-            mesh: slit(&whole, NOTCH),
-            materials: vec![half.clone(), half],
-            interfaces: vec![joints],
-            ..any
-        };
+        let mut model = along_slit(any, slit(&whole, NOTCH));
         model.fracture.insertion = self.insertion;
         self.load(&mut model);
         Ok(model)

@@ -1,9 +1,9 @@
 //! A crack in shear under pressure that chooses its path along the edges of an unstructured mesh, and the same crack on a straight line.
 
-use fdem_simulation::{Boundary, Interface, Load, Material, Model, Schedule, Simulation, Target};
+use fdem_simulation::{Boundary, Load, Model, Schedule, Simulation, Target};
 use rayon::prelude::*;
 
-use super::models::{advance, rectangle, slit, start};
+use super::models::{advance, along_slit, rectangle, slit, start};
 use super::rocks::prepared;
 use super::{Outcome, Size};
 
@@ -115,17 +115,8 @@ fracture_energy_ii = {sliding}
 fn straight() -> Result<Model, String> {
     let mesh_size = ZONE / 6.0;
     let cells = |length: f64| (length / mesh_size).round() as usize;
-    let any = free(3, 1)?;
-    let rock = &any.materials[0];
-    let half = Material { strength: None, ..rock.clone() };
-    let joints =
-        Interface { materials: [0, 1], friction: rock.friction, penalty: None, strength: rock.strength };
-    let mut model = Model {
-        mesh: slit(&rectangle([0.0, -HALF], [WIDTH, HALF], [cells(WIDTH), 2 * cells(HALF)]), NOTCH),
-        materials: vec![half.clone(), half],
-        interfaces: vec![joints],
-        ..any
-    };
+    let whole = rectangle([0.0, -HALF], [WIDTH, HALF], [cells(WIDTH), 2 * cells(HALF)]);
+    let mut model = along_slit(free(3, 1)?, slit(&whole, NOTCH));
     load(&mut model);
     Ok(model)
 }

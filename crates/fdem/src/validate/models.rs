@@ -2,7 +2,9 @@
 
 use std::fmt::Display;
 
-use fdem_simulation::{Boundary, Load, Material, Mesh, Model, Schedule, Simulation, Strength, Target};
+use fdem_simulation::{
+    Boundary, Interface, Load, Material, Mesh, Model, Schedule, Simulation, Strength, Target,
+};
 
 /// Density of all materials here, kg/m³.
 pub(super) const DENSITY: f64 = 2700.0;
@@ -134,6 +136,15 @@ pub(super) fn slit(mesh: &Mesh, tip: f64) -> Mesh {
         mesh.materials[element] = u32::from(centroid(&mesh, element)[1] > 0.0);
     }
     mesh
+}
+
+/// The model with another mesh, a [`slit`] one, that can break along the line of the slit only, with the strength of its first material.
+pub(super) fn along_slit(model: Model, mesh: Mesh) -> Model {
+    let rock = &model.materials[0];
+    let half = Material { strength: None, ..rock.clone() };
+    let joints =
+        Interface { materials: [0, 1], friction: rock.friction, penalty: None, strength: rock.strength };
+    Model { mesh, materials: vec![half.clone(), half], interfaces: vec![joints], ..model }
 }
 
 /// Centroid of an undeformed element.
