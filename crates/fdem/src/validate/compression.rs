@@ -2,7 +2,7 @@
 
 use fdem_simulation::{Boundary, Load, Model, Schedule, Target};
 
-use super::models::{mean_load, start, worse};
+use super::models::{edges_where, mean_load, start, worse};
 use super::rocks::prepared;
 use super::{Outcome, Size};
 
@@ -124,10 +124,8 @@ ramp = {RAMP}
         top = 0.5 * HEIGHT,
         angle = FRICTION.atan().to_degrees(),
     ))?;
-    let at_side = |node: u32| model.mesh.nodes[node as usize][0].abs() > 0.5 * WIDTH - 1e-9;
-    let edges = model.mesh.triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
     // No triangle reaches from one side to the other.
-    let sides = edges.filter(|edge| edge.iter().all(|&node| at_side(node))).collect();
+    let sides = edges_where(&model.mesh, |[x, _]| x.abs() > 0.5 * WIDTH - 1e-9);
     model.boundaries.push(Boundary {
         name: "sides".to_owned(),
         target: Target::Edges(sides),

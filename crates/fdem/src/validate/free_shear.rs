@@ -3,7 +3,7 @@
 use fdem_simulation::{Boundary, Load, Model, Schedule, Simulation, Target};
 use rayon::prelude::*;
 
-use super::models::{advance, along_slit, rectangle, slit, start};
+use super::models::{advance, along_slit, edges_where, rectangle, slit, start};
 use super::rocks::prepared;
 use super::{Outcome, Size};
 
@@ -132,12 +132,7 @@ fn load(model: &mut Model) {
         ("right", [1.0, 0.0], WIDTH),
     ];
     let boundaries = sides.iter().flat_map(|&(name, [u, v], distance)| {
-        let on = |node: u32| {
-            let [x, y] = mesh.nodes[node as usize];
-            (u * x + v * y - distance).abs() < 1e-9
-        };
-        let edges = mesh.triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
-        let edges: Vec<[u32; 2]> = edges.filter(|edge| edge.iter().all(|&node| on(node))).collect();
+        let edges = edges_where(mesh, |[x, y]| (u * x + v * y - distance).abs() < 1e-9);
         let traction = |what: &str, traction: [f64; 2], schedule: Schedule| Boundary {
             name: format!("{what}, {name}"),
             target: Target::Edges(edges.clone()),

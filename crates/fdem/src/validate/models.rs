@@ -119,6 +119,12 @@ pub(super) fn nodes_where(mesh: &Mesh, at: impl Fn([f64; 2]) -> bool) -> Vec<u32
     (0..mesh.nodes.len() as u32).filter(|&node| at(mesh.nodes[node as usize])).collect()
 }
 
+/// Edges of triangles, both of whose nodes are where `at` holds.
+pub(super) fn edges_where(mesh: &Mesh, at: impl Fn([f64; 2]) -> bool) -> Vec<[u32; 2]> {
+    let edges = mesh.triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
+    edges.filter(|edge| edge.iter().all(|&node| at(mesh.nodes[node as usize]))).collect()
+}
+
 /// Separates a mesh along y = 0 from the left to `tip`, m. What is above that line becomes material 1.
 pub(super) fn slit(mesh: &Mesh, tip: f64) -> Mesh {
     let mut mesh = mesh.clone();
