@@ -150,15 +150,15 @@ fn grid(columns: usize, rows: usize) -> Mesh {
     let node = |i: usize, j: usize| (j * (columns + 1) + i) as u32;
     let nodes =
         (0..=rows).flat_map(|j| (0..=columns).map(move |i| [i as f64 * CELL, j as f64 * CELL])).collect();
-    let mut triangles = Vec::with_capacity(2 * columns * rows);
+    let mut elements = Vec::with_capacity(2 * columns * rows);
     for j in 0..rows {
         for i in 0..columns {
             let [a, b, c, d] = [node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)];
-            triangles.extend(if (i + j) % 2 == 0 { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] });
+            elements.extend(if (i + j) % 2 == 0 { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] });
         }
     }
-    let count = triangles.len();
-    Mesh { nodes, triangles, bodies: vec![0; count], materials: vec![0; count] }
+    let count = elements.len();
+    Mesh { nodes, elements, bodies: vec![0; count], materials: vec![0; count] }
 }
 
 /// Maps a square to a disc: squares around its middle become circles.
@@ -185,8 +185,8 @@ fn together(parts: &[Mesh]) -> Mesh {
     for (body, part) in parts.iter().enumerate() {
         let first = all.nodes.len() as u32;
         all.nodes.extend(&part.nodes);
-        all.triangles.extend(part.triangles.iter().map(|nodes| nodes.map(|node| node + first)));
-        all.bodies.extend(part.triangles.iter().map(|_| body as u32));
+        all.elements.extend(part.elements.iter().map(|nodes| nodes.map(|node| node + first)));
+        all.bodies.extend(part.elements.iter().map(|_| body as u32));
         all.materials.extend(&part.materials);
     }
     all
@@ -195,7 +195,7 @@ fn together(parts: &[Mesh]) -> Mesh {
 /// The body of each node.
 fn owners(mesh: &Mesh) -> Vec<u32> {
     let mut owners = vec![0; mesh.nodes.len()];
-    for (nodes, &body) in mesh.triangles.iter().zip(&mesh.bodies) {
+    for (nodes, &body) in mesh.elements.iter().zip(&mesh.bodies) {
         for &node in nodes {
             owners[node as usize] = body;
         }

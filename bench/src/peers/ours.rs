@@ -1,6 +1,6 @@
 //! Our own searches.
 
-use fdem_contact::{Couple, Detector, Engine, Error, Nbs, Rows, Search, Simd};
+use fdem_contact::{Couple, Detector, Error, Nbs, Rows, Search, Simd};
 
 use super::{Bodies, Peer};
 
@@ -57,7 +57,7 @@ impl<const D: usize> Ours<D> {
     pub(super) fn new(kind: Kind, simd: Simd, threads: usize) -> Result<Self, Error> {
         let simd = if kind == Kind::RowsAvx2 { Simd::Avx2 } else { simd };
         let rows = Rows::new().with_simd(simd)?.with_threads(threads)?;
-        let detector = Detector::new(Engine::Auto).with_simd(simd)?.with_threads(threads)?;
+        let detector = Detector::new().with_simd(simd)?.with_threads(threads)?;
         Ok(Self { kind, simd, threads, rows, nbs: Nbs::new(), detector })
     }
 

@@ -4,8 +4,8 @@ use std::fmt;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::couple::Couple;
+use crate::detector::Detector;
 use crate::elements::{Elements, Geometry, Shape};
-use crate::engine::{Detector, Engine};
 use crate::error::Error;
 use crate::filter::{GroupMatrix, Labels};
 use crate::memory::reserve;
@@ -227,7 +227,7 @@ impl<T: Real, const D: usize> Buffered<T, D> {
     /// # Errors
     /// [`Error::InvalidBuffer`] if `buffer` is negative, NaN, infinite or beyond [`Real::MAX_MAGNITUDE`].
     pub fn new(buffer: T) -> Result<Self, Error> {
-        Self::with_search(Detector::new(Engine::Auto), buffer)
+        Self::with_search(Detector::new(), buffer)
     }
 }
 

@@ -40,7 +40,7 @@ use crate::search::Search;
 ///
 /// let centres = [[0.0_f64, 0.0], [1.0, 0.0], [2.0, 0.0], [0.0, 1.0]];
 /// let elements = Elements::points(&centres, 1.0)?;
-/// let mut detector = Detector::new(Engine::Auto);
+/// let mut detector = Detector::new();
 /// let mut csr = Csr::new();
 /// csr.find_full(&mut detector, &elements)?;
 /// assert_eq!(csr.neighbours_of(0), [1, 3]);

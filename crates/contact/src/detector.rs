@@ -1,79 +1,25 @@
-//! The choice of an engine, and a search that holds all engines.
+//! A search that holds all engines and chooses the one that fits the elements.
 
-use std::fmt;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use crate::couple::Couple;
 use crate::elements::Elements;
+use crate::engine::{Engine, Plan};
 use crate::error::Error;
 use crate::explain::{Estimate, Explanation, Means};
 use crate::pool::Pool;
 use crate::real::Real;
 use crate::search::Search;
 use crate::search::cgrid::CGrid;
-use crate::search::direct::Direct;
+use crate::search::direct::DirectUntil;
 use crate::search::level::Level;
 use crate::search::multilevel::Multilevel;
 use crate::search::nbs::Nbs;
 use crate::search::rows::Rows;
 use crate::search::rows::scan::Scanner;
 use crate::simd::Simd;
-
-/// The engine to run.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Engine {
-    /// Chosen from the elements; [`Plan::reason`] says why.
-    #[default]
-    Auto,
-    /// [`Direct`]: every element against every other.
-    Direct,
-    /// [`Nbs`]: Munjiza-NBS as published.
-    Nbs,
-    /// [`Rows`]: the decomposition of NBS on sorted rows.
-    Rows,
-    /// [`Multilevel`]: the same for unlike sizes, in levels.
-    Multilevel,
-    /// [`CGrid`]: lists that bodies enter and leave, for bodies that span many cells.
-    CGrid,
-}
-
-impl Engine {
-    /// The name in lower case, as the command spells it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Auto => "auto",
-            Self::Direct => "direct",
-            Self::Nbs => "nbs",
-            Self::Rows => "rows",
-            Self::Multilevel => "multilevel",
-            Self::CGrid => "cgrid",
-        }
-    }
-}
-
-impl fmt::Display for Engine {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        out.write_str(self.name())
-    }
-}
-
-/// How a [`Detector`] will search a set of elements.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Plan<const D: usize> {
-    /// The engine that runs: never [`Engine::Auto`].
-    pub engine: Engine,
-    /// The reason for this engine, in words.
-    pub reason: String,
-    /// Edge of a cell, in the unit of the coordinates; `None` without cells.
-    pub cell_size: Option<f64>,
-    /// Number of cells along each axis; `None` without cells.
-    pub cells: Option<[u64; D]>,
-    /// The levels of [`Engine::Multilevel`] and [`Engine::CGrid`], each with its own cells, the smallest elements first; empty for other
-    /// engines.
-    pub levels: Vec<Level>,
-}
+use crate::stop::Stop;
 
 /// The C-grid is chosen if it is predicted to be at least this many times as fast. For long boxes in all directions the prediction is 3 to
 /// 10 times too favourable to it, least where the C-grid is small, and rows are twice as fast as predicted where boxes look ahead.
@@ -82,7 +28,7 @@ const WORTH_IT: f64 = 6.0;
 /// With fewer elements, testing all against all is faster than any structure.
 const FEW_ELEMENTS: usize = 32;
 
-/// A search with the engine that fits the elements. It keeps the memory of all engines between calls.
+/// A search with the engine that fits the elements, or with the one that is asked for. It keeps the memory of all engines between calls.
 ///
 /// # Example
 /// ```
@@ -90,25 +36,34 @@ const FEW_ELEMENTS: usize = 32;
 ///
 /// let centres: Vec<[f64; 2]> = (0..100).map(|k| [f64::from(k), 0.0]).collect();
 /// let elements = Elements::points(&centres, 1.0)?;
-/// let mut detector = Detector::new(Engine::Auto);
+/// let mut detector = Detector::new();
 /// println!("{}", detector.plan(&elements)?.reason);
 /// assert_eq!(detector.count(&elements)?, 99);
 /// # Ok::<(), fdem_contact::Error>(())
 /// ```
 #[derive(Clone, Debug)]
 pub struct Detector<T, const D: usize> {
-    engine: Engine,
+    /// The engine that was asked for; `None` to choose one.
+    engine: Option<Engine>,
+    direct: DirectUntil,
     nbs: Nbs<D>,
     rows: Rows<T, D>,
     multilevel: Multilevel<T, D>,
     cgrid: CGrid<T, D>,
 }
 
+impl<T: Real, const D: usize> Default for Detector<T, D> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl<T: Real, const D: usize> Detector<T, D> {
-    /// A detector that holds no memory yet.
-    pub fn new(engine: Engine) -> Self {
+    /// A detector that chooses its engine from the elements; [`Plan::reason`] says why. It holds no memory yet.
+    pub fn new() -> Self {
         Self {
-            engine,
+            engine: None,
+            direct: DirectUntil::default(),
             nbs: Nbs::new(),
             rows: Rows::new(),
             multilevel: Multilevel::new(),
@@ -116,18 +71,26 @@ impl<T: Real, const D: usize> Detector<T, D> {
         }
     }
 
+    /// The same with this engine; `None` chooses one from the elements.
+    #[must_use]
+    pub fn with_engine(mut self, engine: impl Into<Option<Engine>>) -> Self {
+        self.engine = engine.into();
+        self
+    }
+
     /// The same on `threads` threads, if the engine can use them ([`Rows`], [`Multilevel`]); 0 is one per processor.
     ///
     /// # Errors
     /// [`Error::NoThreads`].
     pub fn with_threads(self, threads: usize) -> Result<Self, Error> {
-        Ok(self.with_pool(Pool::new(threads)?))
+        let stop = self.rows.pool().stop().clone();
+        Ok(self.with_pool(Pool::new(threads)?.stopped_by(stop)))
     }
 
     /// The same, but a search for a list of couples ends with [`Error::Stopped`] soon after any thread sets `stop`; the list is then empty.
     ///
-    /// [`Rows`] and [`Multilevel`] check `stop` before each part of the search, some thousand elements. Sorting runs to its end, and so do
-    /// other engines; to end these, a visitor can panic.
+    /// [`Rows`] and [`Multilevel`] check `stop` before each part of the search, some thousand elements; sorting runs to its end. Other
+    /// engines check it for each element.
     ///
     /// # Example
     /// ```
@@ -136,7 +99,7 @@ impl<T: Real, const D: usize> Detector<T, D> {
     /// use fdem_contact::{Detector, Elements, Engine, Error, Search};
     ///
     /// let stop = Arc::new(AtomicBool::new(false));
-    /// let mut detector = Detector::new(Engine::Rows).stopped_by(stop.clone());
+    /// let mut detector = Detector::new().with_engine(Engine::Rows).stopped_by(stop.clone());
     /// let points = [[0.0, 0.0], [1.0, 0.0]];
     /// let (elements, mut couples) = (Elements::points(&points, 1.0)?, Vec::new());
     /// detector.couples(&elements, &mut couples)?;
@@ -147,7 +110,7 @@ impl<T: Real, const D: usize> Detector<T, D> {
     #[doc(alias = "cancel")]
     #[must_use]
     pub fn stopped_by(self, stop: Arc<AtomicBool>) -> Self {
-        let pool = self.rows.pool().stopped_by(stop);
+        let pool = self.rows.pool().stopped_by(Stop::new(stop));
         self.with_pool(pool)
     }
 
@@ -162,8 +125,11 @@ impl<T: Real, const D: usize> Detector<T, D> {
         Ok(self)
     }
 
-    /// The same on a thread pool that is shared with other engines.
+    /// The same on a thread pool that is shared with other searches, until that is stopped.
     pub(crate) fn with_pool(mut self, pool: Pool) -> Self {
+        self.direct = DirectUntil(pool.stop().clone());
+        self.nbs = self.nbs.stopped_by(pool.stop().clone());
+        self.cgrid = self.cgrid.stopped_by(pool.stop().clone());
         self.rows = self.rows.with_pool(pool.clone());
         self.multilevel = self.multilevel.with_pool(pool);
         self
@@ -176,7 +142,7 @@ impl<T: Real, const D: usize> Detector<T, D> {
         mut visit: impl FnMut(&[Couple]),
     ) -> Result<(), Error> {
         match self.plan(elements)?.engine {
-            Engine::Rows | Engine::Auto => self.rows.for_each_block(elements, visit),
+            Engine::Rows => self.rows.for_each_block(elements, visit),
             Engine::Multilevel => self.multilevel.for_each_block(elements, visit),
             Engine::Direct | Engine::Nbs | Engine::CGrid => {
                 self.for_each(elements, |couple| visit(&[couple]))
@@ -230,10 +196,10 @@ impl<T: Real, const D: usize> Detector<T, D> {
     pub fn plan(&self, elements: &Elements<'_, T, D>) -> Result<Plan<D>, Error> {
         let mut levels = Vec::new();
         let (engine, reason) = match self.engine {
-            Engine::Auto if elements.len() <= FEW_ELEMENTS => {
+            None if elements.len() <= FEW_ELEMENTS => {
                 (Engine::Direct, format!("all against all is fastest for up to {FEW_ELEMENTS} elements"))
             }
-            Engine::Auto => {
+            None => {
                 let cost;
                 (levels, cost) = self.multilevel.levels_and_cost(elements);
                 match (CGrid::levels_for_long_boxes(elements, cost / WORTH_IT), &levels[..]) {
@@ -245,20 +211,19 @@ impl<T: Real, const D: usize> Detector<T, D> {
                     _ => (Engine::Rows, "linear in N for similar sizes, in any domain".to_owned()),
                 }
             }
-            Engine::Multilevel => {
-                levels = self.multilevel.levels(elements);
-                (Engine::Multilevel, "requested".to_owned())
+            Some(engine) => {
+                match engine {
+                    Engine::Multilevel => levels = self.multilevel.levels(elements),
+                    Engine::CGrid => levels = self.cgrid.levels(elements),
+                    Engine::Direct | Engine::Nbs | Engine::Rows => {}
+                }
+                (engine, "requested".to_owned())
             }
-            Engine::CGrid => {
-                levels = self.cgrid.levels(elements);
-                (Engine::CGrid, "requested".to_owned())
-            }
-            engine => (engine, "requested".to_owned()),
         };
         let grid = match engine {
             Engine::Direct | Engine::Multilevel | Engine::CGrid => None,
             Engine::Nbs => Some(self.nbs.plan(elements)?),
-            Engine::Rows | Engine::Auto => Some(self.rows.plan(elements)),
+            Engine::Rows => Some(self.rows.plan(elements)),
         };
         Ok(Plan {
             engine,
@@ -303,7 +268,7 @@ impl<T: Real, const D: usize> Detector<T, D> {
                 threads: self.rows.threads(),
                 simd: Some(self.rows.simd()),
             },
-            Engine::Rows | Engine::Auto => Means {
+            Engine::Rows => Means {
                 bytes: self.rows.expected_bytes(elements),
                 threads: self.rows.threads(),
                 simd: Some(self.rows.simd()),
@@ -339,9 +304,9 @@ fn unlike(first: &Level, last: &Level) -> String {
 impl<T: Real, const D: usize> Search<T, D> for Detector<T, D> {
     fn for_each(&mut self, elements: &Elements<'_, T, D>, visit: impl FnMut(Couple)) -> Result<(), Error> {
         match self.plan(elements)?.engine {
-            Engine::Direct => Direct.for_each(elements, visit),
+            Engine::Direct => self.direct.for_each(elements, visit),
             Engine::Nbs => self.nbs.for_each(elements, visit),
-            Engine::Rows | Engine::Auto => self.rows.for_each(elements, visit),
+            Engine::Rows => self.rows.for_each(elements, visit),
             Engine::Multilevel => self.multilevel.for_each(elements, visit),
             Engine::CGrid => self.cgrid.for_each(elements, visit),
         }
@@ -349,9 +314,9 @@ impl<T: Real, const D: usize> Search<T, D> for Detector<T, D> {
 
     fn couples(&mut self, elements: &Elements<'_, T, D>, couples: &mut Vec<Couple>) -> Result<(), Error> {
         match self.plan(elements)?.engine {
-            Engine::Direct => Direct.couples(elements, couples),
+            Engine::Direct => self.direct.couples(elements, couples),
             Engine::Nbs => self.nbs.couples(elements, couples),
-            Engine::Rows | Engine::Auto => self.rows.couples(elements, couples),
+            Engine::Rows => self.rows.couples(elements, couples),
             Engine::Multilevel => self.multilevel.couples(elements, couples),
             Engine::CGrid => self.cgrid.couples(elements, couples),
         }
@@ -359,9 +324,9 @@ impl<T: Real, const D: usize> Search<T, D> for Detector<T, D> {
 
     fn count(&mut self, elements: &Elements<'_, T, D>) -> Result<u64, Error> {
         match self.plan(elements)?.engine {
-            Engine::Direct => Direct.count(elements),
+            Engine::Direct => self.direct.count(elements),
             Engine::Nbs => self.nbs.count(elements),
-            Engine::Rows | Engine::Auto => self.rows.count(elements),
+            Engine::Rows => self.rows.count(elements),
             Engine::Multilevel => self.multilevel.count(elements),
             Engine::CGrid => self.cgrid.count(elements),
         }

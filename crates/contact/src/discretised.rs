@@ -39,8 +39,9 @@ mod simplex;
 mod spheres;
 
 use crate::couple::Couple;
+use crate::detector::Detector;
 use crate::elements::Elements;
-use crate::engine::{Detector, Engine};
+use crate::engine::Engine;
 use crate::error::Error;
 use crate::filter::Filter;
 use crate::memory::{reserve, resize};
@@ -188,7 +189,7 @@ where
     [[f64; D]; N]: Simplex<D>,
 {
     let mut contacts = Vec::new();
-    MeshSearch::new(Engine::Auto).contacts(mesh, &mut contacts)?;
+    MeshSearch::new().contacts(mesh, &mut contacts)?;
     Ok(contacts)
 }
 
@@ -205,7 +206,7 @@ where
 ///
 /// let points = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0], [0.1, 0.1]];
 /// let mesh = Mesh::new(&points, &[[0, 1, 2], [1, 3, 2], [4, 3, 3]], &[0, 0, 0])?;
-/// let mut search = MeshSearch::new(Engine::Auto).with_threads(2)?;
+/// let mut search = MeshSearch::new().with_threads(2)?;
 /// let mut contacts = Vec::new();
 /// search.contacts(&mesh, &mut contacts)?;
 /// assert!(contacts.is_empty(), "all is one body");
@@ -229,17 +230,30 @@ pub struct MeshSearch<const D: usize> {
 /// Number of couples in one part of the work.
 const PART: usize = 512;
 
+impl<const D: usize> Default for MeshSearch<D> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl<const D: usize> MeshSearch<D> {
-    /// A search on one thread for contacts of different bodies; `engine` searches the bounding boxes.
-    pub fn new(engine: Engine) -> Self {
+    /// A search on one thread for contacts of different bodies. It chooses the engine that searches the bounding boxes.
+    pub fn new() -> Self {
         Self {
-            detector: Detector::new(engine),
+            detector: Detector::new(),
             self_contact: false,
             min: Vec::new(),
             max: Vec::new(),
             couples: Vec::new(),
             pool: Pool::default(),
         }
+    }
+
+    /// The same with this engine; `None` chooses one from the boxes.
+    #[must_use]
+    pub fn with_engine(mut self, engine: impl Into<Option<Engine>>) -> Self {
+        self.detector = self.detector.with_engine(engine);
+        self
     }
 
     /// The same on `threads` threads; 0 is one per processor.
@@ -320,7 +334,7 @@ impl<const D: usize> MeshSearch<D> {
     /// let points = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
     /// let mesh = Mesh::new(&points, &[[0, 1, 2], [1, 2, 3]], &[0, 1])?;
     /// let found = contacts(&mesh)?;
-    /// let search = MeshSearch::new(Engine::Auto);
+    /// let search = MeshSearch::new();
     /// assert_eq!(search.verify(&mesh, &found, 10, 0), Ok(2));
     /// assert!(search.verify(&mesh, &[], 10, 0).is_err());
     /// # Ok::<(), fdem_contact::discretised::DiscretisedError>(())

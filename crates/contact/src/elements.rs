@@ -350,6 +350,72 @@ impl<'a, T: Real, const D: usize> Elements<'a, T, D> {
         }
     }
 
+    /// Where an element begins and ends along an axis, extended so that elements that touch overlap (closed) on every axis.
+    ///
+    /// With [`Elements::touch`], this is all that a [`Search`](crate::Search) needs to know of elements.
+    ///
+    /// # Why no couple is lost
+    /// Boxes: `low = min` and `high = max + tolerance`, rounded as in the comparison of [`Elements`]. They overlap on every axis exactly
+    /// where the boxes touch.
+    ///
+    /// Spheres: `low = x - h` and `high = x + h` with `h = (r + tolerance / 2) (1 + (D + 8) EPSILON) + MIN_RESOLVED / 2`. The relative part
+    /// of `rounding()` below may be taken of `r_i + r_j` instead of the largest sum. So spheres that touch are at most `h_i + h_j` apart
+    /// along an axis; that bound is four times what is needed, which covers the roundings of `h`. Hence `x_i - h_i <= x_j + h_j` holds for
+    /// exact numbers. Both sides are rounded once, and rounding does not change an order.
+    ///
+    /// # Panics
+    /// When `index` is not below [`Elements::len`], or `axis` not below `D`.
+    ///
+    /// # Example
+    /// A search of one's own, which sorts the elements along the first axis:
+    /// ```
+    /// use fdem_contact::{Couple, Elements, Error, Real, Search, verify};
+    ///
+    /// struct Sweep;
+    ///
+    /// impl<T: Real, const D: usize> Search<T, D> for Sweep {
+    ///     fn for_each(
+    ///         &mut self,
+    ///         elements: &Elements<'_, T, D>,
+    ///         mut visit: impl FnMut(Couple),
+    ///     ) -> Result<(), Error> {
+    ///         let mut order: Vec<usize> = (0..elements.len()).collect();
+    ///         order.sort_by(|&i, &j| elements.span(i, 0)[0].total_cmp(&elements.span(j, 0)[0]));
+    ///         for (place, &i) in order.iter().enumerate() {
+    ///             let [_, end] = elements.span(i, 0);
+    ///             for &j in order[place + 1..].iter().take_while(|&&j| elements.span(j, 0)[0] <= end) {
+    ///                 if elements.touch(i, j) {
+    ///                     visit(Couple::new(i as u32, j as u32));
+    ///                 }
+    ///             }
+    ///         }
+    ///         Ok(())
+    ///     }
+    /// }
+    ///
+    /// let centres: Vec<[f64; 2]> = (0..100).map(|k| [f64::from(k) * 0.4, f64::from(k % 7)]).collect();
+    /// let elements = Elements::spheres(&centres, 0.6)?;
+    /// let mut couples = Vec::new();
+    /// Sweep.couples(&elements, &mut couples)?;
+    /// verify(&elements, &couples, 100, 1)?;
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[inline]
+    pub fn span(&self, index: usize, axis: usize) -> [f64; 2] {
+        let (centre, radius) = match self.shape {
+            Shape::Boxes(boxes) => {
+                let high = boxes.max[index][axis] + self.tolerance;
+                return [boxes.min[index][axis].to_f64(), high.to_f64()];
+            }
+            Shape::Equal(equal) => (equal.centres[index][axis], equal.radius),
+            Shape::Spheres(spheres) => (spheres.centres[index][axis], spheres.radii[index]),
+        };
+        let widened = (radius.to_f64() + 0.5 * self.tolerance.to_f64()) * (1.0 + (D + 8) as f64 * T::EPSILON);
+        let half = widened + 0.5 * T::MIN_RESOLVED;
+        let centre = centre.to_f64();
+        [centre - half, centre + half]
+    }
+
     pub(crate) fn anchor(&self, index: usize, axis: usize) -> f64 {
         match self.shape {
             Shape::Equal(equal) => equal.anchor(index, axis),

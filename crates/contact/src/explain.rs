@@ -3,7 +3,7 @@
 use std::fmt::{self, Write};
 
 use crate::elements::{Elements, Shape};
-use crate::engine::{Engine, Plan};
+use crate::engine::Plan;
 use crate::grid::{Grid, rows_of};
 use crate::real::Real;
 use crate::search::level::Level;
@@ -19,7 +19,7 @@ use crate::verify::split_mix;
 ///
 /// let centres: Vec<[f64; 2]> = (0..500).map(|k| [f64::from(k), 0.0]).collect();
 /// let elements = Elements::points(&centres, 1.0)?;
-/// let explanation = Detector::new(Engine::Auto).explain(&elements)?;
+/// let explanation = Detector::new().explain(&elements)?;
 /// assert_eq!(explanation.couples, 499.0); // few elements: counted
 /// assert_eq!(explanation.couples_error, 0.0);
 /// println!("{explanation}");
@@ -87,21 +87,8 @@ pub(crate) struct Means {
 }
 
 impl Means {
-    /// The means of [`Engine::Direct`].
+    /// The means of [`Engine::Direct`](crate::Engine::Direct).
     pub(crate) const NONE: Self = Self { bytes: 0, threads: 1, simd: None };
-}
-
-impl<const D: usize> Plan<D> {
-    /// A plan that tests all elements with all others.
-    pub(crate) fn without_cells(reason: &str) -> Self {
-        Self {
-            engine: Engine::Direct,
-            reason: reason.to_owned(),
-            cell_size: None,
-            cells: None,
-            levels: Vec::new(),
-        }
-    }
 }
 
 impl<const D: usize> fmt::Display for Explanation<D> {

@@ -61,10 +61,12 @@ mod lists;
 mod mask;
 mod search;
 mod simd;
+mod stop;
 mod pool;
 mod ordered;
 mod engine;
 mod explain;
+mod detector;
 mod buffer;
 mod periodic;
 mod index;
@@ -79,8 +81,9 @@ mod error;
 pub use buffer::{Buffered, Reason, Update};
 pub use couple::{Couple, CrossCouple};
 pub use csr::Csr;
+pub use detector::Detector;
 pub use elements::Elements;
-pub use engine::{Detector, Engine, Plan};
+pub use engine::{Engine, Plan};
 pub use error::Error;
 pub use explain::Explanation;
 pub use filter::{Filter, GroupMatrix};
@@ -112,8 +115,8 @@ pub use verify::{Mismatch, verify};
 /// # Units
 /// One length unit for both.
 ///
+/// # Cost
 /// Time proportional to `n`, plus the time to sort the couples.
-/// Time proportional to `n`, plus the sorting of the couples.
 ///
 /// # Errors
 /// The errors of [`Elements::spheres_with_radii`] and of [`Search::for_each`].
@@ -137,8 +140,8 @@ pub fn couples<T: Real, const D: usize>(centres: &[[T; D]], radii: &[T]) -> Resu
 /// # Units
 /// One length unit for both.
 ///
+/// # Cost
 /// Time proportional to `n` plus the number of couples, plus the time to sort them.
-/// Time proportional to `n` plus the number of couples, and their sorting.
 ///
 /// # Errors
 /// The errors of [`Elements::points`] and of [`Search::for_each`].
@@ -156,7 +159,7 @@ pub fn couples_within<T: Real, const D: usize>(points: &[[T; D]], cutoff: T) -> 
 
 fn sorted<T: Real, const D: usize>(elements: &Elements<'_, T, D>) -> Result<Vec<Couple>, Error> {
     let mut couples = Vec::new();
-    Detector::new(Engine::Auto).couples(elements, &mut couples)?;
+    Detector::new().couples(elements, &mut couples)?;
     couples.sort_unstable();
     Ok(couples)
 }

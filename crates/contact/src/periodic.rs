@@ -8,8 +8,9 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use crate::couple::Couple;
+use crate::detector::Detector;
 use crate::elements::{Elements, Shape};
-use crate::engine::{Detector, Engine, Plan};
+use crate::engine::{Engine, Plan};
 use crate::error::Error;
 use crate::explain::{Around, Estimate, Explanation, Means};
 use crate::grid::Grid;
@@ -19,6 +20,7 @@ use crate::pool::Pool;
 use crate::real::Real;
 use crate::search::Search;
 use crate::simd::Simd;
+use crate::stop::Stop;
 
 /// Two touching elements of a periodic box: `i`, and `j` displaced by `shift` edges.
 ///
@@ -91,7 +93,7 @@ const MOST_IMAGES: usize = 1 << 30;
 /// let cell = PeriodicBox::orthogonal([0.0, 0.0], [4.0, 4.0], [true, true])?;
 ///
 /// let mut couples = Vec::new();
-/// PeriodicSearch::new(Engine::Auto).couples(&elements, &cell, &mut couples)?;
+/// PeriodicSearch::new().couples(&elements, &cell, &mut couples)?;
 /// // Disc 1, one edge to the left, is at -0.25 and touches disc 0.
 /// assert_eq!(couples, [PeriodicCouple { i: 0, j: 1, shift: [-1, 0] }]);
 /// # Ok::<(), fdem_contact::Error>(())
@@ -100,7 +102,8 @@ const MOST_IMAGES: usize = 1 << 30;
 #[doc(alias = "ghost")]
 #[derive(Clone, Debug)]
 pub struct PeriodicSearch<T, const D: usize> {
-    engine: Engine,
+    /// The engine that was asked for; `None` to choose one.
+    engine: Option<Engine>,
     /// Searches all elements; below, those near the faces with their images.
     detector: Detector<T, D>,
     outer_detector: Detector<T, D>,
@@ -112,19 +115,34 @@ pub struct PeriodicSearch<T, const D: usize> {
     parts: Vec<Vec<PeriodicCouple<D>>>,
 }
 
+impl<T: Real, const D: usize> Default for PeriodicSearch<T, D> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl<T: Real, const D: usize> PeriodicSearch<T, D> {
-    /// A search that holds no memory yet. `engine` searches both elements and images.
-    pub fn new(engine: Engine) -> Self {
+    /// A search that chooses its engines from the elements, and holds no memory yet.
+    pub fn new() -> Self {
         Self {
-            engine,
-            detector: Detector::new(engine),
-            outer_detector: Detector::new(engine),
+            engine: None,
+            detector: Detector::new(),
+            outer_detector: Detector::new(),
             images: Images::new(),
             refuse_outside: false,
             max_images: DEFAULT_MAX_IMAGES,
             pool: Pool::default(),
             parts: Vec::new(),
         }
+    }
+
+    /// The same with this engine for elements and images; `None` chooses from the elements.
+    #[must_use]
+    pub fn with_engine(mut self, engine: impl Into<Option<Engine>>) -> Self {
+        self.engine = engine.into();
+        self.detector = self.detector.with_engine(self.engine);
+        self.outer_detector = self.outer_detector.with_engine(self.engine);
+        self
     }
 
     /// The same, but an element outside the box along a periodic edge is refused with [`Error::OutsideBox`] instead of being wrapped.
@@ -149,7 +167,7 @@ impl<T: Real, const D: usize> PeriodicSearch<T, D> {
     /// # Errors
     /// [`Error::NoThreads`].
     pub fn with_threads(mut self, threads: usize) -> Result<Self, Error> {
-        self.pool = Pool::new(threads)?;
+        self.pool = Pool::new(threads)?.stopped_by(self.pool.stop().clone());
         self.detector = self.detector.with_pool(self.pool.clone());
         self.outer_detector = self.outer_detector.with_pool(self.pool.clone());
         Ok(self)
@@ -159,7 +177,7 @@ impl<T: Real, const D: usize> PeriodicSearch<T, D> {
     /// [`Detector::stopped_by`].
     #[must_use]
     pub fn stopped_by(mut self, stop: Arc<AtomicBool>) -> Self {
-        self.pool = self.pool.stopped_by(stop);
+        self.pool = self.pool.stopped_by(Stop::new(stop));
         self.detector = self.detector.with_pool(self.pool.clone());
         self.outer_detector = self.outer_detector.with_pool(self.pool.clone());
         self
@@ -210,7 +228,7 @@ impl<T: Real, const D: usize> PeriodicSearch<T, D> {
     /// let discs: Vec<[f64; 2]> = (0..100).map(|k| [f64::from(k), 0.0]).collect();
     /// let elements = Elements::spheres(&discs, 0.5)?;
     /// let cell = PeriodicBox::orthogonal([0.0, 0.0], [100.0, 9.0], [true, true])?;
-    /// let explanation = PeriodicSearch::new(Engine::Auto).explain(&elements, &cell)?;
+    /// let explanation = PeriodicSearch::new().explain(&elements, &cell)?;
     /// assert_eq!(explanation.couples, 100.0);
     /// println!("{explanation}");
     /// # Ok::<(), fdem_contact::Error>(())
@@ -221,7 +239,7 @@ impl<T: Real, const D: usize> PeriodicSearch<T, D> {
         elements: &Elements<'_, T, D>,
         cell: &PeriodicBox<T, D>,
     ) -> Result<Explanation<D>, Error> {
-        let asked_for = self.engine != Engine::Auto;
+        let asked_for = self.engine.is_some();
         let Prepared { images, inner, outer, test, of_inner, of_outer, .. } = self.prepare(elements, cell)?;
         let (searched, by) = match &inner {
             Some(inner) => (inner, &*of_inner),
@@ -333,18 +351,18 @@ impl<T: Real, const D: usize> PeriodicSearch<T, D> {
         elements: &Elements<'s, T, D>,
         cell: &PeriodicBox<T, D>,
     ) -> Result<Prepared<'s, T, D>, Error> {
-        let direct = self.engine == Engine::Direct;
+        let direct = self.engine == Some(Engine::Direct);
         self.images.build(elements, cell, self.refuse_outside, !direct, self.max_images, &self.pool)?;
         let images = &self.images;
         let inner = if images.apart { Some(images.wrapped(elements)?) } else { None };
         let outer = images.with_images(elements)?;
-        let test = direct || (self.engine == Engine::Auto && images.compact);
+        let test = direct || (self.engine.is_none() && images.compact);
         if !test {
             self.detector.plan(&outer).map_err(|error| images.named_error(error))?;
             inner.iter().try_for_each(|inner| self.detector.plan(inner).map(drop))?;
         }
-        let Self { detector: of_inner, outer_detector: of_outer, parts, .. } = self;
-        Ok(Prepared { images, inner, outer, test, of_inner, of_outer, parts })
+        let Self { detector: of_inner, outer_detector: of_outer, parts, pool, .. } = self;
+        Ok(Prepared { images, inner, outer, test, of_inner, of_outer, parts, stop: pool.stop() })
     }
 }
 
@@ -361,14 +379,14 @@ struct Prepared<'s, T, const D: usize> {
     of_outer: &'s mut Detector<T, D>,
     /// Working memory for lists in parts.
     parts: &'s mut Vec<Vec<PeriodicCouple<D>>>,
+    stop: &'s Stop,
 }
 
 impl<T: Real, const D: usize> Prepared<'_, T, D> {
     fn for_each(self, mut visit: impl FnMut(PeriodicCouple<D>)) -> Result<(), Error> {
         let Self { images, inner, outer, of_inner, of_outer, .. } = self;
         if self.test {
-            images.test(&outer, visit);
-            return Ok(());
+            return images.test(&outer, self.stop, visit);
         }
         if let Some(inner) = inner {
             of_inner.for_each_block(&inner, |block| {
@@ -385,14 +403,14 @@ impl<T: Real, const D: usize> Prepared<'_, T, D> {
         let Self { images, inner, outer, of_inner, of_outer, parts, .. } = self;
         if self.test {
             let mut room = Ok(());
-            images.test(&outer, |couple| {
+            images.test(&outer, self.stop, |couple| {
                 if room.is_ok() {
                     room = reserve(couples, 1);
                 }
                 if room.is_ok() {
                     couples.push(couple);
                 }
-            });
+            })?;
             return room;
         }
         if let Some(inner) = inner {
@@ -446,7 +464,7 @@ impl<T: Real, const D: usize> Prepared<'_, T, D> {
         let Self { images, inner, outer, of_inner, of_outer, .. } = self;
         let mut count = 0;
         if self.test {
-            images.test(&outer, |_| count += 1);
+            images.test(&outer, self.stop, |_| count += 1)?;
             return Ok(count);
         }
         if let Some(inner) = inner {
@@ -472,7 +490,7 @@ impl<T: Real, const D: usize> Prepared<'_, T, D> {
         let mut states = Vec::new();
         if self.test {
             let mut state = start();
-            images.test(&outer, |couple| visit(&mut state, couple));
+            images.test(&outer, self.stop, |couple| visit(&mut state, couple))?;
             states.push(state);
             return Ok(states);
         }
@@ -535,10 +553,16 @@ fn reserve<V>(values: &mut Vec<V>, more: usize) -> Result<(), Error> {
 
 impl<T: Real, const D: usize> Images<T, D> {
     /// Tests all elements against all elements and images.
-    fn test(&self, all: &Elements<'_, T, D>, mut visit: impl FnMut(PeriodicCouple<D>)) {
+    fn test(
+        &self,
+        all: &Elements<'_, T, D>,
+        stop: &Stop,
+        mut visit: impl FnMut(PeriodicCouple<D>),
+    ) -> Result<(), Error> {
         let n = self.near.len();
         let mut image = 0;
         for i in 0..n {
+            stop.go_on()?;
             while self.owners.get(image).is_some_and(|&owner| (owner as usize) < i) {
                 image += 1;
             }
@@ -550,6 +574,7 @@ impl<T: Real, const D: usize> Images<T, D> {
                 }
             }
         }
+        Ok(())
     }
 
     /// The couple of two elements, with the shift between the caller's positions.

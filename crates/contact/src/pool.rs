@@ -7,11 +7,13 @@ mod others;
 mod spread;
 
 #[cfg(feature = "rayon")]
+use std::sync::Arc;
+#[cfg(feature = "rayon")]
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, OnceLock};
+use std::sync::OnceLock;
 
 use crate::error::Error;
+use crate::stop::Stop;
 #[cfg(feature = "rayon")]
 use others::Others;
 
@@ -26,8 +28,7 @@ const MAX_THREADS: usize = 1024;
 pub(crate) struct Pool {
     #[cfg(feature = "rayon")]
     others: Option<Arc<Others>>,
-    /// Set by a caller that wants searches to stop.
-    stop: Option<Arc<AtomicBool>>,
+    stop: Stop,
 }
 
 #[cfg_attr(
@@ -51,7 +52,7 @@ impl Pool {
                 reason: format!("more than {MAX_THREADS} are not supported"),
             });
         }
-        Ok(Self { others: Some(Others::new(threads)?.into()), stop: None })
+        Ok(Self { others: Some(Others::new(threads)?.into()), stop: Stop::default() })
     }
 
     /// One thread: this build cannot have more.
@@ -63,23 +64,15 @@ impl Pool {
         Err(Error::NoThreads { threads, reason: "built without the feature `rayon`".to_owned() })
     }
 
-    /// The same pool for work that ends with [`Error::Stopped`] once `stop` is set.
-    pub(crate) fn stopped_by(mut self, stop: Arc<AtomicBool>) -> Self {
-        self.stop = Some(stop);
+    /// The same pool for work that ends with [`Error::Stopped`] once the flag of `stop` is set.
+    pub(crate) fn stopped_by(mut self, stop: Stop) -> Self {
+        self.stop = stop;
         self
     }
 
-    /// Whether work may be stopped before its end.
-    pub(crate) fn may_stop(&self) -> bool {
-        self.stop.is_some()
-    }
-
-    /// Returns an error if work is to stop; called before each part of a search.
-    pub(crate) fn go_on(&self) -> Result<(), Error> {
-        match &self.stop {
-            Some(stop) if stop.load(Ordering::Relaxed) => Err(Error::Stopped),
-            _ => Ok(()),
-        }
+    /// What may stop the work.
+    pub(crate) fn stop(&self) -> &Stop {
+        &self.stop
     }
 
     pub(crate) fn threads(&self) -> usize {

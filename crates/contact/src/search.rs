@@ -48,15 +48,15 @@ pub trait Search<T: Real, const D: usize> {
     fn couples(&mut self, elements: &Elements<'_, T, D>, couples: &mut Vec<Couple>) -> Result<(), Error> {
         couples.clear();
         let mut room = Ok(());
-        self.for_each(elements, |couple| {
+        let all = self.for_each(elements, |couple| {
             if couples.len() == couples.capacity() && room.is_ok() {
                 room = make_room(couples);
             }
             if room.is_ok() {
                 couples.push(couple);
             }
-        })?;
-        room.inspect_err(|_| couples.clear())
+        });
+        all.and(room).inspect_err(|_| couples.clear())
     }
 
     /// The number of couples, without storing them.

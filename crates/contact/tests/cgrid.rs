@@ -303,10 +303,10 @@ fn periodic_boxes() {
     for periodic in [[true, true], [true, false]] {
         let cell = PeriodicBox::orthogonal([0.0, 0.0], [edge, edge], periodic).unwrap();
         let mut found = Vec::new();
-        PeriodicSearch::new(Engine::CGrid).couples(&elements, &cell, &mut found).unwrap();
+        PeriodicSearch::new().with_engine(Engine::CGrid).couples(&elements, &cell, &mut found).unwrap();
         found.sort_unstable();
         let mut direct: Vec<PeriodicCouple<2>> = Vec::new();
-        PeriodicSearch::new(Engine::Direct).couples(&elements, &cell, &mut direct).unwrap();
+        PeriodicSearch::new().with_engine(Engine::Direct).couples(&elements, &cell, &mut direct).unwrap();
         direct.sort_unstable();
         assert!(found == direct, "{} couples instead of {}", found.len(), direct.len());
         assert!(found.iter().any(|couple| couple.shift != [0, 0]));
@@ -342,7 +342,7 @@ fn periodic_boxes() {
 fn a_detector_reports_levels_and_finds_the_same() {
     let cloud = gas::<3>(3000, 13, 6.0, power_law(100.0)).unwrap();
     let elements = Elements::spheres_with_radii(&cloud.centres, &cloud.radii).unwrap();
-    let mut detector = Detector::new(Engine::CGrid);
+    let mut detector = Detector::new().with_engine(Engine::CGrid);
     let plan = detector.plan(&elements).unwrap();
     assert_eq!((plan.engine, plan.engine.name()), (Engine::CGrid, "cgrid"));
     assert_eq!(plan.levels, CGrid::new().levels(&elements));
@@ -449,7 +449,7 @@ fn levels_follow_the_sizes() {
 #[test]
 fn auto_takes_cells_for_long_boxes_only() {
     let auto = |min: &[[f64; 3]], max: &[[f64; 3]]| {
-        Detector::new(Engine::Auto).plan(&Elements::boxes(min, max).unwrap()).unwrap()
+        Detector::new().plan(&Elements::boxes(min, max).unwrap()).unwrap()
     };
     let mut random = Random::new(15);
     let min: Vec<[f64; 3]> =
@@ -462,7 +462,7 @@ fn auto_takes_cells_for_long_boxes_only() {
     let max: Vec<_> = min.iter().map(|corner| corner.map(|x| x + 2.0)).collect();
     assert_eq!(auto(&min, &max).engine, Engine::Rows);
     let spheres = Elements::spheres(&min, 1.0).unwrap();
-    assert_eq!(Detector::new(Engine::Auto).plan(&spheres).unwrap().engine, Engine::Rows);
+    assert_eq!(Detector::new().plan(&spheres).unwrap().engine, Engine::Rows);
     // So sparse that no element is near another: all the work is sorting.
     let sparse: Vec<[f64; 3]> = min.iter().map(|corner| corner.map(|x| x * 1e4)).collect();
     let max: Vec<_> =

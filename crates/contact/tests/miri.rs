@@ -130,7 +130,9 @@ fn boxes_that_repeat_and_buffers() {
     let cell = PeriodicBox::orthogonal([0.0; 2], [6.0; 2], [true; 2]).unwrap();
     let mut counts = Vec::new();
     for threads in THREADS {
-        let Ok(mut search) = PeriodicSearch::new(Engine::Rows).with_threads(threads) else { continue };
+        let Ok(mut search) = PeriodicSearch::new().with_engine(Engine::Rows).with_threads(threads) else {
+            continue;
+        };
         let mut couples = Vec::new();
         search.couples(&elements, &cell, &mut couples).unwrap();
         counts.push(couples.len());

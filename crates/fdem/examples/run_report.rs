@@ -162,7 +162,7 @@ fn expected(snapshot: &Snapshot, forces: &Forces) -> serde_json::Value {
         "positions": snapshot.positions,
         "displacements": snapshot.displacements,
         "velocities": snapshot.velocities,
-        "triangles": snapshot.triangles,
+        "triangles": snapshot.elements,
         "stresses": snapshot.stresses,
         "damage": snapshot.damage,
         "bodies": snapshot.bodies,

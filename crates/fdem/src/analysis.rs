@@ -161,7 +161,7 @@ impl std::error::Error for AnalysisError {}
 /// let centres = [[0.5, 0.5, 0.5]];
 /// let cell = PeriodicBox::orthogonal([0.0; 3], [1.0; 3], [true; 3])?;
 /// let mut couples = Vec::new();
-/// PeriodicSearch::new(Engine::Auto).couples(&Elements::spheres(&centres, 0.5)?, &cell, &mut couples)?;
+/// PeriodicSearch::new().couples(&Elements::spheres(&centres, 0.5)?, &cell, &mut couples)?;
 /// let couples = Couples::Periodic(couples);
 /// let space = Space { centres: &centres, cell: Some(cell) };
 /// let analysis = analyse(&Network { space, sizes: Sizes::All(0.5), couples: &couples }, &Options::default())?;

@@ -384,20 +384,18 @@ fn velocities(file: &ModelFile, placed: &[Placed]) -> Vec<[f64; 2]> {
 }
 
 /// Initial stress of each element, that of its centroid; empty for none.
-fn stresses(file: &ModelFile, mesh: &Mesh) -> Vec<[f64; 3]> {
+fn stresses(file: &ModelFile, mesh: &Mesh) -> Vec<[[f64; 2]; 2]> {
     let (stress, gradient) = (file.initial.stress, file.initial.stress_gradient);
     if stress.is_none() && gradient == [0.0; 3] {
         return Vec::new();
     }
     let stress = stress.unwrap_or_default();
-    let of = |nodes: &[u32; 3]| -> [f64; 3] {
-        if gradient == [0.0; 3] {
-            return stress;
-        }
+    let of = |nodes: &[u32; 3]| {
         let height = nodes.iter().map(|&node| mesh.nodes[node as usize][1]).sum::<f64>() / 3.0;
-        std::array::from_fn(|k| stress[k] + gradient[k] * height)
+        let [xx, yy, xy] = std::array::from_fn(|k| stress[k] + gradient[k] * height);
+        [[xx, xy], [xy, yy]]
     };
-    mesh.triangles.iter().map(of).collect()
+    mesh.elements.iter().map(of).collect()
 }
 
 fn contact(file: &ModelFile) -> ContactOptions {
@@ -430,7 +428,7 @@ fn bodies_of(placed: &[Placed]) -> Vec<Body> {
         .map(|body| Body {
             name: body.name.clone(),
             nodes: range(body.first[0], body.piece.nodes.len()),
-            elements: range(body.first[1], body.piece.triangles.len()),
+            elements: range(body.first[1], body.piece.elements.len()),
         })
         .collect()
 }
@@ -440,8 +438,8 @@ fn grains_of(placed: &[Placed]) -> Vec<u32> {
         return Vec::new();
     }
     let of_body = |body: &Placed| {
-        let Piece { grains, triangles, .. } = &body.piece;
-        if grains.is_empty() { vec![0; triangles.len()] } else { grains.clone() }
+        let Piece { grains, elements, .. } = &body.piece;
+        if grains.is_empty() { vec![0; elements.len()] } else { grains.clone() }
     };
     placed.iter().flat_map(of_body).collect()
 }

@@ -102,7 +102,7 @@ impl From<SnapshotError> for io::Error {
 
 /// Checks that every array has its length and that every node exists.
 fn checked(snapshot: &Snapshot) -> Result<(), SnapshotError> {
-    let (nodes, elements) = (snapshot.positions.len(), snapshot.triangles.len());
+    let (nodes, elements) = (snapshot.positions.len(), snapshot.elements.len());
     for (name, found, expected) in [
         ("displacements", snapshot.displacements.len(), nodes),
         ("velocities", snapshot.velocities.len(), nodes),
@@ -116,7 +116,7 @@ fn checked(snapshot: &Snapshot) -> Result<(), SnapshotError> {
             return Err(SnapshotError::Length { name, found, expected });
         }
     }
-    for (element, triangle) in snapshot.triangles.iter().enumerate() {
+    for (element, triangle) in snapshot.elements.iter().enumerate() {
         if let Some(&node) = triangle.iter().find(|&&node| node as usize >= nodes) {
             return Err(SnapshotError::Node { element, node, nodes });
         }

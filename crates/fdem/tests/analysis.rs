@@ -7,7 +7,7 @@
 use std::f64::consts::{PI, SQRT_2};
 
 use fdem::analysis::{Analysis, AnalysisError, Options, RadialOptions, analyse};
-use fdem::contact::{Couple, Detector, Elements, Engine, PeriodicBox, PeriodicSearch, Search};
+use fdem::contact::{Couple, Detector, Elements, PeriodicBox, PeriodicSearch, Search};
 use fdem::network::{Couples, Network, Sizes, Space};
 
 /// Detection, then the analysis.
@@ -26,12 +26,12 @@ fn analysed<const D: usize>(
     let elements = elements.unwrap().with_tolerance(tolerance).unwrap();
     let couples = if let Some(cell) = &cell {
         let mut couples = Vec::new();
-        PeriodicSearch::new(Engine::Auto).couples(&elements, cell, &mut couples).unwrap();
+        PeriodicSearch::new().couples(&elements, cell, &mut couples).unwrap();
         couples.sort_unstable();
         Couples::Periodic(couples)
     } else {
         let mut couples = Vec::new();
-        Detector::new(Engine::Auto).couples(&elements, &mut couples).unwrap();
+        Detector::new().couples(&elements, &mut couples).unwrap();
         couples.sort_unstable();
         Couples::Plain(couples)
     };

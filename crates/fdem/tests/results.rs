@@ -67,7 +67,7 @@ fn a_snapshot_that_contradicts_itself_is_refused_and_says_why() {
     let mut short = whole.clone();
     short.stresses.pop();
     let mut lost = whole.clone();
-    lost.triangles[7][1] = 9999;
+    lost.elements[7][1] = 9999;
     let length = SnapshotError::Length { name: "stresses", found: 53, expected: 54 };
     let node = SnapshotError::Node { element: 7, node: 9999, nodes: whole.positions.len() };
     for (snapshot, expected) in [(short, length), (lost, node)] {
@@ -177,7 +177,7 @@ fn wall(columns: u32, rows: u32) -> (Mesh, Vec<u32>) {
         }
         for column in 0..columns {
             let (a, c) = (first + column, first + columns + 1 + column);
-            mesh.triangles.extend([[a, a + 1, c + 1], [a, c + 1, c]]);
+            mesh.elements.extend([[a, a + 1, c + 1], [a, c + 1, c]]);
             mesh.bodies.extend([row; 2]);
             mesh.materials.extend([0; 2]);
             grains.extend([column; 2]);
@@ -189,12 +189,12 @@ fn wall(columns: u32, rows: u32) -> (Mesh, Vec<u32>) {
 #[test]
 fn bodies_and_grains_have_outlines() {
     let (mesh, grains) = wall(6, 5);
-    let count = mesh.triangles.len();
+    let count = mesh.elements.len();
     let snapshot = Snapshot {
         displacements: vec![[0.0; 2]; mesh.nodes.len()],
         velocities: vec![[0.0; 2]; mesh.nodes.len()],
         positions: mesh.nodes.clone(),
-        triangles: mesh.triangles.clone(),
+        elements: mesh.elements.clone(),
         stresses: vec![[0.0; 4]; count],
         damage: vec![0.0; count],
         bodies: mesh.bodies.clone(),
@@ -346,7 +346,7 @@ fn a_fragment_that_flies_away_leaves_the_picture_instead_of_making_it_small() {
     let disc = Disc::new(6);
     let start = disc.snapshot(0.0);
     let mut later = disc.snapshot(0.9);
-    let alone = later.triangles[20];
+    let alone = later.elements[20];
     // A triangle far away, without its neighbours.
     let nodes = later.positions.len() as u32;
     for node in alone {
@@ -355,7 +355,7 @@ fn a_fragment_that_flies_away_leaves_the_picture_instead_of_making_it_small() {
         later.displacements.push([300.0 * RADIUS, 0.0]);
         later.velocities.push([1.0, 0.0]);
     }
-    later.triangles[20] = [nodes, nodes + 1, nodes + 2];
+    later.elements[20] = [nodes, nodes + 1, nodes + 2];
     let frames = [Frame::new(&start).unwrap(), Frame::new(&later).unwrap()];
     let svg = pictures(&frames, Field::Body).svg(&frames[0]).unwrap();
     let before = pictures(&frames[..1], Field::Body).svg(&frames[0]).unwrap();

@@ -58,7 +58,7 @@ impl Buffered {
                         let mut follows: Box<Search<T, D>> = if let Some(Ok(follows)) = before.map(<Box<dyn Any + Send + Sync>>::downcast) {
                             follows
                         } else {
-                            let detector = Detector::new(engine).with_threads(threads)?.stopped_by(stop);
+                            let detector = Detector::new().with_engine(engine).with_threads(threads)?.stopped_by(stop);
                             let new = Search::with_search(detector, T::nearest(buffer))?;
                             Box::new(new.with_threads(threads)?)
                         };
@@ -72,7 +72,7 @@ impl Buffered {
                         let mut follows: Box<PeriodicBuffered<T, D>> = if let Some(Ok(follows)) = before.map(<Box<dyn Any + Send + Sync>>::downcast) {
                             follows
                         } else {
-                            let search = PeriodicSearch::new(engine).with_threads(threads)?.stopped_by(stop);
+                            let search = PeriodicSearch::new().with_engine(engine).with_threads(threads)?.stopped_by(stop);
                             Box::new(PeriodicBuffered::with_search(search, T::nearest(buffer))?)
                         };
                         let mut couples = Vec::new();

@@ -1,6 +1,5 @@
 //! Contacts of meshed bodies.
 
-use fdem_contact::Engine;
 use fdem_contact::discretised::{
     BodyContact, ElementContact, Mesh, MeshSearch, Simplex, SphereContact, body_contacts,
 };
@@ -52,7 +51,7 @@ where
     let (nodes, cells, bodies) = (rows_of::<f64, D>(nodes)?, rows_of::<u32, N>(cells)?, entries_of(bodies)?);
     let (elements, of_bodies) = interrupt::run(py, false, &Stop::default(), || {
         let mesh = Mesh::new(nodes, cells, bodies)?;
-        let search = MeshSearch::new(Engine::Auto).with_threads(threads)?;
+        let search = MeshSearch::new().with_threads(threads)?;
         let mut contacts = Vec::new();
         search.with_self_contact(self_contact).contacts(&mesh, &mut contacts)?;
         let of_bodies = body_contacts(&mesh, &contacts)?;
@@ -77,7 +76,7 @@ pub(crate) fn walls<'py>(
         (rows_of::<f64, 3>(&nodes)?, rows_of::<u32, 3>(&cells)?, entries_of(&bodies)?);
     let contacts = interrupt::run(py, false, &Stop::default(), || {
         let surface = Mesh::new(nodes, cells, bodies)?;
-        let mut search = MeshSearch::new(Engine::Auto).with_threads(threads)?;
+        let mut search = MeshSearch::new().with_threads(threads)?;
         let mut contacts = Vec::new();
         search.sphere_contacts(centres, radii, &surface, &mut contacts)?;
         Ok::<_, Problem>(contacts)

@@ -5,7 +5,7 @@
 
 use std::sync::Mutex;
 
-use fdem_contact::{Couple, Engine, PeriodicBox};
+use fdem_contact::{Couple, PeriodicBox};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 
@@ -418,8 +418,8 @@ impl<M: Measure> Found<M> {
 fn find<M: Measure>(atoms: &Atoms<'_>, threads: usize, stop: &Stop) -> Result<Found<M>, Problem> {
     let buckets = Buckets::new(atoms.set.points.len());
     let (mut couples, shifts) = match &atoms.periodic {
-        None => (search_open(atoms.set, Engine::Auto, threads, stop)?, Vec::new()),
-        Some(periodic) => search_periodic(atoms.set, periodic, Engine::Auto, threads, stop)?,
+        None => (search_open(atoms.set, None, threads, stop)?, Vec::new()),
+        Some(periodic) => search_periodic(atoms.set, periodic, None, threads, stop)?,
     };
     let plain = couples.len() - shifts.len();
     let mut shifted = zeros(shifts.len())?;

@@ -1,11 +1,7 @@
 //! The search over all elements, its check, and its explanation.
 
-use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
-use std::sync::atomic::Ordering;
-
 use fdem_contact::{
-    Couple, Detector, Engine, Error, PeriodicBox, PeriodicCouple, PeriodicSearch, Search,
-    verify as verify_couples,
+    Couple, Detector, Engine, PeriodicBox, PeriodicCouple, PeriodicSearch, Search, verify as verify_couples,
 };
 use numpy::{IntoPyArray, PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
@@ -25,13 +21,14 @@ const FEW_TO_WATCH: usize = 1 << 13;
 /// Couples as rows of two numbers, and the shifts of the last of them, rows of D; all before have shift 0.
 pub(crate) type Found<'py> = (Bound<'py, PyArray2<u32>>, Bound<'py, PyArray2<i32>>);
 
-/// The engine of this name.
-pub(crate) fn engine_of(name: &str) -> Result<Engine, Problem> {
-    let engines =
-        [Engine::Auto, Engine::Rows, Engine::Multilevel, Engine::CGrid, Engine::Nbs, Engine::Direct];
-    engines.into_iter().find(|engine| engine.name() == name).ok_or_else(|| {
-        let names = engines.map(Engine::name).join(", ");
-        Problem::Arguments(format!("there is no engine '{name}': choose one of {names}"))
+/// The engine of this name; `None` for "auto".
+pub(crate) fn engine_of(name: &str) -> Result<Option<Engine>, Problem> {
+    if name == "auto" {
+        return Ok(None);
+    }
+    Engine::ALL.into_iter().find(|engine| engine.name() == name).map(Some).ok_or_else(|| {
+        let names = Engine::ALL.map(Engine::name).join(", ");
+        Problem::Arguments(format!("there is no engine '{name}': choose one of auto, {names}"))
     })
 }
 
@@ -63,66 +60,19 @@ fn flattened(mut couples: Vec<Couple>) -> Vec<u32> {
     unsafe { Vec::from_raw_parts(start.cast(), 2 * len, 2 * capacity) }
 }
 
-/// The panic by which a visitor ends a search.
-struct Interrupted;
-
-/// A search that is stopped by its visitor.
-struct Stoppable<'a, S> {
-    search: &'a mut S,
-    stop: &'a Stop,
-}
-
-impl<T: Number, const D: usize, S: Search<T, D>> Search<T, D> for Stoppable<'_, S> {
-    fn for_each(
-        &mut self,
-        elements: &fdem_contact::Elements<'_, T, D>,
-        mut visit: impl FnMut(Couple),
-    ) -> Result<(), Error> {
-        let Self { search, stop } = self;
-        stoppable(|| {
-            search.for_each(elements, |couple| {
-                look_at(stop);
-                visit(couple);
-            })
-        })
-    }
-}
-
-fn look_at(stop: &Stop) {
-    if stop.load(Ordering::Relaxed) {
-        resume_unwind(Box::new(Interrupted));
-    }
-}
-
-fn stoppable(search: impl FnOnce() -> Result<(), Error>) -> Result<(), Error> {
-    catch_unwind(AssertUnwindSafe(search)).unwrap_or_else(|panic| {
-        if panic.is::<Interrupted>() { Err(Error::Stopped) } else { resume_unwind(panic) }
-    })
-}
-
-/// Whether an engine stops by itself when it is asked to.
-fn stops(engine: Engine) -> bool {
-    matches!(engine, Engine::Auto | Engine::Rows | Engine::Multilevel)
-}
-
 pub(crate) fn search_open<T: Number, const D: usize>(
     set: Set<'_, T, D>,
-    engine: Engine,
+    engine: Option<Engine>,
     threads: usize,
     stop: &Stop,
 ) -> Result<Vec<Couple>, Problem> {
     let elements = set.checked()?;
-    let is_auto = engine == Engine::Auto;
-    let detector = if is_auto { kept::take() } else { None };
-    let detector = detector.unwrap_or_else(|| Detector::new(engine));
+    let detector = if engine.is_none() { kept::take() } else { None };
+    let detector = detector.unwrap_or_else(|| Detector::new().with_engine(engine));
     let mut detector = detector.with_threads(threads)?.stopped_by(stop.clone());
     let mut couples = Vec::new();
-    if stops(detector.plan(&elements)?.engine) {
-        detector.couples(&elements, &mut couples)?;
-    } else {
-        Stoppable { search: &mut detector, stop }.couples(&elements, &mut couples)?;
-    }
-    if is_auto {
+    detector.couples(&elements, &mut couples)?;
+    if engine.is_none() {
         let bytes = detector.bytes();
         kept::keep(detector.with_threads(1)?, bytes);
     }
@@ -132,32 +82,21 @@ pub(crate) fn search_open<T: Number, const D: usize>(
 pub(crate) fn search_periodic<T: Number, const D: usize>(
     set: Set<'_, T, D>,
     cell: &PeriodicBox<T, D>,
-    engine: Engine,
+    engine: Option<Engine>,
     threads: usize,
     stop: &Stop,
 ) -> Result<(Vec<Couple>, Vec<[i32; D]>), Problem> {
     let elements = set.checked()?;
-    let is_auto = engine == Engine::Auto;
-    let search = if is_auto { kept::take() } else { None };
-    let search = search.unwrap_or_else(|| PeriodicSearch::new(engine));
+    let search = if engine.is_none() { kept::take() } else { None };
+    let search = search.unwrap_or_else(|| PeriodicSearch::new().with_engine(engine));
     let mut search = search.with_threads(threads)?.stopped_by(stop.clone());
     let (mut couples, mut shifted) = (Vec::new(), Vec::new());
-    if stops(engine) {
-        search.couples_by_shift(&elements, cell, &mut couples, &mut shifted)?;
-        if is_auto {
-            let bytes = search.bytes();
-            kept::keep(search.with_threads(1)?, bytes);
-        }
-        return joined(couples, shifted);
+    search.couples_by_shift(&elements, cell, &mut couples, &mut shifted)?;
+    if engine.is_none() {
+        let bytes = search.bytes();
+        kept::keep(search.with_threads(1)?, bytes);
     }
-    let mut all = Vec::new();
-    stoppable(|| {
-        search.for_each(&elements, cell, |couple| {
-            look_at(stop);
-            all.push(couple);
-        })
-    })?;
-    by_shift(all)
+    joined(couples, shifted)
 }
 
 /// Couples without shift, then the others; and the shifts of these.
@@ -249,9 +188,9 @@ pub(crate) fn explain(py: Python<'_>, elements: &Elements, engine: &str, threads
         interrupt::run(py, false, &stop, || {
             let checked = set.checked()?;
             Ok(match cell {
-                None => Detector::new(engine).with_threads(threads)?.explain(&checked)?.to_string(),
+                None => Detector::new().with_engine(engine).with_threads(threads)?.explain(&checked)?.to_string(),
                 Some(cell) => {
-                    PeriodicSearch::new(engine).with_threads(threads)?.explain(&checked, &cell)?.to_string()
+                    PeriodicSearch::new().with_engine(engine).with_threads(threads)?.explain(&checked, &cell)?.to_string()
                 }
             })
         })

@@ -2,7 +2,7 @@
 
 use crate::error::ModelError;
 use crate::model::{Load, Model, Plane, Schedule, Strength, Target};
-use crate::potential::{cross, minus};
+use crate::vector::{cross, minus};
 
 pub(crate) fn check(model: &Model) -> Result<(), ModelError> {
     mesh(model)?;
@@ -42,7 +42,7 @@ pub(crate) fn check(model: &Model) -> Result<(), ModelError> {
     for (what, values) in [("gravity", [model.gravity].as_slice()), ("initial velocity", &model.velocities)] {
         finite("the model", what, values.iter().flatten())?;
     }
-    finite("the model", "initial stress", model.stresses.iter().flatten())?;
+    finite("the model", "initial stress", model.stresses.iter().flatten().flatten())?;
     let contact = &model.contact;
     positive("contact", "penalty", contact.penalty)?;
     not_negative("contact", "tangential stiffness", contact.tangential_stiffness)?;
@@ -62,7 +62,7 @@ pub(crate) fn check(model: &Model) -> Result<(), ModelError> {
 
 fn mesh(model: &Model) -> Result<(), ModelError> {
     let mesh = &model.mesh;
-    let (nodes, elements) = (mesh.nodes.len(), mesh.triangles.len());
+    let (nodes, elements) = (mesh.nodes.len(), mesh.elements.len());
     if elements == 0 {
         return Err(ModelError::Empty);
     }
@@ -84,7 +84,7 @@ fn mesh(model: &Model) -> Result<(), ModelError> {
         finite(&format!("node {node}"), "a coordinate", coordinates)?;
     }
     let mut body_of = vec![None; nodes];
-    for (element, triangle) in mesh.triangles.iter().enumerate() {
+    for (element, triangle) in mesh.elements.iter().enumerate() {
         let place = || format!("element {element}");
         for &node in triangle {
             let Some(known) = body_of.get_mut(node as usize) else {
@@ -116,7 +116,7 @@ fn boundaries(model: &Model) -> Result<(), ModelError> {
         let place = format!("boundary '{}'", boundary.name);
         let nodes: Vec<u32> = match &boundary.target {
             Target::Nodes(nodes) => nodes.clone(),
-            Target::Edges(edges) => edges.iter().flatten().copied().collect(),
+            Target::Facets(edges) => edges.iter().flatten().copied().collect(),
         };
         if let Some(&index) = nodes.iter().find(|&&node| node as usize >= model.mesh.nodes.len()) {
             return Err(ModelError::Missing { what: "node", index, place });

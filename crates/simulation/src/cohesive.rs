@@ -27,7 +27,7 @@
 //! friction beside a bond.
 
 use crate::model::{CriticalOpening, Strength};
-use crate::potential::length;
+use crate::vector::length;
 
 /// Parameters of the softening curve (7.12), which the book fits to experiments.
 const A: f64 = 0.63;

@@ -9,7 +9,7 @@
 
 mod forces;
 
-use fdem_contact::{Buffered, Couple as Pair, Detector, Elements as Boxes, Engine};
+use fdem_contact::{Buffered, Couple as Pair, Detector, Elements as Boxes};
 use serde::{Deserialize, Serialize};
 
 use crate::contacts::forces::{Contact, Grip, Law, law, press};
@@ -18,10 +18,10 @@ use crate::error::{ModelError, Stop};
 use crate::forces::ContactForce;
 use crate::joints::{Joints, State};
 use crate::model::Model;
-use crate::potential::{Point, cross, length, minus};
-use crate::solid::{Solid, triangle_of};
+use crate::solid::{Solid, corners_of};
 use crate::team::Team;
 use crate::topology::{NONE, Topology};
+use crate::vector::{Point, cross, length, minus};
 
 /// Share of the buffer for the motion of elements between two updates of their boxes.
 const SLACK: f64 = 0.25;
@@ -105,7 +105,7 @@ impl Contacts {
             .collect();
         let buffer = model.contact.buffer * mean_edge(model);
         let slack = SLACK * buffer;
-        let search = Detector::new(Engine::Auto)
+        let search = Detector::new()
             .with_threads(threads)
             .and_then(|detector| Buffered::with_search(detector, buffer - slack))
             .map_err(|error| ModelError::Threads { message: error.to_string() })?;
@@ -114,7 +114,7 @@ impl Contacts {
             materials,
             free: topology.outer_vertices(),
             groups: vec![0; topology.vertices.len()],
-            watched: vec![false; model.mesh.triangles.len()],
+            watched: vec![false; model.mesh.elements.len()],
             list: Vec::new(),
             search,
             slack,
@@ -122,7 +122,7 @@ impl Contacts {
             looked: f64::NEG_INFINITY,
             couples: Vec::new(),
             entries: Vec::new(),
-            first: vec![0; model.mesh.triangles.len() + 1],
+            first: vec![0; model.mesh.elements.len() + 1],
             parted: Vec::new(),
             unwatched: true,
             detections: 0,
@@ -145,7 +145,7 @@ impl Contacts {
     /// Registers joints that broke: their elements may touch from now on.
     pub(crate) fn part(&mut self, broken: &[u32], joints: &Joints, topology: &Topology) {
         for &joint in broken {
-            let edge = &topology.edges[joints.all[joint as usize].edge as usize];
+            let edge = &topology.facets[joints.all[joint as usize].edge as usize];
             for corner in edge.corners[0] {
                 let vertex = topology.vertices[corner as usize];
                 let corners = topology.corners_of(vertex);
@@ -202,7 +202,7 @@ impl Contacts {
     fn look(&mut self, solid: &Solid, joints: &Joints, topology: &Topology, team: &Team) -> Result<(), Stop> {
         let list = &self.list;
         let bounds = |element: u32| {
-            let [a, b, c] = solid.triangle(element);
+            let [a, b, c] = solid.shape(element);
             let least = |axis: usize| a[axis].min(b[axis]).min(c[axis]);
             let most = |axis: usize| a[axis].max(b[axis]).max(c[axis]);
             ([least(0), least(1)], [most(0), most(1)])
@@ -415,7 +415,7 @@ enum Relation {
 }
 
 fn relation([a, b]: [u32; 2], topology: &Topology) -> Relation {
-    let edges = |element: u32| topology.edge_of[element as usize];
+    let edges = |element: u32| topology.facet_of[element as usize];
     if let Some(edge) = edges(a).into_iter().find(|&edge| edge != NONE && edges(b).contains(&edge)) {
         return Relation::Edge(edge);
     }
@@ -456,13 +456,13 @@ fn couple(elements: [u32; 2], groups: &[u32], joints: &Joints, topology: &Topolo
 pub(crate) fn mean_edge(model: &Model) -> f64 {
     let mesh = &model.mesh;
     let mut sum = 0.0;
-    for element in 0..mesh.triangles.len() {
-        let triangle = triangle_of(mesh, element);
+    for element in 0..mesh.elements.len() {
+        let triangle = corners_of(mesh, element);
         for k in 0..3 {
             let edge = minus(triangle[(k + 1) % 3], triangle[k]);
             sum += length(edge);
         }
         debug_assert!(cross(minus(triangle[1], triangle[0]), minus(triangle[2], triangle[0])) > 0.0);
     }
-    sum / (3 * mesh.triangles.len().max(1)) as f64
+    sum / (3 * mesh.elements.len().max(1)) as f64
 }

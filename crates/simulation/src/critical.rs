@@ -15,9 +15,10 @@ use crate::error::ModelError;
 use crate::ground::Ground;
 use crate::joints::{Joints, penalty};
 use crate::model::Model;
-use crate::potential::{cross, length, minus};
-use crate::solid::{highest_square, triangle_of};
+use crate::simplex::Simplex;
+use crate::solid::corners_of;
 use crate::topology::{NONE, Topology};
+use crate::vector::{cross, length, minus};
 
 /// The longest stable time step, and what sets it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,14 +59,14 @@ impl CriticalStep {
     /// An error that says why the model cannot be simulated.
     pub fn of(model: &Model) -> Result<Self, ModelError> {
         crate::checks::check(model)?;
-        let topology = Topology::new(&model.mesh)?;
+        let topology = Topology::of(&model.mesh)?;
         let joints = Joints::new(model, &topology);
         Ok(Self::new(model, &topology, &joints))
     }
 
     pub(crate) fn new(model: &Model, topology: &Topology, joints: &Joints) -> Self {
         let mesh = &model.mesh;
-        let mut corners: Vec<Corner> = (0..mesh.triangles.len())
+        let mut corners: Vec<Corner> = (0..mesh.elements.len())
             .flat_map(|element| element_corners(model, topology, joints, element))
             .collect();
         // Absorbing edges that are not outer edges are refused when the loads are made.
@@ -119,15 +120,16 @@ struct Corner {
 }
 
 fn element_corners(model: &Model, topology: &Topology, joints: &Joints, element: usize) -> [Corner; 3] {
-    let triangle = triangle_of(&model.mesh, element);
+    let triangle = corners_of(&model.mesh, element);
     let number = model.mesh.materials[element];
     let material = &model.materials[number as usize];
     let area = 0.5 * cross(minus(triangle[1], triangle[0]), minus(triangle[2], triangle[0]));
     let mass = material.density * area * model.thickness / 3.0;
-    let bulk = highest_square(&triangle, material, model.plane) * mass;
+    let moduli = <[[f64; 2]; 3]>::moduli(material, model.plane);
+    let bulk = triangle.highest_square(&moduli, material.density) * mass;
     let mut corners = [Corner { mass, bulk, ..Corner::default() }; 3];
     for k in 0..3 {
-        let edge = topology.edge_of[element][k];
+        let edge = topology.facet_of[element][k];
         if edge != NONE && !joints.may_part(edge) {
             continue;
         }
@@ -136,7 +138,7 @@ fn element_corners(model: &Model, topology: &Topology, joints: &Joints, element:
             0.0
         } else {
             let side = minus(triangle[(k + 1) % 3], triangle[k]);
-            0.5 * length(side) * model.thickness * penalty(model, &topology.edges[edge as usize])
+            0.5 * length(side) * model.thickness * penalty(model, &topology.facets[edge as usize])
         };
         for corner in [k, (k + 1) % 3] {
             if joint >= contact {

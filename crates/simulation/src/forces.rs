@@ -3,9 +3,9 @@
 use crate::contacts::Contacts;
 use crate::joints::Joints;
 use crate::loads::Loads;
-use crate::potential::Point;
 use crate::solid::Solid;
 use crate::topology::Topology;
+use crate::vector::Point;
 
 /// Forces at the beginning of the last step. There are none before the first step of a run, nor before the first step after a resume.
 #[derive(Clone, Debug, Default, PartialEq)]

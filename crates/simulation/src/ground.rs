@@ -11,13 +11,13 @@
 //!
 //! The work of springs and static forces counts as work of loads; the work of dashpots is dissipated.
 
-use crate::elastic::Moduli;
 use crate::error::ModelError;
 use crate::loads::outer_side;
 use crate::model::{Load, Model, Target};
-use crate::potential::{Point, dot, length, minus};
+use crate::simplex::Simplex;
 use crate::solid::Solid;
 use crate::topology::{NONE, Topology};
+use crate::vector::{Point, dot, length, minus};
 
 /// The ground beyond all absorbing edges of a model.
 #[derive(Debug, Default)]
@@ -59,21 +59,20 @@ impl Ground {
         let mesh = &model.mesh;
         let mut edges = Vec::new();
         for (number, boundary) in model.boundaries.iter().enumerate() {
-            let (Load::Absorbing, Target::Edges(all)) = (boundary.load, &boundary.target) else { continue };
+            let (Load::Absorbing, Target::Facets(all)) = (boundary.load, &boundary.target) else { continue };
             for &edge in all {
                 let side = outer_side(model, topology, edge, &boundary.name)?;
                 let [a, b] = edge.map(|node| mesh.nodes[node as usize]);
                 let along = minus(b, a).map(|x| x / side.length);
                 let element = side.corners[0] as usize / 3;
                 let material = &model.materials[mesh.materials[element] as usize];
-                let moduli = Moduli::new(material, model.plane);
+                let moduli = <[[f64; 2]; 3]>::moduli(material, model.plane);
                 edges.push(Edge {
                     boundary: number as u32,
                     corners: side.corners,
                     area: 0.5 * side.length * model.thickness,
                     normal: [along[1], -along[0]],
-                    impedance: [moduli.wave(), moduli.shear]
-                        .map(|modulus| (material.density * modulus).sqrt()),
+                    impedance: [moduli.wave, moduli.shear].map(|modulus| (material.density * modulus).sqrt()),
                     stiffness: [moduli.shear, 0.5 * moduli.shear],
                     held: [[0.0; 2]; 2],
                 });
@@ -171,7 +170,7 @@ fn against(vector: Point, normal: Point, [along, across]: [f64; 2]) -> Point {
 fn radii(model: &Model) -> std::collections::BTreeMap<u32, f64> {
     let mesh = &model.mesh;
     let mut boxes = std::collections::BTreeMap::new();
-    for (nodes, &body) in mesh.triangles.iter().zip(&mesh.bodies) {
+    for (nodes, &body) in mesh.elements.iter().zip(&mesh.bodies) {
         let around = boxes.entry(body).or_insert([[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]]);
         for node in nodes {
             for axis in 0..2 {

@@ -18,11 +18,12 @@ use crate::error::ModelError;
 use crate::forces::ContactForce;
 use crate::joints::near::{Near, Slopes, Weakest};
 use crate::model::{Insertion, Model, Strength};
-use crate::potential::{Point, dot, length, minus};
 use crate::random;
-use crate::solid::{Node, Solid, height, triangle_of};
+use crate::simplex::Simplex;
+use crate::solid::{Node, Solid, corners_of};
 use crate::team::Team;
-use crate::topology::{Edge, NONE, Topology};
+use crate::topology::{Facet, NONE, Topology};
+use crate::vector::{Point, dot, length, minus};
 
 /// Sliding of a broken joint over its length at which it begins to hand over to the contact of its two elements, and at which the handover is complete.
 const FADE: [f64; 2] = [0.1, 0.3];
@@ -152,7 +153,7 @@ impl Joints {
         let mesh = &model.mesh;
         let (mut strengths, mut of_interface): (Vec<Strength>, Vec<bool>) = (Vec::new(), Vec::new());
         let class: Vec<u32> = topology
-            .edges
+            .facets
             .iter()
             .map(|edge| {
                 let [a, b] = edge.elements().map(|element| mesh.materials[element as usize]);
@@ -184,7 +185,7 @@ impl Joints {
             forces: Vec::new(),
             breaks: Vec::new(),
             at_corner: vec![[NONE; 2]; topology.vertices.len()],
-            of_edge: vec![NONE; topology.edges.len()],
+            of_edge: vec![NONE; topology.facets.len()],
             class,
             strengths,
             of_interface,
@@ -196,13 +197,13 @@ impl Joints {
             slopes,
         };
         if model.fracture.insertion == Insertion::Adaptive && !joints.strengths.is_empty() {
-            joints.weakest = (0..mesh.triangles.len())
+            joints.weakest = (0..mesh.elements.len())
                 .map(|element| {
-                    let edges = topology.edge_of[element].into_iter().filter(|&edge| edge != NONE);
+                    let edges = topology.facet_of[element].into_iter().filter(|&edge| edge != NONE);
                     Weakest::of(edges.filter_map(|edge| joints.strength(edge)))
                 })
                 .collect();
-            joints.near = vec![Near::Far; mesh.triangles.len()];
+            joints.near = vec![Near::Far; mesh.elements.len()];
         }
         joints
     }
@@ -230,7 +231,7 @@ impl Joints {
         topology: &Topology,
     ) -> Result<Option<Law>, ModelError> {
         let Some(strength) = self.strength(edge) else { return Ok(None) };
-        let sides = &topology.edges[edge as usize];
+        let sides = &topology.facets[edge as usize];
         let penalty = penalty(model, sides);
         let elastic = self.insertion == Insertion::Intrinsic;
         let vertices = sides.corners[0].map(|corner| topology.vertices[corner as usize]);
@@ -248,7 +249,7 @@ impl Joints {
         let count = self.class.iter().filter(|&&class| class != NONE).count();
         self.all.reserve_exact(count);
         self.forces.reserve_exact(count);
-        for edge in 0..topology.edges.len() as u32 {
+        for edge in 0..topology.facets.len() as u32 {
             if let Some(law) = self.law(edge, model, topology)? {
                 self.put(edge, law, Plane::OWN, topology, model);
             }
@@ -259,11 +260,11 @@ impl Joints {
     fn put(&mut self, edge: u32, law: Law, plane: Plane, topology: &Topology, model: &Model) {
         let number = self.all.len() as u32;
         self.of_edge[edge as usize] = number;
-        let sides = &topology.edges[edge as usize];
+        let sides = &topology.facets[edge as usize];
         for (side, corners) in sides.corners.into_iter().enumerate() {
             for (end, corner) in corners.into_iter().enumerate() {
                 let code = 4 * number + 2 * end as u32 + side as u32;
-                let slot = usize::from(topology.edges_at(corner)[0] != edge);
+                let slot = usize::from(topology.facets_at(corner)[0] != edge);
                 self.at_corner[corner as usize][slot] = code;
             }
         }
@@ -293,7 +294,7 @@ impl Joints {
     /// Looks up the nodes of all joints again.
     pub(crate) fn find_nodes(&mut self, topology: &Topology, solid: &Solid) {
         for joint in &mut self.all {
-            joint.nodes = nodes_at(&topology.edges[joint.edge as usize], solid);
+            joint.nodes = nodes_at(&topology.facets[joint.edge as usize], solid);
         }
     }
 
@@ -337,7 +338,7 @@ impl Joints {
         self.all.clear();
         self.forces.clear();
         for joint in &saved.joints {
-            let law = if (joint.edge as usize) < topology.edges.len() {
+            let law = if (joint.edge as usize) < topology.facets.len() {
                 self.law(joint.edge, model, topology)?
             } else {
                 None
@@ -419,7 +420,7 @@ impl Joints {
             let normal = frame.normal.map(|n| across * n);
             // Side 0 is the element with the lower number.
             pressing.push(ContactForce {
-                elements: topology.edges[joint.edge as usize].elements(),
+                elements: topology.facets[joint.edge as usize].elements(),
                 point: [0, 1]
                     .map(|axis| (weights[0] * middles[0][axis] + weights[1] * middles[1][axis]) / whole),
                 normal,
@@ -485,7 +486,7 @@ impl<'a> Frame<'a> {
     }
 }
 
-fn nodes_at(edge: &Edge, solid: &Solid) -> [[u32; 2]; 2] {
+fn nodes_at(edge: &Facet, solid: &Solid) -> [[u32; 2]; 2] {
     std::array::from_fn(|end| edge.corners.map(|side| solid.corners.node_at(side[end])))
 }
 
@@ -555,12 +556,12 @@ fn leave(joint: &mut Joint, forces: &mut [Point; 2]) {
 }
 
 /// Penalty of the joint on an edge, Pa/m.
-pub(crate) fn penalty(model: &Model, edge: &Edge) -> f64 {
+pub(crate) fn penalty(model: &Model, edge: &Facet) -> f64 {
     let elements = edge.elements();
     let modulus =
         |element: u32| model.materials[model.mesh.materials[element as usize] as usize].youngs_modulus;
     let heights = [edge.corners[0][0], edge.corners[1][1]]
-        .map(|corner| height(&triangle_of(&model.mesh, corner as usize / 3), corner as usize % 3));
+        .map(|corner| corners_of(&model.mesh, corner as usize / 3).height(corner as usize % 3));
     let modulus = modulus(elements[0]).min(modulus(elements[1]));
     model.fracture.joint_penalty * modulus / (0.5 * (heights[0] + heights[1]))
 }
@@ -602,12 +603,12 @@ mod tests {
         };
         let mesh = Mesh {
             nodes: vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0]],
-            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            elements: vec![[0, 1, 2], [0, 2, 3]],
             bodies: vec![0; 2],
             materials: vec![0; 2],
         };
         let model = Model { mesh, materials: vec![material], ..Model::default() };
-        let topology = Topology::new(&model.mesh).expect("a mesh");
+        let topology = Topology::of(&model.mesh).expect("a mesh");
         (model, topology)
     }
 

@@ -4,7 +4,7 @@
 //! `simulation.rs`; each part is a file:
 //!
 //! ```text
-//! solid (elastic) ─> joints (cohesive) ─> contacts (detection, potential) ─> seams ─> loads (ground) ─> motion ─> energy
+//! solid (elastic) ─> joints (cohesive) ─> contacts (detection, simplex) ─> seams ─> loads (ground) ─> motion ─> energy
 //! ```
 //!
 //! Results do not depend on the number of threads: elements, joints and contacts store their forces, and every node adds up its forces in a fixed order.
@@ -19,12 +19,13 @@ mod model;
 mod checks;
 mod random;
 mod team;
+mod vector;
+mod simplex;
 mod topology;
 mod elastic;
 mod solid;
 mod cohesive;
 mod joints;
-mod potential;
 mod contacts;
 mod seams;
 mod loads;

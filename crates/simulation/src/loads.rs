@@ -3,9 +3,9 @@
 use crate::error::ModelError;
 use crate::ground::{Ground, Reaction};
 use crate::model::{Load, Model, Schedule, Target};
-use crate::potential::{Point, dot, length, minus};
 use crate::solid::Solid;
-use crate::topology::{NONE, Topology, follower};
+use crate::topology::{NONE, Topology};
+use crate::vector::{Point, dot, length, minus};
 
 /// Prescribed motion of a node along one axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -124,8 +124,8 @@ impl Loads {
                         loads.forces.push((number, part, corners));
                     }
                 }
-                (Load::Absorbing, Target::Edges(edges)) if !edges.is_empty() => {}
-                (load, Target::Edges(edges)) if !edges.is_empty() => {
+                (Load::Absorbing, Target::Facets(edges)) if !edges.is_empty() => {}
+                (load, Target::Facets(edges)) if !edges.is_empty() => {
                     let sides = edges.iter().map(|&edge| outer_side(model, topology, edge, &boundary.name));
                     loads.sides.push((number, load, sides.collect::<Result<_, _>>()?));
                 }
@@ -266,7 +266,7 @@ impl Loads {
 fn nodes_of(target: &Target) -> Vec<u32> {
     let mut nodes: Vec<u32> = match target {
         Target::Nodes(nodes) => nodes.clone(),
-        Target::Edges(edges) => edges.iter().flatten().copied().collect(),
+        Target::Facets(edges) => edges.iter().flatten().copied().collect(),
     };
     nodes.sort_unstable();
     nodes.dedup();
@@ -281,17 +281,12 @@ pub(crate) fn outer_side(
     name: &str,
 ) -> Result<Side, ModelError> {
     let [a, b] = edge;
-    let corner = topology
-        .corners_of(a)
-        .iter()
-        .copied()
-        .find(|&corner| {
-            let outer = topology.edge_of[corner as usize / 3][corner as usize % 3] == NONE;
-            outer && topology.vertices[follower(corner) as usize] == b
-        })
+    let corners = topology
+        .surface_at(a)
+        .find(|corners| corners.map(|corner| topology.vertices[corner as usize]) == edge)
         .ok_or_else(|| ModelError::NotOuter { boundary: name.to_owned(), edge })?;
     let along = minus(model.mesh.nodes[b as usize], model.mesh.nodes[a as usize]);
-    Ok(Side { corners: [corner, follower(corner)], length: length(along) })
+    Ok(Side { corners, length: length(along) })
 }
 
 #[cfg(test)]

@@ -2,29 +2,33 @@
 
 use serde::{Deserialize, Serialize};
 
-/// A two-dimensional model, complete. SI units: m, kg, s, Pa.
+/// A model, complete: of triangles in the plane (`D` = 2, `N` = 3) or of tetrahedra (`D` = 3, `N` = 4). SI units: m, kg, s, Pa.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Model {
+#[serde(bound(
+    serialize = "[f64; D]: Serialize, [u32; D]: Serialize, [u32; N]: Serialize, [Option<f64>; D]: Serialize, [[f64; D]; D]: Serialize",
+    deserialize = "[f64; D]: Deserialize<'de>, [u32; D]: Deserialize<'de>, [u32; N]: Deserialize<'de>, [Option<f64>; D]: Deserialize<'de>, [[f64; D]; D]: Deserialize<'de>"
+))]
+pub struct Model<const D: usize = 2, const N: usize = 3> {
     /// Bodies, meshed.
-    pub mesh: Mesh,
+    pub mesh: Mesh<D, N>,
     /// Materials of the elements.
     pub materials: Vec<Material>,
     /// Pairs of materials with properties of their own for contacts and joints. Other pairs take the lesser values of their two materials.
     pub interfaces: Vec<Interface>,
     /// Boundary conditions that hold, move and load the bodies.
-    pub boundaries: Vec<Boundary>,
-    /// Whether the stress or the strain out of the plane vanishes.
+    pub boundaries: Vec<Boundary<D>>,
+    /// Whether the stress or the strain out of the plane vanishes, in two dimensions.
     pub plane: Plane,
-    /// Thickness out of the plane, m.
+    /// Thickness out of the plane, m, in two dimensions.
     pub thickness: f64,
     /// Acceleration of gravity, m/s².
-    pub gravity: [f64; 2],
+    pub gravity: [f64; D],
     /// Factor of gravity in time. Gravity that acts at once swings what it carries to twice its static stress.
     pub gravity_schedule: Schedule,
     /// Velocity of each node at the beginning, m/s; empty for none.
-    pub velocities: Vec<[f64; 2]>,
-    /// Stress of each element at the beginning, `[xx, yy, xy]` in Pa, tension positive; empty for none. Surfaces that touch, joints and absorbing edges begin with its tractions.
-    pub stresses: Vec<[f64; 3]>,
+    pub velocities: Vec<[f64; D]>,
+    /// Stress of each element at the beginning, a symmetric tensor in Pa, tension positive; empty for none. Surfaces that touch, joints and absorbing edges begin with its tractions.
+    pub stresses: Vec<[[f64; D]; D]>,
     /// Options of contacts.
     pub contact: ContactOptions,
     /// How they break.
@@ -33,7 +37,7 @@ pub struct Model {
     pub time: TimeOptions,
 }
 
-impl Model {
+impl<const D: usize, const N: usize> Model<D, N> {
     /// The interface of two materials, if there is one.
     pub(crate) fn interface(&self, a: u32, b: u32) -> Option<&Interface> {
         self.interfaces
@@ -42,7 +46,7 @@ impl Model {
     }
 }
 
-impl Default for Model {
+impl<const D: usize, const N: usize> Default for Model<D, N> {
     /// An empty model, 1 m thick, without gravity.
     fn default() -> Self {
         Self {
@@ -52,7 +56,7 @@ impl Default for Model {
             boundaries: Vec::new(),
             plane: Plane::default(),
             thickness: 1.0,
-            gravity: [0.0; 2],
+            gravity: [0.0; D],
             gravity_schedule: Schedule::Constant,
             velocities: Vec::new(),
             stresses: Vec::new(),
@@ -63,13 +67,17 @@ impl Default for Model {
     }
 }
 
-/// A mesh of triangles, which share nodes inside of a body.
+/// A mesh of triangles or of tetrahedra, which share nodes inside of a body: `D` dimensions, `N = D + 1` corners.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Mesh {
-    /// Coordinates of the nodes, m. No two triangles of different bodies share one.
-    pub nodes: Vec<[f64; 2]>,
-    /// Nodes of each element, counter-clockwise.
-    pub triangles: Vec<[u32; 3]>,
+#[serde(bound(
+    serialize = "[f64; D]: Serialize, [u32; N]: Serialize",
+    deserialize = "[f64; D]: Deserialize<'de>, [u32; N]: Deserialize<'de>"
+))]
+pub struct Mesh<const D: usize = 2, const N: usize = 3> {
+    /// Coordinates of the nodes, m. No two elements of different bodies share one.
+    pub nodes: Vec<[f64; D]>,
+    /// Nodes of each element: those of a triangle counter-clockwise; those of a tetrahedron such that the first three are counter-clockwise seen from the last.
+    pub elements: Vec<[u32; N]>,
     /// Body of each element.
     pub bodies: Vec<u32>,
     /// Material of each element.
@@ -137,42 +145,51 @@ pub struct Interface {
     pub strength: Option<Strength>,
 }
 
-/// A boundary condition on nodes or edges.
+/// A boundary condition on nodes or facets: edges of triangles, faces of tetrahedra.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Boundary {
+#[serde(bound(
+    serialize = "[f64; D]: Serialize, [u32; D]: Serialize, [Option<f64>; D]: Serialize",
+    deserialize = "[f64; D]: Deserialize<'de>, [u32; D]: Deserialize<'de>, [Option<f64>; D]: Deserialize<'de>"
+))]
+pub struct Boundary<const D: usize = 2> {
     /// Name, for messages.
     pub name: String,
-    /// Nodes or edges on which it acts.
-    pub target: Target,
+    /// Nodes or facets on which it acts.
+    pub target: Target<D>,
     /// Kind and size of the action.
-    pub load: Load,
+    pub load: Load<D>,
     /// Factor of the action in time.
     pub schedule: Schedule,
 }
 
-/// Nodes or edges on which a [`Boundary`] acts.
+/// Nodes or facets on which a [`Boundary`] acts.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Target {
+#[serde(bound(serialize = "[u32; D]: Serialize", deserialize = "[u32; D]: Deserialize<'de>"))]
+pub enum Target<const D: usize = 2> {
     /// Nodes of the mesh.
     Nodes(Vec<u32>),
-    /// Edges of elements, as pairs of nodes in the direction in which their element has them.
-    Edges(Vec<[u32; 2]>),
+    /// Facets of elements by their nodes, which go around them counter-clockwise, seen from outside.
+    Facets(Vec<[u32; D]>),
 }
 
 /// Action of a [`Boundary`]. Components that are `None` are free.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Load {
+#[serde(bound(
+    serialize = "[f64; D]: Serialize, [Option<f64>; D]: Serialize",
+    deserialize = "[f64; D]: Deserialize<'de>, [Option<f64>; D]: Deserialize<'de>"
+))]
+pub enum Load<const D: usize = 2> {
     /// Prescribes the velocity of nodes, m/s. Zero holds them.
-    Velocity([Option<f64>; 2]),
+    Velocity([Option<f64>; D]),
     /// Prescribes the displacement of nodes, m.
-    Displacement([Option<f64>; 2]),
+    Displacement([Option<f64>; D]),
     /// A total force, N, shared equally by the nodes.
-    Force([f64; 2]),
-    /// A traction on edges, Pa, in a fixed direction, per length of the undeformed edge.
-    Traction([f64; 2]),
-    /// A pressure on edges, Pa, against the outward normal of the deformed edge.
+    Force([f64; D]),
+    /// A traction on facets, Pa, in a fixed direction, per measure of the undeformed facet.
+    Traction([f64; D]),
+    /// A pressure on facets, Pa, against the outward normal of the deformed facet.
     Pressure(f64),
-    /// Edges that let waves out: dashpots of the material's impedances (Lysmer and Kuhlemeyer, 1969), the static force of the beginning, and springs as stiff as the ground beyond.
+    /// Facets that let waves out: dashpots of the material's impedances (Lysmer and Kuhlemeyer, 1969), the static force of the beginning, and springs as stiff as the ground beyond.
     Absorbing,
 }
 

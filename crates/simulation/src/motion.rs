@@ -7,10 +7,10 @@ use crate::contacts::Contacts;
 use crate::joints::Joints;
 use crate::loads::Loads;
 use crate::model::Model;
-use crate::potential::{Point, dot};
 use crate::solid::{Constants, Node, Solid, Strained};
 use crate::team::Team;
 use crate::topology::{NONE, Nodes};
+use crate::vector::{Point, dot};
 
 /// Everything that the motion of the nodes in a step depends on.
 pub(crate) struct Motion<'a> {

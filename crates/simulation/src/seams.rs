@@ -1,6 +1,6 @@
 //! Contacts of surfaces that touch at the beginning under initial stress.
 //!
-//! The potentials of contacts (`potential.rs`) are zero where two surfaces just touch. A *seam* carries the initial stress across such surfaces. It acts at two
+//! The potentials of contacts (`simplex/triangle/potential.rs`) are zero where two surfaces just touch. A *seam* carries the initial stress across such surfaces. It acts at two
 //! Gauss points on the common part of two outer edges, with the normal traction `p₀` and the tangential traction `τ₀` of the stress of the two elements (the
 //! mean stress if the two differ). The edges need not match: two Gauss points integrate the linear shape functions exactly, so that each node gets exactly the
 //! force that balances a uniform stress. Bodies under matching stress stay at rest.
@@ -19,16 +19,17 @@
 //! A seam joins two points of the surfaces. As their distance grows from 0.1 to 0.3 of the shorter edge, the seam fades and hands over to the contact
 //! potential. The energy that the faded share had stored counts as dissipated by friction. The faded share does not come back.
 
-use fdem_contact::{Couple as Pair, Detector, Elements as Boxes, Engine, Search};
+use fdem_contact::{Couple as Pair, Detector, Elements as Boxes, Search};
 use serde::{Deserialize, Serialize};
 
 use crate::contacts;
 use crate::error::ModelError;
 use crate::model::Model;
-use crate::potential::{Point, dot, length, minus};
-use crate::solid::{Solid, height, triangle_of};
+use crate::simplex::Simplex;
+use crate::solid::{Solid, corners_of};
 use crate::team::Team;
-use crate::topology::{NONE, Topology, follower};
+use crate::topology::Topology;
+use crate::vector::{Matrix, Point, applied, dot, length, matrix, minus};
 
 /// Edges touch if they are nearer than this share of the shorter edge.
 const TOUCH: f64 = 1e-6;
@@ -65,7 +66,7 @@ impl InitialContacts {
     /// An error that says why the model cannot be simulated.
     pub fn of(model: &Model) -> Result<Self, ModelError> {
         crate::checks::check(model)?;
-        Ok(Seams::new(model, &Topology::new(&model.mesh)?, &Solid::new(model))?.found)
+        Ok(Seams::new(model, &Topology::of(&model.mesh)?, &Solid::new(model))?.found)
     }
 }
 
@@ -129,10 +130,9 @@ impl Seams {
             return Ok(seams);
         }
         let position = |corner: u32| solid.at_corner(corner).position;
-        let outer = |corner: &u32| topology.edge_of[*corner as usize / 3][*corner as usize % 3] == NONE;
-        let edges: Vec<u32> = (0..topology.vertices.len() as u32).filter(outer).collect();
-        for [one, other] in near(&edges, |corner| [corner, follower(corner)].map(position))? {
-            seams.join(model, [one, other].map(|corner| [corner, follower(corner)]), position);
+        let edges: Vec<[u32; 2]> = topology.surface().collect();
+        for touching in near(&edges, |edge| edge.map(position))? {
+            seams.join(model, touching, position);
         }
         Ok(seams)
     }
@@ -154,9 +154,9 @@ impl Seams {
         }
         let elements = corners.map(|edge| edge[0] / 3);
         let [one, other] = elements.map(|element| model.stresses[element as usize]);
-        let on = |[xx, yy, xy]: [f64; 3]| [xx * normal[0] + xy * normal[1], xy * normal[0] + yy * normal[1]];
+        let on = |stress: Matrix| applied(&stress, normal);
         let difference = minus(on(one), on(other));
-        let traction = on(std::array::from_fn(|i| 0.5 * (one[i] + other[i])));
+        let traction = on(matrix(|i, k| 0.5 * (one[i][k] + other[i][k])));
         if length(difference) > UNLIKE * length(traction) {
             self.found.unlike.get_or_insert(elements);
         }
@@ -170,9 +170,8 @@ impl Seams {
         let materials = elements.map(|element| model.mesh.materials[element as usize]);
         let [penalty, friction] = contacts::penalty_and_friction(model, materials);
         // φ grows by 3 over the height of each of the two triangles.
-        let slope = |edge: [u32; 2]| {
-            3.0 / height(&triangle_of(&model.mesh, edge[0] as usize / 3), edge[0] as usize % 3)
-        };
+        let slope =
+            |edge: [u32; 2]| 3.0 / corners_of(&model.mesh, edge[0] as usize / 3).height(edge[0] as usize % 3);
         let stiffness = penalty * (slope(corners[0]) + slope(corners[1]));
         let tangential = model.contact.tangential_stiffness.min(TANGENTIAL) * stiffness;
         let limit = friction * pressure;
@@ -372,7 +371,7 @@ impl Place {
 }
 
 /// Pairs of edges whose boxes touch, ascending. Each edge is given by the number of its first corner.
-fn near(edges: &[u32], ends: impl Fn(u32) -> [Point; 2]) -> Result<Vec<[u32; 2]>, ModelError> {
+fn near(edges: &[[u32; 2]], ends: impl Fn([u32; 2]) -> [Point; 2]) -> Result<Vec<[[u32; 2]; 2]>, ModelError> {
     let [mut min, mut max] = [Vec::with_capacity(edges.len()), Vec::with_capacity(edges.len())];
     let mut shortest = f64::INFINITY;
     for &edge in edges {
@@ -384,7 +383,7 @@ fn near(edges: &[u32], ends: impl Fn(u32) -> [Point; 2]) -> Result<Vec<[u32; 2]>
     let mut pairs: Vec<Pair> = Vec::new();
     Boxes::boxes(&min, &max)
         .and_then(|boxes| boxes.with_tolerance(TOUCH * shortest))
-        .and_then(|boxes| Detector::new(Engine::Auto).couples(&boxes, &mut pairs))
+        .and_then(|boxes| Detector::new().couples(&boxes, &mut pairs))
         .map_err(|error| ModelError::Detection { message: error.to_string() })?;
     pairs.sort_unstable();
     Ok(pairs.into_iter().map(|Pair { i, j }| [i, j].map(|k| edges[k as usize])).collect())
@@ -393,7 +392,7 @@ fn near(edges: &[u32], ends: impl Fn(u32) -> [Point; 2]) -> Result<Vec<[u32; 2]>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::potential::cross;
+    use crate::vector::cross;
 
     /// A point of a seam between two edges of different lengths.
     fn place() -> (Place, [[Point; 2]; 2]) {

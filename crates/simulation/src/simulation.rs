@@ -14,12 +14,12 @@ use crate::joints::{Break, Joint, Joints, Saved};
 use crate::loads::Loads;
 use crate::model::{Insertion, Model};
 use crate::motion::{self, Motion};
-use crate::potential::{Point, dot};
 use crate::seams::{Hold, Seams};
 use crate::snapshot::{Crack, Mode, Snapshot};
 use crate::solid::{Constants, Node, Solid};
 use crate::team::Team;
 use crate::topology::{NONE, Nodes, Topology};
+use crate::vector::{Matrix, Point, dot};
 
 /// Steps between two checks of the energy balance.
 const AUDIT: u64 = 100;
@@ -38,7 +38,7 @@ const NEGLIGIBLE_SHARE: f64 = 1e-9;
 /// # Example
 /// ```
 /// # use fdem_simulation::*;
-/// # let mesh = Mesh { nodes: vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], triangles: vec![[0, 1, 2]], bodies: vec![0], materials: vec![0] };
+/// # let mesh = Mesh { nodes: vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], elements: vec![[0, 1, 2]], bodies: vec![0], materials: vec![0] };
 /// # let material = Material { name: "rock".to_owned(), density: 2700.0, youngs_modulus: 50e9, poissons_ratio: 0.25, damping: 0.0, strength: None, friction: 0.5 };
 /// let model = Model { mesh, materials: vec![material], gravity: [0.0, -9.81], ..Model::default() };
 /// let mut run = Simulation::new(model, 1)?;
@@ -107,8 +107,8 @@ pub struct State {
     nodes: Vec<Node>,
     constants: Vec<Constants>,
     of_corner: Vec<[u32; 3]>,
-    stresses: Vec<[f64; 3]>,
-    viscous: Vec<[f64; 4]>,
+    stresses: Vec<Matrix>,
+    viscous: Vec<Matrix>,
     joints: Saved,
     contacts: SavedContacts,
     seams: Vec<Hold>,
@@ -158,18 +158,18 @@ impl Simulation {
     /// An error that says why the model cannot be simulated.
     pub fn new(model: Model, threads: usize) -> Result<Self, ModelError> {
         checks::check(&model)?;
-        let topology = Topology::new(&model.mesh)?;
+        let topology = Topology::of(&model.mesh)?;
         let mut solid = Solid::new(&model);
         let mut joints = Joints::new(&model, &topology);
         // Checks the laws of all edges now, so that none can fail during the run.
-        for edge in 0..topology.edges.len() as u32 {
+        for edge in 0..topology.facets.len() as u32 {
             joints.law(edge, &model, &topology)?;
         }
         let mut loads = Loads::new(&model, &topology, &mut solid)?;
         let contacts = Contacts::new(&model, &topology, threads)?;
         let critical = CriticalStep::new(&model, &topology, &joints);
         if model.fracture.insertion == Insertion::Intrinsic {
-            solid.reserve_nodes(3 * model.mesh.triangles.len());
+            solid.reserve_nodes(3 * model.mesh.elements.len());
             joints.everywhere(&model, &topology)?;
         }
         // This also separates elements that have only a vertex in common.
@@ -481,7 +481,7 @@ impl Simulation {
         let mut cracks = Vec::new();
         for (number, joint) in self.joints.all.iter().enumerate() {
             let of_joint = joint.damage();
-            let edge = &self.topology.edges[joint.edge as usize];
+            let edge = &self.topology.facets[joint.edge as usize];
             for element in edge.elements() {
                 let damage = &mut damage[element as usize];
                 *damage = damage.max(of_joint);
@@ -496,10 +496,10 @@ impl Simulation {
             positions: nodes.iter().map(|node| self.solid.place(node.position)).collect(),
             displacements: (0..nodes.len()).map(|node| self.solid.displacement(node, &self.model)).collect(),
             velocities: nodes.iter().map(|node| node.velocity).collect(),
-            triangles: self.solid.corners.of_corner.clone(),
+            elements: self.solid.corners.of_corner.clone(),
             stresses: (0..elements)
                 .map(|element| {
-                    let [xx, yy, xy] = self.solid.strained[element].stress;
+                    let [[xx, xy], [_, yy]] = self.solid.strained[element].stress;
                     [xx, yy, xy, self.solid.stress_out_of_plane(element)]
                 })
                 .collect(),
@@ -520,7 +520,7 @@ impl Simulation {
     }
 
     fn crack(&self, joint: &Joint, damage: f64, broken: Option<&Break>) -> Crack {
-        let edge = &self.topology.edges[joint.edge as usize];
+        let edge = &self.topology.facets[joint.edge as usize];
         let end = |end: usize| {
             let [a, b] = edge.corners.map(|side| self.solid.at_corner(side[end]).position);
             self.solid.place([0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])])
@@ -654,7 +654,7 @@ mod tests {
     fn kinetic_energy_out_of_nothing_stops_a_run() {
         let mesh = Mesh {
             nodes: vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]],
-            triangles: vec![[0, 1, 2]],
+            elements: vec![[0, 1, 2]],
             bodies: vec![0],
             materials: vec![0],
         };

@@ -14,7 +14,7 @@ pub struct Snapshot {
     /// Velocities of the nodes, m/s.
     pub velocities: Vec<[f64; 2]>,
     /// Nodes of each element, counter-clockwise.
-    pub triangles: Vec<[u32; 3]>,
+    pub elements: Vec<[u32; 3]>,
     /// Cauchy stress of each element, `[xx, yy, xy, zz]` in Pa, tension positive.
     pub stresses: Vec<[f64; 4]>,
     /// Largest damage of the joints of each element, from 0 to 1.

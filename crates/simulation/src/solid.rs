@@ -2,19 +2,23 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::elastic::{Moduli, Tensor, contraction, determinant, product, product_transposed, viscous_stress};
-use crate::model::{Model, Plane};
-use crate::potential::{Point, Triangle, cross, length, minus};
+use crate::elastic::{Moduli, viscous_stress};
+use crate::model::{Mesh, Model};
+use crate::simplex::Simplex;
 use crate::team::Team;
 use crate::topology::{NONE, Nodes};
+use crate::vector::{
+    Matrix, Point, contraction, matrix, minus, product, product_transposed, symmetric, transposed,
+};
 
 /// Motion of a node.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Node {
+#[serde(bound(serialize = "[f64; D]: Serialize", deserialize = "[f64; D]: Deserialize<'de>"))]
+pub(crate) struct Node<const D: usize = 2> {
     /// Position relative to [`Solid::origin`], m.
-    pub(crate) position: Point,
+    pub(crate) position: Point<D>,
     /// Velocity half a step before the position, m/s.
-    pub(crate) velocity: Point,
+    pub(crate) velocity: Point<D>,
 }
 
 /// Properties of a node that its motion does not change. They are stored apart from [`Node`], which a step reads far more often.
@@ -27,32 +31,54 @@ pub(crate) struct Constants {
     pub(crate) hold: u32,
 }
 
-/// A triangle of constant strain.
+/// An element of constant strain.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Element {
+pub(crate) struct Element<const D: usize = 2> {
     pub(crate) material: u32,
     /// Inverse of the matrix whose columns are the undeformed edges from corner 0, 1/m.
-    gradients: Tensor,
-    /// Undeformed area times thickness, m³.
+    gradients: Matrix<D>,
+    /// Undeformed volume, m³: in two dimensions area times thickness.
     pub(crate) volume: f64,
 }
 
 /// Results of the deformation of an element.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Strained {
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Strained<const D: usize = 2, const N: usize = 3> {
     /// Forces on its corners, N.
-    pub(crate) forces: [Point; 3],
-    /// Cauchy stress, `[xx, yy, xy]` in Pa.
-    pub(crate) stress: [f64; 3],
+    pub(crate) forces: [Point<D>; N],
+    /// Cauchy stress, Pa.
+    pub(crate) stress: Matrix<D>,
     pub(crate) energy: f64,
     /// Viscous part of the stress (first Piola-Kirchhoff), Pa.
-    pub(crate) viscous: Tensor,
+    pub(crate) viscous: Matrix<D>,
 }
 
-impl Element {
+impl<const D: usize, const N: usize> Default for Strained<D, N> {
+    fn default() -> Self {
+        Self { forces: [[0.0; D]; N], stress: [[0.0; D]; D], energy: 0.0, viscous: [[0.0; D]; D] }
+    }
+}
+
+impl<const D: usize> Element<D> {
     /// Mass at each of its corners, kg.
-    pub(crate) fn corner_mass(&self, model: &Model) -> f64 {
-        model.materials[self.material as usize].density * self.volume / 3.0
+    pub(crate) fn corner_mass<const N: usize>(&self, model: &Model<D, N>) -> f64 {
+        model.materials[self.material as usize].density * self.volume / N as f64
+    }
+
+    /// Forces on the corners of the element of a stress (first Piola-Kirchhoff), N.
+    #[inline]
+    fn forces<const N: usize>(&self, stress: &Matrix<D>) -> [Point<D>; N] {
+        let on = product_transposed(stress, &self.gradients).map(|row| row.map(|f| -self.volume * f));
+        let mut forces = [[0.0; D]; N];
+        for axis in 0..D {
+            forces[0][axis] = -on[axis][0];
+            forces[1][axis] = on[axis][0];
+            for k in 1..D {
+                forces[0][axis] -= on[axis][k];
+                forces[k + 1][axis] = on[axis][k];
+            }
+        }
+        forces
     }
 }
 
@@ -68,28 +94,29 @@ struct Response {
 ///
 /// Positions of nodes are relative to [`Solid::origin`], so that bodies far from the origin of the model's coordinates lose no digits.
 #[derive(Debug)]
-pub(crate) struct Solid {
+pub(crate) struct Solid<const D: usize = 2, const N: usize = 3> {
     /// Origin of positions, in the model's coordinates, m.
-    pub(crate) origin: Point,
-    pub(crate) nodes: Vec<Node>,
+    pub(crate) origin: Point<D>,
+    pub(crate) nodes: Vec<Node<D>>,
     pub(crate) constants: Vec<Constants>,
-    pub(crate) elements: Vec<Element>,
+    pub(crate) elements: Vec<Element<D>>,
     /// Results of the deformation of each element.
-    pub(crate) strained: Vec<Strained>,
-    pub(crate) corners: Nodes,
+    pub(crate) strained: Vec<Strained<D, N>>,
+    pub(crate) corners: Nodes<N>,
+    /// Thickness out of the plane, m; 1 in space.
     pub(crate) thickness: f64,
     responses: Vec<Response>,
     /// Smallest height of each element; empty without viscosity.
     heights: Vec<f64>,
     /// Initial stress of each element; empty for none.
-    prestress: Vec<Prestress>,
+    prestress: Vec<Prestress<D>>,
 }
 
 /// The initial stress of an element.
 #[derive(Clone, Copy, Debug)]
-struct Prestress {
-    /// Second Piola-Kirchhoff stress, `[xx, yy, xy]` in Pa.
-    stress: [f64; 3],
+struct Prestress<const D: usize> {
+    /// Second Piola-Kirchhoff stress, Pa.
+    stress: Matrix<D>,
     /// Energy that it has stored before the run, J/m³.
     energy: f64,
 }
@@ -99,36 +126,38 @@ struct Prestress {
 pub(crate) struct Deformation {
     /// Energy dissipated by viscosity since the last pass, J.
     pub(crate) dissipated: f64,
-    /// The first inverted element, with its ratio of deformed to undeformed area.
+    /// The first inverted element, with its ratio of deformed to undeformed area or volume.
     pub(crate) inverted: Option<(u32, f64)>,
 }
 
-impl Solid {
-    pub(crate) fn new(model: &Model) -> Self {
+impl<const D: usize, const N: usize> Solid<D, N>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    pub(crate) fn new(model: &Model<D, N>) -> Self {
         let mesh = &model.mesh;
-        let mut elements = Vec::with_capacity(mesh.triangles.len());
-        for number in 0..mesh.triangles.len() {
-            let [a, b, c] = triangle_of(mesh, number);
-            let (e, f) = (minus(b, a), minus(c, a));
-            let double = cross(e, f);
-            elements.push(Element {
+        let element = |number: usize| {
+            let corners = corners_of(mesh, number);
+            let gradients = <[[f64; D]; N]>::inverse_edges(&corners);
+            Element {
                 material: mesh.materials[number],
-                gradients: [f[1] / double, -f[0] / double, -e[1] / double, e[0] / double],
-                volume: 0.5 * double * model.thickness,
-            });
-        }
+                gradients,
+                volume: corners.measure() * model.thickness,
+            }
+        };
+        let elements: Vec<Element<D>> = (0..mesh.elements.len()).map(element).collect();
         let responses: Vec<Response> = model
             .materials
             .iter()
             .map(|material| Response {
-                moduli: Moduli::new(material, model.plane),
+                moduli: <[[f64; D]; N]>::moduli(material, model.plane),
                 // The highest angular frequency ω of an element is about 2 c/h, so E/ω is half of h √(E ρ).
                 viscosity: 0.5 * material.damping * (material.youngs_modulus * material.density).sqrt(),
             })
             .collect();
         let viscous = responses.iter().any(|response| response.viscosity > 0.0);
         let heights = if viscous {
-            (0..elements.len()).map(|e| least_height(&triangle_of(mesh, e))).collect()
+            (0..elements.len()).map(|e| corners_of(mesh, e).least_height()).collect()
         } else {
             Vec::new()
         };
@@ -137,18 +166,21 @@ impl Solid {
         let nodes = all()
             .map(|(vertex, &place)| Node {
                 position: minus(place, origin),
-                velocity: model.velocities.get(vertex).copied().unwrap_or_default(),
+                velocity: model.velocities.get(vertex).copied().unwrap_or([0.0; D]),
             })
             .collect();
         let constants =
             all().map(|(vertex, _)| Constants { mass: 0.0, vertex: vertex as u32, hold: NONE }).collect();
-        let corners = Nodes::new(mesh.triangles.clone(), mesh.nodes.len());
+        let corners = Nodes::new(mesh.elements.clone(), mesh.nodes.len());
         let moduli = |element: usize| &responses[elements[element].material as usize].moduli;
-        let prestress: Vec<Prestress> = model
+        let prestress: Vec<Prestress<D>> = model
             .stresses
             .iter()
             .enumerate()
-            .map(|(element, &stress)| Prestress { stress, energy: moduli(element).stored(stress) })
+            .map(|(element, &stress)| Prestress {
+                stress,
+                energy: <[[f64; D]; N]>::stored(moduli(element), &stress),
+            })
             .collect();
         let mut strained = vec![Strained::default(); elements.len()];
         for ((strained, prestress), element) in strained.iter_mut().zip(&prestress).zip(&elements) {
@@ -196,10 +228,10 @@ impl Solid {
     }
 
     /// Sets the mass of a node to the sum over its corners.
-    pub(crate) fn weigh(&mut self, node: u32, model: &Model) {
+    pub(crate) fn weigh(&mut self, node: u32, model: &Model<D, N>) {
         let (mut mass, mut corner) = (0.0, self.corners.first[node as usize]);
         while corner != NONE {
-            mass += self.elements[corner as usize / 3].corner_mass(model);
+            mass += self.elements[corner as usize / N].corner_mass(model);
             corner = self.corners.next[corner as usize];
         }
         self.constants[node as usize].mass = mass;
@@ -207,30 +239,30 @@ impl Solid {
 
     /// Present nodes of an element.
     #[inline]
-    pub(crate) fn nodes_of(&self, element: u32) -> [u32; 3] {
+    pub(crate) fn nodes_of(&self, element: u32) -> [u32; N] {
         self.corners.of_corner[element as usize]
     }
 
     /// Present positions of the corners of an element.
     #[inline]
-    pub(crate) fn triangle(&self, element: u32) -> Triangle {
+    pub(crate) fn shape(&self, element: u32) -> [Point<D>; N] {
         self.nodes_of(element).map(|node| self.nodes[node as usize].position)
     }
 
     #[inline]
-    pub(crate) fn at_corner(&self, corner: u32) -> &Node {
+    pub(crate) fn at_corner(&self, corner: u32) -> &Node<D> {
         &self.nodes[self.corners.node_at(corner) as usize]
     }
 
     /// Displacement of a node, m.
-    pub(crate) fn displacement(&self, node: usize, model: &Model) -> Point {
+    pub(crate) fn displacement(&self, node: usize, model: &Model<D, N>) -> Point<D> {
         let vertex = self.constants[node].vertex as usize;
         minus(self.nodes[node].position, minus(model.mesh.nodes[vertex], self.origin))
     }
 
     /// Converts a position to the model's coordinates, m.
-    pub(crate) fn place(&self, position: Point) -> Point {
-        [position[0] + self.origin[0], position[1] + self.origin[1]]
+    pub(crate) fn place(&self, position: Point<D>) -> Point<D> {
+        std::array::from_fn(|axis| position[axis] + self.origin[axis])
     }
 
     /// Prescribed motion of the node of a corner: an index of the holds of the loads, or [`NONE`].
@@ -247,39 +279,39 @@ impl Solid {
                 let number = first + k;
                 let element = &elements[number];
                 let response = &responses[element.material as usize];
-                let [a, b, c] = corners.of_corner[number].map(|node| &nodes[node as usize]);
-                let (e, f) = (minus(b.position, a.position), minus(c.position, a.position));
-                let gradient = product(&[e[0], f[0], e[1], f[1]], &element.gradients);
-                let j = determinant(&gradient);
+                let ends = corners.of_corner[number].map(|node| &nodes[node as usize]);
+                let edges = <[[f64; D]; N]>::edges(&ends.map(|node| node.position));
+                let gradient = product(&edges, &element.gradients);
+                let j = <[[f64; D]; N]>::determinant(&gradient);
                 if (j <= 0.0 || j.is_nan()) && sum.inverted.is_none() {
                     sum.inverted = Some((number as u32, j));
                 }
-                let (mut stress, mut energy) = response.moduli.stress(&gradient, j);
+                let (mut stress, mut energy) = <[[f64; D]; N]>::stress(&response.moduli, &gradient, j);
                 if let Some(prestress) = prestress.get(number) {
-                    let [xx, yy, xy] = prestress.stress;
-                    let second = [xx, xy, xy, yy];
-                    let first = product(&gradient, &second);
-                    stress = std::array::from_fn(|i| stress[i] + first[i]);
-                    let [p, q, r, s] = gradient;
-                    let strain = [p * p + r * r - 1.0, p * q + r * s, p * q + r * s, q * q + s * s - 1.0];
-                    energy += prestress.energy + 0.5 * contraction(&second, &strain);
+                    let first = product(&gradient, &prestress.stress);
+                    stress = matrix(|i, k| stress[i][k] + first[i][k]);
+                    let across = transposed(&gradient);
+                    let mut strain = product_transposed(&across, &across);
+                    for axis in 0..D {
+                        strain[axis][axis] -= 1.0;
+                    }
+                    energy += prestress.energy + 0.5 * contraction(&prestress.stress, &strain);
                 }
                 if response.viscosity > 0.0 {
-                    let (e, f) = (minus(b.velocity, a.velocity), minus(c.velocity, a.velocity));
-                    let rate = product(&[e[0], f[0], e[1], f[1]], &element.gradients);
-                    let viscous = viscous_stress(response.viscosity * heights[number], &gradient, j, &rate);
+                    let edges = <[[f64; D]; N]>::edges(&ends.map(|node| node.velocity));
+                    let rate = product(&edges, &element.gradients);
+                    let viscosity = response.viscosity * heights[number];
+                    let viscous = viscous_stress::<D, N>(viscosity, &gradient, j, &rate);
                     // Work of the last viscous stress in the second half of its step, and of the new one in the first half of its step.
                     let power = contraction(&strained.viscous, &rate) + contraction(&viscous, &rate);
                     sum.dissipated += 0.5 * step * power * element.volume;
                     strained.viscous = viscous;
-                    stress = std::array::from_fn(|i| stress[i] + viscous[i]);
+                    stress = matrix(|i, k| stress[i][k] + viscous[i][k]);
                 }
                 strained.energy = energy * element.volume;
-                let cauchy = product_transposed(&stress, &gradient);
-                strained.stress = [cauchy[0] / j, cauchy[3] / j, 0.5 * (cauchy[1] + cauchy[2]) / j];
-                let forces = product_transposed(&stress, &element.gradients).map(|f| -element.volume * f);
-                let (one, two) = ([forces[0], forces[2]], [forces[1], forces[3]]);
-                strained.forces = [[-one[0] - two[0], -one[1] - two[1]], one, two];
+                let cauchy = symmetric(&product_transposed(&stress, &gradient));
+                strained.stress = cauchy.map(|row| row.map(|x| x / j));
+                strained.forces = element.forces(&stress);
             }
             sum
         });
@@ -306,26 +338,24 @@ impl Solid {
     }
 
     /// Force of the initial stress of an element on one of its corners, N.
-    pub(crate) fn initial_force(&self, corner: u32) -> Point {
-        let Some(prestress) = self.prestress.get(corner as usize / 3) else { return [0.0; 2] };
-        let element = &self.elements[corner as usize / 3];
-        let [xx, yy, xy] = prestress.stress;
-        let forces = product_transposed(&[xx, xy, xy, yy], &element.gradients).map(|f| -element.volume * f);
-        let (one, two) = ([forces[0], forces[2]], [forces[1], forces[3]]);
-        [[-one[0] - two[0], -one[1] - two[1]], one, two][corner as usize % 3]
+    pub(crate) fn initial_force(&self, corner: u32) -> Point<D> {
+        let element = corner as usize / N;
+        let Some(prestress) = self.prestress.get(element) else { return [0.0; D] };
+        self.elements[element].forces::<N>(&prestress.stress)[corner as usize % N]
     }
 
-    /// Out-of-plane stress of an element, Pa.
+    /// Out-of-plane stress of an element in two dimensions, Pa.
     pub(crate) fn stress_out_of_plane(&self, element: usize) -> f64 {
-        let [xx, yy, _] = self.strained[element].stress;
-        self.responses[self.elements[element].material as usize].moduli.out_of_plane * (xx + yy)
+        let stress = &self.strained[element].stress;
+        self.responses[self.elements[element].material as usize].moduli.out_of_plane
+            * (stress[0][0] + stress[1][1])
     }
 }
 
 /// Middle of the bounding box along each axis on which the middle is at least as far from 0 as the box is wide; 0 along other axes.
 ///
 /// All coordinates are then within a factor of 2 of the middle, so that differences from it are exact (Sterbenz' lemma).
-fn middle_if_far(nodes: &[Point]) -> Point {
+fn middle_if_far<const D: usize>(nodes: &[Point<D>]) -> Point<D> {
     std::array::from_fn(|axis| {
         let along = || nodes.iter().map(|node| node[axis]);
         let [low, high] = [along().fold(f64::INFINITY, f64::min), along().fold(f64::NEG_INFINITY, f64::max)];
@@ -335,38 +365,6 @@ fn middle_if_far(nodes: &[Point]) -> Point {
 }
 
 /// Undeformed corners of an element.
-pub(crate) fn triangle_of(mesh: &crate::model::Mesh, element: usize) -> Triangle {
-    mesh.triangles[element].map(|node| mesh.nodes[node as usize])
-}
-
-/// Height of a triangle over its edge from corner `k`, m.
-pub(crate) fn height(triangle: &Triangle, k: usize) -> f64 {
-    let [a, b, c] = [k, (k + 1) % 3, (k + 2) % 3].map(|k| triangle[k]);
-    let edge = minus(b, a);
-    cross(edge, minus(c, a)) / length(edge)
-}
-
-pub(crate) fn least_height(triangle: &Triangle) -> f64 {
-    (0..3).map(|k| height(triangle, k)).fold(f64::INFINITY, f64::min)
-}
-
-/// Square of the highest angular frequency of a free element, 1/s²: the largest ratio of its stiffness to its lumped mass.
-pub(crate) fn highest_square(triangle: &Triangle, material: &crate::model::Material, plane: Plane) -> f64 {
-    let moduli = Moduli::new(material, plane);
-    let [a, b, c] = *triangle;
-    let double = cross(minus(b, a), minus(c, a));
-    // ∇N of each corner, and S = Σ ∇N ∇Nᵀ. In the axes in which S is diagonal, B Bᵀ is diag(s₁, s₂, s₁ + s₂). D is the same in all axes.
-    let gradients = [minus(c, b), minus(a, c), minus(b, a)].map(|[x, y]| [-y / double, x / double]);
-    let (mut xx, mut yy, mut xy) = (0.0, 0.0, 0.0);
-    for [x, y] in gradients {
-        xx += x * x;
-        yy += y * y;
-        xy += x * y;
-    }
-    let [one, two] = crate::elastic::principal_stresses([xx, yy, xy]);
-    let (sum, product) = (one + two, (one * two).max(0.0));
-    let (wave, shear) = (moduli.wave(), moduli.shear);
-    let root = (wave * wave * sum * sum - 16.0 * moduli.bulk * shear * product).max(0.0).sqrt();
-    let largest = (0.5 * (wave * sum + root)).max(shear * sum);
-    3.0 / material.density * largest
+pub(crate) fn corners_of<const D: usize, const N: usize>(mesh: &Mesh<D, N>, element: usize) -> [Point<D>; N] {
+    mesh.elements[element].map(|node| mesh.nodes[node as usize])
 }

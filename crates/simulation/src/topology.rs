@@ -1,52 +1,62 @@
-//! Connectivity of elements: their corners, the nodes that they share, and the edges between them.
+//! Connectivity of elements: their corners, the nodes that they share, and the facets between them, in any dimension.
 //!
 //! A *vertex* is a node of the given mesh; a *node* is a point that moves. A vertex has one node where the mesh is intact, and several nodes where it has
-//! broken. Each of these is shared by the corners of elements that are still connected there. Corner `3 e + k` is the `k`-th corner of element `e`.
+//! broken. Each of these is shared by the corners of elements that are still connected there. Corner `N e + k` is the `k`-th corner of element `e`.
 
 use crate::error::ModelError;
 use crate::model::Mesh;
+use crate::simplex::Simplex;
 
-/// Stands for no edge or no joint.
+/// Stands for no facet or no joint.
 pub(crate) const NONE: u32 = u32::MAX;
 
-/// An edge between two elements. Side 0 is the element with the lower number. Both sides list their corners in the direction of side 0.
+/// A facet between two elements. Side 0 is the element with the lower number. Both sides list their corners in the order in which they go around side 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Edge {
-    pub(crate) corners: [[u32; 2]; 2],
+pub(crate) struct Facet<const D: usize = 2> {
+    pub(crate) corners: [[u32; D]; 2],
 }
 
-impl Edge {
+impl<const D: usize> Facet<D> {
     pub(crate) fn elements(&self) -> [u32; 2] {
-        self.corners.map(|side| side[0] / 3)
+        self.corners.map(|side| side[0] / (D as u32 + 1))
     }
 }
 
 /// Connectivity of the given mesh, which does not change when the mesh breaks.
 #[derive(Clone, Debug)]
-pub(crate) struct Topology {
+pub(crate) struct Topology<const D: usize = 2, const N: usize = 3> {
     /// Vertex of each corner.
     pub(crate) vertices: Vec<u32>,
     /// The corners of vertex `v` are `corners[offsets[v]..offsets[v + 1]]`, ascending.
     offsets: Vec<u32>,
     corners: Vec<u32>,
-    /// Edges between elements.
-    pub(crate) edges: Vec<Edge>,
-    /// The edge between corners `k` and `k + 1` of each element; [`NONE`] on the outline.
-    pub(crate) edge_of: Vec<[u32; 3]>,
+    /// Facets between elements.
+    pub(crate) facets: Vec<Facet<D>>,
+    /// The facets of each element, in the order of [`Simplex::FACETS`]; [`NONE`] on the surface.
+    pub(crate) facet_of: Vec<[u32; N]>,
 }
 
-impl Topology {
-    pub(crate) fn new(mesh: &Mesh) -> Result<Self, ModelError> {
-        let vertices: Vec<u32> = mesh.triangles.iter().flatten().copied().collect();
-        let mut offsets = vec![0_u32; mesh.nodes.len() + 1];
+impl<const D: usize, const N: usize> Topology<D, N>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    /// The connectivity of a mesh.
+    pub(crate) fn of(mesh: &Mesh<D, N>) -> Result<Self, ModelError> {
+        Self::new(mesh.nodes.len(), &mesh.elements)
+    }
+
+    /// The connectivity of elements with these of `vertices` vertices as corners.
+    pub(crate) fn new(vertices: usize, elements: &[[u32; N]]) -> Result<Self, ModelError> {
+        let mut offsets = vec![0_u32; vertices + 1];
+        let vertices: Vec<u32> = elements.iter().flatten().copied().collect();
         for &vertex in &vertices {
             offsets[vertex as usize + 1] += 1;
         }
-        for k in 0..mesh.nodes.len() {
-            if offsets[k + 1] == 0 {
-                return Err(ModelError::LooseNode { node: k });
+        for k in 1..offsets.len() {
+            if offsets[k] == 0 {
+                return Err(ModelError::LooseNode { node: k - 1 });
             }
-            offsets[k + 1] += offsets[k];
+            offsets[k] += offsets[k - 1];
         }
         let mut next = offsets.clone();
         let mut corners = vec![0; vertices.len()];
@@ -54,8 +64,8 @@ impl Topology {
             corners[next[vertex as usize] as usize] = corner as u32;
             next[vertex as usize] += 1;
         }
-        let (edges, edge_of) = edges(&vertices)?;
-        Ok(Self { vertices, offsets, corners, edges, edge_of })
+        let (facets, facet_of) = facets(&vertices)?;
+        Ok(Self { vertices, offsets, corners, facets, facet_of })
     }
 
     pub(crate) fn corners_of(&self, vertex: u32) -> &[u32] {
@@ -67,22 +77,36 @@ impl Topology {
         self.offsets.len() - 1
     }
 
-    /// Returns for each vertex whether it is at an end of an outer edge.
+    /// Facets on the surface, each by its corners.
+    pub(crate) fn surface(&self) -> impl Iterator<Item = [u32; D]> + '_ {
+        self.facet_of.iter().enumerate().flat_map(|(element, facets)| {
+            let outer = (0..N).filter(|&k| facets[k] == NONE);
+            outer.map(move |k| corners_of_facet(element, k))
+        })
+    }
+
+    /// Facets on the surface that meet at a vertex, each by its corners.
+    pub(crate) fn surface_at(&self, vertex: u32) -> impl Iterator<Item = [u32; D]> + '_ {
+        self.corners_of(vertex).iter().flat_map(move |&corner| {
+            let element = corner as usize / N;
+            let outer = move |k: &usize| self.facet_of[element][*k] == NONE;
+            let at = <[[f64; D]; N]>::AT_CORNER[corner as usize % N];
+            at.into_iter().filter(outer).map(move |k| corners_of_facet(element, k))
+        })
+    }
+
+    /// Returns for each vertex whether it is on the surface.
     pub(crate) fn outer_vertices(&self) -> Vec<bool> {
         let mut outer = vec![false; self.vertex_count()];
-        for (element, edges) in self.edge_of.iter().enumerate() {
-            for k in (0..3).filter(|&k| edges[k] == NONE) {
-                for corner in [k, (k + 1) % 3] {
-                    outer[self.vertices[3 * element + corner] as usize] = true;
-                }
-            }
+        for corner in self.surface().flatten() {
+            outer[self.vertices[corner as usize] as usize] = true;
         }
         outer
     }
 
-    /// Numbers the pieces whose elements are connected by edges that hold, from 0 in the order of their first elements. Returns the piece of each element.
+    /// Numbers the pieces whose elements are connected by facets that hold, from 0 in the order of their first elements. Returns the piece of each element.
     pub(crate) fn pieces(&self, holds: impl Fn(u32) -> bool) -> Vec<u32> {
-        let mut pieces = vec![NONE; self.edge_of.len()];
+        let mut pieces = vec![NONE; self.facet_of.len()];
         let (mut count, mut waiting) = (0, Vec::new());
         for first in 0..pieces.len() {
             if pieces[first] != NONE {
@@ -91,12 +115,11 @@ impl Topology {
             pieces[first] = count;
             waiting.push(first);
             while let Some(element) = waiting.pop() {
-                for edge in self.edge_of[element].into_iter().filter(|&edge| edge != NONE && holds(edge)) {
-                    for next in self.edges[edge as usize].elements() {
-                        if pieces[next as usize] == NONE {
-                            pieces[next as usize] = count;
-                            waiting.push(next as usize);
-                        }
+                let held = self.facet_of[element].into_iter().filter(|&facet| facet != NONE && holds(facet));
+                for next in held.flat_map(|facet| self.facets[facet as usize].elements()) {
+                    if pieces[next as usize] == NONE {
+                        pieces[next as usize] = count;
+                        waiting.push(next as usize);
                     }
                 }
             }
@@ -105,65 +128,87 @@ impl Topology {
         pieces
     }
 
-    /// Returns the edges between elements that meet at a vertex, each once and with the corner of its side 0.
-    pub(crate) fn edges_around(&self, vertex: u32) -> impl Iterator<Item = (u32, u32)> + '_ {
+    /// Returns the facets between elements that meet at a vertex, each once and with the corner of its side 0.
+    pub(crate) fn facets_around(&self, vertex: u32) -> impl Iterator<Item = (u32, u32)> + '_ {
         self.corners_of(vertex).iter().flat_map(move |&corner| {
-            let own =
-                move |edge: &u32| *edge != NONE && self.edges[*edge as usize].elements()[0] == corner / 3;
-            self.edges_at(corner).into_iter().filter(own).map(move |edge| (edge, corner))
+            let own = move |facet: &u32| {
+                *facet != NONE && self.facets[*facet as usize].elements()[0] == corner / N as u32
+            };
+            self.facets_at(corner).into_iter().filter(own).map(move |facet| (facet, corner))
         })
     }
 
-    /// Returns the two edges of an element that meet at one of its corners.
-    pub(crate) fn edges_at(&self, corner: u32) -> [u32; 2] {
-        let edges = &self.edge_of[corner as usize / 3];
-        let k = corner as usize % 3;
-        [edges[k], edges[(k + 2) % 3]]
+    /// Returns the facets of an element that meet at one of its corners; [`NONE`] on the surface.
+    pub(crate) fn facets_at(&self, corner: u32) -> [u32; D] {
+        let facets = &self.facet_of[corner as usize / N];
+        <[[f64; D]; N]>::AT_CORNER[corner as usize % N].map(|k| facets[k])
     }
 
-    /// Returns the corner at the same vertex in the element on the other side of an edge.
-    fn across(&self, edge: u32, corner: u32) -> u32 {
-        let [one, other] = self.edges[edge as usize].corners;
-        let end = |side: [u32; 2]| usize::from(side[1] == corner);
-        if one.contains(&corner) { other[end(one)] } else { one[end(other)] }
+    /// Returns the corner at the same vertex in the element on the other side of a facet.
+    fn across(&self, facet: u32, corner: u32) -> u32 {
+        let [one, other] = &self.facets[facet as usize].corners;
+        let place = one.iter().position(|&own| own == corner);
+        match place {
+            Some(place) => other[place],
+            None => other.iter().zip(one).find(|(own, _)| **own == corner).map_or(corner, |(_, &one)| one),
+        }
     }
 
-    /// Groups the corners of a vertex. Corners of elements with a common edge that holds are in the same group. `groups` gets the group of each corner, in the
+    /// Groups the corners of a vertex. Corners of elements with a common facet that holds are in the same group. `groups` gets the group of each corner, in the
     /// order of [`Self::corners_of`]. The number of a group is the place of its first corner in that order.
     pub(crate) fn groups(&self, vertex: u32, holds: impl Fn(u32) -> bool, groups: &mut Vec<u32>) {
         let corners = self.corners_of(vertex);
         groups.clear();
         groups.resize(corners.len(), NONE);
+        let mut waiting = Vec::new();
         for first in 0..corners.len() {
             if groups[first] != NONE {
                 continue;
             }
             groups[first] = first as u32;
-            // Go around the vertex in both directions, as far as the edges hold.
-            for start in self.edges_at(corners[first]) {
-                let (mut corner, mut edge) = (corners[first], start);
-                while edge != NONE && holds(edge) {
-                    corner = self.across(edge, corner);
-                    let place = corners.iter().position(|&other| other == corner);
-                    let Some(group) = place.map(|place| &mut groups[place]).filter(|group| **group == NONE)
-                    else {
-                        break;
-                    };
-                    *group = first as u32;
-                    let [one, other] = self.edges_at(corner);
-                    edge = if one == edge { other } else { one };
+            waiting.push(corners[first]);
+            while let Some(corner) = waiting.pop() {
+                for facet in self.facets_at(corner) {
+                    if facet == NONE || !holds(facet) {
+                        continue;
+                    }
+                    let other = self.across(facet, corner);
+                    let group = corners.binary_search(&other).map(|place| &mut groups[place]);
+                    if let Ok(group) = group
+                        && *group == NONE
+                    {
+                        *group = first as u32;
+                        waiting.push(other);
+                    }
                 }
             }
         }
     }
 }
 
-/// Finds the edges between two elements, in the order of the lower element and its corner.
-fn edges(vertices: &[u32]) -> Result<(Vec<Edge>, Vec<[u32; 3]>), ModelError> {
-    let mut sides: Vec<([u32; 2], u32)> = (0..vertices.len())
-        .map(|corner| {
-            let (a, b) = (vertices[corner], vertices[follower(corner as u32) as usize]);
-            ([a.min(b), a.max(b)], corner as u32)
+/// Corners of facet `k` of an element.
+pub(crate) fn corners_of_facet<const D: usize, const N: usize>(element: usize, k: usize) -> [u32; D]
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    <[[f64; D]; N]>::FACETS[k].map(|corner| (N * element + corner) as u32)
+}
+
+/// Finds the facets between two elements, in the order of the lower element and its facets, from the vertices of all corners.
+#[allow(clippy::type_complexity, reason = "two columns, named where they are used")]
+fn facets<const D: usize, const N: usize>(
+    vertices: &[u32],
+) -> Result<(Vec<Facet<D>>, Vec<[u32; N]>), ModelError>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    let corners = |side: u32| corners_of_facet::<D, N>(side as usize / N, side as usize % N);
+    let vertices_of = |side: u32| corners(side).map(|corner| vertices[corner as usize]);
+    let mut sides: Vec<([u32; D], u32)> = (0..vertices.len() as u32)
+        .map(|side| {
+            let mut key = vertices_of(side);
+            key.sort_unstable();
+            (key, side)
         })
         .collect();
     sides.sort_unstable();
@@ -172,49 +217,61 @@ fn edges(vertices: &[u32]) -> Result<(Vec<Edge>, Vec<[u32; 3]>), ModelError> {
         match *same {
             [_] => {}
             [(_, a), (_, b)] => {
-                if vertices[a as usize] == vertices[b as usize] {
-                    return Err(ModelError::Folded { elements: [a / 3, b / 3] });
+                if !are_opposite(&vertices_of(a), &vertices_of(b)) {
+                    return Err(ModelError::Folded { elements: [a / N as u32, b / N as u32] });
                 }
                 pairs.push([a, b]);
             }
             _ => {
-                let elements = [same[0].1 / 3, same[1].1 / 3, same[2].1 / 3];
+                let elements = [same[0].1, same[1].1, same[2].1].map(|side| side / N as u32);
                 return Err(ModelError::ManyOnEdge { elements });
             }
         }
     }
     pairs.sort_unstable();
-    let mut edge_of = vec![[NONE; 3]; vertices.len() / 3];
-    let edges = pairs.iter().enumerate().map(|(number, &[a, b])| {
-        for corner in [a, b] {
-            edge_of[corner as usize / 3][corner as usize % 3] = number as u32;
+    let mut facet_of = vec![[NONE; N]; vertices.len() / N];
+    let facets = pairs.iter().enumerate().map(|(number, &[a, b])| {
+        for side in [a, b] {
+            facet_of[side as usize / N][side as usize % N] = number as u32;
         }
-        // The other element has the edge in the opposite direction.
-        Edge { corners: [[a, follower(a)], [follower(b), b]] }
+        // The other element has its corners in the opposite order.
+        let (own, others) = (vertices_of(a), corners(b));
+        let opposite = own.map(|vertex| {
+            let there = |&&corner: &&u32| vertices[corner as usize] == vertex;
+            others.iter().find(there).copied().unwrap_or(NONE)
+        });
+        Facet { corners: [corners(a), opposite] }
     });
-    Ok((edges.collect(), edge_of))
+    Ok((facets.collect(), facet_of))
 }
 
-/// Returns the next corner of the same element.
-pub(crate) fn follower(corner: u32) -> u32 {
-    if corner % 3 == 2 { corner - 2 } else { corner + 1 }
+/// Whether two facets with the same vertices go around them in opposite directions: whether an odd number of exchanges makes one of the other.
+fn are_opposite<const D: usize>(one: &[u32; D], other: &[u32; D]) -> bool {
+    let (mut other, mut odd) = (*other, false);
+    for k in 0..D {
+        if let Some(place) = (k + 1..D).find(|&place| other[k] != one[k] && other[place] == one[k]) {
+            other.swap(k, place);
+            odd = !odd;
+        }
+    }
+    odd
 }
 
 /// Linked lists of the corners of each node, in ascending order.
 #[derive(Clone, Debug)]
-pub(crate) struct Nodes {
+pub(crate) struct Nodes<const N: usize = 3> {
     /// Nodes of the corners of each element.
-    pub(crate) of_corner: Vec<[u32; 3]>,
+    pub(crate) of_corner: Vec<[u32; N]>,
     /// First corner of each node.
     pub(crate) first: Vec<u32>,
     /// Next corner of the same node; [`NONE`] at the end.
     pub(crate) next: Vec<u32>,
 }
 
-impl Nodes {
+impl<const N: usize> Nodes<N> {
     /// Builds the lists from the nodes of the corners of each element. `count` is the number of nodes.
-    pub(crate) fn new(of_corner: Vec<[u32; 3]>, count: usize) -> Self {
-        let mut nodes = Self { first: vec![NONE; count], next: vec![NONE; 3 * of_corner.len()], of_corner };
+    pub(crate) fn new(of_corner: Vec<[u32; N]>, count: usize) -> Self {
+        let mut nodes = Self { first: vec![NONE; count], next: vec![NONE; N * of_corner.len()], of_corner };
         for corner in (0..nodes.next.len() as u32).rev() {
             nodes.put_first(corner);
         }
@@ -224,11 +281,11 @@ impl Nodes {
     /// Returns the node of a corner.
     #[inline]
     pub(crate) fn node_at(&self, corner: u32) -> u32 {
-        self.of_corner[corner as usize / 3][corner as usize % 3]
+        self.of_corner[corner as usize / N][corner as usize % N]
     }
 
     fn set(&mut self, corner: u32, node: u32) {
-        self.of_corner[corner as usize / 3][corner as usize % 3] = node;
+        self.of_corner[corner as usize / N][corner as usize % N] = node;
     }
 
     /// Puts a corner in front of the list of its node.
@@ -273,68 +330,4 @@ impl Nodes {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A square of four triangles around its middle, node 4.
-    fn square() -> Mesh {
-        Mesh {
-            nodes: vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.5, 0.5]],
-            triangles: vec![[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]],
-            bodies: vec![0; 4],
-            materials: vec![0; 4],
-        }
-    }
-
-    #[test]
-    fn edges_are_found_from_both_sides() {
-        let topology = Topology::new(&square()).expect("a mesh");
-        assert_eq!(topology.edges.len(), 4);
-        for edge in &topology.edges {
-            for end in 0..2 {
-                let [a, b] = edge.corners.map(|side| topology.vertices[side[end] as usize]);
-                assert_eq!(a, b);
-            }
-            assert!(edge.elements()[0] < edge.elements()[1]);
-            assert_eq!(follower(edge.corners[0][0]), edge.corners[0][1]);
-            assert_eq!(follower(edge.corners[1][1]), edge.corners[1][0]);
-        }
-        assert_eq!(topology.edge_of.iter().filter(|edges| edges[0] == NONE).count(), 4);
-        assert_eq!(topology.corners_of(4), [2, 5, 8, 11]);
-    }
-
-    #[test]
-    fn a_vertex_comes_apart_when_two_edges_let_go() {
-        let topology = Topology::new(&square()).expect("a mesh");
-        let mut nodes = Nodes::new(square().triangles, 5);
-        let mut groups = Vec::new();
-        topology.groups(4, |edge| edge != 0, &mut groups);
-        assert_eq!(groups, [0; 4]);
-        assert!(!nodes.split(topology.corners_of(4), &groups, |_, _| ()));
-        let (first, last) = (topology.edge_of[0][1], topology.edge_of[2][1]);
-        topology.groups(4, |edge| edge != first && edge != last, &mut groups);
-        assert_eq!(groups, [0, 1, 1, 0]);
-        let mut added = Vec::new();
-        assert!(nodes.split(topology.corners_of(4), &groups, |old, new| added.push((old, new))));
-        assert_eq!((added, nodes.first.len()), (vec![(4, 5)], 6));
-        assert_eq!([2, 5, 8, 11].map(|corner| nodes.node_at(corner)), [4, 5, 5, 4]);
-        assert_eq!((nodes.first[4], nodes.next[2], nodes.next[11]), (2, 11, NONE));
-        assert_eq!((nodes.first[5], nodes.next[5], nodes.next[8]), (5, 8, NONE));
-        // Splitting again by the same groups changes nothing.
-        assert!(!nodes.split(topology.corners_of(4), &groups, |_, _| ()));
-    }
-
-    #[test]
-    fn meshes_that_are_none_are_refused() {
-        let mut mesh = square();
-        mesh.nodes.push([9.0, 9.0]);
-        assert_eq!(Topology::new(&mesh).err(), Some(ModelError::LooseNode { node: 5 }));
-        let mut mesh = square();
-        mesh.triangles[1] = [2, 1, 4];
-        assert!(matches!(Topology::new(&mesh), Err(ModelError::Folded { .. })));
-        let mut mesh = square();
-        mesh.triangles.push([0, 1, 3]);
-        mesh.triangles.push([1, 0, 2]);
-        assert!(Topology::new(&mesh).is_err());
-    }
-}
+mod tests;

@@ -55,7 +55,7 @@ impl Case {
         Simulation::new(self.body.model(200), 1)?.advance(100)?;
         let before = resident("VmRSS")?;
         let mut one = Simulation::new(self.body.model(self.elements), 1)?;
-        let elements = one.model().mesh.triangles.len();
+        let elements = one.model().mesh.elements.len();
         // Runs until detection has its memory and fragments have met.
         let steps = self.warm(&mut one)?;
         let memory = (resident("VmHWM")? - before) / elements as f64;
@@ -215,8 +215,8 @@ fn gmsh(mesh: &Mesh) -> String {
     for (number, [x, y]) in mesh.nodes.iter().enumerate() {
         let _ = writeln!(text, "{} {x} {y} 0", number + 1);
     }
-    let _ = write!(text, "$EndNodes\n$Elements\n{}\n", mesh.triangles.len());
-    for (number, nodes) in mesh.triangles.iter().enumerate() {
+    let _ = write!(text, "$EndNodes\n$Elements\n{}\n", mesh.elements.len());
+    for (number, nodes) in mesh.elements.iter().enumerate() {
         let [a, b, c] = nodes.map(|node| node + 1);
         let _ = writeln!(text, "{} 2 2 1 1 {a} {b} {c}", number + 1);
     }

@@ -57,7 +57,7 @@ impl MeshSearch<3> {
     /// let points = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [4.0, 4.0, 0.0], [0.0, 4.0, 0.0]];
     /// let floor = Mesh::new(&points, &[[0, 1, 2], [0, 2, 3]], &[0, 0])?;
     /// let mut contacts = Vec::new();
-    /// MeshSearch::new(Engine::Auto).sphere_contacts(&[[2.0, 2.0, 0.9]], &[1.0], &floor, &mut contacts)?;
+    /// MeshSearch::new().sphere_contacts(&[[2.0, 2.0, 0.9]], &[1.0], &floor, &mut contacts)?;
     /// assert_eq!(contacts.len(), 1);
     /// assert_eq!(contacts[0].contact.contact.normal, [0.0, 0.0, -1.0]);
     /// # Ok::<(), fdem_contact::discretised::DiscretisedError>(())

@@ -2,7 +2,6 @@
 
 use crate::buffer::{Reason, Reference};
 use crate::elements::{Bounds, Elements, Shape};
-use crate::engine::Engine;
 use crate::error::Error;
 use crate::periodic::cell::PeriodicBox;
 use crate::periodic::{PeriodicCouple, PeriodicSearch, reserve};
@@ -117,7 +116,7 @@ impl<T: Real, const D: usize> PeriodicBuffered<T, D> {
     /// # Errors
     /// [`Error::InvalidBuffer`] for one that is negative, NaN, infinite or beyond [`Real::MAX_MAGNITUDE`].
     pub fn new(buffer: T) -> Result<Self, Error> {
-        Self::with_search(PeriodicSearch::new(Engine::Auto), buffer)
+        Self::with_search(PeriodicSearch::new(), buffer)
     }
 
     /// The same with a search of the caller's.

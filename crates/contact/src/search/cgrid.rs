@@ -11,6 +11,7 @@ use crate::memory::reserve;
 use crate::real::Real;
 use crate::search::Search;
 use crate::search::level::Level;
+use crate::stop::Stop;
 
 use levels::Levels;
 use lists::{Bodies, Cells, Counted};
@@ -74,6 +75,7 @@ pub struct CGrid<T, const D: usize> {
     /// The level of each element; empty if there is only one level.
     level_of: Vec<u16>,
     counted: Counted,
+    stop: Stop,
 }
 
 impl<T: Real, const D: usize> Default for CGrid<T, D> {
@@ -85,7 +87,18 @@ impl<T: Real, const D: usize> Default for CGrid<T, D> {
 impl<T: Real, const D: usize> CGrid<T, D> {
     /// A search that holds no memory yet.
     pub fn new() -> Self {
-        Self { bodies: Bodies::new(), level_of: Vec::new(), counted: Counted::default() }
+        Self {
+            bodies: Bodies::new(),
+            level_of: Vec::new(),
+            counted: Counted::default(),
+            stop: Stop::default(),
+        }
+    }
+
+    /// The same until it is stopped.
+    pub(crate) fn stopped_by(mut self, stop: Stop) -> Self {
+        self.stop = stop;
+        self
     }
 
     /// The levels that a search over `elements` would use, the smallest elements first.
@@ -191,8 +204,8 @@ impl<T: Real, const D: usize> CGrid<T, D> {
         for (number, level) in (0..).zip(each) {
             self.fill(&levels, number);
             let cells = Cells { origin: levels.origin(), inverse: 1.0 / level.cell_size };
-            self.bodies.sort(&levels.spans(), &cells);
-            let counted = self.bodies.search(elements, visit)?;
+            self.bodies.sort(levels.spans(), &cells);
+            let counted = self.bodies.search(elements, &self.stop, visit)?;
             self.counted.entries += counted.entries;
             self.counted.tests += counted.tests;
         }

@@ -6,6 +6,7 @@ use crate::error::Error;
 use crate::filter::{Filter, Filtered};
 use crate::real::Real;
 use crate::search::Search;
+use crate::stop::Stop;
 
 /// Direct checking: every element is tested against every other, in any dimension.
 ///
@@ -21,6 +22,16 @@ use crate::search::Search;
 pub struct Direct;
 
 impl<T: Real, const D: usize> Search<T, D> for Direct {
+    fn for_each(&mut self, elements: &Elements<'_, T, D>, visit: impl FnMut(Couple)) -> Result<(), Error> {
+        DirectUntil::default().for_each(elements, visit)
+    }
+}
+
+/// [`Direct`] until it is stopped.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct DirectUntil(pub(crate) Stop);
+
+impl<T: Real, const D: usize> Search<T, D> for DirectUntil {
     fn for_each(
         &mut self,
         elements: &Elements<'_, T, D>,
@@ -28,28 +39,36 @@ impl<T: Real, const D: usize> Search<T, D> for Direct {
     ) -> Result<(), Error> {
         let visit = &mut visit;
         match elements.shape {
-            Shape::Equal(equal) => filtered(equal, elements.filter(), visit),
-            Shape::Spheres(spheres) => filtered(spheres, elements.filter(), visit),
-            Shape::Boxes(boxes) => filtered(boxes, elements.filter(), visit),
+            Shape::Equal(equal) => self.filtered(equal, elements.filter(), visit),
+            Shape::Spheres(spheres) => self.filtered(spheres, elements.filter(), visit),
+            Shape::Boxes(boxes) => self.filtered(boxes, elements.filter(), visit),
         }
-        Ok(())
     }
 }
 
-fn filtered(geometry: impl Geometry, filter: Option<Filter<'_>>, visit: &mut dyn FnMut(Couple)) {
-    match filter {
-        None => all_against_all(geometry, visit),
-        Some(filter) => all_against_all(Filtered { geometry, filter }, visit),
+impl DirectUntil {
+    fn filtered(
+        &self,
+        geometry: impl Geometry,
+        filter: Option<Filter<'_>>,
+        visit: &mut dyn FnMut(Couple),
+    ) -> Result<(), Error> {
+        match filter {
+            None => all_against_all(geometry, &self.0, visit),
+            Some(filter) => all_against_all(Filtered { geometry, filter }, &self.0, visit),
+        }
     }
 }
 
-fn all_against_all(geometry: impl Geometry, visit: &mut dyn FnMut(Couple)) {
+fn all_against_all(geometry: impl Geometry, stop: &Stop, visit: &mut dyn FnMut(Couple)) -> Result<(), Error> {
     let n = geometry.len();
     for i in 0..n {
+        stop.go_on()?;
         for j in i + 1..n {
             if geometry.touch(i, j) {
                 visit(Couple { i: i as u32, j: j as u32 });
             }
         }
     }
+    Ok(())
 }

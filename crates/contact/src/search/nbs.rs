@@ -9,6 +9,7 @@ use crate::lists::{Lists, MAX_LISTED, NONE};
 use crate::mask::{CONTACT_MASK, Set};
 use crate::real::Real;
 use crate::search::Search;
+use crate::stop::Stop;
 
 /// Munjiza-NBS ("no binary search"): all couples among elements of similar size, in time proportional to N.
 ///
@@ -73,8 +74,9 @@ pub struct Nbs<const D: usize> {
     grid: Option<Grid<D>>,
     domain: Option<[[f64; 2]; D]>,
     max_heads: usize,
-    /// Whether a visitor panicked during a search, so that the lists are not empty.
+    /// Whether the last search was stopped or its visitor panicked, so that the lists are not empty.
     interrupted: bool,
+    stop: Stop,
 }
 
 /// Default limit on the number of list heads, unless [`Nbs::with_max_heads`] sets another: 512 MiB.
@@ -95,6 +97,7 @@ impl<const D: usize> Nbs<D> {
             domain: None,
             max_heads: DEFAULT_MAX_HEADS,
             interrupted: false,
+            stop: Stop::default(),
         }
     }
 
@@ -111,6 +114,12 @@ impl<const D: usize> Nbs<D> {
     #[must_use]
     pub fn with_domain(mut self, domain: [[f64; 2]; D]) -> Self {
         self.domain = Some(domain);
+        self
+    }
+
+    /// The same until it is stopped.
+    pub(crate) fn stopped_by(mut self, stop: Stop) -> Self {
+        self.stop = stop;
         self
     }
 
@@ -193,11 +202,8 @@ impl<const D: usize> Nbs<D> {
 
         self.interrupted = true;
         let all = if elements.is_empty() { NONE } else { 0 };
-        Pass { geometry, grid, lists: &mut self.lists, cell: [0; D], observer, visit }.spread(
-            D - 1,
-            all,
-            [NONE; 4],
-        );
+        let Self { lists, stop, .. } = self;
+        Pass { geometry, grid, lists, cell: [0; D], stop, observer, visit }.spread(D - 1, all, [NONE; 4])?;
         self.interrupted = false;
         debug_assert!(self.lists.iter().all(Lists::all_empty), "a search empties the lists that it fills");
         Ok(())
@@ -239,6 +245,7 @@ struct Pass<'a, G, O, const D: usize> {
     lists: &'a mut [Lists; D],
     /// The central list of each axis visited so far.
     cell: [u32; D],
+    stop: &'a Stop,
     observer: &'a mut O,
     /// A trait object, so that the code is compiled once and not for every visitor.
     visit: &'a mut dyn FnMut(Couple),
@@ -249,14 +256,18 @@ impl<G: Geometry, O: Observer<D>, const D: usize> Pass<'_, G, O, D> {
     ///
     /// `central` and `neighbours` are first elements of lists of the axis above. Above the last axis there is a single list, that of all
     /// elements.
-    fn spread(&mut self, axis: usize, central: u32, neighbours: [u32; 4]) {
+    fn spread(&mut self, axis: usize, central: u32, neighbours: [u32; 4]) -> Result<(), Error> {
         // 2D steps 1 and 3; 3D steps 1, 3 and 6: integerise the coordinate, push on the list.
-        self.walk(axis, central, |pass, element, cell| pass.lists[axis].push(Set::Central, cell, element));
+        self.walk(axis, central, |pass, element, cell| {
+            pass.lists[axis].push(Set::Central, cell, element);
+            Ok(())
+        })?;
         // 2D step 4; 3D steps 4 and 7: the same for the neighbours according to the contact mask.
         for first in neighbours {
             self.walk(axis, first, |pass, element, cell| {
                 pass.lists[axis].push(Set::Neighbours, cell, element);
-            });
+                Ok(())
+            })?;
         }
         self.observer.lists(axis, &self.cell, &self.lists[axis]);
 
@@ -267,30 +278,44 @@ impl<G: Geometry, O: Observer<D>, const D: usize> Pass<'_, G, O, D> {
                     .map(|(set, offset)| pass.lists[axis].first(set, cell.wrapping_add_signed(offset)));
                 pass.cell[axis] = cell;
                 if axis == 0 {
-                    pass.check(first, neighbours);
+                    pass.check(first, neighbours)?;
                 } else {
-                    pass.spread(axis - 1, first, neighbours);
+                    pass.spread(axis - 1, first, neighbours)?;
                 }
             }
-        });
+            Ok(())
+        })?;
 
         // 2D steps 6 and 8; 3D steps 9, 11 and 13: remove the lists, walking elements and never cells.
-        self.walk(axis, central, |pass, _, cell| pass.lists[axis].remove(Set::Central, cell));
+        self.walk(axis, central, |pass, _, cell| {
+            pass.lists[axis].remove(Set::Central, cell);
+            Ok(())
+        })?;
         // 2D step 7; 3D steps 10 and 12.
         for first in neighbours {
-            self.walk(axis, first, |pass, _, cell| pass.lists[axis].remove(Set::Neighbours, cell));
+            self.walk(axis, first, |pass, _, cell| {
+                pass.lists[axis].remove(Set::Neighbours, cell);
+                Ok(())
+            })?;
         }
+        Ok(())
     }
 
     /// Walks a list of the axis above `axis` and calls `act` with each element and its cell on `axis`.
     #[inline]
-    fn walk(&mut self, axis: usize, first: u32, mut act: impl FnMut(&mut Self, u32, u32)) {
+    fn walk(
+        &mut self,
+        axis: usize,
+        first: u32,
+        mut act: impl FnMut(&mut Self, u32, u32) -> Result<(), Error>,
+    ) -> Result<(), Error> {
         let mut element = first;
         while element != NONE {
             let cell = self.grid.cell(axis, self.geometry.anchor(element as usize, axis));
-            act(self, element, cell);
+            act(self, element, cell)?;
             element = self.after(axis + 1, element);
         }
+        Ok(())
     }
 
     /// The next element on a list of `axis`; above the last axis, the next element in ascending order.
@@ -306,10 +331,11 @@ impl<G: Geometry, O: Observer<D>, const D: usize> Pass<'_, G, O, D> {
     }
 
     /// 2D step 5; 3D step 8: compares the central cell with itself and with the cells of the contact mask.
-    fn check(&mut self, central: u32, neighbours: [u32; 4]) {
+    fn check(&mut self, central: u32, neighbours: [u32; 4]) -> Result<(), Error> {
         self.observer.central_cell(&self.cell);
         let mut element = central;
         while element != NONE {
+            self.stop.go_on()?;
             let after = self.lists[0].after(element);
             self.check_list(element, after);
             for first in neighbours {
@@ -317,6 +343,7 @@ impl<G: Geometry, O: Observer<D>, const D: usize> Pass<'_, G, O, D> {
             }
             element = after;
         }
+        Ok(())
     }
 
     /// Compares one element with the rest of a list.

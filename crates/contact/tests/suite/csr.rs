@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use fdem_contact::{Couple, Csr, Detector, Direct, Elements, Engine, Error, PeriodicCouple};
+use fdem_contact::{Couple, Csr, Detector, Direct, Elements, Error, PeriodicCouple};
 use proptest::prelude::*;
 
 /// The neighbours of each element in ascending order, repeats included.
@@ -142,7 +142,7 @@ fn rows_of_a_search_hold_what_touches() {
     let cloud = fdem_scenes::peers::gas(500, 7).unwrap();
     let elements = Elements::points(&cloud.centres, 1.0).unwrap();
     let couples = crate::ascending(Direct, &elements);
-    let (mut csr, mut detector) = (Csr::new(), Detector::new(Engine::Auto));
+    let (mut csr, mut detector) = (Csr::new(), Detector::new());
     csr.find_half(&mut detector, &elements).unwrap();
     check(&csr, 500, &couples, false);
     csr.find_full(&mut detector, &elements).unwrap();

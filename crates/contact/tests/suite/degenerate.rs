@@ -114,7 +114,7 @@ fn a_domain_too_wide_says_how_wide_who_and_what_instead() {
     }
 
     // Auto chooses another engine instead, and says so.
-    let mut detector = Detector::new(Engine::Auto);
+    let mut detector = Detector::new();
     let plan = detector.plan(&elements).unwrap();
     assert_eq!(plan.engine, Engine::Rows);
     assert!(plan.reason.contains("domain"), "{}", plan.reason);

@@ -8,8 +8,11 @@ use fdem_scenes::{Cloud, Sizes, clusters, gas, lattice};
 
 const EQUAL: Sizes = Sizes::Equal { radius: 0.5 };
 
-fn explained<const D: usize>(engine: Engine, elements: &Elements<'_, f64, D>) -> Explanation<D> {
-    let detector = Detector::new(engine);
+fn explained<const D: usize>(
+    engine: impl Into<Option<Engine>>,
+    elements: &Elements<'_, f64, D>,
+) -> Explanation<D> {
+    let detector = Detector::new().with_engine(engine);
     let explanation = detector.explain(elements).unwrap();
     assert_eq!(detector.explain(elements).unwrap(), explanation, "the same at every call");
     explanation
@@ -18,7 +21,7 @@ fn explained<const D: usize>(engine: Engine, elements: &Elements<'_, f64, D>) ->
 /// The predicted number of couples is within a factor of the actual one.
 fn is_within<const D: usize>(scene: &str, cloud: &Cloud<D>, factor: f64) {
     let elements = Elements::spheres_with_radii(&cloud.centres, &cloud.radii).unwrap();
-    let explanation = explained(Engine::Auto, &elements);
+    let explanation = explained(None, &elements);
     let found = Rows::new().count(&elements).unwrap() as f64;
     is_near(scene, &explanation, found, factor);
     assert_eq!((explanation.images, explanation.list_bytes), (None, 8.0 * explanation.couples));
@@ -55,7 +58,7 @@ fn few_elements_are_counted() {
         for spread in [1.0, 1e9] {
             let centres: Vec<_> = cloud.centres.iter().map(|centre| centre.map(|x| x * spread)).collect();
             let elements = Elements::spheres(&centres, 0.5 * spread).unwrap();
-            let explanation = explained(Engine::Auto, &elements);
+            let explanation = explained(None, &elements);
             assert_eq!(explanation.couples, Direct.count(&elements).unwrap() as f64, "{n}");
             assert_eq!(explanation.couples_error, 0.0);
         }
@@ -72,7 +75,7 @@ fn few_elements_are_counted() {
 #[test]
 fn coincident_elements_all_touch() {
     let centres = vec![[1.0, 2.0]; 3000];
-    let explanation = explained(Engine::Auto, &Elements::spheres(&centres, 0.5).unwrap());
+    let explanation = explained(None, &Elements::spheres(&centres, 0.5).unwrap());
     assert_eq!(explanation.couples, 3000.0 * 2999.0 / 2.0);
 }
 
@@ -81,7 +84,7 @@ fn bytes_are_told<const D: usize>(scene: &str, elements: &Elements<'_, f64, D>) 
     for threads in [1, 2] {
         let mut rows = Rows::new().with_threads(threads).unwrap();
         rows.count(elements).unwrap();
-        let detector = Detector::new(Engine::Rows).with_threads(threads).unwrap();
+        let detector = Detector::new().with_engine(Engine::Rows).with_threads(threads).unwrap();
         let explanation = detector.explain(elements).unwrap();
         let (told, held) = (explanation.bytes, rows.bytes());
         assert!(held <= told && told <= 2 * held, "{scene}, {threads} threads: {told} for {held}");
@@ -120,7 +123,7 @@ fn the_bytes_of_nbs_are_exact() {
 fn the_text_says_it_all() {
     let centres: Vec<[f64; 3]> = (0..2_000).map(|k| [f64::from(k), 0.0, f64::from(k % 2) * 1e15]).collect();
     let elements = Elements::points(&centres, 2.0).unwrap();
-    let detector = Detector::new(Engine::Auto).with_simd(Simd::Portable).unwrap();
+    let detector = Detector::new().with_simd(Simd::Portable).unwrap();
     let explanation = detector.explain(&elements).unwrap();
     let text = explanation.to_string();
     for part in [
@@ -139,7 +142,10 @@ fn the_text_says_it_all() {
     Direct.couples(&elements, &mut couples).unwrap();
     assert_eq!(couples.len(), 1998);
 
-    let few = Detector::new(Engine::Direct).explain(&Elements::points(&centres[..3], 2.0).unwrap()).unwrap();
+    let few = Detector::new()
+        .with_engine(Engine::Direct)
+        .explain(&Elements::points(&centres[..3], 2.0).unwrap())
+        .unwrap();
     assert_eq!(
         few.to_string(),
         "engine    direct: requested\nelements  3\ncouples   1\nmemory    0.0 MB for the engine, 0.0 MB for a list of the \
@@ -166,7 +172,7 @@ fn is_within_in_a_box<const D: usize>(
     factor: f64,
 ) -> Explanation<D> {
     let elements = Elements::spheres_with_radii(&cloud.centres, &cloud.radii).unwrap();
-    let mut search = PeriodicSearch::new(Engine::Auto);
+    let mut search = PeriodicSearch::new();
     let explanation = search.explain(&elements, cell).unwrap();
     assert_eq!(search.explain(&elements, cell).unwrap(), explanation, "the same at every call");
     let found = search.count(&elements, cell).unwrap() as f64;
@@ -219,7 +225,7 @@ fn few_elements_in_boxes_that_repeat_are_counted() {
                     spheres.with_tolerance(0.2).unwrap().with_filter(Filter::bodies(&bodies)).unwrap(),
                     Elements::boxes(&cloud.centres, &corners).unwrap(),
                 ] {
-                    let mut search = PeriodicSearch::new(Engine::Auto);
+                    let mut search = PeriodicSearch::new();
                     let told = search.explain(&elements, &cell).unwrap();
                     let found = search.count(&elements, &cell).unwrap();
                     assert_eq!((told.couples, told.couples_error), (found as f64, 0.0), "{n}, edge {edge}");
@@ -240,7 +246,7 @@ fn the_bytes_of_a_periodic_search_are_told() {
         for (fraction, threads) in [(1.0, 1), (0.7, 1), (0.7, 2), (0.2, 1)] {
             let cell = box_around(&cloud, fraction, 0.0);
             for engine in [Engine::Rows, Engine::Nbs] {
-                let search = || PeriodicSearch::new(engine).with_threads(threads).unwrap();
+                let search = || PeriodicSearch::new().with_engine(engine).with_threads(threads).unwrap();
                 let told = search().explain(&elements, &cell).unwrap();
                 let mut counted = search();
                 counted.count(&elements, &cell).unwrap();
@@ -260,7 +266,7 @@ fn a_periodic_search_is_explained_in_words_or_refused() {
     let centres: Vec<[f64; 2]> = (0..2000).map(|k| [f64::from(k), f64::from(k % 40)]).collect();
     let elements = Elements::points(&centres, 1.5).unwrap();
     let cell = PeriodicBox::orthogonal([0.0; 2], [2000.0, 40.0], [true, true]).unwrap();
-    let mut search = PeriodicSearch::new(Engine::Auto).with_simd(Simd::Portable).unwrap();
+    let mut search = PeriodicSearch::new().with_simd(Simd::Portable).unwrap();
     let text = search.explain(&elements, &cell).unwrap().to_string();
     let images = format!("images    {}\n", search.images());
     for part in [
@@ -274,19 +280,15 @@ fn a_periodic_search_is_explained_in_words_or_refused() {
         assert!(text.contains(part), "{part:?} is not in\n{text}");
     }
     let plan = search.explain(&elements, &cell).unwrap().plan;
-    assert_eq!(
-        plan,
-        Detector::new(Engine::Auto).plan(&elements).unwrap(),
-        "all are inside, and few near a face"
-    );
+    assert_eq!(plan, Detector::new().plan(&elements).unwrap(), "all are inside, and few near a face");
 
     for engine in [Engine::Direct, Engine::Nbs] {
-        let told = PeriodicSearch::new(engine).explain(&elements, &cell).unwrap();
+        let told = PeriodicSearch::new().with_engine(engine).explain(&elements, &cell).unwrap();
         assert_eq!((told.plan.engine, told.plan.reason.as_str()), (engine, "requested"));
     }
-    let mut bounded = PeriodicSearch::new(Engine::Rows).with_max_images(3);
+    let mut bounded = PeriodicSearch::new().with_engine(Engine::Rows).with_max_images(3);
     assert!(matches!(bounded.explain(&elements, &cell), Err(Error::TooManyImages { limit: 3, .. })));
-    let mut strict = PeriodicSearch::new(Engine::Rows).refuse_outside();
+    let mut strict = PeriodicSearch::new().with_engine(Engine::Rows).refuse_outside();
     let narrow = PeriodicBox::orthogonal([0.0; 2], [1998.5, 40.0], [true, true]).unwrap();
     let error = strict.explain(&elements, &narrow).unwrap_err();
     assert!(matches!(error, Error::OutsideBox { index: 1999, .. }), "{error}");

@@ -151,7 +151,7 @@ fn compare<T: FromF64, const D: usize>(cloud: &Cloud<D>) {
             compare_search("direct", Direct, &elements, &cases);
             compare_search("nbs", Nbs::new(), &elements, &cases);
             compare_search("cgrid", CGrid::new(), &elements, &cases);
-            compare_search("auto", Detector::new(Engine::Auto), &elements, &cases);
+            compare_search("auto", Detector::new(), &elements, &cases);
             // The engines agree with `touch`.
             for case in &cases {
                 let filtered = elements.with_filter(case.filter()).unwrap();
@@ -238,10 +238,8 @@ fn images_see_what_their_elements_see() {
             PeriodicBox::triclinic([0.0, 0.0], [[edge, 0.0], [0.3 * edge, edge]], [true, true]).unwrap();
         for elements in [Elements::points(&centres, 1.0), Elements::spheres_with_radii(&centres, &radii)] {
             let elements = elements.unwrap();
-            for engine in
-                [Engine::Auto, Engine::Direct, Engine::Nbs, Engine::Rows, Engine::Multilevel, Engine::CGrid]
-            {
-                let mut search = PeriodicSearch::new(engine);
+            for engine in Engine::ALL.map(Some).into_iter().chain([None]) {
+                let mut search = PeriodicSearch::new().with_engine(engine);
                 let mut found = |elements: &Elements<'_, f64, 2>| -> Vec<PeriodicCouple<2>> {
                     let mut couples = Vec::new();
                     search.couples(elements, &cell, &mut couples).unwrap();
@@ -254,10 +252,10 @@ fn images_see_what_their_elements_see() {
                     let mut expected = all.clone();
                     expected.retain(|couple| case.admits(couple.i, couple.j));
                     let found = found(&elements.with_filter(case.filter()).unwrap());
-                    assert!(found == expected, "{engine}, {}, edge {edge}", case.name);
+                    assert!(found == expected, "{engine:?}, {}, edge {edge}", case.name);
                     assert!(case.bodies.is_none() || found.iter().all(|couple| couple.i != couple.j));
                 }
-                assert!(found(&elements) == all, "{engine}: without a filter again");
+                assert!(found(&elements) == all, "{engine:?}: without a filter again");
             }
         }
     }

@@ -171,7 +171,7 @@ fn auto_takes_levels_where_they_pay() {
     let plan = |sizes| -> Plan<3> {
         let cloud = gas::<3>(20_000, 7, 3.0, sizes).unwrap();
         let elements = Elements::spheres_with_radii(&cloud.centres, &cloud.radii).unwrap();
-        Detector::new(Engine::Auto).plan(&elements).unwrap()
+        Detector::new().plan(&elements).unwrap()
     };
     assert_eq!(plan(Sizes::Equal { radius: 1.0 }).engine, Engine::Rows);
     assert_eq!(plan(power_law(2.0)).engine, Engine::Rows);

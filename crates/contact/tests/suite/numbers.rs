@@ -1,6 +1,6 @@
 //! Extreme numbers: coordinates of 1e12, more couples than 32 bits count, domains of 10^15 cells.
 
-use fdem_contact::{Couple, Detector, Direct, Elements, Engine, Error, Nbs, Rows, Search, Simd};
+use fdem_contact::{Couple, Detector, Direct, Elements, Error, Nbs, Rows, Search, Simd};
 use fdem_scenes::{Sizes, gas};
 
 use crate::ascending;
@@ -18,7 +18,7 @@ fn all_engines_agree<const D: usize>(elements: &Elements<'_, f64, D>, nbs: bool)
     let expected = by_hand(elements);
     assert!(expected.len() > 500, "{} couples are too few to tell", expected.len());
     assert_eq!(ascending(Direct, elements), expected);
-    assert_eq!(ascending(Detector::new(Engine::Auto), elements), expected);
+    assert_eq!(ascending(Detector::new(), elements), expected);
     for simd in Simd::available() {
         assert_eq!(ascending(Rows::new().with_simd(simd).unwrap(), elements), expected, "{simd}");
     }

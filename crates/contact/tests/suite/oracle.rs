@@ -1,6 +1,6 @@
 //! Every search equals `Direct`: dimensions 1 to 6, both floats, all shapes, with and without tolerance.
 
-use fdem_contact::{CGrid, Detector, Direct, Elements, Engine, Multilevel, Nbs, Real, Rows, Simd};
+use fdem_contact::{CGrid, Detector, Direct, Elements, Multilevel, Nbs, Real, Rows, Simd};
 use fdem_scenes::{Cloud, Sizes, clusters, gas, jittered_lattice, lattice};
 
 use crate::ascending;
@@ -66,7 +66,7 @@ fn compare<T: FromF64, const D: usize>(scene: &str, cloud: &Cloud<D>) -> usize {
                 let levels = levels.with_limits(&[0.5, 0.9, 1.1, 2.0]);
                 assert!(ascending(levels, &elements) == expected, "levels, {simd}, {threads}: {}", context());
             }
-            assert!(ascending(Detector::new(Engine::Auto), &elements) == expected, "auto: {}", context());
+            assert!(ascending(Detector::new(), &elements) == expected, "auto: {}", context());
             couples += expected.len();
         }
     }

@@ -15,8 +15,15 @@ use fdem_scenes::random::Random;
 
 use crate::oracle::FromF64;
 
-const ENGINES: [Engine; 6] =
-    [Engine::Auto, Engine::Direct, Engine::Nbs, Engine::Rows, Engine::Multilevel, Engine::CGrid];
+/// All engines, and the one that is chosen.
+const ENGINES: [Option<Engine>; 6] = [
+    None,
+    Some(Engine::Direct),
+    Some(Engine::Nbs),
+    Some(Engine::Rows),
+    Some(Engine::Multilevel),
+    Some(Engine::CGrid),
+];
 
 /// One radius for all, or one each.
 #[derive(Clone, Copy)]
@@ -152,11 +159,11 @@ fn brute<T: FromF64, const D: usize>(
 }
 
 fn found<T: Real, const D: usize>(
-    engine: Engine,
+    engine: impl Into<Option<Engine>>,
     elements: &Elements<'_, T, D>,
     cell: &PeriodicBox<T, D>,
 ) -> Vec<PeriodicCouple<D>> {
-    let mut search = PeriodicSearch::new(engine);
+    let mut search = PeriodicSearch::new().with_engine(engine);
     let (mut couples, mut again) = (Vec::new(), Vec::new());
     search.couples(elements, cell, &mut couples).unwrap();
     assert_eq!(search.count(elements, cell).unwrap(), couples.len() as u64);
@@ -195,7 +202,7 @@ fn compare<T: FromF64, const D: usize>(
         let elements = radii.elements(&centres, tolerance);
         for engine in ENGINES {
             let found = found(engine, &elements, cell);
-            let context = || format!("{what}: {engine}, {} elements, {cell:?}", centres.len());
+            let context = || format!("{what}: {engine:?}, {} elements, {cell:?}", centres.len());
             if found != expected {
                 let missing = expected.iter().find(|couple| !found.contains(couple));
                 let extra = found.iter().find(|couple| !expected.contains(couple));
@@ -371,7 +378,7 @@ fn large_boxes<T: FromF64, const D: usize>() {
                 (0..n).map(|k| if k == 0 { 0.5 } else { random.between(0.1, 0.5) }).collect();
             compare(shape, &centres, &radii, 0.0, &cell);
             let centres: Vec<[T; D]> = centres.iter().map(|centre| centre.map(T::from_f64)).collect();
-            let mut search = PeriodicSearch::new(Engine::Auto);
+            let mut search = PeriodicSearch::new();
             search.count(&Elements::spheres(&centres, T::HALF).unwrap(), &cell).unwrap();
             apart += usize::from(search.images() > 0 && 4 * search.images() <= n);
         }
@@ -414,7 +421,7 @@ fn aligned_boxes<T: FromF64, const D: usize>() {
                 for engine in ENGINES {
                     assert!(
                         found(engine, &elements, &cell) == expected,
-                        "{shape}, {engine}, {n} boxes, {cell:?}"
+                        "{shape}, {engine:?}, {n} boxes, {cell:?}"
                     );
                 }
             }
@@ -509,7 +516,7 @@ fn elements_outside_are_refused_if_asked_for() {
     let cell = PeriodicBox::orthogonal([0.0, 0.0], [3.0, 3.0], [true, false]).unwrap();
     let count = |centres: &[[f64; 2]]| {
         let elements = Elements::spheres(centres, 0.5).unwrap();
-        PeriodicSearch::new(Engine::Auto).refuse_outside().count(&elements, &cell)
+        PeriodicSearch::new().refuse_outside().count(&elements, &cell)
     };
     assert_eq!(count(&[[0.0, 0.0], [3.0, 0.5]]), Ok(1), "faces belong to the box");
     assert_eq!(count(&[[1.0, -70.0], [1.0, 70.0]]), Ok(0), "nothing is outside where nothing repeats");
@@ -522,14 +529,14 @@ fn elements_outside_are_refused_if_asked_for() {
 fn what_cannot_be_searched_is_refused_with_the_reason() {
     let cell = |edge: f64| PeriodicBox::orthogonal([0.0; 3], [edge; 3], [true; 3]).unwrap();
     let count = |centres: &[[f64; 3]], cell| {
-        PeriodicSearch::new(Engine::Auto).count(&Elements::spheres(centres, 0.5).unwrap(), &cell)
+        PeriodicSearch::new().count(&Elements::spheres(centres, 0.5).unwrap(), &cell)
     };
     let Err(Error::TooManyImages { images, .. }) = count(&[[0.0; 3]], cell(1e-4)) else {
         panic!("too many images")
     };
     assert!((8e12..8.1e12).contains(&images), "{images}");
     let elements = [[0.0; 3]];
-    let mut few = PeriodicSearch::new(Engine::Auto).with_max_images(25);
+    let mut few = PeriodicSearch::new().with_max_images(25);
     let elements = Elements::spheres(&elements, 0.5).unwrap();
     assert_eq!(few.count(&elements, &cell(1.0)), Err(Error::TooManyImages { images: 26.0, limit: 25 }));
     assert_eq!(few.with_max_images(26).count(&elements, &cell(1.0)), Ok(3));
@@ -555,7 +562,7 @@ fn threads_and_vectors_change_nothing() {
         let cell = PeriodicBox::orthogonal([0.0; 3], [width; 3], [true; 3]).unwrap();
         let elements = Elements::points(&centres, 1.0).unwrap();
         let all_ways = |simd, threads| {
-            let search = PeriodicSearch::new(Engine::Rows).with_threads(threads).unwrap();
+            let search = PeriodicSearch::new().with_engine(Engine::Rows).with_threads(threads).unwrap();
             let mut search = search.with_simd(simd).unwrap();
             let (mut list, mut visited) = (Vec::new(), Vec::new());
             search.couples(&elements, &cell, &mut list).unwrap();
@@ -587,7 +594,7 @@ fn a_box_without_periodic_edges_is_no_box() {
         (0..500).map(|_| std::array::from_fn(|_| random.between(-10.0, 10.0) as f32)).collect();
     let cell = PeriodicBox::orthogonal([0.0; 2], [1.0; 2], [false; 2]).unwrap();
     let open = fdem_contact::couples_within(&centres, 1.0).unwrap();
-    let found = found(Engine::Auto, &Elements::points(&centres, 1.0).unwrap(), &cell);
+    let found = found(None, &Elements::points(&centres, 1.0).unwrap(), &cell);
     let expected: Vec<_> =
         open.iter().map(|couple| PeriodicCouple { i: couple.i, j: couple.j, shift: [0, 0] }).collect();
     assert_eq!(found, expected);

@@ -166,7 +166,7 @@ pub(crate) fn cgrid() -> Figure {
     let mut couples = Vec::new();
     CGrid::new().couples(&elements, &mut couples)?;
     let mut same = Vec::new();
-    Detector::new(Engine::Direct).couples(&elements, &mut same)?;
+    Detector::new().with_engine(Engine::Direct).couples(&elements, &mut same)?;
     couples.sort_unstable();
     same.sort_unstable();
     assert_eq!(couples, same, "the figure shows what is true");

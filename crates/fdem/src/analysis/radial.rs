@@ -1,6 +1,6 @@
 //! The radial distribution function.
 
-use fdem_contact::{Detector, Elements, Engine, PeriodicSearch, Search};
+use fdem_contact::{Detector, Elements, PeriodicSearch, Search};
 use serde::Serialize;
 
 use crate::analysis::packing::{Frame, ball};
@@ -143,8 +143,8 @@ fn count<const D: usize>(
         counts[(place as usize).min(bins - 1)] += u64::from(is_reference[i]) + u64::from(is_reference[j]);
     };
     match &space.cell {
-        None => Detector::new(Engine::Auto).for_each(&points, |couple| add(unshifted(couple))),
-        Some(cell) => PeriodicSearch::new(Engine::Auto).for_each(&points, cell, add),
+        None => Detector::new().for_each(&points, |couple| add(unshifted(couple))),
+        Some(cell) => PeriodicSearch::new().for_each(&points, cell, add),
     }
     .map_err(AnalysisError::Search)?;
     Ok(counts)

@@ -314,16 +314,17 @@ pub(crate) enum EngineName {
     CGrid,
 }
 
-impl From<EngineName> for Engine {
-    fn from(name: EngineName) -> Self {
-        match name {
-            EngineName::Auto => Self::Auto,
-            EngineName::Direct => Self::Direct,
-            EngineName::Nbs => Self::Nbs,
-            EngineName::Rows => Self::Rows,
-            EngineName::Multilevel => Self::Multilevel,
-            EngineName::CGrid => Self::CGrid,
-        }
+impl EngineName {
+    /// The engine; `None` to choose one.
+    pub(crate) fn engine(self) -> Option<Engine> {
+        Some(match self {
+            Self::Auto => return None,
+            Self::Direct => Engine::Direct,
+            Self::Nbs => Engine::Nbs,
+            Self::Rows => Engine::Rows,
+            Self::Multilevel => Engine::Multilevel,
+            Self::CGrid => Engine::CGrid,
+        })
     }
 }
 

@@ -52,7 +52,7 @@ fn measure<const D: usize>(
         sizes: sizes(&arguments.input, name, packing)?,
         bodies: None,
         tolerance: arguments.input.tolerance,
-        engine: Engine::Auto,
+        engine: None,
         threads: 1,
         keep: true,
     };

@@ -136,7 +136,7 @@ fn request<'a>(arguments: &ContactsArguments, input: &'a Input) -> Result<Reques
         sizes: sizes(&arguments.input, &input.name, &input.packing)?,
         tolerance: arguments.input.tolerance,
         bodies: input.bodies.as_ref().map(|bodies| bodies.numbers.as_slice()),
-        engine: arguments.engine.into(),
+        engine: arguments.engine.engine(),
         threads: arguments.threads,
         keep: !arguments.count
             || arguments.drawings.any()

@@ -17,7 +17,7 @@ pub(crate) struct Request<'a> {
     pub(crate) tolerance: f64,
     /// Body of each element. Elements of the same body form no couple.
     pub(crate) bodies: Option<&'a [u32]>,
-    pub(crate) engine: Engine,
+    pub(crate) engine: Option<Engine>,
     /// Number of threads; 0 is one per processor.
     pub(crate) threads: usize,
     /// Whether the couples are kept; otherwise only their statistics are.
@@ -117,7 +117,7 @@ fn detect_open<const D: usize>(
     request: &Request<'_>,
     mut add: impl FnMut(PeriodicCouple<D>),
 ) -> Result<(Couples<D>, Plan<D>), Error> {
-    let mut detector = Detector::new(request.engine).with_threads(request.threads)?;
+    let mut detector = Detector::new().with_engine(request.engine).with_threads(request.threads)?;
     let plan = detector.plan(elements)?;
     let mut couples = Vec::new();
     if request.keep {
@@ -137,7 +137,7 @@ fn detect_periodic<const D: usize>(
     request: &Request<'_>,
     add: impl FnMut(PeriodicCouple<D>),
 ) -> Result<(Couples<D>, Plan<D>), Error> {
-    let mut search = PeriodicSearch::new(request.engine).with_threads(request.threads)?;
+    let mut search = PeriodicSearch::new().with_engine(request.engine).with_threads(request.threads)?;
     let mut couples = Vec::new();
     if request.keep {
         search.couples(elements, cell, &mut couples)?;
@@ -152,7 +152,7 @@ fn detect_periodic<const D: usize>(
     wrapped.try_reserve_exact(space.centres.len()).map_err(out_of_memory)?;
     wrapped
         .extend(space.centres.iter().map(|&centre| cell.wrap(centre).map_or(centre, |(inside, _)| inside)));
-    let plan = Detector::new(request.engine).plan(&request.elements(&wrapped)?)?;
+    let plan = Detector::new().with_engine(request.engine).plan(&request.elements(&wrapped)?)?;
     Ok((Couples::Periodic(couples), plan))
 }
 

@@ -108,8 +108,10 @@ impl Told {
         let elements = request.elements(space.centres)?;
         let (engine, threads) = (request.engine, request.threads);
         let explanation = match &space.cell {
-            None => Detector::new(engine).with_threads(threads)?.explain(&elements),
-            Some(cell) => PeriodicSearch::new(engine).with_threads(threads)?.explain(&elements, cell),
+            None => Detector::new().with_engine(engine).with_threads(threads)?.explain(&elements),
+            Some(cell) => {
+                PeriodicSearch::new().with_engine(engine).with_threads(threads)?.explain(&elements, cell)
+            }
         }?;
         let mut text = explanation.to_string();
         let Explanation {

@@ -4,7 +4,6 @@ use std::fmt;
 
 use serde::Serialize;
 
-use crate::command::args::EngineName;
 use crate::command::summary::{Seconds, brief, grouped, peak_bytes, write_end};
 
 /// The summary, written as JSON by `--json` and as text to standard error.
@@ -15,8 +14,7 @@ pub(crate) struct MeshSummary {
     pub(crate) dimensions: usize,
     pub(crate) elements: usize,
     pub(crate) bodies: usize,
-    #[serde(serialize_with = "engine_name")]
-    pub(crate) engine: EngineName,
+    pub(crate) engine: &'static str,
     /// Number of threads as given; 0 is one per processor.
     pub(crate) threads: usize,
     pub(crate) couples: usize,
@@ -99,11 +97,6 @@ pub(crate) struct BodyOf {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) name: Option<String>,
     pub(crate) elements: usize,
-}
-
-#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde asks for a reference")]
-fn engine_name<S: serde::Serializer>(engine: &EngineName, serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.serialize_str(fdem_contact::Engine::from(*engine).name())
 }
 
 impl MeshSummary {

@@ -7,7 +7,7 @@ use fdem_contact::discretised::{
     BodyContact, DiscretisedError, Mesh, MeshSearch, Simplex, body_contacts, gather,
 };
 use fdem_contact::narrow::{Contact, Measure, Sphere, sphere_sphere};
-use fdem_contact::{Couple, Detector, Elements, Error, Search, verify};
+use fdem_contact::{Couple, Detector, Elements, Engine, Error, Search, verify};
 use fdem_io::{Centres, Table, Values};
 
 use crate::command::args::{ContactsArguments, PeriodicArguments};
@@ -326,7 +326,8 @@ impl Task<'_> {
         [[f64; D]; N]: Simplex<D>,
     {
         let mesh = Mesh::new(&model.points, &model.elements, &model.mesh_bodies)?;
-        let mut search = MeshSearch::new(self.arguments.engine.into())
+        let mut search = MeshSearch::new()
+            .with_engine(self.arguments.engine.engine())
             .with_threads(self.arguments.threads)?
             .with_self_contact(self.arguments.meshes.self_contact);
         let mut elements = Vec::new();
@@ -366,7 +367,8 @@ impl Task<'_> {
         search.sphere_contacts(centres, radii, mesh, &mut walls)?;
         let spheres = Elements::spheres_with_radii(centres, radii)?;
         let mut couples = Vec::new();
-        Detector::new(self.arguments.engine.into())
+        Detector::new()
+            .with_engine(self.arguments.engine.engine())
             .with_threads(self.arguments.threads)?
             .couples(&spheres, &mut couples)?;
         if let Some(sample) = self.arguments.verify {
@@ -447,7 +449,7 @@ impl Task<'_> {
             dimensions: D,
             elements: model.ids.len(),
             bodies,
-            engine: self.arguments.engine,
+            engine: self.arguments.engine.engine().map_or("auto", Engine::name),
             threads: self.arguments.threads,
             couples: found.contacts.len(),
             couples_by_kind: found.couples,

@@ -230,7 +230,6 @@ fn pick(n: usize, sample: usize) -> Vec<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use fdem_contact::Engine;
 
     fn shifts(apart: [f64; 2], margin: f64, periodic: [bool; 2]) -> Vec<[i32; 2]> {
         let mut shifts = Vec::new();
@@ -264,7 +263,7 @@ mod tests {
             sizes: Sizes::Cutoff(1.0),
             tolerance: 0.0,
             bodies: None,
-            engine: Engine::Auto,
+            engine: None,
             threads: 1,
             keep: true,
         };

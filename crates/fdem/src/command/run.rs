@@ -365,7 +365,7 @@ impl Running {
     fn facts(&self, status: &str) -> Vec<(&'static str, String)> {
         let run = &self.run;
         let (counts, energies) = (run.counts(), run.energies());
-        let elements = run.model().mesh.triangles.len();
+        let elements = run.model().mesh.elements.len();
         let account = self.account();
         let busy = account.busy();
         let shares: Vec<String> = PARTS

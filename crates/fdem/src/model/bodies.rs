@@ -170,11 +170,11 @@ pub(crate) fn build(
     }
     let mut mesh = Mesh::default();
     for (number, body) in (0..).zip(&mut placed) {
-        body.first = [mesh.nodes.len() as u32, mesh.triangles.len() as u32];
+        body.first = [mesh.nodes.len() as u32, mesh.elements.len() as u32];
         let piece = &body.piece;
         mesh.nodes.extend_from_slice(&piece.nodes);
-        mesh.triangles.extend(piece.triangles.iter().map(|nodes| nodes.map(|node| node + body.first[0])));
-        mesh.bodies.extend(std::iter::repeat_n(number, piece.triangles.len()));
+        mesh.elements.extend(piece.elements.iter().map(|nodes| nodes.map(|node| node + body.first[0])));
+        mesh.bodies.extend(std::iter::repeat_n(number, piece.elements.len()));
         mesh.materials.extend_from_slice(&piece.materials);
     }
     (mesh, placed, missing)
@@ -187,15 +187,15 @@ pub(crate) fn crowded(document: &Document<'_>, placed: &[Placed]) -> Option<Faul
         .map(|body| {
             let piece = &body.piece;
             let mut size = [0.0; 2];
-            for triangle in &piece.triangles {
+            for triangle in &piece.elements {
                 let corners = triangle.map(|node| piece.nodes[node as usize]);
                 let [low, high] = outline::bounds(corners.into_iter());
                 for axis in 0..2 {
-                    size[axis] += (high[axis] - low[axis]) / piece.triangles.len() as f64;
+                    size[axis] += (high[axis] - low[axis]) / piece.elements.len() as f64;
                 }
             }
             let bounds = outline::bounds(piece.nodes.iter().copied());
-            Filled { bounds, elements: piece.triangles.len() as f64, size }
+            Filled { bounds, elements: piece.elements.len() as f64, size }
         })
         .collect();
     let ([a, b], couples) = extent::crowded(&boxes)?;
@@ -225,7 +225,7 @@ fn pieces(file: &ModelFile, body: &Body, load: &mut Load<'_>) -> Result<Vec<Piec
     }
     let uniform = |domain: &Domain, seed: u64, key: &'static str| {
         let meshed = mesh(domain, size, seed).map_err(shape(key))?;
-        let materials = vec![material; meshed.triangles.len()];
+        let materials = vec![material; meshed.elements.len()];
         Piece::new(meshed, materials).map_err(shape(key))
     };
     if let Some(packing) = &body.packing {

@@ -150,7 +150,7 @@ pub(crate) fn resolve(
         let (target, count, what) = if on_edges {
             let edges = place.edges();
             let count = edges.len();
-            (Target::Edges(edges), count, "edge of an outline")
+            (Target::Facets(edges), count, "edge of an outline")
         } else {
             let nodes = place.nodes();
             let count = nodes.len();

@@ -65,7 +65,7 @@ fn look(piece: &Piece) -> Found {
 fn pieces(piece: &Piece) -> usize {
     let mut parent: Vec<u32> = (0..piece.nodes.len() as u32).collect();
     let mut count = parent.len();
-    for &[a, b, c] in &piece.triangles {
+    for &[a, b, c] in &piece.elements {
         for other in [b, c] {
             let (a, b) = (root(&mut parent, a), root(&mut parent, other));
             if a != b {
@@ -147,8 +147,8 @@ fn hanging(piece: &Piece, nodes: &[u32]) -> (usize, Option<u32>) {
 mod tests {
     use super::*;
 
-    fn piece(nodes: &[Point], triangles: &[[u32; 3]]) -> Piece {
-        let mut piece = Piece { nodes: nodes.to_vec(), triangles: triangles.to_vec(), ..Piece::default() };
+    fn piece(nodes: &[Point], elements: &[[u32; 3]]) -> Piece {
+        let mut piece = Piece { nodes: nodes.to_vec(), elements: elements.to_vec(), ..Piece::default() };
         piece.find_outline().expect("a mesh");
         piece
     }

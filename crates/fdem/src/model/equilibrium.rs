@@ -46,23 +46,23 @@ fn weight(model: &Model, bodies: &[Body], warnings: &mut Vec<String>) {
     // Nodes on absorbing edges are held in equilibrium by the ground, where there is a stress.
     let mut outer = vec![false; mesh.nodes.len()];
     for boundary in model.boundaries.iter().filter(|boundary| absorbs(&boundary.load)) {
-        let Target::Edges(edges) = &boundary.target else { continue };
+        let Target::Facets(edges) = &boundary.target else { continue };
         for &node in edges.iter().flatten() {
             outer[node as usize] = true;
         }
     }
     let on_ground = |body: u32| {
-        let nodes = mesh.triangles.iter().zip(&mesh.bodies).filter(move |(_, own)| **own == body);
+        let nodes = mesh.elements.iter().zip(&mesh.bodies).filter(move |(_, own)| **own == body);
         nodes.flat_map(|(nodes, _)| nodes).any(|&node| outer[node as usize])
     };
     let Some(body) = (0..bodies.len() as u32).find(|&body| on_ground(body)) else { return };
     let mut forces = vec![[0.0; 2]; mesh.nodes.len()];
     let mut weights = vec![0.0; mesh.nodes.len()];
-    for (element, nodes) in mesh.triangles.iter().enumerate().filter(|(k, _)| mesh.bodies[*k] == body) {
+    for (element, nodes) in mesh.elements.iter().enumerate().filter(|(k, _)| mesh.bodies[*k] == body) {
         let [a, b, c] = nodes.map(|node| mesh.nodes[node as usize]);
         let density = model.materials[mesh.materials[element] as usize].density;
         let area = 0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]));
-        let [xx, yy, xy] = model.stresses.get(element).copied().unwrap_or_default();
+        let [[xx, xy], [_, yy]] = model.stresses.get(element).copied().unwrap_or_default();
         for (node, [p, q]) in nodes.iter().zip([[b, c], [c, a], [a, b]]) {
             // Half of the opposite edge, turned inwards: area times the gradient of the shape function.
             let [x, y] = [0.5 * (p[1] - q[1]), 0.5 * (q[0] - p[0])];
@@ -91,16 +91,16 @@ fn weight(model: &Model, bodies: &[Body], warnings: &mut Vec<String>) {
 fn strength(model: &Model, warnings: &mut Vec<String>) {
     for (number, material) in model.materials.iter().enumerate() {
         let Some(strength) = material.strength else { continue };
-        let breaks = |stress: &[f64; 3]| {
-            let [most, least] = principal_stresses(*stress);
+        let breaks = |[[xx, xy], [_, yy]]: [[f64; 2]; 2]| {
+            let [most, least] = principal_stresses([xx, yy, xy]);
             let (mean, radius) = (f64::midpoint(most, least), 0.5 * (most - least));
             let secant = (1.0 + strength.friction * strength.friction).sqrt();
             most > strength.tensile || radius * secant + strength.friction * mean.min(0.0) > strength.cohesion
         };
         let mut own =
             model.stresses.iter().zip(&model.mesh.materials).filter(|(_, own)| **own as usize == number);
-        if let Some((stress, _)) = own.find(|(stress, _)| breaks(stress)) {
-            let [xx, yy, xy] = stress.map(brief);
+        if let Some((stress, _)) = own.find(|(stress, _)| breaks(**stress)) {
+            let [[xx, xy], [_, yy]] = stress.map(|row| row.map(brief));
             warnings.push(format!(
                 "[initial] stress: \"{}\" does not bear [{xx}, {yy}, {xy}] Pa in every direction: it may break at once",
                 material.name

@@ -34,8 +34,8 @@ pub(crate) fn warnings(model: &Model, warnings: &mut Vec<String>) {
 /// Edges inside bodies by the two materials at them.
 fn edges(model: &Model) -> BTreeMap<[u32; 2], u64> {
     let mesh = &model.mesh;
-    let mut sides: Vec<([u32; 2], u32)> = Vec::with_capacity(3 * mesh.triangles.len());
-    for (&[a, b, c], &material) in mesh.triangles.iter().zip(&mesh.materials) {
+    let mut sides: Vec<([u32; 2], u32)> = Vec::with_capacity(3 * mesh.elements.len());
+    for (&[a, b, c], &material) in mesh.elements.iter().zip(&mesh.materials) {
         sides.extend([[a, b], [b, c], [c, a]].map(|[a, b]| ([a.min(b), a.max(b)], material)));
     }
     sides.sort_unstable();

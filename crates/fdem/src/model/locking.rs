@@ -126,7 +126,7 @@ fn member(model: &Model, placed: &[Placed], body: usize) -> Option<Member> {
     let Placed { piece, first, .. } = &placed[body];
     let point = |node: u32| piece.nodes[node as usize];
     let area: f64 =
-        piece.triangles.iter().map(|t| twice_area(point(t[0]), point(t[1]), point(t[2])) / 2.0).sum();
+        piece.elements.iter().map(|t| twice_area(point(t[0]), point(t[1]), point(t[2])) / 2.0).sum();
     let around: f64 = piece.outline.iter().map(|&[a, b]| distance(point(a), point(b))).sum();
     // The rectangle of this area and circumference.
     let root = around * around / 4.0 - 4.0 * area;
@@ -150,12 +150,12 @@ fn member(model: &Model, placed: &[Placed], body: usize) -> Option<Member> {
         }
     }
     let mean = piece
-        .triangles
+        .elements
         .iter()
         .flat_map(|t| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]])
         .map(|[a, b]| distance(point(a), point(b)))
         .sum::<f64>()
-        / (3 * piece.triangles.len()) as f64;
+        / (3 * piece.elements.len()) as f64;
     let material = *piece.materials.first()? as usize;
     Some(Member { body, thickness, elements: thickness / mean, material })
 }

@@ -91,8 +91,8 @@ pub(crate) fn read(
         });
         let triangle = if area > 0.0 { triangle } else { [triangle[0], triangle[2], triangle[1]] };
         let label = &labels[body as usize];
-        let element = piece.triangles.len() as u32;
-        piece.triangles.push(triangle);
+        let element = piece.elements.len() as u32;
+        piece.elements.push(triangle);
         piece.materials.push(groups.get(label).copied().unwrap_or(default));
         piece.groups.entry(label.clone()).or_default().elements.push(element);
     }

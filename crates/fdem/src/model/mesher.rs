@@ -33,7 +33,7 @@ const ROUNDS: usize = 8;
 pub(crate) struct Meshed {
     pub(crate) nodes: Vec<Point>,
     /// Counter-clockwise.
-    pub(crate) triangles: Vec<[u32; 3]>,
+    pub(crate) elements: Vec<[u32; 3]>,
     /// The loop of each node, or [`INSIDE`].
     pub(crate) loops: Vec<u32>,
     /// Edges along the lines of the domain.
@@ -57,20 +57,20 @@ pub(crate) fn mesh(domain: &Domain, size: f64, seed: u64) -> Result<Meshed, Stri
     let fixed = frame.nodes.len();
     let inside = Inside::new(&domain.loops);
     fill(&mut frame.nodes, domain, &inside, size, seed)?;
-    let mut triangles = triangulate(&frame)?;
+    let mut elements = triangulate(&frame)?;
     for _ in 0..ROUNDS {
-        smooth(&mut frame.nodes, fixed, &triangles, &inside);
-        triangles = triangulate(&frame)?;
+        smooth(&mut frame.nodes, fixed, &elements, &inside);
+        elements = triangulate(&frame)?;
     }
-    if triangles.is_empty() {
+    if elements.is_empty() {
         return Err("the outline has no area".to_owned());
     }
     frame.loops.resize(frame.nodes.len(), INSIDE);
-    let numbers = renumber(&mut frame.nodes, &mut frame.loops, &mut triangles);
+    let numbers = renumber(&mut frame.nodes, &mut frame.loops, &mut elements);
     let number = |node: u32| Some(numbers[node as usize]).filter(|&number| number != INSIDE);
     let lines = frame.lines.iter().filter_map(|&[a, b]| Some([number(a)?, number(b)?])).collect();
     let nodes = frame.nodes.iter().map(|&node| frame.place(node)).collect();
-    Ok(Meshed { nodes, triangles, loops: frame.loops, lines })
+    Ok(Meshed { nodes, elements, loops: frame.loops, lines })
 }
 
 /// Checks that every hole is inside the outline and none is in another hole.
@@ -368,9 +368,9 @@ fn faces_inside(
 }
 
 /// Moves each node that is not fixed to the centroid of what its triangles cover.
-fn smooth(nodes: &mut [Point], fixed: usize, triangles: &[[u32; 3]], inside: &Inside) {
+fn smooth(nodes: &mut [Point], fixed: usize, elements: &[[u32; 3]], inside: &Inside) {
     let mut sums = vec![[0.0; 3]; nodes.len()];
-    for &triangle in triangles {
+    for &triangle in elements {
         let [a, b, c] = triangle.map(|node| nodes[node as usize]);
         let weight = twice_area(a, b, c);
         for node in triangle {
@@ -390,9 +390,9 @@ fn smooth(nodes: &mut [Point], fixed: usize, triangles: &[[u32; 3]], inside: &In
 
 /// Removes nodes without triangles, and numbers nodes and triangles along Hilbert's curve: what is near in the body is near in memory. Returns the new number of
 /// each node, [`INSIDE`] for those that are gone.
-fn renumber(nodes: &mut Vec<Point>, loops: &mut Vec<u32>, triangles: &mut [[u32; 3]]) -> Vec<u32> {
+fn renumber(nodes: &mut Vec<Point>, loops: &mut Vec<u32>, elements: &mut [[u32; 3]]) -> Vec<u32> {
     let mut used = vec![false; nodes.len()];
-    for &node in triangles.iter().flatten() {
+    for &node in elements.iter().flatten() {
         used[node as usize] = true;
     }
     let curve = Curve::around(nodes);
@@ -402,11 +402,11 @@ fn renumber(nodes: &mut Vec<Point>, loops: &mut Vec<u32>, triangles: &mut [[u32;
     for (number, &node) in (0..).zip(&order) {
         numbers[node as usize] = number;
     }
-    triangles.sort_by_cached_key(|triangle| {
+    elements.sort_by_cached_key(|triangle| {
         let corners = triangle.map(|node| nodes[node as usize]);
         curve.place([0, 1].map(|axis| corners.iter().map(|corner| corner[axis]).sum::<f64>() / 3.0))
     });
-    for node in triangles.iter_mut().flatten() {
+    for node in elements.iter_mut().flatten() {
         *node = numbers[*node as usize];
     }
     *nodes = order.iter().map(|&node| nodes[node as usize]).collect();

@@ -11,7 +11,7 @@ use crate::numbers::brief;
 pub(crate) struct Piece {
     pub(crate) nodes: Vec<Point>,
     /// Counter-clockwise.
-    pub(crate) triangles: Vec<[u32; 3]>,
+    pub(crate) elements: Vec<[u32; 3]>,
     /// Material of each triangle.
     pub(crate) materials: Vec<u32>,
     /// Grain of each triangle; empty if the body has no grains.
@@ -36,8 +36,8 @@ pub(crate) struct Group {
 impl Piece {
     /// A mesh that was made here, with the groups "outer", "holes", "hole-1", ….
     pub(crate) fn new(meshed: Meshed, materials: Vec<u32>) -> Result<Self, String> {
-        let Meshed { nodes, triangles, loops, .. } = meshed;
-        let mut piece = Self { nodes, triangles, materials, ..Self::default() };
+        let Meshed { nodes, elements, loops, .. } = meshed;
+        let mut piece = Self { nodes, elements, materials, ..Self::default() };
         piece.find_outline()?;
         for edge in &piece.outline {
             let number = loops[edge[0] as usize];
@@ -61,8 +61,8 @@ impl Piece {
     /// # Errors
     /// Messages about edges of more than two triangles, or of two on the same side.
     pub(crate) fn find_outline(&mut self) -> Result<(), String> {
-        let mut edges: Vec<([u32; 2], bool)> = Vec::with_capacity(3 * self.triangles.len());
-        for &[a, b, c] in &self.triangles {
+        let mut edges: Vec<([u32; 2], bool)> = Vec::with_capacity(3 * self.elements.len());
+        for &[a, b, c] in &self.elements {
             for [from, to] in [[a, b], [b, c], [c, a]] {
                 edges.push(if from < to { ([from, to], false) } else { ([to, from], true) });
             }
@@ -102,7 +102,7 @@ impl Piece {
 
     /// The nodes that a group has.
     pub(crate) fn nodes_of(&self, group: &Group) -> Vec<u32> {
-        let surface = group.elements.iter().flat_map(|&element| self.triangles[element as usize]);
+        let surface = group.elements.iter().flat_map(|&element| self.elements[element as usize]);
         let mut nodes: Vec<u32> = surface.chain(group.curve.iter().flatten().copied()).collect();
         nodes.sort_unstable();
         nodes.dedup();
@@ -113,7 +113,7 @@ impl Piece {
     pub(crate) fn edges_of(&self, group: &Group) -> Vec<[u32; 2]> {
         let sorted = |[a, b]: [u32; 2]| if a < b { [a, b] } else { [b, a] };
         let surface = group.elements.iter().flat_map(|&element| {
-            let [a, b, c] = self.triangles[element as usize];
+            let [a, b, c] = self.elements[element as usize];
             [[a, b], [b, c], [c, a]]
         });
         let mut wanted: Vec<[u32; 2]> = surface.chain(group.curve.iter().copied()).map(sorted).collect();

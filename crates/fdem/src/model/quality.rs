@@ -32,7 +32,7 @@ impl Quality {
     /// Measures a mesh with at least one element.
     pub fn of(mesh: &Mesh) -> Self {
         let mut quality = Self {
-            elements: mesh.triangles.len(),
+            elements: mesh.elements.len(),
             nodes: mesh.nodes.len(),
             edges: [f64::INFINITY, 0.0, 0.0],
             smallest_angle: [f64::INFINITY, 0.0],
@@ -42,7 +42,7 @@ impl Quality {
             regular: 0.0,
             smallest_height: f64::INFINITY,
         };
-        for (element, triangle) in (0..).zip(&mesh.triangles) {
+        for (element, triangle) in (0..).zip(&mesh.elements) {
             let corners = triangle.map(|node| mesh.nodes[node as usize]);
             let edges = edges(corners);
             for edge in edges {

@@ -226,6 +226,6 @@ fn nearest(nodes: &[Point], placed: &[Placed], bodies: &[usize], point: Point) -
 
 /// An edge of a body, m.
 fn edge(placed: &Placed) -> f64 {
-    let [a, b, _] = placed.piece.triangles.first().copied().unwrap_or_default();
+    let [a, b, _] = placed.piece.elements.first().copied().unwrap_or_default();
     distance(placed.piece.nodes[a as usize], placed.piece.nodes[b as usize])
 }

@@ -32,7 +32,7 @@ impl Slivers {
     /// The few elements that a wave crosses in much less time than all others.
     pub(crate) fn of(model: &Model) -> Option<Self> {
         let mut times: Vec<(f64, f64, u32)> = (0..)
-            .zip(model.mesh.triangles.iter().zip(&model.mesh.materials))
+            .zip(model.mesh.elements.iter().zip(&model.mesh.materials))
             .map(|(element, (nodes, &material))| {
                 let [a, b, c] = nodes.map(|node| model.mesh.nodes[node as usize]);
                 let longest = distance(a, b).max(distance(b, c)).max(distance(c, a));
@@ -51,7 +51,7 @@ impl Slivers {
         if jump(count) < SHORTER {
             return None;
         }
-        let corners = model.mesh.triangles[element as usize].map(|node| model.mesh.nodes[node as usize]);
+        let corners = model.mesh.elements[element as usize].map(|node| model.mesh.nodes[node as usize]);
         let at = [0, 1].map(|axis| corners.iter().map(|corner| corner[axis]).sum::<f64>() / 3.0);
         let others = times[count..].iter().map(|time| time.1).fold(f64::INFINITY, f64::min);
         Some(Self { element, at, height, count, others, longer })

@@ -171,7 +171,7 @@ impl Grains {
         let triangulation = self.triangulation()?;
         let part = parts(mesh);
         let mut largest: BTreeMap<u32, (f64, Point)> = BTreeMap::new();
-        for (&part, triangle) in part.iter().zip(&mesh.triangles) {
+        for (&part, triangle) in part.iter().zip(&mesh.elements) {
             let [a, b, c] = triangle.map(|node| mesh.nodes[node as usize]);
             let area = twice_area(a, b, c);
             let entry = largest.entry(part).or_insert((0.0, a));
@@ -219,8 +219,8 @@ pub(crate) fn colours(mesh: &Meshed, grains: &[u32], colours: usize) -> Vec<u32>
 
 /// The edges of all elements, each with its element, sorted.
 fn sorted_edges(mesh: &Meshed) -> Vec<([u32; 2], u32)> {
-    let mut edges = Vec::with_capacity(3 * mesh.triangles.len());
-    for (element, &[a, b, c]) in (0..).zip(&mesh.triangles) {
+    let mut edges = Vec::with_capacity(3 * mesh.elements.len());
+    for (element, &[a, b, c]) in (0..).zip(&mesh.elements) {
         edges.extend([[a, b], [b, c], [c, a]].map(|edge| (ordered(edge), element)));
     }
     edges.sort_unstable();
@@ -236,7 +236,7 @@ fn parts(mesh: &Meshed) -> Vec<u32> {
     let mut lines: Vec<_> = mesh.lines.iter().map(|&edge| ordered(edge)).collect();
     lines.sort_unstable();
     let edges = sorted_edges(mesh);
-    let mut part: Vec<u32> = (0..mesh.triangles.len() as u32).collect();
+    let mut part: Vec<u32> = (0..mesh.elements.len() as u32).collect();
     for pair in edges.windows(2) {
         if pair[0].0 == pair[1].0 && lines.binary_search(&pair[0].0).is_err() {
             let (a, b) = (root(&mut part, pair[0].1), root(&mut part, pair[1].1));

@@ -83,7 +83,7 @@ fn process_zone(model: &Model, warnings: &mut Vec<String>) {
         let strength = model.materials[number].strength?;
         Some(plane_modulus(model, number) * strength.energy_i / strength.tensile.powi(2))
     };
-    for (nodes, &number) in model.mesh.triangles.iter().zip(&model.mesh.materials) {
+    for (nodes, &number) in model.mesh.elements.iter().zip(&model.mesh.materials) {
         let number = number as usize;
         let Some(zone) = zone(number) else { continue };
         let [a, b, c] = nodes.map(|node| model.mesh.nodes[node as usize]);
@@ -134,7 +134,7 @@ fn platens(model: &Model, warnings: &mut Vec<String>) {
     let middle = |boundary: &Boundary, axis: usize| {
         let nodes: Vec<u32> = match &boundary.target {
             Target::Nodes(nodes) => nodes.clone(),
-            Target::Edges(edges) => edges.iter().flatten().copied().collect(),
+            Target::Facets(edges) => edges.iter().flatten().copied().collect(),
         };
         let [low, high] = bounds(nodes.iter().map(|&node| model.mesh.nodes[node as usize]));
         f64::midpoint(low[axis], high[axis])
@@ -218,12 +218,12 @@ fn overlaps(model: &Model, bodies: &[Body], warnings: &mut Vec<String>) {
         return;
     }
     let mesh = &model.mesh;
-    let found = Detected::new(&mesh.nodes, &mesh.triangles, &mesh.bodies)
+    let found = Detected::new(&mesh.nodes, &mesh.elements, &mesh.bodies)
         .and_then(|mesh| discretised::contacts(&mesh));
     // A model whose contacts cannot be detected cannot run; its preflight reports that.
     let Ok(found) = found else { return };
     let element_area = |element: u32| {
-        let [a, b, c] = mesh.triangles[element as usize].map(|node| mesh.nodes[node as usize]);
+        let [a, b, c] = mesh.elements[element as usize].map(|node| mesh.nodes[node as usize]);
         twice_area(a, b, c) / 2.0
     };
     let mut pairs: BTreeMap<[u32; 2], f64> = BTreeMap::new();

@@ -158,7 +158,7 @@ impl Field {
                     [0, 1].map(|axis| nodes.iter().map(|&node| vectors[node as usize][axis]).sum::<f64>());
                 x.hypot(y) / 3.0
             };
-            snapshot.triangles.iter().map(of).collect()
+            snapshot.elements.iter().map(of).collect()
         };
         match self {
             Self::MaxPrincipal => snapshot.stresses.iter().map(|&stress| principal(stress)[0]).collect(),

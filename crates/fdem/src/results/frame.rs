@@ -105,7 +105,7 @@ impl Frame {
     /// # Errors
     /// [`SnapshotError`] if the snapshot contradicts itself.
     pub fn new(snapshot: &Snapshot) -> Result<Self, SnapshotError> {
-        Self::outlined(snapshot, &Outlines { bits: vec![0; snapshot.triangles.len()] })
+        Self::outlined(snapshot, &Outlines { bits: vec![0; snapshot.elements.len()] })
     }
 
     /// Makes a frame of a snapshot, with the outlines of its bodies and grains.
@@ -124,13 +124,13 @@ impl Frame {
     /// [`SnapshotError`] if the snapshot contradicts itself, or if the outlines belong to another mesh.
     pub fn sampled(snapshot: &Snapshot, outlines: &Outlines, most: usize) -> Result<Self, SnapshotError> {
         checked(snapshot)?;
-        let whole = snapshot.triangles.len();
+        let whole = snapshot.elements.len();
         let found = outlines.bits.len();
         if found != whole {
             return Err(SnapshotError::Length { name: "outlines", found, expected: whole });
         }
         let mut corners: Vec<[[f64; 2]; 3]> = snapshot
-            .triangles
+            .elements
             .iter()
             .map(|nodes| nodes.map(|node| snapshot.positions[node as usize]))
             .collect();

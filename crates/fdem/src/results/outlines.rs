@@ -11,7 +11,7 @@ use fdem_simulation::Mesh;
 ///
 /// let mesh = Mesh {
 ///     nodes: vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]],
-///     triangles: vec![[0, 1, 2], [0, 2, 3]],
+///     elements: vec![[0, 1, 2], [0, 2, 3]],
 ///     bodies: vec![0, 0],
 ///     materials: vec![0, 0],
 /// };
@@ -37,15 +37,15 @@ impl Outlines {
     /// # Cost
     /// Sorts the edges of the mesh: about 0.3 µs an element.
     pub fn new(mesh: &Mesh, grains: &[u32]) -> Self {
-        let mut edges: Vec<([u32; 2], u32)> = Vec::with_capacity(3 * mesh.triangles.len());
-        for (element, nodes) in (0..).zip(&mesh.triangles) {
+        let mut edges: Vec<([u32; 2], u32)> = Vec::with_capacity(3 * mesh.elements.len());
+        for (element, nodes) in (0..).zip(&mesh.elements) {
             for k in 0..3 {
                 let (a, b) = (nodes[k], nodes[(k + 1) % 3]);
                 edges.push(([a.min(b), a.max(b)], 3 * element + k as u32));
             }
         }
         edges.sort_unstable();
-        let mut bits = vec![0; mesh.triangles.len()];
+        let mut bits = vec![0; mesh.elements.len()];
         let grain = |side: u32| {
             let element = side as usize / 3;
             (grains.get(element), mesh.materials[element])

@@ -54,11 +54,11 @@ pub fn write_vtu<W: Write>(
         .with_components("reaction", &SPACE, Values::f64(reactions))
         .in_unit("N");
     let stresses = &snapshot.stresses;
-    let triangles = Table::new(snapshot.triangles.len())
+    let triangles = Table::new(snapshot.elements.len())
         .with_components(
             "nodes",
             &["a", "b", "c"],
-            Values::i64(|k| i64::from(snapshot.triangles[k / 3][k % 3])),
+            Values::i64(|k| i64::from(snapshot.elements[k / 3][k % 3])),
         )
         .with_components("stress", &["xx", "yy", "xy", "zz"], Values::f64(|k| stresses[k / 4][k % 4]))
         .in_unit("Pa")
@@ -126,7 +126,7 @@ fn write_joints<W: Write>(out: &mut W, snapshot: &Snapshot, broken: bool) -> io:
 /// The errors of `out`; [`io::ErrorKind::InvalidInput`] with a [`SnapshotError`] within, also if a contact has an element that does not exist.
 pub fn write_contacts_vtp<W: Write>(out: &mut W, snapshot: &Snapshot, forces: &Forces) -> io::Result<()> {
     checked(snapshot)?;
-    let (contacts, elements) = (&forces.contacts, snapshot.triangles.len());
+    let (contacts, elements) = (&forces.contacts, snapshot.elements.len());
     if let Some(&element) =
         contacts.iter().flat_map(|contact| &contact.elements).find(|&&element| element as usize >= elements)
     {

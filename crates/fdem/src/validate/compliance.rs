@@ -31,7 +31,7 @@ fn stiffness(insertion: Insertion, joint_penalty: f64) -> Result<f64, String> {
     let length = WIDTH * COLUMNS as f64;
     let mut mesh = rectangle([0.0, 0.0], [length, WIDTH], [COLUMNS, 1]);
     // Columns of two materials alternate: only the joints between the two can break.
-    for element in 0..mesh.triangles.len() {
+    for element in 0..mesh.elements.len() {
         mesh.materials[element] = (element / 2 % 2) as u32;
     }
     let at = |place: f64| nodes_where(&mesh, |[x, _]| (x - place).abs() < 1e-9);
@@ -67,7 +67,7 @@ fn stiffness(insertion: Insertion, joint_penalty: f64) -> Result<f64, String> {
     let stress = snapshot.stresses.iter().map(|stress| stress[0]).sum::<f64>() / count;
     // The length from the left side of the second column to that of the last has as many columns as joints.
     let left_of = |column: usize| {
-        let nodes = snapshot.triangles[2 * column..2 * column + 2].iter().flatten();
+        let nodes = snapshot.elements[2 * column..2 * column + 2].iter().flatten();
         let corners: Vec<_> = nodes.map(|&node| node as usize).collect();
         let least = |node: &usize| snapshot.positions[*node][0];
         corners

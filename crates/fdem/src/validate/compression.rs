@@ -128,7 +128,7 @@ ramp = {RAMP}
     let sides = edges_where(&model.mesh, |[x, _]| x.abs() > 0.5 * WIDTH - 1e-9);
     model.boundaries.push(Boundary {
         name: "sides".to_owned(),
-        target: Target::Edges(sides),
+        target: Target::Facets(sides),
         load: Load::Pressure(pressure),
         schedule: Schedule::Ramp(RAMP),
     });

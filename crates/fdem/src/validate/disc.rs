@@ -46,7 +46,7 @@ impl Disc {
     fn motion(&self) -> ([f64; 2], f64) {
         let snapshot = self.run.snapshot();
         let mesh = &self.run.model().mesh;
-        let own = mesh.triangles.iter().zip(&snapshot.triangles).filter(|(nodes, _)| nodes[0] >= self.first);
+        let own = mesh.elements.iter().zip(&snapshot.elements).filter(|(nodes, _)| nodes[0] >= self.first);
         let (mut all, mut place, mut velocity) = (0.0, [0.0; 2], [0.0; 2]);
         let mut corners = Vec::new();
         for (nodes, now) in own {

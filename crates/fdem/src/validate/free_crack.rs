@@ -291,7 +291,7 @@ impl Specimen {
         model.fracture.insertion = self.insertion;
         // Far from the crack nothing breaks, and elements without joints cost less.
         model.materials.push(Material { strength: None, ..model.materials[0].clone() });
-        for element in 0..model.mesh.triangles.len() {
+        for element in 0..model.mesh.elements.len() {
             if centroid(&model.mesh, element)[1].abs() > BREAKABLE {
                 model.mesh.materials[element] = 1;
             }

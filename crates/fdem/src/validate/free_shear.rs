@@ -135,7 +135,7 @@ fn load(model: &mut Model) {
         let edges = edges_where(mesh, |[x, y]| (u * x + v * y - distance).abs() < 1e-9);
         let traction = |what: &str, traction: [f64; 2], schedule: Schedule| Boundary {
             name: format!("{what}, {name}"),
-            target: Target::Edges(edges.clone()),
+            target: Target::Facets(edges.clone()),
             load: Load::Traction(traction),
             schedule,
         };

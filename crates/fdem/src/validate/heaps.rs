@@ -101,5 +101,5 @@ fn mass(mesh: &Mesh) -> f64 {
         let [a, b, c] = nodes.map(|node| mesh.nodes[node as usize]);
         0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
     };
-    super::models::DENSITY * mesh.triangles.iter().map(area).sum::<f64>()
+    super::models::DENSITY * mesh.elements.iter().map(area).sum::<f64>()
 }

@@ -95,7 +95,7 @@ fn model(disc: Mesh, end: f64, fine: f64) -> Result<(Model, u64), String> {
     let above = nodes_where(&mesh, |[_, y]| y > -1e-9 * RADIUS);
     let fixed = (first..mesh.nodes.len() as u32).collect();
     // Only the state of rest counts: large elements are made so light that their time step is that of the small ones.
-    let sizes: Vec<f64> = (0..mesh.triangles.len()).map(|element| area(&mesh, element).sqrt()).collect();
+    let sizes: Vec<f64> = (0..mesh.elements.len()).map(|element| area(&mesh, element).sqrt()).collect();
     let least = sizes.iter().copied().fold(f64::INFINITY, f64::min);
     for (material, size) in mesh.materials.iter_mut().zip(sizes) {
         *material = (2.0 * (size / least).log2()) as u32;
@@ -196,7 +196,7 @@ fn mapped([x, y]: [f64; 2]) -> [f64; 2] {
 }
 
 fn area(mesh: &Mesh, element: usize) -> f64 {
-    let [a, b, c] = mesh.triangles[element].map(|node| mesh.nodes[node as usize]);
+    let [a, b, c] = mesh.elements[element].map(|node| mesh.nodes[node as usize]);
     0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
 }
 
@@ -206,7 +206,7 @@ fn elements_at_contact(disc: &Mesh) -> Vec<usize> {
         let [x, y] = disc.nodes[node as usize];
         (x.hypot(y) - RADIUS).abs() < 1e-9 * RADIUS && x.abs() < 1.5 * WIDTH * RADIUS
     };
-    (0..disc.triangles.len()).filter(|&e| disc.triangles[e].iter().filter(outer).count() == 2).collect()
+    (0..disc.elements.len()).filter(|&e| disc.elements[e].iter().filter(outer).count() == 2).collect()
 }
 
 struct Pressures {
@@ -219,7 +219,7 @@ fn pressures(run: &Simulation, elements: &[usize]) -> Pressures {
     let snapshot = run.snapshot();
     // x², p² and p.
     let points = elements.iter().map(|&element| {
-        let x = snapshot.triangles[element].map(|node| snapshot.positions[node as usize][0]);
+        let x = snapshot.elements[element].map(|node| snapshot.positions[node as usize][0]);
         let (middle, p) = (x.iter().sum::<f64>() / 3.0, -snapshot.stresses[element][1].min(0.0));
         [middle * middle, p * p, p]
     });

@@ -35,29 +35,29 @@ pub(super) fn rock() -> Strength {
     }
 }
 
-/// A rectangle of `nx` by `ny` cells, each of two triangles whose common edge alternates.
+/// A rectangle of `nx` by `ny` cells, each of two elements whose common edge alternates.
 pub(super) fn rectangle(min: [f64; 2], max: [f64; 2], [nx, ny]: [usize; 2]) -> Mesh {
     let node = |i: usize, j: usize| (j * (nx + 1) + i) as u32;
     let along = |axis: usize, k: usize, n: usize| min[axis] + (max[axis] - min[axis]) * k as f64 / n as f64;
     let nodes = (0..=ny).flat_map(|j| (0..=nx).map(move |i| [along(0, i, nx), along(1, j, ny)])).collect();
-    let mut triangles = Vec::new();
+    let mut elements = Vec::new();
     for j in 0..ny {
         for i in 0..nx {
             let [a, b, c, d] = [node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)];
             if (i + j) % 2 == 0 {
-                triangles.extend([[a, b, c], [a, c, d]]);
+                elements.extend([[a, b, c], [a, c, d]]);
             } else {
-                triangles.extend([[a, b, d], [b, c, d]]);
+                elements.extend([[a, b, d], [b, c, d]]);
             }
         }
     }
-    one_body(nodes, triangles)
+    one_body(nodes, elements)
 }
 
 /// A disc about the origin, of rings of elements around a point: 6 times their number squared in all.
 pub(super) fn disc(radius: f64, rings: usize) -> Mesh {
     let mut nodes = vec![[0.0; 2]];
-    let mut triangles = Vec::new();
+    let mut elements = Vec::new();
     let first = |ring: usize| if ring == 0 { 0 } else { 1 + 3 * ring * (ring - 1) };
     for ring in 1..=rings {
         for k in 0..6 * ring {
@@ -70,20 +70,20 @@ pub(super) fn disc(radius: f64, rings: usize) -> Mesh {
         for sector in 0..6 {
             for k in 0..ring {
                 let (o, i) = (sector * ring + k, sector * (ring - 1) + k);
-                triangles.push([outer(o), outer(o + 1), inner(i)]);
+                elements.push([outer(o), outer(o + 1), inner(i)]);
                 if k + 1 < ring {
-                    triangles.push([inner(i), outer(o + 1), inner(i + 1)]);
+                    elements.push([inner(i), outer(o + 1), inner(i + 1)]);
                 }
             }
         }
     }
-    one_body(nodes, triangles)
+    one_body(nodes, elements)
 }
 
 /// A mesh of one body and one material.
-pub(super) fn one_body(nodes: Vec<[f64; 2]>, triangles: Vec<[u32; 3]>) -> Mesh {
-    let count = triangles.len();
-    Mesh { nodes, triangles, bodies: vec![0; count], materials: vec![0; count] }
+pub(super) fn one_body(nodes: Vec<[f64; 2]>, elements: Vec<[u32; 3]>) -> Mesh {
+    let count = elements.len();
+    Mesh { nodes, elements, bodies: vec![0; count], materials: vec![0; count] }
 }
 
 /// Several meshes as bodies of one.
@@ -92,8 +92,8 @@ pub(super) fn together(parts: &[Mesh]) -> Mesh {
     for (body, part) in parts.iter().enumerate() {
         let first = all.nodes.len() as u32;
         all.nodes.extend(&part.nodes);
-        all.triangles.extend(part.triangles.iter().map(|nodes| nodes.map(|node| node + first)));
-        all.bodies.extend(part.triangles.iter().map(|_| body as u32));
+        all.elements.extend(part.elements.iter().map(|nodes| nodes.map(|node| node + first)));
+        all.bodies.extend(part.elements.iter().map(|_| body as u32));
         all.materials.extend(&part.materials);
     }
     all
@@ -119,9 +119,9 @@ pub(super) fn nodes_where(mesh: &Mesh, at: impl Fn([f64; 2]) -> bool) -> Vec<u32
     (0..mesh.nodes.len() as u32).filter(|&node| at(mesh.nodes[node as usize])).collect()
 }
 
-/// Edges of triangles, both of whose nodes are where `at` holds.
+/// Edges of elements, both of whose nodes are where `at` holds.
 pub(super) fn edges_where(mesh: &Mesh, at: impl Fn([f64; 2]) -> bool) -> Vec<[u32; 2]> {
-    let edges = mesh.triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
+    let edges = mesh.elements.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
     edges.filter(|edge| edge.iter().all(|&node| at(mesh.nodes[node as usize]))).collect()
 }
 
@@ -131,14 +131,14 @@ pub(super) fn slit(mesh: &Mesh, tip: f64) -> Mesh {
     for node in nodes_where(&mesh, |[x, y]| y.abs() < 1e-9 && x < tip - 1e-9) {
         let copy = mesh.nodes.len() as u32;
         mesh.nodes.push(mesh.nodes[node as usize]);
-        for element in 0..mesh.triangles.len() {
+        for element in 0..mesh.elements.len() {
             if centroid(&mesh, element)[1] > 0.0 {
-                let corners = &mut mesh.triangles[element];
+                let corners = &mut mesh.elements[element];
                 *corners = corners.map(|corner| if corner == node { copy } else { corner });
             }
         }
     }
-    for element in 0..mesh.triangles.len() {
+    for element in 0..mesh.elements.len() {
         mesh.materials[element] = u32::from(centroid(&mesh, element)[1] > 0.0);
     }
     mesh
@@ -155,7 +155,7 @@ pub(super) fn along_slit(model: Model, mesh: Mesh) -> Model {
 
 /// Centroid of an undeformed element.
 pub(super) fn centroid(mesh: &Mesh, element: usize) -> [f64; 2] {
-    let corners = mesh.triangles[element].map(|node| mesh.nodes[node as usize]);
+    let corners = mesh.elements[element].map(|node| mesh.nodes[node as usize]);
     std::array::from_fn(|axis| corners.iter().map(|corner| corner[axis]).sum::<f64>() / 3.0)
 }
 
@@ -210,8 +210,8 @@ pub(super) fn momentum(run: &Simulation) -> [f64; 3] {
     let model = run.model();
     let mesh = &model.mesh;
     let mut sum = [0.0; 3];
-    for (element, nodes) in snapshot.triangles.iter().enumerate() {
-        let [a, b, c] = mesh.triangles[element].map(|node| mesh.nodes[node as usize]);
+    for (element, nodes) in snapshot.elements.iter().enumerate() {
+        let [a, b, c] = mesh.elements[element].map(|node| mesh.nodes[node as usize]);
         let area = 0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]));
         let density = model.materials[mesh.materials[element] as usize].density;
         let mass = density * area * model.thickness / 3.0;

@@ -59,7 +59,7 @@ fn growth(elements: usize) -> Result<f64, String> {
             moved("bottom", bottom, [None, Some(0.0)], Schedule::Constant),
             Boundary {
                 name: "pressure".to_owned(),
-                target: Target::Edges(inner),
+                target: Target::Facets(inner),
                 load: Load::Pressure(PRESSURE),
                 schedule: Schedule::Ramp(10.0 * passage),
             },

@@ -25,7 +25,7 @@ pub(super) fn stress_near(run: &Simulation, [x, y]: [f64; 2], distance: f64) -> 
     };
     let stresses = run.snapshot().stresses;
     let (mut sum, mut count) = ([0.0; 3], 0.0);
-    for element in (0..mesh.triangles.len()).filter(near) {
+    for element in (0..mesh.elements.len()).filter(near) {
         for (total, stress) in sum.iter_mut().zip(stresses[element]) {
             *total += stress;
         }

@@ -83,10 +83,10 @@ fn blocks() -> Mesh {
             }) as u32
         })
         .collect();
-    let of_upper = upper.triangles.iter().map(|corners| corners.map(|node| numbers[node as usize]));
-    let triangles = lower.triangles.iter().copied().chain(of_upper).collect();
+    let of_upper = upper.elements.iter().map(|corners| corners.map(|node| numbers[node as usize]));
+    let triangles = lower.elements.iter().copied().chain(of_upper).collect();
     let mut mesh = one_body(nodes, triangles);
-    for element in 0..mesh.triangles.len() {
+    for element in 0..mesh.elements.len() {
         let [_, y] = centroid(&mesh, element);
         mesh.materials[element] = match y {
             y if y.abs() > HEIGHT => 2,
@@ -136,7 +136,7 @@ fn model(insertion: Insertion, stress: f64) -> Model {
             moved("upper", pushed, [Some(1.0), None], speeds),
             Boundary {
                 name: "pressure".to_owned(),
-                target: Target::Edges(edges),
+                target: Target::Facets(edges),
                 load: Load::Pressure(stress),
                 schedule: Schedule::Ramp(PRESSING),
             },

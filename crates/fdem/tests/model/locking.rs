@@ -17,7 +17,7 @@ fn excess(plane: &str, nu: f64, count: f64) -> f64 {
     );
     let mesh = right(&text).model.mesh;
     let elements: Vec<_> = mesh
-        .triangles
+        .elements
         .iter()
         .map(|nodes| (*nodes, stiffness(nodes.map(|node| mesh.nodes[node as usize]), plane, nu)))
         .collect();

@@ -52,8 +52,7 @@ fn shapes_are_filled_by_triangles_of_good_angles_and_the_size_that_was_asked_for
     for (name, shape, area) in SHAPES {
         let prepared = right(&with_shape(shape));
         let mesh = &prepared.model.mesh;
-        let areas =
-            mesh.triangles.iter().map(|nodes| twice_area(nodes.map(|node| mesh.nodes[node as usize])));
+        let areas = mesh.elements.iter().map(|nodes| twice_area(nodes.map(|node| mesh.nodes[node as usize])));
         assert!(areas.clone().all(|area| area > 0.0), "{name}: all are counter-clockwise");
         let sum = areas.sum::<f64>() / 2.0;
         assert!((sum - area).abs() < 3e-3 * area, "{name}: {sum}");
@@ -87,13 +86,13 @@ fn meshes_have_the_topology_of_their_outlines() {
     {
         let mesh = right(&with_shape(shape)).model.mesh;
         let mut edges: Vec<[u32; 2]> = Vec::new();
-        for &[a, b, c] in &mesh.triangles {
+        for &[a, b, c] in &mesh.elements {
             edges.extend([[a, b], [b, c], [c, a]].map(|[a, b]| [a.min(b), a.max(b)]));
         }
         edges.sort_unstable();
         assert!(edges.windows(3).all(|three| three[0] != three[2]), "{name}: an edge of three elements");
         edges.dedup();
-        assert_eq!(mesh.nodes.len() + mesh.triangles.len() + holes, edges.len() + 1, "{name}");
+        assert_eq!(mesh.nodes.len() + mesh.elements.len() + holes, edges.len() + 1, "{name}");
     }
 }
 
@@ -113,9 +112,9 @@ fn grains_have_about_one_size_and_neighbours_of_several_materials_differ() {
         ["b", "c", "d"].iter().fold(with_shape(grains), |text, name| text + &more.replace("NAME", name));
     let mesh = right(&text).model.mesh;
     // Parts of one material that are connected: grains, and the few pairs that four colours in turn cannot part.
-    let mut part: Vec<usize> = (0..mesh.triangles.len()).collect();
+    let mut part: Vec<usize> = (0..mesh.elements.len()).collect();
     let mut edges: Vec<([u32; 2], usize)> = Vec::new();
-    for (element, &[a, b, c]) in mesh.triangles.iter().enumerate() {
+    for (element, &[a, b, c]) in mesh.elements.iter().enumerate() {
         edges.extend([[a, b], [b, c], [c, a]].map(|[a, b]| ([a.min(b), a.max(b)], element)));
     }
     edges.sort_unstable();
@@ -128,7 +127,7 @@ fn grains_have_about_one_size_and_neighbours_of_several_materials_differ() {
     }
     let mut areas = std::collections::BTreeMap::<usize, f64>::new();
     for element in 0..part.len() {
-        let area = twice_area(mesh.triangles[element].map(|node| mesh.nodes[node as usize])) / 2.0;
+        let area = twice_area(mesh.elements[element].map(|node| mesh.nodes[node as usize])) / 2.0;
         *areas.entry(root(&mut part, element)).or_default() += area;
     }
     assert!((36..=40).contains(&areas.len()), "{} grains", areas.len());
@@ -179,16 +178,16 @@ fn physical_groups_of_a_mesh_file_are_materials_bodies_and_boundaries() {
     assert_eq!(mesh.materials, [1, 1, 0, 0]);
     assert_eq!(mesh.nodes.len(), 6, "the halves hold together");
     assert!(
-        mesh.triangles.iter().all(|nodes| twice_area(nodes.map(|node| mesh.nodes[node as usize])) > 0.0),
+        mesh.elements.iter().all(|nodes| twice_area(nodes.map(|node| mesh.nodes[node as usize])) > 0.0),
         "one was turned"
     );
-    let fdem::simulation::Target::Edges(foot) = &prepared.model.boundaries[0].target else { panic!() };
+    let fdem::simulation::Target::Facets(foot) = &prepared.model.boundaries[0].target else { panic!() };
     let ends = foot.iter().map(|edge| edge.map(|node| mesh.nodes[node as usize])).collect::<Vec<_>>();
     assert_eq!(ends, [[[0.0, 0.0], [1.0, 0.0]], [[1.0, 0.0], [2.0, 0.0]]]);
     let fdem::simulation::Target::Nodes(half) = &prepared.model.boundaries[1].target else { panic!() };
     assert_eq!(half.len(), 4);
     let only = read(&with_shape(&keys.replace("groups = { right = \"soft\" }", "only = [\"left\"]")));
-    assert_eq!((only.model.mesh.triangles.len(), only.model.mesh.nodes.len()), (2, 4));
+    assert_eq!((only.model.mesh.elements.len(), only.model.mesh.nodes.len()), (2, 4));
 }
 
 #[test]
@@ -215,7 +214,7 @@ fn a_body_far_away_has_the_mesh_of_one_that_is_near() {
             .mesh
     };
     let (near, far) = (disc("0"), disc("1e5"));
-    assert_eq!(near.triangles, far.triangles);
+    assert_eq!(near.elements, far.elements);
     for (a, b) in near.nodes.iter().zip(&far.nodes) {
         let apart = [b[0] - 1e5 - a[0], b[1] - a[1]];
         assert!(apart[0].hypot(apart[1]) < 3e-11, "{a:?} {b:?}");

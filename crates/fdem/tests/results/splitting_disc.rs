@@ -14,7 +14,7 @@ const BREAKS: f64 = 0.4;
 /// A disc of rings of triangles in two halves, which share no nodes.
 pub(crate) struct Disc {
     nodes: Vec<[f64; 2]>,
-    triangles: Vec<[u32; 3]>,
+    elements: Vec<[u32; 3]>,
     /// Edges between the halves: left element, right element, ends, from the middle outwards.
     seam: Vec<([u32; 2], [[f64; 2]; 2])>,
 }
@@ -35,7 +35,7 @@ impl Disc {
         for ring in 0..=rings {
             nodes.extend((0..(6 * ring).max(1)).map(|k| place(ring, k)));
         }
-        let mut triangles = Vec::new();
+        let mut elements = Vec::new();
         for ring in 1..=rings {
             let (mut inner, mut outer) = (0, 0);
             while inner < 6 * (ring - 1) || outer < 6 * ring {
@@ -48,22 +48,22 @@ impl Disc {
                     inner += 1;
                 }
                 let corners = [a, b, c].map(|k| nodes[k as usize]);
-                triangles.push(if doubled(corners) > 0.0 { [a, b, c] } else { [a, c, b] });
+                elements.push(if doubled(corners) > 0.0 { [a, b, c] } else { [a, c, b] });
             }
         }
-        Self::cut(&nodes, &triangles)
+        Self::cut(&nodes, &elements)
     }
 
     /// Separates the two halves, which get nodes of their own.
-    fn cut(nodes: &[[f64; 2]], triangles: &[[u32; 3]]) -> Self {
+    fn cut(nodes: &[[f64; 2]], elements: &[[u32; 3]]) -> Self {
         let left = |nodes_of: &[u32; 3]| nodes_of.iter().map(|&k| nodes[k as usize][0]).sum::<f64>() < 0.0;
         let mut edges = std::collections::BTreeMap::new();
         let mut seam = Vec::new();
-        for (element, corners) in triangles.iter().enumerate() {
+        for (element, corners) in elements.iter().enumerate() {
             for k in 0..3 {
                 let (a, b) = (corners[k], corners[(k + 1) % 3]);
                 if let Some(other) = edges.insert((a.min(b), a.max(b)), element)
-                    && left(&triangles[other]) != left(corners)
+                    && left(&elements[other]) != left(corners)
                 {
                     let pair = if left(corners) { [element, other] } else { [other, element] };
                     seam.push((pair.map(|k| k as u32), [a, b].map(|k| nodes[k as usize])));
@@ -73,11 +73,11 @@ impl Disc {
         let far = |ends: &[[f64; 2]; 2]| (ends[0][1] + ends[1][1]).abs();
         seam.sort_by(|a, b| far(&a.1).total_cmp(&far(&b.1)).then(a.0.cmp(&b.0)));
         let count = nodes.len() as u32;
-        let triangles = triangles
+        let elements = elements
             .iter()
             .map(|corners| if left(corners) { *corners } else { corners.map(|k| k + count) })
             .collect();
-        Self { nodes: nodes.repeat(2), triangles, seam }
+        Self { nodes: nodes.repeat(2), elements, seam }
     }
 
     /// The undeformed mesh: two bodies.
@@ -85,9 +85,9 @@ impl Disc {
         let half = self.nodes.len() as u32 / 2;
         Mesh {
             nodes: self.nodes.clone(),
-            triangles: self.triangles.clone(),
-            bodies: self.triangles.iter().map(|nodes| u32::from(nodes[0] >= half)).collect(),
-            materials: vec![0; self.triangles.len()],
+            elements: self.elements.clone(),
+            bodies: self.elements.iter().map(|nodes| u32::from(nodes[0] >= half)).collect(),
+            materials: vec![0; self.elements.len()],
         }
     }
 
@@ -122,7 +122,7 @@ impl Disc {
             snapshot.velocities.push([speed, -6e-10 * y * 10e6 / (BREAKS * END)]);
         }
         let broken = ((apart * 2.5).min(1.0) * self.seam.len() as f64).round() as usize;
-        let mut damage = vec![0.0; self.triangles.len()];
+        let mut damage = vec![0.0; self.elements.len()];
         for (k, (elements, ends)) in self.seam.iter().enumerate() {
             let ahead = k as f64 - broken as f64;
             let share_of_damage = if ahead < 0.0 {
@@ -153,18 +153,18 @@ impl Disc {
                 length: (ends[1][0] - ends[0][0]).hypot(ends[1][1] - ends[0][1]),
             });
         }
-        for corners in &self.triangles {
+        for corners in &self.elements {
             let middle: [f64; 2] =
                 [0, 1].map(|axis| corners.iter().map(|&k| self.nodes[k as usize][axis]).sum::<f64>() / 3.0);
             snapshot.stresses.push(stress(middle, load));
         }
-        snapshot.triangles.clone_from(&self.triangles);
+        snapshot.elements.clone_from(&self.elements);
         snapshot.damage = damage;
         snapshot.bodies =
-            self.triangles.iter().map(|corners| u32::from(corners[0] as usize >= n / 2)).collect();
-        snapshot.materials = vec![0; self.triangles.len()];
+            self.elements.iter().map(|corners| u32::from(corners[0] as usize >= n / 2)).collect();
+        snapshot.materials = vec![0; self.elements.len()];
         snapshot.fragments =
-            if broken < self.seam.len() { vec![0; self.triangles.len()] } else { snapshot.bodies.clone() };
+            if broken < self.seam.len() { vec![0; self.elements.len()] } else { snapshot.bodies.clone() };
         snapshot
     }
 

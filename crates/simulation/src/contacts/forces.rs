@@ -5,8 +5,10 @@ use serde::{Deserialize, Serialize};
 use crate::contacts::Couple;
 use crate::forces::ContactForce;
 use crate::model::Model;
-use crate::potential::{Interaction, Point, Triangle, area_coordinates, dot, interaction, length, minus};
-use crate::solid::{Solid, height};
+use crate::simplex::triangle::Triangle;
+use crate::simplex::{Interaction, Simplex};
+use crate::solid::Solid;
+use crate::vector::{Point, dot, length, minus};
 
 /// Forces and history of two elements in contact.
 #[derive(Debug, Default)]
@@ -25,8 +27,8 @@ impl Contact {
     /// Force on the first of the two elements, at the point where they overlap now.
     pub(super) fn force(&self, elements: [u32; 2], solid: &Solid) -> ContactForce {
         let sum = self.forces[0].iter().fold([0.0; 2], |sum, force| [sum[0] + force[0], sum[1] + force[1]]);
-        let [a, b] = elements.map(|element| solid.triangle(element));
-        let point = interaction(&a, &b).map_or_else(
+        let [a, b] = elements.map(|element| solid.shape(element));
+        let point = a.interaction(&b).map_or_else(
             // They have separated in this step.
             |_| [0, 1].map(|axis| a.iter().chain(&b).map(|corner| corner[axis]).sum::<f64>() / 6.0),
             |interaction| interaction.point,
@@ -100,7 +102,7 @@ pub(crate) fn stiffness(model: &Model, triangle: &Triangle, k: usize, material: 
         .fold(0.0_f64, f64::max);
     let edge = minus(triangle[(k + 1) % 3], triangle[k]);
     // φ grows by 3 over the height. Half of the pressure on the edge goes to each end. Each of the two elements presses the other: factor 2.
-    let normal = 3.0 * penalty / height(triangle, k) * 0.5 * length(edge);
+    let normal = 3.0 * penalty / triangle.height(k) * 0.5 * length(edge);
     2.0 * normal.max(model.contact.tangential_stiffness * penalty)
 }
 
@@ -114,11 +116,11 @@ pub(super) fn press(
     step: f64,
     travel: f64,
 ) {
-    let [a, b] = couple.elements.map(|element| solid.triangle(element));
+    let [a, b] = couple.elements.map(|element| solid.shape(element));
     let gap = gap(&a, &b);
     // While the joint carries the whole load, the gap says nothing about when contact begins: the couple must not be skipped.
     let found = match (weight > 0.0, gap < 0.0) {
-        (true, true) => interaction(&a, &b),
+        (true, true) => a.interaction(&b),
         (true, false) => Err(gap),
         (false, _) => Err(0.0),
     };
@@ -158,7 +160,7 @@ pub(super) fn press(
     sum.handed_over += fading * energy;
     let mut grip = Grip { credited_energy, ..Grip::default() };
     if law.friction > 0.0 || law.damping > 0.0 {
-        grip.shares = [area_coordinates(&a, point), area_coordinates(&b, point)];
+        grip.shares = [a.coordinates(point), b.coordinates(point)];
         let push = forces[0].iter().fold([0.0; 2], |sum, force| [sum[0] + force[0], sum[1] + force[1]]);
         let size = length(push);
         if size > 0.0 {

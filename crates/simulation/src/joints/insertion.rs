@@ -18,10 +18,10 @@ use crate::joints::near::{Near, SUSPECT};
 use crate::joints::plane::{along, breaks, mean_stress, plane_near, traction};
 use crate::joints::{Joints, edge_length, nodes_at};
 use crate::model::{Insertion, Model};
-use crate::potential::{Point, dot, length, minus};
 use crate::solid::Solid;
 use crate::team::Team;
-use crate::topology::{Edge, NONE, Topology};
+use crate::topology::{Facet, NONE, Topology};
+use crate::vector::{Point, dot, length, minus};
 
 /// The data of a run that insertion reads.
 #[derive(Clone, Copy)]
@@ -53,7 +53,7 @@ impl Joints {
                 let element = first + k;
                 *near = self.slopes.near(self.weakest[element], solid.strained[element].stress);
                 if *near == Near::Failing {
-                    let edges = topology.edge_of[element].into_iter().filter(|&edge| edge != NONE);
+                    let edges = topology.facet_of[element].into_iter().filter(|&edge| edge != NONE);
                     failing.extend(edges.filter(|&edge| {
                         breaks(self.used(edge, state), || self.plane(edge, state.solid, topology))
                     }));
@@ -78,7 +78,7 @@ impl Joints {
             if let Ok(Some(law)) = self.law(edge, model, topology) {
                 let plane = self.plane(edge, solid, topology);
                 self.put(edge, law, plane, topology, model);
-                let corners = topology.edges[edge as usize].corners[0];
+                let corners = topology.facets[edge as usize].corners[0];
                 vertices.extend(corners.map(|corner| topology.vertices[corner as usize]));
             }
         }
@@ -91,13 +91,13 @@ impl Joints {
             // Vertices whose edges all have joints need no further checks.
             let of_edge = &self.of_edge;
             let may_fail = |edge: u32| of_edge[edge as usize] == NONE;
-            self.tips.retain(|&vertex| topology.edges_around(vertex).any(|(edge, _)| may_fail(edge)));
+            self.tips.retain(|&vertex| topology.facets_around(vertex).any(|(edge, _)| may_fail(edge)));
         }
     }
 
     /// The plane for which a joint on an edge would stand. The edges of an interface lie in the plane that is weak.
     fn plane(&self, edge: u32, solid: &Solid, topology: &Topology) -> Plane {
-        let sides = &topology.edges[edge as usize];
+        let sides = &topology.facets[edge as usize];
         let of_interface = self.of_interface.get(self.class[edge as usize] as usize) == Some(&true);
         let strength = self.strength(edge).filter(|_| !of_interface);
         strength.map_or(Plane::OWN, |strength| {
@@ -109,7 +109,7 @@ impl Joints {
     fn used(&self, edge: u32, state: State<'_>) -> f64 {
         let strength = self.strength(edge).filter(|_| self.of_edge[edge as usize] == NONE);
         strength.map_or(0.0, |strength| {
-            use_of(&strength, traction(state.solid, &state.topology.edges[edge as usize]))
+            use_of(&strength, traction(state.solid, &state.topology.facets[edge as usize]))
         })
     }
 
@@ -126,7 +126,7 @@ impl Joints {
             return;
         }
         let mut groups = Vec::new();
-        for (edge, _) in topology.edges_around(vertex) {
+        for (edge, _) in topology.facets_around(vertex) {
             if self.used(edge, state) < SUSPECT {
                 continue;
             }
@@ -139,7 +139,7 @@ impl Joints {
                 continue;
             }
             let held = fan.held_by(sides, half_length(edge, state));
-            let traction = components(held, solid, &topology.edges[edge as usize]);
+            let traction = components(held, solid, &topology.facets[edge as usize]);
             let used = self.strength(edge).map_or(0.0, |strength| use_of(&strength, traction));
             if breaks(used, || self.plane(edge, solid, topology)) {
                 failing.push(edge);
@@ -165,11 +165,11 @@ impl Joints {
         if let Some(contacts) = contacts.filter(|_| solid.hold_at(corners[0]) == NONE) {
             let state = State { solid, contacts, model, topology };
             let fan = Fan { vertex, groups: &groups, joints: self, state };
-            for (edge, corner) in topology.edges_around(vertex) {
+            for (edge, corner) in topology.facets_around(vertex) {
                 let sides = fan.groups_beside(edge);
                 if sides[0] != sides[1] && fan.closed(edge) && fan.groups_of_node(corner) == 2 {
                     let traction = fan.held_by(sides, 0.0);
-                    begin.push((edge, components(traction, solid, &topology.edges[edge as usize])));
+                    begin.push((edge, components(traction, solid, &topology.facets[edge as usize])));
                 }
             }
         }
@@ -184,7 +184,7 @@ impl Joints {
             solid.weigh(node, model);
         }
         for &corner in corners {
-            for edge in topology.edges_at(corner) {
+            for edge in topology.facets_at(corner) {
                 let known = begin.iter().find(|(other, _)| *other == edge).map(|(_, traction)| *traction);
                 self.open(edge, vertex, known, solid, topology);
             }
@@ -198,7 +198,7 @@ impl Joints {
             return;
         }
         let Some(joint) = self.all.get_mut(self.of_edge[edge as usize] as usize) else { return };
-        let sides = &topology.edges[edge as usize];
+        let sides = &topology.facets[edge as usize];
         let end = end_at(sides, vertex, topology);
         joint.nodes = nodes_at(sides, solid);
         let [a, b] = joint.nodes[end];
@@ -215,7 +215,7 @@ impl Joints {
 
 /// Half of the length of an undeformed edge, m.
 fn half_length(edge: u32, state: State<'_>) -> f64 {
-    let corners = state.topology.edges[edge as usize].corners[0];
+    let corners = state.topology.facets[edge as usize].corners[0];
     0.5 * edge_length(state.model, corners.map(|corner| state.topology.vertices[corner as usize]))
 }
 
@@ -234,7 +234,7 @@ impl Fan<'_> {
 
     /// The corners at this vertex on the two sides of an edge.
     fn beside(&self, edge: u32) -> [u32; 2] {
-        let edge = &self.state.topology.edges[edge as usize];
+        let edge = &self.state.topology.facets[edge as usize];
         let end = end_at(edge, self.vertex, self.state.topology);
         edge.corners.map(|side| side[end])
     }
@@ -280,7 +280,7 @@ impl Fan<'_> {
             mass[side] += solid.elements[corner as usize / 3].corner_mass(model);
         }
         let mut width = more;
-        for (edge, _) in topology.edges_around(self.vertex) {
+        for (edge, _) in topology.facets_around(self.vertex) {
             if self.joints.of_edge[edge as usize] != NONE && self.closed(edge) {
                 let beside = self.groups_beside(edge);
                 if beside == sides || beside == [sides[1], sides[0]] {
@@ -298,12 +298,12 @@ impl Fan<'_> {
 }
 
 /// The end of an edge that is at a vertex.
-fn end_at(edge: &Edge, vertex: u32, topology: &Topology) -> usize {
+fn end_at(edge: &Facet, vertex: u32, topology: &Topology) -> usize {
     usize::from(topology.vertices[edge.corners[0][0] as usize] != vertex)
 }
 
 /// Components of a traction on side 0 of an edge: normal (tension positive) and tangential.
-fn components(traction: Point, solid: &Solid, edge: &Edge) -> [f64; 2] {
+fn components(traction: Point, solid: &Solid, edge: &Facet) -> [f64; 2] {
     let [a, b] = edge.corners[0].map(|corner| solid.at_corner(corner).position);
     let along = minus(b, a);
     let long = length(along);

@@ -7,9 +7,9 @@
 
 use crate::cohesive::{Plane, use_of};
 use crate::model::Strength;
-use crate::potential::{Point, dot, minus};
 use crate::solid::Solid;
-use crate::topology::Edge;
+use crate::topology::Facet;
+use crate::vector::{Matrix, Point, dot, matrix, minus};
 
 /// Largest angle between an edge and the plane for which its joint stands. Six edges meet at a vertex on average, so the nearest one is 15° off on average, and
 /// at most 30°. With a larger reach edges fail that the crack does not take; `bench/NOTES.md` has the table.
@@ -19,7 +19,7 @@ const REACH: f64 = 15.0 * std::f64::consts::PI / 180.0;
 const MOST: f64 = 2.0;
 
 /// The plane within reach of an edge along a vector on which a stress, `[xx, yy, xy]` in Pa, uses the strength most.
-pub(crate) fn plane_near(along: Point, stress: [f64; 3], strength: &Strength) -> Plane {
+pub(crate) fn plane_near(along: Point, stress: Matrix, strength: &Strength) -> Plane {
     let own = use_of(strength, traction_on(stress, along));
     let mut best = (own, 1.0);
     for angle in critical_angles(along, stress, strength) {
@@ -42,7 +42,7 @@ pub(crate) fn breaks(used: f64, plane: impl FnOnce() -> Plane) -> bool {
 }
 
 /// Angles from an edge to the plane across the largest tension and to the two on which Mohr and Coulomb's strength is used most, between -90° and 90°.
-fn critical_angles(along: Point, [xx, yy, xy]: [f64; 3], strength: &Strength) -> [f64; 3] {
+fn critical_angles(along: Point, [[xx, xy], [_, yy]]: Matrix, strength: &Strength) -> [f64; 3] {
     use std::f64::consts::{FRAC_PI_2, PI};
     // Directions of normals; that of an edge along t is (t_y, -t_x).
     let tension = 0.5 * libm::atan2(xy, 0.5 * (xx - yy));
@@ -55,24 +55,24 @@ fn critical_angles(along: Point, [xx, yy, xy]: [f64; 3], strength: &Strength) ->
 }
 
 /// Normal (tension positive) and tangential traction across an edge, Pa, from the mean stress of its two elements.
-pub(crate) fn traction(solid: &Solid, edge: &Edge) -> [f64; 2] {
+pub(crate) fn traction(solid: &Solid, edge: &Facet) -> [f64; 2] {
     traction_on(mean_stress(solid, edge), along(solid, edge))
 }
 
-/// Mean stress of the two elements at an edge, `[xx, yy, xy]` in Pa.
-pub(crate) fn mean_stress(solid: &Solid, edge: &Edge) -> [f64; 3] {
+/// Mean stress of the two elements at an edge, Pa.
+pub(crate) fn mean_stress(solid: &Solid, edge: &Facet) -> Matrix {
     let [one, two] = edge.elements().map(|element| solid.strained[element as usize].stress);
-    std::array::from_fn(|i| 0.5 * (one[i] + two[i]))
+    matrix(|i, k| 0.5 * (one[i][k] + two[i][k]))
 }
 
 /// Vector along an edge in the direction of side 0, m.
-pub(crate) fn along(solid: &Solid, edge: &Edge) -> Point {
+pub(crate) fn along(solid: &Solid, edge: &Facet) -> Point {
     let [a, b] = edge.corners[0].map(|corner| solid.at_corner(corner).position);
     minus(b, a)
 }
 
 /// Normal (tension positive) and tangential traction on a plane along a vector, Pa.
-fn traction_on([xx, yy, xy]: [f64; 3], along: Point) -> [f64; 2] {
+fn traction_on([[xx, xy], [_, yy]]: Matrix, along: Point) -> [f64; 2] {
     let squared = dot(along, along);
     // With tangent t and outward normal n = (t_y, -t_x).
     let [x, y] = along;
@@ -94,7 +94,7 @@ mod tests {
     /// Under tension along y, edges along x and up to the reach beside it fail together; farther ones later.
     #[test]
     fn edges_near_the_plane_of_tension_fail_with_it() {
-        let stress = [0.0, 1e6, 0.0];
+        let stress = [[0.0, 0.0], [0.0, 1e6]];
         for (degrees, expected) in [(0.0, 1.0), (7.0, 1.0), (-14.0, 1.0), (30.0, 0.95), (-45.0, 0.78)] {
             let plane = plane_near(edge(degrees), stress, &ROCK);
             let used = use_of(&ROCK, traction_on(stress, edge(degrees))) * plane.excess;
@@ -107,7 +107,7 @@ mod tests {
     #[test]
     fn edges_near_the_plane_of_shear_fail_with_it() {
         let angle = ROCK.friction.atan();
-        let stress = [0.0, -2.0 * ROCK.cohesion * angle.cos() / (1.0 - angle.sin()), 0.0];
+        let stress = [[0.0, 0.0], [0.0, -2.0 * ROCK.cohesion * angle.cos() / (1.0 - angle.sin())]];
         let steepest = 45.0 + 0.5 * angle.to_degrees();
         for off in [0.0, 10.0, -14.0] {
             for degrees in [steepest + off, -steepest - off] {
@@ -122,8 +122,8 @@ mod tests {
 
     #[test]
     fn without_stress_or_strength_a_joint_stands_for_itself() {
-        assert_eq!(plane_near(edge(20.0), [0.0; 3], &ROCK), Plane::OWN);
+        assert_eq!(plane_near(edge(20.0), [[0.0; 2]; 2], &ROCK), Plane::OWN);
         let open = Strength { tensile: 0.0, cohesion: 0.0, ..ROCK };
-        assert_eq!(plane_near(edge(20.0), [1e6, -1e6, 3e5], &open), Plane::OWN);
+        assert_eq!(plane_near(edge(20.0), [[1e6, 3e5], [3e5, -1e6]], &open), Plane::OWN);
     }
 }

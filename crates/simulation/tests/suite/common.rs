@@ -28,24 +28,24 @@ pub(crate) fn rock() -> Strength {
     }
 }
 
-/// A rectangle of `nx` by `ny` cells, each split into two triangles along alternating diagonals.
+/// A rectangle of `nx` by `ny` cells, each split into two elements along alternating diagonals.
 pub(crate) fn rectangle(min: [f64; 2], max: [f64; 2], nx: usize, ny: usize) -> Mesh {
     let node = |i: usize, j: usize| (j * (nx + 1) + i) as u32;
     let along = |axis: usize, k: usize, n: usize| min[axis] + (max[axis] - min[axis]) * k as f64 / n as f64;
     let nodes = (0..=ny).flat_map(|j| (0..=nx).map(move |i| [along(0, i, nx), along(1, j, ny)])).collect();
-    let mut triangles = Vec::new();
+    let mut elements = Vec::new();
     for j in 0..ny {
         for i in 0..nx {
             let [a, b, c, d] = [node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)];
             if (i + j) % 2 == 0 {
-                triangles.extend([[a, b, c], [a, c, d]]);
+                elements.extend([[a, b, c], [a, c, d]]);
             } else {
-                triangles.extend([[a, b, d], [b, c, d]]);
+                elements.extend([[a, b, d], [b, c, d]]);
             }
         }
     }
-    let count = triangles.len();
-    Mesh { nodes, triangles, bodies: vec![0; count], materials: vec![0; count] }
+    let count = elements.len();
+    Mesh { nodes, elements, bodies: vec![0; count], materials: vec![0; count] }
 }
 
 /// One mesh of several, each as a body of its own.
@@ -54,8 +54,8 @@ pub(crate) fn together(parts: &[Mesh]) -> Mesh {
     for (body, part) in parts.iter().enumerate() {
         let first = all.nodes.len() as u32;
         all.nodes.extend(&part.nodes);
-        all.triangles.extend(part.triangles.iter().map(|nodes| nodes.map(|node| node + first)));
-        all.bodies.extend(part.triangles.iter().map(|_| body as u32));
+        all.elements.extend(part.elements.iter().map(|nodes| nodes.map(|node| node + first)));
+        all.bodies.extend(part.elements.iter().map(|_| body as u32));
         all.materials.extend(&part.materials);
     }
     all
@@ -78,8 +78,8 @@ pub(crate) fn momentum(run: &Simulation) -> [f64; 3] {
     let snapshot = run.snapshot();
     let mesh = &run.model().mesh;
     let mut sum = [0.0; 3];
-    for (element, nodes) in snapshot.triangles.iter().enumerate() {
-        let [a, b, c] = mesh.triangles[element].map(|node| mesh.nodes[node as usize]);
+    for (element, nodes) in snapshot.elements.iter().enumerate() {
+        let [a, b, c] = mesh.elements[element].map(|node| mesh.nodes[node as usize]);
         let area = 0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]));
         let density = run.model().materials[mesh.materials[element] as usize].density;
         let mass = density * area * run.model().thickness / 3.0;

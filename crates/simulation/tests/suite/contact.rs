@@ -4,7 +4,7 @@ use crate::common::*;
 use fdem_simulation::*;
 
 fn triangle(at: [[f64; 2]; 3]) -> Mesh {
-    Mesh { nodes: at.to_vec(), triangles: vec![[0, 1, 2]], bodies: vec![0], materials: vec![0] }
+    Mesh { nodes: at.to_vec(), elements: vec![[0, 1, 2]], bodies: vec![0], materials: vec![0] }
 }
 
 /// Runs two bodies, the second with `velocity`, until they have met and separated. Returns the kinetic energies before and after, the strain energy after, and
@@ -17,7 +17,7 @@ fn collide(
 ) -> ([f64; 2], f64, [[f64; 3]; 2]) {
     let mesh = together(&[first.clone(), second.clone()]);
     let velocities = [vec![[0.0; 2]; first.nodes.len()], vec![velocity; second.nodes.len()]].concat();
-    // An impact of two triangles lasts only a few critical steps.
+    // An impact of two elements lasts only a few critical steps.
     let time = TimeOptions { safety: 0.05, ..TimeOptions::default() };
     let model = Model { mesh, velocities, materials: vec![material], time, ..Model::default() };
     let mut run = Simulation::new(model, 1).expect("a model");
@@ -56,7 +56,7 @@ fn two_triangles_bounce_whatever_meets_whatever() {
             let along = [cos * velocity[0] - sin * velocity[1], sin * velocity[0] + cos * velocity[1]];
             let (first, second) = (turned(&first, turn, [0.0; 2]), turned(&second, turn, [0.0; 2]));
             let (kinetic, strain, [before, after]) = collide(&first, &second, along, stiff.clone());
-            // The triangles vibrate after the impact: part of the energy is strain energy, and none is lost.
+            // The elements vibrate after the impact: part of the energy is strain energy, and none is lost.
             assert!(((kinetic[1] + strain) / kinetic[0] - 1.0).abs() < 1e-3, "{name}: {kinetic:?} {strain}");
             let scale = before[0].abs() + before[1].abs();
             for k in 0..3 {
@@ -87,10 +87,10 @@ fn two_bars_part_after_the_wave_has_been_there_and_back() {
         if began.is_some_and(|began| run.time() - began > 1.0 * length / speed) && stress == 0.0 {
             // Elements of the left bar behind the first wave and before the reflected one.
             let snapshot = run.snapshot();
-            let inside: Vec<f64> = (0..left.triangles.len())
+            let inside: Vec<f64> = (0..left.elements.len())
                 .filter(|&e| {
                     let x: f64 =
-                        left.triangles[e].iter().map(|&n| left.nodes[n as usize][0]).sum::<f64>() / 3.0;
+                        left.elements[e].iter().map(|&n| left.nodes[n as usize][0]).sum::<f64>() / 3.0;
                     x > 0.6 * length && x < 0.8 * length
                 })
                 .map(|e| snapshot.stresses[e][0])
@@ -107,7 +107,7 @@ fn two_bars_part_after_the_wave_has_been_there_and_back() {
 /// A disc around the origin, made of rings of elements.
 fn disc(radius: f64, rings: usize) -> Mesh {
     let mut nodes = vec![[0.0; 2]];
-    let mut triangles = Vec::new();
+    let mut elements = Vec::new();
     let first = |ring: usize| if ring == 0 { 0 } else { 1 + 3 * ring * (ring - 1) };
     for ring in 1..=rings {
         let count = 6 * ring;
@@ -120,15 +120,15 @@ fn disc(radius: f64, rings: usize) -> Mesh {
         for sector in 0..6 {
             for k in 0..ring {
                 let (o, i) = (sector * ring + k, sector * (ring - 1) + k);
-                triangles.push([outer(o), outer(o + 1), inner(i)]);
+                elements.push([outer(o), outer(o + 1), inner(i)]);
                 if k + 1 < ring {
-                    triangles.push([inner(i), outer(o + 1), inner(i + 1)]);
+                    elements.push([inner(i), outer(o + 1), inner(i + 1)]);
                 }
             }
         }
     }
-    let count = triangles.len();
-    Mesh { nodes, triangles, bodies: vec![0; count], materials: vec![0; count] }
+    let count = elements.len();
+    Mesh { nodes, elements, bodies: vec![0; count], materials: vec![0; count] }
 }
 
 /// Coefficient of restitution of two discs: velocity of separation over velocity of approach.
@@ -159,8 +159,8 @@ fn restitution(rings: usize, damping: f64) -> f64 {
     let snapshot = run.snapshot();
     let mesh = &run.model().mesh;
     let mut momentum = 0.0;
-    for (element, nodes) in snapshot.triangles.iter().enumerate().skip(mesh.triangles.len() / 2) {
-        let [a, b, c] = mesh.triangles[element].map(|node| mesh.nodes[node as usize]);
+    for (element, nodes) in snapshot.elements.iter().enumerate().skip(mesh.elements.len() / 2) {
+        let [a, b, c] = mesh.elements[element].map(|node| mesh.nodes[node as usize]);
         let area = 0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]));
         momentum +=
             nodes.iter().map(|&n| 2700.0 * area / 3.0 * snapshot.velocities[n as usize][1]).sum::<f64>();

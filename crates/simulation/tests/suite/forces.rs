@@ -35,8 +35,8 @@ fn crash() -> Model {
 fn momentum_of(run: &Simulation, counts: impl Fn(usize) -> bool) -> [f64; 2] {
     let (snapshot, mesh) = (run.snapshot(), &run.model().mesh);
     let mut sum = [0.0; 2];
-    for (element, nodes) in snapshot.triangles.iter().enumerate().filter(|(element, _)| counts(*element)) {
-        let [a, b, c] = mesh.triangles[element].map(|node| mesh.nodes[node as usize]);
+    for (element, nodes) in snapshot.elements.iter().enumerate().filter(|(element, _)| counts(*element)) {
+        let [a, b, c] = mesh.elements[element].map(|node| mesh.nodes[node as usize]);
         let area = 0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]));
         let mass = granite().density * area / 3.0;
         for &node in nodes {
@@ -83,9 +83,9 @@ fn contact_forces_are_what_changes_the_momentum_of_a_fragment() {
                 scale += force.abs();
             }
         }
-        let mut nodes: Vec<u32> = (0..snapshot.triangles.len())
+        let mut nodes: Vec<u32> = (0..snapshot.elements.len())
             .filter(|&element| own(element))
-            .flat_map(|element| snapshot.triangles[element])
+            .flat_map(|element| snapshot.elements[element])
             .collect();
         nodes.sort_unstable();
         nodes.dedup();
@@ -149,11 +149,11 @@ fn fragments_are_what_hangs_together_by_edges_that_are_not_broken() {
     let snapshot = run.snapshot();
     assert!(counts(&run) > 3, "{}", counts(&run));
     // The same result by another method: the lowest number spreads from neighbour to neighbour until nothing changes.
-    let triangles = &run.model().mesh.triangles;
+    let elements = &run.model().mesh.elements;
     let mut neighbours = Vec::new();
-    for a in 0..triangles.len() {
-        for b in a + 1..triangles.len() {
-            let common = triangles[a].iter().filter(|&node| triangles[b].contains(node)).count();
+    for a in 0..elements.len() {
+        for b in a + 1..elements.len() {
+            let common = elements[a].iter().filter(|&node| elements[b].contains(node)).count();
             let broken = snapshot
                 .cracks
                 .iter()
@@ -163,7 +163,7 @@ fn fragments_are_what_hangs_together_by_edges_that_are_not_broken() {
             }
         }
     }
-    let mut lowest: Vec<usize> = (0..triangles.len()).collect();
+    let mut lowest: Vec<usize> = (0..elements.len()).collect();
     loop {
         let before = lowest.clone();
         for &[a, b] in &neighbours {
@@ -200,7 +200,7 @@ fn contacts_far_from_the_origin_are_where_their_elements_are() {
     assert!(!forces.contacts.is_empty());
     for contact in &forces.contacts {
         for element in contact.elements {
-            let corners = snapshot.triangles[element as usize].map(|node| snapshot.positions[node as usize]);
+            let corners = snapshot.elements[element as usize].map(|node| snapshot.positions[node as usize]);
             for axis in 0..2 {
                 let low = corners.iter().map(|corner| corner[axis]).fold(f64::INFINITY, f64::min);
                 let high = corners.iter().map(|corner| corner[axis]).fold(f64::NEG_INFINITY, f64::max);

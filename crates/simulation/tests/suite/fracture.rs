@@ -16,9 +16,9 @@ fn tension(insertion: Insertion, strength: Strength) -> Simulation {
     let mut mesh = rectangle([0.0, 0.0], [0.01, 0.04], 2, 8);
     // Only the joints in the middle, between the two materials, have this strength. The materials are slightly stronger, so that the place of the crack is
     // known.
-    for element in 0..mesh.triangles.len() {
+    for element in 0..mesh.elements.len() {
         mesh.materials[element] =
-            u32::from(mesh.triangles[element].iter().any(|&node| mesh.nodes[node as usize][1] > 0.0201));
+            u32::from(mesh.elements[element].iter().any(|&node| mesh.nodes[node as usize][1] > 0.0201));
     }
     let stronger = Strength { tensile: 1.05 * strength.tensile, ..strength };
     let half = Material { damping: 0.2, ..brittle(stronger) };
@@ -76,9 +76,9 @@ fn tension_peaks_at_the_strength_and_dissipates_the_fracture_energy_in_one_crack
 /// A block of two halves with a joint without strength between them. The lower half is fixed.
 fn open_joint(top: Load, insertion: Insertion) -> Model {
     let mut mesh = rectangle([0.0, 0.0], [0.04, 0.02], 8, 4);
-    for element in 0..mesh.triangles.len() {
+    for element in 0..mesh.elements.len() {
         mesh.materials[element] =
-            u32::from(mesh.triangles[element].iter().any(|&node| mesh.nodes[node as usize][1] > 0.0101));
+            u32::from(mesh.elements[element].iter().any(|&node| mesh.nodes[node as usize][1] > 0.0101));
     }
     let bottom = nodes_where(&mesh, |[_, y]| y < 1e-9);
     let nodes = nodes_where(&mesh, |[_, y]| y > 0.02 - 1e-9);
@@ -93,7 +93,7 @@ fn open_joint(top: Load, insertion: Insertion) -> Model {
         interfaces: vec![Interface { materials: [0, 1], friction: 0.0, penalty: None, strength: Some(open) }],
         boundaries: vec![
             held("bottom", bottom, [Some(0.0), Some(0.0)], Schedule::Constant),
-            Boundary { name: "top".to_owned(), target: Target::Edges(edges), load: top, schedule: ramp },
+            Boundary { name: "top".to_owned(), target: Target::Facets(edges), load: top, schedule: ramp },
         ],
         fracture: FractureOptions { insertion, ..FractureOptions::default() },
         ..Model::default()
@@ -118,9 +118,9 @@ fn a_joint_without_strength_carries_pressure_and_friction_and_no_tension() {
             let mesh = &run.model().mesh;
             let place = |triangle: &[u32; 3]| triangle.iter().position(|&node| node as usize == corner);
             let (element, k) =
-                (0..).zip(&mesh.triangles).find_map(|(i, t)| Some((i, place(t)?))).expect("an element");
+                (0..).zip(&mesh.elements).find_map(|(i, t)| Some((i, place(t)?))).expect("an element");
             let snapshot = run.snapshot();
-            let now: usize = snapshot.triangles[element][k] as usize;
+            let now: usize = snapshot.elements[element][k] as usize;
             (snapshot.positions[now][axis] - mesh.nodes[corner][axis], most)
         };
         let (held, pressed) = moved([0.2e6, -1e6], 0);

@@ -22,7 +22,7 @@ fn refusal(change: impl FnOnce(&mut Model)) -> String {
 #[test]
 fn models_that_cannot_be_say_why() {
     assert_eq!(refusal(|_| ()), "accepted");
-    assert_eq!(refusal(|m| m.mesh.triangles.clear()), "the mesh has no elements");
+    assert_eq!(refusal(|m| m.mesh.elements.clear()), "the mesh has no elements");
     assert_eq!(
         refusal(|m| m.materials[0].density = -1.0),
         "material 'granite': density is -1, it must be positive"
@@ -35,13 +35,13 @@ fn models_that_cannot_be_say_why() {
     assert!(
         refusal(|m| (m.plane, m.materials[0].poissons_ratio) = (Plane::Strain, 0.5)).contains("below 0.5")
     );
-    assert_eq!(refusal(|m| m.mesh.triangles[3][1] = 77), "element 3: there is no node 77");
+    assert_eq!(refusal(|m| m.mesh.elements[3][1] = 77), "element 3: there is no node 77");
     assert_eq!(refusal(|m| m.mesh.materials[2] = 5), "element 2: there is no material 5");
     assert_eq!(
         refusal(|m| m.mesh.nodes[4][1] = f64::INFINITY),
         "node 4: a coordinate is inf, it must be a finite number"
     );
-    assert!(refusal(|m| m.mesh.triangles[1].swap(0, 1)).starts_with("element 1 has an area of -"));
+    assert!(refusal(|m| m.mesh.elements[1].swap(0, 1)).starts_with("element 1 has an area of -"));
     assert_eq!(refusal(|m| m.mesh.nodes.push([3.0; 2])), "node 9 belongs to no element");
     assert!(refusal(|m| m.mesh.bodies[7] = 1).contains("bodies share no nodes"));
     assert_eq!(refusal(|m| m.velocities = vec![[0.0; 2]; 3]), "3 initial velocities for 9");
@@ -74,7 +74,7 @@ fn boundaries_that_cannot_be_say_why() {
         refusal(|m| m.boundaries = vec![held(Target::Nodes(Vec::new()), push)]),
         "boundary 'jaw' needs nodes"
     );
-    let inner = Target::Edges(vec![[0, 4]]);
+    let inner = Target::Facets(vec![[0, 4]]);
     assert_eq!(
         refusal(|m| m.boundaries = vec![held(inner, Load::Pressure(1.0))]),
         "boundary 'jaw': no element has an outer edge from node 0 to node 4"

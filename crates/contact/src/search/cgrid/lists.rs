@@ -9,6 +9,7 @@ use crate::memory::reserve;
 use crate::real::Real;
 use crate::search::cgrid::levels::MOST_AXES;
 use crate::search::cgrid::spans::Spans;
+use crate::stop::Stop;
 
 /// A body on the lists along one axis.
 #[derive(Clone, Copy, Debug, Default)]
@@ -164,7 +165,7 @@ impl<T: Real, const D: usize> Bodies<T, D> {
     ///
     /// There is one stable pass per axis, the first axis first. The cells of an axis are numbered from 0. Cells in which nothing enters get
     /// no number, because no couple is reported there.
-    pub(super) fn sort(&mut self, spans: &Spans<'_, '_, T, D>, cells: &Cells<D>) {
+    pub(super) fn sort(&mut self, spans: Spans<'_, '_, T, D>, cells: &Cells<D>) {
         let Self { unsorted, keys, sorted_keys, slabs, places, .. } = self;
         keys.clear();
         keys.extend((0..unsorted.len() as u32).map(|body| Key { cell: 0, body }));
@@ -233,6 +234,7 @@ impl<T: Real, const D: usize> Bodies<T, D> {
     pub(super) fn search(
         &mut self,
         elements: &Elements<'_, T, D>,
+        stop: &Stop,
         visit: &mut dyn FnMut(Couple),
     ) -> Result<Counted, Error> {
         let Self { numbers, points, far_points, radii, places, entered, .. } = self;
@@ -241,20 +243,20 @@ impl<T: Real, const D: usize> Bodies<T, D> {
         let sorted = elements.at(points, far_points, radii, bounds, None)?;
         let lists = (places.as_mut_slice(), entered.as_mut_slice());
         let filter = elements.filter();
-        Ok(match (sorted.shape, filter) {
-            (Shape::Equal(geometry), None) => pass(geometry, numbers, lists, visit),
-            (Shape::Spheres(geometry), None) => pass(geometry, numbers, lists, visit),
-            (Shape::Boxes(geometry), None) => pass(geometry, numbers, lists, visit),
+        match (sorted.shape, filter) {
+            (Shape::Equal(geometry), None) => pass(geometry, numbers, lists, stop, visit),
+            (Shape::Spheres(geometry), None) => pass(geometry, numbers, lists, stop, visit),
+            (Shape::Boxes(geometry), None) => pass(geometry, numbers, lists, stop, visit),
             (Shape::Equal(geometry), Some(filter)) => {
-                pass(Seen { geometry, filter, numbers }, numbers, lists, visit)
+                pass(Seen { geometry, filter, numbers }, numbers, lists, stop, visit)
             }
             (Shape::Spheres(geometry), Some(filter)) => {
-                pass(Seen { geometry, filter, numbers }, numbers, lists, visit)
+                pass(Seen { geometry, filter, numbers }, numbers, lists, stop, visit)
             }
             (Shape::Boxes(geometry), Some(filter)) => {
-                pass(Seen { geometry, filter, numbers }, numbers, lists, visit)
+                pass(Seen { geometry, filter, numbers }, numbers, lists, stop, visit)
             }
-        })
+        }
     }
 }
 
@@ -329,13 +331,14 @@ fn pass(
     geometry: impl Geometry,
     numbers: &[u32],
     (places, entered): (&mut [Vec<Place>], &mut [u32]),
+    stop: &Stop,
     visit: &mut dyn FnMut(Couple),
-) -> Counted {
+) -> Result<Counted, Error> {
     let axes = places.len();
     let first = if numbers.is_empty() { NONE } else { 0 };
-    let mut pass = Pass { geometry, numbers, places, entered, visit, counted: Counted::default() };
-    pass.spread(axes - 1, first);
-    pass.counted
+    let mut pass = Pass { geometry, numbers, places, entered, stop, visit, counted: Counted::default() };
+    pass.spread(axes - 1, first)?;
+    Ok(pass.counted)
 }
 
 /// One detection in progress.
@@ -344,6 +347,7 @@ struct Pass<'s, G> {
     numbers: &'s [u32],
     places: &'s mut [Vec<Place>],
     entered: &'s mut [u32],
+    stop: &'s Stop,
     /// A trait object, so that the code is compiled once: couples are few compared with tests.
     visit: &'s mut dyn FnMut(Couple),
     counted: Counted,
@@ -355,7 +359,7 @@ impl<G: Geometry> Pass<'_, G> {
     ///
     /// `first` is the first body of the list, which is in the order in which bodies enter along `axis`. The list of `axis` holds the bodies
     /// of one slab. From slab to slab bodies enter and leave, and the list keeps the order of the axis below.
-    fn spread(&mut self, axis: usize, first: u32) {
+    fn spread(&mut self, axis: usize, first: u32) -> Result<(), Error> {
         if axis == 0 {
             return self.cells(first);
         }
@@ -397,9 +401,10 @@ impl<G: Geometry> Pass<'_, G> {
             // At least one body has entered.
             self.places[axis][last as usize].next = NONE;
             if met & needed == needed {
-                self.spread(axis - 1, head);
+                self.spread(axis - 1, head)?;
             }
         }
+        Ok(())
     }
 
     /// The next body on a list of `axis`; above the last axis, the next body in order.
@@ -418,12 +423,13 @@ impl<G: Geometry> Pass<'_, G> {
     ///
     /// Two bodies are compared where, on every axis, one of them enters while the other is present: in the cell of the larger of their
     /// minimum corners, and in no other.
-    fn cells(&mut self, first: u32) {
+    fn cells(&mut self, first: u32) -> Result<(), Error> {
         let all = (1_u32 << self.places.len()) - 1;
         let mut heads = [NONE; LISTS];
         let lists = LISTS.min(1 << self.places.len());
         let mut body = first;
         while body != NONE {
+            self.stop.go_on()?;
             let entered = self.entered[body as usize];
             let needed = all & !entered;
             let own = (entered as usize) & (lists - 1);
@@ -437,6 +443,7 @@ impl<G: Geometry> Pass<'_, G> {
             self.counted.entries += 1;
             body = self.after(1, body);
         }
+        Ok(())
     }
 
     /// Compares a body with those on a list that have entered on the axes on which it has not. Takes bodies off the list that have left the

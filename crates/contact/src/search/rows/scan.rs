@@ -149,7 +149,7 @@ impl<T: Real, const D: usize> Scans<'_, T, D> {
                     found.clear();
                 };
                 for (scan, range) in stretches(scans, pool) {
-                    pool.go_on()?;
+                    pool.stop().go_on()?;
                     scan.part(range, waiting, &mut take);
                 }
                 take(waiting);
@@ -159,7 +159,7 @@ impl<T: Real, const D: usize> Scans<'_, T, D> {
                 // The parts of a batch are searched at the same time and visited in their order, batch by batch, so that couples stay in
                 // cache.
                 for batch in parts(scans).chunks(PARTS_AT_ONCE * pool.threads()) {
-                    pool.go_on()?;
+                    pool.stop().go_on()?;
                     memory.resize_with(memory.len().max(batch.len()), Vec::new);
                     pool.try_run(memory.iter_mut().zip(batch), |(couples, (scan, range))| {
                         couples.clear();
@@ -185,7 +185,7 @@ fn stretches<'s, 'a, T: Real, const D: usize>(
     scans: &'s [Scan<'a, T, D>],
     pool: &Pool,
 ) -> Vec<(&'s Scan<'a, T, D>, Range<usize>)> {
-    if pool.threads() == 1 && !pool.may_stop() {
+    if pool.threads() == 1 && !pool.stop().is_possible() {
         return scans.iter().map(|scan| (scan, 0..scan.layout.len())).collect();
     }
     parts(scans)
@@ -201,7 +201,7 @@ fn append<'a, T: Real, V: Copy + Send, const D: usize>(
 ) -> Result<(), Error> {
     let parts = stretches(scans, pool);
     let fill = |part: usize, list: &mut Vec<V>| {
-        pool.go_on()?;
+        pool.stop().go_on()?;
         fill(parts[part].0, parts[part].1.clone(), list)
     };
     if pool.threads() == 1 {

@@ -12,7 +12,7 @@ fn expected<T: FromF64, const D: usize>(
     cell: &PeriodicBox<T, D>,
 ) -> Vec<PeriodicCouple<D>> {
     let mut couples = Vec::new();
-    PeriodicSearch::new(Engine::Direct).couples(elements, cell, &mut couples).unwrap();
+    PeriodicSearch::new().with_engine(Engine::Direct).couples(elements, cell, &mut couples).unwrap();
     couples.sort_unstable();
     couples
 }

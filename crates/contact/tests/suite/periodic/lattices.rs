@@ -1,6 +1,6 @@
 //! Numbers of contacts that are known without a search: lattices, and the mean of a uniform gas.
 
-use fdem_contact::{Elements, Engine, PeriodicBox, PeriodicSearch};
+use fdem_contact::{Elements, PeriodicBox, PeriodicSearch};
 use fdem_scenes::random::Random;
 
 use super::{ENGINES, at, found, shapes};
@@ -38,7 +38,10 @@ fn coordination<T: FromF64, const D: usize>(basis: &[[f64; D]], squared: f64, co
                     touching[couple.i as usize] += 1;
                     touching[couple.j as usize] += 1;
                 }
-                assert!(touching.iter().all(|&n| n == coordination), "{engine}, {cells} cells: {touching:?}");
+                assert!(
+                    touching.iter().all(|&n| n == coordination),
+                    "{engine:?}, {cells} cells: {touching:?}"
+                );
             }
         }
     }
@@ -115,7 +118,7 @@ fn a_uniform_gas_has_the_mean_number_of_couples() {
             let centres: Vec<[f64; 3]> =
                 (0..n).map(|_| at(&edges, -4.0, std::array::from_fn(|_| random.uniform()))).collect();
             let elements = Elements::points(&centres, 1.0).unwrap();
-            couples += PeriodicSearch::new(Engine::Auto).count(&elements, &cell).unwrap();
+            couples += PeriodicSearch::new().count(&elements, &cell).unwrap();
         }
         let mean = f64::from(gases) * (n * (n - 1)) as f64 / 2.0 * ball / volume;
         // Couples of a gas are nearly independent; the bound is five standard deviations.

@@ -111,7 +111,7 @@ proptest! {
     ) {
         let Ok(cell) = PeriodicBox::triclinic([0.0; 2], edges, [true; 2]) else { return Ok(()) };
         let Ok(elements) = Elements::spheres(&centres, radius) else { return Ok(()) };
-        let mut search = PeriodicSearch::new(Engine::Auto).with_max_images(1000);
+        let mut search = PeriodicSearch::new().with_max_images(1000);
         if let Ok(count) = search.count(&elements, &cell) {
             prop_assert_eq!(search.count(&elements, &cell), Ok(count));
             let told = search.explain(&elements, &cell).unwrap();

@@ -195,7 +195,7 @@ impl Recorder {
         let name = packed_file(number);
         // The report shows a sample of a mesh that is too large for a page; files for ParaView are complete.
         let [most, sample] = self.shown;
-        let most = if snapshot.triangles.len() > most { sample } else { usize::MAX };
+        let most = if snapshot.elements.len() > most { sample } else { usize::MAX };
         let frame =
             Frame::sampled(&snapshot, &self.outlines, most).map_err(|error| fault(&name, error.into()))?;
         self.folder.write(&name, &frame.to_bytes())?;
@@ -312,7 +312,7 @@ fn target(history: &Recorded, prepared: &Prepared) -> Vec<u32> {
     let Quantity::Force(boundary) = history.quantity else { return Vec::new() };
     let mut nodes = match &prepared.model.boundaries[boundary].target {
         Target::Nodes(nodes) => nodes.clone(),
-        Target::Edges(edges) => edges.as_flattened().to_vec(),
+        Target::Facets(edges) => edges.as_flattened().to_vec(),
     };
     nodes.sort_unstable();
     nodes.dedup();

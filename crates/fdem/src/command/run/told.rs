@@ -94,7 +94,7 @@ impl Told {
             return;
         }
         self.last = Instant::now();
-        let rate = (run.steps() - self.first_step) as f64 * run.model().mesh.triangles.len() as f64
+        let rate = (run.steps() - self.first_step) as f64 * run.model().mesh.elements.len() as f64
             / self.start.elapsed().as_secs_f64().max(1e-9);
         let counts = run.counts();
         // The most important parts come first: a narrow terminal shows only those that fit.
@@ -154,7 +154,7 @@ pub(crate) fn json(run: &Simulation, prepared: &Prepared, status: &str, account:
             "processors": std::thread::available_parallelism().map_or(1, std::num::NonZero::get),
             "threads": run.threads(),
         },
-        "elements": run.model().mesh.triangles.len(),
+        "elements": run.model().mesh.elements.len(),
         "nodes": counts.nodes,
         "steps": run.steps(),
         "time_step": run.time_step(),

@@ -1,7 +1,7 @@
 //! Gravity that acts at once on bodies that rest.
 
 use fdem_contact::narrow::{Measure, Triangle, triangle_triangle_2d};
-use fdem_contact::{Couple, Detector, Elements, Engine, Filter, Search};
+use fdem_contact::{Couple, Detector, Elements, Filter, Search};
 use fdem_simulation::{Load, Model, Schedule, Target};
 
 use crate::model::Body;
@@ -63,7 +63,7 @@ fn held_nodes(model: &Model) -> Vec<bool> {
         if holds {
             let nodes: Vec<u32> = match &boundary.target {
                 Target::Nodes(nodes) => nodes.clone(),
-                Target::Edges(edges) => edges.iter().flatten().copied().collect(),
+                Target::Facets(edges) => edges.iter().flatten().copied().collect(),
             };
             for node in nodes {
                 held[node as usize] = true;
@@ -84,8 +84,8 @@ fn breaks_under_weight(model: &Model, body: &Body, potential: f64) -> bool {
 /// Whether two bodies rest on each other at the beginning, of which at least one is not held as a whole.
 fn rests(model: &Model, wholly: impl Fn(u32) -> bool) -> bool {
     let mesh = &model.mesh;
-    let corners = |element: u32| mesh.triangles[element as usize].map(|node| mesh.nodes[node as usize]);
-    let (low, high): (Vec<_>, Vec<_>) = (0..mesh.triangles.len() as u32)
+    let corners = |element: u32| mesh.elements[element as usize].map(|node| mesh.nodes[node as usize]);
+    let (low, high): (Vec<_>, Vec<_>) = (0..mesh.elements.len() as u32)
         .map(|element| bounds(corners(element).into_iter()))
         .map(|[low, high]| (low, high))
         .unzip();
@@ -102,7 +102,7 @@ fn rests(model: &Model, wholly: impl Fn(u32) -> bool) -> bool {
         .and_then(|boxes| boxes.with_tolerance(gap))
         .and_then(|boxes| boxes.with_filter(Filter::bodies(&mesh.bodies)))
         .and_then(|boxes| {
-            Detector::new(Engine::Auto).for_each(&boxes, |Couple { i, j }| {
+            Detector::new().for_each(&boxes, |Couple { i, j }| {
                 let held = [i, j].into_iter().all(|element| wholly(mesh.bodies[element as usize]));
                 rests = rests || (!held && touches(i, j));
             })

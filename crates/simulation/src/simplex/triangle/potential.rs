@@ -16,29 +16,12 @@
 //! integral, less a third of the area of B if c is in A. Without cancellation, `h = −φ² (3 − 2 φ)/(6 w²)` there. Near c the flux is nearly 0/0. If an edge of A
 //! passes near c, C = 0 is used instead, and the flux out of the edges of B inside A, where h = 1/6, is added.
 
-/// A point or vector in the plane.
-pub(crate) type Point = [f64; 2];
-/// Corners of a triangle, counter-clockwise.
-pub(crate) type Triangle = [Point; 3];
-
-/// An edge passes near the centroid if its smallest w is below this.
-const NEAR: f64 = 0.1;
-
-/// Forces and energy of two triangles that overlap, for a penalty of 1 and a thickness of 1.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Interaction {
-    /// Forces on the corners of the first and of the second triangle.
-    pub(crate) forces: [[Point; 3]; 2],
-    /// The integral of the potentials over the overlap.
-    pub(crate) energy: f64,
-    /// The point where the force acts: the mean of the boundary in contact, weighted by its pressure.
-    pub(crate) point: Point,
-    /// Whether one triangle reaches the centroid of the other: the potential does not grow with further penetration.
-    pub(crate) deep: bool,
-}
+use crate::simplex::triangle::Triangle;
+use crate::simplex::{Interaction, NEAR};
+use crate::vector::{Point, add, cross, dot, length, minus};
 
 /// Computes the interaction of two triangles. If they do not overlap, returns a lower bound of their distance.
-pub(crate) fn interaction(a: &Triangle, b: &Triangle) -> Result<Interaction, f64> {
+pub(super) fn interaction(a: &Triangle, b: &Triangle) -> Result<Interaction, f64> {
     let coordinates = [Coordinates::of(a), Coordinates::of(b)];
     let in_b = a.map(|corner| coordinates[1].at(corner));
     coordinates[1].beyond(&in_b)?;
@@ -126,7 +109,7 @@ fn press(
 }
 
 /// Area coordinates of a triangle.
-struct Coordinates {
+pub(super) struct Coordinates {
     origin: Point,
     gradients: [Point; 3],
     /// Twice the area.
@@ -135,7 +118,7 @@ struct Coordinates {
 
 impl Coordinates {
     #[inline]
-    fn of(triangle: &Triangle) -> Self {
+    pub(super) fn of(triangle: &Triangle) -> Self {
         let [a, b, c] = *triangle;
         let double = cross(minus(b, a), minus(c, a));
         let per_double = 1.0 / double;
@@ -145,7 +128,7 @@ impl Coordinates {
     }
 
     #[inline]
-    fn at(&self, point: Point) -> [f64; 3] {
+    pub(super) fn at(&self, point: Point) -> [f64; 3] {
         let from = minus(point, self.origin);
         let (one, two) = (dot(self.gradients[1], from), dot(self.gradients[2], from));
         [1.0 - one - two, one, two]
@@ -242,38 +225,6 @@ fn chord(start: &[f64; 3], end: &[f64; 3]) -> Chord {
         (s, a) = (t, b);
     }
     chord
-}
-
-#[inline]
-pub(crate) fn minus(a: Point, b: Point) -> Point {
-    [a[0] - b[0], a[1] - b[1]]
-}
-
-#[inline]
-pub(crate) fn dot(a: Point, b: Point) -> f64 {
-    a[0] * b[0] + a[1] * b[1]
-}
-
-/// Length of a vector, by a square root: it is the same on every platform, unlike `hypot`.
-#[inline]
-pub(crate) fn length(a: Point) -> f64 {
-    dot(a, a).sqrt()
-}
-
-#[inline]
-pub(crate) fn cross(a: Point, b: Point) -> f64 {
-    a[0] * b[1] - a[1] * b[0]
-}
-
-#[inline]
-fn add(to: &mut Point, direction: Point, factor: f64) {
-    to[0] += direction[0] * factor;
-    to[1] += direction[1] * factor;
-}
-
-/// Area coordinates of a point.
-pub(crate) fn area_coordinates(triangle: &Triangle, point: Point) -> [f64; 3] {
-    Coordinates::of(triangle).at(point)
 }
 
 #[cfg(test)]

@@ -1,0 +1,88 @@
+//! What is different for triangles and tetrahedra. Everything outside of this module and its parts is written once for both.
+//!
+//! A simplex of `D` dimensions has `N = D + 1` corners and `N` facets: the edges of a triangle, the faces of a tetrahedron. A facet has `D` corners, and `D` facets
+//! meet in each corner.
+
+mod tetrahedron;
+pub(crate) mod triangle;
+
+use crate::elastic::Moduli;
+use crate::model::{Material, Plane};
+use crate::vector::{Matrix, Point};
+
+/// A facet passes near the centroid if the smallest distance from it, over that of the boundary in the same direction, is below this.
+const NEAR: f64 = 0.1;
+
+/// The corners of an element: `[[f64; 2]; 3]` counter-clockwise, or `[[f64; 3]; 4]`, the first three counter-clockwise seen from the last.
+pub(crate) trait Simplex<const D: usize, const N: usize>: Copy + Send + Sync {
+    /// Corners of each facet, in the order in which they go around it counter-clockwise, seen from outside.
+    const FACETS: [[usize; D]; N];
+    /// Facets that meet in each corner.
+    const AT_CORNER: [[usize; D]; N];
+
+    fn determinant(f: &Matrix<D>) -> f64;
+
+    /// The matrix of cofactors: the determinant times the transposed inverse.
+    fn cofactor(f: &Matrix<D>) -> Matrix<D>;
+
+    /// Area or volume.
+    fn measure(&self) -> f64;
+
+    /// Height over a facet, m.
+    fn height(&self, facet: usize) -> f64;
+
+    /// Barycentric coordinates of a point: 1 at a corner and 0 on the facet opposite.
+    fn coordinates(&self, point: Point<D>) -> [f64; N];
+
+    /// Moduli of a material; `plane` counts in two dimensions.
+    fn moduli(material: &Material, plane: Plane) -> Moduli;
+
+    /// First Piola-Kirchhoff stress, Pa, and energy per undeformed volume, J/m³, of a deformation gradient. `j` is its determinant; it must be positive.
+    fn stress(moduli: &Moduli, f: &Matrix<D>, j: f64) -> (Matrix<D>, f64);
+
+    /// Energy density, J/m³, that a stress has stored by Hooke's law: `σ:C⁻¹:σ / 2`.
+    fn stored(moduli: &Moduli, stress: &Matrix<D>) -> f64;
+
+    /// Square of the highest angular frequency of the free element, 1/s²: the largest ratio of its stiffness to its lumped mass.
+    fn highest_square(&self, moduli: &Moduli, density: f64) -> f64;
+
+    /// Computes the interaction of two elements, for a penalty of 1 and a thickness of 1. If they do not overlap, returns a lower bound of their distance.
+    fn interaction(&self, other: &Self) -> Result<Interaction<D, N>, f64>;
+
+    /// The matrix whose columns are the edges from corner 0.
+    #[inline]
+    fn edges(corners: &[Point<D>; N]) -> Matrix<D> {
+        crate::vector::matrix(|axis, k| corners[k + 1][axis] - corners[0][axis])
+    }
+
+    /// The inverse of that matrix, 1/m.
+    fn inverse_edges(corners: &[Point<D>; N]) -> Matrix<D> {
+        let edges = Self::edges(corners);
+        let (determinant, cofactor) = (Self::determinant(&edges), Self::cofactor(&edges));
+        crate::vector::matrix(|i, k| cofactor[k][i] / determinant)
+    }
+
+    /// The least height, m.
+    fn least_height(&self) -> f64 {
+        (0..N).map(|facet| self.height(facet)).fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// Forces and energy of two elements that overlap.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Interaction<const D: usize = 2, const N: usize = 3> {
+    /// Forces on the corners of the first and of the second element.
+    pub(crate) forces: [[Point<D>; N]; 2],
+    /// The integral of the potentials over the overlap.
+    pub(crate) energy: f64,
+    /// The point where the force acts: the mean of the boundary in contact, weighted by its pressure.
+    pub(crate) point: Point<D>,
+    /// Whether one element reaches the centroid of the other: the potential does not grow with further penetration.
+    pub(crate) deep: bool,
+}
+
+impl<const D: usize, const N: usize> Default for Interaction<D, N> {
+    fn default() -> Self {
+        Self { forces: [[[0.0; D]; N]; 2], energy: 0.0, point: [0.0; D], deep: false }
+    }
+}

@@ -1,0 +1,113 @@
+//! Tetrahedra.
+
+mod elastic;
+mod potential;
+
+use crate::elastic::Moduli;
+use crate::model::{Material, Plane};
+use crate::simplex::{Interaction, Simplex};
+use crate::vector::{Matrix, Point, dot, length, minus};
+
+/// Corners of a tetrahedron: the first three are counter-clockwise, seen from the last.
+pub(crate) type Tetrahedron = [Point<3>; 4];
+
+/// Corners of the faces, counter-clockwise seen from outside.
+const FACES: [[usize; 3]; 4] = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]];
+
+impl Simplex<3, 4> for Tetrahedron {
+    const FACETS: [[usize; 3]; 4] = FACES;
+    const AT_CORNER: [[usize; 3]; 4] = [[0, 1, 3], [0, 1, 2], [0, 2, 3], [1, 2, 3]];
+
+    #[inline]
+    fn determinant([one, two, three]: &Matrix<3>) -> f64 {
+        dot(*one, cross3(*two, *three))
+    }
+
+    #[inline]
+    fn cofactor([one, two, three]: &Matrix<3>) -> Matrix<3> {
+        [cross3(*two, *three), cross3(*three, *one), cross3(*one, *two)]
+    }
+
+    fn measure(&self) -> f64 {
+        let [a, b, c, d] = *self;
+        dot(minus(b, a), cross3(minus(c, a), minus(d, a))) / 6.0
+    }
+
+    fn height(&self, facet: usize) -> f64 {
+        let [p, q, r] = FACES[facet].map(|corner| self[corner]);
+        // Twice the area of the face.
+        let double = length(cross3(minus(q, p), minus(r, p)));
+        6.0 * self.measure() / double
+    }
+
+    fn coordinates(&self, point: Point<3>) -> [f64; 4] {
+        potential::Coordinates::of(self).at(point)
+    }
+
+    fn moduli(material: &Material, _: Plane) -> Moduli {
+        elastic::moduli(material)
+    }
+
+    #[inline]
+    fn stress(moduli: &Moduli, f: &Matrix<3>, j: f64) -> (Matrix<3>, f64) {
+        elastic::stress(moduli, f, j, &Self::cofactor(f))
+    }
+
+    fn stored(moduli: &Moduli, stress: &Matrix<3>) -> f64 {
+        elastic::stored(moduli, stress)
+    }
+
+    fn highest_square(&self, moduli: &Moduli, density: f64) -> f64 {
+        let gradients = potential::Coordinates::of(self).gradients;
+        let mut sum = [[0.0; 3]; 3];
+        for gradient in gradients {
+            for (row, g) in sum.iter_mut().zip(gradient) {
+                crate::vector::add(row, gradient, g);
+            }
+        }
+        // In the axes in which S = Σ ∇N ∇Nᵀ is diagonal, B Bᵀ is diagonal too: s₁, s₂, s₃ and their sums in pairs. The stiffness has the eigenvalues of
+        // D B Bᵀ: those of the shears, and those of √sᵢ Dᵢₖ √sₖ.
+        let squares = eigenvalues(sum).map(|square| square.max(0.0));
+        let roots = squares.map(f64::sqrt);
+        let lame = moduli.wave - 2.0 * moduli.shear;
+        let normal =
+            crate::vector::matrix(|i, k| roots[i] * roots[k] * if i == k { moduli.wave } else { lame });
+        let most = |values: [f64; 3]| values.into_iter().fold(0.0, f64::max);
+        let shear =
+            moduli.shear * (squares.iter().sum::<f64>() - squares.into_iter().fold(f64::INFINITY, f64::min));
+        4.0 / density * most(eigenvalues(normal)).max(shear)
+    }
+
+    fn interaction(&self, other: &Self) -> Result<Interaction<3, 4>, f64> {
+        potential::interaction(self, other)
+    }
+}
+
+#[inline]
+fn cross3(a: Point<3>, b: Point<3>) -> Point<3> {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+/// Eigenvalues of a symmetric matrix, in no order, by Jacobi's rotations.
+fn eigenvalues(mut a: Matrix<3>) -> [f64; 3] {
+    // Convergence is quadratic: four rounds leave nothing that a double can hold.
+    for _ in 0..6 {
+        for (p, q, r) in [(0, 1, 2), (0, 2, 1), (1, 2, 0)] {
+            if a[p][q] == 0.0 {
+                continue;
+            }
+            let cotangent = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
+            let tangent = cotangent.signum() / (cotangent.abs() + (1.0 + cotangent * cotangent).sqrt());
+            let cos = 1.0 / (1.0 + tangent * tangent).sqrt();
+            let sin = tangent * cos;
+            a[p][p] -= tangent * a[p][q];
+            a[q][q] += tangent * a[p][q];
+            (a[p][q], a[q][p]) = (0.0, 0.0);
+            let (rp, rq) = (a[r][p], a[r][q]);
+            a[r][p] = cos * rp - sin * rq;
+            a[r][q] = sin * rp + cos * rq;
+            (a[p][r], a[q][r]) = (a[r][p], a[r][q]);
+        }
+    }
+    [a[0][0], a[1][1], a[2][2]]
+}

@@ -1,0 +1,78 @@
+//! Triangles.
+
+mod elastic;
+mod potential;
+
+use crate::elastic::{Moduli, principal_stresses};
+use crate::model::{Material, Plane};
+use crate::simplex::{Interaction, Simplex};
+use crate::vector::{Matrix, Point, cross, length, minus};
+
+/// Corners of a triangle, counter-clockwise.
+pub(crate) type Triangle = [Point; 3];
+
+impl Simplex<2, 3> for Triangle {
+    const FACETS: [[usize; 2]; 3] = [[0, 1], [1, 2], [2, 0]];
+    const AT_CORNER: [[usize; 2]; 3] = [[0, 2], [1, 0], [2, 1]];
+
+    #[inline]
+    fn determinant([[a, b], [c, d]]: &Matrix) -> f64 {
+        a * d - b * c
+    }
+
+    #[inline]
+    fn cofactor(&[[a, b], [c, d]]: &Matrix) -> Matrix {
+        [[d, -c], [-b, a]]
+    }
+
+    fn measure(&self) -> f64 {
+        let [a, b, c] = *self;
+        0.5 * cross(minus(b, a), minus(c, a))
+    }
+
+    fn height(&self, facet: usize) -> f64 {
+        let [a, b, c] = [facet, (facet + 1) % 3, (facet + 2) % 3].map(|k| self[k]);
+        let edge = minus(b, a);
+        cross(edge, minus(c, a)) / length(edge)
+    }
+
+    fn coordinates(&self, point: Point) -> [f64; 3] {
+        potential::Coordinates::of(self).at(point)
+    }
+
+    fn moduli(material: &Material, plane: Plane) -> Moduli {
+        elastic::moduli(material, plane)
+    }
+
+    #[inline]
+    fn stress(moduli: &Moduli, f: &Matrix, j: f64) -> (Matrix, f64) {
+        elastic::stress(moduli, f, j)
+    }
+
+    fn stored(moduli: &Moduli, stress: &Matrix) -> f64 {
+        elastic::stored(moduli, stress)
+    }
+
+    fn highest_square(&self, moduli: &Moduli, density: f64) -> f64 {
+        let [a, b, c] = *self;
+        let double = cross(minus(b, a), minus(c, a));
+        // ∇N of each corner, and S = Σ ∇N ∇Nᵀ. In the axes in which S is diagonal, B Bᵀ is diag(s₁, s₂, s₁ + s₂). D is the same in all axes.
+        let gradients = [minus(c, b), minus(a, c), minus(b, a)].map(|[x, y]| [-y / double, x / double]);
+        let (mut xx, mut yy, mut xy) = (0.0, 0.0, 0.0);
+        for [x, y] in gradients {
+            xx += x * x;
+            yy += y * y;
+            xy += x * y;
+        }
+        let [one, two] = principal_stresses([xx, yy, xy]);
+        let (sum, product) = (one + two, (one * two).max(0.0));
+        let Moduli { wave, shear, bulk, .. } = *moduli;
+        let root = (wave * wave * sum * sum - 16.0 * bulk * shear * product).max(0.0).sqrt();
+        let largest = (0.5 * (wave * sum + root)).max(shear * sum);
+        3.0 / density * largest
+    }
+
+    fn interaction(&self, other: &Self) -> Result<Interaction, f64> {
+        potential::interaction(self, other)
+    }
+}

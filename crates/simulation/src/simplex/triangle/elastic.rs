@@ -1,0 +1,34 @@
+//! The stress in the plane: see `elastic.rs`.
+
+use crate::elastic::Moduli;
+use crate::model::{Material, Plane};
+use crate::vector::Matrix;
+
+pub(super) fn moduli(material: &Material, plane: Plane) -> Moduli {
+    let (e, nu) = (material.youngs_modulus, material.poissons_ratio);
+    let shear = e / (2.0 * (1.0 + nu));
+    let (bulk, out_of_plane) = match plane {
+        Plane::Stress => (e / (2.0 * (1.0 - nu)), 0.0),
+        Plane::Strain => (e / (2.0 * (1.0 + nu) * (1.0 - 2.0 * nu)), nu),
+    };
+    Moduli { shear, bulk, wave: shear + bulk, out_of_plane }
+}
+
+/// Energy density, J/m³, that a stress has stored by Hooke's law: `σ:C⁻¹:σ / 2`.
+pub(super) fn stored(moduli: &Moduli, [[xx, xy], [_, yy]]: &Matrix) -> f64 {
+    let (difference, sum) = (xx - yy, xx + yy);
+    (0.5 * difference * difference + 2.0 * xy * xy) / (4.0 * moduli.shear) + sum * sum / (8.0 * moduli.bulk)
+}
+
+/// First Piola-Kirchhoff stress, Pa, and energy per undeformed volume, J/m³. `j` is the determinant of `f`; it must be positive.
+#[inline]
+pub(super) fn stress(moduli: &Moduli, f: &Matrix, j: f64) -> (Matrix, f64) {
+    let [[a, b], [c, d]] = *f;
+    // I₁ - 2J as a sum of squares that vanish under rotation, so that no large terms cancel.
+    let (difference, sum) = (a - d, b + c);
+    let shape = (difference * difference + sum * sum) / j;
+    let volume = j - 1.0;
+    let (g, k) = (moduli.shear / j, moduli.bulk * volume - 0.5 * moduli.shear / j * shape);
+    let stress = [[g * difference + k * d, g * sum + k * -c], [g * sum + k * -b, g * -difference + k * a]];
+    (stress, 0.5 * (moduli.shear * shape + moduli.bulk * volume * volume))
+}
