@@ -100,7 +100,7 @@ impl FrameView {
 ///     positions: vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]],
 ///     displacements: vec![[0.0; 2]; 3],
 ///     velocities: vec![[0.0; 2]; 3],
-///     triangles: vec![[0, 1, 2]],
+///     elements: vec![[0, 1, 2]],
 ///     stresses: vec![[1e6, 0.0, 0.0, 0.0]],
 ///     damage: vec![0.0],
 ///     bodies: vec![0],
