@@ -1,24 +1,27 @@
 //! Checks of the numbers of a model, once before anything is computed.
 
 use crate::error::ModelError;
-use crate::model::{Load, Model, Plane, Schedule, Strength, Target};
-use crate::vector::{cross, minus};
+use crate::model::{Load, Material, Model, Schedule, Strength, Target};
+use crate::simplex::Simplex;
 
-pub(crate) fn check(model: &Model) -> Result<(), ModelError> {
+pub(crate) fn check<const D: usize, const N: usize>(model: &Model<D, N>) -> Result<(), ModelError>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
     mesh(model)?;
     for material in &model.materials {
         let place = format!("material '{}'", material.name);
         positive(&place, "density", material.density)?;
         positive(&place, "Young's modulus", material.youngs_modulus)?;
         let nu = material.poissons_ratio;
-        match model.plane {
-            Plane::Stress if !(nu > -1.0 && nu <= 0.5) => {
-                return Err(out_of_range(&place, "Poisson's ratio", nu, "above -1 and at most 0.5"));
-            }
-            Plane::Strain if !(nu > -1.0 && nu < 0.5) => {
-                return Err(out_of_range(&place, "Poisson's ratio", nu, "above -1 and below 0.5"));
-            }
-            _ => {}
+        // What cannot change its volume has no moduli, except in plane stress.
+        let moduli = |nu: f64| {
+            <[[f64; D]; N]>::moduli(&Material { poissons_ratio: nu, ..material.clone() }, model.plane)
+        };
+        let at_most = moduli(0.5).wave.is_finite();
+        if !(nu > -1.0 && nu <= 0.5 && (nu < 0.5 || at_most)) {
+            let range = if at_most { "above -1 and at most 0.5" } else { "above -1 and below 0.5" };
+            return Err(out_of_range(&place, "Poisson's ratio", nu, range));
         }
         not_negative(&place, "damping", material.damping)?;
         not_negative(&place, "friction", material.friction)?;
@@ -60,13 +63,16 @@ pub(crate) fn check(model: &Model) -> Result<(), ModelError> {
     positive("time", "energy bound", time.energy_bound)
 }
 
-fn mesh(model: &Model) -> Result<(), ModelError> {
+fn mesh<const D: usize, const N: usize>(model: &Model<D, N>) -> Result<(), ModelError>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
     let mesh = &model.mesh;
     let (nodes, elements) = (mesh.nodes.len(), mesh.elements.len());
     if elements == 0 {
         return Err(ModelError::Empty);
     }
-    if elements > u32::MAX as usize / 3 - 1 || nodes > u32::MAX as usize / 3 - 1 {
+    if elements > u32::MAX as usize / N - 1 || nodes > u32::MAX as usize / N - 1 {
         return Err(ModelError::TooLarge { elements });
     }
     let lengths = [
@@ -84,9 +90,9 @@ fn mesh(model: &Model) -> Result<(), ModelError> {
         finite(&format!("node {node}"), "a coordinate", coordinates)?;
     }
     let mut body_of = vec![None; nodes];
-    for (element, triangle) in mesh.elements.iter().enumerate() {
+    for (element, corners) in mesh.elements.iter().enumerate() {
         let place = || format!("element {element}");
-        for &node in triangle {
+        for &node in corners {
             let Some(known) = body_of.get_mut(node as usize) else {
                 return Err(ModelError::Missing { what: "node", index: node, place: place() });
             };
@@ -98,8 +104,7 @@ fn mesh(model: &Model) -> Result<(), ModelError> {
                 _ => *known = Some(body),
             }
         }
-        let [a, b, c] = triangle.map(|node| mesh.nodes[node as usize]);
-        let area = 0.5 * cross(minus(b, a), minus(c, a));
+        let area = corners.map(|node| mesh.nodes[node as usize]).measure();
         if area <= 0.0 || !area.is_finite() {
             return Err(ModelError::Area { element, area });
         }
@@ -111,12 +116,12 @@ fn mesh(model: &Model) -> Result<(), ModelError> {
     Ok(())
 }
 
-fn boundaries(model: &Model) -> Result<(), ModelError> {
+fn boundaries<const D: usize, const N: usize>(model: &Model<D, N>) -> Result<(), ModelError> {
     for boundary in &model.boundaries {
         let place = format!("boundary '{}'", boundary.name);
         let nodes: Vec<u32> = match &boundary.target {
             Target::Nodes(nodes) => nodes.clone(),
-            Target::Facets(edges) => edges.iter().flatten().copied().collect(),
+            Target::Facets(facets) => facets.iter().flatten().copied().collect(),
         };
         if let Some(&index) = nodes.iter().find(|&&node| node as usize >= model.mesh.nodes.len()) {
             return Err(ModelError::Missing { what: "node", index, place });

@@ -27,7 +27,7 @@
 //! friction beside a bond.
 
 use crate::model::{CriticalOpening, Strength};
-use crate::vector::length;
+use crate::vector::{along, at_most, dot, length, minus};
 
 /// Parameters of the softening curve (7.12), which the book fits to experiments.
 const A: f64 = 0.63;
@@ -148,8 +148,9 @@ impl Law {
     }
 }
 
-/// Use of a strength by a traction, normal (tension positive) and tangential: 1 where it fails, and proportional to the traction.
-pub(crate) fn use_of(strength: &Strength, [normal, tangential]: [f64; 2]) -> f64 {
+/// Use of a strength by a traction across a facet and along it: 1 where it fails, and proportional to the traction.
+pub(crate) fn use_of<const D: usize>(strength: &Strength, traction: [f64; D]) -> f64 {
+    let (normal, tangential) = (traction[0], length(along(traction)));
     // What has no strength fails under no traction as well.
     let share = |traction: f64, strength: f64| match traction {
         traction if strength > 0.0 => traction / strength,
@@ -157,9 +158,9 @@ pub(crate) fn use_of(strength: &Strength, [normal, tangential]: [f64; 2]) -> f64
         _ => f64::INFINITY,
     };
     if normal > 0.0 {
-        length([share(normal, strength.tensile), share(tangential.abs(), strength.cohesion)])
+        length([share(normal, strength.tensile), share(tangential, strength.cohesion)])
     } else {
-        share(tangential.abs() + strength.friction * normal, strength.cohesion).max(0.0)
+        share(tangential + strength.friction * normal, strength.cohesion).max(0.0)
     }
 }
 
@@ -177,46 +178,49 @@ impl Plane {
     pub(crate) const OWN: Self = Self { excess: 1.0, area: 1.0 };
 }
 
-/// History of one end of a joint.
+/// History of one end of a joint. Openings, slidings and tractions are vectors: first across the joint, then along it.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub(crate) struct Memory {
+#[serde(bound(serialize = "[f64; D]: serde::Serialize", deserialize = "[f64; D]: serde::Deserialize<'de>"))]
+pub(crate) struct Memory<const D: usize = 2> {
     /// Damage by opening and by sliding; the damage is their sum.
     pub(crate) damages: [f64; 2],
     /// Stiffness of the bond over the penalty: 1 while it is whole.
     stiffness: f64,
-    /// Opening, m, that gives the normal traction at insertion. It is added to the opening of the nodes.
-    offset: f64,
-    /// Sliding, m, at which the bond has no shear traction.
-    origin: f64,
+    /// Opening and sliding, m, at which the bond has no traction.
+    origin: [f64; D],
     /// Sliding, m, at which friction has none.
-    rubbed: f64,
+    rubbed: [f64; D],
 }
 
-impl Default for Memory {
+impl<const D: usize> Default for Memory<D> {
     fn default() -> Self {
-        Self { damages: [0.0; 2], stiffness: 1.0, offset: 0.0, origin: 0.0, rubbed: 0.0 }
+        Self { damages: [0.0; 2], stiffness: 1.0, origin: [0.0; D], rubbed: [0.0; D] }
     }
 }
 
-impl Memory {
+impl<const D: usize> Memory<D> {
     /// History of a joint that is inserted where this traction acts: the joint begins with this traction, limited by its strength.
-    pub(crate) fn under(law: &Law, [normal, tangential]: [f64; 2]) -> Self {
-        let [normal, tangential] = if law.tensile == 0.0 && normal > 0.0 {
-            [0.0; 2]
+    pub(crate) fn under(law: &Law, traction: [f64; D]) -> Self {
+        let (normal, tangential) = (traction[0], along(traction));
+        let mut held = if law.tensile == 0.0 && normal > 0.0 {
+            [0.0; D]
         } else if law.cohesion == 0.0 && normal > 0.0 {
-            [normal.min(law.tensile), 0.0]
+            let mut held = [0.0; D];
+            held[0] = normal.min(law.tensile);
+            held
         } else if normal > 0.0 {
-            let squared = normal * normal + tangential * tangential;
-            let [strength, _] =
-                law.in_direction([normal * normal, tangential * tangential].map(|x| x / squared));
+            let squared = dot(traction, traction);
+            let squares = [normal * normal, dot(tangential, tangential)].map(|x| x / squared);
+            let [strength, _] = law.in_direction(squares);
             let share = (strength / squared.sqrt()).min(1.0);
-            [share * normal, share * tangential]
+            traction.map(|x| share * x)
         } else {
-            let limit = law.cohesion - law.friction * normal;
-            [normal, tangential.clamp(-limit, limit)]
+            let mut held = at_most(tangential, law.cohesion - law.friction * normal);
+            held[0] = normal;
+            held
         };
-        let [offset, back] = [normal, tangential].map(|traction| traction / law.penalty);
-        Self { offset, origin: -back, rubbed: -back, ..Self::default() }
+        held = held.map(|traction| -(traction / law.penalty));
+        Self { origin: held, rubbed: held, ..Self::default() }
     }
 
     /// History of a broken joint.
@@ -233,50 +237,63 @@ impl Memory {
 
     /// Elastic energy, J/m², before any opening or sliding.
     pub(crate) fn stored(&self, law: &Law) -> f64 {
-        0.5 * law.penalty * (self.offset * self.offset + self.origin * self.origin)
+        0.5 * law.penalty * dot(self.origin, self.origin)
     }
 
-    /// Normal (tension positive) and tangential traction at this opening and sliding, Pa. Updates the history.
-    pub(crate) fn traction(&mut self, law: &Law, opening: f64, sliding: f64) -> [f64; 2] {
-        let opening = opening + self.offset;
+    /// Traction at this opening and sliding, Pa, tension positive. Updates the history.
+    pub(crate) fn traction(&mut self, law: &Law, gap: [f64; D]) -> [f64; D] {
+        let opening = gap[0] - self.origin[0];
         // Without tensile strength nothing holds while the joint is open.
         if law.tensile == 0.0 && opening > 0.0 {
             let sliding_alone = law.in_direction([0.0, 1.0]);
             self.soften(law, opening / law.critical[0], [1.0, 0.0], sliding_alone);
-            (self.origin, self.rubbed) = (sliding, sliding);
-            return [0.0; 2];
+            self.slide_to(gap);
+            self.rubbed = gap;
+            return [0.0; D];
         }
         // Without cohesion the bond slides freely.
         if law.cohesion == 0.0 {
-            self.origin = sliding;
+            self.slide_to(gap);
         }
         let pressure = law.penalty * (-opening).max(0.0);
         let friction = law.friction * pressure;
-        let bond = [opening.max(0.0), sliding - self.origin];
+        let mut bond = minus(gap, self.origin);
+        bond[0] = opening.max(0.0);
         self.load(law, bond, friction);
         let stiffness = law.penalty * self.stiffness;
-        let [normal, tangential] = bond.map(|length| stiffness * length);
+        let mut traction = bond.map(|length| stiffness * length);
         if pressure == 0.0 {
-            self.rubbed = sliding;
-            return [normal, tangential];
+            self.rubbed = gap;
+            return traction;
         }
         let lost = if law.cohesion == 0.0 { law.penalty } else { law.penalty - stiffness };
-        let trial = lost * (sliding - self.rubbed);
-        let held = trial.clamp(-friction, friction);
+        let trial = along(minus(gap, self.rubbed)).map(|sliding| lost * sliding);
+        let held = at_most(trial, friction);
         if held != trial {
-            let slip = (trial - held).abs() / lost;
-            self.rubbed = sliding - held / lost;
+            self.rubbed = std::array::from_fn(|axis| gap[axis] - held[axis] / lost);
             if law.cohesion == 0.0 {
+                let slip = length(minus(trial, held)) / lost;
                 let opening_alone = law.in_direction([1.0, 0.0]);
                 self.soften(law, self.damage() + slip / law.critical[1], [0.0, 1.0], opening_alone);
             }
         }
-        [-pressure, tangential + held]
+        for axis in 1..D {
+            traction[axis] += held[axis];
+        }
+        traction[0] = -pressure;
+        traction
+    }
+
+    /// Moves the origin of sliding to where the sides of the joint are.
+    fn slide_to(&mut self, gap: [f64; D]) {
+        let opening = self.origin[0];
+        self.origin = gap;
+        self.origin[0] = opening;
     }
 
     /// Loads the bond by a vector of opening and sliding. `friction`: what pressure adds to the shear strength of a whole joint, Pa.
-    fn load(&mut self, law: &Law, [opening, sliding]: [f64; 2], friction: f64) {
-        let squared = opening * opening + sliding * sliding;
+    fn load(&mut self, law: &Law, bond: [f64; D], friction: f64) {
+        let squared = dot(bond, bond);
         if squared == 0.0 || self.stiffness == 0.0 {
             return;
         }
@@ -285,7 +302,8 @@ impl Memory {
         if whole && law.penalty * law.penalty * squared <= least * least {
             return;
         }
-        let squares = [opening * opening / squared, sliding * sliding / squared];
+        let sliding = along(bond);
+        let squares = [bond[0] * bond[0] / squared, dot(sliding, sliding) / squared];
         let [strength, critical] = law.in_direction(squares);
         let damage = (squared.sqrt() - strength / law.penalty) / critical;
         self.soften(law, damage, squares, [strength, critical]);
@@ -330,11 +348,17 @@ pub(crate) mod tests {
     }
 
     /// Work on a path of openings (`axis` 0) or slidings (`axis` 1), with the other component constant.
-    fn work(law: &Law, memory: &mut Memory, axis: usize, path: impl Iterator<Item = f64>, other: f64) -> f64 {
+    fn work(
+        law: &Law,
+        memory: &mut Memory<2>,
+        axis: usize,
+        path: impl Iterator<Item = f64>,
+        other: f64,
+    ) -> f64 {
         let (mut sum, mut last) = (0.0, None);
         for value in path {
             let (opening, sliding) = if axis == 0 { (value, other) } else { (other, value) };
-            let traction = memory.traction(law, opening, sliding)[axis];
+            let traction = memory.traction(law, [opening, sliding])[axis];
             if let Some((before, at)) = last {
                 sum += 0.5 * (before + traction) * (value - at);
             }
@@ -364,7 +388,7 @@ pub(crate) mod tests {
         for elastic in [true, false] {
             let law = law(elastic, CriticalOpening::Exact);
             let mut memory =
-                if elastic { Memory::default() } else { Memory::under(&law, [law.tensile, 0.0]) };
+                if elastic { Memory::<2>::default() } else { Memory::under(&law, [law.tensile, 0.0]) };
             let dissipated = work(&law, &mut memory, 0, steps(0.0, 4e-5), 0.0);
             assert!((dissipated / ROCK.energy_i - 1.0).abs() < 1e-5, "{elastic} {dissipated}");
             assert_eq!(memory.damage(), 1.0);
@@ -378,16 +402,16 @@ pub(crate) mod tests {
     #[test]
     fn sliding_peaks_at_cohesion_and_friction_and_ends_at_friction() {
         let law = law(true, CriticalOpening::Exact);
-        let (pressure, mut memory) = (2e6, Memory::default());
+        let (pressure, mut memory) = (2e6, Memory::<2>::default());
         let closing = -pressure / law.penalty;
         let mut peak = 0.0_f64;
         for sliding in steps(0.0, 1e-4) {
-            peak = peak.max(memory.traction(&law, closing, sliding)[1]);
+            peak = peak.max(memory.traction(&law, [closing, sliding])[1]);
         }
         assert!((peak / (3e6 + 0.3 * pressure) - 1.0).abs() < 1e-3, "{peak}");
-        let residual = memory.traction(&law, closing, 1e-4)[1];
+        let residual = memory.traction(&law, [closing, 1e-4])[1];
         assert!((residual / (0.3 * pressure) - 1.0).abs() < 1e-9, "{residual}");
-        let mut memory = Memory::default();
+        let mut memory = Memory::<2>::default();
         let all = work(&law, &mut memory, 1, steps(0.0, 1e-4), closing);
         // The work of friction and the energy stored at the end do not belong to the crack.
         let friction = 0.3 * pressure * (1e-4 - 0.5 * residual / law.penalty);
@@ -395,10 +419,10 @@ pub(crate) mod tests {
     }
 
     /// Work of a path of vectors of opening and sliding, J/m².
-    fn work_along(law: &Law, memory: &mut Memory, path: impl Iterator<Item = [f64; 2]>) -> f64 {
+    fn work_along(law: &Law, memory: &mut Memory<2>, path: impl Iterator<Item = [f64; 2]>) -> f64 {
         let (mut sum, mut last) = (0.0, None::<([f64; 2], [f64; 2])>);
         for at in path {
-            let traction = memory.traction(law, at[0], at[1]);
+            let traction = memory.traction(law, at);
             if let Some((before, from)) = last {
                 sum += (0..2).map(|k| 0.5 * (before[k] + traction[k]) * (at[k] - from[k])).sum::<f64>();
             }
@@ -413,17 +437,17 @@ pub(crate) mod tests {
         let law = law(false, CriticalOpening::Exact);
         for degrees in [0.0_f64, 20.0, 40.0, 80.0] {
             let (sin, cos) = degrees.to_radians().sin_cos();
-            let mut memory = Memory::default();
+            let mut memory = Memory::<2>::default();
             let (mut peak, mut all) = (0.0_f64, Vec::new());
             for size in steps(0.0, 6e-5) {
-                let [normal, tangential] = memory.traction(&law, size * cos, size * sin);
+                let [normal, tangential] = memory.traction(&law, [size * cos, size * sin]);
                 peak = peak.max((normal / ROCK.tensile).hypot(tangential / ROCK.cohesion));
                 all.push([normal, tangential]);
             }
             assert!((peak - 1.0).abs() < 1e-2, "{degrees} {peak}");
             assert!(all.iter().all(|[normal, tangential]| (normal * sin - tangential * cos).abs() < 1e-6));
             let path = steps(0.0, 6e-5).map(|size| [size * cos, size * sin]);
-            let dissipated = work_along(&law, &mut Memory::default(), path);
+            let dissipated = work_along(&law, &mut Memory::<2>::default(), path);
             let expected = ROCK.energy_i * cos + ROCK.energy_ii * sin.powi(8);
             assert!((dissipated / expected - 1.0).abs() < 1e-2, "{degrees} {dissipated} {expected}");
             assert_eq!(memory.damage(), 1.0);
@@ -435,7 +459,7 @@ pub(crate) mod tests {
     fn no_path_creates_energy() {
         for (seed, elastic) in (0..200).map(|k| (k, k % 2 == 0)) {
             let law = law(elastic, CriticalOpening::Exact);
-            let mut memory = Memory::default();
+            let mut memory = Memory::<2>::default();
             let random = |k: u64| 2.0 * crate::random::uniform(seed, k) - 1.0;
             // From point to point, small and large, opening, closing and sliding both ways.
             let corners: Vec<[f64; 2]> = (0..60)
@@ -464,32 +488,32 @@ pub(crate) mod tests {
     #[test]
     fn friction_acts_beside_what_is_left_of_the_bond() {
         let law = law(false, CriticalOpening::Exact);
-        let mut memory = Memory::default();
+        let mut memory = Memory::<2>::default();
         let far = law.tensile / law.penalty + 0.3 * law.critical[0];
-        memory.traction(&law, far, 0.0);
+        memory.traction(&law, [far, 0.0]);
         let left = softening(memory.damage());
         let (mut peak, closing) = (0.0_f64, -1e6 / law.penalty);
         for sliding in steps(0.0, 1e-4) {
-            peak = peak.max(memory.traction(&law, closing, sliding)[1]);
+            peak = peak.max(memory.traction(&law, [closing, sliding])[1]);
         }
         let bond = peak - 0.3e6;
         assert!(bond > 0.5 * left * law.cohesion && bond < left * law.cohesion, "{bond} {left}");
         assert_eq!(memory.damage(), 1.0);
-        let residual = memory.traction(&law, closing, 1e-4)[1];
+        let residual = memory.traction(&law, [closing, 1e-4])[1];
         assert!((residual / 0.3e6 - 1.0).abs() < 1e-9, "{residual}");
     }
 
     #[test]
     fn unloading_goes_to_the_origin_and_back() {
         let law = law(true, CriticalOpening::Exact);
-        let mut memory = Memory::default();
+        let mut memory = Memory::<2>::default();
         let far = law.tensile / law.penalty + 0.3 * law.critical[0];
-        let at_far = memory.traction(&law, far, 0.0)[0];
+        let at_far = memory.traction(&law, [far, 0.0])[0];
         let damage = memory.damage();
-        assert!((memory.traction(&law, far / 2.0, 0.0)[0] / at_far - 0.5).abs() < 1e-12);
-        assert_eq!(memory.traction(&law, 0.0, 0.0)[0], 0.0);
-        assert_eq!(memory.traction(&law, -1e-7, 0.0)[0], -1e-7 * law.penalty);
-        assert_eq!(memory.traction(&law, far, 0.0)[0], at_far);
+        assert!((memory.traction(&law, [far / 2.0, 0.0])[0] / at_far - 0.5).abs() < 1e-12);
+        assert_eq!(memory.traction(&law, [0.0, 0.0])[0], 0.0);
+        assert_eq!(memory.traction(&law, [-1e-7, 0.0])[0], -1e-7 * law.penalty);
+        assert_eq!(memory.traction(&law, [far, 0.0])[0], at_far);
         assert_eq!(memory.damage(), damage);
     }
 
@@ -497,7 +521,7 @@ pub(crate) mod tests {
     fn a_joint_put_in_under_load_begins_with_that_load() {
         let law = law(false, CriticalOpening::Exact);
         for traction in [[1e6, 0.0], [-4e6, 4.2e6], [0.5e6, -2.5e6]] {
-            let found = Memory::under(&law, traction).traction(&law, 0.0, 0.0);
+            let found = Memory::under(&law, traction).traction(&law, [0.0, 0.0]);
             for axis in 0..2 {
                 assert!((found[axis] - traction[axis]).abs() < 1.0, "{traction:?} {found:?}");
             }
@@ -509,9 +533,9 @@ pub(crate) mod tests {
         let open = Strength { tensile: 0.0, cohesion: 0.0, energy_i: 0.0, energy_ii: 0.0, ..ROCK };
         let law = Law::new(&open, 1e13, CriticalOpening::Exact, false, 0.1).expect("needs no energy");
         let mut memory = Memory::under(&law, [0.0; 2]);
-        assert_eq!(memory.traction(&law, 1e-5, 1e-5), [0.0; 2]);
+        assert_eq!(memory.traction(&law, [1e-5, 1e-5]), [0.0; 2]);
         assert_eq!(memory.damage(), 1.0);
-        let [pressure, shear] = memory.traction(&law, -1e-6, 2e-5);
+        let [pressure, shear] = memory.traction(&law, [-1e-6, 2e-5]);
         assert_eq!(pressure, -1e7);
         assert!((shear - 0.3e7).abs() < 1e-6, "{shear}");
     }
@@ -522,16 +546,16 @@ pub(crate) mod tests {
         let cohesive = Strength { tensile: 0.0, energy_i: 0.0, ..ROCK };
         let law = Law::new(&cohesive, 1e13, CriticalOpening::Exact, false, 0.1).expect("needs no energy");
         let mut memory = Memory::under(&law, [0.0; 2]);
-        assert_eq!(memory.traction(&law, 0.0, 2e-7), [0.0, 2e6]);
-        assert_eq!(memory.traction(&law, 1e-7, 2e-7)[0], 0.0);
+        assert_eq!(memory.traction(&law, [0.0, 2e-7]), [0.0, 2e6]);
+        assert_eq!(memory.traction(&law, [1e-7, 2e-7])[0], 0.0);
         assert!(memory.damage() > 0.0);
-        memory.traction(&law, 1e-3, 0.0);
+        memory.traction(&law, [1e-3, 0.0]);
         assert_eq!(memory.damage(), 1.0);
         let tensile = Strength { cohesion: 0.0, energy_ii: 0.0, ..ROCK };
         let law = Law::new(&tensile, 1e13, CriticalOpening::Exact, true, 0.1).expect("needs no energy");
-        let mut memory = Memory::default();
-        assert_eq!(memory.traction(&law, 0.5e-7, 0.0), [0.5e6, 0.0]);
-        assert_eq!(memory.traction(&law, 0.5e-7, 1e-8)[1], 0.0);
+        let mut memory = Memory::<2>::default();
+        assert_eq!(memory.traction(&law, [0.5e-7, 0.0]), [0.5e6, 0.0]);
+        assert_eq!(memory.traction(&law, [0.5e-7, 1e-8])[1], 0.0);
     }
 
     #[test]

@@ -18,17 +18,18 @@ use crate::error::{ModelError, Stop};
 use crate::forces::ContactForce;
 use crate::joints::{Joints, State};
 use crate::model::Model;
+use crate::simplex::Simplex;
 use crate::solid::{Solid, corners_of};
 use crate::team::Team;
 use crate::topology::{NONE, Topology};
-use crate::vector::{Point, cross, length, minus};
+use crate::vector::{Point, add};
 
 /// Share of the buffer for the motion of elements between two updates of their boxes.
 const SLACK: f64 = 0.25;
 
 /// Two elements that may touch.
 #[derive(Debug)]
-pub(crate) struct Couple {
+pub(crate) struct Couple<const D: usize, const N: usize> {
     elements: [u32; 2],
     /// The joint between the two, or [`NONE`].
     joint: u32,
@@ -37,39 +38,40 @@ pub(crate) struct Couple {
     /// The two cannot touch before nodes have travelled this distance since the beginning, m.
     apart_until: f64,
     /// `None` for most couples, which do not touch.
-    contact: Option<Box<Contact>>,
+    contact: Option<Box<Contact<D, N>>>,
 }
 
 /// State of the contacts in a saved run.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(crate) struct Saved {
+#[serde(bound(serialize = "Grip<D, N>: Serialize", deserialize = "Grip<D, N>: Deserialize<'de>"))]
+pub(crate) struct Saved<const D: usize = 2, const N: usize = 3> {
     watched: Vec<bool>,
     /// Couples that touch, with their history of friction and damping.
-    grips: Vec<([u32; 2], Grip)>,
+    grips: Vec<([u32; 2], Grip<D, N>)>,
     /// Couples that could touch but do not.
     apart: Vec<[u32; 2]>,
 }
 
 /// Couples of elements that may touch, and their detection.
 #[derive(Debug)]
-pub(crate) struct Contacts {
+pub(crate) struct Contacts<const D: usize = 2, const N: usize = 3> {
     options: Vec<Law>,
     materials: usize,
-    /// Whether each vertex is free: at the end of an outer edge or of a broken joint.
+    /// Whether each vertex is free: on an outer facet or a broken joint.
     free: Vec<bool>,
     /// Group of each corner among those of its vertex: elements of one group are connected there.
     groups: Vec<u32>,
     /// Whether each element is watched.
     pub(crate) watched: Vec<bool>,
     list: Vec<u32>,
-    search: Buffered<f64, 2>,
+    search: Buffered<f64, D>,
     /// After each update of the search, all couples with a smaller gap than this are among the candidates, m.
     slack: f64,
     /// Upper bound of the distance that nodes have travelled in all steps so far, m, and its value at the last update of the search.
     travel: f64,
     looked: f64,
     /// Couples that may touch in the present state of the joints, ascending.
-    couples: Vec<Couple>,
+    couples: Vec<Couple<D, N>>,
     /// Couples of each element, as 2 × number + side. Those of element `e` are in the slice `first[e]..first[e + 1]`.
     entries: Vec<u32>,
     first: Vec<u32>,
@@ -97,8 +99,15 @@ pub(crate) struct Touching {
     pub(crate) deep: Option<u32>,
 }
 
-impl Contacts {
-    pub(crate) fn new(model: &Model, topology: &Topology, threads: usize) -> Result<Self, ModelError> {
+impl<const D: usize, const N: usize> Contacts<D, N>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    pub(crate) fn new(
+        model: &Model<D, N>,
+        topology: &Topology<D, N>,
+        threads: usize,
+    ) -> Result<Self, ModelError> {
         let materials = model.materials.len();
         let options = (0..materials * materials)
             .map(|k| law(model, (k / materials) as u32, (k % materials) as u32))
@@ -133,8 +142,8 @@ impl Contacts {
         Ok(contacts)
     }
 
-    /// Groups the corners of a vertex: elements are connected by the edges that `holds` accepts.
-    fn group(&mut self, vertex: u32, topology: &Topology, holds: impl Fn(u32) -> bool) {
+    /// Groups the corners of a vertex: elements are connected by the facets that `holds` accepts.
+    fn group(&mut self, vertex: u32, topology: &Topology<D, N>, holds: impl Fn(u32) -> bool) {
         let mut groups = Vec::new();
         topology.groups(vertex, holds, &mut groups);
         for (&corner, group) in topology.corners_of(vertex).iter().zip(groups) {
@@ -143,40 +152,35 @@ impl Contacts {
     }
 
     /// Registers joints that broke: their elements may touch from now on.
-    pub(crate) fn part(&mut self, broken: &[u32], joints: &Joints, topology: &Topology) {
+    pub(crate) fn part(&mut self, broken: &[u32], joints: &Joints<D>, topology: &Topology<D, N>) {
         for &joint in broken {
-            let edge = &topology.facets[joints.all[joint as usize].edge as usize];
-            for corner in edge.corners[0] {
+            let facet = &topology.facets[joints.all[joint as usize].facet as usize];
+            for corner in facet.corners[0] {
                 let vertex = topology.vertices[corner as usize];
                 let corners = topology.corners_of(vertex);
                 let before: Vec<u32> = corners.iter().map(|&corner| self.groups[corner as usize]).collect();
-                self.group(vertex, topology, |edge| {
-                    joints
-                        .all
-                        .get(joints.of_edge[edge as usize] as usize)
-                        .is_none_or(|joint| joint.state == State::Holding)
-                });
+                self.group(vertex, topology, |facet| joints.holds(facet));
                 self.free[vertex as usize] = true;
-                self.unwatched |= corners.iter().any(|&corner| !self.watched[corner as usize / 3]);
+                self.unwatched |= corners.iter().any(|&corner| !self.watched[corner as usize / N]);
                 for (k, &one) in corners.iter().enumerate() {
                     for (l, &other) in corners.iter().enumerate().skip(k + 1) {
                         let [a, b] = [one, other].map(|corner| self.groups[corner as usize]);
                         if before[k] == before[l] && a != b {
-                            self.parted.push([one / 3, other / 3]);
+                            self.parted.push([one / N as u32, other / N as u32]);
                         }
                     }
                 }
             }
-            self.parted.push(edge.elements());
+            self.parted.push(facet.elements());
         }
     }
 
     /// Updates the couples as far as motion and broken joints require.
     pub(crate) fn detect(
         &mut self,
-        solid: &Solid,
-        joints: &Joints,
-        topology: &Topology,
+        solid: &Solid<D, N>,
+        joints: &Joints<D>,
+        topology: &Topology<D, N>,
         team: &Team,
     ) -> Result<(), Stop> {
         if self.unwatched {
@@ -199,15 +203,26 @@ impl Contacts {
     }
 
     /// Updates the search with the boxes of all watched elements.
-    fn look(&mut self, solid: &Solid, joints: &Joints, topology: &Topology, team: &Team) -> Result<(), Stop> {
+    fn look(
+        &mut self,
+        solid: &Solid<D, N>,
+        joints: &Joints<D>,
+        topology: &Topology<D, N>,
+        team: &Team,
+    ) -> Result<(), Stop> {
         let list = &self.list;
         let bounds = |element: u32| {
-            let [a, b, c] = solid.shape(element);
-            let least = |axis: usize| a[axis].min(b[axis]).min(c[axis]);
-            let most = |axis: usize| a[axis].max(b[axis]).max(c[axis]);
-            ([least(0), least(1)], [most(0), most(1)])
+            let [first, rest @ ..] = &solid.shape(element)[..] else { return ([0.0; D], [0.0; D]) };
+            let (mut least, mut most) = (*first, *first);
+            for corner in rest {
+                for axis in 0..D {
+                    least[axis] = least[axis].min(corner[axis]);
+                    most[axis] = most[axis].max(corner[axis]);
+                }
+            }
+            (least, most)
         };
-        let [mut min, mut max] = [vec![[0.0; 2]; list.len()], vec![[0.0; 2]; list.len()]];
+        let [mut min, mut max] = [vec![[0.0; D]; list.len()], vec![[0.0; D]; list.len()]];
         team.change_both(&mut min, &mut max, |first, least, most| {
             for (k, (least, most)) in least.iter_mut().zip(most).enumerate() {
                 (*least, *most) = bounds(list[first + k]);
@@ -230,12 +245,12 @@ impl Contacts {
     }
 
     /// Watches the elements within two rings around free vertices.
-    fn watch(&mut self, topology: &Topology) {
+    fn watch(&mut self, topology: &Topology<D, N>) {
         let mut near = self.free.clone();
         for _ in 0..2 {
             let mut next = near.clone();
             for (element, watched) in self.watched.iter_mut().enumerate() {
-                let vertices = &topology.vertices[3 * element..3 * element + 3];
+                let vertices = &topology.vertices[N * element..N * element + N];
                 if vertices.iter().any(|&vertex| near[vertex as usize]) {
                     *watched = true;
                     for &vertex in vertices {
@@ -255,7 +270,7 @@ impl Contacts {
     }
 
     /// State of the contacts for a saved run.
-    pub(crate) fn save(&self) -> Saved {
+    pub(crate) fn save(&self) -> Saved<D, N> {
         let (mut grips, mut apart) = (Vec::new(), Vec::new());
         for couple in &self.couples {
             match &couple.contact {
@@ -269,9 +284,9 @@ impl Contacts {
     /// Restores the saved contacts. The joints must be restored before.
     pub(crate) fn restore(
         &mut self,
-        saved: Saved,
-        joints: &Joints,
-        topology: &Topology,
+        saved: Saved<D, N>,
+        joints: &Joints<D>,
+        topology: &Topology<D, N>,
     ) -> Result<(), ModelError> {
         let (found, expected) = (saved.watched.len(), self.watched.len());
         if found != expected {
@@ -295,7 +310,7 @@ impl Contacts {
     }
 
     /// Replaces the couples by those that may touch now. Couples that were there before keep their history.
-    fn choose(&mut self, mut couples: Vec<Couple>) {
+    fn choose(&mut self, mut couples: Vec<Couple<D, N>>) {
         couples.sort_unstable_by_key(|couple| couple.elements);
         let mut before = std::mem::take(&mut self.couples).into_iter().peekable();
         for couple in &mut couples {
@@ -310,11 +325,11 @@ impl Contacts {
     }
 
     /// Adds couples of elements that have separated.
-    fn add_parted(&mut self, joints: &Joints, topology: &Topology) {
+    fn add_parted(&mut self, joints: &Joints<D>, topology: &Topology<D, N>) {
         let mut parted = std::mem::take(&mut self.parted);
         parted.retain(|pair| self.couples.binary_search_by_key(pair, |couple| couple.elements).is_err());
         parted.sort_unstable();
-        // Elements that share an edge are listed for the edge and for both of its ends.
+        // Elements that share a facet are listed for the facet and for all of its vertices.
         parted.dedup();
         let new = parted.into_iter().filter_map(|pair| couple(pair, &self.groups, joints, topology));
         let count = self.couples.len();
@@ -351,7 +366,13 @@ impl Contacts {
     }
 
     /// Computes the forces of all couples.
-    pub(crate) fn press(&mut self, solid: &Solid, joints: &Joints, step: f64, team: &Team) -> Touching {
+    pub(crate) fn press(
+        &mut self,
+        solid: &Solid<D, N>,
+        joints: &Joints<D>,
+        step: f64,
+        team: &Team,
+    ) -> Touching {
         let (options, materials, travel) = (&self.options, self.materials, self.travel);
         team.change(&mut self.couples, |_, couples| {
             for couple in couples {
@@ -363,7 +384,7 @@ impl Contacts {
                 let joint = joints.all.get(couple.joint as usize);
                 // A detached joint did not press its elements apart: their overlap now must not count at once.
                 couple.initial_overlap |=
-                    joint.is_some_and(|joint| joint.fading > 0.0 && joint.detached != [false; 2]);
+                    joint.is_some_and(|joint| joint.fading > 0.0 && joint.detached != [false; D]);
                 let share = joint.map_or([1.0, 0.0], |joint| [joint.faded, joint.fading]);
                 press(couple, solid, law, share, step, travel);
             }
@@ -383,8 +404,8 @@ impl Contacts {
     }
 
     /// Forces of the couples that touch.
-    pub(crate) fn forces(&self, solid: &Solid) -> Vec<ContactForce> {
-        let touching = |couple: &Couple| {
+    pub(crate) fn forces(&self, solid: &Solid<D, N>) -> Vec<ContactForce<D>> {
+        let touching = |couple: &Couple<D, N>| {
             let contact = couple.contact.as_ref().filter(|contact| contact.touches)?;
             Some(contact.force(couple.elements, solid))
         };
@@ -393,13 +414,11 @@ impl Contacts {
 
     /// Adds the force of the contacts on a corner of an element.
     #[inline]
-    pub(crate) fn add_force(&self, corner: u32, force: &mut Point) {
-        let element = corner as usize / 3;
+    pub(crate) fn add_force(&self, corner: u32, force: &mut Point<D>) {
+        let element = corner as usize / N;
         for &entry in &self.entries[self.first[element] as usize..self.first[element + 1] as usize] {
             if let Some(contact) = &self.couples[entry as usize / 2].contact {
-                let [x, y] = contact.forces[entry as usize % 2][corner as usize % 3];
-                force[0] += x;
-                force[1] += y;
+                add(force, contact.forces[entry as usize % 2][corner as usize % N], 1.0);
             }
         }
     }
@@ -408,18 +427,18 @@ impl Contacts {
 /// The part of the undeformed mesh that two elements share.
 enum Relation {
     Apart,
-    /// A vertex: the corner of each element there.
+    /// Vertices: the corners of each element at the first of them.
     Vertex([u32; 2]),
-    /// An edge.
-    Edge(u32),
+    /// A facet.
+    Facet(u32),
 }
 
-fn relation([a, b]: [u32; 2], topology: &Topology) -> Relation {
-    let edges = |element: u32| topology.facet_of[element as usize];
-    if let Some(edge) = edges(a).into_iter().find(|&edge| edge != NONE && edges(b).contains(&edge)) {
-        return Relation::Edge(edge);
+fn relation<const D: usize, const N: usize>([a, b]: [u32; 2], topology: &Topology<D, N>) -> Relation {
+    let facets = |element: u32| topology.facet_of[element as usize];
+    if let Some(facet) = facets(a).into_iter().find(|&facet| facet != NONE && facets(b).contains(&facet)) {
+        return Relation::Facet(facet);
     }
-    let corners = |element: u32| 3 * element..3 * element + 3;
+    let corners = |element: u32| N as u32 * element..N as u32 * (element + 1);
     for p in corners(a) {
         for q in corners(b) {
             if topology.vertices[p as usize] == topology.vertices[q as usize] {
@@ -431,17 +450,22 @@ fn relation([a, b]: [u32; 2], topology: &Topology) -> Relation {
 }
 
 /// A couple of two elements that were never connected.
-fn apart(elements: [u32; 2]) -> Couple {
+fn apart<const D: usize, const N: usize>(elements: [u32; 2]) -> Couple<D, N> {
     Couple { elements, joint: NONE, initial_overlap: false, apart_until: 0.0, contact: None }
 }
 
 /// A new couple of two elements; `None` if they cannot touch in the present state of the joints.
-fn couple(elements: [u32; 2], groups: &[u32], joints: &Joints, topology: &Topology) -> Option<Couple> {
+fn couple<const D: usize, const N: usize>(
+    elements: [u32; 2],
+    groups: &[u32],
+    joints: &Joints<D>,
+    topology: &Topology<D, N>,
+) -> Option<Couple<D, N>> {
     let couple = apart(elements);
     match relation(elements, topology) {
         Relation::Apart => Some(couple),
-        Relation::Edge(edge) => {
-            let joint = joints.of_edge[edge as usize];
+        Relation::Facet(facet) => {
+            let joint = joints.of_facet[facet as usize];
             let broken = joints.all.get(joint as usize).is_some_and(|joint| joint.state != State::Holding);
             broken.then_some(Couple { joint, ..couple })
         }
@@ -452,17 +476,20 @@ fn couple(elements: [u32; 2], groups: &[u32], joints: &Joints, topology: &Topolo
     }
 }
 
-/// Mean length of the edges of all elements, m.
-pub(crate) fn mean_edge(model: &Model) -> f64 {
+/// Mean length of the facets of all elements, as edges, m.
+pub(crate) fn mean_edge<const D: usize, const N: usize>(model: &Model<D, N>) -> f64
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
     let mesh = &model.mesh;
     let mut sum = 0.0;
     for element in 0..mesh.elements.len() {
-        let triangle = corners_of(mesh, element);
-        for k in 0..3 {
-            let edge = minus(triangle[(k + 1) % 3], triangle[k]);
-            sum += length(edge);
+        let corners = corners_of(mesh, element);
+        for facet in <[[f64; D]; N]>::FACETS {
+            let measure = <[[f64; D]; N]>::facet_measure(&facet.map(|corner| corners[corner]));
+            sum += <[[f64; D]; N]>::facet_length(measure);
         }
-        debug_assert!(cross(minus(triangle[1], triangle[0]), minus(triangle[2], triangle[0])) > 0.0);
+        debug_assert!(corners.measure() > 0.0);
     }
-    sum / (3 * mesh.elements.len().max(1)) as f64
+    sum / (N * mesh.elements.len().max(1)) as f64
 }

@@ -7,8 +7,8 @@
 //! ```text
 //! ω² ≤ max over nodes of (Σ λ mₑ + 2 Σ k) / Σ mₑ
 //! ```
-//! The sums are over the elements and *all* springs at the node: for every edge that is, or may become, free, the stiffer of its joint and its contact. Each
-//! node is as small as it can become, as if all edges around it that can separate had separated.
+//! The sums are over the elements and *all* springs at the node: for every facet that is, or may become, free, the stiffer of its joint and its contact. Each
+//! node is as small as it can become, as if all facets around it that can separate had separated.
 
 use crate::contacts;
 use crate::error::ModelError;
@@ -18,7 +18,6 @@ use crate::model::Model;
 use crate::simplex::Simplex;
 use crate::solid::corners_of;
 use crate::topology::{NONE, Topology};
-use crate::vector::{cross, length, minus};
 
 /// The longest stable time step, and what sets it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,7 +33,7 @@ pub struct CriticalStep {
 /// Origin of the stiffness at a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cause {
-    /// Elements, and the ground beyond absorbing edges.
+    /// Elements, and the ground beyond absorbing facets.
     Bulk,
     /// Joints.
     Joint,
@@ -64,19 +63,26 @@ impl CriticalStep {
         Ok(Self::new(model, &topology, &joints))
     }
 
-    pub(crate) fn new(model: &Model, topology: &Topology, joints: &Joints) -> Self {
+    pub(crate) fn new<const D: usize, const N: usize>(
+        model: &Model<D, N>,
+        topology: &Topology<D, N>,
+        joints: &Joints<D>,
+    ) -> Self
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
         let mesh = &model.mesh;
         let mut corners: Vec<Corner> = (0..mesh.elements.len())
             .flat_map(|element| element_corners(model, topology, joints, element))
             .collect();
-        // Absorbing edges that are not outer edges are refused when the loads are made.
+        // Absorbing facets that are not outer facets are refused when the loads are made.
         for (corner, stiffness) in Ground::new(model, topology).unwrap_or_default().springs() {
             corners[corner as usize].bulk += stiffness;
         }
         let (mut worst, mut element, mut cause) = (0.0, 0, Cause::Bulk);
         let mut groups = Vec::new();
         for vertex in 0..topology.vertex_count() as u32 {
-            topology.groups(vertex, |edge| !joints.may_part(edge), &mut groups);
+            topology.groups(vertex, |facet| !joints.may_part(facet), &mut groups);
             let at = topology.corners_of(vertex);
             for leader in 0..at.len() as u32 {
                 let mut sum = Corner::default();
@@ -87,7 +93,7 @@ impl CriticalStep {
                     sum.bulk += corner_of.bulk;
                     sum.joint += corner_of.joint;
                     sum.contact += corner_of.contact;
-                    own = corner / 3;
+                    own = corner / N as u32;
                 }
                 let square = (sum.bulk + 2.0 * (sum.joint + sum.contact)) / sum.mass;
                 if sum.mass > 0.0 && square > worst {
@@ -119,28 +125,36 @@ struct Corner {
     contact: f64,
 }
 
-fn element_corners(model: &Model, topology: &Topology, joints: &Joints, element: usize) -> [Corner; 3] {
-    let triangle = corners_of(&model.mesh, element);
+fn element_corners<const D: usize, const N: usize>(
+    model: &Model<D, N>,
+    topology: &Topology<D, N>,
+    joints: &Joints<D>,
+    element: usize,
+) -> [Corner; N]
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    let shape = corners_of(&model.mesh, element);
     let number = model.mesh.materials[element];
     let material = &model.materials[number as usize];
-    let area = 0.5 * cross(minus(triangle[1], triangle[0]), minus(triangle[2], triangle[0]));
-    let mass = material.density * area * model.thickness / 3.0;
-    let moduli = <[[f64; 2]; 3]>::moduli(material, model.plane);
-    let bulk = triangle.highest_square(&moduli, material.density) * mass;
-    let mut corners = [Corner { mass, bulk, ..Corner::default() }; 3];
-    for k in 0..3 {
-        let edge = topology.facet_of[element][k];
-        if edge != NONE && !joints.may_part(edge) {
+    let mass = material.density * shape.measure() * model.thickness / N as f64;
+    let moduli = <[[f64; D]; N]>::moduli(material, model.plane);
+    let bulk = shape.highest_square(&moduli, material.density) * mass;
+    let mut corners = [Corner { mass, bulk, ..Corner::default() }; N];
+    for k in 0..N {
+        let facet = topology.facet_of[element][k];
+        if facet != NONE && !joints.may_part(facet) {
             continue;
         }
-        let contact = contacts::stiffness(model, &triangle, k, number);
-        let joint = if edge == NONE {
+        let contact = contacts::stiffness(model, &shape, k, number);
+        let at = <[[f64; D]; N]>::FACETS[k];
+        let joint = if facet == NONE {
             0.0
         } else {
-            let side = minus(triangle[(k + 1) % 3], triangle[k]);
-            0.5 * length(side) * model.thickness * penalty(model, &topology.facets[edge as usize])
+            let measure = <[[f64; D]; N]>::facet_measure(&at.map(|corner| shape[corner]));
+            1.0 / D as f64 * measure * model.thickness * penalty(model, &topology.facets[facet as usize])
         };
-        for corner in [k, (k + 1) % 3] {
+        for corner in at {
             if joint >= contact {
                 corners[corner].joint += joint;
             } else {

@@ -70,8 +70,8 @@ pub enum ModelError {
     NotOuter {
         /// The boundary.
         boundary: String,
-        /// The nodes of the edge.
-        edge: [u32; 2],
+        /// Nodes of the facet.
+        facet: Vec<u32>,
     },
     /// A boundary has the wrong kind of target, or none.
     Target {
@@ -149,12 +149,21 @@ impl fmt::Display for ModelError {
             Self::SharedNode { node, bodies: [a, b] } => {
                 write!(out, "node {node} belongs to bodies {a} and {b}: bodies share no nodes")
             }
-            Self::NotOuter { boundary, edge: [a, b] } => {
-                write!(out, "boundary '{boundary}': no element has an outer edge from node {a} to node {b}")
-            }
+            Self::NotOuter { boundary, facet } => match facet[..] {
+                [a, b] => {
+                    write!(
+                        out,
+                        "boundary '{boundary}': no element has an outer edge from node {a} to node {b}"
+                    )
+                }
+                _ => write!(
+                    out,
+                    "boundary '{boundary}': no element has an outer face with the nodes {facet:?}, counter-clockwise seen from outside"
+                ),
+            },
             Self::Target { boundary, needs } => write!(out, "boundary '{boundary}' needs {needs}"),
             Self::HeldTwice { node, axis, boundaries: [a, b] } => {
-                let axis = ["x", "y"][*axis];
+                let axis = ["x", "y", "z"][*axis];
                 write!(out, "node {node} is moved along {axis} by boundaries '{a}' and '{b}'")
             }
             Self::FractureEnergy { material, element, least, sliding } => write!(

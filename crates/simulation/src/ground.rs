@@ -1,12 +1,12 @@
-//! The ground beyond absorbing edges.
+//! The ground beyond absorbing facets.
 //!
-//! Three forces act on each end of an edge. Impedances and stiffnesses are per area.
+//! Three forces act on each end of an facet. Impedances and stiffnesses are per area.
 //!
-//! - Dashpots with the impedances `ρ c_p` along the normal and `ρ c_s` along the edge, so that waves leave (Lysmer and Kuhlemeyer, 1969).
-//! - Springs with the stiffnesses `G/R` along the normal and `G/(2 R)` along the edge, with `R` half of the longer side of the bounding box of the body. They
+//! - Dashpots with the impedances `ρ c_p` along the normal and `ρ c_s` along the facet, so that waves leave (Lysmer and Kuhlemeyer, 1969).
+//! - Springs with the stiffnesses `G/R` along the normal and `G/(2 R)` along the facet, with `R` half of the longer side of the bounding box of the body. They
 //!   have the static stiffness of the ground, so that weight or a lasting load is carried after a finite settlement (viscous-spring boundary; Deeks and
 //!   Randolph, 1994; Liu, Du, Du, Wang and Wu, 2006). They hardly affect waves shorter than `R`.
-//! - Under initial stress, a constant static force. It holds the nodes of these edges in equilibrium at the beginning, under stress, weight and loads. The
+//! - Under initial stress, a constant static force. It holds the nodes of these facets in equilibrium at the beginning, under stress, weight and loads. The
 //!   ground goes on to carry what it carried before, so that a body in equilibrium stays at rest.
 //!
 //! The work of springs and static forces counts as work of loads; the work of dashpots is dissipated.
@@ -17,107 +17,113 @@ use crate::model::{Load, Model, Target};
 use crate::simplex::Simplex;
 use crate::solid::Solid;
 use crate::topology::{NONE, Topology};
-use crate::vector::{Point, dot, length, minus};
+use crate::vector::{Point, add, dot, minus, unit};
 
-/// The ground beyond all absorbing edges of a model.
+/// The ground beyond all absorbing facets of a model.
 #[derive(Debug, Default)]
-pub(crate) struct Ground {
-    edges: Vec<Edge>,
+pub(crate) struct Ground<const D: usize = 2, const N: usize = 3> {
+    facets: Vec<Beyond<D>>,
 }
 
-/// The ground beyond an edge.
+/// The ground beyond an facet.
 #[derive(Debug)]
-struct Edge {
+struct Beyond<const D: usize> {
     boundary: u32,
     /// Corners of the element at both ends.
-    corners: [u32; 2],
-    /// Half of the undeformed edge times the thickness, m²: the area of each end.
+    corners: [u32; D],
+    /// Half of the undeformed facet times the thickness, m²: the area of each end.
     area: f64,
-    /// Outward normal of the undeformed edge.
-    normal: Point,
-    /// Impedance along the normal and along the edge, Pa s/m.
+    /// Outward normal of the undeformed facet.
+    normal: Point<D>,
+    /// Impedance along the normal and along the facet, Pa s/m.
     impedance: [f64; 2],
-    /// Stiffness along the normal and along the edge, Pa/m.
+    /// Stiffness along the normal and along the facet, Pa/m.
     stiffness: [f64; 2],
     /// Static force on each end, N.
-    held: [Point; 2],
+    held: [Point<D>; D],
 }
 
 /// Forces of the ground on a corner of an element.
-pub(crate) struct Reaction {
+pub(crate) struct Reaction<const D: usize> {
     pub(crate) boundary: u32,
     pub(crate) corner: u32,
     /// Force of springs, and static force, N.
-    pub(crate) elastic: Point,
+    pub(crate) elastic: Point<D>,
     /// Force of dashpots, N.
-    pub(crate) viscous: Point,
+    pub(crate) viscous: Point<D>,
 }
 
-impl Ground {
+impl<const D: usize, const N: usize> Ground<D, N>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
     /// The ground of a model, without static forces.
-    pub(crate) fn new(model: &Model, topology: &Topology) -> Result<Self, ModelError> {
+    pub(crate) fn new(model: &Model<D, N>, topology: &Topology<D, N>) -> Result<Self, ModelError> {
         let mesh = &model.mesh;
-        let mut edges = Vec::new();
+        let mut facets = Vec::new();
         for (number, boundary) in model.boundaries.iter().enumerate() {
             let (Load::Absorbing, Target::Facets(all)) = (boundary.load, &boundary.target) else { continue };
-            for &edge in all {
-                let side = outer_side(model, topology, edge, &boundary.name)?;
-                let [a, b] = edge.map(|node| mesh.nodes[node as usize]);
-                let along = minus(b, a).map(|x| x / side.length);
-                let element = side.corners[0] as usize / 3;
+            for &facet in all {
+                let side = outer_side(model, topology, facet, &boundary.name)?;
+                let corners = facet.map(|node| mesh.nodes[node as usize]);
+                let element = side.corners[0] as usize / N;
                 let material = &model.materials[mesh.materials[element] as usize];
-                let moduli = <[[f64; 2]; 3]>::moduli(material, model.plane);
-                edges.push(Edge {
+                let moduli = <[[f64; D]; N]>::moduli(material, model.plane);
+                facets.push(Beyond {
                     boundary: number as u32,
                     corners: side.corners,
-                    area: 0.5 * side.length * model.thickness,
-                    normal: [along[1], -along[0]],
+                    area: side.measure / D as f64 * model.thickness,
+                    normal: unit(<[[f64; D]; N]>::axes(&corners)[0]),
                     impedance: [moduli.wave, moduli.shear].map(|modulus| (material.density * modulus).sqrt()),
                     stiffness: [moduli.shear, 0.5 * moduli.shear],
-                    held: [[0.0; 2]; 2],
+                    held: [[0.0; D]; D],
                 });
             }
         }
-        if !edges.is_empty() {
+        if !facets.is_empty() {
             let radii = radii(model);
-            for edge in &mut edges {
-                let radius = radii[&mesh.bodies[edge.corners[0] as usize / 3]];
-                edge.stiffness = edge.stiffness.map(|modulus| modulus / radius);
+            for facet in &mut facets {
+                let radius = radii[&mesh.bodies[facet.corners[0] as usize / N]];
+                facet.stiffness = facet.stiffness.map(|modulus| modulus / radius);
             }
         }
-        Ok(Self { edges })
+        Ok(Self { facets })
     }
 
     pub(crate) fn is_empty(&self) -> bool {
-        self.edges.is_empty()
+        self.facets.is_empty()
     }
 
-    /// Sets the static forces so that they hold the nodes of absorbing edges in equilibrium now, at the beginning. `others`: force on a corner besides that of
+    /// Sets the static forces so that they hold the nodes of absorbing facets in equilibrium now, at the beginning. `others`: force on a corner besides that of
     /// the initial stress of its element, N.
-    pub(crate) fn support(&mut self, model: &Model, solid: &Solid, others: impl Fn(u32) -> Point) {
+    pub(crate) fn support(
+        &mut self,
+        model: &Model<D, N>,
+        solid: &Solid<D, N>,
+        others: impl Fn(u32) -> Point<D>,
+    ) {
         let node_at = |corner: u32| solid.corners.node_at(corner) as usize;
         // Edges at the same node share its force in proportion to their lengths.
         let mut width = vec![0.0; solid.nodes.len()];
-        for edge in &self.edges {
-            for corner in edge.corners {
-                width[node_at(corner)] += edge.area;
+        for facet in &self.facets {
+            for corner in facet.corners {
+                width[node_at(corner)] += facet.area;
             }
         }
-        for edge in &mut self.edges {
-            for end in 0..2 {
-                let node = node_at(edge.corners[end]);
+        for facet in &mut self.facets {
+            for end in 0..D {
+                let node = node_at(facet.corners[end]);
                 let weight = model.gravity_schedule.factor(0.0) * solid.constants[node].mass;
                 let mut force = model.gravity.map(|g| weight * g);
                 let mut corner = solid.corners.first[node];
                 while corner != NONE {
                     for part in [solid.initial_force(corner), others(corner)] {
-                        force[0] += part[0];
-                        force[1] += part[1];
+                        add(&mut force, part, 1.0);
                     }
                     corner = solid.corners.next[corner as usize];
                 }
-                let share = -edge.area / width[node];
-                edge.held[end] = force.map(|f| share * f);
+                let share = -facet.area / width[node];
+                facet.held[end] = force.map(|f| share * f);
             }
         }
     }
@@ -125,61 +131,61 @@ impl Ground {
     /// Present forces of the ground.
     pub(crate) fn reactions<'a>(
         &'a self,
-        solid: &'a Solid,
-        model: &'a Model,
-    ) -> impl Iterator<Item = Reaction> + 'a {
-        self.edges.iter().flat_map(move |edge| {
-            let [a, b] = edge.corners.map(|corner| solid.at_corner(corner).position);
-            let along = minus(b, a);
-            let long = length(along);
-            let tangent = along.map(|x| x / long);
-            let now = [tangent[1], -tangent[0]];
-            [0, 1].map(|end| {
-                let corner = edge.corners[end];
+        solid: &'a Solid<D, N>,
+        model: &'a Model<D, N>,
+    ) -> impl Iterator<Item = Reaction<D>> + 'a {
+        self.facets.iter().flat_map(move |facet| {
+            let corners = facet.corners.map(|corner| solid.at_corner(corner).position);
+            let now = unit(<[[f64; D]; N]>::axes(&corners)[0]);
+            (0..D).map(move |end| {
+                let corner = facet.corners[end];
                 let node = solid.corners.node_at(corner) as usize;
                 let moved = solid.displacement(node, model);
                 let velocity = solid.nodes[node].velocity;
-                let springs = against(moved, edge.normal, edge.stiffness);
-                let dashpots = against(velocity, now, edge.impedance);
+                let springs = Self::against(moved, facet.normal, facet.stiffness);
+                let dashpots = Self::against(velocity, now, facet.impedance);
                 Reaction {
-                    boundary: edge.boundary,
+                    boundary: facet.boundary,
                     corner,
-                    elastic: std::array::from_fn(|axis| edge.held[end][axis] + edge.area * springs[axis]),
-                    viscous: dashpots.map(|traction| edge.area * traction),
+                    elastic: std::array::from_fn(|axis| facet.held[end][axis] + facet.area * springs[axis]),
+                    viscous: dashpots.map(|traction| facet.area * traction),
                 }
             })
         })
     }
 
+    /// Traction against a displacement or velocity, with one factor along `normal` and one across it.
+    fn against(vector: Point<D>, normal: Point<D>, [along, across]: [f64; 2]) -> Point<D> {
+        let axes = <[[f64; D]; N]>::axes_around(normal);
+        let mut traction = normal.map(|n| -(along * dot(vector, normal)) * n);
+        for axis in &axes[1..] {
+            add(&mut traction, *axis, -(across * dot(vector, *axis)));
+        }
+        traction
+    }
+
     /// Stiffness of the springs on corners of elements, N/m, in the stiffer of the two directions.
     pub(crate) fn springs(&self) -> impl Iterator<Item = (u32, f64)> + '_ {
-        self.edges.iter().flat_map(|edge| {
-            edge.corners.map(|corner| (corner, edge.area * edge.stiffness[0].max(edge.stiffness[1])))
+        self.facets.iter().flat_map(|facet| {
+            facet.corners.map(|corner| (corner, facet.area * facet.stiffness[0].max(facet.stiffness[1])))
         })
     }
 }
 
-/// Traction against a displacement or velocity, with one factor along `normal` and one across it.
-fn against(vector: Point, normal: Point, [along, across]: [f64; 2]) -> Point {
-    let tangent = [-normal[1], normal[0]];
-    let (n, t) = (along * dot(vector, normal), across * dot(vector, tangent));
-    std::array::from_fn(|axis| -n * normal[axis] - t * tangent[axis])
-}
-
 /// Half of the longer side of the bounding box of each body, m.
-fn radii(model: &Model) -> std::collections::BTreeMap<u32, f64> {
+fn radii<const D: usize, const N: usize>(model: &Model<D, N>) -> std::collections::BTreeMap<u32, f64> {
     let mesh = &model.mesh;
     let mut boxes = std::collections::BTreeMap::new();
     for (nodes, &body) in mesh.elements.iter().zip(&mesh.bodies) {
-        let around = boxes.entry(body).or_insert([[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]]);
+        let around = boxes.entry(body).or_insert([[f64::INFINITY; D], [f64::NEG_INFINITY; D]]);
         for node in nodes {
-            for axis in 0..2 {
+            for axis in 0..D {
                 let x = mesh.nodes[*node as usize][axis];
                 around[0][axis] = around[0][axis].min(x);
                 around[1][axis] = around[1][axis].max(x);
             }
         }
     }
-    let half = |[min, max]: [Point; 2]| 0.5 * (max[0] - min[0]).max(max[1] - min[1]);
+    let half = |[min, max]: [Point<D>; 2]| 0.5 * minus(max, min).into_iter().fold(0.0, f64::max);
     boxes.into_iter().map(|(body, around)| (body, half(around))).collect()
 }

@@ -1,8 +1,8 @@
-//! Joints between elements: which edges can separate, when they do, and the tractions that joints carry until they are broken.
+//! Joints between elements: which facets can separate, when they do, and the tractions that joints carry until they are broken.
 //!
-//! A joint acts at its two ends, each of which stands for half of the edge (Newton-Cotes integration). The force at an end acts between the node on one side
-//! and the node on the other. As long as both sides share one node, that end cannot open and has no force. An edge that reaches its strength within whole
-//! material therefore opens only when a second edge at the same vertex reaches its strength: this is how cracks begin and end.
+//! A joint acts at its D ends, the vertices of its facet, each of which stands for a part of 1/D of the facet (Newton-Cotes integration). The force at an end acts
+//! between the node on one side and the node on the other. As long as both sides share one node, that end cannot open and has no force. A facet that reaches its
+//! strength within whole material therefore opens only when others at the same vertex reach theirs: this is how cracks begin and end.
 //!
 //! A joint that is inserted under load begins with the traction that acts there, so that no stress is released at once. This holds for adaptive insertion
 //! (`joints/insertion.rs`), and for intrinsic joints under initial stress. The energy balance counts the elastic energy of the latter from the beginning.
@@ -23,7 +23,7 @@ use crate::simplex::Simplex;
 use crate::solid::{Node, Solid, corners_of};
 use crate::team::Team;
 use crate::topology::{Facet, NONE, Topology};
-use crate::vector::{Point, dot, length, minus};
+use crate::vector::{Matrix, Point, add, dot, length, minus};
 
 /// Sliding of a broken joint over its length at which it begins to hand over to the contact of its two elements, and at which the handover is complete.
 const FADE: [f64; 2] = [0.1, 0.3];
@@ -31,8 +31,8 @@ const FADE: [f64; 2] = [0.1, 0.3];
 /// An end is detached if it is broken and its two sides are farther apart than this, over the length of the joint: the two elements turn about the other end as
 /// about a hinge. Half way round, the joint has no direction any more; farther round, an open joint looks closed.
 ///
-/// If the other end has two nodes, it breaks together with the detached end: its fracture process is long over, and it seems to hold only because a joint is
-/// evaluated at no more than two points. If the other end is still a single node, the detached end has no force. It presses again only after it was found open at
+/// If all other ends have two nodes, they break together with the detached end: their fracture process is long over, and they seem to hold only because a joint is
+/// evaluated at few points. If another end is still a single node, the detached end has no force. It presses again only after it was found open at
 /// a smaller distance, so that its force begins at zero.
 const APART: f64 = 0.5;
 
@@ -47,26 +47,33 @@ pub(crate) enum State {
     Removed,
 }
 
-/// A joint on the edge between two elements.
+/// A joint on the facet between two elements.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub(crate) struct Joint {
-    pub(crate) edge: u32,
+#[serde(bound(
+    serialize = "[f64; D]: Serialize, [Memory<D>; D]: Serialize, [bool; D]: Serialize",
+    deserialize = "[f64; D]: Deserialize<'de>, [Memory<D>; D]: Deserialize<'de>, [bool; D]: Deserialize<'de>"
+))]
+pub(crate) struct Joint<const D: usize = 2> {
+    pub(crate) facet: u32,
     pub(crate) state: State,
     /// The plane for which it stands.
     pub(crate) plane: Plane,
-    #[serde(skip, default = "Joint::no_law")]
+    #[serde(skip, default = "no_law")]
     pub(crate) law: Law,
-    /// Length of the undeformed edge, m.
+    /// Length of the undeformed edge, m, or area of the undeformed face, m².
     #[serde(skip)]
-    pub(crate) length: f64,
+    pub(crate) measure: f64,
+    /// Its length, or that of the edges of an even face of this area, m.
+    #[serde(skip)]
+    length: f64,
     /// Nodes of each end, on side 0 and on side 1.
-    #[serde(skip)]
-    nodes: [[u32; 2]; 2],
-    pub(crate) ends: [Memory; 2],
+    #[serde(skip, default = "no_nodes")]
+    nodes: [[u32; 2]; D],
+    pub(crate) ends: [Memory<D>; D],
     /// Whether each end has two nodes.
-    pub(crate) open: [bool; 2],
+    pub(crate) open: [bool; D],
     /// Whether each end is detached: see [`APART`].
-    pub(crate) detached: [bool; 2],
+    pub(crate) detached: [bool; D],
     /// Share of the joint that has been handed over to contact, 0 to 1.
     pub(crate) faded: f64,
     /// Increase of `faded` in the last step.
@@ -84,54 +91,67 @@ pub(crate) struct Break {
 
 /// State of the joints in a saved run.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(crate) struct Saved {
-    joints: Vec<Joint>,
-    forces: Vec<[Point; 2]>,
+#[serde(bound(
+    serialize = "Joint<D>: Serialize, [[f64; D]; D]: Serialize",
+    deserialize = "Joint<D>: Deserialize<'de>, [[f64; D]; D]: Deserialize<'de>"
+))]
+pub(crate) struct Saved<const D: usize = 2> {
+    joints: Vec<Joint<D>>,
+    forces: Vec<[Point<D>; D]>,
     breaks: Vec<Break>,
 }
 
-impl Joint {
-    fn no_law() -> Law {
-        Law { penalty: 0.0, tensile: 0.0, cohesion: 0.0, friction: 0.0, critical: [1.0; 2] }
-    }
+fn no_law() -> Law {
+    Law { penalty: 0.0, tensile: 0.0, cohesion: 0.0, friction: 0.0, critical: [1.0; 2] }
+}
 
-    /// Damage from 0 (whole) to 1 (broken): the mean of both ends while the joint holds.
+fn no_nodes<const D: usize>() -> [[u32; 2]; D] {
+    [[0; 2]; D]
+}
+
+impl<const D: usize> Joint<D> {
+    /// Damage from 0 (whole) to 1 (broken): the mean of its ends while the joint holds.
     pub(crate) fn damage(&self) -> f64 {
         if self.state == State::Holding {
-            0.5 * self.ends.iter().map(Memory::damage).sum::<f64>()
+            self.ends.iter().map(Memory::damage).sum::<f64>() / D as f64
         } else {
             1.0
         }
     }
+
+    /// Damage by opening and by sliding: the mean of its ends.
+    pub(crate) fn modes(&self) -> [f64; 2] {
+        [0, 1].map(|mode| self.ends.iter().map(|end| end.damages[mode]).sum::<f64>() / D as f64)
+    }
 }
 
-/// All joints of a model, and the strengths of edges that may still get one.
+/// All joints of a model, and the strengths of facets that may still get one.
 #[derive(Debug)]
-pub(crate) struct Joints {
-    pub(crate) all: Vec<Joint>,
+pub(crate) struct Joints<const D: usize = 2> {
+    pub(crate) all: Vec<Joint<D>>,
     /// Force of each joint on its side 0, at each end, N; side 1 has the opposite.
-    forces: Vec<[Point; 2]>,
+    forces: Vec<[Point<D>; D]>,
     /// Joints that broke, ascending by their numbers.
     breaks: Vec<Break>,
-    /// Joints of the two edges at each corner, as 4 × number + 2 × end + side; or [`NONE`].
-    at_corner: Vec<[u32; 2]>,
-    /// The joint of each edge, or [`NONE`].
-    pub(crate) of_edge: Vec<u32>,
-    /// Strength of each edge, as an index of `strengths`; [`NONE`] if the edge cannot break.
+    /// Joints of the facets at each corner, as 2 D × number + 2 × end + side; or [`NONE`].
+    at_corner: Vec<[u32; D]>,
+    /// The joint of each facet, or [`NONE`].
+    pub(crate) of_facet: Vec<u32>,
+    /// Strength of each facet, as an index of `strengths`; [`NONE`] if the facet cannot break.
     class: Vec<u32>,
     strengths: Vec<Strength>,
     /// Whether each strength is that of an interface.
     of_interface: Vec<bool>,
-    /// Factor of the strength of each edge; empty if all factors are 1.
+    /// Factor of the strength of each facet; empty if all factors are 1.
     factors: Vec<f64>,
-    /// Whether any edge at each vertex has a joint.
+    /// Whether any facet at each vertex has a joint.
     pub(crate) at_vertex: Vec<bool>,
     insertion: Insertion,
-    /// Vertices on free surfaces and vertices with joints, each once. Those whose edges all have joints are removed.
+    /// Vertices on free surfaces and vertices with joints, each once. Those whose facets all have joints are removed.
     tips: Vec<u32>,
     /// Whether each vertex is, or was, among `tips`.
     is_tip: Vec<bool>,
-    /// Lowest strengths of the edges of each element, and how near its stress is to them; both lists are empty if joints are not inserted.
+    /// Lowest strengths of the facets of each element, and how near its stress is to them; both lists are empty if joints are not inserted.
     weakest: Vec<Weakest>,
     near: Vec<Near>,
     slopes: Slopes,
@@ -147,16 +167,19 @@ pub(crate) struct Parting {
     breaks: Vec<Break>,
 }
 
-impl Joints {
-    /// Finds the strength of each edge, with its scatter. Inserts no joints yet.
-    pub(crate) fn new(model: &Model, topology: &Topology) -> Self {
+impl<const D: usize> Joints<D> {
+    /// Finds the strength of each facet, with its scatter. Inserts no joints yet.
+    pub(crate) fn new<const N: usize>(model: &Model<D, N>, topology: &Topology<D, N>) -> Self
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
         let mesh = &model.mesh;
         let (mut strengths, mut of_interface): (Vec<Strength>, Vec<bool>) = (Vec::new(), Vec::new());
         let class: Vec<u32> = topology
             .facets
             .iter()
-            .map(|edge| {
-                let [a, b] = edge.elements().map(|element| mesh.materials[element as usize]);
+            .map(|facet| {
+                let [a, b] = facet.elements().map(|element| mesh.materials[element as usize]);
                 let Some((strength, interface)) = strength_between(model, a, b) else { return NONE };
                 let mut known = strengths.iter().zip(&of_interface);
                 known.position(|(other, at)| *other == strength && *at == interface).unwrap_or_else(|| {
@@ -167,9 +190,9 @@ impl Joints {
             })
             .collect();
         let scattered = strengths.iter().any(|strength| strength.weibull_modulus.is_some());
-        let factor = |(edge, &class): (usize, &u32)| {
+        let factor = |(facet, &class): (usize, &u32)| {
             let strength = strengths.get(class as usize)?;
-            Some(random::weibull(strength.seed, edge as u64, strength.weibull_modulus?))
+            Some(random::weibull(strength.seed, facet as u64, strength.weibull_modulus?))
         };
         let factors = if scattered {
             class.iter().enumerate().map(|pair| factor(pair).unwrap_or(1.0)).collect()
@@ -184,8 +207,8 @@ impl Joints {
             all: Vec::new(),
             forces: Vec::new(),
             breaks: Vec::new(),
-            at_corner: vec![[NONE; 2]; topology.vertices.len()],
-            of_edge: vec![NONE; topology.facets.len()],
+            at_corner: vec![[NONE; D]; topology.vertices.len()],
+            of_facet: vec![NONE; topology.facets.len()],
             class,
             strengths,
             of_interface,
@@ -199,8 +222,8 @@ impl Joints {
         if model.fracture.insertion == Insertion::Adaptive && !joints.strengths.is_empty() {
             joints.weakest = (0..mesh.elements.len())
                 .map(|element| {
-                    let edges = topology.facet_of[element].into_iter().filter(|&edge| edge != NONE);
-                    Weakest::of(edges.filter_map(|edge| joints.strength(edge)))
+                    let facets = topology.facet_of[element].into_iter().filter(|&facet| facet != NONE);
+                    Weakest::of(facets.filter_map(|facet| joints.strength(facet)))
                 })
                 .collect();
             joints.near = vec![Near::Far; mesh.elements.len()];
@@ -208,14 +231,14 @@ impl Joints {
         joints
     }
 
-    /// Whether an edge can ever get a joint.
-    pub(crate) fn may_part(&self, edge: u32) -> bool {
-        self.class[edge as usize] != NONE
+    /// Whether a facet can ever get a joint.
+    pub(crate) fn may_part(&self, facet: u32) -> bool {
+        self.class[facet as usize] != NONE
     }
 
-    fn strength(&self, edge: u32) -> Option<Strength> {
-        let strength = self.strengths.get(self.class[edge as usize] as usize)?;
-        let factor = self.factors.get(edge as usize).copied().unwrap_or(1.0);
+    fn strength(&self, facet: u32) -> Option<Strength> {
+        let strength = self.strengths.get(self.class[facet as usize] as usize)?;
+        let factor = self.factors.get(facet as usize).copied().unwrap_or(1.0);
         Some(Strength {
             tensile: strength.tensile * factor,
             cohesion: strength.cohesion * factor,
@@ -223,19 +246,21 @@ impl Joints {
         })
     }
 
-    /// The law of a joint on an edge; `None` if the edge cannot break.
-    pub(crate) fn law(
+    /// The law of a joint on a facet; `None` if the facet cannot break.
+    pub(crate) fn law<const N: usize>(
         &self,
-        edge: u32,
-        model: &Model,
-        topology: &Topology,
-    ) -> Result<Option<Law>, ModelError> {
-        let Some(strength) = self.strength(edge) else { return Ok(None) };
-        let sides = &topology.facets[edge as usize];
+        facet: u32,
+        model: &Model<D, N>,
+        topology: &Topology<D, N>,
+    ) -> Result<Option<Law>, ModelError>
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        let Some(strength) = self.strength(facet) else { return Ok(None) };
+        let sides = &topology.facets[facet as usize];
         let penalty = penalty(model, sides);
         let elastic = self.insertion == Insertion::Intrinsic;
-        let vertices = sides.corners[0].map(|corner| topology.vertices[corner as usize]);
-        let length = edge_length(model, vertices);
+        let length = <[[f64; D]; N]>::facet_length(measure_of(model, topology, sides));
         let law = Law::new(&strength, penalty, model.fracture.critical_opening, elastic, length);
         law.map(Some).map_err(|TooLittle { least, sliding }| {
             let element = sides.elements()[0];
@@ -244,28 +269,46 @@ impl Joints {
         })
     }
 
-    /// Inserts undamaged joints on all edges that can break. [`Joints::part`] gives them the traction of the initial stress.
-    pub(crate) fn everywhere(&mut self, model: &Model, topology: &Topology) -> Result<(), ModelError> {
+    /// Inserts undamaged joints on all facets that can break. [`Joints::part`] gives them the traction of the initial stress.
+    pub(crate) fn everywhere<const N: usize>(
+        &mut self,
+        model: &Model<D, N>,
+        topology: &Topology<D, N>,
+    ) -> Result<(), ModelError>
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
         let count = self.class.iter().filter(|&&class| class != NONE).count();
         self.all.reserve_exact(count);
         self.forces.reserve_exact(count);
-        for edge in 0..topology.facets.len() as u32 {
-            if let Some(law) = self.law(edge, model, topology)? {
-                self.put(edge, law, Plane::OWN, topology, model);
+        for facet in 0..topology.facets.len() as u32 {
+            if let Some(law) = self.law(facet, model, topology)? {
+                self.put(facet, law, Plane::OWN, topology, model);
             }
         }
         Ok(())
     }
 
-    fn put(&mut self, edge: u32, law: Law, plane: Plane, topology: &Topology, model: &Model) {
+    fn put<const N: usize>(
+        &mut self,
+        facet: u32,
+        law: Law,
+        plane: Plane,
+        topology: &Topology<D, N>,
+        model: &Model<D, N>,
+    ) where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
         let number = self.all.len() as u32;
-        self.of_edge[edge as usize] = number;
-        let sides = &topology.facets[edge as usize];
+        self.of_facet[facet as usize] = number;
+        let sides = &topology.facets[facet as usize];
         for (side, corners) in sides.corners.into_iter().enumerate() {
             for (end, corner) in corners.into_iter().enumerate() {
-                let code = 4 * number + 2 * end as u32 + side as u32;
-                let slot = usize::from(topology.facets_at(corner)[0] != edge);
-                self.at_corner[corner as usize][slot] = code;
+                let code = 2 * (D as u32 * number + end as u32) + side as u32;
+                let at = topology.facets_at(corner);
+                for slot in (0..D).filter(|&slot| at[slot] == facet) {
+                    self.at_corner[corner as usize][slot] = code;
+                }
             }
         }
         let vertices = sides.corners[0].map(|corner| topology.vertices[corner as usize]);
@@ -275,26 +318,31 @@ impl Joints {
                 self.tips.push(vertex);
             }
         }
-        self.forces.push([[0.0; 2]; 2]);
+        self.forces.push([[0.0; D]; D]);
+        let measure = measure_of(model, topology, sides);
         self.all.push(Joint {
-            edge,
+            facet,
             state: State::Holding,
             plane,
             law: law.on(plane),
-            length: edge_length(model, vertices),
-            nodes: [[0; 2]; 2],
-            ends: [Memory::default(); 2],
-            open: [false; 2],
-            detached: [false; 2],
+            measure,
+            length: <[[f64; D]; N]>::facet_length(measure),
+            nodes: no_nodes(),
+            ends: [Memory::default(); D],
+            open: [false; D],
+            detached: [false; D],
             faded: 0.0,
             fading: 0.0,
         });
     }
 
     /// Looks up the nodes of all joints again.
-    pub(crate) fn find_nodes(&mut self, topology: &Topology, solid: &Solid) {
+    pub(crate) fn find_nodes<const N: usize>(&mut self, topology: &Topology<D, N>, solid: &Solid<D, N>)
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
         for joint in &mut self.all {
-            joint.nodes = nodes_at(&topology.facets[joint.edge as usize], solid);
+            joint.nodes = nodes_at(&topology.facets[joint.facet as usize], solid);
         }
     }
 
@@ -304,7 +352,7 @@ impl Joints {
     }
 
     /// Broken joints, each with when and how it broke.
-    pub(crate) fn breaks(&self) -> impl Iterator<Item = (&Joint, &Break)> {
+    pub(crate) fn breaks(&self) -> impl Iterator<Item = (&Joint<D>, &Break)> {
         self.breaks.iter().map(|broken| (&self.all[broken.joint as usize], broken))
     }
 
@@ -314,18 +362,21 @@ impl Joints {
         self.breaks.get(place)
     }
 
-    pub(crate) fn save(&self) -> Saved {
+    pub(crate) fn save(&self) -> Saved<D> {
         Saved { joints: self.all.clone(), forces: self.forces.clone(), breaks: self.breaks.clone() }
     }
 
     /// Restores the saved joints.
-    pub(crate) fn restore(
+    pub(crate) fn restore<const N: usize>(
         &mut self,
-        saved: Saved,
-        model: &Model,
-        topology: &Topology,
-        solid: &Solid,
-    ) -> Result<(), ModelError> {
+        saved: Saved<D>,
+        model: &Model<D, N>,
+        topology: &Topology<D, N>,
+        solid: &Solid<D, N>,
+    ) -> Result<(), ModelError>
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
         let missing = |what, index| ModelError::Missing { what, index, place: "the saved joints".to_owned() };
         let count = saved.joints.len();
         if saved.forces.len() != count {
@@ -338,16 +389,16 @@ impl Joints {
         self.all.clear();
         self.forces.clear();
         for joint in &saved.joints {
-            let law = if (joint.edge as usize) < topology.facets.len() {
-                self.law(joint.edge, model, topology)?
+            let law = if (joint.facet as usize) < topology.facets.len() {
+                self.law(joint.facet, model, topology)?
             } else {
                 None
             };
-            let law = law.ok_or_else(|| missing("edge", joint.edge))?;
-            self.put(joint.edge, law, joint.plane, topology, model);
+            let law = law.ok_or_else(|| missing("facet", joint.facet))?;
+            self.put(joint.facet, law, joint.plane, topology, model);
         }
         for (own, joint) in self.all.iter_mut().zip(saved.joints) {
-            *own = Joint { law: own.law, length: own.length, ..joint };
+            *own = Joint { law: own.law, measure: own.measure, length: own.length, ..joint };
         }
         self.find_nodes(topology, solid);
         (self.forces, self.breaks) = (saved.forces, saved.breaks);
@@ -355,7 +406,16 @@ impl Joints {
     }
 
     /// Updates all joints and their forces from the positions of the nodes.
-    pub(crate) fn pull(&mut self, solid: &Solid, step: f64, time: f64, team: &Team) -> Parting {
+    pub(crate) fn pull<const N: usize>(
+        &mut self,
+        solid: &Solid<D, N>,
+        step: f64,
+        time: f64,
+        team: &Team,
+    ) -> Parting
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
         let found = team.change_both(&mut self.all, &mut self.forces, |first, joints, forces| {
             let mut sum = Parting::default();
             for (k, (joint, forces)) in joints.iter_mut().zip(forces).enumerate() {
@@ -386,43 +446,50 @@ impl Joints {
 
     /// Adds the force of the joints on a corner of an element.
     #[inline]
-    pub(crate) fn add_force(&self, corner: u32, force: &mut Point) {
+    pub(crate) fn add_force(&self, corner: u32, force: &mut Point<D>) {
         for code in self.at_corner[corner as usize] {
             if code == NONE {
                 continue;
             }
-            let pull = self.forces[code as usize / 4][code as usize / 2 % 2];
-            let sign = if code % 2 == 0 { 1.0 } else { -1.0 };
-            force[0] += sign * pull[0];
-            force[1] += sign * pull[1];
+            let pull = self.forces[code as usize / (2 * D)][code as usize / 2 % D];
+            add(force, pull, if code % 2 == 0 { 1.0 } else { -1.0 });
         }
     }
 
-    /// Whether the two elements at an edge are connected there: by the mesh, or by a joint that holds.
-    pub(crate) fn holds(&self, edge: u32) -> bool {
-        self.all.get(self.of_edge[edge as usize] as usize).is_none_or(|joint| joint.state == State::Holding)
+    /// Whether the two elements at a facet are connected there: by the mesh, or by a joint that holds.
+    pub(crate) fn holds(&self, facet: u32) -> bool {
+        self.all.get(self.of_facet[facet as usize] as usize).is_none_or(|joint| joint.state == State::Holding)
     }
 
     /// Forces of the broken joints that still press their two elements.
-    pub(crate) fn pressing(&self, solid: &Solid, topology: &Topology) -> Vec<ContactForce> {
+    pub(crate) fn pressing<const N: usize>(
+        &self,
+        solid: &Solid<D, N>,
+        topology: &Topology<D, N>,
+    ) -> Vec<ContactForce<D>>
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
         let mut pressing = Vec::new();
         for (joint, forces) in self.all.iter().zip(&self.forces) {
-            if joint.state != State::Broken || *forces == [[0.0; 2]; 2] {
+            if joint.state != State::Broken || *forces == [[0.0; D]; D] {
                 continue;
             }
             let frame = Frame::new(joint, solid);
-            let weights = forces.map(length);
-            let middles =
-                frame.ends.map(|[a, b]| [0, 1].map(|axis| f64::midpoint(a.position[axis], b.position[axis])));
-            let whole = weights[0] + weights[1];
-            let sum: Point = std::array::from_fn(|axis| forces[0][axis] + forces[1][axis]);
-            let across = dot(sum, frame.normal);
-            let normal = frame.normal.map(|n| across * n);
+            let (mut sum, mut whole, mut moment) = ([0.0; D], 0.0, [0.0; D]);
+            for ([a, b], force) in frame.ends.into_iter().zip(forces) {
+                let weight = length(*force);
+                let middle = std::array::from_fn(|axis| f64::midpoint(a.position[axis], b.position[axis]));
+                add(&mut sum, *force, 1.0);
+                add(&mut moment, middle, weight);
+                whole += weight;
+            }
+            let across = dot(sum, frame.axes[0]);
+            let normal = frame.axes[0].map(|n| across * n);
             // Side 0 is the element with the lower number.
             pressing.push(ContactForce {
-                elements: topology.facets[joint.edge as usize].elements(),
-                point: [0, 1]
-                    .map(|axis| (weights[0] * middles[0][axis] + weights[1] * middles[1][axis]) / whole),
+                elements: topology.facets[joint.facet as usize].elements(),
+                point: moment.map(|x| x / whole),
                 normal,
                 tangential: minus(sum, normal),
             });
@@ -431,111 +498,145 @@ impl Joints {
     }
 
     /// Elastic energy, J, that the initial stress has stored in intrinsic joints. Valid only before any joint has opened or slid.
-    pub(crate) fn stored(&self, solid: &Solid) -> f64 {
-        let half = |joint: &Joint| 0.5 * joint.length * solid.thickness;
+    pub(crate) fn stored<const N: usize>(&self, solid: &Solid<D, N>) -> f64 {
+        let part = |joint: &Joint<D>| joint.measure / D as f64 * solid.thickness;
         let of_joint =
-            |joint: &Joint| joint.ends.iter().map(|end| half(joint) * end.stored(&joint.law)).sum::<f64>();
+            |joint: &Joint<D>| joint.ends.iter().map(|end| part(joint) * end.stored(&joint.law)).sum::<f64>();
         self.all.iter().map(of_joint).sum()
     }
 
     /// Adds the force of the joints on a corner of an element before anything has moved.
-    pub(crate) fn add_initial_force(&self, corner: u32, solid: &Solid, force: &mut Point) {
+    pub(crate) fn add_initial_force<const N: usize>(
+        &self,
+        corner: u32,
+        solid: &Solid<D, N>,
+        force: &mut Point<D>,
+    ) where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
         for code in self.at_corner[corner as usize].into_iter().filter(|&code| code != NONE) {
-            let joint = &self.all[code as usize / 4];
-            let (frame, mut memory) = (Frame::new(joint, solid), joint.ends[code as usize / 2 % 2]);
-            let [pressure, shear] = memory.traction(&joint.law, 0.0, 0.0);
-            let area = 0.5 * joint.length * solid.thickness;
-            let sign = if code % 2 == 0 { area } else { -area };
-            for axis in 0..2 {
-                force[axis] += sign * (pressure * frame.normal[axis] + shear * frame.tangent[axis]);
-            }
+            let joint = &self.all[code as usize / (2 * D)];
+            let (frame, mut memory) = (Frame::new(joint, solid), joint.ends[code as usize / 2 % D]);
+            let traction = memory.traction(&joint.law, [0.0; D]);
+            let area = joint.measure / D as f64 * solid.thickness;
+            add(force, frame.vector(traction), if code % 2 == 0 { area } else { -area });
         }
     }
 
-    /// Mean opening and sliding of a joint, m.
-    pub(crate) fn gap(joint: &Joint, solid: &Solid) -> [f64; 2] {
+    /// Mean opening and sliding of a joint, m: across it, then along it.
+    pub(crate) fn gap<const N: usize>(joint: &Joint<D>, solid: &Solid<D, N>) -> [f64; D]
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
         let frame = Frame::new(joint, solid);
-        let mut mean = [0.0; 2];
+        let mut mean = [0.0; D];
         for [a, b] in frame.ends {
-            let gap = minus(b.position, a.position);
-            mean[0] += 0.5 * dot(gap, frame.normal);
-            mean[1] += 0.5 * dot(gap, frame.tangent);
+            add(&mut mean, frame.components(minus(b.position, a.position)), 1.0 / D as f64);
         }
         mean
     }
 }
 
 /// Position and direction of a joint.
-struct Frame<'a> {
-    ends: [[&'a Node; 2]; 2],
-    tangent: Point,
-    /// Outward normal of side 0.
-    normal: Point,
+struct Frame<'a, const D: usize> {
+    ends: [[&'a Node<D>; 2]; D],
+    /// Unit vectors: the outward normal of side 0, and directions along the joint.
+    axes: Matrix<D>,
 }
 
-impl<'a> Frame<'a> {
+impl<'a, const D: usize> Frame<'a, D> {
     #[inline]
-    fn new(joint: &Joint, solid: &'a Solid) -> Self {
+    fn new<const N: usize>(joint: &Joint<D>, solid: &'a Solid<D, N>) -> Self
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
         let ends = joint.nodes.map(|end| end.map(|node| &solid.nodes[node as usize]));
-        // The line half way between the two edges, in the direction of side 0: its outward normal is to the right.
-        let sum = ends.map(|[a, b]| [a.position[0] + b.position[0], a.position[1] + b.position[1]]);
-        let along = minus(sum[1], sum[0]);
-        let long = 1.0 / dot(along, along).sqrt();
-        let tangent = [along[0] * long, along[1] * long];
-        Self { ends, tangent, normal: [tangent[1], -tangent[0]] }
+        // The facet half way between the two sides, in twice its size.
+        let sum = ends.map(|[a, b]| std::array::from_fn(|axis| a.position[axis] + b.position[axis]));
+        let axes = <[[f64; D]; N]>::axes(&sum).map(|axis| {
+            let long = 1.0 / dot(axis, axis).sqrt();
+            axis.map(|x| x * long)
+        });
+        Self { ends, axes }
+    }
+
+    /// Components of a vector across the joint and along it.
+    #[inline]
+    fn components(&self, vector: Point<D>) -> [f64; D] {
+        self.axes.map(|axis| dot(vector, axis))
+    }
+
+    /// The vector with these components.
+    #[inline]
+    fn vector(&self, components: [f64; D]) -> Point<D> {
+        std::array::from_fn(|axis| {
+            let mut sum = components[0] * self.axes[0][axis];
+            for k in 1..D {
+                sum += components[k] * self.axes[k][axis];
+            }
+            sum
+        })
     }
 }
 
-fn nodes_at(edge: &Facet, solid: &Solid) -> [[u32; 2]; 2] {
-    std::array::from_fn(|end| edge.corners.map(|side| solid.corners.node_at(side[end])))
+fn nodes_at<const D: usize, const N: usize>(facet: &Facet<D>, solid: &Solid<D, N>) -> [[u32; 2]; D] {
+    std::array::from_fn(|end| facet.corners.map(|side| solid.corners.node_at(side[end])))
 }
 
 /// Updates one joint and its forces. Returns the work since the last pass and, if the joint broke, the modes of its damage.
 #[inline]
-fn pull(joint: &mut Joint, forces: &mut [Point; 2], solid: &Solid, step: f64) -> (f64, Option<[f64; 2]>) {
-    let Frame { ends, tangent, normal } = Frame::new(joint, solid);
-    let share = 0.5 * joint.length * solid.thickness * (1.0 - joint.faded);
-    let (mut work, mut slid, mut least, mut whole) = (0.0, 0.0, f64::INFINITY, false);
-    for (end, [a, b]) in ends.into_iter().enumerate() {
+fn pull<const D: usize, const N: usize>(
+    joint: &mut Joint<D>,
+    forces: &mut [Point<D>; D],
+    solid: &Solid<D, N>,
+    step: f64,
+) -> (f64, Option<[f64; 2]>)
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    let frame = Frame::new(joint, solid);
+    let share = joint.measure / D as f64 * solid.thickness * (1.0 - joint.faded);
+    let (mut work, mut slid, mut least, mut whole) = (0.0, [0.0; D], f64::INFINITY, false);
+    for (end, [a, b]) in frame.ends.into_iter().enumerate() {
         if !joint.open[end] {
             whole = true;
             continue;
         }
-        let gap = minus(b.position, a.position);
+        let apart = minus(b.position, a.position);
         let rate = minus(b.velocity, a.velocity);
-        let (opening, sliding) = (dot(gap, normal), dot(gap, tangent));
+        let gap = frame.components(apart);
         if joint.ends[end].damage() >= 1.0 {
-            let apart = dot(gap, gap) > (APART * joint.length) * (APART * joint.length);
-            joint.detached[end] = apart || (joint.detached[end] && opening < 0.0);
+            let far = dot(apart, apart) > (APART * joint.length) * (APART * joint.length);
+            joint.detached[end] = far || (joint.detached[end] && gap[0] < 0.0);
         }
-        let [pressure, shear] = if joint.detached[end] {
-            [0.0; 2]
+        let traction = if joint.detached[end] {
+            [0.0; D]
         } else {
-            least = least.min(opening);
-            joint.ends[end].traction(&joint.law, opening, sliding)
+            least = least.min(gap[0]);
+            joint.ends[end].traction(&joint.law, gap)
         };
-        let force: Point =
-            std::array::from_fn(|axis| share * (pressure * normal[axis] + shear * tangent[axis]));
+        let force = frame.vector(traction).map(|x| share * x);
         // Work of the last force in the second half of its step, and of the new force in the first half of its step.
         work += 0.5 * step * (dot(forces[end], rate) + dot(force, rate));
         forces[end] = force;
-        slid += 0.5 * sliding;
+        for axis in 1..D {
+            slid[axis] += gap[axis] / D as f64;
+        }
     }
-    let is_detached = joint.detached != [false; 2] && !whole;
+    let is_detached = joint.detached != [false; D] && !whole;
     let broken = joint.ends.iter().all(|end| end.damage() >= 1.0) && !whole;
     let before = joint.faded;
     let mut modes = None;
     match joint.state {
         State::Holding if is_detached || broken => {
             joint.state = State::Broken;
-            let [a, b] = joint.ends.map(|end| end.damages);
-            modes = Some([0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])]);
+            modes = Some(joint.modes());
             if is_detached {
                 leave(joint, forces);
             }
         }
         State::Broken => {
-            let share = (slid.abs() / joint.length - FADE[0]) / (FADE[1] - FADE[0]);
+            let share = (length(slid) / joint.length - FADE[0]) / (FADE[1] - FADE[0]);
             joint.faded = joint.faded.max(share.clamp(0.0, 1.0));
             // Neither the joint nor the contact has a force while the joint is open, so it can hand over at once.
             if least >= 0.0 || joint.faded >= 1.0 || is_detached {
@@ -549,32 +650,49 @@ fn pull(joint: &mut Joint, forces: &mut [Point; 2], solid: &Solid, step: f64) ->
 }
 
 /// Hands over to the contact of the two elements.
-fn leave(joint: &mut Joint, forces: &mut [Point; 2]) {
+fn leave<const D: usize>(joint: &mut Joint<D>, forces: &mut [Point<D>; D]) {
     joint.faded = 1.0;
     joint.state = State::Removed;
-    *forces = [[0.0; 2]; 2];
+    *forces = [[0.0; D]; D];
 }
 
-/// Penalty of the joint on an edge, Pa/m.
-pub(crate) fn penalty(model: &Model, edge: &Facet) -> f64 {
-    let elements = edge.elements();
+/// Penalty of the joint on a facet, Pa/m.
+pub(crate) fn penalty<const D: usize, const N: usize>(model: &Model<D, N>, facet: &Facet<D>) -> f64
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    let elements = facet.elements();
     let modulus =
         |element: u32| model.materials[model.mesh.materials[element as usize] as usize].youngs_modulus;
-    let heights = [edge.corners[0][0], edge.corners[1][1]]
-        .map(|corner| corners_of(&model.mesh, corner as usize / 3).height(corner as usize % 3));
+    let heights = facet.corners.map(|corners| {
+        let own = |at: &usize| corners.iter().any(|&corner| corner as usize % N == *at);
+        let k = (0..N).find(|&k| <[[f64; D]; N]>::FACETS[k].iter().all(own)).unwrap_or_default();
+        corners_of(&model.mesh, corners[0] as usize / N).height(k)
+    });
     let modulus = modulus(elements[0]).min(modulus(elements[1]));
     model.fracture.joint_penalty * modulus / (0.5 * (heights[0] + heights[1]))
 }
 
-/// Length of an undeformed edge, m.
-fn edge_length(model: &Model, vertices: [u32; 2]) -> f64 {
-    let [a, b] = vertices.map(|vertex| model.mesh.nodes[vertex as usize]);
-    length(minus(b, a))
+/// Length of the undeformed edge, m, or area of the undeformed face, m².
+fn measure_of<const D: usize, const N: usize>(
+    model: &Model<D, N>,
+    topology: &Topology<D, N>,
+    facet: &Facet<D>,
+) -> f64
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    let place = |corner: u32| model.mesh.nodes[topology.vertices[corner as usize] as usize];
+    <[[f64; D]; N]>::facet_measure(&facet.corners[0].map(place))
 }
 
 /// Strength between two materials, and whether it is that of an interface between two different ones: that of their interface if it has one, otherwise that of the
-/// material with the lower tensile strength. `None` if the edge cannot break.
-fn strength_between(model: &Model, a: u32, b: u32) -> Option<(Strength, bool)> {
+/// material with the lower tensile strength. `None` if the facet cannot break.
+fn strength_between<const D: usize, const N: usize>(
+    model: &Model<D, N>,
+    a: u32,
+    b: u32,
+) -> Option<(Strength, bool)> {
     if let Some(strength) = model.interface(a, b).and_then(|interface| interface.strength) {
         return Some((strength, a != b));
     }

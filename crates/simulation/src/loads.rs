@@ -3,9 +3,10 @@
 use crate::error::ModelError;
 use crate::ground::{Ground, Reaction};
 use crate::model::{Load, Model, Schedule, Target};
+use crate::simplex::Simplex;
 use crate::solid::Solid;
-use crate::topology::{NONE, Topology};
-use crate::vector::{Point, dot, length, minus};
+use crate::topology::{NONE, Topology, are_alike};
+use crate::vector::{Point, add, dot, plus};
 
 /// Prescribed motion of a node along one axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,41 +57,48 @@ impl Schedule {
 
 /// A force on a corner of an element in this step.
 #[derive(Clone, Copy, Debug)]
-struct Applied {
+struct Applied<const D: usize> {
     corner: u32,
     boundary: u32,
     /// All of it.
-    force: Point,
+    force: Point<D>,
     /// The part that dissipates.
-    viscous: Point,
+    viscous: Point<D>,
 }
 
-/// An outer edge, by its two corners.
+/// An outer facet, by its corners.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Side {
-    pub(crate) corners: [u32; 2],
-    /// Undeformed, m.
-    pub(crate) length: f64,
+pub(crate) struct Side<const D: usize> {
+    pub(crate) corners: [u32; D],
+    /// Undeformed length, m, or area, m².
+    pub(crate) measure: f64,
 }
 
 /// All external actions on a model.
 #[derive(Debug)]
-pub(crate) struct Loads {
+pub(crate) struct Loads<const D: usize = 2, const N: usize = 3> {
     pub(crate) schedules: Vec<Schedule>,
     /// Prescribed motions by axis. Nodes refer to them by their numbers.
-    pub(crate) holds: Vec<[Option<Hold>; 2]>,
+    pub(crate) holds: Vec<[Option<Hold>; D]>,
     /// Boundaries with forces on corners.
-    forces: Vec<(u32, Point, Vec<u32>)>,
-    /// Boundaries on edges.
-    sides: Vec<(u32, Load, Vec<Side>)>,
-    applied: Vec<Applied>,
-    /// Ground beyond absorbing edges.
-    pub(crate) ground: Ground,
+    forces: Vec<(u32, Point<D>, Vec<u32>)>,
+    /// Boundaries on facets.
+    sides: Vec<(u32, Load<D>, Vec<Side<D>>)>,
+    applied: Vec<Applied<D>>,
+    /// Ground beyond absorbing facets.
+    pub(crate) ground: Ground<D, N>,
 }
 
-impl Loads {
+impl<const D: usize, const N: usize> Loads<D, N>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
     /// Checks the boundaries and marks the nodes that they hold.
-    pub(crate) fn new(model: &Model, topology: &Topology, solid: &mut Solid) -> Result<Self, ModelError> {
+    pub(crate) fn new(
+        model: &Model<D, N>,
+        topology: &Topology<D, N>,
+        solid: &mut Solid<D, N>,
+    ) -> Result<Self, ModelError> {
         let mut loads = Self {
             schedules: model.boundaries.iter().map(|boundary| boundary.schedule.clone()).collect(),
             holds: Vec::new(),
@@ -124,12 +132,13 @@ impl Loads {
                         loads.forces.push((number, part, corners));
                     }
                 }
-                (Load::Absorbing, Target::Facets(edges)) if !edges.is_empty() => {}
-                (load, Target::Facets(edges)) if !edges.is_empty() => {
-                    let sides = edges.iter().map(|&edge| outer_side(model, topology, edge, &boundary.name));
+                (Load::Absorbing, Target::Facets(facets)) if !facets.is_empty() => {}
+                (load, Target::Facets(facets)) if !facets.is_empty() => {
+                    let sides =
+                        facets.iter().map(|&facet| outer_side(model, topology, facet, &boundary.name));
                     loads.sides.push((number, load, sides.collect::<Result<_, _>>()?));
                 }
-                _ => return Err(wrong("edges")),
+                _ => return Err(wrong(<[[f64; D]; N]>::FACETS_ARE)),
             }
         }
         Ok(loads)
@@ -137,11 +146,11 @@ impl Loads {
 
     fn hold(
         &mut self,
-        model: &Model,
-        solid: &mut Solid,
+        model: &Model<D, N>,
+        solid: &mut Solid<D, N>,
         boundary: u32,
         nodes: &[u32],
-        motion: [Option<Motion>; 2],
+        motion: [Option<Motion>; D],
     ) -> Result<(), ModelError> {
         if nodes.is_empty() {
             let boundary = model.boundaries[boundary as usize].name.clone();
@@ -151,10 +160,10 @@ impl Loads {
             let node = &mut solid.constants[number as usize];
             if node.hold == NONE {
                 node.hold = self.holds.len() as u32;
-                self.holds.push([None; 2]);
+                self.holds.push([None; D]);
             }
             let held = &mut self.holds[node.hold as usize];
-            for axis in 0..2 {
+            for axis in 0..D {
                 let Some(motion) = motion[axis] else { continue };
                 match held[axis] {
                     None => held[axis] = Some(Hold { boundary, motion }),
@@ -171,72 +180,67 @@ impl Loads {
         Ok(())
     }
 
-    /// Sets the static forces of the ground to what holds the nodes of absorbing edges in equilibrium at the beginning, under initial stress, weight, loads, and `others` on each corner.
-    pub(crate) fn support(&mut self, model: &Model, solid: &Solid, others: impl Fn(u32) -> Point) {
+    /// Sets the static forces of the ground to what holds the nodes of absorbing facets in equilibrium at the beginning, under initial stress, weight, loads, and `others` on each corner.
+    pub(crate) fn support(
+        &mut self,
+        model: &Model<D, N>,
+        solid: &Solid<D, N>,
+        others: impl Fn(u32) -> Point<D>,
+    ) {
         if self.ground.is_empty() {
             return;
         }
         self.collect(solid, 0.0);
-        let mut loads = vec![[0.0; 2]; 3 * solid.elements.len()];
+        let mut loads = vec![[0.0; D]; N * solid.elements.len()];
         for Applied { corner, force, .. } in self.applied.drain(..) {
-            let sum: &mut Point = &mut loads[corner as usize];
-            *sum = [sum[0] + force[0], sum[1] + force[1]];
+            add(&mut loads[corner as usize], force, 1.0);
         }
-        self.ground.support(model, solid, |corner| {
-            let ([x, y], [u, v]) = (loads[corner as usize], others(corner));
-            [x + u, y + v]
-        });
+        self.ground.support(model, solid, |corner| plus(loads[corner as usize], others(corner)));
     }
 
     /// Adds all forces to the corners on which they act.
-    pub(crate) fn apply(&mut self, solid: &mut Solid, model: &Model, time: f64) {
+    pub(crate) fn apply(&mut self, solid: &mut Solid<D, N>, model: &Model<D, N>, time: f64) {
         self.collect(solid, time);
         self.applied.extend(self.ground.reactions(solid, model).map(|reaction| {
             let Reaction { corner, boundary, elastic, viscous } = reaction;
-            let force = [elastic[0] + viscous[0], elastic[1] + viscous[1]];
-            Applied { corner, boundary, force, viscous }
+            Applied { corner, boundary, force: plus(elastic, viscous), viscous }
         }));
         for &Applied { corner, force, .. } in &self.applied {
-            let on = &mut solid.strained[corner as usize / 3].forces[corner as usize % 3];
-            on[0] += force[0];
-            on[1] += force[1];
+            add(&mut solid.strained[corner as usize / N].forces[corner as usize % N], force, 1.0);
         }
     }
 
     /// Collects the forces of loads.
-    fn collect(&mut self, solid: &Solid, time: f64) {
+    fn collect(&mut self, solid: &Solid<D, N>, time: f64) {
         self.applied.clear();
         for (boundary, force, corners) in &self.forces {
             let factor = self.schedules[*boundary as usize].factor(time);
             let force = force.map(|f| f * factor);
-            let applied = |&corner: &u32| Applied { corner, boundary: *boundary, force, viscous: [0.0; 2] };
+            let applied = |&corner: &u32| Applied { corner, boundary: *boundary, force, viscous: [0.0; D] };
             self.applied.extend(corners.iter().map(applied));
         }
         for (boundary, load, sides) in &self.sides {
             let factor = self.schedules[*boundary as usize].factor(time);
             for side in sides {
-                let [a, b] = side.corners.map(|corner| solid.at_corner(corner).position);
-                let along = minus(b, a);
-                let half = 0.5 * solid.thickness;
-                let forces: [Point; 2] = match *load {
-                    Load::Traction(traction) => [traction.map(|t| t * factor * half * side.length); 2],
-                    // Against the outward normal, which is as long as the edge.
+                // Each vertex takes an equal part.
+                let part = solid.thickness / D as f64;
+                let force = match *load {
+                    Load::Traction(traction) => traction.map(|t| t * factor * part * side.measure),
                     Load::Pressure(pressure) => {
-                        [[-along[1], along[0]].map(|n| pressure * factor * half * n); 2]
+                        let now = side.corners.map(|corner| solid.at_corner(corner).position);
+                        <[[f64; D]; N]>::facet_normal(&now).map(|n| -(pressure * factor * part * n))
                     }
-                    Load::Velocity(_) | Load::Displacement(_) | Load::Force(_) | Load::Absorbing => {
-                        [[0.0; 2]; 2]
-                    }
+                    Load::Velocity(_) | Load::Displacement(_) | Load::Force(_) | Load::Absorbing => [0.0; D],
                 };
-                for (corner, force) in side.corners.into_iter().zip(forces) {
-                    self.applied.push(Applied { corner, boundary: *boundary, force, viscous: [0.0; 2] });
+                for corner in side.corners {
+                    self.applied.push(Applied { corner, boundary: *boundary, force, viscous: [0.0; D] });
                 }
             }
         }
     }
 
-    /// Work of the applied forces in half a step at the nodes' velocities: of loads, and of the dashpots of absorbing edges.
-    pub(crate) fn half_work(&self, solid: &Solid, step: f64) -> [f64; 2] {
+    /// Work of the applied forces in half a step at the nodes' velocities: of loads, and of the dashpots of absorbing facets.
+    pub(crate) fn half_work(&self, solid: &Solid<D, N>, step: f64) -> [f64; 2] {
         let mut work = [0.0; 2];
         for applied in &self.applied {
             let velocity = solid.at_corner(applied.corner).velocity;
@@ -248,45 +252,47 @@ impl Loads {
     }
 
     /// The forces that were applied in the last step, each with its corner.
-    pub(crate) fn applied(&self) -> impl Iterator<Item = (u32, Point)> {
+    pub(crate) fn applied(&self) -> impl Iterator<Item = (u32, Point<D>)> {
         self.applied.iter().map(|applied| (applied.corner, applied.force))
     }
 
     /// Adds the forces that each boundary applied in the last step.
-    pub(crate) fn add_forces(&self, totals: &mut [Point]) {
+    pub(crate) fn add_forces(&self, totals: &mut [Point<D>]) {
         for applied in &self.applied {
-            let total = &mut totals[applied.boundary as usize];
-            total[0] += applied.force[0];
-            total[1] += applied.force[1];
+            add(&mut totals[applied.boundary as usize], applied.force, 1.0);
         }
     }
 }
 
 /// Nodes of a target, each once, ascending.
-fn nodes_of(target: &Target) -> Vec<u32> {
+fn nodes_of<const D: usize>(target: &Target<D>) -> Vec<u32> {
     let mut nodes: Vec<u32> = match target {
         Target::Nodes(nodes) => nodes.clone(),
-        Target::Facets(edges) => edges.iter().flatten().copied().collect(),
+        Target::Facets(facets) => facets.iter().flatten().copied().collect(),
     };
     nodes.sort_unstable();
     nodes.dedup();
     nodes
 }
 
-/// The outer edge between two nodes of the mesh.
-pub(crate) fn outer_side(
-    model: &Model,
-    topology: &Topology,
-    edge: [u32; 2],
+/// The outer facet between nodes of the mesh, which go around it in this order, from any of them on.
+pub(crate) fn outer_side<const D: usize, const N: usize>(
+    model: &Model<D, N>,
+    topology: &Topology<D, N>,
+    facet: [u32; D],
     name: &str,
-) -> Result<Side, ModelError> {
-    let [a, b] = edge;
+) -> Result<Side<D>, ModelError>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    let vertices = |corners: &[u32; D]| corners.map(|corner| topology.vertices[corner as usize]);
+    let around = |corners: &[u32; D]| are_alike(&vertices(corners), &facet);
     let corners = topology
-        .surface_at(a)
-        .find(|corners| corners.map(|corner| topology.vertices[corner as usize]) == edge)
-        .ok_or_else(|| ModelError::NotOuter { boundary: name.to_owned(), edge })?;
-    let along = minus(model.mesh.nodes[b as usize], model.mesh.nodes[a as usize]);
-    Ok(Side { corners, length: length(along) })
+        .surface_at(facet[0])
+        .find(around)
+        .ok_or_else(|| ModelError::NotOuter { boundary: name.to_owned(), facet: facet.to_vec() })?;
+    let measure = <[[f64; D]; N]>::facet_measure(&facet.map(|node| model.mesh.nodes[node as usize]));
+    Ok(Side { corners, measure })
 }
 
 #[cfg(test)]

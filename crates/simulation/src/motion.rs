@@ -7,19 +7,20 @@ use crate::contacts::Contacts;
 use crate::joints::Joints;
 use crate::loads::Loads;
 use crate::model::Model;
+use crate::simplex::Simplex;
 use crate::solid::{Constants, Node, Solid, Strained};
 use crate::team::Team;
 use crate::topology::{NONE, Nodes};
-use crate::vector::{Point, dot};
+use crate::vector::{Point, add, dot};
 
 /// Everything that the motion of the nodes in a step depends on.
-pub(crate) struct Motion<'a> {
-    pub(crate) model: &'a Model,
-    pub(crate) joints: &'a Joints,
-    pub(crate) contacts: &'a Contacts,
-    pub(crate) loads: &'a Loads,
+pub(crate) struct Motion<'a, const D: usize, const N: usize> {
+    pub(crate) model: &'a Model<D, N>,
+    pub(crate) joints: &'a Joints<D>,
+    pub(crate) contacts: &'a Contacts<D, N>,
+    pub(crate) loads: &'a Loads<D, N>,
     /// Acceleration of gravity at the beginning of the step, m/s².
-    pub(crate) gravity: Point,
+    pub(crate) gravity: Point<D>,
     pub(crate) time: f64,
     pub(crate) step: f64,
     pub(crate) speed_limit: f64,
@@ -27,16 +28,16 @@ pub(crate) struct Motion<'a> {
 
 /// Sums over the motion of all nodes.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Moved {
+pub(crate) struct Moved<const D: usize> {
     pub(crate) kinetic: f64,
     /// Work of gravity and of prescribed motions, up to the positions at the beginning of the step and after them.
     pub(crate) external: [f64; 2],
     /// Energy dissipated by local damping, likewise.
     pub(crate) damping: [f64; 2],
     /// Force of each boundary on the nodes that it holds.
-    pub(crate) reactions: Vec<Point>,
+    pub(crate) reactions: Vec<Point<D>>,
     /// Force on each node that a boundary moves.
-    pub(crate) held: Vec<(u32, Point)>,
+    pub(crate) held: Vec<(u32, Point<D>)>,
     /// Speed of the fastest node, m/s.
     pub(crate) fastest: f64,
     /// The first node that is too fast, and its speed, m/s.
@@ -44,7 +45,14 @@ pub(crate) struct Moved {
 }
 
 /// Gathers the forces on each node, and moves it.
-pub(crate) fn advance(solid: &mut Solid, motion: &Motion<'_>, team: &Team) -> Moved {
+pub(crate) fn advance<const D: usize, const N: usize>(
+    solid: &mut Solid<D, N>,
+    motion: &Motion<'_, D, N>,
+    team: &Team,
+) -> Moved<D>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
     let Solid { nodes, constants, strained, corners, origin, .. } = solid;
     let origin = *origin;
     let limit = motion.speed_limit * motion.speed_limit;
@@ -65,7 +73,7 @@ pub(crate) fn advance(solid: &mut Solid, motion: &Motion<'_>, team: &Team) -> Mo
         }
         sum
     });
-    let mut all = Moved { reactions: vec![[0.0; 2]; motion.model.boundaries.len()], ..Moved::default() };
+    let mut all = Moved { reactions: vec![[0.0; D]; motion.model.boundaries.len()], ..Moved::default() };
     for chunk in found {
         all.kinetic += chunk.kinetic;
         all.fastest = all.fastest.max(chunk.fastest.sqrt());
@@ -74,8 +82,7 @@ pub(crate) fn advance(solid: &mut Solid, motion: &Motion<'_>, team: &Team) -> Mo
             all.damping[half] += chunk.damping[half];
         }
         for (total, reaction) in all.reactions.iter_mut().zip(&chunk.reactions) {
-            total[0] += reaction[0];
-            total[1] += reaction[1];
+            add(total, *reaction, 1.0);
         }
         all.held.extend(chunk.held);
         all.runaway = all.runaway.or(chunk.runaway);
@@ -85,20 +92,21 @@ pub(crate) fn advance(solid: &mut Solid, motion: &Motion<'_>, team: &Team) -> Mo
 
 /// Force on a node: the sum over its corners in their order, for each that of its element, its joints and its contacts.
 #[inline]
-fn gather(
+fn gather<const D: usize, const N: usize>(
     number: usize,
     constants: &Constants,
-    strained: &[Strained],
-    corners: &Nodes,
-    motion: &Motion<'_>,
-) -> Point {
-    let mut force = [0.0; 2];
+    strained: &[Strained<D, N>],
+    corners: &Nodes<N>,
+    motion: &Motion<'_, D, N>,
+) -> Point<D>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    let mut force = [0.0; D];
     let joined = motion.joints.at_vertex[constants.vertex as usize];
     let mut corner = corners.first[number];
     while corner != NONE {
-        let [x, y] = strained[corner as usize / 3].forces[corner as usize % 3];
-        force[0] += x;
-        force[1] += y;
+        add(&mut force, strained[corner as usize / N].forces[corner as usize % N], 1.0);
         if joined {
             motion.joints.add_force(corner, &mut force);
         }
@@ -110,24 +118,24 @@ fn gather(
 
 /// Moves a node, and returns the force of what holds it.
 #[inline]
-fn move_node(
-    node: &mut Node,
+fn move_node<const D: usize, const N: usize>(
+    node: &mut Node<D>,
     constants: &Constants,
-    mut force: Point,
-    origin: Point,
-    motion: &Motion<'_>,
-    sum: &mut Moved,
-) -> Point {
-    let mut reactions = [0.0; 2];
+    mut force: Point<D>,
+    origin: Point<D>,
+    motion: &Motion<'_, D, N>,
+    sum: &mut Moved<D>,
+) -> Point<D> {
+    let mut reactions = [0.0; D];
     let mass = constants.mass;
     let step = motion.step;
     let before = node.velocity;
-    let weight: Point = std::array::from_fn(|axis| mass * motion.gravity[axis]);
+    let weight: Point<D> = std::array::from_fn(|axis| mass * motion.gravity[axis]);
     let held = motion.loads.holds.get(constants.hold as usize);
     let damping = motion.model.time.local_damping;
     let mut external = weight;
-    let mut damped = [0.0; 2];
-    for axis in 0..2 {
+    let mut damped = [0.0; D];
+    for axis in 0..D {
         force[axis] += weight[axis];
         let hold = held.and_then(|held| held[axis]);
         let after = if let Some(hold) = hold {
@@ -138,7 +146,7 @@ fn move_node(
             external[axis] += reaction;
             reactions[axis] = reaction;
             if sum.reactions.is_empty() {
-                sum.reactions = vec![[0.0; 2]; motion.model.boundaries.len()];
+                sum.reactions = vec![[0.0; D]; motion.model.boundaries.len()];
             }
             sum.reactions[hold.boundary as usize][axis] += reaction;
             after

@@ -19,6 +19,8 @@ pub(crate) trait Simplex<const D: usize, const N: usize>: Copy + Send + Sync {
     const FACETS: [[usize; D]; N];
     /// Facets that meet in each corner.
     const AT_CORNER: [[usize; D]; N];
+    /// What facets are called.
+    const FACETS_ARE: &'static str;
 
     fn determinant(f: &Matrix<D>) -> f64;
 
@@ -33,6 +35,39 @@ pub(crate) trait Simplex<const D: usize, const N: usize>: Copy + Send + Sync {
 
     /// Barycentric coordinates of a point: 1 at a corner and 0 on the facet opposite.
     fn coordinates(&self, point: Point<D>) -> [f64; N];
+
+    /// Length of an edge, area of a face.
+    fn facet_measure(facet: &[Point<D>; D]) -> f64;
+
+    /// Outward normal of a facet, as long as its measure.
+    fn facet_normal(facet: &[Point<D>; D]) -> Point<D>;
+
+    /// Length of an edge of this length; length of the edges of an even face of this area.
+    fn facet_length(measure: f64) -> f64;
+
+    /// The outward normal of a facet, and directions along it, at right angles; not of unit length.
+    fn axes(facet: &[Point<D>; D]) -> Matrix<D>;
+
+    /// Unit vectors at right angles, of which this is the first.
+    fn axes_around(normal: Point<D>) -> Matrix<D>;
+
+    /// What makes of a stiffness in Pa, times the thickness in two dimensions, one in N/m: a length of an element of this measure in three dimensions, and 1 in two.
+    fn contact_length(measure: f64) -> f64;
+
+    /// Traction across a facet, tension positive, and along it, in the directions of [`Simplex::axes`], Pa.
+    fn traction_on(facet: &[Point<D>; D], stress: &Matrix<D>) -> [f64; D];
+
+    /// Tractions on planes near a facet, Pa, each with the cosine of the angle to the facet: on the plane across the largest tension and on the two on which Mohr and
+    /// Coulomb's strength with a tangent of the friction angle of `friction` is used most, or as near to them as planes within `reach`, in radians, are.
+    fn tractions_near(
+        facet: &[Point<D>; D],
+        stress: &Matrix<D>,
+        friction: f64,
+        reach: f64,
+    ) -> [([f64; D], f64); 3];
+
+    /// Middle and radius of Mohr's largest circle, Pa.
+    fn circle(stress: &Matrix<D>) -> [f64; 2];
 
     /// Moduli of a material; `plane` counts in two dimensions.
     fn moduli(material: &Material, plane: Plane) -> Moduli;

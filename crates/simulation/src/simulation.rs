@@ -468,7 +468,7 @@ impl Simulation {
     pub fn crack_lengths(&self) -> [f64; 3] {
         let mut lengths = [0.0; 3];
         for (joint, broken) in self.joints.breaks() {
-            lengths[mode(broken.modes) as usize] += joint.length;
+            lengths[mode(broken.modes) as usize] += joint.measure;
         }
         lengths
     }
@@ -481,7 +481,7 @@ impl Simulation {
         let mut cracks = Vec::new();
         for (number, joint) in self.joints.all.iter().enumerate() {
             let of_joint = joint.damage();
-            let edge = &self.topology.facets[joint.edge as usize];
+            let edge = &self.topology.facets[joint.facet as usize];
             for element in edge.elements() {
                 let damage = &mut damage[element as usize];
                 *damage = damage.max(of_joint);
@@ -520,19 +520,13 @@ impl Simulation {
     }
 
     fn crack(&self, joint: &Joint, damage: f64, broken: Option<&Break>) -> Crack {
-        let edge = &self.topology.facets[joint.edge as usize];
+        let edge = &self.topology.facets[joint.facet as usize];
         let end = |end: usize| {
             let [a, b] = edge.corners.map(|side| self.solid.at_corner(side[end]).position);
             self.solid.place([0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])])
         };
         let [opening, sliding] = Joints::gap(joint, &self.solid);
-        let modes = broken.map_or_else(
-            || {
-                let [a, b] = joint.ends.map(|end| end.damages);
-                [a[0] + b[0], a[1] + b[1]]
-            },
-            |broken| broken.modes,
-        );
+        let modes = broken.map_or_else(|| joint.modes(), |broken| broken.modes);
         Crack {
             ends: [end(0), end(1)],
             elements: edge.elements(),
@@ -541,7 +535,7 @@ impl Simulation {
             opening,
             sliding,
             time: broken.map(|broken| broken.time),
-            length: joint.length,
+            length: joint.measure,
         }
     }
 

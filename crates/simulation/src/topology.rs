@@ -247,6 +247,18 @@ where
 
 /// Whether two facets with the same vertices go around them in opposite directions: whether an odd number of exchanges makes one of the other.
 fn are_opposite<const D: usize>(one: &[u32; D], other: &[u32; D]) -> bool {
+    let (sorted, odd) = exchanged(one, other);
+    odd && sorted == *one
+}
+
+/// Whether two facets have the same vertices and the same outside: whether an even number of exchanges makes one of the other.
+pub(crate) fn are_alike<const D: usize>(one: &[u32; D], other: &[u32; D]) -> bool {
+    let (sorted, odd) = exchanged(one, other);
+    !odd && sorted == *one
+}
+
+/// The other list in the order of the first, as far as they have the same members, and whether this takes an odd number of exchanges.
+fn exchanged<const D: usize>(one: &[u32; D], other: &[u32; D]) -> ([u32; D], bool) {
     let (mut other, mut odd) = (*other, false);
     for k in 0..D {
         if let Some(place) = (k + 1..D).find(|&place| other[k] != one[k] && other[place] == one[k]) {
@@ -254,7 +266,7 @@ fn are_opposite<const D: usize>(one: &[u32; D], other: &[u32; D]) -> bool {
             odd = !odd;
         }
     }
-    odd
+    (other, odd)
 }
 
 /// Linked lists of the corners of each node, in ascending order.

@@ -9,6 +9,11 @@ pub(crate) fn minus<const D: usize>(a: Point<D>, b: Point<D>) -> Point<D> {
 }
 
 #[inline]
+pub(crate) fn plus<const D: usize>(a: Point<D>, b: Point<D>) -> Point<D> {
+    std::array::from_fn(|axis| a[axis] + b[axis])
+}
+
+#[inline]
 pub(crate) fn dot<const D: usize>(a: Point<D>, b: Point<D>) -> f64 {
     let mut sum = a[0] * b[0];
     for axis in 1..D {
@@ -23,6 +28,13 @@ pub(crate) fn length<const D: usize>(a: Point<D>) -> f64 {
     dot(a, a).sqrt()
 }
 
+/// The vector of unit length in the same direction.
+#[inline]
+pub(crate) fn unit<const D: usize>(a: Point<D>) -> Point<D> {
+    let long = length(a);
+    a.map(|x| x / long)
+}
+
 #[inline]
 pub(crate) fn cross(a: Point, b: Point) -> f64 {
     a[0] * b[1] - a[1] * b[0]
@@ -34,6 +46,20 @@ pub(crate) fn add<const D: usize>(to: &mut Point<D>, direction: Point<D>, factor
     for axis in 0..D {
         to[axis] += direction[axis] * factor;
     }
+}
+
+/// The part along the facet of a vector, whose first component is the one across.
+#[inline]
+pub(crate) fn along<const D: usize>(mut vector: [f64; D]) -> [f64; D] {
+    vector[0] = 0.0;
+    vector
+}
+
+/// A vector, shortened to `limit` if it is longer.
+#[inline]
+pub(crate) fn at_most<const D: usize>(vector: [f64; D], limit: f64) -> [f64; D] {
+    let size = length(vector);
+    if size > limit { vector.map(|x| limit * (x / size)) } else { vector }
 }
 
 /// A matrix or tensor, by rows.

@@ -5,17 +5,16 @@ use serde::{Deserialize, Serialize};
 use crate::contacts::Couple;
 use crate::forces::ContactForce;
 use crate::model::Model;
-use crate::simplex::triangle::Triangle;
 use crate::simplex::{Interaction, Simplex};
 use crate::solid::Solid;
-use crate::vector::{Point, dot, length, minus};
+use crate::vector::{Point, add, at_most, dot, length, minus};
 
 /// Forces and history of two elements in contact.
-#[derive(Debug, Default)]
-pub(super) struct Contact {
+#[derive(Debug)]
+pub(super) struct Contact<const D: usize, const N: usize> {
     /// Forces of potential, damping and friction on the corners of both elements, N.
-    pub(super) forces: [[Point; 3]; 2],
-    pub(super) grip: Grip,
+    pub(super) forces: [[Point<D>; N]; 2],
+    pub(super) grip: Grip<D, N>,
     /// Energy, and works since the last pass.
     pub(super) works: Works,
     /// Whether the two overlap. False in the one pass after they have separated.
@@ -23,14 +22,33 @@ pub(super) struct Contact {
     pub(super) deep: bool,
 }
 
-impl Contact {
+impl<const D: usize, const N: usize> Default for Contact<D, N> {
+    fn default() -> Self {
+        Self {
+            forces: [[[0.0; D]; N]; 2],
+            grip: Grip::default(),
+            works: Works::default(),
+            touches: false,
+            deep: false,
+        }
+    }
+}
+
+impl<const D: usize, const N: usize> Contact<D, N>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
     /// Force on the first of the two elements, at the point where they overlap now.
-    pub(super) fn force(&self, elements: [u32; 2], solid: &Solid) -> ContactForce {
-        let sum = self.forces[0].iter().fold([0.0; 2], |sum, force| [sum[0] + force[0], sum[1] + force[1]]);
+    pub(super) fn force(&self, elements: [u32; 2], solid: &Solid<D, N>) -> ContactForce<D> {
+        let sum = total(&self.forces[0]);
         let [a, b] = elements.map(|element| solid.shape(element));
         let point = a.interaction(&b).map_or_else(
             // They have separated in this step.
-            |_| [0, 1].map(|axis| a.iter().chain(&b).map(|corner| corner[axis]).sum::<f64>() / 6.0),
+            |_| {
+                std::array::from_fn(|axis| {
+                    a.iter().chain(&b).map(|corner| corner[axis]).sum::<f64>() / (2 * N) as f64
+                })
+            },
             |interaction| interaction.point,
         );
         let tangential = self.grip.friction;
@@ -48,32 +66,42 @@ pub(super) struct Works {
 }
 
 /// History of friction and damping of a contact.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(super) struct Grip {
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(bound(
+    serialize = "[f64; D]: Serialize, [f64; N]: Serialize",
+    deserialize = "[f64; D]: Deserialize<'de>, [f64; N]: Deserialize<'de>"
+))]
+pub(super) struct Grip<const D: usize, const N: usize> {
     /// Friction on the first element, N.
-    friction: Point,
+    friction: Point<D>,
     /// Damping on the first element, N.
-    damping: Point,
-    /// Area coordinates, in both elements, of the point where the force acted.
-    shares: [[f64; 3]; 2],
+    damping: Point<D>,
+    /// Barycentric coordinates, in both elements, of the point where the force acted.
+    shares: [[f64; N]; 2],
     /// Initial potential energy, J, which is not counted: see [`count_from`].
     credited_energy: f64,
+}
+
+impl<const D: usize, const N: usize> Default for Grip<D, N> {
+    fn default() -> Self {
+        Self { friction: [0.0; D], damping: [0.0; D], shares: [[0.0; N]; 2], credited_energy: 0.0 }
+    }
 }
 
 /// Contact parameters of two materials.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Law {
-    /// Penalty times thickness, N/m.
+    /// Penalty times thickness: N/m in two dimensions, Pa in three.
     penalty: f64,
     friction: f64,
-    /// Tangential stiffness, N/m.
+    /// Tangential stiffness, likewise.
     tangential: f64,
     /// Share of critical damping.
     damping: f64,
 }
 
 /// Parameters of contacts between two materials.
-pub(super) fn law(model: &Model, a: u32, b: u32) -> Law {
+pub(super) fn law<const D: usize, const N: usize>(model: &Model<D, N>, a: u32, b: u32) -> Law {
     let interface = model.interface(a, b);
     let [one, two] = [a, b].map(|material| &model.materials[material as usize]);
     let penalty = interface
@@ -90,32 +118,46 @@ pub(super) fn law(model: &Model, a: u32, b: u32) -> Law {
 }
 
 /// Penalty of contacts between two materials, Pa, and their coefficient of friction.
-pub(crate) fn penalty_and_friction(model: &Model, [a, b]: [u32; 2]) -> [f64; 2] {
+pub(crate) fn penalty_and_friction<const D: usize, const N: usize>(
+    model: &Model<D, N>,
+    [a, b]: [u32; 2],
+) -> [f64; 2] {
     let law = law(model, a, b);
     [law.penalty / model.thickness, law.friction]
 }
 
-/// Upper bound of the stiffness, N/m, that a contact over edge `k` of an element of this material has at either end of the edge.
-pub(crate) fn stiffness(model: &Model, triangle: &Triangle, k: usize, material: u32) -> f64 {
+/// Upper bound of the stiffness, N/m, that a contact over facet `k` of an element of this material has at each vertex of the facet.
+pub(crate) fn stiffness<const D: usize, const N: usize>(
+    model: &Model<D, N>,
+    corners: &[Point<D>; N],
+    k: usize,
+    material: u32,
+) -> f64
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
     let penalty = (0..model.materials.len() as u32)
         .map(|other| law(model, material, other).penalty)
         .fold(0.0_f64, f64::max);
-    let edge = minus(triangle[(k + 1) % 3], triangle[k]);
-    // φ grows by 3 over the height. Half of the pressure on the edge goes to each end. Each of the two elements presses the other: factor 2.
-    let normal = 3.0 * penalty / triangle.height(k) * 0.5 * length(edge);
-    2.0 * normal.max(model.contact.tangential_stiffness * penalty)
+    let measure = <[[f64; D]; N]>::facet_measure(&<[[f64; D]; N]>::FACETS[k].map(|corner| corners[corner]));
+    // φ grows by N over the height. A part of 1/D of the pressure on the facet goes to each vertex. Each of the two elements presses the other: factor 2.
+    let normal = N as f64 * penalty / corners.height(k) * (1.0 / D as f64) * measure;
+    let length = <[[f64; D]; N]>::contact_length(corners.measure());
+    2.0 * normal.max(model.contact.tangential_stiffness * penalty * length)
 }
 
 /// Computes the forces of one couple. `weight`: share of the forces that acts, while a joint between the two carries the rest; `fading`: increase of this share
 /// in the last step. `step` in s, `travel` in m.
-pub(super) fn press(
-    couple: &mut Couple,
-    solid: &Solid,
+pub(super) fn press<const D: usize, const N: usize>(
+    couple: &mut Couple<D, N>,
+    solid: &Solid<D, N>,
     law: &Law,
     [weight, fading]: [f64; 2],
     step: f64,
     travel: f64,
-) {
+) where
+    [[f64; D]; N]: Simplex<D, N>,
+{
     let [a, b] = couple.elements.map(|element| solid.shape(element));
     let gap = gap(&a, &b);
     // While the joint carries the whole load, the gap says nothing about when contact begins: the couple must not be skipped.
@@ -153,7 +195,7 @@ pub(super) fn press(
     };
     let (energy, slope) = count_from(credited_energy, potential);
     let scale = law.penalty * weight * slope;
-    for force in forces.iter_mut().flatten().flatten() {
+    for force in forces.as_flattened_mut().as_flattened_mut() {
         *force *= scale;
     }
     sum.energy += weight * energy;
@@ -161,34 +203,45 @@ pub(super) fn press(
     let mut grip = Grip { credited_energy, ..Grip::default() };
     if law.friction > 0.0 || law.damping > 0.0 {
         grip.shares = [a.coordinates(point), b.coordinates(point)];
-        let push = forces[0].iter().fold([0.0; 2], |sum, force| [sum[0] + force[0], sum[1] + force[1]]);
+        let push = total(&forces[0]);
         let size = length(push);
         if size > 0.0 {
-            let normal = [push[0] / size, push[1] / size];
-            let tangent = [-normal[1], normal[0]];
+            let axes = <[[f64; D]; N]>::axes_around(push.map(|x| x / size));
+            let normal = axes[0];
+            let length = couple
+                .elements
+                .map(|element| solid.elements[element as usize].volume)
+                .map(<[[f64; D]; N]>::contact_length);
+            let length = length[0].min(length[1]);
             let rate = relative_velocity(couple.elements, &grip.shares, solid);
             let mut pressed = size;
             if law.damping > 0.0 {
                 let [m, n] = couple.elements.map(|element| mass(solid, element));
-                let critical = 2.0 * (law.penalty * m * n / (m + n)).sqrt();
+                let critical = 2.0 * (law.penalty * length * m * n / (m + n)).sqrt();
                 // At most the force that presses the two apart, so that they do not stick.
                 let damping = (-law.damping * weight * critical * dot(rate, normal)).clamp(-size, size);
                 grip.damping = normal.map(|n| damping * n);
                 pressed += damping;
             }
             if law.friction > 0.0 {
-                let limit = law.friction * pressed;
-                let held = before.map_or(0.0, |before| dot(before.friction, tangent));
-                let trial = held - weight * law.tangential * step * dot(rate, tangent);
-                let friction = trial.clamp(-limit, limit);
-                grip.friction = tangent.map(|t| friction * t);
+                // In the directions along the surface, as these are now.
+                let slip = weight * law.tangential * length * step;
+                let mut trial = [0.0; D];
+                for k in 1..D {
+                    let held = before.map_or(0.0, |before| dot(before.friction, axes[k]));
+                    trial[k] = held - slip * dot(rate, axes[k]);
+                }
+                let held = at_most(trial, law.friction * pressed);
+                for k in 1..D {
+                    add(&mut grip.friction, axes[k], held[k]);
+                }
             }
             sum.friction -= 0.5 * step * dot(grip.friction, rate);
             sum.damping -= 0.5 * step * dot(grip.damping, rate);
             for (side, sign) in [(0, 1.0), (1, -1.0)] {
-                for corner in 0..3 {
+                for corner in 0..N {
                     let share = sign * grip.shares[side][corner];
-                    for axis in 0..2 {
+                    for axis in 0..D {
                         forces[side][corner][axis] += share * (grip.friction[axis] + grip.damping[axis]);
                     }
                 }
@@ -211,35 +264,50 @@ fn count_from(credited_energy: f64, potential: f64) -> (f64, f64) {
     (potential * (1.0 - share) * (1.0 - share), 1.0 - share * share)
 }
 
-/// Velocity, m/s, of the first element relative to the second, at the points with these area coordinates.
-fn relative_velocity(elements: [u32; 2], shares: &[[f64; 3]; 2], solid: &Solid) -> Point {
-    let mut rate = [0.0; 2];
+/// Velocity, m/s, of the first element relative to the second, at the points with these barycentric coordinates.
+fn relative_velocity<const D: usize, const N: usize>(
+    elements: [u32; 2],
+    shares: &[[f64; N]; 2],
+    solid: &Solid<D, N>,
+) -> Point<D>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    let mut rate = [0.0; D];
     for (side, sign) in [(0, 1.0), (1, -1.0)] {
-        for corner in 0..3 {
-            let node = solid.nodes_of(elements[side])[corner];
+        for (node, share) in solid.nodes_of(elements[side]).into_iter().zip(shares[side]) {
             let velocity = solid.nodes[node as usize].velocity;
-            for axis in 0..2 {
-                rate[axis] += sign * shares[side][corner] * velocity[axis];
+            for axis in 0..D {
+                rate[axis] += sign * share * velocity[axis];
             }
         }
     }
     rate
 }
 
-/// Mean mass of the three nodes of an element, kg.
-fn mass(solid: &Solid, element: u32) -> f64 {
-    solid.nodes_of(element).iter().map(|&node| solid.constants[node as usize].mass / 3.0).sum()
+/// Mean mass of the nodes of an element, kg.
+fn mass<const D: usize, const N: usize>(solid: &Solid<D, N>, element: u32) -> f64
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    solid.nodes_of(element).iter().map(|&node| solid.constants[node as usize].mass / N as f64).sum()
 }
 
-/// Gap, m, between the boxes of two triangles along the axis on which they are farthest apart; negative if the boxes overlap.
+/// Sum of forces.
+fn total<const D: usize>(forces: &[Point<D>]) -> Point<D> {
+    forces.iter().fold([0.0; D], |sum, force| std::array::from_fn(|axis| sum[axis] + force[axis]))
+}
+
+/// Gap, m, between the boxes of two elements along the axis on which they are farthest apart; negative if the boxes overlap.
 #[inline]
-fn gap(a: &Triangle, b: &Triangle) -> f64 {
+fn gap<const D: usize, const N: usize>(a: &[Point<D>; N], b: &[Point<D>; N]) -> f64 {
     let along = |axis: usize| {
-        let [a, b] = [a, b].map(|t| {
-            let [p, q, r] = [t[0][axis], t[1][axis], t[2][axis]];
-            [p.min(q).min(r), p.max(q).max(r)]
+        let [a, b] = [a, b].map(|corners| {
+            corners[1..].iter().fold([corners[0][axis]; 2], |[low, high], corner| {
+                [low.min(corner[axis]), high.max(corner[axis])]
+            })
         });
         (a[0] - b[1]).max(b[0] - a[1])
     };
-    along(0).max(along(1))
+    (1..D).fold(along(0), |most, axis| most.max(along(axis)))
 }

@@ -6,7 +6,6 @@
 //! `|τ| + m σ ≥ m f_t`. The largest value of `|τ| + µ σ` over all directions is `µ s + R √(1 + µ²)`, with the mean stress `s` and the radius `R` of Mohr's circle.
 
 use crate::model::Strength;
-use crate::vector::Matrix;
 
 /// Edges at a free surface or a crack tip are checked if the mean traction of their elements reaches this share of their strength. The traction at the node
 /// exceeds that of the elements around it: by a factor of 1.6 ahead of a crack, where stress is proportional to 1/√r, and by less elsewhere.
@@ -65,11 +64,9 @@ impl Slopes {
         }
     }
 
-    /// Compares a stress with the strengths of an element's edges.
+    /// Compares a stress, by the middle and the radius of Mohr's largest circle, with the strengths of an element's edges.
     #[inline]
-    pub(crate) fn near(&self, weakest: Weakest, [[xx, xy], [_, yy]]: Matrix) -> Near {
-        let (mean, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
-        let radius = (half * half + xy * xy).sqrt();
+    pub(crate) fn near(&self, weakest: Weakest, [mean, radius]: [f64; 2]) -> Near {
         let [one, other] = self.friction.map(|[friction, secant]| friction * mean + secant * radius);
         let (tension, shear) = (mean + self.chord * radius, one.max(other));
         let reaches = |share: f64| tension >= share * weakest.tensile || shear >= share * weakest.cohesion;
@@ -99,6 +96,7 @@ mod tests {
     use super::*;
     use crate::cohesive::use_of;
     use crate::random;
+    use crate::simplex::Simplex;
 
     fn strength(tensile: f64, friction: f64) -> Strength {
         Strength {
@@ -127,7 +125,10 @@ mod tests {
             let (sin, cos) = random(4.0).sin_cos();
             let normal = xx * sin * sin - 2.0 * xy * sin * cos + yy * cos * cos;
             let tangential = (xx - yy) * sin * cos + xy * (sin * sin - cos * cos);
-            let found = pair.map(|[xx, yy, xy]| slopes.near(weakest, [[xx, xy], [xy, yy]])).into_iter().max();
+            let found = pair
+                .map(|[xx, yy, xy]| slopes.near(weakest, <[[f64; 2]; 3]>::circle(&[[xx, xy], [xy, yy]])))
+                .into_iter()
+                .max();
             let share = |share: f64| {
                 let used = |strength| use_of(strength, [normal, tangential]);
                 used(&strong) >= share || used(&weak) >= share
@@ -148,7 +149,7 @@ mod tests {
     #[test]
     fn nothing_reaches_what_cannot_break() {
         assert_eq!(
-            Slopes::of(&[strength(1.0, 0.5)]).near(Weakest::of([].into_iter()), [[1e150; 2]; 2]),
+            Slopes::of(&[strength(1.0, 0.5)]).near(Weakest::of([].into_iter()), [1e150; 2]),
             Near::Far
         );
     }

@@ -7,9 +7,10 @@
 
 use crate::cohesive::{Plane, use_of};
 use crate::model::Strength;
+use crate::simplex::Simplex;
 use crate::solid::Solid;
 use crate::topology::Facet;
-use crate::vector::{Matrix, Point, dot, matrix, minus};
+use crate::vector::{Matrix, Point, matrix};
 
 /// Largest angle between an edge and the plane for which its joint stands. Six edges meet at a vertex on average, so the nearest one is 15° off on average, and
 /// at most 30°. With a larger reach edges fail that the crack does not take; `bench/NOTES.md` has the table.
@@ -18,14 +19,19 @@ const REACH: f64 = 15.0 * std::f64::consts::PI / 180.0;
 /// Largest ratio of the uses of the strength on the plane and on the edge.
 const MOST: f64 = 2.0;
 
-/// The plane within reach of an edge along a vector on which a stress, `[xx, yy, xy]` in Pa, uses the strength most.
-pub(crate) fn plane_near(along: Point, stress: Matrix, strength: &Strength) -> Plane {
-    let own = use_of(strength, traction_on(stress, along));
+/// The plane within reach of a facet on which a stress, Pa, uses the strength most.
+pub(crate) fn plane_near<const D: usize, const N: usize>(
+    facet: &[Point<D>; D],
+    stress: &Matrix<D>,
+    strength: &Strength,
+) -> Plane
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    let own = use_of(strength, <[[f64; D]; N]>::traction_on(facet, stress));
     let mut best = (own, 1.0);
-    for angle in critical_angles(along, stress, strength) {
-        let (sin, cos) = libm::sincos(angle.clamp(-REACH, REACH));
-        let turned = [cos * along[0] - sin * along[1], sin * along[0] + cos * along[1]];
-        let used = use_of(strength, traction_on(stress, turned));
+    for (traction, cos) in <[[f64; D]; N]>::tractions_near(facet, stress, strength.friction, REACH) {
+        let used = use_of(strength, traction);
         if used > best.0 {
             best = (used, cos);
         }
@@ -41,44 +47,29 @@ pub(crate) fn breaks(used: f64, plane: impl FnOnce() -> Plane) -> bool {
     used >= 1.0 || (MOST * used >= 1.0 && used * plane().excess >= 1.0)
 }
 
-/// Angles from an edge to the plane across the largest tension and to the two on which Mohr and Coulomb's strength is used most, between -90° and 90°.
-fn critical_angles(along: Point, [[xx, xy], [_, yy]]: Matrix, strength: &Strength) -> [f64; 3] {
-    use std::f64::consts::{FRAC_PI_2, PI};
-    // Directions of normals; that of an edge along t is (t_y, -t_x).
-    let tension = 0.5 * libm::atan2(xy, 0.5 * (xx - yy));
-    let edge = libm::atan2(-along[0], along[1]);
-    let shear = 0.5 * (FRAC_PI_2 - libm::atan(strength.friction));
-    [tension, tension + shear, tension - shear].map(|normal| {
-        let angle = normal - edge;
-        angle - PI * (angle / PI).round()
-    })
+/// Traction across a facet, tension positive, and along it, Pa, from the mean stress of its two elements.
+pub(crate) fn traction<const D: usize, const N: usize>(solid: &Solid<D, N>, facet: &Facet<D>) -> [f64; D]
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    <[[f64; D]; N]>::traction_on(&side(solid, facet), &mean_stress(solid, facet))
 }
 
-/// Normal (tension positive) and tangential traction across an edge, Pa, from the mean stress of its two elements.
-pub(crate) fn traction(solid: &Solid, edge: &Facet) -> [f64; 2] {
-    traction_on(mean_stress(solid, edge), along(solid, edge))
-}
-
-/// Mean stress of the two elements at an edge, Pa.
-pub(crate) fn mean_stress(solid: &Solid, edge: &Facet) -> Matrix {
-    let [one, two] = edge.elements().map(|element| solid.strained[element as usize].stress);
+/// Mean stress of the two elements at a facet, Pa.
+pub(crate) fn mean_stress<const D: usize, const N: usize>(
+    solid: &Solid<D, N>,
+    facet: &Facet<D>,
+) -> Matrix<D> {
+    let [one, two] = facet.elements().map(|element| solid.strained[element as usize].stress);
     matrix(|i, k| 0.5 * (one[i][k] + two[i][k]))
 }
 
-/// Vector along an edge in the direction of side 0, m.
-pub(crate) fn along(solid: &Solid, edge: &Facet) -> Point {
-    let [a, b] = edge.corners[0].map(|corner| solid.at_corner(corner).position);
-    minus(b, a)
-}
-
-/// Normal (tension positive) and tangential traction on a plane along a vector, Pa.
-fn traction_on([[xx, xy], [_, yy]]: Matrix, along: Point) -> [f64; 2] {
-    let squared = dot(along, along);
-    // With tangent t and outward normal n = (t_y, -t_x).
-    let [x, y] = along;
-    let normal = (xx * y * y - 2.0 * xy * x * y + yy * x * x) / squared;
-    let tangential = ((xx - yy) * x * y + xy * (y * y - x * x)) / squared;
-    [normal, tangential]
+/// Present positions of a facet on its side 0, m.
+pub(crate) fn side<const D: usize, const N: usize>(solid: &Solid<D, N>, facet: &Facet<D>) -> [Point<D>; D]
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    facet.corners[0].map(|corner| solid.at_corner(corner).position)
 }
 
 #[cfg(test)]
@@ -86,9 +77,17 @@ mod tests {
     use super::*;
     use crate::cohesive::tests::ROCK;
 
-    fn edge(degrees: f64) -> Point {
+    fn edge(degrees: f64) -> [Point; 2] {
         let (sin, cos) = degrees.to_radians().sin_cos();
-        [2.0 * cos, 2.0 * sin]
+        [[0.0; 2], [2.0 * cos, 2.0 * sin]]
+    }
+
+    fn plane_near(edge: [Point; 2], stress: Matrix, strength: &Strength) -> Plane {
+        super::plane_near::<2, 3>(&edge, &stress, strength)
+    }
+
+    fn traction_on(stress: Matrix, edge: [Point; 2]) -> [f64; 2] {
+        <[[f64; 2]; 3]>::traction_on(&edge, &stress)
     }
 
     /// Under tension along y, edges along x and up to the reach beside it fail together; farther ones later.

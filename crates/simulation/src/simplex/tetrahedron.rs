@@ -1,12 +1,14 @@
 //! Tetrahedra.
 
+mod eigen;
 mod elastic;
+mod plane;
 mod potential;
 
 use crate::elastic::Moduli;
 use crate::model::{Material, Plane};
 use crate::simplex::{Interaction, Simplex};
-use crate::vector::{Matrix, Point, dot, length, minus};
+use crate::vector::{Matrix, Point, dot, length, minus, unit};
 
 /// Corners of a tetrahedron: the first three are counter-clockwise, seen from the last.
 pub(crate) type Tetrahedron = [Point<3>; 4];
@@ -17,6 +19,7 @@ const FACES: [[usize; 3]; 4] = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]];
 impl Simplex<3, 4> for Tetrahedron {
     const FACETS: [[usize; 3]; 4] = FACES;
     const AT_CORNER: [[usize; 3]; 4] = [[0, 1, 3], [0, 1, 2], [0, 2, 3], [1, 2, 3]];
+    const FACETS_ARE: &'static str = "faces";
 
     #[inline]
     fn determinant([one, two, three]: &Matrix<3>) -> f64 {
@@ -44,6 +47,55 @@ impl Simplex<3, 4> for Tetrahedron {
         potential::Coordinates::of(self).at(point)
     }
 
+    fn facet_measure([a, b, c]: &[Point<3>; 3]) -> f64 {
+        0.5 * length(cross3(minus(*b, *a), minus(*c, *a)))
+    }
+
+    fn facet_normal(facet: &[Point<3>; 3]) -> Point<3> {
+        Self::axes(facet)[0].map(|x| 0.5 * x)
+    }
+
+    fn facet_length(measure: f64) -> f64 {
+        // The area of an even triangle is √3/4 of the square of its edge.
+        (4.0 / 3.0_f64.sqrt() * measure).sqrt()
+    }
+
+    #[inline]
+    fn axes([a, b, c]: &[Point<3>; 3]) -> Matrix<3> {
+        let along = minus(*b, *a);
+        let normal = cross3(along, minus(*c, *a));
+        [normal, along, cross3(normal, along)]
+    }
+
+    fn axes_around(normal: Point<3>) -> Matrix<3> {
+        plane::axes_around(normal)
+    }
+
+    fn contact_length(measure: f64) -> f64 {
+        libm::cbrt(measure)
+    }
+
+    fn traction_on(facet: &[Point<3>; 3], stress: &Matrix<3>) -> [f64; 3] {
+        let axes = Self::axes(facet).map(unit);
+        plane::traction_in(&axes, stress)
+    }
+
+    fn tractions_near(
+        facet: &[Point<3>; 3],
+        stress: &Matrix<3>,
+        friction: f64,
+        reach: f64,
+    ) -> [([f64; 3], f64); 3] {
+        plane::tractions_near(&Self::axes(facet).map(unit), stress, friction, reach)
+    }
+
+    fn circle(stress: &Matrix<3>) -> [f64; 2] {
+        let values = eigen::values(*stress);
+        let most = values.into_iter().fold(f64::NEG_INFINITY, f64::max);
+        let least = values.into_iter().fold(f64::INFINITY, f64::min);
+        [0.5 * (most + least), 0.5 * (most - least)]
+    }
+
     fn moduli(material: &Material, _: Plane) -> Moduli {
         elastic::moduli(material)
     }
@@ -67,7 +119,7 @@ impl Simplex<3, 4> for Tetrahedron {
         }
         // In the axes in which S = Σ ∇N ∇Nᵀ is diagonal, B Bᵀ is diagonal too: s₁, s₂, s₃ and their sums in pairs. The stiffness has the eigenvalues of
         // D B Bᵀ: those of the shears, and those of √sᵢ Dᵢₖ √sₖ.
-        let squares = eigenvalues(sum).map(|square| square.max(0.0));
+        let squares = eigen::values(sum).map(|square| square.max(0.0));
         let roots = squares.map(f64::sqrt);
         let lame = moduli.wave - 2.0 * moduli.shear;
         let normal =
@@ -75,7 +127,7 @@ impl Simplex<3, 4> for Tetrahedron {
         let most = |values: [f64; 3]| values.into_iter().fold(0.0, f64::max);
         let shear =
             moduli.shear * (squares.iter().sum::<f64>() - squares.into_iter().fold(f64::INFINITY, f64::min));
-        4.0 / density * most(eigenvalues(normal)).max(shear)
+        4.0 / density * most(eigen::values(normal)).max(shear)
     }
 
     fn interaction(&self, other: &Self) -> Result<Interaction<3, 4>, f64> {
@@ -86,28 +138,4 @@ impl Simplex<3, 4> for Tetrahedron {
 #[inline]
 fn cross3(a: Point<3>, b: Point<3>) -> Point<3> {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-/// Eigenvalues of a symmetric matrix, in no order, by Jacobi's rotations.
-fn eigenvalues(mut a: Matrix<3>) -> [f64; 3] {
-    // Convergence is quadratic: four rounds leave nothing that a double can hold.
-    for _ in 0..6 {
-        for (p, q, r) in [(0, 1, 2), (0, 2, 1), (1, 2, 0)] {
-            if a[p][q] == 0.0 {
-                continue;
-            }
-            let cotangent = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
-            let tangent = cotangent.signum() / (cotangent.abs() + (1.0 + cotangent * cotangent).sqrt());
-            let cos = 1.0 / (1.0 + tangent * tangent).sqrt();
-            let sin = tangent * cos;
-            a[p][p] -= tangent * a[p][q];
-            a[q][q] += tangent * a[p][q];
-            (a[p][q], a[q][p]) = (0.0, 0.0);
-            let (rp, rq) = (a[r][p], a[r][q]);
-            a[r][p] = cos * rp - sin * rq;
-            a[r][q] = sin * rp + cos * rq;
-            (a[p][r], a[q][r]) = (a[r][p], a[r][q]);
-        }
-    }
-    [a[0][0], a[1][1], a[2][2]]
 }

@@ -1,6 +1,7 @@
 //! Triangles.
 
 mod elastic;
+mod plane;
 mod potential;
 
 use crate::elastic::{Moduli, principal_stresses};
@@ -14,6 +15,7 @@ pub(crate) type Triangle = [Point; 3];
 impl Simplex<2, 3> for Triangle {
     const FACETS: [[usize; 2]; 3] = [[0, 1], [1, 2], [2, 0]];
     const AT_CORNER: [[usize; 2]; 3] = [[0, 2], [1, 0], [2, 1]];
+    const FACETS_ARE: &'static str = "edges";
 
     #[inline]
     fn determinant([[a, b], [c, d]]: &Matrix) -> f64 {
@@ -38,6 +40,54 @@ impl Simplex<2, 3> for Triangle {
 
     fn coordinates(&self, point: Point) -> [f64; 3] {
         potential::Coordinates::of(self).at(point)
+    }
+
+    fn facet_measure([a, b]: &[Point; 2]) -> f64 {
+        length(minus(*b, *a))
+    }
+
+    #[inline]
+    fn facet_normal(facet: &[Point; 2]) -> Point {
+        Self::axes(facet)[0]
+    }
+
+    fn facet_length(measure: f64) -> f64 {
+        measure
+    }
+
+    #[inline]
+    fn axes([a, b]: &[Point; 2]) -> Matrix {
+        let [x, y] = minus(*b, *a);
+        [[y, -x], [x, y]]
+    }
+
+    #[inline]
+    fn axes_around(normal: Point) -> Matrix {
+        [normal, [-normal[1], normal[0]]]
+    }
+
+    #[inline]
+    fn contact_length(_: f64) -> f64 {
+        1.0
+    }
+
+    fn traction_on([a, b]: &[Point; 2], stress: &Matrix) -> [f64; 2] {
+        plane::traction_along(minus(*b, *a), stress)
+    }
+
+    fn tractions_near(
+        [a, b]: &[Point; 2],
+        stress: &Matrix,
+        friction: f64,
+        reach: f64,
+    ) -> [([f64; 2], f64); 3] {
+        plane::tractions_near(minus(*b, *a), stress, friction, reach)
+    }
+
+    #[inline]
+    fn circle([[xx, xy], [_, yy]]: &Matrix) -> [f64; 2] {
+        let (mean, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
+        [mean, (half * half + xy * xy).sqrt()]
     }
 
     fn moduli(material: &Material, plane: Plane) -> Moduli {
