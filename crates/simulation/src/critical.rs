@@ -56,7 +56,10 @@ impl CriticalStep {
     ///
     /// # Errors
     /// An error that says why the model cannot be simulated.
-    pub fn of(model: &Model) -> Result<Self, ModelError> {
+    pub fn of<const D: usize, const N: usize>(model: &Model<D, N>) -> Result<Self, ModelError>
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
         crate::checks::check(model)?;
         let topology = Topology::of(&model.mesh)?;
         let joints = Joints::new(model, &topology);

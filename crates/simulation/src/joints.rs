@@ -22,7 +22,7 @@ use crate::random;
 use crate::simplex::Simplex;
 use crate::solid::{Node, Solid, corners_of};
 use crate::team::Team;
-use crate::topology::{Facet, NONE, Topology};
+use crate::topology::{Facet, NONE, Topology, place_in_element};
 use crate::vector::{Matrix, Point, add, dot, length, minus};
 
 /// Sliding of a broken joint over its length at which it begins to hand over to the contact of its two elements, and at which the handover is complete.
@@ -665,9 +665,7 @@ where
     let modulus =
         |element: u32| model.materials[model.mesh.materials[element as usize] as usize].youngs_modulus;
     let heights = facet.corners.map(|corners| {
-        let own = |at: &usize| corners.iter().any(|&corner| corner as usize % N == *at);
-        let k = (0..N).find(|&k| <[[f64; D]; N]>::FACETS[k].iter().all(own)).unwrap_or_default();
-        corners_of(&model.mesh, corners[0] as usize / N).height(k)
+        corners_of(&model.mesh, corners[0] as usize / N).height(place_in_element::<D, N>(&corners))
     });
     let modulus = modulus(elements[0]).min(modulus(elements[1]));
     model.fracture.joint_penalty * modulus / (0.5 * (heights[0] + heights[1]))

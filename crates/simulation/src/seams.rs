@@ -1,8 +1,8 @@
 //! Contacts of surfaces that touch at the beginning under initial stress.
 //!
-//! The potentials of contacts (`simplex/triangle/potential.rs`) are zero where two surfaces just touch. A *seam* carries the initial stress across such surfaces. It acts at two
-//! Gauss points on the common part of two outer edges, with the normal traction `p₀` and the tangential traction `τ₀` of the stress of the two elements (the
-//! mean stress if the two differ). The edges need not match: two Gauss points integrate the linear shape functions exactly, so that each node gets exactly the
+//! The potentials of contacts (`simplex`) are zero where two surfaces just touch. A *seam* carries the initial stress across such surfaces. It acts at Gauss
+//! points on the common part of two outer facets, with the normal traction `p₀` and the tangential traction `τ₀` of the stress of the two elements (the
+//! mean stress if the two differ). The facets need not match: Gauss points integrate the linear shape functions exactly, so that each node gets exactly the
 //! force that balances a uniform stress. Bodies under matching stress stay at rest.
 //!
 //! Let `g` be the opening and `k` the stiffness of the contact potential of the two elements. A seam stores, per area,
@@ -13,10 +13,10 @@
 //! ψ = 0                   p₀/k ≤ g      p = 0
 //! ```
 //! When bodies approach, the contact potential acts in addition to `p₀`. When they separate, the traction falls as in a contact that began with an overlap of
-//! `p₀/k`. Forces are the exact gradient of `ψ`, including the rotation of the edges, so that energy and angular momentum are conserved. The tangential
+//! `p₀/k`. Forces are the exact gradient of `ψ`, including the rotation of the facets, so that energy and angular momentum are conserved. The tangential
 //! traction follows Coulomb's law, `|τ| ≤ µ p`, with a spring before it slips, as in contacts.
 //!
-//! A seam joins two points of the surfaces. As their distance grows from 0.1 to 0.3 of the shorter edge, the seam fades and hands over to the contact
+//! A seam joins two points of the surfaces. As their distance grows from 0.1 to 0.3 of the shorter facet, the seam fades and hands over to the contact
 //! potential. The energy that the faded share had stored counts as dissipated by friction. The faded share does not come back.
 
 use fdem_contact::{Couple as Pair, Detector, Elements as Boxes, Search};
@@ -28,19 +28,19 @@ use crate::model::Model;
 use crate::simplex::Simplex;
 use crate::solid::{Solid, corners_of};
 use crate::team::Team;
-use crate::topology::Topology;
-use crate::vector::{Matrix, Point, applied, dot, length, matrix, minus};
+use crate::topology::{Topology, place_in_element};
+use crate::vector::{Matrix, Point, add, along, applied, at_most, dot, length, matrix, minus, plus, unit};
 
-/// Edges touch if they are nearer than this share of the shorter edge.
+/// Facets touch if they are nearer than this share of the shorter one.
 const TOUCH: f64 = 1e-6;
 
-/// Common parts of edges that are shorter than this share of the shorter edge are attributed to rounding.
+/// Smaller differences, over the shorter facet or over the pressure, come from rounding.
 const ROUNDING: f64 = 1e-9;
 
 /// The tractions on the two sides of a surface count as different if their difference exceeds this share of their mean.
 const UNLIKE: f64 = 0.05;
 
-/// Distance of the two points of a seam, over the shorter edge, at which the seam begins to fade, and at which it has faded completely.
+/// Distance of the two points of a seam, over the shorter facet, at which the seam begins to fade, and at which it has faded completely.
 const FADE: [f64; 2] = [0.1, 0.3];
 
 /// Upper limit of tangential over normal stiffness: the critical time step allows for this much.
@@ -49,7 +49,7 @@ const TANGENTIAL: f64 = 0.5;
 /// Surfaces that touch at the beginning under initial stress, and the problems found there. Checks a model before a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct InitialContacts {
-    /// Length of the surfaces that carry initial stress, m.
+    /// Length, m, or area, m², of the surfaces that carry initial stress.
     pub length: f64,
     /// First two elements between which the initial stress is tensile: a contact cannot carry tension.
     pub pulled: Option<[u32; 2]>,
@@ -64,7 +64,10 @@ impl InitialContacts {
     ///
     /// # Errors
     /// An error that says why the model cannot be simulated.
-    pub fn of(model: &Model) -> Result<Self, ModelError> {
+    pub fn of<const D: usize, const N: usize>(model: &Model<D, N>) -> Result<Self, ModelError>
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
         crate::checks::check(model)?;
         Ok(Seams::new(model, &Topology::of(&model.mesh)?, &Solid::new(model))?.found)
     }
@@ -72,17 +75,17 @@ impl InitialContacts {
 
 /// Constants of a point of a seam.
 #[derive(Clone, Copy, Debug)]
-struct Place {
-    /// Corners of both edges, each in the direction of its element.
-    corners: [[u32; 2]; 2],
+struct Place<const D: usize> {
+    /// Corners of both facets, each as its element has them.
+    corners: [[u32; D]; 2],
     /// Weights of these corners at the point.
-    shares: [[f64; 2]; 2],
+    shares: [[f64; D]; 2],
     /// Area that the point stands for, m².
     area: f64,
-    /// Length of the shorter edge, m.
+    /// Length of the shorter facet, m.
     reach: f64,
     /// Opening and sliding at the beginning, m, by rounding of the mesh.
-    gap: [f64; 2],
+    gap: [f64; D],
     /// Initial normal traction `p₀`, Pa.
     pressure: f64,
     /// Normal and tangential stiffness, Pa/m.
@@ -91,25 +94,32 @@ struct Place {
     friction: f64,
 }
 
-/// State of a point of a seam.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Hold {
+/// State of a point of a seam. Vectors are along the surface, with a first component across it of 0.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(bound(serialize = "[f64; D]: Serialize", deserialize = "[f64; D]: Deserialize<'de>"))]
+pub(crate) struct Hold<const D: usize = 2> {
     /// Sliding, and sliding at which the tangential spring is relaxed, m.
-    sliding: f64,
-    slip: f64,
+    sliding: [f64; D],
+    slip: [f64; D],
     /// Present tangential traction, Pa.
-    traction: f64,
+    traction: [f64; D],
     /// Share that has been handed over to contact, 0 to 1.
     faded: f64,
 }
 
+impl<const D: usize> Default for Hold<D> {
+    fn default() -> Self {
+        Self { sliding: [0.0; D], slip: [0.0; D], traction: [0.0; D], faded: 0.0 }
+    }
+}
+
 /// All seams of a model.
 #[derive(Debug, Default)]
-pub(crate) struct Seams {
-    places: Vec<Place>,
-    holds: Vec<Hold>,
-    /// Forces on the corners of both edges in the last step, N.
-    forces: Vec<[[Point; 2]; 2]>,
+pub(crate) struct Seams<const D: usize = 2> {
+    places: Vec<Place<D>>,
+    holds: Vec<Hold<D>>,
+    /// Forces on the corners of both facets in the last step, N.
+    forces: Vec<[[Point<D>; D]; 2]>,
     found: InitialContacts,
 }
 
@@ -122,45 +132,54 @@ pub(crate) struct Pressing {
     pub(crate) friction: f64,
 }
 
-impl Seams {
+impl<const D: usize> Seams<D> {
     /// The seams of a model; none without initial stress.
-    pub(crate) fn new(model: &Model, topology: &Topology, solid: &Solid) -> Result<Self, ModelError> {
+    pub(crate) fn new<const N: usize>(
+        model: &Model<D, N>,
+        topology: &Topology<D, N>,
+        solid: &Solid<D, N>,
+    ) -> Result<Self, ModelError>
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
         let mut seams = Self::default();
         if model.stresses.is_empty() {
             return Ok(seams);
         }
         let position = |corner: u32| solid.at_corner(corner).position;
-        let edges: Vec<[u32; 2]> = topology.surface().collect();
-        for touching in near(&edges, |edge| edge.map(position))? {
+        let facets: Vec<[u32; D]> = topology.surface().collect();
+        for touching in near::<D, N>(&facets, |facet| facet.map(position))? {
             seams.join(model, touching, position);
         }
         Ok(seams)
     }
 
-    /// Adds the two points of a seam if two outer edges touch and the stress presses them together.
-    fn join(&mut self, model: &Model, corners: [[u32; 2]; 2], position: impl Fn(u32) -> Point) {
-        let ends = corners.map(|edge| edge.map(&position));
-        let lengths = ends.map(|[a, b]| length(minus(b, a)));
+    /// Adds the points of a seam if two outer facets touch and the stress presses them together.
+    fn join<const N: usize>(
+        &mut self,
+        model: &Model<D, N>,
+        corners: [[u32; D]; 2],
+        position: impl Fn(u32) -> Point<D>,
+    ) where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        let ends = corners.map(|facet| facet.map(&position));
+        let lengths = ends.map(|facet| length_of::<D, N>(&facet));
         let reach = lengths[0].min(lengths[1]);
-        let tangent = minus(ends[0][1], ends[0][0]).map(|x| x / lengths[0]);
-        let normal = [tangent[1], -tangent[0]];
-        // The other edge runs in the opposite direction on the line of the first.
-        let from = ends[1].map(|end| minus(end, ends[0][0]));
-        let [start, end] = from.map(|from| dot(from, tangent));
-        let off = from.map(|from| dot(from, normal).abs()).into_iter().fold(0.0, f64::max);
-        let common = [end.max(0.0), start.min(lengths[0])];
-        if off > TOUCH * reach || start <= end || common[1] - common[0] <= ROUNDING * reach {
+        let common = <[[f64; D]; N]>::common(&ends[0], &ends[1], TOUCH * reach, ROUNDING * reach);
+        if common.is_empty() {
             return;
         }
-        let elements = corners.map(|edge| edge[0] / 3);
+        let axes = <[[f64; D]; N]>::axes(&ends[0]).map(unit);
+        let elements = corners.map(|facet| facet[0] / N as u32);
         let [one, other] = elements.map(|element| model.stresses[element as usize]);
-        let on = |stress: Matrix| applied(&stress, normal);
+        let on = |stress: Matrix<D>| applied(&stress, axes[0]);
         let difference = minus(on(one), on(other));
         let traction = on(matrix(|i, k| 0.5 * (one[i][k] + other[i][k])));
         if length(difference) > UNLIKE * length(traction) {
             self.found.unlike.get_or_insert(elements);
         }
-        let (pressure, shear) = (-dot(traction, normal), dot(traction, tangent));
+        let (pressure, shear) = (-dot(traction, axes[0]), along(axes.map(|axis| dot(traction, axis))));
         if pressure <= 0.0 {
             if pressure < 0.0 {
                 self.found.pulled.get_or_insert(elements);
@@ -169,77 +188,78 @@ impl Seams {
         }
         let materials = elements.map(|element| model.mesh.materials[element as usize]);
         let [penalty, friction] = contacts::penalty_and_friction(model, materials);
-        // φ grows by 3 over the height of each of the two triangles.
-        let slope =
-            |edge: [u32; 2]| 3.0 / corners_of(&model.mesh, edge[0] as usize / 3).height(edge[0] as usize % 3);
+        // φ grows by N over the height of each of the two elements.
+        let slope = |facet: [u32; D]| {
+            let shape = corners_of(&model.mesh, facet[0] as usize / N);
+            N as f64 / shape.height(place_in_element::<D, N>(&facet))
+        };
         let stiffness = penalty * (slope(corners[0]) + slope(corners[1]));
         let tangential = model.contact.tangential_stiffness.min(TANGENTIAL) * stiffness;
-        let limit = friction * pressure;
-        let held = if tangential > 0.0 { shear.clamp(-limit, limit) } else { 0.0 };
-        // Smaller differences come from rounding.
-        if (held - shear).abs() > ROUNDING * pressure {
+        let held = if tangential > 0.0 { at_most(shear, friction * pressure) } else { [0.0; D] };
+        if length(minus(held, shear)) > ROUNDING * pressure {
             self.found.slipping.get_or_insert(elements);
         }
-        let long = common[1] - common[0];
-        self.found.length += long;
-        for at in [0.5 - 0.5 / 3.0_f64.sqrt(), 0.5 + 0.5 / 3.0_f64.sqrt()] {
-            let along = common[0] + at * long;
-            let shares = [along / lengths[0], (start - along) / (start - end)];
+        for (shares, measure) in common {
+            self.found.length += measure;
             let mut place = Place {
                 corners,
-                shares: shares.map(|share| [1.0 - share, share]),
-                area: 0.5 * long * model.thickness,
+                shares,
+                area: measure * model.thickness,
                 reach,
-                gap: [0.0; 2],
+                gap: [0.0; D],
                 pressure,
                 stiffness: [stiffness, tangential],
                 friction,
             };
-            place.gap = place.frame(ends).gap;
-            let slip = if tangential > 0.0 { -held / tangential } else { 0.0 };
+            place.gap = place.frame::<N>(ends).gap;
+            let slip = if tangential > 0.0 { held.map(|traction| -traction / tangential) } else { [0.0; D] };
             self.holds.push(Hold { slip, traction: held, ..Hold::default() });
             self.places.push(place);
-            self.forces.push([[[0.0; 2]; 2]; 2]);
+            self.forces.push([[[0.0; D]; D]; 2]);
         }
     }
 
     /// Energy that tangential springs have stored at the beginning, J.
     pub(crate) fn stored(&self) -> f64 {
-        let stored = |(place, hold): (&Place, &Hold)| {
-            if hold.traction == 0.0 {
-                return 0.0;
-            }
-            place.area * hold.traction * hold.traction / (2.0 * place.stiffness[1])
+        let stored = |(place, hold): (&Place<D>, &Hold<D>)| {
+            let squared = dot(hold.traction.map(|traction| place.area * traction), hold.traction);
+            if squared == 0.0 { 0.0 } else { squared / (2.0 * place.stiffness[1]) }
         };
         self.places.iter().zip(&self.holds).map(stored).sum()
     }
 
     /// Force on each corner at the beginning, N; empty without seams.
-    pub(crate) fn initial_forces(&self, solid: &Solid) -> Vec<Point> {
+    pub(crate) fn initial_forces<const N: usize>(&self, solid: &Solid<D, N>) -> Vec<Point<D>>
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
         if self.places.is_empty() {
             return Vec::new();
         }
-        let mut forces = vec![[0.0; 2]; 3 * solid.elements.len()];
+        let mut forces = vec![[0.0; D]; N * solid.elements.len()];
         for (place, hold) in self.places.iter().zip(&self.holds) {
-            let ends = place.corners.map(|edge| edge.map(|corner| solid.at_corner(corner).position));
-            place.add(place.forces(&place.frame(ends), place.pressure, hold.traction), |corner, [x, y]| {
-                forces[corner as usize][0] += x;
-                forces[corner as usize][1] += y;
+            let ends = place.corners.map(|facet| facet.map(|corner| solid.at_corner(corner).position));
+            let frame = place.frame::<N>(ends);
+            place.give(place.forces::<N>(&frame, place.pressure, hold.traction), |corner, force| {
+                add(&mut forces[corner as usize], force, 1.0);
             });
         }
         forces
     }
 
     /// Adds the forces of all seams to the corners of elements.
-    pub(crate) fn press(&mut self, solid: &mut Solid, team: &Team) -> Pressing {
+    pub(crate) fn press<const N: usize>(&mut self, solid: &mut Solid<D, N>, team: &Team) -> Pressing
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
         let Self { places, holds, forces, .. } = self;
         let on = &*solid;
         let found = team.change_both(holds, forces, |first, holds, forces| {
             let mut sum = Pressing::default();
             for (k, (hold, forces)) in holds.iter_mut().zip(forces).enumerate() {
                 let place = &places[first + k];
-                let ends = place.corners.map(|edge| edge.map(|corner| on.at_corner(corner).position));
-                let (now, pressing) = place.press(hold, ends);
+                let ends = place.corners.map(|facet| facet.map(|corner| on.at_corner(corner).position));
+                let (now, pressing) = place.press::<N>(hold, ends);
                 *forces = now;
                 sum.energy += pressing.energy;
                 sum.friction += pressing.friction;
@@ -247,10 +267,8 @@ impl Seams {
             sum
         });
         for (place, forces) in places.iter().zip(forces) {
-            place.add(*forces, |corner, [x, y]| {
-                let force = &mut solid.strained[corner as usize / 3].forces[corner as usize % 3];
-                force[0] += x;
-                force[1] += y;
+            place.give(*forces, |corner, force| {
+                add(&mut solid.strained[corner as usize / N].forces[corner as usize % N], force, 1.0);
             });
         }
         found.into_iter().fold(Pressing::default(), |sum, chunk| Pressing {
@@ -259,12 +277,12 @@ impl Seams {
         })
     }
 
-    pub(crate) fn save(&self) -> Vec<Hold> {
+    pub(crate) fn save(&self) -> Vec<Hold<D>> {
         self.holds.clone()
     }
 
     /// Restores the saved seams.
-    pub(crate) fn restore(&mut self, saved: Vec<Hold>) -> Result<(), ModelError> {
+    pub(crate) fn restore(&mut self, saved: Vec<Hold<D>>) -> Result<(), ModelError> {
         let (found, expected) = (saved.len(), self.holds.len());
         if found != expected {
             return Err(ModelError::Length { what: "contacts under initial stress", found, expected });
@@ -274,31 +292,31 @@ impl Seams {
     }
 }
 
-/// Positions of the two points of a seam, in the frame of the first edge.
-struct Frame {
-    tangent: Point,
-    normal: Point,
-    /// Length of the first edge, m.
-    long: f64,
-    /// From the point on the first edge to that on the second.
-    apart: Point,
-    /// `apart` along the normal and along the tangent.
-    gap: [f64; 2],
+/// Positions of the two points of a seam, in the frame of the first facet.
+struct Frame<const D: usize> {
+    /// The first facet.
+    facet: [Point<D>; D],
+    /// Unit vectors: its outward normal, and directions along it.
+    axes: Matrix<D>,
+    /// From the point on the first facet to that on the second.
+    apart: Point<D>,
+    /// Components of `apart` along the axes.
+    gap: [f64; D],
 }
 
-impl Place {
+impl<const D: usize> Place<D> {
     #[inline]
-    fn frame(&self, ends: [[Point; 2]; 2]) -> Frame {
-        let along = minus(ends[0][1], ends[0][0]);
-        let long = length(along);
-        let tangent = along.map(|x| x / long);
-        let normal = [tangent[1], -tangent[0]];
-        let [a, b] = [0, 1].map(|side| -> Point {
-            let ([one, other], [p, q]) = (ends[side], self.shares[side]);
-            std::array::from_fn(|axis| p * one[axis] + q * other[axis])
+    fn frame<const N: usize>(&self, ends: [[Point<D>; D]; 2]) -> Frame<D>
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        let axes = <[[f64; D]; N]>::axes(&ends[0]).map(unit);
+        let [a, b] = [0, 1].map(|side| -> Point<D> {
+            let (ends, shares) = (ends[side], self.shares[side]);
+            std::array::from_fn(|axis| dot(shares, ends.map(|end| end[axis])))
         });
         let apart = minus(b, a);
-        Frame { tangent, normal, long, apart, gap: [dot(apart, normal), dot(apart, tangent)] }
+        Frame { facet: ends[0], axes, apart, gap: axes.map(|axis| dot(apart, axis)) }
     }
 
     /// Normal traction, Pa, and potential energy per area, J/m², at an opening.
@@ -312,18 +330,29 @@ impl Place {
         [pressure, 0.5 * pressure * pressure / stiffness]
     }
 
-    /// Forces on the corners of both edges from the normal and the tangential traction. They follow from the gradients of opening and sliding, which turn with
-    /// the first edge.
+    /// Forces on the corners of both facets from the normal and the tangential traction. They follow from the gradients of opening and sliding, which turn with
+    /// the first facet.
     #[inline]
-    fn forces(&self, frame: &Frame, pressure: f64, traction: f64) -> [[Point; 2]; 2] {
-        let Frame { tangent, normal, long, gap, .. } = frame;
-        let moment = (pressure * gap[1] + traction * gap[0]) * self.area / long;
-        let mut forces = [[[0.0; 2]; 2]; 2];
-        for axis in 0..2 {
-            let force = self.area * (pressure * normal[axis] - traction * tangent[axis]);
-            for end in 0..2 {
-                let turn = if end == 0 { moment } else { -moment };
-                forces[0][end][axis] = turn * normal[axis] - self.shares[0][end] * force;
+    fn forces<const N: usize>(
+        &self,
+        frame: &Frame<D>,
+        pressure: f64,
+        traction: [f64; D],
+    ) -> [[Point<D>; D]; 2]
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        let Frame { facet, axes, gap, .. } = frame;
+        let turning = <[[f64; D]; N]>::turning(facet, axes, gap, pressure, &traction, self.area);
+        let mut forces = [[[0.0; D]; D]; 2];
+        for axis in 0..D {
+            let mut force = pressure * axes[0][axis];
+            for k in 1..D {
+                force -= traction[k] * axes[k][axis];
+            }
+            force *= self.area;
+            for end in 0..D {
+                forces[0][end][axis] = turning[end][axis] - self.shares[0][end] * force;
                 forces[1][end][axis] = self.shares[1][end] * force;
             }
         }
@@ -332,53 +361,75 @@ impl Place {
 
     /// Updates a point. Returns its forces, and its energy and the work against friction since the last pass.
     #[inline]
-    fn press(&self, hold: &mut Hold, ends: [[Point; 2]; 2]) -> ([[Point; 2]; 2], Pressing) {
+    fn press<const N: usize>(
+        &self,
+        hold: &mut Hold<D>,
+        ends: [[Point<D>; D]; 2],
+    ) -> ([[Point<D>; D]; 2], Pressing)
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
         if hold.faded >= 1.0 {
-            return Default::default();
+            return ([[[0.0; D]; D]; 2], Pressing::default());
         }
-        let frame = self.frame(ends);
-        let [opening, sliding] = [0, 1].map(|k| frame.gap[k] - self.gap[k]);
-        let [pressure, potential] = self.potential(opening);
+        let frame = self.frame::<N>(ends);
+        let since = minus(frame.gap, self.gap);
+        let sliding = along(since);
+        let [pressure, potential] = self.potential(since[0]);
         let far = (length(frame.apart) / self.reach - FADE[0]) / (FADE[1] - FADE[0]);
         let fading = (far.clamp(0.0, 1.0) - hold.faded).max(0.0);
         hold.faded += fading;
         let weight = 1.0 - hold.faded;
-        let trial = self.stiffness[1] * (sliding - hold.slip);
-        let limit = self.friction * pressure;
-        let held = trial.clamp(-limit, limit);
+        let trial = minus(sliding, hold.slip).map(|sliding| self.stiffness[1] * sliding);
+        let held = at_most(trial, self.friction * pressure);
         if held != trial {
-            hold.slip = sliding - held / self.stiffness[1];
+            hold.slip = minus(sliding, held.map(|traction| traction / self.stiffness[1]));
         }
-        let traction = weight * held;
-        let slid = 0.5 * (hold.traction + traction) * (sliding - hold.sliding);
+        let traction = held.map(|traction| weight * traction);
+        let slid = dot(plus(hold.traction, traction).map(|sum| 0.5 * sum), minus(sliding, hold.sliding));
         (hold.sliding, hold.traction) = (sliding, traction);
         let pressing = Pressing {
             energy: self.area * weight * potential,
             friction: self.area * (slid + fading * potential),
         };
-        (self.forces(&frame, weight * pressure, traction), pressing)
+        (self.forces::<N>(&frame, weight * pressure, traction), pressing)
     }
 
-    /// Calls `add` with each corner and the force on it.
+    /// Gives each corner the force on it.
     #[inline]
-    fn add(&self, forces: [[Point; 2]; 2], mut add: impl FnMut(u32, Point)) {
+    fn give(&self, forces: [[Point<D>; D]; 2], mut give: impl FnMut(u32, Point<D>)) {
         for (corners, forces) in self.corners.into_iter().zip(forces) {
             for (corner, force) in corners.into_iter().zip(forces) {
-                add(corner, force);
+                give(corner, force);
             }
         }
     }
 }
 
-/// Pairs of edges whose boxes touch, ascending. Each edge is given by the number of its first corner.
-fn near(edges: &[[u32; 2]], ends: impl Fn([u32; 2]) -> [Point; 2]) -> Result<Vec<[[u32; 2]; 2]>, ModelError> {
-    let [mut min, mut max] = [Vec::with_capacity(edges.len()), Vec::with_capacity(edges.len())];
+/// Length of a facet, as an edge, m.
+fn length_of<const D: usize, const N: usize>(facet: &[Point<D>; D]) -> f64
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    <[[f64; D]; N]>::facet_length(<[[f64; D]; N]>::facet_measure(facet))
+}
+
+/// Pairs of facets whose boxes touch, ascending, by their corners.
+fn near<const D: usize, const N: usize>(
+    facets: &[[u32; D]],
+    ends: impl Fn([u32; D]) -> [Point<D>; D],
+) -> Result<Vec<[[u32; D]; 2]>, ModelError>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    let [mut min, mut max]: [Vec<Point<D>>; 2] = [0, 1].map(|_| Vec::with_capacity(facets.len()));
     let mut shortest = f64::INFINITY;
-    for &edge in edges {
-        let [a, b] = ends(edge);
-        min.push([a[0].min(b[0]), a[1].min(b[1])]);
-        max.push([a[0].max(b[0]), a[1].max(b[1])]);
-        shortest = shortest.min(length(minus(b, a)));
+    for &facet in facets {
+        let ends = ends(facet);
+        let along = |axis: usize| ends.iter().map(move |end| end[axis]);
+        min.push(std::array::from_fn(|axis| along(axis).fold(f64::INFINITY, f64::min)));
+        max.push(std::array::from_fn(|axis| along(axis).fold(f64::NEG_INFINITY, f64::max)));
+        shortest = shortest.min(length_of::<D, N>(&ends));
     }
     let mut pairs: Vec<Pair> = Vec::new();
     Boxes::boxes(&min, &max)
@@ -386,7 +437,7 @@ fn near(edges: &[[u32; 2]], ends: impl Fn([u32; 2]) -> [Point; 2]) -> Result<Vec
         .and_then(|boxes| Detector::new().couples(&boxes, &mut pairs))
         .map_err(|error| ModelError::Detection { message: error.to_string() })?;
     pairs.sort_unstable();
-    Ok(pairs.into_iter().map(|Pair { i, j }| [i, j].map(|k| edges[k as usize])).collect())
+    Ok(pairs.into_iter().map(|Pair { i, j }| [i, j].map(|k| facets[k as usize])).collect())
 }
 
 #[cfg(test)]
@@ -395,7 +446,7 @@ mod tests {
     use crate::vector::cross;
 
     /// A point of a seam between two edges of different lengths.
-    fn place() -> (Place, [[Point; 2]; 2]) {
+    fn place() -> (Place<2>, [[Point; 2]; 2]) {
         let place = Place {
             corners: [[0, 1], [3, 4]],
             shares: [[0.7, 0.3], [0.4, 0.6]],
@@ -415,25 +466,25 @@ mod tests {
         let openings = [-0.05, -0.01, 0.005, 0.015, 0.03];
         for opening in openings {
             let ends = shifted(&place, ends, opening);
-            let frame = place.frame(ends);
+            let frame = place.frame::<3>(ends);
             assert!((frame.gap[0] - opening).abs() < 1e-12);
-            let forces = place.forces(&frame, place.potential(frame.gap[0])[0], 0.0);
-            let energy = |ends| place.area * place.potential(place.frame(ends).gap[0])[1];
+            let forces = place.forces::<3>(&frame, place.potential(frame.gap[0])[0], [0.0; 2]);
+            let energy = |ends| place.area * place.potential(place.frame::<3>(ends).gap[0])[1];
             check(forces, ends, energy);
             // Work against a constant tangential traction.
-            let forces = place.forces(&frame, 0.0, 1.5);
-            check(forces, ends, |ends| place.area * 1.5 * place.frame(ends).gap[1]);
+            let forces = place.forces::<3>(&frame, 0.0, [0.0, 1.5]);
+            check(forces, ends, |ends| place.area * 1.5 * place.frame::<3>(ends).gap[1]);
             let torque: f64 = (0..4).map(|k| cross(ends[k / 2][k % 2], forces[k / 2][k % 2])).sum();
             assert!(torque.abs() < 1e-14, "{torque}");
         }
     }
 
     /// Moves the second edge along the normal until the gap is `opening`.
-    fn shifted(place: &Place, mut ends: [[Point; 2]; 2], opening: f64) -> [[Point; 2]; 2] {
-        let frame = place.frame(ends);
+    fn shifted(place: &Place<2>, mut ends: [[Point; 2]; 2], opening: f64) -> [[Point; 2]; 2] {
+        let frame = place.frame::<3>(ends);
         for end in &mut ends[1] {
             for axis in 0..2 {
-                end[axis] += (opening - frame.gap[0]) * frame.normal[axis];
+                end[axis] += (opening - frame.gap[0]) * frame.axes[0][axis];
             }
         }
         ends
@@ -457,20 +508,20 @@ mod tests {
     fn what_slides_away_is_accounted_for() {
         let (place, ends) = place();
         let mut ends = shifted(&place, ends, 0.005);
-        let frame = place.frame(ends);
+        let frame = place.frame::<3>(ends);
         let mut place = Place { gap: [0.0, frame.gap[1]], ..place };
         place.reach = 0.5;
         let mut hold = Hold::default();
-        let (mut forces, mut pressing) = place.press(&mut hold, ends);
+        let (mut forces, mut pressing) = place.press::<3>(&mut hold, ends);
         let (begin, steps) = (pressing.energy, 40_000);
         let (mut work, mut friction) = (0.0, 0.0);
-        let step = frame.tangent.map(|t| 0.4 * t / f64::from(steps));
+        let step = frame.axes[1].map(|t| 0.4 * t / f64::from(steps));
         for _ in 0..steps {
             for end in &mut ends[1] {
                 *end = [end[0] + step[0], end[1] + step[1]];
             }
             let before = forces;
-            (forces, pressing) = place.press(&mut hold, ends);
+            (forces, pressing) = place.press::<3>(&mut hold, ends);
             friction += pressing.friction;
             for end in 0..2 {
                 work -= 0.5 * (dot(before[1][end], step) + dot(forces[1][end], step));

@@ -54,6 +54,26 @@ pub(crate) trait Simplex<const D: usize, const N: usize>: Copy + Send + Sync {
     /// What makes of a stiffness in Pa, times the thickness in two dimensions, one in N/m: a length of an element of this measure in three dimensions, and 1 in two.
     fn contact_length(measure: f64) -> f64;
 
+    /// Points on the common part of two facets that face each other and are nearer than `touch`, m: the weights of the vertices of both at each point, and the length,
+    /// m, or area, m², for which it stands. They integrate products of linear functions exactly. None if the common part is not wider than `least`, m.
+    fn common(
+        one: &[Point<D>; D],
+        other: &[Point<D>; D],
+        touch: f64,
+        least: f64,
+    ) -> Vec<([[f64; D]; 2], f64)>;
+
+    /// Forces on the vertices of a facet, N, because its axes turn with it: of a pressure along the gap, and of a traction against it, Pa, on an area, m². `gap`: components along
+    /// the axes.
+    fn turning(
+        facet: &[Point<D>; D],
+        axes: &Matrix<D>,
+        gap: &[f64; D],
+        pressure: f64,
+        traction: &[f64; D],
+        area: f64,
+    ) -> [Point<D>; D];
+
     /// Traction across a facet, tension positive, and along it, in the directions of [`Simplex::axes`], Pa.
     fn traction_on(facet: &[Point<D>; D], stress: &Matrix<D>) -> [f64; D];
 

@@ -15,6 +15,7 @@ use crate::loads::Loads;
 use crate::model::{Insertion, Model};
 use crate::motion::{self, Motion};
 use crate::seams::{Hold, Seams};
+use crate::simplex::Simplex;
 use crate::snapshot::{Crack, Mode, Snapshot};
 use crate::solid::{Constants, Node, Solid};
 use crate::team::Team;
@@ -48,14 +49,14 @@ const NEGLIGIBLE_SHARE: f64 = 1e-9;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug)]
-pub struct Simulation {
-    model: Model,
-    topology: Topology,
-    solid: Solid,
-    joints: Joints,
-    contacts: Contacts,
-    seams: Seams,
-    loads: Loads,
+pub struct Simulation<const D: usize = 2, const N: usize = 3> {
+    model: Model<D, N>,
+    topology: Topology<D, N>,
+    solid: Solid<D, N>,
+    joints: Joints<D>,
+    contacts: Contacts<D, N>,
+    seams: Seams<D>,
+    loads: Loads<D, N>,
     team: Team,
     critical: CriticalStep,
     time_step: f64,
@@ -72,9 +73,9 @@ pub struct Simulation {
     /// All energies of the state from which the run was resumed; `None` after the first step.
     resumed: Option<Energies>,
     /// Force of each boundary on the bodies at the beginning of the last step, N.
-    reactions: Vec<Point>,
+    reactions: Vec<Point<D>>,
     /// Force on each node that a boundary moves, at the beginning of the last step, N.
-    held: Vec<(u32, Point)>,
+    held: Vec<(u32, Point<D>)>,
     touching: Touching,
     timings: Timings,
 }
@@ -98,23 +99,27 @@ struct Totals {
 
 /// State of a run, without its model. A run that is resumed from it continues as if it had never stopped.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct State {
+#[serde(bound(
+    serialize = "[f64; D]: Serialize, [u32; N]: Serialize, [[f64; D]; D]: Serialize, Joint<D>: Serialize, [f64; N]: Serialize, SavedContacts<D, N>: Serialize, Saved<D>: Serialize",
+    deserialize = "[f64; D]: Deserialize<'de>, [u32; N]: Deserialize<'de>, [[f64; D]; D]: Deserialize<'de>, Joint<D>: Deserialize<'de>, [f64; N]: Deserialize<'de>, SavedContacts<D, N>: Deserialize<'de>, Saved<D>: Deserialize<'de>"
+))]
+pub struct State<const D: usize = 2, const N: usize = 3> {
     step: u64,
     totals: Totals,
     energies: Energies,
     loads_work: f64,
-    reactions: Vec<Point>,
-    nodes: Vec<Node>,
+    reactions: Vec<Point<D>>,
+    nodes: Vec<Node<D>>,
     constants: Vec<Constants>,
-    of_corner: Vec<[u32; 3]>,
-    stresses: Vec<Matrix>,
-    viscous: Vec<Matrix>,
-    joints: Saved,
-    contacts: SavedContacts,
-    seams: Vec<Hold>,
+    of_corner: Vec<[u32; N]>,
+    stresses: Vec<Matrix<D>>,
+    viscous: Vec<Matrix<D>>,
+    joints: Saved<D>,
+    contacts: SavedContacts<D, N>,
+    seams: Vec<Hold<D>>,
 }
 
-impl State {
+impl<const D: usize, const N: usize> State<D, N> {
     /// Number of steps done.
     pub fn step(&self) -> u64 {
         self.step
@@ -151,25 +156,28 @@ pub struct Counts {
     pub nodes: usize,
 }
 
-impl Simulation {
+impl<const D: usize, const N: usize> Simulation<D, N>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
     /// Creates a run on `threads` threads; 0 stands for one per processor. Results do not depend on the number of threads.
     ///
     /// # Errors
     /// An error that says why the model cannot be simulated.
-    pub fn new(model: Model, threads: usize) -> Result<Self, ModelError> {
+    pub fn new(model: Model<D, N>, threads: usize) -> Result<Self, ModelError> {
         checks::check(&model)?;
         let topology = Topology::of(&model.mesh)?;
         let mut solid = Solid::new(&model);
         let mut joints = Joints::new(&model, &topology);
-        // Checks the laws of all edges now, so that none can fail during the run.
-        for edge in 0..topology.facets.len() as u32 {
-            joints.law(edge, &model, &topology)?;
+        // Checks the laws of all facets now, so that none can fail during the run.
+        for facet in 0..topology.facets.len() as u32 {
+            joints.law(facet, &model, &topology)?;
         }
         let mut loads = Loads::new(&model, &topology, &mut solid)?;
         let contacts = Contacts::new(&model, &topology, threads)?;
         let critical = CriticalStep::new(&model, &topology, &joints);
         if model.fracture.insertion == Insertion::Intrinsic {
-            solid.reserve_nodes(3 * model.mesh.elements.len());
+            solid.reserve_nodes(N * model.mesh.elements.len());
             joints.everywhere(&model, &topology)?;
         }
         // This also separates elements that have only a vertex in common.
@@ -184,7 +192,7 @@ impl Simulation {
         if solid.is_prestressed() {
             let by_seams = seams.initial_forces(&solid);
             loads.support(&model, &solid, |corner| {
-                let mut force = by_seams.get(corner as usize).copied().unwrap_or_default();
+                let mut force = by_seams.get(corner as usize).copied().unwrap_or([0.0; D]);
                 joints.add_initial_force(corner, &solid, &mut force);
                 force
             });
@@ -202,7 +210,7 @@ impl Simulation {
             time_step: model.time.step.unwrap_or(critical.step * model.time.safety),
             negligible: 0.5 * stiffness * NEGLIGIBLE_STRAIN * NEGLIGIBLE_STRAIN
                 + NEGLIGIBLE_SHARE * solid.strain_energy(&team),
-            reactions: vec![[0.0; 2]; model.boundaries.len()],
+            reactions: vec![[0.0; D]; model.boundaries.len()],
             team,
             step: 0,
             totals,
@@ -294,7 +302,7 @@ impl Simulation {
 
         self.audit()?;
         if let Some((node, speed)) = moved.runaway {
-            let element = self.solid.corners.first[node as usize] / 3;
+            let element = self.solid.corners.first[node as usize] / N as u32;
             return Err(Stop::Runaway { element, step: self.step, speed, limit: self.speed_limit });
         }
         self.step += 1;
@@ -346,8 +354,8 @@ impl Simulation {
         let density = |number: usize| {
             let element = &self.solid.elements[number];
             let square = |node: u32| {
-                let [x, y] = self.solid.nodes[node as usize].velocity;
-                x * x + y * y
+                let velocity = self.solid.nodes[node as usize].velocity;
+                dot(velocity, velocity)
             };
             let fastest = self.solid.nodes_of(number as u32).into_iter().map(square).fold(0.0, f64::max);
             let density = self.model.materials[element.material as usize].density;
@@ -368,7 +376,7 @@ impl Simulation {
     }
 
     /// The model as it was given.
-    pub fn model(&self) -> &Model {
+    pub fn model(&self) -> &Model<D, N> {
         &self.model
     }
 
@@ -413,7 +421,7 @@ impl Simulation {
             };
             range.map(work).sum::<f64>()
         };
-        let gravity = if self.model.gravity == [0.0; 2] {
+        let gravity = if self.model.gravity == [0.0; D] {
             0.0
         } else {
             self.team.look(self.solid.nodes.len(), by_gravity).into_iter().sum()
@@ -423,7 +431,7 @@ impl Simulation {
     }
 
     /// Force of a boundary on the bodies at the beginning of the last step, N; `None` if there is no such boundary.
-    pub fn force(&self, boundary: usize) -> Option<[f64; 2]> {
+    pub fn force(&self, boundary: usize) -> Option<[f64; D]> {
         self.reactions.get(boundary).copied()
     }
 
@@ -456,7 +464,7 @@ impl Simulation {
 
     /// Displacement, m, and velocity, m/s, of a node of the mesh; those of the first of its nodes if the mesh has broken there. `None` if there is no such
     /// node.
-    pub fn node(&self, node: u32) -> Option<([f64; 2], [f64; 2])> {
+    pub fn node(&self, node: u32) -> Option<([f64; D], [f64; D])> {
         if node as usize >= self.topology.vertex_count() {
             return None;
         }
@@ -473,74 +481,16 @@ impl Simulation {
         lengths
     }
 
-    /// Positions, motion, stress and cracks now.
-    pub fn snapshot(&self) -> Snapshot {
-        let nodes = &self.solid.nodes;
-        let elements = self.solid.elements.len();
-        let mut damage = vec![0.0_f64; elements];
-        let mut cracks = Vec::new();
-        for (number, joint) in self.joints.all.iter().enumerate() {
-            let of_joint = joint.damage();
-            let edge = &self.topology.facets[joint.facet as usize];
-            for element in edge.elements() {
-                let damage = &mut damage[element as usize];
-                *damage = damage.max(of_joint);
-            }
-            if of_joint > 0.0 {
-                cracks.push(self.crack(joint, of_joint, self.joints.break_of(number as u32)));
-            }
-        }
-        Snapshot {
-            step: self.step,
-            time: self.time(),
-            positions: nodes.iter().map(|node| self.solid.place(node.position)).collect(),
-            displacements: (0..nodes.len()).map(|node| self.solid.displacement(node, &self.model)).collect(),
-            velocities: nodes.iter().map(|node| node.velocity).collect(),
-            elements: self.solid.corners.of_corner.clone(),
-            stresses: (0..elements)
-                .map(|element| {
-                    let [[xx, xy], [_, yy]] = self.solid.strained[element].stress;
-                    [xx, yy, xy, self.solid.stress_out_of_plane(element)]
-                })
-                .collect(),
-            damage,
-            bodies: self.model.mesh.bodies.clone(),
-            materials: self.model.mesh.materials.clone(),
-            fragments: self.topology.pieces(|edge| self.joints.holds(edge)),
-            cracks,
-        }
-    }
-
     /// Forces of contacts and boundaries at the beginning of the last step.
-    pub fn forces(&self) -> Forces {
+    pub fn forces(&self) -> Forces<D> {
         Forces {
             contacts: forces::contact_forces(&self.contacts, &self.joints, &self.solid, &self.topology),
             reactions: forces::reactions(&self.solid, &self.loads, &self.held),
         }
     }
 
-    fn crack(&self, joint: &Joint, damage: f64, broken: Option<&Break>) -> Crack {
-        let edge = &self.topology.facets[joint.facet as usize];
-        let end = |end: usize| {
-            let [a, b] = edge.corners.map(|side| self.solid.at_corner(side[end]).position);
-            self.solid.place([0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])])
-        };
-        let [opening, sliding] = Joints::gap(joint, &self.solid);
-        let modes = broken.map_or_else(|| joint.modes(), |broken| broken.modes);
-        Crack {
-            ends: [end(0), end(1)],
-            elements: edge.elements(),
-            damage,
-            mode: mode(modes),
-            opening,
-            sliding,
-            time: broken.map(|broken| broken.time),
-            length: joint.measure,
-        }
-    }
-
     /// State from which the run can be resumed.
-    pub fn state(&self) -> State {
+    pub fn state(&self) -> State<D, N> {
         State {
             step: self.step,
             totals: self.totals,
@@ -562,7 +512,7 @@ impl Simulation {
     ///
     /// # Errors
     /// An error that says why the model cannot be simulated; [`ModelError::Length`] or [`ModelError::Missing`] if the state belongs to another model.
-    pub fn resume(model: Model, state: State, threads: usize) -> Result<Self, ModelError> {
+    pub fn resume(model: Model<D, N>, state: State<D, N>, threads: usize) -> Result<Self, ModelError> {
         let mut run = Self::new(model, threads)?;
         let elements = run.solid.elements.len();
         let lengths = [
@@ -608,6 +558,66 @@ impl Simulation {
         run.resumed = Some(state.energies);
         run.reactions = state.reactions;
         Ok(run)
+    }
+}
+
+impl Simulation {
+    /// Positions, motion, stress and cracks now.
+    pub fn snapshot(&self) -> Snapshot {
+        let nodes = &self.solid.nodes;
+        let elements = self.solid.elements.len();
+        let mut damage = vec![0.0_f64; elements];
+        let mut cracks = Vec::new();
+        for (number, joint) in self.joints.all.iter().enumerate() {
+            let of_joint = joint.damage();
+            let edge = &self.topology.facets[joint.facet as usize];
+            for element in edge.elements() {
+                let damage = &mut damage[element as usize];
+                *damage = damage.max(of_joint);
+            }
+            if of_joint > 0.0 {
+                cracks.push(self.crack(joint, of_joint, self.joints.break_of(number as u32)));
+            }
+        }
+        Snapshot {
+            step: self.step,
+            time: self.time(),
+            positions: nodes.iter().map(|node| self.solid.place(node.position)).collect(),
+            displacements: (0..nodes.len()).map(|node| self.solid.displacement(node, &self.model)).collect(),
+            velocities: nodes.iter().map(|node| node.velocity).collect(),
+            elements: self.solid.corners.of_corner.clone(),
+            stresses: (0..elements)
+                .map(|element| {
+                    let [[xx, xy], [_, yy]] = self.solid.strained[element].stress;
+                    [xx, yy, xy, self.solid.stress_out_of_plane(element)]
+                })
+                .collect(),
+            damage,
+            bodies: self.model.mesh.bodies.clone(),
+            materials: self.model.mesh.materials.clone(),
+            fragments: self.topology.pieces(|edge| self.joints.holds(edge)),
+            cracks,
+        }
+    }
+
+    fn crack(&self, joint: &Joint, damage: f64, broken: Option<&Break>) -> Crack {
+        let edge = &self.topology.facets[joint.facet as usize];
+        let end = |end: usize| {
+            let [a, b] = edge.corners.map(|side| self.solid.at_corner(side[end]).position);
+            self.solid.place([0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])])
+        };
+        let [opening, sliding] = Joints::gap(joint, &self.solid);
+        let modes = broken.map_or_else(|| joint.modes(), |broken| broken.modes);
+        Crack {
+            ends: [end(0), end(1)],
+            elements: edge.elements(),
+            damage,
+            mode: mode(modes),
+            opening,
+            sliding,
+            time: broken.map(|broken| broken.time),
+            length: joint.measure,
+        }
     }
 }
 

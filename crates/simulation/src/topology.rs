@@ -194,6 +194,15 @@ where
     <[[f64; D]; N]>::FACETS[k].map(|corner| (N * element + corner) as u32)
 }
 
+/// The number of a facet in its element, as [`Simplex::FACETS`] has them.
+pub(crate) fn place_in_element<const D: usize, const N: usize>(corners: &[u32; D]) -> usize
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    let own = |at: &usize| corners.iter().any(|&corner| corner as usize % N == *at);
+    (0..N).find(|&k| <[[f64; D]; N]>::FACETS[k].iter().all(own)).unwrap_or_default()
+}
+
 /// Finds the facets between two elements, in the order of the lower element and its facets, from the vertices of all corners.
 #[allow(clippy::type_complexity, reason = "two columns, named where they are used")]
 fn facets<const D: usize, const N: usize>(

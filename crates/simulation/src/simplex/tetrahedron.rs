@@ -2,6 +2,8 @@
 
 mod eigen;
 mod elastic;
+mod facet;
+mod piece;
 mod plane;
 mod potential;
 
@@ -73,6 +75,26 @@ impl Simplex<3, 4> for Tetrahedron {
 
     fn contact_length(measure: f64) -> f64 {
         libm::cbrt(measure)
+    }
+
+    fn common(
+        one: &[Point<3>; 3],
+        other: &[Point<3>; 3],
+        touch: f64,
+        least: f64,
+    ) -> Vec<([[f64; 3]; 2], f64)> {
+        facet::common(one, other, touch, least)
+    }
+
+    fn turning(
+        facet: &[Point<3>; 3],
+        axes: &Matrix<3>,
+        gap: &[f64; 3],
+        pressure: f64,
+        traction: &[f64; 3],
+        area: f64,
+    ) -> [Point<3>; 3] {
+        facet::turning(facet, axes, gap, pressure, traction, area)
     }
 
     fn traction_on(facet: &[Point<3>; 3], stress: &Matrix<3>) -> [f64; 3] {

@@ -1,6 +1,7 @@
 //! Triangles.
 
 mod elastic;
+mod facet;
 mod plane;
 mod potential;
 
@@ -69,6 +70,23 @@ impl Simplex<2, 3> for Triangle {
     #[inline]
     fn contact_length(_: f64) -> f64 {
         1.0
+    }
+
+    fn common(one: &[Point; 2], other: &[Point; 2], touch: f64, least: f64) -> Vec<([[f64; 2]; 2], f64)> {
+        facet::common(one, other, touch, least)
+    }
+
+    #[inline]
+    fn turning(
+        [a, b]: &[Point; 2],
+        axes: &Matrix,
+        gap: &[f64; 2],
+        pressure: f64,
+        traction: &[f64; 2],
+        area: f64,
+    ) -> [Point; 2] {
+        let moment = (pressure * gap[1] + traction[1] * gap[0]) * area / length(minus(*b, *a));
+        [axes[0].map(|n| moment * n), axes[0].map(|n| -moment * n)]
     }
 
     fn traction_on([a, b]: &[Point; 2], stress: &Matrix) -> [f64; 2] {

@@ -18,5 +18,7 @@ mod fracture;
 mod resume;
 /// Initial stress: stored energy and equilibrium.
 mod stress;
+/// Bodies of tetrahedra.
+mod space;
 /// Models that are refused.
 mod refusal;

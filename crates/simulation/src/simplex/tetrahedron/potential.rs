@@ -17,12 +17,10 @@
 //!
 //! A. Munjiza, "The Combined Finite-Discrete Element Method" (Wiley, 2004), 2.6, has another potential and other forces, which are not its gradient.
 
+use crate::simplex::tetrahedron::piece::{Piece, Place, share_of};
 use crate::simplex::tetrahedron::{FACES, Tetrahedron, cross3};
 use crate::simplex::{Interaction, NEAR};
-use crate::vector::{Point, add, cross, dot, length, minus};
-
-/// Most corners that a face has after it was cut by four planes.
-const MOST: usize = 7;
+use crate::vector::{Point, add, dot, length, minus};
 
 /// Computes the interaction of two tetrahedra, for a penalty of 1. If they do not overlap, returns a lower bound of their distance.
 pub(super) fn interaction(a: &Tetrahedron, b: &Tetrahedron) -> Result<Interaction<3, 4>, f64> {
@@ -169,9 +167,6 @@ fn faces_in(corners: &[[f64; 4]; 4]) -> [Covered; 4] {
     FACES.map(|face| face_in(&face.map(|corner| corners[corner])))
 }
 
-/// A corner of a piece of a face, by its barycentric coordinates on the face.
-type Place = [f64; 3];
-
 /// The part of a face whose corners have these coordinates in the other tetrahedron.
 fn face_in(corners: &[[f64; 4]; 3]) -> Covered {
     let mut covered = Covered { area: 0.0, shares: [0.0; 3], outside: 0.0, near: 0.0, least: 1.0 };
@@ -187,13 +182,10 @@ fn face_in(corners: &[[f64; 4]; 3]) -> Covered {
         }
         let potential =
             |place: &Place| 4.0 * (0..3).map(|k| place[k] * corners[k][least]).sum::<f64>().max(0.0);
-        let places = piece.places();
-        let Some((first, rest)) = places.split_first() else { continue };
-        let a = potential(first);
-        for pair in rest.windows(2) {
-            let [second, third] = [pair[0], pair[1]];
-            let (b, c) = (potential(&second), potential(&third));
-            let area = determinant(first, &second, &third);
+        piece.fan(|triangle| {
+            let [a, b, c] = triangle.map(|place| potential(&place));
+            let [first, second, third] = triangle;
+            let area = share_of(&triangle);
             covered.area += area;
             let sum = a + b + c;
             for k in 0..3 {
@@ -207,71 +199,9 @@ fn face_in(corners: &[[f64; 4]; 3]) -> Covered {
                 area * (sum * sum - two - sum * two + three + sum * three) / (12.0 * w[0] * w[1] * w[2]);
             covered.near += area * (1.0 / 3.0 - (w[0] + w[1] + w[2]) / 12.0);
             covered.least = w.into_iter().fold(covered.least, f64::min);
-        }
+        });
     }
     covered
-}
-
-/// A convex piece of a face.
-struct Piece {
-    places: [Place; MOST],
-    count: usize,
-}
-
-impl Piece {
-    const WHOLE: Self = {
-        let mut places = [[0.0; 3]; MOST];
-        places[0][0] = 1.0;
-        places[1][1] = 1.0;
-        places[2][2] = 1.0;
-        Self { places, count: 3 }
-    };
-
-    fn places(&self) -> &[Place] {
-        &self.places[..self.count]
-    }
-
-    /// Keeps the part where a linear function with these values at the corners of the face is not negative.
-    #[inline]
-    fn cut(&mut self, values: [f64; 3]) {
-        if self.count == 0 || values.iter().all(|&value| value >= 0.0) {
-            return;
-        }
-        if values.iter().all(|&value| value < 0.0) {
-            self.count = 0;
-            return;
-        }
-        let value = |place: &Place| place[0] * values[0] + place[1] * values[1] + place[2] * values[2];
-        let before = std::mem::replace(&mut self.places, [[0.0; 3]; MOST]);
-        let count = std::mem::take(&mut self.count);
-        let mut last = before[count - 1];
-        let mut at_last = value(&last);
-        for place in &before[..count] {
-            let at = value(place);
-            if (at_last < 0.0) != (at < 0.0) {
-                let share = at_last / (at_last - at);
-                self.push(std::array::from_fn(|k| last[k] + share * (place[k] - last[k])));
-            }
-            if at >= 0.0 {
-                self.push(*place);
-            }
-            (last, at_last) = (*place, at);
-        }
-    }
-
-    fn push(&mut self, place: Place) {
-        // A convex piece gains at most one corner by a cut; rounding could make it gain more, on corners that coincide.
-        if self.count < MOST {
-            self.places[self.count] = place;
-            self.count += 1;
-        }
-    }
-}
-
-/// Area of a triangle on a face, over the area of the face.
-#[inline]
-fn determinant(a: &Place, b: &Place, c: &Place) -> f64 {
-    cross([b[1] - a[1], b[2] - a[2]], [c[1] - a[1], c[2] - a[2]])
 }
 
 #[cfg(test)]
