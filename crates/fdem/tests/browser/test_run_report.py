@@ -87,6 +87,15 @@ class Watched:
             self.page.wait_for_timeout(20)
         raise AssertionError(self.state())
 
+    def drawn(self, condition):
+        """Waits until the canvas is as it should be, and returns its picture."""
+        for _ in range(100):
+            picture = self.page.locator("#canvas").screenshot()
+            if condition(picture):
+                return picture
+            self.page.wait_for_timeout(50)
+        raise AssertionError("the canvas is not as it should be")
+
     def arrived(self, frame):
         """The frame is shown."""
         self.until(lambda state: state["frame"] == frame)
@@ -297,14 +306,16 @@ def test_a_frame_that_is_left_out_is_named(browser, tmp_path):
 def test_outlines_are_drawn_and_can_be_hidden(browser, disc):
     with Watched(browser, disc[0]) as watched:
         page = watched.page
-        with_outlines = page.locator("#canvas").screenshot()
         page.uncheck("#show-outlines")
-        page.wait_for_timeout(200)
+        # The first drawing may still be under way.
+        page.wait_for_timeout(500)
         without = page.locator("#canvas").screenshot()
-        assert with_outlines != without
         page.check("#show-outlines")
-        page.wait_for_timeout(200)
-        assert page.locator("#canvas").screenshot() == with_outlines
+        with_outlines = watched.drawn(lambda picture: picture != without)
+        page.uncheck("#show-outlines")
+        watched.drawn(lambda picture: picture == without)
+        page.check("#show-outlines")
+        watched.drawn(lambda picture: picture == with_outlines)
         watched.check()
 
 
