@@ -35,9 +35,9 @@ pub(super) fn interaction(a: &Tetrahedron, b: &Tetrahedron) -> Result<Interactio
     let [first, second] = &mut result.forces;
     press(a, (b, &coordinates[1], &in_b), [&covered[0], &covered[1]], [first, second], &mut sum);
     press(b, (a, &coordinates[0], &in_a), [&covered[1], &covered[0]], [second, first], &mut sum);
-    // The two touch only in a point, along a line or on a face.
+    // No face parts the two. They overlap, touch, or are apart with an edge of each nearest to the other.
     if sum.energy <= 0.0 {
-        return Err(0.0);
+        return Err(apart_by_edges(a, b));
     }
     result.energy = sum.energy;
     // Without pressure there is no friction, so any point will do.
@@ -146,6 +146,32 @@ impl Coordinates {
         }
         distance.map_or(Ok(()), Err)
     }
+}
+
+/// Corners of the edges.
+const EDGES: [[usize; 2]; 6] = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
+
+/// Lower bound of the distance of two tetrahedra: the largest gap between them along a direction at right angles to an edge of each; 0 without a gap.
+fn apart_by_edges(a: &Tetrahedron, b: &Tetrahedron) -> f64 {
+    let edges = |shape: &Tetrahedron| EDGES.map(|[from, to]| minus(shape[to], shape[from]));
+    let mut most = 0.0_f64;
+    for one in edges(a) {
+        for other in edges(b) {
+            let axis = cross3(one, other);
+            let squared = dot(axis, axis);
+            // Edges that are nearly parallel say nothing that the faces have not said.
+            if squared <= 1e-12 * dot(one, one) * dot(other, other) {
+                continue;
+            }
+            let [[low, high], [other_low, other_high]] = [a, b].map(|shape| {
+                let along = shape.map(|corner| dot(corner, axis));
+                let least = along.into_iter().fold(f64::INFINITY, f64::min);
+                [least, along.into_iter().fold(f64::NEG_INFINITY, f64::max)]
+            });
+            most = most.max((other_low - high).max(low - other_high) / squared.sqrt());
+        }
+    }
+    most
 }
 
 /// The part of a face that lies in another tetrahedron, with integrals over this part. The area of the face counts as 1.
@@ -351,5 +377,43 @@ mod tests {
         assert_eq!(interaction(&one, &below), Err(0.0));
         let far = below.map(|[x, y, z]| [x, y, z - 0.25]);
         assert!(matches!(interaction(&one, &far), Err(distance) if (distance - 0.25).abs() < 1e-15));
+    }
+
+    /// No face parts two tetrahedra whose edges cross at a distance. What is told is never more than the distance, and it tells all that are apart.
+    #[test]
+    fn the_distance_of_tetrahedra_whose_edges_cross() {
+        let below = [[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, -1.0], [0.0, -1.0, -1.0]];
+        let below = if Coordinates::of(&below).six_volumes > 0.0 {
+            below
+        } else {
+            [below[1], below[0], below[2], below[3]]
+        };
+        let above = below.map(|[x, y, z]| [y, x, 0.1 - z]);
+        let above = if Coordinates::of(&above).six_volumes > 0.0 {
+            above
+        } else {
+            [above[1], above[0], above[2], above[3]]
+        };
+        let found = interaction(&below, &above);
+        assert!(matches!(found, Err(distance) if (distance - 0.1).abs() < 1e-15), "{found:?}");
+        let mut told = 0;
+        for [a, b] in pairs(300) {
+            let b = b.map(|corner| corner.map(|x| x + 0.5));
+            let Err(distance) = interaction(&a, &b) else { continue };
+            // Points of both that are near each other.
+            let point = |shape: &Tetrahedron, seed: u64, k: u64| -> Point<3> {
+                let weights = [0, 1, 2, 3].map(|corner| uniform(seed, 4 * k + corner).powi(4));
+                let sum: f64 = weights.iter().sum();
+                std::array::from_fn(|axis| {
+                    (0..4).map(|corner| weights[corner] * shape[corner][axis]).sum::<f64>() / sum
+                })
+            };
+            let nearest = (0..200)
+                .map(|k| length(minus(point(&a, 1, k), point(&b, 2, k))))
+                .fold(f64::INFINITY, f64::min);
+            assert!(distance <= nearest, "{distance} {nearest}");
+            told += u32::from(distance > 0.0);
+        }
+        assert!(told > 100, "{told}");
     }
 }
