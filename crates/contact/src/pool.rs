@@ -70,7 +70,7 @@ impl Pool {
         self
     }
 
-    /// What may stop the work.
+    /// The flag that stops the work.
     pub(crate) fn stop(&self) -> &Stop {
         &self.stop
     }

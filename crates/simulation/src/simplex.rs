@@ -1,4 +1,4 @@
-//! What is different for triangles and tetrahedra. Everything outside of this module and its parts is written once for both.
+//! Triangles and tetrahedra: this module and its parts hold all that differs between the two. The rest of the crate is written once for both.
 //!
 //! A simplex of `D` dimensions has `N = D + 1` corners and `N` facets: the edges of a triangle, the faces of a tetrahedron. A facet has `D` corners, and `D` facets
 //! meet in each corner.
@@ -19,7 +19,7 @@ pub(crate) trait Simplex<const D: usize, const N: usize>: Copy + Send + Sync {
     const FACETS: [[usize; D]; N];
     /// Facets that meet in each corner.
     const AT_CORNER: [[usize; D]; N];
-    /// What facets are called.
+    /// The name of facets in messages.
     const FACETS_ARE: &'static str;
 
     fn determinant(f: &Matrix<D>) -> f64;
@@ -51,7 +51,7 @@ pub(crate) trait Simplex<const D: usize, const N: usize>: Copy + Send + Sync {
     /// Unit vectors at right angles, of which this is the first.
     fn axes_around(normal: Point<D>) -> Matrix<D>;
 
-    /// What makes of a stiffness in Pa, times the thickness in two dimensions, one in N/m: a length of an element of this measure in three dimensions, and 1 in two.
+    /// Length of an element of this measure, m, by which a penalty in Pa becomes a stiffness in N/m. It is 1 in two dimensions, where the thickness does this.
     fn contact_length(measure: f64) -> f64;
 
     /// Points on the common part of two facets that face each other and are nearer than `touch`, m: the weights of the vertices of both at each point, and the length,
@@ -139,5 +139,28 @@ pub(crate) struct Interaction<const D: usize = 2, const N: usize = 3> {
 impl<const D: usize, const N: usize> Default for Interaction<D, N> {
     fn default() -> Self {
         Self { forces: [[[0.0; D]; N]; 2], energy: 0.0, point: [0.0; D], deep: false }
+    }
+}
+
+/// Sums over the boundary in contact of two elements.
+struct Sum<const D: usize> {
+    energy: f64,
+    /// Pressure, and pressure times position.
+    weight: f64,
+    moment: Point<D>,
+    deep: bool,
+}
+
+impl<const D: usize> Default for Sum<D> {
+    fn default() -> Self {
+        Self { energy: 0.0, weight: 0.0, moment: [0.0; D], deep: false }
+    }
+}
+
+impl<const D: usize> Sum<D> {
+    /// The interaction with these sums. Without pressure there is no friction, so `any` point will do.
+    fn completed<const N: usize>(self, interaction: Interaction<D, N>, any: Point<D>) -> Interaction<D, N> {
+        let point = if self.weight > 0.0 { self.moment.map(|x| x / self.weight) } else { any };
+        Interaction { energy: self.energy, point, deep: self.deep, ..interaction }
     }
 }

@@ -49,7 +49,7 @@ pub(crate) fn rectangle(min: [f64; 2], max: [f64; 2], nx: usize, ny: usize) -> M
 }
 
 /// One mesh of several, each as a body of its own.
-pub(crate) fn together(parts: &[Mesh]) -> Mesh {
+pub(crate) fn together<const D: usize, const N: usize>(parts: &[Mesh<D, N>]) -> Mesh<D, N> {
     let mut all = Mesh::default();
     for (body, part) in parts.iter().enumerate() {
         let first = all.nodes.len() as u32;

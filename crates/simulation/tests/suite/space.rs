@@ -48,18 +48,6 @@ fn cuboid(min: [f64; 3], max: [f64; 3], cells: [usize; 3]) -> Solid {
     Mesh { nodes, elements, bodies: vec![0; count], materials: vec![0; count] }
 }
 
-fn together(parts: &[Solid]) -> Solid {
-    let mut all = Solid::default();
-    for (body, part) in parts.iter().enumerate() {
-        let first = all.nodes.len() as u32;
-        all.nodes.extend(&part.nodes);
-        all.elements.extend(part.elements.iter().map(|nodes| nodes.map(|node| node + first)));
-        all.bodies.extend(part.elements.iter().map(|_| body as u32));
-        all.materials.extend(&part.materials);
-    }
-    all
-}
-
 /// Turned about an axis aslant to all others, and moved.
 fn turned(mesh: &Solid, angle: f64, by: [f64; 3]) -> Solid {
     let (sin, cos) = angle.sin_cos();

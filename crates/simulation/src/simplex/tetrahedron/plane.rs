@@ -65,8 +65,7 @@ mod tests {
     use crate::simplex::tetrahedron::Tetrahedron;
     use crate::vector::{add, length, matrix, symmetric};
 
-    /// Of the tractions on many planes within reach none uses a strength more than those on the critical planes, if these are within reach; in any case the plane of a
-    /// traction is within reach.
+    /// No plane uses a strength more than the critical planes do, if these are within reach. With no reach, all tractions are those on the facet.
     #[test]
     fn no_plane_uses_the_strength_more_than_the_critical_ones() {
         let strength = crate::model::Strength { friction: 0.6, ..ROCK };

@@ -19,7 +19,7 @@
 
 use crate::simplex::tetrahedron::piece::{Piece, Place, share_of};
 use crate::simplex::tetrahedron::{FACES, Tetrahedron, cross3};
-use crate::simplex::{Interaction, NEAR};
+use crate::simplex::{Interaction, NEAR, Sum};
 use crate::vector::{Point, add, dot, length, minus};
 
 /// Computes the interaction of two tetrahedra, for a penalty of 1. If they do not overlap, returns a lower bound of their distance.
@@ -39,19 +39,7 @@ pub(super) fn interaction(a: &Tetrahedron, b: &Tetrahedron) -> Result<Interactio
     if sum.energy <= 0.0 {
         return Err(apart_by_edges(a, b));
     }
-    result.energy = sum.energy;
-    // Without pressure there is no friction, so any point will do.
-    result.point = if sum.weight > 0.0 { sum.moment.map(|x| x / sum.weight) } else { a[0] };
-    result.deep = sum.deep;
-    Ok(result)
-}
-
-#[derive(Default)]
-struct Sum {
-    energy: f64,
-    weight: f64,
-    moment: Point<3>,
-    deep: bool,
+    Ok(sum.completed(result, a[0]))
 }
 
 /// Adds the forces of the potential of `target` on the boundary of `contactor`, and their reaction. `at`: coordinates of the corners of the contactor in the target.
@@ -61,7 +49,7 @@ fn press(
     (target, coordinates, at): (&Tetrahedron, &Coordinates, &[[f64; 4]; 4]),
     covered: [&[Covered; 4]; 2],
     [on_contactor, on_target]: [&mut [Point<3>; 4]; 2],
-    sum: &mut Sum,
+    sum: &mut Sum<3>,
 ) {
     let centroid: Point<3> =
         std::array::from_fn(|axis| target.iter().map(|corner| corner[axis]).sum::<f64>() / 4.0);
@@ -188,7 +176,7 @@ struct Covered {
     least: f64,
 }
 
-/// What another tetrahedron covers of the four faces of one whose corners have these coordinates in it.
+/// The parts of the four faces of a tetrahedron that another one covers. `corners`: coordinates of the corners in that other one.
 fn faces_in(corners: &[[f64; 4]; 4]) -> [Covered; 4] {
     FACES.map(|face| face_in(&face.map(|corner| corners[corner])))
 }

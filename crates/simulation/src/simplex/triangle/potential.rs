@@ -17,7 +17,7 @@
 //! passes near c, C = 0 is used instead, and the flux out of the edges of B inside A, where h = 1/6, is added.
 
 use crate::simplex::triangle::Triangle;
-use crate::simplex::{Interaction, NEAR};
+use crate::simplex::{Interaction, NEAR, Sum};
 use crate::vector::{Point, add, cross, dot, length, minus};
 
 /// Computes the interaction of two triangles. If they do not overlap, returns a lower bound of their distance.
@@ -37,19 +37,7 @@ pub(super) fn interaction(a: &Triangle, b: &Triangle) -> Result<Interaction, f64
     if sum.energy <= 0.0 {
         return Err(0.0);
     }
-    result.energy = sum.energy;
-    // Without pressure there is no friction, so any point will do.
-    result.point = if sum.weight > 0.0 { sum.moment.map(|x| x / sum.weight) } else { a[0] };
-    result.deep = sum.deep;
-    Ok(result)
-}
-
-#[derive(Default)]
-struct Sum {
-    energy: f64,
-    weight: f64,
-    moment: Point,
-    deep: bool,
+    Ok(sum.completed(result, a[0]))
 }
 
 /// Adds the forces of the potential of `target` on the boundary of `contactor`, and their reaction. `chords`: those of the edges of the contactor in the
@@ -60,7 +48,7 @@ fn press(
     coordinates: &Coordinates,
     chords: [&[Chord; 3]; 2],
     [on_contactor, on_target]: [&mut [Point; 3]; 2],
-    sum: &mut Sum,
+    sum: &mut Sum<2>,
 ) {
     let centroid: Point =
         std::array::from_fn(|axis| (target[0][axis] + target[1][axis] + target[2][axis]) / 3.0);
