@@ -9,19 +9,18 @@
 //!
 //! A program that only needs couples can depend on `fdem-contact` alone, whose only dependency, rayon, is optional.
 
-pub mod analysis;
-mod arrays;
+#![allow(private_bounds, reason = "bodies are of triangles or of tetrahedra; nobody else can make others")]
+
 pub mod command;
 pub mod model;
-pub mod network;
-mod numbers;
-pub mod picture;
-pub mod report;
-pub mod results;
 pub mod validate;
 
 pub use fdem_contact as contact;
 pub use fdem_io as io;
+pub use fdem_mesh as mesh;
+pub use fdem_results as results;
+pub use fdem_results::page::network as report;
+pub use fdem_results::{analysis, network, picture};
 pub use fdem_scenes as scenes;
 pub use fdem_simulation as simulation;
 

@@ -23,6 +23,9 @@ mod packing;
 mod mesh_file;
 mod piece;
 
+mod dimensions;
+mod plane;
+mod space;
 mod bodies;
 mod boundaries;
 mod materials;
@@ -30,7 +33,7 @@ mod settings;
 
 mod connected;
 mod joined;
-mod locking;
+pub(crate) mod locking;
 mod plausible;
 mod preflight;
 mod quality;
@@ -42,9 +45,13 @@ use std::collections::BTreeMap;
 use std::io;
 use std::ops::Range;
 
+use fdem_io::numbers::grouped;
+use fdem_mesh::Mesh;
 use fdem_simulation::{
-    ContactOptions, CriticalOpening, FractureOptions, Insertion, Mesh, Model, Schedule, TimeOptions,
+    ContactOptions, CriticalOpening, FractureOptions, Insertion, Interface, Material, Model, Schedule,
+    TimeOptions,
 };
+use serde::Serialize;
 use sha2::{Digest, Sha256};
 
 pub use bodies::Load;
@@ -56,30 +63,33 @@ pub use schema::schema;
 pub use settings::{Checkpoint, History, OutputSettings, Quantity};
 
 use bodies::Placed;
+pub(crate) use dimensions::Dimensions;
+use dimensions::Ready;
 use document::{Document, Table};
 use fault::nearest;
-use file::ModelFile;
+use file::{ModelFile, Vector};
 use partial::Partial;
 use piece::Piece;
-
-use crate::numbers::grouped;
 
 /// A small and complete model to start from, with a comment on every part.
 pub const STARTER: &str = include_str!("model/starter.toml");
 
+/// As [`STARTER`], in three dimensions.
+pub const STARTER_3D: &str = include_str!("model/starter_3d.toml");
+
 /// A model that is ready to run.
 #[derive(Debug, Clone)]
-pub struct Prepared {
+pub struct Prepared<const D: usize = 2, const N: usize = 3> {
     /// The model to simulate.
-    pub model: Model,
+    pub model: Model<D, N>,
     /// Title; empty if there is none.
     pub title: String,
     /// When the run ends, s.
     pub end_time: f64,
     /// The bodies, by their numbers in [`Mesh::bodies`](fdem_simulation::Mesh).
     pub bodies: Vec<Body>,
-    /// Named parts of bodies: physical groups of mesh files; the outline and the holes of other shapes.
-    pub groups: Vec<Group>,
+    /// Named parts of bodies: physical groups of mesh files; outlines, holes and faces of other shapes.
+    pub groups: Vec<Group<D>>,
     /// Grain of each element, numbered within its body; empty if no body has grains.
     pub grains: Vec<u32>,
     /// Settings of the output.
@@ -107,18 +117,27 @@ pub struct Body {
 
 /// A named part of a body.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Group {
+pub struct Group<const D: usize = 2> {
     /// Number of its body.
     pub body: u32,
     /// Its name in the mesh file, or `outer`, `holes`, `hole-1`, ….
     pub name: String,
     /// Its nodes, ascending.
     pub nodes: Vec<u32>,
-    /// Its edges on the outline. The nodes of an edge are in the direction in which their element has them, counter-clockwise.
-    pub edges: Vec<[u32; 2]>,
+    /// Its outer facets: edges in the direction in which their triangle has them; faces with their nodes counter-clockwise seen from outside.
+    pub facets: Vec<[u32; D]>,
 }
 
-/// Reads, checks and meshes a model.
+/// A model in two or in three dimensions that is ready to run.
+#[derive(Debug, Clone)]
+pub enum AnyPrepared {
+    /// Of triangles in the plane.
+    Plane(Box<Prepared>),
+    /// Of tetrahedra.
+    Space(Box<Prepared<3, 4>>),
+}
+
+/// Reads, checks and meshes a model in two dimensions. [`prepare_any`] does so for any model.
 ///
 /// # Shapes
 /// `text`: a model file; `name`: its name, for messages. `load`: the bytes of a file that the model names, as the model names it, or why there are none.
@@ -127,7 +146,7 @@ pub struct Group {
 /// Mostly that of the meshes: about 20 µs an element.
 ///
 /// # Errors
-/// [`ModelErrors`]: everything that is wrong. Where something is, large meshes are not made, and what depends on them is not checked.
+/// [`ModelErrors`]: everything that is wrong, also if the model is in three dimensions. Where something is, large meshes are not made, and what depends on them is not checked.
 ///
 /// # Example
 /// ```
@@ -181,13 +200,63 @@ pub fn prepare_within(
     load: &mut Load<'_>,
     memory: Option<f64>,
 ) -> Result<Prepared, ModelErrors> {
+    match prepare_any(text, name, load, memory)? {
+        AnyPrepared::Plane(prepared) => Ok(*prepared),
+        AnyPrepared::Space(_) => {
+            let end = text.len();
+            let fault =
+                Fault::at(end..end, "the model is in three dimensions, where one in two is asked for");
+            Err(ModelErrors::new(name, text, vec![fault]))
+        }
+    }
+}
+
+/// Reads, checks and meshes a model in two or three dimensions. `memory`: as for [`prepare_within`].
+///
+/// # Errors
+/// The errors of [`prepare_within`].
+///
+/// # Example
+/// ```
+/// use fdem::model::{AnyPrepared, prepare_any};
+///
+/// let model = r#"
+///     [model]
+///     end_time = 1e-3
+///     [[body]]
+///     name = "block"
+///     material = "granite"
+///     box = { min = [0, 0, 0], max = [0.1, 0.1, 0.2] }
+///     mesh_size = 0.05
+///     [[material]]
+///     name = "granite"
+///     density = 2700
+///     youngs_modulus = 50e9
+///     poissons_ratio = 0.25
+/// "#;
+/// let AnyPrepared::Space(prepared) = prepare_any(model, "block.toml", &mut |_| Err("no files".into()), None)? else {
+///     panic!("a box is a body in space");
+/// };
+/// assert!(prepared.quality.elements > 10);
+/// # Ok::<(), fdem::model::ModelErrors>(())
+/// ```
+pub fn prepare_any(
+    text: &str,
+    name: &str,
+    load: &mut Load<'_>,
+    memory: Option<f64>,
+) -> Result<AnyPrepared, ModelErrors> {
     prepare_or_faults(text, load, memory).map_err(|faults| ModelErrors::new(name, text, faults))
 }
 
 /// Elements up to which bodies are meshed although there are faults, to find those of the meshes too.
 const SOON_MESHED: f64 = 1e5;
 
-fn prepare_or_faults(text: &str, load: &mut Load<'_>, memory: Option<f64>) -> Result<Prepared, Vec<Fault>> {
+fn prepare_or_faults(
+    text: &str,
+    load: &mut Load<'_>,
+    memory: Option<f64>,
+) -> Result<AnyPrepared, Vec<Fault>> {
     let document = parse(text)?;
     let mut faults = schema::check(document.root());
     let partial = if faults.is_empty() { None } else { Partial::read(text, &document, &faults) };
@@ -196,83 +265,126 @@ fn prepare_or_faults(text: &str, load: &mut Load<'_>, memory: Option<f64>) -> Re
         None if faults.is_empty() => deserialize(text)?,
         None => return Err(faults),
     };
+    // A file that tells the dimensions is read once.
+    let mut read: Option<(String, Result<Vec<u8>, String>)> = None;
+    let dimensions = dimensions::of(&file, &mut |name| {
+        let bytes = load(name);
+        read = Some((name.to_owned(), bytes.clone()));
+        bytes
+    });
+    let mut load = |name: &str| match read.take_if(|(known, _)| known == name) {
+        Some((_, bytes)) => bytes,
+        None => load(name),
+    };
     let is_news = |fault: &Fault| partial.as_ref().is_none_or(|partial| partial.is_news(fault));
 
     let mut found = Vec::new();
+    dimensions::check(&file, &document, dimensions, &mut found);
     check_names(&file, &document, &mut found);
     let materials = materials::materials(&file, &document, &mut found);
     let interfaces = materials::interfaces(&file, &document, &mut found);
-    bodies::check(&file, &document, &mut found);
+    bodies::check(&file, &document, dimensions, &mut found);
     boundaries::check(&file, &document, &mut found);
     settings::check(&file, &document, &mut found);
     check_initial(&file, &document, &mut found);
     let elements = extent::check(&file, &document, memory, &mut found);
     faults.extend(found.into_iter().filter(is_news));
 
-    // A file with faults is meshed only to find more faults: bodies without faults, and only if that takes little time.
-    let mut wrong = document.with_faults("body", file.body.len(), &faults);
-    for (wrong, body) in wrong.iter_mut().zip(&file.body) {
-        *wrong |= !faults.is_empty() && elements > SOON_MESHED && body.mesh.is_none();
+    let checked = Checked { file: &file, document: &document, elements, materials, interfaces };
+    if dimensions == 3 {
+        let prepared = checked.prepared(&mut load, faults, &is_news)?;
+        Ok(AnyPrepared::Space(Box::new(prepared)))
+    } else {
+        let prepared = checked.prepared(&mut load, faults, &is_news)?;
+        Ok(AnyPrepared::Plane(Box::new(prepared)))
     }
-    let skipped = document.with_faults("boundary", file.boundary.len(), &faults);
-    let mut found = Vec::new();
-    let (mesh, placed, missing) = bodies::build(&file, &document, load, &wrong, &mut found);
-    let boundaries = boundaries::resolve(&file, &document, &mesh, &placed, (&missing, &skipped), &mut found);
-    faults.extend(found.into_iter().filter(is_news));
-    faults.extend(bodies::crowded(&document, &placed));
-    none_or(faults)?;
+}
 
-    let mut warnings = Vec::new();
-    let histories = settings::histories(&file, &mesh.nodes, &placed, &mut warnings);
-    let model = Model {
-        velocities: velocities(&file, &placed),
-        stresses: stresses(&file, &mesh),
-        mesh,
-        materials,
-        interfaces,
-        boundaries,
-        plane: materials::plane(&file),
-        thickness: file.model.thickness,
-        gravity: match file.model.gravity {
-            file::Gravity::Vector(gravity) => gravity,
-            file::Gravity::None(_) => [0.0; 2],
-        },
-        gravity_schedule: file.model.gravity_ramp.map_or(Schedule::Constant, Schedule::Ramp),
-        contact: contact(&file),
-        fracture: fracture(&file),
-        time: TimeOptions {
-            step: match file.model.time_step {
-                file::TimeStep::Seconds(step) => Some(step),
-                file::TimeStep::Auto(_) => None,
+/// A file whose tables have been checked one by one.
+struct Checked<'a> {
+    file: &'a ModelFile,
+    document: &'a Document<'a>,
+    /// Number of elements of the bodies that are meshed here, about.
+    elements: f64,
+    materials: Vec<Material>,
+    interfaces: Vec<Interface>,
+}
+
+impl Checked<'_> {
+    /// Meshes the bodies, and puts the model together. `faults`: those of the tables.
+    fn prepared<const D: usize, const N: usize>(
+        self,
+        load: &mut Load<'_>,
+        mut faults: Vec<Fault>,
+        is_news: &dyn Fn(&Fault) -> bool,
+    ) -> Result<Prepared<D, N>, Vec<Fault>>
+    where
+        [[f64; D]; N]: Dimensions<D, N>,
+        Model<D, N>: Serialize,
+    {
+        let Self { file, document, elements, materials, interfaces } = self;
+        // A file with faults is meshed only to find more faults: bodies without faults, and only if that takes little time.
+        let mut wrong = document.with_faults("body", file.body.len(), &faults);
+        for (wrong, body) in wrong.iter_mut().zip(&file.body) {
+            *wrong |= !faults.is_empty() && elements > SOON_MESHED && body.mesh.is_none();
+        }
+        let skipped = document.with_faults("boundary", file.boundary.len(), &faults);
+        let mut found = Vec::new();
+        let (mesh, placed, missing) = bodies::build(file, document, load, &wrong, &mut found);
+        let boundaries =
+            boundaries::resolve(file, document, &mesh, &placed, (&missing, &skipped), &mut found);
+        faults.extend(found.into_iter().filter(is_news));
+        faults.extend(bodies::crowded(document, &placed));
+        none_or(faults)?;
+
+        let mut warnings = Vec::new();
+        let histories = settings::histories(file, &mesh.nodes, &placed, &mut warnings);
+        let model = Model {
+            velocities: velocities(file, &placed),
+            stresses: stresses(file, &mesh),
+            mesh,
+            materials,
+            interfaces,
+            boundaries,
+            plane: materials::plane(file),
+            thickness: file.model.thickness,
+            gravity: match &file.model.gravity {
+                file::Gravity::Vector(gravity) => gravity.components(),
+                file::Gravity::None(_) => [0.0; D],
             },
-            safety: file.model.safety,
-            local_damping: file.model.local_damping,
-            energy_bound: file.model.energy_bound,
-        },
-    };
-    let quality = Quality::of(&model.mesh);
-    let bodies = bodies_of(&placed);
-    for body in placed.iter().filter(|body| file.body[body.table].mesh.is_some()) {
-        connected::warnings(&body.name, &body.piece, &mut warnings);
+            gravity_schedule: file.model.gravity_ramp.map_or(Schedule::Constant, Schedule::Ramp),
+            contact: contact(file),
+            fracture: fracture(file),
+            time: TimeOptions {
+                step: match file.model.time_step {
+                    file::TimeStep::Seconds(step) => Some(step),
+                    file::TimeStep::Auto(_) => None,
+                },
+                safety: file.model.safety,
+                local_damping: file.model.local_damping,
+                energy_bound: file.model.energy_bound,
+            },
+        };
+        let quality = Quality::of(&model.mesh);
+        let bodies = bodies_of(&placed);
+        plausible::units(&model, &mut warnings);
+        plausible::without_effect(file, document, &model, &mut warnings);
+        let ready = Ready { file, model: &model, placed: &placed, bodies: &bodies, quality: &quality };
+        warnings.extend(<[[f64; D]; N]>::warnings(&ready));
+        Ok(Prepared {
+            title: file.model.title.clone(),
+            end_time: file.model.end_time,
+            groups: groups_of(&placed),
+            grains: grains_of(&placed),
+            output: settings::settings(file, &placed),
+            histories,
+            hash: hash(&model),
+            model,
+            quality,
+            bodies,
+            warnings,
+        })
     }
-    plausible::units(&model, &mut warnings);
-    plausible::without_effect(&file, &document, &model, &mut warnings);
-    joined::warnings(&model, &mut warnings);
-    locking::warnings(&model, &placed, &mut warnings);
-    warnings.extend(warnings::warnings(&model, &bodies, &quality));
-    Ok(Prepared {
-        title: file.model.title.clone(),
-        end_time: file.model.end_time,
-        groups: groups_of(&placed),
-        grains: grains_of(&placed),
-        output: settings::settings(&file),
-        histories,
-        hash: hash(&model),
-        model,
-        quality,
-        bodies,
-        warnings,
-    })
 }
 
 /// The document, if it is TOML. If not, also tells of unknown keys and values out of range in the lines that are.
@@ -370,30 +482,37 @@ fn check_initial(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<Fau
 }
 
 /// Velocity of each node at the start; empty if all nodes rest.
-fn velocities(file: &ModelFile, placed: &[Placed]) -> Vec<[f64; 2]> {
+fn velocities<const D: usize, const N: usize>(file: &ModelFile, placed: &[Placed<D, N>]) -> Vec<[f64; D]> {
     let mut velocities = Vec::new();
     for body in placed {
         let table = &file.body[body.table];
-        let velocity = table.velocity.or_else(|| file.initial.velocity.get(&table.name).copied());
-        velocities.extend(std::iter::repeat_n(velocity.unwrap_or([0.0; 2]), body.piece.nodes.len()));
+        let velocity = table.velocity.as_ref().or_else(|| file.initial.velocity.get(&table.name));
+        let velocity = velocity.map_or([0.0; D], Vector::components);
+        velocities.extend(std::iter::repeat_n(velocity, body.piece.nodes.len()));
     }
-    if velocities.iter().all(|velocity| *velocity == [0.0; 2]) {
+    if velocities.iter().all(|velocity| *velocity == [0.0; D]) {
         velocities.clear();
     }
     velocities
 }
 
 /// Initial stress of each element, that of its centroid; empty for none.
-fn stresses(file: &ModelFile, mesh: &Mesh) -> Vec<[[f64; 2]; 2]> {
-    let (stress, gradient) = (file.initial.stress, file.initial.stress_gradient);
-    if stress.is_none() && gradient == [0.0; 3] {
+fn stresses<const D: usize, const N: usize>(file: &ModelFile, mesh: &Mesh<D, N>) -> Vec<[[f64; D]; D]>
+where
+    [[f64; D]; N]: Dimensions<D, N>,
+{
+    let (stress, gradient) = (&file.initial.stress, &file.initial.stress_gradient);
+    let Some(count) = stress.as_ref().or(gradient.as_ref()).map(Vec::len) else { return Vec::new() };
+    let none = vec![0.0; count];
+    if stress.is_none() && gradient.as_ref() == Some(&none) {
         return Vec::new();
     }
-    let stress = stress.unwrap_or_default();
-    let of = |nodes: &[u32; 3]| {
-        let height = nodes.iter().map(|&node| mesh.nodes[node as usize][1]).sum::<f64>() / 3.0;
-        let [xx, yy, xy] = std::array::from_fn(|k| stress[k] + gradient[k] * height);
-        [[xx, xy], [xy, yy]]
+    let [stress, gradient] = [stress, gradient].map(|given| given.as_ref().unwrap_or(&none));
+    let of = |nodes: &[u32; N]| {
+        let height = nodes.iter().map(|&node| mesh.nodes[node as usize][D - 1]).sum::<f64>() / N as f64;
+        let components: Vec<f64> =
+            stress.iter().zip(gradient).map(|(stress, gradient)| stress + gradient * height).collect();
+        <[[f64; D]; N]>::stress(&components)
     };
     mesh.elements.iter().map(of).collect()
 }
@@ -421,7 +540,7 @@ fn fracture(file: &ModelFile) -> FractureOptions {
     }
 }
 
-fn bodies_of(placed: &[Placed]) -> Vec<Body> {
+fn bodies_of<const D: usize, const N: usize>(placed: &[Placed<D, N>]) -> Vec<Body> {
     let range = |first: u32, count: usize| first..first + count as u32;
     placed
         .iter()
@@ -433,18 +552,21 @@ fn bodies_of(placed: &[Placed]) -> Vec<Body> {
         .collect()
 }
 
-fn grains_of(placed: &[Placed]) -> Vec<u32> {
+fn grains_of<const D: usize, const N: usize>(placed: &[Placed<D, N>]) -> Vec<u32> {
     if placed.iter().all(|body| body.piece.grains.is_empty()) {
         return Vec::new();
     }
-    let of_body = |body: &Placed| {
+    let of_body = |body: &Placed<D, N>| {
         let Piece { grains, elements, .. } = &body.piece;
         if grains.is_empty() { vec![0; elements.len()] } else { grains.clone() }
     };
     placed.iter().flat_map(of_body).collect()
 }
 
-fn groups_of(placed: &[Placed]) -> Vec<Group> {
+fn groups_of<const D: usize, const N: usize>(placed: &[Placed<D, N>]) -> Vec<Group<D>>
+where
+    [[f64; D]; N]: Dimensions<D, N>,
+{
     let mut groups = Vec::new();
     for (body, Placed { piece, first, .. }) in (0..).zip(placed) {
         for (name, group) in &piece.groups {
@@ -452,10 +574,10 @@ fn groups_of(placed: &[Placed]) -> Vec<Group> {
                 body,
                 name: name.clone(),
                 nodes: piece.nodes_of(group).into_iter().map(|node| node + first[0]).collect(),
-                edges: piece
-                    .edges_of(group)
+                facets: piece
+                    .facets_of(group)
                     .into_iter()
-                    .map(|edge| edge.map(|node| node + first[0]))
+                    .map(|facet| facet.map(|node| node + first[0]))
                     .collect(),
             });
         }
@@ -464,7 +586,7 @@ fn groups_of(placed: &[Placed]) -> Vec<Group> {
 }
 
 /// SHA-256 of the model as JSON. JSON numbers are written so that they are read back exactly.
-fn hash(model: &Model) -> String {
+fn hash(model: &impl Serialize) -> String {
     struct Sink(Sha256);
     impl io::Write for Sink {
         fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {

@@ -30,6 +30,7 @@ mod rocking;
 mod rocks;
 mod rotation;
 mod shear;
+mod space;
 mod tension;
 mod wave;
 
@@ -312,6 +313,104 @@ const CASES: &[Case] = &[
         what: "A slender block on one of its corners is let go at a tilt θ. Below α, the angle of its diagonal, it falls back to its base after acosh(1/(1 − θ/α))/p, p² = 3 g/(4 R); above                it turns over.",
         source: "G. W. Housner, Bull. Seismol. Soc. Am. 53 (1963) 403-417",
         run: rocking::run,
+    },
+    Case {
+        number: 16,
+        name: "waves in bars of tetrahedra",
+        what: "An end of a bar in uniaxial strain is moved for 20 µs. The wave travels at √(M/ρ), with the P-wave modulus M, and the force at the end is ρ c v A.",
+        source: WAVES,
+        run: space::bars::waves,
+    },
+    Case {
+        number: 16,
+        name: "bar of tetrahedra at rest",
+        what: "A pressure of 5 MPa on the end of a bar shortens it by p L/E; its support bears p A.",
+        source: "Hooke",
+        run: space::bars::rest,
+    },
+    Case {
+        number: 16,
+        name: "rods of tetrahedra that meet",
+        what: "Two equal rods (ν = 0) touch for 2 L/c, under the stress ρ c v/2.",
+        source: WAVES,
+        run: space::bars::meeting,
+    },
+    Case {
+        number: 17,
+        name: "rotation in space",
+        what: "A block that is led through a full turn about any axis has no strain. One that spins freely about its middle axis of inertia turns over, and keeps its energy and its momenta.",
+        source: "L. D. Landau and E. M. Lifshitz, Mechanics (1976), 37",
+        run: space::rotation::run,
+    },
+    Case {
+        number: 18,
+        name: "impact of tetrahedra",
+        what: "Two tetrahedra collide with a vertex, an edge or a face first, in orientations at random, without friction and damping; and the tests of the book. Energy and momenta after are those before.",
+        source: BOOK,
+        run: space::impact::run,
+    },
+    Case {
+        number: 19,
+        name: "debris",
+        what: "A block breaks in a box that is shaken, and its fragments strike each other again and again. The energy balance holds to 1e-4.",
+        source: "conservation",
+        run: space::debris::run,
+    },
+    Case {
+        number: 20,
+        name: "block on an incline in space",
+        what: "A block on a plane that is inclined towards any direction: below the angle of friction it rests, above it slides straight down with a = g (sin θ − µ cos θ).",
+        source: "Coulomb",
+        run: space::incline::run,
+    },
+    Case {
+        number: 21,
+        name: "direct tension of a prism",
+        what: "A prism with joints on one plane is pulled apart along a direction aslant to all axes. The traction peaks at the strength, and the crack dissipates the fracture energy times its area. Meshes that may break everywhere are told apart.",
+        source: BOOK,
+        run: space::tension::run,
+    },
+    Case {
+        number: 22,
+        name: "shear under normal stress in space",
+        what: "Two flat blocks with joints between them are pressed and sheared along any direction of their plane. The shear stress peaks at c + σₙ tan φ, falls to σₙ tan φ, and follows the motion when its direction changes.",
+        source: "Mohr and Coulomb",
+        run: space::shear::run,
+    },
+    Case {
+        number: 23,
+        name: "penny-shaped crack",
+        what: "A round crack in a large block under tension opens by 8 (1 - ν²) p √(a² - r²)/(π E).",
+        source: "I. N. Sneddon, Proc. R. Soc. A 187 (1946) 229-260",
+        run: space::penny::run,
+    },
+    Case {
+        number: 24,
+        name: "thick sphere",
+        what: "An eighth of a thick sphere under pressure inside, at rest. Displacements and stresses are those of Lamé, with an error of the order of the square of the elements' size.",
+        source: "S. P. Timoshenko and J. N. Goodier, Theory of Elasticity (1970), 136",
+        run: space::sphere::run,
+    },
+    Case {
+        number: 25,
+        name: "absorbing faces",
+        what: "Plane waves leave through absorbing faces, and a block under initial stress between them stays at rest.",
+        source: "J. Lysmer and R. L. Kuhlemeyer, J. Eng. Mech. Div. 95 (1969) 859-877",
+        run: space::waves::absorbing,
+    },
+    Case {
+        number: 26,
+        name: "spall",
+        what: "A pulse of pressure with a fast rise to s and a linear fall over the length λ is reflected at the free end of a bar. The bar first breaks at λ f/(2 s) from that end.",
+        source: "J. S. Rinehart, J. Appl. Phys. 23 (1952) 1229-1233",
+        run: space::waves::spall,
+    },
+    Case {
+        number: 27,
+        name: "locking",
+        what: "A prism of tetrahedra under the tractions of pure bending is too stiff by a factor that depends on Poisson's ratio and on the number of cells through its width. The expected values are those measured before: a change of the elements must not go unnoticed.",
+        source: "S. P. Timoshenko and J. N. Goodier, Theory of Elasticity (1970), 102",
+        run: space::locking::run,
     },
 ];
 

@@ -107,10 +107,13 @@ fn the_commands_of_the_book_run() {
 
 fn folder_with_examples() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
-    fs::create_dir(folder.path().join("examples")).unwrap();
-    for example in fs::read_dir(root().join("examples")).unwrap() {
-        let example = example.unwrap();
-        fs::copy(example.path(), folder.path().join("examples").join(example.file_name())).unwrap();
+    for examples in ["examples", "examples/space"] {
+        fs::create_dir(folder.path().join(examples)).unwrap();
+        for example in fs::read_dir(root().join(examples)).unwrap().map(Result::unwrap) {
+            if example.file_type().unwrap().is_file() {
+                fs::copy(example.path(), folder.path().join(examples).join(example.file_name())).unwrap();
+            }
+        }
     }
     folder
 }

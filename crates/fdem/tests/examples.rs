@@ -11,8 +11,17 @@ use serde_json::Value;
 /// Elements times steps of a reduced run: about a second.
 const WORK: f64 = 1e6;
 
-fn examples() -> Vec<PathBuf> {
+/// The models in two and in three dimensions, with names of their own.
+fn examples() -> Vec<(String, PathBuf)> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
+    let stem = |path: &PathBuf| path.file_stem().unwrap().to_str().unwrap().to_owned();
+    let plane = models(&folder).into_iter().map(|path| (stem(&path), path));
+    let space =
+        models(&folder.join("space")).into_iter().map(|path| (format!("space_{}", stem(&path)), path));
+    plane.chain(space).collect()
+}
+
+fn models(folder: &Path) -> Vec<PathBuf> {
     let files = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
     let mut models: Vec<_> = files.filter(|path| path.extension().is_some_and(|end| end == "toml")).collect();
     models.sort();
@@ -50,10 +59,9 @@ fn with(model: &str, key: &str, value: &str) -> String {
 #[test]
 fn every_example_runs_and_leaves_all_results() {
     let models = examples();
-    assert!(models.len() >= 8, "{models:?}");
+    assert!(models.len() >= 13, "{models:?}");
     let folder = tempfile::tempdir().unwrap();
-    for path in models {
-        let name = path.file_stem().unwrap().to_str().unwrap();
+    for (name, path) in models {
         let (file, results) = (format!("{name}.toml"), folder.path().join(format!("{name}_results")));
         let model = fs::read_to_string(&path).unwrap();
         fs::write(folder.path().join(&file), &model).unwrap();

@@ -22,6 +22,8 @@ mod meshes;
 mod mistakes;
 #[path = "model/prepared.rs"]
 mod prepared;
+#[path = "model/space.rs"]
+mod space;
 #[path = "model/warned.rs"]
 mod warned;
 

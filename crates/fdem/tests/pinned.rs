@@ -70,9 +70,9 @@ fn hash(run: &Simulation) -> String {
     let energies = run.energies();
     let mut numbers: Vec<f64> =
         [&now.positions, &now.velocities].into_iter().flatten().flatten().copied().collect();
-    numbers.extend(now.stresses.iter().flatten());
+    numbers.extend(now.stresses.iter().flat_map(|&[xx, yy, zz, xy, ..]| [xx, yy, xy, zz]));
     for crack in &now.cracks {
-        numbers.extend(crack.ends.as_flattened());
+        numbers.extend(crack.corners.as_flattened());
         numbers.extend([crack.damage, crack.opening, crack.sliding, crack.time.unwrap_or(-1.0)]);
     }
     numbers.extend([energies.kinetic, energies.strain, energies.contact, energies.friction]);

@@ -43,6 +43,7 @@ mod text;
 
 mod mesh;
 mod labels;
+pub mod numbers;
 
 mod written;
 mod results;

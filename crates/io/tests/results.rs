@@ -116,9 +116,16 @@ fn points_and_lines_read_back_bit_for_bit() {
     assert_eq!(integers(&array(&file, "offsets").1), [2, 4]);
     assert_eq!(floats(&array(&file, "damage").1), [0.0, 0.5]);
 
+    let faces = Table::new(1).with_components("corners", &["a", "b", "c"], Values::i64(|k| k as i64));
+    let mut file = Vec::new();
+    write_poly_vtp(&mut file, &points(3), Some(&faces), 0.0).unwrap();
+    assert!(parts(&file).0.contains("NumberOfLines=\"0\"") && parts(&file).0.contains("NumberOfPolys=\"1\""));
+    assert_eq!(integers(&array(&file, "connectivity").1), [0, 1, 2]);
+    assert_eq!(integers(&array(&file, "offsets").1), [3]);
+
     let mut out = Vec::new();
-    let triples = Table::new(1).with_components("ends", &["a", "b", "c"], Values::i64(|_| 0));
-    for (points, lines) in [(Table::new(1), None), (points(3), Some(&triples))] {
+    let fours = Table::new(1).with_components("corners", &["a", "b", "c", "d"], Values::i64(|_| 0));
+    for (points, lines) in [(Table::new(1), None), (points(3), Some(&fours))] {
         let error = write_poly_vtp(&mut out, &points, lines, 0.0).unwrap_err();
         assert_eq!((error.kind(), out.len()), (ErrorKind::InvalidInput, 0));
     }
@@ -158,7 +165,7 @@ fn columns_that_are_no_mesh_are_refused() {
     let flat = Table::new(3).with_components("positions", &["x", "y"], Values::f64(|_| 0.0));
     assert_eq!(refused(&flat, &triangles()), "positions are three floats each");
     let edges = Table::new(1).with_components("nodes", &["a", "b"], Values::i64(|_| 0));
-    assert_eq!(refused(&points(), &edges), "the corners of a triangle are three whole numbers");
+    assert_eq!(refused(&points(), &edges), "the corners of a cell are three or four whole numbers");
     let named = triangles().with("name", Values::text(4, |_| "rock"));
     assert_eq!(refused(&points(), &named), "the array name is of text, which a VTK file cannot have");
 }

@@ -4,15 +4,16 @@
 //! Elements within two rings around the free vertices are *watched*: contact detection gets their boxes, with a buffer. When a crack reaches an element that is
 //! not watched, the watched elements are found anew.
 //!
-//! The detection gets new boxes only when elements may have moved by a part of the buffer. A couple that does not touch is skipped until nodes may have
-//! travelled half of its gap. Both bounds add up the distance of the fastest node in each step, so that no contact is found too late.
+//! The detection gets new boxes only when elements may have moved by a part of the buffer. Of the couples whose boxes are near, those stay whose elements are
+//! nearer than the buffer: in three dimensions a few of a hundred. A couple that does not touch is skipped until nodes may have travelled half of its gap.
+//! All these bounds add up the distance of the fastest node in each step, so that no contact is found too late.
 
 mod forces;
 
 use fdem_contact::{Buffered, Couple as Pair, Detector, Elements as Boxes};
 use serde::{Deserialize, Serialize};
 
-use crate::contacts::forces::{Contact, Grip, Law, law, press};
+use crate::contacts::forces::{Contact, Grip, Law, distance, law, press};
 pub(crate) use crate::contacts::forces::{penalty_and_friction, stiffness};
 use crate::error::{ModelError, Stop};
 use crate::forces::ContactForce;
@@ -33,7 +34,7 @@ pub(crate) struct Couple<const D: usize, const N: usize> {
     elements: [u32; 2],
     /// The joint between the two, or [`NONE`].
     joint: u32,
-    /// Whether the two were connected and may overlap already. Cleared when their forces are computed for the first time.
+    /// Whether the two have separated in this step and may overlap already. Cleared when their forces are computed for the first time.
     initial_overlap: bool,
     /// The two cannot touch before nodes have travelled this distance since the beginning, m.
     apart_until: f64,
@@ -48,8 +49,6 @@ pub(crate) struct Saved<const D: usize = 2, const N: usize = 3> {
     watched: Vec<bool>,
     /// Couples that touch, with their history of friction and damping.
     grips: Vec<([u32; 2], Grip<D, N>)>,
-    /// Couples that could touch but do not.
-    apart: Vec<[u32; 2]>,
 }
 
 /// Couples of elements that may touch, and their detection.
@@ -65,17 +64,20 @@ pub(crate) struct Contacts<const D: usize = 2, const N: usize = 3> {
     pub(crate) watched: Vec<bool>,
     list: Vec<u32>,
     search: Buffered<f64, D>,
+    /// Gap up to which couples are chosen among the candidates, m.
+    buffer: f64,
     /// After each update of the search, all couples with a smaller gap than this are among the candidates, m.
     slack: f64,
-    /// Upper bound of the distance that nodes have travelled in all steps so far, m, and its value at the last update of the search.
+    /// Upper bound of the distance that nodes have travelled in all steps so far, m, its value at the last update of the search, and when couples were chosen.
     travel: f64,
     looked: f64,
+    chosen: f64,
     /// Couples that may touch in the present state of the joints, ascending.
     couples: Vec<Couple<D, N>>,
     /// Couples of each element, as 2 × number + side. Those of element `e` are in the slice `first[e]..first[e + 1]`.
     entries: Vec<u32>,
     first: Vec<u32>,
-    /// Pairs of elements that have separated, at a vertex or along an edge, since the couples were listed.
+    /// Pairs of elements that have separated in this step, at a vertex or along a facet.
     parted: Vec<[u32; 2]>,
     /// Whether an element at a free vertex is not watched yet.
     unwatched: bool,
@@ -126,9 +128,11 @@ where
             watched: vec![false; model.mesh.elements.len()],
             list: Vec::new(),
             search,
+            buffer,
             slack,
             travel: 0.0,
             looked: f64::NEG_INFINITY,
+            chosen: f64::NEG_INFINITY,
             couples: Vec::new(),
             entries: Vec::new(),
             first: vec![0; model.mesh.elements.len() + 1],
@@ -229,14 +233,23 @@ where
             }
         });
         let update = self.search.update(&Boxes::boxes(&min, &max)?.with_tolerance(self.slack)?)?;
-        if update.redetected() {
-            self.detections += 1;
+        self.detections += u64::from(update.redetected());
+        // Couples that were not chosen must not touch before the next update.
+        if update.redetected() || 2.0 * (self.travel - self.chosen) + self.slack > self.buffer {
             let (groups, candidates) = (&self.groups, update.candidates());
+            let (travel, buffer) = (self.travel, self.buffer);
+            self.parted.sort_unstable();
+            let parted = &self.parted;
             let found = team.look(candidates.len(), |range| {
                 let elements = |&Pair { i, j }: &Pair| [list[i as usize], list[j as usize]];
                 let all = candidates[range].iter().map(elements);
-                all.filter_map(|pair| couple(pair, groups, joints, topology)).collect::<Vec<_>>()
+                let couples = all.filter_map(|pair| {
+                    let is_new = parted.binary_search(&pair).is_ok();
+                    couple(pair, is_new, groups, joints, topology)
+                });
+                couples.filter_map(|couple| near(couple, solid, travel, buffer)).collect::<Vec<_>>()
             });
+            self.chosen = self.travel;
             let mut couples = Vec::with_capacity(found.iter().map(Vec::len).sum());
             couples.extend(found.into_iter().flatten());
             self.choose(couples);
@@ -271,14 +284,12 @@ where
 
     /// State of the contacts for a saved run.
     pub(crate) fn save(&self) -> Saved<D, N> {
-        let (mut grips, mut apart) = (Vec::new(), Vec::new());
-        for couple in &self.couples {
-            match &couple.contact {
-                Some(contact) if contact.touches => grips.push((couple.elements, contact.grip)),
-                _ => apart.push(couple.elements),
-            }
-        }
-        Saved { watched: self.watched.clone(), grips, apart }
+        let grip = |couple: &Couple<D, N>| {
+            let contact = couple.contact.as_ref().filter(|contact| contact.touches)?;
+            Some((couple.elements, contact.grip))
+        };
+        // Couples that do not touch have no history. They are found anew.
+        Saved { watched: self.watched.clone(), grips: self.couples.iter().filter_map(grip).collect() }
     }
 
     /// Restores the saved contacts. The joints must be restored before.
@@ -296,15 +307,16 @@ where
             .filter(|&joint| joints.all[joint as usize].state != State::Holding)
             .collect();
         self.part(&broken, joints, topology);
+        // They separated before the state was saved.
+        self.parted.clear();
         self.watched = saved.watched;
         self.list_watched();
         self.unwatched = self.list.is_empty();
-        let couple = |elements, contact| Couple { contact, ..apart(elements) };
-        self.couples = saved.apart.into_iter().map(|elements| couple(elements, None)).collect();
-        self.couples.extend(saved.grips.into_iter().map(|(elements, grip)| {
+        let touching = |(elements, grip)| {
             let contact = Contact { grip, touches: true, ..Contact::default() };
-            couple(elements, Some(Box::new(contact)))
-        }));
+            Couple { contact: Some(Box::new(contact)), ..apart(elements) }
+        };
+        self.couples = saved.grips.into_iter().map(touching).collect();
         self.couples.sort_unstable_by_key(|couple| couple.elements);
         Ok(())
     }
@@ -331,7 +343,7 @@ where
         parted.sort_unstable();
         // Elements that share a facet are listed for the facet and for all of its vertices.
         parted.dedup();
-        let new = parted.into_iter().filter_map(|pair| couple(pair, &self.groups, joints, topology));
+        let new = parted.into_iter().filter_map(|pair| couple(pair, true, &self.groups, joints, topology));
         let count = self.couples.len();
         self.couples.extend(new);
         if self.couples.len() > count {
@@ -454,9 +466,10 @@ fn apart<const D: usize, const N: usize>(elements: [u32; 2]) -> Couple<D, N> {
     Couple { elements, joint: NONE, initial_overlap: false, apart_until: 0.0, contact: None }
 }
 
-/// A new couple of two elements; `None` if they cannot touch in the present state of the joints.
+/// A new couple of two elements; `None` if they cannot touch in the present state of the joints. `parted`: whether they have separated in this step.
 fn couple<const D: usize, const N: usize>(
     elements: [u32; 2],
+    parted: bool,
     groups: &[u32],
     joints: &Joints<D>,
     topology: &Topology<D, N>,
@@ -470,10 +483,35 @@ fn couple<const D: usize, const N: usize>(
             broken.then_some(Couple { joint, ..couple })
         }
         Relation::Vertex([a, b]) => {
-            let parted = groups[a as usize] != groups[b as usize];
-            parted.then_some(Couple { initial_overlap: true, ..couple })
+            let connected = groups[a as usize] == groups[b as usize];
+            (!connected).then_some(Couple { initial_overlap: parted, ..couple })
         }
     }
+}
+
+/// The couple, if its elements are not farther apart than this, m. A couple with a joint stays: the joint says when its contact begins.
+fn near<const D: usize, const N: usize>(
+    couple: Couple<D, N>,
+    solid: &Solid<D, N>,
+    travel: f64,
+    most: f64,
+) -> Option<Couple<D, N>>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    if couple.joint != NONE {
+        return Some(couple);
+    }
+    let [a, b] = couple.elements.map(|element| solid.shape(element));
+    let Some(distance) = distance(&a, &b, most) else { return Some(couple) };
+    let apart_until = skipped_until(travel, distance);
+    (distance <= most).then_some(Couple { initial_overlap: false, apart_until, ..couple })
+}
+
+/// The distance, m, that nodes may travel before two elements can touch that are this far apart.
+fn skipped_until(travel: f64, distance: f64) -> f64 {
+    // Both elements may move, each by half of the distance. The factor is slightly below 0.5 because `travel` is rounded.
+    travel + 0.499 * distance
 }
 
 /// Mean length of the facets of all elements, as edges, m.

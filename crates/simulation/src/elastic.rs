@@ -19,7 +19,7 @@
 //! is positive, and 0 where the element has lost all of its stress.
 
 use crate::simplex::Simplex;
-use crate::vector::{Matrix, length, matrix, product, symmetric};
+use crate::vector::{Matrix, matrix, product, symmetric};
 
 /// Moduli of a material, Pa: in the plane, or in space.
 #[derive(Clone, Copy, Debug)]
@@ -48,13 +48,6 @@ where
     let inverse = matrix(|i, k| cofactor[k][i] / j);
     let rate = symmetric(&product(rate, &inverse));
     product(&rate.map(|row| row.map(|x| 2.0 * viscosity * x)), &cofactor)
-}
-
-/// Largest and smallest eigenvalue of a stress `[xx, yy, xy]`.
-pub fn principal_stresses([xx, yy, xy]: [f64; 3]) -> [f64; 2] {
-    let (mean, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
-    let radius = length([half, xy]);
-    [mean + radius, mean - radius]
 }
 
 #[cfg(test)]
@@ -226,11 +219,5 @@ mod tests {
             }
         }
         in_two_and_three_dimensions!(check);
-    }
-
-    #[test]
-    fn principal_stresses_of_known_states() {
-        assert_eq!(principal_stresses([3.0, -1.0, 0.0]), [3.0, -1.0]);
-        assert_eq!(principal_stresses([0.0, 0.0, 2.0]), [2.0, -2.0]);
     }
 }

@@ -8,7 +8,7 @@
 //! ```
 //!
 //! Types have two parameters: `D` dimensions and `N = D + 1` corners of an element. They are 2 and 3 where nothing is said, so that `Model` is one of triangles and `Model<3, 4>` one
-//! of tetrahedra. What differs between the two is in `simplex.rs` and its parts. [`Snapshot`] is of triangles only so far.
+//! of tetrahedra. What differs between the two is in `simplex.rs` and its parts.
 //!
 //! Results do not depend on the number of threads: elements, joints and contacts store their forces, and every node adds up its forces in a fixed order.
 //! A run that is saved and resumed continues bit for bit.
@@ -43,14 +43,15 @@ mod simulation;
 mod error;
 
 pub use critical::{Cause, CriticalStep};
-pub use elastic::principal_stresses;
 pub use energy::Energies;
 pub use error::{ModelError, Stop};
+pub use fdem_mesh::Mesh;
 pub use forces::{ContactForce, Forces};
 pub use model::{
-    Boundary, ContactOptions, CriticalOpening, FractureOptions, Insertion, Interface, Load, Material, Mesh,
-    Model, Plane, Schedule, Strength, Target, TimeOptions,
+    Boundary, ContactOptions, CriticalOpening, FractureOptions, Insertion, Interface, Load, Material, Model,
+    Plane, Schedule, Strength, Target, TimeOptions,
 };
 pub use seams::InitialContacts;
+pub use simplex::Element;
 pub use simulation::{Counts, Simulation, State, Timings};
-pub use snapshot::{Crack, Mode, Snapshot};
+pub use snapshot::{Crack, Mode, Snapshot, principal_stresses};

@@ -1,5 +1,6 @@
 //! The model: a mesh, materials, and the actions on it. This module holds numbers only; files are read elsewhere.
 
+use fdem_mesh::Mesh;
 use serde::{Deserialize, Serialize};
 
 /// A model, complete: of triangles in the plane (`D` = 2, `N` = 3) or of tetrahedra (`D` = 3, `N` = 4). SI units: m, kg, s, Pa.
@@ -65,23 +66,6 @@ impl<const D: usize, const N: usize> Default for Model<D, N> {
             time: TimeOptions::default(),
         }
     }
-}
-
-/// A mesh of triangles or of tetrahedra, which share nodes inside of a body: `D` dimensions, `N = D + 1` corners.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(bound(
-    serialize = "[f64; D]: Serialize, [u32; N]: Serialize",
-    deserialize = "[f64; D]: Deserialize<'de>, [u32; N]: Deserialize<'de>"
-))]
-pub struct Mesh<const D: usize = 2, const N: usize = 3> {
-    /// Coordinates of the nodes, m. No two elements of different bodies share one.
-    pub nodes: Vec<[f64; D]>,
-    /// Nodes of each element: those of a triangle counter-clockwise; those of a tetrahedron such that the first three are counter-clockwise seen from the last.
-    pub elements: Vec<[u32; N]>,
-    /// Body of each element.
-    pub bodies: Vec<u32>,
-    /// Material of each element.
-    pub materials: Vec<u32>,
 }
 
 /// Plane stress or plane strain.

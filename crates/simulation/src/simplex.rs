@@ -86,6 +86,15 @@ pub(crate) trait Simplex<const D: usize, const N: usize>: Copy + Send + Sync {
         reach: f64,
     ) -> [([f64; D], f64); 3];
 
+    /// A stress as the components `[xx, yy, zz, xy, yz, xz]`, Pa.
+    fn in_tensor(stress: &Matrix<D>, moduli: &Moduli) -> [f64; 6];
+
+    /// The stress with these components; in two dimensions that in the plane.
+    fn of_tensor(components: &[f64; 6]) -> Matrix<D>;
+
+    /// The sliding of a gap, m, whose components are across a facet, then along it: with its sign in two dimensions, its magnitude in three.
+    fn sliding(gap: &[f64; D]) -> f64;
+
     /// Middle and radius of Mohr's largest circle, Pa.
     fn circle(stress: &Matrix<D>) -> [f64; 2];
 
@@ -122,6 +131,14 @@ pub(crate) trait Simplex<const D: usize, const N: usize>: Copy + Send + Sync {
         (0..N).map(|facet| self.height(facet)).fold(f64::INFINITY, f64::min)
     }
 }
+
+/// The corners of an element that can be simulated: `[[f64; 2]; 3]`, a triangle, and `[[f64; 3]; 4]`, a tetrahedron. There are no others.
+///
+/// Code for both dimensions has the bound `[[f64; D]; N]: Element<D, N>`.
+pub trait Element<const D: usize, const N: usize>: Simplex<D, N> {}
+
+impl Element<2, 3> for [Point<2>; 3] {}
+impl Element<3, 4> for [Point<3>; 4] {}
 
 /// Forces and energy of two elements that overlap.
 #[derive(Clone, Copy, Debug, PartialEq)]

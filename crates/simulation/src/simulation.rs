@@ -481,6 +481,12 @@ where
         lengths
     }
 
+    /// Fragment of each element: elements that hang together by facets have one number, from 0 in the order of the first element of each fragment. The fragments
+    /// change only when joints break: see [`Counts::broken`]. Linear in the number of elements.
+    pub fn fragments(&self) -> Vec<u32> {
+        self.topology.pieces(|facet| self.joints.holds(facet))
+    }
+
     /// Forces of contacts and boundaries at the beginning of the last step.
     pub fn forces(&self) -> Forces<D> {
         Forces {
@@ -561,17 +567,20 @@ where
     }
 }
 
-impl Simulation {
+impl<const D: usize, const N: usize> Simulation<D, N>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
     /// Positions, motion, stress and cracks now.
-    pub fn snapshot(&self) -> Snapshot {
+    pub fn snapshot(&self) -> Snapshot<D, N> {
         let nodes = &self.solid.nodes;
         let elements = self.solid.elements.len();
         let mut damage = vec![0.0_f64; elements];
         let mut cracks = Vec::new();
         for (number, joint) in self.joints.all.iter().enumerate() {
             let of_joint = joint.damage();
-            let edge = &self.topology.facets[joint.facet as usize];
-            for element in edge.elements() {
+            let facet = &self.topology.facets[joint.facet as usize];
+            for element in facet.elements() {
                 let damage = &mut damage[element as usize];
                 *damage = damage.max(of_joint);
             }
@@ -588,35 +597,35 @@ impl Simulation {
             elements: self.solid.corners.of_corner.clone(),
             stresses: (0..elements)
                 .map(|element| {
-                    let [[xx, xy], [_, yy]] = self.solid.strained[element].stress;
-                    [xx, yy, xy, self.solid.stress_out_of_plane(element)]
+                    let (stress, moduli) = (&self.solid.strained[element].stress, self.solid.moduli(element));
+                    <[[f64; D]; N]>::in_tensor(stress, moduli)
                 })
                 .collect(),
             damage,
             bodies: self.model.mesh.bodies.clone(),
             materials: self.model.mesh.materials.clone(),
-            fragments: self.topology.pieces(|edge| self.joints.holds(edge)),
+            fragments: self.fragments(),
             cracks,
         }
     }
 
-    fn crack(&self, joint: &Joint, damage: f64, broken: Option<&Break>) -> Crack {
-        let edge = &self.topology.facets[joint.facet as usize];
-        let end = |end: usize| {
-            let [a, b] = edge.corners.map(|side| self.solid.at_corner(side[end]).position);
-            self.solid.place([0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])])
+    fn crack(&self, joint: &Joint<D>, damage: f64, broken: Option<&Break>) -> Crack<D> {
+        let facet = &self.topology.facets[joint.facet as usize];
+        let corner = |corner: usize| {
+            let [a, b] = facet.corners.map(|side| self.solid.at_corner(side[corner]).position);
+            self.solid.place(std::array::from_fn(|axis| 0.5 * (a[axis] + b[axis])))
         };
-        let [opening, sliding] = Joints::gap(joint, &self.solid);
+        let gap = Joints::gap(joint, &self.solid);
         let modes = broken.map_or_else(|| joint.modes(), |broken| broken.modes);
         Crack {
-            ends: [end(0), end(1)],
-            elements: edge.elements(),
+            corners: std::array::from_fn(corner),
+            elements: facet.elements(),
             damage,
             mode: mode(modes),
-            opening,
-            sliding,
+            opening: gap[0],
+            sliding: <[[f64; D]; N]>::sliding(&gap),
             time: broken.map(|broken| broken.time),
-            length: joint.measure,
+            measure: joint.measure,
         }
     }
 }
@@ -651,7 +660,9 @@ impl Clock {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::{Material, Mesh};
+    use fdem_mesh::Mesh;
+
+    use crate::model::Material;
 
     /// Kinetic energy out of nothing is found although the balance holds: negative dissipation cancels it, but it exceeds the energy available.
     #[test]

@@ -1,53 +1,111 @@
 //! The state of a run at one instant, as results show it.
 
+use crate::simplex::Simplex;
+
 /// Positions, motion, stress and cracks at one instant. SI units.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Snapshot {
+#[derive(Clone, Debug, PartialEq)]
+pub struct Snapshot<const D: usize = 2, const N: usize = 3> {
     /// Steps done.
     pub step: u64,
     /// Time, s.
     pub time: f64,
     /// Positions of the nodes, m. A node of the mesh becomes several nodes where the mesh has broken.
-    pub positions: Vec<[f64; 2]>,
+    pub positions: Vec<[f64; D]>,
     /// Displacements of the nodes, m.
-    pub displacements: Vec<[f64; 2]>,
+    pub displacements: Vec<[f64; D]>,
     /// Velocities of the nodes, m/s.
-    pub velocities: Vec<[f64; 2]>,
-    /// Nodes of each element, counter-clockwise.
-    pub elements: Vec<[u32; 3]>,
-    /// Cauchy stress of each element, `[xx, yy, xy, zz]` in Pa, tension positive.
-    pub stresses: Vec<[f64; 4]>,
+    pub velocities: Vec<[f64; D]>,
+    /// Nodes of each element, in the order of the mesh.
+    pub elements: Vec<[u32; N]>,
+    /// Cauchy stress of each element, `[xx, yy, zz, xy, yz, xz]` in Pa, tension positive.
+    pub stresses: Vec<[f64; 6]>,
     /// Largest damage of the joints of each element, from 0 to 1.
     pub damage: Vec<f64>,
     /// Body of each element.
     pub bodies: Vec<u32>,
     /// Material of each element.
     pub materials: Vec<u32>,
-    /// Fragment of each element: elements that hang together by edges have one number. Numbers count from 0 in the order of the first element of each fragment.
+    /// Fragment of each element: elements that hang together by facets have one number. Numbers count from 0 in the order of the first element of each fragment.
     pub fragments: Vec<u32>,
     /// Joints that are softening or broken.
-    pub cracks: Vec<Crack>,
+    pub cracks: Vec<Crack<D>>,
 }
 
-/// A joint that has passed its strength, on an edge between two elements.
+impl<const D: usize, const N: usize> Default for Snapshot<D, N> {
+    /// A snapshot of nothing.
+    fn default() -> Self {
+        Self {
+            step: 0,
+            time: 0.0,
+            positions: Vec::new(),
+            displacements: Vec::new(),
+            velocities: Vec::new(),
+            elements: Vec::new(),
+            stresses: Vec::new(),
+            damage: Vec::new(),
+            bodies: Vec::new(),
+            materials: Vec::new(),
+            fragments: Vec::new(),
+            cracks: Vec::new(),
+        }
+    }
+}
+
+impl<const D: usize, const N: usize> Snapshot<D, N>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    /// Largest and smallest principal stress of an element, Pa: of those in the plane, in two dimensions.
+    ///
+    /// # Panics
+    /// If there is no such element.
+    pub fn principal_stresses(&self, element: usize) -> [f64; 2] {
+        principal_stresses::<D, N>(&<[[f64; D]; N]>::of_tensor(&self.stresses[element]))
+    }
+}
+
+/// Largest and smallest principal stress, Pa: of those in the plane, in two dimensions.
+pub fn principal_stresses<const D: usize, const N: usize>(stress: &[[f64; D]; D]) -> [f64; 2]
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    let [middle, radius] = <[[f64; D]; N]>::circle(stress);
+    [middle + radius, middle - radius]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn principal_stresses_of_known_states() {
+        assert_eq!(principal_stresses::<2, 3>(&[[3.0, 0.0], [0.0, -1.0]]), [3.0, -1.0]);
+        assert_eq!(principal_stresses::<2, 3>(&[[0.0, 2.0], [2.0, 0.0]]), [2.0, -2.0]);
+        assert_eq!(principal_stresses::<2, 3>(&[[4.0, 3.0], [3.0, -4.0]]), [5.0, -5.0]);
+        let found = principal_stresses::<3, 4>(&[[1.0, 2.0, 0.0], [2.0, 1.0, 0.0], [0.0, 0.0, -4.0]]);
+        assert!((found[0] - 3.0).abs() < 1e-14 && (found[1] + 4.0).abs() < 1e-14, "{found:?}");
+    }
+}
+
+/// A joint that has passed its strength, on a facet between two elements.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Crack {
-    /// Current positions of its ends, m, half way between the two elements.
-    pub ends: [[f64; 2]; 2],
+pub struct Crack<const D: usize = 2> {
+    /// Current positions of its corners, m, half way between the two elements: the two ends of an edge, the three corners of a face.
+    pub corners: [[f64; D]; D],
     /// Elements on its two sides.
     pub elements: [u32; 2],
-    /// Damage from 0 (whole) to 1 (broken), the mean of its two ends.
+    /// Damage from 0 (whole) to 1 (broken), the mean of its corners.
     pub damage: f64,
     /// Mode of failure.
     pub mode: Mode,
     /// Mean opening, m; negative where it is closed.
     pub opening: f64,
-    /// Mean sliding, m.
+    /// Mean sliding, m: along the edge, with a sign, in two dimensions; its magnitude in three.
     pub sliding: f64,
     /// Time of failure, s; `None` while the joint holds.
     pub time: Option<f64>,
-    /// Length of the undeformed edge, m.
-    pub length: f64,
+    /// Length, m, of the undeformed edge, or area, m², of the undeformed face.
+    pub measure: f64,
 }
 
 /// Mode of failure of a joint, by the shares of opening and sliding in its damage.

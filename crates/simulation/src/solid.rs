@@ -1,9 +1,10 @@
 //! Elements and nodes, and the forces of their deformation.
 
+use fdem_mesh::Mesh;
 use serde::{Deserialize, Serialize};
 
 use crate::elastic::{Moduli, viscous_stress};
-use crate::model::{Mesh, Model};
+use crate::model::Model;
 use crate::simplex::Simplex;
 use crate::team::Team;
 use crate::topology::{NONE, Nodes};
@@ -345,10 +346,8 @@ where
     }
 
     /// Out-of-plane stress of an element in two dimensions, Pa.
-    pub(crate) fn stress_out_of_plane(&self, element: usize) -> f64 {
-        let stress = &self.strained[element].stress;
-        self.responses[self.elements[element].material as usize].moduli.out_of_plane
-            * (stress[0][0] + stress[1][1])
+    pub(crate) fn moduli(&self, element: usize) -> &Moduli {
+        &self.responses[self.elements[element].material as usize].moduli
     }
 }
 

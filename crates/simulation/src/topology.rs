@@ -3,8 +3,9 @@
 //! A *vertex* is a node of the given mesh; a *node* is a point that moves. A vertex has one node where the mesh is intact, and several nodes where it has
 //! broken. Each of these is shared by the corners of elements that are still connected there. Corner `N e + k` is the `k`-th corner of element `e`.
 
+use fdem_mesh::Mesh;
+
 use crate::error::ModelError;
-use crate::model::Mesh;
 use crate::simplex::Simplex;
 
 /// Stands for no facet or no joint.

@@ -2,13 +2,14 @@
 
 use std::fmt;
 
-use crate::analysis::{
+use fdem_results::analysis::{
     Analysis, AnalysisError, Frictionless, Options, RadialOptions, WithoutRattlers, analyse,
 };
+use fdem_results::network::Network;
+
 use crate::command::args::AnalyseArguments;
 use crate::command::failure::Failure;
 use crate::command::summary::{brief, grouped};
-use crate::network::Network;
 
 /// Returns the analysis of the network, or `None` without `--analyse`.
 pub(crate) fn run<const D: usize>(

@@ -12,7 +12,7 @@ use crate::command::memory;
 use crate::command::output::{is_device, print};
 use crate::command::progress::Progress;
 use crate::command::run::folder::{INPUTS, SUMMARY};
-use crate::model::{Drawing, ModelErrors, Preflight, prepare_within, schema};
+use crate::model::{AnyPrepared, Drawing, ModelErrors, Preflight, prepare_any, schema};
 
 /// Largest model file, bytes. The check against the schema and the errors need its text in memory.
 const LARGEST: u64 = 64 << 20;
@@ -87,9 +87,12 @@ fn preflight(path: &Path) -> Result<Preflight, Problem> {
     let mut load = inputs_of(path);
     let progress = Progress::new(false);
     let (prepared, _) =
-        progress.step("meshing the model", None, |_| prepare_within(&text, &name, &mut load, memory::free()));
+        progress.step("meshing the model", None, |_| prepare_any(&text, &name, &mut load, memory::free()));
     let prepared = prepared.map_err(Problem::Model)?;
-    let (preflight, _) = progress.step("preparing the run", None, |_| Preflight::of(&prepared));
+    let (preflight, _) = progress.step("preparing the run", None, |_| match &prepared {
+        AnyPrepared::Plane(prepared) => Preflight::of(prepared),
+        AnyPrepared::Space(prepared) => Preflight::of(prepared),
+    });
     preflight.map_err(|why| Problem::Other(Failure::Unusable(format!("{name} cannot run: {why}"))))
 }
 

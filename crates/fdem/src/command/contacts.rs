@@ -4,6 +4,7 @@ use std::fmt;
 use std::io::{self, Write};
 
 use fdem_io::Centres;
+use fdem_results::network::{Network, Space};
 use serde::Serialize;
 
 use crate::command::analyse;
@@ -22,7 +23,6 @@ use crate::command::progress::Progress;
 use crate::command::series::{self, SeriesTable};
 use crate::command::summary::{Seconds, Summary};
 use crate::command::tables::write_network;
-use crate::network::{Network, Space};
 
 pub(crate) fn run(arguments: &ContactsArguments) -> Result<(), Failure> {
     if arguments.labels.labels {

@@ -6,10 +6,10 @@ use fdem_contact::{
     Detector, Elements, Engine, Error, Filter, PeriodicBox, PeriodicCouple, PeriodicSearch, Plan, Search,
     verify,
 };
+use fdem_results::network::{Couples, Sizes, Space, unshifted};
 
 use crate::command::periodic;
 use crate::command::progress::Position;
-use crate::network::{Couples, Sizes, Space, unshifted};
 
 /// Elements and options of a detection.
 pub(crate) struct Request<'a> {

@@ -3,13 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use fdem_results::network::Network;
+use fdem_results::page::network::{self as report, BodiesReport, Report};
+use fdem_results::picture::{self, Bodies, Caption, MeshDrawing, PictureError};
 
 use crate::command::failure::Failure;
 use crate::command::input::{Input, id};
 use crate::command::output::Output;
-use crate::network::Network;
-use crate::picture::{self, Bodies, Caption, MeshDrawing, PictureError};
-use crate::report::{self, BodiesReport, Report};
 
 /// Options for pictures and reports.
 #[derive(Clone, Debug, Args)]

@@ -3,10 +3,10 @@
 use std::fmt::Write;
 
 use fdem_contact::{Detector, Engine, Error, Explanation, Level, Multilevel, PeriodicSearch, Work};
+use fdem_results::network::Space;
 use serde::Serialize;
 
 use crate::command::detect::Request;
-use crate::network::Space;
 
 /// The estimate, written as JSON by `--json` and as text to standard output.
 #[derive(Debug, Serialize)]

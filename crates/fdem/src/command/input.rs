@@ -9,13 +9,13 @@ use fdem_contact::Error;
 use fdem_io::{
     Compression, FileKind, MeshFormat, Packing, PackingFormat, ReadError, ReadOptions, Series, unpack,
 };
+use fdem_results::network::Sizes;
 
 use crate::command::args::InputArguments;
 use crate::command::failure::{Failure, display_name};
 use crate::command::frames::{Frames, Selection};
 use crate::command::output::is_stdout;
 use crate::command::progress::{Position, Progress};
-use crate::network::Sizes;
 
 /// A packing that has been read.
 pub(crate) struct Input {

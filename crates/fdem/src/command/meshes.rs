@@ -9,6 +9,8 @@ use fdem_contact::discretised::{
 use fdem_contact::narrow::{Contact, Measure, Sphere, sphere_sphere};
 use fdem_contact::{Couple, Detector, Elements, Engine, Error, Search, verify};
 use fdem_io::{Centres, Table, Values};
+use fdem_results::network::Sizes;
+use fdem_results::picture::MeshDrawing;
 
 use crate::command::args::{ContactsArguments, PeriodicArguments};
 use crate::command::contacts::{Outputs, wrong};
@@ -21,8 +23,6 @@ use crate::command::progress::{Position, Progress};
 use crate::command::shapes::{Branches, Parts, Shapes};
 use crate::command::summary::Seconds;
 use crate::command::tables::{normal, point, write_table};
-use crate::network::Sizes;
-use crate::picture::MeshDrawing;
 
 pub(crate) fn run(
     arguments: &ContactsArguments,

@@ -2,12 +2,12 @@
 
 use fdem_contact::{PeriodicBox, PeriodicCouple};
 use fdem_io::SimulationBox;
+use fdem_results::network::{Sizes, Space};
 
 use crate::command::args::{Axes, PeriodicArguments};
 use crate::command::detect::Request;
 use crate::command::failure::Failure;
 use crate::command::input::Input;
-use crate::network::{Sizes, Space};
 
 /// Returns the periodic box, if there is one: the box of the options, or else of the file. The options, or else the file, say along which edges it repeats.
 pub(crate) fn periodic_box<const D: usize>(

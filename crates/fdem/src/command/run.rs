@@ -3,12 +3,15 @@
 mod account;
 pub(crate) mod folder;
 mod recorder;
+mod results;
 mod told;
 mod watch;
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use fdem_io::numbers::{brief, grouped};
+use fdem_results::Fragments;
 use fdem_simulation::{Simulation, Stop};
 
 use crate::command::args::{ResumeArguments, RunArguments, RunOptions};
@@ -17,11 +20,11 @@ use crate::command::failure::{Failure, display_name};
 use crate::command::memory;
 use crate::command::output::print;
 use crate::command::progress::Progress;
-use crate::model::{Checkpoint as When, Preflight, Prepared, prepare_within, steps, with_end_time};
-use crate::numbers::{brief, grouped};
+use crate::model::{AnyPrepared, Checkpoint as When, Preflight, Prepared, prepare_any, steps, with_end_time};
 use account::{Account, PARTS};
-use folder::{Checkpoint, Folder, MODEL, SUMMARY};
+use folder::{Checkpoint, Folder, MODEL, SUMMARY, SavedState};
 use recorder::Recorder;
+use results::Results;
 use told::Told;
 use watch::Watch;
 
@@ -42,9 +45,27 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     };
     let progress = Progress::new(arguments.options.quiet);
     let (prepared, _) = progress.step("meshing the model", None, |_| {
-        prepare_within(&text, &display_name(path), &mut load, memory::free())
+        prepare_any(&text, &display_name(path), &mut load, memory::free())
     });
-    let prepared = prepared.map_err(|errors| refused(&errors))?;
+    match prepared.map_err(|errors| refused(&errors))? {
+        AnyPrepared::Plane(prepared) => begin(arguments, &target, &text, &inputs, *prepared),
+        AnyPrepared::Space(prepared) => begin(arguments, &target, &text, &inputs, *prepared),
+    }
+}
+
+/// Begins the run of a model.
+fn begin<const D: usize, const N: usize>(
+    arguments: &RunArguments,
+    target: &Path,
+    text: &str,
+    inputs: &[Vec<u8>],
+    prepared: Prepared<D, N>,
+) -> Result<(), Failure>
+where
+    [[f64; D]; N]: Results<D, N>,
+{
+    let path = &arguments.model;
+    let progress = Progress::new(arguments.options.quiet);
     let unusable = |why: String| Failure::Unusable(format!("{} cannot run: {why}", display_name(path)));
     // The estimates have a simulation of their own, which is dropped before that of the run is made.
     let (ready, _) = progress.step("preparing the run", None, |_| {
@@ -53,7 +74,7 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<(), Failure> {
         Ok((preflight, simulation.map_err(|error| error.to_string())?))
     });
     let (preflight, simulation) = ready.map_err(unusable)?;
-    let folder = Folder::create(&target, arguments.force, text.as_bytes(), &inputs)?;
+    let folder = Folder::create(target, arguments.force, text.as_bytes(), inputs)?;
     let recorder = Recorder::new(&folder, &prepared)?;
     let intervals = [prepared.output.interval, prepared.output.history_interval];
     let mut running = Running::new(
@@ -74,8 +95,7 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<(), Failure> {
 }
 
 pub(crate) fn resume(arguments: &ResumeArguments) -> Result<(), Failure> {
-    let (mut folder, checkpoint) = Folder::open(&arguments.folder)?;
-    let place = display_name(&arguments.folder);
+    let (folder, saved) = Folder::open(&arguments.folder)?;
     let path = folder.path(MODEL);
     let mut text = read_text(&path)?;
     if let Some(end) = arguments.end_time {
@@ -90,16 +110,36 @@ pub(crate) fn resume(arguments: &ResumeArguments) -> Result<(), Failure> {
     };
     let progress = Progress::new(arguments.options.quiet);
     let (prepared, _) = progress.step("meshing the model", None, |_| {
-        prepare_within(&text, &display_name(&path), &mut load, memory::free())
+        prepare_any(&text, &display_name(&path), &mut load, memory::free())
     });
-    let prepared = prepared.map_err(|errors| refused(&errors))?;
+    match prepared.map_err(|errors| refused(&errors))? {
+        AnyPrepared::Plane(prepared) => go_on(arguments, folder, &saved, &text, *prepared),
+        AnyPrepared::Space(prepared) => go_on(arguments, folder, &saved, &text, *prepared),
+    }
+}
+
+/// Continues the run of a model.
+fn go_on<const D: usize, const N: usize>(
+    arguments: &ResumeArguments,
+    mut folder: Folder,
+    saved: &SavedState,
+    text: &str,
+    prepared: Prepared<D, N>,
+) -> Result<(), Failure>
+where
+    [[f64; D]; N]: Results<D, N>,
+{
+    let place = display_name(&arguments.folder);
+    let path = folder.path(MODEL);
+    let progress = Progress::new(arguments.options.quiet);
+    let checkpoint = saved.open()?;
     if prepared.hash != checkpoint.model {
         return Err(Failure::Unusable(format!(
             "{} has changed since this run: restore it, or start a new run with `fdem run`. Only end_time may change",
             display_name(&path)
         )));
     }
-    let Checkpoint { frames, history, intervals, account, state, .. } = checkpoint;
+    let Checkpoint::<D, N> { frames, history, intervals, account, state, .. } = checkpoint;
     let step = state.step();
     let unusable = |why: String| Failure::Unusable(format!("{place} cannot go on: {why}"));
     let (simulation, _) = progress.step("preparing the run", None, |_| {
@@ -148,11 +188,14 @@ struct Earlier {
 }
 
 /// A simulation with its folder, its records and its progress.
-struct Running {
+struct Running<const D: usize, const N: usize>
+where
+    [[f64; D]; N]: Results<D, N>,
+{
     folder: Folder,
-    prepared: Prepared,
-    run: Simulation,
-    recorder: Recorder,
+    prepared: Prepared<D, N>,
+    run: Simulation<D, N>,
+    recorder: Recorder<D, N>,
     told: Told,
     watch: Watch,
     earlier: Earlier,
@@ -175,12 +218,15 @@ enum End {
     Stopped(Stop),
 }
 
-impl Running {
+impl<const D: usize, const N: usize> Running<D, N>
+where
+    [[f64; D]; N]: Results<D, N>,
+{
     fn new(
         folder: Folder,
-        mut prepared: Prepared,
-        run: Simulation,
-        recorder: Recorder,
+        mut prepared: Prepared<D, N>,
+        run: Simulation<D, N>,
+        recorder: Recorder<D, N>,
         earlier: Earlier,
         options: &RunOptions,
     ) -> Result<Self, Failure> {
@@ -226,8 +272,9 @@ impl Running {
         };
         // The summary is written before the drawings, so that it shows how the run ended even if drawing fails.
         self.summarise(&status)?;
-        let facts = self.facts(&status);
-        let drawn = self.draw(&facts);
+        let fragments = self.recorder.fragments(&self.run)?;
+        let facts = self.facts(&status, &fragments);
+        let drawn = self.draw(&facts, &fragments);
         if !matches!(end, End::Stopped(_)) {
             // The checkpoint is written again, so that its account has the time for drawing.
             self.save()?;
@@ -310,12 +357,12 @@ impl Running {
     }
 
     /// Draws the plots, the picture, the animation and the report.
-    fn draw(&mut self, facts: &[(&str, String)]) -> Result<(), Failure> {
+    fn draw(&mut self, facts: &[(&str, String)], fragments: &Fragments<D>) -> Result<(), Failure> {
         let start = Instant::now();
         let facts: Vec<(&str, &str)> = facts.iter().map(|(name, text)| (*name, text.as_str())).collect();
         let progress = Progress::new(self.quiet);
         let (drawn, _) = progress.step("reading frames, drawing plots and the report", None, |done| {
-            self.recorder.finish(&self.prepared, &facts, done)
+            self.recorder.finish(&self.prepared, &facts, fragments, done)
         });
         self.output += start.elapsed();
         drawn
@@ -323,7 +370,8 @@ impl Running {
 
     /// Writes `run.json`.
     fn summarise(&self, status: &str) -> Result<(), Failure> {
-        let json = told::json(&self.run, &self.prepared, status, &self.account());
+        let fragments = self.recorder.fragments(&self.run)?;
+        let json = told::json(&self.run, &self.prepared, status, &self.account(), &fragments);
         self.folder.write(SUMMARY, format!("{json:#}\n").as_bytes())
     }
 
@@ -362,7 +410,7 @@ impl Running {
     }
 
     /// The summary of the run: names and texts of its lines.
-    fn facts(&self, status: &str) -> Vec<(&'static str, String)> {
+    fn facts(&self, status: &str, fragments: &Fragments<D>) -> Vec<(&'static str, String)> {
         let run = &self.run;
         let (counts, energies) = (run.counts(), run.energies());
         let elements = run.model().mesh.elements.len();
@@ -378,7 +426,7 @@ impl Running {
             .into_iter()
             .zip(run.crack_lengths())
             .filter(|(_, length)| *length > 0.0)
-            .map(|(name, length)| format!("{} m by {name}", brief(length)))
+            .map(|(name, measure)| format!("{} {} by {name}", brief(measure), <[[f64; D]; N]>::CRACKED.1))
             .collect();
         vec![
             ("status", status.to_owned()),
@@ -403,6 +451,7 @@ impl Running {
                     format!("{} joints broken: {}", grouped(counts.broken as u64), cracks.join(", "))
                 },
             ),
+            ("fragments", in_words(fragments)),
             (
                 "energies (J)",
                 [
@@ -441,6 +490,20 @@ impl Running {
                 ),
             ),
         ]
+    }
+}
+
+/// Describes the fragments of the bodies that count.
+fn in_words<const D: usize>(fragments: &Fragments<D>) -> String {
+    let count = fragments.count();
+    let number = grouped(count.number);
+    match fragments.sizes().size(0.5) {
+        Some(half) if count.number > 1 => format!(
+            "{number}, the largest has {:.2} % of the mass; half of the mass passes {} m",
+            100.0 * count.largest,
+            brief(half)
+        ),
+        _ => number,
     }
 }
 

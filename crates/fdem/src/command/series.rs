@@ -5,6 +5,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use fdem_io::{Packing, Series, Spool, write_csv, write_csv_rows};
+use fdem_results::network::Network;
 
 use crate::command::args::ContactsArguments;
 use crate::command::contacts::{self, Outputs, show};
@@ -14,7 +15,6 @@ use crate::command::output::{Output, TABLES, TableFormat, Written, is_stdout, re
 use crate::command::progress::{Position, Progress};
 use crate::command::series_summary::SeriesSummary;
 use crate::command::tables::{frame_table, write_table};
-use crate::network::Network;
 
 /// Placeholder for the number of a frame in the name of an output.
 const PLACE: &str = "{frame}";

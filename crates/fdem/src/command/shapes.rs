@@ -5,7 +5,7 @@ use fdem_contact::discretised::BodyContact;
 use fdem_contact::narrow::{Contact, Measure};
 use fdem_io::{Table, Values};
 
-use crate::picture::{Bodies, BodyJoint};
+use fdem_results::picture::{Bodies, BodyJoint};
 
 /// Elements of meshes and spheres with their bodies.
 #[derive(Clone, Copy)]

@@ -2,15 +2,15 @@
 
 use std::fmt;
 
+use fdem_results::analysis::Analysis;
+use fdem_results::network::{Sizes, Space};
 use serde::Serialize;
 
-use crate::analysis::Analysis;
 use crate::command::analyse::write_lines;
 use crate::command::detect::{Found, Request};
 use crate::command::input::{Input, id};
-use crate::network::{Sizes, Space};
 
-pub(crate) use crate::numbers::{brief, grouped};
+pub(crate) use fdem_io::numbers::{brief, grouped};
 
 /// The summary, written as JSON by `--json` and as text to standard error.
 #[derive(Debug, Serialize)]

@@ -5,12 +5,12 @@ use std::path::Path;
 use std::sync::atomic::Ordering;
 
 use fdem_io::{Packing, Table, Values};
+use fdem_results::network::{Network, Sizes};
 
 use crate::command::failure::Failure;
 use crate::command::input::id;
 use crate::command::output::{Output, TableFormat};
 use crate::command::progress::Position;
-use crate::network::{Network, Sizes};
 
 const POINT: [&str; 3] = ["x", "y", "z"];
 const SHIFT: [&str; 3] = ["sx", "sy", "sz"];

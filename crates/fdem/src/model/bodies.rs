@@ -2,44 +2,53 @@
 
 use std::collections::BTreeSet;
 
-use std::collections::BTreeMap;
+use fdem_mesh::Mesh;
 
-use fdem_scenes::random::Random;
-use fdem_simulation::Mesh;
-
+use crate::model::dimensions::Dimensions;
 use crate::model::document::{Document, Table};
-use crate::model::extent::{self, Filled, elements_of_discs, too_many};
+use crate::model::extent::{self, Filled};
 use crate::model::fault::{self, Fault};
-use crate::model::file::{Body, Hole, ModelFile, Outline, Packing, Voronoi};
+use crate::model::file::{Body, ModelFile};
 use crate::model::materials;
-use crate::model::mesh_file::{self, Problem};
-use crate::model::mesher::mesh;
-use crate::model::outline::{self, Domain};
-use crate::model::packing;
 use crate::model::piece::Piece;
 use crate::model::shapes;
-use crate::model::voronoi::{Grains, colours};
-use crate::numbers::brief;
 
 /// Gives the bytes of a file that a model names, or says why it cannot.
 pub type Load<'l> = dyn FnMut(&str) -> Result<Vec<u8>, String> + 'l;
 
 /// A meshed body, and its table in the model file.
 #[derive(Debug)]
-pub(crate) struct Placed {
+pub(crate) struct Placed<const D: usize = 2, const N: usize = 3> {
     pub(crate) name: String,
     /// Its table in the file.
     pub(crate) table: usize,
-    pub(crate) piece: Piece,
+    pub(crate) piece: Piece<D, N>,
     /// The numbers of its first node and of its first element.
     pub(crate) first: [u32; 2],
 }
 
-/// The shapes that a body may have.
-const SHAPES: [&str; 7] = ["mesh", "rectangle", "disc", "ring", "polygon", "voronoi", "packing"];
+/// The shapes that a body may have, and the dimensions in which it may have them.
+const SHAPES: [(&str, &[u8]); 14] = [
+    ("mesh", &[2, 3]),
+    ("rectangle", &[2]),
+    ("disc", &[2]),
+    ("ring", &[2]),
+    ("polygon", &[2]),
+    ("box", &[3]),
+    ("cylinder", &[3]),
+    ("tube", &[3]),
+    ("sphere", &[3]),
+    ("polyhedron", &[3]),
+    ("surface", &[3]),
+    ("extrusion", &[3]),
+    ("voronoi", &[2, 3]),
+    ("packing", &[2]),
+];
 
 /// Checks bodies before they are meshed.
-pub(crate) fn check(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<Fault>) {
+pub(crate) fn check(file: &ModelFile, document: &Document<'_>, dimensions: u8, faults: &mut Vec<Fault>) {
+    let shapes = SHAPES.iter().filter(|(_, of)| of.contains(&dimensions)).map(|(shape, _)| *shape);
+    let shapes = shapes.collect::<Vec<_>>().join(", ");
     for (index, body) in file.body.iter().enumerate() {
         let table = Table::of("body", index);
         for (key, name) in names_of_materials(body) {
@@ -49,11 +58,19 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<
         }
         let given = given(body);
         match given[..] {
-            [_] => {}
+            [shape] if SHAPES.iter().any(|(known, of)| *known == shape && of.contains(&dimensions)) => {}
+            [shape] => faults.push(
+                Fault::at(
+                    document.key(table, shape),
+                    format!("[[body]] \"{}\": a {shape} is no body in {dimensions} dimensions", body.name),
+                )
+                .label("not in this model")
+                .help(format!("in {dimensions} dimensions a body is one of {shapes}")),
+            ),
             [] => faults.push(
                 Fault::at(document.key(table, "name"), format!("[[body]] \"{}\" has no shape", body.name))
                     .label("this body")
-                    .help(format!("give it one of {}", SHAPES.join(", "))),
+                    .help(format!("give it one of {shapes}")),
             ),
             [first, second, ..] => faults.push(
                 Fault::at(
@@ -89,7 +106,7 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<
                 );
             }
         }
-        if let Some(problem) = shapes::problem(body) {
+        if let Some(problem) = shapes::problem(body, dimensions) {
             let span = document.value(table, &problem.key);
             faults.push(Fault::at(span, problem.message).label("this shape").maybe_help(problem.help));
         }
@@ -104,10 +121,29 @@ fn given(body: &Body) -> Vec<&'static str> {
         body.disc.is_some(),
         body.ring.is_some(),
         body.polygon.is_some(),
+        body.block.is_some(),
+        body.cylinder.is_some(),
+        body.tube.is_some(),
+        body.sphere.is_some(),
+        body.polyhedron.is_some(),
+        body.surface.is_some(),
+        body.extrusion.is_some(),
         body.voronoi.is_some(),
         body.packing.is_some(),
     ];
-    SHAPES.into_iter().zip(has).filter(|(_, has)| *has).map(|(shape, _)| shape).collect()
+    SHAPES.into_iter().zip(has).filter(|(_, has)| *has).map(|((shape, _), _)| shape).collect()
+}
+
+/// The dimensions that the shape of a body tells; `None` for a mesh from a file, and without a shape.
+pub(crate) fn dimensions(body: &Body) -> Option<u8> {
+    if let Some(voronoi) = &body.voronoi {
+        return voronoi.outline.given().first().map(|(_, dimensions)| *dimensions);
+    }
+    let of = |shape: &str| SHAPES.iter().find(|(known, _)| *known == shape).map(|(_, of)| *of);
+    match of(given(body).first()?)? {
+        [only] => Some(*only),
+        _ => None,
+    }
 }
 
 /// Materials that a body names, with their keys.
@@ -122,14 +158,17 @@ fn names_of_materials(body: &Body) -> Vec<(String, String)> {
 
 /// Meshes all bodies but those that are known to be `wrong`. Tells what is wrong with their shapes, meshes and files, one fault for each body, and returns the tables
 /// whose bodies are missing.
-pub(crate) fn build(
+pub(crate) fn build<const D: usize, const N: usize>(
     file: &ModelFile,
     document: &Document<'_>,
     load: &mut Load<'_>,
     wrong: &[bool],
     faults: &mut Vec<Fault>,
-) -> (Mesh, Vec<Placed>, BTreeSet<usize>) {
-    let mut placed: Vec<Placed> = Vec::new();
+) -> (Mesh<D, N>, Vec<Placed<D, N>>, BTreeSet<usize>)
+where
+    [[f64; D]; N]: Dimensions<D, N>,
+{
+    let mut placed: Vec<Placed<D, N>> = Vec::new();
     let mut missing = BTreeSet::new();
     let mut names = BTreeSet::new();
     for (index, body) in file.body.iter().enumerate() {
@@ -138,11 +177,11 @@ pub(crate) fn build(
             missing.insert(index);
             continue;
         }
-        match pieces(file, body, load) {
+        match <[[f64; D]; N]>::pieces(file, body, load) {
             Ok(pieces) => {
                 let several = body.packing.is_some();
                 for (number, mut piece) in pieces.into_iter().enumerate() {
-                    piece.place(body.angle, body.translate);
+                    place(&mut piece, body);
                     let name =
                         if several { format!("{}-{}", body.name, number + 1) } else { body.name.clone() };
                     if !names.insert(name.clone()) {
@@ -168,7 +207,8 @@ pub(crate) fn build(
             }
         }
     }
-    let mut mesh = Mesh::default();
+    let mut mesh =
+        Mesh { nodes: Vec::new(), elements: Vec::new(), bodies: Vec::new(), materials: Vec::new() };
     for (number, body) in (0..).zip(&mut placed) {
         body.first = [mesh.nodes.len() as u32, mesh.elements.len() as u32];
         let piece = &body.piece;
@@ -180,21 +220,50 @@ pub(crate) fn build(
     (mesh, placed, missing)
 }
 
+/// Turns the body about the middle of its bounding box, then moves it.
+fn place<const D: usize, const N: usize>(piece: &mut Piece<D, N>, body: &Body)
+where
+    [[f64; D]; N]: Dimensions<D, N>,
+{
+    if body.angle != 0.0 {
+        let [low, high] = extent::bounds(piece.nodes.iter().copied());
+        let middle: [f64; D] = std::array::from_fn(|axis| f64::midpoint(low[axis], high[axis]));
+        let turn = <[[f64; D]; N]>::turn(body.angle, body.axis);
+        for node in &mut piece.nodes {
+            let from: [f64; D] = std::array::from_fn(|axis| node[axis] - middle[axis]);
+            *node = std::array::from_fn(|axis| {
+                (0..D).fold(middle[axis], |sum, other| sum + turn[axis][other] * from[other])
+            });
+        }
+    }
+    if let Some(by) = &body.translate {
+        let by = by.components::<D>();
+        for node in &mut piece.nodes {
+            *node = std::array::from_fn(|axis| node[axis] + by[axis]);
+        }
+    }
+}
+
 /// Bodies that lie in each other so much that their contacts would have no room.
-pub(crate) fn crowded(document: &Document<'_>, placed: &[Placed]) -> Option<Fault> {
-    let boxes: Vec<Filled> = placed
+pub(crate) fn crowded<const D: usize, const N: usize>(
+    document: &Document<'_>,
+    placed: &[Placed<D, N>],
+) -> Option<Fault>
+where
+    [[f64; D]; N]: Dimensions<D, N>,
+{
+    let boxes: Vec<Filled<D>> = placed
         .iter()
         .map(|body| {
             let piece = &body.piece;
-            let mut size = [0.0; 2];
-            for triangle in &piece.elements {
-                let corners = triangle.map(|node| piece.nodes[node as usize]);
-                let [low, high] = outline::bounds(corners.into_iter());
-                for axis in 0..2 {
+            let mut size = [0.0; D];
+            for element in &piece.elements {
+                let [low, high] = extent::bounds(piece.corners(element).into_iter());
+                for axis in 0..D {
                     size[axis] += (high[axis] - low[axis]) / piece.elements.len() as f64;
                 }
             }
-            let bounds = outline::bounds(piece.nodes.iter().copied());
+            let bounds = extent::bounds(piece.nodes.iter().copied());
             Filled { bounds, elements: piece.elements.len() as f64, size }
         })
         .collect();
@@ -204,137 +273,15 @@ pub(crate) fn crowded(document: &Document<'_>, placed: &[Placed]) -> Option<Faul
     Some(extent::crowd(span, &first.name, &second.name, couples))
 }
 
-/// The meshed pieces of a body: one, unless it is a packing.
-fn pieces(file: &ModelFile, body: &Body, load: &mut Load<'_>) -> Result<Vec<Piece>, Problem> {
-    // Checked before: names are known, and there is a size.
-    let material = materials::number(file, &body.material).unwrap_or(0);
-    let size = body.mesh_size.unwrap_or(f64::MAX);
-    let shape = |key: &'static str| {
-        move |message: String| Problem::new(key, format!("[[body]] \"{}\": {message}", body.name))
-    };
-    if let Some(name) = &body.mesh {
-        let bytes = load(name).map_err(|why| Problem::new("mesh", format!("cannot read {name}: {why}")))?;
-        let groups: BTreeMap<String, u32> = body
-            .groups
-            .iter()
-            .map(|(group, name)| (group.clone(), materials::number(file, name).unwrap_or(0)))
-            .collect();
-        let mut piece = mesh_file::read(&bytes, name, body.only.as_deref(), &groups, material)?;
-        piece.find_outline().map_err(|message| Problem::new("mesh", format!("{name}: {message}")))?;
-        return Ok(vec![piece]);
-    }
-    let uniform = |domain: &Domain, seed: u64, key: &'static str| {
-        let meshed = mesh(domain, size, seed).map_err(shape(key))?;
-        let materials = vec![material; meshed.elements.len()];
-        Piece::new(meshed, materials).map_err(shape(key))
-    };
-    if let Some(packing) = &body.packing {
-        let circles = circles(packing, load).map_err(shape("packing"))?;
-        let elements = elements_of_discs(circles.iter().map(|(_, radius)| *radius), size);
-        if let Some(message) = too_many(0.0, elements, size, None) {
-            return Err(shape("packing")(message));
-        }
-        let mut random = Random::with_stream(packing.seed, 3);
-        return (0..)
-            .zip(circles)
-            .map(|(number, circle)| {
-                let outline = packing::outline(packing, circle, size, &mut random);
-                let domain = Domain { loops: vec![outline], lines: Vec::new() };
-                uniform(&domain, body.seed.wrapping_add(number), "packing")
-            })
-            .collect();
-    }
-    if let Some(voronoi) = &body.voronoi {
-        let numbers: Vec<u32> =
-            voronoi.materials.iter().map(|name| materials::number(file, name).unwrap_or(0)).collect();
-        let mut domain = outline_domain(&voronoi.outline, size);
-        let piece = grains(voronoi, &mut domain, size, body.seed, &numbers, material);
-        return Ok(vec![piece.map_err(shape("voronoi"))?]);
-    }
-    let (key, domain) = if let Some(rectangle) = &body.rectangle {
-        ("rectangle", with_holes(outline::rectangle(rectangle).unwrap_or_default(), &rectangle.holes, size))
-    } else if let Some(disc) = &body.disc {
-        ("disc", with_holes(outline::disc(disc, size), &[], size))
-    } else if let Some(ring) = &body.ring {
-        let circles =
-            [ring.radius, ring.inner_radius].map(|radius| outline::circle(ring.centre, radius, size));
-        ("ring", Domain { loops: circles.into(), lines: Vec::new() })
-    } else if let Some(polygon) = &body.polygon {
-        ("polygon", with_holes(polygon.points.clone(), &polygon.holes, size))
-    } else {
-        return Err(Problem::new("name", "a body without shape"));
-    };
-    Ok(vec![uniform(&domain, body.seed, key)?])
-}
-
-fn with_holes(outer: Vec<outline::Point>, holes: &[Hole], size: f64) -> Domain {
-    let mut loops = vec![outer];
-    loops.extend(holes.iter().map(|hole| outline::hole(hole, size)));
-    Domain { loops, lines: Vec::new() }
-}
-
-fn outline_domain(of: &Outline, size: f64) -> Domain {
-    if let Some(rectangle) = &of.rectangle {
-        return with_holes(outline::rectangle(rectangle).unwrap_or_default(), &rectangle.holes, size);
-    }
-    if let Some(disc) = &of.disc {
-        return with_holes(outline::disc(disc, size), &[], size);
-    }
-    of.polygon
-        .as_ref()
-        .map_or_else(Domain::default, |polygon| with_holes(polygon.points.clone(), &polygon.holes, size))
-}
-
-fn grains(
-    voronoi: &Voronoi,
-    domain: &mut Domain,
-    size: f64,
-    seed: u64,
-    materials: &[u32],
-    default: u32,
-) -> Result<Piece, String> {
-    let grains = Grains::new(domain, voronoi.grains, voronoi.seed, voronoi.rounds)?;
-    let across = (domain.area() / voronoi.grains as f64).sqrt();
-    grains.cut(domain, size)?;
-    let meshed = mesh(domain, size, seed).map_err(|why| {
-        // The borders of such grains come closer to each other than the nodes on them.
-        if across >= size {
-            return why;
-        }
-        format!(
-            "the grains are too small for the mesh: their mean width of {} m is below the mesh size of {} m; take fewer grains or a smaller mesh_size",
-            brief(across),
-            brief(size)
-        )
-    })?;
-    let grain = grains.of_elements(&meshed)?;
-    let materials = if materials.is_empty() {
-        vec![default; grain.len()]
-    } else {
-        let colours = colours(&meshed, &grain, materials.len());
-        grain.iter().map(|&grain| materials[colours[grain as usize] as usize]).collect()
-    };
-    Ok(Piece { grains: grain, ..Piece::new(meshed, materials)? })
-}
-
-fn circles(packing: &Packing, load: &mut Load<'_>) -> Result<Vec<packing::Circle>, String> {
-    if let Some(name) = &packing.file {
-        let bytes = load(name).map_err(|why| format!("cannot read {name}: {why}"))?;
-        return packing::read(&bytes, name);
-    }
-    match (packing.count, packing.radius, &packing.within) {
-        (Some(count), Some(radius), Some(within)) => {
-            packing::scatter(count, radius, [within.min, within.max], packing.gap, packing.seed)
-                .map_err(|message| format!("{message}: take fewer or smaller ones, or a larger rectangle"))
-        }
-        _ => Ok(Vec::new()),
-    }
-}
-
 /// The bodies that a name means: those of its table, or one piece of a packing.
-pub(crate) fn named(placed: &[Placed], file: &ModelFile, name: &str) -> Vec<usize> {
-    let of_table = |body: &&(usize, &Placed)| file.body[body.1.table].name == name || body.1.name == name;
-    let all: Vec<(usize, &Placed)> = placed.iter().enumerate().collect();
+pub(crate) fn named<const D: usize, const N: usize>(
+    placed: &[Placed<D, N>],
+    file: &ModelFile,
+    name: &str,
+) -> Vec<usize> {
+    let of_table =
+        |body: &&(usize, &Placed<D, N>)| file.body[body.1.table].name == name || body.1.name == name;
+    let all: Vec<(usize, &Placed<D, N>)> = placed.iter().enumerate().collect();
     all.iter().filter(of_table).map(|(number, _)| *number).collect()
 }
 

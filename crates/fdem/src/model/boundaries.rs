@@ -2,13 +2,15 @@
 
 use std::collections::BTreeSet;
 
-use fdem_simulation::{Boundary, Load, Mesh, Schedule, Target};
+use fdem_mesh::Mesh;
+use fdem_simulation::{Boundary, Load, Schedule, Target};
 
 use crate::model::bodies::{self, Placed};
+use crate::model::dimensions::Dimensions;
 use crate::model::document::{Document, Table};
+use crate::model::extent::bounds;
 use crate::model::fault::{Fault, suggestion};
-use crate::model::file::{self, Component, Fixed, ModelFile, Side};
-use crate::model::outline::{Point, bounds};
+use crate::model::file::{self, Component, ModelFile, Side};
 use crate::model::settings::is_piece;
 
 /// Largest distance of nodes of one side from its outermost node, over the extent of the bodies.
@@ -63,10 +65,14 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<
                 .label("out of order"),
             );
         }
-        if boundary.limits.is_some_and(|[left, bottom, right, top]| right < left || top < bottom) {
+        let inverted = |limits: &Vec<f64>| {
+            let (least, most) = limits.split_at(limits.len() / 2);
+            least.iter().zip(most).any(|(least, most)| most < least)
+        };
+        if boundary.limits.as_ref().is_some_and(inverted) {
             faults.push(
                 Fault::at(document.value(table, "box"), format!("{title}: its box is turned inside out"))
-                    .help("a box is [xmin, ymin, xmax, ymax]"),
+                    .help("a box is [xmin, ymin, xmax, ymax], in three dimensions [xmin, ymin, zmin, xmax, ymax, zmax]"),
             );
         }
     }
@@ -104,14 +110,17 @@ fn places(boundary: &file::Boundary) -> Vec<&'static str> {
 
 /// The boundaries with the nodes and edges that they act on. Those of bodies that are missing, by their tables, are left out, and
 /// those that have faults already.
-pub(crate) fn resolve(
+pub(crate) fn resolve<const D: usize, const N: usize>(
     file: &ModelFile,
     document: &Document<'_>,
-    mesh: &Mesh,
-    placed: &[Placed],
+    mesh: &Mesh<D, N>,
+    placed: &[Placed<D, N>],
     (missing, wrong): (&BTreeSet<usize>, &[bool]),
     faults: &mut Vec<Fault>,
-) -> Vec<Boundary> {
+) -> Vec<Boundary<D>>
+where
+    [[f64; D]; N]: Dimensions<D, N>,
+{
     let mut boundaries = Vec::with_capacity(file.boundary.len());
     for (index, boundary) in file.boundary.iter().enumerate() {
         let table = Table::of("boundary", index);
@@ -146,11 +155,11 @@ pub(crate) fn resolve(
             );
             continue;
         }
-        let on_edges = matches!(load, Load::Traction(_) | Load::Pressure(_) | Load::Absorbing);
-        let (target, count, what) = if on_edges {
-            let edges = place.edges();
-            let count = edges.len();
-            (Target::Facets(edges), count, "edge of an outline")
+        let on_facets = matches!(load, Load::Traction(_) | Load::Pressure(_) | Load::Absorbing);
+        let (target, count, what) = if on_facets {
+            let facets = place.facets();
+            let count = facets.len();
+            (Target::Facets(facets), count, <[[f64; D]; N]>::OUTER_FACET)
         } else {
             let nodes = place.nodes();
             let count = nodes.len();
@@ -173,15 +182,18 @@ pub(crate) fn resolve(
 }
 
 /// The place where a boundary acts.
-struct Place<'a> {
+struct Place<'a, const D: usize, const N: usize> {
     boundary: &'a file::Boundary,
-    mesh: &'a Mesh,
-    placed: &'a [Placed],
+    mesh: &'a Mesh<D, N>,
+    placed: &'a [Placed<D, N>],
     /// Numbers of the bodies that it may act on.
     bodies: &'a [usize],
 }
 
-impl Place<'_> {
+impl<const D: usize, const N: usize> Place<'_, D, N>
+where
+    [[f64; D]; N]: Dimensions<D, N>,
+{
     /// Whether some body has the group, else what to write instead.
     fn check_group(&self) -> Result<(), Option<String>> {
         let Some(group) = &self.boundary.group else { return Ok(()) };
@@ -212,60 +224,64 @@ impl Place<'_> {
         nodes
     }
 
-    fn edges(&self) -> Vec<[u32; 2]> {
-        let mut edges = Vec::new();
+    fn facets(&self) -> Vec<[u32; D]> {
+        let mut facets = Vec::new();
         for &body in self.bodies {
             let Placed { piece, first, .. } = &self.placed[body];
             let found = match &self.boundary.group {
                 None => piece.outline.clone(),
-                Some(name) => piece.groups.get(name).map(|group| piece.edges_of(group)).unwrap_or_default(),
+                Some(name) => piece.groups.get(name).map(|group| piece.facets_of(group)).unwrap_or_default(),
             };
-            edges.extend(found.into_iter().map(|edge| edge.map(|node| node + first[0])));
+            facets.extend(found.into_iter().map(|facet| facet.map(|node| node + first[0])));
         }
         let limits = self.limits();
-        edges.retain(|edge| edge.iter().all(|&node| within(self.mesh.nodes[node as usize], limits)));
-        edges
+        facets.retain(|facet| facet.iter().all(|&node| within(self.mesh.nodes[node as usize], limits)));
+        facets
     }
 
     /// The box that nodes have to be in.
-    fn limits(&self) -> [Point; 2] {
-        let everywhere = [[f64::NEG_INFINITY; 2], [f64::INFINITY; 2]];
-        if let Some([left, bottom, right, top]) = self.boundary.limits {
-            return [[left, bottom], [right, top]];
+    fn limits(&self) -> [[f64; D]; 2] {
+        let mut limits = [[f64::NEG_INFINITY; D], [f64::INFINITY; D]];
+        if let Some(given) = &self.boundary.limits {
+            let (least, most) = given.split_at(given.len() / 2);
+            for (limit, given) in limits.iter_mut().zip([least, most]) {
+                *limit = given.try_into().unwrap_or(*limit);
+            }
+            return limits;
         }
-        let Some(side) = self.boundary.side else { return everywhere };
+        let Some(side) = self.boundary.side else { return limits };
         let points = self.bodies.iter().flat_map(|&body| self.placed[body].piece.nodes.iter().copied());
         let [low, high] = bounds(points);
-        let reach = SIDE * (high[0] - low[0]).max(high[1] - low[1]);
-        let mut limits = everywhere;
+        let reach = SIDE * (0..D).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
         match side {
             Side::Left => limits[1][0] = low[0] + reach,
             Side::Right => limits[0][0] = high[0] - reach,
-            Side::Bottom => limits[1][1] = low[1] + reach,
-            Side::Top => limits[0][1] = high[1] - reach,
+            Side::Front => limits[1][1] = low[1] + reach,
+            Side::Back => limits[0][1] = high[1] - reach,
+            Side::Bottom => limits[1][D - 1] = low[D - 1] + reach,
+            Side::Top => limits[0][D - 1] = high[D - 1] - reach,
         }
         limits
     }
 }
 
-fn within(point: Point, [low, high]: [Point; 2]) -> bool {
-    (0..2).all(|axis| low[axis] <= point[axis] && point[axis] <= high[axis])
+fn within<const D: usize>(point: [f64; D], [low, high]: [[f64; D]; 2]) -> bool {
+    (0..D).all(|axis| low[axis] <= point[axis] && point[axis] <= high[axis])
 }
 
-fn load(boundary: &file::Boundary) -> Option<Load> {
-    let prescribed = |components: [Component; 2]| components.map(Component::prescribed);
+fn load<const D: usize>(boundary: &file::Boundary) -> Option<Load<D>> {
+    let prescribed = |components: &Vec<Component>| {
+        std::array::from_fn(|axis| components.get(axis).and_then(|component| component.prescribed()))
+    };
     if let Some(fixed) = boundary.fixed {
-        return Some(Load::Velocity(match fixed {
-            Fixed::X => [Some(0.0), None],
-            Fixed::Y => [None, Some(0.0)],
-            Fixed::Xy => [Some(0.0), Some(0.0)],
-        }));
+        let held = fixed.axes();
+        return Some(Load::Velocity(std::array::from_fn(|axis| held[axis].then_some(0.0))));
     }
-    let velocity = boundary.velocity.map(|velocity| Load::Velocity(prescribed(velocity)));
+    let velocity = boundary.velocity.as_ref().map(|velocity| Load::Velocity(prescribed(velocity)));
     velocity
-        .or_else(|| boundary.displacement.map(|by| Load::Displacement(prescribed(by))))
-        .or_else(|| boundary.force.map(Load::Force))
-        .or_else(|| boundary.traction.map(Load::Traction))
+        .or_else(|| boundary.displacement.as_ref().map(|by| Load::Displacement(prescribed(by))))
+        .or_else(|| boundary.force.as_ref().map(|force| Load::Force(force.components())))
+        .or_else(|| boundary.traction.as_ref().map(|traction| Load::Traction(traction.components())))
         .or_else(|| boundary.pressure.map(Load::Pressure))
         .or_else(|| boundary.absorbing.then_some(Load::Absorbing))
 }

@@ -2,9 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use crate::model::outline::{Point, bounds, distance};
+use fdem_io::numbers::{brief, grouped};
+
+use crate::model::extent::bounds;
+use crate::model::outline::{Point, distance};
 use crate::model::piece::Piece;
-use crate::numbers::{brief, grouped};
 
 /// Distance over the extent of a body below which two points are in one place.
 const SAME: f64 = 1e-9;
@@ -25,10 +27,25 @@ struct Found {
 
 /// Warns of a mesh that falls into pieces.
 pub(crate) fn warnings(name: &str, piece: &Piece, warnings: &mut Vec<String>) {
-    let found = look(piece);
+    tell(name, piece, look(piece), warnings);
+}
+
+/// Warns of a mesh of tetrahedra that falls into pieces. Nodes on faces of other elements are not looked for.
+pub(crate) fn warnings_in_space(name: &str, piece: &Piece<3, 4>, warnings: &mut Vec<String>) {
+    let nodes = outer_nodes(piece);
+    let found = Found { pieces: pieces(piece), unmerged: unmerged(piece, &nodes), hanging: (0, None) };
+    tell(name, piece, found, warnings);
+}
+
+fn tell<const D: usize, const N: usize>(
+    name: &str,
+    piece: &Piece<D, N>,
+    found: Found,
+    warnings: &mut Vec<String>,
+) {
     let at = |node: Option<u32>| {
-        let [x, y] = node.map_or([0.0; 2], |node| piece.nodes[node as usize]).map(brief);
-        format!("[{x}, {y}]")
+        let at = node.map_or([0.0; D], |node| piece.nodes[node as usize]).map(brief);
+        format!("[{}]", at.join(", "))
     };
     let falls = if found.pieces > 1 {
         format!("[[body]] \"{name}\": its mesh falls into {} pieces", grouped(found.pieces as u64))
@@ -55,19 +72,25 @@ pub(crate) fn warnings(name: &str, piece: &Piece, warnings: &mut Vec<String>) {
 }
 
 fn look(piece: &Piece) -> Found {
-    let mut nodes: Vec<u32> = piece.outline.iter().flatten().copied().collect();
-    nodes.sort_unstable();
-    nodes.dedup();
+    let nodes = outer_nodes(piece);
     Found { pieces: pieces(piece), unmerged: unmerged(piece, &nodes), hanging: hanging(piece, &nodes) }
 }
 
+/// The nodes of the outline, ascending.
+fn outer_nodes<const D: usize, const N: usize>(piece: &Piece<D, N>) -> Vec<u32> {
+    let mut nodes: Vec<u32> = piece.outline.iter().flatten().copied().collect();
+    nodes.sort_unstable();
+    nodes.dedup();
+    nodes
+}
+
 /// The number of parts that have no node in common.
-fn pieces(piece: &Piece) -> usize {
+fn pieces<const D: usize, const N: usize>(piece: &Piece<D, N>) -> usize {
     let mut parent: Vec<u32> = (0..piece.nodes.len() as u32).collect();
     let mut count = parent.len();
-    for &[a, b, c] in &piece.elements {
-        for other in [b, c] {
-            let (a, b) = (root(&mut parent, a), root(&mut parent, other));
+    for element in &piece.elements {
+        for &other in &element[1..] {
+            let (a, b) = (root(&mut parent, element[0]), root(&mut parent, other));
             if a != b {
                 parent[a.max(b) as usize] = a.min(b);
                 count -= 1;
@@ -86,25 +109,29 @@ fn root(parent: &mut [u32], mut node: u32) -> u32 {
 }
 
 /// Nodes of the outline in the place of one with a smaller number.
-fn unmerged(piece: &Piece, nodes: &[u32]) -> (usize, Option<u32>) {
+fn unmerged<const D: usize, const N: usize>(piece: &Piece<D, N>, nodes: &[u32]) -> (usize, Option<u32>) {
     let [low, high] = bounds(piece.nodes.iter().copied());
-    let same = SAME * (high[0] - low[0]).max(high[1] - low[1]);
-    // Cells much wider than the distance: two nodes in one place are in one cell or in two that touch.
-    let cell = |x: f64| (x / (8.0 * same)).floor();
-    let mut first: BTreeMap<[u64; 2], Vec<u32>> = BTreeMap::new();
+    let same = SAME * (0..D).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
+    // Cells much wider than the distance: two nodes in one place are in one cell or in some that touch.
+    let cell = |x: f64| ((x / (8.0 * same)).floor() + 0.0).to_bits();
+    let mut first: BTreeMap<[u64; D], Vec<u32>> = BTreeMap::new();
     let mut found = (0, None);
     for &node in nodes {
         let point = piece.nodes[node as usize];
-        let mut places: Vec<[u64; 2]> = Vec::with_capacity(4);
-        for x in [point[0] - same, point[0] + same].map(cell) {
-            for y in [point[1] - same, point[1] + same].map(cell) {
-                let place = [x, y].map(|x| (x + 0.0).to_bits());
-                if !places.contains(&place) {
-                    places.push(place);
-                }
+        let mut places: Vec<[u64; D]> = Vec::with_capacity(1 << D);
+        for corner in 0..1_usize << D {
+            let place = std::array::from_fn(|axis| {
+                cell(if corner >> axis & 1 == 0 { point[axis] - same } else { point[axis] + same })
+            });
+            if !places.contains(&place) {
+                places.push(place);
             }
         }
-        let near = |&other: &u32| distance(piece.nodes[other as usize], point) <= same;
+        let near = |&other: &u32| {
+            let other = piece.nodes[other as usize];
+            let squared: f64 = (0..D).map(|axis| (other[axis] - point[axis]).powi(2)).sum();
+            squared.sqrt() <= same
+        };
         if places.iter().any(|place| first.get(place).is_some_and(|others| others.iter().any(near))) {
             found = (found.0 + 1, found.1.or(Some(node)));
             continue;

@@ -1,9 +1,9 @@
 //! Warnings of initial states that are not in equilibrium.
 
+use fdem_io::numbers::brief;
 use fdem_simulation::{InitialContacts, Load, Model, Schedule, Target, principal_stresses};
 
 use crate::model::Body;
-use crate::numbers::brief;
 
 /// Forces out of balance, over the weights, from which a body is said not to be in equilibrium.
 const UNBALANCED: f64 = 0.1;
@@ -92,7 +92,7 @@ fn strength(model: &Model, warnings: &mut Vec<String>) {
     for (number, material) in model.materials.iter().enumerate() {
         let Some(strength) = material.strength else { continue };
         let breaks = |[[xx, xy], [_, yy]]: [[f64; 2]; 2]| {
-            let [most, least] = principal_stresses([xx, yy, xy]);
+            let [most, least] = principal_stresses::<2, 3>(&[[xx, xy], [xy, yy]]);
             let (mean, radius) = (f64::midpoint(most, least), 0.5 * (most - least));
             let secant = (1.0 + strength.friction * strength.friction).sqrt();
             most > strength.tensile || radius * secant + strength.friction * mean.min(0.0) > strength.cohesion

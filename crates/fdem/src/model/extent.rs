@@ -3,11 +3,13 @@
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
+use fdem_io::numbers::{brief, grouped};
+
 use crate::model::document::{Document, Table};
 use crate::model::fault::Fault;
-use crate::model::file::{Body, Hole, ModelFile, Packing};
-use crate::model::outline::{self, Point, area, bounds};
-use crate::numbers::{brief, grouped};
+use crate::model::file::{Body, Hole, ModelFile, Packing, Vector};
+use crate::model::outline::{self, Point, area};
+use crate::model::space;
 
 /// Largest number of elements of a model.
 pub(crate) const MOST: f64 = 2e7;
@@ -118,15 +120,27 @@ pub(crate) fn elements_of_discs(radii: impl Iterator<Item = f64>, size: f64) -> 
     radii.map(|radius| Extent::of_discs(1.0, [radius, radius * radius], bounds).elements(size)).sum()
 }
 
+/// Least and largest coordinates; infinite the wrong way round without points.
+pub(crate) fn bounds<const D: usize>(points: impl Iterator<Item = [f64; D]>) -> [[f64; D]; 2] {
+    let mut bounds = [[f64::INFINITY; D], [f64::NEG_INFINITY; D]];
+    for point in points {
+        for axis in 0..D {
+            bounds[0][axis] = bounds[0][axis].min(point[axis]);
+            bounds[1][axis] = bounds[1][axis].max(point[axis]);
+        }
+    }
+    bounds
+}
+
 /// A bounding box that is full of elements.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Filled {
+pub(crate) struct Filled<const D: usize = 2> {
     /// Least and largest coordinates.
-    pub(crate) bounds: [Point; 2],
+    pub(crate) bounds: [[f64; D]; 2],
     /// Number of elements.
     pub(crate) elements: f64,
-    /// Mean width and height of the elements, m.
-    pub(crate) size: [f64; 2],
+    /// Mean extent of the elements along each axis, m.
+    pub(crate) size: [f64; D],
 }
 
 /// Number of elements of all bodies that are cut here, about. Refuses sizes that give too many, or more than `memory` (bytes) has room for, and bodies that lie in each other
@@ -141,8 +155,12 @@ pub(crate) fn check(
     let mut boxes = Vec::new();
     let mut tables = Vec::new();
     for (index, body) in file.body.iter().enumerate() {
-        let (Some(size), Some(extent)) = (body.mesh_size, extent(body)) else { continue };
-        let elements = extent.elements(size);
+        let Some(size) = body.mesh_size else { continue };
+        let flat = extent(body);
+        let Some(elements) = flat.map(|extent| extent.elements(size)).or_else(|| space::elements(body, size))
+        else {
+            continue;
+        };
         let before = all;
         all += elements;
         if let Some(message) = too_many(before, elements, size, memory) {
@@ -151,8 +169,10 @@ pub(crate) fn check(
             faults.push(Fault::at(span, message).label("too small").help("take a larger mesh_size"));
             return all;
         }
-        boxes.push(Filled { bounds: placed(extent.bounds, body), elements, size: [size; 2] });
-        tables.push(index);
+        if let Some(extent) = flat {
+            boxes.push(Filled { bounds: placed(extent.bounds, body), elements, size: [size; 2] });
+            tables.push(index);
+        }
     }
     if let Some(([a, b], couples)) = crowded(&boxes) {
         let [a, b] = [tables[a.min(b)], tables[a.max(b)]];
@@ -211,12 +231,13 @@ fn placed([low, high]: [Point; 2], body: &Body) -> [Point; 2] {
     let (sine, cosine) = libm::sincos(body.angle.to_radians());
     let [x, y] = [0, 1].map(|axis| 0.5 * (high[axis] - low[axis]));
     let half = [x * cosine.abs() + y * sine.abs(), x * sine.abs() + y * cosine.abs()];
-    let middle = [0, 1].map(|axis| f64::midpoint(low[axis], high[axis]) + body.translate[axis]);
+    let by = body.translate.as_ref().map_or([0.0; 2], Vector::components);
+    let middle = [0, 1].map(|axis| f64::midpoint(low[axis], high[axis]) + by[axis]);
     [-1.0, 1.0].map(|sign| [0, 1].map(|axis| middle[axis] + sign * half[axis]))
 }
 
 /// The two bodies that lie in each other most, and how many couples there are at least, where these are too many to be kept: about, from the bounding boxes.
-pub(crate) fn crowded(boxes: &[Filled]) -> Option<([usize; 2], f64)> {
+pub(crate) fn crowded<const D: usize>(boxes: &[Filled<D>]) -> Option<([usize; 2], f64)> {
     let limit = COUPLES[0] + COUPLES[1] * boxes.iter().map(|body| body.elements).sum::<f64>();
     let mut order: Vec<usize> = (0..boxes.len()).collect();
     order.sort_by(|&a, &b| boxes[a].bounds[0][0].total_cmp(&boxes[b].bounds[0][0]));
@@ -241,15 +262,15 @@ pub(crate) fn crowded(boxes: &[Filled]) -> Option<([usize; 2], f64)> {
 }
 
 /// Couples of elements that two boxes have, if each is filled evenly.
-fn couples(one: &Filled, other: &Filled) -> f64 {
-    let overlap = [0, 1].map(|axis| {
+fn couples<const D: usize>(one: &Filled<D>, other: &Filled<D>) -> f64 {
+    let size = |of: &Filled<D>| (0..D).map(|axis| of.bounds[1][axis] - of.bounds[0][axis]).product::<f64>();
+    let mut found = one.elements / size(one) * other.elements / size(other);
+    for axis in 0..D {
         let low = one.bounds[0][axis].max(other.bounds[0][axis]);
-        (one.bounds[1][axis].min(other.bounds[1][axis]) - low).max(0.0)
-    });
-    let area = |of: &Filled| (of.bounds[1][0] - of.bounds[0][0]) * (of.bounds[1][1] - of.bounds[0][1]);
-    let reach = (one.size[0] + other.size[0]) * (one.size[1] + other.size[1]);
-    let found = overlap[0] * overlap[1] * reach * one.elements / area(one) * other.elements / area(other);
-    // Boxes without area, or beyond what can be computed, say nothing.
+        found *= (one.bounds[1][axis].min(other.bounds[1][axis]) - low).max(0.0);
+        found *= one.size[axis] + other.size[axis];
+    }
+    // Boxes without area or volume, or beyond what can be computed, say nothing.
     if found.is_finite() { found } else { 0.0 }
 }
 

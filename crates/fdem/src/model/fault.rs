@@ -6,7 +6,7 @@ use std::ops::Range;
 use annotate_snippets::renderer::DecorStyle;
 use annotate_snippets::{AnnotationKind, Group, Level, Message, Origin, Padding, Renderer, Snippet, Title};
 
-use crate::numbers::grouped;
+use fdem_io::numbers::grouped;
 
 /// A fault of a model file.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -10,12 +10,15 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-pub use body::{Body, Disc, Hole, Outline, Packing, Piece, Polygon, Rectangle, Ring, Voronoi};
+pub use body::{
+    Block, Body, Cylinder, Disc, Extrusion, Hole, Outline, Packing, Piece, Polygon, Polyhedron, Rectangle,
+    Ring, Sphere, Tube, Voronoi,
+};
 pub use boundary::{Boundary, Component, Fixed, Side};
 pub use material::{Interface, Material};
 pub use output::{Animate, History, Output};
 
-/// A model of the combined finite-discrete element method in two dimensions. SI units: m, kg, s, N, Pa; angles in degrees.
+/// A model of the combined finite-discrete element method in two or three dimensions. SI units: m, kg, s, N, Pa; angles in degrees.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ModelFile {
@@ -73,14 +76,18 @@ pub struct General {
     /// Title for pictures and reports. Default: none.
     #[serde(default)]
     pub title: String,
-    /// Plane "stress" (a thin plate, the default) or plane "strain" (a slice of a long body).
+    /// Dimensions: 2 or 3. Default: those of the shapes and meshes of the bodies.
+    #[serde(default)]
+    #[schemars(range(min = 2, max = 3))]
+    pub dimensions: Option<u8>,
+    /// In two dimensions: plane "stress" (a thin plate, the default) or plane "strain" (a slice of a long body).
     #[serde(default)]
     pub plane: Plane,
-    /// Thickness out of the plane, m. Default: 1.
+    /// In two dimensions: thickness out of the plane, m. Default: 1.
     #[serde(default = "one")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub thickness: f64,
-    /// Acceleration of gravity [x, y], m/s², such as [0, -9.81], or "none". Default: "none".
+    /// Acceleration of gravity [x, y] or [x, y, z], m/s², such as [0, -9.81] or [0, 0, -9.81], or "none". Default: "none".
     #[serde(default)]
     pub gravity: Gravity,
     /// Time within which gravity grows from 0 to its full value, as half a cosine, s. Gravity that acts at once makes stresses swing to twice their static values. Default: at once.
@@ -107,6 +114,18 @@ pub struct General {
     pub energy_bound: f64,
 }
 
+/// A vector: [x, y] in two dimensions, [x, y, z] in three.
+#[derive(Debug, Clone, Default, PartialEq, Deserialize, JsonSchema)]
+#[serde(transparent)]
+pub struct Vector(#[schemars(length(min = 2, max = 3))] pub Vec<f64>);
+
+impl Vector {
+    /// The components; zeros if their number is another one, which is a fault that has been found before.
+    pub(crate) fn components<const D: usize>(&self) -> [f64; D] {
+        self.0.as_slice().try_into().unwrap_or([0.0; D])
+    }
+}
+
 /// Plane stress or plane strain.
 #[derive(Debug, Clone, Copy, Default, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
@@ -119,11 +138,11 @@ pub enum Plane {
 }
 
 /// A vector, or none.
-#[derive(Debug, Clone, Copy, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum Gravity {
     /// m/s².
-    Vector([f64; 2]),
+    Vector(Vector),
     /// No gravity.
     None(NoGravity),
 }
@@ -170,15 +189,17 @@ impl Default for TimeStep {
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Initial {
-    /// Velocity [x, y] of bodies by name, m/s, such as { hammer = [0, -5] }. Bodies that are not named here have their own `velocity`, or rest.
+    /// Velocity [x, y] or [x, y, z] of bodies by name, m/s, such as { hammer = [0, -5] }. Bodies that are not named here have their own `velocity`, or rest.
     #[serde(default)]
-    pub velocity: BTreeMap<String, [f64; 2]>,
-    /// Stress [xx, yy, xy] in all bodies, Pa, tension positive. Surfaces that touch, joints and absorbing edges carry it from the beginning. Default: none.
+    pub velocity: BTreeMap<String, Vector>,
+    /// Stress [xx, yy, xy] or [xx, yy, zz, xy, yz, xz] in all bodies, Pa, tension positive. Surfaces that touch, joints and absorbing edges carry it from the beginning. Default: none.
     #[serde(default)]
-    pub stress: Option<[f64; 3]>,
-    /// Change of that stress per metre of y, [xx, yy, xy] in Pa/m; `stress` is that at y = 0. A yy of density times gravity carries the weight. Default: [0, 0, 0].
+    #[schemars(length(min = 3, max = 6))]
+    pub stress: Option<Vec<f64>>,
+    /// Change of that stress per metre upwards (y in two dimensions, z in three), Pa/m, with the same components; `stress` is that at height 0. A yy, or zz, of density times gravity carries the weight. Default: none.
     #[serde(default)]
-    pub stress_gradient: [f64; 3],
+    #[schemars(length(min = 3, max = 6))]
+    pub stress_gradient: Option<Vec<f64>>,
 }
 
 /// Numbers of the contact law.
@@ -218,7 +239,7 @@ impl Default for Contact {
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Fracture {
-    /// Where joints are: "adaptive" (the default) inserts one where the traction across an edge reaches the strength; "intrinsic" has them everywhere from the start.
+    /// Where joints are: "adaptive" (the default) inserts one where the traction across an edge, or a face, reaches the strength; "intrinsic" has them everywhere from the start.
     #[serde(default)]
     pub insertion: Insertion,
     /// Penalty of joints, the α of α E/h, where h is the mean height of the two elements over the edge. Default: 50.

@@ -1,12 +1,12 @@
-//! How much too stiff triangles of constant strain are in bending, and where a model bends.
+//! How much too stiff triangles and tetrahedra of constant strain are in bending, and where a model bends.
 //!
-//! Both were measured against beam theory (`tests/model/locking.rs`; the table is in the book).
+//! Triangles were measured against beam theory (`tests/model/locking.rs`; the table is in the book), tetrahedra against pure bending (the case "locking" of the ladder).
 
+use fdem_io::numbers::brief;
 use fdem_simulation::{Load, Model, Plane, Target};
 
 use crate::model::bodies::Placed;
 use crate::model::outline::{bounds, distance, twice_area};
-use crate::numbers::brief;
 
 /// Length of a member over its thickness from which it bends.
 const SLENDER: f64 = 5.0;
@@ -14,7 +14,7 @@ const SLENDER: f64 = 5.0;
 /// Elements through a member of which it takes so many to bend well.
 const ENOUGH: f64 = 8.0;
 
-/// Poisson's ratio in plane strain from which elements lock.
+/// Poisson's ratio in plane strain and in space from which elements lock.
 const NEARLY_INCOMPRESSIBLE: f64 = 0.45;
 
 /// Share of the length of a member that, when it is held or driven, does not let it bend.
@@ -56,6 +56,42 @@ pub(crate) fn excess(plane: Plane, poissons_ratio: f64, elements: f64) -> f64 {
     let between = |row: &[f64; 4]| (1.0 - along) * row[column].ln() + along * row[column + 1].ln();
     let logarithm = (1.0 - down) * between(&EXCESS[row]) + down * between(&EXCESS[row + 1]);
     logarithm.exp() / 100.0
+}
+
+/// Poisson's ratios in space of the rows of [`EXCESS_IN_SPACE`].
+pub(crate) const RATIOS_IN_SPACE: [f64; 6] = [0.0, 0.3, 0.4, 0.45, 0.49, 0.499];
+
+/// Cells through the width of the columns of [`EXCESS_IN_SPACE`]. A mean edge is 1.25 cells.
+pub(crate) const CELLS: [usize; 4] = [2, 4, 8, 12];
+
+/// Measured stiffness of a prism of tetrahedra in bending over the true one, less 1: the means of two meshes.
+pub(crate) const EXCESS_IN_SPACE: [[f64; 4]; 6] = [
+    [0.578, 0.146, 0.037, 0.017],
+    [0.477, 0.121, 0.031, 0.014],
+    [0.479, 0.123, 0.032, 0.014],
+    [0.491, 0.128, 0.033, 0.015],
+    [0.524, 0.146, 0.040, 0.018],
+    [0.616, 0.236, 0.084, 0.042],
+];
+
+/// Materials of tetrahedra that lock.
+pub(crate) fn warnings_in_space(model: &Model<3, 4>, warnings: &mut Vec<String>) {
+    for (number, material) in (0..).zip(&model.materials) {
+        let nu = material.poissons_ratio;
+        if nu <= NEARLY_INCOMPRESSIBLE || !model.mesh.materials.contains(&number) {
+            continue;
+        }
+        let row = RATIOS_IN_SPACE.iter().position(|ratio| *ratio >= nu).unwrap_or(RATIOS_IN_SPACE.len() - 1);
+        let at_least = if nu > RATIOS_IN_SPACE[row] { "more than" } else { "up to" };
+        warnings.push(format!(
+            "[[material]] \"{}\": elements lock where Poisson's ratio is {nu}: a member with {:.0} elements through its thickness is {at_least} {:.0} % too stiff in bending, one with {:.0} {at_least} {:.0} %",
+            material.name,
+            CELLS[1] as f64 / 1.25,
+            100.0 * EXCESS_IN_SPACE[row][1],
+            CELLS[2] as f64 / 1.25,
+            100.0 * EXCESS_IN_SPACE[row][2],
+        ));
+    }
 }
 
 /// A body that bends.

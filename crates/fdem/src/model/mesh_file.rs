@@ -1,13 +1,17 @@
-//! Bodies from mesh files: triangles in the plane, with physical groups.
+//! Bodies from mesh files: triangles in the plane, or tetrahedra, with physical groups.
 
 use std::collections::BTreeMap;
 
-use fdem_io::{Mesh, MeshBody};
+use fdem_io::numbers::grouped;
+use fdem_io::{Cells, Mesh, MeshBody};
+use fdem_mesh::Simplex;
 
+use crate::model::bodies::Load;
 use crate::model::fault::suggestion;
-use crate::model::outline::{Point, distance, twice_area};
+use crate::model::file::{Body, ModelFile};
+use crate::model::materials;
+use crate::model::outline::Point;
 use crate::model::piece::{Group, Piece};
-use crate::numbers::grouped;
 
 /// Advice on triangles in Gmsh.
 const TRIANGLES: &str =
@@ -31,87 +35,176 @@ impl Problem {
     }
 }
 
+/// The materials of the groups of a mesh file, by their numbers. Names have been checked.
+pub(crate) fn materials_of_groups(file: &ModelFile, body: &Body) -> BTreeMap<String, u32> {
+    let number = |name: &String| materials::number(file, name).unwrap_or(0);
+    body.groups.iter().map(|(group, name)| (group.clone(), number(name))).collect()
+}
+
 /// Reads a mesh: all of its triangles, or those of the groups `only`.
 ///
-/// `material` is a material for each name in `groups`, by position; [`Piece::materials`] are those, or `default`.
+/// `groups`: the material of the elements in each group; other elements have the material `default`.
 ///
 /// # Errors
 /// Files without a mesh of triangles in the plane; groups that the file does not have.
-pub(crate) fn read(
+pub(crate) fn read_flat(
     bytes: &[u8],
     name: &str,
     only: Option<&[String]>,
     groups: &BTreeMap<String, u32>,
     default: u32,
 ) -> Result<Piece, Problem> {
+    let mesh = read(bytes, name)?;
+    check_flat(&mesh, name)?;
+    let words = Words { group: "surface group", element: "triangle", measure: "area" };
+    piece(&mesh, &mesh.triangles, &mesh.segments, planar, &words, (name, only, groups, default))
+}
+
+/// As [`read_flat`], of tetrahedra.
+pub(crate) fn read_space(
+    bytes: &[u8],
+    name: &str,
+    only: Option<&[String]>,
+    groups: &BTreeMap<String, u32>,
+    default: u32,
+) -> Result<Piece<3, 4>, Problem> {
+    let mesh = read(bytes, name)?;
+    if mesh.tetrahedra.is_empty() {
+        let found =
+            if mesh.triangles.is_empty() { "has no elements" } else { "has triangles and no tetrahedra" };
+        return Err(Problem {
+            help: Some(
+                "in three dimensions a body is a mesh of tetrahedra; a closed surface of triangles is meshed with surface = \"…\" instead of mesh"
+                    .to_owned(),
+            ),
+            ..Problem::new("mesh", format!("{name} {found}"))
+        });
+    }
+    let words = Words { group: "volume group", element: "tetrahedron", measure: "volume" };
+    piece(&mesh, &mesh.tetrahedra, &mesh.triangles, |point| point, &words, (name, only, groups, default))
+}
+
+/// The triangles of a file that has a surface.
+pub(crate) fn triangles(load: &mut Load<'_>, name: &str) -> Result<Vec<[[f64; 3]; 3]>, Problem> {
+    let bytes = load(name).map_err(|why| Problem::new("surface", format!("cannot read {name}: {why}")))?;
+    let mesh = read(&bytes, name).map_err(|problem| Problem { key: "surface".to_owned(), ..problem })?;
+    if mesh.triangles.is_empty() {
+        return Err(Problem::new("surface", format!("{name} has no triangles")));
+    }
+    let corners = |nodes: &[u32; 3]| nodes.map(|node| mesh.points[node as usize]);
+    Ok(mesh.triangles.nodes.iter().map(corners).collect())
+}
+
+/// Whether a file has a mesh of tetrahedra; false if it cannot be read.
+pub(crate) fn is_in_space(bytes: &[u8], name: &str) -> bool {
+    read(bytes, name).is_ok_and(|mesh| !mesh.tetrahedra.is_empty())
+}
+
+fn read(bytes: &[u8], name: &str) -> Result<Mesh, Problem> {
     let (bytes, _) = fdem_io::unpack(bytes.into(), |_| true)
         .map_err(|error| Problem::new("mesh", format!("cannot read {name}: {error}")))?;
-    let mesh = fdem_io::read_mesh(&bytes, name).map_err(|error| {
+    fdem_io::read_mesh(&bytes, name).map_err(|error| {
         let message = error.to_string();
         let help = message.contains("second order").then(|| FIRST_ORDER.to_owned());
         Problem { help, ..Problem::new("mesh", message) }
-    })?;
-    check_kind(&mesh, name)?;
+    })
+}
+
+/// Words of messages.
+struct Words {
+    group: &'static str,
+    element: &'static str,
+    measure: &'static str,
+}
+
+/// The elements, facets and groups of a file as a body.
+fn piece<const D: usize, const N: usize>(
+    mesh: &Mesh,
+    elements: &Cells<N>,
+    facets: &Cells<D>,
+    place: impl Fn([f64; 3]) -> [f64; D],
+    words: &Words,
+    (name, only, groups, default): (&str, Option<&[String]>, &BTreeMap<String, u32>, u32),
+) -> Result<Piece<D, N>, Problem>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
     let labels: Vec<String> = mesh.bodies.iter().map(label).collect();
-    let surfaces = names(&labels, &mesh.triangles.bodies);
+    let known = names(&labels, &elements.bodies);
     for (key, wanted) in only
         .into_iter()
         .flatten()
         .map(|wanted| ("only".to_owned(), wanted))
         .chain(groups.keys().map(|wanted| (format!("groups.{wanted}"), wanted)))
     {
-        if !surfaces.contains(&wanted.as_str()) {
+        if !known.contains(&wanted.as_str()) {
             return Err(Problem {
                 key,
-                message: format!("{name} has no surface group \"{wanted}\""),
-                help: suggestion(wanted, &surfaces, "surface group in it"),
+                message: format!("{name} has no {} \"{wanted}\"", words.group),
+                help: suggestion(wanted, &known, &format!("{} in it", words.group)),
             });
         }
     }
     let mut piece = Piece::default();
     let mut numbers: Vec<Option<u32>> = vec![None; mesh.points.len()];
     let taken = |body: u32| only.is_none_or(|only| only.contains(&labels[body as usize]));
-    for ((nodes, &body), &number) in
-        mesh.triangles.nodes.iter().zip(&mesh.triangles.bodies).zip(&mesh.triangles.numbers)
-    {
+    for ((nodes, &body), &number) in elements.nodes.iter().zip(&elements.bodies).zip(&elements.numbers) {
         if !taken(body) {
             continue;
         }
-        let [a, b, c] = nodes.map(|node| planar(mesh.points[node as usize]));
-        let area = twice_area(a, b, c);
-        let longest = distance(a, b).max(distance(b, c)).max(distance(c, a));
-        if area.abs() <= 1e-9 * longest * longest {
-            return Err(Problem::new("mesh", format!("{name}: element {number} (triangle) has no area")));
+        let corners = nodes.map(|node| place(mesh.points[node as usize]));
+        let measure = corners.measure();
+        let cube = std::iter::repeat_n(longest(&corners), D).product::<f64>();
+        if 2.0 * measure.abs() <= 1e-9 * cube {
+            let Words { element, measure, .. } = words;
+            return Err(Problem::new(
+                "mesh",
+                format!("{name}: element {number} ({element}) has no {measure}"),
+            ));
         }
-        let triangle = nodes.map(|node| {
+        let mut nodes = nodes.map(|node| {
             *numbers[node as usize].get_or_insert_with(|| {
-                piece.nodes.push(planar(mesh.points[node as usize]));
+                piece.nodes.push(place(mesh.points[node as usize]));
                 piece.nodes.len() as u32 - 1
             })
         });
-        let triangle = if area > 0.0 { triangle } else { [triangle[0], triangle[2], triangle[1]] };
+        if measure < 0.0 {
+            nodes.swap(N - 2, N - 1);
+        }
         let label = &labels[body as usize];
         let element = piece.elements.len() as u32;
-        piece.elements.push(triangle);
+        piece.elements.push(nodes);
         piece.materials.push(groups.get(label).copied().unwrap_or(default));
         piece.groups.entry(label.clone()).or_default().elements.push(element);
     }
-    for (nodes, &body) in mesh.segments.nodes.iter().zip(&mesh.segments.bodies) {
-        // A curve of another body has nodes that this one has not.
-        if let [Some(a), Some(b)] = nodes.map(|node| numbers[node as usize]) {
-            let group: &mut Group = piece.groups.entry(labels[body as usize].clone()).or_default();
-            group.curve.push([a, b]);
+    for (nodes, &body) in facets.nodes.iter().zip(&facets.bodies) {
+        let own = nodes.map(|node| numbers[node as usize].unwrap_or(u32::MAX));
+        // A facet of another body has nodes that this one has not.
+        if !own.contains(&u32::MAX) {
+            let group: &mut Group<D> = piece.groups.entry(labels[body as usize].clone()).or_default();
+            group.facets.push(own);
         }
     }
-    piece.curves = names(&labels, &mesh.segments.bodies).into_iter().map(str::to_owned).collect();
     Ok(piece)
 }
 
-fn check_kind(mesh: &Mesh, name: &str) -> Result<(), Problem> {
+/// The longest edge of an element.
+fn longest<const D: usize, const N: usize>(corners: &[[f64; D]; N]) -> f64 {
+    let mut longest = 0.0_f64;
+    for (k, a) in corners.iter().enumerate() {
+        for b in &corners[k + 1..] {
+            let squared: f64 = a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum();
+            longest = longest.max(squared.sqrt());
+        }
+    }
+    longest
+}
+
+fn check_flat(mesh: &Mesh, name: &str) -> Result<(), Problem> {
     let refuse = |what: String, help: &str| {
         Err(Problem { help: Some(help.to_owned()), ..Problem::new("mesh", format!("{name} {what}")) })
     };
-    let flat = "a body is a mesh of triangles in the plane z = 0";
+    let flat = "in two dimensions a body is a mesh of triangles in the plane z = 0";
     let several = |count: u64, one: &str, more: &str| {
         format!("has {} {}", grouped(count), if count == 1 { one } else { more })
     };

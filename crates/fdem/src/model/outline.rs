@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use crate::model::extent::MOST;
+pub(crate) use crate::model::extent::bounds;
 use crate::model::file::{Disc, Hole, Rectangle};
 
 /// A point or vector, m.
@@ -52,18 +53,6 @@ impl Domain {
         let outer = areas.next().unwrap_or(0.0);
         outer - areas.sum::<f64>()
     }
-}
-
-/// Least and largest coordinates; infinite the wrong way round without points.
-pub(crate) fn bounds(points: impl Iterator<Item = Point>) -> [Point; 2] {
-    let mut bounds = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
-    for point in points {
-        for axis in 0..2 {
-            bounds[0][axis] = bounds[0][axis].min(point[axis]);
-            bounds[1][axis] = bounds[1][axis].max(point[axis]);
-        }
-    }
-    bounds
 }
 
 /// Area of a closed polygon, positive counter-clockwise. It is computed relative to the first corner, so that a large distance from the origin costs no digits.

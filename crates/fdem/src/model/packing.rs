@@ -3,12 +3,12 @@
 use std::f64::consts::{PI, TAU};
 use std::sync::atomic::AtomicU64;
 
+use fdem_io::numbers::brief;
 use fdem_io::{Centres, ReadOptions};
 use fdem_scenes::random::Random;
 
 use crate::model::file::{Packing, Piece};
 use crate::model::outline::{Point, circle};
-use crate::numbers::brief;
 
 /// A centre and a radius, m.
 pub(crate) type Circle = (Point, f64);

@@ -1,36 +1,52 @@
-//! One meshed body, numbered by itself.
+//! A meshed body with its groups.
 
 use std::collections::BTreeMap;
 
-use crate::model::mesher::{INSIDE, Meshed};
-use crate::model::outline::{Point, bounds};
-use crate::numbers::brief;
+use fdem_io::numbers::brief;
+use fdem_mesh::Simplex;
 
-/// A meshed body.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Piece {
-    pub(crate) nodes: Vec<Point>,
-    /// Counter-clockwise.
-    pub(crate) elements: Vec<[u32; 3]>,
-    /// Material of each triangle.
+use crate::model::mesher::{INSIDE, Meshed};
+
+/// A body of triangles or of tetrahedra.
+#[derive(Debug, Clone)]
+pub(crate) struct Piece<const D: usize = 2, const N: usize = 3> {
+    pub(crate) nodes: Vec<[f64; D]>,
+    /// In the order of [`Mesh::elements`](fdem_mesh::Mesh).
+    pub(crate) elements: Vec<[u32; N]>,
+    /// Material of each element.
     pub(crate) materials: Vec<u32>,
-    /// Grain of each triangle; empty if the body has no grains.
+    /// Grain of each element; empty if there are no grains.
     pub(crate) grains: Vec<u32>,
-    /// Edges of one triangle only, in its direction.
-    pub(crate) outline: Vec<[u32; 2]>,
-    /// Parts that boundaries may name.
-    pub(crate) groups: BTreeMap<String, Group>,
-    /// Groups of curves in its file, whether or not of this body.
-    pub(crate) curves: Vec<String>,
+    /// Facets of one element only, with their nodes as that element has them.
+    pub(crate) outline: Vec<[u32; D]>,
+    pub(crate) groups: BTreeMap<String, Group<D>>,
 }
 
-/// A named part of a body.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Group {
-    /// Elements of a surface.
+/// Elements, facets, or both, that have a name.
+#[derive(Debug, Clone)]
+pub(crate) struct Group<const D: usize = 2> {
     pub(crate) elements: Vec<u32>,
-    /// Edges of a curve, in any direction.
-    pub(crate) curve: Vec<[u32; 2]>,
+    /// Facets, with their nodes in any order.
+    pub(crate) facets: Vec<[u32; D]>,
+}
+
+impl<const D: usize> Default for Group<D> {
+    fn default() -> Self {
+        Self { elements: Vec::new(), facets: Vec::new() }
+    }
+}
+
+impl<const D: usize, const N: usize> Default for Piece<D, N> {
+    fn default() -> Self {
+        Self {
+            nodes: Vec::new(),
+            elements: Vec::new(),
+            materials: Vec::new(),
+            grains: Vec::new(),
+            outline: Vec::new(),
+            groups: BTreeMap::new(),
+        }
+    }
 }
 
 impl Piece {
@@ -50,74 +66,80 @@ impl Piece {
                 vec!["holes".to_owned(), format!("hole-{number}")]
             };
             for name in names {
-                piece.groups.entry(name).or_default().curve.push(*edge);
+                piece.groups.entry(name).or_default().facets.push(*edge);
             }
         }
         Ok(piece)
     }
+}
 
-    /// Finds the edges of one triangle only.
+impl<const D: usize, const N: usize> Piece<D, N>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    /// Finds the facets of one element only, in the order of their least nodes.
     ///
     /// # Errors
-    /// Messages about edges of more than two triangles, or of two on the same side.
+    /// Messages about facets of more than two elements, or of two on the same side.
     pub(crate) fn find_outline(&mut self) -> Result<(), String> {
-        let mut edges: Vec<([u32; 2], bool)> = Vec::with_capacity(3 * self.elements.len());
-        for &[a, b, c] in &self.elements {
-            for [from, to] in [[a, b], [b, c], [c, a]] {
-                edges.push(if from < to { ([from, to], false) } else { ([to, from], true) });
-            }
+        let mut facets: Vec<([u32; D], [u32; D])> = Vec::with_capacity(N * self.elements.len());
+        for element in &self.elements {
+            facets.extend(facets_of(element).map(|facet| (sorted(facet), facet)));
         }
-        edges.sort_unstable();
+        facets.sort_unstable();
         self.outline.clear();
-        let mut place = 0;
-        while place < edges.len() {
-            let (edge, turned) = edges[place];
-            let count = edges[place..].iter().take_while(|(other, _)| *other == edge).count();
-            match count {
-                1 => self.outline.push(if turned { [edge[1], edge[0]] } else { edge }),
-                2 if edges[place + 1].1 != turned => {}
+        for alike in facets.chunk_by(|a, b| a.0 == b.0) {
+            match alike {
+                [(_, only)] => self.outline.push(*only),
+                [(_, one), (_, other)] if is_odd(*one) != is_odd(*other) => {}
                 _ => {
-                    let [x, y] = self.nodes[edge[0] as usize].map(brief);
-                    return Err(format!("elements lie on top of each other at an edge near [{x}, {y}]"));
+                    let at = self.nodes[alike[0].0[0] as usize].map(brief).join(", ");
+                    return Err(format!("elements lie on top of each other at a facet near [{at}]"));
                 }
             }
-            place += count;
         }
         Ok(())
     }
 
-    /// Turns the body about the middle of its bounding box, degrees, then moves it.
-    pub(crate) fn place(&mut self, angle: f64, by: Point) {
-        let [low, high] = bounds(self.nodes.iter().copied());
-        let middle = [0, 1].map(|axis| f64::midpoint(low[axis], high[axis]));
-        let (sine, cosine) = libm::sincos(angle.to_radians());
-        for node in &mut self.nodes {
-            if angle != 0.0 {
-                let (x, y) = (node[0] - middle[0], node[1] - middle[1]);
-                *node = [middle[0] + cosine * x - sine * y, middle[1] + sine * x + cosine * y];
-            }
-            *node = [node[0] + by[0], node[1] + by[1]];
-        }
-    }
-
     /// The nodes that a group has.
-    pub(crate) fn nodes_of(&self, group: &Group) -> Vec<u32> {
-        let surface = group.elements.iter().flat_map(|&element| self.elements[element as usize]);
-        let mut nodes: Vec<u32> = surface.chain(group.curve.iter().flatten().copied()).collect();
+    pub(crate) fn nodes_of(&self, group: &Group<D>) -> Vec<u32> {
+        let inside = group.elements.iter().flat_map(|&element| self.elements[element as usize]);
+        let mut nodes: Vec<u32> = inside.chain(group.facets.iter().flatten().copied()).collect();
         nodes.sort_unstable();
         nodes.dedup();
         nodes
     }
 
-    /// The edges of the outline that a group has.
-    pub(crate) fn edges_of(&self, group: &Group) -> Vec<[u32; 2]> {
-        let sorted = |[a, b]: [u32; 2]| if a < b { [a, b] } else { [b, a] };
-        let surface = group.elements.iter().flat_map(|&element| {
-            let [a, b, c] = self.elements[element as usize];
-            [[a, b], [b, c], [c, a]]
-        });
-        let mut wanted: Vec<[u32; 2]> = surface.chain(group.curve.iter().copied()).map(sorted).collect();
+    /// The facets of the outline that a group has.
+    pub(crate) fn facets_of(&self, group: &Group<D>) -> Vec<[u32; D]> {
+        let inside = group.elements.iter().flat_map(|&element| facets_of(&self.elements[element as usize]));
+        let mut wanted: Vec<[u32; D]> = inside.chain(group.facets.iter().copied()).map(sorted).collect();
         wanted.sort_unstable();
-        self.outline.iter().copied().filter(|&edge| wanted.binary_search(&sorted(edge)).is_ok()).collect()
+        self.outline.iter().copied().filter(|&facet| wanted.binary_search(&sorted(facet)).is_ok()).collect()
     }
+
+    /// The corners of an element.
+    pub(crate) fn corners(&self, element: &[u32; N]) -> [[f64; D]; N] {
+        element.map(|node| self.nodes[node as usize])
+    }
+}
+
+/// The facets of an element by their nodes.
+pub(crate) fn facets_of<const D: usize, const N: usize>(element: &[u32; N]) -> [[u32; D]; N]
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    <[[f64; D]; N]>::FACETS.map(|facet| facet.map(|corner| element[corner]))
+}
+
+/// The nodes of a facet, ascending.
+pub(crate) fn sorted<const D: usize>(mut facet: [u32; D]) -> [u32; D] {
+    facet.sort_unstable();
+    facet
+}
+
+/// Whether an odd number of exchanges sorts the nodes: two facets on the two sides of a face differ in this.
+fn is_odd<const D: usize>(facet: [u32; D]) -> bool {
+    let pairs = (0..D).flat_map(|one| (one + 1..D).map(move |other| (one, other)));
+    pairs.filter(|&(one, other)| facet[one] > facet[other]).count() % 2 == 1
 }

@@ -1,10 +1,10 @@
 //! Keys and numbers of a model file that are allowed, and yet are probably not what is meant.
 
+use fdem_io::numbers::brief;
 use fdem_simulation::{Material, Model};
 
 use crate::model::document::{Document, Table};
 use crate::model::file::{Body, Boundary, Component, ModelFile, Piece};
-use crate::numbers::brief;
 
 /// A quantity with the values that solids have, and the unit that is mistaken for the right one: its name, and its size in that unit.
 struct Range {
@@ -44,7 +44,7 @@ const RANGES: [Range; 3] = [
 const HEAVY: f64 = 5000.0;
 
 /// Numbers of materials that look as if they were in other units, and gravity that does.
-pub(crate) fn units(model: &Model, warnings: &mut Vec<String>) {
+pub(crate) fn units<const D: usize, const N: usize>(model: &Model<D, N>, warnings: &mut Vec<String>) {
     for material in &model.materials {
         for range in &RANGES {
             let value = match range.key {
@@ -55,13 +55,12 @@ pub(crate) fn units(model: &Model, warnings: &mut Vec<String>) {
             warnings.extend(value.and_then(|value| question(material, range, value)));
         }
     }
-    let [x, y] = model.gravity;
-    if x.hypot(y) > HEAVY {
+    let gravity = model.gravity.iter().map(|x| x * x).sum::<f64>().sqrt();
+    if gravity > HEAVY {
         warnings.push(format!(
-            "[model] gravity = [{}, {}] m/s² is {} times that of the earth: are the units m/s²?",
-            brief(x),
-            brief(y),
-            (x.hypot(y) / 9.81).round()
+            "[model] gravity = [{}] m/s² is {} times that of the earth: are the units m/s²?",
+            model.gravity.map(brief).join(", "),
+            (gravity / 9.81).round()
         ));
     }
 }
@@ -84,10 +83,10 @@ fn question(material: &Material, range: &Range, value: f64) -> Option<String> {
 }
 
 /// Keys that change nothing.
-pub(crate) fn without_effect(
+pub(crate) fn without_effect<const D: usize, const N: usize>(
     file: &ModelFile,
     document: &Document<'_>,
-    model: &Model,
+    model: &Model<D, N>,
     warnings: &mut Vec<String>,
 ) {
     for (index, body) in file.body.iter().enumerate() {
@@ -134,8 +133,9 @@ fn idle(boundary: &Boundary) -> Option<String> {
         (None, Some(_)) => Some("table"),
         (None, None) => None,
     };
-    let free = |components: Option<[Component; 2]>| {
+    let free = |components: &Option<Vec<Component>>| {
         components
+            .as_ref()
             .is_some_and(|components| components.iter().all(|component| component.prescribed().is_none()))
     };
     if let (Some(key), true) = (scheduled, boundary.fixed.is_some()) {
@@ -144,8 +144,8 @@ fn idle(boundary: &Boundary) -> Option<String> {
     if let (Some(key), true) = (scheduled, boundary.absorbing) {
         return Some(format!("{key} changes nothing at an absorbing edge"));
     }
-    if free(boundary.velocity) || free(boundary.displacement) {
-        return Some("both components are free, so that it does nothing".to_owned());
+    if free(&boundary.velocity) || free(&boundary.displacement) {
+        return Some("all components are free, so that it does nothing".to_owned());
     }
     None
 }

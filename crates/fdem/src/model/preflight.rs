@@ -3,12 +3,11 @@
 use std::fmt;
 use std::time::{Duration, Instant};
 
+use fdem_io::numbers::{brief, grouped};
 use fdem_simulation::{CriticalStep, Insertion, Model, Simulation};
 use serde::Serialize;
 
-use crate::model::slivers::Slivers;
-use crate::model::{Prepared, Quality};
-use crate::numbers::{brief, grouped};
+use crate::model::{Dimensions, Prepared, Quality};
 
 /// Costs of an element.
 struct Cost {
@@ -96,7 +95,10 @@ impl Preflight {
     ///
     /// # Errors
     /// Says why the model cannot be run.
-    pub fn of(prepared: &Prepared) -> Result<Self, String> {
+    pub fn of<const D: usize, const N: usize>(prepared: &Prepared<D, N>) -> Result<Self, String>
+    where
+        [[f64; D]; N]: Dimensions<D, N>,
+    {
         let model = &prepared.model;
         // All errors that a run would find are found here.
         let run = Simulation::new(model.clone(), 1).map_err(|error| error.to_string())?;
@@ -112,7 +114,7 @@ impl Preflight {
             ));
         }
         let seconds = pace.breaking * steps as f64;
-        if let Some(slivers) = Slivers::of(model) {
+        if let Some(slivers) = <[[f64; D]; N]>::slivers(model) {
             warnings.push(slivers.told(&duration(seconds), &duration(seconds / slivers.longer)));
         }
         Ok(Self {
@@ -136,7 +138,10 @@ impl Preflight {
 ///
 /// # Errors
 /// Says that there are more steps than can be counted.
-pub(crate) fn steps(prepared: &Prepared, critical: f64) -> Result<(f64, u64), String> {
+pub(crate) fn steps<const D: usize, const N: usize>(
+    prepared: &Prepared<D, N>,
+    critical: f64,
+) -> Result<(f64, u64), String> {
     let time = &prepared.model.time;
     let step = time.step.unwrap_or(critical * time.safety);
     let steps = (prepared.end_time / step).ceil();
@@ -158,7 +163,10 @@ struct Pace {
 
 impl Pace {
     /// Computes the first of the `steps` of a run. Contacts and boundaries have their cost from the first step on; what breaking costs is estimated.
-    fn of(mut run: Simulation, steps: u64, model: &Model) -> Self {
+    fn of<const D: usize, const N: usize>(mut run: Simulation<D, N>, steps: u64, model: &Model<D, N>) -> Self
+    where
+        [[f64; D]; N]: Dimensions<D, N>,
+    {
         let expected = sum(model, |_| WHOLE.seconds);
         let more = match model.fracture.insertion {
             Insertion::Adaptive => sum(model, |cost| cost.seconds) - expected,
@@ -193,7 +201,7 @@ impl Pace {
 }
 
 /// A cost, added up over the elements.
-fn sum(model: &Model, cost: impl Fn(&Cost) -> f64) -> f64 {
+fn sum<const D: usize, const N: usize>(model: &Model<D, N>, cost: impl Fn(&Cost) -> f64) -> f64 {
     let of = |material: &u32| {
         let breaks = model.materials[*material as usize].strength.is_some();
         cost(match model.fracture.insertion {
@@ -206,7 +214,7 @@ fn sum(model: &Model, cost: impl Fn(&Cost) -> f64) -> f64 {
 }
 
 /// Memory for the report beside the simulation, bytes: all frames, of which those of large meshes are samples.
-fn in_report(prepared: &Prepared) -> f64 {
+fn in_report<const D: usize, const N: usize>(prepared: &Prepared<D, N>) -> f64 {
     let [most, sample] = prepared.output.shown;
     let elements = prepared.quality.elements;
     let shown = if elements > most { sample } else { elements };
@@ -236,10 +244,11 @@ impl fmt::Display for Preflight {
         )?;
         let [least, mean, most] = quality.edges.map(brief);
         writeln!(out, "edges            {least} to {most} m, mean {mean} m")?;
-        let [x, y] = quality.worst_at.map(brief);
+        let at = quality.worst_at.iter().map(|x| brief(*x)).collect::<Vec<_>>().join(", ");
         writeln!(
             out,
-            "quality          smallest angle {:.1} degrees (element {} at [{x}, {y}]), in the mean {:.1}; below 25 degrees: {:.2} %",
+            "quality          smallest {} {:.1} degrees (element {} at [{at}]), in the mean {:.1}; below 25 degrees: {:.2} %",
+            if quality.worst_at.len() == 3 { "angle between faces" } else { "angle" },
             quality.smallest_angle[0],
             quality.worst,
             quality.smallest_angle[1],

@@ -1,9 +1,7 @@
 //! Quality of a mesh.
 
-use fdem_simulation::Mesh;
+use fdem_mesh::{Mesh, Simplex};
 use serde::Serialize;
-
-use crate::model::outline::{Point, distance, twice_area};
 
 /// Sizes and shapes of the elements of a mesh.
 #[derive(Debug, Clone, Serialize)]
@@ -14,15 +12,16 @@ pub struct Quality {
     pub nodes: usize,
     /// Shortest, mean and longest edge of elements, m.
     pub edges: [f64; 3],
-    /// Smallest angle of each element: least and mean, degrees. That of an equilateral triangle is 60.
+    /// Smallest angle of each element: least and mean, degrees. That of an equilateral triangle is 60. Angles of tetrahedra are those between their faces; those of an even one
+    /// are 70.5.
     pub smallest_angle: [f64; 2],
     /// Share of elements whose smallest angle is below 25 degrees.
     pub below_25: f64,
     /// The element with the smallest angle.
     pub worst: u32,
     /// Its centre, m.
-    pub worst_at: [f64; 2],
-    /// Share of elements whose angles are, within half a degree, 45, 45, 90 or 60, 60, 60 degrees: those of regular meshes.
+    pub worst_at: Vec<f64>,
+    /// Share of triangles whose angles are, within half a degree, 45, 45, 90 or 60, 60, 60 degrees: those of regular meshes.
     pub regular: f64,
     /// Smallest height of an element, m.
     pub smallest_height: f64,
@@ -30,7 +29,10 @@ pub struct Quality {
 
 impl Quality {
     /// Measures a mesh with at least one element.
-    pub fn of(mesh: &Mesh) -> Self {
+    pub fn of<const D: usize, const N: usize>(mesh: &Mesh<D, N>) -> Self
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
         let mut quality = Self {
             elements: mesh.elements.len(),
             nodes: mesh.nodes.len(),
@@ -38,33 +40,32 @@ impl Quality {
             smallest_angle: [f64::INFINITY, 0.0],
             below_25: 0.0,
             worst: 0,
-            worst_at: [0.0; 2],
+            worst_at: Vec::new(),
             regular: 0.0,
             smallest_height: f64::INFINITY,
         };
-        for (element, triangle) in (0..).zip(&mesh.elements) {
-            let corners = triangle.map(|node| mesh.nodes[node as usize]);
-            let edges = edges(corners);
-            for edge in edges {
-                quality.edges[0] = quality.edges[0].min(edge);
-                quality.edges[1] += edge / 3.0;
-                quality.edges[2] = quality.edges[2].max(edge);
+        for (number, element) in (0..).zip(&mesh.elements) {
+            let corners = element.map(|node| mesh.nodes[node as usize]);
+            let edges = edges(&corners);
+            for edge in &edges {
+                quality.edges[0] = quality.edges[0].min(*edge);
+                quality.edges[1] += edge / edges.len() as f64;
+                quality.edges[2] = quality.edges[2].max(*edge);
             }
-            let longest = edges.into_iter().fold(0.0, f64::max);
-            let height = twice_area(corners[0], corners[1], corners[2]) / longest;
-            quality.smallest_height = quality.smallest_height.min(height);
-            let mut angles = angles(edges);
+            quality.smallest_height = quality.smallest_height.min(corners.least_height());
+            let mut angles = corners.angles();
             angles.sort_by(f64::total_cmp);
             if angles[0] < quality.smallest_angle[0] {
                 quality.smallest_angle[0] = angles[0];
-                quality.worst = element;
-                quality.worst_at =
-                    [0, 1].map(|axis| corners.iter().map(|corner| corner[axis]).sum::<f64>() / 3.0);
+                quality.worst = number;
+                let centre = |axis: usize| corners.iter().map(|corner| corner[axis]).sum::<f64>() / N as f64;
+                quality.worst_at = (0..D).map(centre).collect();
             }
             quality.smallest_angle[1] += angles[0];
             quality.below_25 += f64::from(u8::from(angles[0] < 25.0));
-            let alike =
-                |regular: [f64; 3]| angles.iter().zip(regular).all(|(angle, of)| (angle - of).abs() < 0.5);
+            let alike = |regular: [f64; 3]| {
+                angles.len() == 3 && angles.iter().zip(regular).all(|(angle, of)| (angle - of).abs() < 0.5)
+            };
             quality.regular += f64::from(u8::from(alike([45.0, 45.0, 90.0]) || alike([60.0; 3])));
         }
         let count = quality.elements.max(1) as f64;
@@ -80,14 +81,13 @@ impl Quality {
     }
 }
 
-fn edges([a, b, c]: [Point; 3]) -> [f64; 3] {
-    [distance(b, c), distance(c, a), distance(a, b)]
-}
-
-/// The angles opposite the edges, degrees.
-fn angles([a, b, c]: [f64; 3]) -> [f64; 3] {
-    let angle = |a: f64, b: f64, c: f64| {
-        ((b * b + c * c - a * a) / (2.0 * b * c)).clamp(-1.0, 1.0).acos().to_degrees()
-    };
-    [angle(a, b, c), angle(b, c, a), angle(c, a, b)]
+/// Lengths of all edges of an element.
+pub(crate) fn edges<const D: usize, const N: usize>(corners: &[[f64; D]; N]) -> Vec<f64> {
+    let mut edges = Vec::with_capacity(N * (N - 1) / 2);
+    for (k, a) in corners.iter().enumerate() {
+        for b in &corners[k + 1..] {
+            edges.push(a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt());
+        }
+    }
+    edges
 }

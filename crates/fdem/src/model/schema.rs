@@ -5,13 +5,13 @@
 
 use std::ops::Range;
 
+use fdem_io::numbers::exact;
 use serde_json::{Map, Value};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use crate::model::fault::{Fault, nearest};
 use crate::model::file::ModelFile;
-use crate::numbers::exact;
 
 /// The JSON schema of model files, for editors: keys with descriptions, types, ranges and defaults.
 pub fn schema() -> Value {
@@ -328,10 +328,14 @@ impl<'s> Checker<'s> {
             Some("array") => {
                 let items =
                     schema.get("items").map_or_else(|| "a value".to_owned(), |items| self.expected(items));
-                let count = schema.get("maxItems").and_then(Value::as_u64);
-                match count {
-                    Some(count) => format!("a list of {count}, each {items}"),
-                    None => format!("a list, each entry {items}"),
+                let [least, most] =
+                    ["minItems", "maxItems"].map(|key| schema.get(key).and_then(Value::as_u64));
+                match (least, most) {
+                    (Some(least), Some(most)) if least != most => {
+                        format!("a list of {least} or {most}, each {items}")
+                    }
+                    (_, Some(most)) => format!("a list of {most}, each {items}"),
+                    (_, None) => format!("a list, each entry {items}"),
                 }
             }
             _ => "something else".to_owned(),

@@ -1,13 +1,12 @@
 //! Settings of the output, and quantities to record over time.
 
+use fdem_results::{Field, MOST_ELEMENTS, SAMPLE};
 use serde::Serialize;
 
 use crate::model::bodies::{self, Placed};
 use crate::model::document::{Document, Table};
 use crate::model::fault::{Fault, suggestion};
 use crate::model::file::{Animate, Gravity, ModelFile};
-use crate::model::outline::{Point, distance};
-use crate::results::{Field, MOST_ELEMENTS, SAMPLE};
 
 /// Wall-clock time between checkpoints, s.
 const CHECKPOINT: f64 = 60.0;
@@ -29,6 +28,8 @@ pub struct OutputSettings {
     pub animate: Option<Field>,
     /// Number of elements beyond which pictures and the report show a sample, and number of triangles of that sample.
     pub shown: [usize; 2],
+    /// Numbers of the bodies whose fragments count; `None` for the bodies that can break.
+    pub fragments: Option<Vec<u32>>,
     /// Interval of checkpoints.
     pub checkpoint: Checkpoint,
     /// Time between rows of the history, s.
@@ -103,6 +104,19 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<
                 .label("empty"),
         );
     }
+    for (index, name) in output.fragments.iter().flatten().enumerate() {
+        if is_body(file, name) {
+            continue;
+        }
+        faults.push(
+            Fault::at(
+                document.entry(Table::one("output"), "fragments", index),
+                format!("there is no body \"{name}\""),
+            )
+            .label("unknown body")
+            .maybe_help(bodies::suggestion(file, name)),
+        );
+    }
     for (index, history) in file.history.iter().enumerate() {
         let table = Table::of("history", index);
         let given = [history.node.is_some(), history.force.is_some(), history.energy, history.crack_length];
@@ -121,9 +135,7 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<
                 faults.push(
                     Fault::at(document.key(table, "body"), "\"body\" goes with node").label("take it out"),
                 );
-            } else if !name.is_empty()
-                && !file.body.iter().any(|body| body.name == *name || is_piece(&body.name, name))
-            {
+            } else if !name.is_empty() && !is_body(file, name) {
                 faults.push(
                     Fault::at(document.value(table, "body"), format!("there is no body \"{name}\""))
                         .label("unknown body")
@@ -144,6 +156,11 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<
     }
 }
 
+/// Whether a name is that of a body, or may be that of a piece of a packing.
+fn is_body(file: &ModelFile, name: &str) -> bool {
+    file.body.iter().any(|body| body.name == name || is_piece(&body.name, name))
+}
+
 /// Whether a name is that of a piece of a packing, `heap-12`.
 pub(crate) fn is_piece(body: &str, name: &str) -> bool {
     name.strip_prefix(body)
@@ -151,8 +168,11 @@ pub(crate) fn is_piece(body: &str, name: &str) -> bool {
         .is_some_and(|rest| rest.parse::<u32>().is_ok())
 }
 
-/// The settings, with defaults.
-pub(crate) fn settings(file: &ModelFile) -> OutputSettings {
+/// The settings, with defaults. `file` has been checked.
+pub(crate) fn settings<const D: usize, const N: usize>(
+    file: &ModelFile,
+    placed: &[Placed<D, N>],
+) -> OutputSettings {
     let output = &file.output;
     let fields = output.fields.clone().filter(|fields| !fields.is_empty());
     let fields = fields.unwrap_or_else(|| vec![Field::MaxPrincipal, Field::Velocity, Field::Damage]);
@@ -168,6 +188,10 @@ pub(crate) fn settings(file: &ModelFile) -> OutputSettings {
         },
         fields,
         shown: output.shown_elements.map_or([MOST_ELEMENTS, SAMPLE], |most| [most as usize; 2]),
+        fragments: output.fragments.as_ref().map(|names| {
+            let bodies = names.iter().flat_map(|name| bodies::named(placed, file, name));
+            bodies.map(|body| body as u32).collect()
+        }),
         checkpoint: match output.checkpoint_steps {
             Some(steps) => Checkpoint::Steps(steps),
             None => Checkpoint::Seconds(output.checkpoint_interval.unwrap_or(CHECKPOINT)),
@@ -177,15 +201,16 @@ pub(crate) fn settings(file: &ModelFile) -> OutputSettings {
 }
 
 /// The histories, with the nodes and boundaries that they are of. `boundaries` and `file` have been checked.
-pub(crate) fn histories(
+pub(crate) fn histories<const D: usize, const N: usize>(
     file: &ModelFile,
-    nodes: &[Point],
-    placed: &[Placed],
+    nodes: &[[f64; D]],
+    placed: &[Placed<D, N>],
     warnings: &mut Vec<String>,
 ) -> Vec<History> {
     let mut histories = Vec::with_capacity(file.history.len());
     for history in &file.history {
-        let quantity = if let Some(point) = history.node {
+        let quantity = if let Some(point) = &history.node {
+            let point = point.components::<D>();
             let bodies = match &history.body {
                 Some(name) => bodies::named(placed, file, name),
                 None => (0..placed.len()).collect(),
@@ -193,9 +218,9 @@ pub(crate) fn histories(
             let Some((node, gap)) = nearest(nodes, placed, &bodies, point) else { continue };
             let size = bodies.iter().map(|&body| edge(&placed[body])).fold(0.0, f64::max);
             if gap > 2.0 * size {
-                let [x, y] = nodes[node as usize];
+                let at = nodes[node as usize].map(|x| format!("{x:.6}")).join(", ");
                 warnings.push(format!(
-                    "[[history]] \"{}\": the nearest node to {point:?} is {gap:.3e} m away, at [{x:.6}, {y:.6}]",
+                    "[[history]] \"{}\": the nearest node to {point:?} is {gap:.3e} m away, at [{at}]",
                     history.name
                 ));
             }
@@ -216,7 +241,12 @@ pub(crate) fn histories(
 }
 
 /// The nearest node of some bodies, and how far it is.
-fn nearest(nodes: &[Point], placed: &[Placed], bodies: &[usize], point: Point) -> Option<(u32, f64)> {
+fn nearest<const D: usize, const N: usize>(
+    nodes: &[[f64; D]],
+    placed: &[Placed<D, N>],
+    bodies: &[usize],
+    point: [f64; D],
+) -> Option<(u32, f64)> {
     let all = bodies.iter().flat_map(|&body| {
         let first = placed[body].first[0];
         first..first + placed[body].piece.nodes.len() as u32
@@ -225,7 +255,11 @@ fn nearest(nodes: &[Point], placed: &[Placed], bodies: &[usize], point: Point) -
 }
 
 /// An edge of a body, m.
-fn edge(placed: &Placed) -> f64 {
-    let [a, b, _] = placed.piece.elements.first().copied().unwrap_or_default();
-    distance(placed.piece.nodes[a as usize], placed.piece.nodes[b as usize])
+fn edge<const D: usize, const N: usize>(placed: &Placed<D, N>) -> f64 {
+    let Some(element) = placed.piece.elements.first() else { return 0.0 };
+    distance(placed.piece.nodes[element[0] as usize], placed.piece.nodes[element[1] as usize])
+}
+
+fn distance<const D: usize>(a: [f64; D], b: [f64; D]) -> f64 {
+    (0..D).map(|axis| (a[axis] - b[axis]).powi(2)).sum::<f64>().sqrt()
 }

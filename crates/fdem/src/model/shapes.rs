@@ -10,14 +10,14 @@ const COMPARED: usize = 3000;
 const INVERTED: &str = "the rectangle has no area: max has to be above and to the right of min";
 
 /// Describes the fault of a body's shape, if it has one.
-pub(crate) fn problem(body: &Body) -> Option<Problem> {
-    find(body).map(|problem| Problem {
+pub(crate) fn problem(body: &Body, dimensions: u8) -> Option<Problem> {
+    find(body, dimensions).map(|problem| Problem {
         message: format!("[[body]] \"{}\": {}", body.name, problem.message),
         ..problem
     })
 }
 
-fn find(body: &Body) -> Option<Problem> {
+fn find(body: &Body, dimensions: u8) -> Option<Problem> {
     if let Some(rectangle) = &body.rectangle {
         if outline::rectangle(rectangle).is_none() {
             return Some(Problem::new("rectangle", INVERTED));
@@ -34,15 +34,30 @@ fn find(body: &Body) -> Option<Problem> {
         return corners("polygon.points", &polygon.points).or_else(|| holes("polygon", &polygon.holes));
     }
     if let Some(Voronoi { outline, .. }) = &body.voronoi {
-        return grains(outline);
+        return grains(outline, dimensions);
+    }
+    if let Some(extrusion) = &body.extrusion {
+        return flat("extrusion.outline", &extrusion.outline);
     }
     body.packing.as_ref().and_then(packing)
 }
 
-fn grains(of: &Outline) -> Option<Problem> {
-    let shapes = [of.rectangle.is_some(), of.disc.is_some(), of.polygon.is_some()];
-    if shapes.into_iter().filter(|given| *given).count() != 1 {
-        return Some(Problem::new("voronoi.outline", "an outline is one of rectangle, disc, polygon"));
+/// An outline that is drawn out along z.
+fn flat(key: &str, of: &Outline) -> Option<Problem> {
+    match of.given()[..] {
+        [(_, 2)] => None,
+        _ => Some(Problem::new(key, "an outline to draw out is one of rectangle, disc, polygon")),
+    }
+}
+
+fn grains(of: &Outline, dimensions: u8) -> Option<Problem> {
+    match of.given()[..] {
+        [(_, found)] if found == dimensions => {}
+        _ if dimensions == 3 => {
+            let message = "an outline of grains in three dimensions is one of box, polyhedron";
+            return Some(Problem::new("voronoi.outline", message));
+        }
+        _ => return Some(Problem::new("voronoi.outline", "an outline is one of rectangle, disc, polygon")),
     }
     if let Some(rectangle) = &of.rectangle {
         if outline::rectangle(rectangle).is_none() {

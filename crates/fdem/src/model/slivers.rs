@@ -1,9 +1,8 @@
 //! Elements that make the time step much shorter than all others would.
 
+use fdem_io::numbers::{brief, grouped};
+use fdem_mesh::Simplex;
 use fdem_simulation::{Model, Plane};
-
-use crate::model::outline::{Point, distance, twice_area};
-use crate::numbers::{brief, grouped};
 
 /// Share of the elements that may be slivers, and how many may be in any case.
 const FEW: (f64, usize) = (0.005, 10);
@@ -12,12 +11,12 @@ const FEW: (f64, usize) = (0.005, 10);
 const SHORTER: f64 = 2.0;
 
 /// Slivers of a mesh.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Slivers {
     /// The worst of them.
     pub(crate) element: u32,
     /// Its centre, m.
-    pub(crate) at: Point,
+    pub(crate) at: Vec<f64>,
     /// Its smallest height, m.
     height: f64,
     /// Number of slivers.
@@ -30,13 +29,14 @@ pub(crate) struct Slivers {
 
 impl Slivers {
     /// The few elements that a wave crosses in much less time than all others.
-    pub(crate) fn of(model: &Model) -> Option<Self> {
+    pub(crate) fn of<const D: usize, const N: usize>(model: &Model<D, N>) -> Option<Self>
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
         let mut times: Vec<(f64, f64, u32)> = (0..)
             .zip(model.mesh.elements.iter().zip(&model.mesh.materials))
             .map(|(element, (nodes, &material))| {
-                let [a, b, c] = nodes.map(|node| model.mesh.nodes[node as usize]);
-                let longest = distance(a, b).max(distance(b, c)).max(distance(c, a));
-                let height = twice_area(a, b, c) / longest;
+                let height = nodes.map(|node| model.mesh.nodes[node as usize]).least_height();
                 (height / speed(model, material as usize), height, element)
             })
             .collect();
@@ -52,20 +52,21 @@ impl Slivers {
             return None;
         }
         let corners = model.mesh.elements[element as usize].map(|node| model.mesh.nodes[node as usize]);
-        let at = [0, 1].map(|axis| corners.iter().map(|corner| corner[axis]).sum::<f64>() / 3.0);
+        let centre = |axis: usize| corners.iter().map(|corner| corner[axis]).sum::<f64>() / N as f64;
+        let at = (0..D).map(centre).collect();
         let others = times[count..].iter().map(|time| time.1).fold(f64::INFINITY, f64::min);
         Some(Self { element, at, height, count, others, longer })
     }
 
     /// Returns the warning. `with` and `without` are the times, in words, that the run takes with and without the slivers.
     pub(crate) fn told(&self, with: &str, without: &str) -> String {
-        let [x, y] = self.at.map(brief);
+        let at = self.at.iter().map(|x| brief(*x)).collect::<Vec<_>>().join(", ");
         let like = match self.count {
             1 => "it alone makes".to_owned(),
             count => format!("{} elements like it make", grouped(count as u64)),
         };
         format!(
-            "element {} at [{x}, {y}] is a sliver, {} m high where others have {} m or more: {like} the time step {:.1} times shorter; \
+            "element {} at [{at}] is a sliver, {} m high where others have {} m or more: {like} the time step {:.1} times shorter; \
              without, the run would take about {without} instead of {with}",
             self.element,
             brief(self.height),
@@ -76,12 +77,12 @@ impl Slivers {
 }
 
 /// Speed of a wave of compression, m/s.
-fn speed(model: &Model, material: usize) -> f64 {
+fn speed<const D: usize, const N: usize>(model: &Model<D, N>, material: usize) -> f64 {
     let material = &model.materials[material];
     let nu = material.poissons_ratio;
     let modulus = match model.plane {
-        Plane::Stress => material.youngs_modulus / (1.0 - nu * nu),
-        Plane::Strain => material.youngs_modulus * (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu)),
+        Plane::Stress if D == 2 => material.youngs_modulus / (1.0 - nu * nu),
+        _ => material.youngs_modulus * (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu)),
     };
     (modulus / material.density).sqrt()
 }

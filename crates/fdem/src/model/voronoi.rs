@@ -2,12 +2,14 @@
 
 use std::collections::BTreeMap;
 
+use fdem_mesh::Simplex;
 use fdem_scenes::random::Random;
 use spade::handles::VoronoiVertex;
 use spade::{DelaunayTriangulation, HasPosition, Point2, Triangulation};
 
 use crate::model::mesher::Meshed;
 use crate::model::outline::{Domain, Inside, Point, distance, twice_area};
+use crate::model::piece::{facets_of, sorted};
 
 /// Length over mesh size below which lines are removed, because they would give elements as small.
 const SHORTEST: f64 = 0.6;
@@ -191,10 +193,22 @@ impl Grains {
 }
 
 /// One of so many colours for each grain, so that neighbours have different ones where that is possible, and each colour comes about as often.
-pub(crate) fn colours(mesh: &Meshed, grains: &[u32], colours: usize) -> Vec<u32> {
+pub(crate) fn colours<const D: usize, const N: usize>(
+    elements: &[[u32; N]],
+    grains: &[u32],
+    colours: usize,
+) -> Vec<u32>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
     let count = grains.iter().max().map_or(0, |&last| last as usize + 1);
+    let mut facets: Vec<([u32; D], u32)> = Vec::with_capacity(N * elements.len());
+    for (number, element) in (0..).zip(elements) {
+        facets.extend(facets_of(element).map(|facet| (sorted(facet), number)));
+    }
+    facets.sort_unstable();
     let mut neighbours: Vec<Vec<u32>> = vec![Vec::new(); count];
-    for pair in sorted_edges(mesh).windows(2) {
+    for pair in facets.windows(2) {
         let [a, b] = [pair[0].1, pair[1].1].map(|element| grains[element as usize]);
         if pair[0].0 == pair[1].0 && a != b {
             neighbours[a as usize].push(b);

@@ -6,12 +6,15 @@ use std::collections::BTreeMap;
 
 use fdem_contact::discretised::{self, Mesh as Detected};
 use fdem_contact::narrow::Measure;
+use fdem_io::numbers::brief;
 use fdem_simulation::{Boundary, Load, Model, Plane, Schedule, Target};
 
+use crate::model::Body;
+use crate::model::dimensions::Ready;
 use crate::model::equilibrium;
-use crate::model::outline::{bounds, distance, twice_area};
-use crate::model::{Body, Quality};
-use crate::numbers::brief;
+use crate::model::extent::bounds;
+use crate::model::outline::twice_area;
+use crate::model::quality::edges;
 
 /// Elements in the fracture process zone that are needed for an objective result (Guo, 2016).
 const IN_PROCESS_ZONE: f64 = 3.0;
@@ -19,11 +22,45 @@ const IN_PROCESS_ZONE: f64 = 3.0;
 /// Share of elements with equal angles from which a mesh is regular.
 const REGULAR: f64 = 0.5;
 
+/// Names of the axes.
+const AXES: [&str; 3] = ["x", "y", "z"];
+
 /// Penalty over Young's modulus below which bodies sink into each other.
 const SOFT: f64 = 0.5;
 
-/// Returns the warnings.
-pub(crate) fn warnings(model: &Model, bodies: &[Body], quality: &Quality) -> Vec<String> {
+/// Angle of a triangle, degrees, below which its stress is poor, and that of better meshes.
+const POOR: [f64; 2] = [10.0, 25.0];
+
+/// Angle between two faces of a tetrahedron, degrees, likewise.
+const POOR_IN_SPACE: [f64; 2] = [8.0, 15.0];
+
+/// Returns the warnings of models in the plane.
+pub(crate) fn of_plane(ready: &Ready<'_, 2, 3>) -> Vec<String> {
+    let mut warnings = of_both(ready, POOR);
+    if breaks(ready.model) && ready.quality.regular > REGULAR {
+        warnings.push(format!(
+            "{:.0} % of the elements have the angles of a regular mesh: cracks follow its lines; take an unstructured one",
+            100.0 * ready.quality.regular
+        ));
+    }
+    overlaps(ready.model, ready.bodies, &mut warnings);
+    gravity::sudden(ready.model, ready.bodies, &mut warnings);
+    equilibrium::warnings(ready.model, ready.bodies, &mut warnings);
+    warnings
+}
+
+/// Returns the warnings of models in space.
+pub(crate) fn of_space(ready: &Ready<'_, 3, 4>) -> Vec<String> {
+    of_both(ready, POOR_IN_SPACE)
+}
+
+fn breaks<const D: usize, const N: usize>(model: &Model<D, N>) -> bool {
+    model.materials.iter().any(|material| material.strength.is_some())
+}
+
+/// Returns the warnings of models in any dimensions.
+fn of_both<const D: usize, const N: usize>(ready: &Ready<'_, D, N>, [poor, better]: [f64; 2]) -> Vec<String> {
+    let Ready { model, bodies, quality, .. } = *ready;
     let mut warnings = Vec::new();
     process_zone(model, &mut warnings);
     platens(model, &mut warnings);
@@ -31,18 +68,12 @@ pub(crate) fn warnings(model: &Model, bodies: &[Body], quality: &Quality) -> Vec
         stepped(boundary, &mut warnings);
     }
     prescribed_twice(model, &mut warnings);
-    let breaks = model.materials.iter().any(|material| material.strength.is_some());
-    if breaks && quality.regular > REGULAR {
+    let breaks = breaks(model);
+    if quality.smallest_angle[0] < poor {
         warnings.push(format!(
-            "{:.0} % of the elements have the angles of a regular mesh: cracks follow its lines; take an unstructured one",
-            100.0 * quality.regular
-        ));
-    }
-    if quality.smallest_angle[0] < 10.0 {
-        warnings.push(format!(
-            "element {} near {} has an angle of {:.1} degrees: its stress is poor; better meshes have 25 degrees or more",
+            "element {} near {} has an angle of {:.1} degrees: its stress is poor; better meshes have {better} degrees or more",
             quality.worst,
-            place(quality.worst_at),
+            place(&quality.worst_at),
             quality.smallest_angle[0]
         ));
     }
@@ -59,23 +90,20 @@ pub(crate) fn warnings(model: &Model, bodies: &[Body], quality: &Quality) -> Vec
         ));
     }
     apex(model, &mut warnings);
-    overlaps(model, bodies, &mut warnings);
-    gravity::sudden(model, bodies, &mut warnings);
-    equilibrium::warnings(model, bodies, &mut warnings);
     warnings
 }
 
 /// E' of a material, Pa.
-fn plane_modulus(model: &Model, material: usize) -> f64 {
+fn plane_modulus<const D: usize, const N: usize>(model: &Model<D, N>, material: usize) -> f64 {
     let material = &model.materials[material];
     match model.plane {
-        Plane::Stress => material.youngs_modulus,
-        Plane::Strain => material.youngs_modulus / (1.0 - material.poissons_ratio.powi(2)),
+        Plane::Stress if D == 2 => material.youngs_modulus,
+        _ => material.youngs_modulus / (1.0 - material.poissons_ratio.powi(2)),
     }
 }
 
 /// Warns of elements larger than a third of the fracture process zone, E' G/f².
-fn process_zone(model: &Model, warnings: &mut Vec<String>) {
+fn process_zone<const D: usize, const N: usize>(model: &Model<D, N>, warnings: &mut Vec<String>) {
     let mut longest = vec![0.0_f64; model.materials.len()];
     let mut large = vec![0_usize; model.materials.len()];
     let mut count = vec![0_usize; model.materials.len()];
@@ -86,8 +114,8 @@ fn process_zone(model: &Model, warnings: &mut Vec<String>) {
     for (nodes, &number) in model.mesh.elements.iter().zip(&model.mesh.materials) {
         let number = number as usize;
         let Some(zone) = zone(number) else { continue };
-        let [a, b, c] = nodes.map(|node| model.mesh.nodes[node as usize]);
-        let mean = (distance(a, b) + distance(b, c) + distance(c, a)) / 3.0;
+        let edges = edges(&nodes.map(|node| model.mesh.nodes[node as usize]));
+        let mean = edges.iter().sum::<f64>() / edges.len() as f64;
         longest[number] = longest[number].max(mean);
         count[number] += 1;
         // A tenth more is the scatter of a mesh whose size is the limit.
@@ -110,7 +138,7 @@ fn process_zone(model: &Model, warnings: &mut Vec<String>) {
 }
 
 /// Warns of a tensile strength above that at which Mohr and Coulomb's strength in shear is 0, c/tan φ.
-fn apex(model: &Model, warnings: &mut Vec<String>) {
+fn apex<const D: usize, const N: usize>(model: &Model<D, N>, warnings: &mut Vec<String>) {
     for material in &model.materials {
         let Some(strength) = material.strength else { continue };
         let apex = strength.cohesion / strength.friction;
@@ -126,12 +154,12 @@ fn apex(model: &Model, warnings: &mut Vec<String>) {
 }
 
 /// Warns of one side that is held while the opposite one is driven: stress waves load the two unequally.
-fn platens(model: &Model, warnings: &mut Vec<String>) {
-    let components = |boundary: &Boundary| match boundary.load {
+fn platens<const D: usize, const N: usize>(model: &Model<D, N>, warnings: &mut Vec<String>) {
+    let components = |boundary: &Boundary<D>| match boundary.load {
         Load::Velocity(components) | Load::Displacement(components) => components,
-        _ => [None; 2],
+        _ => [None; D],
     };
-    let middle = |boundary: &Boundary, axis: usize| {
+    let middle = |boundary: &Boundary<D>, axis: usize| {
         let nodes: Vec<u32> = match &boundary.target {
             Target::Nodes(nodes) => nodes.clone(),
             Target::Facets(edges) => edges.iter().flatten().copied().collect(),
@@ -140,14 +168,13 @@ fn platens(model: &Model, warnings: &mut Vec<String>) {
         f64::midpoint(low[axis], high[axis])
     };
     for moving in &model.boundaries {
-        for axis in 0..2 {
+        for (axis, name) in AXES.iter().enumerate().take(D) {
             let Some(speed) = components(moving)[axis].filter(|speed| *speed != 0.0) else { continue };
             // A boundary that is driven towards a held one, or away from it.
             let held = model.boundaries.iter().find(|held| {
                 components(held)[axis] == Some(0.0) && middle(held, axis) != middle(moving, axis)
             });
             if let Some(held) = held {
-                let name = ["x", "y"][axis];
                 warnings.push(format!(
                     "\"{}\" is fixed along {name} while \"{}\" moves: the two sides are not loaded alike; move both, with {} and {}",
                     held.name,
@@ -162,13 +189,13 @@ fn platens(model: &Model, warnings: &mut Vec<String>) {
 }
 
 /// Warns of velocities and displacements that start at full size.
-fn stepped(boundary: &Boundary, warnings: &mut Vec<String>) {
+fn stepped<const D: usize>(boundary: &Boundary<D>, warnings: &mut Vec<String>) {
     let starts = match &boundary.schedule {
         Schedule::Constant => true,
         Schedule::Ramp(_) => false,
         Schedule::Table(table) => table.first().is_some_and(|[_, factor]| *factor != 0.0),
     };
-    let moves = |components: [Option<f64>; 2]| components.iter().flatten().any(|speed| *speed != 0.0);
+    let moves = |components: [Option<f64>; D]| components.iter().flatten().any(|speed| *speed != 0.0);
     let what = match boundary.load {
         Load::Velocity(velocity) if moves(velocity) => "velocity",
         Load::Displacement(by) if moves(by) => "displacement",
@@ -183,7 +210,7 @@ fn stepped(boundary: &Boundary, warnings: &mut Vec<String>) {
 }
 
 /// Warns of components of nodes that two boundaries prescribe.
-fn prescribed_twice(model: &Model, warnings: &mut Vec<String>) {
+fn prescribed_twice<const D: usize, const N: usize>(model: &Model<D, N>, warnings: &mut Vec<String>) {
     let mut owner: BTreeMap<(u32, usize), usize> = BTreeMap::new();
     let mut told: Vec<[usize; 2]> = Vec::new();
     for (number, boundary) in model.boundaries.iter().enumerate() {
@@ -192,16 +219,16 @@ fn prescribed_twice(model: &Model, warnings: &mut Vec<String>) {
         else {
             continue;
         };
-        for axis in (0..2).filter(|&axis| components[axis].is_some()) {
+        for axis in (0..D).filter(|&axis| components[axis].is_some()) {
             for &node in nodes {
                 let first = *owner.entry((node, axis)).or_insert(number);
                 let other = &model.boundaries[first];
                 let alike = other.load == boundary.load && other.schedule == boundary.schedule;
-                let held = |load: &Load| matches!(load, Load::Velocity(c) | Load::Displacement(c) if c[axis] == Some(0.0));
+                let held = |load: &Load<D>| matches!(load, Load::Velocity(c) | Load::Displacement(c) if c[axis] == Some(0.0));
                 let both_held = held(&other.load) && held(&boundary.load);
                 if first != number && !alike && !both_held && !told.contains(&[first, number]) {
                     told.push([first, number]);
-                    let axis = ["x", "y"][axis];
+                    let axis = AXES[axis];
                     warnings.push(format!(
                         "\"{}\" and \"{}\" both prescribe how node {node} moves along {axis}",
                         other.name, boundary.name
@@ -249,6 +276,6 @@ fn overlaps(model: &Model, bodies: &[Body], warnings: &mut Vec<String>) {
     }
 }
 
-fn place([x, y]: [f64; 2]) -> String {
-    format!("[{}, {}]", brief(x), brief(y))
+fn place(at: &[f64]) -> String {
+    format!("[{}]", at.iter().map(|x| brief(*x)).collect::<Vec<_>>().join(", "))
 }

@@ -181,10 +181,10 @@ fn split(size: Size, seed: u32) -> Result<Split, String> {
 fn middle_crack(run: &Simulation) -> [f64; 2] {
     let (mut sum, mut length) = (0.0, 0.0);
     for crack in run.snapshot().cracks.iter().filter(|crack| crack.time.is_some()) {
-        let [x, y] = [0, 1].map(|axis| 0.5 * (crack.ends[0][axis] + crack.ends[1][axis]));
+        let [x, y] = [0, 1].map(|axis| 0.5 * (crack.corners[0][axis] + crack.corners[1][axis]));
         if y.abs() < 0.25 * DIAMETER {
-            sum += x.abs() * crack.length;
-            length += crack.length;
+            sum += x.abs() * crack.measure;
+            length += crack.measure;
         }
     }
     [length, sum / f64::max(length, f64::MIN_POSITIVE)]

@@ -259,17 +259,17 @@ impl Specimen {
             Loading::Bending => advance_to(&mut run, BENT)?,
         }
         let cracks = run.snapshot().cracks;
-        let tip = cracks.iter().filter(|crack| crack.time.is_some()).flat_map(|crack| crack.ends);
+        let tip = cracks.iter().filter(|crack| crack.time.is_some()).flat_map(|crack| crack.corners);
         let tip = tip.map(|[x, _]| x).fold(NOTCH, f64::max);
         let projection = tip - NOTCH;
         let behind = |[x, _]: [f64; 2]| x < tip;
         let held = cracks.iter().filter(|crack| crack.time.is_none() && crack.damage > 0.0);
-        let beside: Vec<_> = held.filter(|crack| crack.ends.into_iter().all(behind)).collect();
+        let beside: Vec<_> = held.filter(|crack| crack.corners.into_iter().all(behind)).collect();
         Ok(Crack {
             load: peak,
             energy: run.energies().cohesive / (self.energy() * (WIDTH - NOTCH)),
             path: run.crack_lengths().iter().sum::<f64>() / projection,
-            beside: beside.iter().map(|crack| crack.damage * crack.length).sum::<f64>() / projection,
+            beside: beside.iter().map(|crack| crack.damage * crack.measure).sum::<f64>() / projection,
             count: beside.len() as f64 / projection,
         })
     }

@@ -87,7 +87,7 @@ pub(super) fn one_body(nodes: Vec<[f64; 2]>, elements: Vec<[u32; 3]>) -> Mesh {
 }
 
 /// Several meshes as bodies of one.
-pub(super) fn together(parts: &[Mesh]) -> Mesh {
+pub(super) fn together<const D: usize, const N: usize>(parts: &[Mesh<D, N>]) -> Mesh<D, N> {
     let mut all = Mesh::default();
     for (body, part) in parts.iter().enumerate() {
         let first = all.nodes.len() as u32;
@@ -115,7 +115,10 @@ pub(super) fn rotated([x, y]: [f64; 2], angle: f64) -> [f64; 2] {
 }
 
 /// Numbers of the nodes where `at` holds.
-pub(super) fn nodes_where(mesh: &Mesh, at: impl Fn([f64; 2]) -> bool) -> Vec<u32> {
+pub(super) fn nodes_where<const D: usize, const N: usize>(
+    mesh: &Mesh<D, N>,
+    at: impl Fn([f64; D]) -> bool,
+) -> Vec<u32> {
     (0..mesh.nodes.len() as u32).filter(|&node| at(mesh.nodes[node as usize])).collect()
 }
 
@@ -160,7 +163,12 @@ pub(super) fn centroid(mesh: &Mesh, element: usize) -> [f64; 2] {
 }
 
 /// Nodes that move with a velocity times a schedule.
-pub(super) fn moved(name: &str, nodes: Vec<u32>, velocity: [Option<f64>; 2], schedule: Schedule) -> Boundary {
+pub(super) fn moved<const D: usize>(
+    name: &str,
+    nodes: Vec<u32>,
+    velocity: [Option<f64>; D],
+    schedule: Schedule,
+) -> Boundary<D> {
     Boundary { name: name.to_owned(), target: Target::Nodes(nodes), load: Load::Velocity(velocity), schedule }
 }
 

@@ -2,10 +2,10 @@
 
 use std::fmt::Write;
 
+use fdem_io::numbers::brief;
+use fdem_results::page::{STYLE, escape, hash};
+
 use super::{CaseReport, Measure, Outcome, Size};
-use crate::numbers::brief;
-use crate::picture::svg::escape;
-use crate::report::{STYLE, hash};
 
 const STYLE_OF_CASES: &str = ".numbers td:nth-child(1), .numbers th:nth-child(1) { text-align: left; white-space: normal; }\n\
     .case { max-width: 70em; } .case h2 { margin-bottom: 2px; } .case p { margin: 0 0 6px; }\n\

@@ -26,7 +26,8 @@ pub(super) fn stress_near(run: &Simulation, [x, y]: [f64; 2], distance: f64) -> 
     let stresses = run.snapshot().stresses;
     let (mut sum, mut count) = ([0.0; 3], 0.0);
     for element in (0..mesh.elements.len()).filter(near) {
-        for (total, stress) in sum.iter_mut().zip(stresses[element]) {
+        let [xx, yy, _, xy, ..] = stresses[element];
+        for (total, stress) in sum.iter_mut().zip([xx, yy, xy]) {
             *total += stress;
         }
         count += 1.0;

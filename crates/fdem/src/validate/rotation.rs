@@ -31,7 +31,7 @@ pub(super) fn objectivity(size: Size) -> Result<Vec<Outcome>, String> {
         };
         // The mean stress and the radius of Mohr's circle do not turn.
         let invariants = |snapshot: &Snapshot| -> Vec<[f64; 2]> {
-            let of = |[xx, yy, xy, _]: &[f64; 4]| [0.5 * (xx + yy), (0.5 * (xx - yy)).hypot(*xy)];
+            let of = |[xx, yy, _, xy, ..]: &[f64; 6]| [0.5 * (xx + yy), (0.5 * (xx - yy)).hypot(*xy)];
             snapshot.stresses.iter().map(of).collect()
         };
         let stresses = difference(invariants(&straight).into_iter(), invariants(&turned).into_iter());

@@ -1,5 +1,6 @@
 //! Tests of `fdem run` and `fdem resume`: results, interrupts, kills, runs that stop or cannot be resumed.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
@@ -94,6 +95,41 @@ damping = 0.05
 frames = 2
 "#;
 
+/// A bar in space that is torn apart. Its ends are held in all directions, so that it breaks between them.
+const TORN: &str = r#"
+[model]
+end_time = 0.4e-3
+[[body]]
+name = "bar"
+material = "rock"
+box = { min = [0, 0, 0], max = [0.08, 0.02, 0.02] }
+mesh_size = 0.01
+[[material]]
+name = "rock"
+density = 2500
+youngs_modulus = 5e9
+poissons_ratio = 0.2
+damping = 0.05
+friction = 0.4
+tensile_strength = 1e6
+cohesion = 3e6
+friction_angle = 30
+fracture_energy_i = 1
+fracture_energy_ii = 5
+[[boundary]]
+name = "left"
+side = "left"
+velocity = [-1, 0, 0]
+[[boundary]]
+name = "right"
+side = "right"
+velocity = [1, 0, 0]
+[fracture]
+joint_penalty = 10
+[output]
+frames = 2
+"#;
+
 impl Bench {
     fn of(model: &str) -> Self {
         let bench = Self::new();
@@ -103,6 +139,20 @@ impl Bench {
 
     fn summary(&self, folder: &str) -> Value {
         self.json(&format!("{folder}/run.json"))
+    }
+
+    /// The columns of a table, by name.
+    fn columns(&self, name: &str) -> BTreeMap<String, Vec<f64>> {
+        let text = self.read(name);
+        let mut lines = text.lines().map(|line| line.split(','));
+        let mut columns: Vec<(String, Vec<f64>)> =
+            lines.next().unwrap().map(|name| (name.to_owned(), Vec::new())).collect();
+        for line in lines {
+            for ((_, values), value) in columns.iter_mut().zip(line) {
+                values.push(value.parse().unwrap_or(f64::NAN));
+            }
+        }
+        columns.into_iter().collect()
     }
 
     fn start(&self, arguments: &[&str]) -> Child {
@@ -241,7 +291,7 @@ fn a_run_writes_all_that_it_promises_and_is_not_overwritten() {
     {
         assert!(bench.path("crash_results").join(file).metadata().unwrap().len() > 0, "{file}");
     }
-    for plot in ["energies", "energy_error", "crack_growth"] {
+    for plot in ["energies", "energy_error", "crack_growth", "fragments", "fragment_sizes"] {
         for format in ["svg", "png"] {
             assert!(
                 bench.path("crash_results/plots").join(format!("{plot}.{format}")).exists(),
@@ -252,6 +302,8 @@ fn a_run_writes_all_that_it_promises_and_is_not_overwritten() {
     let json = bench.summary("crash_results");
     assert!(json["broken_joints"].as_u64().unwrap() > 5, "{json}");
     assert!(json["energies"]["error"].as_f64().unwrap().abs() < 0.02, "{json}");
+    assert!(told.stderr.contains("% of the mass; half of the mass passes"), "{}", told.stderr);
+    fragments_agree(&bench, "crash_results", 2700.0 * (0.4 * 0.1 + 0.1 * 0.0995));
     let frames = bench.fingerprint("crash_results").2;
     assert_eq!(frames.len(), 5 * 9, "a frame at the beginning and eight more");
     let history = bench.read("crash_results/history.csv");
@@ -269,6 +321,61 @@ fn a_run_writes_all_that_it_promises_and_is_not_overwritten() {
     assert_eq!(forced.stderr, "");
     assert_eq!(bench.read("crash_results/notes.txt"), "mine");
     assert_eq!(bench.summary("crash_results")["state_hash"], json["state_hash"], "threads change nothing");
+}
+
+/// Asserts that the table of fragments, the last row of the history and the summary say the same, and that the mass is complete.
+fn fragments_agree(bench: &Bench, folder: &str, mass: f64) {
+    let table = bench.columns(&format!("{folder}/fragments.csv"));
+    let masses = &table["mass"];
+    let all: f64 = masses.iter().sum();
+    assert!((all / mass - 1.0).abs() < 1e-9, "{all} kg of {mass} kg");
+    assert!(masses.is_sorted_by(|a, b| a >= b), "{masses:?}");
+    assert!(table["counted"].iter().all(|&counted| counted == 1.0));
+    let json = bench.summary(folder);
+    let history = bench.columns(&format!("{folder}/history.csv"));
+    let numbers = &history["fragments"];
+    assert!(numbers[0] < numbers[numbers.len() - 1] && numbers.is_sorted(), "{numbers:?}");
+    assert_eq!(numbers.last(), Some(&(masses.len() as f64)));
+    assert_eq!(json["fragments"]["number"].as_f64(), numbers.last().copied());
+    let largest = json["fragments"]["largest"].as_f64().unwrap();
+    assert!((largest - masses[0] / all).abs() < 1e-12);
+    assert!((history["largest_fragment"].last().unwrap() - largest).abs() < 1e-12);
+    let [d20, d50, d80] = ["d20", "d50", "d80"].map(|name| json["fragments"][name].as_f64().unwrap());
+    assert!(0.0 < d20 && d20 <= d50 && d50 <= d80, "{d20} {d50} {d80}");
+    assert!(d80 <= table["diameter"].iter().copied().fold(0.0, f64::max));
+}
+
+#[test]
+fn a_bar_in_space_that_is_torn_apart_leaves_fragments() {
+    let bench = Bench::of(TORN);
+    bench.run(&["run", "crash.toml", "-q"]).succeeds();
+    fragments_agree(&bench, "crash_results", 2500.0 * 0.08 * 0.02 * 0.02);
+    let table = bench.columns("crash_results/fragments.csv");
+    // The two ends, which are pulled apart, and perhaps what broke off between them.
+    let [one, other] = [0, 1].map(|k| [table["mass"][k], table["x"][k], table["vx"][k]]);
+    assert!(one[0] + other[0] > 0.5 * 2500.0 * 0.08 * 0.02 * 0.02, "{one:?} {other:?}");
+    assert!((one[2] - other[2]) * (one[1] - other[1]) > 0.0, "{one:?} {other:?}");
+    assert!(bench.path("crash_results/plots/fragment_sizes.svg").exists());
+    assert!(bench.read("crash_results/report.html").contains("of the mass; half of the mass passes"));
+}
+
+#[test]
+fn fragments_are_counted_in_the_bodies_that_are_named() {
+    let bench = Bench::of(&CRASH.replace("0.8e-3", "0.01e-3"));
+    bench.run(&["run", "crash.toml", "-q", "-o", "all"]).succeeds();
+    bench.write(
+        "crash.toml",
+        bench.read("crash.toml").replace("[output]", "[output]\nfragments = [\"block\"]"),
+    );
+    bench.run(&["run", "crash.toml", "-q", "-o", "block"]).succeeds();
+    for (folder, counted) in [("all", vec![1.0, 1.0]), ("block", vec![0.0, 1.0])] {
+        let number = counted.iter().sum::<f64>();
+        assert_eq!(bench.summary(folder)["fragments"]["number"], number as u64, "{folder}");
+        assert_eq!(bench.columns(&format!("{folder}/fragments.csv"))["counted"], counted);
+        let numbers = &bench.columns(&format!("{folder}/history.csv"))["fragments"];
+        assert!(numbers.iter().all(|&found| found == number), "{folder}: {numbers:?}");
+        assert!(!bench.path(folder).join("plots/fragments.svg").exists(), "nothing has broken");
+    }
 }
 
 /// A report of more than a million elements was once refused, and the summary of the run was lost with it.
@@ -337,6 +444,7 @@ fn a_run_with_a_later_end_is_the_run_that_had_it_from_the_beginning() {
     bench.run(&["run", "crash.toml", "-q", "-o", "parts"]).succeeds();
     bench.run(&["resume", "parts", "-q", "--end-time", "0.8e-3"]).succeeds();
     bench.is_like("parts", &bench.fingerprint("whole"));
+    assert_eq!(bench.read("parts/fragments.csv"), bench.read("whole/fragments.csv"));
     assert!(bench.read("parts/model.toml").contains("end_time = 0.0008 # half"));
 }
 
@@ -504,7 +612,7 @@ fn what_cannot_run_leaves_no_folder() {
             fs::create_dir(bench.path(folder)).unwrap();
         }
         if folder == "torn" {
-            bench.write("torn/checkpoint", [b"fdem checkpoint 3\n".as_slice(), &[7; 100]].concat());
+            bench.write("torn/checkpoint", [b"fdem checkpoint 5\n".as_slice(), &[7; 100]].concat());
         }
         if folder == "old" {
             bench.write("old/checkpoint", "fdem checkpoint 0\n");

@@ -7,7 +7,24 @@ use serde_json::{Map, Value};
 /// Tables of the file in the order in which people write them; below each the tables that stand in its keys.
 const ORDER: [(&str, &[&str]); 10] = [
     ("model", &[]),
-    ("body", &["Rectangle", "Disc", "Ring", "Polygon", "Voronoi", "Outline", "Packing"]),
+    (
+        "body",
+        &[
+            "Rectangle",
+            "Disc",
+            "Ring",
+            "Polygon",
+            "Box",
+            "Cylinder",
+            "Tube",
+            "Sphere",
+            "Polyhedron",
+            "Extrusion",
+            "Voronoi",
+            "Outline",
+            "Packing",
+        ],
+    ),
     ("material", &[]),
     ("interface", &[]),
     ("boundary", &[]),

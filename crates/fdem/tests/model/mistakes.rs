@@ -144,7 +144,7 @@ fn words_that_do_not_exist_are_told_with_those_that_do() {
     let text = changed("end_time", "time_step = \"automatic\"\nend_time");
     refused(&text, "\"automatic\"", &["\"time_step\" cannot be \"automatic\"", "did you mean \"auto\"?"]);
     let text = changed("end_time", "gravity = 9.81\nend_time");
-    refused(&text, "9.81", &["\"gravity\" is a number, not a list of 2, each a number or \"none\""]);
+    refused(&text, "9.81", &["\"gravity\" is a number, not a list of 2 or 3, each a number or \"none\""]);
 }
 
 #[test]
@@ -289,12 +289,17 @@ fn names_that_are_not_there_are_told_with_the_nearest() {
     refused(
         &text.replace("side = \"bottom\"", "side = \"below\""),
         "\"below\"",
-        &["it is \"left\", \"right\", \"top\" or \"bottom\""],
+        &["it is \"left\", \"right\", \"top\", \"bottom\", \"front\" or \"back\""],
     );
     refused(
         &format!("{text}\n[[history]]\nname = \"load\"\nforce = \"grund\"\n"),
         "\"grund\"",
         &["there is no boundary \"grund\"", "did you mean \"ground\"?"],
+    );
+    refused(
+        &format!("{SMALL}\n[output]\nfragments = [\"block\", \"blok\"]\n"),
+        "\"blok\"",
+        &["there is no body \"blok\"", "did you mean \"block\"?"],
     );
     refused(
         &format!("{SMALL}\n[initial]\nvelocity = {{ blok = [0, 1] }}\n"),

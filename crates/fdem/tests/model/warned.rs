@@ -53,8 +53,8 @@ fn keys_without_effect_are_told() {
         ),
         (boundary("fixed = \"x\"\ntable = [[0, 1]]"), "\"b\": table changes nothing where the body is fixed"),
         (boundary("absorbing = true\nramp = 1"), "\"b\": ramp changes nothing at an absorbing edge"),
-        (boundary("velocity = [\"free\", \"free\"]"), "\"b\": both components are free"),
-        (boundary("displacement = [\"free\", \"free\"]"), "\"b\": both components are free"),
+        (boundary("velocity = [\"free\", \"free\"]"), "\"b\": all components are free"),
+        (boundary("displacement = [\"free\", \"free\"]"), "\"b\": all components are free"),
         (
             with(
                 "[[body]]\nname = \"p\"\nmaterial = \"rock\"\nmesh_size = 0.1\npacking = { count = 2, radius = [0.1, 0.2], corners = [3, 4], within = { min = [2, 0], max = [4, 2] } }",

@@ -1,17 +1,17 @@
-//! Points, or lines between them, for ParaView.
+//! Points, or lines or triangles between them, for ParaView.
 
 use std::io::{self, Write};
 
 use super::appended::Appended;
 use crate::written::{Column, Table, Values};
 
-/// Writes points, and lines between them if there are `lines`, as a VTK file of `PolyData`: binary, compressed. Without lines every point is a vertex.
+/// Writes points, and lines or triangles between them if there are `cells`, as a VTK file of `PolyData`: binary, compressed. Without cells every point is a vertex.
 ///
 /// [`write_vtp`](crate::write_vtp) writes larger files of lines, and keeps less in memory.
 ///
 /// # Shapes
-/// The first column of `points` is where they are: three components, floats. The first column of `lines` is their two ends, points by their number
-/// from 0: two components of 64 bits. All others become arrays of the points and of the lines (cells), with the names of their components.
+/// The first column of `points` is where they are: three components, floats. The first column of `cells` is their corners, points by their number
+/// from 0: two components of 64 bits for lines, three for triangles. All others become arrays of the points and of the cells, with the names of their components.
 ///
 /// # Units
 /// `time` is the `TimeValue` of the file. Units of the columns are information keys of their arrays (`UNITS_LABEL`).
@@ -42,7 +42,7 @@ use crate::written::{Column, Table, Values};
 pub fn write_poly_vtp<W: Write>(
     out: &mut W,
     points: &Table<'_>,
-    lines: Option<&Table<'_>>,
+    cells: Option<&Table<'_>>,
     time: f64,
 ) -> io::Result<()> {
     let invalid = |problem: &str| io::Error::new(io::ErrorKind::InvalidInput, problem.to_owned());
@@ -54,20 +54,19 @@ pub fn write_poly_vtp<W: Write>(
     let places = plain("Points", &["x", "y", "z"], Values::f64(place));
     let n = points.rows();
     let none = Table::new(0);
-    let lines = lines.unwrap_or(&none);
-    let (connectivity, of_lines) = match lines.columns().split_first() {
+    let table = cells.unwrap_or(&none);
+    let (kind, cells, width, connectivity, of_cells) = match table.columns().split_first() {
         // Every point by itself.
-        None => (Values::i64(whole), &[][..]),
-        Some((ends, of_lines)) => {
-            let (2, Values::I64(at)) = (ends.width(), &ends.values) else {
-                return Err(invalid("the ends of a line are two whole numbers"));
+        None => (0, n, 1, Values::i64(whole), &[][..]),
+        Some((corners, of_cells)) => {
+            let (width @ 2..=3, Values::I64(at)) = (corners.width(), &corners.values) else {
+                return Err(invalid("the corners of a cell are two or three whole numbers"));
             };
-            (Values::i64(at), of_lines)
+            (width - 1, table.rows(), width, Values::i64(at), of_cells)
         }
     };
-    let (kind, cells, width) =
-        if lines.columns().is_empty() { ("Verts", n, 1) } else { ("Lines", lines.rows(), 2) };
-    let [verts, edges] = if kind == "Verts" { [cells, 0] } else { [0, cells] };
+    let [verts, edges, polys] = [0, 1, 2].map(|of| if of == kind { cells } else { 0 });
+    let kind = ["Verts", "Lines", "Polys"][kind];
 
     let mut body = Appended::default();
     let mut head = String::from(
@@ -77,13 +76,13 @@ pub fn write_poly_vtp<W: Write>(
     );
     head += &body.field_data(time, &[])?;
     head = format!(
-        "{head}<Piece NumberOfPoints=\"{n}\" NumberOfVerts=\"{verts}\" NumberOfLines=\"{edges}\" NumberOfStrips=\"0\" NumberOfPolys=\"0\">\n<PointData>\n"
+        "{head}<Piece NumberOfPoints=\"{n}\" NumberOfVerts=\"{verts}\" NumberOfLines=\"{edges}\" NumberOfStrips=\"0\" NumberOfPolys=\"{polys}\">\n<PointData>\n"
     );
     for column in of_points {
         head += &body.column(column, n)?;
     }
     head += "</PointData>\n<CellData>\n";
-    for column in of_lines {
+    for column in of_cells {
         head += &body.column(column, cells)?;
     }
     head += "</CellData>\n<Points>\n";

@@ -1,19 +1,19 @@
-//! Writes a mesh of triangles for ParaView.
+//! Writes a mesh of triangles or of tetrahedra for ParaView.
 
 use std::io::{self, Write};
 
 use super::appended::Appended;
 use crate::written::{Column, Table, Values};
 
-/// The number of `VTK_TRIANGLE`.
-const TRIANGLE: u8 = 5;
+/// The number of corners and the type, `VTK_TRIANGLE` and `VTK_TETRA`, of each kind of cell.
+const KINDS: [(usize, u8); 2] = [(3, 5), (4, 10)];
 
-/// Writes triangles and the data of their corners and cells as a VTK file of an `UnstructuredGrid`: binary, compressed.
+/// Writes triangles, or tetrahedra, and the data of their corners and cells as a VTK file of an `UnstructuredGrid`: binary, compressed.
 ///
 /// # Shapes
-/// The first column of `points` holds their positions: three components, floats. The first column of `triangles` holds the numbers of their
-/// corners, counted from 0: three components of 64 bits. All other columns become data arrays of the points and of the triangles (cells),
-/// with the names of their components.
+/// The first column of `points` holds their positions: three components, floats. The first column of `cells` holds the numbers of their
+/// corners, counted from 0: three components of 64 bits for triangles, four for tetrahedra. All other columns become data arrays of the points and of the
+/// cells, with the names of their components.
 ///
 /// # Units
 /// `time` is the `TimeValue` of the file, which ParaView shows. `named` are numbers that hold for the whole file: each becomes an array of the field
@@ -46,30 +46,32 @@ const TRIANGLE: u8 = 5;
 pub fn write_vtu<W: Write>(
     out: &mut W,
     points: &Table<'_>,
-    triangles: &Table<'_>,
+    cells: &Table<'_>,
     time: f64,
     named: &[(String, Vec<i64>)],
 ) -> io::Result<()> {
     let invalid = |problem: &str| io::Error::new(io::ErrorKind::InvalidInput, problem.to_owned());
-    let (Some((positions, of_points)), Some((corners, of_triangles))) =
-        (points.columns().split_first(), triangles.columns().split_first())
+    let (Some((positions, of_points)), Some((corners, of_cells))) =
+        (points.columns().split_first(), cells.columns().split_first())
     else {
-        return Err(invalid("points without positions, or triangles without corners"));
+        return Err(invalid("points without positions, or cells without corners"));
     };
     let (3, Values::F64(place)) = (positions.width(), &positions.values) else {
         return Err(invalid("positions are three floats each"));
     };
-    let (3, Values::I64(at)) = (corners.width(), &corners.values) else {
-        return Err(invalid("the corners of a triangle are three whole numbers"));
+    let kind = KINDS.iter().find(|(count, _)| *count == corners.width());
+    let (Some(&(count, kind)), Values::I64(at)) = (kind, &corners.values) else {
+        return Err(invalid("the corners of a cell are three or four whole numbers"));
     };
-    // Three numbers per triangle, computed without an array of triples.
+    // So many numbers per cell, computed without an array of them.
     let connectivity = plain("connectivity", Values::i64(at));
-    // The end of each triangle in the list of corners.
-    let offsets = plain("offsets", Values::i64(|k| 3 * (k.cast_signed() as i64 + 1)));
+    // The end of each cell in the list of corners.
+    let end = |k: usize| (count * (k + 1)).cast_signed() as i64;
+    let offsets = plain("offsets", Values::i64(end));
     let places =
         Column { name: "Points", components: &["x", "y", "z"], unit: "", values: Values::f64(place) };
 
-    let (n, m) = (points.rows(), triangles.rows());
+    let (n, m) = (points.rows(), cells.rows());
     let mut body = Appended::default();
     let mut head = String::from(
         "<?xml version=\"1.0\"?>\n\
@@ -82,15 +84,15 @@ pub fn write_vtu<W: Write>(
         head += &body.column(column, n)?;
     }
     head += "</PointData>\n<CellData>\n";
-    for column in of_triangles {
+    for column in of_cells {
         head += &body.column(column, m)?;
     }
     head += "</CellData>\n<Points>\n";
     head += &body.column(&places, n)?;
     head += "</Points>\n<Cells>\n";
-    head += &body.column(&connectivity, 3 * m)?;
+    head += &body.column(&connectivity, count * m)?;
     head += &body.column(&offsets, m)?;
-    head += &body.repeated("types", TRIANGLE, m)?;
+    head += &body.repeated("types", kind, m)?;
     head += "</Cells>\n</Piece>\n</UnstructuredGrid>\n<AppendedData encoding=\"raw\">\n_";
     out.write_all(head.as_bytes())?;
     out.write_all(&body.bytes)?;

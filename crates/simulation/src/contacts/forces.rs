@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::contacts::Couple;
+use crate::contacts::{Couple, skipped_until};
 use crate::forces::ContactForce;
 use crate::model::Model;
 use crate::simplex::{Interaction, Simplex};
@@ -181,8 +181,7 @@ pub(super) fn press<const D: usize, const N: usize>(
             // Keeps the contact for one more pass, so that this work is counted.
             couple.contact = before.map(|_| Box::new(Contact { works: sum, ..Contact::default() }));
             if couple.contact.is_none() {
-                // Both elements may move, each by half of the distance. The factor is slightly below 0.5 because `travel` is rounded.
-                couple.apart_until = travel + 0.499 * distance;
+                couple.apart_until = skipped_until(travel, distance);
             }
             return;
         }
@@ -296,6 +295,33 @@ where
 /// Sum of forces.
 fn total<const D: usize>(forces: &[Point<D>]) -> Point<D> {
     forces.iter().fold([0.0; D], |sum, force| std::array::from_fn(|axis| sum[axis] + force[axis]))
+}
+
+/// A lower bound of the distance of two elements, m; `None` if they overlap. The bound need not be sharp beyond `most`.
+pub(super) fn distance<const D: usize, const N: usize>(
+    a: &[Point<D>; N],
+    b: &[Point<D>; N],
+    most: f64,
+) -> Option<f64>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    let apart = gap(a, b).max(gap_between_middles(a, b));
+    if apart > most {
+        return Some(apart);
+    }
+    a.interaction(b).err().map(|distance| distance.max(apart))
+}
+
+/// Gap, m, between two elements along the line between their centroids; negative if there is none.
+#[inline]
+fn gap_between_middles<const D: usize, const N: usize>(a: &[Point<D>; N], b: &[Point<D>; N]) -> f64 {
+    let line: Point<D> = std::array::from_fn(|axis| {
+        b.iter().map(|corner| corner[axis]).sum::<f64>() - a.iter().map(|corner| corner[axis]).sum::<f64>()
+    });
+    let least = b.iter().map(|corner| dot(*corner, line)).fold(f64::INFINITY, f64::min);
+    let most = a.iter().map(|corner| dot(*corner, line)).fold(f64::NEG_INFINITY, f64::max);
+    (least - most) / length(line)
 }
 
 /// Gap, m, between the boxes of two elements along the axis on which they are farthest apart; negative if the boxes overlap.

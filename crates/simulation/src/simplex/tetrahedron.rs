@@ -111,6 +111,18 @@ impl Simplex<3, 4> for Tetrahedron {
         plane::tractions_near(&Self::axes(facet).map(unit), stress, friction, reach)
     }
 
+    fn in_tensor(&[[xx, xy, xz], [_, yy, yz], [.., zz]]: &Matrix<3>, _: &Moduli) -> [f64; 6] {
+        [xx, yy, zz, xy, yz, xz]
+    }
+
+    fn of_tensor(&[xx, yy, zz, xy, yz, xz]: &[f64; 6]) -> Matrix<3> {
+        [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
+    }
+
+    fn sliding([_, one, other]: &[f64; 3]) -> f64 {
+        length([*one, *other])
+    }
+
     fn circle(stress: &Matrix<3>) -> [f64; 2] {
         let values = eigen::values(*stress);
         let most = values.into_iter().fold(f64::NEG_INFINITY, f64::max);

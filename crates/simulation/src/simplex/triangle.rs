@@ -5,7 +5,7 @@ mod facet;
 mod plane;
 mod potential;
 
-use crate::elastic::{Moduli, principal_stresses};
+use crate::elastic::Moduli;
 use crate::model::{Material, Plane};
 use crate::simplex::{Interaction, Simplex};
 use crate::vector::{Matrix, Point, cross, length, minus};
@@ -103,6 +103,18 @@ impl Simplex<2, 3> for Triangle {
     }
 
     #[inline]
+    fn in_tensor([[xx, xy], [_, yy]]: &Matrix, moduli: &Moduli) -> [f64; 6] {
+        [*xx, *yy, moduli.out_of_plane * (xx + yy), *xy, 0.0, 0.0]
+    }
+
+    fn of_tensor(&[xx, yy, _, xy, ..]: &[f64; 6]) -> Matrix {
+        [[xx, xy], [xy, yy]]
+    }
+
+    fn sliding([_, sliding]: &[f64; 2]) -> f64 {
+        *sliding
+    }
+
     fn circle([[xx, xy], [_, yy]]: &Matrix) -> [f64; 2] {
         let (mean, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
         [mean, (half * half + xy * xy).sqrt()]
@@ -132,7 +144,8 @@ impl Simplex<2, 3> for Triangle {
             yy += y * y;
             xy += x * y;
         }
-        let [one, two] = principal_stresses([xx, yy, xy]);
+        let [middle, radius] = Self::circle(&[[xx, xy], [xy, yy]]);
+        let (one, two) = (middle + radius, middle - radius);
         let (sum, product) = (one + two, (one * two).max(0.0));
         let Moduli { wave, shear, bulk, .. } = *moduli;
         let root = (wave * wave * sum * sum - 16.0 * bulk * shear * product).max(0.0).sqrt();

@@ -51,7 +51,7 @@ fn a_model_far_away_does_the_same_to_the_last_bit() {
         let moved = |[x, y]: [f64; 2]| [x + FAR[0], y + FAR[1]];
         assert_eq!(a.positions.iter().copied().map(moved).collect::<Vec<_>>(), b.positions);
         let ends =
-            |snapshot: &Snapshot| -> Vec<_> { snapshot.cracks.iter().map(|crack| crack.ends).collect() };
+            |snapshot: &Snapshot| -> Vec<_> { snapshot.cracks.iter().map(|crack| crack.corners).collect() };
         assert_eq!(ends(&a).into_iter().map(|ends| ends.map(moved)).collect::<Vec<_>>(), ends(&b));
     }
     let counts = near.counts();

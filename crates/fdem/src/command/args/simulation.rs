@@ -3,8 +3,9 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
-use crate::results::Field;
+use fdem_results::Field;
 
 /// Write a model file to start from, with a comment on every part.
 #[derive(Debug, Args)]
@@ -13,6 +14,10 @@ pub(crate) struct NewArguments {
     /// Name of the new file.
     #[arg(value_name = "NAME", default_value = "model.toml")]
     pub(crate) name: PathBuf,
+
+    /// A model in three dimensions.
+    #[arg(long = "3d")]
+    pub(crate) space: bool,
 
     /// Replace an existing file.
     #[arg(long)]
@@ -81,7 +86,7 @@ pub(crate) struct RunOptions {
     pub(crate) threads: usize,
 
     /// Write animation.gif at the end, as with `animate` in the model. Without FIELD, it shows the first field of the model.
-    #[arg(long, value_name = "FIELD", num_args = 0..=1, require_equals = true)]
+    #[arg(long, value_name = "FIELD", num_args = 0..=1, require_equals = true, value_parser = fields())]
     pub(crate) animate: Option<Option<Field>>,
 
     /// Show no progress.
@@ -108,6 +113,14 @@ pub(crate) struct ValidateArguments {
     /// Do not print the time taken so far.
     #[arg(short, long)]
     pub(crate) quiet: bool,
+}
+
+/// The fields of results by their keys.
+fn fields() -> impl TypedValueParser<Value = Field> {
+    let values = Field::ALL.map(|field| PossibleValue::new(field.key()).help(field.name()));
+    PossibleValuesParser::new(values).try_map(|key| {
+        Field::ALL.into_iter().find(|field| field.key() == key).ok_or("there is no such field")
+    })
 }
 
 fn positive(text: &str) -> Result<f64, String> {

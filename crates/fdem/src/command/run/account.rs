@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use fdem_simulation::{Simulation, Timings};
+use fdem_simulation::{Element, Simulation, Timings};
 use serde::{Deserialize, Serialize};
 
 /// Parts of a step, in their order.
@@ -23,7 +23,15 @@ pub(crate) struct Account {
 
 impl Account {
     /// Adds the times of a simulation since its creation, with the wall-clock time and the time for results since then.
-    pub(crate) fn and(&self, run: &Simulation, clock: Duration, output: Duration) -> Self {
+    pub(crate) fn and<const D: usize, const N: usize>(
+        &self,
+        run: &Simulation<D, N>,
+        clock: Duration,
+        output: Duration,
+    ) -> Self
+    where
+        [[f64; D]; N]: Element<D, N>,
+    {
         let Timings { bulk, joints, detection, contact, integration } = run.timings();
         let mut parts = self.parts;
         for (sum, time) in parts.iter_mut().zip([bulk, joints, detection, contact, integration]) {

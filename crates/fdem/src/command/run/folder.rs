@@ -3,7 +3,8 @@
 //! ```text
 //! model.toml, inputs/   copies of the model and of the files that it names
 //! checkpoint            the state of the run, from which `fdem resume` goes on
-//! history.csv           rows of energies, cracks and recorded quantities over time
+//! history.csv           rows of energies, cracks, fragments and recorded quantities over time
+//! fragments.csv         masses, sizes and motion of the fragments when the run ends
 //! results.pvd, cracks.pvd, damaged_joints.pvd, contacts.pvd, frames/   for ParaView
 //! plots/, report.html, animation.gif   made when the run ends
 //! run.json, run.log     model, machine, times and result; run.json marks a folder as that of a run
@@ -22,9 +23,11 @@ use sha2::{Digest, Sha256};
 
 use crate::command::failure::{Failure, display_name};
 use crate::command::run::account::Account;
+use crate::command::run::results::Results;
 
 pub(crate) const MODEL: &str = "model.toml";
 pub(crate) const HISTORY: &str = "history.csv";
+pub(crate) const FRAGMENTS: &str = "fragments.csv";
 pub(crate) const LOG: &str = "run.log";
 const CHECKPOINT: &str = "checkpoint";
 const FRAMES: &str = "frames";
@@ -37,11 +40,12 @@ pub(crate) const REPORT: &str = "report.html";
 pub(crate) const SUMMARY: &str = "run.json";
 
 /// Files that a run makes; `--force` removes them.
-const FILES: [&str; 12] = [
+const FILES: [&str; 13] = [
     // First, so that nobody can resume a run whose other files are removed.
     CHECKPOINT,
     MODEL,
     HISTORY,
+    FRAGMENTS,
     LOG,
     "results.pvd",
     "cracks.pvd",
@@ -55,11 +59,12 @@ const FILES: [&str; 12] = [
 const FOLDERS: [&str; 4] = [FRAMES, INPUTS, PLOTS, "animation"];
 
 /// First line of a checkpoint. It changes whenever the contents change.
-const MAGIC: &[u8] = b"fdem checkpoint 3\n";
+const MAGIC: &[u8] = b"fdem checkpoint 5\n";
 
 /// The state of a run, with the state of its files.
 #[derive(Debug, Serialize, Deserialize)]
-pub(crate) struct Checkpoint {
+#[serde(bound(serialize = "State<D, N>: Serialize", deserialize = "State<D, N>: Deserialize<'de>"))]
+pub(crate) struct Checkpoint<const D: usize, const N: usize> {
     /// Hash of the model, [`Prepared::hash`](crate::model::Prepared).
     pub(crate) model: String,
     /// Step and time, s, of each frame that has been written.
@@ -70,7 +75,7 @@ pub(crate) struct Checkpoint {
     pub(crate) intervals: [f64; 2],
     /// Times and numbers since the beginning of the run.
     pub(crate) account: Account,
-    pub(crate) state: State,
+    pub(crate) state: State<D, N>,
 }
 
 /// A folder of results.
@@ -135,7 +140,7 @@ impl Folder {
     }
 
     /// Opens the folder of an earlier run.
-    pub(crate) fn open(path: &Path) -> Result<(Self, Checkpoint), Failure> {
+    pub(crate) fn open(path: &Path) -> Result<(Self, SavedState), Failure> {
         let mut folder = Self { path: path.to_owned(), lock: None };
         folder.lock()?;
         let checkpoint = folder.checkpoint()?;
@@ -225,14 +230,21 @@ impl Folder {
     }
 
     /// Writes the checkpoint.
-    pub(crate) fn save(&self, checkpoint: &Checkpoint) -> Result<(), Failure> {
+    pub(crate) fn save<const D: usize, const N: usize>(
+        &self,
+        checkpoint: &Checkpoint<D, N>,
+    ) -> Result<(), Failure>
+    where
+        [[f64; D]; N]: Results<D, N>,
+    {
         let path = self.path(CHECKPOINT);
-        let payload = postcard::to_allocvec(checkpoint).map_err(|error| Failure::writing(&path, error))?;
+        let payload =
+            <[[f64; D]; N]>::checkpoint_bytes(checkpoint).map_err(|error| Failure::writing(&path, error))?;
         let bytes = [MAGIC, Sha256::digest(&payload).as_slice(), &payload].concat();
         self.write(CHECKPOINT, &bytes)
     }
 
-    fn checkpoint(&self) -> Result<Checkpoint, Failure> {
+    fn checkpoint(&self) -> Result<SavedState, Failure> {
         let path = self.path(CHECKPOINT);
         let name = display_name(&path);
         let mut bytes = Vec::new();
@@ -252,7 +264,25 @@ impl Folder {
         if Sha256::digest(payload).as_slice() != digest {
             return Err(damaged("its checksum is wrong"));
         }
-        postcard::from_bytes(payload).map_err(|error| damaged(&error.to_string()))
+        Ok(SavedState { name, payload: payload.to_vec() })
+    }
+}
+
+/// A checkpoint that is complete, and not opened yet.
+pub(crate) struct SavedState {
+    /// Name of its file.
+    name: String,
+    payload: Vec<u8>,
+}
+
+impl SavedState {
+    /// Opens the checkpoint of a run in so many dimensions.
+    pub(crate) fn open<const D: usize, const N: usize>(&self) -> Result<Checkpoint<D, N>, Failure>
+    where
+        [[f64; D]; N]: Results<D, N>,
+    {
+        <[[f64; D]; N]>::checkpoint(&self.payload)
+            .map_err(|error| Failure::Unusable(format!("{} is damaged: {error}", self.name)))
     }
 }
 

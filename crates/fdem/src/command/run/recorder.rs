@@ -5,72 +5,88 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{BufWriter, Write};
 use std::sync::atomic::Ordering;
 
+use fdem_results::{
+    ElementMasses, Field, FragmentCount, Fragments, History, HistoryWriter, Names, Plot, Row, fragment_sizes,
+    kept, plots, pvd, write_contacts_vtp, write_cracks_vtp, write_damaged_joints_vtp, write_vtu,
+};
 use fdem_simulation::{Simulation, Target};
 
 use crate::command::failure::{Failure, display_name};
 use crate::command::progress::Position;
 use crate::command::run::folder::{
-    COLLECTIONS, Folder, HISTORY, MODEL, PLOTS, REPORT, contacts_file, cracks_file, damaged_file, mesh_file,
-    packed_file,
+    COLLECTIONS, FRAGMENTS, Folder, HISTORY, MODEL, PLOTS, REPORT, contacts_file, cracks_file, damaged_file,
+    mesh_file, packed_file,
 };
+use crate::command::run::results::{Drawn, Results};
 use crate::model::{History as Recorded, Prepared, Quantity};
-use crate::results::{
-    Animation, Field, Frame, FrameView, History, HistoryWriter, Names, Outlines, Pictures, Plot, Range,
-    Report, Row, kept, plots, pvd, write_contacts_vtp, write_cracks_vtp, write_damaged_joints_vtp, write_vtu,
-};
-
-/// Time between two pictures of an animation, in hundredths of a second.
-const DELAY: u16 = 8;
 
 /// Writes the results of a run into its folder.
-pub(crate) struct Recorder {
+pub(crate) struct Recorder<const D: usize, const N: usize>
+where
+    [[f64; D]; N]: Results<D, N>,
+{
     folder: Folder,
     history: HistoryWriter<BufWriter<File>>,
     names: Names,
-    outlines: Outlines,
+    masses: ElementMasses,
+    /// Number of broken joints at the last count of fragments, and that count.
+    counted: Option<(usize, FragmentCount)>,
+    outlines: <[[f64; D]; N] as Results<D, N>>::Outlines,
     /// Nodes of the boundary of each history of a force; empty for other histories.
     targets: Vec<Vec<u32>>,
     /// Step and time, s, of each frame that has been written.
     pub(crate) frames: Vec<(u64, f64)>,
     /// Most elements of a frame that the report shows completely, and number of triangles in the samples of larger frames.
     shown: [usize; 2],
+    /// Number of frames of the whole run, about.
+    expected: usize,
 }
 
-impl Recorder {
+impl<const D: usize, const N: usize> Recorder<D, N>
+where
+    [[f64; D]; N]: Results<D, N>,
+{
     /// Starts the records of a new run.
-    pub(crate) fn new(folder: &Folder, prepared: &Prepared) -> Result<Self, Failure> {
+    pub(crate) fn new(folder: &Folder, prepared: &Prepared<D, N>) -> Result<Self, Failure> {
         let path = folder.path(HISTORY);
         let names = columns(prepared);
         let history = File::create(&path)
-            .and_then(|file| HistoryWriter::new(BufWriter::new(file), &names))
+            .and_then(|file| HistoryWriter::new(BufWriter::new(file), D, &names))
             .map_err(|error| Failure::writing(&path, error))?;
-        Ok(Self::with(folder, prepared, history, Vec::new()))
+        Self::with(folder, prepared, history, Vec::new())
     }
 
     fn with(
         folder: &Folder,
-        prepared: &Prepared,
+        prepared: &Prepared<D, N>,
         history: HistoryWriter<BufWriter<File>>,
         frames: Vec<(u64, f64)>,
-    ) -> Self {
-        Self {
+    ) -> Result<Self, Failure> {
+        let mut masses = ElementMasses::of(&prepared.model).map_err(|error| broken(MODEL, &error))?;
+        if let Some(bodies) = &prepared.output.fragments {
+            masses = masses.counting(bodies);
+        }
+        Ok(Self {
             folder: folder.clone(),
             history,
             names: Names {
                 bodies: prepared.bodies.iter().map(|body| body.name.clone()).collect(),
                 materials: prepared.model.materials.iter().map(|material| material.name.clone()).collect(),
             },
-            outlines: Outlines::new(&prepared.model.mesh, &prepared.grains),
+            masses,
+            counted: None,
+            outlines: <[[f64; D]; N]>::outlines(prepared),
             targets: prepared.histories.iter().map(|history| target(history, prepared)).collect(),
             frames,
             shown: prepared.output.shown,
-        }
+            expected: (prepared.end_time / prepared.output.interval).ceil() as usize + 1,
+        })
     }
 
     /// Continues the records of a run from a checkpoint. Later frames and rows are removed; earlier ones must exist.
     pub(crate) fn going_on(
         folder: &Folder,
-        prepared: &Prepared,
+        prepared: &Prepared<D, N>,
         step: u64,
         frames: Vec<(u64, f64)>,
         length: u64,
@@ -84,7 +100,8 @@ impl Recorder {
             kept(&text, step).map_err(|error| Failure::Unusable(format!("{}: {error}", path.display())))?
         };
         let mut head = Vec::new();
-        HistoryWriter::new(&mut head, &columns(prepared)).map_err(|error| Failure::writing(&path, error))?;
+        HistoryWriter::new(&mut head, D, &columns(prepared))
+            .map_err(|error| Failure::writing(&path, error))?;
         if !text.starts_with(&head) {
             return Err(Failure::Unusable(format!(
                 "{}: its columns are not those of the [[history]] tables in {}: restore these tables",
@@ -106,7 +123,7 @@ impl Recorder {
                 fs::metadata(&path).map_err(|error| Failure::reading(&display_name(&path), &error))?;
             }
             let name = packed_file(number);
-            Frame::from_bytes(&folder.read(&name)?).map_err(|error| {
+            <[[f64; D]; N]>::opened(&folder.read(&name)?).map_err(|error| {
                 Failure::Unusable(format!("{}: {error}", display_name(&folder.path(&name))))
             })?;
         }
@@ -126,20 +143,20 @@ impl Recorder {
             later += 1;
         }
         let history = HistoryWriter::going_on(BufWriter::new(history), columns(prepared).len());
-        let recorder = Self::with(folder, prepared, history, frames);
+        let recorder = Self::with(folder, prepared, history, frames)?;
         recorder.collections()?;
         Ok(recorder)
     }
 
     /// Returns the present values of each `[[history]]`.
-    pub(crate) fn values(&self, run: &Simulation, prepared: &Prepared) -> Vec<Vec<f64>> {
+    pub(crate) fn values(&self, run: &Simulation<D, N>, prepared: &Prepared<D, N>) -> Vec<Vec<f64>> {
         let values = |(history, target): (&Recorded, &Vec<u32>)| match history.quantity {
             Quantity::Node(node) => {
-                let (moved, velocity) = run.node(node).unwrap_or_default();
+                let (moved, velocity) = run.node(node).unwrap_or(([0.0; D], [0.0; D]));
                 [moved, velocity].concat()
             }
             Quantity::Force(boundary) => {
-                [run.force(boundary).unwrap_or_default(), mean_displacement(run, target)].concat()
+                [run.force(boundary).unwrap_or([0.0; D]), mean_displacement(run, target)].concat()
             }
             Quantity::Energy | Quantity::CrackLength => Vec::new(),
         };
@@ -149,28 +166,55 @@ impl Recorder {
     /// Writes the row of t = 0 after the first step. `values`: values before that step. Forces and energies are those at its beginning, known only after it.
     pub(crate) fn first_row(
         &mut self,
-        run: &Simulation,
-        prepared: &Prepared,
+        run: &Simulation<D, N>,
+        prepared: &Prepared<D, N>,
         mut values: Vec<Vec<f64>>,
     ) -> Result<(), Failure> {
         for (number, history) in prepared.histories.iter().enumerate() {
             if let Quantity::Force(boundary) = history.quantity {
-                values[number][..2].copy_from_slice(&run.force(boundary).unwrap_or_default());
+                values[number][..D].copy_from_slice(&run.force(boundary).unwrap_or([0.0; D]));
             }
         }
-        self.write_row(&Row { energies: run.energies(), values: values.concat(), ..Row::default() })
+        let fragments = self.masses.count(&run.fragments());
+        self.write_row(&Row {
+            energies: run.energies(),
+            fragments,
+            values: values.concat(),
+            ..Row::default()
+        })
     }
 
     /// Writes a row of the history.
-    pub(crate) fn row(&mut self, run: &Simulation, prepared: &Prepared) -> Result<(), Failure> {
+    pub(crate) fn row(&mut self, run: &Simulation<D, N>, prepared: &Prepared<D, N>) -> Result<(), Failure> {
+        let fragments = self.count(run);
         self.write_row(&Row {
             step: run.steps(),
             time: run.time(),
             energies: run.energies(),
             broken: run.counts().broken as u64,
             lengths: run.crack_lengths(),
+            fragments,
             values: self.values(run, prepared).concat(),
         })
+    }
+
+    /// Counts the fragments. They are found again only if joints have broken since the last count.
+    fn count(&mut self, run: &Simulation<D, N>) -> FragmentCount {
+        let broken = run.counts().broken;
+        match self.counted {
+            Some((before, count)) if before == broken => count,
+            _ => {
+                let count = self.masses.count(&run.fragments());
+                self.counted = Some((broken, count));
+                count
+            }
+        }
+    }
+
+    /// The fragments of a run now.
+    pub(crate) fn fragments(&self, run: &Simulation<D, N>) -> Result<Fragments<D>, Failure> {
+        // The snapshot of a run is consistent. An error would be a bug.
+        Fragments::of(&run.snapshot(), &self.masses).map_err(|error| broken(FRAGMENTS, &error))
     }
 
     fn write_row(&mut self, row: &Row) -> Result<(), Failure> {
@@ -178,7 +222,7 @@ impl Recorder {
     }
 
     /// Writes the files of a frame: bodies, cracks, damaged joints and contact forces.
-    pub(crate) fn frame(&mut self, run: &Simulation) -> Result<(), Failure> {
+    pub(crate) fn frame(&mut self, run: &Simulation<D, N>) -> Result<(), Failure> {
         let (snapshot, forces) = (run.snapshot(), run.forces());
         let number = self.frames.len();
         // Writing to memory does not fail. An inconsistent snapshot would be a bug.
@@ -193,12 +237,9 @@ impl Recorder {
         write(damaged_file(number), &|out| write_damaged_joints_vtp(out, &snapshot))?;
         write(contacts_file(number), &|out| write_contacts_vtp(out, &snapshot, &forces))?;
         let name = packed_file(number);
-        // The report shows a sample of a mesh that is too large for a page; files for ParaView are complete.
-        let [most, sample] = self.shown;
-        let most = if snapshot.elements.len() > most { sample } else { usize::MAX };
-        let frame =
-            Frame::sampled(&snapshot, &self.outlines, most).map_err(|error| fault(&name, error.into()))?;
-        self.folder.write(&name, &frame.to_bytes())?;
+        let frame = <[[f64; D]; N]>::frame(&snapshot, &self.outlines, self.shown, self.expected)
+            .map_err(|error| fault(&name, error.into()))?;
+        self.folder.write(&name, &frame)?;
         self.frames.push((run.steps(), run.time()));
         self.collections()
     }
@@ -228,48 +269,54 @@ impl Recorder {
         done.map_err(|error| Failure::writing(&self.folder.path(HISTORY), error))
     }
 
-    /// Draws plots, the picture, the animation and the report from the recorded results. `facts`: rows of the summary; `done`: number of frames read so far.
+    /// Draws plots, the picture, the animation and the report from the recorded results, and writes the table of fragments. `facts`: rows of the summary; `done`: number of frames read so far.
     ///
     /// # Errors
     /// The first error. If the history and the frames can be read, everything else is drawn all the same.
     pub(crate) fn finish(
         &mut self,
-        prepared: &Prepared,
+        prepared: &Prepared<D, N>,
         facts: &[(&str, &str)],
+        fragments: &Fragments<D>,
         done: &Position,
     ) -> Result<(), Failure> {
         self.flush()?;
+        self.folder.write(FRAGMENTS, fragments.csv(&self.names).as_bytes())?;
         let history = History::read(&self.folder.read(HISTORY)?).map_err(|error| broken(HISTORY, &error))?;
-        let drawn = plots(&history);
+        let mut drawn = plots(&history);
+        // Beside the number of fragments, or before the user's columns.
+        let place =
+            drawn.iter().position(|plot| plot.name == "fragments").map_or(drawn.len().min(3), |at| at + 1);
+        drawn.splice(place..place, fragment_sizes(&fragments.sizes()));
         let frames = self.read_frames(done)?;
-        let title = if prepared.title.is_empty() { "fdem" } else { &prepared.title };
-        let view = FrameView::of(&frames);
-        let pictures = |field| Pictures { title, field, range: Range::of(&frames, field), view };
-        let field = prepared.output.fields.first().copied().unwrap_or(Field::MaxPrincipal);
-        let report = Report { title, facts, plots: &drawn, frames: &frames, field, names: &self.names };
+        let drawings = <[[f64; D]; N]>::draw(
+            &Drawn {
+                title: if prepared.title.is_empty() { "fdem" } else { &prepared.title },
+                facts,
+                plots: &drawn,
+                field: prepared.output.fields.first().copied().unwrap_or(Field::MaxPrincipal),
+                animate: prepared.output.animate,
+                names: &self.names,
+            },
+            &frames,
+        );
         [
             self.write_plots(&drawn),
-            frames
-                .last()
-                .map_or(Ok(()), |last| self.write_drawn("picture.png", pictures(field).png(last, None))),
-            prepared.output.animate.map_or(Ok(()), |asked| {
-                let mut animation = Animation::new(pictures(asked), None, DELAY);
-                let pushed = frames.iter().try_for_each(|frame| animation.push(frame));
-                self.write_drawn("animation.gif", pushed.and_then(|()| animation.finish()))
-            }),
-            self.write_drawn(REPORT, report.html().map(String::into_bytes)),
+            drawings.picture.map_or(Ok(()), |picture| self.write_drawn("picture.png", picture)),
+            drawings.animation.map_or(Ok(()), |animation| self.write_drawn("animation.gif", animation)),
+            self.write_drawn(REPORT, drawings.report.map(String::into_bytes)),
         ]
         .into_iter()
         .collect()
     }
 
     /// Reads the frames for the report. Frames that are too large for a page are samples.
-    fn read_frames(&self, done: &Position) -> Result<Vec<Frame>, Failure> {
+    fn read_frames(&self, done: &Position) -> Result<Vec<<[[f64; D]; N] as Results<D, N>>::Frame>, Failure> {
         let read = |number: usize| {
             let name = packed_file(number);
             let bytes = self.folder.read(&name)?;
             done.fetch_add(1, Ordering::Relaxed);
-            Frame::from_bytes(&bytes).map_err(|error| broken(&name, &error))
+            <[[f64; D]; N]>::opened(&bytes).map_err(|error| broken(&name, &error))
         };
         (0..self.frames.len()).map(read).collect()
     }
@@ -293,22 +340,28 @@ fn broken(what: &str, error: &dyn fmt::Display) -> Failure {
 }
 
 /// Returns the names of the columns of all `[[history]]` tables.
-fn columns(prepared: &Prepared) -> Vec<String> {
+fn columns<const D: usize, const N: usize>(prepared: &Prepared<D, N>) -> Vec<String>
+where
+    [[f64; D]; N]: Results<D, N>,
+{
     let mut names = Vec::new();
     for history in &prepared.histories {
-        let parts: &[&str] = match history.quantity {
-            Quantity::Node(_) => &["ux [m]", "uy [m]", "vx [m/s]", "vy [m/s]"],
-            Quantity::Force(_) => &["fx [N]", "fy [N]", "ux [m]", "uy [m]"],
+        let parts: &[(&str, &str)] = match history.quantity {
+            Quantity::Node(_) => &[("u", "m"), ("v", "m/s")],
+            Quantity::Force(_) => &[("f", "N"), ("u", "m")],
             // The history has these columns in any case.
             Quantity::Energy | Quantity::CrackLength => &[],
         };
-        names.extend(parts.iter().map(|part| format!("{} {part}", history.name)));
+        for (letter, unit) in parts {
+            let axes = <[[f64; D]; N]>::AXES.iter();
+            names.extend(axes.map(|axis| format!("{} {letter}{axis} [{unit}]", history.name)));
+        }
     }
     names
 }
 
 /// The nodes of the boundary whose force a history records, each once.
-fn target(history: &Recorded, prepared: &Prepared) -> Vec<u32> {
+fn target<const D: usize, const N: usize>(history: &Recorded, prepared: &Prepared<D, N>) -> Vec<u32> {
     let Quantity::Force(boundary) = history.quantity else { return Vec::new() };
     let mut nodes = match &prepared.model.boundaries[boundary].target {
         Target::Nodes(nodes) => nodes.clone(),
@@ -320,11 +373,14 @@ fn target(history: &Recorded, prepared: &Prepared) -> Vec<u32> {
 }
 
 /// The mean displacement of some nodes, m.
-fn mean_displacement(run: &Simulation, nodes: &[u32]) -> [f64; 2] {
-    let mut sum = [0.0; 2];
+fn mean_displacement<const D: usize, const N: usize>(run: &Simulation<D, N>, nodes: &[u32]) -> [f64; D]
+where
+    [[f64; D]; N]: Results<D, N>,
+{
+    let mut sum = [0.0; D];
     for &node in nodes {
-        let (moved, _) = run.node(node).unwrap_or_default();
-        sum = [sum[0] + moved[0], sum[1] + moved[1]];
+        let (moved, _) = run.node(node).unwrap_or(([0.0; D], [0.0; D]));
+        sum = std::array::from_fn(|axis| sum[axis] + moved[axis]);
     }
     sum.map(|sum| sum / nodes.len().max(1) as f64)
 }

@@ -4,6 +4,8 @@ use std::fs::{File, OpenOptions};
 use std::io::{IsTerminal, Write};
 use std::time::{Duration, Instant};
 
+use fdem_io::numbers::{brief, grouped};
+use fdem_results::Fragments;
 use fdem_simulation::Simulation;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
@@ -13,8 +15,8 @@ use crate::command::failure::Failure;
 use crate::command::progress::{bar_of_run, columns, fitted};
 use crate::command::run::account::{Account, PARTS};
 use crate::command::run::folder::{Folder, LOG};
+use crate::command::run::results::Results;
 use crate::model::Prepared;
-use crate::numbers::{brief, grouped};
 
 /// Time between two updates of the bar.
 const REFRESH: Duration = Duration::from_millis(100);
@@ -37,7 +39,15 @@ pub(crate) struct Told {
 }
 
 impl Told {
-    pub(crate) fn new(folder: &Folder, run: &Simulation, total: u64, quiet: bool) -> Result<Self, Failure> {
+    pub(crate) fn new<const D: usize, const N: usize>(
+        folder: &Folder,
+        run: &Simulation<D, N>,
+        total: u64,
+        quiet: bool,
+    ) -> Result<Self, Failure>
+    where
+        [[f64; D]; N]: Results<D, N>,
+    {
         let path = folder.path(LOG);
         let log = OpenOptions::new().create(true).append(true).open(&path);
         let terminal = std::io::stderr().is_terminal();
@@ -87,7 +97,10 @@ impl Told {
     }
 
     /// Updates the progress.
-    pub(crate) fn show(&mut self, run: &Simulation) {
+    pub(crate) fn show<const D: usize, const N: usize>(&mut self, run: &Simulation<D, N>)
+    where
+        [[f64; D]; N]: Results<D, N>,
+    {
         let percent = 100 * run.steps() / self.total.max(1) / PERCENT;
         let line = percent > self.percent;
         if !line && self.last.elapsed() < REFRESH {
@@ -132,8 +145,17 @@ impl Told {
     }
 }
 
-/// Returns the contents of `run.json`. `account`: the times of the whole run.
-pub(crate) fn json(run: &Simulation, prepared: &Prepared, status: &str, account: &Account) -> Value {
+/// Returns the contents of `run.json`. `account`: the times of the whole run; `fragments`: those of now.
+pub(crate) fn json<const D: usize, const N: usize>(
+    run: &Simulation<D, N>,
+    prepared: &Prepared<D, N>,
+    status: &str,
+    account: &Account,
+    fragments: &Fragments<D>,
+) -> Value
+where
+    [[f64; D]; N]: Results<D, N>,
+{
     let (counts, energies) = (run.counts(), run.energies());
     let mut timings: serde_json::Map<String, Value> = PARTS
         .into_iter()
@@ -143,6 +165,7 @@ pub(crate) fn json(run: &Simulation, prepared: &Prepared, status: &str, account:
     timings.insert("output".to_owned(), json!(account.output));
     timings.insert("total".to_owned(), json!(account.seconds));
     let critical = run.critical_step();
+    let (fragment_count, sizes) = (fragments.count(), fragments.sizes());
     json!({
         "version": env!("CARGO_PKG_VERSION"),
         "title": prepared.title,
@@ -167,7 +190,14 @@ pub(crate) fn json(run: &Simulation, prepared: &Prepared, status: &str, account:
         "detections": account.detections,
         "joints": counts.joints,
         "broken_joints": counts.broken,
-        "crack_length": run.crack_lengths().iter().sum::<f64>(),
+        <[[f64; D]; N]>::CRACKED.0: run.crack_lengths().iter().sum::<f64>(),
+        "fragments": {
+            "number": fragment_count.number,
+            "largest": fragment_count.largest,
+            "d20": sizes.size(0.2),
+            "d50": sizes.size(0.5),
+            "d80": sizes.size(0.8),
+        },
         "energies": {
             "kinetic": energies.kinetic,
             "strain": energies.strain,
@@ -186,14 +216,14 @@ pub(crate) fn json(run: &Simulation, prepared: &Prepared, status: &str, account:
 }
 
 /// SHA-256 of positions, velocities, stresses, cracks and energies. It does not depend on the number of threads or on interruptions.
-fn state_hash(run: &Simulation) -> String {
+fn state_hash<const D: usize, const N: usize>(run: &Simulation<D, N>) -> String
+where
+    [[f64; D]; N]: Results<D, N>,
+{
     let (snapshot, energies) = (run.snapshot(), run.energies());
     let mut hash = Sha256::new();
     let mut add = |number: f64| hash.update(number.to_bits().to_le_bytes());
-    for [x, y] in snapshot.positions.iter().chain(&snapshot.velocities) {
-        add(*x);
-        add(*y);
-    }
+    snapshot.positions.iter().chain(&snapshot.velocities).flatten().for_each(|&number| add(number));
     snapshot.stresses.iter().flatten().chain(&snapshot.damage).for_each(|&number| add(number));
     for crack in &snapshot.cracks {
         [crack.damage, crack.opening, crack.sliding, crack.time.unwrap_or(f64::NAN)]

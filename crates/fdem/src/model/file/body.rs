@@ -5,7 +5,10 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-/// A body, or several of one kind. It has exactly one shape: mesh, rectangle, disc, ring, polygon, voronoi or packing.
+use crate::model::file::Vector;
+
+/// A body, or several of one kind. It has exactly one shape: mesh, voronoi or packing; in two dimensions rectangle, disc, ring or polygon; in three dimensions box,
+/// cylinder, tube, sphere, polyhedron, surface or extrusion.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Body {
@@ -24,16 +27,19 @@ pub struct Body {
     /// Angle by which the body is turned about the middle of its bounding box, degrees, counter-clockwise. Default: 0.
     #[serde(default)]
     pub angle: f64,
-    /// Translation [x, y] after the turn, m. Default: [0, 0].
+    /// In three dimensions: axis [x, y, z] about which the body is turned. Default: [0, 0, 1].
     #[serde(default)]
-    pub translate: [f64; 2],
-    /// Velocity [x, y] at the start, m/s. Default: [0, 0].
+    pub axis: Option<[f64; 3]>,
+    /// Translation [x, y] or [x, y, z] after the turn, m. Default: none.
     #[serde(default)]
-    pub velocity: Option<[f64; 2]>,
-    /// A file with a mesh of triangles: Gmsh .msh 2.2 or 4.1, or another format that `fdem contacts` reads. Its path is relative to the model file.
+    pub translate: Option<Vector>,
+    /// Velocity [x, y] or [x, y, z] at the start, m/s. Default: rest.
+    #[serde(default)]
+    pub velocity: Option<Vector>,
+    /// A file with a mesh of triangles or of tetrahedra: Gmsh .msh 2.2 or 4.1, VTU, or another format that `fdem contacts` reads. Its path is relative to the model file.
     #[serde(default)]
     pub mesh: Option<String>,
-    /// Physical groups of surfaces to take from a mesh file. Default: the whole file.
+    /// Physical groups of surfaces, or of volumes, to take from a mesh file. Default: the whole file.
     #[serde(default)]
     pub only: Option<Vec<String>>,
     /// Materials of physical groups of a mesh file, as { group = "material" }. Groups that are not named have the material of the body.
@@ -51,6 +57,28 @@ pub struct Body {
     /// A polygon.
     #[serde(default)]
     pub polygon: Option<Polygon>,
+    /// A box along the axes.
+    #[serde(default, rename = "box")]
+    #[schemars(rename = "box")]
+    pub block: Option<Block>,
+    /// A cylinder.
+    #[serde(default)]
+    pub cylinder: Option<Cylinder>,
+    /// The volume between two cylinders with the same axis.
+    #[serde(default)]
+    pub tube: Option<Tube>,
+    /// A sphere.
+    #[serde(default)]
+    pub sphere: Option<Sphere>,
+    /// The smallest convex polyhedron around points.
+    #[serde(default)]
+    pub polyhedron: Option<Polyhedron>,
+    /// A file with a closed surface of triangles, STL or OBJ, whose inside is meshed. Its path is relative to the model file.
+    #[serde(default)]
+    pub surface: Option<String>,
+    /// A flat outline drawn out along z.
+    #[serde(default)]
+    pub extrusion: Option<Extrusion>,
     /// Voronoi grains in an outline. Their boundaries are edges of the mesh.
     #[serde(default)]
     pub voronoi: Option<Voronoi>,
@@ -99,6 +127,80 @@ pub struct Ring {
     pub inner_radius: f64,
 }
 
+/// A box along the axes. Its faces are the groups "left" and "right" (x), "front" and "back" (y), "bottom" and "top" (z).
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "Box")]
+pub struct Block {
+    /// Least corner [x, y, z], m.
+    pub min: [f64; 3],
+    /// Greatest corner [x, y, z], m.
+    pub max: [f64; 3],
+}
+
+/// A cylinder. Its faces are the groups "bottom" (at `from`), "top" (at `to`) and "mantle".
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Cylinder {
+    /// Centre of one end [x, y, z], m.
+    pub from: [f64; 3],
+    /// Centre of the other end [x, y, z], m.
+    pub to: [f64; 3],
+    /// Radius, m.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub radius: f64,
+}
+
+/// The volume between two cylinders with the same axis. Its faces are the groups "bottom" (at `from`), "top" (at `to`), "mantle" and "inside".
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Tube {
+    /// Centre of one end [x, y, z], m.
+    pub from: [f64; 3],
+    /// Centre of the other end [x, y, z], m.
+    pub to: [f64; 3],
+    /// Outer radius, m.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub radius: f64,
+    /// Inner radius, m.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub inner_radius: f64,
+}
+
+/// A sphere.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Sphere {
+    /// Centre [x, y, z], m. Default: [0, 0, 0].
+    #[serde(default)]
+    pub centre: [f64; 3],
+    /// Radius, m.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub radius: f64,
+}
+
+/// The smallest convex polyhedron around points. Its flat faces are the groups "face-1", "face-2", ….
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Polyhedron {
+    /// Points [x, y, z], m. Those inside of the others count for nothing.
+    #[schemars(length(min = 4))]
+    pub points: Vec<[f64; 3]>,
+}
+
+/// A flat outline drawn out along z. Its faces are the groups "bottom", "top", "outer" and "holes".
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Extrusion {
+    /// The outline: { rectangle = … }, { disc = … } or { polygon = … }.
+    pub outline: Outline,
+    /// Least z, m. Default: 0.
+    #[serde(default)]
+    pub from: f64,
+    /// Greatest z, m.
+    pub to: f64,
+}
+
 /// A polygon, which may have holes.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -125,7 +227,7 @@ pub enum Hole {
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Voronoi {
-    /// Outline that the grains fill: { rectangle = … }, { disc = … } or { polygon = … }.
+    /// Outline that the grains fill: { rectangle = … }, { disc = … } or { polygon = … }; in three dimensions { box = … } or { polyhedron = … }.
     pub outline: Outline,
     /// Number of grains.
     #[schemars(range(min = 1, max = 100_000))]
@@ -133,7 +235,7 @@ pub struct Voronoi {
     /// Seed of the grains: another seed gives other grains. Default: 1.
     #[serde(default = "seed")]
     pub seed: u64,
-    /// Rounds in which each point moves to the middle of its cell (Lloyd's algorithm): the more, the more alike the grains. Default: 3.
+    /// In two dimensions: rounds in which each point moves to the middle of its cell (Lloyd's algorithm): the more, the more alike the grains. Default: 3.
     #[serde(default = "rounds")]
     #[schemars(range(max = 100))]
     pub rounds: u32,
@@ -143,7 +245,7 @@ pub struct Voronoi {
     pub materials: Vec<String>,
 }
 
-/// Outline of grains; exactly one of the keys.
+/// An outline; exactly one of the keys. The last two are for grains in three dimensions.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Outline {
@@ -156,6 +258,27 @@ pub struct Outline {
     /// A polygon.
     #[serde(default)]
     pub polygon: Option<Polygon>,
+    /// A box along the axes.
+    #[serde(default, rename = "box")]
+    #[schemars(rename = "box")]
+    pub block: Option<Block>,
+    /// A convex polyhedron.
+    #[serde(default)]
+    pub polyhedron: Option<Polyhedron>,
+}
+
+impl Outline {
+    /// The keys that are given, with their dimensions.
+    pub(crate) fn given(&self) -> Vec<(&'static str, u8)> {
+        let all = [
+            ("rectangle", 2, self.rectangle.is_some()),
+            ("disc", 2, self.disc.is_some()),
+            ("polygon", 2, self.polygon.is_some()),
+            ("box", 3, self.block.is_some()),
+            ("polyhedron", 3, self.polyhedron.is_some()),
+        ];
+        all.into_iter().filter(|(.., given)| *given).map(|(key, dimensions, _)| (key, dimensions)).collect()
+    }
 }
 
 /// Bodies of one kind that do not overlap, at random places or from a file.

@@ -3,6 +3,8 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
+use crate::model::file::Vector;
+
 /// A support, motion or load on a part of the bodies. Where: `body` (default: all bodies) and at most one of side, box, group. What: exactly one of
 /// fixed, velocity, displacement, force, traction, pressure, absorbing. When: ramp or table (default: constant from the start).
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
@@ -14,35 +16,37 @@ pub struct Boundary {
     /// Name of a body. Without side, box and group the boundary acts on all of the body. Default: all bodies.
     #[serde(default)]
     pub body: Option<String>,
-    /// Side of the body, or of all bodies together: the nodes farthest to the "left", "right", "top" or "bottom".
+    /// Side of the body, or of all bodies together: the nodes farthest to the "left", "right", "top" or "bottom"; in three dimensions also "front" or "back". Left and right are along x, bottom and top along the last axis, front and back along y.
     #[serde(default)]
     pub side: Option<Side>,
-    /// Box [xmin, ymin, xmax, ymax], m: the nodes and edges inside.
+    /// Box [xmin, ymin, xmax, ymax] or [xmin, ymin, zmin, xmax, ymax, zmax], m: the nodes and edges, or faces, inside.
     #[serde(default, rename = "box")]
-    #[schemars(rename = "box")]
-    pub limits: Option<[f64; 4]>,
-    /// Physical group of curves or surfaces of a mesh file. Other shapes have the groups "outer" (the outline), "holes" (all holes) and "hole-1", "hole-2", …
+    #[schemars(rename = "box", length(min = 4, max = 6))]
+    pub limits: Option<Vec<f64>>,
+    /// Physical group of a mesh file: of curves or surfaces, in three dimensions of surfaces or volumes. Flat shapes have the groups "outer" (the outline), "holes" (all holes) and "hole-1", "hole-2", …; those of shapes in space are told with each.
     #[serde(default)]
     pub group: Option<String>,
-    /// Directions in which the nodes are held: "x", "y" or "xy".
+    /// Directions in which the nodes are held: "x", "y", "z" or several of them, such as "xy" or "xyz".
     #[serde(default)]
     pub fixed: Option<Fixed>,
-    /// Prescribed velocity [x, y], m/s. A component may be "free".
+    /// Prescribed velocity [x, y] or [x, y, z], m/s. A component may be "free".
     #[serde(default)]
-    pub velocity: Option<[Component; 2]>,
-    /// Prescribed displacement [x, y] from the start, m. A component may be "free".
+    #[schemars(length(min = 2, max = 3))]
+    pub velocity: Option<Vec<Component>>,
+    /// Prescribed displacement [x, y] or [x, y, z] from the start, m. A component may be "free".
     #[serde(default)]
-    pub displacement: Option<[Component; 2]>,
-    /// Total force [x, y], N. Each node gets an equal part.
+    #[schemars(length(min = 2, max = 3))]
+    pub displacement: Option<Vec<Component>>,
+    /// Total force [x, y] or [x, y, z], N. Each node gets an equal part.
     #[serde(default)]
-    pub force: Option<[f64; 2]>,
-    /// Traction [x, y] on edges of the outline, Pa, in fixed directions.
+    pub force: Option<Vector>,
+    /// Traction [x, y] or [x, y, z] on edges of the outline, or on outer faces, Pa, in fixed directions.
     #[serde(default)]
-    pub traction: Option<[f64; 2]>,
-    /// Pressure on edges of the outline, Pa, against their outward normals.
+    pub traction: Option<Vector>,
+    /// Pressure on edges of the outline, or on outer faces, Pa, against their outward normals.
     #[serde(default)]
     pub pressure: Option<f64>,
-    /// true: edges of the outline absorb waves (Lysmer and Kuhlemeyer), carry the initial stress, and support the body with the stiffness of the ground beyond. Default: false.
+    /// true: edges of the outline, or outer faces, absorb waves (Lysmer and Kuhlemeyer), carry the initial stress, and support the body with the stiffness of the ground beyond. Default: false.
     #[serde(default)]
     pub absorbing: bool,
     /// Time within which the load rises from 0 to its full value, as half a cosine, s.
@@ -63,10 +67,14 @@ pub enum Side {
     Left,
     /// Largest x.
     Right,
-    /// Largest y.
+    /// Largest y in two dimensions, z in three.
     Top,
-    /// Smallest y.
+    /// Smallest y in two dimensions, z in three.
     Bottom,
+    /// Smallest y, in three dimensions.
+    Front,
+    /// Largest y, in three dimensions.
+    Back,
 }
 
 /// Directions in which nodes are held.
@@ -77,8 +85,31 @@ pub enum Fixed {
     X,
     /// Along y.
     Y,
-    /// Both.
+    /// Along z.
+    Z,
+    /// Along x and y.
     Xy,
+    /// Along x and z.
+    Xz,
+    /// Along y and z.
+    Yz,
+    /// Along all axes.
+    Xyz,
+}
+
+impl Fixed {
+    /// Whether nodes are held along x, y and z.
+    pub(crate) fn axes(self) -> [bool; 3] {
+        match self {
+            Self::X => [true, false, false],
+            Self::Y => [false, true, false],
+            Self::Z => [false, false, true],
+            Self::Xy => [true, true, false],
+            Self::Xz => [true, false, true],
+            Self::Yz => [false, true, true],
+            Self::Xyz => [true; 3],
+        }
+    }
 }
 
 /// A number, or "free".

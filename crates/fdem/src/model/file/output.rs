@@ -3,7 +3,9 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use crate::results::Field;
+use fdem_results::Field;
+
+use crate::model::file::Vector;
 
 /// Results to write.
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
@@ -27,6 +29,9 @@ pub struct Output {
     #[serde(default)]
     #[schemars(range(min = 100, max = 1_000_000))]
     pub shown_elements: Option<u32>,
+    /// Names of bodies whose fragments are counted in the history, the summary and the plots. Default: all bodies that can break, or all if none can.
+    #[serde(default)]
+    pub fragments: Option<Vec<String>>,
     /// Time between rows of the history, s. Default: a thousandth of the end time.
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0))]
@@ -58,9 +63,9 @@ pub struct History {
     /// Name of its column.
     #[schemars(length(min = 1))]
     pub name: String,
-    /// Displacement and velocity of the node nearest to [x, y], m.
+    /// Displacement and velocity of the node nearest to [x, y] or [x, y, z], m.
     #[serde(default)]
-    pub node: Option<[f64; 2]>,
+    pub node: Option<Vector>,
     /// Body among whose nodes the one nearest to `node` is taken. Default: all bodies.
     #[serde(default)]
     pub body: Option<String>,
@@ -70,7 +75,7 @@ pub struct History {
     /// true: all energies, J. They are recorded in any case.
     #[serde(default)]
     pub energy: bool,
-    /// true: length of the cracks, m. It is recorded in any case.
+    /// true: length of the cracks, m, or their area, m². It is recorded in any case.
     #[serde(default)]
     pub crack_length: bool,
     /// Time between rows, s. The history is one table with the shortest of all intervals. Default: that of `[output]`.

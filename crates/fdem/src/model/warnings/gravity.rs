@@ -2,11 +2,11 @@
 
 use fdem_contact::narrow::{Measure, Triangle, triangle_triangle_2d};
 use fdem_contact::{Couple, Detector, Elements, Filter, Search};
+use fdem_io::numbers::brief;
 use fdem_simulation::{Load, Model, Schedule, Target};
 
 use crate::model::Body;
 use crate::model::outline::bounds;
-use crate::numbers::brief;
 
 /// Bodies rest on each other if the gap between them is below this share of the shortest edge of an element's box.
 const RESTING: f64 = 1e-3;

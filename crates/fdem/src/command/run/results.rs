@@ -1,0 +1,185 @@
+//! What the results of two and of three dimensions differ in.
+
+use fdem_results::{
+    Animation, AnimationError, Field, Frame, FrameError, FrameView, MOST_INSIDE, Names, Outlines, Pictures,
+    Plot, Range, Report, Shell, Show, SnapshotError, SpaceAnimation, SpaceFrame, SpacePictures, SpaceReport,
+    SpaceView,
+};
+use fdem_simulation::Snapshot;
+
+use crate::command::run::folder::Checkpoint;
+use crate::model::{Dimensions, Prepared};
+
+/// Time between two pictures of an animation, in hundredths of a second.
+const DELAY: u16 = 8;
+
+/// Elements in all frames of a run in space for which a page has room: about 25 bytes each.
+const INSIDE: usize = 1_500_000;
+
+/// Results of a run in `D` dimensions.
+pub(crate) trait Results<const D: usize, const N: usize>: Dimensions<D, N> {
+    /// What is drawn as lines, found once for a mesh.
+    type Outlines;
+
+    /// A compressed snapshot.
+    type Frame;
+
+    /// Names of the components of vectors.
+    const AXES: &'static [&'static str];
+
+    /// What a crack has, and its unit.
+    const CRACKED: (&'static str, &'static str);
+
+    fn checkpoint(bytes: &[u8]) -> Result<Checkpoint<D, N>, postcard::Error>;
+
+    fn checkpoint_bytes(checkpoint: &Checkpoint<D, N>) -> Result<Vec<u8>, postcard::Error>;
+
+    fn outlines(prepared: &Prepared<D, N>) -> Self::Outlines;
+
+    /// The bytes of a frame, one of so many.
+    fn frame(
+        snapshot: &Snapshot<D, N>,
+        outlines: &Self::Outlines,
+        shown: [usize; 2],
+        frames: usize,
+    ) -> Result<Vec<u8>, SnapshotError>;
+
+    fn opened(bytes: &[u8]) -> Result<Self::Frame, FrameError>;
+
+    fn draw(run: &Drawn<'_>, frames: &[Self::Frame]) -> Drawings;
+}
+
+/// What is drawn of a run beside its frames.
+pub(crate) struct Drawn<'a> {
+    pub(crate) title: &'a str,
+    pub(crate) facts: &'a [(&'a str, &'a str)],
+    pub(crate) plots: &'a [Plot],
+    pub(crate) field: Field,
+    /// Field of the animation; `None` for no animation.
+    pub(crate) animate: Option<Field>,
+    pub(crate) names: &'a Names,
+}
+
+/// The drawings of a run, or why there are none.
+pub(crate) struct Drawings {
+    pub(crate) picture: Option<Result<Vec<u8>, String>>,
+    pub(crate) animation: Option<Result<Vec<u8>, String>>,
+    pub(crate) report: Result<String, String>,
+}
+
+impl Results<2, 3> for [[f64; 2]; 3] {
+    type Outlines = Outlines;
+    type Frame = Frame;
+
+    const AXES: &'static [&'static str] = &["x", "y"];
+    const CRACKED: (&'static str, &'static str) = ("crack_length", "m");
+
+    fn checkpoint(bytes: &[u8]) -> Result<Checkpoint<2, 3>, postcard::Error> {
+        postcard::from_bytes(bytes)
+    }
+
+    fn checkpoint_bytes(checkpoint: &Checkpoint<2, 3>) -> Result<Vec<u8>, postcard::Error> {
+        postcard::to_allocvec(checkpoint)
+    }
+
+    fn outlines(prepared: &Prepared) -> Outlines {
+        Outlines::new(&prepared.model.mesh, &prepared.grains)
+    }
+
+    fn frame(
+        snapshot: &Snapshot,
+        outlines: &Outlines,
+        [most, sample]: [usize; 2],
+        _: usize,
+    ) -> Result<Vec<u8>, SnapshotError> {
+        // The report shows a sample of a mesh that is too large for a page; files for ParaView are complete.
+        let most = if snapshot.elements.len() > most { sample } else { usize::MAX };
+        Ok(Frame::sampled(snapshot, outlines, most)?.to_bytes())
+    }
+
+    fn opened(bytes: &[u8]) -> Result<Frame, FrameError> {
+        Frame::from_bytes(bytes)
+    }
+
+    fn draw(run: &Drawn<'_>, frames: &[Frame]) -> Drawings {
+        let &Drawn { title, facts, plots, field, animate, names } = run;
+        let view = FrameView::of(frames);
+        let pictures = |field| Pictures { title, field, range: Range::of(frames, field), view };
+        let animation = |asked| {
+            let mut animation = Animation::new(pictures(asked), None, DELAY);
+            frames.iter().try_for_each(|frame| animation.push(frame))?;
+            animation.finish()
+        };
+        Drawings {
+            picture: frames
+                .last()
+                .map(|last| pictures(field).png(last, None).map_err(|error| error.to_string())),
+            animation: animate.map(|asked| animation(asked).map_err(|error| error.to_string())),
+            report: Report { title, facts, plots, frames, field, names }
+                .html()
+                .map_err(|error| error.to_string()),
+        }
+    }
+}
+
+impl Results<3, 4> for [[f64; 3]; 4] {
+    type Outlines = Shell;
+    type Frame = SpaceFrame;
+
+    const AXES: &'static [&'static str] = &["x", "y", "z"];
+    const CRACKED: (&'static str, &'static str) = ("crack_area", "m²");
+
+    fn checkpoint(bytes: &[u8]) -> Result<Checkpoint<3, 4>, postcard::Error> {
+        postcard::from_bytes(bytes)
+    }
+
+    fn checkpoint_bytes(checkpoint: &Checkpoint<3, 4>) -> Result<Vec<u8>, postcard::Error> {
+        postcard::to_allocvec(checkpoint)
+    }
+
+    fn outlines(prepared: &Prepared<3, 4>) -> Shell {
+        Shell::new(&prepared.model.mesh, &prepared.grains)
+    }
+
+    fn frame(
+        snapshot: &Snapshot<3, 4>,
+        shell: &Shell,
+        _: [usize; 2],
+        frames: usize,
+    ) -> Result<Vec<u8>, SnapshotError> {
+        let most = MOST_INSIDE.min(INSIDE / frames.max(1));
+        Ok(SpaceFrame::with_inside(snapshot, shell, most)?.to_bytes())
+    }
+
+    fn opened(bytes: &[u8]) -> Result<SpaceFrame, FrameError> {
+        SpaceFrame::from_bytes(bytes)
+    }
+
+    fn draw(run: &Drawn<'_>, frames: &[SpaceFrame]) -> Drawings {
+        let &Drawn { title, facts, plots, field, animate, names } = run;
+        let view = SpaceView::of(frames);
+        let pictures = |field| SpacePictures {
+            title,
+            field,
+            range: Range::of_space(frames, field),
+            view,
+            show: Show::Solid,
+            cut: None,
+        };
+        let animation = |asked| {
+            let mut animation = SpaceAnimation::new(pictures(asked), None, DELAY);
+            frames.iter().try_for_each(|frame| animation.push(frame))?;
+            animation.finish()
+        };
+        let picture =
+            frames.last().map(|last| pictures(field).png(last, None).map_err(|error| error.to_string()));
+        let preview = picture.as_ref().and_then(|picture| picture.as_deref().ok());
+        let report = SpaceReport { title, facts, plots, frames, field, names };
+        Drawings {
+            report: report.html(preview).map_err(|error| error.to_string()),
+            picture,
+            animation: animate
+                .map(|asked| animation(asked).map_err(|error: AnimationError| error.to_string())),
+        }
+    }
+}

@@ -1,0 +1,233 @@
+//! The dimensions of a model: what tells them, what has to fit them, and what differs between them.
+
+use std::fmt::Write;
+
+use fdem_mesh::Simplex;
+use fdem_simulation::{Element, Model};
+
+use crate::model::bodies::{self, Load, Placed};
+use crate::model::document::{Document, Table};
+use crate::model::fault::Fault;
+use crate::model::file::{Body, Gravity, ModelFile, Side};
+use crate::model::mesh_file::{self, Problem};
+use crate::model::piece::Piece;
+use crate::model::slivers::Slivers;
+use crate::model::{Quality, connected, joined, locking, plane, space, warnings};
+
+/// What the two- and three-dimensional models differ in, before they are simulated.
+pub(crate) trait Dimensions<const D: usize, const N: usize>:
+    Element<D, N> + Simplex<D, N> + AsRef<[[f64; D]]> + Copy
+{
+    /// A facet of one element only, in messages.
+    const OUTER_FACET: &'static str;
+
+    /// The meshed pieces of a body: one, unless it is a packing.
+    fn pieces(file: &ModelFile, body: &Body, load: &mut Load<'_>) -> Result<Vec<Piece<D, N>>, Problem>;
+
+    /// The rotation by an angle, degrees, about an axis.
+    fn turn(angle: f64, axis: Option<[f64; 3]>) -> [[f64; D]; D];
+
+    /// The stress with these components, as the model file has them.
+    fn stress(components: &[f64]) -> [[f64; D]; D];
+
+    /// What is possible, but probably not meant.
+    fn warnings(prepared: &Ready<'_, D, N>) -> Vec<String>;
+
+    /// Elements that make the time step much shorter than all others would.
+    fn slivers(model: &Model<D, N>) -> Option<Slivers>;
+}
+
+/// A model that is ready to run, with its bodies.
+pub(crate) struct Ready<'a, const D: usize, const N: usize> {
+    pub(crate) file: &'a ModelFile,
+    pub(crate) model: &'a Model<D, N>,
+    pub(crate) placed: &'a [Placed<D, N>],
+    pub(crate) bodies: &'a [super::Body],
+    pub(crate) quality: &'a Quality,
+}
+
+impl Dimensions<2, 3> for [[f64; 2]; 3] {
+    const OUTER_FACET: &'static str = "edge of an outline";
+
+    fn pieces(file: &ModelFile, body: &Body, load: &mut Load<'_>) -> Result<Vec<Piece>, Problem> {
+        plane::pieces(file, body, load)
+    }
+
+    fn turn(angle: f64, _: Option<[f64; 3]>) -> [[f64; 2]; 2] {
+        let (sine, cosine) = libm::sincos(angle.to_radians());
+        [[cosine, -sine], [sine, cosine]]
+    }
+
+    fn stress(components: &[f64]) -> [[f64; 2]; 2] {
+        let [xx, yy, xy] = components.try_into().unwrap_or([0.0; 3]);
+        [[xx, xy], [xy, yy]]
+    }
+
+    fn warnings(ready: &Ready<'_, 2, 3>) -> Vec<String> {
+        let mut warnings = Vec::new();
+        for body in ready.placed.iter().filter(|body| ready.file.body[body.table].mesh.is_some()) {
+            connected::warnings(&body.name, &body.piece, &mut warnings);
+        }
+        joined::warnings(ready.model, &mut warnings);
+        locking::warnings(ready.model, ready.placed, &mut warnings);
+        warnings.extend(warnings::of_plane(ready));
+        warnings
+    }
+
+    fn slivers(model: &Model) -> Option<Slivers> {
+        Slivers::of(model)
+    }
+}
+
+impl Dimensions<3, 4> for [[f64; 3]; 4] {
+    const OUTER_FACET: &'static str = "outer face";
+
+    fn pieces(file: &ModelFile, body: &Body, load: &mut Load<'_>) -> Result<Vec<Piece<3, 4>>, Problem> {
+        space::pieces(file, body, load)
+    }
+
+    /// Rodrigues' formula.
+    fn turn(angle: f64, axis: Option<[f64; 3]>) -> [[f64; 3]; 3] {
+        let (sine, cosine) = libm::sincos(angle.to_radians());
+        let axis = axis.unwrap_or([0.0, 0.0, 1.0]);
+        let length = axis.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let [x, y, z] = axis.map(|component| component / length);
+        let across = [[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]];
+        let along = [x, y, z];
+        std::array::from_fn(|i| {
+            std::array::from_fn(|k| {
+                let one = f64::from(u8::from(i == k));
+                one * cosine + sine * across[i][k] + (1.0 - cosine) * along[i] * along[k]
+            })
+        })
+    }
+
+    fn stress(components: &[f64]) -> [[f64; 3]; 3] {
+        let [xx, yy, zz, xy, yz, xz] = components.try_into().unwrap_or([0.0; 6]);
+        [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
+    }
+
+    fn warnings(ready: &Ready<'_, 3, 4>) -> Vec<String> {
+        let mut warnings = Vec::new();
+        for body in ready.placed.iter().filter(|body| ready.file.body[body.table].mesh.is_some()) {
+            connected::warnings_in_space(&body.name, &body.piece, &mut warnings);
+        }
+        joined::warnings(ready.model, &mut warnings);
+        locking::warnings_in_space(ready.model, &mut warnings);
+        warnings.extend(warnings::of_space(ready));
+        warnings
+    }
+
+    fn slivers(model: &Model<3, 4>) -> Option<Slivers> {
+        Slivers::of(model)
+    }
+}
+
+/// The dimensions of a model: those that it says, or that its bodies have.
+pub(crate) fn of(file: &ModelFile, load: &mut Load<'_>) -> u8 {
+    let told = || file.body.iter().find_map(bodies::dimensions);
+    let vectors = || match &file.model.gravity {
+        Gravity::Vector(gravity) => Some(gravity.0.len() as u8),
+        Gravity::None(_) => None,
+    };
+    let mut from_files = || {
+        let name = file.body.iter().find_map(|body| body.mesh.as_ref())?;
+        let bytes = load(name).ok()?;
+        Some(if mesh_file::is_in_space(&bytes, name) { 3 } else { 2 })
+    };
+    file.model.dimensions.or_else(told).or_else(vectors).or_else(&mut from_files).unwrap_or(2)
+}
+
+/// Finds vectors, boxes and stresses whose number of components is not that of the model.
+pub(crate) fn check(file: &ModelFile, document: &Document<'_>, dimensions: u8, faults: &mut Vec<Fault>) {
+    let d = usize::from(dimensions);
+    let mut vectors: Vec<(Table, String, usize, usize)> = Vec::new();
+    let general = Table::one("model");
+    if let Gravity::Vector(gravity) = &file.model.gravity {
+        vectors.push((general, "gravity".to_owned(), gravity.0.len(), d));
+    }
+    let initial = Table::one("initial");
+    for (name, velocity) in &file.initial.velocity {
+        vectors.push((initial, format!("velocity.{name}"), velocity.0.len(), d));
+    }
+    let components = d * (d + 1) / 2;
+    for (key, stress) in
+        [("stress", &file.initial.stress), ("stress_gradient", &file.initial.stress_gradient)]
+    {
+        vectors.extend(stress.as_ref().map(|stress| (initial, key.to_owned(), stress.len(), components)));
+    }
+    for (index, body) in file.body.iter().enumerate() {
+        let table = Table::of("body", index);
+        for (key, vector) in [("translate", &body.translate), ("velocity", &body.velocity)] {
+            vectors.extend(vector.as_ref().map(|vector| (table, key.to_owned(), vector.0.len(), d)));
+        }
+        if body.axis.is_some() && d == 2 {
+            faults.push(
+                Fault::at(document.key(table, "axis"), "\"axis\" is for models in three dimensions")
+                    .label("take it out"),
+            );
+        }
+        if body.axis == Some([0.0; 3]) {
+            faults.push(
+                Fault::at(document.value(table, "axis"), "\"axis\" has no direction").label("all zeros"),
+            );
+        }
+    }
+    for (index, boundary) in file.boundary.iter().enumerate() {
+        let table = Table::of("boundary", index);
+        let lengths = [
+            ("box", boundary.limits.as_ref().map(Vec::len), 2 * d),
+            ("velocity", boundary.velocity.as_ref().map(Vec::len), d),
+            ("displacement", boundary.displacement.as_ref().map(Vec::len), d),
+            ("force", boundary.force.as_ref().map(|force| force.0.len()), d),
+            ("traction", boundary.traction.as_ref().map(|traction| traction.0.len()), d),
+        ];
+        for (key, found, wanted) in lengths {
+            vectors.extend(found.map(|found| (table, key.to_owned(), found, wanted)));
+        }
+        if d == 2 && matches!(boundary.side, Some(Side::Front | Side::Back)) {
+            faults.push(
+                Fault::at(document.value(table, "side"), "a flat body has no front and no back")
+                    .label("not in two dimensions")
+                    .help("its sides are left, right, bottom and top"),
+            );
+        }
+        if d == 2 && boundary.fixed.is_some_and(|fixed| fixed.axes()[2]) {
+            faults.push(
+                Fault::at(document.value(table, "fixed"), "a flat body cannot be held along z")
+                    .label("not in two dimensions")
+                    .help("take \"x\", \"y\" or \"xy\""),
+            );
+        }
+    }
+    for (index, history) in file.history.iter().enumerate() {
+        let node = history.node.as_ref().map(|node| node.0.len());
+        vectors.extend(node.map(|found| (Table::of("history", index), "node".to_owned(), found, d)));
+    }
+    for (table, key, found, wanted) in vectors.into_iter().filter(|(_, _, found, wanted)| found != wanted) {
+        let mut message = String::new();
+        // Writing to a string does not fail.
+        let _ = write!(
+            message,
+            "\"{key}\" has {found} numbers, where a model in {dimensions} dimensions has {wanted}"
+        );
+        faults.push(
+            Fault::at(document.value(table, &key), message)
+                .label(format!("{found} numbers"))
+                .help(form(&key, dimensions)),
+        );
+    }
+}
+
+/// How a key is written.
+fn form(key: &str, dimensions: u8) -> String {
+    let components = match (key, dimensions) {
+        ("box", 2) => "[xmin, ymin, xmax, ymax]",
+        ("box", _) => "[xmin, ymin, zmin, xmax, ymax, zmax]",
+        ("stress" | "stress_gradient", 2) => "[xx, yy, xy]",
+        ("stress" | "stress_gradient", _) => "[xx, yy, zz, xy, yz, xz]",
+        (_, 2) => "[x, y]",
+        _ => "[x, y, z]",
+    };
+    format!("write {components}, or give [model] the dimensions that are meant")
+}

@@ -1,0 +1,138 @@
+//! Bodies in the plane: how the shapes of a model file are meshed.
+
+use fdem_io::numbers::brief;
+use fdem_scenes::random::Random;
+
+use crate::model::bodies::Load;
+use crate::model::extent::{elements_of_discs, too_many};
+use crate::model::file::{Body, Hole, ModelFile, Outline, Packing, Voronoi};
+use crate::model::materials;
+use crate::model::mesh_file::{self, Problem, materials_of_groups};
+use crate::model::mesher::mesh;
+use crate::model::outline::{self, Domain};
+use crate::model::packing;
+use crate::model::piece::Piece;
+use crate::model::voronoi::{Grains, colours};
+
+/// The meshed pieces of a body: one, unless it is a packing.
+pub(crate) fn pieces(file: &ModelFile, body: &Body, load: &mut Load<'_>) -> Result<Vec<Piece>, Problem> {
+    // Checked before: names are known, and there is a size.
+    let material = materials::number(file, &body.material).unwrap_or(0);
+    let size = body.mesh_size.unwrap_or(f64::MAX);
+    let shape = |key: &'static str| {
+        move |message: String| Problem::new(key, format!("[[body]] \"{}\": {message}", body.name))
+    };
+    if let Some(name) = &body.mesh {
+        let bytes = load(name).map_err(|why| Problem::new("mesh", format!("cannot read {name}: {why}")))?;
+        let groups = materials_of_groups(file, body);
+        let mut piece = mesh_file::read_flat(&bytes, name, body.only.as_deref(), &groups, material)?;
+        piece.find_outline().map_err(|message| Problem::new("mesh", format!("{name}: {message}")))?;
+        return Ok(vec![piece]);
+    }
+    let uniform = |domain: &Domain, seed: u64, key: &'static str| {
+        let meshed = mesh(domain, size, seed).map_err(shape(key))?;
+        let materials = vec![material; meshed.elements.len()];
+        Piece::new(meshed, materials).map_err(shape(key))
+    };
+    if let Some(packing) = &body.packing {
+        let circles = circles(packing, load).map_err(shape("packing"))?;
+        let elements = elements_of_discs(circles.iter().map(|(_, radius)| *radius), size);
+        if let Some(message) = too_many(0.0, elements, size, None) {
+            return Err(shape("packing")(message));
+        }
+        let mut random = Random::with_stream(packing.seed, 3);
+        return (0..)
+            .zip(circles)
+            .map(|(number, circle)| {
+                let outline = packing::outline(packing, circle, size, &mut random);
+                let domain = Domain { loops: vec![outline], lines: Vec::new() };
+                uniform(&domain, body.seed.wrapping_add(number), "packing")
+            })
+            .collect();
+    }
+    if let Some(voronoi) = &body.voronoi {
+        let numbers: Vec<u32> =
+            voronoi.materials.iter().map(|name| materials::number(file, name).unwrap_or(0)).collect();
+        let mut domain = outline_domain(&voronoi.outline, size);
+        let piece = grains(voronoi, &mut domain, size, body.seed, &numbers, material);
+        return Ok(vec![piece.map_err(shape("voronoi"))?]);
+    }
+    let (key, domain) = if let Some(rectangle) = &body.rectangle {
+        ("rectangle", with_holes(outline::rectangle(rectangle).unwrap_or_default(), &rectangle.holes, size))
+    } else if let Some(disc) = &body.disc {
+        ("disc", with_holes(outline::disc(disc, size), &[], size))
+    } else if let Some(ring) = &body.ring {
+        let circles =
+            [ring.radius, ring.inner_radius].map(|radius| outline::circle(ring.centre, radius, size));
+        ("ring", Domain { loops: circles.into(), lines: Vec::new() })
+    } else if let Some(polygon) = &body.polygon {
+        ("polygon", with_holes(polygon.points.clone(), &polygon.holes, size))
+    } else {
+        return Err(Problem::new("name", "a body without shape"));
+    };
+    Ok(vec![uniform(&domain, body.seed, key)?])
+}
+
+fn with_holes(outer: Vec<outline::Point>, holes: &[Hole], size: f64) -> Domain {
+    let mut loops = vec![outer];
+    loops.extend(holes.iter().map(|hole| outline::hole(hole, size)));
+    Domain { loops, lines: Vec::new() }
+}
+
+pub(crate) fn outline_domain(of: &Outline, size: f64) -> Domain {
+    if let Some(rectangle) = &of.rectangle {
+        return with_holes(outline::rectangle(rectangle).unwrap_or_default(), &rectangle.holes, size);
+    }
+    if let Some(disc) = &of.disc {
+        return with_holes(outline::disc(disc, size), &[], size);
+    }
+    of.polygon
+        .as_ref()
+        .map_or_else(Domain::default, |polygon| with_holes(polygon.points.clone(), &polygon.holes, size))
+}
+
+fn grains(
+    voronoi: &Voronoi,
+    domain: &mut Domain,
+    size: f64,
+    seed: u64,
+    materials: &[u32],
+    default: u32,
+) -> Result<Piece, String> {
+    let grains = Grains::new(domain, voronoi.grains, voronoi.seed, voronoi.rounds)?;
+    let across = (domain.area() / voronoi.grains as f64).sqrt();
+    grains.cut(domain, size)?;
+    let meshed = mesh(domain, size, seed).map_err(|why| {
+        // The borders of such grains come closer to each other than the nodes on them.
+        if across >= size {
+            return why;
+        }
+        format!(
+            "the grains are too small for the mesh: their mean width of {} m is below the mesh size of {} m; take fewer grains or a smaller mesh_size",
+            brief(across),
+            brief(size)
+        )
+    })?;
+    let grain = grains.of_elements(&meshed)?;
+    let materials = if materials.is_empty() {
+        vec![default; grain.len()]
+    } else {
+        let colours = colours::<2, 3>(&meshed.elements, &grain, materials.len());
+        grain.iter().map(|&grain| materials[colours[grain as usize] as usize]).collect()
+    };
+    Ok(Piece { grains: grain, ..Piece::new(meshed, materials)? })
+}
+
+fn circles(packing: &Packing, load: &mut Load<'_>) -> Result<Vec<packing::Circle>, String> {
+    if let Some(name) = &packing.file {
+        let bytes = load(name).map_err(|why| format!("cannot read {name}: {why}"))?;
+        return packing::read(&bytes, name);
+    }
+    match (packing.count, packing.radius, &packing.within) {
+        (Some(count), Some(radius), Some(within)) => {
+            packing::scatter(count, radius, [within.min, within.max], packing.gap, packing.seed)
+                .map_err(|message| format!("{message}: take fewer or smaller ones, or a larger rectangle"))
+        }
+        _ => Ok(Vec::new()),
+    }
+}

@@ -1,0 +1,14 @@
+//! Cases of bodies of tetrahedra.
+
+pub(super) mod bars;
+mod bodies;
+pub(super) mod debris;
+pub(super) mod impact;
+pub(super) mod incline;
+pub(super) mod locking;
+pub(super) mod penny;
+pub(super) mod rotation;
+pub(super) mod shear;
+pub(super) mod sphere;
+pub(super) mod tension;
+pub(super) mod waves;

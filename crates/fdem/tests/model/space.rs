@@ -1,0 +1,316 @@
+//! Models in three dimensions: their shapes, groups, boundaries and mistakes.
+
+use fdem::mesh::Simplex;
+use fdem::model::{AnyPrepared, Prepared, prepare_any};
+use fdem_simulation::{Load, Simulation, Target};
+
+const STONE: &str = r#"
+[[material]]
+name = "stone"
+density = 2500
+youngs_modulus = 10e9
+poissons_ratio = 0.2
+"#;
+
+fn any(text: &str) -> Result<AnyPrepared, String> {
+    let mut load = |name: &str| match name {
+        "two.msh" => Ok(TWO_TETRAHEDRA.as_bytes().to_vec()),
+        "cube.stl" => Ok(cube_stl(true).into_bytes()),
+        "open.stl" => Ok(cube_stl(false).into_bytes()),
+        _ => Err("there is none".to_owned()),
+    };
+    prepare_any(text, "m.toml", &mut load, None).map_err(|errors| errors.to_string())
+}
+
+fn space(bodies: &str) -> Prepared<3, 4> {
+    match any(&format!("[model]\nend_time = 1e-3\n{bodies}\n{STONE}")) {
+        Ok(AnyPrepared::Space(prepared)) => *prepared,
+        Ok(AnyPrepared::Plane(_)) => panic!("it is flat"),
+        Err(errors) => panic!("{errors}"),
+    }
+}
+
+fn wrong(bodies: &str) -> String {
+    any(&format!("[model]\nend_time = 1e-3\n{bodies}\n{STONE}")).expect_err("there is a mistake")
+}
+
+fn body(shape: &str) -> String {
+    format!("[[body]]\nname = \"b\"\nmaterial = \"stone\"\n{shape}\n")
+}
+
+fn volume(prepared: &Prepared<3, 4>) -> f64 {
+    let mesh = &prepared.model.mesh;
+    mesh.elements.iter().map(|nodes| nodes.map(|node| mesh.nodes[node as usize]).measure()).sum()
+}
+
+/// Two tetrahedra with a common face, of which the first is a group, and a face of the second.
+const TWO_TETRAHEDRA: &str = "$MeshFormat
+2.2 0 8
+$EndMeshFormat
+$PhysicalNames
+3
+2 3 \"slope\"
+3 1 \"one\"
+3 2 \"other\"
+$EndPhysicalNames
+$Nodes
+5
+1 0 0 0
+2 1 0 0
+3 0 1 0
+4 0 0 1
+5 1 1 1
+$EndNodes
+$Elements
+3
+1 4 2 1 1 1 2 3 4
+2 4 2 2 2 2 3 4 5
+3 2 2 3 3 2 3 5
+$EndElements
+";
+
+/// A cube as an STL file; with all of its triangles, or without the last.
+fn cube_stl(closed: bool) -> String {
+    let corner = |k: usize| [k & 1, k >> 1 & 1, k >> 2].map(|x| x.to_string()).join(" ");
+    let quads = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+    let mut text = "solid cube\n".to_owned();
+    let all = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
+    for triangle in all.take(if closed { 12 } else { 11 }) {
+        text += "facet normal 0 0 0\nouter loop\n";
+        for k in triangle {
+            text += "vertex ";
+            text += &corner(k);
+            text += "\n";
+        }
+        text += "endloop\nendfacet\n";
+    }
+    text + "endsolid cube\n"
+}
+
+#[test]
+fn shapes_have_their_volume_and_good_angles() {
+    let round = 0.06;
+    for (shape, expected, tolerance) in [
+        ("box = { min = [0, 0, 0], max = [1, 2, 3] }\nmesh_size = 0.4", 6.0, 1e-12),
+        (
+            "polyhedron = { points = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [0.1, 0.1, 0.1]] }\nmesh_size = 0.2",
+            1.0 / 6.0,
+            1e-12,
+        ),
+        ("surface = \"cube.stl\"\nmesh_size = 0.3", 1.0, 1e-12),
+        (
+            "extrusion = { outline = { rectangle = { min = [0, 0], max = [2, 1], holes = [[[0.5, 0.25], [1.5, 0.25], [1.5, 0.75], [0.5, 0.75]]] } }, to = 0.5 }\nmesh_size = 0.2",
+            0.75,
+            1e-12,
+        ),
+        (
+            "cylinder = { from = [0, 0, 0], to = [0, 0, 2], radius = 0.5 }\nmesh_size = 0.2",
+            0.25 * std::f64::consts::PI * 2.0,
+            round,
+        ),
+        (
+            "tube = { from = [1, 0, 0], to = [1, 1, 0], radius = 0.5, inner_radius = 0.25 }\nmesh_size = 0.12",
+            0.1875 * std::f64::consts::PI,
+            round,
+        ),
+        (
+            "sphere = { centre = [0, 0, 5], radius = 1 }\nmesh_size = 0.35",
+            4.0 / 3.0 * std::f64::consts::PI,
+            round,
+        ),
+    ] {
+        let prepared = space(&body(shape));
+        let found = volume(&prepared);
+        assert!((found / expected - 1.0).abs() <= tolerance, "{shape}: {found} instead of {expected}");
+        assert!(prepared.quality.smallest_angle[0] > 8.0, "{shape}: {:?}", prepared.quality);
+        assert_eq!(prepared.warnings, Vec::<String>::new(), "{shape}");
+    }
+}
+
+#[test]
+fn a_seed_gives_one_mesh_and_another_seed_another() {
+    let sphere = |seed: u32| {
+        space(&body(&format!("sphere = {{ radius = 1 }}\nmesh_size = 0.4\nseed = {seed}"))).model.mesh
+    };
+    assert_eq!(sphere(3), sphere(3));
+    assert_ne!(sphere(3), sphere(4));
+}
+
+#[test]
+fn faces_are_groups_and_sides_are_along_the_axes() {
+    let prepared = space(&format!(
+        "{}{}",
+        body("box = { min = [0, 0, 0], max = [1, 2, 3] }\nmesh_size = 0.5"),
+        "
+[[boundary]]
+name = \"below\"
+side = \"bottom\"
+fixed = \"z\"
+[[boundary]]
+name = \"behind\"
+side = \"back\"
+velocity = [\"free\", 0.5, \"free\"]
+[[boundary]]
+name = \"roof\"
+group = \"top\"
+pressure = 1e5
+[[boundary]]
+name = \"corner\"
+box = [0.9, 1.9, 2.9, 1.1, 2.1, 3.1]
+force = [1, 2, 3]
+"
+    ));
+    let model = &prepared.model;
+    let nodes = |k: usize| match &model.boundaries[k].target {
+        Target::Nodes(nodes) => nodes.iter().map(|&node| model.mesh.nodes[node as usize]).collect::<Vec<_>>(),
+        Target::Facets(_) => panic!("it acts on nodes"),
+    };
+    assert!(nodes(0).len() > 4 && nodes(0).iter().all(|node| node[2] == 0.0));
+    assert!(nodes(1).len() > 4 && nodes(1).iter().all(|node| node[1] == 2.0));
+    assert_eq!(nodes(3), [[1.0, 2.0, 3.0]]);
+    assert_eq!(model.boundaries[1].load, Load::Velocity([None, Some(0.5), None]));
+    let Target::Facets(facets) = &model.boundaries[2].target else { panic!("it acts on faces") };
+    let area: f64 = facets
+        .iter()
+        .map(|facet| <[[f64; 3]; 4]>::facet_measure(&facet.map(|node| model.mesh.nodes[node as usize])))
+        .sum();
+    assert!((area - 2.0).abs() < 1e-12, "{area}");
+    assert!(facets.as_flattened().iter().all(|&node| model.mesh.nodes[node as usize][2] == 3.0));
+    Simulation::new(model.clone(), 1).expect("it can run");
+}
+
+#[test]
+fn a_body_is_turned_about_an_axis_and_moved() {
+    let prepared = space(&body(
+        "box = { min = [0, 0, 0], max = [2, 1, 1] }\nmesh_size = 1\naxis = [0, 2, 0]\nangle = 90\ntranslate = [10, 20, 30]\nvelocity = [1, 2, 3]",
+    ));
+    let nodes = &prepared.model.mesh.nodes;
+    for (axis, [low, high]) in [[10.5, 11.5], [20.0, 21.0], [29.5, 31.5]].into_iter().enumerate() {
+        let along = || nodes.iter().map(|node| node[axis]);
+        let found = [along().fold(f64::INFINITY, f64::min), along().fold(f64::NEG_INFINITY, f64::max)];
+        assert!((found[0] - low).abs() < 1e-12 && (found[1] - high).abs() < 1e-12, "{axis}: {found:?}");
+    }
+    // A turn about y brings the end at greatest x to least z.
+    assert!(prepared.model.velocities.iter().all(|velocity| *velocity == [1.0, 2.0, 3.0]));
+}
+
+#[test]
+fn a_mesh_from_a_file_tells_the_dimensions_and_has_groups() {
+    let prepared = space(&format!(
+        "{}\n[[boundary]]\nname = \"slope\"\ngroup = \"slope\"\npressure = 1e5\n[[boundary]]\nname = \"held\"\ngroup = \"one\"\nfixed = \"z\"",
+        body("mesh = \"two.msh\"")
+    ));
+    assert_eq!(prepared.model.mesh.elements.len(), 2);
+    let Target::Facets(facets) = &prepared.model.boundaries[0].target else { panic!("it acts on faces") };
+    assert_eq!(facets.len(), 1);
+    let Target::Nodes(nodes) = &prepared.model.boundaries[1].target else { panic!("it acts on nodes") };
+    assert_eq!(nodes.len(), 4);
+    Simulation::new(prepared.model.clone(), 1).expect("it can run");
+    let taken = space(&body("mesh = \"two.msh\"\nonly = [\"other\"]"));
+    assert_eq!(taken.model.mesh.elements.len(), 1);
+}
+
+#[test]
+fn what_is_wrong_in_space_is_told_at_its_key() {
+    let cube = "box = { min = [0, 0, 0], max = [1, 1, 1] }\nmesh_size = 0.5";
+    for (bodies, expected) in [
+        (
+            format!("{}{}", body(cube), "[[boundary]]\nname = \"f\"\nforce = [1, 2]\n"),
+            "\"force\" has 2 numbers, where a model in 3 dimensions has 3",
+        ),
+        (body("box = { min = [0, 0, 0], max = [1, 0, 1] }\nmesh_size = 0.5"), "the body has no volume"),
+        (
+            format!(
+                "{}{}",
+                body(cube),
+                body("disc = { radius = 1 }\nmesh_size = 0.5").replace("\"b\"", "\"c\"")
+            ),
+            "a disc is no body in 3 dimensions",
+        ),
+        (body("surface = \"open.stl\"\nmesh_size = 0.5"), "m.toml:6"),
+        (body("mesh = \"cube.stl\"\naxis = [0, 0, 1]\nvelocity = [0, 0, 1]"), "m.toml:"),
+        (body("sphere = { radius = 1 }\nmesh_size = 0.001"), "the most are"),
+        (body("sphere = { radius = -1 }\nmesh_size = 0.1"), "radius"),
+        (
+            body("polyhedron = { points = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]] }\nmesh_size = 0.1"),
+            "the body has no volume",
+        ),
+        (format!("{}{}", body(cube), "[initial]\nstress = [1, 2, 3]\n"), "write [xx, yy, zz, xy, yz, xz]"),
+        (body(&format!("{cube}\naxis = [0, 0, 0]")), "\"axis\" has no direction"),
+    ] {
+        let found = wrong(&bodies);
+        assert!(found.contains(expected), "{expected:?} is not in\n{found}");
+        assert!(found.contains("m.toml:"), "{found}");
+    }
+    let flat = "[[body]]\nname = \"b\"\nmaterial = \"stone\"\ndisc = { radius = 1 }\nmesh_size = 0.5\n[[boundary]]\nname = \"f\"\nside = \"front\"\nfixed = \"xz\"\n";
+    let found = wrong(flat);
+    assert!(
+        found.contains("a flat body has no front") && found.contains("cannot be held along z"),
+        "{found}"
+    );
+    let empty = any("[model]\ndimensions = 3\nend_time = 1\n[[body]]\nname = \"b\"\nmaterial = \"stone\"\n");
+    assert!(empty.is_err_and(|errors| errors.contains("box, cylinder")));
+}
+
+/// Initial stress and its gradient grow with depth, and gravity is along z.
+#[test]
+fn initial_stress_is_a_tensor_that_changes_with_height() {
+    let text = format!(
+        "[model]\nend_time = 1\ngravity = [0, 0, -9.81]\n[initial]\nstress = [-1e6, -2e6, -3e6, 1e5, 2e5, 3e5]\nstress_gradient = [0, 0, 24525, 0, 0, 0]\n{}{STONE}",
+        body("box = { min = [0, 0, 0], max = [1, 1, 2] }\nmesh_size = 0.5")
+    );
+    let Ok(AnyPrepared::Space(prepared)) = any(&text) else { panic!("it is right") };
+    let model = &prepared.model;
+    assert_eq!(model.gravity, [0.0, 0.0, -9.81]);
+    for (nodes, stress) in model.mesh.elements.iter().zip(&model.stresses) {
+        let height = nodes.iter().map(|&node| model.mesh.nodes[node as usize][2]).sum::<f64>() / 4.0;
+        assert!((stress[2][2] - (-3e6 + 24525.0 * height)).abs() < 1e-6);
+        assert_eq!([stress[0][1], stress[1][2], stress[0][2]], [1e5, 2e5, 3e5]);
+        assert_eq!([stress[1][0], stress[2][1], stress[2][0]], [1e5, 2e5, 3e5]);
+    }
+}
+
+/// The ladder measures the figures of this warning.
+#[test]
+fn a_nearly_incompressible_material_is_told_to_lock() {
+    let cube = body("box = { min = [0, 0, 0], max = [1, 1, 1] }\nmesh_size = 0.5");
+    let warned = |nu: &str| {
+        let text = format!("[model]\nend_time = 1\n{cube}{}", STONE.replace("poissons_ratio = 0.2", nu));
+        let Ok(AnyPrepared::Space(prepared)) = any(&text) else { panic!("it is right") };
+        prepared.warnings.join("\n")
+    };
+    assert_eq!(warned("poissons_ratio = 0.45"), "");
+    let said = warned("poissons_ratio = 0.49");
+    assert!(
+        said.contains("elements lock") && said.contains("up to 15 %") && said.contains("up to 4 %"),
+        "{said}"
+    );
+    assert!(warned("poissons_ratio = 0.4999").contains("more than 24 %"));
+}
+
+/// Grains share nodes, have their materials, and fill the outline.
+#[test]
+fn grains_fill_their_outline() {
+    let prepared = space(&format!(
+        "{}{}",
+        body(
+            "voronoi = { outline = { box = { min = [0, 0, 0], max = [1, 1, 1] } }, grains = 6, materials = [\"stone\", \"other\"] }\nmesh_size = 0.2"
+        ),
+        STONE.replace("\"stone\"", "\"other\"")
+    ));
+    assert!((volume(&prepared) - 1.0).abs() < 1e-12);
+    let mut grains = prepared.grains.clone();
+    grains.sort_unstable();
+    grains.dedup();
+    assert_eq!(grains, [0, 1, 2, 3, 4, 5]);
+    let materials = &prepared.model.mesh.materials;
+    assert!(materials.contains(&0) && materials.contains(&1));
+    for (grain, material) in prepared.grains.iter().zip(materials) {
+        let first = prepared.grains.iter().position(|other| other == grain).expect("it is there");
+        assert_eq!(*material, materials[first], "a grain has one material");
+    }
+    let cube = body("box = { min = [0, 0, 0], max = [1, 1, 1] }\nmesh_size = 0.5").replace("\"b\"", "\"c\"");
+    let flat = body("voronoi = { outline = { disc = { radius = 1 } }, grains = 3 }\nmesh_size = 0.2");
+    let found = wrong(&format!("{cube}{flat}"));
+    assert!(found.contains("an outline of grains in three dimensions is one of box, polyhedron"), "{found}");
+}

@@ -1,0 +1,495 @@
+//! Meshes of tetrahedra, from surface to elements:
+//! - every mesh covers its body exactly, and facets match;
+//! - angles over shapes, sizes and seeds;
+//! - sizes from place to place;
+//! - the same mesh for a seed, near and far from the origin;
+//! - regions that share facets, and grains;
+//! - input that cannot be meshed.
+
+#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
+
+use fdem_mesh::shapes::{cuboid, cylinder, extrusion, grains, hull, sphere, tube};
+use fdem_mesh::tetrahedra::{MeshError, OUTSIDE, Surface, Tetrahedra, tetrahedra};
+
+type Point = [f64; 3];
+
+fn minus(a: Point, b: Point) -> Point {
+    [0, 1, 2].map(|k| a[k] - b[k])
+}
+
+fn cross(a: Point, b: Point) -> Point {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+fn dot(a: Point, b: Point) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn length(a: Point) -> f64 {
+    dot(a, a).sqrt()
+}
+
+const FACETS: [[usize; 3]; 4] = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]];
+
+fn corners(mesh: &Tetrahedra, element: usize) -> [Point; 4] {
+    mesh.elements[element].map(|node| mesh.nodes[node as usize])
+}
+
+/// Smallest and largest angle between facets, degrees.
+fn angles(mesh: &Tetrahedra) -> [f64; 2] {
+    let (mut least, mut most) = (180.0_f64, 0.0_f64);
+    for element in 0..mesh.elements.len() {
+        let p = corners(mesh, element);
+        let normals = FACETS.map(|[a, b, c]| {
+            let n = cross(minus(p[b], p[a]), minus(p[c], p[a]));
+            n.map(|x| x / length(n))
+        });
+        for i in 0..4 {
+            for j in 0..i {
+                let angle = (-dot(normals[i], normals[j])).clamp(-1.0, 1.0).acos().to_degrees();
+                (least, most) = (least.min(angle), most.max(angle));
+            }
+        }
+    }
+    [least, most]
+}
+
+fn mean_edge(mesh: &Tetrahedra) -> f64 {
+    let mut edges: Vec<[u32; 2]> = Vec::new();
+    for element in &mesh.elements {
+        for i in 0..4 {
+            for j in 0..i {
+                edges.push([element[i].min(element[j]), element[i].max(element[j])]);
+            }
+        }
+    }
+    edges.sort_unstable();
+    edges.dedup();
+    let sum: f64 = edges
+        .iter()
+        .map(|edge| length(minus(mesh.nodes[edge[0] as usize], mesh.nodes[edge[1] as usize])))
+        .sum();
+    sum / edges.len() as f64
+}
+
+fn volume_of(surface: &Surface, region: u32) -> f64 {
+    let origin = surface.nodes[0];
+    let facets = surface.facets.iter().zip(&surface.sides);
+    let sum = facets.map(|(facet, sides)| {
+        let sign = f64::from(sides[0] == region) - f64::from(sides[1] == region);
+        let [a, b, c] = facet.map(|node| minus(surface.nodes[node as usize], origin));
+        sign * dot(a, cross(b, c)) / 6.0
+    });
+    sum.sum()
+}
+
+/// Meshes a surface, and checks all that holds for every mesh.
+fn meshed(surface: &Surface, size: f64, seed: u64) -> Tetrahedra {
+    let mesh = tetrahedra(surface, &|_| size, seed).unwrap();
+    check(surface, &mesh);
+    mesh
+}
+
+fn check(surface: &Surface, mesh: &Tetrahedra) {
+    let mut regions = mesh.regions.clone();
+    regions.sort_unstable();
+    regions.dedup();
+    for region in regions {
+        let volumes =
+            (0..mesh.elements.len()).filter(|&element| mesh.regions[element] == region).map(|element| {
+                let [a, b, c, d] = corners(mesh, element);
+                let volume = dot(minus(b, a), cross(minus(c, a), minus(d, a))) / 6.0;
+                assert!(volume > 0.0);
+                volume
+            });
+        let volume = volume_of(surface, region);
+        // Coordinates far from the origin are rounded.
+        let far = surface.nodes.iter().flatten().fold(0.0_f64, |far, x| far.max(x.abs()));
+        let near = 1e-12 * (volume + far * volume.powf(2.0 / 3.0));
+        assert!((volumes.sum::<f64>() - volume).abs() < near);
+    }
+    // Each facet of an element is met once from each side, or is listed, as seen from outside or from the higher region.
+    let key = |mut facet: [u32; 3]| {
+        facet.sort_unstable();
+        facet
+    };
+    let mut facets: Vec<([u32; 3], u32, [u32; 3])> = Vec::new();
+    for (element, &region) in mesh.elements.iter().zip(&mesh.regions) {
+        for facet in FACETS.map(|places| places.map(|k| element[k])) {
+            facets.push((key(facet), region, facet));
+        }
+    }
+    facets.sort_unstable();
+    let mut listed = Vec::new();
+    for group in facets.chunk_by(|one, other| one.0 == other.0) {
+        assert!(group.len() <= 2);
+        if group.len() == 1 || group[0].1 != group[1].1 {
+            listed.push(group[0].2);
+        }
+    }
+    let turned = |[a, b, c]: [u32; 3]| [[a, b, c], [b, c, a], [c, a, b]].into_iter().min().unwrap();
+    let mut expected: Vec<[u32; 3]> = listed.into_iter().map(turned).collect();
+    let mut found: Vec<[u32; 3]> = mesh.facets.iter().copied().map(turned).collect();
+    expected.sort_unstable();
+    found.sort_unstable();
+    assert_eq!(expected, found);
+    assert_eq!(mesh.faces.len(), mesh.facets.len());
+    assert_eq!(mesh.regions.len(), mesh.elements.len());
+    // All nodes are used.
+    let mut used = vec![false; mesh.nodes.len()];
+    mesh.elements.iter().flatten().for_each(|&node| used[node as usize] = true);
+    assert!(used.into_iter().all(|used| used));
+}
+
+const SQUARE: [[f64; 2]; 4] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+
+/// Built-in shapes of a size of about 1.
+fn shapes(size: f64, seed: u64) -> Vec<Surface> {
+    let ell = vec![[0.0, 0.0], [1.0, 0.0], [1.0, 0.4], [0.4, 0.4], [0.4, 1.0], [0.0, 1.0]];
+    let window = vec![[0.3, 0.3], [0.7, 0.35], [0.6, 0.7]];
+    let golden = f64::midpoint(1.0, 5.0_f64.sqrt());
+    let icosahedron: Vec<Point> = (0..12)
+        .map(|k| {
+            let (x, y) = (0.25 * [1.0, -1.0][k & 1], 0.25 * [golden, -golden][k >> 1 & 1]);
+            [[x, y, 0.0], [0.0, x, y], [y, 0.0, x]][k >> 2]
+        })
+        .collect();
+    vec![
+        cuboid([0.0; 3], [1.0; 3]).unwrap(),
+        cuboid([0.0; 3], [1.0, 0.6, 0.3]).unwrap(),
+        sphere([0.3, 0.2, 0.1], 0.5, &|_| size, seed).unwrap(),
+        cylinder([0.0; 3], [0.0, 0.0, 1.0], 0.25, &|_| size, seed).unwrap(),
+        cylinder([0.0; 3], [0.3, 0.5, 1.0], 0.3, &|_| size, seed).unwrap(),
+        tube([0.0; 3], [1.0, 0.0, 0.0], 0.25, 0.5, &|_| size, seed).unwrap(),
+        extrusion(&[ell], 0.0, 0.5).unwrap(),
+        extrusion(&[SQUARE.to_vec(), window], -0.2, 0.2).unwrap(),
+        hull(&icosahedron).unwrap(),
+    ]
+}
+
+#[test]
+fn angles_are_good_over_shapes_sizes_and_seeds() {
+    for size in [0.25, 0.1] {
+        for seed in 0..20 {
+            for (number, surface) in shapes(size, seed).iter().enumerate() {
+                let mesh = meshed(surface, size, seed);
+                let [least, most] = angles(&mesh);
+                assert!(
+                    least > 12.0 && most < 165.0,
+                    "shape {number}, size {size}, seed {seed}: {least} {most}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn coarse_meshes_are_good_too() {
+    for seed in 0..20 {
+        for (number, surface) in shapes(10.0, seed).iter().enumerate() {
+            let [least, most] = angles(&meshed(surface, 10.0, seed));
+            assert!(least > 8.0 && most < 165.0, "shape {number}, seed {seed}: {least} {most}");
+        }
+    }
+}
+
+#[test]
+fn the_mean_edge_is_the_size() {
+    for seed in 0..3 {
+        for (number, surface) in shapes(0.08, seed).iter().enumerate() {
+            let ratio = mean_edge(&meshed(surface, 0.08, seed)) / 0.08;
+            assert!((ratio - 1.0).abs() < 0.1, "shape {number}, seed {seed}: {ratio}");
+        }
+    }
+}
+
+#[test]
+fn edges_have_no_preferred_direction() {
+    let mesh = meshed(&cuboid([0.0; 3], [1.0; 3]).unwrap(), 0.05, 1);
+    let mut moment = [[0.0; 3]; 3];
+    let mut count = 0.0;
+    for element in 0..mesh.elements.len() {
+        let [a, b, _, _] = corners(&mesh, element);
+        let inside = a.iter().chain(&b).all(|x| (0.1..0.9).contains(x));
+        let edge = minus(b, a);
+        let span = length(edge);
+        for i in 0..3 {
+            for j in 0..3 {
+                moment[i][j] += if inside { edge[i] * edge[j] / (span * span) } else { 0.0 };
+            }
+        }
+        count += f64::from(u8::from(inside));
+    }
+    for (i, row) in moment.iter().enumerate() {
+        for (j, value) in row.iter().enumerate() {
+            let even = if i == j { 1.0 / 3.0 } else { 0.0 };
+            assert!((value / count - even).abs() < 0.01, "{moment:?} of {count}");
+        }
+    }
+}
+
+#[test]
+fn flat_faces_are_exact() {
+    let (low, high) = ([0.1, -0.3, 7.7], [1.2, 0.9, 8.3]);
+    let surface = cuboid(low, high).unwrap();
+    let mesh = meshed(&surface, 0.2, 3);
+    for (facet, &face) in mesh.facets.iter().zip(&mesh.faces) {
+        let (axis, plane) = [(0, low), (0, high), (1, low), (1, high), (2, low), (2, high)][face as usize];
+        assert!(facet.iter().all(|&node| mesh.nodes[node as usize][axis] == plane[axis]));
+    }
+    assert_eq!(surface.names, ["left", "right", "front", "back", "bottom", "top"]);
+}
+
+#[test]
+fn nodes_of_round_faces_are_on_them() {
+    let ball = meshed(&sphere([1.0, 2.0, 3.0], 0.5, &|_| 0.15, 1).unwrap(), 0.15, 1);
+    for &node in ball.facets.iter().flatten() {
+        assert!((length(minus(ball.nodes[node as usize], [1.0, 2.0, 3.0])) - 0.5).abs() < 1e-12);
+    }
+    let surface = cylinder([0.0; 3], [0.0, 0.0, 2.0], 0.5, &|_| 0.15, 1).unwrap();
+    let mesh = meshed(&surface, 0.15, 1);
+    for (facet, &face) in mesh.facets.iter().zip(&mesh.faces) {
+        for [x, y, z] in facet.map(|node| mesh.nodes[node as usize]) {
+            match face {
+                0 => assert_eq!(z, 0.0),
+                1 => assert_eq!(z, 2.0),
+                _ => assert!((x.hypot(y) - 0.5).abs() < 1e-12),
+            }
+        }
+    }
+}
+
+#[test]
+fn sizes_may_differ_by_a_factor_of_20() {
+    let size = |[x, y, z]: Point| (0.01 + 0.4 * (x * x + y * y + z * z).sqrt()).min(0.2);
+    let limited = |place: Point| (0.01 + 0.3 * length(place)).min(0.2);
+    for (number, surface) in [
+        cuboid([0.0; 3], [1.0; 3]).unwrap(),
+        cuboid([-0.5; 3], [0.5; 3]).unwrap(),
+        cylinder([0.0; 3], [0.0, 0.0, 1.0], 0.3, &limited, 1).unwrap(),
+        sphere([0.0, 0.0, 0.5], 0.5, &limited, 1).unwrap(),
+    ]
+    .iter()
+    .enumerate()
+    {
+        for seed in 0..3 {
+            let mesh = tetrahedra(surface, &size, seed).unwrap();
+            check(surface, &mesh);
+            let [least, most] = angles(&mesh);
+            assert!(least > 12.0 && most < 165.0, "shape {number}, seed {seed}: {least} {most}");
+            let mut ratio = [0.0; 2];
+            for element in 0..mesh.elements.len() {
+                let p = corners(&mesh, element);
+                let middle = [0, 1, 2].map(|k| 0.25 * (p[0][k] + p[1][k] + p[2][k] + p[3][k]));
+                for i in 0..4 {
+                    for j in 0..i {
+                        ratio[0] += length(minus(p[i], p[j])) / limited(middle);
+                        ratio[1] += 1.0;
+                    }
+                }
+            }
+            assert!((ratio[0] / ratio[1] - 1.0).abs() < 0.15, "shape {number}: {}", ratio[0] / ratio[1]);
+        }
+    }
+}
+
+#[test]
+fn a_seed_gives_one_mesh_on_any_thread() {
+    let make = |seed| {
+        let surface = tube([0.0; 3], [0.2, 0.1, 1.0], 0.2, 0.4, &|_| 0.1, seed).unwrap();
+        tetrahedra(&surface, &|_| 0.1, seed).unwrap()
+    };
+    let first = make(5);
+    let threads: Vec<_> = (0..2).map(|_| std::thread::spawn(move || make(5))).collect();
+    for thread in threads {
+        assert!(thread.join().unwrap() == first);
+    }
+    assert!(make(6) != first);
+    // The bits, in one number (FNV-1a): a platform or a change that gives another mesh is noticed.
+    let bits = first.nodes.iter().flatten().map(|x| x.to_bits());
+    let bits = bits.chain(first.elements.iter().flatten().map(|&node| u64::from(node)));
+    let hash = bits.fold(0xcbf2_9ce4_8422_2325_u64, |hash, bits| (hash ^ bits).wrapping_mul(0x100_0000_01b3));
+    assert_eq!(hash, 0x539d_1654_0cc3_bfbd, "{hash:#x}");
+}
+
+#[test]
+fn the_place_of_a_body_does_not_matter() {
+    let near = meshed(&cuboid([0.0; 3], [1.0; 3]).unwrap(), 0.2, 1);
+    let far = meshed(&cuboid([1e6; 3], [1e6 + 1.0; 3]).unwrap(), 0.2, 1);
+    assert_eq!(near.elements, far.elements);
+    for tiny in [1e-60, 1e60] {
+        let other = meshed(&cuboid([0.0; 3], [tiny; 3]).unwrap(), 0.2 * tiny, 1);
+        assert_eq!(
+            other.elements.len(),
+            tetrahedra(&cuboid([0.0; 3], [1.0; 3]).unwrap(), &|_| 0.2, 1).unwrap().elements.len()
+        );
+    }
+}
+
+/// Boxes in a row along x, each with its region.
+fn row(count: u32) -> Surface {
+    let mut surface = Surface::default();
+    for x in 0..=count {
+        for k in 0..4 {
+            surface.nodes.push([f64::from(x), f64::from(k & 1), f64::from(k >> 1)]);
+        }
+    }
+    let mut push = |[a, b, c, d]: [u32; 4], sides: [u32; 2], face: u32| {
+        surface.facets.extend([[a, b, c], [a, c, d]]);
+        surface.sides.extend([sides; 2]);
+        surface.faces.extend([face; 2]);
+    };
+    for x in 0..=count {
+        let before = if x == 0 { OUTSIDE } else { x - 1 };
+        let n = 4 * x;
+        push([n, n + 1, n + 3, n + 2], [before, if x == count { OUTSIDE } else { x }], x);
+    }
+    for x in 0..count {
+        let n = 4 * x;
+        for [i, j] in [[0, 1], [1, 3], [3, 2], [2, 0]] {
+            push([n + i, n + j, n + 4 + j, n + 4 + i], [x, OUTSIDE], 100);
+        }
+    }
+    surface
+}
+
+#[test]
+fn regions_share_nodes_and_facets() {
+    let surface = row(3);
+    let mesh = meshed(&surface, 0.3, 1);
+    let [least, most] = angles(&mesh);
+    assert!(least > 12.0 && most < 165.0, "{least} {most}");
+    for face in 1..3 {
+        let area: f64 = (0..mesh.facets.len())
+            .filter(|&facet| mesh.faces[facet] == face)
+            .map(|facet| {
+                let [a, b, c] = mesh.facets[facet].map(|node| mesh.nodes[node as usize]);
+                assert!([a, b, c].iter().all(|point| point[0] == f64::from(face)));
+                0.5 * cross(minus(b, a), minus(c, a))[0]
+            })
+            .sum();
+        // Seen from the region of the higher number, which is on the right.
+        assert!((area - 1.0).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn grains_fill_a_body() {
+    let body = cuboid([0.0; 3], [1.0, 1.0, 2.0]).unwrap();
+    for seed in 0..5 {
+        let surface = grains(&body, 12, seed).unwrap();
+        let sum: f64 = (0..12).map(|region| volume_of(&surface, region)).sum();
+        assert!((sum - 2.0).abs() < 1e-12);
+        assert_eq!(surface.names, body.names);
+        let mesh = meshed(&surface, 0.15, seed);
+        let [least, most] = angles(&mesh);
+        assert!(least > 8.0 && most < 168.0, "seed {seed}: {least} {most}");
+        assert_eq!(mesh.regions.iter().max(), Some(&11));
+        // Faces of the body keep their numbers.
+        let top = (0..mesh.facets.len()).filter(|&facet| mesh.faces[facet] == 5);
+        assert!(top.flat_map(|facet| mesh.facets[facet]).all(|node| mesh.nodes[node as usize][2] == 2.0));
+    }
+    let one = grains(&body, 1, 1).unwrap();
+    assert!((volume_of(&one, 0) - 2.0).abs() < 1e-12);
+    assert_eq!(grains(&body, 0, 1), Err(MeshError::Empty));
+    let ell = vec![[0.0, 0.0], [1.0, 0.0], [1.0, 0.4], [0.4, 0.4], [0.4, 1.0], [0.0, 1.0]];
+    let ell = extrusion(&[ell], 0.0, 1.0).unwrap();
+    assert!(matches!(grains(&ell, 5, 1), Err(MeshError::NotConvex { .. })));
+}
+
+#[test]
+fn loose_triangles_become_a_surface_with_faces() {
+    let cube = cuboid([0.0; 3], [1.0; 3]).unwrap();
+    let triangles: Vec<[Point; 3]> =
+        cube.facets.iter().map(|facet| facet.map(|node| cube.nodes[node as usize])).collect();
+    let surface = Surface::from_triangles(&triangles, 30.0).unwrap();
+    assert_eq!((surface.nodes.len(), surface.faces.iter().max()), (8, Some(&5)));
+    meshed(&surface, 0.3, 1);
+    let round = cylinder([0.0; 3], [0.0, 0.0, 1.0], 0.5, &|_| 0.2, 1).unwrap();
+    let triangles: Vec<[Point; 3]> =
+        round.facets.iter().map(|facet| facet.map(|node| round.nodes[node as usize])).collect();
+    let surface = Surface::from_triangles(&triangles, 60.0).unwrap();
+    assert_eq!(surface.faces.iter().max(), Some(&2));
+    meshed(&surface, 0.2, 1);
+}
+
+#[test]
+fn bodies_may_have_voids() {
+    let mut surface = cuboid([0.0; 3], [1.0; 3]).unwrap();
+    let inner = cuboid([0.4; 3], [0.6; 3]).unwrap();
+    surface.nodes.extend(inner.nodes);
+    surface.facets.extend(inner.facets.iter().map(|&[a, b, c]| [a + 8, c + 8, b + 8]));
+    surface.faces.extend(inner.faces.iter().map(|face| face + 6));
+    surface.sides.extend(inner.sides);
+    let mesh = meshed(&surface, 0.15, 1);
+    assert!(angles(&mesh)[0] > 12.0);
+}
+
+#[test]
+fn bad_surfaces_are_refused_with_the_reason() {
+    let cube = cuboid([0.0; 3], [1.0; 3]).unwrap();
+    let error = |change: fn(&mut Surface)| {
+        let mut surface = cube.clone();
+        change(&mut surface);
+        tetrahedra(&surface, &|_| 0.3, 1).unwrap_err()
+    };
+    assert!(matches!(error(|s| *s = Surface::default()), MeshError::Empty));
+    assert!(matches!(error(|s| s.nodes[3][1] = f64::NAN), MeshError::NotFinite { node: 3 }));
+    assert!(matches!(error(|s| s.facets[4][1] = 99), MeshError::NoSuchNode { facet: 4 }));
+    assert!(matches!(error(|s| s.facets[4][1] = s.facets[4][0]), MeshError::Degenerate { facet: 4, .. }));
+    assert!(matches!(error(|s| s.faces.clear()), MeshError::Lengths { .. }));
+    let open = |s: &mut Surface| {
+        s.facets.pop();
+        s.faces.pop();
+        s.sides.pop();
+    };
+    assert!(matches!(error(open), MeshError::Open { .. }));
+    assert!(matches!(error(|s| s.facets[0].swap(0, 1)), MeshError::Orientation { .. }));
+    let inverted = |s: &mut Surface| s.facets.iter_mut().for_each(|facet| facet.swap(0, 1));
+    assert!(matches!(error(inverted), MeshError::Inverted { region: 0 }));
+    // A corner pushed through the opposite face.
+    assert!(matches!(error(|s| s.nodes[0] = [2.0, 0.5, 0.4]), MeshError::Crossing { .. }));
+    assert!(matches!(error(|s| s.sides[2] = [0, 0]), MeshError::Sides { .. }));
+    let flat = |s: &mut Surface| s.nodes.iter_mut().for_each(|node| node[2] = 0.0);
+    assert!(matches!(error(flat), MeshError::Degenerate { .. } | MeshError::Inverted { .. }));
+    assert!(!error(flat).to_string().is_empty());
+}
+
+#[test]
+fn touching_bodies_are_refused() {
+    let mut surface = cuboid([0.0; 3], [1.0; 3]).unwrap();
+    let other = cuboid([1.0, 0.2, 0.2], [2.0, 0.8, 0.8]).unwrap();
+    surface.nodes.extend(other.nodes);
+    surface.facets.extend(other.facets.iter().map(|facet| facet.map(|node| node + 8)));
+    surface.faces.extend(other.faces);
+    surface.sides.extend(other.sides.iter().map(|_| [1, OUTSIDE]));
+    assert!(matches!(surface.check(), Err(MeshError::Crossing { .. })));
+}
+
+#[test]
+fn bad_sizes_and_shapes_are_refused() {
+    let cube = cuboid([0.0; 3], [1.0; 3]).unwrap();
+    for size in [0.0, -1.0, f64::NAN] {
+        assert!(matches!(tetrahedra(&cube, &|_| size, 1), Err(MeshError::Size { .. })));
+        assert!(sphere([0.0; 3], 1.0, &|_| size, 1).is_err());
+        assert!(cuboid([0.0; 3], [1.0, 1.0, 1e200]).is_err());
+        assert!(cylinder([0.0; 3], [1.0; 3], 1.0, &|_| size, 1).is_err());
+        assert!(cylinder([0.0; 3], [1.0; 3], size, &|_| 1.0, 1).is_err());
+    }
+    assert!(
+        matches!(tetrahedra(&cube, &|_| 1e-4, 1), Err(MeshError::TooMany { elements }) if elements > 1e12)
+    );
+    assert!(matches!(sphere([0.0; 3], 1.0, &|_| 1e-5, 1), Err(MeshError::TooMany { .. })));
+    assert_eq!(cuboid([0.0; 3], [1.0, 1.0, 0.0]), Err(MeshError::Flat));
+    assert_eq!(hull(&[[0.0; 3]; 10]), Err(MeshError::Flat));
+    assert!(cylinder([1.0; 3], [1.0; 3], 1.0, &|_| 1.0, 1).is_err());
+    assert!(tube([0.0; 3], [1.0; 3], 2.0, 1.0, &|_| 1.0, 1).is_err());
+    assert_eq!(extrusion(&[], 0.0, 1.0), Err(MeshError::Empty));
+    let bow = vec![[0.0, 0.0], [1.0, 1.0], [1.0, 0.0], [0.0, 1.0]];
+    assert!(matches!(extrusion(&[bow], 0.0, 1.0), Err(MeshError::Outline { .. })));
+    let crossing = vec![[0.5, 0.5], [1.5, 0.5], [0.6, 0.8]];
+    assert!(matches!(extrusion(&[SQUARE.to_vec(), crossing], 0.0, 1.0), Err(MeshError::Outline { .. })));
+    let inside = vec![[0.2, 0.2], [0.8, 0.2], [0.2, 0.8]];
+    let nested = vec![[0.25, 0.25], [0.3, 0.25], [0.25, 0.3]];
+    assert!(extrusion(&[SQUARE.to_vec(), inside, nested], 0.0, 1.0).is_err());
+}

@@ -1,0 +1,266 @@
+//! Pages of runs, which play the frames and have the plots and the summary. [`flat`] has those in two dimensions and [`space`] those in three; this file has what both
+//! share.
+//!
+//! Like the page of a contact network ([`crate::page::network`]), they load nothing over the network. Their content security policy allows only their own script and
+//! style. Texts from outside are escaped.
+
+pub(crate) mod flat;
+pub(crate) mod space;
+
+use std::cell::Cell;
+use std::fmt::Write;
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use fdem_io::numbers::{brief, grouped};
+use serde_json::{Value, json};
+
+use crate::page::{Parts, STYLE, rows};
+use crate::picture::PictureError;
+use crate::picture::svg::escape;
+use crate::run::field::{Field, NO_VALUE, NUMBERED, Range, SCALES};
+use crate::run::frame::Scale;
+use crate::run::names::Names;
+use crate::run::pictures::{CRACKS, NARROWEST_OUTLINE, OUTLINE, OUTLINES};
+use crate::run::plots::Plot;
+
+/// Maximum number of frames in a page. If there are more, some are left out.
+pub const MOST_FRAMES: usize = 121;
+
+/// Maximum number of left-out frames that the page lists.
+const MOST_NAMED: usize = 12;
+
+/// Maximum size of all frames in the file, bytes.
+const MOST_BYTES: usize = 40 << 20;
+
+const PAGE: &str = include_str!("run/page.html");
+const STYLE_OF_RUNS: &str = include_str!("run/run.css");
+const SCRIPTS: [&str; 3] =
+    [include_str!("run/frames.js"), include_str!("run/view.js"), include_str!("run/main.js")];
+
+/// A page of a run.
+struct RunPage<'a> {
+    title: &'a str,
+    /// The line below the title.
+    counts: String,
+    facts: &'a [(&'a str, &'a str)],
+    plots: &'a [Plot],
+    names: &'a Names,
+    /// Field by which elements are initially coloured.
+    field: Field,
+    /// Fields and their ranges.
+    ranges: [(Field, Range); Field::ALL.len()],
+    /// Fields with numbers of their own, after the others: key and name.
+    numbered: &'a [(&'a str, &'a str)],
+    /// A picture of the last frame as PNG, for browsers that cannot show the view.
+    preview: Option<Vec<u8>>,
+    /// What is said below the view.
+    notes: String,
+    /// Number of frames in the page.
+    count: usize,
+    /// Names of the columns of the table of frames, and its rows.
+    columns: &'a [&'a str],
+    rows: String,
+    /// Data for the scripts, beside those that all pages have.
+    meta: Value,
+    /// The script elements with the frames.
+    frames: String,
+    /// What differs between two and three dimensions: checkboxes and fieldsets of the controls, what keys do, style and scripts.
+    show: &'a str,
+    more: &'a str,
+    help: &'a str,
+    style: &'a str,
+    scripts: &'a [&'a str],
+}
+
+impl RunPage<'_> {
+    fn html(self) -> Result<String, PictureError> {
+        let main = [("{{show}}", self.show), ("{{more}}", self.more), ("{{help}}", self.help)]
+            .into_iter()
+            .fold(PAGE.to_owned(), |main, (name, part)| main.replace(name, part));
+        let parts = Parts {
+            kind: "run",
+            command: "fdem run",
+            skip: ["summary", "Skip to the summary"],
+            main: &main,
+            data: "{{frames}}",
+            style: format!("{STYLE}{STYLE_OF_RUNS}{}", self.style),
+            scripts: &[&SCRIPTS, self.scripts].concat(),
+        };
+        let meta = self.meta();
+        let frames = Cell::new(self.frames);
+        parts.page(|name| {
+            Ok(match name {
+                "title" => escape(self.title),
+                "counts" => escape(&self.counts),
+                "picture" => picture(self.preview.as_deref(), self.title, &self.counts),
+                "fields" => options(self.field, self.numbered),
+                "last" => self.count.saturating_sub(1).to_string(),
+                "notes" => self.notes.clone(),
+                "facts" => rows(self.facts),
+                "plots" => figures(self.plots),
+                "columns" => headings(self.columns),
+                "rows" => self.rows.clone(),
+                "meta" => meta.clone(),
+                // The frames are by far the largest part. They occur once, so they are moved.
+                "frames" => frames.take(),
+                // The template has no other placeholders.
+                _ => String::new(),
+            })
+        })
+    }
+
+    /// Returns the data for the scripts as JSON that is safe in a script element.
+    fn meta(&self) -> String {
+        let mut fields: Vec<Value> =
+            self.ranges.iter().map(|&(field, range)| about_field(field, range)).collect();
+        fields.extend(self.numbered.iter().map(|(key, name)| {
+            json!({ "key": key, "name": name, "unit": "", "signed": false, "scale": null, "range": [0, 1], "ramp": [] })
+        }));
+        let outlines = [1, 0].map(|kind| {
+            let (colour, most) = OUTLINES[kind];
+            json!({ "colour": colour, "most": most, "share": OUTLINE, "least": NARROWEST_OUTLINE })
+        });
+        let mut meta = json!({
+            "title": self.title,
+            "fields": fields,
+            "numbered": NUMBERED,
+            "none": NO_VALUE,
+            "cracks": CRACKS.map(|(name, colour)| json!({ "name": name, "colour": colour })),
+            "outlines": outlines,
+            "bodies": self.names.bodies,
+            "materials": self.names.materials,
+        });
+        if let (Some(meta), Value::Object(more)) = (meta.as_object_mut(), &self.meta) {
+            meta.extend(more.clone());
+        }
+        // A script element ends at "</script", so no "<" may remain.
+        meta.to_string().replace('<', "\\u003c")
+    }
+}
+
+fn about_field(field: Field, Range { low, high }: Range) -> Value {
+    json!({
+        "key": field.key(),
+        "name": field.name(),
+        "unit": field.unit(),
+        "signed": field.signed(),
+        "scale": field.scale(),
+        "range": [low, high],
+        "ramp": field.ramp(),
+    })
+}
+
+/// Returns the picture for browsers that cannot show the view; empty if there is none.
+fn picture(preview: Option<&[u8]>, title: &str, counts: &str) -> String {
+    preview.map_or_else(String::new, |png| {
+        let (png, title, counts) = (STANDARD.encode(png), escape(title), escape(counts));
+        format!("<img src=\"data:image/png;base64,{png}\" alt=\"The last frame of {title}: {counts}\">")
+    })
+}
+
+fn options(selected: Field, numbered: &[(&str, &str)]) -> String {
+    let mut options = String::new();
+    for (key, name) in
+        Field::ALL.iter().map(|field| (field.key(), field.name())).chain(numbered.iter().copied())
+    {
+        let selected = if key == selected.key() { " selected" } else { "" };
+        // Writing to a string does not fail.
+        let _ = write!(options, "<option value=\"{key}\"{selected}>{name}</option>");
+    }
+    options
+}
+
+fn headings(columns: &[&str]) -> String {
+    columns.iter().map(|name| ["<th scope=\"col\">", name, "</th>"].concat()).collect()
+}
+
+/// Returns a sentence on the frames that are not in the page; empty if all are in it.
+fn thinning(total: usize, places: &[usize]) -> String {
+    let left_out: Vec<String> = (0..total)
+        .filter(|place| places.binary_search(place).is_err())
+        .map(|place| place.to_string())
+        .collect();
+    let rest = match &left_out[..] {
+        [] => return String::new(),
+        [one] => format!("frame {one} is left out"),
+        [first @ .., last] if left_out.len() <= MOST_NAMED => {
+            format!("frames {} and {last} are left out", first.join(", "))
+        }
+        _ => "the others are in the folder of frames".to_owned(),
+    };
+    let shown = places.len();
+    format!(
+        "  <p class=\"hint help\" id=\"thinned\">{shown} of {} frames are in this page; {rest}.</p>\n",
+        grouped(total as u64)
+    )
+}
+
+/// Replaces numbers that JSON cannot represent by 0.
+fn finite(x: f64) -> f64 {
+    if x.is_finite() { x } else { 0.0 }
+}
+
+/// Returns `count` places below `total`, evenly spaced, with the first and the last. One place is the last.
+fn even(count: usize, total: usize) -> Vec<usize> {
+    match count {
+        0 => Vec::new(),
+        1 => vec![total - 1],
+        _ => (0..count).map(|k| k * (total - 1) / (count - 1)).collect(),
+    }
+}
+
+/// Returns the indices of the frames for which the page has room, evenly spaced, with the first and the last. If there is room for one only, it is the last.
+fn thinned(total: usize, bytes: impl Fn(usize) -> usize) -> Vec<usize> {
+    let mut count = total.min(MOST_FRAMES);
+    loop {
+        let places = even(count, total);
+        // Base64 takes four characters for three bytes.
+        let bytes: usize = places.iter().map(|&place| bytes(place).div_ceil(3) * 4).sum();
+        if bytes <= MOST_BYTES || count <= 1 {
+            return places;
+        }
+        count = (count * MOST_BYTES / bytes).clamp(1, count - 1);
+    }
+}
+
+/// Returns the plots as HTML.
+fn figures(plots: &[Plot]) -> String {
+    let mut figures = String::new();
+    for plot in plots {
+        // Writing to a string does not fail.
+        let _ = writeln!(figures, "<figure>{}</figure>", plot.svg);
+    }
+    figures
+}
+
+/// Returns a part of frame `k` as a script element of the page.
+fn text(k: usize, deflated: &[u8]) -> String {
+    format!(
+        "<script type=\"text/plain\" class=\"frame\" data-frame=\"{k}\">{}</script>\n",
+        STANDARD.encode(deflated)
+    )
+}
+
+/// Returns a row of the table of frames. Frames have the numbers of their files. `counts` come after the number and the step, `numbers` after the time.
+fn row(
+    k: usize,
+    place: usize,
+    step: u64,
+    time: f64,
+    counts: &[u64],
+    broken: [f64; 3],
+    scales: &[Scale; SCALES.len()],
+) -> String {
+    let mut row = format!("<tr><td><button type=\"button\" data-frame=\"{k}\">{place}</button></td>");
+    let [tension, shear, mixed] = broken;
+    let largest = |field: Field| scales[field.scale().unwrap_or(0)].ends[1];
+    let numbers = [time, tension + shear + mixed, tension, shear, mixed];
+    let values = [Field::MaxPrincipal, Field::VonMises, Field::Velocity].map(largest);
+    let counts = std::iter::once(&step).chain(counts).map(|&count| grouped(count));
+    for cell in counts.chain(numbers.into_iter().chain(values).map(brief)) {
+        // Writing to a string does not fail.
+        let _ = write!(row, "<td>{cell}</td>");
+    }
+    row + "</tr>\n"
+}

@@ -1,0 +1,416 @@
+//! Pictures of frames: coloured elements, outlines, and cracks as lines. All pictures of a series have the same view and the same colour scale.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+use fdem_io::numbers::{brief, grouped};
+use fdem_simulation::Mode;
+
+use crate::picture::colour::{Rgb, hex};
+use crate::picture::encode::{self, Layer};
+use crate::picture::furniture::{self, BAR, FOOT, HEAD};
+use crate::picture::svg::{Anchor, INK, PALE, Svg};
+use crate::picture::text::{OF_TITLES, fitting};
+use crate::picture::ticks::{tick_text, ticks};
+use crate::picture::{PictureError, drawing};
+use crate::run::field::{Field, Range, numbered_colour};
+use crate::run::fill::Fill;
+use crate::run::frame::{Frame, Opened, code};
+use crate::run::outlines::{OF_BODIES, OF_GRAINS, edges};
+use crate::run::unit::prefixed;
+
+const MARGIN: f64 = 24.0;
+/// Greatest size and least width of the drawing area. With its margins, a picture is at most 900 wide.
+const MOST: [f64; 2] = [852.0, 700.0];
+const NARROWEST: f64 = 620.0;
+
+/// Maximum number of triangles that are drawn as vectors. More are drawn as an image, which browsers open faster.
+const MOST_VECTORS: usize = 20_000;
+
+/// Names and colours of cracks in tension, in shear and in mixed mode. No field has these colours, and a white seam separates the cracks from the elements.
+pub(crate) const CRACKS: [(&str, Rgb); 3] =
+    [("tension", [17, 24, 39]), ("shear", [200, 0, 170]), ("mixed", [232, 116, 0])];
+const CRACK: f64 = 2.0;
+const SEAM: f64 = 4.0;
+
+/// Colours and greatest widths of the outlines of bodies and of grains.
+pub(crate) const OUTLINES: [(Rgb, f64); 2] = [([31, 41, 51], 1.3), ([84, 94, 104], 0.8)];
+/// Greatest width of an outline, as a share of the size of the bodies or grains.
+pub(crate) const OUTLINE: f64 = 0.06;
+/// Outlines narrower than this are not drawn: they would only darken the colours.
+pub(crate) const NARROWEST_OUTLINE: f64 = 0.12;
+
+/// The part of the plane that all pictures of a series show.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FrameView {
+    low: [f64; 2],
+    high: [f64; 2],
+    /// The latest time of the frames, which determines the unit and the decimals of times.
+    last: f64,
+}
+
+impl FrameView {
+    /// Returns a view of all frames. It reaches beyond the first frame by at most half of the longer side of that frame. Fragments that fly farther leave the
+    /// picture.
+    pub fn of<'a>(frames: impl IntoIterator<Item = &'a Frame>) -> Self {
+        let (mut last, mut bounds) = (0.0_f64, Vec::new());
+        for (k, frame) in frames.into_iter().enumerate() {
+            last = if k == 0 { frame.time } else { last.max(frame.time) };
+            bounds.push(frame.bounds);
+        }
+        let [x, y] = extent(bounds);
+        Self { low: [x[0], y[0]], high: [x[1], y[1]], last }
+    }
+
+    /// Returns the centre, and the distances from the centre to the sides, m. At least one distance is above zero, even if the view has no extent.
+    pub(crate) fn middle_and_half(&self) -> ([f64; 2], [f64; 2]) {
+        let half = [0, 1].map(|axis| (self.high[axis] - self.low[axis]) / 2.0);
+        let middle = [0, 1].map(|axis| self.low[axis] + half[axis]);
+        let good = half[0].max(half[1]) > 0.0 && half.iter().chain(&middle).all(|x| x.is_finite());
+        if good { (middle, half) } else { ([0.0; 2], [1.0; 2]) }
+    }
+
+    /// Returns a time as text, with the same unit and number of decimals for all frames.
+    pub(crate) fn time(&self, time: f64) -> String {
+        time_text(time, self.last)
+    }
+}
+
+/// Returns the least and the greatest coordinate on each axis that a view of frames with these bounds shows: beyond the first frame by at most half of its longest
+/// side.
+pub(crate) fn extent<const D: usize>(bounds: impl IntoIterator<Item = [[f64; 2]; D]>) -> [[f64; 2]; D] {
+    let mut bounds = bounds.into_iter();
+    let Some(first) = bounds.next() else { return [[0.0, 1.0]; D] };
+    let most = first.iter().map(|[low, high]| high - low).fold(0.0, f64::max) / 2.0;
+    bounds.fold(first, |extent, bounds| {
+        std::array::from_fn(|axis| {
+            let ([low, high], [least, largest]) = (extent[axis], bounds[axis]);
+            [low.min(least).max(first[axis][0] - most), high.max(largest).min(first[axis][1] + most)]
+        })
+    })
+}
+
+/// Returns a time as text, with a unit and a number of decimals for all times up to `last`.
+pub(crate) fn time_text(time: f64, last: f64) -> String {
+    let (factor, unit) = prefixed("s", last);
+    let decimals = match last * factor {
+        last if last >= 100.0 => 1,
+        last if last >= 10.0 => 2,
+        _ => 3,
+    };
+    format!("{:.decimals$} {unit}", time * factor)
+}
+
+/// Settings of the pictures of a series.
+///
+/// # Example
+/// ```
+/// use fdem_results::{Field, Frame, FrameView, Pictures, Range};
+/// use fdem_simulation::Snapshot;
+///
+/// let snapshot = Snapshot {
+///     positions: vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]],
+///     displacements: vec![[0.0; 2]; 3],
+///     velocities: vec![[0.0; 2]; 3],
+///     elements: vec![[0, 1, 2]],
+///     stresses: vec![[1e6, 0.0, 0.0, 0.0, 0.0, 0.0]],
+///     damage: vec![0.0],
+///     bodies: vec![0],
+///     materials: vec![0],
+///     fragments: vec![0],
+///     ..Snapshot::default()
+/// };
+/// let frames = [Frame::new(&snapshot)?];
+/// let field = Field::VonMises;
+/// let pictures =
+///     Pictures { title: "a triangle", field, range: Range::of(&frames, field), view: FrameView::of(&frames) };
+/// assert!(pictures.svg(&frames[0])?.contains("von Mises stress (MPa)"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct Pictures<'a> {
+    /// Title.
+    pub title: &'a str,
+    /// Field by which elements are coloured.
+    pub field: Field,
+    /// Values at the ends of the colour scale.
+    pub range: Range,
+    /// Part of the plane that is shown.
+    pub view: FrameView,
+}
+
+impl Pictures<'_> {
+    /// Returns a frame as SVG. More than 20,000 elements are embedded as an image.
+    ///
+    /// # Errors
+    /// [`PictureError::Png`], also for a damaged frame; [`PictureError::TooWide`].
+    pub fn svg(&self, frame: &Frame) -> Result<String, PictureError> {
+        let (page, opened) = (self.page()?, opened(frame)?);
+        let mut svg = self.sheet(&page, frame);
+        svg.background();
+        if frame.elements > MOST_VECTORS {
+            let layer = self.layer(&page, &opened, drawing::scale(None, page.size[0])?);
+            let png = encode::file(layer.size.map(|side| side as u32), &layer.pixels)?;
+            svg.image([MARGIN, HEAD], page.area, &png);
+        } else {
+            self.vectors(&page, &opened, &mut svg);
+        }
+        self.surroundings(&page, frame, &mut svg);
+        Ok(svg.finish())
+    }
+
+    /// Returns a frame as a PNG file, `width` pixels wide (200 to 10,000). Without a width it is as wide as the SVG (at most 900).
+    ///
+    /// # Errors
+    /// The errors of [`Self::svg`]; [`PictureError::Width`].
+    pub fn png(&self, frame: &Frame, width: Option<u32>) -> Result<Vec<u8>, PictureError> {
+        let (size, pixels) = self.pixels(frame, width)?;
+        encode::file(size, &pixels)
+    }
+
+    /// Returns the picture of [`Self::png`] as its width and height, and red, green and blue of each pixel, row by row.
+    pub(crate) fn pixels(
+        &self,
+        frame: &Frame,
+        width: Option<u32>,
+    ) -> Result<([u32; 2], Vec<u8>), PictureError> {
+        let (page, opened) = (self.page()?, opened(frame)?);
+        let scale = if width.is_some() { drawing::scale(width, page.size[0])? } else { 1.0 };
+        let mut svg = self.sheet(&page, frame);
+        self.surroundings(&page, frame, &mut svg);
+        encode::pixels(&svg.finish(), &[self.layer(&page, &opened, scale)], scale)
+    }
+
+    fn page(&self) -> Result<Page, PictureError> {
+        let FrameView { low, high, .. } = self.view;
+        let extent = [high[0] - low[0], high[1] - low[1]];
+        if !extent.iter().all(|side| side.is_finite()) {
+            return Err(PictureError::TooWide);
+        }
+        // The drawing has a margin of four units on each side.
+        let fits =
+            |axis: usize| if extent[axis] > 0.0 { (MOST[axis] - 8.0) / extent[axis] } else { f64::INFINITY };
+        let scale = fits(0).min(fits(1));
+        let scale = if scale.is_finite() { scale } else { 1.0 };
+        let area = [(extent[0] * scale + 8.0).max(NARROWEST).round(), (extent[1] * scale + 8.0).round()];
+        let middle = [low[0] + extent[0] / 2.0, low[1] + extent[1] / 2.0];
+        Ok(Page { middle, scale, area, size: [area[0] + 2.0 * MARGIN, HEAD + area[1] + FOOT] })
+    }
+
+    fn sheet(&self, page: &Page, frame: &Frame) -> Svg {
+        let name = format!("{} at {}", self.title, self.view.time(frame.time));
+        let description = format!("Elements coloured by {}; {}.", self.field.name(), self.sentence(frame));
+        Svg::new(page.size[0], page.size[1], &name, &description)
+    }
+
+    /// Returns a sentence with the time, the step and the counts of a frame.
+    fn sentence(&self, frame: &Frame) -> String {
+        let mut text = format!(
+            "t = {}, step {}, {} elements",
+            self.view.time(frame.time),
+            grouped(frame.step),
+            grouped(frame.whole as u64)
+        );
+        if frame.cracks > 0 {
+            let total: f64 = frame.lengths.iter().sum();
+            let (factor, unit) = prefixed("m", total);
+            // Writing to a string does not fail.
+            let _ = write!(text, ", {} {unit} of cracks", brief((total * factor * 100.0).round() / 100.0));
+        }
+        text
+    }
+
+    fn colour(&self, opened: &Opened, element: usize) -> Rgb {
+        match self.field.scale() {
+            Some(scale) => self.field.colour(opened.values[scale][element], self.range),
+            None if self.field == Field::Material => numbered_colour(opened.materials[element]),
+            None => numbered_colour(opened.bodies[element]),
+        }
+    }
+
+    /// Returns the outlines of bodies (`kind` 0) or grains (1) as lines in units of the drawing, and their width.
+    fn outlines(page: &Page, opened: &Opened, kind: usize) -> (Vec<[[f64; 2]; 2]>, f64) {
+        let mask = [OF_BODIES, OF_GRAINS][kind];
+        let line = |(element, corner): (usize, usize)| {
+            let corners = opened.corners[element];
+            [corners[corner], corners[(corner + 1) % 3]].map(|end| page.place(end))
+        };
+        let lines: Vec<[[f64; 2]; 2]> = edges(&opened.outlines, mask)
+            .map(line)
+            .filter(|line| line.as_flattened().iter().all(|x| x.is_finite()))
+            .collect();
+        // Four times the area over the circumference is the diameter of a disc.
+        let double =
+            |[a, b, c]: [[f64; 2]; 3]| ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])).abs();
+        let area =
+            opened.corners.iter().map(|&corners| 0.5 * double(corners)).filter(|area| area.is_finite());
+        let area = area.sum::<f64>() * page.scale * page.scale;
+        let length: f64 = lines.iter().map(|[a, b]| (b[0] - a[0]).hypot(b[1] - a[1])).sum();
+        let size = 4.0 * area / length.max(f64::MIN_POSITIVE);
+        (lines, OUTLINES[kind].1.min(OUTLINE * size))
+    }
+
+    /// Draws elements, outlines and cracks as pixels.
+    fn layer(&self, page: &Page, opened: &Opened, scale: f64) -> Layer {
+        let size = page.area.map(|side| (side * scale).round() as usize);
+        let mut fill = Fill::new(size);
+        let scaled = |[x, y]: [f64; 2]| [x * scale, y * scale];
+        let pixel = |point: [f64; 2]| scaled(page.place(point));
+        for (element, [a, b, c]) in opened.corners.iter().enumerate() {
+            fill.triangle([pixel(*a), pixel(*b), pixel(*c)], self.colour(opened, element));
+        }
+        // Grains come first, so that outlines of bodies lie above them.
+        for kind in [1, 0] {
+            let (lines, width) = Self::outlines(page, opened, kind);
+            if width < NARROWEST_OUTLINE {
+                continue;
+            }
+            for [a, b] in lines {
+                // A line narrower than a sample would have holes.
+                fill.line([scaled(a), scaled(b)], (width * scale).max(0.5), OUTLINES[kind].0);
+            }
+        }
+        for (ends, _) in &opened.cracks {
+            fill.line(ends.map(pixel), SEAM * scale, [255; 3]);
+        }
+        for (ends, mode) in &opened.cracks {
+            fill.line(ends.map(pixel), CRACK * scale, crack_colour(*mode));
+        }
+        Layer { at: [MARGIN, HEAD], size, pixels: fill.into_pixels() }
+    }
+
+    /// Draws elements, outlines and cracks as paths, one for each colour.
+    fn vectors(&self, page: &Page, opened: &Opened, svg: &mut Svg) {
+        let mut paths: BTreeMap<Rgb, String> = BTreeMap::new();
+        for (element, corners) in opened.corners.iter().enumerate() {
+            let [a, b, c] = corners.map(|corner| page.place(corner));
+            if [a, b, c].iter().flatten().all(|x| x.is_finite()) {
+                let path = paths.entry(self.colour(opened, element)).or_default();
+                // Writing to a string does not fail.
+                let _ =
+                    write!(path, "M{:.2} {:.2}L{:.2} {:.2}L{:.2} {:.2}Z", a[0], a[1], b[0], b[1], c[0], c[1]);
+            }
+        }
+        svg.put(format_args!(
+            r#"<svg x="{MARGIN}" y="{HEAD}" width="{0}" height="{1}" viewBox="0 0 {0} {1}"><g stroke-width="0.4" stroke-linejoin="round">"#,
+            page.area[0], page.area[1]
+        ));
+        for (colour, path) in paths {
+            let colour = hex(colour);
+            svg.put(format_args!(r#"<path class="elements" fill="{colour}" stroke="{colour}" d="{path}"/>"#));
+        }
+        svg.put(format_args!(r#"</g><g fill="none" stroke-linecap="round">"#));
+        for (kind, class) in [(1, "grains"), (0, "bodies")] {
+            let (all, width) = Self::outlines(page, opened, kind);
+            if width >= NARROWEST_OUTLINE && !all.is_empty() {
+                let mut path = String::new();
+                for [a, b] in all {
+                    let _ = write!(path, "M{:.2} {:.2}L{:.2} {:.2}", a[0], a[1], b[0], b[1]);
+                }
+                svg.put(format_args!(
+                    r#"<path class="{class}" d="{path}" stroke="{}" stroke-width="{width:.2}"/>"#,
+                    hex(OUTLINES[kind].0)
+                ));
+            }
+        }
+        let mut lines: [String; 3] = Default::default();
+        for (ends, mode) in &opened.cracks {
+            let [a, b] = ends.map(|end| page.place(end));
+            if [a, b].iter().flatten().all(|x| x.is_finite()) {
+                let _ = write!(
+                    lines[usize::from(code(*mode))],
+                    "M{:.2} {:.2}L{:.2} {:.2}",
+                    a[0],
+                    a[1],
+                    b[0],
+                    b[1]
+                );
+            }
+        }
+        let all = lines.concat();
+        if !all.is_empty() {
+            svg.put(format_args!(r#"<path d="{all}" stroke="white" stroke-width="{SEAM}"/>"#));
+        }
+        for ((name, colour), line) in CRACKS.iter().zip(&lines).filter(|(_, line)| !line.is_empty()) {
+            svg.put(format_args!(
+                r#"<path class="{name}" d="{line}" stroke="{}" stroke-width="{CRACK}"/>"#,
+                hex(*colour)
+            ));
+        }
+        svg.put(format_args!("</g></svg>"));
+    }
+
+    /// Draws the title, the scale bar, the colour bar and the legend of the cracks.
+    fn surroundings(&self, page: &Page, frame: &Frame, svg: &mut Svg) {
+        let (title, size) = fitting(self.title, page.area[0], OF_TITLES, true);
+        svg.bold([MARGIN, 30.0], size, &title);
+        svg.label([MARGIN, 51.0], 12.5, Anchor::Start, PALE, &self.sentence(frame));
+        let (right, foot) = (page.size[0] - MARGIN - 6.0, HEAD + page.area[1] + 12.0);
+        let (factor, unit) = prefixed("m", 150.0 / page.scale);
+        furniture::scale_bar(svg, &format!(" {unit}"), [MARGIN, foot], page.scale / factor);
+        crack_legend(svg, [MARGIN + 215.0, foot], frame.lengths);
+        colour_bar(svg, self.field, self.range, [right, foot]);
+    }
+}
+
+/// Draws a line and the name of each mode of cracks whose total length or area is above 0.
+pub(crate) fn crack_legend(svg: &mut Svg, [mut x, y]: [f64; 2], totals: [f64; 3]) {
+    for ((name, colour), total) in CRACKS.iter().zip(totals) {
+        if total > 0.0 {
+            svg.put(format_args!(
+                r#"<line x1="{x}" y1="{0}" x2="{1}" y2="{0}" stroke="{2}" stroke-width="3"/>"#,
+                y + 20.0,
+                x + 20.0,
+                hex(*colour)
+            ));
+            svg.label([x, y + 42.0], 12.0, Anchor::Start, INK, name);
+            x += 64.0;
+        }
+    }
+}
+
+/// Draws the colour bar of a field, right-aligned.
+pub(crate) fn colour_bar(svg: &mut Svg, field: Field, range: Range, [right, y]: [f64; 2]) {
+    let (Range { low, high }, x) = (range, right - BAR);
+    if field.scale().is_none() {
+        svg.label([right, y + 10.0], 12.0, Anchor::End, INK, &format!("coloured by {}", field.name()));
+        return;
+    }
+    let (factor, unit) = prefixed(field.unit(), high.abs().max(low.abs()));
+    let unit = if unit.is_empty() { unit } else { format!(" ({unit})") };
+    svg.label([x, y + 10.0], 12.0, Anchor::Start, INK, &format!("{}{unit}", field.name()));
+    furniture::strips(svg, [x, y], |share| field.colour(low + share * (high - low), range));
+    for tick in ticks(low * factor, high * factor, 4) {
+        let at = x + (tick - low * factor) / ((high - low) * factor) * BAR;
+        svg.line([at, y + 31.0], [at, y + 35.0], 1.0, INK);
+        svg.label([at, y + 47.0], 11.5, Anchor::Middle, INK, &tick_text(tick));
+    }
+}
+
+pub(crate) fn crack_colour(mode: Mode) -> Rgb {
+    CRACKS[usize::from(code(mode))].1
+}
+
+fn opened(frame: &Frame) -> Result<Opened, PictureError> {
+    frame.open().map_err(|error| PictureError::Png { message: error.to_string() })
+}
+
+/// Layout of a picture.
+struct Page {
+    /// The point in the middle of the area, m.
+    middle: [f64; 2],
+    /// Units of the drawing per metre.
+    scale: f64,
+    area: [f64; 2],
+    size: [f64; 2],
+}
+
+impl Page {
+    /// Returns the position of a point, from the upper left of the area.
+    fn place(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        [
+            self.area[0] / 2.0 + (x - self.middle[0]) * self.scale,
+            self.area[1] / 2.0 - (y - self.middle[1]) * self.scale,
+        ]
+    }
+}
