@@ -9,10 +9,11 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use fdem_results::{
-    Animation, Field, Frame, FrameView, History, HistoryWriter, Names, Outlines, Pictures, Range, Report,
-    Row, plots, pvd, write_contacts_vtp, write_cracks_vtp, write_damaged_joints_vtp, write_vtu,
+    Animation, ElementMasses, Field, Fragments, Frame, FrameView, History, HistoryWriter, Names, Outlines,
+    Pictures, Range, Report, Row, plots, pvd, write_contacts_vtp, write_cracks_vtp, write_damaged_joints_vtp,
+    write_vtu,
 };
-use fdem_simulation::{Forces, Snapshot};
+use fdem_simulation::{Forces, Material, Model, Snapshot};
 use serde_json::json;
 
 #[path = "../tests/run/splitting_disc.rs"]
@@ -103,7 +104,26 @@ fn main() -> Result<(), Box<dyn Error>> {
         ("elements", elements.as_str()),
         ("material", "sandstone"),
     ];
-    let report = Report { title, facts: &facts, plots: &plots, frames: &frames, field, names: &names };
+    let rock = Material {
+        name: names.materials[0].clone(),
+        density: 2300.0,
+        youngs_modulus: 20e9,
+        poissons_ratio: 0.25,
+        damping: 0.0,
+        strength: None,
+        friction: 0.6,
+    };
+    let model = Model { mesh: disc.mesh(), materials: vec![rock], ..Model::default() };
+    let fragments = Fragments::of(&disc.snapshot(1.0), &ElementMasses::of(&model)?)?;
+    let report = Report {
+        title,
+        facts: &facts,
+        plots: &plots,
+        frames: &frames,
+        fragments: &fragments,
+        field,
+        names: &names,
+    };
     fs::write(folder.join("report.html"), report.html()?)?;
     took("report");
     Ok(())

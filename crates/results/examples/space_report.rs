@@ -11,8 +11,8 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use fdem_results::{
-    Field, History, HistoryWriter, MOST_INSIDE, Names, Range, Row, Shell, Show, SpaceFrame, SpacePictures,
-    SpaceReport, SpaceView, plots,
+    ElementMasses, Field, Fragments, History, HistoryWriter, MOST_INSIDE, Names, Range, Row, Shell, Show,
+    SpaceFrame, SpacePictures, SpaceReport, SpaceView, plots,
 };
 use fdem_simulation::{
     Boundary, FractureOptions, Load, Material, Mesh, Model, Schedule, Simulation, Snapshot, Strength, Target,
@@ -40,6 +40,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let model = struck_plate(cells);
     let shell = Shell::new(&model.mesh, &[]);
     let elements = model.mesh.elements.len().to_string();
+    let masses = ElementMasses::of(&model)?;
     let mut run = Simulation::new(model, 1)?;
     let mut history = HistoryWriter::new(Vec::new(), 3, &[])?;
     let mut frames = Vec::new();
@@ -76,7 +77,16 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (range, view) = (Range::of_space(&frames, field), SpaceView::of(&frames));
     let pictures = SpacePictures { title, field, range, view, show: Show::Solid, cut: None };
     let preview = frames.last().map(|last| pictures.png(last, None)).transpose()?;
-    let report = SpaceReport { title, facts: &facts, plots: &plots, frames: &frames, field, names: &names };
+    let fragments = Fragments::of(&run.snapshot(), &masses)?;
+    let report = SpaceReport {
+        title,
+        facts: &facts,
+        plots: &plots,
+        frames: &frames,
+        fragments: &fragments,
+        field,
+        names: &names,
+    };
     fs::write(folder.join("report.html"), report.html(preview.as_deref())?)?;
     took("page");
     Ok(())
@@ -112,8 +122,15 @@ fn still(folder: &std::path::Path, cells: usize, most: usize) -> Result<(), Box<
     let frames = [SpaceFrame::with_inside(&snapshot, &shell, most)?];
     took("frame");
     let (field, names) = (Field::VonMises, Names::default());
-    let report =
-        SpaceReport { title: "A bent cube", facts: &[], plots: &[], frames: &frames, field, names: &names };
+    let report = SpaceReport {
+        title: "A bent cube",
+        facts: &[],
+        plots: &[],
+        frames: &frames,
+        fragments: &Fragments::default(),
+        field,
+        names: &names,
+    };
     fs::write(folder.join("report.html"), report.html(None)?)?;
     took("page");
     Ok(())

@@ -14,7 +14,7 @@ mod animation;
 mod chart;
 pub(crate) mod field;
 mod fill;
-mod fragments;
+pub(crate) mod fragments;
 pub(crate) mod frame;
 mod history;
 mod loads;

@@ -5,7 +5,9 @@
 use std::f64::consts::PI;
 
 use fdem_mesh::Simplex;
-use fdem_results::{ElementMasses, Fragments, Names, SnapshotError, fragment_sizes};
+use fdem_results::{
+    ElementMasses, Field, Fragments, Names, Report, SnapshotError, SpaceReport, fragment_sizes,
+};
 use fdem_simulation::{Element, Interface, Material, Mesh, Model, Simulation, Strength};
 
 const DENSITY: f64 = 2500.0;
@@ -280,4 +282,56 @@ fn a_snapshot_of_another_model_is_refused() {
     let without = Model { materials: Vec::new(), ..model };
     let missing = SnapshotError::Material { element: 0, material: 0, materials: 0 };
     assert_eq!(ElementMasses::of(&without), Err(missing));
+}
+
+#[test]
+fn the_page_has_the_heaviest_fragments() {
+    let names =
+        Names { bodies: ["small", "</td><b>", "large"].map(String::from).to_vec(), ..Names::default() };
+    let rock = || vec![material("rock", None)];
+    let flat = fragments_of(three::<2, 3>(rock(), f64::INFINITY));
+    let report = Report {
+        title: "squares",
+        facts: &[],
+        plots: &[],
+        frames: &[],
+        fragments: &flat,
+        field: Field::Damage,
+        names: &names,
+    };
+    let page = report.html().unwrap();
+    assert!(page.contains(
+        "The 3 fragments at the end, the heaviest first. The diameter is that of a disc of the same area."
+    ));
+    assert!(page.contains("<tr><td>2</td><td>large</td><td>2</td><td>2250</td><td>64.2857</td><td>9</td><td>3.38514</td><td>0</td></tr>"));
+    assert!(page.contains("<td>&lt;/td&gt;&lt;b&gt;</td>"), "names from outside are text");
+    let none = Report { fragments: &Fragments::default(), ..report }.html().unwrap();
+    assert!(!none.contains("fragments-table"));
+
+    let space = fragments_of(three::<3, 4>(rock(), f64::INFINITY));
+    let report = SpaceReport {
+        title: "cubes",
+        facts: &[],
+        plots: &[],
+        frames: &[],
+        fragments: &space,
+        field: Field::Damage,
+        names: &names,
+    };
+    let page = report.html(None).unwrap();
+    assert!(page.contains("sphere of the same volume") && page.contains("<td>75</td><td>27</td>"), "{page}");
+
+    // Bodies that cannot break do not count beside those that can.
+    let materials = vec![material("rock", Some(weak())), material("steel", None)];
+    let fragments = fragments_of(three::<2, 3>(materials, 4.5));
+    let report = Report {
+        title: "squares",
+        facts: &[],
+        plots: &[],
+        frames: &[],
+        fragments: &fragments,
+        field: Field::Damage,
+        names: &names,
+    };
+    assert!(report.html().unwrap().contains("The 2 fragments at the end"));
 }

@@ -7,9 +7,9 @@ use std::io::ErrorKind;
 
 use fdem_results::picture::PictureError;
 use fdem_results::{
-    Animation, AnimationError, Field, FragmentCount, Frame, FrameError, FrameView, History, HistoryWriter,
-    MOST_FRAMES, Names, Outlines, Pictures, Range, Report, Row, SnapshotError, plots, write_contacts_vtp,
-    write_cracks_vtp, write_damaged_joints_vtp, write_vtu,
+    Animation, AnimationError, Field, FragmentCount, Fragments, Frame, FrameError, FrameView, History,
+    HistoryWriter, MOST_FRAMES, Names, Outlines, Pictures, Range, Report, Row, SnapshotError, plots,
+    write_contacts_vtp, write_cracks_vtp, write_damaged_joints_vtp, write_vtu,
 };
 use fdem_simulation::{ContactForce, Forces, Mesh, Snapshot};
 
@@ -261,6 +261,7 @@ fn a_state_that_has_gone_wrong_is_still_drawn() {
         facts: &[],
         plots: &[],
         frames: &frames,
+        fragments: &Fragments::default(),
         field: Field::VonMises,
         names: &Names::default(),
     };
@@ -489,6 +490,7 @@ fn the_page_is_whole_safe_and_says_what_it_leaves_out() {
         facts: &facts,
         plots: &plots,
         frames: &frames,
+        fragments: &Fragments::default(),
         field: Field::Damage,
         names: &Names { bodies: vec![hostile.to_owned()], materials: vec![hostile.to_owned()] },
     };

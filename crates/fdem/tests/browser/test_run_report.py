@@ -334,6 +334,10 @@ def test_summary_plots_and_what_is_left_out_are_text(browser, disc):
         total = sum(crack["length"] for crack in last["cracks"] if crack["time"] is not None)
         assert float(cells[3]) == pytest.approx(total, rel=1e-5)
         assert [cells[0], cells[1], cells[2]] == ["59", "100,000", "0.002"]
+        pieces = page.locator("#fragments-table tbody tr")
+        assert pieces.count() == 2
+        shares = [float(pieces.nth(k).locator("td").nth(4).text_content()) for k in range(2)]
+        assert shares == pytest.approx([50, 50], rel=1e-3)
         watched.check()
 
 

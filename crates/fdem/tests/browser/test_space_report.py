@@ -198,6 +198,13 @@ def test_a_run_plays_to_its_end(browser, plate):  # noqa: F811
         assert int(cells[2]) == max(last.fragments) + 1 > 2
         areas = [sum(crack["area"] for crack in last.broken if crack["mode"] == mode) for mode in range(3)]
         assert [float(cell) for cell in cells[4:8]] == pytest.approx([sum(areas), *areas], rel=1e-5)
+        # The heaviest fragments of the plate; the block cannot break and does not count.
+        pieces = page.locator("#fragments-table tbody tr")
+        inside = {last.fragments[k] for k in range(len(last.fragments)) if last.bodies[k] == 0}
+        assert pieces.count() == min(len(inside), 20) > 1
+        masses = [float(pieces.nth(k).locator("td").nth(3).text_content()) for k in range(pieces.count())]
+        assert masses == sorted(masses, reverse=True)
+        assert {pieces.nth(k).locator("td").nth(1).text_content() for k in range(pieces.count())} == {"plate"}
         watched.check()
 
 

@@ -19,6 +19,7 @@ use crate::page::{Parts, STYLE, rows};
 use crate::picture::PictureError;
 use crate::picture::svg::escape;
 use crate::run::field::{Field, NO_VALUE, NUMBERED, Range, SCALES};
+use crate::run::fragments::Fragments;
 use crate::run::frame::Scale;
 use crate::run::names::Names;
 use crate::run::pictures::{CRACKS, NARROWEST_OUTLINE, OUTLINE, OUTLINES};
@@ -26,6 +27,9 @@ use crate::run::plots::Plot;
 
 /// Maximum number of frames in a page. If there are more, some are left out.
 pub const MOST_FRAMES: usize = 121;
+
+/// Maximum number of fragments in the table of the page.
+const MOST_FRAGMENTS: usize = 20;
 
 /// Maximum number of left-out frames that the page lists.
 const MOST_NAMED: usize = 12;
@@ -61,6 +65,8 @@ struct RunPage<'a> {
     /// Names of the columns of the table of frames, and its rows.
     columns: &'a [&'a str],
     rows: String,
+    /// The section with the largest fragments; empty if there are none.
+    fragments: String,
     /// Data for the scripts, beside those that all pages have.
     meta: Value,
     /// The script elements with the frames.
@@ -101,6 +107,7 @@ impl RunPage<'_> {
                 "plots" => figures(self.plots),
                 "columns" => headings(self.columns),
                 "rows" => self.rows.clone(),
+                "fragments" => self.fragments.clone(),
                 "meta" => meta.clone(),
                 // The frames are by far the largest part. They occur once, so they are moved.
                 "frames" => frames.take(),
@@ -232,6 +239,45 @@ fn figures(plots: &[Plot]) -> String {
         let _ = writeln!(figures, "<figure>{}</figure>", plot.svg);
     }
     figures
+}
+
+/// Returns the section with the largest fragments of the bodies that count; empty if there are none.
+fn largest<const D: usize>(fragments: &Fragments<D>, names: &Names) -> String {
+    let counted: Vec<_> = fragments.all().iter().filter(|fragment| fragment.counted).collect();
+    if counted.is_empty() {
+        return String::new();
+    }
+    let measure = if D == 2 { "area (m²)" } else { "volume (m³)" };
+    let columns =
+        ["fragment", "body", "elements", "mass (kg)", "share (%)", measure, "diameter (m)", "speed (m/s)"];
+    let all: f64 = counted.iter().map(|fragment| fragment.mass).sum();
+    let mut rows = String::new();
+    for one in counted.iter().take(MOST_FRAGMENTS) {
+        let body = names.bodies.get(one.body as usize).cloned().unwrap_or_else(|| one.body.to_string());
+        let speed = one.velocity.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let numbers = [one.mass, 100.0 * one.mass / all, one.measure, one.diameter, speed];
+        let cells = [one.number.to_string(), escape(&body), grouped(one.elements)];
+        let cells: String =
+            cells.into_iter().chain(numbers.map(brief)).map(|cell| format!("<td>{cell}</td>")).collect();
+        // Writing to a string does not fail.
+        let _ = writeln!(rows, "<tr>{cells}</tr>");
+    }
+    let text = match counted.len() {
+        1 => "The bodies that can break are one fragment.".to_owned(),
+        number if number <= MOST_FRAGMENTS => {
+            format!("The {number} fragments at the end, the heaviest first.")
+        }
+        number => format!(
+            "The {MOST_FRAGMENTS} heaviest of {} fragments at the end. The others are in <code>fragments.csv</code>.",
+            grouped(number as u64)
+        ),
+    };
+    format!(
+        "<section aria-labelledby=\"fragments-heading\" id=\"fragments-table\">\n  <h2 id=\"fragments-heading\">Fragments</h2>\n  <p class=\"hint\">{text} The diameter is that of a {} of the same {}.</p>\n  <div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-labelledby=\"fragments-heading\">\n    <table class=\"numbers\">\n      <thead><tr>{}</tr></thead>\n      <tbody>\n{rows}</tbody>\n    </table>\n  </div>\n</section>\n",
+        if D == 2 { "disc" } else { "sphere" },
+        if D == 2 { "area" } else { "volume" },
+        headings(&columns)
+    )
 }
 
 /// Returns a part of frame `k` as a script element of the page.

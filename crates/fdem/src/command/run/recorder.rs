@@ -294,6 +294,7 @@ where
                 title: if prepared.title.is_empty() { "fdem" } else { &prepared.title },
                 facts,
                 plots: &drawn,
+                fragments,
                 field: prepared.output.fields.first().copied().unwrap_or(Field::MaxPrincipal),
                 animate: prepared.output.animate,
                 names: &self.names,

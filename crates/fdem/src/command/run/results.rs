@@ -1,9 +1,9 @@
 //! What the results of two and of three dimensions differ in.
 
 use fdem_results::{
-    Animation, AnimationError, Field, Frame, FrameError, FrameView, MOST_INSIDE, Names, Outlines, Pictures,
-    Plot, Range, Report, Shell, Show, SnapshotError, SpaceAnimation, SpaceFrame, SpacePictures, SpaceReport,
-    SpaceView,
+    Animation, AnimationError, Field, Fragments, Frame, FrameError, FrameView, MOST_INSIDE, Names, Outlines,
+    Pictures, Plot, Range, Report, Shell, Show, SnapshotError, SpaceAnimation, SpaceFrame, SpacePictures,
+    SpaceReport, SpaceView,
 };
 use fdem_simulation::Snapshot;
 
@@ -46,14 +46,15 @@ pub(crate) trait Results<const D: usize, const N: usize>: Dimensions<D, N> {
 
     fn opened(bytes: &[u8]) -> Result<Self::Frame, FrameError>;
 
-    fn draw(run: &Drawn<'_>, frames: &[Self::Frame]) -> Drawings;
+    fn draw(run: &Drawn<'_, D>, frames: &[Self::Frame]) -> Drawings;
 }
 
 /// What is drawn of a run beside its frames.
-pub(crate) struct Drawn<'a> {
+pub(crate) struct Drawn<'a, const D: usize> {
     pub(crate) title: &'a str,
     pub(crate) facts: &'a [(&'a str, &'a str)],
     pub(crate) plots: &'a [Plot],
+    pub(crate) fragments: &'a Fragments<D>,
     pub(crate) field: Field,
     /// Field of the animation; `None` for no animation.
     pub(crate) animate: Option<Field>,
@@ -101,8 +102,8 @@ impl Results<2, 3> for [[f64; 2]; 3] {
         Frame::from_bytes(bytes)
     }
 
-    fn draw(run: &Drawn<'_>, frames: &[Frame]) -> Drawings {
-        let &Drawn { title, facts, plots, field, animate, names } = run;
+    fn draw(run: &Drawn<'_, 2>, frames: &[Frame]) -> Drawings {
+        let &Drawn { title, facts, plots, fragments, field, animate, names } = run;
         let view = FrameView::of(frames);
         let pictures = |field| Pictures { title, field, range: Range::of(frames, field), view };
         let animation = |asked| {
@@ -115,7 +116,7 @@ impl Results<2, 3> for [[f64; 2]; 3] {
                 .last()
                 .map(|last| pictures(field).png(last, None).map_err(|error| error.to_string())),
             animation: animate.map(|asked| animation(asked).map_err(|error| error.to_string())),
-            report: Report { title, facts, plots, frames, field, names }
+            report: Report { title, facts, plots, frames, fragments, field, names }
                 .html()
                 .map_err(|error| error.to_string()),
         }
@@ -155,8 +156,8 @@ impl Results<3, 4> for [[f64; 3]; 4] {
         SpaceFrame::from_bytes(bytes)
     }
 
-    fn draw(run: &Drawn<'_>, frames: &[SpaceFrame]) -> Drawings {
-        let &Drawn { title, facts, plots, field, animate, names } = run;
+    fn draw(run: &Drawn<'_, 3>, frames: &[SpaceFrame]) -> Drawings {
+        let &Drawn { title, facts, plots, fragments, field, animate, names } = run;
         let view = SpaceView::of(frames);
         let pictures = |field| SpacePictures {
             title,
@@ -174,7 +175,7 @@ impl Results<3, 4> for [[f64; 3]; 4] {
         let picture =
             frames.last().map(|last| pictures(field).png(last, None).map_err(|error| error.to_string()));
         let preview = picture.as_ref().and_then(|picture| picture.as_deref().ok());
-        let report = SpaceReport { title, facts, plots, frames, field, names };
+        let report = SpaceReport { title, facts, plots, frames, fragments, field, names };
         Drawings {
             report: report.html(preview).map_err(|error| error.to_string()),
             picture,

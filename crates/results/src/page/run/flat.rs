@@ -3,9 +3,10 @@
 use fdem_io::numbers::{brief, grouped};
 use serde_json::{Value, json};
 
-use crate::page::run::{RunPage, finite, row, text, thinned, thinning};
+use crate::page::run::{RunPage, finite, largest, row, text, thinned, thinning};
 use crate::picture::PictureError;
 use crate::run::field::{Field, Range};
+use crate::run::fragments::Fragments;
 use crate::run::frame::Frame;
 use crate::run::names::Names;
 use crate::run::pictures::{FrameView, Pictures};
@@ -40,7 +41,7 @@ const COLUMNS: [&str; 10] = [
 ///
 /// # Example
 /// ```
-/// use fdem_results::{Field, Frame, Names, Report};
+/// use fdem_results::{Field, Fragments, Frame, Names, Report};
 ///
 /// let frames = [Frame::new(&fdem_simulation::Snapshot::default())?];
 /// let report = Report {
@@ -48,6 +49,7 @@ const COLUMNS: [&str; 10] = [
 ///     facts: &[("elements", "0")],
 ///     plots: &[],
 ///     frames: &frames,
+///     fragments: &Fragments::default(),
 ///     field: Field::MaxPrincipal,
 ///     names: &Names::default(),
 /// };
@@ -65,6 +67,8 @@ pub struct Report<'a> {
     /// Frames in the order of time. If there are more than [`MOST_FRAMES`](crate::MOST_FRAMES), or more than 40 MB, the page has only some of them, the first and the last among
     /// them, and says so.
     pub frames: &'a [Frame],
+    /// Fragments at the end. The page has a table of the largest ones of the bodies that count.
+    pub fragments: &'a Fragments<2>,
     /// Field by which elements are initially coloured.
     pub field: Field,
     /// Names of bodies and materials. Bodies and materials without a name are shown as numbers.
@@ -112,6 +116,7 @@ impl Report<'_> {
             count: places.len(),
             columns: &COLUMNS,
             rows,
+            fragments: largest(self.fragments, self.names),
             meta: self.meta(&places, whole, &view),
             frames,
             show: SHOW,

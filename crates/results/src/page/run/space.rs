@@ -3,9 +3,10 @@
 use fdem_io::numbers::{brief, grouped};
 use serde_json::{Value, json};
 
-use crate::page::run::{MOST_BYTES, RunPage, even, finite, row, text, thinned, thinning};
+use crate::page::run::{MOST_BYTES, RunPage, even, finite, largest, row, text, thinned, thinning};
 use crate::picture::PictureError;
 use crate::run::field::{Field, Range};
+use crate::run::fragments::Fragments;
 use crate::run::names::Names;
 use crate::run::pictures::{extent, time_text};
 use crate::run::plots::Plot;
@@ -45,7 +46,7 @@ const COLUMNS: [&str; 11] = [
 ///
 /// # Example
 /// ```
-/// use fdem_results::{Field, Names, Shell, SpaceFrame, SpaceReport};
+/// use fdem_results::{Field, Fragments, Names, Shell, SpaceFrame, SpaceReport};
 ///
 /// let frames = [SpaceFrame::new(&fdem_simulation::Snapshot::default(), &Shell::default())?];
 /// let report = SpaceReport {
@@ -53,6 +54,7 @@ const COLUMNS: [&str; 11] = [
 ///     facts: &[("elements", "0")],
 ///     plots: &[],
 ///     frames: &frames,
+///     fragments: &Fragments::default(),
 ///     field: Field::MaxPrincipal,
 ///     names: &Names::default(),
 /// };
@@ -70,6 +72,8 @@ pub struct SpaceReport<'a> {
     /// Frames in the order of time. If there are more than [`crate::MOST_FRAMES`], or more than 40 MB, the page has only some of them, the first and the last among
     /// them, and says so. If they have more than 600,000 elements inside together, only some frames have those, and the page says so, too.
     pub frames: &'a [SpaceFrame],
+    /// Fragments at the end. The page has a table of the largest ones of the bodies that count.
+    pub fragments: &'a Fragments<3>,
     /// Field by which elements are initially coloured.
     pub field: Field,
     /// Names of bodies and materials. Bodies and materials without a name are shown as numbers.
@@ -126,6 +130,7 @@ impl SpaceReport<'_> {
             count: kept.places.len(),
             columns: &COLUMNS,
             rows,
+            fragments: largest(self.fragments, self.names),
             meta: self.meta(&kept),
             frames,
             show: SHOW,
@@ -290,6 +295,7 @@ mod tests {
             facts: &facts,
             plots: &[],
             frames,
+            fragments: &Fragments::default(),
             field: Field::Damage,
             names: &names,
         };
