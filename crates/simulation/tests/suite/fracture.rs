@@ -132,3 +132,57 @@ fn a_joint_without_strength_carries_pressure_and_friction_and_no_tension() {
         assert!(lifted > 3e-5 && pulled < 400.0, "{insertion:?}: {lifted} {pulled}");
     }
 }
+
+/// A bar that is pressed, sheared until its joint breaks, and pulled apart. The joint was inserted under pressure and presses until the pressure is gone, not only until its gap is 0:
+/// no force jumps, and the energy balance holds.
+#[test]
+fn a_joint_that_broke_under_pressure_lets_go_without_a_jump() {
+    let mut mesh = rectangle([0.0; 2], [0.01, 0.04], 1, 4);
+    for element in 0..mesh.elements.len() {
+        let above = mesh.elements[element].iter().any(|&node| mesh.nodes[node as usize][1] > 0.0201);
+        mesh.materials[element] = u32::from(above);
+    }
+    let half = Material { youngs_modulus: 30e9, damping: 0.2, ..granite() };
+    let table = |rows: &[[f64; 2]]| Schedule::Table(rows.iter().map(|[t, f]| [1e-4 * t, *f]).collect());
+    let across = table(&[[2.0, 0.0], [3.0, 1.0], [8.0, 1.0], [9.0, 0.0]]);
+    let along = table(&[[0.0, 0.0], [0.5, -1.0], [1.5, -1.0], [2.0, 0.0], [9.0, 0.0], [9.5, 1.0]]);
+    let top = nodes_where(&mesh, |[_, y]| y > 0.04 - 1e-9);
+    let moved = |name: &str, nodes, velocity, schedule| Boundary {
+        name: name.to_owned(),
+        target: Target::Nodes(nodes),
+        load: Load::Velocity(velocity),
+        schedule,
+    };
+    let bottom = nodes_where(&mesh, |[_, y]| y < 1e-9);
+    let model = Model {
+        materials: vec![half.clone(), half],
+        interfaces: vec![Interface {
+            materials: [0, 1],
+            friction: 0.1,
+            penalty: None,
+            strength: Some(Strength { cohesion: 1e6, energy_ii: 2.0, friction: 0.1, ..rock() }),
+        }],
+        boundaries: vec![
+            moved("bottom", bottom, [Some(0.0); 2], Schedule::Constant),
+            moved("along", top.clone(), [None, Some(0.04)], along),
+            moved("across", top, [Some(0.03), None], across),
+        ],
+        mesh,
+        ..Model::default()
+    };
+    let mut run = Simulation::new(model, 1).expect("a model");
+    let (mut most, mut before, mut jump, mut drift) = (0.0_f64, 0.0, 0.0_f64, 0.0_f64);
+    while run.time() < 1.2e-3 {
+        run.advance(1).expect("a step");
+        let now = run.force(0).expect("a boundary")[1];
+        if run.counts().broken == 1 {
+            jump = jump.max((now - before).abs());
+        }
+        (most, before) = (most.max(now.abs()), now);
+        drift = drift.max(run.energies().error().abs());
+    }
+    assert_eq!(run.counts().broken, 1);
+    assert!(most > 100.0 && before.abs() < 1e-2 * most, "{most} {before}");
+    assert!(jump < 0.02 * most, "{jump} of {most}");
+    assert!(drift < 1e-5, "{drift}");
+}

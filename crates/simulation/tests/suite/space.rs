@@ -386,6 +386,37 @@ fn a_crash_is_the_same_for_any_threads_and_after_a_restart() {
     }
 }
 
+/// A model that lies 1.3 million times its size away, and the same with its middle at 0. All coordinates are multiples of 2⁻²⁵ m, so that they are exact in both places.
+#[test]
+fn a_model_far_away_does_the_same_to_the_last_bit() {
+    let grid = 2.0_f64.powi(24);
+    let mut near = crash(Insertion::Adaptive);
+    near.mesh.nodes.iter_mut().flatten().for_each(|x| *x = (*x * grid).round() / grid);
+    for axis in 0..3 {
+        let along = || near.mesh.nodes.iter().map(|node| node[axis]);
+        let middle =
+            0.5 * (along().fold(f64::INFINITY, f64::min) + along().fold(f64::NEG_INFINITY, f64::max));
+        near.mesh.nodes.iter_mut().for_each(|node| node[axis] -= middle);
+    }
+    let offset = [2.0_f64.powi(18), -(2.0_f64.powi(18)), 2.0_f64.powi(18)];
+    let mut far = near.clone();
+    for (axis, by) in offset.into_iter().enumerate() {
+        far.mesh.nodes.iter_mut().for_each(|node| node[axis] += by);
+    }
+    let [mut near, mut far] = [near, far].map(|model| Simulation::new(model, 1).expect("a model"));
+    for _ in 0..3 {
+        near.advance(250).expect("steps");
+        far.advance(250).expect("steps");
+        let (a, b) = (near.snapshot(), far.snapshot());
+        // Not assert_eq, which would print all of them.
+        assert!((&a.displacements, &a.velocities) == (&b.displacements, &b.velocities));
+        assert!((&a.stresses, &a.damage) == (&b.stresses, &b.damage));
+        assert_eq!((near.energies(), near.force(0)), (far.energies(), far.force(0)));
+    }
+    let counts = near.counts();
+    assert!(counts.broken > 10 && counts.contacts > 5, "it should have broken: {counts:?}");
+}
+
 /// Two blocks on each other under a stress that both have rest, and their contact carries it.
 #[test]
 fn blocks_under_matching_stress_stay_at_rest() {
