@@ -64,7 +64,7 @@ mesh_size = 0.03
 [[body]]
 name = "block"
 material = "rock"
-box = { min = [-0.02, -0.02, 0.0005], max = [0.02, 0.02, 0.04] }
+box = { min = [-0.02, -0.02, 0.0005], max = [0.02, 0.02, 0.0405] }
 mesh_size = 0.015
 velocity = [1, 0, -20]
 [[material]]
