@@ -105,7 +105,7 @@ fn a_torn_plate_gives_the_pinned_result() {
 /// Examples after 1000 steps.
 const PINNED: [(&str, &str); 9] = [
     ("bar_impact", "19c6183780c96140"),
-    ("borehole", "5584a9f622b6a012"),
+    ("borehole", "19a324dad38cf922"),
     ("brazilian_disc", "22653b74f5c3b89a"),
     ("compression", "3753a2c8a6dac6b6"),
     ("falling_blocks", "94a9f68ea988745f"),

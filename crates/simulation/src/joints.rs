@@ -615,7 +615,7 @@ where
         } else {
             least = least.min(gap[0]);
             let traction = joint.ends[end].traction(&joint.law, gap);
-            pressed |= D > 2 && traction[0] < 0.0;
+            pressed |= traction[0] < 0.0;
             traction
         };
         let force = frame.vector(traction).map(|x| share * x);
@@ -642,7 +642,7 @@ where
             let share = (length(slid) / joint.length - FADE[0]) / (FADE[1] - FADE[0]);
             joint.faded = joint.faded.max(share.clamp(0.0, 1.0));
             // Neither the joint nor the contact has a force while the joint is open, so it can hand over at once. One that was inserted under pressure still presses when its gap is
-            // 0. In two dimensions its force ends there with a jump: pinned results contain it.
+            // 0: it waits until it does not.
             if (least >= 0.0 && !pressed) || joint.faded >= 1.0 || is_detached {
                 work -= leave(joint, forces, &frame, step);
             }
@@ -653,7 +653,7 @@ where
     (work, modes)
 }
 
-/// Hands over to the contact of the two elements. Returns the work, J, in the first half of the step of the forces that end here; 0 in two dimensions, where pinned results count it.
+/// Hands over to the contact of the two elements. Returns the work, J, in the first half of the step of the forces that end here.
 fn leave<const D: usize>(
     joint: &mut Joint<D>,
     forces: &mut [Point<D>; D],
@@ -663,9 +663,6 @@ fn leave<const D: usize>(
     joint.faded = 1.0;
     joint.state = State::Removed;
     let dropped = std::mem::replace(forces, [[0.0; D]; D]);
-    if D == 2 {
-        return 0.0;
-    }
     let work = |(force, [a, b]): (&Point<D>, [&Node<D>; 2])| dot(*force, minus(b.velocity, a.velocity));
     0.5 * step * dropped.iter().zip(frame.ends).map(work).sum::<f64>()
 }
