@@ -161,7 +161,6 @@ impl Drop for Inside {
 #[cfg(all(test, feature = "rayon"))]
 mod tests {
     use std::cell::RefCell;
-    use std::collections::HashSet;
     use std::sync::atomic::{AtomicUsize, Ordering};
 
     use rayon::prelude::*;
@@ -208,15 +207,18 @@ mod tests {
         let (shared, own) = (Pool::of(threads.clone()), Pool::new(3).unwrap());
         assert_eq!(shared.threads(), 3);
         let worked = |pool: &Pool| {
-            let names = Mutex::new(HashSet::new());
+            let threads = Mutex::new(Vec::new());
             for _ in 0..20 {
                 pool.run(0..30, |_| {
                     // Work inside work of the pool.
                     assert_eq!(sum(pool, 10), 45);
-                    names.lock().unwrap().insert(std::thread::current().id());
+                    let (mut threads, thread) = (threads.lock().unwrap(), std::thread::current().id());
+                    if !threads.contains(&thread) {
+                        threads.push(thread);
+                    }
                 });
             }
-            names.into_inner().unwrap().len()
+            threads.into_inner().unwrap().len()
         };
         assert!(threads.install(|| worked(&shared)) <= 3);
         assert!(worked(&shared) <= 3, "the caller takes the place of one thread");
