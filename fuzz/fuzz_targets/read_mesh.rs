@@ -1,8 +1,8 @@
-//! Any bytes are read as a mesh or refused without a panic; a mesh that is read has the documented properties of `Mesh`.
+//! Any bytes are read as a mesh or refused without a panic; a mesh that is read has the documented properties of `MeshFile`.
 
 #![no_main]
 
-use fdem_io::{Cells, Mesh, read_mesh};
+use fdem_io::{Cells, MeshFile, read_mesh};
 use libfuzzer_sys::fuzz_target;
 
 /// Names for content that does not show its format.
@@ -23,7 +23,7 @@ fuzz_target!(|bytes: &[u8]| {
     }
 });
 
-fn check<const N: usize>(cells: &Cells<N>, mesh: &Mesh) {
+fn check<const N: usize>(cells: &Cells<N>, mesh: &MeshFile) {
     assert_eq!((cells.bodies.len(), cells.numbers.len()), (cells.len(), cells.len()));
     assert!(cells.bodies.iter().all(|&body| (body as usize) < mesh.bodies.len()));
     for nodes in &cells.nodes {

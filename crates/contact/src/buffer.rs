@@ -5,9 +5,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::couple::Couple;
 use crate::detector::Detector;
-use crate::elements::{Elements, Geometry, Shape};
+use crate::elements::{Elements, Shape};
 use crate::error::Error;
 use crate::filter::{GroupMatrix, Labels};
+use crate::geometry::Geometry;
 use crate::memory::reserve;
 use crate::ordered;
 use crate::pool::Pool;

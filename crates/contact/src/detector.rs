@@ -87,6 +87,27 @@ impl<T: Real, const D: usize> Detector<T, D> {
         Ok(self.with_pool(Pool::new(threads)?.stopped_by(stop)))
     }
 
+    /// The same on the threads of `pool`, if the engine can use them. A search that is called from one of these threads starts no other.
+    ///
+    /// That thread may do other work of the pool while it waits: it must hold no lock that such work needs.
+    ///
+    /// # Example
+    /// ```
+    /// # use std::sync::Arc;
+    /// # use fdem_contact::{Detector, Elements, Search};
+    /// let pool = Arc::new(rayon::ThreadPoolBuilder::new().num_threads(2).build()?);
+    /// let mut detector = Detector::new().on_pool(pool.clone());
+    /// let elements = Elements::points(&[[0.0, 0.0], [1.0, 0.0]], 1.0)?;
+    /// assert_eq!(pool.install(|| detector.count(&elements))?, 1);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[cfg(feature = "rayon")]
+    #[must_use]
+    pub fn on_pool(self, pool: Arc<rayon::ThreadPool>) -> Self {
+        let stop = self.rows.pool().stop().clone();
+        self.with_pool(Pool::of(pool).stopped_by(stop))
+    }
+
     /// The same, but a search for a list of couples ends with [`Error::Stopped`] soon after any thread sets `stop`; the list is then empty.
     ///
     /// [`Rows`] and [`Multilevel`] check `stop` before each part of the search, some thousand elements; sorting runs to its end. Other

@@ -4,12 +4,12 @@
 //! the couples. The contacts of elements are then gathered to contacts of bodies.
 //!
 //! ```
-//! use fdem_contact::discretised::{Mesh, body_contacts, contacts};
+//! use fdem_contact::discretised::{MeshView, body_contacts, contacts};
 //!
 //! // Two squares of two triangles each, side by side; they have the nodes 1 and 2 in common.
 //! let points = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [2.0, 0.0], [2.0, 1.0]];
 //! let triangles = [[0, 1, 2], [0, 2, 3], [1, 4, 5], [1, 5, 2]];
-//! let mesh = Mesh::new(&points, &triangles, &[0, 0, 7, 7])?;
+//! let mesh = MeshView::new(&points, &triangles, &[0, 0, 7, 7])?;
 //! let found = contacts(&mesh)?;
 //! assert_eq!(found.len(), 3); // one along the side, two at its ends
 //!
@@ -56,7 +56,7 @@ pub use error::DiscretisedError;
 pub use simplex::Simplex;
 pub use spheres::SphereContact;
 
-/// A mesh: nodes, the elements between them, and the body of each element. It borrows its arrays and checks them.
+/// A view of a mesh: nodes, the elements between them, and the body of each element. It borrows its arrays and checks them.
 ///
 /// # Shapes
 /// `points` `[n]`; `elements` `[m]` of `N` indices into `points`: 3 in 2D, 3 (surfaces) or 4 (tetrahedra) in 3D, in any order; `bodies`
@@ -64,22 +64,22 @@ pub use spheres::SphereContact;
 ///
 /// # Example
 /// ```
-/// use fdem_contact::discretised::{DiscretisedError, Mesh};
+/// use fdem_contact::discretised::{DiscretisedError, MeshView};
 ///
 /// let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-/// assert_eq!(Mesh::new(&corners, &[[0, 1, 2, 3]], &[0])?.len(), 1);
-/// let error = Mesh::new(&corners, &[[0, 1, 4]], &[0]).unwrap_err();
+/// assert_eq!(MeshView::new(&corners, &[[0, 1, 2, 3]], &[0])?.len(), 1);
+/// let error = MeshView::new(&corners, &[[0, 1, 4]], &[0]).unwrap_err();
 /// assert_eq!(error, DiscretisedError::UnknownNode { element: 0, node: 4, nodes: 4 });
 /// # Ok::<(), DiscretisedError>(())
 /// ```
 #[derive(Clone, Copy, Debug)]
-pub struct Mesh<'a, const D: usize, const N: usize> {
+pub struct MeshView<'a, const D: usize, const N: usize> {
     points: &'a [[f64; D]],
     elements: &'a [[u32; N]],
     bodies: &'a [u32],
 }
 
-impl<'a, const D: usize, const N: usize> Mesh<'a, D, N>
+impl<'a, const D: usize, const N: usize> MeshView<'a, D, N>
 where
     [[f64; D]; N]: Simplex<D>,
 {
@@ -127,7 +127,7 @@ where
     /// The vertices of an element.
     ///
     /// # Panics
-    /// When `element` is not below [`Mesh::len`].
+    /// When `element` is not below [`MeshView::len`].
     #[inline]
     pub fn vertices(&self, element: usize) -> [[f64; D]; N] {
         self.elements[element].map(|node| self.points[node as usize])
@@ -174,16 +174,16 @@ pub struct ElementContact<const D: usize> {
 ///
 /// # Example
 /// ```
-/// use fdem_contact::discretised::{Mesh, contacts};
+/// use fdem_contact::discretised::{MeshView, contacts};
 /// use fdem_contact::narrow::Measure;
 ///
 /// let points = [[0.0, 0.0], [2.0, 0.0], [0.0, 2.0], [1.0, 1.0], [1.0, 0.0], [0.0, 1.0]];
-/// let found = contacts(&Mesh::new(&points, &[[0, 1, 2], [3, 4, 5]], &[0, 1])?)?;
+/// let found = contacts(&MeshView::new(&points, &[[0, 1, 2], [3, 4, 5]], &[0, 1])?)?;
 /// assert_eq!(found[0].contact.measure, Measure::Area(0.5));
 /// # Ok::<(), fdem_contact::discretised::DiscretisedError>(())
 /// ```
 pub fn contacts<const D: usize, const N: usize>(
-    mesh: &Mesh<'_, D, N>,
+    mesh: &MeshView<'_, D, N>,
 ) -> Result<Vec<ElementContact<D>>, DiscretisedError>
 where
     [[f64; D]; N]: Simplex<D>,
@@ -202,10 +202,10 @@ where
 /// # Example
 /// ```
 /// use fdem_contact::Engine;
-/// use fdem_contact::discretised::{Mesh, MeshSearch};
+/// use fdem_contact::discretised::{MeshView, MeshSearch};
 ///
 /// let points = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0], [0.1, 0.1]];
-/// let mesh = Mesh::new(&points, &[[0, 1, 2], [1, 3, 2], [4, 3, 3]], &[0, 0, 0])?;
+/// let mesh = MeshView::new(&points, &[[0, 1, 2], [1, 3, 2], [4, 3, 3]], &[0, 0, 0])?;
 /// let mut search = MeshSearch::new().with_threads(2)?;
 /// let mut contacts = Vec::new();
 /// search.contacts(&mesh, &mut contacts)?;
@@ -282,7 +282,7 @@ impl<const D: usize> MeshSearch<D> {
     /// [`DiscretisedError::Search`] for too many elements or no memory; `contacts` is then empty.
     pub fn contacts<const N: usize>(
         &mut self,
-        mesh: &Mesh<'_, D, N>,
+        mesh: &MeshView<'_, D, N>,
         contacts: &mut Vec<ElementContact<D>>,
     ) -> Result<(), DiscretisedError>
     where
@@ -329,10 +329,10 @@ impl<const D: usize> MeshSearch<D> {
     /// # Example
     /// ```
     /// use fdem_contact::Engine;
-    /// use fdem_contact::discretised::{Mesh, MeshSearch, contacts};
+    /// use fdem_contact::discretised::{MeshView, MeshSearch, contacts};
     ///
     /// let points = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
-    /// let mesh = Mesh::new(&points, &[[0, 1, 2], [1, 2, 3]], &[0, 1])?;
+    /// let mesh = MeshView::new(&points, &[[0, 1, 2], [1, 2, 3]], &[0, 1])?;
     /// let found = contacts(&mesh)?;
     /// let search = MeshSearch::new();
     /// assert_eq!(search.verify(&mesh, &found, 10, 0), Ok(2));
@@ -341,7 +341,7 @@ impl<const D: usize> MeshSearch<D> {
     /// ```
     pub fn verify<const N: usize>(
         &self,
-        mesh: &Mesh<'_, D, N>,
+        mesh: &MeshView<'_, D, N>,
         contacts: &[ElementContact<D>],
         sample: usize,
         seed: u64,

@@ -1,7 +1,8 @@
 //! The caller's elements. They are checked once, and every engine relies on that.
 
-use crate::error::Error;
+use crate::error::{Error, check_lengths};
 use crate::filter::Filter;
+use crate::geometry::{Boxes, EqualSpheres, Geometry, Spheres, distance_squared};
 use crate::real::Real;
 use crate::simd::prefetch;
 
@@ -107,39 +108,6 @@ impl<const D: usize> Bounds<D> {
         }
         self
     }
-}
-
-/// The geometry of a set of elements as an engine reads it: the kind of element is resolved once per search, not once per couple.
-pub(crate) trait Geometry: Copy {
-    /// Number of elements.
-    fn len(self) -> usize;
-
-    /// The coordinate that decides the cell of an element: that of its centre, or of the minimum corner of its box.
-    fn anchor(self, index: usize, axis: usize) -> f64;
-
-    /// The closed comparison documented at [`Elements`].
-    fn touch(self, i: usize, j: usize) -> bool;
-}
-
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct EqualSpheres<'a, T, const D: usize> {
-    centres: &'a [[T; D]],
-    radius: T,
-    reach_squared: T,
-}
-
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Spheres<'a, T, const D: usize> {
-    centres: &'a [[T; D]],
-    radii: &'a [T],
-    tolerance: T,
-}
-
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Boxes<'a, T, const D: usize> {
-    min: &'a [[T; D]],
-    max: &'a [[T; D]],
-    tolerance: T,
 }
 
 /// Ids are `u32`, and the largest value marks the end of a list.
@@ -502,136 +470,9 @@ impl<'a, T: Real, const D: usize> Elements<'a, T, D> {
     }
 }
 
-impl<'a, T: Real, const D: usize> EqualSpheres<'a, T, D> {
-    pub(crate) fn points(self) -> &'a [[T; D]] {
-        self.centres
-    }
-
-    /// The radius as a slice of length 1, for the check.
-    pub(crate) fn radii(&self) -> &[T] {
-        std::slice::from_ref(&self.radius)
-    }
-
-    pub(crate) fn radius(self) -> T {
-        self.radius
-    }
-
-    pub(crate) fn reach_squared(self) -> T {
-        self.reach_squared
-    }
-
-    fn distance_squared(self, i: usize, j: usize) -> T {
-        distance_squared(&self.centres[i], &self.centres[j])
-    }
-}
-
-impl<'a, T: Real, const D: usize> Spheres<'a, T, D> {
-    pub(crate) fn points(self) -> &'a [[T; D]] {
-        self.centres
-    }
-
-    pub(crate) fn radii(self) -> &'a [T] {
-        self.radii
-    }
-}
-
-impl<'a, T: Real, const D: usize> Boxes<'a, T, D> {
-    /// The corners that decide the cells of boxes.
-    pub(crate) fn points(self) -> &'a [[T; D]] {
-        self.min
-    }
-
-    pub(crate) fn far_points(self) -> &'a [[T; D]] {
-        self.max
-    }
-
-    fn distance_squared(self, i: usize, j: usize) -> T {
-        let mut sum = T::ZERO;
-        for axis in 0..D {
-            for (low, high) in [(self.min[i], self.max[j]), (self.min[j], self.max[i])] {
-                let gap = low[axis] - high[axis];
-                // At most one of the two is positive.
-                if gap > T::ZERO {
-                    sum = sum + gap * gap;
-                }
-            }
-        }
-        sum
-    }
-}
-
-impl<T: Real, const D: usize> Geometry for EqualSpheres<'_, T, D> {
-    fn len(self) -> usize {
-        self.centres.len()
-    }
-
-    #[inline]
-    fn anchor(self, index: usize, axis: usize) -> f64 {
-        self.centres[index][axis].to_f64()
-    }
-
-    #[inline]
-    fn touch(self, i: usize, j: usize) -> bool {
-        self.distance_squared(i, j) <= self.reach_squared
-    }
-}
-
-impl<T: Real, const D: usize> Geometry for Spheres<'_, T, D> {
-    fn len(self) -> usize {
-        self.centres.len()
-    }
-
-    #[inline]
-    fn anchor(self, index: usize, axis: usize) -> f64 {
-        self.centres[index][axis].to_f64()
-    }
-
-    #[inline]
-    fn touch(self, i: usize, j: usize) -> bool {
-        let reach = (self.radii[i] + self.radii[j]) + self.tolerance;
-        distance_squared(&self.centres[i], &self.centres[j]) <= reach * reach
-    }
-}
-
-impl<T: Real, const D: usize> Geometry for Boxes<'_, T, D> {
-    fn len(self) -> usize {
-        self.min.len()
-    }
-
-    #[inline]
-    fn anchor(self, index: usize, axis: usize) -> f64 {
-        self.min[index][axis].to_f64()
-    }
-
-    #[inline]
-    fn touch(self, i: usize, j: usize) -> bool {
-        (0..D).all(|axis| {
-            self.min[i][axis] <= self.max[j][axis] + self.tolerance
-                && self.min[j][axis] <= self.max[i][axis] + self.tolerance
-        })
-    }
-}
-
-#[inline]
-pub(crate) fn distance_squared<T: Real, const D: usize>(a: &[T; D], b: &[T; D]) -> T {
-    let mut sum = T::ZERO;
-    for axis in 0..D {
-        let difference = a[axis] - b[axis];
-        sum = sum + difference * difference;
-    }
-    sum
-}
-
 fn check_count(elements: usize) -> Result<(), Error> {
     if elements > MAX_ELEMENTS {
         return Err(Error::TooManyElements { elements, limit: MAX_ELEMENTS });
-    }
-    Ok(())
-}
-
-pub(crate) fn check_lengths(what: &'static str, expected: usize, found: usize) -> Result<(), Error> {
-    if expected != found {
-        return Err(Error::LengthMismatch { what, expected, found });
     }
     Ok(())
 }

@@ -458,3 +458,11 @@ impl Error {
 }
 
 impl std::error::Error for Error {}
+
+/// Refuses an array of another length than expected.
+pub(crate) fn check_lengths(what: &'static str, expected: usize, found: usize) -> Result<(), Error> {
+    if expected != found {
+        return Err(Error::LengthMismatch { what, expected, found });
+    }
+    Ok(())
+}

@@ -1,7 +1,6 @@
 //! Filters: which elements may form couples at all, by body, by group, or by category and mask.
 
-use crate::elements::{Geometry, check_lengths};
-use crate::error::Error;
+use crate::error::{Error, check_lengths};
 use crate::memory::{reserve, resize};
 use crate::pool::Pool;
 
@@ -302,29 +301,6 @@ impl GroupMatrix {
 
 /// Bits per word of the matrix.
 const WORD: usize = 32;
-
-/// Geometry and filter together: elements touch if both say so.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Filtered<'a, G> {
-    pub(crate) geometry: G,
-    pub(crate) filter: Filter<'a>,
-}
-
-impl<G: Geometry> Geometry for Filtered<'_, G> {
-    fn len(self) -> usize {
-        self.geometry.len()
-    }
-
-    #[inline]
-    fn anchor(self, index: usize, axis: usize) -> f64 {
-        self.geometry.anchor(index, axis)
-    }
-
-    #[inline]
-    fn touch(self, i: usize, j: usize) -> bool {
-        self.filter.admits(i, j) && self.geometry.touch(i, j)
-    }
-}
 
 /// The arrays of numbers of a filter in the order of [`Labels`]; empty without a filter.
 fn numbers_of(filter: Option<Filter<'_>>) -> [&[u32]; 3] {

@@ -15,7 +15,7 @@ use crate::pool::Pool;
 use crate::real::Real;
 use crate::search::rows::layout::{Layout, PADDING};
 use crate::search::rows::scan::{PART, Scan, Scans, Sink};
-use crate::simd::kernel::Arrays;
+use crate::simd::task::Arrays;
 use crate::simd::{Available, Simd};
 
 use rows::Part;

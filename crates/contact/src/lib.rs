@@ -54,8 +54,9 @@
 // In the order in which data flows.
 mod memory;
 mod real;
-mod elements;
 mod filter;
+mod geometry;
+mod elements;
 mod grid;
 mod lists;
 mod mask;

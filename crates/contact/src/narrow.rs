@@ -41,25 +41,26 @@
 //! overflows or underflows. After that no function fails.
 
 mod contact;
-mod error;
 mod vector;
 mod exact;
+mod error;
 mod shapes;
 mod sphere;
 mod mesh;
-mod segment;
 mod polygon;
+mod segment;
 mod triangle;
 mod tetrahedron;
 mod oriented_box;
 
 pub use contact::{Contact, Measure};
 pub use error::ShapeError;
+pub use exact::{MAX_MAGNITUDE, MIN_MAGNITUDE};
 pub use mesh::{MeshContact, sphere_mesh};
 pub use oriented_box::{OrientedBox, box_box};
 pub use polygon::{ConvexPolygon, polygon_polygon, triangle_triangle_2d};
 pub use segment::{capsule_capsule, segment_segment};
-pub use shapes::{Capsule, MAX_MAGNITUDE, MIN_MAGNITUDE, Plane, Segment, Sphere, Tetrahedron, Triangle};
+pub use shapes::{Capsule, Plane, Segment, Sphere, Tetrahedron, Triangle};
 pub use sphere::{Feature, sphere_plane, sphere_sphere, sphere_triangle};
 pub use tetrahedron::tetrahedron_tetrahedron;
 pub use triangle::triangle_triangle;

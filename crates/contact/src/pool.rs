@@ -7,6 +7,8 @@ mod others;
 mod spread;
 
 #[cfg(feature = "rayon")]
+use std::cell::Cell;
+#[cfg(feature = "rayon")]
 use std::sync::Arc;
 #[cfg(feature = "rayon")]
 use std::sync::Mutex;
@@ -20,6 +22,12 @@ use others::Others;
 /// Limit on the number of threads. More than any machine has processors would take minutes to start, and then slow each other down.
 #[cfg(feature = "rayon")]
 const MAX_THREADS: usize = 1024;
+
+#[cfg(feature = "rayon")]
+thread_local! {
+    /// The pool whose task this thread runs, by the address of its [`Others`]; null outside.
+    static INSIDE: Cell<*const Others> = const { Cell::new(std::ptr::null()) };
+}
 
 /// A number of threads.
 ///
@@ -53,6 +61,14 @@ impl Pool {
             });
         }
         Ok(Self { others: Some(Others::new(threads)?.into()), stop: Stop::default() })
+    }
+
+    /// The threads of a pool that the user has. Whoever calls a search from one of these threads must hold no lock that other work of the pool needs,
+    /// because the thread may do that work while it waits.
+    #[cfg(feature = "rayon")]
+    pub(crate) fn of(pool: Arc<rayon::ThreadPool>) -> Self {
+        let several = pool.current_num_threads() > 1;
+        Self { others: several.then(|| Arc::new(Others::of(pool))), stop: Stop::default() }
     }
 
     /// One thread: this build cannot have more.
@@ -100,22 +116,45 @@ impl Pool {
 
     /// Runs `work` on each task, in any order and at the same time.
     ///
-    /// The caller may itself be a thread of a pool. It must not do other work of that pool while it waits, as threads of rayon do, because
+    /// The caller may itself be a thread of another pool. It must not do other work of that pool while it waits, as threads of rayon do, because
     /// it may hold a lock that this work needs.
     pub(crate) fn run<I: Send>(&self, tasks: impl Iterator<Item = I>, work: impl Fn(I) + Sync + Send) {
         #[cfg(feature = "rayon")]
         if let Some(others) = self.others.as_deref()
             // Inside work of this pool all its other threads may be waiting.
-            && !others.is_inside()
+            && !std::ptr::eq(INSIDE.get(), others)
         {
             let tasks: Vec<I> = tasks.collect();
             let count = tasks.len();
             let tasks = Mutex::new(tasks.into_iter());
             let next = || tasks.lock().ok().and_then(|mut tasks| tasks.next());
-            others.run(count, &|| std::iter::from_fn(next).for_each(&work));
+            others.run(count, &|| {
+                let _inside = Inside::new(others);
+                std::iter::from_fn(next).for_each(&work);
+            });
             return;
         }
         tasks.for_each(work);
+    }
+}
+
+/// Marks this thread as one that runs a task of a pool, until it is dropped, also by a panic.
+#[cfg(feature = "rayon")]
+struct Inside {
+    before: *const Others,
+}
+
+#[cfg(feature = "rayon")]
+impl Inside {
+    fn new(others: &Others) -> Self {
+        Self { before: INSIDE.replace(others) }
+    }
+}
+
+#[cfg(feature = "rayon")]
+impl Drop for Inside {
+    fn drop(&mut self) {
+        INSIDE.set(self.before);
     }
 }
 
@@ -159,6 +198,32 @@ mod tests {
             total.fetch_add(sum(&pool, 10), Ordering::Relaxed);
         });
         assert_eq!(total.into_inner(), 50 * 45);
+    }
+
+    /// A search inside a simulation works on the threads of the simulation, however often it is repeated.
+    #[test]
+    fn work_on_the_pool_of_the_caller_starts_no_thread() {
+        let threads = Arc::new(rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap());
+        let (shared, own) = (Pool::of(threads.clone()), Pool::new(3).unwrap());
+        assert_eq!(shared.threads(), 3);
+        let worked = |pool: &Pool| {
+            let threads = Mutex::new(Vec::new());
+            for _ in 0..20 {
+                pool.run(0..30, |_| {
+                    // Work inside work of the pool.
+                    assert_eq!(sum(pool, 10), 45);
+                    let (mut threads, thread) = (threads.lock().unwrap(), std::thread::current().id());
+                    if !threads.contains(&thread) {
+                        threads.push(thread);
+                    }
+                });
+            }
+            threads.into_inner().unwrap().len()
+        };
+        assert!(threads.install(|| worked(&shared)) <= 3);
+        assert!(worked(&shared) <= 3, "the caller takes the place of one thread");
+        // The test can fail: a caller from another pool needs a new thread each time.
+        assert!(threads.install(|| worked(&own)) > 3);
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use std::fmt::{Debug, Display};
 use std::ops::{Add, Mul, Sub};
 
-use crate::simd::Kernels;
+use crate::simd::task::Kernels;
 
 /// A coordinate type: `f32` or `f64`, and no other.
 ///

@@ -1,6 +1,6 @@
 //! The vector instructions of a search, chosen at run time, so that a standard build is fast on every processor.
 //!
-//! The kernel is written once, in `kernel`, over the few operations of [`Vector`]. A second kernel, in `cluster`, compares four elements at
+//! The kernel is written once, in `kernel`, over the few operations of `Vector`. A second kernel, in `cluster`, compares four elements at
 //! a time and falls back on the first. Each other file implements the operations for one instruction set and compiles both kernels for it.
 //! `portable` is plain Rust and the definition: all others give the same couples in the same order. To add an instruction set, write its
 //! file and add it to [`Simd`] and to the macro below; tests pick it up from [`Simd::available`].
@@ -59,7 +59,7 @@ macro_rules! entry_points {
     ($features:literal, $dimensions:literal, $module:ident, $f64:ident, $f32:ident) => {
         pub(crate) mod $module {
             use super::{$f32, $f64};
-            use crate::simd::kernel::{Output, Task};
+            use crate::simd::task::{Output, Task};
             use crate::simd::{cluster, kernel};
 
             entry_points!($features, $dimensions, $f64, $f32, f64: search_f64, rows_f64, two_sets_f64, clusters_f64);
@@ -123,17 +123,19 @@ mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
 mod cluster;
-pub(crate) mod kernel;
+mod kernel;
 pub(crate) mod level;
 mod labels;
 #[cfg(target_arch = "aarch64")]
 mod neon;
 mod portable;
 pub(crate) mod prefetch;
+pub(crate) mod task;
+mod vector;
 
-use crate::error::Error;
-use kernel::{Output, Task};
 pub use level::Simd;
+pub(crate) use task::{Available, Kernels};
+use task::{Output, Task};
 
 /// Collects the bit `7 - SHIFT` of each byte; that of the first byte becomes the lowest bit.
 #[inline(always)]
@@ -164,40 +166,9 @@ pub(crate) fn bits_of_bytes<const SHIFT: i32>(bytes: &[u8; 64]) -> u64 {
     }
 }
 
-/// A level that this processor has: the proof that its instructions may be used.
-#[derive(Clone, Copy, Debug)]
-pub struct Available(Simd);
-
-impl Available {
-    /// # Errors
-    /// [`Error::SimdUnavailable`] if this processor lacks the level.
-    pub(crate) fn new(simd: Simd) -> Result<Self, Error> {
-        if simd.is_available() { Ok(Self(simd)) } else { Err(Error::SimdUnavailable { simd }) }
-    }
-
-    /// The fastest level that this processor has.
-    pub(crate) fn best() -> Self {
-        Self(Simd::best())
-    }
-
-    pub(crate) fn level(self) -> Simd {
-        self.0
-    }
-}
-
 /// Whether there are vector kernels for this dimension. Each dimension costs the time to compile some fifty kernels.
 pub(crate) const fn has_vectors(dimensions: usize) -> bool {
     dimensions == 2 || dimensions == 3
-}
-
-/// The kernels of one float type; the sealed half of [`Real`](crate::Real).
-pub trait Kernels: Copy {
-    /// Searches one stretch of a row in `D` dimensions.
-    ///
-    /// # Panics
-    /// If rows of `task` are not inside its arrays.
-    #[doc(hidden)]
-    fn search<const D: usize>(level: Available, task: &Task<'_, Self>, out: &mut Output<'_>);
 }
 
 macro_rules! kernels {

@@ -13,7 +13,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use fdem_contact::discretised::{
-    BodyContact, DiscretisedError, ElementContact, Mesh, MeshSearch, Simplex, body_contacts, contacts,
+    BodyContact, DiscretisedError, ElementContact, MeshSearch, MeshView, Simplex, body_contacts, contacts,
 };
 use fdem_contact::image::{self, Neighbourhood, Spacing};
 use fdem_contact::narrow::{
@@ -59,8 +59,8 @@ impl<const D: usize, const N: usize> Parts<D, N>
 where
     [[f64; D]; N]: Simplex<D>,
 {
-    fn mesh(&self) -> Mesh<'_, D, N> {
-        Mesh::new(&self.points, &self.elements, &self.bodies).unwrap()
+    fn mesh(&self) -> MeshView<'_, D, N> {
+        MeshView::new(&self.points, &self.elements, &self.bodies).unwrap()
     }
 
     fn found(&self) -> (Vec<ElementContact<D>>, Vec<BodyContact<D>>) {
@@ -370,9 +370,9 @@ fn the_volume_of_overlapping_blocks_is_a_product() {
 
 #[test]
 fn nothing_and_one_element_have_no_contacts() {
-    assert_eq!(contacts(&Mesh::<2, 3>::new(&[], &[], &[]).unwrap()).unwrap(), []);
+    assert_eq!(contacts(&MeshView::<2, 3>::new(&[], &[], &[]).unwrap()).unwrap(), []);
     let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    let one = Mesh::new(&points, &[[0, 1, 2, 3]], &[9]).unwrap();
+    let one = MeshView::new(&points, &[[0, 1, 2, 3]], &[9]).unwrap();
     assert_eq!(contacts(&one).unwrap(), []);
     assert_eq!(body_contacts(&one, &[]).unwrap(), []);
 }
@@ -380,12 +380,12 @@ fn nothing_and_one_element_have_no_contacts() {
 #[test]
 fn bad_meshes_are_refused_by_name() {
     let points = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
-    let error = Mesh::new(&points, &[[0, 1, 2], [0, 3, 2]], &[0, 1]).unwrap_err();
+    let error = MeshView::new(&points, &[[0, 1, 2], [0, 3, 2]], &[0, 1]).unwrap_err();
     assert_eq!(error, DiscretisedError::UnknownNode { element: 1, node: 3, nodes: 3 });
-    let error = Mesh::new(&points, &[[0, 1, 2]], &[0, 1]).unwrap_err();
+    let error = MeshView::new(&points, &[[0, 1, 2]], &[0, 1]).unwrap_err();
     assert_eq!(error, DiscretisedError::Bodies { elements: 1, found: 2 });
     for bad in [f64::NAN, f64::NEG_INFINITY, 1e-200, 1e200] {
-        let error = Mesh::new(&[[0.0, 0.0], [1.0, bad]], &[[0, 0, 1]], &[0]).unwrap_err();
+        let error = MeshView::new(&[[0.0, 0.0], [1.0, bad]], &[[0, 0, 1]], &[0]).unwrap_err();
         assert!(matches!(error, DiscretisedError::Coordinate { node: 1, axis: 1, .. }), "{error}");
         assert!(error.to_string().starts_with("node 1, axis 1: "), "{error}");
     }
@@ -414,7 +414,7 @@ fn elements_without_area_touch_as_what_they_are() {
     let points = [[0.0, 0.0], [4.0, 0.0], [0.0, 4.0], [1.0, 1.0], [9.0, 9.0], [8.0, 9.0]];
     // A triangle, a point in it, a segment that leaves it, and a segment outside.
     let elements = [[0, 1, 2], [3, 3, 3], [3, 4, 3], [4, 5, 5]];
-    let mesh = Mesh::new(&points, &elements, &[0, 1, 2, 3]).unwrap();
+    let mesh = MeshView::new(&points, &elements, &[0, 1, 2, 3]).unwrap();
     let found = contacts(&mesh).unwrap();
     let couples: Vec<_> = found.iter().map(|c| (c.i, c.j)).collect();
     assert_eq!(couples, [(0, 1), (0, 2), (1, 2), (2, 3)]);
@@ -424,7 +424,7 @@ fn elements_without_area_touch_as_what_they_are() {
     assert!(bodies.iter().all(|c| (c.couples, c.overlap, c.shared) == (1, 0.0, 0.0)));
     // A triangle, given as a tetrahedron that names a node twice, on the face of another tetrahedron.
     let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    let mesh = Mesh::new(&points, &[[0, 1, 2, 3], [0, 1, 2, 2]], &[0, 1]).unwrap();
+    let mesh = MeshView::new(&points, &[[0, 1, 2, 3], [0, 1, 2, 2]], &[0, 1]).unwrap();
     let found = contacts(&mesh).unwrap();
     assert_eq!((found.len(), found[0].contact.measure), (1, Measure::Volume(0.0)));
 }
@@ -519,7 +519,7 @@ fn bad_spheres_are_refused_by_name() {
     assert!(matches!(error, DiscretisedError::Sphere { index: 1, .. }), "{error}");
     search.sphere_contacts(&[], &[], &walls.mesh(), &mut found).unwrap();
     assert_eq!(found, []);
-    let none = Mesh::new(&[], &[], &[]).unwrap();
+    let none = MeshView::new(&[], &[], &[]).unwrap();
     search.sphere_contacts(&[[0.0; 3]], &[1.0], &none, &mut found).unwrap();
     assert_eq!(found, []);
 }

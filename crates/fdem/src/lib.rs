@@ -1,7 +1,7 @@
 //! fdem: contact detection and the combined finite-discrete element method.
 //!
 //! This crate is the library of the `fdem` command. It analyses contact networks ([`network`], [`analysis`]) and draws them ([`picture`], [`report`]). It reads
-//! model files ([`model`]), writes the results of simulations ([`results`]) and runs the verification ladder ([`validate`]). It uses these crates:
+//! model files ([`model`]) and writes the results of simulations ([`results`]). It uses these crates:
 //! - [`contact`] finds the couples of elements that touch (package `fdem-contact`);
 //! - [`io`] reads packings and meshes and writes couples in the formats of the field (package `fdem-io`);
 //! - [`scenes`] generates packings from seeds (package `fdem-scenes`);
@@ -13,7 +13,7 @@
 
 pub mod command;
 pub mod model;
-pub mod validate;
+mod validate;
 
 pub use fdem_contact as contact;
 pub use fdem_io as io;

@@ -602,10 +602,5 @@ fn hash(model: &impl Serialize) -> String {
     let written = serde_json::to_writer(&mut sink, model);
     debug_assert!(written.is_ok(), "a model has no keys but text");
     let digest = sink.into_inner().map(|sink| sink.0.finalize()).unwrap_or_default();
-    // Hexadecimal digits, two for each byte.
-    digest
-        .iter()
-        .flat_map(|byte| [byte >> 4, byte & 15])
-        .filter_map(|digit| char::from_digit(u32::from(digit), 16))
-        .collect()
+    format!("{digest:x}")
 }

@@ -1,15 +1,6 @@
 //! The verification ladder: cases with known answers, and the answers of the simulation.
 //!
 //! Each [`Case`] runs one or more models and compares quantities with theory; a [`CaseReport`] holds the comparison. [`table`] and [`html`] show reports.
-//!
-//! ```
-//! use fdem::validate::{Size, cases, table};
-//!
-//! let compliance = cases().iter().find(|case| case.name == "artificial compliance").expect("a case");
-//! let reports = [compliance.report(Size::Reduced)];
-//! assert!(reports[0].passed());
-//! println!("{}", table(&reports));
-//! ```
 
 mod brazilian;
 mod cantilever;
@@ -32,13 +23,15 @@ mod rotation;
 mod shear;
 mod space;
 mod tension;
+#[cfg(test)]
+mod tests;
 mod wave;
 
-pub use page::{html, table};
+pub(crate) use page::{html, table};
 
 /// Size of the models.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Size {
+pub(crate) enum Size {
     /// Smallest models for which the theory holds: all cases take a minute or two.
     Reduced,
     /// Finer models and more variants: all cases take an hour or more.
@@ -56,7 +49,7 @@ impl Size {
 
 /// Unit of an error and its bound.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Measure {
+pub(crate) enum Measure {
     /// A share of the expected value.
     Relative,
     /// The unit of the quantity.
@@ -65,26 +58,26 @@ pub enum Measure {
 
 /// A quantity: its expected value and the value that was found.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Outcome {
+pub(crate) struct Outcome {
     /// Name of the quantity.
-    pub quantity: String,
+    pub(crate) quantity: String,
     /// Value by theory.
-    pub expected: f64,
+    pub(crate) expected: f64,
     /// Value by the simulation.
-    pub found: f64,
+    pub(crate) found: f64,
     /// Unit of both values; empty for a number.
-    pub unit: &'static str,
+    pub(crate) unit: &'static str,
     /// Found value less the expected one, as `measure` says.
-    pub error: f64,
+    pub(crate) error: f64,
     /// Largest size of the error that passes.
-    pub bound: f64,
+    pub(crate) bound: f64,
     /// Unit of the error and the bound.
-    pub measure: Measure,
+    pub(crate) measure: Measure,
 }
 
 impl Outcome {
     /// An outcome whose error is a share of the expected value.
-    pub fn relative(
+    pub(crate) fn relative(
         quantity: impl Into<String>,
         expected: f64,
         found: f64,
@@ -96,7 +89,7 @@ impl Outcome {
     }
 
     /// An outcome whose error has the unit of the quantity.
-    pub fn absolute(
+    pub(crate) fn absolute(
         quantity: impl Into<String>,
         expected: f64,
         found: f64,
@@ -108,45 +101,45 @@ impl Outcome {
     }
 
     /// Whether the error is within its bound. An error that is not a number is not.
-    pub fn passed(&self) -> bool {
+    pub(crate) fn passed(&self) -> bool {
         self.error.abs() <= self.bound
     }
 }
 
 /// A case with a known answer.
 #[derive(Clone, Copy, Debug)]
-pub struct Case {
+pub(crate) struct Case {
     /// Number in the ladder. Cases of one kind may share it.
-    pub number: u32,
+    pub(crate) number: u32,
     /// Short name.
-    pub name: &'static str,
+    pub(crate) name: &'static str,
     /// The model and the theory that it is compared with, in a few sentences.
-    pub what: &'static str,
+    pub(crate) what: &'static str,
     /// Source of the answer.
-    pub source: &'static str,
+    pub(crate) source: &'static str,
     /// Runs the models and compares the results. The error says why a run did not reach its end.
-    pub run: fn(Size) -> Result<Vec<Outcome>, String>,
+    pub(crate) run: fn(Size) -> Result<Vec<Outcome>, String>,
 }
 
 impl Case {
     /// Runs the case.
-    pub fn report(&'static self, size: Size) -> CaseReport {
+    pub(crate) fn report(&'static self, size: Size) -> CaseReport {
         CaseReport { case: self, result: (self.run)(size) }
     }
 }
 
 /// Result of a case.
 #[derive(Clone, Debug)]
-pub struct CaseReport {
+pub(crate) struct CaseReport {
     /// The case.
-    pub case: &'static Case,
+    pub(crate) case: &'static Case,
     /// The comparisons, or the reason why a run did not reach its end.
-    pub result: Result<Vec<Outcome>, String>,
+    pub(crate) result: Result<Vec<Outcome>, String>,
 }
 
 impl CaseReport {
     /// Whether the case ran, compared at least one quantity, and found all of them within their bounds.
-    pub fn passed(&self) -> bool {
+    pub(crate) fn passed(&self) -> bool {
         matches!(&self.result, Ok(outcomes) if !outcomes.is_empty() && outcomes.iter().all(Outcome::passed))
     }
 }
@@ -415,6 +408,6 @@ const CASES: &[Case] = &[
 ];
 
 /// All cases, in the order of the ladder.
-pub fn cases() -> &'static [Case] {
+pub(crate) fn cases() -> &'static [Case] {
     CASES
 }

@@ -4,7 +4,6 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
-use std::fmt::Write;
 use std::fs;
 use std::path::Path;
 
@@ -78,10 +77,7 @@ fn hash(run: &Simulation) -> String {
     numbers.extend([energies.kinetic, energies.strain, energies.contact, energies.friction]);
     numbers.extend([energies.cohesive, energies.damping, energies.external]);
     let digest = Sha256::digest(numbers.iter().flat_map(|number| number.to_le_bytes()).collect::<Vec<u8>>());
-    digest[..8].iter().fold(String::new(), |mut text, byte| {
-        write!(text, "{byte:02x}").unwrap();
-        text
-    })
+    format!("{digest:x}")[..16].to_owned()
 }
 
 #[test]

@@ -8,7 +8,7 @@
 //! ```text
 //! bytes ── Series ──┬─ read: delimited text, NumPy array ───────┬─> Packing ── (contact detection) ──> couples ── Table ── write_csv, …
 //!                   └─ LAMMPS, XYZ, MercuryDPM, VTK, NumPy archive ┘
-//! bytes ── read_mesh ── Gmsh, STL, OBJ, PLY, VTK, Abaqus ──> Mesh
+//! bytes ── read_mesh ── Gmsh, STL, OBJ, PLY, VTK, Abaqus ──> MeshFile
 //! ```
 //!
 //! [`with_label_image`] reads labelled images plane by plane. Everything that is written is a [`Table`].
@@ -56,7 +56,7 @@ pub use error::ReadError;
 pub use kind::{FileKind, PackingFormat};
 pub use labels::{LabelError, LabelImage, LabelKind, LabelValue, with_label_image};
 pub use mesh::error::{MeshError, MeshProblem, Place};
-pub use mesh::{BodiesFrom, Cells, Mesh, MeshBody, MeshFormat, MeshSource, read_mesh};
+pub use mesh::{BodiesFrom, Cells, MeshBody, MeshFile, MeshFormat, MeshSource, read_mesh};
 pub use packing::{
     BadLine, Centres, Column, Delimiter, Format, Frame, Packing, SimulationBox, Skipped, Source,
 };

@@ -24,7 +24,7 @@ use crate::read::{BYTE_ORDER_MARK, FOREIGN};
 use build::Draft;
 use error::{Fault, MeshError, MeshProblem, Place};
 
-/// Nodes and the elements between them; each element is part of a body.
+/// The content of a mesh file: nodes and the elements between them; each element is part of a body.
 ///
 /// # Shapes
 /// `points` `[n]`; the nodes of elements are indices into it. `segments`, `triangles` and `tetrahedra` have any length and are in the order
@@ -33,7 +33,7 @@ use error::{Fault, MeshError, MeshProblem, Place};
 /// # Units
 /// The units of the file.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Mesh {
+pub struct MeshFile {
     /// Nodes, finite, in the order of the file; `z = 0` if the file has x and y only.
     pub points: Vec<[f64; 3]>,
     /// 2 if every z is 0 and there is no tetrahedron, otherwise 3: most formats write z for flat meshes too.
@@ -56,9 +56,9 @@ pub struct Mesh {
 /// All three arrays have the same length.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Cells<const N: usize> {
-    /// Indices into [`Mesh::points`], `N` different ones for each element.
+    /// Indices into [`MeshFile::points`], `N` different ones for each element.
     pub nodes: Vec<[u32; N]>,
-    /// The body of each element, an index into [`Mesh::bodies`].
+    /// The body of each element, an index into [`MeshFile::bodies`].
     pub bodies: Vec<u32>,
     /// The number of each element in the file, for messages. If the file has none, its place among all elements of the file, counted from
     /// 0. Both halves of a quadrilateral have the same number.
@@ -311,7 +311,7 @@ fn by_content(bytes: &[u8]) -> Option<MeshFormat> {
 /// assert_eq!(error.to_string(), "bad.obj:2: element 0 (triangle) names node 2, which the file does not have");
 /// # Ok::<(), fdem_io::MeshError>(())
 /// ```
-pub fn read_mesh(bytes: &[u8], name: &str) -> Result<Mesh, MeshError> {
+pub fn read_mesh(bytes: &[u8], name: &str) -> Result<MeshFile, MeshError> {
     let locate = |(place, problem): Fault| MeshError { file: name.to_owned(), place, problem };
     let bare = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes);
     let Some(format) = MeshFormat::of(bytes, name) else {

@@ -9,7 +9,7 @@ mod files;
 use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 
-use fdem_io::{BodiesFrom, Mesh, MeshError, MeshFormat, Place, read_mesh};
+use fdem_io::{BodiesFrom, MeshError, MeshFile, MeshFormat, Place, read_mesh};
 use files::{POINTS, numbered, solids, surfaces, vtk, xml};
 use peak_alloc::PeakAlloc;
 
@@ -19,7 +19,7 @@ static MEMORY: PeakAlloc = PeakAlloc;
 /// Held by tests that measure memory or use much of it, because the allocator counts all threads.
 static ALONE: Mutex<()> = Mutex::new(());
 
-fn read(name: &str, bytes: impl AsRef<[u8]>) -> Mesh {
+fn read(name: &str, bytes: impl AsRef<[u8]>) -> MeshFile {
     read_mesh(bytes.as_ref(), name).unwrap_or_else(|error| panic!("{error}"))
 }
 
@@ -30,16 +30,16 @@ fn fails(name: &str, bytes: impl AsRef<[u8]>) -> MeshError {
     }
 }
 
-fn names(mesh: &Mesh) -> Vec<Option<&str>> {
+fn names(mesh: &MeshFile) -> Vec<Option<&str>> {
     mesh.bodies.iter().map(|body| body.name.as_deref()).collect()
 }
 
-fn body_numbers(mesh: &Mesh) -> Vec<Option<i64>> {
+fn body_numbers(mesh: &MeshFile) -> Vec<Option<i64>> {
     mesh.bodies.iter().map(|body| body.number).collect()
 }
 
 /// A segment, two triangles, a quadrilateral, a tetrahedron and a point: see `files`.
-fn assert_full(label: &str, mesh: &Mesh) {
+fn assert_full(label: &str, mesh: &MeshFile) {
     assert_eq!(mesh.points, POINTS, "{label}");
     assert_eq!(mesh.dimensions, 3, "{label}");
     assert_eq!(mesh.segments.nodes, [[0, 1]], "{label}");
@@ -666,7 +666,7 @@ fn walls_of_the_round_robin() {
         assert_eq!((&ascii.points, &ascii.triangles), (&table.points, &table.triangles), "{path}");
         let binary = read("walls.stl", &binary);
         let corner =
-            |mesh: &Mesh, at: usize, node: usize| mesh.points[mesh.triangles.nodes[at][node] as usize];
+            |mesh: &MeshFile, at: usize, node: usize| mesh.points[mesh.triangles.nodes[at][node] as usize];
         assert_eq!(binary.triangles.numbers, table.triangles.numbers, "{path}");
         for at in 0..binary.triangles.len() {
             for node in 0..3 {

@@ -1,7 +1,5 @@
 //! Distances and overlaps of couples.
 
-use std::thread;
-
 use fdem_contact::{Error, PeriodicBox};
 use numpy::{IntoPyArray, PyReadonlyArray2};
 use pyo3::prelude::*;
@@ -11,30 +9,15 @@ use crate::interrupt::{self, Stop};
 use crate::number::{Number, rows_of, with_kind};
 use crate::problem::{Problem, zeros};
 use crate::search::threads_for;
+use crate::tasks;
 
-/// Couples that are worth a thread.
+/// Couples that a thread measures at a time: enough to be worth a thread.
 const PART: usize = 1 << 15;
 
-/// Fills `values` on `threads` threads, each of which fills a stretch; `value` gets the place of the value.
+/// Fills `values` on up to `threads` threads; `value` gets the place of the value.
 fn fill<V: Copy + Send>(values: &mut [V], threads: usize, value: impl Fn(usize) -> V + Sync) {
-    let threads = match threads {
-        0 => thread::available_parallelism().map_or(1, std::num::NonZero::get),
-        _ => threads,
-    };
-    let stretch = values.len().div_ceil(threads).max(PART);
-    let work = |start: usize, values: &mut [V]| {
-        values.iter_mut().zip(start..).for_each(|(to, place)| *to = value(place));
-    };
-    thread::scope(|scope| {
-        let mut stretches = values.chunks_mut(stretch).zip((0..).step_by(stretch));
-        let mine = stretches.next();
-        let work = &work;
-        for (values, start) in stretches {
-            scope.spawn(move || work(start, values));
-        }
-        if let Some((values, start)) = mine {
-            work(start, values);
-        }
+    tasks::run(threads, values.chunks_mut(PART).enumerate(), |(part, values)| {
+        values.iter_mut().zip(part * PART..).for_each(|(to, place)| *to = value(place));
     });
 }
 

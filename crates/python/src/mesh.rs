@@ -1,7 +1,7 @@
 //! Contacts of meshed bodies.
 
 use fdem_contact::discretised::{
-    BodyContact, ElementContact, Mesh, MeshSearch, Simplex, SphereContact, body_contacts,
+    BodyContact, ElementContact, MeshSearch, MeshView, Simplex, SphereContact, body_contacts,
 };
 use numpy::{IntoPyArray, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
@@ -50,7 +50,7 @@ where
 {
     let (nodes, cells, bodies) = (rows_of::<f64, D>(nodes)?, rows_of::<u32, N>(cells)?, entries_of(bodies)?);
     let (elements, of_bodies) = interrupt::run(py, false, &Stop::default(), || {
-        let mesh = Mesh::new(nodes, cells, bodies)?;
+        let mesh = MeshView::new(nodes, cells, bodies)?;
         let search = MeshSearch::new().with_threads(threads)?;
         let mut contacts = Vec::new();
         search.with_self_contact(self_contact).contacts(&mesh, &mut contacts)?;
@@ -75,7 +75,7 @@ pub(crate) fn walls<'py>(
     let (nodes, cells, bodies) =
         (rows_of::<f64, 3>(&nodes)?, rows_of::<u32, 3>(&cells)?, entries_of(&bodies)?);
     let contacts = interrupt::run(py, false, &Stop::default(), || {
-        let surface = Mesh::new(nodes, cells, bodies)?;
+        let surface = MeshView::new(nodes, cells, bodies)?;
         let mut search = MeshSearch::new().with_threads(threads)?;
         let mut contacts = Vec::new();
         search.sphere_contacts(centres, radii, &surface, &mut contacts)?;

@@ -4,12 +4,17 @@ use std::num::NonZero;
 use std::sync::{Mutex, PoisonError};
 use std::thread;
 
-/// Runs `work` on each of `tasks`, on `threads` threads; 0 is one thread for each processor.
-pub(crate) fn run<T: Send>(threads: usize, tasks: impl Iterator<Item = T> + Send, work: impl Fn(T) + Sync) {
+/// Runs `work` on each of `tasks`, on up to `threads` threads; 0 is one thread for each processor.
+pub(crate) fn run<T: Send>(
+    threads: usize,
+    tasks: impl ExactSizeIterator<Item = T> + Send,
+    work: impl Fn(T) + Sync,
+) {
     let threads = match threads {
         0 => thread::available_parallelism().map_or(1, NonZero::get),
         _ => threads,
     };
+    let threads = threads.min(tasks.len());
     let waiting = Mutex::new(tasks);
     let next = || waiting.lock().unwrap_or_else(PoisonError::into_inner).next();
     let all = || {

@@ -108,7 +108,7 @@ where
     pub(crate) fn new(
         model: &Model<D, N>,
         topology: &Topology<D, N>,
-        threads: usize,
+        team: &Team,
     ) -> Result<Self, ModelError> {
         let materials = model.materials.len();
         let options = (0..materials * materials)
@@ -116,9 +116,8 @@ where
             .collect();
         let buffer = model.contact.buffer * mean_edge(model);
         let slack = SLACK * buffer;
-        let search = Detector::new()
-            .with_threads(threads)
-            .and_then(|detector| Buffered::with_search(detector, buffer - slack))
+        let detector = team.pool().map_or_else(Detector::new, |pool| Detector::new().on_pool(pool));
+        let search = Buffered::with_search(detector, buffer - slack)
             .map_err(|error| ModelError::Threads { message: error.to_string() })?;
         let mut contacts = Self {
             options,

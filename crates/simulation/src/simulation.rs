@@ -174,7 +174,8 @@ where
             joints.law(facet, &model, &topology)?;
         }
         let mut loads = Loads::new(&model, &topology, &mut solid)?;
-        let contacts = Contacts::new(&model, &topology, threads)?;
+        let team = Team::new(threads)?;
+        let contacts = Contacts::new(&model, &topology, &team)?;
         let critical = CriticalStep::new(&model, &topology, &joints);
         if model.fracture.insertion == Insertion::Intrinsic {
             solid.reserve_nodes(N * model.mesh.elements.len());
@@ -205,7 +206,6 @@ where
         let modulus = |material: u32| model.materials[material as usize].youngs_modulus;
         let stiffness: f64 =
             solid.elements.iter().map(|element| element.volume * modulus(element.material)).sum();
-        let team = Team::new(threads)?;
         Ok(Self {
             time_step: model.time.step.unwrap_or(critical.step * model.time.safety),
             negligible: 0.5 * stiffness * NEGLIGIBLE_STRAIN * NEGLIGIBLE_STRAIN

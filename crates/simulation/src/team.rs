@@ -39,7 +39,8 @@ impl Team {
         self.pool.as_ref().map_or(1, |pool| pool.current_num_threads())
     }
 
-    /// The pool of these threads. Long work is given to it as a whole, so that no thread from outside has to be woken for each piece.
+    /// The pool of these threads. Long work is given to it as a whole, so that no thread from outside has to be woken for each piece. The search for
+    /// contacts works on it too.
     pub(crate) fn pool(&self) -> Option<Arc<rayon::ThreadPool>> {
         self.pool.clone()
     }

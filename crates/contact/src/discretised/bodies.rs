@@ -1,7 +1,7 @@
 //! Gathers contacts of elements to contacts of bodies.
 
 use crate::discretised::simplex::sealed::Sealed as _;
-use crate::discretised::{DiscretisedError, ElementContact, Mesh, Simplex};
+use crate::discretised::{DiscretisedError, ElementContact, MeshView, Simplex};
 use crate::error::Error;
 use crate::image::unit;
 use crate::memory::{reserve, resize};
@@ -141,18 +141,18 @@ pub fn gather<const D: usize>(
 ///
 /// # Example
 /// ```
-/// use fdem_contact::discretised::{Mesh, body_contacts, contacts};
+/// use fdem_contact::discretised::{MeshView, body_contacts, contacts};
 ///
 /// // Two tetrahedra with a face in common.
 /// let points = [[0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, -1.0]];
-/// let mesh = Mesh::new(&points, &[[0, 1, 2, 3], [0, 1, 2, 4]], &[5, 3])?;
+/// let mesh = MeshView::new(&points, &[[0, 1, 2, 3], [0, 1, 2, 4]], &[5, 3])?;
 /// let [contact] = body_contacts(&mesh, &contacts(&mesh)?)?[..] else { panic!() };
 /// assert_eq!((contact.bodies, contact.shared), ([3, 5], 2.0));
 /// assert_eq!(contact.normal, [0.0, 0.0, 1.0]);
 /// # Ok::<(), fdem_contact::discretised::DiscretisedError>(())
 /// ```
 pub fn body_contacts<const D: usize, const N: usize>(
-    mesh: &Mesh<'_, D, N>,
+    mesh: &MeshView<'_, D, N>,
     contacts: &[ElementContact<D>],
 ) -> Result<Vec<BodyContact<D>>, DiscretisedError>
 where
@@ -217,7 +217,7 @@ struct Facet<const D: usize> {
 }
 
 fn add_shared_facets<const D: usize, const N: usize>(
-    mesh: &Mesh<'_, D, N>,
+    mesh: &MeshView<'_, D, N>,
     gathered: &mut [Gathered<D>],
 ) -> Result<(), Error>
 where
@@ -263,7 +263,7 @@ where
 
 /// Size, centre and outward unit normal of a facet.
 fn outwards<const D: usize, const N: usize>(
-    mesh: &Mesh<'_, D, N>,
+    mesh: &MeshView<'_, D, N>,
     facet: &Facet<D>,
 ) -> (f64, [f64; D], [f64; D])
 where
@@ -326,7 +326,7 @@ mod tests {
             [0.0, 1.0],
         ];
         let elements = [[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]];
-        let mesh = Mesh::new(&points, &elements, &[0, 0, 1, 1]).unwrap();
+        let mesh = MeshView::new(&points, &elements, &[0, 0, 1, 1]).unwrap();
         let found = body_contacts(&mesh, &contacts(&mesh).unwrap()).unwrap();
         assert_eq!(found.len(), 1);
         assert_eq!((found[0].couples, found[0].overlap, found[0].shared), (4, 1.0, 4.0));
@@ -337,7 +337,7 @@ mod tests {
     #[test]
     fn contacts_of_nothing_that_is_there_are_refused() {
         let points = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
-        let mesh = Mesh::new(&points, &[[0, 1, 2], [0, 1, 2]], &[0, 1]).unwrap();
+        let mesh = MeshView::new(&points, &[[0, 1, 2], [0, 1, 2]], &[0, 1]).unwrap();
         let good = contacts(&mesh).unwrap()[0];
         for (i, j) in [(1, 0), (0, 0), (0, 2)] {
             let error = body_contacts(&mesh, &[good, ElementContact { i, j, ..good }]).unwrap_err();

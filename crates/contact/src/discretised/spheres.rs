@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use crate::couple::Couple;
-use crate::discretised::{DiscretisedError, Mesh, MeshSearch, PART, reserve_one};
+use crate::discretised::{DiscretisedError, MeshSearch, MeshView, PART, reserve_one};
 use crate::error::Error;
 use crate::filter::Filter;
 use crate::memory::{reserve, resize};
@@ -51,11 +51,11 @@ impl MeshSearch<3> {
     /// # Example
     /// ```
     /// use fdem_contact::Engine;
-    /// use fdem_contact::discretised::{Mesh, MeshSearch};
+    /// use fdem_contact::discretised::{MeshView, MeshSearch};
     ///
     /// // A floor of two triangles, and a ball above the edge between them.
     /// let points = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [4.0, 4.0, 0.0], [0.0, 4.0, 0.0]];
-    /// let floor = Mesh::new(&points, &[[0, 1, 2], [0, 2, 3]], &[0, 0])?;
+    /// let floor = MeshView::new(&points, &[[0, 1, 2], [0, 2, 3]], &[0, 0])?;
     /// let mut contacts = Vec::new();
     /// MeshSearch::new().sphere_contacts(&[[2.0, 2.0, 0.9]], &[1.0], &floor, &mut contacts)?;
     /// assert_eq!(contacts.len(), 1);
@@ -67,7 +67,7 @@ impl MeshSearch<3> {
         &mut self,
         centres: &[[f64; 3]],
         radii: &[f64],
-        surface: &Mesh<'_, 3, 3>,
+        surface: &MeshView<'_, 3, 3>,
         contacts: &mut Vec<SphereContact>,
     ) -> Result<(), DiscretisedError> {
         contacts.clear();
@@ -140,10 +140,10 @@ impl MeshSearch<3> {
     /// # Example
     /// ```
     /// use fdem_contact::Engine;
-    /// use fdem_contact::discretised::{Mesh, MeshSearch};
+    /// use fdem_contact::discretised::{MeshView, MeshSearch};
     ///
     /// let points = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [4.0, 4.0, 0.0]];
-    /// let floor = Mesh::new(&points, &[[0, 1, 2]], &[0])?;
+    /// let floor = MeshView::new(&points, &[[0, 1, 2]], &[0])?;
     /// let checked = MeshSearch::verify_spheres(&[[3.0, 1.0, 1.0]], &[1.0], &floor, &[], 10, 0)?;
     /// assert!(checked.is_err(), "they touch");
     /// # Ok::<(), fdem_contact::discretised::DiscretisedError>(())
@@ -151,7 +151,7 @@ impl MeshSearch<3> {
     pub fn verify_spheres(
         centres: &[[f64; 3]],
         radii: &[f64],
-        surface: &Mesh<'_, 3, 3>,
+        surface: &MeshView<'_, 3, 3>,
         contacts: &[SphereContact],
         sample: usize,
         seed: u64,
@@ -204,7 +204,7 @@ fn spheres(centres: &[[f64; 3]], radii: &[f64]) -> Result<Vec<Sphere<3>>, Discre
     Ok(spheres)
 }
 
-fn triangles(surface: &Mesh<'_, 3, 3>) -> Result<Vec<Triangle<3>>, Error> {
+fn triangles(surface: &MeshView<'_, 3, 3>) -> Result<Vec<Triangle<3>>, Error> {
     let mut triangles = Vec::new();
     reserve(&mut triangles, surface.len())?;
     triangles.extend((0..surface.len()).map(|k| Triangle { vertices: surface.vertices(k) }));
@@ -222,7 +222,7 @@ struct Margin {
 }
 
 impl Margin {
-    fn new(centres: &[[f64; 3]], radii: &[f64], surface: &Mesh<'_, 3, 3>) -> Self {
+    fn new(centres: &[[f64; 3]], radii: &[f64], surface: &MeshView<'_, 3, 3>) -> Self {
         let [mut low, mut high] = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
         for point in centres.iter().chain(surface.points) {
             for axis in 0..3 {

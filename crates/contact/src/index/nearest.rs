@@ -4,8 +4,9 @@ use std::collections::BinaryHeap;
 use std::ops::Range;
 
 use crate::couple::Couple;
-use crate::elements::{Elements, distance_squared};
+use crate::elements::Elements;
 use crate::error::Error;
+use crate::geometry::distance_squared;
 use crate::index::Index;
 use crate::index::rows::{Part, hand_over, no_entries};
 use crate::index::sort::{FEW, sort};
@@ -13,7 +14,7 @@ use crate::real::Real;
 use crate::search::rows::layout::Layout;
 use crate::search::rows::reach::RowsInReach;
 use crate::search::rows::scan::{PART, Scan};
-use crate::simd::kernel::{Arrays, Looks, Neighbour, Output, ROOM, Span, Task};
+use crate::simd::task::{Arrays, Looks, Neighbour, Output, ROOM, Span, Task};
 
 /// Number of neighbouring points that are searched for with one reach: enough to share the rows in reach, few enough to have similar
 /// neighbours.

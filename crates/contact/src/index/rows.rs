@@ -4,8 +4,9 @@ use std::ops::Range;
 
 use crate::couple::Couple;
 use crate::csr::set_len;
-use crate::elements::{Elements, distance_squared};
+use crate::elements::Elements;
 use crate::error::Error;
+use crate::geometry::distance_squared;
 use crate::index::Index;
 use crate::index::sort::sort;
 use crate::memory::reserve;
@@ -13,7 +14,7 @@ use crate::pool::Pool;
 use crate::real::Real;
 use crate::search::rows::layout::{Layout, PADDING};
 use crate::search::rows::scan::{FIRST_ROOM, PART, Scan};
-use crate::simd::kernel::{Arrays, Output, Task};
+use crate::simd::task::{Arrays, Output, Task};
 
 /// The results for a part of the points, in sorted order.
 #[derive(Clone, Debug)]

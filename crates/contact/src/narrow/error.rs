@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::shapes::{MAX_MAGNITUDE, MIN_MAGNITUDE};
+use super::exact::{MAX_MAGNITUDE, MIN_MAGNITUDE};
 
 /// The reason why a shape was refused, and where.
 #[derive(Clone, Debug, PartialEq)]

@@ -11,6 +11,12 @@ use robust::{Coord, Coord3D};
 
 use super::vector::{dot, sub};
 
+/// Largest magnitude of a coordinate or radius: `2^200`, so that products of four differences do not overflow.
+pub const MAX_MAGNITUDE: f64 = f64::from_bits((1023 + 200) << 52);
+
+/// Smallest magnitude of a coordinate or radius that is not 0: `2^-200`, so that products of four differences do not underflow.
+pub const MIN_MAGNITUDE: f64 = f64::from_bits((1023 - 200) << 52);
+
 /// Twice the signed area of a triangle. Its sign is exact: positive if `a`, `b`, `c` turn left.
 #[inline]
 pub(super) fn orient2d(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
@@ -208,7 +214,7 @@ mod tests {
 
     #[test]
     fn products_of_the_smallest_and_the_largest_numbers_are_exact() {
-        let (tiny, huge) = (super::super::MIN_MAGNITUDE, super::super::MAX_MAGNITUDE);
+        let (tiny, huge) = (MIN_MAGNITUDE, MAX_MAGNITUDE);
         let a = [0.0; 3];
         // (v·w)(u·u) - (u·w)(u·v) with u along x, and w off the edge by the smallest number.
         assert!(inner_side(a, [huge, 0.0, 0.0], [huge, huge, 0.0], [huge, tiny, 0.0]) > 0.0);

@@ -5,7 +5,7 @@
 
 use super::contact::{Contact, Measure};
 use super::error::ShapeError;
-use super::exact::orient2d;
+use super::exact::{orient2d, project};
 use super::shapes::{Triangle, check_all};
 use super::vector::{before, between, distance_squared, dot, middle, neg, sub, unit, x_axis};
 
@@ -370,6 +370,22 @@ fn closest(p: &[[f64; 2]], q: &[[f64; 2]]) -> ([f64; 2], [f64; 2]) {
         }
     }
     best
+}
+
+/// Whether two coplanar sets of one to three points each have hulls that touch.
+///
+/// A common point is a common point in every projection. At least one projection along an axis keeps distinct points of the plane distinct,
+/// so a common point there is a common point in space.
+pub(super) fn coplanar_touch(a: &[[f64; 3]], b: &[[f64; 3]]) -> bool {
+    (0..3).all(|axis| hulls_touch(flatten(a, axis).points(), flatten(b, axis).points()))
+}
+
+pub(super) fn flatten(points: &[[f64; 3]], axis: usize) -> Hull {
+    let mut flat = [[0.0; 2]; 3];
+    for (to, &from) in flat.iter_mut().zip(points) {
+        *to = project(from, axis);
+    }
+    hull(&flat[..points.len().min(3)])
 }
 
 #[cfg(test)]

@@ -2,9 +2,9 @@
 
 use super::contact::{Contact, Measure};
 use super::exact::orient3d;
+use super::polygon::coplanar_touch;
 use super::shapes::{Capsule, Segment};
 use super::sphere::depth_or_gap;
-use super::triangle::coplanar_touch;
 use super::vector::{
     add, before, between, cross, distance_squared, dot, middle, neg, perpendicular, scale, sub, unit,
 };

@@ -1,13 +1,8 @@
 //! The shapes of the narrow phase. Their constructors check all numbers.
 
 use super::error::ShapeError;
+use super::exact::{MAX_MAGNITUDE, MIN_MAGNITUDE};
 use super::vector::unit;
-
-/// Largest magnitude of a coordinate or radius: `2^200`, so that products of four differences do not overflow.
-pub const MAX_MAGNITUDE: f64 = f64::from_bits((1023 + 200) << 52);
-
-/// Smallest magnitude of a coordinate or radius that is not 0: `2^-200`, so that products of four differences do not underflow.
-pub const MIN_MAGNITUDE: f64 = f64::from_bits((1023 - 200) << 52);
 
 /// A sphere, or a disc in 2D. A sphere of radius 0 is a point.
 ///

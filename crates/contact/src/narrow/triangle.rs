@@ -1,8 +1,8 @@
 //! Triangles in 3D.
 
 use super::contact::{Contact, Measure};
-use super::exact::{collinear, orient3d, project};
-use super::polygon::{hull, hull_hull, hulls_touch};
+use super::exact::{collinear, orient3d};
+use super::polygon::{coplanar_touch, flatten, hull_hull};
 use super::segment::{closest as closest_of_segments, segments_touch};
 use super::shapes::Triangle;
 use super::sphere::foot;
@@ -55,22 +55,6 @@ impl Triangle<3> {
     pub fn touches(&self, other: &Self) -> bool {
         triangles_touch(&self.vertices, &other.vertices)
     }
-}
-
-/// Whether two coplanar sets of one to three points each have hulls that touch.
-///
-/// A common point is a common point in every projection. At least one projection along an axis keeps distinct points of the plane distinct,
-/// so a common point there is a common point in space.
-pub(super) fn coplanar_touch(a: &[[f64; 3]], b: &[[f64; 3]]) -> bool {
-    (0..3).all(|axis| hulls_touch(flatten(a, axis).points(), flatten(b, axis).points()))
-}
-
-fn flatten(points: &[[f64; 3]], axis: usize) -> super::polygon::Hull {
-    let mut flat = [[0.0; 2]; 3];
-    for (to, &from) in flat.iter_mut().zip(points) {
-        *to = project(from, axis);
-    }
-    hull(&flat[..points.len().min(3)])
 }
 
 pub(super) fn is_collinear(&[a, b, c]: &[[f64; 3]; 3]) -> bool {

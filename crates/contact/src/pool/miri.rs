@@ -2,6 +2,8 @@
 //!
 //! The threads of rayon cannot run there: crossbeam-epoch, which they use, violates the rules for pointers that Miri checks (Stacked Borrows).
 
+use std::sync::Arc;
+
 use crate::error::Error;
 
 /// All threads except the caller's.
@@ -17,15 +19,14 @@ impl Others {
         Ok(Self { count: threads - 1 })
     }
 
+    /// As many threads as a pool of the user has, without the caller's.
+    pub(super) fn of(pool: Arc<rayon::ThreadPool>) -> Self {
+        Self { count: pool.current_num_threads() - 1 }
+    }
+
     /// Number of threads, without the caller's.
     pub(super) fn count(&self) -> usize {
         self.count
-    }
-
-    /// Whether the caller is one of these threads; it does not matter here, because every run has threads of its own.
-    #[allow(clippy::unused_self, reason = "it matters for threads of rayon")]
-    pub(super) fn is_inside(&self) -> bool {
-        false
     }
 
     /// Runs `take_all` on the caller and on as many others as are useful. `take_all` takes tasks until none of `tasks` is left.

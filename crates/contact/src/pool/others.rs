@@ -8,54 +8,66 @@ use crate::error::Error;
 /// All threads except the caller's. The caller works too, because waking one thread fewer is faster.
 #[derive(Debug)]
 pub(super) struct Others {
-    pool: rayon::ThreadPool,
-    spread: Arc<Spread>,
+    pool: Arc<rayon::ThreadPool>,
+    count: usize,
+    /// `None` if the pool belongs to the user, who may have placed its threads.
+    spread: Option<Arc<Spread>>,
 }
 
 impl Others {
     /// Starts all but one of `threads` threads, of which there are at least two.
     pub(super) fn new(threads: usize) -> Result<Self, Error> {
-        let spread = Arc::new(Spread::new(threads - 1));
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads - 1).start_handler({
+        let count = threads - 1;
+        let spread = Arc::new(Spread::new(count));
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(count).start_handler({
             let spread = spread.clone();
             move |index| spread.enter(index)
         });
         let pool = pool.build().map_err(|error| Error::NoThreads { threads, reason: error.to_string() })?;
-        Ok(Self { pool, spread })
+        Ok(Self { pool: Arc::new(pool), count, spread: Some(spread) })
+    }
+
+    /// All but one of the threads of a pool that the user has.
+    pub(super) fn of(pool: Arc<rayon::ThreadPool>) -> Self {
+        let count = pool.current_num_threads().saturating_sub(1);
+        Self { pool, count, spread: None }
     }
 
     /// Number of threads, without the caller's.
     pub(super) fn count(&self) -> usize {
-        self.pool.current_num_threads()
-    }
-
-    /// Whether the caller is one of these threads.
-    pub(super) fn is_inside(&self) -> bool {
-        self.pool.current_thread_index().is_some()
+        self.count
     }
 
     /// Runs `take_all` on the caller and on as many others as are useful. `take_all` takes tasks until none of `tasks` is left.
     ///
     /// Not generic, so that the code for threads is compiled once.
     pub(super) fn run(&self, tasks: usize, take_all: &(dyn Fn() + Sync)) {
-        let Self { pool, spread } = self;
+        let Self { pool, count, spread } = self;
+        let spread = spread.as_deref();
         let run = || {
-            let others = pool.current_num_threads().min(tasks.saturating_sub(1));
-            spread.before();
+            let others = tasks.saturating_sub(1).min(*count);
+            if let Some(spread) = spread {
+                spread.before();
+            }
             pool.in_place_scope(|scope| {
                 for _ in 0..others {
                     scope.spawn(|_| {
-                        spread.start();
+                        if let Some(spread) = spread {
+                            spread.start();
+                        }
                         take_all();
                     });
                 }
-                spread.look(others);
+                if let Some(spread) = spread {
+                    spread.look(others);
+                }
                 take_all();
             });
         };
-        if rayon::current_thread_index().is_none() {
+        if rayon::current_thread_index().is_none() || pool.current_thread_index().is_some() {
             run();
         } else {
+            // A thread of another pool would do other work of that pool while it waits.
             std::thread::scope(|scope| {
                 if let Err(panic) = scope.spawn(run).join() {
                     std::panic::resume_unwind(panic);

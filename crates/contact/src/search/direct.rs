@@ -1,9 +1,10 @@
 //! Direct checking: every element against every other.
 
 use crate::couple::Couple;
-use crate::elements::{Elements, Geometry, Shape};
+use crate::elements::{Elements, Shape};
 use crate::error::Error;
-use crate::filter::{Filter, Filtered};
+use crate::filter::Filter;
+use crate::geometry::{Filtered, Geometry};
 use crate::real::Real;
 use crate::search::Search;
 use crate::stop::Stop;

@@ -16,7 +16,7 @@ use crate::search::Search;
 use crate::search::level::Level;
 use crate::search::rows::layout::Layout;
 use crate::search::rows::scan::{Scan, Scanner, Scans, Sink};
-use crate::simd::kernel::{Arrays, Looks, Output, Span, Task};
+use crate::simd::task::{Arrays, Looks, Output, Span, Task};
 use crate::simd::{Available, Simd};
 
 use levels::Model;

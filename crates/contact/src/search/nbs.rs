@@ -1,9 +1,9 @@
 //! Munjiza-NBS, as published: singly connected lists and the contact mask, in any number of dimensions.
 
 use crate::couple::Couple;
-use crate::elements::{Elements, Geometry, Shape};
+use crate::elements::{Elements, Shape};
 use crate::error::Error;
-use crate::filter::Filtered;
+use crate::geometry::{Filtered, Geometry};
 use crate::grid::Grid;
 use crate::lists::{Lists, MAX_LISTED, NONE};
 use crate::mask::{CONTACT_MASK, Set};

@@ -3,7 +3,7 @@
 use std::arch::x86_64::*;
 
 use crate::couple::Couple;
-use crate::simd::kernel::{Estimate, Vector};
+use crate::simd::vector::{Estimate, Vector};
 
 entry_points!("avx2,fma,bmi2,popcnt", F64x4, F32x8);
 

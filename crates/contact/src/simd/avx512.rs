@@ -3,7 +3,7 @@
 use std::arch::x86_64::*;
 
 use crate::couple::Couple;
-use crate::simd::kernel::{Estimate, Vector};
+use crate::simd::vector::{Estimate, Vector};
 
 entry_points!("avx512f,avx512vl,avx2,fma,bmi2,popcnt", F64x8, F32x16);
 

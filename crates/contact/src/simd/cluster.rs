@@ -25,11 +25,10 @@ use std::mem::MaybeUninit;
 use std::ops::Range;
 
 use crate::real::Real;
-use crate::simd::kernel::{
-    BOXES, EQUAL, Estimate, FEW, FEW_AHEAD, Output, RADII, Rows, Task, Vector, Window, Writer, first_from,
-    variant,
-};
+use crate::simd::kernel::{FEW, FEW_AHEAD, Rows, Window, first_from, variant};
 use crate::simd::labels::NO_LABEL;
+use crate::simd::task::{BOXES, EQUAL, Output, Patience, RADII, Task};
+use crate::simd::vector::{Estimate, Vector, Writer};
 
 /// Elements that share their windows.
 const CLUSTER: usize = 4;
@@ -117,22 +116,6 @@ struct Hits {
 /// For the vector that begins behind the first element of a cluster: the lanes that come after each element of the cluster. Those before it
 /// have been compared with it already.
 const BEHIND: u64 = 0xfff8_fffc_fffe_ffff;
-
-/// Skips clusters for a while where they do not help: on a lattice all contacts are in doubt.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Patience {
-    /// Number of segments still to be compared without clusters.
-    without: u32,
-    /// Number of segments to skip after the next failure.
-    next: u32,
-}
-
-impl Patience {
-    fn lost(&mut self) {
-        self.next = (2 * self.next).clamp(1, 64);
-        self.without = self.next;
-    }
-}
 
 /// Whether clusters can be used for a stretch, and pay.
 pub(super) fn pays<T: Real>(task: &Task<'_, T>) -> bool {

@@ -1,7 +1,8 @@
 //! A filter in the form that the kernels read.
 
 use crate::filter::{Filter, GroupMatrix, Sight};
-use crate::simd::kernel::{Arrays, Vector};
+use crate::simd::task::Arrays;
+use crate::simd::vector::Vector;
 
 /// Pointers to the arrays of a filter; null for arrays that it does not have.
 #[derive(Clone, Copy)]

@@ -3,7 +3,7 @@
 use std::arch::aarch64::*;
 
 use crate::couple::Couple;
-use crate::simd::kernel::{Estimate, Vector};
+use crate::simd::vector::{Estimate, Vector};
 
 entry_points!("neon", F64x2, F32x4);
 

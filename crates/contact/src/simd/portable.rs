@@ -2,7 +2,7 @@
 
 use crate::couple::Couple;
 use crate::real::Real;
-use crate::simd::kernel::{Arrays, Looks, Output, ROOM, Span, Task};
+use crate::simd::task::{Arrays, Looks, Output, ROOM, Span, Task};
 
 pub(crate) fn search<T: Real, const D: usize>(task: &Task<'_, T>, out: &mut Output<'_>) {
     let Task { own, other, reach_squared, tolerance, .. } = *task;

@@ -1,4 +1,4 @@
-//! Partial files. Outputs are written under temporary names until they are complete. Partial files are removed at the end or on a signal; those of a command
+//! Partial files. Every file that is complete or absent is written here: under a temporary name beside its place, synced, and renamed. Partial files are removed at the end or on a signal; those of a command
 //! that was killed are removed by the next command that writes into the folder.
 //!
 //! A process that writes into a folder keeps a lock file there, `.fdem-NAME.lock`, open and locked; its partial files are called `.fdem-NAME-….part`.
@@ -6,11 +6,11 @@
 //! that no process holds.
 
 use std::fs::{self, File, Permissions, TryLockError};
-use std::io;
+use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError, Weak};
 
-use tempfile::{Builder, NamedTempFile};
+use tempfile::{Builder, NamedTempFile, TempPath};
 
 const PREFIX: &str = ".fdem-";
 const LOCK: &str = ".lock";
@@ -18,7 +18,7 @@ const PART: &str = ".part";
 
 /// Marks the partial files of this process in a folder as in use, by a lock file. The lock file is removed on drop.
 #[derive(Debug)]
-pub(crate) struct Claim {
+struct Claim {
     folder: PathBuf,
     /// Start of the names of the partial files.
     prefix: String,
@@ -37,30 +37,107 @@ fn aside<R>(act: impl FnOnce(&mut Aside) -> R) -> R {
     act(&mut ASIDE.lock().unwrap_or_else(PoisonError::into_inner))
 }
 
-/// Creates a partial file in `folder`. The claim must be kept as long as the file.
-pub(crate) fn create(
-    folder: &Path,
-    permissions: Option<Permissions>,
-) -> io::Result<(NamedTempFile, Arc<Claim>)> {
-    aside(|aside| {
-        let claim = aside.claim(folder)?;
-        let mut builder = Builder::new();
-        builder.prefix(&claim.prefix).suffix(PART);
-        if let Some(permissions) = permissions {
-            builder.permissions(permissions);
-        }
-        let file = builder.tempfile_in(folder)?;
-        aside.parts.push(file.path().to_owned());
-        Ok((file, claim))
-    })
+/// A file that is being written. It is removed on drop.
+pub(crate) struct Part {
+    // Dropped, and so removed, before the claim.
+    file: BufWriter<NamedTempFile>,
+    target: PathBuf,
+    claim: Arc<Claim>,
 }
 
-/// Calls `rename`, which moves a partial file to its final name. Interrupts are handled before or after it.
-pub(crate) fn put_in_place<R>(part: &Path, rename: impl FnOnce() -> R) -> R {
-    aside(|aside| {
-        aside.parts.retain(|path| path != part);
-        rename()
-    })
+impl Part {
+    /// Creates a partial file beside `target`, which it will replace. Permissions: `None` for those of a new file.
+    ///
+    /// # Errors
+    /// Only their kind, because the error of the system names the temporary file.
+    pub(crate) fn beside(target: PathBuf, permissions: Option<Permissions>) -> io::Result<Self> {
+        let create = |aside: &mut Aside| {
+            let claim = aside.claim(folder(&target))?;
+            let mut builder = Builder::new();
+            builder.prefix(&claim.prefix).suffix(PART);
+            if let Some(permissions) = permissions.or_else(of_a_new_file) {
+                builder.permissions(permissions);
+            }
+            let file = builder.tempfile_in(&claim.folder)?;
+            aside.parts.push(file.path().to_owned());
+            Ok((BufWriter::new(file), claim))
+        };
+        let (file, claim) = aside(create).map_err(|error: io::Error| io::Error::from(error.kind()))?;
+        Ok(Self { file, target, claim })
+    }
+
+    /// Closes the file once the disk has all of it.
+    pub(crate) fn close(self) -> io::Result<Complete> {
+        let file = self.file.into_inner().map_err(io::IntoInnerError::into_error)?;
+        file.as_file().sync_all()?;
+        Ok(Complete { file: file.into_temp_path(), target: self.target, _claim: self.claim })
+    }
+}
+
+impl Write for Part {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.file.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
+}
+
+/// A file that is complete and closed, because there may be more of them than a process can have open files. It is removed on drop unless it is put in place.
+pub(crate) struct Complete {
+    // Dropped, and so removed, before the claim.
+    file: TempPath,
+    target: PathBuf,
+    _claim: Arc<Claim>,
+}
+
+impl Complete {
+    /// Renames the file to its final name. Interrupts are handled before or after it.
+    pub(crate) fn put_in_place(self) -> io::Result<()> {
+        let Self { file, target, _claim } = self;
+        aside(|aside| {
+            aside.parts.retain(|path| **path != *file);
+            file.persist(target).map_err(|error| error.error)
+        })
+    }
+}
+
+/// Replaces the file `target`, or makes it. After a power cut the disk has the old contents or the new ones.
+pub(crate) fn replace(target: &Path, bytes: &[u8]) -> io::Result<()> {
+    let mut part = Part::beside(target.to_owned(), None)?;
+    part.write_all(bytes)?;
+    part.close()?.put_in_place()?;
+    // The name of the file is on the disk only after the folder is synced.
+    #[cfg(unix)]
+    File::open(folder(target))?.sync_all()?;
+    Ok(())
+}
+
+/// Whether this is the name of a partial file, or of the lock file of a process that writes some.
+pub(crate) fn is_aside(name: &str) -> bool {
+    name.starts_with(PREFIX) && (name.ends_with(PART) || name.ends_with(LOCK))
+}
+
+/// Folder of a file.
+pub(crate) fn folder(path: &Path) -> &Path {
+    match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    }
+}
+
+/// Permissions of a new file before the umask. Temporary files are private by default.
+#[cfg(unix)]
+#[allow(clippy::unnecessary_wraps, reason = "elsewhere there is none")]
+fn of_a_new_file() -> Option<Permissions> {
+    use std::os::unix::fs::PermissionsExt;
+    Some(Permissions::from_mode(0o666))
+}
+
+#[cfg(not(unix))]
+fn of_a_new_file() -> Option<Permissions> {
+    None
 }
 
 /// Removes the partial files of this process and ends the process.
@@ -175,8 +252,9 @@ mod tests {
         let alive = File::open(folder.path().join(".fdem-alive1.lock")).unwrap();
         alive.lock().unwrap();
 
-        let (part, claim) = create(folder.path(), None).unwrap();
-        let mine: Vec<_> = [part.path(), claim.lock.path()]
+        let make = |name: &str| Part::beside(folder.path().join(name), None).unwrap();
+        let part = make("one");
+        let mine: Vec<_> = [part.file.get_ref().path(), part.claim.lock.path()]
             .map(|path| path.file_name().unwrap().to_str().unwrap().to_owned())
             .to_vec();
         let others: Vec<_> = names(folder.path()).into_iter().filter(|name| !mine.contains(name)).collect();
@@ -189,9 +267,32 @@ mod tests {
             "fdem.part",
         ];
         assert_eq!(others, kept);
-        let (second, same) = create(folder.path(), None).unwrap();
-        assert!(Arc::ptr_eq(&claim, &same), "one lock file for all parts of a process");
-        drop((part, second, claim, same));
+        let second = make("two");
+        assert!(Arc::ptr_eq(&part.claim, &second.claim), "one lock file for all parts of a process");
+        drop((part, second));
         assert_eq!(names(folder.path()), kept);
+    }
+
+    /// A file has its old contents until the new ones are complete, and nothing else stays in the folder.
+    #[test]
+    fn a_file_is_replaced_as_a_whole() {
+        let folder = tempfile::tempdir().unwrap();
+        let target = folder.path().join("results");
+        replace(&target, b"old").unwrap();
+        let mut part = Part::beside(target.clone(), None).unwrap();
+        part.write_all(b"new").unwrap();
+        assert!(names(folder.path()).iter().filter(|name| is_aside(name)).count() == 2);
+        let complete = part.close().unwrap();
+        assert_eq!(fs::read(&target).unwrap(), b"old");
+        complete.put_in_place().unwrap();
+        assert_eq!(fs::read(&target).unwrap(), b"new");
+        assert_eq!(names(folder.path()), ["results"]);
+
+        drop(Part::beside(target.clone(), None).unwrap());
+        assert!(replace(&folder.path().join("absent/results"), b"").is_err());
+        // A folder of that name cannot be replaced, and the partial file is removed.
+        fs::create_dir(folder.path().join("taken")).unwrap();
+        assert!(replace(&folder.path().join("taken"), b"").is_err());
+        assert_eq!(names(folder.path()), ["results", "taken"]);
     }
 }

@@ -4,7 +4,7 @@ use std::sync::atomic::Ordering;
 use std::time::Instant;
 
 use fdem_contact::discretised::{
-    BodyContact, DiscretisedError, Mesh, MeshSearch, Simplex, body_contacts, gather,
+    BodyContact, DiscretisedError, MeshSearch, MeshView, Simplex, body_contacts, gather,
 };
 use fdem_contact::narrow::{Contact, Measure, Sphere, sphere_sphere};
 use fdem_contact::{Couple, Detector, Elements, Engine, Error, Search, verify};
@@ -94,7 +94,7 @@ struct Source {
 }
 
 enum Content {
-    Mesh(fdem_io::Mesh),
+    Mesh(fdem_io::MeshFile),
     Spheres { input: Input, centres: Vec<[f64; 3]>, radii: Vec<f64> },
 }
 
@@ -211,7 +211,7 @@ impl Task<'_> {
             (_, None) => {
                 let model = self.model(|p| p, |nodes: [u32; 3]| nodes, |_| unreachable!("no tetrahedra"))?;
                 let with_spheres =
-                    |search: &mut MeshSearch<3>, mesh: &Mesh<'_, 3, 3>, found: &mut Found<3>| {
+                    |search: &mut MeshSearch<3>, mesh: &MeshView<'_, 3, 3>, found: &mut Found<3>| {
                         self.with_spheres(&model, search, mesh, found)
                     };
                 self.finish(&model, self.search(&model, with_spheres, seconds)?, outputs)
@@ -303,7 +303,7 @@ impl Task<'_> {
     fn search<const D: usize, const N: usize>(
         &self,
         model: &Model<D, N>,
-        more: impl FnOnce(&mut MeshSearch<D>, &Mesh<'_, D, N>, &mut Found<D>) -> Result<(), Stop>,
+        more: impl FnOnce(&mut MeshSearch<D>, &MeshView<'_, D, N>, &mut Found<D>) -> Result<(), Stop>,
         mut seconds: Seconds,
     ) -> Result<(Found<D>, Seconds), Failure>
     where
@@ -320,12 +320,12 @@ impl Task<'_> {
     fn contacts_of<const D: usize, const N: usize>(
         &self,
         model: &Model<D, N>,
-        more: impl FnOnce(&mut MeshSearch<D>, &Mesh<'_, D, N>, &mut Found<D>) -> Result<(), Stop>,
+        more: impl FnOnce(&mut MeshSearch<D>, &MeshView<'_, D, N>, &mut Found<D>) -> Result<(), Stop>,
     ) -> Result<Found<D>, Stop>
     where
         [[f64; D]; N]: Simplex<D>,
     {
-        let mesh = Mesh::new(&model.points, &model.elements, &model.mesh_bodies)?;
+        let mesh = MeshView::new(&model.points, &model.elements, &model.mesh_bodies)?;
         let mut search = MeshSearch::new()
             .with_engine(self.arguments.engine.engine())
             .with_threads(self.arguments.threads)?
@@ -356,7 +356,7 @@ impl Task<'_> {
         &self,
         model: &Model<3, 3>,
         search: &mut MeshSearch<3>,
-        mesh: &Mesh<'_, 3, 3>,
+        mesh: &MeshView<'_, 3, 3>,
         found: &mut Found<3>,
     ) -> Result<(), Stop> {
         if model.centres.is_empty() {
@@ -545,7 +545,7 @@ impl<const D: usize, const N: usize> Model<D, N> {
         &mut self,
         file: usize,
         source: &Source,
-        mesh: &fdem_io::Mesh,
+        mesh: &fdem_io::MeshFile,
         kind: &'static str,
         bodies: &[u32],
         numbers: &[u64],
@@ -570,7 +570,7 @@ impl<const D: usize, const N: usize> Model<D, N> {
         let first_body = self.body_count;
         for (body, &elements) in elements.iter().enumerate().filter(|(_, elements)| **elements > 0) {
             global[body] = self.body_count;
-            let fdem_io::MeshBody { number, name } = mesh.bodies[body].clone();
+            let fdem_io::MeshFileBody { number, name } = mesh.bodies[body].clone();
             self.named.push(BodyOf { body: self.body_count, file, number, name, elements });
             self.body_count += 1;
         }

@@ -4,12 +4,9 @@ use std::ffi::OsStr;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Stdout, Write};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use tempfile::{NamedTempFile, TempPath};
-
-use crate::command::aside::{self, Claim};
+use crate::command::aside::{self, Complete, Part, folder};
 use crate::command::failure::{Failure, display_name};
 
 /// Format of couples and packings, by the extension of the output.
@@ -92,11 +89,7 @@ enum To {
     Stdout(BufWriter<Stdout>),
     /// An existing pipe or device such as `/dev/null`, which cannot be replaced by a rename.
     Device(BufWriter<File>),
-    Aside {
-        file: BufWriter<NamedTempFile>,
-        target: PathBuf,
-        claim: Arc<Claim>,
-    },
+    Aside(Part),
 }
 
 /// Whether the program was started without standard output, as by `>&-`: the standard library has opened `/dev/null` in its place.
@@ -138,16 +131,14 @@ impl Output {
                 File::options().write(true).open(&target).map_err(|error| Failure::writing(path, error))?;
             file.metadata().ok().map(|metadata| metadata.permissions())
         } else {
-            default_permissions()
+            None
         };
         let folder = folder(&target);
         if !folder.is_dir() {
             return Err(Failure::writing(path, format!("there is no folder {}", display_name(folder))));
         }
-        // Only the kind is shown, because the error itself names the temporary file.
-        let (file, claim) = aside::create(folder, permissions)
-            .map_err(|error| Failure::writing(path, io::Error::from(error.kind())))?;
-        Ok(Self { name, to: To::Aside { file: BufWriter::new(file), target, claim } })
+        let part = Part::beside(target, permissions).map_err(|error| Failure::writing(path, error))?;
+        Ok(Self { name, to: To::Aside(part) })
     }
 
     /// Writes the output by `write`. An error names the output.
@@ -160,7 +151,7 @@ impl Output {
         let (writer, is_stdout): (&mut (dyn Write + Send), _) = match &mut self.to {
             To::Stdout(writer) => (writer, true),
             To::Device(writer) => (writer, false),
-            To::Aside { file, .. } => (file, false),
+            To::Aside(part) => (part, false),
         };
         let open = if is_stdout { check_stdout() } else { Ok(()) };
         match open.and_then(|()| write(writer)).and_then(|()| writer.flush()) {
@@ -182,36 +173,23 @@ impl Output {
     /// Closes the output. A partial file must still be renamed by [`Written::commit`].
     pub(crate) fn close(self) -> Result<Written, Failure> {
         let Self { name, to } = self;
-        let To::Aside { file, target, claim } = to else { return Ok(Written { name, aside: None }) };
-        let file = file.into_inner().map_err(|error| Failure::writing(&name, error.error()))?;
-        file.as_file().sync_all().map_err(|error| Failure::writing(&name, error))?;
-        let part = file.into_temp_path();
-        Ok(Written { name, aside: Some(Part { file: part, target, _claim: claim }) })
+        let To::Aside(part) = to else { return Ok(Written { name, part: None }) };
+        let part = part.close().map_err(|error| Failure::writing(&name, error))?;
+        Ok(Written { name, part: Some(part) })
     }
 }
 
-/// An output that is written and closed, because there may be more outputs than a process can have open files. Without [`Self::commit`], the partial file is
-/// removed on drop.
+/// An output that is written and closed. Without [`Self::commit`], the partial file is removed on drop.
 pub(crate) struct Written {
     name: PathBuf,
-    aside: Option<Part>,
-}
-
-/// A partial file and its final path.
-struct Part {
-    // Dropped, and so removed, before the claim.
-    file: TempPath,
-    target: PathBuf,
-    _claim: Arc<Claim>,
+    part: Option<Complete>,
 }
 
 impl Written {
     /// Makes the output appear under its name.
     pub(crate) fn commit(self) -> Result<(), Failure> {
-        let Some(Part { file: part, target, _claim }) = self.aside else { return Ok(()) };
-        let path = part.to_path_buf();
-        aside::put_in_place(&path, || part.persist(target))
-            .map_err(|error| Failure::writing(&self.name, error.error))
+        let Self { name, part } = self;
+        part.map_or(Ok(()), Complete::put_in_place).map_err(|error| Failure::writing(&name, error))
     }
 }
 
@@ -281,13 +259,6 @@ fn target(path: &Path) -> Result<PathBuf, Failure> {
     Err(Failure::writing(path, "its links form a loop"))
 }
 
-fn folder(path: &Path) -> &Path {
-    match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    }
-}
-
 /// Prints a text on standard output. It is no error if its reader ends early (`| head`).
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
     let mut output = Output::open(None)?;
@@ -301,17 +272,4 @@ pub(crate) fn is_stdout(path: &Path) -> bool {
 /// Whether a path exists and is neither a file nor a folder.
 pub(crate) fn is_device(path: &Path) -> bool {
     fs::metadata(path).is_ok_and(|metadata| !metadata.is_file() && !metadata.is_dir())
-}
-
-/// Permissions of a new file before the umask. Temporary files are private by default.
-#[cfg(unix)]
-#[allow(clippy::unnecessary_wraps, reason = "elsewhere there is none")]
-fn default_permissions() -> Option<fs::Permissions> {
-    use std::os::unix::fs::PermissionsExt;
-    Some(fs::Permissions::from_mode(0o666))
-}
-
-#[cfg(not(unix))]
-fn default_permissions() -> Option<fs::Permissions> {
-    None
 }

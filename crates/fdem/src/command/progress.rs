@@ -1,4 +1,4 @@
-//! Progress bars for steps that take longer than a second.
+//! The progress bar on standard error: of a step that takes longer than a second, and of a run.
 
 use std::io::IsTerminal;
 use std::sync::Arc;
@@ -12,7 +12,13 @@ use indicatif::{ProgressBar, ProgressStyle};
 /// Time after which a bar appears: nobody could read the bar of a shorter step.
 const PATIENCE: Duration = Duration::from_secs(1);
 
-const INTERVAL: Duration = Duration::from_millis(100);
+/// Time between two updates of a bar.
+pub(crate) const INTERVAL: Duration = Duration::from_millis(100);
+
+/// Whether standard error is a terminal, where a bar can be drawn.
+pub(crate) fn is_terminal() -> bool {
+    std::io::stderr().is_terminal()
+}
 
 /// Measures the time of steps, and shows a bar on standard error during each.
 pub(crate) struct Progress {
@@ -24,7 +30,7 @@ pub(crate) type Position = Arc<AtomicU64>;
 
 impl Progress {
     pub(crate) fn new(quiet: bool) -> Self {
-        Self { visible: !quiet && std::io::stderr().is_terminal() }
+        Self { visible: !quiet && is_terminal() }
     }
 
     /// Runs `work` and returns its result with the seconds it took.
@@ -38,7 +44,7 @@ impl Progress {
     ) -> (R, f64) {
         let position = Position::default();
         let start = Instant::now();
-        let bar = if self.visible { Bar::watch(label, total, &position) } else { None };
+        let bar = if self.visible { Watched::start(label, total, &position) } else { None };
         let result = work(&position);
         let seconds = start.elapsed().as_secs_f64();
         if let Some(bar) = bar {
@@ -49,33 +55,28 @@ impl Progress {
 }
 
 /// A thread that draws the position, so that the work never waits for the terminal.
-struct Bar {
+struct Watched {
     done: Sender<()>,
     thread: JoinHandle<()>,
 }
 
-impl Bar {
+impl Watched {
     /// Starts the thread; `None` if the system has no thread left. The work then goes on without a bar.
-    fn watch(label: &'static str, total: Option<u64>, position: &Position) -> Option<Self> {
+    fn start(label: &'static str, total: Option<u64>, position: &Position) -> Option<Self> {
         let (done, wait) = mpsc::channel();
         let position = Arc::clone(position);
         let draw = move || {
             if wait.recv_timeout(PATIENCE) != Err(RecvTimeoutError::Timeout) {
                 return;
             }
-            let bar = total.map_or_else(ProgressBar::new_spinner, ProgressBar::new);
-            let bar = bar.with_message(label).with_elapsed(PATIENCE);
-            let mut shown = 0;
+            let length = label.chars().count();
+            let mut bar =
+                Bar::new(total, PATIENCE, move |width| template(total.is_some(), length, width).to_owned());
+            bar.say(label);
             while wait.recv_timeout(INTERVAL) == Err(RecvTimeoutError::Timeout) {
-                let width = columns();
-                if width != shown {
-                    shown = width;
-                    bar.set_style(style(template(total.is_some(), label.chars().count(), width)));
-                }
-                bar.set_position(position.load(Ordering::Relaxed));
-                bar.tick();
+                bar.show(position.load(Ordering::Relaxed));
             }
-            bar.finish_and_clear();
+            bar.finish();
         };
         let thread = thread::Builder::new().spawn(draw).ok()?;
         Some(Self { done, thread })
@@ -88,8 +89,68 @@ impl Bar {
     }
 }
 
+/// A bar that fits into the terminal, however wide it becomes.
+pub(crate) struct Bar {
+    inner: ProgressBar,
+    /// Returns the template for a terminal of this width.
+    template: Box<dyn Fn(usize) -> String + Send>,
+    width: usize,
+}
+
+impl Bar {
+    /// A bar up to `total`, or a spinner, for work that began `elapsed` ago. `template` returns its template for a terminal of so many columns, at least one.
+    fn new(
+        total: Option<u64>,
+        elapsed: Duration,
+        template: impl Fn(usize) -> String + Send + 'static,
+    ) -> Self {
+        let inner = total.map_or_else(ProgressBar::new_spinner, ProgressBar::new).with_elapsed(elapsed);
+        Self { inner, template: Box::new(template), width: 0 }
+    }
+
+    /// The bar of a run of `total` steps that is at step `position`. It has a line for messages below it, and keeps moving while no step updates it.
+    pub(crate) fn of_run(total: u64, position: u64) -> Self {
+        let mut bar =
+            Self::new(Some(total), Duration::ZERO, |width| format!("{}\n{{msg}}", bar_of_run(width)));
+        bar.show(position);
+        bar.inner.enable_steady_tick(INTERVAL);
+        bar
+    }
+
+    /// Draws the bar at a position.
+    pub(crate) fn show(&mut self, position: u64) {
+        let width = columns();
+        if width != self.width {
+            self.width = width;
+            self.inner.set_style(style(&(self.template)(width)));
+        }
+        self.inner.set_position(position);
+        self.inner.tick();
+    }
+
+    /// Shows the first of these parts that fit into a line, as the message of the bar.
+    pub(crate) fn say_what_fits(&self, parts: &[String]) {
+        self.inner.set_message(fitted(parts, columns()));
+    }
+
+    /// Shows a message.
+    pub(crate) fn say(&self, message: &str) {
+        self.inner.set_message(message.to_owned());
+    }
+
+    /// Prints a line above the bar.
+    pub(crate) fn print(&self, line: &str) {
+        self.inner.println(line);
+    }
+
+    /// Removes the bar.
+    pub(crate) fn finish(self) {
+        self.inner.finish_and_clear();
+    }
+}
+
 /// Columns of the terminal.
-pub(crate) fn columns() -> usize {
+fn columns() -> usize {
     usize::from(console::Term::stderr().size().1)
 }
 
@@ -106,7 +167,7 @@ fn template(total: bool, label: usize, width: usize) -> &'static str {
 }
 
 /// Template of the first line of the progress of a run, for a terminal of this width.
-pub(crate) fn bar_of_run(width: usize) -> &'static str {
+fn bar_of_run(width: usize) -> &'static str {
     match width {
         52.. => "{wide_bar} {percent} %, {elapsed} gone, {eta} left",
         32.. => "{wide_bar} {percent} %, {eta} left",
@@ -115,7 +176,7 @@ pub(crate) fn bar_of_run(width: usize) -> &'static str {
 }
 
 /// Joins the parts that fit into a line, in their order. If none fits, returns the beginning of the first part.
-pub(crate) fn fitted(parts: &[String], width: usize) -> String {
+fn fitted(parts: &[String], width: usize) -> String {
     let mut line = String::new();
     let mut used = 0;
     for part in parts {

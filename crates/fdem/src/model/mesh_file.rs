@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use fdem_io::numbers::grouped;
-use fdem_io::{Cells, Mesh, MeshBody};
+use fdem_io::{Cells, MeshBody, MeshFile};
 use fdem_mesh::Simplex;
 
 use crate::model::bodies::Load;
@@ -100,7 +100,7 @@ pub(crate) fn is_in_space(bytes: &[u8], name: &str) -> bool {
     read(bytes, name).is_ok_and(|mesh| !mesh.tetrahedra.is_empty())
 }
 
-fn read(bytes: &[u8], name: &str) -> Result<Mesh, Problem> {
+fn read(bytes: &[u8], name: &str) -> Result<MeshFile, Problem> {
     let (bytes, _) = fdem_io::unpack(bytes.into(), |_| true)
         .map_err(|error| Problem::new("mesh", format!("cannot read {name}: {error}")))?;
     fdem_io::read_mesh(&bytes, name).map_err(|error| {
@@ -119,7 +119,7 @@ struct Words {
 
 /// The elements, facets and groups of a file as a body.
 fn piece<const D: usize, const N: usize>(
-    mesh: &Mesh,
+    mesh: &MeshFile,
     elements: &Cells<N>,
     facets: &Cells<D>,
     place: impl Fn([f64; 3]) -> [f64; D],
@@ -200,7 +200,7 @@ fn longest<const D: usize, const N: usize>(corners: &[[f64; D]; N]) -> f64 {
     longest
 }
 
-fn check_flat(mesh: &Mesh, name: &str) -> Result<(), Problem> {
+fn check_flat(mesh: &MeshFile, name: &str) -> Result<(), Problem> {
     let refuse = |what: String, help: &str| {
         Err(Problem { help: Some(help.to_owned()), ..Problem::new("mesh", format!("{name} {what}")) })
     };

@@ -4,7 +4,7 @@ mod gravity;
 
 use std::collections::BTreeMap;
 
-use fdem_contact::discretised::{self, Mesh as Detected};
+use fdem_contact::discretised::{self, MeshView};
 use fdem_contact::narrow::Measure;
 use fdem_io::numbers::brief;
 use fdem_simulation::{Boundary, Load, Model, Plane, Schedule, Target};
@@ -245,7 +245,7 @@ fn overlaps(model: &Model, bodies: &[Body], warnings: &mut Vec<String>) {
         return;
     }
     let mesh = &model.mesh;
-    let found = Detected::new(&mesh.nodes, &mesh.elements, &mesh.bodies)
+    let found = MeshView::new(&mesh.nodes, &mesh.elements, &mesh.bodies)
         .and_then(|mesh| discretised::contacts(&mesh));
     // A model whose contacts cannot be detected cannot run; its preflight reports that.
     let Ok(found) = found else { return };

@@ -15,7 +15,7 @@ const STYLE_OF_CASES: &str = ".numbers td:nth-child(1), .numbers th:nth-child(1)
 const HEADS: [&str; 6] = ["quantity", "expected", "found", "error", "bound", "verdict"];
 
 /// The outcomes as lines of text: a line for each case, and below it one for each quantity, in columns.
-pub fn table(reports: &[CaseReport]) -> String {
+pub(crate) fn table(reports: &[CaseReport]) -> String {
     let rows: Vec<[String; 6]> = std::iter::once(HEADS.map(str::to_owned))
         .chain(reports.iter().flat_map(|report| report.result.iter().flatten()).map(cells))
         .collect();
@@ -44,7 +44,7 @@ pub fn table(reports: &[CaseReport]) -> String {
 }
 
 /// The outcomes as an HTML page that works offline and has no script.
-pub fn html(reports: &[CaseReport], size: Size) -> String {
+pub(crate) fn html(reports: &[CaseReport], size: Size) -> String {
     let style = format!("{STYLE}{STYLE_OF_CASES}");
     let failed = reports.iter().filter(|report| !report.passed()).count();
     let verdict = if failed == 0 {

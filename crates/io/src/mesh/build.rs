@@ -1,7 +1,7 @@
 //! Makes a mesh from the data of a reader: node numbers become indices, quadrilaterals become triangles, and bodies are counted.
 
 use crate::mesh::error::{Fault, MeshProblem, Place, unsupported};
-use crate::mesh::{BodiesFrom, Cells, Mesh, MeshBody, MeshFormat, MeshSource};
+use crate::mesh::{BodiesFrom, Cells, MeshBody, MeshFile, MeshFormat, MeshSource};
 
 /// Shape of an element.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -109,12 +109,12 @@ impl Draft {
         Ok(())
     }
 
-    pub(crate) fn finish(self, format: MeshFormat) -> Result<Mesh, Fault> {
+    pub(crate) fn finish(self, format: MeshFormat) -> Result<MeshFile, Fault> {
         if u32::try_from(self.points.len()).is_err() {
             return Err((Place::File, MeshProblem::TooManyNodes));
         }
         let lookup = Lookup::new(self.numbering, self.points.len(), &self.places)?;
-        let mut mesh = Mesh {
+        let mut mesh = MeshFile {
             points: self.points,
             dimensions: 3,
             segments: Cells::new(),
@@ -160,7 +160,7 @@ pub(crate) fn check_finite(point: [f64; 3], node: i64) -> Result<(), MeshProblem
     }
 }
 
-impl Mesh {
+impl MeshFile {
     fn push(&mut self, raw: &Raw, nodes: [u32; 4], body: u32) -> Result<(), MeshProblem> {
         let [a, b, c, _] = nodes;
         match raw.shape {

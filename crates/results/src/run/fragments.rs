@@ -72,7 +72,6 @@ impl ElementMasses {
                 model.materials[number].strength.is_some() || by_interface
             })
             .collect();
-        let thickness = if D == 2 { model.thickness } else { 1.0 };
         let bodies = mesh.bodies.iter().max().map_or(0, |&last| last as usize + 1);
         let (mut measures, mut masses) = (Vec::with_capacity(elements), Vec::with_capacity(elements));
         let mut can_break = vec![false; bodies];
@@ -91,7 +90,7 @@ impl ElementMasses {
             };
             let measure = corners.measure();
             measures.push(measure);
-            masses.push(properties.density * measure * thickness);
+            masses.push(properties.density * measure * model.thickness);
             can_break[mesh.bodies[element] as usize] |= breaks[material as usize];
         }
         if !can_break.contains(&true) {

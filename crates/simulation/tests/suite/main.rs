@@ -20,5 +20,7 @@ mod resume;
 mod stress;
 /// Bodies of tetrahedra.
 mod space;
+/// Sources that must not know whether there are two or three dimensions.
+mod dimensions;
 /// Models that are refused.
 mod refusal;

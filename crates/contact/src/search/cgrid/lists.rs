@@ -1,9 +1,10 @@
 //! The lists of the C-grid: bodies enter at their minimum, leave at their maximum, and are spread axis by axis down to cells.
 
 use crate::couple::Couple;
-use crate::elements::{Bounds, Elements, Geometry, Shape};
+use crate::elements::{Bounds, Elements, Shape};
 use crate::error::Error;
 use crate::filter::Filter;
+use crate::geometry::Geometry;
 use crate::lists::NONE;
 use crate::memory::reserve;
 use crate::real::Real;

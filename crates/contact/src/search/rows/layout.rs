@@ -13,8 +13,8 @@ use crate::real::Real;
 use crate::search::rows::block_sort::{Block, BlockSort, Elements};
 use crate::search::rows::keys::RowKeys;
 use crate::search::rows::scatter::Scatter;
-use crate::simd::kernel::Arrays;
 use crate::simd::prefetch;
+use crate::simd::task::Arrays;
 
 /// A copy of the elements, sorted by row of cells and by coordinate inside the row.
 ///

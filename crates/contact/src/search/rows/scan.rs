@@ -13,8 +13,8 @@ use crate::search::make_room;
 use crate::search::rows::cursor::{Cursor, half_mask};
 use crate::search::rows::layout::Layout;
 use crate::search::rows::reach::RowsInReach;
-use crate::simd::kernel::{Arrays, Looks, Neighbour, Output, Span, Task};
 use crate::simd::prefetch;
+use crate::simd::task::{Arrays, Looks, Neighbour, Output, Span, Task};
 
 /// Elements in one part of the work, if each has about as many partners. Enough to outweigh the start of a part, few enough for its couples
 /// to stay in cache.

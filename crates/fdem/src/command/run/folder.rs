@@ -13,7 +13,7 @@
 //! any time. A checkpoint records the number of frames and the length of the history; later frames and rows are removed when the run goes on.
 
 use std::fs::{self, File, TryLockError};
-use std::io::{self, Read, Write};
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -21,6 +21,7 @@ use fdem_simulation::State;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
+use crate::command::aside;
 use crate::command::failure::{Failure, display_name};
 use crate::command::run::account::Account;
 use crate::command::run::results::Results;
@@ -93,10 +94,10 @@ impl Folder {
     /// A folder that must not be replaced, or cannot be read.
     pub(crate) fn check(path: &Path, force: bool) -> Result<bool, Failure> {
         let there = match fs::read_dir(path) {
-            // A run that was killed while writing its first file leaves this one.
-            Ok(mut entries) => {
-                entries.any(|entry| entry.is_ok_and(|entry| entry.file_name() != "run.json.part"))
-            }
+            // A run that was killed while writing its first file leaves partial files, which the next one removes.
+            Ok(mut entries) => entries.any(|entry| {
+                entry.is_ok_and(|entry| !entry.file_name().to_str().is_some_and(aside::is_aside))
+            }),
             Err(error) if error.kind() == io::ErrorKind::NotFound => false,
             Err(error) => return Err(Failure::writing(path, error)),
         };
@@ -196,27 +197,10 @@ impl Folder {
         if name.is_empty() { self.path.clone() } else { self.path.join(name) }
     }
 
-    /// Writes a temporary file, and renames it when it is complete.
+    /// Writes a file, which is complete or absent.
     pub(crate) fn write(&self, name: &str, bytes: &[u8]) -> Result<(), Failure> {
         let path = self.path(name);
-        self.write_aside(&path, bytes).map_err(|error| Failure::writing(&path, error))
-    }
-
-    fn write_aside(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
-        let folder = path.parent().unwrap_or(&self.path);
-        let mut aside = path.as_os_str().to_owned();
-        aside.push(".part");
-        let mut file = File::create(&aside)?;
-        file.write_all(bytes)?;
-        file.sync_all()?;
-        drop(file);
-        fs::rename(&aside, path)?;
-        // The name of the file is on the disk only after the folder is synced.
-        #[cfg(unix)]
-        File::open(folder)?.sync_all()?;
-        #[cfg(not(unix))]
-        let _ = folder;
-        Ok(())
+        aside::replace(&path, bytes).map_err(|error| Failure::writing(&path, error))
     }
 
     pub(crate) fn read(&self, name: &str) -> Result<Vec<u8>, Failure> {

@@ -1,34 +1,28 @@
 //! Progress of a run on the terminal, `run.log` and `run.json`.
 
 use std::fs::{File, OpenOptions};
-use std::io::{IsTerminal, Write};
+use std::io::Write;
 use std::time::{Duration, Instant};
 
 use fdem_io::numbers::{brief, grouped};
 use fdem_results::Fragments;
 use fdem_simulation::Simulation;
-use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 
 use crate::command::failure::Failure;
-use crate::command::progress::{bar_of_run, columns, fitted};
+use crate::command::progress::{Bar, INTERVAL, is_terminal};
 use crate::command::run::account::{Account, PARTS};
 use crate::command::run::folder::{Folder, LOG};
 use crate::command::run::results::Results;
 use crate::model::Prepared;
-
-/// Time between two updates of the bar.
-const REFRESH: Duration = Duration::from_millis(100);
 
 /// Percentage between two lines of progress without a terminal.
 const PERCENT: u64 = 10;
 
 /// Progress and log of a run.
 pub(crate) struct Told {
-    bar: Option<ProgressBar>,
-    /// Number of columns of the terminal for which the bar was made.
-    width: usize,
+    bar: Option<Bar>,
     lines: bool,
     log: File,
     start: Instant,
@@ -50,17 +44,11 @@ impl Told {
     {
         let path = folder.path(LOG);
         let log = OpenOptions::new().create(true).append(true).open(&path);
-        let terminal = std::io::stderr().is_terminal();
-        let bar = (!quiet && terminal).then(|| {
-            let bar = ProgressBar::new(total).with_position(run.steps());
-            // The bar keeps moving while a large frame is written, when no step updates it.
-            bar.enable_steady_tick(REFRESH);
-            bar
-        });
+        let terminal = is_terminal();
+        let bar = (!quiet && terminal).then(|| Bar::of_run(total, run.steps()));
         let now = Instant::now();
         Ok(Self {
             bar,
-            width: 0,
             lines: !quiet && !terminal,
             log: log.map_err(|error| Failure::writing(&path, error))?,
             start: now,
@@ -81,7 +69,7 @@ impl Told {
         // The run goes on without its log.
         let _ = writeln!(self.log, "{:10.3} s  {text}", self.start.elapsed().as_secs_f64());
         match &self.bar {
-            Some(bar) => bar.println(text),
+            Some(bar) => bar.print(text),
             None if self.lines => {
                 let _ = writeln!(std::io::stderr(), "{text}");
             }
@@ -92,7 +80,7 @@ impl Told {
     /// Shows on a terminal what happens between steps.
     pub(crate) fn does(&self, text: &str) {
         if let Some(bar) = &self.bar {
-            bar.set_message(text.to_owned());
+            bar.say(text);
         }
     }
 
@@ -103,7 +91,7 @@ impl Told {
     {
         let percent = 100 * run.steps() / self.total.max(1) / PERCENT;
         let line = percent > self.percent;
-        if !line && self.last.elapsed() < REFRESH {
+        if !line && self.last.elapsed() < INTERVAL {
             return;
         }
         self.last = Instant::now();
@@ -119,15 +107,9 @@ impl Told {
             format!("kinetic energy {} J", brief(run.energies().kinetic)),
         ];
         let text = parts.join(", ");
-        if let Some(bar) = &self.bar {
-            let width = columns();
-            if width != self.width {
-                self.width = width;
-                let style = ProgressStyle::with_template(&format!("{}\n{{msg}}", bar_of_run(width)));
-                bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-            }
-            bar.set_position(run.steps());
-            bar.set_message(fitted(&parts, width));
+        if let Some(bar) = &mut self.bar {
+            bar.show(run.steps());
+            bar.say_what_fits(&parts);
         }
         if line {
             self.percent = percent;
@@ -140,7 +122,7 @@ impl Told {
 
     pub(crate) fn end(&mut self) {
         if let Some(bar) = self.bar.take() {
-            bar.finish_and_clear();
+            bar.finish();
         }
     }
 }
@@ -232,14 +214,5 @@ where
     }
     let works = [energies.friction, energies.cohesive, energies.damping, energies.external, energies.initial];
     [energies.kinetic, energies.strain, energies.contact].into_iter().chain(works).for_each(&mut add);
-    hexadecimal(&hash.finalize())
-}
-
-fn hexadecimal(bytes: &[u8]) -> String {
-    use std::fmt::Write;
-    bytes.iter().fold(String::new(), |mut text, byte| {
-        // Writing to a string does not fail.
-        let _ = write!(text, "{byte:02x}");
-        text
-    })
+    format!("{:x}", hash.finalize())
 }

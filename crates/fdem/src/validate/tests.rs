@@ -1,6 +1,6 @@
 //! The verification ladder at its reduced size, and the harness around it: a wrong answer must fail.
 
-use fdem::validate::{Case, CaseReport, Outcome, Size, cases, html, table};
+use crate::validate::{Case, CaseReport, Outcome, Size, cases, html, table};
 
 fn passes(name: &str) {
     let case = cases().iter().find(|case| case.name == name).expect("a case of this name");

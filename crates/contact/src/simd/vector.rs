@@ -1,0 +1,172 @@
+//! The operations that an instruction set provides, and how the couples of a vector are written.
+
+use crate::couple::Couple;
+use crate::simd::task::{Output, ROOM};
+
+/// The operations of a set of vector instructions on one float type.
+///
+/// Comparisons return a bit for each lane, the first lane lowest; the bits above `LANES` are 0.
+///
+/// # Safety
+/// The processor has the instructions: every method needs them. Methods that take pointers say what else they need.
+pub(crate) trait Vector<T>: Copy {
+    const LANES: usize;
+
+    /// The same number in all lanes.
+    ///
+    /// # Safety
+    /// The processor has the instructions.
+    unsafe fn splat(x: T) -> Self;
+
+    /// The `LANES` numbers from `from` on.
+    ///
+    /// # Safety
+    /// The processor has the instructions, and `LANES` numbers can be read from `from` on.
+    unsafe fn load(from: *const T) -> Self;
+
+    /// # Safety
+    /// The processor has the instructions.
+    unsafe fn add(self, other: Self) -> Self;
+
+    /// # Safety
+    /// The processor has the instructions.
+    unsafe fn sub(self, other: Self) -> Self;
+
+    /// # Safety
+    /// The processor has the instructions.
+    unsafe fn mul(self, other: Self) -> Self;
+
+    /// Writes the lanes to `to`, each rounded to the nearest number of 32 bits.
+    ///
+    /// # Safety
+    /// The processor has the instructions, and `LANES` numbers can be written from `to` on.
+    unsafe fn store_short(self, to: *mut f32);
+
+    /// Lanes with `self <= other`.
+    ///
+    /// # Safety
+    /// The processor has the instructions.
+    unsafe fn at_most(self, other: Self) -> u32;
+
+    /// Lanes with `self < other`.
+    ///
+    /// # Safety
+    /// The processor has the instructions.
+    unsafe fn below(self, other: Self) -> u32;
+
+    /// Lanes whose number, from `from` on, equals `number`.
+    ///
+    /// # Safety
+    /// The processor has the instructions, and `LANES` numbers can be read from `from` on.
+    unsafe fn equal(number: u32, from: *const u32) -> u32;
+
+    /// Lanes whose number, from `from` on, has a bit in common with `bits`.
+    ///
+    /// # Safety
+    /// That of [`Vector::equal`].
+    unsafe fn overlap(bits: u32, from: *const u32) -> u32;
+
+    /// Lanes whose number `g`, from `from` on, is the place of a 1 among the bits of `row`: bit `g % 32` of word `g / 32`.
+    ///
+    /// # Safety
+    /// That of [`Vector::equal`], and the word `g / 32` of `row` can be read for each of these numbers.
+    unsafe fn set(row: *const u32, from: *const u32) -> u32;
+
+    /// Stores the couples of `id` with those of the next `LANES` of `ids` whose bit in `hits` is set, in order: the smaller number first,
+    /// or with `TWO_SETS` that of `id` first.
+    ///
+    /// # Safety
+    /// The processor has the instructions, `LANES` numbers can be read from `ids` on, `LANES` couples can be written from `to` on, and only the lowest
+    /// `LANES` bits of `hits` are set.
+    unsafe fn store_couples<const TWO_SETS: bool>(id: u32, ids: *const u32, hits: u32, to: *mut Couple);
+}
+
+/// A vector for estimates, whose results may differ between instruction sets.
+///
+/// # Safety
+/// That of [`Vector`].
+pub(super) trait Estimate: Vector<f32> {
+    /// `self * other + sum`, rounded once or twice depending on the instruction set.
+    unsafe fn mul_add(self, other: Self, sum: Self) -> Self;
+}
+
+/// Where the next couples go; kept in registers.
+#[derive(Clone, Copy)]
+pub(super) struct Writer {
+    to: *mut Couple,
+    /// From here on there is not enough room for a vector of couples.
+    full: *mut Couple,
+    /// Couples that were counted and not written.
+    count: u64,
+}
+
+impl Writer {
+    #[inline(always)]
+    pub(super) fn new(out: &mut Output<'_>) -> Self {
+        let (len, capacity) = (out.couples.len(), out.couples.capacity());
+        let start = out.couples.as_mut_ptr();
+        // Wraps: without any room `full` would lie before `start`. It is only compared.
+        // If couples are only counted there is never room: so the loops need no variant for it, and no other test.
+        let is_full = out.count_only || capacity - len < ROOM;
+        let full = start.wrapping_add(if is_full { len } else { capacity - ROOM + 1 });
+        Self { to: start.wrapping_add(len), full, count: 0 }
+    }
+
+    /// Hands the couples over.
+    ///
+    /// # Safety
+    /// The writer was made from `out`, whose vector has not been used since, and only [`Writer::take`] has moved the writer on.
+    #[inline(always)]
+    pub(super) unsafe fn close(self, out: &mut Output<'_>) {
+        // SAFETY: `to` points into the vector, behind what was written.
+        unsafe {
+            let len = self.to.offset_from_unsigned(out.couples.as_ptr());
+            out.count += self.count + (len - out.couples.len()) as u64;
+            out.couples.set_len(len);
+        }
+    }
+
+    /// Writes or counts the couples of `id` with those of `ids` whose bit in `hits` is set.
+    ///
+    /// # Safety
+    /// That of [`Vector::store_couples`], room for couples aside, and that of [`Writer::close`].
+    #[inline(always)]
+    pub(super) unsafe fn take<T, V: Vector<T>, const TWO_SETS: bool>(
+        &mut self,
+        id: u32,
+        ids: *const u32,
+        hits: u32,
+        out: &mut Output<'_>,
+    ) {
+        let found = hits.count_ones() as usize;
+        // SAFETY: the contract of this function. Before `full` there is room for ROOM couples, which is at least LANES; `make_room` asserts that.
+        unsafe {
+            if self.to >= self.full {
+                if out.count_only {
+                    self.count += found as u64;
+                    return;
+                }
+                *self = self.make_room(out);
+            }
+            V::store_couples::<TWO_SETS>(id, ids, hits, self.to);
+            self.to = self.to.add(found);
+        }
+    }
+
+    /// Hands the couples over, has room made, and returns a writer behind them.
+    ///
+    /// # Safety
+    /// That of [`Writer::close`].
+    ///
+    /// # Panics
+    /// If no room was made.
+    #[cold]
+    #[inline(never)]
+    unsafe fn make_room(self, out: &mut Output<'_>) -> Self {
+        // SAFETY: the contract of this function.
+        unsafe { self.close(out) };
+        (out.make_room)(out.couples);
+        assert!(out.couples.capacity() - out.couples.len() >= ROOM);
+        Self::new(out)
+    }
+}
