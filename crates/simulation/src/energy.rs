@@ -27,13 +27,59 @@ pub struct Energies {
     pub exchanged: f64,
 }
 
+/// What a term of the energy balance is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TermKind {
+    /// Present or dissipated: a function of time.
+    Used,
+    /// Supplied from outside: a function of time.
+    Supplied,
+    /// Supplied at the beginning: constant.
+    Initial,
+}
+
+/// A term of the energy balance: see [`Energies::terms`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Term {
+    /// Name of the field of [`Energies`], which files use.
+    pub key: &'static str,
+    /// Name for people.
+    pub name: &'static str,
+    /// What it is.
+    pub kind: TermKind,
+    /// Energy or work, J.
+    pub value: f64,
+}
+
 impl Energies {
+    /// All terms of the balance. Tables, files and plots list them in this order.
+    pub fn terms(&self) -> [Term; 8] {
+        use TermKind::{Initial, Supplied, Used};
+        let term = |key, name, kind, value| Term { key, name, kind, value };
+        [
+            term("kinetic", "kinetic", Used, self.kinetic),
+            term("strain", "strain", Used, self.strain),
+            term("contact", "contact", Used, self.contact),
+            term("friction", "friction", Used, self.friction),
+            term("cohesive", "fracture", Used, self.cohesive),
+            term("damping", "damping", Used, self.damping),
+            term("external", "external work", Supplied, self.external),
+            term("initial", "initial", Initial, self.initial),
+        ]
+    }
+
+    /// The terms that change with time: all but the initial energy.
+    pub fn changing(&self) -> impl Iterator<Item = Term> {
+        self.terms().into_iter().filter(|term| term.kind != TermKind::Initial)
+    }
+
     /// Error of the energy balance, J: present and dissipated energy, less initial energy and external work. The error of the time integration makes it differ
     /// from 0.
     pub fn balance(&self) -> f64 {
-        self.kinetic + self.strain + self.contact + self.friction + self.cohesive + self.damping
-            - self.external
-            - self.initial
+        self.terms().iter().fold(0.0, |sum, term| match term.kind {
+            TermKind::Used => sum + term.value,
+            TermKind::Supplied | TermKind::Initial => sum - term.value,
+        })
     }
 
     /// Energy, J, with which an error of the balance is compared: the largest energy exchanged so far.

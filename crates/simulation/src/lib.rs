@@ -43,7 +43,7 @@ mod simulation;
 mod error;
 
 pub use critical::{Cause, CriticalStep};
-pub use energy::Energies;
+pub use energy::{Energies, Term, TermKind};
 pub use error::{ModelError, Stop};
 pub use fdem_mesh::Mesh;
 pub use forces::{ContactForce, Forces};

@@ -421,7 +421,6 @@ where
             .zip(account.parts)
             .map(|(name, seconds)| format!("{name} {:.0} %", 100.0 * seconds / busy.max(1e-9)))
             .collect();
-        let energy = |name: &str, value: f64| format!("{name} {}", brief(value));
         let cracks: Vec<String> = ["tension", "shear", "both"]
             .into_iter()
             .zip(run.crack_lengths())
@@ -454,16 +453,11 @@ where
             ("fragments", in_words(fragments)),
             (
                 "energies (J)",
-                [
-                    energy("kinetic", energies.kinetic),
-                    energy("strain", energies.strain),
-                    energy("contact", energies.contact),
-                    energy("friction", energies.friction),
-                    energy("cohesive", energies.cohesive),
-                    energy("damping", energies.damping),
-                    energy("external", energies.external),
-                ]
-                .join(", "),
+                energies
+                    .changing()
+                    .map(|term| format!("{} {}", term.key, brief(term.value)))
+                    .collect::<Vec<_>>()
+                    .join(", "),
             ),
             (
                 "balance",

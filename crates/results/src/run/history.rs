@@ -8,17 +8,9 @@ use fdem_simulation::{Crack, Energies};
 use crate::run::fragments::FragmentCount;
 use crate::run::frame::code;
 
-/// Columns of every history. Energies are in J, lengths in m, times in s; the largest fragment has a share of the mass. In three dimensions cracks have an area, m².
-const COLUMNS: [&str; 18] = [
-    "step",
-    "time",
-    "kinetic",
-    "strain",
-    "contact",
-    "friction",
-    "cohesive",
-    "damping",
-    "external",
+/// Columns of every history after step, time and the energies. Energies are in J, lengths in m, times in s; the largest fragment has a share of the mass. In three dimensions
+/// cracks have an area, m².
+const COLUMNS: [&str; 9] = [
     "balance",
     "error",
     "broken_joints",
@@ -31,8 +23,11 @@ const COLUMNS: [&str; 18] = [
 ];
 
 /// Names of the columns of every history, in so many dimensions.
-fn columns(dimensions: usize) -> [String; 18] {
-    COLUMNS.map(|name| if dimensions == 3 { name.replace("length", "area") } else { name.to_owned() })
+fn columns(dimensions: usize) -> Vec<String> {
+    let energies = Energies::default();
+    let first = ["step", "time"].into_iter().chain(energies.changing().map(|term| term.key));
+    let cracked = |name: &str| if dimensions == 3 { name.replace("length", "area") } else { name.to_owned() };
+    first.map(String::from).chain(COLUMNS.map(cracked)).collect()
 }
 
 /// A row of a history: the state of a run at one instant.
@@ -121,7 +116,7 @@ impl<W: Write> HistoryWriter<W> {
         let Row { energies: e, lengths: [tension, shear, mixed], .. } = row;
         self.line.clear();
         self.line.push_str(&row.step.to_string());
-        let energies = [e.kinetic, e.strain, e.contact, e.friction, e.cohesive, e.damping, e.external];
+        let energies = e.changing().map(|term| term.value);
         for number in [row.time].into_iter().chain(energies).chain([e.balance(), e.error()]) {
             self.number(number);
         }
@@ -231,7 +226,7 @@ impl History {
 
     /// Returns the name and the values of each of the user's columns.
     pub fn of_user(&self) -> impl Iterator<Item = (&str, &[f64])> {
-        let all = self.names.iter().zip(&self.columns).skip(COLUMNS.len());
+        let all = self.names.iter().zip(&self.columns).skip(columns(2).len());
         all.map(|(name, values)| (name.as_str(), values.as_slice()))
     }
 

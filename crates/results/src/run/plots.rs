@@ -1,5 +1,7 @@
 //! Plots of the history of a run.
 
+use fdem_simulation::Energies;
+
 use crate::picture::{PictureError, drawing, encode};
 use crate::run::chart::{Axis, Chart, Curve, WIDTH};
 use crate::run::fragments::SizeDistribution;
@@ -77,24 +79,10 @@ pub fn plots(history: &History) -> Vec<Plot> {
         Some(_) => Axis { name: "area", unit: "m²" },
         None => Axis { name: "length", unit: "m" },
     };
+    let mut energies: Vec<_> = Energies::default().changing().map(|term| (term.name, term.key)).collect();
+    energies.push(("balance", "balance"));
     let mut plots = vec![
-        plot(
-            "energies",
-            over_time(
-                "Energies",
-                Axis { name: "energy", unit: "J" },
-                &[
-                    ("kinetic", "kinetic"),
-                    ("strain", "strain"),
-                    ("contact", "contact"),
-                    ("friction", "friction"),
-                    ("fracture", "cohesive"),
-                    ("damping", "damping"),
-                    ("external work", "external"),
-                    ("balance", "balance"),
-                ],
-            ),
-        ),
+        plot("energies", over_time("Energies", Axis { name: "energy", unit: "J" }, &energies)),
         plot(
             "energy_error",
             over_time(

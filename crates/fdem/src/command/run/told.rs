@@ -148,6 +148,14 @@ where
     timings.insert("total".to_owned(), json!(account.seconds));
     let critical = run.critical_step();
     let (fragment_count, sizes) = (fragments.count(), fragments.sizes());
+    let balance = [("balance", energies.balance()), ("error", energies.error())];
+    let told_energies: serde_json::Map<String, serde_json::Value> = energies
+        .terms()
+        .map(|term| (term.key, term.value))
+        .into_iter()
+        .chain(balance)
+        .map(|(key, value)| (key.to_owned(), json!(value)))
+        .collect();
     json!({
         "version": env!("CARGO_PKG_VERSION"),
         "title": prepared.title,
@@ -180,18 +188,7 @@ where
             "d50": sizes.size(0.5),
             "d80": sizes.size(0.8),
         },
-        "energies": {
-            "kinetic": energies.kinetic,
-            "strain": energies.strain,
-            "contact": energies.contact,
-            "friction": energies.friction,
-            "cohesive": energies.cohesive,
-            "damping": energies.damping,
-            "external": energies.external,
-            "initial": energies.initial,
-            "balance": energies.balance(),
-            "error": energies.error(),
-        },
+        "energies": told_energies,
         "seconds": timings,
         "state_hash": state_hash(run),
     })
@@ -212,7 +209,6 @@ where
             .into_iter()
             .for_each(&mut add);
     }
-    let works = [energies.friction, energies.cohesive, energies.damping, energies.external, energies.initial];
-    [energies.kinetic, energies.strain, energies.contact].into_iter().chain(works).for_each(&mut add);
+    energies.terms().into_iter().for_each(|term| add(term.value));
     format!("{:x}", hash.finalize())
 }
