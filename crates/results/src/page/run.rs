@@ -257,10 +257,11 @@ fn largest<const D: usize>(fragments: &Fragments<D>, names: &Names) -> String {
         let speed = one.velocity.iter().map(|x| x * x).sum::<f64>().sqrt();
         let numbers = [one.mass, 100.0 * one.mass / all, one.measure, one.diameter, speed];
         let cells = [one.number.to_string(), escape(&body), grouped(one.elements)];
-        let cells: String =
-            cells.into_iter().chain(numbers.map(brief)).map(|cell| format!("<td>{cell}</td>")).collect();
-        // Writing to a string does not fail.
-        let _ = writeln!(rows, "<tr>{cells}</tr>");
+        rows += "<tr>";
+        for cell in cells.into_iter().chain(numbers.map(brief)) {
+            rows += &["<td>", &cell, "</td>"].concat();
+        }
+        rows += "</tr>\n";
     }
     let text = match counted.len() {
         1 => "The bodies that can break are one fragment.".to_owned(),
