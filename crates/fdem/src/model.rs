@@ -47,10 +47,7 @@ use std::ops::Range;
 
 use fdem_io::numbers::grouped;
 use fdem_mesh::Mesh;
-use fdem_simulation::{
-    ContactOptions, CriticalOpening, FractureOptions, Insertion, Interface, Material, Model, Schedule,
-    TimeOptions,
-};
+use fdem_simulation::{Interface, Material, Model, Schedule, TimeOptions};
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 
@@ -346,15 +343,15 @@ impl Checked<'_> {
             materials,
             interfaces,
             boundaries,
-            plane: materials::plane(file),
+            plane: file.model.plane,
             thickness: file.model.thickness,
             gravity: match &file.model.gravity {
                 file::Gravity::Vector(gravity) => gravity.components(),
                 file::Gravity::None(_) => [0.0; D],
             },
             gravity_schedule: file.model.gravity_ramp.map_or(Schedule::Constant, Schedule::Ramp),
-            contact: contact(file),
-            fracture: fracture(file),
+            contact: file.contact,
+            fracture: file.fracture,
             time: TimeOptions {
                 step: match file.model.time_step {
                     file::TimeStep::Seconds(step) => Some(step),
@@ -515,29 +512,6 @@ where
         <[[f64; D]; N]>::stress(&components)
     };
     mesh.elements.iter().map(of).collect()
-}
-
-fn contact(file: &ModelFile) -> ContactOptions {
-    ContactOptions {
-        penalty: file.contact.penalty,
-        tangential_stiffness: file.contact.tangential_stiffness,
-        damping: file.contact.damping,
-        buffer: file.contact.buffer,
-    }
-}
-
-fn fracture(file: &ModelFile) -> FractureOptions {
-    FractureOptions {
-        insertion: match file.fracture.insertion {
-            file::Insertion::Adaptive => Insertion::Adaptive,
-            file::Insertion::Intrinsic => Insertion::Intrinsic,
-        },
-        joint_penalty: file.fracture.joint_penalty,
-        critical_opening: match file.fracture.critical_opening {
-            file::CriticalOpening::Exact => CriticalOpening::Exact,
-            file::CriticalOpening::Customary => CriticalOpening::Customary,
-        },
-    }
 }
 
 fn bodies_of<const D: usize, const N: usize>(placed: &[Placed<D, N>]) -> Vec<Body> {

@@ -70,6 +70,8 @@ impl<const D: usize, const N: usize> Default for Model<D, N> {
 
 /// Plane stress or plane strain.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
 pub enum Plane {
     /// The stress out of the plane vanishes: a thin plate.
     #[default]
@@ -189,19 +191,24 @@ pub enum Schedule {
     Table(Vec<[f64; 2]>),
 }
 
-/// Options of contacts.
+/// Numbers of the contact law.
+// The table [contact] of a model file: the first paragraphs are what its reference says.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default, deny_unknown_fields)]
 pub struct ContactOptions {
-    /// Penalty of the potential over Young's modulus (of the softer of two).
+    /// Penalty of the contact potential over Young's modulus of the softer body. Default: 2.
+    #[cfg_attr(feature = "schema", schemars(extend("exclusiveMinimum" = 0)))]
     pub penalty: f64,
-    /// Stiffness of friction before it slips over that of the contact.
+    /// Tangential stiffness of contacts before they slip over their normal stiffness. Default: 0.5.
+    #[cfg_attr(feature = "schema", schemars(extend("minimum" = 0)))]
     pub tangential_stiffness: f64,
-    /// Share of critical damping of the normal motion of two elements in contact, with the masses of the two; 0 for none.
-    ///
-    /// It is no coefficient of restitution. Bodies that collide are compressed themselves; the contact between them is stiff and stores a share of the energy that vanishes as
-    /// the mesh is refined, and so does what any damping of the contact alone dissipates.
+    /// Share of critical damping of the normal motion of two elements in contact, with the masses of the two. It calms contacts that rattle. It is no coefficient of restitution: the finer the mesh, the less of the energy of an impact it takes, as the
+    /// bodies are compressed themselves and the stiff contact between them stores ever less. Default: 0.
+    #[cfg_attr(feature = "schema", schemars(extend("minimum" = 0, "maximum" = 1)))]
     pub damping: f64,
-    /// Gap up to which couples are kept between detections over the mean edge.
+    /// Buffer of contact detection: couples with a gap up to this are kept between detections. As a share of the mean edge. Default: 0.2.
+    #[cfg_attr(feature = "schema", schemars(extend("exclusiveMinimum" = 0)))]
     pub buffer: f64,
 }
 
@@ -213,22 +220,28 @@ impl Default for ContactOptions {
 
 /// When joints are inserted between elements.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
 pub enum Insertion {
-    /// When the traction across an edge reaches the strength. There is no artificial compliance before.
+    /// When the traction across an edge, or a face, reaches the strength. There is no artificial compliance before.
     #[default]
     Adaptive,
-    /// On all edges, from the beginning.
+    /// On all edges or faces, from the beginning.
     Intrinsic,
 }
 
-/// Options of fracture.
+/// Numbers of fracture. Only materials with a strength break.
+// The table [fracture] of a model file.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default, deny_unknown_fields)]
 pub struct FractureOptions {
-    /// When joints are inserted.
+    /// Where joints are: "adaptive" (the default) inserts one where the traction across an edge, or a face, reaches the strength; "intrinsic" has them everywhere from the start.
     pub insertion: Insertion,
-    /// Penalty of joints, α of α E/h, with h the mean height of the two elements over the edge.
+    /// Penalty of joints, the α of α E/h, where h is the mean height of the two elements over the edge. Default: 50.
+    #[cfg_attr(feature = "schema", schemars(extend("exclusiveMinimum" = 0)))]
     pub joint_penalty: f64,
-    /// Critical opening of a joint as a function of its fracture energy.
+    /// Critical opening of joints: "exact" (the default), with which a joint dissipates the fracture energy G, or "customary" (3 G/f), with which it dissipates 1.16 G.
     pub critical_opening: CriticalOpening,
 }
 
@@ -240,6 +253,8 @@ impl Default for FractureOptions {
 
 /// Critical opening of a joint as a function of its fracture energy.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
 pub enum CriticalOpening {
     /// The opening with which a joint dissipates the fracture energy.
     #[default]

@@ -7,6 +7,7 @@ mod output;
 
 use std::collections::BTreeMap;
 
+use fdem_simulation::{ContactOptions, FractureOptions, Plane};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -41,10 +42,10 @@ pub struct ModelFile {
     pub initial: Initial,
     /// Numbers of the contact law.
     #[serde(default)]
-    pub contact: Contact,
+    pub contact: ContactOptions,
     /// Numbers of fracture.
     #[serde(default)]
-    pub fracture: Fracture,
+    pub fracture: FractureOptions,
     /// Results to write.
     #[serde(default)]
     pub output: Output,
@@ -126,17 +127,6 @@ impl Vector {
     }
 }
 
-/// Plane stress or plane strain.
-#[derive(Debug, Clone, Copy, Default, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Plane {
-    /// A thin plate.
-    #[default]
-    Stress,
-    /// A slice of a long body.
-    Strain,
-}
-
 /// A vector, or none.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(untagged)]
@@ -202,87 +192,6 @@ pub struct Initial {
     pub stress_gradient: Option<Vec<f64>>,
 }
 
-/// Numbers of the contact law.
-#[derive(Debug, Clone, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Contact {
-    /// Penalty of the contact potential over Young's modulus of the softer body. Default: 2.
-    #[serde(default = "penalty")]
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub penalty: f64,
-    /// Tangential stiffness of contacts before they slip over their normal stiffness. Default: 0.5.
-    #[serde(default = "tangential_stiffness")]
-    #[schemars(extend("minimum" = 0))]
-    pub tangential_stiffness: f64,
-    /// Share of critical damping of the normal motion of two elements in contact. It calms contacts that rattle. It is no coefficient of restitution: the finer the mesh, the less of the energy of an impact it takes. Default: 0.
-    #[serde(default)]
-    #[schemars(extend("minimum" = 0, "maximum" = 1))]
-    pub damping: f64,
-    /// Buffer of contact detection: couples with a gap up to this are kept between detections. As a share of the mean edge. Default: 0.2.
-    #[serde(default = "buffer")]
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub buffer: f64,
-}
-
-impl Default for Contact {
-    fn default() -> Self {
-        Self {
-            penalty: penalty(),
-            tangential_stiffness: tangential_stiffness(),
-            damping: 0.0,
-            buffer: buffer(),
-        }
-    }
-}
-
-/// Numbers of fracture. Only materials with a strength break.
-#[derive(Debug, Clone, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Fracture {
-    /// Where joints are: "adaptive" (the default) inserts one where the traction across an edge, or a face, reaches the strength; "intrinsic" has them everywhere from the start.
-    #[serde(default)]
-    pub insertion: Insertion,
-    /// Penalty of joints, the α of α E/h, where h is the mean height of the two elements over the edge. Default: 50.
-    #[serde(default = "joint_penalty")]
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub joint_penalty: f64,
-    /// Critical opening of joints: "exact" (the default), with which a joint dissipates the fracture energy G, or "customary" (3 G/f), with which it dissipates 1.16 G.
-    #[serde(default)]
-    pub critical_opening: CriticalOpening,
-}
-
-impl Default for Fracture {
-    fn default() -> Self {
-        Self {
-            insertion: Insertion::default(),
-            joint_penalty: joint_penalty(),
-            critical_opening: CriticalOpening::default(),
-        }
-    }
-}
-
-/// When joints are inserted between elements.
-#[derive(Debug, Clone, Copy, Default, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Insertion {
-    /// When the traction across an edge reaches the strength.
-    #[default]
-    Adaptive,
-    /// At the start, everywhere.
-    Intrinsic,
-}
-
-/// How the critical opening follows from the fracture energy.
-#[derive(Debug, Clone, Copy, Default, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum CriticalOpening {
-    /// A joint dissipates the fracture energy.
-    #[default]
-    Exact,
-    /// 3 G/f.
-    Customary,
-}
-
 fn one() -> f64 {
     1.0
 }
@@ -293,20 +202,4 @@ fn safety() -> f64 {
 
 fn energy_bound() -> f64 {
     fdem_simulation::TimeOptions::default().energy_bound
-}
-
-fn penalty() -> f64 {
-    fdem_simulation::ContactOptions::default().penalty
-}
-
-fn tangential_stiffness() -> f64 {
-    fdem_simulation::ContactOptions::default().tangential_stiffness
-}
-
-fn buffer() -> f64 {
-    fdem_simulation::ContactOptions::default().buffer
-}
-
-fn joint_penalty() -> f64 {
-    fdem_simulation::FractureOptions::default().joint_penalty
 }

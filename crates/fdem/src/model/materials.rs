@@ -4,7 +4,7 @@ use fdem_simulation::{Interface, Material, Plane, Strength};
 
 use crate::model::document::{Document, Table};
 use crate::model::fault::{Fault, suggestion};
-use crate::model::file::{self, ModelFile};
+use crate::model::file::ModelFile;
 
 /// The five keys that a strength needs.
 const STRENGTH: [&str; 5] =
@@ -12,7 +12,7 @@ const STRENGTH: [&str; 5] =
 
 /// The materials in the order of the file.
 pub(crate) fn materials(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<Fault>) -> Vec<Material> {
-    let strain = matches!(file.model.plane, file::Plane::Strain);
+    let strain = matches!(file.model.plane, Plane::Strain);
     let mut materials = Vec::with_capacity(file.material.len());
     for (index, material) in file.material.iter().enumerate() {
         let table = Table::of("material", index);
@@ -116,14 +116,6 @@ pub(crate) fn number(file: &ModelFile, name: &str) -> Result<u32, Option<String>
 /// The fault of a name that no material has.
 pub(crate) fn unknown(span: std::ops::Range<usize>, name: &str, help: Option<String>) -> Fault {
     Fault::at(span, format!("there is no material \"{name}\"")).label("unknown material").maybe_help(help)
-}
-
-/// The plane of the model.
-pub(crate) fn plane(file: &ModelFile) -> Plane {
-    match file.model.plane {
-        file::Plane::Stress => Plane::Stress,
-        file::Plane::Strain => Plane::Strain,
-    }
 }
 
 /// The keys of the strength of a table.

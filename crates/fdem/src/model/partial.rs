@@ -5,12 +5,13 @@
 
 use std::ops::Range;
 
+use fdem_simulation::{ContactOptions, FractureOptions};
 use serde::de::DeserializeOwned;
 use toml::{Table as Toml, Value};
 
 use crate::model::document::{Document, Table};
 use crate::model::fault::Fault;
-use crate::model::file::{Body, Boundary, Contact, Fracture, General, History, Initial, Interface, Material};
+use crate::model::file::{Body, Boundary, General, History, Initial, Interface, Material};
 use crate::model::file::{ModelFile, Output};
 
 /// Stands for a name that could not be read. No name in a file can be this: it would have to be written as an escape.
@@ -52,8 +53,8 @@ impl Partial {
         reader.list::<History>(&mut root, "history", |_| vec![("energy", true.into())]);
         reader.one::<General>(&mut root, "model");
         reader.one::<Initial>(&mut root, "initial");
-        reader.one::<Contact>(&mut root, "contact");
-        reader.one::<Fracture>(&mut root, "fracture");
+        reader.one::<ContactOptions>(&mut root, "contact");
+        reader.one::<FractureOptions>(&mut root, "fracture");
         reader.one::<Output>(&mut root, "output");
         if !root.contains_key("model") {
             root.insert(
