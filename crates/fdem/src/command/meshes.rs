@@ -570,7 +570,7 @@ impl<const D: usize, const N: usize> Model<D, N> {
         let first_body = self.body_count;
         for (body, &elements) in elements.iter().enumerate().filter(|(_, elements)| **elements > 0) {
             global[body] = self.body_count;
-            let fdem_io::MeshFileBody { number, name } = mesh.bodies[body].clone();
+            let fdem_io::MeshBody { number, name } = mesh.bodies[body].clone();
             self.named.push(BodyOf { body: self.body_count, file, number, name, elements });
             self.body_count += 1;
         }
