@@ -116,7 +116,8 @@ fn points_and_lines_read_back_bit_for_bit() {
     assert_eq!(integers(&array(&file, "offsets").1), [2, 4]);
     assert_eq!(floats(&array(&file, "damage").1), [0.0, 0.5]);
 
-    let faces = Table::new(1).with_components("corners", &["a", "b", "c"], Values::i64(|k| k.cast_signed() as i64));
+    let faces =
+        Table::new(1).with_components("corners", &["a", "b", "c"], Values::i64(|k| k.cast_signed() as i64));
     let mut file = Vec::new();
     write_poly_vtp(&mut file, &points(3), Some(&faces), 0.0).unwrap();
     assert!(parts(&file).0.contains("NumberOfLines=\"0\"") && parts(&file).0.contains("NumberOfPolys=\"1\""));
