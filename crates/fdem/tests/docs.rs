@@ -60,6 +60,26 @@ fn every_path_that_a_document_names_exists() {
     assert!(checked > 60, "only {checked} paths were found: has the format of the documents changed?");
 }
 
+/// Every `src/like/this.rs` on the front page of a crate, in the documentation at the head of its `lib.rs`, and every path from the root.
+#[test]
+fn every_path_that_a_front_page_names_exists() {
+    let mut checked = 0;
+    for entry in fs::read_dir(root().join("crates")).unwrap() {
+        let folder = entry.unwrap().path();
+        let text = fs::read_to_string(folder.join("src/lib.rs")).unwrap();
+        let page: Vec<&str> = text.lines().take_while(|line| line.starts_with("//!")).collect();
+        for quoted in page.join("\n").split('`').skip(1).step_by(2) {
+            let inside = ["src/", "tests/", "python/"].iter().any(|start| quoted.starts_with(start));
+            if is_path(quoted) || inside {
+                let path = if inside { folder.join(quoted) } else { root().join(quoted) };
+                assert!(path.exists(), "the front page of {} names {quoted}", folder.display());
+                checked += 1;
+            }
+        }
+    }
+    assert!(checked > 100, "only {checked} paths were found: has the format of the front pages changed?");
+}
+
 /// The name by which a link reaches a heading: lower case, hyphens for blanks, nothing else but letters and digits.
 fn anchor(heading: &str) -> String {
     let text = heading.trim_start_matches('#').trim().to_lowercase().replace(' ', "-");

@@ -25,6 +25,24 @@
 //! assert_eq!(packing.source.unit.as_deref(), Some("m"));
 //! # Ok::<(), fdem_io::ReadError>(())
 //! ```
+//!
+//! # How it is built
+//!
+//! **Output.** `fdem-io` writes a `Table` (`src/written.rs`): named, typed columns whose values are computed while they are written. Nothing is stored,
+//! and every format can write every table. Columnar formats ask column by column, the others row by row. `crates/fdem/src/command/tables.rs` makes the
+//! tables of couples and elements. `analysis::analyse` describes a `network::Network`; each part is a file below `crates/results/src/analysis` with its
+//! definitions and sources.
+//!
+//! # To change X, open Y
+//!
+//! | to change | open |
+//! |---|---|
+//! | formats of labelled images | `src/labels.rs`, `src/labels/npy.rs`, `src/labels/tiff.rs` |
+//! | formats of text and arrays | `src/text.rs`, `src/columns.rs`, `src/npy.rs` |
+//! | formats with frames, recognition of a file | `src/series.rs`, `src/kind.rs`; a format: its file in `src/series`; compression: `src/unpack.rs` |
+//! | comparison with how other libraries read the same files | `tests/python/test_formats.py` |
+//! | formats of meshes; nodes, elements and bodies from files | `src/mesh.rs`; a format: its file in `src/mesh`; rules for all formats: `src/mesh/build.rs` |
+//! | the column that holds the body of an element | `src/table.rs`, `crates/fdem/src/command/input.rs` |
 
 mod packing;
 mod read;

@@ -1,6 +1,14 @@
 //! Bodies of triangles and tetrahedra: meshes, shapes, and how shapes are meshed.
 //!
 //! There is no file and no physics in this crate. Lengths are in whatever unit the caller has.
+//!
+//! # To change X, open Y
+//!
+//! | to change | open |
+//! |---|---|
+//! | a shape, and its surface | `src/shapes.rs`, then the shape in `src/shapes` |
+//! | the mesher of tetrahedra | `src/tetrahedra.rs`, then its parts in `src/tetrahedra` |
+//! | angles, measures and facets of triangles and tetrahedra | `src/simplex.rs` |
 
 mod mesh;
 mod simplex;

@@ -8,6 +8,26 @@
 //!                      └─ buffered
 //! arrays ── index, kdtree, image, mesh; files ── read; words ── command
 //! ```
+//!
+//! # How it is built
+//!
+//! **Python.** `python/fdem` checks and converts arguments and holds the documented interface. The extension module in `src` borrows arrays in C order,
+//! searches without the interpreter's lock, and moves its results into NumPy arrays. Couples are one array of two columns, with `i` and `j` as views,
+//! because splitting them would take a fifth of a search. Long searches run on a thread of their own while the caller's thread watches for signals.
+//! Ctrl-C sets a flag at which every engine stops (`crates/contact/src/stop.rs`, `src/interrupt.rs`). A search reuses the memory of the last one
+//! (`src/kept.rs`), which saves a third of the time.
+//!
+//! # To change X, open Y
+//!
+//! | to change | open |
+//! |---|---|
+//! | the Python package: arguments, results | `python/fdem/_input.py`, `python/fdem/_contacts.py` |
+//! | what Python calls in Rust | `src/lib.rs`, and its types in `python/fdem/_fdem.pyi` |
+//! | neighbour lists and the k-d tree of Python | `src/neighbors.rs`, `src/tree.rs`, `src/kdtree.rs` |
+//! | the forms of ASE, SciPy and freud | `python/fdem/_ase.py`, `python/fdem/_query.py`, `python/fdem/_neighbors.py` |
+//! | files that Python reads | `src/read.rs`, `python/fdem/_read.py` |
+//! | Ctrl-C during a search | `src/interrupt.rs`, `crates/contact/src/stop.rs` |
+//! | analysis and pictures in Python | `src/network.rs`, `python/fdem/_analysis.py` |
 
 #![allow(clippy::needless_pass_by_value, reason = "arguments from Python come by value")]
 

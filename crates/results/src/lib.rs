@@ -2,6 +2,31 @@
 //!
 //! [`network`] is what [`analysis`] measures and [`picture`] draws; what a run leaves ([`Frame`], [`History`], [`Pictures`]) is made from snapshots of
 //! `fdem-simulation`. [`page`] makes both into pages. This crate makes text and bytes, and knows no paths.
+//!
+//! # How it is built
+//!
+//! **Pictures.** `picture` draws a `Network`. `Scene` turns any network into three dimensions. Discs become SVG or pixels; spheres and rods become pixels
+//! with depth (`src/picture/raster.rs`). resvg draws the other shapes of a PNG above the pixels, and `src/picture/letters.rs` gives the outlines of the
+//! letters above them. Each pixel depends only on operations that IEEE 754 rounds, on one thread. `report` puts the same network into one page as
+//! compressed arrays. The page's scripts (`src/page`) are our own; `crates/fdem/tests/browser/test_report.py` runs them in a browser.
+//!
+//! # To change X, open Y
+//!
+//! | to change | open |
+//! |---|---|
+//! | analysis of a network | `src/analysis.rs`, then its part: `src/analysis/fabric.rs`, `src/analysis/clusters.rs` and so on; its lines in the summary: `crates/fdem/src/command/analyse.rs` |
+//! | pictures: layout, colours, texts | `src/picture/drawing.rs`, `src/picture/colour.rs`, `src/picture/furniture.rs` |
+//! | spheres and discs by pixel, the distributions | `src/picture/raster.rs`, `src/picture/flat.rs`, `src/picture/plots.rs` |
+//! | the report: its numbers, its page, its view | `src/page/network.rs`, `src/page/network/page.html`, `src/page/network/view.js` |
+//! | pictures of meshes in a plane | `src/picture/mesh.rs` |
+//! | pictures of bodies of meshes, walls and images | `src/picture/bodies.rs`, `crates/fdem/src/command/shapes.rs` |
+//! | results, plots and pictures | `src/run/vtk.rs`, `src/run/history.rs`, `src/run/plots.rs`, `src/run/pictures.rs` |
+//! | fragments: masses, table, distribution of sizes | `src/run/fragments.rs`; which elements hang together: `crates/simulation/src/topology.rs` |
+//! | outlines, load-displacement axes, samples of large meshes | `src/run/outlines.rs`, `src/run/loads.rs`, `src/run/sample.rs` |
+//! | what all pages have | `src/page.rs`, `src/page/shell.html`, `src/page/shared.js` |
+//! | the page of a run | both dimensions: `src/page/run.rs`, `src/page/run/main.js`; two: `src/page/run/flat.rs`; three: `src/page/run/space.rs`, `src/page/run/space/view.js` |
+//! | compressed frames | in two dimensions `src/run/frame.rs`; in three `src/space/frame.rs`, what is seen `src/space/shell.rs` |
+//! | pictures in three dimensions: settings, light and lines, sections, pixels | `src/space/pictures.rs`, `src/space/drawing.rs`, `src/space/section.rs`, `src/space/raster.rs` |
 
 mod arrays;
 pub mod network;

@@ -13,6 +13,55 @@
 //! Results do not depend on the number of threads: elements, joints and contacts store their forces, and every node adds up its forces in a fixed order.
 //! A run that is saved and resumed continues bit for bit.
 //!
+//! # How it is built
+//!
+//! `Topology` never changes: vertices of the mesh, corners of elements, facets. `Solid` has the present nodes, which become more as the mesh comes apart.
+//! Elements, joints and couples write their forces on corners; each node then adds the forces of its corners in a fixed order (`gather` in
+//! `src/motion.rs`), so that threads share no sum and change no bit. `Team` cuts work into chunks of fixed size and adds their results in order.
+//!
+//! Data that each step reads are stored apart from data that are seldom read (`Node` and `Constants`, `Element` and `Strained`). A step skips everything
+//! that cannot have changed: edges of elements whose stress is far from the strength (`joints/near.rs`), boxes of bodies that have moved less than the
+//! slack of the buffer, and couples that have moved less than the distance between them (`apart_until` in `contacts.rs`). Skipping changes no result. The
+//! mesher numbers nodes and elements along Hilbert's curve. Where every element has its own nodes, nodes are numbered in the order of the elements.
+//! `bench/SIMULATION.md` compares the speed with bounds and with other programs.
+//!
+//! `State` is all that persists between steps. It is saved with postcard, hashed for `run.json`, and sufficient to continue a run.
+//!
+//! # To change X, open Y
+//!
+//! | to change | open |
+//! |---|---|
+//! | the time step of a simulation | `src/simulation.rs` |
+//! | the stress in an element | `src/elastic.rs`, `src/solid.rs`, `elastic.rs` in `src/simplex/triangle` and `tetrahedron` |
+//! | softening and breaking of a joint | `src/cohesive.rs`; a broken joint: `src/joints.rs`; insertion: `src/joints/insertion.rs`, `near.rs` and `plane.rs` beside it |
+//! | the contact force | `potential.rs` in `src/simplex/triangle` and `tetrahedron`; friction, damping: `src/contacts/forces.rs`; couples: `src/contacts.rs` |
+//! | loads, schedules, absorbing edges | `src/loads.rs` |
+//! | the longest stable time step | `src/critical.rs` |
+//! | terms of the energy balance | `src/energy.rs`, and their sum: `src/simulation.rs` |
+//! | initial stress in contacts and at absorbing edges | `src/seams.rs`, `src/ground.rs` |
+//! | contact forces and reactions of results | `src/forces.rs` |
+//! | refused models | `src/checks.rs`, `src/error.rs` |
+//! | what two and three dimensions differ in | `src/simplex.rs`, `crates/fdem/src/model/dimensions.rs`, `crates/fdem/src/command/run/results.rs` |
+//!
+//! # Decisions, and departures from the book
+//!
+//! - The simulation is a crate of its own and not a module of `fdem`: it must not know paths, and only a crate keeps that so; it is also compiled and
+//!   tested without pictures and formats.
+//! - Elements have a neo-Hookean energy instead of the book's stress (4.178) to (4.184), which is the same to the first order of the strain but follows
+//!   from no energy (`src/elastic.rs`).
+//! - The potential contact force is the exact gradient of its potential. The book's (2.25) lacks the share that the potential has because it moves with
+//!   the nodes of a triangle that deforms; without it, impacts of deformable bodies gain or lose energy (`src/simplex/triangle/potential.rs`).
+//! - Contact forces and energies follow from the potential along the edges of the two triangles alone, by the divergence theorem with a field of our own
+//!   (`src/simplex/triangle/potential.rs`); the book clips triangles against the three parts of the other. It is the same integral, in half of the time.
+//! - Joints are inserted where the strength is reached, and begin with the traction that acts there by an offset of their opening and sliding; the book
+//!   has them on all edges (`insertion = "intrinsic"`), which makes bodies softer.
+//! - Opening and sliding soften together, with one damage and one stiffness of their vector, and friction has a spring of its own; in the book each
+//!   softens on its own axis. With that law a crack along the edges of an unstructured mesh dissipates 1.3 to 1.6 times its fracture energy
+//!   (`src/cohesive.rs`; tables in `bench/NOTES.md`).
+//! - An edge fails as soon as a plane within 15° of it does, and its joint stands for that plane; in the book an edge fails by its own traction. Without
+//!   this a block in compression is up to a quarter stronger than its material (`src/joints/plane.rs`).
+//! - The critical opening is the one that dissipates the fracture energy, G/(0.3863 f); 3 G/f is an option.
+//!
 //! # Sources
 //! A. Munjiza, *The Combined Finite-Discrete Element Method* (Wiley, 2004); each module says where it departs from the book and why.
 
