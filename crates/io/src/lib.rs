@@ -28,10 +28,9 @@
 //!
 //! # How it is built
 //!
-//! **Output.** `fdem-io` writes a `Table` (`src/written.rs`): named, typed columns whose values are computed while they are written. Nothing is stored,
+//! Everything that is written is a `Table` (`src/written.rs`): named, typed columns whose values are computed while they are written. Nothing is stored,
 //! and every format can write every table. Columnar formats ask column by column, the others row by row. `crates/fdem/src/command/tables.rs` makes the
-//! tables of couples and elements. `analysis::analyse` describes a `network::Network`; each part is a file below `crates/results/src/analysis` with its
-//! definitions and sources.
+//! tables of couples and elements.
 //!
 //! # To change X, open Y
 //!

@@ -5,7 +5,9 @@
 //!
 //! # How it is built
 //!
-//! **Pictures.** `picture` draws a `Network`. `Scene` turns any network into three dimensions. Discs become SVG or pixels; spheres and rods become pixels
+//! `analysis::analyse` describes a `network::Network`; each part is a file below `src/analysis` with its definitions and sources.
+//!
+//! `picture` draws a `Network`. `Scene` turns any network into three dimensions. Discs become SVG or pixels; spheres and rods become pixels
 //! with depth (`src/picture/raster.rs`). resvg draws the other shapes of a PNG above the pixels, and `src/picture/letters.rs` gives the outlines of the
 //! letters above them. Each pixel depends only on operations that IEEE 754 rounds, on one thread. `report` puts the same network into one page as
 //! compressed arrays. The page's scripts (`src/page`) are our own; `crates/fdem/tests/browser/test_report.py` runs them in a browser.
