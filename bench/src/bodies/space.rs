@@ -47,7 +47,7 @@ impl Space {
     pub fn model(self, elements: usize) -> Model<3, 4> {
         let count = |x: f64| (x.round() as usize).max(1);
         if self == Self::Debris {
-            let odd = |number: usize, shift: f64| if number % 2 == 0 { 0.0 } else { shift };
+            let odd = |number: usize, shift: f64| if number.is_multiple_of(2) { 0.0 } else { shift };
             let shift =
                 |[_, row, layer]: [usize; 3]| [odd(row, 0.45) + odd(layer, 0.23), odd(layer, 0.37), 0.0];
             let (mesh, velocities, boundaries) =

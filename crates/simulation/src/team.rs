@@ -88,13 +88,15 @@ impl Team {
         let parallel = first.len() >= WORTH_IT;
         let thirds = third.chunks_mut(CHUNK).chain(std::iter::repeat_with(|| &mut [][..]));
         let chunks = first.chunks_mut(CHUNK).zip(second.chunks_mut(CHUNK)).zip(thirds);
-        let on = |(k, ((a, b), c)): (usize, ((&mut [A], &mut [B]), &mut [C]))| work(k * CHUNK, a, b, c);
+        let chunks = chunks.enumerate();
         match &self.pool {
             Some(pool) if parallel => {
-                let chunks: Vec<_> = chunks.enumerate().collect();
-                pool.install(|| chunks.into_par_iter().map(on).collect())
+                let chunks: Vec<_> = chunks.collect();
+                pool.install(|| {
+                    chunks.into_par_iter().map(|(k, ((a, b), c))| work(k * CHUNK, a, b, c)).collect()
+                })
             }
-            _ => chunks.enumerate().map(on).collect(),
+            _ => chunks.map(|(k, ((a, b), c))| work(k * CHUNK, a, b, c)).collect(),
         }
     }
 
