@@ -1,186 +1,141 @@
-//! Bodies of triangles for the benchmarks of the simulation.
+//! Bodies of triangles and of tetrahedra for the benchmarks of the simulation.
 
-use fdem_simulation::{FractureOptions, Insertion, Material, Mesh, Model, Strength};
+mod plane;
+mod space;
 
-/// Edge of a square that is split into two elements, m.
+use fdem_simulation::{
+    Boundary, FractureOptions, Insertion, Load, Material, Mesh, Model, Schedule, Strength, Target,
+};
+
+pub use plane::Plane;
+pub use space::Space;
+
+/// Edge of a square that is split into two triangles, and of a cube that is split into six tetrahedra, m.
 const CELL: f64 = 1e-3;
+
+/// Rate at which fragments and the box around them shrink, 1/s. Fragments would fly apart in a box that stays as it is: their first impact throws them back.
+const RATE: f64 = 20.0;
 
 /// The body that is simulated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Body {
-    /// A bar, 50 times as long as high, whose left half collides with its right half: waves.
-    Bar,
-    /// A disc that vibrates.
-    Disc,
-    /// The same disc with joints on all edges from the beginning.
-    Joined,
-    /// A square that vibrates and could break: every edge is checked, but no joint is inserted.
-    Adaptive,
-    /// Two colliding squares with joints on all edges from the beginning.
-    Intrinsic,
-    /// Fragments of 18 elements with joints on all edges, which press each other on all sides.
-    Heap,
+    /// In two dimensions.
+    Plane(Plane),
+    /// In three dimensions.
+    Space(Space),
 }
 
 impl Body {
     /// All bodies.
-    pub const ALL: [Self; 6] =
-        [Self::Bar, Self::Disc, Self::Joined, Self::Adaptive, Self::Intrinsic, Self::Heap];
+    pub fn all() -> impl Iterator<Item = Self> {
+        Plane::ALL.into_iter().map(Self::Plane).chain(Space::ALL.into_iter().map(Self::Space))
+    }
 
-    /// The name in one word.
+    /// The name, without spaces.
     pub fn name(self) -> &'static str {
         match self {
-            Self::Bar => "bar",
-            Self::Disc => "disc",
-            Self::Joined => "joined",
-            Self::Adaptive => "adaptive",
-            Self::Intrinsic => "intrinsic",
-            Self::Heap => "heap",
+            Self::Plane(body) => body.name(),
+            Self::Space(body) => body.name(),
         }
     }
 
     /// A short description.
     pub fn what(self) -> &'static str {
         match self {
-            Self::Bar => "elastic bar, 50 : 1, waves",
-            Self::Disc => "elastic disc, ringing",
-            Self::Joined => "disc, ringing, joints on every edge",
-            Self::Adaptive => "square that may break anywhere, and does not yet",
-            Self::Intrinsic => "two squares that collide, joints on every edge",
-            Self::Heap => "fragments of 18 elements that press each other, joints on every edge",
-        }
-    }
-
-    /// Whether it has joints on all edges from the beginning.
-    pub fn has_joints(self) -> bool {
-        matches!(self, Self::Joined | Self::Intrinsic | Self::Heap)
-    }
-
-    /// The model, with approximately this number of elements.
-    pub fn model(self, elements: usize) -> Model {
-        let cells = elements as f64 / 2.0;
-        let side = cells.sqrt();
-        let count = |x: f64| (x.round() as usize).max(1);
-        let square = |side: f64| grid(count(side), count(side));
-        let (mesh, velocities) = match self {
-            Self::Bar => {
-                let mesh = grid(count((cells * 50.0).sqrt()), count((cells / 50.0).sqrt()));
-                let middle = 0.5 * mesh.nodes.iter().map(|node| node[0]).fold(0.0, f64::max);
-                let velocities = mesh.nodes.iter().map(|&[x, _]| [if x < middle { 1.0 } else { 0.0 }, 0.0]);
-                (mesh.clone(), velocities.collect())
-            }
-            Self::Disc | Self::Joined => {
-                let mesh = round(square(side));
-                let velocities = ringing(&mesh);
-                (mesh, velocities)
-            }
-            Self::Adaptive => {
-                let mesh = square(side);
-                let velocities = ringing(&mesh);
-                (mesh, velocities)
-            }
-            Self::Intrinsic => {
-                let lower = square((cells / 2.0).sqrt());
-                let height = lower.nodes.iter().map(|node| node[1]).fold(0.0, f64::max);
-                // Shifted, so that nodes do not meet nodes.
-                let upper = moved(&lower, [0.37 * CELL, height]);
-                let mesh = together(&[lower, upper]);
-                let velocities = mesh
-                    .nodes
-                    .iter()
-                    .zip(owners(&mesh))
-                    .map(|(_, body)| [0.0, [0.2, -0.2][body as usize]])
-                    .collect();
-                (mesh, velocities)
-            }
-            Self::Heap => {
-                let fragment = grid(3, 3);
-                let rows = count((elements as f64 / 18.0).sqrt());
-                // Arranged like bricks in a wall, so close that all touch their neighbours from the beginning.
-                let spacing = 3.0 * CELL * (1.0 - 1e-6);
-                let parts: Vec<Mesh> = (0..rows * rows)
-                    .map(|k| {
-                        let (i, j) = ((k % rows) as f64, k / rows);
-                        let shift = if j % 2 == 0 { 0.0 } else { 0.45 };
-                        moved(&fragment, [(i + shift) * spacing, j as f64 * spacing])
-                    })
-                    .collect();
-                let mesh = together(&parts);
-                let middle = 0.5 * rows as f64 * spacing;
-                // The strain rate is the same for any size.
-                let velocities = mesh.nodes.iter().map(|node| node.map(|x| 20.0 * (middle - x))).collect();
-                (mesh, velocities)
-            }
-        };
-        let breaks = !matches!(self, Self::Bar | Self::Disc);
-        let joints = self.has_joints();
-        let strength = Strength {
-            tensile: 5e6,
-            cohesion: 15e6,
-            friction: 0.6,
-            energy_i: 100.0,
-            energy_ii: 500.0,
-            weibull_modulus: None,
-            seed: 0,
-        };
-        let rock = Material {
-            name: "rock".to_owned(),
-            density: 2700.0,
-            youngs_modulus: 30e9,
-            poissons_ratio: 0.25,
-            damping: 0.0,
-            strength: breaks.then_some(strength),
-            friction: 0.4,
-        };
-        Model {
-            mesh,
-            materials: vec![rock],
-            velocities,
-            fracture: FractureOptions {
-                insertion: if joints { Insertion::Intrinsic } else { Insertion::Adaptive },
-                ..FractureOptions::default()
-            },
-            ..Model::default()
+            Self::Plane(body) => body.what(),
+            Self::Space(body) => body.what(),
         }
     }
 }
 
-/// A grid of squares of two triangles each.
-fn grid(columns: usize, rows: usize) -> Mesh {
-    let node = |i: usize, j: usize| (j * (columns + 1) + i) as u32;
-    let nodes =
-        (0..=rows).flat_map(|j| (0..=columns).map(move |i| [i as f64 * CELL, j as f64 * CELL])).collect();
-    let mut elements = Vec::with_capacity(2 * columns * rows);
-    for j in 0..rows {
-        for i in 0..columns {
-            let [a, b, c, d] = [node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)];
-            elements.extend(if (i + j) % 2 == 0 { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] });
-        }
+/// A model of rock.
+fn of_rock<const D: usize, const N: usize>(
+    mesh: Mesh<D, N>,
+    velocities: Vec<[f64; D]>,
+    breaks: bool,
+    insertion: Insertion,
+) -> Model<D, N> {
+    let strength = Strength {
+        tensile: 5e6,
+        cohesion: 15e6,
+        friction: 0.6,
+        energy_i: 100.0,
+        energy_ii: 500.0,
+        weibull_modulus: None,
+        seed: 0,
+    };
+    let rock = Material {
+        name: "rock".to_owned(),
+        density: 2700.0,
+        youngs_modulus: 30e9,
+        poissons_ratio: 0.25,
+        damping: 0.0,
+        strength: breaks.then_some(strength),
+        friction: 0.4,
+    };
+    Model {
+        mesh,
+        materials: vec![rock],
+        velocities,
+        fracture: FractureOptions { insertion, ..FractureOptions::default() },
+        ..Model::default()
     }
-    let count = elements.len();
-    Mesh { nodes, elements, bodies: vec![0; count], materials: vec![0; count] }
 }
 
-/// Maps a square to a disc: squares around its middle become circles.
-fn round(mesh: Mesh) -> Mesh {
-    let half = 0.5 * mesh.nodes.iter().map(|node| node[0]).fold(0.0, f64::max);
-    let nodes = mesh.nodes.iter().map(|node| {
-        let [x, y] = node.map(|x| x / half - 1.0);
-        [half * x * (1.0 - 0.5 * y * y).sqrt(), half * y * (1.0 - 0.5 * x * x).sqrt()]
-    });
-    Mesh { nodes: nodes.collect(), ..mesh }
+/// Fragments in layers like bricks in a wall, so close that all touch their neighbours from the beginning. They shrink together with a box around them: nothing at
+/// the outside moves across its walls.
+///
+/// `count`: fragments along each axis. `shift`: moves a fragment in this place, as a share of its width, so that nodes do not meet nodes.
+fn pressed<const D: usize, const N: usize>(
+    fragment: &Mesh<D, N>,
+    count: usize,
+    shift: impl Fn([usize; D]) -> [f64; D],
+) -> (Mesh<D, N>, Vec<[f64; D]>, Vec<Boundary<D>>) {
+    let width = fragment.nodes.iter().map(|node| node[0]).fold(0.0, f64::max);
+    let spacing = width * (1.0 - 1e-6);
+    let mut parts = Vec::new();
+    let mut walls = vec![[Vec::new(), Vec::new()]; D];
+    for number in 0..count.pow(D as u32) {
+        let place: [usize; D] = std::array::from_fn(|axis| number / count.pow(axis as u32) % count);
+        let shift = shift(place);
+        let by = std::array::from_fn(|axis| (place[axis] as f64 + shift[axis]) * spacing);
+        for (axis, [low, high]) in walls.iter_mut().enumerate() {
+            for (at, node) in fragment.nodes.iter().zip((number * fragment.nodes.len()) as u32..) {
+                if place[axis] == 0 && at[axis] == 0.0 {
+                    low.push(node);
+                } else if place[axis] == count - 1 && at[axis] == width {
+                    high.push(node);
+                }
+            }
+        }
+        parts.push(moved(fragment, by));
+    }
+    let mesh = together(&parts);
+    let middle = 0.5 * count as f64 * spacing;
+    let velocities = mesh.nodes.iter().map(|node| node.map(|x| RATE * (middle - x))).collect();
+    let wall = |axis: usize, nodes: Vec<u32>, speed: f64| {
+        let mut velocity = [None; D];
+        velocity[axis] = Some(speed);
+        Boundary {
+            name: format!("wall across axis {axis}"),
+            target: Target::Nodes(nodes),
+            load: Load::Velocity(velocity),
+            schedule: Schedule::Constant,
+        }
+    };
+    let pair = |(axis, [low, high]): (usize, [Vec<u32>; 2])| {
+        [wall(axis, low, RATE * middle), wall(axis, high, -RATE * middle)]
+    };
+    (mesh, velocities, walls.into_iter().enumerate().flat_map(pair).collect())
 }
 
-fn ringing(mesh: &Mesh) -> Vec<[f64; 2]> {
-    mesh.nodes.iter().map(|&[x, y]| [0.01 * (300.0 * x).sin(), 0.01 * (200.0 * y).cos()]).collect()
-}
-
-fn moved(mesh: &Mesh, by: [f64; 2]) -> Mesh {
-    Mesh { nodes: mesh.nodes.iter().map(|[x, y]| [x + by[0], y + by[1]]).collect(), ..mesh.clone() }
+fn moved<const D: usize, const N: usize>(mesh: &Mesh<D, N>, by: [f64; D]) -> Mesh<D, N> {
+    let place = |node: &[f64; D]| std::array::from_fn(|axis| node[axis] + by[axis]);
+    Mesh { nodes: mesh.nodes.iter().map(place).collect(), ..mesh.clone() }
 }
 
 /// Joins several meshes into one.
-fn together(parts: &[Mesh]) -> Mesh {
+fn together<const D: usize, const N: usize>(parts: &[Mesh<D, N>]) -> Mesh<D, N> {
     let mut all = Mesh::default();
     for (body, part) in parts.iter().enumerate() {
         let first = all.nodes.len() as u32;
@@ -190,15 +145,4 @@ fn together(parts: &[Mesh]) -> Mesh {
         all.materials.extend(&part.materials);
     }
     all
-}
-
-/// The body of each node.
-fn owners(mesh: &Mesh) -> Vec<u32> {
-    let mut owners = vec![0; mesh.nodes.len()];
-    for (nodes, &body) in mesh.elements.iter().zip(&mesh.bodies) {
-        for &node in nodes {
-            owners[node as usize] = body;
-        }
-    }
-    owners
 }

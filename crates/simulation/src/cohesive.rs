@@ -241,6 +241,7 @@ impl<const D: usize> Memory<D> {
     }
 
     /// Traction at this opening and sliding, Pa, tension positive. Updates the history.
+    #[inline]
     pub(crate) fn traction(&mut self, law: &Law, gap: [f64; D]) -> [f64; D] {
         let opening = gap[0] - self.origin[0];
         // Without tensile strength nothing holds while the joint is open.
@@ -263,7 +264,10 @@ impl<const D: usize> Memory<D> {
         let stiffness = law.penalty * self.stiffness;
         let mut traction = bond.map(|length| stiffness * length);
         if pressure == 0.0 {
-            self.rubbed = gap;
+            // Friction does not act beside a whole bond, which leaves its history as it is: joints that nothing loads are only read. Pinned results in two dimensions contain it.
+            if D == 2 || self.stiffness < 1.0 || law.cohesion == 0.0 {
+                self.rubbed = gap;
+            }
             return traction;
         }
         let lost = if law.cohesion == 0.0 { law.penalty } else { law.penalty - stiffness };
@@ -292,6 +296,7 @@ impl<const D: usize> Memory<D> {
     }
 
     /// Loads the bond by a vector of opening and sliding. `friction`: what pressure adds to the shear strength of a whole joint, Pa.
+    #[inline]
     fn load(&mut self, law: &Law, bond: [f64; D], friction: f64) {
         let squared = dot(bond, bond);
         if squared == 0.0 || self.stiffness == 0.0 {

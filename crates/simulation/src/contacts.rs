@@ -77,6 +77,8 @@ pub(crate) struct Contacts<const D: usize = 2, const N: usize = 3> {
     /// Couples of each element, as 2 × number + side. Those of element `e` are in the slice `first[e]..first[e + 1]`.
     entries: Vec<u32>,
     first: Vec<u32>,
+    /// Whether each element has a couple with a contact.
+    in_contact: Vec<bool>,
     /// Pairs of elements that have separated in this step, at a vertex or along a facet.
     parted: Vec<[u32; 2]>,
     /// Whether an element at a free vertex is not watched yet.
@@ -135,6 +137,7 @@ where
             couples: Vec::new(),
             entries: Vec::new(),
             first: vec![0; model.mesh.elements.len() + 1],
+            in_contact: vec![false; model.mesh.elements.len()],
             parted: Vec::new(),
             unwatched: true,
             detections: 0,
@@ -327,7 +330,13 @@ where
         for couple in &mut couples {
             while before.next_if(|known| known.elements < couple.elements).is_some() {}
             if let Some(known) = before.next_if(|known| known.elements == couple.elements) {
-                *couple = Couple { joint: couple.joint, ..known };
+                // The distance that was found now may be larger than the one that was told then.
+                let apart_until = if known.contact.is_none() && !known.initial_overlap {
+                    known.apart_until.max(couple.apart_until)
+                } else {
+                    known.apart_until
+                };
+                *couple = Couple { joint: couple.joint, apart_until, ..known };
             }
         }
         self.couples = couples;
@@ -402,8 +411,12 @@ where
         });
         // Summed couple by couple: sums of chunks would depend on the couples that do not touch, and a resumed run may have others.
         let mut all = Touching::default();
+        self.in_contact.fill(false);
         for couple in &self.couples {
             let Some(contact) = &couple.contact else { continue };
+            for element in couple.elements {
+                self.in_contact[element as usize] = true;
+            }
             all.energy += contact.works.energy;
             all.friction += contact.works.friction;
             all.damping += contact.works.damping;
@@ -427,6 +440,9 @@ where
     #[inline]
     pub(crate) fn add_force(&self, corner: u32, force: &mut Point<D>) {
         let element = corner as usize / N;
+        if !self.in_contact[element] {
+            return;
+        }
         for &entry in &self.entries[self.first[element] as usize..self.first[element + 1] as usize] {
             if let Some(contact) = &self.couples[entry as usize / 2].contact {
                 add(force, contact.forces[entry as usize % 2][corner as usize % N], 1.0);

@@ -16,7 +16,7 @@ use crate::loads::outer_side;
 use crate::model::{Load, Model, Target};
 use crate::simplex::Simplex;
 use crate::solid::Solid;
-use crate::topology::{NONE, Topology};
+use crate::topology::Topology;
 use crate::vector::{Point, add, dot, minus, unit};
 
 /// The ground beyond all absorbing facets of a model.
@@ -115,12 +115,10 @@ where
                 let node = node_at(facet.corners[end]);
                 let weight = model.gravity_schedule.factor(0.0) * solid.constants[node].mass;
                 let mut force = model.gravity.map(|g| weight * g);
-                let mut corner = solid.corners.first[node];
-                while corner != NONE {
+                for &corner in solid.corners.of(node) {
                     for part in [solid.initial_force(corner), others(corner)] {
                         add(&mut force, part, 1.0);
                     }
-                    corner = solid.corners.next[corner as usize];
                 }
                 let share = -facet.area / width[node];
                 facet.held[end] = force.map(|f| share * f);

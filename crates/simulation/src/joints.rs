@@ -553,11 +553,7 @@ impl<'a, const D: usize> Frame<'a, D> {
         let ends = joint.nodes.map(|end| end.map(|node| &solid.nodes[node as usize]));
         // The facet half way between the two sides, in twice its size.
         let sum = ends.map(|[a, b]| std::array::from_fn(|axis| a.position[axis] + b.position[axis]));
-        let axes = <[[f64; D]; N]>::axes(&sum).map(|axis| {
-            let long = 1.0 / dot(axis, axis).sqrt();
-            axis.map(|x| x * long)
-        });
-        Self { ends, axes }
+        Self { ends, axes: <[[f64; D]; N]>::unit_axes(&sum) }
     }
 
     /// Components of a vector across the joint and along it.
@@ -649,7 +645,11 @@ where
         }
         State::Holding | State::Removed => {}
     }
-    joint.fading = joint.faded - before;
+    let fading = joint.faded - before;
+    // Most joints are only read.
+    if joint.fading != fading {
+        joint.fading = fading;
+    }
     (work, modes)
 }
 

@@ -206,7 +206,7 @@ where
             Applied { corner, boundary, force: plus(elastic, viscous), viscous }
         }));
         for &Applied { corner, force, .. } in &self.applied {
-            add(&mut solid.strained[corner as usize / N].forces[corner as usize % N], force, 1.0);
+            solid.add_force(corner, force);
         }
     }
 

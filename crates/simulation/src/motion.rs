@@ -8,7 +8,7 @@ use crate::joints::Joints;
 use crate::loads::Loads;
 use crate::model::Model;
 use crate::simplex::Simplex;
-use crate::solid::{Constants, Node, Solid, Strained};
+use crate::solid::{Constants, Node, Solid};
 use crate::team::Team;
 use crate::topology::{NONE, Nodes};
 use crate::vector::{Point, add, dot};
@@ -53,14 +53,14 @@ pub(crate) fn advance<const D: usize, const N: usize>(
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    let Solid { nodes, constants, strained, corners, origin, .. } = solid;
+    let Solid { nodes, constants, forces, corners, origin, .. } = solid;
     let origin = *origin;
     let limit = motion.speed_limit * motion.speed_limit;
     let found = team.change(nodes, |first, chunk| {
         let mut sum = Moved::default();
         for (k, node) in chunk.iter_mut().enumerate() {
             let constants = &constants[first + k];
-            let force = gather(first + k, constants, strained, corners, motion);
+            let force = gather(first + k, constants, forces, corners, motion);
             let reaction = move_node(node, constants, force, origin, motion, &mut sum);
             if constants.hold != NONE {
                 sum.held.push(((first + k) as u32, reaction));
@@ -95,7 +95,7 @@ where
 fn gather<const D: usize, const N: usize>(
     number: usize,
     constants: &Constants,
-    strained: &[Strained<D, N>],
+    forces: &[[Point<D>; N]],
     corners: &Nodes<N>,
     motion: &Motion<'_, D, N>,
 ) -> Point<D>
@@ -104,14 +104,12 @@ where
 {
     let mut force = [0.0; D];
     let joined = motion.joints.at_vertex[constants.vertex as usize];
-    let mut corner = corners.first[number];
-    while corner != NONE {
-        add(&mut force, strained[corner as usize / N].forces[corner as usize % N], 1.0);
+    for &corner in corners.of(number) {
+        add(&mut force, forces[corner as usize / N][corner as usize % N], 1.0);
         if joined {
             motion.joints.add_force(corner, &mut force);
         }
         motion.contacts.add_force(corner, &mut force);
-        corner = corners.next[corner as usize];
     }
     force
 }

@@ -268,7 +268,7 @@ impl<const D: usize> Seams<D> {
         });
         for (place, forces) in places.iter().zip(forces) {
             place.give(*forces, |corner, force| {
-                add(&mut solid.strained[corner as usize / N].forces[corner as usize % N], force, 1.0);
+                solid.add_force(corner, force);
             });
         }
         found.into_iter().fold(Pressing::default(), |sum, chunk| Pressing {

@@ -48,6 +48,9 @@ pub(crate) trait Simplex<const D: usize, const N: usize>: Copy + Send + Sync {
     /// The outward normal of a facet, and directions along it, at right angles; not of unit length.
     fn axes(facet: &[Point<D>; D]) -> Matrix<D>;
 
+    /// [`Simplex::axes`], of unit length.
+    fn unit_axes(facet: &[Point<D>; D]) -> Matrix<D>;
+
     /// Unit vectors at right angles, of which this is the first.
     fn axes_around(normal: Point<D>) -> Matrix<D>;
 
@@ -98,6 +101,9 @@ pub(crate) trait Simplex<const D: usize, const N: usize>: Copy + Send + Sync {
     /// Middle and radius of Mohr's largest circle, Pa.
     fn circle(stress: &Matrix<D>) -> [f64; 2];
 
+    /// Upper bounds of the middle and of the radius of Mohr's largest circle, Pa, that are faster to compute.
+    fn circle_bound(stress: &Matrix<D>) -> [f64; 2];
+
     /// Moduli of a material; `plane` counts in two dimensions.
     fn moduli(material: &Material, plane: Plane) -> Moduli;
 
@@ -112,6 +118,9 @@ pub(crate) trait Simplex<const D: usize, const N: usize>: Copy + Send + Sync {
 
     /// Computes the interaction of two elements, for a penalty of 1 and a thickness of 1. If they do not overlap, returns a lower bound of their distance.
     fn interaction(&self, other: &Self) -> Result<Interaction<D, N>, f64>;
+
+    /// The distance of two elements that do not overlap, m, or a lower bound of it. `told`: the lower bound of [`Simplex::interaction`].
+    fn distance(&self, other: &Self, told: f64) -> f64;
 
     /// The matrix whose columns are the edges from corner 0.
     #[inline]

@@ -302,7 +302,7 @@ where
 
         self.audit()?;
         if let Some((node, speed)) = moved.runaway {
-            let element = self.solid.corners.first[node as usize] / N as u32;
+            let element = self.solid.corners.of(node as usize)[0] / N as u32;
             return Err(Stop::Runaway { element, step: self.step, speed, limit: self.speed_limit });
         }
         self.step += 1;
@@ -507,7 +507,7 @@ where
             constants: self.solid.constants.clone(),
             of_corner: self.solid.corners.of_corner.clone(),
             stresses: self.solid.strained.iter().map(|strained| strained.stress).collect(),
-            viscous: self.solid.strained.iter().map(|strained| strained.viscous).collect(),
+            viscous: self.solid.all_viscous(),
             joints: self.joints.save(),
             contacts: self.contacts.save(),
             seams: self.seams.save(),
@@ -551,9 +551,12 @@ where
         }
         run.solid.corners = Nodes::new(state.of_corner, state.nodes.len());
         (run.solid.nodes, run.solid.constants) = (state.nodes, state.constants);
-        for (number, strained) in run.solid.strained.iter_mut().enumerate() {
-            (strained.stress, strained.viscous) = (state.stresses[number], state.viscous[number]);
+        for (strained, stress) in run.solid.strained.iter_mut().zip(state.stresses) {
+            strained.stress = stress;
         }
+        // Without viscosity there is none.
+        let viscous = run.solid.viscous.len();
+        run.solid.viscous.copy_from_slice(&state.viscous[..viscous]);
         run.joints.restore(state.joints, &run.model, &run.topology, &run.solid)?;
         run.contacts.restore(state.contacts, &run.joints, &run.topology)?;
         run.seams.restore(state.seams)?;

@@ -9,7 +9,7 @@ use crate::simplex::Simplex;
 use crate::team::Team;
 use crate::topology::{NONE, Nodes};
 use crate::vector::{
-    Matrix, Point, contraction, matrix, minus, product, product_transposed, symmetric, transposed,
+    Matrix, Point, add, contraction, matrix, minus, product, product_transposed, symmetric, transposed,
 };
 
 /// Motion of a node.
@@ -44,19 +44,16 @@ pub(crate) struct Element<const D: usize = 2> {
 
 /// Results of the deformation of an element.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Strained<const D: usize = 2, const N: usize = 3> {
-    /// Forces on its corners, N.
-    pub(crate) forces: [Point<D>; N],
+pub(crate) struct Strained<const D: usize = 2> {
     /// Cauchy stress, Pa.
     pub(crate) stress: Matrix<D>,
+    /// Strain energy, J.
     pub(crate) energy: f64,
-    /// Viscous part of the stress (first Piola-Kirchhoff), Pa.
-    pub(crate) viscous: Matrix<D>,
 }
 
-impl<const D: usize, const N: usize> Default for Strained<D, N> {
+impl<const D: usize> Default for Strained<D> {
     fn default() -> Self {
-        Self { forces: [[0.0; D]; N], stress: [[0.0; D]; D], energy: 0.0, viscous: [[0.0; D]; D] }
+        Self { stress: [[0.0; D]; D], energy: 0.0 }
     }
 }
 
@@ -102,7 +99,11 @@ pub(crate) struct Solid<const D: usize = 2, const N: usize = 3> {
     pub(crate) constants: Vec<Constants>,
     pub(crate) elements: Vec<Element<D>>,
     /// Results of the deformation of each element.
-    pub(crate) strained: Vec<Strained<D, N>>,
+    pub(crate) strained: Vec<Strained<D>>,
+    /// Forces of the deformation and of loads on the corners of each element, N. They are stored apart because the motion of nodes reads nothing else of an element.
+    pub(crate) forces: Vec<[Point<D>; N]>,
+    /// Viscous part of the stress of each element (first Piola-Kirchhoff), Pa; empty without viscosity.
+    pub(crate) viscous: Vec<Matrix<D>>,
     pub(crate) corners: Nodes<N>,
     /// Thickness out of the plane, m; 1 in space.
     pub(crate) thickness: f64,
@@ -189,6 +190,8 @@ where
             strained.energy = prestress.energy * element.volume;
         }
         let mut solid = Self {
+            forces: vec![[[0.0; D]; N]; elements.len()],
+            viscous: vec![[[0.0; D]; D]; heights.len()],
             origin,
             nodes,
             constants,
@@ -211,13 +214,13 @@ where
         let more = count.saturating_sub(self.nodes.len());
         self.nodes.reserve_exact(more);
         self.constants.reserve_exact(more);
-        self.corners.first.reserve_exact(more);
+        self.corners.reserve(more);
     }
 
     /// Numbers the nodes by their first corners. If each element has nodes of its own, a step then reads the nodes in the order of the elements.
     pub(crate) fn number_by_corners(&mut self) {
         let mut order: Vec<u32> = (0..self.nodes.len() as u32).collect();
-        order.sort_unstable_by_key(|&node| self.corners.first[node as usize]);
+        order.sort_unstable_by_key(|&node| self.corners.of(node as usize)[0]);
         self.nodes = order.iter().map(|&node| self.nodes[node as usize]).collect();
         self.constants = order.iter().map(|&node| self.constants[node as usize]).collect();
         let mut number = vec![0; order.len()];
@@ -230,10 +233,9 @@ where
 
     /// Sets the mass of a node to the sum over its corners.
     pub(crate) fn weigh(&mut self, node: u32, model: &Model<D, N>) {
-        let (mut mass, mut corner) = (0.0, self.corners.first[node as usize]);
-        while corner != NONE {
+        let mut mass = 0.0;
+        for &corner in self.corners.of(node as usize) {
             mass += self.elements[corner as usize / N].corner_mass(model);
-            corner = self.corners.next[corner as usize];
         }
         self.constants[node as usize].mass = mass;
     }
@@ -255,6 +257,19 @@ where
         &self.nodes[self.corners.node_at(corner) as usize]
     }
 
+    /// Adds a force, N, on a corner of an element.
+    #[inline]
+    pub(crate) fn add_force(&mut self, corner: u32, force: Point<D>) {
+        add(&mut self.forces[corner as usize / N][corner as usize % N], force, 1.0);
+    }
+
+    /// The viscous part of the stress of each element, Pa: 0 without viscosity.
+    pub(crate) fn all_viscous(&self) -> Vec<Matrix<D>> {
+        let mut all = self.viscous.clone();
+        all.resize(self.elements.len(), [[0.0; D]; D]);
+        all
+    }
+
     /// Displacement of a node, m.
     pub(crate) fn displacement(&self, node: usize, model: &Model<D, N>) -> Point<D> {
         let vertex = self.constants[node].vertex as usize;
@@ -273,10 +288,12 @@ where
 
     /// Computes stresses and forces of all elements from the positions and velocities of their nodes.
     pub(crate) fn deform(&mut self, step: f64, team: &Team) -> Deformation {
-        let Self { nodes, elements, strained, corners, responses, heights, prestress, .. } = self;
-        let found = team.change(strained, |first, chunk| {
+        let Self {
+            nodes, elements, strained, forces, viscous, corners, responses, heights, prestress, ..
+        } = self;
+        let found = team.change_all(strained, forces, viscous, |first, chunk, forces, viscous| {
             let mut sum = Deformation::default();
-            for (k, strained) in chunk.iter_mut().enumerate() {
+            for (k, (strained, forces)) in chunk.iter_mut().zip(forces).enumerate() {
                 let number = first + k;
                 let element = &elements[number];
                 let response = &responses[element.material as usize];
@@ -302,17 +319,19 @@ where
                     let edges = <[[f64; D]; N]>::edges(&ends.map(|node| node.velocity));
                     let rate = product(&edges, &element.gradients);
                     let viscosity = response.viscosity * heights[number];
-                    let viscous = viscous_stress::<D, N>(viscosity, &gradient, j, &rate);
+                    let now = viscous_stress::<D, N>(viscosity, &gradient, j, &rate);
+                    let before = std::mem::replace(&mut viscous[k], now);
                     // Work of the last viscous stress in the second half of its step, and of the new one in the first half of its step.
-                    let power = contraction(&strained.viscous, &rate) + contraction(&viscous, &rate);
+                    let power = contraction(&before, &rate) + contraction(&now, &rate);
                     sum.dissipated += 0.5 * step * power * element.volume;
-                    strained.viscous = viscous;
-                    stress = matrix(|i, k| stress[i][k] + viscous[i][k]);
+                    stress = matrix(|i, k| stress[i][k] + now[i][k]);
                 }
                 strained.energy = energy * element.volume;
                 let cauchy = symmetric(&product_transposed(&stress, &gradient));
-                strained.stress = cauchy.map(|row| row.map(|x| x / j));
-                strained.forces = element.forces(&stress);
+                // A product is faster, but pinned results in two dimensions contain the quotients.
+                let per = 1.0 / j;
+                strained.stress = cauchy.map(|row| row.map(|x| if D == 2 { x / j } else { x * per }));
+                *forces = element.forces(&stress);
             }
             sum
         });

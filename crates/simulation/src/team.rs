@@ -78,6 +78,29 @@ impl Team {
         }
     }
 
+    /// Calls `work` on chunks of three lists, likewise. The third list may be empty; then its chunks are.
+    pub(crate) fn change_all<A: Send, B: Send, C: Send, R: Send>(
+        &self,
+        first: &mut [A],
+        second: &mut [B],
+        third: &mut [C],
+        work: impl Fn(usize, &mut [A], &mut [B], &mut [C]) -> R + Sync,
+    ) -> Vec<R> {
+        let parallel = first.len() >= WORTH_IT;
+        let thirds = third.chunks_mut(CHUNK).chain(std::iter::repeat_with(|| &mut [][..]));
+        let chunks = first.chunks_mut(CHUNK).zip(second.chunks_mut(CHUNK)).zip(thirds);
+        let chunks = chunks.enumerate();
+        match &self.pool {
+            Some(pool) if parallel => {
+                let chunks: Vec<_> = chunks.collect();
+                pool.install(|| {
+                    chunks.into_par_iter().map(|(k, ((a, b), c))| work(k * CHUNK, a, b, c)).collect()
+                })
+            }
+            _ => chunks.map(|(k, ((a, b), c))| work(k * CHUNK, a, b, c)).collect(),
+        }
+    }
+
     /// Calls `work` on chunks of the numbers below `count`, likewise.
     pub(crate) fn look<R: Send>(
         &self,

@@ -279,25 +279,57 @@ fn exchanged<const D: usize>(one: &[u32; D], other: &[u32; D]) -> ([u32; D], boo
     (other, odd)
 }
 
-/// Linked lists of the corners of each node, in ascending order.
+/// Corners of each node, in ascending order.
 #[derive(Clone, Debug)]
 pub(crate) struct Nodes<const N: usize = 3> {
     /// Nodes of the corners of each element.
     pub(crate) of_corner: Vec<[u32; N]>,
-    /// First corner of each node.
-    pub(crate) first: Vec<u32>,
-    /// Next corner of the same node; [`NONE`] at the end.
-    pub(crate) next: Vec<u32>,
+    /// Corners, those of a node together.
+    corners: Vec<u32>,
+    /// Where the corners of each node begin and end in that list.
+    ranges: Vec<[u32; 2]>,
 }
 
 impl<const N: usize> Nodes<N> {
     /// Builds the lists from the nodes of the corners of each element. `count` is the number of nodes.
     pub(crate) fn new(of_corner: Vec<[u32; N]>, count: usize) -> Self {
-        let mut nodes = Self { first: vec![NONE; count], next: vec![NONE; N * of_corner.len()], of_corner };
-        for corner in (0..nodes.next.len() as u32).rev() {
-            nodes.put_first(corner);
+        // Counting sort.
+        let all = of_corner.as_flattened();
+        let mut ranges = vec![[0; 2]; count];
+        for &node in all {
+            ranges[node as usize][1] += 1;
         }
-        nodes
+        let mut end = 0;
+        for range in &mut ranges {
+            let count = range[1];
+            *range = [end, end];
+            end += count;
+        }
+        let mut corners = vec![0; all.len()];
+        for (corner, &node) in (0..).zip(all) {
+            let next = &mut ranges[node as usize][1];
+            corners[*next as usize] = corner;
+            *next += 1;
+        }
+        Self { of_corner, corners, ranges }
+    }
+
+    /// Reserves memory for so many more nodes.
+    pub(crate) fn reserve(&mut self, more: usize) {
+        self.ranges.reserve_exact(more);
+    }
+
+    /// Number of nodes.
+    #[cfg(test)]
+    pub(crate) fn count(&self) -> usize {
+        self.ranges.len()
+    }
+
+    /// Corners of a node, ascending.
+    #[inline]
+    pub(crate) fn of(&self, node: usize) -> &[u32] {
+        let [first, end] = self.ranges[node];
+        &self.corners[first as usize..end as usize]
     }
 
     /// Returns the node of a corner.
@@ -310,17 +342,12 @@ impl<const N: usize> Nodes<N> {
         self.of_corner[corner as usize / N][corner as usize % N] = node;
     }
 
-    /// Puts a corner in front of the list of its node.
-    fn put_first(&mut self, corner: u32) {
-        let node = self.node_at(corner) as usize;
-        self.next[corner as usize] = self.first[node];
-        self.first[node] = corner;
-    }
-
     /// Gives each group of the corners `of` a vertex a node of its own. The first group of each node keeps the node, the others get new nodes. Calls `added`
     /// with the old node and the new one for each new node. Returns whether there are any.
+    ///
+    /// The corners of a group must have one node.
     pub(crate) fn split(&mut self, of: &[u32], groups: &[u32], mut added: impl FnMut(u32, u32)) -> bool {
-        let mut split = false;
+        let mut split = Vec::new();
         for (place, &corner) in of.iter().enumerate() {
             let leader = groups[place] as usize;
             if leader < place {
@@ -331,23 +358,33 @@ impl<const N: usize> Nodes<N> {
             let node = self.node_at(corner);
             let taken = (0..place).any(|k| self.node_at(of[k]) == node);
             if taken {
-                let new = self.first.len() as u32;
-                self.first.push(NONE);
+                let new = self.ranges.len() as u32;
+                self.ranges.push([0; 2]);
                 self.set(corner, new);
-                split = true;
+                split.push(node);
                 added(node, new);
             }
         }
-        if split {
-            for &corner in of {
-                let node = self.node_at(corner) as usize;
-                self.first[node] = NONE;
-            }
-            for &corner in of.iter().rev() {
-                self.put_first(corner);
-            }
+        for &node in &split {
+            self.divide(node);
         }
-        split
+        !split.is_empty()
+    }
+
+    /// Divides the list of a node among the nodes that its corners have now.
+    fn divide(&mut self, node: u32) {
+        let [first, end] = self.ranges[node as usize];
+        let of_corner = &self.of_corner;
+        let node_at = |corner: u32| of_corner[corner as usize / N][corner as usize % N];
+        let list = &mut self.corners[first as usize..end as usize];
+        // A stable sort: the corners of each node go on ascending.
+        list.sort_by_key(|&corner| node_at(corner));
+        let mut begin = first;
+        for same in list.chunk_by(|&a, &b| node_at(a) == node_at(b)) {
+            let end = begin + same.len() as u32;
+            self.ranges[node_at(same[0]) as usize] = [begin, end];
+            begin = end;
+        }
     }
 }
 

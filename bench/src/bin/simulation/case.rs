@@ -6,10 +6,13 @@ use std::process::Command;
 use std::time::{Duration, Instant};
 
 use fdem_bench::bodies::Body;
-use fdem_simulation::{Mesh, Simulation, Timings};
+use fdem_simulation::{Element, Mesh, Model, Simulation, Timings};
 
 /// Lower bound on the duration of one timing, in seconds.
 const FILL: f64 = 0.5;
+
+/// Steps before any timing: fragments press each other evenly after the first few.
+const SETTLE: u64 = 20;
 
 /// A body, and the way it is timed.
 pub(crate) struct Case {
@@ -24,7 +27,8 @@ pub(crate) struct Case {
 #[derive(Debug)]
 pub(crate) struct Outcome {
     pub(crate) elements: usize,
-    pub(crate) contacts: usize,
+    /// Mean number of contacts in the time that was measured.
+    pub(crate) contacts: f64,
     pub(crate) detections: u64,
     pub(crate) broken: usize,
     /// Peak memory in bytes per element, without what the process held before.
@@ -49,23 +53,37 @@ impl Case {
         })
     }
 
-    /// Runs the same model in turns, so that a temporary slowdown of the machine affects all runs.
     pub(crate) fn run(&self) -> Result<Outcome, Box<dyn Error>> {
+        match self.body {
+            Body::Plane(body) => self.measure(|elements| body.model(elements)),
+            Body::Space(body) => self.measure(|elements| body.model(elements)),
+        }
+    }
+
+    /// Runs the same model in turns, so that a temporary slowdown of the machine affects all runs.
+    fn measure<const D: usize, const N: usize>(
+        &self,
+        model: impl Fn(usize) -> Model<D, N>,
+    ) -> Result<Outcome, Box<dyn Error>>
+    where
+        [[f64; D]; N]: Element<D, N>,
+    {
         // A first small run, so that the memory of the program itself is not counted.
-        Simulation::new(self.body.model(200), 1)?.advance(100)?;
+        Simulation::new(model(200), 1)?.advance(100)?;
         let before = resident("VmRSS")?;
-        let mut one = Simulation::new(self.body.model(self.elements), 1)?;
+        let mut one = Simulation::new(model(self.elements), 1)?;
         let elements = one.model().mesh.elements.len();
         // Runs until detection has its memory and fragments have met.
         let steps = self.warm(&mut one)?;
         let memory = (resident("VmHWM")? - before) / elements as f64;
-        let mut many = Simulation::new(self.body.model(self.elements), self.threads)?;
+        let mut many = Simulation::new(model(self.elements), self.threads)?;
         many.advance(one.steps())?;
         let mesh = std::env::temp_dir().join(format!("fdem-bench-{}.msh", std::process::id()));
         if !self.external.is_empty() {
             std::fs::write(&mesh, gmsh(&one.model().mesh))?;
         }
         let start = one.timings();
+        let mut contacts = Vec::with_capacity(self.rounds);
         let mut samples = vec![Vec::new(); 2 + self.external.len()];
         for _ in 0..self.rounds {
             for (run, samples) in [&mut one, &mut many].into_iter().zip(&mut samples) {
@@ -73,6 +91,7 @@ impl Case {
                 run.advance(steps)?;
                 samples.push(clock.elapsed().as_secs_f64() / steps as f64);
             }
+            contacts.push(one.counts().contacts as f64);
             for ((name, command), samples) in self.external.iter().zip(&mut samples[2..]) {
                 samples.push(outside(name, command, &mesh, steps)?);
             }
@@ -89,7 +108,7 @@ impl Case {
         let counts = one.counts();
         Ok(Outcome {
             elements,
-            contacts: counts.contacts,
+            contacts: contacts.iter().sum::<f64>() / self.rounds as f64,
             detections: counts.detections,
             broken: counts.broken,
             memory,
@@ -99,7 +118,11 @@ impl Case {
     }
 
     /// Runs until the pace is known; returns the number of steps that fill a sample.
-    fn warm(&self, run: &mut Simulation) -> Result<u64, Box<dyn Error>> {
+    fn warm<const D: usize, const N: usize>(&self, run: &mut Simulation<D, N>) -> Result<u64, Box<dyn Error>>
+    where
+        [[f64; D]; N]: Element<D, N>,
+    {
+        run.advance(SETTLE)?;
         let mut steps = 1;
         loop {
             let clock = Instant::now();
@@ -207,18 +230,24 @@ fn resident(key: &str) -> Result<f64, Box<dyn Error>> {
 }
 
 /// The mesh as a Gmsh file, version 2.2.
-fn gmsh(mesh: &Mesh) -> String {
+fn gmsh<const D: usize, const N: usize>(mesh: &Mesh<D, N>) -> String {
+    // The numbers of triangles and tetrahedra in the format.
+    let kind = if D == 2 { 2 } else { 4 };
     let mut text = format!(
-        "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n2 1 \"body\"\n$EndPhysicalNames\n$Nodes\n{}\n",
+        "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n{D} 1 \"body\"\n$EndPhysicalNames\n$Nodes\n{}\n",
         mesh.nodes.len()
     );
-    for (number, [x, y]) in mesh.nodes.iter().enumerate() {
-        let _ = writeln!(text, "{} {x} {y} 0", number + 1);
+    for (number, node) in mesh.nodes.iter().enumerate() {
+        let [x, y, z] = std::array::from_fn(|axis| node.get(axis).copied().unwrap_or(0.0));
+        let _ = writeln!(text, "{} {x} {y} {z}", number + 1);
     }
     let _ = write!(text, "$EndNodes\n$Elements\n{}\n", mesh.elements.len());
     for (number, nodes) in mesh.elements.iter().enumerate() {
-        let [a, b, c] = nodes.map(|node| node + 1);
-        let _ = writeln!(text, "{} 2 2 1 1 {a} {b} {c}", number + 1);
+        let _ = write!(text, "{} {kind} 2 1 1", number + 1);
+        for node in nodes {
+            let _ = write!(text, " {}", node + 1);
+        }
+        text.push('\n');
     }
     text.push_str("$EndElements\n");
     text

@@ -12,14 +12,15 @@ use std::path::PathBuf;
 use std::process::{Command, ExitCode};
 
 use case::{Case, Outcome};
-use fdem_bench::bodies::Body;
+use fdem_bench::bodies::{Body, Plane};
 
 const USAGE: &str = "\
 usage: simulation [--quick] [--bodies NAMES] [--elements N,M] [--threads N] [--rounds N] [--external NAME=COMMAND]...
                   [--external-joints NAME=COMMAND]... [--write FILE]
 
   --quick                  1,000 elements, one round: shows that all runs
-  --bodies NAMES           some of bar,disc,joined,adaptive,intrinsic,heap
+  --bodies NAMES           some of bar,disc,joined,adaptive,intrinsic,heap,
+                           cube,cube-adaptive,cube-joined,debris
   --elements N,M           10000,100000,1000000 if not given
   --threads N              to compare with one thread; 2 if not given
   --rounds N               5 if not given
@@ -46,7 +47,7 @@ struct Plan {
 impl Plan {
     fn from_arguments(arguments: &[String]) -> Option<Self> {
         let mut plan = Self {
-            bodies: Body::ALL.to_vec(),
+            bodies: Body::all().collect(),
             elements: vec![10_000, 100_000, 1_000_000],
             threads: 2,
             rounds: 5,
@@ -74,7 +75,7 @@ impl Plan {
 }
 
 fn body(name: &str) -> Option<Body> {
-    Body::ALL.into_iter().find(|body| body.name() == name)
+    Body::all().find(|body| body.name() == name)
 }
 
 fn main() -> ExitCode {
@@ -115,8 +116,8 @@ fn compare(plan: &Plan) -> Result<(), Box<dyn Error>> {
         for &body in &plan.bodies {
             let numbers = [elements, plan.threads, plan.rounds].map(|number| number.to_string());
             let external = match body {
-                Body::Bar | Body::Disc if elements <= LARGEST => &plan.external[0][..],
-                Body::Joined if elements <= LARGEST => &plan.external[1],
+                Body::Plane(Plane::Bar | Plane::Disc) if elements <= LARGEST => &plan.external[0][..],
+                Body::Plane(Plane::Joined) if elements <= LARGEST => &plan.external[1],
                 _ => &[],
             };
             let output =

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use fdem_bench::bodies::Body;
+use fdem_bench::bodies::{Body, Plane};
 use fdem_bench::{Table, grouped, machine, significant};
 
 use crate::case::Outcome;
@@ -31,7 +31,7 @@ pub(crate) fn report(threads: usize, rounds: usize, limits: &Limits, outcomes: &
     let _ = writeln!(out, "{}\n{}", bodies(outcomes), speed(threads, outcomes));
     let _ = writeln!(
         out,
-        "Memory is the most that the process had on one thread, the model included, without what it had before; a contact takes 240 bytes, of which a heap has up to 1.6 for each element.\n\n\
+        "Memory is the most that the process had on one thread, the model included, without what it had before. Contacts are the mean over the rounds.\n\n\
          ## Where the time goes, 1 thread\n\n{}\n## Against the bounds\n",
         shares(outcomes)
     );
@@ -41,12 +41,14 @@ pub(crate) fn report(threads: usize, rounds: usize, limits: &Limits, outcomes: &
         out,
         "What no program can beat here: {one} GB/s through memory on one thread and {all} on {threads} (triad), {slow} and {fast} GFLOP/s \
          (additions and multiplications in registers, with the instructions of our build). A step moves at least {NODE} bytes for a node, \
-         {ELEMENT} for an element, {JOINT} for a joint, and takes {NODE_WORK}, {ELEMENT_WORK} and {JOINT_WORK} operations; contacts are not counted. \
+         {ELEMENT} for an element, {JOINT} for a joint, and takes {NODE_WORK}, {ELEMENT_WORK} and {JOINT_WORK} operations; contacts are not counted, and bodies of tetrahedra are left out. \
          In brackets: the time of a step over the bound.\n\n{}",
         bounds(limits, outcomes)
     );
-    let others: String =
-        [Body::Bar, Body::Disc, Body::Joined].into_iter().filter_map(|body| others(body, outcomes)).collect();
+    let others: String = [Plane::Bar, Plane::Disc, Plane::Joined]
+        .into_iter()
+        .filter_map(|body| others(Body::Plane(body), outcomes))
+        .collect();
     if !others.is_empty() {
         let _ = writeln!(
             out,
@@ -59,7 +61,7 @@ pub(crate) fn report(threads: usize, rounds: usize, limits: &Limits, outcomes: &
 
 fn bodies(outcomes: &Outcomes) -> Table {
     let mut table = Table::new(&["body", "what"]);
-    for body in Body::ALL.into_iter().filter(|body| outcomes.iter().any(|(other, _)| other == body)) {
+    for body in Body::all().filter(|body| outcomes.iter().any(|(other, _)| other == body)) {
         table.row([body.name().to_owned(), body.what().to_owned()]);
     }
     table
@@ -85,7 +87,7 @@ fn speed(threads: usize, outcomes: &Outcomes) -> Table {
             millions(outcome.rate(1)),
             significant(outcome.rate(1) / outcome.rate(0)),
             format!("{:.0}", outcome.memory),
-            grouped(outcome.contacts as u64),
+            grouped(outcome.contacts.round() as u64),
             grouped(outcome.broken as u64),
         ]));
     }
@@ -113,7 +115,8 @@ fn shares(outcomes: &Outcomes) -> Table {
 fn bounds(limits: &Limits, outcomes: &Outcomes) -> Table {
     let mut table = Table::new(&["body", "elements", "1 thread", "bytes", "operations"]);
     for (body, outcome) in outcomes {
-        let joined = body.has_joints();
+        let Body::Plane(plane) = body else { continue };
+        let joined = plane.has_joints();
         let (nodes, joints) = if joined { (3.0, 1.5) } else { (0.5, 0.0) };
         let bytes = limits.bytes[0] / (ELEMENT + nodes * NODE + joints * JOINT);
         let work = limits.operations[0] / (ELEMENT_WORK + nodes * NODE_WORK + joints * JOINT_WORK);

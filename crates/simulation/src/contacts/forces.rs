@@ -310,7 +310,8 @@ where
     if apart > most {
         return Some(apart);
     }
-    a.interaction(b).err().map(|distance| distance.max(apart))
+    let told = a.interaction(b).err()?.max(apart);
+    Some(if told > most { told } else { a.distance(b, told) })
 }
 
 /// Gap, m, between two elements along the line between their centroids; negative if there is none.

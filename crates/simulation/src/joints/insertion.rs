@@ -54,9 +54,11 @@ impl<const D: usize> Joints<D> {
             let mut failing = Vec::new();
             for (k, near) in chunk.iter_mut().enumerate() {
                 let element = first + k;
-                *near = self
-                    .slopes
-                    .near(self.weakest[element], <[[f64; D]; N]>::circle(&solid.strained[element].stress));
+                let (weakest, stress) = (self.weakest[element], &solid.strained[element].stress);
+                *near = self.slopes.near(weakest, <[[f64; D]; N]>::circle_bound(stress));
+                if *near != Near::Far {
+                    *near = self.slopes.near(weakest, <[[f64; D]; N]>::circle(stress));
+                }
                 if *near == Near::Failing {
                     let facets = topology.facet_of[element].into_iter().filter(|&facet| facet != NONE);
                     failing.extend(facets.filter(|&facet| {
@@ -301,7 +303,7 @@ where
         let (mut force, mut mass) = ([[0.0; D]; 2], [0.0; 2]);
         for (&corner, &group) in self.corners().iter().zip(self.groups) {
             let Some(side) = sides.iter().position(|&side| side == group) else { continue };
-            let mut total = solid.strained[corner as usize / N].forces[corner as usize % N];
+            let mut total = solid.forces[corner as usize / N][corner as usize % N];
             self.joints.add_force(corner, &mut total);
             contacts.add_force(corner, &mut total);
             for axis in 0..D {

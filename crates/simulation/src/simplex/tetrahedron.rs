@@ -1,5 +1,6 @@
 //! Tetrahedra.
 
+mod distance;
 mod eigen;
 mod elastic;
 mod facet;
@@ -17,6 +18,9 @@ pub(crate) type Tetrahedron = [Point<3>; 4];
 
 /// Corners of the faces, counter-clockwise seen from outside.
 const FACES: [[usize; 3]; 4] = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]];
+
+/// Corners of the edges.
+const EDGES: [[usize; 2]; 6] = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
 
 impl Simplex<3, 4> for Tetrahedron {
     const FACETS: [[usize; 3]; 4] = FACES;
@@ -66,6 +70,17 @@ impl Simplex<3, 4> for Tetrahedron {
     fn axes([a, b, c]: &[Point<3>; 3]) -> Matrix<3> {
         let along = minus(*b, *a);
         let normal = cross3(along, minus(*c, *a));
+        [normal, along, cross3(normal, along)]
+    }
+
+    #[inline]
+    fn unit_axes([a, b, c]: &[Point<3>; 3]) -> Matrix<3> {
+        let along = minus(*b, *a);
+        let normal = cross3(along, minus(*c, *a));
+        let [normal, along] = [normal, along].map(|axis| {
+            let long = 1.0 / dot(axis, axis).sqrt();
+            axis.map(|x| x * long)
+        });
         [normal, along, cross3(normal, along)]
     }
 
@@ -130,6 +145,17 @@ impl Simplex<3, 4> for Tetrahedron {
         [0.5 * (most + least), 0.5 * (most - least)]
     }
 
+    /// From the mean stress p and the second invariant J₂ of the deviator. Its eigenvalues differ by at most 2 √J₂, and the one between the others is at least −√(J₂/3); the
+    /// middle of the others is p less half of it.
+    #[inline]
+    fn circle_bound(stress: &Matrix<3>) -> [f64; 2] {
+        let mean = (stress[0][0] + stress[1][1] + stress[2][2]) / 3.0;
+        // Enlarged by more than rounding.
+        let radius = (elastic::deviation(stress) * ((1.0 + 1e-12) / 3.0)).sqrt();
+        let rounding = 1e-12 * mean.abs();
+        [mean + 0.288_675_2 * radius + rounding, radius + rounding]
+    }
+
     fn moduli(material: &Material, _: Plane) -> Moduli {
         elastic::moduli(material)
     }
@@ -167,9 +193,42 @@ impl Simplex<3, 4> for Tetrahedron {
     fn interaction(&self, other: &Self) -> Result<Interaction<3, 4>, f64> {
         potential::interaction(self, other)
     }
+
+    fn distance(&self, other: &Self, told: f64) -> f64 {
+        distance::between(self, other).max(told)
+    }
 }
 
 #[inline]
 fn cross3(a: Point<3>, b: Point<3>) -> Point<3> {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::uniform;
+    use crate::vector::matrix;
+
+    /// The bounds hold, and are not far off, for stresses of all kinds.
+    #[test]
+    fn the_circle_is_within_its_bound() {
+        for seed in 0..1000 {
+            let [pressure, shear] = [0, 1].map(|k| 10_f64.powi((uniform(seed, k) * 8.0) as i32));
+            let half: Matrix<3> = matrix(|i, k| uniform(seed, 2 + (3 * i + k) as u64) - 0.5);
+            let stress = matrix(|i, k| {
+                shear * (half[i][k] + half[k][i])
+                    - if i == k { pressure * (uniform(seed, 20) - 0.5) } else { 0.0 }
+            });
+            let (exact, bound) = (Tetrahedron::circle(&stress), Tetrahedron::circle_bound(&stress));
+            let rounding = 1e-14 * (pressure + shear);
+            for k in 0..2 {
+                assert!(exact[k] <= bound[k] + rounding, "{stress:?} {exact:?} {bound:?}");
+                assert!(
+                    bound[k] <= exact[k] + 0.7 * exact[1] + 1e-9 * (pressure + shear),
+                    "{stress:?} {exact:?} {bound:?}"
+                );
+            }
+        }
+    }
 }

@@ -8,7 +8,7 @@ mod potential;
 use crate::elastic::Moduli;
 use crate::model::{Material, Plane};
 use crate::simplex::{Interaction, Simplex};
-use crate::vector::{Matrix, Point, cross, length, minus};
+use crate::vector::{Matrix, Point, cross, dot, length, minus};
 
 /// Corners of a triangle, counter-clockwise.
 pub(crate) type Triangle = [Point; 3];
@@ -63,6 +63,13 @@ impl Simplex<2, 3> for Triangle {
     }
 
     #[inline]
+    fn unit_axes(facet: &[Point; 2]) -> Matrix {
+        Self::axes(facet).map(|axis| {
+            let long = 1.0 / dot(axis, axis).sqrt();
+            axis.map(|x| x * long)
+        })
+    }
+
     fn axes_around(normal: Point) -> Matrix {
         [normal, [-normal[1], normal[0]]]
     }
@@ -120,6 +127,10 @@ impl Simplex<2, 3> for Triangle {
         [mean, (half * half + xy * xy).sqrt()]
     }
 
+    fn circle_bound(stress: &Matrix) -> [f64; 2] {
+        Self::circle(stress)
+    }
+
     fn moduli(material: &Material, plane: Plane) -> Moduli {
         elastic::moduli(material, plane)
     }
@@ -155,5 +166,9 @@ impl Simplex<2, 3> for Triangle {
 
     fn interaction(&self, other: &Self) -> Result<Interaction, f64> {
         potential::interaction(self, other)
+    }
+
+    fn distance(&self, _: &Self, told: f64) -> f64 {
+        told
     }
 }

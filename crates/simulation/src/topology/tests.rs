@@ -93,10 +93,9 @@ fn a_vertex_comes_apart_when_two_facets_let_go() {
     assert_eq!(groups, [0, 1, 1, 0]);
     let mut added = Vec::new();
     assert!(nodes.split(topology.corners_of(4), &groups, |old, new| added.push((old, new))));
-    assert_eq!((added, nodes.first.len()), (vec![(4, 5)], 6));
+    assert_eq!((added, nodes.count()), (vec![(4, 5)], 6));
     assert_eq!([2, 5, 8, 11].map(|corner| nodes.node_at(corner)), [4, 5, 5, 4]);
-    assert_eq!((nodes.first[4], nodes.next[2], nodes.next[11]), (2, 11, NONE));
-    assert_eq!((nodes.first[5], nodes.next[5], nodes.next[8]), (5, 8, NONE));
+    assert_eq!([nodes.of(4), nodes.of(5)], [[2, 11], [5, 8]]);
     // Splitting again by the same groups changes nothing.
     assert!(!nodes.split(topology.corners_of(4), &groups, |_, _| ()));
 }
@@ -119,7 +118,7 @@ fn an_octahedron_comes_apart_when_two_facets_let_go() {
         topology.groups(vertex, |facet| !broken.contains(&facet), &mut groups);
         nodes.split(topology.corners_of(vertex), &groups, |_, _| ());
     }
-    assert_eq!(nodes.first.len(), 10, "vertices 4 and 5, and those of the two facets, have two nodes each");
+    assert_eq!(nodes.count(), 10, "vertices 4 and 5, and those of the two facets, have two nodes each");
     assert_eq!(topology.pieces(|facet| !broken.contains(&facet)), [0, 1, 1, 0]);
 }
 
@@ -257,15 +256,14 @@ where
             nodes.split(topology.corners_of(vertex), &groups, |_, _| ());
         }
         let mut mass = 0;
-        for node in 0..nodes.first.len() {
-            let (mut corner, mut last) = (nodes.first[node], None);
-            assert_ne!(corner, NONE, "a node without corners");
-            while corner != NONE {
+        for node in 0..nodes.count() {
+            let mut last = None;
+            assert!(!nodes.of(node).is_empty(), "a node without corners");
+            for &corner in nodes.of(node) {
                 assert!(last < Some(corner), "the corners of a node ascend");
                 assert_eq!(nodes.node_at(corner) as usize, node);
                 mass += weight(corner);
                 last = Some(corner);
-                corner = nodes.next[corner as usize];
             }
         }
         assert_eq!(mass, total);
@@ -281,8 +279,8 @@ where
             }
         }
         // A run that is resumed builds the lists again.
-        let again = Nodes::new(nodes.of_corner.clone(), nodes.first.len());
-        assert_eq!((again.first, again.next), (nodes.first.clone(), nodes.next.clone()));
+        let again = Nodes::new(nodes.of_corner.clone(), nodes.count());
+        assert!((0..nodes.count()).all(|node| again.of(node) == nodes.of(node)));
     }
 }
 

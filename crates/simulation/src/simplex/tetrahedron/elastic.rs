@@ -12,9 +12,21 @@ pub(super) fn moduli(material: &Material) -> Moduli {
 
 /// Sum of squares that is 0 for a multiple of the unit tensor: `((xx − yy)² + (yy − zz)² + (zz − xx)²)/2 + 3 (xy² + yz² + zx²)`.
 #[inline]
-fn deviation([[xx, xy, xz], [_, yy, yz], [_, _, zz]]: &Matrix<3>) -> f64 {
+pub(super) fn deviation([[xx, xy, xz], [_, yy, yz], [_, _, zz]]: &Matrix<3>) -> f64 {
     let (one, two, three) = (xx - yy, yy - zz, zz - xx);
     0.5 * (one * one + two * two + three * three) + 3.0 * (xy * xy + yz * yz + xz * xz)
+}
+
+/// `∛(1 + z)`. For small strains by its series, which is exact to rounding there and takes a fifth of the time.
+#[inline]
+fn cube_root(z: f64) -> f64 {
+    if z.abs() < 1e-3 {
+        let series = 22.0 / 729.0 * z - 10.0 / 243.0;
+        let series = (series * z + 5.0 / 81.0) * z - 1.0 / 9.0;
+        1.0 + z * (1.0 / 3.0 + z * series)
+    } else {
+        libm::cbrt(1.0 + z)
+    }
 }
 
 /// Energy density, J/m³, that a stress has stored by Hooke's law: `σ:C⁻¹:σ / 2`.
@@ -45,7 +57,7 @@ pub(super) fn stress(moduli: &Moduli, f: &Matrix<3>, j: f64, cofactor: &Matrix<3
     let determinant = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz);
     let deviation = deviation(&[[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]);
     let z = (4.0 / 3.0 * deviation + u * u * u - 8.0 * determinant) / (j * j);
-    let c = libm::cbrt(1.0 + z);
+    let c = cube_root(z);
     let shape = z / (c * c + c + 1.0);
     let volume = j - 1.0;
     // G J^(−2/3), and what multiplies the cofactors.
@@ -54,4 +66,19 @@ pub(super) fn stress(moduli: &Moduli, f: &Matrix<3>, j: f64, cofactor: &Matrix<3
     let k = moduli.bulk * volume - g * third / j;
     let stress = std::array::from_fn(|i| std::array::from_fn(|l| g * f[i][l] + k * cofactor[i][l]));
     (stress, 1.5 * moduli.shear * shape + 0.5 * moduli.bulk * volume * volume)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::uniform;
+
+    #[test]
+    fn the_series_of_the_cube_root_is_exact_to_rounding() {
+        for k in 0..10_000 {
+            let z = 2.1e-3 * (uniform(3, k) - 0.5);
+            let off = cube_root(z) - libm::cbrt(1.0 + z);
+            assert!(off.abs() <= 2.0 * f64::EPSILON, "{z} {off}");
+        }
+    }
 }

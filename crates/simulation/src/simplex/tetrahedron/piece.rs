@@ -2,13 +2,14 @@
 
 use crate::vector::cross;
 
-/// Most corners of a piece: of a triangle that was cut by four lines.
-const MOST: usize = 7;
+/// Most corners of a piece: of a triangle that was cut by seven lines.
+const MOST: usize = 10;
 
 /// A point, by its barycentric coordinates.
 pub(super) type Place = [f64; 3];
 
 /// A convex piece of a triangle.
+#[derive(Clone, Copy)]
 pub(super) struct Piece {
     places: [Place; MOST],
     count: usize,
@@ -23,6 +24,10 @@ impl Piece {
         Self { places, count: 3 }
     };
 
+    pub(super) fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
     /// Calls `each` with the triangles of a fan over the piece.
     #[inline]
     pub(super) fn fan(&self, mut each: impl FnMut([Place; 3])) {
@@ -35,20 +40,23 @@ impl Piece {
     /// Keeps the part where a linear function with these values at the corners of the face is not negative.
     #[inline]
     pub(super) fn cut(&mut self, values: [f64; 3]) {
-        if self.count == 0 || values.iter().all(|&value| value >= 0.0) {
-            return;
+        let mut at_corners = [0.0; MOST];
+        let (mut any, mut all) = (false, true);
+        for (at, place) in at_corners.iter_mut().zip(&self.places[..self.count]) {
+            *at = place[0] * values[0] + place[1] * values[1] + place[2] * values[2];
+            any |= *at >= 0.0;
+            all &= *at >= 0.0;
         }
-        if values.iter().all(|&value| value < 0.0) {
+        if !any {
             self.count = 0;
+        }
+        if all || !any {
             return;
         }
-        let value = |place: &Place| place[0] * values[0] + place[1] * values[1] + place[2] * values[2];
-        let before = std::mem::replace(&mut self.places, [[0.0; 3]; MOST]);
+        let before = self.places;
         let count = std::mem::take(&mut self.count);
-        let mut last = before[count - 1];
-        let mut at_last = value(&last);
-        for place in &before[..count] {
-            let at = value(place);
+        let (mut last, mut at_last) = (before[count - 1], at_corners[count - 1]);
+        for (place, at) in before[..count].iter().zip(at_corners) {
             if (at_last < 0.0) != (at < 0.0) {
                 let share = at_last / (at_last - at);
                 self.push(std::array::from_fn(|k| last[k] + share * (place[k] - last[k])));

@@ -17,6 +17,7 @@
 //!
 //! A. Munjiza, "The Combined Finite-Discrete Element Method" (Wiley, 2004), 2.6, has another potential and other forces, which are not its gradient.
 
+use crate::simplex::tetrahedron::distance;
 use crate::simplex::tetrahedron::piece::{Piece, Place, share_of};
 use crate::simplex::tetrahedron::{FACES, Tetrahedron, cross3};
 use crate::simplex::{Interaction, NEAR, Sum};
@@ -37,7 +38,7 @@ pub(super) fn interaction(a: &Tetrahedron, b: &Tetrahedron) -> Result<Interactio
     press(b, (a, &coordinates[0], &in_a), [&covered[1], &covered[0]], [second, first], &mut sum);
     // No face parts the two. They overlap, touch, or are apart with an edge of each nearest to the other.
     if sum.energy <= 0.0 {
-        return Err(apart_by_edges(a, b));
+        return Err(distance::between(a, b));
     }
     Ok(sum.completed(result, a[0]))
 }
@@ -136,32 +137,6 @@ impl Coordinates {
     }
 }
 
-/// Corners of the edges.
-const EDGES: [[usize; 2]; 6] = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
-
-/// Lower bound of the distance of two tetrahedra: the largest gap between them along a direction at right angles to an edge of each; 0 without a gap.
-fn apart_by_edges(a: &Tetrahedron, b: &Tetrahedron) -> f64 {
-    let edges = |shape: &Tetrahedron| EDGES.map(|[from, to]| minus(shape[to], shape[from]));
-    let mut most = 0.0_f64;
-    for one in edges(a) {
-        for other in edges(b) {
-            let axis = cross3(one, other);
-            let squared = dot(axis, axis);
-            // Edges that are nearly parallel say nothing that the faces have not said.
-            if squared <= 1e-12 * dot(one, one) * dot(other, other) {
-                continue;
-            }
-            let [[low, high], [other_low, other_high]] = [a, b].map(|shape| {
-                let along = shape.map(|corner| dot(corner, axis));
-                let least = along.into_iter().fold(f64::INFINITY, f64::min);
-                [least, along.into_iter().fold(f64::NEG_INFINITY, f64::max)]
-            });
-            most = most.max((other_low - high).max(low - other_high) / squared.sqrt());
-        }
-    }
-    most
-}
-
 /// The part of a face that lies in another tetrahedron, with integrals over this part. The area of the face counts as 1.
 #[derive(Clone, Copy)]
 struct Covered {
@@ -187,10 +162,17 @@ fn face_in(corners: &[[f64; 4]; 3]) -> Covered {
     if (0..4).any(|k| corners.iter().all(|corner| corner[k] <= 0.0)) {
         return covered;
     }
+    // Where no coordinate is negative. Most faces have no such part.
+    let mut inside = Piece::WHOLE;
+    for k in 0..4 {
+        inside.cut(corners.map(|corner| corner[k]));
+        if inside.is_empty() {
+            return covered;
+        }
+    }
     for least in 0..4 {
-        // Where this coordinate is not negative, and the least of all.
-        let mut piece = Piece::WHOLE;
-        piece.cut(corners.map(|corner| corner[least]));
+        // Where this coordinate is the least.
+        let mut piece = inside;
         for other in (0..4).filter(|&other| other != least) {
             piece.cut(corners.map(|corner| corner[other] - corner[least]));
         }

@@ -1,0 +1,94 @@
+//! Bodies of tetrahedra.
+
+use fdem_simulation::{Insertion, Mesh, Model};
+
+use super::{CELL, of_rock, pressed};
+
+/// The body of tetrahedra that is simulated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Space {
+    /// A cube that vibrates.
+    Cube,
+    /// The same cube, which could break: every face is checked, but no joint is inserted.
+    CubeAdaptive,
+    /// The same cube with joints on all faces from the beginning.
+    CubeJoined,
+    /// Cubes of 384 elements, which press each other on all sides in a box that shrinks.
+    Debris,
+}
+
+impl Space {
+    /// All bodies.
+    pub const ALL: [Self; 4] = [Self::Cube, Self::CubeAdaptive, Self::CubeJoined, Self::Debris];
+
+    /// The name, without spaces.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Cube => "cube",
+            Self::CubeAdaptive => "cube-adaptive",
+            Self::CubeJoined => "cube-joined",
+            Self::Debris => "debris",
+        }
+    }
+
+    /// A short description.
+    pub fn what(self) -> &'static str {
+        match self {
+            Self::Cube => "3D: elastic cube, ringing",
+            Self::CubeAdaptive => "3D: cube that may break anywhere, and does not yet",
+            Self::CubeJoined => "3D: cube, ringing, joints on every face",
+            Self::Debris => {
+                "3D: elastic fragments of 384 elements that press each other in a box that shrinks"
+            }
+        }
+    }
+
+    /// The model, with approximately this number of elements.
+    pub fn model(self, elements: usize) -> Model<3, 4> {
+        let count = |x: f64| (x.round() as usize).max(1);
+        if self == Self::Debris {
+            let odd = |number: usize, shift: f64| if number.is_multiple_of(2) { 0.0 } else { shift };
+            let shift =
+                |[_, row, layer]: [usize; 3]| [odd(row, 0.45) + odd(layer, 0.23), odd(layer, 0.37), 0.0];
+            let (mesh, velocities, boundaries) =
+                pressed(&cubes(4), count((elements as f64 / 384.0).cbrt()), shift);
+            let rock = of_rock(mesh, velocities, false, Insertion::Adaptive);
+            return Model { boundaries, ..rock };
+        }
+        let mesh = cubes(count((elements as f64 / 6.0).cbrt()));
+        let speed = |[x, y, z]: [f64; 3]| [(300.0 * x).sin(), (200.0 * y).cos(), (250.0 * z).sin()];
+        let velocities = mesh.nodes.iter().map(|&node| speed(node).map(|v| 0.01 * v)).collect();
+        let insertion = if self == Self::CubeJoined { Insertion::Intrinsic } else { Insertion::Adaptive };
+        of_rock(mesh, velocities, self != Self::Cube, insertion)
+    }
+}
+
+/// A cube of `side`³ cubes of six tetrahedra each.
+fn cubes(side: usize) -> Mesh<3, 4> {
+    let along = side + 1;
+    let node = |[i, j, k]: [usize; 3]| ((k * along + j) * along + i) as u32;
+    let place = |number: usize| {
+        [number % along, number / along % along, number / (along * along)].map(|x| x as f64 * CELL)
+    };
+    let nodes = (0..along.pow(3)).map(place).collect();
+    // From the lowest corner of a cube to the highest, along the axes in all orders. Odd orders are mirrored.
+    let orders = [[0, 1, 2], [1, 2, 0], [2, 0, 1], [1, 0, 2], [0, 2, 1], [2, 1, 0]];
+    let mut elements = Vec::with_capacity(6 * side.pow(3));
+    for cell in 0..side.pow(3) {
+        let lowest = [cell % side, cell / side % side, cell / (side * side)];
+        for (number, order) in orders.into_iter().enumerate() {
+            let mut at = lowest;
+            let mut corners = [node(at); 4];
+            for (corner, axis) in corners[1..].iter_mut().zip(order) {
+                at[axis] += 1;
+                *corner = node(at);
+            }
+            if number >= 3 {
+                corners.swap(1, 2);
+            }
+            elements.push(corners);
+        }
+    }
+    let count = elements.len();
+    Mesh { nodes, elements, bodies: vec![0; count], materials: vec![0; count] }
+}
