@@ -17,8 +17,7 @@ mod schema;
 mod shapes;
 mod extent;
 mod outline;
-mod mesher;
-mod voronoi;
+mod refine;
 mod packing;
 mod mesh_file;
 mod piece;
@@ -36,7 +35,6 @@ mod joined;
 pub(crate) mod locking;
 mod plausible;
 mod preflight;
-mod quality;
 mod slivers;
 mod warnings;
 mod equilibrium;
@@ -56,9 +54,9 @@ use sha2::{Digest, Sha256};
 
 pub use bodies::Load;
 pub use fault::{Drawing, Fault, ModelErrors};
+pub use fdem_mesh::Quality;
 pub(crate) use preflight::steps;
 pub use preflight::{Critical, Preflight};
-pub use quality::Quality;
 pub use schema::schema;
 pub use settings::{Checkpoint, History, OutputSettings, Quantity};
 

@@ -2,10 +2,15 @@
 //!
 //! There is no file and no physics in this crate. Lengths are in whatever unit the caller has.
 
+mod grading;
 mod mesh;
+mod quality;
 mod simplex;
 pub mod shapes;
 pub mod tetrahedra;
+pub mod triangles;
 
-pub use mesh::Mesh;
-pub use simplex::Simplex;
+pub use grading::{Grading, Place, Refinement};
+pub use mesh::{Mesh, bounds};
+pub use quality::{Quality, edges};
+pub use simplex::{Simplex, facets_of, sorted};

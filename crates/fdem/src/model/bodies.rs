@@ -11,6 +11,7 @@ use crate::model::fault::{self, Fault};
 use crate::model::file::{Body, ModelFile};
 use crate::model::materials;
 use crate::model::piece::Piece;
+use crate::model::refine;
 use crate::model::shapes;
 
 /// Gives the bytes of a file that a model names, or says why it cannot.
@@ -96,6 +97,7 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, dimensions: u8, f
         }
         for (key, is_given, of_files) in [
             ("mesh_size", body.mesh_size.is_some(), false),
+            ("refine", !body.refine.is_empty(), false),
             ("only", body.only.is_some(), true),
             ("groups", !body.groups.is_empty(), true),
         ] {
@@ -105,6 +107,10 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, dimensions: u8, f
                     Fault::at(document.key(table, key), format!("\"{key}\" is {what}")).label("take it out"),
                 );
             }
+        }
+        for problem in refine::problems(body, dimensions) {
+            let span = document.value(table, &problem.key);
+            faults.push(Fault::at(span, problem.message).label("this place").maybe_help(problem.help));
         }
         if let Some(problem) = shapes::problem(body, dimensions) {
             let span = document.value(table, &problem.key);
@@ -177,7 +183,9 @@ where
             missing.insert(index);
             continue;
         }
-        match <[[f64; D]; N]>::pieces(file, body, load) {
+        let pieces = <[[f64; D]; N]>::pieces(file, body, load);
+        let pieces = pieces.and_then(|pieces| refine::beyond(body, &pieces).map_or(Ok(pieces), Err));
+        match pieces {
             Ok(pieces) => {
                 let several = body.packing.is_some();
                 for (number, mut piece) in pieces.into_iter().enumerate() {
