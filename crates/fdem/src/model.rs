@@ -20,6 +20,7 @@ mod outline;
 mod refine;
 mod packing;
 mod mesh_file;
+mod gmsh;
 mod piece;
 
 mod dimensions;

@@ -185,6 +185,8 @@ fn smallest_angle(mesh: &Tetrahedra) -> f64 {
 /// Refuses regions that are much thinner than the size.
 fn not_thin(surface: &Surface, size: &Size<'_>) -> Result<(), MeshError> {
     let origin = surface.nodes[0];
+    let (low, high) = bounds(&surface.nodes);
+    let longest = (0..3).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
     // Six times the volume, twice the area, and the sum of the sizes weighted by that, of each region.
     let mut sums: BTreeMap<u32, [f64; 3]> = BTreeMap::new();
     for (facet, sides) in surface.sides.iter().enumerate() {
@@ -200,8 +202,10 @@ fn not_thin(surface: &Surface, size: &Size<'_>) -> Result<(), MeshError> {
     }
     for (region, [volume, area, sizes]) in sums {
         // A plate has its volume over half of its surface as thickness.
-        let (thickness, size) = (2.0 * volume / 3.0 / area, sizes / area);
-        if size > FLAT * thickness && size.is_finite() {
+        let thickness = 2.0 * volume / 3.0 / area;
+        // No edge is longer than the body; a size that is no number is told later.
+        let size = (sizes / area).min(longest);
+        if sizes.is_finite() && size > FLAT * thickness {
             return Err(MeshError::Thin { region, thickness, size });
         }
     }

@@ -11,8 +11,8 @@ use crate::model::fault::{self, Fault};
 use crate::model::file::{Body, ModelFile};
 use crate::model::materials;
 use crate::model::piece::Piece;
-use crate::model::refine;
 use crate::model::shapes;
+use crate::model::{gmsh, refine};
 
 /// Gives the bytes of a file that a model names, or says why it cannot.
 pub type Load<'l> = dyn FnMut(&str) -> Result<Vec<u8>, String> + 'l;
@@ -83,7 +83,8 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, dimensions: u8, f
             ),
         }
         let from_file = body.mesh.is_some();
-        if !from_file && body.mesh_size.is_none() && !given.is_empty() {
+        let meshed_here = body.mesh.as_ref().is_none_or(|name| gmsh::is_geometry(name));
+        if meshed_here && body.mesh_size.is_none() && !given.is_empty() {
             faults.push(
                 Fault::at(
                     document.key(table, given[0]),
@@ -101,7 +102,8 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, dimensions: u8, f
             ("only", body.only.is_some(), true),
             ("groups", !body.groups.is_empty(), true),
         ] {
-            if is_given && of_files != from_file && !given.is_empty() {
+            let fits = if key == "mesh_size" { meshed_here } else { of_files == from_file };
+            if is_given && !fits && !given.is_empty() {
                 let what = if of_files { "for meshes from files" } else { "not for meshes from files" };
                 faults.push(
                     Fault::at(document.key(table, key), format!("\"{key}\" is {what}")).label("take it out"),

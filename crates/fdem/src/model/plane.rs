@@ -25,7 +25,7 @@ pub(crate) fn pieces(file: &ModelFile, body: &Body, load: &mut Load<'_>) -> Resu
         move |message: String| Problem::new(key, format!("[[body]] \"{}\": {message}", body.name))
     };
     if let Some(name) = &body.mesh {
-        let bytes = load(name).map_err(|why| Problem::new("mesh", format!("cannot read {name}: {why}")))?;
+        let bytes = mesh_file::file_of(body, name, 2, load)?;
         let groups = materials_of_groups(file, body);
         let mut piece = mesh_file::read_flat(&bytes, name, body.only.as_deref(), &groups, material)?;
         piece.find_outline().map_err(|message| Problem::new("mesh", format!("{name}: {message}")))?;

@@ -12,7 +12,7 @@ use crate::model::piece::Piece;
 pub(crate) fn grading<const D: usize>(body: &Body) -> Grading<D> {
     Grading {
         size: body.mesh_size.unwrap_or(f64::MAX),
-        near: body.refine.iter().map(|near| refinement(near)).collect(),
+        near: body.refine.iter().map(refinement).collect(),
     }
 }
 

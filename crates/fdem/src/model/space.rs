@@ -30,7 +30,7 @@ pub(crate) fn pieces(
     // Checked before: names are known, and there is a size.
     let material = materials::number(file, &body.material).unwrap_or(0);
     if let Some(name) = &body.mesh {
-        let bytes = load(name).map_err(|why| Problem::new("mesh", format!("cannot read {name}: {why}")))?;
+        let bytes = mesh_file::file_of(body, name, 3, load)?;
         let groups = materials_of_groups(file, body);
         let mut piece = mesh_file::read_space(&bytes, name, body.only.as_deref(), &groups, material)?;
         piece.find_outline().map_err(|message| Problem::new("mesh", format!("{name}: {message}")))?;

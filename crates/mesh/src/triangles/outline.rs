@@ -39,6 +39,7 @@ impl Domain {
     }
 
     /// The same in coordinates about another origin.
+    #[must_use]
     pub fn relative_to(&self, origin: Point) -> Self {
         let moved = |point: Point| [0, 1].map(|axis| point[axis] - origin[axis]);
         Self {

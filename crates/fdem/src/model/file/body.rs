@@ -17,7 +17,7 @@ pub struct Body {
     pub name: String,
     /// Name of the material of the body.
     pub material: String,
-    /// Mean edge of the elements, m. Meshes from files have their own size and take no such key.
+    /// Mean edge of the elements, m. Meshes from files have their own size and take no such key; geometries that Gmsh meshes take it as the longest edge.
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub mesh_size: Option<f64>,
@@ -39,7 +39,7 @@ pub struct Body {
     /// Velocity [x, y] or [x, y, z] at the start, m/s. Default: rest.
     #[serde(default)]
     pub velocity: Option<Vector>,
-    /// A file with a mesh of triangles or of tetrahedra: Gmsh .msh 2.2 or 4.1, VTU, or another format that `fdem contacts` reads. Its path is relative to the model file.
+    /// A file with a mesh of triangles or of tetrahedra: Gmsh .msh 2.2 or 4.1, VTU, or another format that `fdem contacts` reads. Its path is relative to the model file. Or a geometry (.geo, .step, .iges, .brep) with `mesh_size`, which is meshed by the program Gmsh where that is installed.
     #[serde(default)]
     pub mesh: Option<String>,
     /// Physical groups of surfaces, or of volumes, to take from a mesh file. Default: the whole file.
