@@ -10,10 +10,7 @@ use crate::model::piece::Piece;
 
 /// The size of the elements of a body. Its keys have been checked.
 pub(crate) fn grading<const D: usize>(body: &Body) -> Grading<D> {
-    Grading {
-        size: body.mesh_size.unwrap_or(f64::MAX),
-        near: body.refine.iter().map(refinement).collect(),
-    }
+    Grading { size: body.mesh_size.unwrap_or(f64::MAX), near: body.refine.iter().map(refinement).collect() }
 }
 
 fn refinement<const D: usize>(of: &Refine) -> Refinement<D> {
