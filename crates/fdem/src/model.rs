@@ -17,10 +17,10 @@ mod schema;
 mod shapes;
 mod extent;
 mod outline;
-mod mesher;
-mod voronoi;
+mod refine;
 mod packing;
 mod mesh_file;
+mod gmsh;
 mod piece;
 
 mod dimensions;
@@ -36,7 +36,6 @@ mod joined;
 pub(crate) mod locking;
 mod plausible;
 mod preflight;
-mod quality;
 mod slivers;
 mod warnings;
 mod equilibrium;
@@ -53,9 +52,9 @@ use sha2::{Digest, Sha256};
 
 pub use bodies::Load;
 pub use fault::{Drawing, Fault, ModelErrors};
+pub use fdem_mesh::Quality;
 pub(crate) use preflight::steps;
 pub use preflight::{Critical, Preflight};
-pub use quality::Quality;
 pub use schema::schema;
 pub use settings::{Checkpoint, History, OutputSettings, Quantity};
 

@@ -4,6 +4,7 @@
 //! - `limits`: what would take more memory or time than there is.
 //! - `locking`: how much too stiff elements are in bending.
 //! - `meshes`: shapes, sizes, angles, grains, packings, mesh files.
+//! - `refine`: places near which elements are smaller.
 //! - `prepared`: what a model file becomes: boundaries, materials, histories, warnings.
 //! - `warned`: what is allowed, and probably not meant.
 //! - `examples`: the examples, the starter and the schema.
@@ -22,6 +23,8 @@ mod meshes;
 mod mistakes;
 #[path = "model/prepared.rs"]
 mod prepared;
+#[path = "model/refine.rs"]
+mod refine;
 #[path = "model/space.rs"]
 mod space;
 #[path = "model/warned.rs"]

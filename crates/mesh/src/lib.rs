@@ -10,10 +10,15 @@
 //! | the mesher of tetrahedra | `src/tetrahedra.rs`, then its parts in `src/tetrahedra` |
 //! | angles, measures and facets of triangles and tetrahedra | `src/simplex.rs` |
 
+mod grading;
 mod mesh;
+mod quality;
 mod simplex;
 pub mod shapes;
 pub mod tetrahedra;
+pub mod triangles;
 
-pub use mesh::Mesh;
-pub use simplex::Simplex;
+pub use grading::{Grading, Place, Refinement};
+pub use mesh::{Mesh, bounds};
+pub use quality::{Quality, edges};
+pub use simplex::{Simplex, facets_of, sorted};

@@ -18,3 +18,15 @@ pub struct Mesh<const D: usize = 2, const N: usize = 3> {
     /// Material of each element.
     pub materials: Vec<u32>,
 }
+
+/// Least and largest coordinates; infinite the wrong way round without points.
+pub fn bounds<const D: usize>(points: impl Iterator<Item = [f64; D]>) -> [[f64; D]; 2] {
+    let mut bounds = [[f64::INFINITY; D], [f64::NEG_INFINITY; D]];
+    for point in points {
+        for axis in 0..D {
+            bounds[0][axis] = bounds[0][axis].min(point[axis]);
+            bounds[1][axis] = bounds[1][axis].max(point[axis]);
+        }
+    }
+    bounds
+}

@@ -72,6 +72,20 @@ impl Simplex<3, 4> for [[f64; 3]; 4] {
     }
 }
 
+/// The facets of an element by their nodes.
+pub fn facets_of<const D: usize, const N: usize>(element: &[u32; N]) -> [[u32; D]; N]
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    <[[f64; D]; N]>::FACETS.map(|facet| facet.map(|corner| element[corner]))
+}
+
+/// The nodes of a facet, ascending.
+pub fn sorted<const D: usize>(mut facet: [u32; D]) -> [u32; D] {
+    facet.sort_unstable();
+    facet
+}
+
 /// Normal of a face, twice as long as its area.
 fn normal([a, b, c]: &[[f64; 3]; 3]) -> [f64; 3] {
     cross(minus(*b, *a), minus(*c, *a))

@@ -22,12 +22,18 @@ pub(crate) mod plane;
 mod predicates;
 mod recover;
 mod regions;
+mod sharpest;
 mod sizes;
 mod skin;
 pub(crate) mod vector;
 
 pub use error::MeshError;
+pub use sharpest::{SharpEdge, sharpest_edge};
 
+use std::collections::BTreeMap;
+
+use crate::Simplex;
+use crate::grading::Grading;
 use improve::body::Body;
 use sizes::Sizes;
 use skin::Skin;
@@ -41,6 +47,16 @@ pub(crate) const MOST: usize = 50_000_000;
 
 /// Volume of a tetrahedron over the cube of the mean edge, in a large mesh.
 const VOLUME: f64 = 0.1;
+
+/// Size over the mean thickness of a body that still gives good angles.
+const THICK: f64 = 3.0;
+
+/// Size over the mean thickness of a body from which the angles are below a degree or two: no mesh is made.
+const FLAT: f64 = 50.0;
+
+/// Smallest angle between facets of a mesh, degrees, below which it is made again from other random numbers, and how often.
+const POOR: f64 = 8.0;
+const AGAIN: u64 = 6;
 
 /// Most rounds in which flat tetrahedra at the surface are left out.
 const PEELS: usize = 8;
@@ -115,11 +131,93 @@ pub struct Tetrahedra {
 /// # Ok::<(), fdem_mesh::tetrahedra::MeshError>(())
 /// ```
 pub fn tetrahedra(surface: &Surface, size: &Size<'_>, seed: u64) -> Result<Tetrahedra, MeshError> {
+    mesh_in_frame(surface, size, false, seed)
+}
+
+/// As [`tetrahedra`], with elements that are smaller near some places, however small these are.
+///
+/// # Errors
+/// As [`tetrahedra`].
+pub fn graded(surface: &Surface, grading: &Grading<3>, seed: u64) -> Result<Tetrahedra, MeshError> {
+    let (low, high) = bounds(&surface.nodes);
+    for near in &grading.near {
+        let elements = near.cubes([low, high]) / VOLUME;
+        if elements > MOST as f64 {
+            return Err(MeshError::TooMany { elements });
+        }
+    }
+    mesh_in_frame(surface, &|place| grading.at(place), !grading.near.is_empty(), seed)
+}
+
+/// Meshes a surface, moved to the origin and scaled.
+fn mesh_in_frame(
+    surface: &Surface,
+    size: &Size<'_>,
+    varies: bool,
+    seed: u64,
+) -> Result<Tetrahedra, MeshError> {
     surface.check()?;
+    not_thin(surface, size)?;
+    let mesh = mesh_once(surface, size, varies, seed)?;
+    let mut best = (smallest_angle(&mesh), mesh);
+    if best.0 >= POOR || sharpest::of_surface(surface).is_some_and(|edge| edge.angle < POOR) {
+        return Ok(best.1);
+    }
+    for again in 1..=AGAIN {
+        let mesh = mesh_once(surface, size, varies, seed.wrapping_add(again << 32))?;
+        let angle = smallest_angle(&mesh);
+        if angle > best.0 {
+            best = (angle, mesh);
+        }
+        if best.0 >= POOR {
+            break;
+        }
+    }
+    Ok(best.1)
+}
+
+/// The smallest angle between two facets of an element, degrees.
+fn smallest_angle(mesh: &Tetrahedra) -> f64 {
+    let corners = |element: &[u32; 4]| element.map(|node| mesh.nodes[node as usize]);
+    mesh.elements.iter().flat_map(|element| corners(element).angles()).fold(180.0, f64::min)
+}
+
+/// Refuses regions that are much thinner than the size.
+fn not_thin(surface: &Surface, size: &Size<'_>) -> Result<(), MeshError> {
+    let origin = surface.nodes[0];
+    let (low, high) = bounds(&surface.nodes);
+    let longest = (0..3).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
+    // Six times the volume, twice the area, and the sum of the sizes weighted by that, of each region.
+    let mut sums: BTreeMap<u32, [f64; 3]> = BTreeMap::new();
+    for (facet, sides) in surface.sides.iter().enumerate() {
+        let corners = surface.corners(facet);
+        let middle = times(plus(plus(corners[0], corners[1]), corners[2]), 1.0 / 3.0);
+        let [a, b, c] = corners.map(|corner| minus(corner, origin));
+        let area = vector::length(vector::normal(a, b, c));
+        let volume = vector::dot(a, vector::cross(b, c));
+        for (&region, sign) in sides.iter().zip([1.0, -1.0]).filter(|(region, _)| **region != OUTSIDE) {
+            let sum = sums.entry(region).or_default();
+            *sum = [sum[0] + sign * volume, sum[1] + area, sum[2] + area * size(middle)];
+        }
+    }
+    for (region, [volume, area, sizes]) in sums {
+        // A plate has its volume over half of its surface as thickness.
+        let thickness = 2.0 * volume / 3.0 / area;
+        // No edge is longer than the body; a size that is no number is told later.
+        let size = (sizes / area).min(longest);
+        if sizes.is_finite() && size > FLAT * thickness {
+            return Err(MeshError::Thin { region, thickness, size });
+        }
+    }
+    Ok(())
+}
+
+/// Meshes a good surface.
+fn mesh_once(surface: &Surface, size: &Size<'_>, varies: bool, seed: u64) -> Result<Tetrahedra, MeshError> {
     let frame = Frame::around(&surface.nodes);
     let nodes = surface.nodes.iter().map(|&node| frame.inward(node)).collect();
     let inner = Surface { nodes, names: Vec::new(), ..surface.clone() };
-    let mesh = mesh(&inner, &|place| size(frame.outward(place)) * frame.factor, seed);
+    let mesh = mesh(&inner, &|place| size(frame.outward(place)) * frame.factor, varies, seed);
     let (body, skin) = mesh.map_err(|error| error.placed(|place| frame.outward(place)))?;
     let mut mesh = numbering::number(&body, &skin);
     frame.restore(&mut mesh.nodes, &inner.nodes, &surface.nodes);
@@ -127,9 +225,15 @@ pub fn tetrahedra(surface: &Surface, size: &Size<'_>, seed: u64) -> Result<Tetra
 }
 
 /// Meshes a surface around the origin.
-fn mesh(surface: &Surface, size: &dyn Fn(Point) -> f64, seed: u64) -> Result<(Body, Skin), MeshError> {
+fn mesh(
+    surface: &Surface,
+    size: &dyn Fn(Point) -> f64,
+    varies: bool,
+    seed: u64,
+) -> Result<(Body, Skin), MeshError> {
     let (low, high) = bounds(&surface.nodes);
-    let mut sizes = Sizes::new(size, low, high, &surface.nodes).map_err(|place| MeshError::Size { place })?;
+    let mut sizes =
+        Sizes::new(size, low, high, &surface.nodes, varies).map_err(|place| MeshError::Size { place })?;
     expect(surface, &sizes)?;
     skin::limit(surface, &mut sizes, low, high);
     let mut skin = Skin::new(surface, &sizes, seed);
@@ -152,7 +256,7 @@ fn mesh(surface: &Surface, size: &dyn Fn(Point) -> f64, seed: u64) -> Result<(Bo
 }
 
 /// Refuses meshes that would be too large.
-fn expect(surface: &Surface, sizes: &Sizes) -> Result<(), MeshError> {
+fn expect(surface: &Surface, sizes: &Sizes<'_>) -> Result<(), MeshError> {
     let (mut volume, mut triangles) = (0.0, 0.0);
     for facet in 0..surface.facets.len() {
         let [a, b, c] = surface.corners(facet);

@@ -9,7 +9,9 @@
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
 use fdem_mesh::shapes::{cuboid, cylinder, extrusion, grains, hull, sphere, tube};
-use fdem_mesh::tetrahedra::{MeshError, OUTSIDE, Surface, Tetrahedra, tetrahedra};
+use fdem_mesh::tetrahedra::{MeshError, OUTSIDE, Surface, Tetrahedra, graded, sharpest_edge, tetrahedra};
+use fdem_mesh::{Grading, Place, Refinement};
+use fdem_scenes::random::Random;
 
 type Point = [f64; 3];
 
@@ -293,6 +295,43 @@ fn sizes_may_differ_by_a_factor_of_20() {
     }
 }
 
+/// Boxes with a place near which elements are smaller, some far smaller than the grid of sizes is wide.
+#[test]
+fn elements_are_small_near_places() {
+    let near = |place, size, reach| Grading { size: 0.2, near: vec![Refinement { place, size, reach }] };
+    for (number, grading) in [
+        near(Place::Point([0.31, 0.42, 0.53]), 0.004, 0.0),
+        near(Place::Point([1.0, 1.0, 0.0]), 0.002, 0.0),
+        near(Place::Line(vec![[0.0, 0.5, 1.0], [1.0, 0.5, 1.0]]), 0.03, 0.0),
+        near(Place::Box([[0.3, 0.3, 0.0], [0.6, 0.6, 0.0]]), 0.03, 0.02),
+    ]
+    .iter()
+    .enumerate()
+    {
+        let surface = cuboid([0.0; 3], [1.0; 3]).unwrap();
+        let mesh = graded(&surface, grading, 1).unwrap();
+        check(&surface, &mesh);
+        let [least, most] = angles(&mesh);
+        assert!(least > 8.0 && most < 165.0, "place {number}: {least} {most}");
+        let (mut sum, mut count) = (0.0, 0.0);
+        for element in 0..mesh.elements.len() {
+            let p = corners(&mesh, element);
+            let size = grading.at([0, 1, 2].map(|k| 0.25 * (p[0][k] + p[1][k] + p[2][k] + p[3][k])));
+            for (i, j) in (0..4).flat_map(|i| (0..i).map(move |j| (i, j))) {
+                let edge = length(minus(p[i], p[j]));
+                assert!(edge < 2.5 * size, "place {number}: {edge} of {size}");
+                sum += edge / size;
+                count += 1.0;
+            }
+        }
+        assert!((sum / count - 1.0).abs() < 0.2, "place {number}: {}", sum / count);
+        assert!(graded(&surface, grading, 1).unwrap() == mesh);
+    }
+    let fine = near(Place::Box([[0.0; 3], [1.0; 3]]), 1e-4, 0.0);
+    let surface = cuboid([0.0; 3], [1.0; 3]).unwrap();
+    assert!(matches!(graded(&surface, &fine, 1), Err(MeshError::TooMany { .. })));
+}
+
 #[test]
 fn a_seed_gives_one_mesh_on_any_thread() {
     let make = |seed| {
@@ -453,6 +492,33 @@ fn bad_surfaces_are_refused_with_the_reason() {
     let flat = |s: &mut Surface| s.nodes.iter_mut().for_each(|node| node[2] = 0.0);
     assert!(matches!(error(flat), MeshError::Degenerate { .. } | MeshError::Inverted { .. }));
     assert!(!error(flat).to_string().is_empty());
+}
+
+#[test]
+fn plates_much_thinner_than_the_size_are_refused() {
+    for thickness in [1e-3, 1e-9] {
+        let plate = cuboid([0.0; 3], [1.0, 1.0, thickness]).unwrap();
+        let error = tetrahedra(&plate, &|_| 0.1, 1).unwrap_err();
+        assert!(
+            matches!(error, MeshError::Thin { thickness: found, .. } if (found / thickness - 1.0).abs() < 0.01),
+            "{error}"
+        );
+        assert!(matches!(tetrahedra(&plate, &|_| thickness * 1e-3, 1), Err(MeshError::TooMany { .. })));
+    }
+    meshed(&cuboid([0.0; 3], [1.0, 1.0, 0.03]).unwrap(), 0.1, 1);
+}
+
+/// Angles are good, or those of the sharp edges of the body.
+#[test]
+fn random_hulls_have_angles_as_good_as_their_edges() {
+    for seed in 0..16 {
+        let mut random = Random::new(seed);
+        let points: Vec<Point> = (0..4 + random.below(8)).map(|_| [0; 3].map(|_| random.uniform())).collect();
+        let surface = hull(&points).unwrap();
+        let sharpest = sharpest_edge(&surface.nodes, &surface.facets).unwrap();
+        let [least, _] = angles(&meshed(&surface, 0.3, seed));
+        assert!(least > 0.99 * sharpest.angle.min(8.0), "seed {seed}: {least} of {sharpest:?}");
+    }
 }
 
 #[test]

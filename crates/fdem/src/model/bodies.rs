@@ -12,6 +12,7 @@ use crate::model::file::{Body, ModelFile};
 use crate::model::materials;
 use crate::model::piece::Piece;
 use crate::model::shapes;
+use crate::model::{gmsh, refine};
 
 /// Gives the bytes of a file that a model names, or says why it cannot.
 pub type Load<'l> = dyn FnMut(&str) -> Result<Vec<u8>, String> + 'l;
@@ -82,7 +83,8 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, dimensions: u8, f
             ),
         }
         let from_file = body.mesh.is_some();
-        if !from_file && body.mesh_size.is_none() && !given.is_empty() {
+        let meshed_here = body.mesh.as_ref().is_none_or(|name| gmsh::is_geometry(name));
+        if meshed_here && body.mesh_size.is_none() && !given.is_empty() {
             faults.push(
                 Fault::at(
                     document.key(table, given[0]),
@@ -96,15 +98,21 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, dimensions: u8, f
         }
         for (key, is_given, of_files) in [
             ("mesh_size", body.mesh_size.is_some(), false),
+            ("refine", !body.refine.is_empty(), false),
             ("only", body.only.is_some(), true),
             ("groups", !body.groups.is_empty(), true),
         ] {
-            if is_given && of_files != from_file && !given.is_empty() {
+            let fits = if key == "mesh_size" { meshed_here } else { of_files == from_file };
+            if is_given && !fits && !given.is_empty() {
                 let what = if of_files { "for meshes from files" } else { "not for meshes from files" };
                 faults.push(
                     Fault::at(document.key(table, key), format!("\"{key}\" is {what}")).label("take it out"),
                 );
             }
+        }
+        for problem in refine::problems(body, dimensions) {
+            let span = document.value(table, &problem.key);
+            faults.push(Fault::at(span, problem.message).label("this place").maybe_help(problem.help));
         }
         if let Some(problem) = shapes::problem(body, dimensions) {
             let span = document.value(table, &problem.key);
@@ -177,7 +185,9 @@ where
             missing.insert(index);
             continue;
         }
-        match <[[f64; D]; N]>::pieces(file, body, load) {
+        let pieces = <[[f64; D]; N]>::pieces(file, body, load);
+        let pieces = pieces.and_then(|pieces| refine::beyond(body, &pieces).map_or(Ok(pieces), Err));
+        match pieces {
             Ok(pieces) => {
                 let several = body.packing.is_some();
                 for (number, mut piece) in pieces.into_iter().enumerate() {

@@ -12,7 +12,7 @@ use crate::model::file::{Body, Gravity, ModelFile, Side};
 use crate::model::mesh_file::{self, Problem};
 use crate::model::piece::Piece;
 use crate::model::slivers::Slivers;
-use crate::model::{Quality, connected, joined, locking, plane, space, warnings};
+use crate::model::{Quality, connected, gmsh, joined, locking, plane, space, warnings};
 
 /// What the two- and three-dimensional models differ in, before they are simulated.
 pub(crate) trait Dimensions<const D: usize, const N: usize>:
@@ -132,6 +132,9 @@ pub(crate) fn of(file: &ModelFile, load: &mut Load<'_>) -> u8 {
     };
     let mut from_files = || {
         let name = file.body.iter().find_map(|body| body.mesh.as_ref())?;
+        if gmsh::is_geometry(name) {
+            return Some(3);
+        }
         let bytes = load(name).ok()?;
         Some(if mesh_file::is_in_space(&bytes, name) { 3 } else { 2 })
     };

@@ -4,15 +4,14 @@ use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
 use fdem_io::numbers::{brief, grouped};
+pub(crate) use fdem_mesh::bounds;
+pub(crate) use fdem_mesh::triangles::MOST;
 
 use crate::model::document::{Document, Table};
 use crate::model::fault::Fault;
 use crate::model::file::{Body, Hole, ModelFile, Packing, Vector};
 use crate::model::outline::{self, Point, area};
-use crate::model::space;
-
-/// Largest number of elements of a model.
-pub(crate) const MOST: f64 = 2e7;
+use crate::model::{refine, space};
 
 /// Memory that the mesher needs for each element, bytes.
 const BYTES: f64 = 600.0;
@@ -120,18 +119,6 @@ pub(crate) fn elements_of_discs(radii: impl Iterator<Item = f64>, size: f64) -> 
     radii.map(|radius| Extent::of_discs(1.0, [radius, radius * radius], bounds).elements(size)).sum()
 }
 
-/// Least and largest coordinates; infinite the wrong way round without points.
-pub(crate) fn bounds<const D: usize>(points: impl Iterator<Item = [f64; D]>) -> [[f64; D]; 2] {
-    let mut bounds = [[f64::INFINITY; D], [f64::NEG_INFINITY; D]];
-    for point in points {
-        for axis in 0..D {
-            bounds[0][axis] = bounds[0][axis].min(point[axis]);
-            bounds[1][axis] = bounds[1][axis].max(point[axis]);
-        }
-    }
-    bounds
-}
-
 /// A bounding box that is full of elements.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Filled<const D: usize = 2> {
@@ -157,10 +144,23 @@ pub(crate) fn check(
     for (index, body) in file.body.iter().enumerate() {
         let Some(size) = body.mesh_size else { continue };
         let flat = extent(body);
+        let refined = match &flat {
+            Some(extent) => refine::elements(body, extent.bounds),
+            None => space::bounds(body).map_or(Ok(0.0), |bounds| refine::elements(body, bounds)),
+        };
+        let refined = match refined {
+            Ok(elements) => elements,
+            Err(problem) => {
+                let span = document.value(Table::of("body", index), &problem.key);
+                faults.push(Fault::at(span, problem.message).label("too small").maybe_help(problem.help));
+                return all;
+            }
+        };
         let Some(elements) = flat.map(|extent| extent.elements(size)).or_else(|| space::elements(body, size))
         else {
             continue;
         };
+        let elements = elements + refined;
         let before = all;
         all += elements;
         if let Some(message) = too_many(before, elements, size, memory) {
@@ -191,6 +191,11 @@ pub(crate) fn crowd(span: Range<usize>, first: &str, second: &str, couples: f64)
     Fault::at(span, message)
         .label("lies in another")
         .help("bodies may touch, but not overlap: look for copies in the same place")
+}
+
+/// Number of elements in a square or a cube of their size, about.
+pub(crate) fn per_cube<const D: usize>() -> f64 {
+    if D == 2 { 4.0 / 3.0_f64.sqrt() } else { 1.0 / space::VOLUME }
 }
 
 /// Why a body with so many elements is refused, if it is. `before`: elements of the bodies before it.

@@ -13,7 +13,7 @@ use serde::Deserialize;
 
 pub use body::{
     Block, Body, Cylinder, Disc, Extrusion, Hole, Outline, Packing, Piece, Polygon, Polyhedron, Rectangle,
-    Ring, Sphere, Tube, Voronoi,
+    Refine, Ring, Sphere, Tube, Voronoi,
 };
 pub use boundary::{Boundary, Component, Fixed, Side};
 pub use material::{Interface, Material};

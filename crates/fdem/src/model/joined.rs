@@ -3,10 +3,8 @@
 use std::collections::BTreeMap;
 
 use fdem_io::numbers::grouped;
-use fdem_mesh::Simplex;
+use fdem_mesh::{Simplex, facets_of, sorted};
 use fdem_simulation::Model;
-
-use crate::model::piece::{facets_of, sorted};
 
 /// Strengths that hold nothing together, and those of a material with itself.
 pub(crate) fn warnings<const D: usize, const N: usize>(model: &Model<D, N>, warnings: &mut Vec<String>)

@@ -6,7 +6,8 @@ use fdem_io::numbers::brief;
 use fdem_simulation::{Load, Model, Plane, Target};
 
 use crate::model::bodies::Placed;
-use crate::model::outline::{bounds, distance, twice_area};
+use crate::model::extent::bounds;
+use crate::model::outline::{distance, twice_area};
 
 /// Length of a member over its thickness from which it bends.
 const SLENDER: f64 = 5.0;

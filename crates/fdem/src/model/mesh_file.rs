@@ -9,9 +9,9 @@ use fdem_mesh::Simplex;
 use crate::model::bodies::Load;
 use crate::model::fault::suggestion;
 use crate::model::file::{Body, ModelFile};
-use crate::model::materials;
 use crate::model::outline::Point;
 use crate::model::piece::{Group, Piece};
+use crate::model::{gmsh, materials};
 
 /// Advice on triangles in Gmsh.
 const TRIANGLES: &str =
@@ -39,6 +39,21 @@ impl Problem {
 pub(crate) fn materials_of_groups(file: &ModelFile, body: &Body) -> BTreeMap<String, u32> {
     let number = |name: &String| materials::number(file, name).unwrap_or(0);
     body.groups.iter().map(|(group, name)| (group.clone(), number(name))).collect()
+}
+
+/// The file of a mesh that a body names; that of the mesh that Gmsh makes if the body names a geometry.
+pub(crate) fn file_of(
+    body: &Body,
+    name: &str,
+    dimensions: usize,
+    load: &mut Load<'_>,
+) -> Result<Vec<u8>, Problem> {
+    let bytes = load(name).map_err(|why| Problem::new("mesh", format!("cannot read {name}: {why}")))?;
+    match body.mesh_size {
+        // Checked before: a geometry has a size, and a mesh has none.
+        Some(size) => gmsh::mesh(&bytes, name, size, dimensions),
+        None => Ok(bytes),
+    }
 }
 
 /// Reads a mesh: all of its triangles, or those of the groups `only`.

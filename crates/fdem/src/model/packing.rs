@@ -5,6 +5,7 @@ use std::sync::atomic::AtomicU64;
 
 use fdem_io::numbers::brief;
 use fdem_io::{Centres, ReadOptions};
+use fdem_mesh::Grading;
 use fdem_scenes::random::Random;
 
 use crate::model::file::{Packing, Piece};
@@ -103,7 +104,7 @@ pub(crate) fn read(bytes: &[u8], name: &str) -> Result<Vec<Circle>, String> {
 pub(crate) fn outline(
     packing: &Packing,
     (centre, radius): Circle,
-    size: f64,
+    size: &Grading<2>,
     random: &mut Random,
 ) -> Vec<Point> {
     match packing.shape {

@@ -3,9 +3,8 @@
 use std::collections::BTreeMap;
 
 use fdem_io::numbers::brief;
-use fdem_mesh::Simplex;
-
-use crate::model::mesher::{INSIDE, Meshed};
+use fdem_mesh::triangles::{INSIDE, Triangles};
+use fdem_mesh::{Simplex, facets_of, sorted};
 
 /// A body of triangles or of tetrahedra.
 #[derive(Debug, Clone)]
@@ -51,8 +50,8 @@ impl<const D: usize, const N: usize> Default for Piece<D, N> {
 
 impl Piece {
     /// A mesh that was made here, with the groups "outer", "holes", "hole-1", ….
-    pub(crate) fn new(meshed: Meshed, materials: Vec<u32>) -> Result<Self, String> {
-        let Meshed { nodes, elements, loops, .. } = meshed;
+    pub(crate) fn new(meshed: Triangles, materials: Vec<u32>) -> Result<Self, String> {
+        let Triangles { nodes, elements, loops, .. } = meshed;
         let mut piece = Self { nodes, elements, materials, ..Self::default() };
         piece.find_outline()?;
         for edge in &piece.outline {
@@ -122,20 +121,6 @@ where
     pub(crate) fn corners(&self, element: &[u32; N]) -> [[f64; D]; N] {
         element.map(|node| self.nodes[node as usize])
     }
-}
-
-/// The facets of an element by their nodes.
-pub(crate) fn facets_of<const D: usize, const N: usize>(element: &[u32; N]) -> [[u32; D]; N]
-where
-    [[f64; D]; N]: Simplex<D, N>,
-{
-    <[[f64; D]; N]>::FACETS.map(|facet| facet.map(|corner| element[corner]))
-}
-
-/// The nodes of a facet, ascending.
-pub(crate) fn sorted<const D: usize>(mut facet: [u32; D]) -> [u32; D] {
-    facet.sort_unstable();
-    facet
 }
 
 /// Whether an odd number of exchanges sorts the nodes: two facets on the two sides of a face differ in this.

@@ -1,6 +1,8 @@
 //! Bodies in the plane: how the shapes of a model file are meshed.
 
 use fdem_io::numbers::brief;
+use fdem_mesh::Grading;
+use fdem_mesh::triangles::{Grains, OutlineError, colours, triangles};
 use fdem_scenes::random::Random;
 
 use crate::model::bodies::Load;
@@ -8,29 +10,29 @@ use crate::model::extent::{elements_of_discs, too_many};
 use crate::model::file::{Body, Hole, ModelFile, Outline, Packing, Voronoi};
 use crate::model::materials;
 use crate::model::mesh_file::{self, Problem, materials_of_groups};
-use crate::model::mesher::mesh;
 use crate::model::outline::{self, Domain};
 use crate::model::packing;
 use crate::model::piece::Piece;
-use crate::model::voronoi::{Grains, colours};
+use crate::model::refine::grading;
 
 /// The meshed pieces of a body: one, unless it is a packing.
 pub(crate) fn pieces(file: &ModelFile, body: &Body, load: &mut Load<'_>) -> Result<Vec<Piece>, Problem> {
     // Checked before: names are known, and there is a size.
     let material = materials::number(file, &body.material).unwrap_or(0);
-    let size = body.mesh_size.unwrap_or(f64::MAX);
+    let grading = grading::<2>(body);
+    let size = grading.size;
     let shape = |key: &'static str| {
         move |message: String| Problem::new(key, format!("[[body]] \"{}\": {message}", body.name))
     };
     if let Some(name) = &body.mesh {
-        let bytes = load(name).map_err(|why| Problem::new("mesh", format!("cannot read {name}: {why}")))?;
+        let bytes = mesh_file::file_of(body, name, 2, load)?;
         let groups = materials_of_groups(file, body);
         let mut piece = mesh_file::read_flat(&bytes, name, body.only.as_deref(), &groups, material)?;
         piece.find_outline().map_err(|message| Problem::new("mesh", format!("{name}: {message}")))?;
         return Ok(vec![piece]);
     }
     let uniform = |domain: &Domain, seed: u64, key: &'static str| {
-        let meshed = mesh(domain, size, seed).map_err(shape(key))?;
+        let meshed = triangles(domain, &grading, seed).map_err(|error| shape(key)(told(&error, size)))?;
         let materials = vec![material; meshed.elements.len()];
         Piece::new(meshed, materials).map_err(shape(key))
     };
@@ -44,7 +46,7 @@ pub(crate) fn pieces(file: &ModelFile, body: &Body, load: &mut Load<'_>) -> Resu
         return (0..)
             .zip(circles)
             .map(|(number, circle)| {
-                let outline = packing::outline(packing, circle, size, &mut random);
+                let outline = packing::outline(packing, circle, &grading, &mut random);
                 let domain = Domain { loops: vec![outline], lines: Vec::new() };
                 uniform(&domain, body.seed.wrapping_add(number), "packing")
             })
@@ -53,33 +55,45 @@ pub(crate) fn pieces(file: &ModelFile, body: &Body, load: &mut Load<'_>) -> Resu
     if let Some(voronoi) = &body.voronoi {
         let numbers: Vec<u32> =
             voronoi.materials.iter().map(|name| materials::number(file, name).unwrap_or(0)).collect();
-        let mut domain = outline_domain(&voronoi.outline, size);
-        let piece = grains(voronoi, &mut domain, size, body.seed, &numbers, material);
+        let mut domain = outline_domain(&voronoi.outline, &grading);
+        let piece = grains(voronoi, &mut domain, &grading, body.seed, &numbers, material);
         return Ok(vec![piece.map_err(shape("voronoi"))?]);
     }
     let (key, domain) = if let Some(rectangle) = &body.rectangle {
-        ("rectangle", with_holes(outline::rectangle(rectangle).unwrap_or_default(), &rectangle.holes, size))
+        (
+            "rectangle",
+            with_holes(outline::rectangle(rectangle).unwrap_or_default(), &rectangle.holes, &grading),
+        )
     } else if let Some(disc) = &body.disc {
-        ("disc", with_holes(outline::disc(disc, size), &[], size))
+        ("disc", with_holes(outline::disc(disc, &grading), &[], &grading))
     } else if let Some(ring) = &body.ring {
         let circles =
-            [ring.radius, ring.inner_radius].map(|radius| outline::circle(ring.centre, radius, size));
+            [ring.radius, ring.inner_radius].map(|radius| outline::circle(ring.centre, radius, &grading));
         ("ring", Domain { loops: circles.into(), lines: Vec::new() })
     } else if let Some(polygon) = &body.polygon {
-        ("polygon", with_holes(polygon.points.clone(), &polygon.holes, size))
+        ("polygon", with_holes(polygon.points.clone(), &polygon.holes, &grading))
     } else {
         return Err(Problem::new("name", "a body without shape"));
     };
     Ok(vec![uniform(&domain, body.seed, key)?])
 }
 
-fn with_holes(outer: Vec<outline::Point>, holes: &[Hole], size: f64) -> Domain {
+/// An error of the mesher in words; that of too many elements with the size that gives them.
+fn told(error: &OutlineError, size: f64) -> String {
+    let too_many = match *error {
+        OutlineError::TooMany { elements } => too_many(0.0, elements, size, None),
+        _ => None,
+    };
+    too_many.unwrap_or_else(|| error.to_string())
+}
+
+fn with_holes(outer: Vec<outline::Point>, holes: &[Hole], size: &Grading<2>) -> Domain {
     let mut loops = vec![outer];
     loops.extend(holes.iter().map(|hole| outline::hole(hole, size)));
     Domain { loops, lines: Vec::new() }
 }
 
-pub(crate) fn outline_domain(of: &Outline, size: f64) -> Domain {
+pub(crate) fn outline_domain(of: &Outline, size: &Grading<2>) -> Domain {
     if let Some(rectangle) = &of.rectangle {
         return with_holes(outline::rectangle(rectangle).unwrap_or_default(), &rectangle.holes, size);
     }
@@ -94,26 +108,27 @@ pub(crate) fn outline_domain(of: &Outline, size: f64) -> Domain {
 fn grains(
     voronoi: &Voronoi,
     domain: &mut Domain,
-    size: f64,
+    size: &Grading<2>,
     seed: u64,
     materials: &[u32],
     default: u32,
 ) -> Result<Piece, String> {
-    let grains = Grains::new(domain, voronoi.grains, voronoi.seed, voronoi.rounds)?;
+    let tell = |error: OutlineError| told(&error, size.size);
+    let grains = Grains::new(domain, voronoi.grains, voronoi.seed, voronoi.rounds).map_err(tell)?;
     let across = (domain.area() / voronoi.grains as f64).sqrt();
-    grains.cut(domain, size)?;
-    let meshed = mesh(domain, size, seed).map_err(|why| {
+    grains.cut(domain, size.size).map_err(tell)?;
+    let meshed = triangles(domain, size, seed).map_err(|error| {
         // The borders of such grains come closer to each other than the nodes on them.
-        if across >= size {
-            return why;
+        if across >= size.size {
+            return tell(error);
         }
         format!(
             "the grains are too small for the mesh: their mean width of {} m is below the mesh size of {} m; take fewer grains or a smaller mesh_size",
             brief(across),
-            brief(size)
+            brief(size.size)
         )
     })?;
-    let grain = grains.of_elements(&meshed)?;
+    let grain = grains.of_elements(&meshed).map_err(tell)?;
     let materials = if materials.is_empty() {
         vec![default; grain.len()]
     } else {

@@ -1,6 +1,8 @@
 //! Checks the shape of a body before it is meshed.
 
-use crate::model::file::{Body, Hole, Outline, Packing, Piece, Voronoi};
+use fdem_io::numbers::brief;
+
+use crate::model::file::{Block, Body, Hole, Outline, Packing, Piece, Voronoi};
 use crate::model::mesh_file::Problem;
 use crate::model::outline::{self, Point, area, twice_area};
 
@@ -37,15 +39,57 @@ fn find(body: &Body, dimensions: u8) -> Option<Problem> {
         return grains(outline, dimensions);
     }
     if let Some(extrusion) = &body.extrusion {
+        if extrusion.from >= extrusion.to {
+            let message = format!(
+                "the extrusion has no height: its \"to\" of {} is not above its \"from\" of {}",
+                brief(extrusion.to),
+                brief(extrusion.from)
+            );
+            return Some(Problem::new("extrusion.to", message));
+        }
         return flat("extrusion.outline", &extrusion.outline);
     }
-    body.packing.as_ref().and_then(packing)
+    solid(body).or_else(|| body.packing.as_ref().and_then(packing))
+}
+
+/// Shapes in space that have no volume.
+fn solid(body: &Body) -> Option<Problem> {
+    let ends = |key: &str, from: [f64; 3], to: [f64; 3]| {
+        (from == to).then(|| Problem::new(key, "it has no length: \"from\" and \"to\" are the same point"))
+    };
+    if let Some(block) = &body.block {
+        return flat_box("box", block);
+    }
+    if let Some(cylinder) = &body.cylinder {
+        return ends("cylinder.to", cylinder.from, cylinder.to);
+    }
+    if let Some(tube) = &body.tube {
+        if tube.inner_radius >= tube.radius {
+            let message = "the tube has no wall: its inner radius is not below its radius";
+            return Some(Problem::new("tube.inner_radius", message));
+        }
+        return ends("tube.to", tube.from, tube.to);
+    }
+    None
+}
+
+fn flat_box(key: &str, block: &Block) -> Option<Problem> {
+    let flat = (0..3).find(|&axis| block.min[axis] >= block.max[axis])?;
+    Some(Problem::new(
+        key,
+        format!(
+            "the box has no volume: along {} its max of {} is not above its min of {}",
+            ["x", "y", "z"][flat],
+            brief(block.max[flat]),
+            brief(block.min[flat])
+        ),
+    ))
 }
 
 /// An outline that is drawn out along z.
 fn flat(key: &str, of: &Outline) -> Option<Problem> {
     match of.given()[..] {
-        [(_, 2)] => None,
+        [(_, 2)] => outline_of(key, of),
         _ => Some(Problem::new(key, "an outline to draw out is one of rectangle, disc, polygon")),
     }
 }
@@ -59,15 +103,24 @@ fn grains(of: &Outline, dimensions: u8) -> Option<Problem> {
         }
         _ => return Some(Problem::new("voronoi.outline", "an outline is one of rectangle, disc, polygon")),
     }
+    if let Some(block) = &of.block {
+        return flat_box("voronoi.outline.box", block);
+    }
+    outline_of("voronoi.outline", of)
+}
+
+/// What is wrong with a flat outline, whose key is given.
+fn outline_of(key: &str, of: &Outline) -> Option<Problem> {
     if let Some(rectangle) = &of.rectangle {
+        let key = format!("{key}.rectangle");
         if outline::rectangle(rectangle).is_none() {
-            return Some(Problem::new("voronoi.outline.rectangle", INVERTED));
+            return Some(Problem::new(key, INVERTED));
         }
-        return holes("voronoi.outline.rectangle", &rectangle.holes);
+        return holes(&key, &rectangle.holes);
     }
     let polygon = of.polygon.as_ref()?;
-    corners("voronoi.outline.polygon.points", &polygon.points)
-        .or_else(|| holes("voronoi.outline.polygon", &polygon.holes))
+    corners(&format!("{key}.polygon.points"), &polygon.points)
+        .or_else(|| holes(&format!("{key}.polygon"), &polygon.holes))
 }
 
 fn holes(key: &str, holes: &[Hole]) -> Option<Problem> {

@@ -2,23 +2,24 @@
 
 use std::f64::consts::PI;
 
-use fdem_mesh::shapes;
-use fdem_mesh::tetrahedra::{MeshError, Size, Surface, Tetrahedra, tetrahedra};
+use fdem_mesh::tetrahedra::{MeshError, Size, Surface, Tetrahedra, graded};
+use fdem_mesh::triangles::colours;
+use fdem_mesh::{Grading, shapes};
 
 use crate::model::bodies::Load;
-use crate::model::file::{Body, Extrusion, ModelFile, Outline, Voronoi};
+use crate::model::file::{Block, Body, Extrusion, ModelFile, Outline, Voronoi};
 use crate::model::materials;
 use crate::model::mesh_file::{self, Problem, materials_of_groups};
 use crate::model::outline::{self, area};
 use crate::model::piece::Piece;
 use crate::model::plane::outline_domain;
-use crate::model::voronoi::colours;
+use crate::model::refine::grading;
 
 /// Angle between the normals of two triangles of a surface from which they are of two faces, degrees.
 const CREASE: f64 = 30.0;
 
 /// Volume of a tetrahedron over the cube of the mean edge.
-const VOLUME: f64 = 0.1;
+pub(crate) const VOLUME: f64 = 0.1;
 
 /// The meshed pieces of a body: one, unless it is a packing.
 pub(crate) fn pieces(
@@ -29,18 +30,17 @@ pub(crate) fn pieces(
     // Checked before: names are known, and there is a size.
     let material = materials::number(file, &body.material).unwrap_or(0);
     if let Some(name) = &body.mesh {
-        let bytes = load(name).map_err(|why| Problem::new("mesh", format!("cannot read {name}: {why}")))?;
+        let bytes = mesh_file::file_of(body, name, 3, load)?;
         let groups = materials_of_groups(file, body);
         let mut piece = mesh_file::read_space(&bytes, name, body.only.as_deref(), &groups, material)?;
         piece.find_outline().map_err(|message| Problem::new("mesh", format!("{name}: {message}")))?;
         return Ok(vec![piece]);
     }
-    let edge = body.mesh_size.unwrap_or(f64::MAX);
-    let size = |_: [f64; 3]| edge;
-    let (key, surface) = surface(body, &size, load)?;
+    let grading = grading::<3>(body);
+    let (key, surface) = surface(body, &|place| grading.at(place), load)?;
     let problem = |error: MeshError| Problem::new(key, format!("[[body]] \"{}\": {error}", body.name));
     let Shape { surface, names } = surface.map_err(problem)?;
-    let meshed = tetrahedra(&surface, &size, body.seed).map_err(problem)?;
+    let meshed = graded(&surface, &grading, body.seed).map_err(problem)?;
     let materials = match &body.voronoi {
         Some(voronoi) if !voronoi.materials.is_empty() => {
             let count = voronoi.materials.len();
@@ -124,7 +124,7 @@ fn surface(
 }
 
 fn extrusion(of: &Extrusion, size: f64) -> Result<Shape, MeshError> {
-    let loops = outline_domain(&of.outline, size).loops;
+    let loops = outline_domain(&of.outline, &Grading::even(size)).loops;
     let surface = shapes::extrusion(&loops, of.from, of.to)?;
     let mut names = vec![vec!["bottom".to_owned()], vec!["top".to_owned()]];
     for (number, corners) in loops.iter().enumerate() {
@@ -154,6 +154,35 @@ fn piece(
         }
     }
     Ok(piece)
+}
+
+/// Least and largest coordinates of a body, about; `None` if its shape does not tell.
+pub(crate) fn bounds(body: &Body) -> Option<[[f64; 3]; 2]> {
+    let around = |points: &[[f64; 3]], by: f64| {
+        let [low, high] = fdem_mesh::bounds(points.iter().copied());
+        [low.map(|x| x - by), high.map(|x| x + by)]
+    };
+    let of_block = |of: &Block| [of.min, of.max];
+    Some(if let Some(of) = &body.block {
+        of_block(of)
+    } else if let Some(of) = &body.cylinder {
+        around(&[of.from, of.to], of.radius)
+    } else if let Some(of) = &body.tube {
+        around(&[of.from, of.to], of.radius)
+    } else if let Some(of) = &body.sphere {
+        around(&[of.centre], of.radius)
+    } else if let Some(of) = &body.polyhedron {
+        around(&of.points, 0.0)
+    } else if let Some(of) = &body.extrusion {
+        let [low, high] = outline_domain(&of.outline, &Grading::even(f64::MAX)).bounds();
+        [[low[0], low[1], of.from], [high[0], high[1], of.to]]
+    } else {
+        let of = &body.voronoi.as_ref()?.outline;
+        match (&of.block, &of.polyhedron) {
+            (Some(of), _) => of_block(of),
+            (None, of) => around(&of.as_ref()?.points, 0.0),
+        }
+    })
 }
 
 /// The number of elements with edges of `size` that a body has, about; `None` if its shape does not tell.

@@ -7,6 +7,8 @@ use std::collections::BTreeMap;
 use fdem_contact::discretised::{self, MeshView};
 use fdem_contact::narrow::Measure;
 use fdem_io::numbers::brief;
+use fdem_mesh::edges;
+use fdem_mesh::tetrahedra::sharpest_edge;
 use fdem_simulation::{Boundary, Load, Model, Plane, Schedule, Target};
 
 use crate::model::Body;
@@ -14,7 +16,6 @@ use crate::model::dimensions::Ready;
 use crate::model::equilibrium;
 use crate::model::extent::bounds;
 use crate::model::outline::twice_area;
-use crate::model::quality::edges;
 
 /// Elements in the fracture process zone that are needed for an objective result (Guo, 2016).
 const IN_PROCESS_ZONE: f64 = 3.0;
@@ -36,7 +37,7 @@ const POOR_IN_SPACE: [f64; 2] = [8.0, 15.0];
 
 /// Returns the warnings of models in the plane.
 pub(crate) fn of_plane(ready: &Ready<'_, 2, 3>) -> Vec<String> {
-    let mut warnings = of_both(ready, POOR);
+    let mut warnings = of_both(ready, POOR, String::new);
     if breaks(ready.model) && ready.quality.regular > REGULAR {
         warnings.push(format!(
             "{:.0} % of the elements have the angles of a regular mesh: cracks follow its lines; take an unstructured one",
@@ -51,15 +52,35 @@ pub(crate) fn of_plane(ready: &Ready<'_, 2, 3>) -> Vec<String> {
 
 /// Returns the warnings of models in space.
 pub(crate) fn of_space(ready: &Ready<'_, 3, 4>) -> Vec<String> {
-    of_both(ready, POOR_IN_SPACE)
+    of_both(ready, POOR_IN_SPACE, || sharp_edge(ready).unwrap_or_default())
+}
+
+/// The sharp edge of a body that gives the smallest angle of the model, in words. A mesh has no larger angles than the edge.
+fn sharp_edge(ready: &Ready<'_, 3, 4>) -> Option<String> {
+    let body = ready.model.mesh.bodies[ready.quality.worst as usize];
+    let piece = &ready.placed[body as usize].piece;
+    let edge = sharpest_edge(&piece.nodes, &piece.outline)?;
+    (edge.angle < 2.0 * POOR_IN_SPACE[0]).then(|| {
+        format!(
+            "; \"{}\" has an edge of {:.1} degrees from {} to {}, which no mesh makes better: make the body blunter there",
+            ready.bodies[body as usize].name,
+            edge.angle,
+            place(&edge.ends[0]),
+            place(&edge.ends[1])
+        )
+    })
 }
 
 fn breaks<const D: usize, const N: usize>(model: &Model<D, N>) -> bool {
     model.materials.iter().any(|material| material.strength.is_some())
 }
 
-/// Returns the warnings of models in any dimensions.
-fn of_both<const D: usize, const N: usize>(ready: &Ready<'_, D, N>, [poor, better]: [f64; 2]) -> Vec<String> {
+/// Returns the warnings of models in any dimensions. Angles below `poor` degrees are poor; `cause` says why there are any.
+fn of_both<const D: usize, const N: usize>(
+    ready: &Ready<'_, D, N>,
+    [poor, better]: [f64; 2],
+    cause: impl Fn() -> String,
+) -> Vec<String> {
     let Ready { model, bodies, quality, .. } = *ready;
     let mut warnings = Vec::new();
     process_zone(model, &mut warnings);
@@ -71,10 +92,11 @@ fn of_both<const D: usize, const N: usize>(ready: &Ready<'_, D, N>, [poor, bette
     let breaks = breaks(model);
     if quality.smallest_angle[0] < poor {
         warnings.push(format!(
-            "element {} near {} has an angle of {:.1} degrees: its stress is poor; better meshes have {better} degrees or more",
+            "element {} near {} has an angle of {:.1} degrees: its stress is poor; better meshes have {better} degrees or more{}",
             quality.worst,
             place(&quality.worst_at),
-            quality.smallest_angle[0]
+            quality.smallest_angle[0],
+            cause()
         ));
     }
     if model.contact.penalty < SOFT && (bodies.len() > 1 || breaks) {

@@ -60,6 +60,74 @@ fn files_are_looked_for_beside_the_model() {
     bench.run(&["check", "folder/model.toml"]).refused_with(&["cannot read gone.obj", "model.toml:6:"]);
 }
 
+/// A program "gmsh" that writes the mesh beside it and its arguments, or fails.
+#[cfg(unix)]
+#[test]
+fn a_geometry_is_meshed_by_gmsh() {
+    use std::os::unix::fs::PermissionsExt;
+
+    let bench = Bench::new();
+    bench.write(
+        "model.toml",
+        "[model]\nend_time = 1\n[[body]]\nname = \"a\"\nmaterial = \"m\"\nmesh = \"part.step\"\nmesh_size = 0.25\n\
+         [[material]]\nname = \"m\"\ndensity = 1\nyoungs_modulus = 1\npoissons_ratio = 0\n",
+    );
+    bench.write("part.step", "the geometry");
+    std::fs::create_dir(bench.path("bin")).unwrap();
+    let bin = bench.path("bin").display().to_string();
+    let gmsh = |script: &str| {
+        bench.write("bin/gmsh", format!("#!/bin/sh\n{script}\n"));
+        std::fs::set_permissions(bench.path("bin/gmsh"), std::fs::Permissions::from_mode(0o755)).unwrap();
+    };
+    let check = |path: &str, folder: Option<&str>| {
+        let mut command = bench.command(&["check", "model.toml", "--json"]);
+        command.env("PATH", path);
+        if let Some(folder) = folder {
+            command.env("TMPDIR", folder);
+        }
+        let output = command.output().unwrap();
+        (output.status.code(), String::from_utf8(output.stdout).unwrap())
+    };
+    let (code, said) = check("", None);
+    assert_eq!(code, Some(2), "{said}");
+    assert!(said.contains("there is no program") && said.contains("install Gmsh"), "{said}");
+    assert!(said.contains("\"line\": 6"), "{said}");
+
+    let mesh = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n$EndNodes\n$Elements\n1\n1 4 2 1 1 1 2 3 4\n$EndElements\n";
+    bench.write("bin/made.msh", mesh);
+    let real = format!("{bin}:/usr/bin:/bin");
+    gmsh(&format!(
+        "echo \"$@\" > {bin}/arguments; while [ \"$1\" != -o ]; do shift; done; cat \"$3\" > {bin}/geometry; cp {bin}/made.msh \"$2\""
+    ));
+    let (code, said) = check(&real, None);
+    assert_eq!(code, Some(0), "{said}");
+    let json: serde_json::Value = serde_json::from_str(&said).unwrap();
+    assert_eq!(json["quality"]["elements"], 1);
+    let arguments = bench.read("bin/arguments");
+    assert!(arguments.starts_with("-3 ") && arguments.contains("-clmax 0.25 "), "{arguments}");
+    assert_eq!(bench.read("bin/geometry"), "the geometry");
+
+    gmsh("echo Info : reading; echo 'Error : no such shape' >&2; exit 3");
+    let (code, said) = check(&real, None);
+    assert_eq!(code, Some(2), "{said}");
+    assert!(
+        said.contains("Gmsh made no mesh of part.step") && said.contains("Error : no such shape"),
+        "{said}"
+    );
+    assert!(!said.contains("reading"), "{said}");
+
+    gmsh("exit 0");
+    assert!(check(&real, None).1.contains("Gmsh made no mesh of part.step"));
+
+    let (code, said) = check(&real, Some("/no/such/folder"));
+    assert_eq!(code, Some(2), "{said}");
+    assert!(said.contains("cannot make a temporary folder for Gmsh"), "{said}");
+
+    let text = bench.read("model.toml");
+    bench.write("model.toml", text.replace("mesh_size = 0.25\n", ""));
+    assert!(check(&real, None).1.contains("lacks the key \\\"mesh_size\\\""));
+}
+
 #[test]
 fn what_is_no_model_is_refused() {
     let bench = Bench::new();

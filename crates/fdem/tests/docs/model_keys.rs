@@ -23,6 +23,7 @@ const ORDER: [(&str, &[&str]); 10] = [
             "Voronoi",
             "Outline",
             "Packing",
+            "Refine",
         ],
     ),
     ("material", &[]),

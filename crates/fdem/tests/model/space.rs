@@ -15,6 +15,7 @@ poissons_ratio = 0.2
 fn any(text: &str) -> Result<AnyPrepared, String> {
     let mut load = |name: &str| match name {
         "two.msh" => Ok(TWO_TETRAHEDRA.as_bytes().to_vec()),
+        "two.vtu" => Ok(vtu([[0, 1, 2, 3], [1, 2, 3, 4]], 10, [0.0, 0.0, 1.0]).into_bytes()),
         "cube.stl" => Ok(cube_stl(true).into_bytes()),
         "open.stl" => Ok(cube_stl(false).into_bytes()),
         _ => Err("there is none".to_owned()),
@@ -68,6 +69,29 @@ $Elements
 3 2 2 3 3 2 3 5
 $EndElements
 ";
+
+/// Two elements with a common facet as a VTU file: the origin, points at 1 along x and y, and `last`.
+fn vtu<const N: usize>(elements: [[u32; N]; 2], kind: u32, last: [f64; 3]) -> String {
+    let mut points = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], last];
+    if N == 4 {
+        points.push([1.0, 1.0, 1.0]);
+    }
+    let numbers = |all: Vec<String>| all.join(" ");
+    let array = |attributes: &str, data: String| {
+        format!("<DataArray {attributes} format=\"ascii\">\n{data}\n</DataArray>\n")
+    };
+    let coordinates = numbers(points.iter().flatten().map(f64::to_string).collect());
+    let corners = numbers(elements.iter().flatten().map(u32::to_string).collect());
+    format!(
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\">\n<UnstructuredGrid>\n\
+         <Piece NumberOfPoints=\"{}\" NumberOfCells=\"2\">\n<Points>\n{}</Points>\n<Cells>\n{}{}{}</Cells>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n",
+        points.len(),
+        array("type=\"Float64\" NumberOfComponents=\"3\"", coordinates),
+        array("type=\"Int32\" Name=\"connectivity\"", corners),
+        array("type=\"Int32\" Name=\"offsets\"", format!("{N} {}", 2 * N)),
+        array("type=\"UInt8\" Name=\"types\"", format!("{kind} {kind}"))
+    )
+}
 
 /// A cube as an STL file; with all of its triangles, or without the last.
 fn cube_stl(closed: bool) -> String {
@@ -211,6 +235,39 @@ fn a_mesh_from_a_file_tells_the_dimensions_and_has_groups() {
 }
 
 #[test]
+fn a_vtu_file_is_a_body() {
+    let prepared = space(&body("mesh = \"two.vtu\""));
+    assert_eq!(prepared.model.mesh.elements.len(), 2);
+    assert_eq!(prepared.model.mesh.nodes.len(), 5, "the two hold together");
+    assert!((volume(&prepared) - 0.5).abs() < 1e-12);
+}
+
+#[test]
+fn a_flat_vtu_file_is_a_body_too() {
+    let file = vtu([[0, 1, 2], [1, 3, 2]], 5, [1.0, 1.0, 0.0]);
+    let text = format!("[model]\nend_time = 1\n{}\n{STONE}", body("mesh = \"flat.vtu\""));
+    let prepared = prepare_any(&text, "m.toml", &mut |_| Ok(file.clone().into_bytes()), None);
+    let Ok(AnyPrepared::Plane(prepared)) = prepared else { panic!("it is a flat body") };
+    let mesh = &prepared.model.mesh;
+    let area: f64 =
+        mesh.elements.iter().map(|nodes| nodes.map(|node| mesh.nodes[node as usize]).measure()).sum();
+    assert_eq!((mesh.nodes.len(), area), (4, 1.0));
+}
+
+#[test]
+fn the_sharp_edge_that_makes_angles_poor_is_named() {
+    let wedge = |height: f64| {
+        space(&body(&format!(
+            "polyhedron = {{ points = [[0, 0, 0], [1, 0, 0], [1, 0, {height}], [0, 1, 0], [1, 1, 0], [1, 1, {height}]] }}\nmesh_size = 0.2"
+        )))
+        .warnings
+    };
+    let [warning] = &wedge(0.1)[..] else { panic!("it has one warning") };
+    assert!(warning.contains("\"b\" has an edge of 5.7 degrees from [0, "), "{warning}");
+    assert_eq!(wedge(0.5), Vec::<String>::new());
+}
+
+#[test]
 fn what_is_wrong_in_space_is_told_at_its_key() {
     let cube = "box = { min = [0, 0, 0], max = [1, 1, 1] }\nmesh_size = 0.5";
     for (bodies, expected) in [
@@ -218,7 +275,42 @@ fn what_is_wrong_in_space_is_told_at_its_key() {
             format!("{}{}", body(cube), "[[boundary]]\nname = \"f\"\nforce = [1, 2]\n"),
             "\"force\" has 2 numbers, where a model in 3 dimensions has 3",
         ),
-        (body("box = { min = [0, 0, 0], max = [1, 0, 1] }\nmesh_size = 0.5"), "the body has no volume"),
+        (
+            body("box = { min = [0, 0, 0], max = [1, 0, 1] }\nmesh_size = 0.5"),
+            "m.toml:6: [[body]] \"b\": the box has no volume: along y its max of 0 is not above its min of 0",
+        ),
+        (
+            body("extrusion = { outline = { disc = { radius = 1 } }, from = 1, to = 0 }\nmesh_size = 0.5"),
+            "its \"to\" of 0 is not above its \"from\" of 1",
+        ),
+        (
+            body(
+                "extrusion = { outline = { rectangle = { min = [0, 0], max = [1, 0] } }, to = 1 }\nmesh_size = 0.5",
+            ),
+            "the rectangle has no area",
+        ),
+        (
+            body(
+                "extrusion = { outline = { polygon = { points = [[0, 0], [1, 0], [2, 0]] } }, to = 1 }\nmesh_size = 0.5",
+            ),
+            "the polygon has no area",
+        ),
+        (
+            body(
+                "tube = { from = [0, 0, 0], to = [0, 0, 1], radius = 1, inner_radius = 2 }\nmesh_size = 0.5",
+            ),
+            "its inner radius is not below its radius",
+        ),
+        (
+            body("cylinder = { from = [1, 0, 0], to = [1, 0, 0], radius = 1 }\nmesh_size = 0.5"),
+            "\"from\" and \"to\" are the same point",
+        ),
+        (
+            body(
+                "polyhedron = { points = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0], [0, 0, 1e-9]] }\nmesh_size = 0.1",
+            ),
+            "thick in the mean, and a mesh size of 1.00e-1 would make flat elements",
+        ),
         (
             format!(
                 "{}{}",

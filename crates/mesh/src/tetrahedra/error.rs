@@ -3,7 +3,7 @@
 use std::error::Error;
 use std::fmt;
 
-use super::MOST;
+use super::{MOST, THICK};
 
 /// Why a surface could not be made or meshed. Places are coordinates of the surface; numbers count from 0.
 #[derive(Clone, Debug, PartialEq)]
@@ -95,6 +95,15 @@ pub enum MeshError {
         /// About how many.
         elements: f64,
     },
+    /// A region is so thin beside the size that its elements would be flat.
+    Thin {
+        /// The region.
+        region: u32,
+        /// Its mean thickness.
+        thickness: f64,
+        /// The mean size at its surface.
+        size: f64,
+    },
     /// Facets are so near to each other, or angles so sharp, that the surface is not met after many splits.
     NotRecovered {
         /// Where.
@@ -139,6 +148,11 @@ impl fmt::Display for MeshError {
             Self::TooMany { elements } => {
                 write!(f, "the mesh size is too small: about {elements:.0} elements, of at most {MOST}")
             }
+            Self::Thin { thickness, size, .. } => write!(
+                f,
+                "the body is {thickness:.2e} thick in the mean, and a mesh size of {size:.2e} would make flat elements; take {:.2e} at most, or a thicker body",
+                THICK * thickness
+            ),
             Self::NotRecovered { place } => {
                 write!(
                     f,

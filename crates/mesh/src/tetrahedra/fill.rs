@@ -34,7 +34,7 @@ const STEP: f64 = 0.4;
 pub(crate) fn fill(
     mesh: &mut Delaunay,
     points: &mut Vec<Point>,
-    sizes: &Sizes,
+    sizes: &Sizes<'_>,
     seed: u64,
 ) -> Result<(), MeshError> {
     let mut random = Random::with_stream(seed, u64::MAX);
@@ -84,7 +84,7 @@ pub(crate) fn smooth(
     mut mesh: Delaunay,
     skin: &Skin,
     points: &mut [Point],
-    sizes: &Sizes,
+    sizes: &Sizes<'_>,
 ) -> Result<(Delaunay, Hits), MeshError> {
     let order = order::rounds(&order::along_curve(points));
     for _ in 0..ROUNDS {
@@ -98,7 +98,7 @@ pub(crate) fn smooth(
 }
 
 /// Where each point should go: its first `fixed` stay.
-fn targets(mesh: &Delaunay, fixed: usize, points: &[Point], sizes: &Sizes) -> Vec<Point> {
+fn targets(mesh: &Delaunay, fixed: usize, points: &[Point], sizes: &Sizes<'_>) -> Vec<Point> {
     let mut sums = vec![[0.0; 4]; points.len()];
     let mut near: Vec<(u32, [u32; 3])> = Vec::new();
     for (t, corners) in mesh.corners.iter().enumerate() {

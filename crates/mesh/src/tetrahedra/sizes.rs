@@ -1,9 +1,7 @@
 //! The size of elements from place to place.
 
 use super::vector::{Point, distance};
-
-/// Growth of the size over the distance: the largest that leaves good angles.
-pub(crate) const GROWTH: f64 = 0.3;
+use crate::grading::GROWTH;
 
 /// Nodes of the grid along the longest edge of the bounding box.
 const NODES: f64 = 100.0;
@@ -12,18 +10,22 @@ const NODES: f64 = 100.0;
 const FEW: f64 = 12.0;
 
 /// Sizes that grow by at most [`GROWTH`] times the distance.
-pub(crate) enum Sizes {
+pub(crate) enum Sizes<'a> {
     Even(f64),
-    Graded(Grid),
+    /// The smaller of two: the values of a grid, which grow slowly, and the size itself, which may be smaller between the nodes of the grid.
+    Graded(Grid, &'a dyn Fn(Point) -> f64),
 }
 
-impl Sizes {
+impl<'a> Sizes<'a> {
     /// Samples `size` in the box from `low` to `high` and at some places, and limits how it grows. The error is the first place where it is no positive number.
+    ///
+    /// Whether the size varies is found out from samples, unless it `varies` for certain.
     pub(crate) fn new(
-        size: &dyn Fn(Point) -> f64,
+        size: &'a dyn Fn(Point) -> f64,
         low: Point,
         high: Point,
         places: &[Point],
+        varies: bool,
     ) -> Result<Self, Point> {
         let longest = (0..3).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
         let read = |place: Point| {
@@ -35,7 +37,7 @@ impl Sizes {
         few.fill(&read)?;
         let values = || few.values.iter().chain(&at_places);
         let first = few.values[0];
-        if values().all(|&value| value == first) {
+        if !varies && values().all(|&value| value == first) {
             return Ok(Self::Even(first));
         }
         let least = values().fold(f64::INFINITY, |least, &value| least.min(value));
@@ -45,7 +47,7 @@ impl Sizes {
             grid.lower(place, value);
         }
         grid.limit();
-        Ok(Self::Graded(grid))
+        Ok(Self::Graded(grid, size))
     }
 
     /// Limits the sizes at places: nothing is changed where they are not smaller.
@@ -57,9 +59,9 @@ impl Sizes {
         if let Self::Even(size) = *self {
             let mut grid = Grid::new(low, high, (longest / NODES).max(0.5 * size));
             grid.values.fill(size);
-            *self = Self::Graded(grid);
+            *self = Self::Graded(grid, &|_| f64::INFINITY);
         }
-        if let Self::Graded(grid) = self {
+        if let Self::Graded(grid, _) = self {
             for &(place, value) in limits {
                 grid.lower(place, value);
             }
@@ -71,7 +73,7 @@ impl Sizes {
     pub(crate) fn at(&self, place: Point) -> f64 {
         match self {
             Self::Even(size) => *size,
-            Self::Graded(grid) => grid.at(place),
+            Self::Graded(grid, size) => grid.at(place).min(size(place)),
         }
     }
 }
@@ -192,7 +194,7 @@ mod tests {
     #[test]
     fn sizes_grow_slowly_from_a_small_one() {
         let size = |place: Point| if place == [0.0; 3] { 0.01 } else { 1.0 };
-        let sizes = Sizes::new(&size, [0.0; 3], [1.0; 3], &[[0.0; 3]]).unwrap();
+        let sizes = Sizes::new(&size, [0.0; 3], [1.0; 3], &[[0.0; 3]], false).unwrap();
         assert!(sizes.at([0.0; 3]) < 0.0101);
         for k in 0..=10 {
             let x = f64::from(k) / 10.0;
@@ -203,9 +205,10 @@ mod tests {
 
     #[test]
     fn one_size_is_one_number_and_no_size_is_an_error() {
-        assert!(matches!(Sizes::new(&|_| 0.25, [0.0; 3], [1.0; 3], &[]), Ok(Sizes::Even(0.25))));
+        assert!(matches!(Sizes::new(&|_| 0.25, [0.0; 3], [1.0; 3], &[], false), Ok(Sizes::Even(0.25))));
         assert!(
-            Sizes::new(&|p: Point| if p[0] > 0.5 { f64::NAN } else { 1.0 }, [0.0; 3], [1.0; 3], &[]).is_err()
+            Sizes::new(&|p: Point| if p[0] > 0.5 { f64::NAN } else { 1.0 }, [0.0; 3], [1.0; 3], &[], false)
+                .is_err()
         );
     }
 }

@@ -10,6 +10,7 @@ use super::delaunay::NONE;
 use super::plane::{Plane, Point2};
 use super::sizes::Sizes;
 use super::vector::{Point, circle, cross, distance, dot, length, minus, normal, plus, times, unit};
+use crate::grading::stations;
 
 /// Sine of the largest angle between facets of one plane.
 const FLAT: f64 = 1e-9;
@@ -46,7 +47,7 @@ struct Edge {
 
 impl Skin {
     /// Meshes the faces of a surface.
-    pub(crate) fn new(surface: &Surface, sizes: &Sizes, seed: u64) -> Self {
+    pub(crate) fn new(surface: &Surface, sizes: &Sizes<'_>, seed: u64) -> Self {
         let (of_facet, mut borders) = patches(surface);
         let mut points = surface.nodes.clone();
         for edge in &mut borders {
@@ -76,7 +77,7 @@ impl Skin {
         surface: &Surface,
         facets: &[(u32, u32)],
         borders: &[Edge],
-        sizes: &Sizes,
+        sizes: &Sizes<'_>,
         seed: u64,
     ) {
         let number = self.patches.len() as u32;
@@ -127,7 +128,7 @@ impl Skin {
 }
 
 /// Whether the circle around a facet is too large for the size.
-fn is_large(corners: [Point; 3], sizes: &Sizes) -> bool {
+fn is_large(corners: [Point; 3], sizes: &Sizes<'_>) -> bool {
     let size = sizes.at(times(plus(plus(corners[0], corners[1]), corners[2]), 1.0 / 3.0));
     circle(corners[0], corners[1], corners[2]).is_some_and(|(_, square)| square > size * size)
 }
@@ -198,7 +199,7 @@ fn is_smooth(surface: &Surface, one: usize, other: usize) -> bool {
 }
 
 /// Limits the sizes near edges of the surface that are shorter.
-pub(crate) fn limit(surface: &Surface, sizes: &mut Sizes, low: Point, high: Point) {
+pub(crate) fn limit(surface: &Surface, sizes: &mut Sizes<'_>, low: Point, high: Point) {
     let (_, borders) = patches(surface);
     let mut limits = Vec::new();
     let mut sums = vec![[0.0; 2]; surface.nodes.len()];
@@ -233,7 +234,7 @@ const FINE: f64 = 0.8;
 const LONG: f64 = 1.9;
 
 /// Adds the points that cut an edge into pieces as long as the size says.
-fn divide(points: &mut Vec<Point>, edge: &Edge, sizes: &Sizes) {
+fn divide(points: &mut Vec<Point>, edge: &Edge, sizes: &Sizes<'_>) {
     let [from, to] = edge.ends.map(|end| points[end as usize]);
     let span = distance(from, to);
     let along = minus(to, from);
@@ -247,24 +248,7 @@ fn divide(points: &mut Vec<Point>, edge: &Edge, sizes: &Sizes) {
         points.extend((1..pieces).map(|piece| at(piece as f64 / pieces as f64)));
         return;
     }
-    // Number of edges from the start to each of the steps, by the trapezoidal rule.
-    let least = sizes.at(from).min(sizes.at(to)).min(sizes.at(at(0.5)));
-    let steps = (8.0 * span / least).clamp(16.0, 1e5) as usize;
-    let mut sums = vec![0.0];
-    for step in 0..steps {
-        let [one, other] = [step, step + 1].map(|step| 1.0 / sizes.at(at(step as f64 / steps as f64)));
-        sums.push(sums[step] + 0.5 * (one + other) * span / steps as f64);
-    }
-    let pieces = round(sums[steps]);
-    let mut step = 0;
-    for piece in 1..pieces {
-        let wanted = sums[steps] * piece as f64 / pieces as f64;
-        while step + 1 < steps && sums[step + 1] < wanted {
-            step += 1;
-        }
-        let part = (wanted - sums[step]) / (sums[step + 1] - sums[step]);
-        points.push(at((step as f64 + part.clamp(0.0, 1.0)) / steps as f64));
-    }
+    points.extend(stations(span, &|t| sizes.at(at(t)), &round).into_iter().map(at));
 }
 
 /// Adds the triangles of a facet whose edges are cut.

@@ -17,10 +17,13 @@ pub struct Body {
     pub name: String,
     /// Name of the material of the body.
     pub material: String,
-    /// Mean edge of the elements, m. Meshes from files have their own size and take no such key.
+    /// Mean edge of the elements, m. Meshes from files have their own size and take no such key; geometries that Gmsh meshes take it as the longest edge.
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub mesh_size: Option<f64>,
+    /// Places near which elements are smaller than `mesh_size`: points, lines and boxes, in the coordinates of the shape, before `angle` and `translate`. Default: none.
+    #[serde(default)]
+    pub refine: Vec<Refine>,
     /// Seed of the mesh: another seed gives another mesh. Default: 1.
     #[serde(default = "seed")]
     pub seed: u64,
@@ -36,7 +39,7 @@ pub struct Body {
     /// Velocity [x, y] or [x, y, z] at the start, m/s. Default: rest.
     #[serde(default)]
     pub velocity: Option<Vector>,
-    /// A file with a mesh of triangles or of tetrahedra: Gmsh .msh 2.2 or 4.1, VTU, or another format that `fdem contacts` reads. Its path is relative to the model file.
+    /// A file with a mesh of triangles or of tetrahedra: Gmsh .msh 2.2 or 4.1, VTU, or another format that `fdem contacts` reads. Its path is relative to the model file. Or a geometry (.geo, .step, .iges, .brep) with `mesh_size`, which is meshed by the program Gmsh where that is installed.
     #[serde(default)]
     pub mesh: Option<String>,
     /// Physical groups of surfaces, or of volumes, to take from a mesh file. Default: the whole file.
@@ -85,6 +88,30 @@ pub struct Body {
     /// Discs or polygons that do not overlap. Each is a body of its own.
     #[serde(default)]
     pub packing: Option<Packing>,
+}
+
+/// A place near which elements are smaller: exactly one of point, line and box.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Refine {
+    /// A point [x, y] or [x, y, z], m.
+    #[serde(default)]
+    pub point: Option<Vector>,
+    /// A chain of lines from point to point, such as [[0, 0], [1, 0]], m.
+    #[serde(default)]
+    #[schemars(length(min = 2))]
+    pub line: Option<Vec<Vector>>,
+    /// A box along the axes, [xmin, ymin, xmax, ymax] or [xmin, ymin, zmin, xmax, ymax, zmax], m. A flat one is a face.
+    #[serde(default, rename = "box")]
+    #[schemars(rename = "box", length(min = 4, max = 6))]
+    pub block: Option<Vec<f64>>,
+    /// Mean edge of the elements there, m.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub size: f64,
+    /// Distance from the place up to which elements have that size, m. Beyond, edges grow by 0.3 m per metre up to `mesh_size`. Default: 0.
+    #[serde(default)]
+    #[schemars(extend("minimum" = 0))]
+    pub reach: f64,
 }
 
 /// A rectangle along the axes.

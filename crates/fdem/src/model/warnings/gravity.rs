@@ -6,7 +6,7 @@ use fdem_io::numbers::brief;
 use fdem_simulation::{Load, Model, Schedule, Target};
 
 use crate::model::Body;
-use crate::model::outline::bounds;
+use crate::model::extent::bounds;
 
 /// Bodies rest on each other if the gap between them is below this share of the shortest edge of an element's box.
 const RESTING: f64 = 1e-3;

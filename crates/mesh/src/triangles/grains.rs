@@ -2,14 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use fdem_mesh::Simplex;
 use fdem_scenes::random::Random;
 use spade::handles::VoronoiVertex;
 use spade::{DelaunayTriangulation, HasPosition, Point2, Triangulation};
 
-use crate::model::mesher::Meshed;
-use crate::model::outline::{Domain, Inside, Point, distance, twice_area};
-use crate::model::piece::{facets_of, sorted};
+use super::outline::{Domain, Inside, Point, distance, twice_area};
+use super::{OutlineError, Triangles};
+use crate::{Simplex, facets_of, sorted};
 
 /// Length over mesh size below which lines are removed, because they would give elements as small.
 const SHORTEST: f64 = 0.6;
@@ -24,7 +23,7 @@ const THINNEST: f64 = 1000.0;
 const COMPARISONS: usize = 5_000_000_000;
 
 /// The points around which grains grow.
-pub(crate) struct Grains {
+pub struct Grains {
     centres: Vec<Point>,
 }
 
@@ -47,19 +46,17 @@ impl Grains {
     /// Random points inside of `domain`, moved `rounds` times to the middles of their cells.
     ///
     /// # Errors
-    /// Messages about outlines without room for the grains.
-    pub(crate) fn new(domain: &Domain, count: usize, seed: u64, rounds: u32) -> Result<Self, String> {
+    /// [`OutlineError`] about outlines without room for the grains.
+    pub fn new(domain: &Domain, count: usize, seed: u64, rounds: u32) -> Result<Self, OutlineError> {
         let corners: usize = domain.loops.iter().map(Vec::len).sum();
         if count.saturating_mul(corners) > COMPARISONS {
-            return Err(format!("{count} grains in an outline of {corners} edges are too many"));
+            return Err(OutlineError::TooManyGrains { grains: count, edges: corners });
         }
         let inside = Inside::new(&domain.loops);
         let [low, high] = domain.bounds();
         let filled = domain.area() / (high[0] - low[0]) / (high[1] - low[1]);
         if filled.is_nan() || filled * THINNEST < 1.0 {
-            return Err(
-                "the outline is too thin for grains: it fills too little of its bounding box".to_owned()
-            );
+            return Err(OutlineError::TooThin);
         }
         let mut random = Random::with_stream(seed, 1);
         let mut centres = Vec::with_capacity(count);
@@ -71,7 +68,7 @@ impl Grains {
             }
             left -= 1;
             if left == 0 {
-                return Err("the outline has no room for grains".to_owned());
+                return Err(OutlineError::NoRoom);
             }
         }
         let mut grains = Self { centres };
@@ -81,15 +78,15 @@ impl Grains {
         Ok(grains)
     }
 
-    fn triangulation(&self) -> Result<DelaunayTriangulation<Seed>, String> {
+    fn triangulation(&self) -> Result<DelaunayTriangulation<Seed>, OutlineError> {
         let seeds =
             (0..).zip(&self.centres).map(|(number, &[x, y])| Seed { position: Point2::new(x, y), number });
         DelaunayTriangulation::bulk_load(seeds.collect())
-            .map_err(|error| format!("coordinates of grains: {error}"))
+            .map_err(|error| OutlineError::Coordinates { what: "grains", why: error.to_string() })
     }
 
     /// Moves each centre to the mean of the points of a lattice that are nearest to it.
-    fn even_out(&mut self, domain: &Domain, inside: &Inside) -> Result<(), String> {
+    fn even_out(&mut self, domain: &Domain, inside: &Inside) -> Result<(), OutlineError> {
         let [low, high] = domain.bounds();
         let pitch = (domain.area() / (SAMPLES * self.centres.len() as f64)).sqrt();
         let [columns, rows] = [0, 1].map(|axis| ((high[axis] - low[axis]) / pitch) as usize);
@@ -120,8 +117,8 @@ impl Grains {
     /// Adds the boundaries of grains to the lines of `domain`, and their ends to its loops.
     ///
     /// # Errors
-    /// Messages about coordinates that cannot be triangulated.
-    pub(crate) fn cut(&self, domain: &mut Domain, size: f64) -> Result<(), String> {
+    /// [`OutlineError::Coordinates`].
+    pub fn cut(&self, domain: &mut Domain, size: f64) -> Result<(), OutlineError> {
         let mut net = Net::default();
         net.clip(&self.edges(domain)?, domain);
         net.contract(SHORTEST * size, domain);
@@ -130,7 +127,7 @@ impl Grains {
     }
 
     /// Ends of Voronoi edges, each with the number of its vertex.
-    fn edges(&self, domain: &Domain) -> Result<Vec<[(usize, Point); 2]>, String> {
+    fn edges(&self, domain: &Domain) -> Result<Vec<[(usize, Point); 2]>, OutlineError> {
         let [low, high] = domain.bounds();
         let middle = [0, 1].map(|axis| f64::midpoint(low[axis], high[axis]));
         let far = 20.0 * distance(low, high);
@@ -168,8 +165,8 @@ impl Grains {
     /// The grain of each element: parts of the mesh between lines, by the centre that is nearest to the middle of their largest element.
     ///
     /// # Errors
-    /// Messages about coordinates that cannot be triangulated.
-    pub(crate) fn of_elements(&self, mesh: &Meshed) -> Result<Vec<u32>, String> {
+    /// [`OutlineError::Coordinates`].
+    pub fn of_elements(&self, mesh: &Triangles) -> Result<Vec<u32>, OutlineError> {
         let triangulation = self.triangulation()?;
         let part = parts(mesh);
         let mut largest: BTreeMap<u32, (f64, Point)> = BTreeMap::new();
@@ -193,7 +190,7 @@ impl Grains {
 }
 
 /// One of so many colours for each grain, so that neighbours have different ones where that is possible, and each colour comes about as often.
-pub(crate) fn colours<const D: usize, const N: usize>(
+pub fn colours<const D: usize, const N: usize>(
     elements: &[[u32; N]],
     grains: &[u32],
     colours: usize,
@@ -232,7 +229,7 @@ where
 }
 
 /// The edges of all elements, each with its element, sorted.
-fn sorted_edges(mesh: &Meshed) -> Vec<([u32; 2], u32)> {
+fn sorted_edges(mesh: &Triangles) -> Vec<([u32; 2], u32)> {
     let mut edges = Vec::with_capacity(3 * mesh.elements.len());
     for (element, &[a, b, c]) in (0..).zip(&mesh.elements) {
         edges.extend([[a, b], [b, c], [c, a]].map(|edge| (ordered(edge), element)));
@@ -246,7 +243,7 @@ fn ordered([a, b]: [u32; 2]) -> [u32; 2] {
 }
 
 /// Finds the parts of the mesh between lines. Each element gets the smallest number of an element of its part.
-fn parts(mesh: &Meshed) -> Vec<u32> {
+fn parts(mesh: &Triangles) -> Vec<u32> {
     let mut lines: Vec<_> = mesh.lines.iter().map(|&edge| ordered(edge)).collect();
     lines.sort_unstable();
     let edges = sorted_edges(mesh);

@@ -1,6 +1,6 @@
-//! Unstructured meshes of triangles, of even size and good angles.
+//! Unstructured meshes of triangles, of even or graded size and good angles.
 //!
-//! Outlines and lines are cut into equal pieces; the inside is filled with points that keep a distance from each other (Poisson discs); all is triangulated
+//! Outlines and lines are cut into pieces by the size; the inside is filled with points that keep a distance from each other (Poisson discs); all is triangulated
 //! by Delaunay's rule under the constraint of the outlines; then each point inside moves to the centroid of the triangles around it, and all is triangulated again, several
 //! times. Directions of edges are random, as cracks along edges need it, and the same seed gives the same mesh.
 //!
@@ -13,11 +13,23 @@ use std::collections::BTreeMap;
 use fdem_scenes::random::Random;
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 
-use crate::model::extent::{MOST, too_many};
-use crate::model::outline::{self, Domain, Inside, Point, bounds, distance, twice_area};
+mod error;
+mod grains;
+pub mod outline;
+
+pub use error::OutlineError;
+pub use grains::{Grains, colours};
+
+use outline::{Domain, Inside, Point, distance, twice_area};
+
+use crate::bounds;
+use crate::grading::{Grading, stations};
 
 /// Stands for the loop of nodes inside.
-pub(crate) const INSIDE: u32 = u32::MAX;
+pub const INSIDE: u32 = u32::MAX;
+
+/// Largest number of elements.
+pub const MOST: f64 = 2e7;
 
 /// Distance of points over the edge that is asked for, so that the mean edge is that one.
 const SPACING: f64 = 0.71;
@@ -29,57 +41,68 @@ const ATTEMPTS: usize = 16;
 const ROUNDS: usize = 8;
 
 /// A meshed domain.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Meshed {
-    pub(crate) nodes: Vec<Point>,
-    /// Counter-clockwise.
-    pub(crate) elements: Vec<[u32; 3]>,
-    /// The loop of each node, or [`INSIDE`].
-    pub(crate) loops: Vec<u32>,
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Triangles {
+    /// Coordinates `[n]`.
+    pub nodes: Vec<Point>,
+    /// Corners of the elements `[m]`, counter-clockwise.
+    pub elements: Vec<[u32; 3]>,
+    /// The loop of each node `[n]`, or [`INSIDE`].
+    pub loops: Vec<u32>,
     /// Edges along the lines of the domain.
-    pub(crate) lines: Vec<[u32; 2]>,
+    pub lines: Vec<[u32; 2]>,
 }
 
-/// Meshes a domain with edges of about `size`.
+/// Meshes a domain with edges as long as `size` says.
+///
+/// # Units
+/// `size` is in the unit of the coordinates.
+///
+/// # Cost
+/// Time in proportion to the number of elements, most of it for nine triangulations.
 ///
 /// # Errors
-/// Messages about outlines that cross or touch themselves, and sizes that give no element or too many.
-pub(crate) fn mesh(domain: &Domain, size: f64, seed: u64) -> Result<Meshed, String> {
+/// [`OutlineError`]: outlines that cross or touch themselves, and sizes that give no element or too many.
+pub fn triangles(domain: &Domain, size: &Grading<2>, seed: u64) -> Result<Triangles, OutlineError> {
     let length: f64 = domain.loops.iter().map(|corners| outline::length(corners)).sum();
-    let expected = domain.area() / size / size / (3.0_f64.sqrt() / 4.0) + length / size;
-    if let Some(message) = too_many(0.0, expected, size, None) {
-        return Err(message);
+    let per_square = 4.0 / 3.0_f64.sqrt();
+    let mut expected = domain.area() / size.size / size.size / (3.0_f64.sqrt() / 4.0) + length / size.size;
+    let within = domain.bounds();
+    expected += size.near.iter().map(|near| per_square * near.cubes(within)).sum::<f64>();
+    if !(expected.is_finite() && expected <= MOST) {
+        return Err(OutlineError::TooMany { elements: expected });
     }
     holes_are_inside(domain)?;
     let origin = domain.middle_if_far();
     let domain = &domain.relative_to(origin);
+    let size = &size.relative_to(origin);
     let mut frame = Frame::new(domain, origin, size)?;
     let fixed = frame.nodes.len();
     let inside = Inside::new(&domain.loops);
     fill(&mut frame.nodes, domain, &inside, size, seed)?;
     let mut elements = triangulate(&frame)?;
     for _ in 0..ROUNDS {
-        smooth(&mut frame.nodes, fixed, &elements, &inside);
+        smooth(&mut frame.nodes, fixed, &elements, &inside, size);
         elements = triangulate(&frame)?;
     }
     if elements.is_empty() {
-        return Err("the outline has no area".to_owned());
+        return Err(OutlineError::NoArea);
     }
     frame.loops.resize(frame.nodes.len(), INSIDE);
     let numbers = renumber(&mut frame.nodes, &mut frame.loops, &mut elements);
     let number = |node: u32| Some(numbers[node as usize]).filter(|&number| number != INSIDE);
     let lines = frame.lines.iter().filter_map(|&[a, b]| Some([number(a)?, number(b)?])).collect();
     let nodes = frame.nodes.iter().map(|&node| frame.place(node)).collect();
-    Ok(Meshed { nodes, elements, loops: frame.loops, lines })
+    Ok(Triangles { nodes, elements, loops: frame.loops, lines })
 }
 
 /// Checks that every hole is inside the outline and none is in another hole.
-fn holes_are_inside(domain: &Domain) -> Result<(), String> {
+fn holes_are_inside(domain: &Domain) -> Result<(), OutlineError> {
     let Some((outer, holes)) = domain.loops.split_first() else { return Ok(()) };
     let outline = Inside::new(std::slice::from_ref(outer));
     for (number, hole) in holes.iter().enumerate() {
         if let Some(corner) = hole.iter().find(|&&corner| !outline.contains(corner)) {
-            return Err(format!("hole {} is not inside the outline: {corner:?} is beyond", number + 1));
+            return Err(OutlineError::HoleOutside { hole: number + 1, place: *corner });
         }
     }
     let boxes: Vec<[Point; 2]> = holes.iter().map(|hole| bounds(hole.iter().copied())).collect();
@@ -94,7 +117,7 @@ fn holes_are_inside(domain: &Domain) -> Result<(), String> {
             }
             let inside = around_is_inside.get_or_insert_with(|| Inside::new(std::slice::from_ref(around)));
             if hole.iter().all(|&corner| inside.contains(corner)) {
-                return Err(format!("hole {} is in hole {}", number + 1, other + 1));
+                return Err(OutlineError::HoleInHole { hole: number + 1, around: other + 1 });
             }
         }
     }
@@ -114,7 +137,7 @@ struct Frame {
 }
 
 impl Frame {
-    fn new(domain: &Domain, origin: Point, size: f64) -> Result<Self, String> {
+    fn new(domain: &Domain, origin: Point, size: &Grading<2>) -> Result<Self, OutlineError> {
         let mut frame =
             Self { origin, nodes: Vec::new(), loops: Vec::new(), edges: Vec::new(), lines: Vec::new() };
         let mut known: BTreeMap<[u64; 2], usize> = BTreeMap::new();
@@ -122,8 +145,7 @@ impl Frame {
         for (number, corners) in (0..).zip(&domain.loops) {
             for &corner in corners {
                 if known.insert(key(corner), frame.nodes.len()).is_some() {
-                    let place = frame.place(corner);
-                    return Err(format!("the outline comes to the point {place:?} twice"));
+                    return Err(OutlineError::Twice { place: frame.place(corner) });
                 }
                 frame.push(corner, number);
             }
@@ -161,16 +183,23 @@ impl Frame {
         self.loops.push(number);
     }
 
-    /// Cuts the line between two nodes into equal pieces.
-    fn divide(&mut self, a: usize, b: usize, number: u32, size: f64) {
+    /// Cuts the line between two nodes into pieces; equal ones if the size is even.
+    fn divide(&mut self, a: usize, b: usize, number: u32, size: &Grading<2>) {
         let (from, to) = (self.nodes[a], self.nodes[b]);
-        let pieces = (distance(from, to) / size).round().clamp(1.0, MOST) as usize;
+        // Points on a line along an axis have exactly its coordinate.
+        let at = |t: f64| [0, 1].map(|axis| from[axis] + t * (to[axis] - from[axis]));
+        let round = |pieces: f64| pieces.round().clamp(1.0, MOST) as usize;
+        let span = distance(from, to);
+        let places: Vec<f64> = if size.near.is_empty() {
+            let pieces = round(span / size.size);
+            (1..pieces).map(|piece| piece as f64 / pieces as f64).collect()
+        } else {
+            stations(span, &|t| size.at(at(t)), &round)
+        };
         let mut last = a;
-        for piece in 1..pieces {
-            let t = piece as f64 / pieces as f64;
+        for t in places {
             let next = self.nodes.len();
-            // Points on a line along an axis have exactly its coordinate.
-            self.push([0, 1].map(|axis| from[axis] + t * (to[axis] - from[axis])), number);
+            self.push(at(t), number);
             self.edges.push([last, next]);
             last = next;
         }
@@ -183,27 +212,28 @@ fn fill(
     nodes: &mut Vec<Point>,
     domain: &Domain,
     inside: &Inside,
-    size: f64,
+    size: &Grading<2>,
     seed: u64,
-) -> Result<(), String> {
-    let least = SPACING * size;
-    let mut cells = Cells::new(domain, least)?;
+) -> Result<(), OutlineError> {
+    let apart = |point: Point| SPACING * size.at(point);
+    let mut cells = Cells::new(domain, size)?;
     for (node, &point) in (0..).zip(nodes.iter()) {
-        cells.insert(node, point);
+        cells.insert(node, point, apart(point));
     }
     let mut random = Random::new(seed);
     let mut active: Vec<u32> = (0..nodes.len() as u32).collect();
     while !active.is_empty() {
         let place = random.below(active.len() as u64) as usize;
-        let [x, y] = nodes[active[place] as usize];
+        let from = nodes[active[place] as usize];
+        let least = apart(from);
         let found = (0..ATTEMPTS).find_map(|_| {
             let [dx, dy] = ring(&mut random);
-            let point = [x + least * dx, y + least * dy];
-            (inside.contains(point) && cells.is_free(nodes, point, least)).then_some(point)
+            let point = [from[0] + least * dx, from[1] + least * dy];
+            (inside.contains(point) && cells.is_free(nodes, point, apart(point))).then_some(point)
         });
         match found {
             Some(point) => {
-                cells.insert(nodes.len() as u32, point);
+                cells.insert(nodes.len() as u32, point, apart(point));
                 active.push(nodes.len() as u32);
                 nodes.push(point);
             }
@@ -225,14 +255,23 @@ fn ring(random: &mut Random) -> Point {
     }
 }
 
-/// Singly connected lists of points by square cells.
+/// Singly connected lists of points by square cells, on one grid for each doubling of the distance that the points keep.
+///
+/// As that distance grows slowly from place to place, points that may be too near to each other are on one grid or on two that follow each other.
 struct Cells {
+    levels: Vec<Level>,
+    /// The distance from which points are on the second grid; each grid after it begins at twice the distance.
+    second: f64,
+    next: Vec<u32>,
+}
+
+/// A grid of square cells.
+struct Level {
     origin: Point,
     per_length: f64,
     columns: usize,
     rows: usize,
     head: Heads,
-    next: Vec<u32>,
 }
 
 /// The first point of each cell.
@@ -243,17 +282,61 @@ enum Heads {
     Some(BTreeMap<usize, u32>),
 }
 
-/// Cells for which memory is taken whether or not they have a point.
+/// Cells of a grid for which memory is taken whether or not they have a point.
 const CELLS: f64 = 2e7;
 
 impl Cells {
-    fn new(domain: &Domain, edge: f64) -> Result<Self, String> {
+    fn new(domain: &Domain, size: &Grading<2>) -> Result<Self, OutlineError> {
+        let (least, most) = (SPACING * size.least(), SPACING * size.size);
+        let mut levels = vec![Level::new(domain, if least < most { 2.0 * least } else { least })?];
+        let mut first = 2.0 * least;
+        while first <= most {
+            levels.push(Level::new(domain, 2.0 * first)?);
+            first *= 2.0;
+        }
+        Ok(Self { levels, second: 2.0 * least, next: Vec::new() })
+    }
+
+    /// The grid of points that keep this distance.
+    fn level(&self, apart: f64) -> usize {
+        let (mut level, mut first) = (0, self.second);
+        while apart >= first && level + 1 < self.levels.len() {
+            (level, first) = (level + 1, 2.0 * first);
+        }
+        level
+    }
+
+    /// Adds a node that keeps the distance `apart`. Nodes have to come in order.
+    fn insert(&mut self, node: u32, point: Point, apart: f64) {
+        let level = self.level(apart);
+        let level = &mut self.levels[level];
+        let [column, row] = level.cell(point);
+        let cell = row * level.columns + column;
+        let head = match &mut level.head {
+            Heads::All(heads) => &mut heads[cell],
+            Heads::Some(heads) => heads.entry(cell).or_insert(INSIDE),
+        };
+        self.next.push(*head);
+        *head = node;
+    }
+
+    /// Whether no node is nearer than `apart`, which is the distance that a node at the point has to keep.
+    fn is_free(&self, nodes: &[Point], point: Point, apart: f64) -> bool {
+        let level = self.level(apart);
+        let near = level.saturating_sub(1)..=(level + 1).min(self.levels.len() - 1);
+        self.levels[near].iter().all(|level| level.is_free(nodes, &self.next, point, apart))
+    }
+}
+
+impl Level {
+    /// A grid of cells with this edge.
+    fn new(domain: &Domain, edge: f64) -> Result<Self, OutlineError> {
         let [low, high] = domain.bounds();
         let [columns, rows] = [0, 1].map(|axis| ((high[axis] - low[axis]) / edge).floor() + 1.0);
         let cells = columns * rows;
         // Beyond, cells have no numbers that are exact.
         if cells.is_nan() || cells > 2.0_f64.powi(52) {
-            return Err("the mesh size is too small for this outline".to_owned());
+            return Err(OutlineError::SizeTooSmall);
         }
         let (columns, rows) = (columns as usize, rows as usize);
         let head = if cells <= CELLS {
@@ -261,7 +344,7 @@ impl Cells {
         } else {
             Heads::Some(BTreeMap::new())
         };
-        Ok(Self { origin: low, per_length: 1.0 / edge, columns, rows, head, next: Vec::new() })
+        Ok(Self { origin: low, per_length: 1.0 / edge, columns, rows, head })
     }
 
     /// The first point of a cell, or [`INSIDE`].
@@ -278,23 +361,12 @@ impl Cells {
         [column.min(self.columns - 1), row.min(self.rows - 1)]
     }
 
-    /// Nodes have to come in order.
-    fn insert(&mut self, node: u32, point: Point) {
+    fn is_free(&self, nodes: &[Point], next: &[u32], point: Point, least: f64) -> bool {
         let [column, row] = self.cell(point);
-        let cell = row * self.columns + column;
-        let head = match &mut self.head {
-            Heads::All(heads) => &mut heads[cell],
-            Heads::Some(heads) => heads.entry(cell).or_insert(INSIDE),
-        };
-        self.next.push(*head);
-        *head = node;
-    }
-
-    /// Whether no node is nearer than `least`, which is the edge of a cell.
-    fn is_free(&self, nodes: &[Point], point: Point, least: f64) -> bool {
-        let [column, row] = self.cell(point);
-        for row in row.saturating_sub(1)..=(row + 1).min(self.rows - 1) {
-            for column in column.saturating_sub(1)..=(column + 1).min(self.columns - 1) {
+        // Cells within the distance: one in each direction, or two of the next finer grid.
+        let reach = (least * self.per_length - 1e-9).ceil().max(1.0) as usize;
+        for row in row.saturating_sub(reach)..=(row + reach).min(self.rows - 1) {
+            for column in column.saturating_sub(reach)..=(column + reach).min(self.columns - 1) {
                 let mut node = self.head(row * self.columns + column);
                 while node != INSIDE {
                     let [x, y] = nodes[node as usize];
@@ -302,7 +374,7 @@ impl Cells {
                     if dx * dx + dy * dy < least * least {
                         return false;
                     }
-                    node = self.next[node as usize];
+                    node = next[node as usize];
                 }
             }
         }
@@ -311,7 +383,7 @@ impl Cells {
 }
 
 /// The triangles inside, counter-clockwise.
-fn triangulate(frame: &Frame) -> Result<Vec<[u32; 3]>, String> {
+fn triangulate(frame: &Frame) -> Result<Vec<[u32; 3]>, OutlineError> {
     let points: Vec<_> = frame.nodes.iter().map(|&[x, y]| Point2::new(x, y)).collect();
     let count = points.len();
     let mut crossing = None;
@@ -320,15 +392,12 @@ fn triangulate(frame: &Frame) -> Result<Vec<[u32; 3]>, String> {
         frame.edges.clone(),
         |[a, _]| crossing = crossing.or(Some(a)),
     )
-    .map_err(|error| format!("coordinates of the outline: {error}"))?;
+    .map_err(|error| OutlineError::Coordinates { what: "the outline", why: error.to_string() })?;
     if triangulation.num_vertices() != count {
-        return Err("two points of the outline coincide".to_owned());
+        return Err(OutlineError::Coincide);
     }
     if let Some(node) = crossing {
-        return Err(format!(
-            "the outline crosses or touches itself near {:?}",
-            frame.place(frame.nodes[node])
-        ));
+        return Err(OutlineError::Crossing { place: frame.place(frame.nodes[node]) });
     }
     Ok(faces_inside(&triangulation, &frame.lines))
 }
@@ -367,12 +436,18 @@ fn faces_inside(
     kept.map(|face| face.vertices().map(|node| node.fix().index() as u32)).collect()
 }
 
-/// Moves each node that is not fixed to the centroid of what its triangles cover.
-fn smooth(nodes: &mut [Point], fixed: usize, elements: &[[u32; 3]], inside: &Inside) {
+/// Moves each node that is not fixed to the centroid of what its triangles cover: where the size varies, with a weight that falls with its fourth power, which
+/// keeps small elements small (Du, Faber and Gunzburger, section 6).
+fn smooth(nodes: &mut [Point], fixed: usize, elements: &[[u32; 3]], inside: &Inside, size: &Grading<2>) {
+    let even = size.near.is_empty();
     let mut sums = vec![[0.0; 3]; nodes.len()];
     for &triangle in elements {
         let [a, b, c] = triangle.map(|node| nodes[node as usize]);
-        let weight = twice_area(a, b, c);
+        let mut weight = twice_area(a, b, c);
+        if !even {
+            let middle = [0, 1].map(|axis| (a[axis] + b[axis] + c[axis]) / 3.0);
+            weight *= (size.size / size.at(middle)).powi(4);
+        }
         for node in triangle {
             let sum = &mut sums[node as usize];
             sum[0] += weight;

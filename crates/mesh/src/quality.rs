@@ -1,7 +1,8 @@
 //! Quality of a mesh.
 
-use fdem_mesh::{Mesh, Simplex};
 use serde::Serialize;
+
+use crate::{Mesh, Simplex};
 
 /// Sizes and shapes of the elements of a mesh.
 #[derive(Debug, Clone, Serialize)]
@@ -82,7 +83,7 @@ impl Quality {
 }
 
 /// Lengths of all edges of an element.
-pub(crate) fn edges<const D: usize, const N: usize>(corners: &[[f64; D]; N]) -> Vec<f64> {
+pub fn edges<const D: usize, const N: usize>(corners: &[[f64; D]; N]) -> Vec<f64> {
     let mut edges = Vec::with_capacity(N * (N - 1) / 2);
     for (k, a) in corners.iter().enumerate() {
         for b in &corners[k + 1..] {
