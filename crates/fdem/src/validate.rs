@@ -392,6 +392,14 @@ const CASES: &[Case] = &[
         run: space::sphere::run,
     },
     Case {
+        number: 24,
+        name: "hole through a block",
+        what: "A quarter of a block with a circular hole under tension, in plane strain, at rest. Displacements and stresses along the edge of the hole are Kirsch's: three times the tension \
+               across it, and as much pressure along it. So are the forces on its planes of symmetry. The error is of the order of the square of the elements' size.",
+        source: "S. P. Timoshenko and J. N. Goodier, Theory of Elasticity (1970), 35",
+        run: space::hole::run,
+    },
+    Case {
         number: 25,
         name: "absorbing faces",
         what: "Plane waves leave through absorbing faces, and a block under initial stress between them stays at rest.",

@@ -154,6 +154,11 @@ fn a_thick_sphere_grows_as_lame_says() {
 }
 
 #[test]
+fn the_edge_of_a_hole_through_a_block_bears_three_times_the_tension() {
+    passes("hole through a block");
+}
+
+#[test]
 fn plane_waves_leave_through_absorbing_faces() {
     passes("absorbing faces");
 }
