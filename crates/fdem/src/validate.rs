@@ -364,6 +364,13 @@ const CASES: &[Case] = &[
         run: space::incline::run,
     },
     Case {
+        number: 20,
+        name: "Hertz contact in space",
+        what: "An elastic sphere is pressed on an elastic block, without friction. Compared are load against approach, radius of the contact and greatest pressure.",
+        source: JOHNSON,
+        run: space::hertz::run,
+    },
+    Case {
         number: 21,
         name: "direct tension of a prism",
         what: "A prism with joints on one plane is pulled apart along a direction aslant to all axes. The traction peaks at the strength, and the crack dissipates the fracture energy times its area. Meshes that may break everywhere are told apart.",

@@ -134,6 +134,11 @@ fn a_block_on_a_plane_that_is_inclined_anywhere_rests_or_slides() {
 }
 
 #[test]
+fn a_sphere_on_a_block_presses_as_hertz_says() {
+    passes("Hertz contact in space");
+}
+
+#[test]
 fn a_prism_breaks_at_its_strength_with_its_fracture_energy() {
     passes("direct tension of a prism");
 }
