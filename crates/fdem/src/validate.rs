@@ -357,6 +357,13 @@ const CASES: &[Case] = &[
         run: space::incline::run,
     },
     Case {
+        number: 20,
+        name: "Hertz contact in space",
+        what: "An elastic sphere is pressed on an elastic block, without friction. Compared are load against approach, radius of the contact and greatest pressure.",
+        source: JOHNSON,
+        run: space::hertz::run,
+    },
+    Case {
         number: 21,
         name: "direct tension of a prism",
         what: "A prism with joints on one plane is pulled apart along a direction aslant to all axes. The traction peaks at the strength, and the crack dissipates the fracture energy times its area. Meshes that may break everywhere are told apart.",
@@ -383,6 +390,14 @@ const CASES: &[Case] = &[
         what: "An eighth of a thick sphere under pressure inside, at rest. Displacements and stresses are those of Lamé, with an error of the order of the square of the elements' size.",
         source: "S. P. Timoshenko and J. N. Goodier, Theory of Elasticity (1970), 136",
         run: space::sphere::run,
+    },
+    Case {
+        number: 24,
+        name: "hole through a block",
+        what: "A quarter of a block with a circular hole under tension, in plane strain, at rest. Displacements and stresses along the edge of the hole are Kirsch's: three times the tension \
+               across it, and as much pressure along it. So are the forces on its planes of symmetry. The error is of the order of the square of the elements' size.",
+        source: "S. P. Timoshenko and J. N. Goodier, Theory of Elasticity (1970), 35",
+        run: space::hole::run,
     },
     Case {
         number: 25,

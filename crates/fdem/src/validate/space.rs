@@ -3,6 +3,8 @@
 pub(super) mod bars;
 mod bodies;
 pub(super) mod debris;
+pub(super) mod hertz;
+pub(super) mod hole;
 pub(super) mod impact;
 pub(super) mod incline;
 pub(super) mod locking;

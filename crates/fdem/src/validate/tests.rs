@@ -134,6 +134,11 @@ fn a_block_on_a_plane_that_is_inclined_anywhere_rests_or_slides() {
 }
 
 #[test]
+fn a_sphere_on_a_block_presses_as_hertz_says() {
+    passes("Hertz contact in space");
+}
+
+#[test]
 fn a_prism_breaks_at_its_strength_with_its_fracture_energy() {
     passes("direct tension of a prism");
 }
@@ -151,6 +156,11 @@ fn a_round_crack_opens_as_sneddon_says() {
 #[test]
 fn a_thick_sphere_grows_as_lame_says() {
     passes("thick sphere");
+}
+
+#[test]
+fn the_edge_of_a_hole_through_a_block_bears_three_times_the_tension() {
+    passes("hole through a block");
 }
 
 #[test]
