@@ -114,7 +114,7 @@ where
             penalty: None,
             strength: Some(weak()),
         }],
-        thickness: THICKNESS,
+        thickness: if D == 2 { THICKNESS } else { 1.0 },
         ..Model::default()
     };
     let masses = ElementMasses::of(&model).unwrap();
@@ -178,7 +178,7 @@ where
     for (origin, side) in [(0.0, 1.0), (2.0, 2.0), (5.0, 3.0)] {
         add_row(&mut mesh, origin, side, 1, middle);
     }
-    Model { mesh, materials, thickness: THICKNESS, ..Model::default() }
+    Model { mesh, materials, thickness: if D == 2 { THICKNESS } else { 1.0 }, ..Model::default() }
 }
 
 fn fragments_of<const D: usize, const N: usize>(model: Model<D, N>) -> Fragments<D>

@@ -264,10 +264,7 @@ impl<const D: usize> Memory<D> {
         let stiffness = law.penalty * self.stiffness;
         let mut traction = bond.map(|length| stiffness * length);
         if pressure == 0.0 {
-            // Friction does not act beside a whole bond, which leaves its history as it is: joints that nothing loads are only read. Pinned results in two dimensions contain it.
-            if D == 2 || self.stiffness < 1.0 || law.cohesion == 0.0 {
-                self.rubbed = gap;
-            }
+            self.rubbed = gap;
             return traction;
         }
         let lost = if law.cohesion == 0.0 { law.penalty } else { law.penalty - stiffness };

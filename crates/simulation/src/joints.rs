@@ -645,11 +645,7 @@ where
         }
         State::Holding | State::Removed => {}
     }
-    let fading = joint.faded - before;
-    // Most joints are only read.
-    if joint.fading != fading {
-        joint.fading = fading;
-    }
+    joint.fading = joint.faded - before;
     (work, modes)
 }
 

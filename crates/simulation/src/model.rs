@@ -20,7 +20,7 @@ pub struct Model<const D: usize = 2, const N: usize = 3> {
     pub boundaries: Vec<Boundary<D>>,
     /// Whether the stress or the strain out of the plane vanishes, in two dimensions.
     pub plane: Plane,
-    /// Thickness out of the plane, m, in two dimensions.
+    /// Thickness out of the plane, m, in two dimensions. In three it has to be 1, as it multiplies volumes and areas.
     pub thickness: f64,
     /// Acceleration of gravity, m/s².
     pub gravity: [f64; D],

@@ -328,9 +328,7 @@ where
                 }
                 strained.energy = energy * element.volume;
                 let cauchy = symmetric(&product_transposed(&stress, &gradient));
-                // A product is faster, but pinned results in two dimensions contain the quotients.
-                let per = 1.0 / j;
-                strained.stress = cauchy.map(|row| row.map(|x| if D == 2 { x / j } else { x * per }));
+                strained.stress = cauchy.map(|row| row.map(|x| x / j));
                 *forces = element.forces(&stress);
             }
             sum
