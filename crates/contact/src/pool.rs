@@ -221,9 +221,10 @@ mod tests {
             threads.into_inner().unwrap().len()
         };
         assert!(threads.install(|| worked(&shared)) <= 3);
-        assert!(worked(&shared) <= 3, "the caller takes the place of one thread");
+        // A caller from elsewhere works too, and any thread of the pool may be the one that it leaves idle.
+        assert!(worked(&shared) <= 4);
         // The test can fail: a caller from another pool needs a new thread each time.
-        assert!(threads.install(|| worked(&own)) > 3);
+        assert!(threads.install(|| worked(&own)) > 4);
     }
 
     #[test]

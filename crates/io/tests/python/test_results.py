@@ -49,15 +49,15 @@ def test_mesh_by_vtk(instant):
     stress = np.array(expected["stresses"])
     assert np.array_equal(mesh.cell_data["stress"], stress)
     names = mesh.GetCellData().GetArray("stress")
-    assert [names.GetComponentName(k) for k in range(4)] == ["xx", "yy", "xy", "zz"]
+    assert [names.GetComponentName(k) for k in range(6)] == ["xx", "yy", "zz", "xy", "yz", "xz"]
     tensors = np.zeros((len(stress), 2, 2))
     tensors[:, 0, 0], tensors[:, 1, 1] = stress[:, 0], stress[:, 1]
-    tensors[:, 0, 1] = tensors[:, 1, 0] = stress[:, 2]
+    tensors[:, 0, 1] = tensors[:, 1, 0] = stress[:, 3]
     low, high = np.linalg.eigvalsh(tensors).T
     scale = np.abs(stress).max() + 1.0
     assert np.allclose(mesh.cell_data["principal_stress"], np.column_stack([high, low]), rtol=0, atol=1e-12 * scale)
-    mean = (stress[:, 0] + stress[:, 1] + stress[:, 3]) / 3
-    deviator = np.sqrt(1.5 * (((stress[:, [0, 1, 3]] - mean[:, None]) ** 2).sum(axis=1) + 2 * stress[:, 2] ** 2))
+    mean = stress[:, :3].sum(axis=1) / 3
+    deviator = np.sqrt(1.5 * (((stress[:, :3] - mean[:, None]) ** 2).sum(axis=1) + 2 * stress[:, 3] ** 2))
     assert np.allclose(mesh.cell_data["von_mises"], deviator, rtol=0, atol=1e-12 * scale)
     assert np.array_equal(mesh.point_data["reaction"], in_space(expected["reactions"]))
     for name, key in [("damage", "damage"), ("body", "bodies"), ("material", "materials"), ("fragment", "fragments")]:
@@ -164,7 +164,7 @@ def test_the_history_is_a_table(folder):
         names = text.readline()
     assert names.startswith("step,time,kinetic,") and '"upper platen, force y [N]"' in names
     rows = np.genfromtxt(folder / "history.csv", delimiter=",", skip_header=1)
-    assert rows.shape == (1001, 19)
+    assert rows.shape == (1001, 21)
     assert (np.diff(rows[:, 1]) > 0).all() and not np.isnan(rows).any()
     stored = rows[:, 2:8].sum(axis=1)
     assert np.allclose(stored - rows[:, 8], rows[:, 9], rtol=0, atol=1e-12)
