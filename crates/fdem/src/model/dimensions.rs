@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use fdem_contact::narrow::{Measure, Tetrahedron, Triangle, tetrahedron_tetrahedron, triangle_triangle_2d};
 use fdem_mesh::Simplex;
 use fdem_simulation::{Element, Model};
 
@@ -23,6 +24,9 @@ pub(crate) trait Dimensions<const D: usize, const N: usize>:
 
     /// The meshed pieces of a body: one, unless it is a packing.
     fn pieces(file: &ModelFile, body: &Body, load: &mut Load<'_>) -> Result<Vec<Piece<D, N>>, Problem>;
+
+    /// Distance of two elements, m; 0 if they touch. `None` for elements without area or volume.
+    fn gap(&self, other: &Self) -> Option<f64>;
 
     /// The rotation by an angle, degrees, about an axis.
     fn turn(angle: f64, axis: Option<[f64; 3]>) -> [[f64; D]; D];
@@ -51,6 +55,11 @@ impl Dimensions<2, 3> for [[f64; 2]; 3] {
 
     fn pieces(file: &ModelFile, body: &Body, load: &mut Load<'_>) -> Result<Vec<Piece>, Problem> {
         plane::pieces(file, body, load)
+    }
+
+    fn gap(&self, other: &Self) -> Option<f64> {
+        let [Ok(one), Ok(other)] = [self, other].map(|corners| Triangle::new(*corners)) else { return None };
+        Some(gap(triangle_triangle_2d(&one, &other, &mut Vec::new()).measure))
     }
 
     fn turn(angle: f64, _: Option<[f64; 3]>) -> [[f64; 2]; 2] {
@@ -86,6 +95,13 @@ impl Dimensions<3, 4> for [[f64; 3]; 4] {
         space::pieces(file, body, load)
     }
 
+    fn gap(&self, other: &Self) -> Option<f64> {
+        let [Ok(one), Ok(other)] = [self, other].map(|corners| Tetrahedron::new(*corners)) else {
+            return None;
+        };
+        Some(gap(tetrahedron_tetrahedron(&one, &other).measure))
+    }
+
     /// Rodrigues' formula.
     fn turn(angle: f64, axis: Option<[f64; 3]>) -> [[f64; 3]; 3] {
         let (sine, cosine) = libm::sincos(angle.to_radians());
@@ -113,7 +129,7 @@ impl Dimensions<3, 4> for [[f64; 3]; 4] {
             connected::warnings_in_space(&body.name, &body.piece, &mut warnings);
         }
         joined::warnings(ready.model, &mut warnings);
-        locking::warnings_in_space(ready.model, &mut warnings);
+        locking::warnings_in_space(ready.model, ready.placed, &mut warnings);
         warnings.extend(warnings::of_space(ready));
         warnings
     }
@@ -121,6 +137,10 @@ impl Dimensions<3, 4> for [[f64; 3]; 4] {
     fn slivers(model: &Model<3, 4>) -> Option<Slivers> {
         Slivers::of(model)
     }
+}
+
+fn gap(measure: Measure) -> f64 {
+    if let Measure::Gap(distance) = measure { distance } else { 0.0 }
 }
 
 /// The dimensions of a model: those that it says, or that its bodies have.
@@ -148,6 +168,12 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, dimensions: u8, f
     let general = Table::one("model");
     if let Gravity::Vector(gravity) = &file.model.gravity {
         vectors.push((general, "gravity".to_owned(), gravity.0.len(), d));
+    }
+    for key in ["plane", "thickness"].into_iter().filter(|key| d == 3 && document.has(general, key)) {
+        faults.push(
+            Fault::at(document.key(general, key), format!("\"{key}\" is for models in two dimensions"))
+                .label("take it out"),
+        );
     }
     let initial = Table::one("initial");
     for (name, velocity) in &file.initial.velocity {

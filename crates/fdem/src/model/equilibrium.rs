@@ -1,15 +1,23 @@
 //! Warnings of initial states that are not in equilibrium.
 
 use fdem_io::numbers::brief;
+use fdem_mesh::Simplex;
 use fdem_simulation::{InitialContacts, Load, Model, Schedule, Target, principal_stresses};
 
 use crate::model::Body;
+use crate::model::dimensions::Dimensions;
 
 /// Forces out of balance, over the weights, from which a body is said not to be in equilibrium.
 const UNBALANCED: f64 = 0.1;
 
 /// Adds what is not in equilibrium at the beginning, in words.
-pub(crate) fn warnings(model: &Model, bodies: &[Body], warnings: &mut Vec<String>) {
+pub(crate) fn warnings<const D: usize, const N: usize>(
+    model: &Model<D, N>,
+    bodies: &[Body],
+    warnings: &mut Vec<String>,
+) where
+    [[f64; D]; N]: Dimensions<D, N>,
+{
     weight(model, bodies, warnings);
     if model.stresses.is_empty() {
         return;
@@ -34,16 +42,19 @@ pub(crate) fn warnings(model: &Model, bodies: &[Body], warnings: &mut Vec<String
     );
 }
 
-/// Weight that the initial stress does not carry, on bodies that rest on absorbing edges.
-fn weight(model: &Model, bodies: &[Body], warnings: &mut Vec<String>) {
+/// Weight that the initial stress does not carry, on bodies that rest on absorbing boundaries.
+fn weight<const D: usize, const N: usize>(model: &Model<D, N>, bodies: &[Body], warnings: &mut Vec<String>)
+where
+    [[f64; D]; N]: Dimensions<D, N>,
+{
     let mesh = &model.mesh;
-    let size = model.gravity[0].hypot(model.gravity[1]);
-    let absorbs = |load: &Load| matches!(load, Load::Absorbing);
+    let size = dot(&model.gravity, &model.gravity).sqrt();
+    let absorbs = |load: &Load<D>| matches!(load, Load::Absorbing);
     let sudden = model.gravity_schedule == Schedule::Constant;
     if size == 0.0 || !sudden || !model.boundaries.iter().any(|boundary| absorbs(&boundary.load)) {
         return;
     }
-    // Nodes on absorbing edges are held in equilibrium by the ground, where there is a stress.
+    // Nodes on absorbing boundaries are held in equilibrium by the ground, where there is a stress.
     let mut outer = vec![false; mesh.nodes.len()];
     for boundary in model.boundaries.iter().filter(|boundary| absorbs(&boundary.load)) {
         let Target::Facets(edges) = &boundary.target else { continue };
@@ -56,30 +67,28 @@ fn weight(model: &Model, bodies: &[Body], warnings: &mut Vec<String>) {
         nodes.flat_map(|(nodes, _)| nodes).any(|&node| outer[node as usize])
     };
     let Some(body) = (0..bodies.len() as u32).find(|&body| on_ground(body)) else { return };
-    let mut forces = vec![[0.0; 2]; mesh.nodes.len()];
+    let mut forces = vec![[0.0; D]; mesh.nodes.len()];
     let mut weights = vec![0.0; mesh.nodes.len()];
     for (element, nodes) in mesh.elements.iter().enumerate().filter(|(k, _)| mesh.bodies[*k] == body) {
-        let [a, b, c] = nodes.map(|node| mesh.nodes[node as usize]);
+        let corners = nodes.map(|node| mesh.nodes[node as usize]);
+        let volume = corners.measure();
         let density = model.materials[mesh.materials[element] as usize].density;
-        let area = 0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]));
-        let [[xx, xy], [_, yy]] = model.stresses.get(element).copied().unwrap_or_default();
-        for (node, [p, q]) in nodes.iter().zip([[b, c], [c, a], [a, b]]) {
-            // Half of the opposite edge, turned inwards: area times the gradient of the shape function.
-            let [x, y] = [0.5 * (p[1] - q[1]), 0.5 * (q[0] - p[0])];
+        let stress = model.stresses.get(element).copied().unwrap_or([[0.0; D]; D]);
+        for (node, gradient) in nodes.iter().zip(gradients(&corners)) {
             let force = &mut forces[*node as usize];
-            let mass = density * area / 3.0;
-            force[0] += mass * model.gravity[0] - xx * x - xy * y;
-            force[1] += mass * model.gravity[1] - xy * x - yy * y;
+            let mass = density * volume / N as f64;
+            for axis in 0..D {
+                force[axis] += mass * model.gravity[axis] - volume * dot(&stress[axis], &gradient);
+            }
             weights[*node as usize] += mass * size;
         }
     }
     let inside = || (0..mesh.nodes.len()).filter(|&node| !outer[node]);
-    let left = inside().fold([0.0; 2], |sum, node| [sum[0] + forces[node][0], sum[1] + forces[node][1]]);
-    let along = (left[0] * model.gravity[0] + left[1] * model.gravity[1]) / size;
+    let along = inside().map(|node| dot(&forces[node], &model.gravity)).sum::<f64>() / size;
     let all: f64 = inside().map(|node| weights[node]).sum();
     if along > UNBALANCED * all {
         warnings.push(format!(
-            "\"{}\" rests on absorbing edges, and {:.0} % of its weight is not carried by an initial stress: it settles on the springs of the edges and swings; \
+            "\"{}\" rests on absorbing boundaries, and {:.0} % of its weight is not carried by an initial stress: it settles on their springs and swings; \
              give it [initial] stress and stress_gradient in equilibrium with gravity, or hold its base",
             bodies[body as usize].name,
             (100.0 * along / all).min(100.0)
@@ -87,23 +96,53 @@ fn weight(model: &Model, bodies: &[Body], warnings: &mut Vec<String>) {
     }
 }
 
+/// The gradients of the functions that are 1 at one corner of an element and 0 at all others, 1/m.
+fn gradients<const D: usize, const N: usize>(corners: &[[f64; D]; N]) -> [[f64; D]; N]
+where
+    [[f64; D]; N]: Dimensions<D, N>,
+{
+    let volume = corners.measure();
+    let mut gradients = [[0.0; D]; N];
+    for (corner, gradient) in gradients.iter_mut().enumerate() {
+        for (axis, component) in gradient.iter_mut().enumerate() {
+            // The measure is linear in each coordinate, so that this difference is exact but for rounding.
+            let mut moved = *corners;
+            let length = volume.abs().powf(1.0 / D as f64);
+            moved[corner][axis] += length;
+            *component = (moved.measure() / volume - 1.0) / length;
+        }
+    }
+    gradients
+}
+
+fn dot<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
 /// Initial stress that a material does not bear.
-fn strength(model: &Model, warnings: &mut Vec<String>) {
+fn strength<const D: usize, const N: usize>(model: &Model<D, N>, warnings: &mut Vec<String>)
+where
+    [[f64; D]; N]: Dimensions<D, N>,
+{
     for (number, material) in model.materials.iter().enumerate() {
         let Some(strength) = material.strength else { continue };
-        let breaks = |[[xx, xy], [_, yy]]: [[f64; 2]; 2]| {
-            let [most, least] = principal_stresses::<2, 3>(&[[xx, xy], [xy, yy]]);
+        let breaks = |stress: &[[f64; D]; D]| {
+            let [most, least] = principal_stresses::<D, N>(stress);
             let (mean, radius) = (f64::midpoint(most, least), 0.5 * (most - least));
             let secant = (1.0 + strength.friction * strength.friction).sqrt();
             most > strength.tensile || radius * secant + strength.friction * mean.min(0.0) > strength.cohesion
         };
         let mut own =
             model.stresses.iter().zip(&model.mesh.materials).filter(|(_, own)| **own as usize == number);
-        if let Some((stress, _)) = own.find(|(stress, _)| breaks(**stress)) {
-            let [[xx, xy], [_, yy]] = stress.map(|row| row.map(brief));
+        if let Some((stress, _)) = own.find(|(stress, _)| breaks(stress)) {
+            // As the model file has them: the diagonal, then xy, yz, xz.
+            let diagonal = (0..D).map(|axis| stress[axis][axis]);
+            let others = [[0, 1], [1, 2], [0, 2]].into_iter().filter(|[_, column]| *column < D);
+            let all = diagonal.chain(others.map(|[row, column]| stress[row][column])).map(brief);
             warnings.push(format!(
-                "[initial] stress: \"{}\" does not bear [{xx}, {yy}, {xy}] Pa in every direction: it may break at once",
-                material.name
+                "[initial] stress: \"{}\" does not bear [{}] Pa in every direction: it may break at once",
+                material.name,
+                all.collect::<Vec<_>>().join(", ")
             ));
         }
     }

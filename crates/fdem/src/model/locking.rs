@@ -3,6 +3,7 @@
 //! Triangles were measured against beam theory (`tests/model/locking.rs`; the table is in the book), tetrahedra against pure bending (the case "locking" of the ladder).
 
 use fdem_io::numbers::brief;
+use fdem_mesh::{Simplex, edges};
 use fdem_simulation::{Load, Model, Plane, Target};
 
 use crate::model::bodies::Placed;
@@ -14,6 +15,9 @@ const SLENDER: f64 = 5.0;
 
 /// Elements through a member of which it takes so many to bend well.
 const ENOUGH: f64 = 8.0;
+
+/// Share by which a member may be too stiff in bending.
+const STIFF: f64 = 0.05;
 
 /// Poisson's ratio in plane strain and in space from which elements lock.
 const NEARLY_INCOMPRESSIBLE: f64 = 0.45;
@@ -75,8 +79,34 @@ pub(crate) const EXCESS_IN_SPACE: [[f64; 4]; 6] = [
     [0.616, 0.236, 0.084, 0.042],
 ];
 
-/// Materials of tetrahedra that lock.
-pub(crate) fn warnings_in_space(model: &Model<3, 4>, warnings: &mut Vec<String>) {
+/// Mean edge of a mesh of tetrahedra, in cells of [`CELLS`].
+const EDGE: f64 = 1.25;
+
+/// As [`excess`], of a member of tetrahedra with so many elements through its thickness.
+fn excess_in_space(poissons_ratio: f64, elements: f64) -> f64 {
+    let row = RATIOS_IN_SPACE.iter().rposition(|ratio| *ratio <= poissons_ratio).unwrap_or(0);
+    let row = row + usize::from(row + 1 < RATIOS_IN_SPACE.len() && poissons_ratio > RATIOS_IN_SPACE[row]);
+    let cells = (EDGE * elements).max(1.0);
+    let column = CELLS.iter().rposition(|count| *count as f64 <= cells).unwrap_or(0).min(CELLS.len() - 2);
+    let [from, to] = [column, column + 1].map(|k| ((CELLS[k] as f64).ln(), EXCESS_IN_SPACE[row][k].ln()));
+    (from.1 + (to.1 - from.1) * (cells.ln() - from.0) / (to.0 - from.0)).exp()
+}
+
+/// Members of tetrahedra that are too stiff in bending, and materials that lock.
+pub(crate) fn warnings_in_space(model: &Model<3, 4>, placed: &[Placed<3, 4>], warnings: &mut Vec<String>) {
+    let bends = !model.boundaries.is_empty() || model.gravity != [0.0; 3];
+    let error =
+        |member: &Member| excess_in_space(model.materials[member.material].poissons_ratio, member.elements);
+    let coarse: Vec<Member> = (0..if bends { placed.len() } else { 0 })
+        .filter_map(|body| member_in_space(model, placed, body))
+        .filter(|member| error(member) > STIFF)
+        .collect();
+    if let Some(worst) = coarse.iter().max_by(|a, b| error(a).total_cmp(&error(b))) {
+        let nu = model.materials[worst.material].poissons_ratio;
+        let needed =
+            (1..).map(f64::from).find(|count| excess_in_space(nu, *count) <= STIFF).unwrap_or(ENOUGH);
+        too_stiff(&placed[worst.body].name, worst, error(worst), needed, coarse.len(), warnings);
+    }
     for (number, material) in (0..).zip(&model.materials) {
         let nu = material.poissons_ratio;
         if nu <= NEARLY_INCOMPRESSIBLE || !model.mesh.materials.contains(&number) {
@@ -87,9 +117,9 @@ pub(crate) fn warnings_in_space(model: &Model<3, 4>, warnings: &mut Vec<String>)
         warnings.push(format!(
             "[[material]] \"{}\": elements lock where Poisson's ratio is {nu}: a member with {:.0} elements through its thickness is {at_least} {:.0} % too stiff in bending, one with {:.0} {at_least} {:.0} %",
             material.name,
-            CELLS[1] as f64 / 1.25,
+            CELLS[1] as f64 / EDGE,
             100.0 * EXCESS_IN_SPACE[row][1],
-            CELLS[2] as f64 / 1.25,
+            CELLS[2] as f64 / EDGE,
             100.0 * EXCESS_IN_SPACE[row][2],
         ));
     }
@@ -119,20 +149,8 @@ pub(crate) fn warnings(model: &Model, placed: &[Placed], warnings: &mut Vec<Stri
         excess(model.plane, model.materials[member.material].poissons_ratio, member.elements)
     };
     if let Some(worst) = coarse.iter().max_by(|a, b| error(a).total_cmp(&error(b))) {
-        let more = match coarse.len() {
-            1 => String::new(),
-            count => format!(" ({count} bodies are like it, this one most)"),
-        };
-        let edge = worst.thickness / worst.elements;
         let needed = needed(model.plane, model.materials[worst.material].poissons_ratio);
-        warnings.push(format!(
-            "\"{}\" has {:.1} elements through its thickness of {} m{more}: if it bends, it is about {:.0} % too stiff; {needed:.0} elements, of {} m, make it 5 %",
-            placed[worst.body].name,
-            worst.elements,
-            brief(worst.thickness),
-            100.0 * error(worst),
-            brief(edge * worst.elements / needed)
-        ));
+        too_stiff(&placed[worst.body].name, worst, error(worst), needed, coarse.len(), warnings);
     }
     for (number, material) in model.materials.iter().enumerate() {
         let nu = material.poissons_ratio;
@@ -149,10 +167,31 @@ pub(crate) fn warnings(model: &Model, placed: &[Placed], warnings: &mut Vec<Stri
     }
 }
 
-/// Elements through the thickness with which a member is 5 % too stiff.
+/// Tells of a member that is by `error` too stiff, the worst of `count`; with `needed` elements through it that is [`STIFF`].
+fn too_stiff(name: &str, member: &Member, error: f64, needed: f64, count: usize, warnings: &mut Vec<String>) {
+    let more = match count {
+        1 => String::new(),
+        count => format!(" ({count} bodies are like it, this one most)"),
+    };
+    warnings.push(format!(
+        "\"{name}\" has {:.1} elements through its thickness of {} m{more}: if it bends, it is about {:.0} % too stiff; {needed:.0} elements, of {} m, make it {:.0} %",
+        member.elements,
+        rough(member.thickness),
+        100.0 * error,
+        rough(member.thickness / needed),
+        100.0 * STIFF
+    ));
+}
+
+/// Three digits of a number.
+fn rough(x: f64) -> String {
+    brief(format!("{x:.2e}").parse().unwrap_or(x))
+}
+
+/// Elements through the thickness with which a member is [`STIFF`] too stiff.
 fn needed(plane: Plane, poissons_ratio: f64) -> f64 {
     let mut elements = 1.0;
-    while excess(plane, poissons_ratio, elements) > 0.05 {
+    while excess(plane, poissons_ratio, elements) > STIFF {
         elements += 1.0;
     }
     elements
@@ -193,6 +232,46 @@ fn member(model: &Model, placed: &[Placed], body: usize) -> Option<Member> {
         .map(|[a, b]| distance(point(a), point(b)))
         .sum::<f64>()
         / (3 * piece.elements.len()) as f64;
+    let material = *piece.materials.first()? as usize;
+    Some(Member { body, thickness, elements: thickness / mean, material })
+}
+
+/// As [`member`], in space: a bar, or a plate, which may be turned.
+fn member_in_space(model: &Model<3, 4>, placed: &[Placed<3, 4>], body: usize) -> Option<Member> {
+    let Placed { piece, first, .. } = &placed[body];
+    let point = |node: &u32| piece.nodes[*node as usize];
+    let volume: f64 = piece.elements.iter().map(|element| element.each_ref().map(point).measure()).sum();
+    let surface: f64 =
+        piece.outline.iter().map(|facet| <[[f64; 3]; 4]>::facet_measure(&facet.each_ref().map(point))).sum();
+    let span = |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt();
+    let farthest =
+        |from: [f64; 3]| piece.nodes.iter().copied().max_by(|a, b| span(*a, from).total_cmp(&span(*b, from)));
+    let end = farthest(*piece.nodes.first()?)?;
+    let length = span(end, farthest(end)?);
+    // The rectangle of this cross-section, and of this circumference.
+    let section = volume / length;
+    let around = (surface - 2.0 * section) / length;
+    let root = (around * around / 4.0 - 4.0 * section).max(0.0).sqrt();
+    let thickness = (around / 2.0 - root) / 2.0;
+    if !(length > SLENDER * thickness) {
+        return None;
+    }
+    let own = first[0]..first[0] + piece.nodes.len() as u32;
+    for boundary in &model.boundaries {
+        let (Load::Velocity(_) | Load::Displacement(_), Target::Nodes(nodes)) =
+            (boundary.load, &boundary.target)
+        else {
+            continue;
+        };
+        let held =
+            nodes.iter().filter(|node| own.contains(node)).map(|&node| model.mesh.nodes[node as usize]);
+        let [low, high] = bounds(held);
+        if span(low, high) > HELD * length {
+            return None;
+        }
+    }
+    let edges = piece.elements.iter().flat_map(|element| edges(&element.each_ref().map(point)));
+    let mean = edges.sum::<f64>() / (6 * piece.elements.len()) as f64;
     let material = *piece.materials.first()? as usize;
     Some(Member { body, thickness, elements: thickness / mean, material })
 }

@@ -7,15 +7,14 @@ use std::collections::BTreeMap;
 use fdem_contact::discretised::{self, MeshView};
 use fdem_contact::narrow::Measure;
 use fdem_io::numbers::brief;
-use fdem_mesh::edges;
 use fdem_mesh::tetrahedra::sharpest_edge;
+use fdem_mesh::{Simplex, edges};
 use fdem_simulation::{Boundary, Load, Model, Plane, Schedule, Target};
 
 use crate::model::Body;
-use crate::model::dimensions::Ready;
+use crate::model::dimensions::{Dimensions, Ready};
 use crate::model::equilibrium;
 use crate::model::extent::bounds;
-use crate::model::outline::twice_area;
 
 /// Elements in the fracture process zone that are needed for an objective result (Guo, 2016).
 const IN_PROCESS_ZONE: f64 = 3.0;
@@ -44,15 +43,25 @@ pub(crate) fn of_plane(ready: &Ready<'_, 2, 3>) -> Vec<String> {
             100.0 * ready.quality.regular
         ));
     }
-    overlaps(ready.model, ready.bodies, &mut warnings);
-    gravity::sudden(ready.model, ready.bodies, &mut warnings);
-    equilibrium::warnings(ready.model, ready.bodies, &mut warnings);
+    of_start(ready, "m²", &mut warnings);
     warnings
 }
 
 /// Returns the warnings of models in space.
 pub(crate) fn of_space(ready: &Ready<'_, 3, 4>) -> Vec<String> {
-    of_both(ready, POOR_IN_SPACE, || sharp_edge(ready).unwrap_or_default())
+    let mut warnings = of_both(ready, POOR_IN_SPACE, || sharp_edge(ready).unwrap_or_default());
+    of_start(ready, "m³", &mut warnings);
+    warnings
+}
+
+/// Adds what is wrong with the beginning; areas or volumes have this unit.
+fn of_start<const D: usize, const N: usize>(ready: &Ready<'_, D, N>, unit: &str, warnings: &mut Vec<String>)
+where
+    [[f64; D]; N]: Dimensions<D, N> + discretised::Simplex<D>,
+{
+    overlaps(ready.model, ready.bodies, unit, warnings);
+    gravity::sudden(ready.model, ready.bodies, warnings);
+    equilibrium::warnings(ready.model, ready.bodies, warnings);
 }
 
 /// The sharp edge of a body that gives the smallest angle of the model, in words. A mesh has no larger angles than the edge.
@@ -262,7 +271,14 @@ fn prescribed_twice<const D: usize, const N: usize>(model: &Model<D, N>, warning
 }
 
 /// Warns of bodies that overlap at the start.
-fn overlaps(model: &Model, bodies: &[Body], warnings: &mut Vec<String>) {
+fn overlaps<const D: usize, const N: usize>(
+    model: &Model<D, N>,
+    bodies: &[Body],
+    unit: &str,
+    warnings: &mut Vec<String>,
+) where
+    [[f64; D]; N]: Simplex<D, N> + discretised::Simplex<D>,
+{
     if bodies.len() < 2 {
         return;
     }
@@ -271,29 +287,32 @@ fn overlaps(model: &Model, bodies: &[Body], warnings: &mut Vec<String>) {
         .and_then(|mesh| discretised::contacts(&mesh));
     // A model whose contacts cannot be detected cannot run; its preflight reports that.
     let Ok(found) = found else { return };
-    let element_area = |element: u32| {
-        let [a, b, c] = mesh.elements[element as usize].map(|node| mesh.nodes[node as usize]);
-        twice_area(a, b, c) / 2.0
-    };
+    let size =
+        |element: u32| mesh.elements[element as usize].map(|node| mesh.nodes[node as usize]).measure().abs();
     let mut pairs: BTreeMap<[u32; 2], f64> = BTreeMap::new();
     for contact in found {
-        let Measure::Area(area) = contact.contact.measure else { continue };
-        if area > 1e-4 * element_area(contact.i).min(element_area(contact.j)) {
+        // Where tetrahedra touch in a face, the area of that is no overlap.
+        let common = match contact.contact.measure {
+            Measure::Area(area) if D == 2 => area,
+            Measure::Volume(volume) => volume,
+            _ => continue,
+        };
+        if common > 1e-4 * size(contact.i).min(size(contact.j)) {
             let pair = [contact.i, contact.j].map(|element| mesh.bodies[element as usize]);
-            *pairs.entry(pair).or_default() += area;
+            *pairs.entry(pair).or_default() += common;
         }
     }
     let largest = pairs.iter().max_by(|a, b| a.1.total_cmp(b.1).then(b.0.cmp(a.0)));
-    if let Some((&[a, b], area)) = largest {
+    if let Some((&[a, b], common)) = largest {
         let more = match pairs.len() {
             1 => String::new(),
             count => format!(" ({count} pairs of bodies do, these most)"),
         };
         warnings.push(format!(
-            "\"{}\" and \"{}\" overlap by {} m² at the beginning{more}: they will be driven apart",
+            "\"{}\" and \"{}\" overlap by {} {unit} at the beginning{more}: they will be driven apart",
             bodies[a as usize].name,
             bodies[b as usize].name,
-            brief(*area)
+            brief(*common)
         ));
     }
 }

@@ -329,6 +329,8 @@ fn what_is_wrong_in_space_is_told_at_its_key() {
         ),
         (format!("{}{}", body(cube), "[initial]\nstress = [1, 2, 3]\n"), "write [xx, yy, zz, xy, yz, xz]"),
         (body(&format!("{cube}\naxis = [0, 0, 0]")), "\"axis\" has no direction"),
+        (format!("thickness = 0.1\n{}", body(cube)), "\"thickness\" is for models in two dimensions"),
+        (format!("plane = \"strain\"\n{}", body(cube)), "\"plane\" is for models in two dimensions"),
     ] {
         let found = wrong(&bodies);
         assert!(found.contains(expected), "{expected:?} is not in\n{found}");
@@ -360,6 +362,95 @@ fn initial_stress_is_a_tensor_that_changes_with_height() {
         assert_eq!([stress[0][1], stress[1][2], stress[0][2]], [1e5, 2e5, 3e5]);
         assert_eq!([stress[1][0], stress[2][1], stress[2][0]], [1e5, 2e5, 3e5]);
     }
+}
+
+/// The warnings of a model whose table `[model]` has these keys.
+fn warned(keys: &str, more: &str) -> Vec<String> {
+    match any(&format!("[model]\nend_time = 1e-3\n{keys}\n{more}\n{STONE}")) {
+        Ok(AnyPrepared::Space(prepared)) => prepared.warnings,
+        Ok(AnyPrepared::Plane(_)) => panic!("it is flat"),
+        Err(errors) => panic!("{errors}"),
+    }
+}
+
+/// A box of unit base from this height on, one high.
+fn cube(name: &str, bottom: f64) -> String {
+    let top = bottom + 1.0;
+    body(&format!("box = {{ min = [0, 0, {bottom}], max = [1, 1, {top}] }}\nmesh_size = 0.5"))
+        .replace("\"b\"", &format!("\"{name}\""))
+}
+
+#[test]
+fn bodies_that_overlap_are_warned_of() {
+    let two = |bottom: f64| warned("", &(cube("a", 0.0) + &cube("c", bottom)));
+    let told = two(0.9);
+    let [warning] = &told[..] else { panic!("{told:?}") };
+    // Couples of elements that overlap by less than 1e-4 of their volume do not count.
+    assert!(warning.starts_with("\"a\" and \"c\" overlap by 0.09998"), "{warning}");
+    assert!(warning.ends_with(" m³ at the beginning: they will be driven apart"), "{warning}");
+    assert_eq!(two(1.0), Vec::<String>::new());
+}
+
+#[test]
+fn gravity_that_acts_at_once_is_warned_of_where_a_body_rests_on_another() {
+    let ground = "[[boundary]]\nname = \"g\"\nbody = \"a\"\nside = \"bottom\"\nfixed = \"xyz\"\n";
+    let two = |bottom: f64, keys: &str| {
+        let bodies = cube("a", 0.0) + &cube("c", bottom) + ground;
+        warned(&format!("gravity = [0, 0, -9.81]\n{keys}"), &bodies)
+    };
+    for bottom in [1.0, 1.000_000_001] {
+        let told = two(bottom, "");
+        // 20 passages of a wave of 2000 m/s through 2 m.
+        let [warning] = &told[..] else { panic!("{told:?}") };
+        assert!(warning.starts_with("gravity acts at once") && warning.contains("= 0.02 in"), "{warning}");
+    }
+    assert_eq!(two(1.1, ""), Vec::<String>::new());
+    assert_eq!(two(1.0, "gravity_ramp = 0.02"), Vec::<String>::new());
+}
+
+#[test]
+fn initial_stress_out_of_equilibrium_is_warned_of() {
+    let absorbing = "[[boundary]]\nname = \"g\"\nside = \"bottom\"\nabsorbing = true\n";
+    let heavy = |initial: &str| {
+        warned("gravity = [0, 0, -10]", &format!("{}{absorbing}[initial]\n{initial}\n", cube("a", 0.0)))
+    };
+    let told = heavy("");
+    // The nodes on the boundary carry some of the weight.
+    assert!(told.iter().any(|told| told.contains("100 % of its weight is not carried")), "{told:?}");
+    // Density 2500 kg/m³ and 10 m/s²; no stress at the top.
+    let balanced = "stress = [0, 0, -25000, 0, 0, 0]\nstress_gradient = [0, 0, 25000, 0, 0, 0]";
+    assert_eq!(heavy(balanced), Vec::<String>::new());
+
+    let two = cube("a", 0.0) + &cube("c", 1.0);
+    let pulled = warned("", &format!("{two}[initial]\nstress = [0, 0, 1e6, 0, 0, 0]\n"));
+    assert!(pulled.iter().any(|told| told.contains("it pulls them apart")), "{pulled:?}");
+    let weak = "tensile_strength = 5e5\ncohesion = 3e6\nfriction_angle = 30\nfracture_energy_i = 1e4\nfracture_energy_ii = 1e4\n";
+    let strength = format!("{}[initial]\nstress = [0, 0, 1e6, 0, 2e3, 0]\n{STONE}{weak}", cube("a", 0.0));
+    let Ok(AnyPrepared::Space(prepared)) = any(&format!("[model]\nend_time = 1e-3\n{strength}")) else {
+        panic!("it is right")
+    };
+    let told = prepared.warnings.join("\n");
+    assert!(told.contains("does not bear [0, 0, 1e6, 0, 2000, 0] Pa in every direction"), "{told}");
+}
+
+/// The stiffness is that of the ladder: 12 % with 4 cells through the member where Poisson's ratio is 0.3, which have edges of 1.25 cells.
+#[test]
+fn members_with_few_elements_through_them_are_warned_of() {
+    let held = "[[boundary]]\nname = \"h\"\nside = \"left\"\nfixed = \"xyz\"\n";
+    let bar =
+        |size: &str| body(&format!("box = {{ min = [0, 0, 0], max = [8, 1, 1] }}\nmesh_size = {size}\n"));
+    let told = warned("", &(bar("0.3") + held));
+    let [warning] = &told[..] else { panic!("{told:?}") };
+    assert!(
+        warning.contains("through its thickness of 0.986 m: if it bends, it is about 12 % too stiff"),
+        "{warning}"
+    );
+    let turned = bar("0.3") + "axis = [1, 1, 1]\nangle = 40\n";
+    assert_eq!(warned("", &(turned + &held.replace("left", "right"))).len(), 1);
+    // Nothing bends it; it is short; it is held along its whole length.
+    assert_eq!(warned("", &bar("0.3")), Vec::<String>::new());
+    assert_eq!(warned("", &(cube("a", 0.0) + held)), Vec::<String>::new());
+    assert_eq!(warned("", &(bar("0.3") + &held.replace("left", "bottom"))), Vec::<String>::new());
 }
 
 /// The ladder measures the figures of this warning.

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use clap::builder::{PossibleValue, PossibleValuesParser, RangedU64ValueParser, TypedValueParser};
 
 use fdem_results::Field;
 
@@ -82,7 +82,7 @@ pub(crate) struct ResumeArguments {
 #[expect(clippy::option_option, reason = "so clap has options whose value may be left out")]
 pub(crate) struct RunOptions {
     /// Number of threads; 0 is one per processor. Results do not depend on it.
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = threads())]
     pub(crate) threads: usize,
 
     /// Write animation.gif at the end, as with `animate` in the model. Without FIELD, it shows the first field of the model.
@@ -128,4 +128,9 @@ fn positive(text: &str) -> Result<f64, String> {
         Ok(number) if number.is_finite() && number > 0.0 => Ok(number),
         _ => Err("a number above 0 is needed".to_owned()),
     }
+}
+
+/// More threads than 1024 take minutes to start, and then slow each other down.
+fn threads() -> RangedU64ValueParser<usize> {
+    RangedU64ValueParser::new().range(0..=1024)
 }

@@ -1,11 +1,11 @@
 //! Gravity that acts at once on bodies that rest.
 
-use fdem_contact::narrow::{Measure, Triangle, triangle_triangle_2d};
 use fdem_contact::{Couple, Detector, Elements, Filter, Search};
 use fdem_io::numbers::brief;
 use fdem_simulation::{Load, Model, Schedule, Target};
 
 use crate::model::Body;
+use crate::model::dimensions::Dimensions;
 use crate::model::extent::bounds;
 
 /// Bodies rest on each other if the gap between them is below this share of the shortest edge of an element's box.
@@ -18,9 +18,14 @@ const NO_LOAD: f64 = 0.01;
 const PASSAGES: f64 = 20.0;
 
 /// Warns of gravity without a ramp where a body that can break is held up, or where bodies rest on each other.
-pub(super) fn sudden(model: &Model, bodies: &[Body], warnings: &mut Vec<String>) {
-    let [x, y] = model.gravity;
-    let gravity = x.hypot(y);
+pub(super) fn sudden<const D: usize, const N: usize>(
+    model: &Model<D, N>,
+    bodies: &[Body],
+    warnings: &mut Vec<String>,
+) where
+    [[f64; D]; N]: Dimensions<D, N>,
+{
+    let gravity = model.gravity.iter().map(|x| x * x).sum::<f64>().sqrt();
     if gravity == 0.0 || model.gravity_schedule != Schedule::Constant {
         return;
     }
@@ -30,7 +35,7 @@ pub(super) fn sudden(model: &Model, bodies: &[Body], warnings: &mut Vec<String>)
     }
     let [low, high] = bounds(model.mesh.nodes.iter().copied());
     let height =
-        (0..2).map(|axis| (high[axis] - low[axis]) * model.gravity[axis].abs() / gravity).sum::<f64>();
+        (0..D).map(|axis| (high[axis] - low[axis]) * model.gravity[axis].abs() / gravity).sum::<f64>();
     let of_body = |body: &Body| body.nodes.clone().map(|node| held[node as usize]);
     let wholly: Vec<bool> = bodies.iter().map(|body| of_body(body).all(|held| held)).collect();
     let carried = bodies.iter().zip(&wholly).any(|(body, wholly)| {
@@ -50,12 +55,12 @@ pub(super) fn sudden(model: &Model, bodies: &[Body], warnings: &mut Vec<String>)
 }
 
 /// Whether each node is held along the direction of gravity.
-fn held_nodes(model: &Model) -> Vec<bool> {
+fn held_nodes<const D: usize, const N: usize>(model: &Model<D, N>) -> Vec<bool> {
     let mut held = vec![false; model.mesh.nodes.len()];
     for boundary in &model.boundaries {
         let holds = match boundary.load {
             Load::Velocity(components) | Load::Displacement(components) => {
-                (0..2).any(|axis| components[axis].is_some() && model.gravity[axis] != 0.0)
+                (0..D).any(|axis| components[axis].is_some() && model.gravity[axis] != 0.0)
             }
             Load::Absorbing => true,
             Load::Force(_) | Load::Traction(_) | Load::Pressure(_) => false,
@@ -74,7 +79,11 @@ fn held_nodes(model: &Model) -> Vec<bool> {
 }
 
 /// Whether a body has a material that breaks, and whose strength the weight of a column of this g H is a share of.
-fn breaks_under_weight(model: &Model, body: &Body, potential: f64) -> bool {
+fn breaks_under_weight<const D: usize, const N: usize>(
+    model: &Model<D, N>,
+    body: &Body,
+    potential: f64,
+) -> bool {
     body.elements.clone().any(|element| {
         let material = &model.materials[model.mesh.materials[element as usize] as usize];
         material.strength.is_some_and(|strength| material.density * potential > NO_LOAD * strength.tensile)
@@ -82,21 +91,20 @@ fn breaks_under_weight(model: &Model, body: &Body, potential: f64) -> bool {
 }
 
 /// Whether two bodies rest on each other at the beginning, of which at least one is not held as a whole.
-fn rests(model: &Model, wholly: impl Fn(u32) -> bool) -> bool {
+fn rests<const D: usize, const N: usize>(model: &Model<D, N>, wholly: impl Fn(u32) -> bool) -> bool
+where
+    [[f64; D]; N]: Dimensions<D, N>,
+{
     let mesh = &model.mesh;
     let corners = |element: u32| mesh.elements[element as usize].map(|node| mesh.nodes[node as usize]);
     let (low, high): (Vec<_>, Vec<_>) = (0..mesh.elements.len() as u32)
         .map(|element| bounds(corners(element).into_iter()))
         .map(|[low, high]| (low, high))
         .unzip();
-    let edges = low.iter().zip(&high).map(|(low, high)| (high[0] - low[0]).min(high[1] - low[1]));
+    let edges =
+        low.iter().zip(&high).flat_map(|(low, high)| low.iter().zip(high).map(|(low, high)| high - low));
     let gap = RESTING * edges.fold(f64::INFINITY, f64::min);
-    let mut overlap = Vec::new();
-    let mut touches = |a: u32, b: u32| {
-        let [Ok(a), Ok(b)] = [a, b].map(|element| Triangle::new(corners(element))) else { return false };
-        let measure = triangle_triangle_2d(&a, &b, &mut overlap).measure;
-        !matches!(measure, Measure::Gap(distance) if distance > gap)
-    };
+    let touches = |a: u32, b: u32| corners(a).gap(&corners(b)).is_some_and(|found| found <= gap);
     let mut rests = false;
     let found = Elements::boxes(&low, &high)
         .and_then(|boxes| boxes.with_tolerance(gap))
