@@ -277,7 +277,7 @@ fn prepare_or_faults(
     let mut found = Vec::new();
     dimensions::check(&file, &document, dimensions, &mut found);
     check_names(&file, &document, &mut found);
-    let materials = materials::materials(&file, &document, &mut found);
+    let materials = materials::materials(&file, &document, dimensions, &mut found);
     let interfaces = materials::interfaces(&file, &document, &mut found);
     bodies::check(&file, &document, dimensions, &mut found);
     boundaries::check(&file, &document, &mut found);

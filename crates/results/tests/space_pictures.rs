@@ -275,7 +275,7 @@ fn cracks_are_dark_lines_on_the_surface_and_facets_in_their_own_view() {
     assert_eq!([broken[0], broken[1]], [[17, 24, 39]; 2]);
     let svg = pictures.svg(&frames[1]).unwrap();
     assert!(svg.contains(">cracks<") && !pictures.svg(&frames[0]).unwrap().contains(">cracks<"));
-    assert!(svg.contains("2 fragments, 1 m² of cracks"));
+    assert!(svg.contains("2 pieces, 1 m² of cracks"));
     // From the right the crack is a square of two triangles, in the colours of two modes.
     let view = pictures.view.seen_from(90.0, 0.0);
     let cracks = SpacePictures { show: Show::Cracks, view, ..pictures };

@@ -176,9 +176,53 @@ where
             );
             continue;
         }
+        if let Some((other, node, axis)) = prescribed_twice(&boundaries, load, &target) {
+            let axis = ["x", "y", "z"][axis];
+            faults.push(
+                Fault::at(
+                    document.value(table, "name"),
+                    format!(
+                        "\"{}\" and \"{other}\" both prescribe how node {node} moves along {axis}",
+                        boundary.name
+                    ),
+                )
+                .label("the second of the two")
+                .help(
+                    "leave that component \"free\" in one of them, or take two places without common nodes",
+                ),
+            );
+            continue;
+        }
         boundaries.push(Boundary { name: boundary.name.clone(), target, load, schedule: schedule(boundary) });
     }
     boundaries
+}
+
+/// The name of a boundary that moves a node along the same axis as this load does. Two may both hold a node still.
+fn prescribed_twice<const D: usize>(
+    boundaries: &[Boundary<D>],
+    load: Load<D>,
+    target: &Target<D>,
+) -> Option<(String, u32, usize)> {
+    let components = |load: Load<D>| match load {
+        Load::Velocity(components) | Load::Displacement(components) => components,
+        _ => [None; D],
+    };
+    let still = |load: Load<D>, axis: usize| matches!(load, Load::Velocity(of) if of[axis] == Some(0.0));
+    let Target::Nodes(nodes) = target else { return None };
+    for axis in (0..D).filter(|&axis| components(load)[axis].is_some()) {
+        for other in boundaries.iter().filter(|other| components(other.load)[axis].is_some()) {
+            let Target::Nodes(own) = &other.target else { continue };
+            if still(load, axis) && still(other.load, axis) {
+                continue;
+            }
+            let own: BTreeSet<u32> = own.iter().copied().collect();
+            if let Some(&node) = nodes.iter().find(|node| own.contains(node)) {
+                return Some((other.name.clone(), node, axis));
+            }
+        }
+    }
+    None
 }
 
 /// The place where a boundary acts.

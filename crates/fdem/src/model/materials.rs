@@ -11,8 +11,13 @@ const STRENGTH: [&str; 5] =
     ["tensile_strength", "cohesion", "friction_angle", "fracture_energy_i", "fracture_energy_ii"];
 
 /// The materials in the order of the file.
-pub(crate) fn materials(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<Fault>) -> Vec<Material> {
-    let strain = matches!(file.model.plane, Plane::Strain);
+pub(crate) fn materials(
+    file: &ModelFile,
+    document: &Document<'_>,
+    dimensions: u8,
+    faults: &mut Vec<Fault>,
+) -> Vec<Material> {
+    let strain = dimensions == 3 || matches!(file.model.plane, Plane::Strain);
     let mut materials = Vec::with_capacity(file.material.len());
     for (index, material) in file.material.iter().enumerate() {
         let table = Table::of("material", index);
@@ -20,7 +25,7 @@ pub(crate) fn materials(file: &ModelFile, document: &Document<'_>, faults: &mut 
             faults.push(
                 Fault::at(
                     document.value(table, "poissons_ratio"),
-                    "in plane strain Poisson's ratio is below 0.5",
+                    "in plane strain and in three dimensions Poisson's ratio is below 0.5",
                 )
                 .label("out of range"),
             );

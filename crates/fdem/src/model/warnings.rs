@@ -97,7 +97,6 @@ fn of_both<const D: usize, const N: usize>(
     for boundary in &model.boundaries {
         stepped(boundary, &mut warnings);
     }
-    prescribed_twice(model, &mut warnings);
     let breaks = breaks(model);
     if quality.smallest_angle[0] < poor {
         warnings.push(format!(
@@ -237,36 +236,6 @@ fn stepped<const D: usize>(boundary: &Boundary<D>, warnings: &mut Vec<String>) {
             "\"{}\": its {what} is there at once, and sends a shock into the body; give it a ramp",
             boundary.name
         ));
-    }
-}
-
-/// Warns of components of nodes that two boundaries prescribe.
-fn prescribed_twice<const D: usize, const N: usize>(model: &Model<D, N>, warnings: &mut Vec<String>) {
-    let mut owner: BTreeMap<(u32, usize), usize> = BTreeMap::new();
-    let mut told: Vec<[usize; 2]> = Vec::new();
-    for (number, boundary) in model.boundaries.iter().enumerate() {
-        let (Load::Velocity(components) | Load::Displacement(components), Target::Nodes(nodes)) =
-            (boundary.load, &boundary.target)
-        else {
-            continue;
-        };
-        for axis in (0..D).filter(|&axis| components[axis].is_some()) {
-            for &node in nodes {
-                let first = *owner.entry((node, axis)).or_insert(number);
-                let other = &model.boundaries[first];
-                let alike = other.load == boundary.load && other.schedule == boundary.schedule;
-                let held = |load: &Load<D>| matches!(load, Load::Velocity(c) | Load::Displacement(c) if c[axis] == Some(0.0));
-                let both_held = held(&other.load) && held(&boundary.load);
-                if first != number && !alike && !both_held && !told.contains(&[first, number]) {
-                    told.push([first, number]);
-                    let axis = AXES[axis];
-                    warnings.push(format!(
-                        "\"{}\" and \"{}\" both prescribe how node {node} moves along {axis}",
-                        other.name, boundary.name
-                    ));
-                }
-            }
-        }
     }
 }
 

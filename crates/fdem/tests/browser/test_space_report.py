@@ -189,7 +189,7 @@ def test_a_run_plays_to_its_end(browser, plate):  # noqa: F811
         assert at == pytest.approx(end, abs=0.2)
         page.evaluate("fdem.show(0)")
         watched.arrived(0)
-        assert page.text_content("#fragments") == "2 fragments"
+        assert page.text_content("#fragments") == "2 pieces"
         page.click(f'#table-body button[data-frame="{FRAMES - 1}"]')
         watched.arrived(FRAMES - 1)
         assert watched.pixels() != first
@@ -401,7 +401,7 @@ def test_fragments_move_apart_and_bodies_are_hidden(browser, plate):  # noqa: F8
     path, last, _ = plate
     with Space(browser, path) as watched:
         page = watched.page
-        assert page.text_content("#fragments") == f"{max(last.fragments) + 1} fragments"
+        assert page.text_content("#fragments") == f"{max(last.fragments) + 1} pieces"
         page.select_option("#field", "fragment")
         whole = watched.pixels()
         page.locator("#explode").fill("40")

@@ -160,7 +160,7 @@ fn numbers_out_of_range_are_told_with_the_range() {
         refused(&changed(from, to), at, &[part]);
     }
     let text = changed("end_time", "plane = \"strain\"\nend_time").replace("= 0.25", "= 0.5");
-    refused(&text, "0.5", &["in plane strain Poisson's ratio is below 0.5"]);
+    refused(&text, "0.5", &["in plane strain and in three dimensions Poisson's ratio is below 0.5"]);
 }
 
 #[test]
@@ -563,4 +563,26 @@ fn holes_beyond_the_outline_or_in_one_another_are_refused() {
         let errors = read(&text).unwrap_err();
         assert!(errors.to_string().contains(what), "{holes}: {errors}");
     }
+}
+
+#[test]
+fn a_node_that_two_boundaries_move_is_refused() {
+    let boundary =
+        |name: &str, load: &str| format!("\n[[boundary]]\nname = \"{name}\"\nside = \"top\"\n{load}\n");
+    let moved = boundary("upper", "velocity = [\"free\", -0.1]\nramp = 1e-4");
+    for load in
+        ["velocity = [0, -0.2]\nramp = 1e-4", "fixed = \"y\"", "displacement = [\"free\", 0]\nramp = 1e-4"]
+    {
+        let text = format!("{SMALL}{moved}{}", boundary("also", load));
+        refused(
+            &text,
+            "\"also\"",
+            &["\"also\" and \"upper\" both prescribe how node", "moves along y", "\"free\""],
+        );
+    }
+    let apart = format!("{SMALL}{moved}{}", boundary("also", "fixed = \"x\""));
+    assert!(read(&apart).is_ok());
+    let still =
+        format!("{SMALL}{}{}", boundary("upper", "fixed = \"xy\""), boundary("also", "fixed = \"y\""));
+    assert!(read(&still).is_ok());
 }

@@ -41,7 +41,7 @@ table = [[0, 0], [1e-3, 2]]
 [[boundary]]
 name = "roller"
 body = "block"
-velocity = ["free", 1]
+velocity = ["free", 0]
 "#,
     ));
     let mesh = &prepared.model.mesh;
@@ -79,7 +79,7 @@ velocity = ["free", 1]
 
     let Target::Nodes(nodes) = &roller.target else { panic!() };
     assert_eq!(nodes.len(), mesh.nodes.len(), "a body without a place is all of it");
-    assert_eq!(roller.load, Load::Velocity([None, Some(1.0)]));
+    assert_eq!(roller.load, Load::Velocity([None, Some(0.0)]));
 }
 
 #[test]
@@ -244,10 +244,6 @@ fn what_may_not_be_meant_is_warned_of() {
     );
     let both = moved.clone() + &side("ground", "bottom", "velocity = [\"free\", 0.1]\nramp = 1e-4");
     assert!(right(&with(&both)).warnings.is_empty());
-    warned(
-        &with(&(moved + &side("also", "top", "velocity = [0, -0.2]\nramp = 1e-4"))),
-        "\"top\" and \"also\" both prescribe",
-    );
     warned(
         &with(
             "[contact]\npenalty = 0.1\n[[body]]\nname = \"b\"\nmaterial = \"rock\"\ndisc = { centre = [5, 5], radius = 1 }\nmesh_size = 0.5",

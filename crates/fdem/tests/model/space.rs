@@ -329,6 +329,23 @@ fn what_is_wrong_in_space_is_told_at_its_key() {
         ),
         (format!("{}{}", body(cube), "[initial]\nstress = [1, 2, 3]\n"), "write [xx, yy, zz, xy, yz, xz]"),
         (body(&format!("{cube}\naxis = [0, 0, 0]")), "\"axis\" has no direction"),
+        (
+            format!(
+                "{}{}",
+                body(cube),
+                "[[material]]\nname = \"m\"\ndensity = 1000\nyoungs_modulus = 1e9\npoissons_ratio = 0.5\n"
+            ),
+            "in three dimensions Poisson's ratio is below 0.5",
+        ),
+        (
+            format!(
+                "{}{}{}",
+                body(cube),
+                "[[boundary]]\nname = \"f\"\nside = \"top\"\nfixed = \"xyz\"\n",
+                "[[boundary]]\nname = \"g\"\nside = \"front\"\nvelocity = [\"free\", \"free\", 1]\nramp = 1e-4\n"
+            ),
+            "\"g\" and \"f\" both prescribe how node",
+        ),
         (format!("thickness = 0.1\n{}", body(cube)), "\"thickness\" is for models in two dimensions"),
         (format!("plane = \"strain\"\n{}", body(cube)), "\"plane\" is for models in two dimensions"),
     ] {

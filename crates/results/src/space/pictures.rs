@@ -198,9 +198,9 @@ impl SpacePictures<'_> {
             grouped(frame.whole as u64)
         );
         if frame.cracks > 0 {
+            // All bodies, also those that no one counts among the fragments. Writing to a string does not fail.
             let plural = if frame.fragments == 1 { "" } else { "s" };
-            // Writing to a string does not fail.
-            let _ = write!(text, ", {} fragment{plural}", grouped(frame.fragments as u64));
+            let _ = write!(text, ", {} piece{plural}", grouped(frame.fragments as u64));
             let _ = write!(text, ", {} of cracks", area_text(frame.areas.iter().sum()));
         }
         text

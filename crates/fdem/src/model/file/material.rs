@@ -16,7 +16,7 @@ pub struct Material {
     /// Young's modulus, Pa.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub youngs_modulus: f64,
-    /// Poisson's ratio, from above -1 to 0.5; in plane strain below 0.5.
+    /// Poisson's ratio, from above -1 to 0.5; in plane strain and in three dimensions below 0.5.
     #[schemars(extend("exclusiveMinimum" = -1, "maximum" = 0.5))]
     pub poissons_ratio: f64,
     /// Viscous damping, as a share of the critical damping of the fastest mode of an element. Default: 0.

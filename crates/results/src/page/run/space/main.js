@@ -70,7 +70,7 @@ class SpacePage extends Page {
     super.describe();
     this.tellInside();
     const count = this.shown?.about.fragments ?? 0;
-    $("fragments").textContent = count === 1 ? "1 fragment" : `${grouped(count)} fragments`;
+    $("fragments").textContent = count === 1 ? "1 piece" : `${grouped(count)} pieces`;
     if (!this.listed && this.shown) this.listBodies();
   }
 
