@@ -51,6 +51,9 @@ pub struct Term {
     pub value: f64,
 }
 
+/// Share of the initial energy below which an exchanged energy may be rounding.
+const ROUNDING: f64 = 1e-9;
+
 impl Energies {
     /// All terms of the balance. Tables, files and plots list them in this order.
     pub fn terms(&self) -> [Term; 8] {
@@ -86,9 +89,10 @@ impl Energies {
     ///
     /// The exchanged energy is the larger of two sums of magnitudes. The first has kinetic energy, changes of the stored energies, and dissipated energies. The
     /// second has the work of loads, of gravity, and of boundaries that move or hold nodes. Terms of different signs do not cancel, the scale never falls, and
-    /// energy that stays stored from beginning to end does not count.
+    /// energy that stays stored from beginning to end does not count. The scale is at least 1e-9 of the energy at the beginning: below that, rounding of that energy would
+    /// be an error of a body at rest.
     pub fn scale(&self) -> f64 {
-        self.exchanged
+        self.exchanged.max(ROUNDING * self.initial)
     }
 
     /// Error of the balance as a share of [`Energies::scale`]; 0 while no energy has been exchanged.
@@ -110,5 +114,19 @@ impl Energies {
             + (self.friction - first.friction).abs()
             + (self.cohesive - first.cohesive).abs()
             + self.damping.abs()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rounding_of_the_initial_energy_is_no_error() {
+        let rest = Energies { strain: 1e3 + 2e-13, initial: 1e3, exchanged: 1e-13, ..Energies::default() };
+        assert!(rest.balance() > rest.exchanged && rest.error() < 1e-6, "{}", rest.error());
+        let moved = Energies { strain: 1e3 + 2.0, kinetic: 2.0, exchanged: 4.0, ..rest };
+        assert_eq!(moved.error(), 1.0);
+        assert_eq!(Energies::default().error(), 0.0);
     }
 }
