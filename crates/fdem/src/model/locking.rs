@@ -104,7 +104,7 @@ pub(crate) fn warnings_in_space(model: &Model<3, 4>, placed: &[Placed<3, 4>], wa
     if let Some(worst) = coarse.iter().max_by(|a, b| error(a).total_cmp(&error(b))) {
         let nu = model.materials[worst.material].poissons_ratio;
         let needed =
-            (1..).map(f64::from).find(|count| excess_in_space(nu, *count) <= STIFF).unwrap_or(ENOUGH);
+            (1..100).map(f64::from).find(|count| excess_in_space(nu, *count) <= STIFF).unwrap_or(100.0);
         too_stiff(&placed[worst.body].name, worst, error(worst), needed, coarse.len(), warnings);
     }
     for (number, material) in (0..).zip(&model.materials) {
@@ -253,7 +253,7 @@ fn member_in_space(model: &Model<3, 4>, placed: &[Placed<3, 4>], body: usize) ->
     let around = (surface - 2.0 * section) / length;
     let root = (around * around / 4.0 - 4.0 * section).max(0.0).sqrt();
     let thickness = (around / 2.0 - root) / 2.0;
-    if !(length > SLENDER * thickness) {
+    if length <= SLENDER * thickness {
         return None;
     }
     let own = first[0]..first[0] + piece.nodes.len() as u32;
