@@ -78,7 +78,9 @@ pub(crate) fn mesh(bytes: &[u8], name: &str, size: f64, dimensions: usize) -> Re
     match fs::read(&meshed) {
         Ok(bytes) if status.success() => Ok(bytes),
         _ => {
-            let said = fs::read(&said).map(|said| told(&String::from_utf8_lossy(&said))).unwrap_or_default();
+            let said = fs::read(&said).unwrap_or_default();
+            // Gmsh saw a copy; people know the file by its name.
+            let said = told(&String::from_utf8_lossy(&said).replace(&*geometry.to_string_lossy(), name));
             Err(problem(format!("Gmsh made no mesh of {name} ({status}){said}")))
         }
     }

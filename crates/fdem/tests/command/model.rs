@@ -116,6 +116,11 @@ fn a_geometry_is_meshed_by_gmsh() {
     );
     assert!(!said.contains("reading"), "{said}");
 
+    // Gmsh names the copy that it was given, as its last argument.
+    gmsh("for file; do :; done; echo \"Error : '$file', line 3: syntax error\"; exit 1");
+    let (_, said) = check(&real, None);
+    assert!(said.contains("Error : 'part.step', line 3: syntax error"), "{said}");
+
     gmsh("exit 0");
     assert!(check(&real, None).1.contains("Gmsh made no mesh of part.step"));
 
