@@ -75,9 +75,10 @@ impl CriticalStep {
         [[f64; D]; N]: Simplex<D, N>,
     {
         let mesh = &model.mesh;
-        let mut corners: Vec<Corner> = (0..mesh.elements.len())
-            .flat_map(|element| element_corners(model, topology, joints, element))
-            .collect();
+        let mut corners: Vec<Corner> = Vec::with_capacity(N * mesh.elements.len());
+        corners.extend(
+            (0..mesh.elements.len()).flat_map(|element| element_corners(model, topology, joints, element)),
+        );
         // Absorbing facets that are not outer facets are refused when the loads are made.
         for (corner, stiffness) in Ground::new(model, topology).unwrap_or_default().springs() {
             corners[corner as usize].bulk += stiffness;

@@ -133,7 +133,7 @@ pub(crate) struct Joints<const D: usize = 2> {
     forces: Vec<[Point<D>; D]>,
     /// Joints that broke, ascending by their numbers.
     breaks: Vec<Break>,
-    /// Joints of the facets at each corner, as 2 D × number + 2 × end + side; or [`NONE`].
+    /// Joints of the facets at each corner, as 2 D × number + 2 × end + side; or [`NONE`]. Empty if no facet can break.
     at_corner: Vec<[u32; D]>,
     /// The joint of each facet, or [`NONE`].
     pub(crate) of_facet: Vec<u32>,
@@ -207,7 +207,11 @@ impl<const D: usize> Joints<D> {
             all: Vec::new(),
             forces: Vec::new(),
             breaks: Vec::new(),
-            at_corner: vec![[NONE; D]; topology.vertices.len()],
+            at_corner: if strengths.is_empty() {
+                Vec::new()
+            } else {
+                vec![[NONE; D]; topology.vertices.len()]
+            },
             of_facet: vec![NONE; topology.facets.len()],
             class,
             strengths,
@@ -447,7 +451,8 @@ impl<const D: usize> Joints<D> {
     /// Adds the force of the joints on a corner of an element.
     #[inline]
     pub(crate) fn add_force(&self, corner: u32, force: &mut Point<D>) {
-        for code in self.at_corner[corner as usize] {
+        let Some(codes) = self.at_corner.get(corner as usize) else { return };
+        for &code in codes {
             if code == NONE {
                 continue;
             }
@@ -514,7 +519,8 @@ impl<const D: usize> Joints<D> {
     ) where
         [[f64; D]; N]: Simplex<D, N>,
     {
-        for code in self.at_corner[corner as usize].into_iter().filter(|&code| code != NONE) {
+        let codes = self.at_corner.get(corner as usize).into_iter().flatten();
+        for &code in codes.filter(|&&code| code != NONE) {
             let joint = &self.all[code as usize / (2 * D)];
             let (frame, mut memory) = (Frame::new(joint, solid), joint.ends[code as usize / 2 % D]);
             let traction = memory.traction(&joint.law, [0.0; D]);

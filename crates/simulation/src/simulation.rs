@@ -167,8 +167,10 @@ where
     pub fn new(model: Model<D, N>, threads: usize) -> Result<Self, ModelError> {
         checks::check(&model)?;
         let topology = Topology::of(&model.mesh)?;
-        let mut solid = Solid::new(&model);
         let mut joints = Joints::new(&model, &topology);
+        // Before all that a run keeps, because it takes much memory for a moment.
+        let critical = CriticalStep::new(&model, &topology, &joints);
+        let mut solid = Solid::new(&model);
         // Checks the laws of all facets now, so that none can fail during the run.
         for facet in 0..topology.facets.len() as u32 {
             joints.law(facet, &model, &topology)?;
@@ -176,7 +178,6 @@ where
         let mut loads = Loads::new(&model, &topology, &mut solid)?;
         let team = Team::new(threads)?;
         let contacts = Contacts::new(&model, &topology, &team)?;
-        let critical = CriticalStep::new(&model, &topology, &joints);
         if model.fracture.insertion == Insertion::Intrinsic {
             solid.reserve_nodes(N * model.mesh.elements.len());
             joints.everywhere(&model, &topology)?;
