@@ -190,7 +190,7 @@ where
         team: &Team,
     ) -> Result<(), Stop> {
         if self.unwatched {
-            self.watch(topology);
+            self.watch(joints, topology);
             self.unwatched = false;
             self.looked = f64::NEG_INFINITY;
         }
@@ -259,14 +259,18 @@ where
         Ok(())
     }
 
-    /// Watches the elements within two rings around free vertices.
-    fn watch(&mut self, topology: &Topology<D, N>) {
+    /// Watches the elements at free vertices, and those beside them that can break: cracks reach these next.
+    fn watch(&mut self, joints: &Joints<D>, topology: &Topology<D, N>) {
+        let may_part = |element: usize| {
+            topology.facet_of[element].iter().any(|&facet| facet != NONE && joints.may_part(facet))
+        };
         let mut near = self.free.clone();
-        for _ in 0..2 {
+        for ring in 0..2 {
             let mut next = near.clone();
             for (element, watched) in self.watched.iter_mut().enumerate() {
                 let vertices = &topology.vertices[N * element..N * element + N];
-                if vertices.iter().any(|&vertex| near[vertex as usize]) {
+                let is_near = vertices.iter().any(|&vertex| near[vertex as usize]);
+                if is_near && (ring == 0 || may_part(element)) {
                     *watched = true;
                     for &vertex in vertices {
                         next[vertex as usize] = true;
