@@ -130,6 +130,12 @@ impl Law {
         }
     }
 
+    /// A traction, Pa, below which a whole joint does not soften in any direction. `friction`: what pressure adds to its shear strength, Pa.
+    #[inline]
+    fn least(&self, friction: f64) -> f64 {
+        if friction > 0.0 { self.cohesion + friction } else { self.tensile.min(self.cohesion) }
+    }
+
     /// Strength, Pa, and length beyond the elastic range at which the joint is broken, m, of a vector of opening and sliding with the squares of the cosine and
     /// of the sine of its angle to the normal.
     fn in_direction(&self, [cosine, sine]: [f64; 2]) -> [f64; 2] {
@@ -243,6 +249,31 @@ impl<const D: usize> Memory<D> {
     /// Traction at this opening and sliding, Pa, tension positive. Updates the history.
     #[inline]
     pub(crate) fn traction(&mut self, law: &Law, gap: [f64; D]) -> [f64; D] {
+        self.of_whole(law, gap).unwrap_or_else(|| self.of_any(law, gap))
+    }
+
+    /// Traction of a joint that is whole and stays whole, `None` if it may soften. Its bond holds all of the sliding, so that it has no history: nothing is written.
+    #[inline]
+    fn of_whole(&self, law: &Law, gap: [f64; D]) -> Option<[f64; D]> {
+        if self.stiffness != 1.0 || law.tensile == 0.0 || law.cohesion == 0.0 {
+            return None;
+        }
+        let mut bond = minus(gap, self.origin);
+        let pressure = law.penalty * (-bond[0]).max(0.0);
+        bond[0] = bond[0].max(0.0);
+        let least = law.least(law.friction * pressure);
+        if law.penalty * law.penalty * dot(bond, bond) > least * least {
+            return None;
+        }
+        let mut traction = bond.map(|length| law.penalty * length);
+        if pressure != 0.0 {
+            traction[0] = -pressure;
+        }
+        Some(traction)
+    }
+
+    /// Traction of any joint.
+    fn of_any(&mut self, law: &Law, gap: [f64; D]) -> [f64; D] {
         let opening = gap[0] - self.origin[0];
         // Without tensile strength nothing holds while the joint is open.
         if law.tensile == 0.0 && opening > 0.0 {
@@ -300,7 +331,7 @@ impl<const D: usize> Memory<D> {
             return;
         }
         let whole = self.stiffness == 1.0;
-        let least = if friction > 0.0 { law.cohesion + friction } else { law.tensile.min(law.cohesion) };
+        let least = law.least(friction);
         if whole && law.penalty * law.penalty * squared <= least * least {
             return;
         }

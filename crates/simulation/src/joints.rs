@@ -147,14 +147,19 @@ pub(crate) struct Joints<const D: usize = 2> {
     /// Whether any facet at each vertex has a joint.
     pub(crate) at_vertex: Vec<bool>,
     insertion: Insertion,
-    /// Vertices on free surfaces and vertices with joints, each once. Those whose facets all have joints are removed.
-    tips: Vec<u32>,
-    /// Whether each vertex is, or was, among `tips`.
-    is_tip: Vec<bool>,
+    /// Where whole material can part at a free surface or at a crack; empty if joints are not inserted.
+    tips: Vec<Tip>,
     /// Lowest strengths of the facets of each element, and how near its stress is to them; both lists are empty if joints are not inserted.
     weakest: Vec<Weakest>,
     near: Vec<Near>,
     slopes: Slopes,
+}
+
+/// A vertex on a free surface or at a joint, with the facets that can get a joint and that alone connect elements at the vertex.
+#[derive(Debug)]
+struct Tip {
+    vertex: u32,
+    facets: Box<[u32]>,
 }
 
 /// Results of a pass over the joints.
@@ -199,11 +204,9 @@ impl<const D: usize> Joints<D> {
         } else {
             Vec::new()
         };
-        let is_tip = topology.outer_vertices();
         let slopes = Slopes::of(&strengths);
         let mut joints = Self {
-            tips: (0..is_tip.len() as u32).filter(|&vertex| is_tip[vertex as usize]).collect(),
-            is_tip,
+            tips: Vec::new(),
             all: Vec::new(),
             forces: Vec::new(),
             breaks: Vec::new(),
@@ -231,6 +234,9 @@ impl<const D: usize> Joints<D> {
                 })
                 .collect();
             joints.near = vec![Near::Far; mesh.elements.len()];
+            let outer = topology.outer_vertices();
+            let outer: Vec<u32> = (0..outer.len() as u32).filter(|&vertex| outer[vertex as usize]).collect();
+            joints.find_tips(&outer, topology);
         }
         joints
     }
@@ -318,9 +324,6 @@ impl<const D: usize> Joints<D> {
         let vertices = sides.corners[0].map(|corner| topology.vertices[corner as usize]);
         for vertex in vertices {
             self.at_vertex[vertex as usize] = true;
-            if !std::mem::replace(&mut self.is_tip[vertex as usize], true) {
-                self.tips.push(vertex);
-            }
         }
         self.forces.push([[0.0; D]; D]);
         let measure = measure_of(model, topology, sides);
@@ -403,6 +406,11 @@ impl<const D: usize> Joints<D> {
         }
         for (own, joint) in self.all.iter_mut().zip(saved.joints) {
             *own = Joint { law: own.law, measure: own.measure, length: own.length, ..joint };
+        }
+        if self.insertion == Insertion::Adaptive {
+            let joined: Vec<u32> =
+                (0..self.at_vertex.len() as u32).filter(|&vertex| self.at_vertex[vertex as usize]).collect();
+            self.find_tips(&joined, topology);
         }
         self.find_nodes(topology, solid);
         (self.forces, self.breaks) = (saved.forces, saved.breaks);
@@ -651,7 +659,11 @@ where
         }
         State::Holding | State::Removed => {}
     }
-    joint.fading = joint.faded - before;
+    let fading = joint.faded - before;
+    // Joints seldom fade: what does not change is not written, so that whole joints are only read.
+    if fading != joint.fading {
+        joint.fading = fading;
+    }
     (work, modes)
 }
 

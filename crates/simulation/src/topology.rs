@@ -185,6 +185,51 @@ where
             }
         }
     }
+
+    /// Finds the facets at a vertex without which corners that are connected there would no longer be: the bridges of the graph of its corners (R. E. Tarjan,
+    /// Inf. Process. Lett. 2 (1974) 160-161). Linear in the number of corners.
+    pub(crate) fn bridges(&self, vertex: u32, holds: impl Fn(u32) -> bool, bridges: &mut Vec<u32>) {
+        bridges.clear();
+        let corners = self.corners_of(vertex);
+        // When each corner was reached, and the earliest corner that it reaches without the facet by which it was reached.
+        let (mut reached, mut earliest) = (vec![NONE; corners.len()], vec![NONE; corners.len()]);
+        let mut path: Vec<(usize, u32, usize)> = Vec::new();
+        let mut count = 0;
+        for first in 0..corners.len() {
+            let mut next = (reached[first] == NONE).then_some((first, NONE));
+            loop {
+                if let Some((place, by)) = next.take() {
+                    (reached[place], earliest[place]) = (count, count);
+                    count += 1;
+                    path.push((place, by, 0));
+                }
+                let Some((place, by, slot)) = path.last_mut() else { break };
+                let (place, by) = (*place, *by);
+                if let Some(&facet) = self.facets_at(corners[place]).get(*slot) {
+                    *slot += 1;
+                    if facet == NONE || facet == by || !holds(facet) {
+                        continue;
+                    }
+                    let Ok(other) = corners.binary_search(&self.across(facet, corners[place])) else {
+                        continue;
+                    };
+                    if reached[other] == NONE {
+                        next = Some((other, facet));
+                    } else {
+                        earliest[place] = earliest[place].min(reached[other]);
+                    }
+                } else {
+                    path.pop();
+                    if let Some(&(before, ..)) = path.last() {
+                        earliest[before] = earliest[before].min(earliest[place]);
+                        if earliest[place] > reached[before] {
+                            bridges.push(by);
+                        }
+                    }
+                }
+            }
+        }
+    }
 }
 
 /// Corners of facet `k` of an element.

@@ -16,7 +16,7 @@ use crate::cohesive::{Memory, Plane, use_of};
 use crate::contacts::Contacts;
 use crate::joints::near::{Near, SUSPECT};
 use crate::joints::plane::{breaks, mean_stress, plane_near, side, traction};
-use crate::joints::{Joints, measure_of, nodes_at};
+use crate::joints::{Joints, Tip, measure_of, nodes_at};
 use crate::model::{Insertion, Model};
 use crate::simplex::Simplex;
 use crate::solid::Solid;
@@ -50,29 +50,28 @@ impl<const D: usize> Joints<D> {
         }
         let state = State { solid, contacts, model, topology };
         let mut near = std::mem::take(&mut self.near);
-        let whole = team.change(&mut near, |first, chunk| {
-            let mut failing = Vec::new();
+        team.change(&mut near, |first, chunk| {
             for (k, near) in chunk.iter_mut().enumerate() {
-                let element = first + k;
-                let (weakest, stress) = (self.weakest[element], &solid.strained[element].stress);
+                let (weakest, stress) = (self.weakest[first + k], &solid.strained[first + k].stress);
                 *near = self.slopes.near(weakest, <[[f64; D]; N]>::circle_bound(stress));
-                if *near != Near::Far {
+                // The circle itself costs more than its bound.
+                if *near == Near::Failing {
                     *near = self.slopes.near(weakest, <[[f64; D]; N]>::circle(stress));
                 }
-                if *near == Near::Failing {
-                    let facets = topology.facet_of[element].into_iter().filter(|&facet| facet != NONE);
-                    failing.extend(facets.filter(|&facet| {
-                        breaks(self.used(facet, state), || self.plane(facet, state.solid, topology))
-                    }));
-                }
+            }
+        });
+        self.near = near;
+        let whole = team.look(self.near.len(), |range| {
+            let mut failing = Vec::new();
+            for element in range.filter(|&element| self.near[element] == Near::Failing) {
+                self.failing_beside(element as u32, state, &mut failing);
             }
             failing
         });
-        self.near = near;
         let tips = team.look(self.tips.len(), |range| {
             let mut failing = Vec::new();
-            for &vertex in &self.tips[range] {
-                self.failing_at(vertex, state, &mut failing);
+            for tip in &self.tips[range] {
+                self.failing_at(tip, state, &mut failing);
             }
             failing
         });
@@ -95,10 +94,24 @@ impl<const D: usize> Joints<D> {
             self.part(vertex, solid, Some(contacts), model, topology);
         }
         if !vertices.is_empty() {
-            // Vertices whose facets all have joints need no further checks.
-            let of_facet = &self.of_facet;
-            let may_fail = |facet: u32| of_facet[facet as usize] == NONE;
-            self.tips.retain(|&vertex| topology.facets_around(vertex).any(|(facet, _)| may_fail(facet)));
+            self.find_tips(&vertices, topology);
+        }
+    }
+
+    /// Finds the facets at these vertices, ascending, that alone connect elements there, and can get a joint. What other joints change at the vertices of a facet, they
+    /// change at these only.
+    pub(super) fn find_tips<const N: usize>(&mut self, vertices: &[u32], topology: &Topology<D, N>)
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        self.tips.retain(|tip| vertices.binary_search(&tip.vertex).is_err());
+        let mut facets = Vec::new();
+        for &vertex in vertices {
+            topology.bridges(vertex, |facet| self.of_facet[facet as usize] == NONE, &mut facets);
+            facets.retain(|&facet| self.may_part(facet));
+            if !facets.is_empty() {
+                self.tips.push(Tip { vertex, facets: facets.as_slice().into() });
+            }
         }
     }
 
@@ -126,35 +139,47 @@ impl<const D: usize> Joints<D> {
         })
     }
 
-    /// Adds the failing facets at a vertex on a free surface or at a crack tip: those where the traction that holds their two sides together at the vertex
-    /// reaches the strength.
-    fn failing_at<const N: usize>(&self, vertex: u32, state: State<'_, D, N>, failing: &mut Vec<u32>)
+    /// Adds the facets of an element near failure that fail by the mean stress of their two elements. A facet between two such elements belongs to the first.
+    fn failing_beside<const N: usize>(&self, element: u32, state: State<'_, D, N>, failing: &mut Vec<u32>)
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
         let State { solid, topology, .. } = state;
-        let corners = topology.corners_of(vertex);
-        if corners.iter().all(|&corner| self.near[corner as usize / N] == Near::Far) {
-            return;
+        for facet in topology.facet_of[element as usize].into_iter().filter(|&facet| facet != NONE) {
+            let [first, _] = topology.facets[facet as usize].elements();
+            if first != element && self.near[first as usize] == Near::Failing {
+                continue;
+            }
+            if breaks(self.used(facet, state), || self.plane(facet, solid, topology)) {
+                failing.push(facet);
+            }
         }
+    }
+
+    /// Adds the failing facets at a vertex on a free surface or at a crack tip: those where the traction that holds their two sides together at the vertex
+    /// reaches the strength.
+    fn failing_at<const N: usize>(&self, tip: &Tip, state: State<'_, D, N>, failing: &mut Vec<u32>)
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        let State { solid, topology, .. } = state;
+        let &Tip { vertex, ref facets } = tip;
         // The force that moves a held node is unknown here. There the mean traction of the elements decides.
-        if solid.hold_at(corners[0]) != NONE {
+        if solid.hold_at(topology.corners_of(vertex)[0]) != NONE {
             return;
         }
         let mut groups = Vec::new();
-        for (facet, _) in topology.facets_around(vertex) {
-            if self.used(facet, state) < SUSPECT {
+        for &facet in facets {
+            let beside = topology.facets[facet as usize].elements();
+            if beside.iter().all(|&element| self.near[element as usize] == Near::Far)
+                || self.used(facet, state) < SUSPECT
+            {
                 continue;
             }
             let holds = |other| other != facet && self.of_facet[other as usize] == NONE;
             topology.groups(vertex, holds, &mut groups);
             let fan = Fan { vertex, groups: &groups, joints: self, state };
-            let sides = fan.groups_beside(facet);
-            // The two sides are still connected the other way round the vertex.
-            if sides[0] == sides[1] {
-                continue;
-            }
-            let held = fan.held_by(sides, part_of(facet, state));
+            let held = fan.held_by(fan.groups_beside(facet), part_of(facet, state));
             let traction = components(held, solid, &topology.facets[facet as usize]);
             let used = self.strength(facet).map_or(0.0, |strength| use_of(&strength, traction));
             if breaks(used, || self.plane(facet, solid, topology)) {

@@ -237,7 +237,7 @@ where
     // Mass of each node: every corner weighs something else.
     let weight = |corner: u32| 1 + u64::from(corner);
     let total: u64 = (0..topology.vertices.len() as u32).map(weight).sum();
-    let mut groups = Vec::new();
+    let (mut groups, mut bridges) = (Vec::new(), Vec::new());
     let all: Vec<u32> = (0..mesh.vertices as u32).collect();
     let mut parted = all.clone();
     for index in std::iter::once(None).chain(order.iter().map(Some)) {
@@ -271,6 +271,19 @@ where
             let corners = topology.corners_of(vertex);
             topology.groups(vertex, |facet| held[facet as usize], &mut groups);
             assert_eq!(groups, flooded(&topology, corners, &held));
+            topology.bridges(vertex, |facet| held[facet as usize], &mut bridges);
+            bridges.sort_unstable();
+            let parts = |facet: &u32| {
+                held[*facet as usize] && {
+                    let mut without = Vec::new();
+                    topology.groups(vertex, |other| other != *facet && held[other as usize], &mut without);
+                    without != groups
+                }
+            };
+            let mut parting: Vec<u32> =
+                topology.facets_around(vertex).map(|(facet, _)| facet).filter(parts).collect();
+            parting.sort_unstable();
+            assert_eq!(bridges, parting);
             for (a, one) in corners.iter().enumerate() {
                 for (b, other) in corners.iter().enumerate() {
                     let together = nodes.node_at(*one) == nodes.node_at(*other);
