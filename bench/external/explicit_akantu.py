@@ -3,11 +3,11 @@
     pip install akantu==5.0.7.post1
     python explicit_akantu.py MESH STEPS [--cohesive] [--check]
 
-MESH is a Gmsh 2.2 ASCII file of one body of triangles with 3 nodes, in the plane, in metres. The left half moves to the right with 1 m/s.
-Small strains, linear elastic, plane stress, lumped mass, central differences, half of the stable time step, one thread, nothing held,
+MESH is a Gmsh 2.2 ASCII file of one body of triangles with 3 nodes, in the plane, or of tetrahedra with 4, in metres. The left half moves to the right with 1 m/s.
+Small strains, linear elastic, plane stress in the plane, lumped mass, central differences, half of the stable time step, one thread, nothing held,
 nothing written. The last word printed is the seconds of STEPS steps, without a few before them.
 
---cohesive: intrinsic cohesive elements (linear softening) on all edges inside. --check: also energies and momentum.
+--cohesive: intrinsic cohesive elements (linear softening) on all edges or faces inside. --check: also energies and momentum.
 """
 
 import argparse
@@ -47,46 +47,74 @@ def keep_memory():
         mallopt(mmap_max, 0)
 
 
+def dimensions(path):
+    """Dimensions of the elements of a Gmsh file: the first of them tells."""
+    with open(path) as file:
+        while next(file).strip() != "$Elements":
+            pass
+        next(file)
+        return {"2": 2, "4": 3}[next(file).split()[1]]
+
+
+def kinds(mesh):
+    """Akantu's kinds of the elements and of the cohesive elements between them."""
+    if mesh.getNodes().shape[1] == 2:
+        return aka._triangle_3, aka._cohesive_2d_4
+    return aka._tetrahedron_4, aka._cohesive_3d_6
+
+
 def renumber(mesh):
-    """Gives the first two numbers to the nodes of the fewest triangles.
+    """Gives the first two numbers to the nodes of the fewest elements.
 
     Akantu 5.0.7 reads a node that it doubles where the array was before it grew. If that memory is given back, it crashes (above 50,000
     triangles); if not, only the first two nodes are lost there, unless they are not those doubled at that moment.
     """
-    nodes, triangles = mesh.getNodes(), mesh.getConnectivity(aka._triangle_3)
-    few = np.argsort(np.bincount(triangles.ravel()), kind="stable")[:2]
+    nodes, elements = mesh.getNodes(), mesh.getConnectivity(kinds(mesh)[0])
+    few = np.argsort(np.bincount(elements.ravel()), kind="stable")[:2]
     order = np.concatenate((few, np.setdiff1d(np.arange(len(nodes)), few)))
     place = np.empty_like(order)
     place[order] = np.arange(len(order))
     nodes[:] = nodes[order]
-    triangles[:] = place[triangles]
+    elements[:] = place[elements]
 
 
 def corners(mesh):
-    return mesh.getNodes()[mesh.getConnectivity(aka._triangle_3)]
+    return mesh.getNodes()[mesh.getConnectivity(kinds(mesh)[0])]
 
 
 def shapes(mesh):
-    """Areas, and lengths of edges (one row for each of the three)."""
-    a, b, c = corners(mesh).swapaxes(0, 1)
-    (ux, uy), (vx, vy) = (b - a).T, (c - a).T
-    return 0.5 * np.abs(ux * vy - uy * vx), np.array([np.hypot(*(p - q).T) for p, q in ((a, b), (b, c), (c, a))])
+    """Areas or volumes of the elements, and lengths of edges or areas of faces (one row for each facet)."""
+    places = corners(mesh)
+    dimension, count = places.shape[2], places.shape[1]
+    edges = places[:, 1:] - places[:, :1]
+    measures = np.abs(np.linalg.det(edges)) / (2.0 if dimension == 2 else 6.0)
+    facets = []
+    for left_out in range(count):
+        sides = places[:, [k for k in range(count) if k != left_out]]
+        along = sides[:, 1:] - sides[:, :1]
+        gram = np.linalg.det(along @ along.swapaxes(1, 2))
+        facets.append(np.sqrt(gram) / (1.0 if dimension == 2 else 2.0))
+    return measures, np.array(facets)
 
 
-def stable(areas, edges, stiffness):
+def stable(measures, facets, stiffness):
     """The stable time step. `stiffness`: of cohesive elements, or 0.
 
-    For triangles Akantu's own rule: inscribed circle over the speed of waves. It does not look at cohesive elements. These add to the square
-    of the highest frequency; half of the mass that a node has from its triangle is for each of the two at it.
+    For the elements Akantu's own rule: the diameter of the inscribed circle or sphere over the speed of waves. It does not look at cohesive elements. These add to
+    the square of the highest frequency; a node has an equal share of the mass of its element for each of the facets at it.
     """
-    speed = np.sqrt(YOUNG / (DENSITY * (1.0 - POISSON**2)))
-    alone = (4.0 * areas / edges.sum(axis=0)).min() / speed
-    return 2.0 / np.sqrt((2.0 / alone) ** 2 + (6.0 * stiffness * edges.max(axis=0) / (DENSITY * areas)).max())
+    dimension = len(facets) - 1
+    alone_in_space = (1.0 - POISSON) / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON))
+    speed = np.sqrt(YOUNG / DENSITY * (1.0 / (1.0 - POISSON**2) if dimension == 2 else alone_in_space))
+    alone = (2.0 * dimension * measures / facets.sum(axis=0)).min() / speed
+    joints = dimension * (dimension + 1) * stiffness * facets.max(axis=0) / (DENSITY * measures)
+    return 2.0 / np.sqrt((2.0 / alone) ** 2 + joints.max())
 
 
-def read_materials(stiffness):
+def read_materials(dimension, stiffness):
     """Akantu takes materials from a file only. With stiffness 0 there are no cohesive elements."""
-    text = f"material elastic [\n name = rock\n rho = {DENSITY}\n E = {YOUNG}\n nu = {POISSON}\n Plane_Stress = true\n]\n"
+    plane = " Plane_Stress = true\n" if dimension == 2 else ""
+    text = f"material elastic [\n name = rock\n rho = {DENSITY}\n E = {YOUNG}\n nu = {POISSON}\n{plane}]\n"
     if stiffness > 0.0:
         text += f"material cohesive_bilinear [\n name = joints\n sigma_c = {STRENGTH}\n G_c = {FRACTURE_ENERGY}\n"
         text += f" beta = 1\n penalty = {stiffness}\n delta_0 = {STRENGTH / stiffness}\n]\n"
@@ -99,11 +127,13 @@ def read_materials(stiffness):
 def build(path, cohesive):
     """The mesh has to live as long as the model."""
     aka.debug.setDebugLevel(aka.dblError)
-    mesh = aka.Mesh(2)
+    mesh = aka.Mesh(dimensions(path))
     mesh.read(path)
-    areas, edges = shapes(mesh)
-    stiffness = STIFFNESS * YOUNG / edges.mean() if cohesive else 0.0
-    read_materials(stiffness)
+    measures, facets = shapes(mesh)
+    # The edge of an even face of the same area, in space.
+    lengths = facets if len(facets) == 3 else np.sqrt(4.0 / np.sqrt(3.0) * facets)
+    stiffness = STIFFNESS * YOUNG / lengths.mean() if cohesive else 0.0
+    read_materials(len(facets) - 1, stiffness)
     if cohesive:
         renumber(mesh)
         before = corners(mesh)
@@ -117,7 +147,7 @@ def build(path, cohesive):
     model.assembleMassLumped()
     x = mesh.getNodes()[:, 0]
     model.getVelocity()[:, 0] = x < 0.5 * (x.min() + x.max())
-    model.setTimeStep(0.5 * stable(areas, edges, stiffness))
+    model.setTimeStep(0.5 * stable(measures, facets, stiffness))
     return mesh, model
 
 
@@ -129,7 +159,7 @@ def state(mesh, model, cohesive):
     momentum = (model.getMass() * model.getVelocity()).sum(axis=0)
     return (
         f"kinetic {kinetic:.6g} strain {strain:.6g} dissipated {lost:.6g} total {kinetic + strain + lost:.6g} J, "
-        f"momentum {momentum[0]:.9g} {momentum[1]:.3g} kg m/s"
+        f"momentum {' '.join(f'{part:.9g}' for part in momentum)} kg m/s"
     )
 
 
@@ -150,8 +180,9 @@ def main():
     seconds = time.perf_counter() - clock
     if given.check:
         print("end:", state(mesh, model, given.cohesive))
-        joints = mesh.getNbElement(type=aka._cohesive_2d_4) if given.cohesive else 0
-        print(mesh.getNbElement(type=aka._triangle_3), "triangles,", joints, "cohesive elements")
+        element, joint = kinds(mesh)
+        joints = mesh.getNbElement(type=joint) if given.cohesive else 0
+        print(mesh.getNbElement(type=element), "elements,", joints, "cohesive elements")
     print(seconds)
 
 

@@ -25,7 +25,13 @@
 //! mesher numbers nodes and elements along Hilbert's curve. Where every element has its own nodes, nodes are numbered in the order of the elements.
 //! `bench/SIMULATION.md` compares the speed with bounds and with other programs.
 //!
+//! Steps are compiled in this crate, once for each kind of element (`advance` in `src/simplex.rs`), and not in the crates that call them.
+//!
 //! `State` is all that persists between steps. It is saved with postcard, hashed for `run.json`, and sufficient to continue a run.
+//!
+//! What is not here has no use yet. Contact, joints and loads each ask `Topology` for the outer facets or vertices that they need, once; nothing reads all faces of all cracks in each
+//! step, so no such list is kept. All couples are couples of elements, and all that acts from outside are loads: a trait for other shapes, or for other actions, comes with
+//! the second of its kind.
 //!
 //! # To change X, open Y
 //!

@@ -7,7 +7,9 @@ mod tetrahedron;
 pub(crate) mod triangle;
 
 use crate::elastic::Moduli;
+use crate::error::Stop;
 use crate::model::{Material, Plane};
+use crate::simulation::Simulation;
 use crate::vector::{Matrix, Point};
 
 /// A facet passes near the centroid if the smallest distance from it, over that of the boundary in the same direction, is below this.
@@ -21,6 +23,10 @@ pub(crate) trait Simplex<const D: usize, const N: usize>: Copy + Send + Sync {
     const AT_CORNER: [[usize; D]; N];
     /// The name of facets in messages.
     const FACETS_ARE: &'static str;
+
+    /// Advances a run: [`Simulation::take`]. Implemented for the two kinds of elements, so that the steps are compiled here, once and optimised; a generic function
+    /// would be compiled in each crate that calls it, with the options of that crate.
+    fn advance(run: &mut Simulation<D, N>, steps: u64) -> Result<(), Stop>;
 
     fn determinant(f: &Matrix<D>) -> f64;
 

@@ -370,6 +370,11 @@ where
     /// # Errors
     /// The reason why the run cannot continue. The run stays at the step in which this was found.
     pub fn advance(&mut self, steps: u64) -> Result<(), Stop> {
+        <[[f64; D]; N]>::advance(self, steps)
+    }
+
+    /// Takes so many steps.
+    pub(crate) fn take(&mut self, steps: u64) -> Result<(), Stop> {
         match self.team.pool() {
             Some(pool) => pool.install(|| (0..steps).try_for_each(|_| self.step())),
             None => (0..steps).try_for_each(|_| self.step()),

@@ -50,21 +50,28 @@ impl<const D: usize> Joints<D> {
         }
         let state = State { solid, contacts, model, topology };
         let mut near = std::mem::take(&mut self.near);
-        team.change(&mut near, |first, chunk| {
+        let suspects = team.change(&mut near, |first, chunk| {
+            let mut failing = Vec::new();
             for (k, near) in chunk.iter_mut().enumerate() {
-                let (weakest, stress) = (self.weakest[first + k], &solid.strained[first + k].stress);
+                let element = first + k;
+                let (weakest, stress) = (self.weakest[element], &solid.strained[element].stress);
                 *near = self.slopes.near(weakest, <[[f64; D]; N]>::circle_bound(stress));
                 // The circle itself costs more than its bound.
                 if *near == Near::Failing {
                     *near = self.slopes.near(weakest, <[[f64; D]; N]>::circle(stress));
                 }
+                if *near == Near::Failing {
+                    failing.push(element as u32);
+                }
             }
+            failing
         });
         self.near = near;
-        let whole = team.look(self.near.len(), |range| {
+        let suspects = suspects.concat();
+        let whole = team.look(suspects.len(), |range| {
             let mut failing = Vec::new();
-            for element in range.filter(|&element| self.near[element] == Near::Failing) {
-                self.failing_beside(element as u32, state, &mut failing);
+            for &element in &suspects[range] {
+                self.failing_beside(element, state, &mut failing);
             }
             failing
         });

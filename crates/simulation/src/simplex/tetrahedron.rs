@@ -9,8 +9,10 @@ mod plane;
 mod potential;
 
 use crate::elastic::Moduli;
+use crate::error::Stop;
 use crate::model::{Material, Plane};
 use crate::simplex::{Interaction, Simplex};
+use crate::simulation::Simulation;
 use crate::vector::{Matrix, Point, dot, length, minus, unit};
 
 /// Corners of a tetrahedron: the first three are counter-clockwise, seen from the last.
@@ -26,6 +28,10 @@ impl Simplex<3, 4> for Tetrahedron {
     const FACETS: [[usize; 3]; 4] = FACES;
     const AT_CORNER: [[usize; 3]; 4] = [[0, 1, 3], [0, 1, 2], [0, 2, 3], [1, 2, 3]];
     const FACETS_ARE: &'static str = "faces";
+
+    fn advance(run: &mut Simulation<3, 4>, steps: u64) -> Result<(), Stop> {
+        run.take(steps)
+    }
 
     #[inline]
     fn determinant([one, two, three]: &Matrix<3>) -> f64 {

@@ -6,8 +6,10 @@ mod plane;
 mod potential;
 
 use crate::elastic::Moduli;
+use crate::error::Stop;
 use crate::model::{Material, Plane};
 use crate::simplex::{Interaction, Simplex};
+use crate::simulation::Simulation;
 use crate::vector::{Matrix, Point, cross, dot, length, minus};
 
 /// Corners of a triangle, counter-clockwise.
@@ -17,6 +19,10 @@ impl Simplex<2, 3> for Triangle {
     const FACETS: [[usize; 2]; 3] = [[0, 1], [1, 2], [2, 0]];
     const AT_CORNER: [[usize; 2]; 3] = [[0, 2], [1, 0], [2, 1]];
     const FACETS_ARE: &'static str = "edges";
+
+    fn advance(run: &mut Simulation<2, 3>, steps: u64) -> Result<(), Stop> {
+        run.take(steps)
+    }
 
     #[inline]
     fn determinant([[a, b], [c, d]]: &Matrix) -> f64 {
