@@ -204,7 +204,11 @@ impl<'s> Checker<'s> {
             };
             let mut fault = Fault::at(span.clone(), message).label(format!("{count} entries"));
             if key == "points" {
-                fault = fault.help("a polygon has three corners or more");
+                fault = fault.help(if least == 4 {
+                    "a polyhedron has four corners or more"
+                } else {
+                    "a polygon has three corners or more"
+                });
             }
             if most < 10 && list.len() == 2 * most {
                 fault = fault.help("numbers have a decimal point; a comma separates entries: [0.5, 1.0]");
@@ -278,12 +282,10 @@ impl<'s> Checker<'s> {
                 } else {
                     nearest(text, words.iter().copied())
                 };
-                let help =
-                    near.map_or_else(|| format!("it is {list}"), |word| format!("did you mean \"{word}\"?"));
                 self.faults.push(
                     Fault::at(value.span(), format!("\"{key}\" cannot be \"{text}\": it is {list}"))
                         .label("unknown word")
-                        .help(help),
+                        .maybe_help(near.map(|word| format!("did you mean \"{word}\"?"))),
                 );
             }
             found => self.faults.push(
