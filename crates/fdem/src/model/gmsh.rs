@@ -96,7 +96,7 @@ pub(crate) fn mesh(bytes: &[u8], name: &str, size: f64, dimensions: usize) -> Re
     })?;
     let Some(status) = ended else {
         return Err(Problem {
-            help: Some("take a larger mesh_size (many STEP files are in millimetres: mesh_size then is, too), or mesh the file by hand and give the .msh file".to_owned()),
+            help: Some("take a larger mesh_size (a STEP file in millimetres is a body 1000 times as large as meant), or mesh the file by hand and give the .msh file".to_owned()),
             ..problem(format!(
                 "Gmsh was stopped: it meshed {name} for more than {} s",
                 brief(PATIENCE.as_secs_f64())

@@ -109,10 +109,12 @@ impl<'s> Checker<'s> {
             self.faults.push(fault.help(format!("did you mean \"{meant}\"?")));
             return Some(meant);
         }
+        // A table inside of another: what is a key of [[body]], such as a shape, need not be one of an outline.
+        let is_inner = name.starts_with('"');
         let elsewhere = self.tables().into_iter().find(|(_, keys)| keys.iter().any(|key| key == word));
         self.faults.push(match elsewhere {
-            Some((table, _)) => fault.help(format!("it is a key of {table}")),
-            None => fault.help(format!("its keys are {}", keys.join(", "))),
+            Some((table, _)) if !is_inner => fault.help(format!("it is a key of {table}")),
+            _ => fault.help(format!("its keys are {}", keys.join(", "))),
         });
         None
     }

@@ -57,7 +57,7 @@ fn a_surface_that_gives_too_many_elements_is_refused_at_its_mesh_size() {
     };
     let fine = refused(1.0, 1.0 / 200.0);
     for part in [
-        "m.toml:7:",
+        "m.toml:8:",
         "a mesh size of 0.005 m gives about 8e7 elements; the most are 20,000,000",
         "take a larger mesh_size",
     ] {
@@ -157,4 +157,12 @@ fn messages_in_three_dimensions_have_its_words() {
     assert!(told.contains("a polyhedron has four corners or more") && !told.contains("polygon"), "{told}");
     let told = refused("", &format!("{cube}[[boundary]]\nname = \"b\"\nside = \"under\"\nfixed = \"z\""));
     assert_eq!(told.matches("\"left\", \"right\"").count(), 1, "{told}");
+    for round in ["cylinder = { from = [0, 0, 0], to = [0, 0, 1], radius = 1 }", "sphere = { radius = 1 }"] {
+        let told =
+            refused("", &format!("voronoi = {{ outline = {{ {round} }}, grains = 5 }}\nmesh_size = 0.2"));
+        assert!(
+            told.contains("its keys are") && told.contains("box") && told.contains("polyhedron"),
+            "{told}"
+        );
+    }
 }
