@@ -53,6 +53,7 @@ use sha2::{Digest, Sha256};
 pub use bodies::Load;
 pub use fault::{Drawing, Fault, ModelErrors};
 pub use fdem_mesh::Quality;
+pub(crate) use gmsh::stop as stop_gmsh;
 pub(crate) use preflight::steps;
 pub use preflight::{Critical, Preflight};
 pub use schema::schema;
@@ -363,6 +364,10 @@ impl Checked<'_> {
         };
         let quality = Quality::of(&model.mesh);
         let bodies = bodies_of(&placed);
+        for body in &placed {
+            let name = &file.body[body.table].name;
+            warnings.extend(body.piece.notes.iter().map(|note| format!("[[body]] \"{name}\": {note}")));
+        }
         plausible::units(&model, &mut warnings);
         plausible::without_effect(file, document, &model, &mut warnings);
         let ready = Ready { file, model: &model, placed: &placed, bodies: &bodies, quality: &quality };

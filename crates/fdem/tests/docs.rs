@@ -83,7 +83,7 @@ fn every_path_that_a_front_page_names_exists() {
 /// The name by which a link reaches a heading: lower case, hyphens for blanks, nothing else but letters and digits.
 fn anchor(heading: &str) -> String {
     let text = heading.trim_start_matches('#').trim().to_lowercase().replace(' ', "-");
-    text.chars().filter(|c| c.is_alphanumeric() || *c == '-').collect()
+    text.chars().filter(|c| c.is_alphanumeric() || "-_".contains(*c)).collect()
 }
 
 fn is_path(quoted: &str) -> bool {

@@ -4,8 +4,10 @@
 //! - `limits`: what would take more memory or time than there is.
 //! - `locking`: how much too stiff elements are in bending.
 //! - `meshes`: shapes, sizes, angles, grains, packings, mesh files.
+//! - `packings`: packings in three dimensions, and copies of a shape.
 //! - `refine`: places near which elements are smaller.
 //! - `prepared`: what a model file becomes: boundaries, materials, histories, warnings.
+//! - `space`, `space_warned`: the same in three dimensions.
 //! - `warned`: what is allowed, and probably not meant.
 //! - `examples`: the examples, the starter and the schema.
 
@@ -21,12 +23,16 @@ mod locking;
 mod meshes;
 #[path = "model/mistakes.rs"]
 mod mistakes;
+#[path = "model/packings.rs"]
+mod packings;
 #[path = "model/prepared.rs"]
 mod prepared;
 #[path = "model/refine.rs"]
 mod refine;
 #[path = "model/space.rs"]
 mod space;
+#[path = "model/space_warned.rs"]
+mod space_warned;
 #[path = "model/warned.rs"]
 mod warned;
 

@@ -19,6 +19,6 @@ pub mod tetrahedra;
 pub mod triangles;
 
 pub use grading::{Grading, Place, Refinement};
-pub use mesh::{Mesh, bounds};
+pub use mesh::{MOST_ELEMENTS, Mesh, bounds};
 pub use quality::{Quality, edges};
 pub use simplex::{Simplex, facets_of, sorted};

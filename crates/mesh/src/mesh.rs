@@ -2,6 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
+/// Elements above which a mesh, or a model, is refused.
+pub const MOST_ELEMENTS: usize = 20_000_000;
+
 /// A mesh of triangles or of tetrahedra, which share nodes inside of a body: `D` dimensions, `N = D + 1` corners.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(bound(

@@ -32,6 +32,7 @@ pub use sharpest::{SharpEdge, sharpest_edge};
 
 use std::collections::BTreeMap;
 
+pub(crate) use crate::MOST_ELEMENTS as MOST;
 use crate::Simplex;
 use crate::grading::Grading;
 use improve::body::Body;
@@ -41,9 +42,6 @@ use vector::{Point, minus, plus, times};
 
 /// The region outside of all bodies.
 pub const OUTSIDE: u32 = u32::MAX;
-
-/// Elements above which a mesh is refused.
-pub(crate) const MOST: usize = 50_000_000;
 
 /// Volume of a tetrahedron over the cube of the mean edge, in a large mesh.
 const VOLUME: f64 = 0.1;
@@ -114,7 +112,7 @@ pub struct Tetrahedra {
 /// About 15 s and 140 MB for a million elements, on one thread: two thirds of the time for six triangulations of moved points, a quarter for the insertion of points.
 ///
 /// # Errors
-/// [`MeshError`]: surfaces that are not closed, are inside out or cross themselves; sizes that are not positive or give more than 50 million elements;
+/// [`MeshError`]: surfaces that are not closed, are inside out or cross themselves; sizes that are not positive or give more than [`MOST_ELEMENTS`](crate::MOST_ELEMENTS);
 /// [`MeshError::NotRecovered`] where faces meet at very sharp angles.
 ///
 /// # Source

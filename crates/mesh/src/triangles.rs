@@ -22,14 +22,14 @@ pub use grains::{Grains, colours};
 
 use outline::{Domain, Inside, Point, distance, twice_area};
 
-use crate::bounds;
 use crate::grading::{Grading, stations};
+use crate::{MOST_ELEMENTS, bounds};
 
 /// Stands for the loop of nodes inside.
 pub const INSIDE: u32 = u32::MAX;
 
 /// Largest number of elements.
-pub const MOST: f64 = 2e7;
+const MOST: f64 = MOST_ELEMENTS as f64;
 
 /// Distance of points over the edge that is asked for, so that the mean edge is that one.
 const SPACING: f64 = 0.71;

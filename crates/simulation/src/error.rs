@@ -136,15 +136,15 @@ impl fmt::Display for ModelError {
             Self::Area { element, area } => {
                 write!(
                     out,
-                    "element {element} has an area of {area:e} m²: its nodes must be counter-clockwise"
+                    "element {element} has an area, or volume, of {area:e}: its nodes are in the wrong order"
                 )
             }
             Self::LooseNode { node } => write!(out, "node {node} belongs to no element"),
             Self::Folded { elements: [a, b] } => {
-                write!(out, "elements {a} and {b} lie on the same side of their common edge")
+                write!(out, "elements {a} and {b} lie on the same side of their common edge or face")
             }
             Self::ManyOnEdge { elements: [a, b, c] } => {
-                write!(out, "elements {a}, {b} and {c} have one edge in common, two can")
+                write!(out, "elements {a}, {b} and {c} have one edge or face in common, two can")
             }
             Self::SharedNode { node, bodies: [a, b] } => {
                 write!(out, "node {node} belongs to bodies {a} and {b}: bodies share no nodes")
@@ -249,7 +249,10 @@ impl fmt::Display for Stop {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Inverted { element, step, ratio } => {
-                write!(out, "step {step}: element {element} is inverted (area ratio {ratio:.3e})")
+                write!(
+                    out,
+                    "step {step}: element {element} is inverted: its area, or volume, is {ratio:.3e} times that at the start"
+                )
             }
             Self::Runaway { element, step, speed, limit } => write!(
                 out,

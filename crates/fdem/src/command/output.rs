@@ -195,11 +195,17 @@ impl Written {
 
 /// Watches for Ctrl-C and the other signals that ask a program to end, removes partial files and exits with 128 plus the number of the signal.
 pub(crate) fn remove_partial_output_when_interrupted() -> Result<(), Failure> {
-    watch_for_interrupts(aside::remove_all_and_exit).map_err(|error| {
+    watch_for_interrupts(end).map_err(|error| {
         Failure::Unusable(format!(
             "cannot watch for interrupts: {error}; is there too little memory, or no thread left?"
         ))
     })
+}
+
+/// Stops Gmsh, removes partial files, and ends the program.
+pub(crate) fn end(code: i32) {
+    crate::model::stop_gmsh();
+    aside::remove_all_and_exit(code);
 }
 
 #[cfg(unix)]

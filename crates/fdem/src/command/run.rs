@@ -32,6 +32,7 @@ use watch::Watch;
 const SLICE: Duration = Duration::from_millis(100);
 
 pub(crate) fn run(arguments: &RunArguments) -> Result<(), Failure> {
+    let watch = Watch::new()?;
     let path = &arguments.model;
     let text = read_text(path)?;
     let target = arguments.output.clone().unwrap_or_else(|| default_folder(path));
@@ -48,8 +49,8 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<(), Failure> {
         prepare_any(&text, &display_name(path), &mut load, memory::free())
     });
     match prepared.map_err(|errors| refused(&errors))? {
-        AnyPrepared::Plane(prepared) => begin(arguments, &target, &text, &inputs, *prepared),
-        AnyPrepared::Space(prepared) => begin(arguments, &target, &text, &inputs, *prepared),
+        AnyPrepared::Plane(prepared) => begin(arguments, &target, &text, &inputs, *prepared, watch),
+        AnyPrepared::Space(prepared) => begin(arguments, &target, &text, &inputs, *prepared, watch),
     }
 }
 
@@ -60,6 +61,7 @@ fn begin<const D: usize, const N: usize>(
     text: &str,
     inputs: &[Vec<u8>],
     prepared: Prepared<D, N>,
+    watch: Watch,
 ) -> Result<(), Failure>
 where
     [[f64; D]; N]: Results<D, N>,
@@ -84,6 +86,7 @@ where
         recorder,
         Earlier { account: Account::default(), intervals },
         &arguments.options,
+        watch,
     )?;
     for line in preflight.to_string().lines() {
         running.told.say(line);
@@ -95,6 +98,7 @@ where
 }
 
 pub(crate) fn resume(arguments: &ResumeArguments) -> Result<(), Failure> {
+    let watch = Watch::new()?;
     let (folder, saved) = Folder::open(&arguments.folder)?;
     let path = folder.path(MODEL);
     let mut text = read_text(&path)?;
@@ -113,8 +117,8 @@ pub(crate) fn resume(arguments: &ResumeArguments) -> Result<(), Failure> {
         prepare_any(&text, &display_name(&path), &mut load, memory::free())
     });
     match prepared.map_err(|errors| refused(&errors))? {
-        AnyPrepared::Plane(prepared) => go_on(arguments, folder, &saved, &text, *prepared),
-        AnyPrepared::Space(prepared) => go_on(arguments, folder, &saved, &text, *prepared),
+        AnyPrepared::Plane(prepared) => go_on(arguments, folder, &saved, &text, *prepared, watch),
+        AnyPrepared::Space(prepared) => go_on(arguments, folder, &saved, &text, *prepared, watch),
     }
 }
 
@@ -125,6 +129,7 @@ fn go_on<const D: usize, const N: usize>(
     saved: &SavedState,
     text: &str,
     prepared: Prepared<D, N>,
+    watch: Watch,
 ) -> Result<(), Failure>
 where
     [[f64; D]; N]: Results<D, N>,
@@ -168,7 +173,8 @@ where
         folder.replace_model(text.as_bytes())?;
     }
     let earlier = Earlier { account, intervals };
-    let mut running = Running::new(folder, prepared, simulation, recorder, earlier, &arguments.options)?;
+    let mut running =
+        Running::new(folder, prepared, simulation, recorder, earlier, &arguments.options, watch)?;
     running.told.say(&format!("continues after step {}", grouped(step)));
     running.go()
 }
@@ -229,7 +235,9 @@ where
         recorder: Recorder<D, N>,
         earlier: Earlier,
         options: &RunOptions,
+        watch: Watch,
     ) -> Result<Self, Failure> {
+        watch.begin();
         if let Some(asked) = options.animate {
             prepared.output.animate = asked.or(prepared.output.fields.first().copied());
         }
@@ -242,7 +250,7 @@ where
             run,
             recorder,
             told,
-            watch: Watch::new()?,
+            watch,
             total,
             every: earlier.intervals.map(|interval| interval / step),
             earlier,

@@ -10,6 +10,7 @@ use crate::model::extent::{self, Filled};
 use crate::model::fault::{self, Fault};
 use crate::model::file::{Body, ModelFile};
 use crate::model::materials;
+use crate::model::packing;
 use crate::model::piece::Piece;
 use crate::model::shapes;
 use crate::model::{gmsh, refine};
@@ -43,7 +44,7 @@ const SHAPES: [(&str, &[u8]); 14] = [
     ("surface", &[3]),
     ("extrusion", &[3]),
     ("voronoi", &[2, 3]),
-    ("packing", &[2]),
+    ("packing", &[2, 3]),
 ];
 
 /// Checks bodies before they are meshed.
@@ -146,6 +147,9 @@ fn given(body: &Body) -> Vec<&'static str> {
 pub(crate) fn dimensions(body: &Body) -> Option<u8> {
     if let Some(voronoi) = &body.voronoi {
         return voronoi.outline.given().first().map(|(_, dimensions)| *dimensions);
+    }
+    if let Some(packing) = &body.packing {
+        return packing::dimensions(packing);
     }
     let of = |shape: &str| SHAPES.iter().find(|(known, _)| *known == shape).map(|(_, of)| *of);
     match of(given(body).first()?)? {

@@ -13,7 +13,7 @@ use crate::model::file::{Body, Gravity, ModelFile, Side};
 use crate::model::mesh_file::{self, Problem};
 use crate::model::piece::Piece;
 use crate::model::slivers::Slivers;
-use crate::model::{Quality, connected, gmsh, joined, locking, plane, space, warnings};
+use crate::model::{Quality, connected, gmsh, joined, locking, packing, plane, space, warnings};
 
 /// What the two- and three-dimensional models differ in, before they are simulated.
 pub(crate) trait Dimensions<const D: usize, const N: usize>:
@@ -125,7 +125,11 @@ impl Dimensions<3, 4> for [[f64; 3]; 4] {
 
     fn warnings(ready: &Ready<'_, 3, 4>) -> Vec<String> {
         let mut warnings = Vec::new();
-        for body in ready.placed.iter().filter(|body| ready.file.body[body.table].mesh.is_some()) {
+        let has_file = |body: &&Placed<3, 4>| {
+            let of = &ready.file.body[body.table];
+            of.mesh.is_some() || of.surface.is_some()
+        };
+        for body in ready.placed.iter().filter(has_file) {
             connected::warnings_in_space(&body.name, &body.piece, &mut warnings);
         }
         joined::warnings(ready.model, &mut warnings);
@@ -151,7 +155,10 @@ pub(crate) fn of(file: &ModelFile, load: &mut Load<'_>) -> u8 {
         Gravity::None(_) => None,
     };
     let mut from_files = || {
-        let name = file.body.iter().find_map(|body| body.mesh.as_ref())?;
+        let Some(name) = file.body.iter().find_map(|body| body.mesh.as_ref()) else {
+            let name = file.body.iter().find_map(|body| body.packing.as_ref()?.file.as_ref())?;
+            return Some(if packing::read_space(&load(name).ok()?, name).is_ok() { 3 } else { 2 });
+        };
         if gmsh::is_geometry(name) {
             return Some(3);
         }
@@ -187,8 +194,14 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, dimensions: u8, f
     }
     for (index, body) in file.body.iter().enumerate() {
         let table = Table::of("body", index);
-        for (key, vector) in [("translate", &body.translate), ("velocity", &body.velocity)] {
-            vectors.extend(vector.as_ref().map(|vector| (table, key.to_owned(), vector.0.len(), d)));
+        let within = body.packing.as_ref().and_then(|packing| packing.within.as_ref());
+        for (key, vector) in [
+            ("translate", body.translate.as_ref()),
+            ("velocity", body.velocity.as_ref()),
+            ("packing.within.min", within.and_then(|within| within.min.as_ref())),
+            ("packing.within.max", within.and_then(|within| within.max.as_ref())),
+        ] {
+            vectors.extend(vector.map(|vector| (table, key.to_owned(), vector.0.len(), d)));
         }
         if body.axis.is_some() && d == 2 {
             faults.push(

@@ -4,14 +4,18 @@ use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
 use fdem_io::numbers::{brief, grouped};
+use fdem_mesh::MOST_ELEMENTS;
 pub(crate) use fdem_mesh::bounds;
-pub(crate) use fdem_mesh::triangles::MOST;
 
 use crate::model::document::{Document, Table};
 use crate::model::fault::Fault;
 use crate::model::file::{Body, Hole, ModelFile, Packing, Vector};
 use crate::model::outline::{self, Point, area};
-use crate::model::{refine, space};
+use crate::model::packing::Room;
+use crate::model::{plane, refine, space};
+
+/// Elements above which a model is refused.
+pub(crate) const MOST: f64 = MOST_ELEMENTS as f64;
 
 /// Memory that the mesher needs for each element, bytes.
 const BYTES: f64 = 600.0;
@@ -103,14 +107,20 @@ fn extent(body: &Body) -> Option<Extent> {
         }
         return of.polygon.as_ref().map(|of| Extent::polygon(&of.points).less_holes(&of.holes));
     }
-    body.packing.as_ref().and_then(packing)
+    body.packing.as_ref().and_then(|of| packing(body, of))
 }
 
-/// The extent of a packing at random places: radii are as likely anywhere between the smallest and the largest.
-fn packing(packing: &Packing) -> Option<Extent> {
-    let (count, [a, b], within) = (packing.count? as f64, packing.radius?, packing.within.as_ref()?);
+/// The extent of a flat packing at random places: radii are as likely anywhere between the smallest and the largest.
+fn packing(body: &Body, packing: &Packing) -> Option<Extent> {
+    let copied = packing.copies_of.as_ref().map(|of| of.body(body));
+    let reach = copied.as_ref().and_then(plane::reach).map(|(_, radius)| [radius; 2]);
+    let (count, [a, b]) = (packing.count? as f64, packing.radius.or(reach)?);
+    let within = packing.within.as_ref()?;
+    if within.min.as_ref()?.0.len() != 2 {
+        return None;
+    }
     let means = [f64::midpoint(a, b), (a * a + a * b + b * b) / 3.0];
-    Some(Extent::of_discs(count, means, [within.min, within.max]))
+    Some(Extent::of_discs(count, means, Room::<2>::new(within)?.bounds))
 }
 
 /// The number of elements of discs with edges of `size`, about.

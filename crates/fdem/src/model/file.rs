@@ -12,8 +12,8 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 pub use body::{
-    Block, Body, Cylinder, Disc, Extrusion, Hole, Outline, Packing, Piece, Polygon, Polyhedron, Rectangle,
-    Refine, Ring, Sphere, Tube, Voronoi,
+    Block, Body, CopiesOf, Cylinder, Disc, Extrusion, Hole, Outline, Packing, Piece, Polygon, Polyhedron,
+    Rectangle, Refine, Region, Ring, Sphere, Tube, Voronoi,
 };
 pub use boundary::{Boundary, Component, Fixed, Side};
 pub use material::{Interface, Material};
@@ -182,7 +182,7 @@ pub struct Initial {
     /// Velocity [x, y] or [x, y, z] of bodies by name, m/s, such as { hammer = [0, -5] }. Bodies that are not named here have their own `velocity`, or rest.
     #[serde(default)]
     pub velocity: BTreeMap<String, Vector>,
-    /// Stress [xx, yy, xy] or [xx, yy, zz, xy, yz, xz] in all bodies, Pa, tension positive. Surfaces that touch, joints and absorbing edges carry it from the beginning. Default: none.
+    /// Stress [xx, yy, xy] or [xx, yy, zz, xy, yz, xz] in all bodies, Pa, tension positive. Surfaces that touch, joints and absorbing boundaries carry it from the beginning. Default: none.
     #[serde(default)]
     #[schemars(length(min = 3, max = 6))]
     pub stress: Option<Vec<f64>>,

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use fdem_io::numbers::grouped;
 use fdem_io::{Cells, MeshBody, MeshFile};
-use fdem_mesh::Simplex;
+use fdem_mesh::{Simplex, facets_of, sorted};
 
 use crate::model::bodies::Load;
 use crate::model::fault::suggestion;
@@ -71,7 +71,8 @@ pub(crate) fn read_flat(
 ) -> Result<Piece, Problem> {
     let mesh = read(bytes, name)?;
     check_flat(&mesh, name)?;
-    let words = Words { group: "surface group", element: "triangle", measure: "area" };
+    let words =
+        Words { group: "surface group", element: "triangle", measure: "area", facet: ["line", "lines"] };
     piece(&mesh, &mesh.triangles, &mesh.segments, planar, &words, (name, only, groups, default))
 }
 
@@ -95,7 +96,12 @@ pub(crate) fn read_space(
             ..Problem::new("mesh", format!("{name} {found}"))
         });
     }
-    let words = Words { group: "volume group", element: "tetrahedron", measure: "volume" };
+    let words = Words {
+        group: "volume group",
+        element: "tetrahedron",
+        measure: "volume",
+        facet: ["triangle", "triangles"],
+    };
     piece(&mesh, &mesh.tetrahedra, &mesh.triangles, |point| point, &words, (name, only, groups, default))
 }
 
@@ -130,6 +136,8 @@ struct Words {
     group: &'static str,
     element: &'static str,
     measure: &'static str,
+    /// A facet, and several.
+    facet: [&'static str; 2],
 }
 
 /// The elements, facets and groups of a file as a body.
@@ -161,6 +169,7 @@ where
         }
     }
     let mut piece = Piece::default();
+    let mut turned = (0, 0);
     let mut numbers: Vec<Option<u32>> = vec![None; mesh.points.len()];
     let taken = |body: u32| only.is_none_or(|only| only.contains(&labels[body as usize]));
     for ((nodes, &body), &number) in elements.nodes.iter().zip(&elements.bodies).zip(&elements.numbers) {
@@ -185,12 +194,25 @@ where
         });
         if measure < 0.0 {
             nodes.swap(N - 2, N - 1);
+            turned = (turned.0 + 1, if turned.0 == 0 { number } else { turned.1 });
         }
         let label = &labels[body as usize];
         let element = piece.elements.len() as u32;
         piece.elements.push(nodes);
         piece.materials.push(groups.get(label).copied().unwrap_or(default));
         piece.groups.entry(label.clone()).or_default().elements.push(element);
+    }
+    // Triangles that are numbered the other way round are those of a surface that is seen from behind.
+    if D == 3 && turned.0 > 0 {
+        piece.notes.push(format!(
+            "{name}: {} of its {} tetrahedra have a negative volume, the first is element {}: their nodes are taken in the other order",
+            grouped(turned.0),
+            grouped(piece.elements.len() as u64),
+            turned.1
+        ));
+    }
+    if only.is_none() {
+        piece.notes.extend(loose(facets, elements, &labels, words).map(|note| format!("{name}: {note}")));
     }
     for (nodes, &body) in facets.nodes.iter().zip(&facets.bodies) {
         let own = nodes.map(|node| numbers[node as usize].unwrap_or(u32::MAX));
@@ -201,6 +223,40 @@ where
         }
     }
     Ok(piece)
+}
+
+/// Tells of facets that are those of no element: boundaries do not act on them.
+fn loose<const D: usize, const N: usize>(
+    facets: &Cells<D>,
+    elements: &Cells<N>,
+    labels: &[String],
+    words: &Words,
+) -> Option<String>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    if facets.is_empty() {
+        return None;
+    }
+    let mut known: Vec<[u32; D]> = elements.nodes.iter().flat_map(facets_of).map(sorted).collect();
+    known.sort_unstable();
+    let mut loose =
+        (0..facets.nodes.len()).filter(|&k| known.binary_search(&sorted(facets.nodes[k])).is_err());
+    let first = loose.next()?;
+    let count = loose.count() + 1;
+    let Words { facet: [one, more], element, .. } = words;
+    let label = &labels[facets.bodies[first] as usize];
+    let number = facets.numbers[first];
+    Some(if count == 1 {
+        format!(
+            "element {number} ({one} of the group \"{label}\") belongs to no {element}: boundaries do not act on it"
+        )
+    } else {
+        format!(
+            "{} {more} belong to no {element}, the first is element {number} of the group \"{label}\": boundaries do not act on them",
+            grouped(count as u64)
+        )
+    })
 }
 
 /// The longest edge of an element.

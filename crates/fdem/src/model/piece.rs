@@ -19,6 +19,8 @@ pub(crate) struct Piece<const D: usize = 2, const N: usize = 3> {
     /// Facets of one element only, with their nodes as that element has them.
     pub(crate) outline: Vec<[u32; D]>,
     pub(crate) groups: BTreeMap<String, Group<D>>,
+    /// Warnings about the file of the mesh.
+    pub(crate) notes: Vec<String>,
 }
 
 /// Elements, facets, or both, that have a name.
@@ -44,6 +46,7 @@ impl<const D: usize, const N: usize> Default for Piece<D, N> {
             grains: Vec::new(),
             outline: Vec::new(),
             groups: BTreeMap::new(),
+            notes: Vec::new(),
         }
     }
 }

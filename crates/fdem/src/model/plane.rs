@@ -1,5 +1,7 @@
 //! Bodies in the plane: how the shapes of a model file are meshed.
 
+use std::f64::consts::TAU;
+
 use fdem_io::numbers::brief;
 use fdem_mesh::Grading;
 use fdem_mesh::triangles::{Grains, OutlineError, colours, triangles};
@@ -7,11 +9,11 @@ use fdem_scenes::random::Random;
 
 use crate::model::bodies::Load;
 use crate::model::extent::{elements_of_discs, too_many};
-use crate::model::file::{Body, Hole, ModelFile, Outline, Packing, Voronoi};
+use crate::model::file::{Body, Disc, Hole, ModelFile, Outline, Packing, Voronoi};
 use crate::model::materials;
 use crate::model::mesh_file::{self, Problem, materials_of_groups};
 use crate::model::outline::{self, Domain};
-use crate::model::packing;
+use crate::model::packing::{self, Motion, Room};
 use crate::model::piece::Piece;
 use crate::model::refine::grading;
 
@@ -37,7 +39,9 @@ pub(crate) fn pieces(file: &ModelFile, body: &Body, load: &mut Load<'_>) -> Resu
         Piece::new(meshed, materials).map_err(shape(key))
     };
     if let Some(packing) = &body.packing {
-        let circles = circles(packing, load).map_err(shape("packing"))?;
+        let copied = packing.copies_of.as_ref().map(|of| of.body(body));
+        let reach = copied.as_ref().and_then(reach);
+        let circles = circles(packing, reach.map(|(_, radius)| radius), load).map_err(shape("packing"))?;
         let elements = elements_of_discs(circles.iter().map(|(_, radius)| *radius), size);
         if let Some(message) = too_many(0.0, elements, size, None) {
             return Err(shape("packing")(message));
@@ -46,8 +50,16 @@ pub(crate) fn pieces(file: &ModelFile, body: &Body, load: &mut Load<'_>) -> Resu
         return (0..)
             .zip(circles)
             .map(|(number, circle)| {
-                let outline = packing::outline(packing, circle, &grading, &mut random);
-                let domain = Domain { loops: vec![outline], lines: Vec::new() };
+                let loops = match (&copied, reach) {
+                    (Some(copied), Some((about, radius))) => {
+                        let (sine, cosine) = libm::sincos(TAU * random.uniform());
+                        let turn = [[cosine, -sine], [sine, cosine]];
+                        let motion = Motion { about, turn, scale: circle.1 / radius, to: circle.0 };
+                        loops_of_copy(copied, &motion, &grading)
+                    }
+                    _ => vec![packing::outline(packing, circle, &grading, &mut random)],
+                };
+                let domain = Domain { loops, lines: Vec::new() };
                 uniform(&domain, body.seed.wrapping_add(number), "packing")
             })
             .collect();
@@ -138,16 +150,59 @@ fn grains(
     Ok(Piece { grains: grain, ..Piece::new(meshed, materials)? })
 }
 
-fn circles(packing: &Packing, load: &mut Load<'_>) -> Result<Vec<packing::Circle>, String> {
+/// The circles of a packing. `reach`: the radius of the shape that is copied, if one is.
+fn circles(
+    packing: &Packing,
+    reach: Option<f64>,
+    load: &mut Load<'_>,
+) -> Result<Vec<packing::Ball<2>>, String> {
     if let Some(name) = &packing.file {
         let bytes = load(name).map_err(|why| format!("cannot read {name}: {why}"))?;
-        return packing::read(&bytes, name);
+        return packing::read_flat(&bytes, name);
     }
-    match (packing.count, packing.radius, &packing.within) {
-        (Some(count), Some(radius), Some(within)) => {
-            packing::scatter(count, radius, [within.min, within.max], packing.gap, packing.seed)
+    let radius = packing.radius.or(reach.map(|radius| [radius; 2]));
+    match (packing.count, radius, packing.within.as_ref().and_then(Room::new)) {
+        (Some(count), Some(radius), Some(room)) => {
+            packing::scatter(count, radius, &room, packing.gap, packing.seed)
                 .map_err(|message| format!("{message}: take fewer or smaller ones, or a larger rectangle"))
         }
         _ => Ok(Vec::new()),
     }
+}
+
+/// The middle of a shape that may be copied, and the radius of the circle around it; `None` for other bodies.
+pub(crate) fn reach(body: &Body) -> Option<(outline::Point, f64)> {
+    if let Some(ring) = &body.ring {
+        return Some((ring.centre, ring.radius));
+    }
+    let corners = match (&body.rectangle, &body.polygon) {
+        (Some(rectangle), _) => outline::rectangle(rectangle)?,
+        (None, polygon) => polygon.as_ref()?.points.clone(),
+    };
+    let [low, high] = fdem_mesh::bounds(corners.iter().copied());
+    let middle = [0, 1].map(|axis| f64::midpoint(low[axis], high[axis]));
+    Some((middle, corners.iter().map(|&corner| outline::distance(corner, middle)).fold(0.0, f64::max)))
+}
+
+/// The loops of a copy of a shape.
+fn loops_of_copy(body: &Body, motion: &Motion<2>, size: &Grading<2>) -> Vec<Vec<outline::Point>> {
+    let circle = |disc: &Disc| outline::circle(motion.place(disc.centre), motion.scale * disc.radius, size);
+    let corners = |points: &[outline::Point]| points.iter().map(|&point| motion.place(point)).collect();
+    if let Some(ring) = &body.ring {
+        return [ring.radius, ring.inner_radius]
+            .map(|radius| circle(&Disc { centre: ring.centre, radius }))
+            .into();
+    }
+    let (outer, holes) = match (&body.rectangle, &body.polygon) {
+        (Some(rectangle), _) => (outline::rectangle(rectangle).unwrap_or_default(), &rectangle.holes[..]),
+        (None, polygon) => {
+            polygon.as_ref().map_or((Vec::new(), &[][..]), |of| (of.points.clone(), &of.holes))
+        }
+    };
+    let mut loops = vec![corners(&outer)];
+    loops.extend(holes.iter().map(|hole| match hole {
+        Hole::Points(points) => corners(points),
+        Hole::Disc(disc) => circle(disc),
+    }));
+    loops
 }

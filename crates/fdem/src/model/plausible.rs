@@ -113,12 +113,13 @@ fn idle_keys(body: &Body) -> Vec<&'static str> {
         keys.push("seed");
     }
     if let Some(packing) = &body.packing {
-        if packing.shape == Piece::Disc {
+        let has_corners = matches!(packing.shape, Some(Piece::Polygon | Piece::Polyhedron));
+        if !has_corners {
             keys.push("packing.corners");
         }
         if packing.file.is_some() {
             keys.push("packing.gap");
-            if packing.shape == Piece::Disc {
+            if !has_corners && packing.copies_of.is_none() {
                 keys.push("packing.seed");
             }
         }
@@ -142,7 +143,7 @@ fn idle(boundary: &Boundary) -> Option<String> {
         return Some(format!("{key} changes nothing where the body is fixed"));
     }
     if let (Some(key), true) = (scheduled, boundary.absorbing) {
-        return Some(format!("{key} changes nothing at an absorbing edge"));
+        return Some(format!("{key} changes nothing where waves are absorbed"));
     }
     if free(&boundary.velocity) || free(&boundary.displacement) {
         return Some("all components are free, so that it does nothing".to_owned());

@@ -127,7 +127,7 @@ impl Preflight {
             steps,
             seconds,
             seconds_whole: pace.whole * steps as f64,
-            memory: PROGRAM + sum(model, |cost| cost.bytes).max(in_report(prepared)),
+            memory: PROGRAM + sum(model, |cost| cost.bytes).max(in_report(prepared, steps)),
             warnings,
             hash: prepared.hash.clone(),
         })
@@ -213,12 +213,12 @@ fn sum<const D: usize, const N: usize>(model: &Model<D, N>, cost: impl Fn(&Cost)
     model.mesh.materials.iter().map(of).sum()
 }
 
-/// Memory for the report beside the simulation, bytes: all frames, of which those of large meshes are samples.
-fn in_report<const D: usize, const N: usize>(prepared: &Prepared<D, N>) -> f64 {
+/// Memory for the report beside the simulation of so many steps, bytes: all frames, of which those of large meshes are samples. There is one frame a step at most.
+fn in_report<const D: usize, const N: usize>(prepared: &Prepared<D, N>, steps: u64) -> f64 {
     let [most, sample] = prepared.output.shown;
     let elements = prepared.quality.elements;
     let shown = if elements > most { sample } else { elements };
-    let frames = (prepared.end_time / prepared.output.interval).ceil() + 1.0;
+    let frames = (prepared.end_time / prepared.output.interval).ceil().min(steps as f64) + 1.0;
     sum(&prepared.model, |cost| cost.bytes) / 2.0 + frames * shown as f64 * IN_REPORT
 }
 

@@ -109,10 +109,12 @@ impl<'s> Checker<'s> {
             self.faults.push(fault.help(format!("did you mean \"{meant}\"?")));
             return Some(meant);
         }
+        // A table inside of another: what is a key of [[body]], such as a shape, need not be one of an outline.
+        let is_inner = name.starts_with('"');
         let elsewhere = self.tables().into_iter().find(|(_, keys)| keys.iter().any(|key| key == word));
         self.faults.push(match elsewhere {
-            Some((table, _)) => fault.help(format!("it is a key of {table}")),
-            None => fault.help(format!("its keys are {}", keys.join(", "))),
+            Some((table, _)) if !is_inner => fault.help(format!("it is a key of {table}")),
+            _ => fault.help(format!("its keys are {}", keys.join(", "))),
         });
         None
     }
@@ -204,7 +206,11 @@ impl<'s> Checker<'s> {
             };
             let mut fault = Fault::at(span.clone(), message).label(format!("{count} entries"));
             if key == "points" {
-                fault = fault.help("a polygon has three corners or more");
+                fault = fault.help(if least == 4 {
+                    "a polyhedron has four corners or more"
+                } else {
+                    "a polygon has three corners or more"
+                });
             }
             if most < 10 && list.len() == 2 * most {
                 fault = fault.help("numbers have a decimal point; a comma separates entries: [0.5, 1.0]");
@@ -278,12 +284,10 @@ impl<'s> Checker<'s> {
                 } else {
                     nearest(text, words.iter().copied())
                 };
-                let help =
-                    near.map_or_else(|| format!("it is {list}"), |word| format!("did you mean \"{word}\"?"));
                 self.faults.push(
                     Fault::at(value.span(), format!("\"{key}\" cannot be \"{text}\": it is {list}"))
                         .label("unknown word")
-                        .help(help),
+                        .maybe_help(near.map(|word| format!("did you mean \"{word}\"?"))),
                 );
             }
             found => self.faults.push(

@@ -76,7 +76,7 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<
                 "\"gravity_ramp\" goes with gravity",
             )
             .label("there is no gravity")
-            .help("write gravity = [0, -9.81], or take gravity_ramp out"),
+            .help("write gravity = [0, -9.81], in three dimensions [0, 0, -9.81], or take gravity_ramp out"),
         );
     }
     let output = &file.output;
@@ -127,7 +127,7 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<
                     format!("[[history]] \"{}\" is of one quantity", history.name),
                 )
                 .label("this history")
-                .help("give it one of node = [x, y], force = \"name of a boundary\", energy = true, crack_length = true"),
+                .help("give it one of node = [x, y] or [x, y, z], force = \"name of a boundary\", energy = true, crack_length = true"),
             );
         }
         if let Some(name) = &history.body {

@@ -2,9 +2,10 @@
 
 use fdem_io::numbers::brief;
 
-use crate::model::file::{Block, Body, Hole, Outline, Packing, Piece, Voronoi};
+use crate::model::file::{Block, Body, Hole, Outline, Packing, Piece, Region, Voronoi};
 use crate::model::mesh_file::Problem;
 use crate::model::outline::{self, Point, area, twice_area};
+use crate::model::packing;
 
 /// Corners of an outline up to which all pairs of its edges are compared; the mesher finds the crossings of larger ones.
 const COMPARED: usize = 3000;
@@ -49,7 +50,7 @@ fn find(body: &Body, dimensions: u8) -> Option<Problem> {
         }
         return flat("extrusion.outline", &extrusion.outline);
     }
-    solid(body).or_else(|| body.packing.as_ref().and_then(packing))
+    solid(body).or_else(|| body.packing.as_ref().and_then(|packing| in_packing(body, packing, dimensions)))
 }
 
 /// Shapes in space that have no volume.
@@ -189,13 +190,42 @@ fn crossing(points: &[Point]) -> Option<[Point; 4]> {
     None
 }
 
-fn packing(packing: &Packing) -> Option<Problem> {
+fn in_packing(body: &Body, packing: &Packing, dimensions: u8) -> Option<Problem> {
     let problem = |key: &str, what: &str| Some(Problem::new(key, what));
-    let random = [packing.count.is_some(), packing.radius.is_some(), packing.within.is_some()];
-    match (&packing.file, random) {
+    let shape = packing.shape.map(|shape| match shape {
+        Piece::Disc => ("discs", 2),
+        Piece::Polygon => ("polygons", 2),
+        Piece::Sphere => ("spheres", 3),
+        Piece::Polyhedron => ("polyhedra", 3),
+    });
+    if let Some((name, of)) = shape {
+        if packing.copies_of.is_some() {
+            return problem("packing.shape", "a packing has a shape or copies_of, not both");
+        }
+        if of != dimensions {
+            let what = format!("a packing of {name} is not for {dimensions} dimensions");
+            return problem("packing.shape", &what);
+        }
+    }
+    if let Some(of) = &packing.copies_of {
+        let shapes = if dimensions == 2 {
+            "rectangle, ring, polygon"
+        } else {
+            "box, cylinder, tube, polyhedron, surface, extrusion"
+        };
+        if !matches!(of.given()[..], [(_, found)] if found == dimensions) {
+            return problem("packing.copies_of", &format!("copies are those of one of {shapes}"));
+        }
+        if let Some(problem) = find(&of.body(body), dimensions) {
+            return Some(Problem { key: format!("packing.copies_of.{}", problem.key), ..problem });
+        }
+    }
+    // Copies have a radius of their own.
+    let has_radius = packing.radius.is_some() || packing.copies_of.is_some();
+    match (&packing.file, [packing.count.is_some(), has_radius, packing.within.is_some()]) {
         (None, [true, true, true]) => {}
         (None, _) => return problem("packing", "a packing has a file, or count, radius and within"),
-        (Some(_), [false, false, false]) => return None,
+        (Some(_), [false, _, false]) if packing.radius.is_none() => {}
         (Some(_), _) => {
             return problem("packing.file", "a packing from a file has no count, radius or within");
         }
@@ -206,11 +236,38 @@ fn packing(packing: &Packing) -> Option<Problem> {
     if packing.radius.is_some_and(|[least, most]| least > most) {
         return problem("packing.radius", "the smallest radius is above the largest");
     }
-    if packing.shape == Piece::Polygon && packing.corners[0] > packing.corners[1] {
+    let [least, most] = packing::corners(packing, usize::from(dimensions));
+    if least > most {
         return problem("packing.corners", "the least number of corners is above the largest");
     }
-    if packing.within.as_ref().is_some_and(|within| outline::rectangle(within).is_none()) {
-        return problem("packing.within", INVERTED);
+    if packing.shape == Some(Piece::Polyhedron) && least < 4 {
+        return problem("packing.corners", "a polyhedron has 4 corners or more");
     }
-    None
+    packing.within.as_ref().and_then(|within| region(within, dimensions))
+}
+
+/// What is wrong with the region of a packing. Corners with another number of coordinates are told elsewhere.
+fn region(of: &Region, dimensions: u8) -> Option<Problem> {
+    let problem = |key: &str, what: &str| Some(Problem::new(key, what));
+    match (&of.min, &of.max, &of.cylinder) {
+        (None, None, Some(_)) if dimensions == 2 => {
+            problem("packing.within.cylinder", "a cylinder is no region in two dimensions")
+        }
+        (None, None, Some(cylinder)) => {
+            let is_flat = cylinder.from == cylinder.to;
+            let what = "it has no length: \"from\" and \"to\" are the same point";
+            is_flat.then(|| Problem::new("packing.within.cylinder", what))
+        }
+        (Some(min), Some(max), None) => {
+            let inverted = min.0.iter().zip(&max.0).any(|(min, max)| min >= max);
+            let what = if dimensions == 2 {
+                INVERTED
+            } else {
+                "the box has no volume: max has to be above min along x, y and z"
+            };
+            inverted.then(|| Problem::new("packing.within", what))
+        }
+        _ if dimensions == 2 => problem("packing.within", "the region of a packing has min and max"),
+        _ => problem("packing.within", "the region of a packing has min and max, or a cylinder"),
+    }
 }

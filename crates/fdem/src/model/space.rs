@@ -1,22 +1,31 @@
 //! Bodies in space: how the shapes of a model file are meshed.
 
+use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
+use fdem_io::numbers::brief;
 use fdem_mesh::tetrahedra::{MeshError, Size, Surface, Tetrahedra, graded};
 use fdem_mesh::triangles::colours;
 use fdem_mesh::{Grading, shapes};
+use fdem_scenes::random::Random;
 
 use crate::model::bodies::Load;
-use crate::model::file::{Block, Body, Extrusion, ModelFile, Outline, Voronoi};
+use crate::model::dimensions::Dimensions;
+use crate::model::extent::too_many;
+use crate::model::file::{self, Block, Body, Extrusion, ModelFile, Outline, Packing};
 use crate::model::materials;
 use crate::model::mesh_file::{self, Problem, materials_of_groups};
 use crate::model::outline::{self, area};
+use crate::model::packing::{self, Ball, Motion, Room};
 use crate::model::piece::Piece;
 use crate::model::plane::outline_domain;
 use crate::model::refine::grading;
 
 /// Angle between the normals of two triangles of a surface from which they are of two faces, degrees.
 const CREASE: f64 = 30.0;
+
+/// Width of a body over its mesh size from which its unit may be another one.
+const WIDE: f64 = 1000.0;
 
 /// Volume of a tetrahedron over the cube of the mean edge.
 pub(crate) const VOLUME: f64 = 0.1;
@@ -28,8 +37,8 @@ pub(crate) fn pieces(
     load: &mut Load<'_>,
 ) -> Result<Vec<Piece<3, 4>>, Problem> {
     // Checked before: names are known, and there is a size.
-    let material = materials::number(file, &body.material).unwrap_or(0);
     if let Some(name) = &body.mesh {
+        let material = materials::number(file, &body.material).unwrap_or(0);
         let bytes = mesh_file::file_of(body, name, 3, load)?;
         let groups = materials_of_groups(file, body);
         let mut piece = mesh_file::read_space(&bytes, name, body.only.as_deref(), &groups, material)?;
@@ -37,10 +46,50 @@ pub(crate) fn pieces(
         return Ok(vec![piece]);
     }
     let grading = grading::<3>(body);
-    let (key, surface) = surface(body, &|place| grading.at(place), load)?;
-    let problem = |error: MeshError| Problem::new(key, format!("[[body]] \"{}\": {error}", body.name));
-    let Shape { surface, names } = surface.map_err(problem)?;
-    let meshed = graded(&surface, &grading, body.seed).map_err(problem)?;
+    let Some(packing) = &body.packing else {
+        let (key, shape) = surface(body, &|place| grading.at(place), load)?;
+        return Ok(vec![meshed(file, body, key, shape, &grading)?]);
+    };
+    // All copies are of one file, which is read once.
+    let mut known = BTreeMap::new();
+    let mut load = |name: &str| known.entry(name.to_owned()).or_insert_with(|| load(name)).clone();
+    let (balls, copied) = balls(body, packing, &mut load)?;
+    let mut random = Random::with_stream(packing.seed, 3);
+    let seeds = (0..).map(|number| body.seed.wrapping_add(number));
+    balls
+        .into_iter()
+        .zip(seeds)
+        .map(|(ball, seed)| {
+            let one = Body { seed, ..body.clone() };
+            let shape = match &copied {
+                Some((of, middle, radius)) => {
+                    let (angle, axis) = packing::turn(&mut random);
+                    let turn = <[[f64; 3]; 4]>::turn(angle, Some(axis));
+                    let motion = Motion { about: *middle, turn, scale: ball.1 / radius, to: ball.0 };
+                    copy(&Body { seed, ..of.clone() }, &motion, &grading, &mut load)?
+                }
+                None if packing::shape(packing, 3) == file::Piece::Polyhedron => {
+                    shapes::hull(&packing::polyhedron(packing, ball, &mut random)).map(Shape::numbered)
+                }
+                None => shapes::sphere(ball.0, ball.1, &|place| grading.at(place), seed).map(Shape::numbered),
+            };
+            meshed(file, &one, "packing", shape, &grading)
+        })
+        .collect()
+}
+
+/// A shape, meshed.
+fn meshed(
+    file: &ModelFile,
+    body: &Body,
+    key: &'static str,
+    shape: Result<Shape, MeshError>,
+    grading: &Grading<3>,
+) -> Result<Piece<3, 4>, Problem> {
+    let material = materials::number(file, &body.material).unwrap_or(0);
+    let Shape { surface, names } = shape.map_err(|error| told(body, key, &error, None))?;
+    let meshed =
+        graded(&surface, grading, body.seed).map_err(|error| told(body, key, &error, Some(&surface)))?;
     let materials = match &body.voronoi {
         Some(voronoi) if !voronoi.materials.is_empty() => {
             let count = voronoi.materials.len();
@@ -52,7 +101,131 @@ pub(crate) fn pieces(
         _ => vec![material; meshed.elements.len()],
     };
     let piece = piece(meshed, &names, materials, body.voronoi.is_some());
-    Ok(vec![piece.map_err(|message| Problem::new(key, format!("[[body]] \"{}\": {message}", body.name)))?])
+    piece.map_err(|message| Problem::new(key, format!("[[body]] \"{}\": {message}", body.name)))
+}
+
+/// An error of the mesher in words. Too many elements are a matter of the mesh size, or of the unit of a file.
+fn told(body: &Body, key: &str, error: &MeshError, surface: Option<&Surface>) -> Problem {
+    let size = body.mesh_size.unwrap_or(f64::MAX);
+    let MeshError::TooMany { elements } = *error else {
+        return Problem::new(key, format!("[[body]] \"{}\": {error}", body.name));
+    };
+    let message = too_many(0.0, elements, size, None).unwrap_or_else(|| error.to_string());
+    let [low, high] =
+        fdem_mesh::bounds(surface.into_iter().flat_map(|surface| surface.nodes.iter().copied()));
+    let width = (0..3).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
+    let help = if body.surface.is_some() && width > WIDE * size {
+        format!(
+            "the body is {} m wide, {} times mesh_size: if its file is in millimetres, write it in metres",
+            brief(width),
+            brief((width / size).round())
+        )
+    } else {
+        "take a larger mesh_size".to_owned()
+    };
+    Problem {
+        help: Some(help),
+        ..Problem::new("mesh_size", format!("[[body]] \"{}\": {message}", body.name))
+    }
+}
+
+/// A shape that is copied, with the centre and the radius of a sphere around it.
+type Copied = (Body, [f64; 3], f64);
+
+/// The spheres of a packing, and the shape that is copied into them, if one is.
+fn balls(
+    body: &Body,
+    packing: &Packing,
+    load: &mut Load<'_>,
+) -> Result<(Vec<Ball<3>>, Option<Copied>), Problem> {
+    let problem = |message: String| Problem::new("packing", format!("[[body]] \"{}\": {message}", body.name));
+    let copied = match &packing.copies_of {
+        Some(of) => {
+            let of = of.body(body);
+            let (middle, radius) = reach(&of, load)?;
+            Some((of, middle, radius))
+        }
+        None => None,
+    };
+    if let Some(name) = &packing.file {
+        let bytes = load(name).map_err(|why| problem(format!("cannot read {name}: {why}")))?;
+        let balls = packing::read_space(&bytes, name).map_err(problem)?;
+        let size = body.mesh_size.unwrap_or(f64::MAX);
+        let elements = balls.iter().map(|(_, radius)| ball_volume(*radius) / (VOLUME * size.powi(3))).sum();
+        return match too_many(0.0, elements, size, None) {
+            Some(message) => Err(problem(message)),
+            None => Ok((balls, copied)),
+        };
+    }
+    let radius = packing.radius.or(copied.as_ref().map(|(.., radius)| [*radius; 2]));
+    let balls = match (packing.count, radius, packing.within.as_ref().and_then(Room::new)) {
+        (Some(count), Some(radius), Some(room)) => {
+            packing::scatter(count, radius, &room, packing.gap, packing.seed).map_err(|message| {
+                problem(format!("{message}: take fewer or smaller ones, or a larger {}", room.name()))
+            })?
+        }
+        _ => Vec::new(),
+    };
+    Ok((balls, copied))
+}
+
+/// A copy of a shape: turned, scaled and moved.
+fn copy(
+    of: &Body,
+    motion: &Motion<3>,
+    grading: &Grading<3>,
+    load: &mut Load<'_>,
+) -> Result<Result<Shape, MeshError>, Problem> {
+    let (_, shape) = surface(of, &|place| grading.at(motion.place(place)) / motion.scale, load)
+        .map_err(|problem| Problem { key: format!("packing.copies_of.{}", problem.key), ..problem })?;
+    Ok(shape.map(|Shape { mut surface, names }| {
+        for node in &mut surface.nodes {
+            *node = motion.place(*node);
+        }
+        Shape { surface, names }
+    }))
+}
+
+/// The centre and the radius of a sphere around a shape.
+fn reach(of: &Body, load: &mut Load<'_>) -> Result<([f64; 3], f64), Problem> {
+    if let Some(known) = reach_of_round(of) {
+        return Ok(known);
+    }
+    let (key, shape) = surface(of, &|_| f64::MAX, load)
+        .map_err(|problem| Problem { key: format!("packing.copies_of.{}", problem.key), ..problem })?;
+    let shape = shape.map_err(|error| {
+        Problem::new(format!("packing.copies_of.{key}"), format!("[[body]] \"{}\": {error}", of.name))
+    })?;
+    let nodes = &shape.surface.nodes;
+    let [low, high] = fdem_mesh::bounds(nodes.iter().copied());
+    let middle = [0, 1, 2].map(|axis| f64::midpoint(low[axis], high[axis]));
+    Ok((middle, nodes.iter().map(|&node| distance(node, middle)).fold(0.0, f64::max)))
+}
+
+/// That of cylinders, tubes and extruded discs, whose nodes depend on the size of the mesh.
+fn reach_of_round(of: &Body) -> Option<([f64; 3], f64)> {
+    let ends = |from: [f64; 3], to: [f64; 3], radius: f64| {
+        let middle = [0, 1, 2].map(|axis| f64::midpoint(from[axis], to[axis]));
+        (middle, radius.hypot(0.5 * distance(from, to)))
+    };
+    if let Some(of) = &of.cylinder {
+        return Some(ends(of.from, of.to, of.radius));
+    }
+    if let Some(of) = &of.tube {
+        return Some(ends(of.from, of.to, of.radius));
+    }
+    let extrusion = of.extrusion.as_ref()?;
+    let disc = extrusion.outline.disc.as_ref()?;
+    let end = |z: f64| [disc.centre[0], disc.centre[1], z];
+    Some(ends(end(extrusion.from), end(extrusion.to), disc.radius))
+}
+
+fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
+}
+
+fn ball_volume(radius: f64) -> f64 {
+    4.0 / 3.0 * PI * radius.powi(3)
 }
 
 /// The surface of a body, and the names of the groups of its faces.
@@ -176,6 +349,8 @@ pub(crate) fn bounds(body: &Body) -> Option<[[f64; 3]; 2]> {
     } else if let Some(of) = &body.extrusion {
         let [low, high] = outline_domain(&of.outline, &Grading::even(f64::MAX)).bounds();
         [[low[0], low[1], of.from], [high[0], high[1], of.to]]
+    } else if let Some(packing) = &body.packing {
+        Room::<3>::new(packing.within.as_ref()?)?.bounds
     } else {
         let of = &body.voronoi.as_ref()?.outline;
         match (&of.block, &of.polyhedron) {
@@ -187,26 +362,43 @@ pub(crate) fn bounds(body: &Body) -> Option<[[f64; 3]; 2]> {
 
 /// The number of elements with edges of `size` that a body has, about; `None` if its shape does not tell.
 pub(crate) fn elements(body: &Body, size: f64) -> Option<f64> {
-    let distance = |a: [f64; 3], b: [f64; 3]| {
-        let squared: f64 = a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum();
-        squared.sqrt()
-    };
-    let volume = if let Some(of) = &body.block {
-        (0..3).map(|axis| of.max[axis] - of.min[axis]).product()
+    Some(volume(body)?.max(0.0) / (VOLUME * size.powi(3)))
+}
+
+/// Volume of a body, m³, about; `None` if its shape does not tell.
+fn volume(body: &Body) -> Option<f64> {
+    let of_block = |of: &Block| (0..3).map(|axis| of.max[axis] - of.min[axis]).product();
+    Some(if let Some(of) = &body.block {
+        of_block(of)
     } else if let Some(of) = &body.cylinder {
         PI * of.radius * of.radius * distance(of.from, of.to)
     } else if let Some(of) = &body.tube {
         PI * (of.radius * of.radius - of.inner_radius * of.inner_radius) * distance(of.from, of.to)
     } else if let Some(of) = &body.sphere {
-        4.0 / 3.0 * PI * of.radius.powi(3)
+        ball_volume(of.radius)
     } else if let Some(of) = &body.extrusion {
         outline_area(&of.outline)? * (of.to - of.from)
-    } else if let Some(Voronoi { outline: Outline { block: Some(of), .. }, .. }) = &body.voronoi {
-        (0..3).map(|axis| of.max[axis] - of.min[axis]).product()
+    } else if let Some(packing) = &body.packing {
+        volume_of_packing(body, packing)?
     } else {
-        return None;
+        of_block(body.voronoi.as_ref()?.outline.block.as_ref()?)
+    })
+}
+
+/// Volume of the bodies of a packing at random places.
+fn volume_of_packing(body: &Body, packing: &Packing) -> Option<f64> {
+    let copied = packing.copies_of.as_ref().map(|of| of.body(body));
+    let (share, radius) = match &copied {
+        Some(of) => {
+            let (_, radius) = reach(of, &mut |_| Err(String::new())).ok()?;
+            (volume(of)? / ball_volume(radius), Some([radius; 2]))
+        }
+        None => (1.0, None),
     };
-    Some(volume.max(0.0) / (VOLUME * size.powi(3)))
+    // All radii between the least and the largest are equally likely.
+    let [least, most] = packing.radius.or(radius)?;
+    let cube = (least + most) * (least * least + most * most) / 4.0;
+    Some(packing.count? as f64 * share * ball_volume(1.0) * cube)
 }
 
 /// Area of an outline without its holes, m².

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 
 use fdem_contact::discretised::{self, MeshView};
 use fdem_contact::narrow::Measure;
-use fdem_io::numbers::brief;
+use fdem_io::numbers::{brief, grouped};
 use fdem_mesh::tetrahedra::sharpest_edge;
 use fdem_mesh::{Simplex, edges};
 use fdem_simulation::{Boundary, Load, Model, Plane, Schedule, Target};
@@ -15,12 +15,16 @@ use crate::model::Body;
 use crate::model::dimensions::{Dimensions, Ready};
 use crate::model::equilibrium;
 use crate::model::extent::bounds;
+use crate::model::file;
 
 /// Elements in the fracture process zone that are needed for an objective result (Guo, 2016).
 const IN_PROCESS_ZONE: f64 = 3.0;
 
 /// Share of elements with equal angles from which a mesh is regular.
 const REGULAR: f64 = 0.5;
+
+/// Elements of a body up to which a boundary on one of its nodes is no wonder.
+const FEW: usize = 10;
 
 /// Names of the axes.
 const AXES: [&str; 3] = ["x", "y", "z"];
@@ -96,6 +100,7 @@ fn of_both<const D: usize, const N: usize>(
     platens(model, &mut warnings);
     for boundary in &model.boundaries {
         stepped(boundary, &mut warnings);
+        lone_node(ready, boundary, &mut warnings);
     }
     let breaks = breaks(model);
     if quality.smallest_angle[0] < poor {
@@ -216,6 +221,45 @@ fn platens<const D: usize, const N: usize>(model: &Model<D, N>, warnings: &mut V
             }
         }
     }
+}
+
+/// Warns of a boundary on the side of a body, or in a box, that takes one node of a body alone: a sphere has one lowest node.
+fn lone_node<const D: usize, const N: usize>(
+    ready: &Ready<'_, D, N>,
+    boundary: &Boundary<D>,
+    warnings: &mut Vec<String>,
+) {
+    let Target::Nodes(nodes) = &boundary.target else { return };
+    let in_place = |given: &&file::Boundary| given.side.is_some() || given.limits.is_some();
+    let given = ready.file.boundary.iter().filter(in_place);
+    if !given.into_iter().any(|given| given.name == boundary.name) {
+        return;
+    }
+    let what = match boundary.load {
+        Load::Force(_) => "loads",
+        Load::Velocity(components) if components.iter().flatten().all(|speed| *speed == 0.0) => "holds",
+        _ => "moves",
+    };
+    // Nodes of each body that has any.
+    let mut counts: BTreeMap<usize, usize> = BTreeMap::new();
+    for &node in nodes {
+        *counts.entry(ready.bodies.partition_point(|body| body.nodes.end <= node)).or_default() += 1;
+    }
+    let lone =
+        counts.into_iter().filter(|&(body, count)| count == 1 && ready.bodies[body].elements.len() > FEW);
+    let lone: Vec<usize> = lone.map(|(body, _)| body).collect();
+    let Some(&first) = lone.first() else { return };
+    let others = match lone.len() - 1 {
+        0 => String::new(),
+        others => format!(" (and of {} other bodies)", grouped(others as u64)),
+    };
+    let body = &ready.bodies[first];
+    warnings.push(format!(
+        "[[boundary]] \"{}\" {what} one node alone of the {} of \"{}\"{others}: its stress grows without limit as elements become smaller; take a box with more nodes, or a body that presses on it",
+        boundary.name,
+        grouped(body.nodes.len() as u64),
+        body.name
+    ));
 }
 
 /// Warns of velocities and displacements that start at full size.

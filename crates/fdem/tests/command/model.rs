@@ -133,10 +133,64 @@ fn a_geometry_is_meshed_by_gmsh() {
     assert!(check(&real, None).1.contains("lacks the key \\\"mesh_size\\\""));
 }
 
+/// Gmsh and its folder go when the command that waits for them is asked to end.
+#[cfg(unix)]
+#[test]
+fn gmsh_ends_with_the_command_that_runs_it() {
+    use std::os::unix::fs::PermissionsExt;
+    use std::os::unix::process::ExitStatusExt;
+    use std::process::{Command, Stdio};
+    use std::thread::sleep;
+    use std::time::Duration;
+
+    let bench = Bench::new();
+    bench.write(
+        "model.toml",
+        "[model]\nend_time = 1\n[[body]]\nname = \"a\"\nmaterial = \"m\"\nmesh = \"part.step\"\nmesh_size = 0.25\n\
+         [[material]]\nname = \"m\"\ndensity = 1\nyoungs_modulus = 1\npoissons_ratio = 0\n",
+    );
+    bench.write("part.step", "the geometry");
+    for folder in ["bin", "tmp"] {
+        std::fs::create_dir(bench.path(folder)).unwrap();
+    }
+    let bin = bench.path("bin").display().to_string();
+    bench.write(
+        "bin/gmsh",
+        format!("#!/bin/sh\necho $$ > {bin}/new\nmv {bin}/new {bin}/pid\nexec sleep 100\n"),
+    );
+    std::fs::set_permissions(bench.path("bin/gmsh"), std::fs::Permissions::from_mode(0o755)).unwrap();
+    let kill = |signal: &str, pid: &str| {
+        Command::new("kill").args([signal, pid]).stderr(Stdio::null()).status().unwrap().success()
+    };
+    for (task, signal, code) in
+        [("check", "-TERM", 143), ("check", "-INT", 130), ("run", "-TERM", 143), ("run", "-INT", 130)]
+    {
+        let mut command = bench.command(&[task, "model.toml"]);
+        command.env("PATH", format!("{bin}:/usr/bin:/bin")).env("TMPDIR", bench.path("tmp"));
+        let mut fdem = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+        while !bench.path("bin/pid").exists() {
+            assert_eq!(fdem.try_wait().unwrap(), None, "it ended before Gmsh began");
+            sleep(Duration::from_millis(10));
+        }
+        let gmsh = bench.read("bin/pid");
+        assert_eq!(std::fs::read_dir(bench.path("tmp")).unwrap().count(), 1);
+        assert!(kill(signal, &fdem.id().to_string()));
+        let status = fdem.wait().unwrap();
+        assert_eq!((status.code(), status.signal()), (Some(code), None), "{task} {signal}");
+        assert!(!kill("-0", gmsh.trim()), "Gmsh still runs after {task} {signal}");
+        assert_eq!(std::fs::read_dir(bench.path("tmp")).unwrap().count(), 0, "its folder is left");
+        std::fs::remove_file(bench.path("bin/pid")).unwrap();
+    }
+}
+
 #[test]
 fn what_is_no_model_is_refused() {
     let bench = Bench::new();
     bench.run(&["check"]).refused_with(&["MODEL"]);
+    for threads in ["-1", "1025", "two"] {
+        let run = bench.run(&["run", "gone.toml", &format!("--threads={threads}")]);
+        run.refused_with(&[threads, "a whole number from 0 to 1024 is needed"]);
+    }
     bench.run(&["check", "gone.toml"]).refused_with(&["cannot read gone.toml"]);
     #[cfg(unix)]
     {

@@ -23,6 +23,8 @@ const ORDER: [(&str, &[&str]); 10] = [
             "Voronoi",
             "Outline",
             "Packing",
+            "copies_of",
+            "Region",
             "Refine",
         ],
     ),

@@ -463,7 +463,10 @@ fn members_with_few_elements_through_them_are_warned_of() {
         "{warning}"
     );
     let turned = bar("0.3") + "axis = [1, 1, 1]\nangle = 40\n";
-    assert_eq!(warned("", &(turned + &held.replace("left", "right"))).len(), 1);
+    let told = warned("", &(turned + &held.replace("left", "right")));
+    // The side of a box that is turned is a corner.
+    assert!(told.len() == 2 && told[1].contains("holds one node alone"), "{told:?}");
+    assert!(told[0].contains("% too stiff"), "{told:?}");
     // Nothing bends it; it is short; it is held along its whole length.
     assert_eq!(warned("", &bar("0.3")), Vec::<String>::new());
     assert_eq!(warned("", &(cube("a", 0.0) + held)), Vec::<String>::new());

@@ -52,7 +52,7 @@ fn keys_without_effect_are_told() {
             "[[boundary]] \"b\": ramp changes nothing where the body is fixed",
         ),
         (boundary("fixed = \"x\"\ntable = [[0, 1]]"), "\"b\": table changes nothing where the body is fixed"),
-        (boundary("absorbing = true\nramp = 1"), "\"b\": ramp changes nothing at an absorbing edge"),
+        (boundary("absorbing = true\nramp = 1"), "\"b\": ramp changes nothing where waves are absorbed"),
         (boundary("velocity = [\"free\", \"free\"]"), "\"b\": all components are free"),
         (boundary("displacement = [\"free\", \"free\"]"), "\"b\": all components are free"),
         (

@@ -135,7 +135,8 @@ impl fmt::Display for MeshError {
                 write!(f, "facet {facet} and its neighbour at {place:?} have different orientations")
             }
             Self::Inverted { region } => {
-                write!(f, "the surface of region {region} is inside out or has no volume")
+                write!(f, "the surface is inside out or encloses no volume")?;
+                if *region > 0 { write!(f, " (that of its part {})", region + 1) } else { Ok(()) }
             }
             Self::Crossing { facets: [one, other], place } => {
                 write!(f, "facets {one} and {other} cross or touch near {place:?}")

@@ -69,7 +69,7 @@ impl fmt::Display for OutlineError {
                 write!(
                     f,
                     "the mesh size is too small: about {elements:.0} elements, of at most {}",
-                    super::MOST
+                    crate::MOST_ELEMENTS
                 )
             }
             Self::HoleOutside { hole, place } => {

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use clap::builder::{PossibleValue, PossibleValuesParser, RangedU64ValueParser, TypedValueParser};
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
 use fdem_results::Field;
 
@@ -82,7 +82,7 @@ pub(crate) struct ResumeArguments {
 #[expect(clippy::option_option, reason = "so clap has options whose value may be left out")]
 pub(crate) struct RunOptions {
     /// Number of threads; 0 is one per processor. Results do not depend on it.
-    #[arg(long, value_name = "N", default_value_t = 0, value_parser = threads())]
+    #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true, value_parser = threads)]
     pub(crate) threads: usize,
 
     /// Write animation.gif at the end, as with `animate` in the model. Without FIELD, it shows the first field of the model.
@@ -131,6 +131,9 @@ fn positive(text: &str) -> Result<f64, String> {
 }
 
 /// More threads than 1024 take minutes to start, and then slow each other down.
-fn threads() -> RangedU64ValueParser<usize> {
-    RangedU64ValueParser::new().range(0..=1024)
+fn threads(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(count) if count <= 1024 => Ok(count),
+        _ => Err("a whole number from 0 to 1024 is needed".to_owned()),
+    }
 }

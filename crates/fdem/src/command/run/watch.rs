@@ -1,33 +1,50 @@
 //! Ctrl-C and the other signals that ask a program to end. A run writes a checkpoint before it ends.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicI32, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
 
 use crate::command::failure::Failure;
+use crate::command::output::end;
 
-/// The signal that has arrived, if any.
-#[derive(Clone, Debug)]
-pub(crate) struct Watch(Arc<AtomicI32>);
+/// The signal that has arrived, if any, and whether the run waits for one.
+#[derive(Debug)]
+pub(crate) struct Watch {
+    came: Arc<AtomicI32>,
+    runs: Arc<AtomicBool>,
+}
 
 impl Watch {
-    /// Starts to watch for signals. A second signal ends the program at once, because the files in the folder are complete at any time.
+    /// Starts to watch for signals. They end the program at once, until [`Self::begin`]; so does a second signal afterwards, because the files in the folder are
+    /// complete at any time.
     pub(crate) fn new() -> Result<Self, Failure> {
-        let came = Arc::new(AtomicI32::new(0));
+        let (came, runs) = (Arc::new(AtomicI32::new(0)), Arc::new(AtomicBool::new(false)));
         let note = {
-            let came = Arc::clone(&came);
+            let (came, runs) = (Arc::clone(&came), Arc::clone(&runs));
             move |signal: i32| {
-                if came.swap(signal, Ordering::SeqCst) != 0 {
-                    std::process::exit(128 + signal);
+                if came.swap(signal, Ordering::SeqCst) != 0 || !runs.load(Ordering::SeqCst) {
+                    end(128 + signal);
                 }
             }
         };
         watch(note).map_err(|error| Failure::Unusable(format!("cannot watch for interrupts: {error}")))?;
-        Ok(Self(came))
+        Ok(Self { came, runs })
+    }
+
+    /// From here on a first signal is left to the run.
+    pub(crate) fn begin(&self) {
+        self.runs.store(true, Ordering::SeqCst);
     }
 
     /// Number of the signal that asks the run to end.
     pub(crate) fn signal(&self) -> Option<i32> {
-        Some(self.0.load(Ordering::SeqCst)).filter(|&signal| signal != 0)
+        Some(self.came.load(Ordering::SeqCst)).filter(|&signal| signal != 0)
+    }
+}
+
+impl Drop for Watch {
+    /// A program that goes on after its run is not ended by the signals of that time.
+    fn drop(&mut self) {
+        self.begin();
     }
 }
 

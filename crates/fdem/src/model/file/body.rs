@@ -85,7 +85,7 @@ pub struct Body {
     /// Voronoi grains in an outline. Their boundaries are edges of the mesh.
     #[serde(default)]
     pub voronoi: Option<Voronoi>,
-    /// Discs or polygons that do not overlap. Each is a body of its own.
+    /// Bodies of one kind that do not overlap: discs, polygons, spheres, polyhedra, or copies of a shape. Each is a body of its own.
     #[serde(default)]
     pub packing: Option<Packing>,
 }
@@ -308,48 +308,104 @@ impl Outline {
     }
 }
 
-/// Bodies of one kind that do not overlap, at random places or from a file.
+/// Bodies of one kind that do not overlap, at random places or from a file. Each lies within a circle or a sphere of its own.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Packing {
-    /// Shape of the bodies: "disc" or "polygon". Default: "disc".
+    /// Shape of the bodies: "disc" or "polygon" in two dimensions, "sphere" or "polyhedron" in three. Default: "disc" or "sphere".
     #[serde(default)]
-    pub shape: Piece,
+    pub shape: Option<Piece>,
+    /// Instead of `shape`: the shape whose copies the bodies are, such as { box = … }. Each copy is turned at random.
+    #[serde(default)]
+    pub copies_of: Option<CopiesOf>,
     /// Number of bodies, at random places.
     #[serde(default)]
     #[schemars(range(min = 1, max = 1_000_000))]
     pub count: Option<usize>,
-    /// Smallest and largest radius, m; for polygons, that of the circle around them.
+    /// Smallest and largest radius of the circles or spheres around the bodies, m. Copies have that of their shape if there is none, and are scaled to it if there is one.
     #[serde(default)]
     pub radius: Option<[f64; 2]>,
-    /// Rectangle that the bodies fill: { min = [x, y], max = [x, y] }.
+    /// Region that the bodies fill: { min = [x, y], max = [x, y] }, { min = [x, y, z], max = [x, y, z] } or { cylinder = … }.
     #[serde(default)]
-    pub within: Option<Rectangle>,
-    /// Least distance between two bodies, and between a body and the sides of the rectangle, m. Default: 0.
+    pub within: Option<Region>,
+    /// Least distance between the circles or spheres around two bodies, and between these and the sides of the region, m. Default: 0.
     #[serde(default)]
     #[schemars(extend("minimum" = 0))]
     pub gap: f64,
-    /// Smallest and largest number of corners of polygons. Default: [5, 8].
-    #[serde(default = "corners")]
+    /// Smallest and largest number of corners of polygons and polyhedra. Default: [5, 8] for polygons, [8, 14] for polyhedra.
+    #[serde(default)]
     #[schemars(inner(range(min = 3, max = 100)))]
-    pub corners: [u32; 2],
+    pub corners: Option<[u32; 2]>,
     /// Seed of the packing: another seed gives another packing. Default: 1.
     #[serde(default = "seed")]
     pub seed: u64,
-    /// File with x, y and radius of each body, m, instead of `count`, `radius` and `within`: any format that `fdem contacts` reads. Its path is relative to the model file.
+    /// File with x, y, in three dimensions z, and radius of each body, m, instead of `count`, `radius` and `within`: any format that `fdem contacts` reads. Its path is relative to the model file.
     #[serde(default)]
     pub file: Option<String>,
 }
 
+/// Region that a packing fills: `min` and `max`, or a cylinder.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Region {
+    /// Least corner [x, y] or [x, y, z] of a rectangle or a box, m.
+    #[serde(default)]
+    pub min: Option<Vector>,
+    /// Greatest corner [x, y] or [x, y, z], m.
+    #[serde(default)]
+    pub max: Option<Vector>,
+    /// In three dimensions: a cylinder.
+    #[serde(default)]
+    pub cylinder: Option<Cylinder>,
+}
+
+/// The shape whose copies the bodies of a packing are; exactly one of the keys. Where it lies does not matter.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "copies_of")]
+pub struct CopiesOf {
+    /// A rectangle.
+    #[serde(default)]
+    pub rectangle: Option<Rectangle>,
+    /// A ring.
+    #[serde(default)]
+    pub ring: Option<Ring>,
+    /// A polygon.
+    #[serde(default)]
+    pub polygon: Option<Polygon>,
+    /// A box.
+    #[serde(default, rename = "box")]
+    #[schemars(rename = "box")]
+    pub block: Option<Block>,
+    /// A cylinder.
+    #[serde(default)]
+    pub cylinder: Option<Cylinder>,
+    /// The volume between two cylinders with the same axis.
+    #[serde(default)]
+    pub tube: Option<Tube>,
+    /// The smallest convex polyhedron around points.
+    #[serde(default)]
+    pub polyhedron: Option<Polyhedron>,
+    /// A file with a closed surface of triangles, STL or OBJ.
+    #[serde(default)]
+    pub surface: Option<String>,
+    /// A flat outline drawn out along z.
+    #[serde(default)]
+    pub extrusion: Option<Extrusion>,
+}
+
 /// Shape of the bodies of a packing.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Piece {
     /// Discs.
-    #[default]
     Disc,
     /// Convex polygons with corners on a circle.
     Polygon,
+    /// Spheres.
+    Sphere,
+    /// Convex polyhedra with corners on a sphere.
+    Polyhedron,
 }
 
 fn seed() -> u64 {
@@ -358,8 +414,4 @@ fn seed() -> u64 {
 
 fn rounds() -> u32 {
     3
-}
-
-fn corners() -> [u32; 2] {
-    [5, 8]
 }
