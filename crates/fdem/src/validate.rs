@@ -6,6 +6,7 @@ mod brazilian;
 mod cantilever;
 mod compliance;
 mod compression;
+mod debris;
 mod disc;
 mod free_crack;
 mod free_shear;
@@ -205,6 +206,14 @@ const CASES: &[Case] = &[
         run: heaps::run,
     },
     Case {
+        number: 6,
+        name: "debris in the plane",
+        what: "A square breaks in a box that is shaken, and its fragments strike each other again and again: at full size there are 200 000 breaks, and begins and ends of contacts. The \
+               energy balance holds to 1e-4 all the while.",
+        source: "conservation",
+        run: debris::run,
+    },
+    Case {
         number: 7,
         name: "block on an incline",
         what: "Below the angle of friction the block rests; above it slides with a = g (sin θ − µ cos θ).",
@@ -345,7 +354,8 @@ const CASES: &[Case] = &[
     Case {
         number: 19,
         name: "debris",
-        what: "A block breaks in a box that is shaken, and its fragments strike each other again and again. The energy balance holds to 1e-4.",
+        what: "A block of tetrahedra breaks in a box that is shaken, and its fragments strike each other again and again: at full size there are a million breaks, and begins and ends of \
+               contacts. The energy balance holds to 1e-4 all the while.",
         source: "conservation",
         run: space::debris::run,
     },
@@ -419,6 +429,28 @@ const CASES: &[Case] = &[
         what: "A prism of tetrahedra under the tractions of pure bending is too stiff by a factor that depends on Poisson's ratio and on the number of cells through its width. The expected values are those measured before: a change of the elements must not go unnoticed.",
         source: "S. P. Timoshenko and J. N. Goodier, Theory of Elasticity (1970), 102",
         run: space::locking::run,
+    },
+    Case {
+        number: 28,
+        name: "thick disc under two loads",
+        what: "A disc half as thick as wide. Two strips of its surface bear a pressure. The tension in its centre is less than that of a thin disc in the middle plane and more at the faces, by an amount that is known.",
+        source: "S. P. Timoshenko and J. N. Goodier, Theory of Elasticity (1970), 41 and 98; G. Hondros, Aust. J. Appl. Sci. 10 (1959) 243-268",
+        run: space::disc::run,
+    },
+    Case {
+        number: 29,
+        name: "compression of a cylinder",
+        what: "A cylinder twice as high as wide between platens without friction, on unstructured meshes. Its strength is that of Mohr and Coulomb, 2 c cos φ/(1 - sin φ).",
+        source: "Mohr and Coulomb",
+        run: space::compression::run,
+    },
+    Case {
+        number: 30,
+        name: "sphere through a plate",
+        what: "A sphere of steel flies through a brittle plate that is held at two sides. The energy balance holds, the momentum of sphere and plate changes by the impulse of the supports, \
+               and the sphere keeps less speed than a plug without resistance would leave it.",
+        source: "conservation; R. F. Recht and T. W. Ipson, J. Appl. Mech. 30 (1963) 384-390",
+        run: space::perforation::run,
     },
 ];
 

@@ -3,7 +3,7 @@
 use fdem_simulation::{Model, Simulation};
 
 use super::models::centroid;
-use crate::model::{Load, prepare};
+use crate::model::{AnyPrepared, Load, prepare, prepare_any};
 
 /// The model of a model file.
 pub(super) fn prepared(text: &str) -> Result<Model, String> {
@@ -14,6 +14,15 @@ pub(super) fn prepared(text: &str) -> Result<Model, String> {
 pub(super) fn prepared_with(text: &str, load: &mut Load<'_>) -> Result<Model, String> {
     let prepared = prepare(text, "case.toml", load);
     prepared.map(|prepared| prepared.model).map_err(|errors| errors.to_string())
+}
+
+/// The model of a model file in three dimensions.
+pub(super) fn prepared_in_space(text: &str) -> Result<Model<3, 4>, String> {
+    let mut load = |name: &str| Err(format!("{name}: there are no files"));
+    match prepare_any(text, "case.toml", &mut load, None).map_err(|errors| errors.to_string())? {
+        AnyPrepared::Space(prepared) => Ok(prepared.model),
+        AnyPrepared::Plane(_) => Err("the model of the case is flat".to_owned()),
+    }
 }
 
 /// Mean stress of the elements whose centroids were within a distance of a point, `[xx, yy, xy]` in Pa.

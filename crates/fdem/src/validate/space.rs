@@ -2,13 +2,16 @@
 
 pub(super) mod bars;
 mod bodies;
+pub(super) mod compression;
 pub(super) mod debris;
+pub(super) mod disc;
 pub(super) mod hertz;
 pub(super) mod hole;
 pub(super) mod impact;
 pub(super) mod incline;
 pub(super) mod locking;
 pub(super) mod penny;
+pub(super) mod perforation;
 pub(super) mod rotation;
 pub(super) mod shear;
 pub(super) mod sphere;

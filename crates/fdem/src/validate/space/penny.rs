@@ -71,14 +71,8 @@ pub(in crate::validate) fn run(size: Size) -> Result<Vec<Outcome>, String> {
 
 /// An eighth of the block: a lattice whose squares around the crack are made round.
 fn block(cells: usize) -> Body {
-    let mut across: Vec<f64> = (0..=cells)
-        .map(|k| {
-            // Cells become smaller towards the front.
-            let share = k as f64 / cells as f64;
-            RADIUS * (1.0 - (1.0 - share).powf(1.0))
-        })
-        .collect();
-    let mut cell = RADIUS - across[cells - 1];
+    let mut across: Vec<f64> = (0..=cells).map(|k| RADIUS * k as f64 / cells as f64).collect();
+    let mut cell = RADIUS / cells as f64;
     while across[across.len() - 1] < HALF {
         let last = across[across.len() - 1];
         across.push(last + cell);
