@@ -155,11 +155,14 @@ pub(crate) struct Joints<const D: usize = 2> {
     slopes: Slopes,
 }
 
-/// A vertex on a free surface or at a joint, with the facets that can get a joint and that alone connect elements at the vertex.
+/// A vertex on a free surface or at a joint, with the facets there that can get a joint.
 #[derive(Debug)]
 struct Tip {
     vertex: u32,
-    facets: Box<[u32]>,
+    /// Those that alone connect elements at the vertex: all of them in two dimensions.
+    alone: Box<[u32]>,
+    /// Those that connect elements only together with others.
+    together: Box<[u32]>,
 }
 
 /// Results of a pass over the joints.

@@ -22,7 +22,7 @@ use crate::simplex::Simplex;
 use crate::solid::Solid;
 use crate::team::Team;
 use crate::topology::{Facet, NONE, Topology};
-use crate::vector::{Point, dot, unit};
+use crate::vector::{Point, dot, minus, unit};
 
 /// The data of a run that insertion reads.
 #[derive(Clone, Copy)]
@@ -112,12 +112,18 @@ impl<const D: usize> Joints<D> {
         [[f64; D]; N]: Simplex<D, N>,
     {
         self.tips.retain(|tip| vertices.binary_search(&tip.vertex).is_err());
-        let mut facets = Vec::new();
+        let mut alone = Vec::new();
         for &vertex in vertices {
-            topology.bridges(vertex, |facet| self.of_facet[facet as usize] == NONE, &mut facets);
-            facets.retain(|&facet| self.may_part(facet));
-            if !facets.is_empty() {
-                self.tips.push(Tip { vertex, facets: facets.as_slice().into() });
+            topology.bridges(vertex, |facet| self.of_facet[facet as usize] == NONE, &mut alone);
+            let all = topology.facets_around(vertex).map(|(facet, _)| facet);
+            let together: Box<[u32]> = all
+                .filter(|facet| {
+                    self.of_facet[*facet as usize] == NONE && self.may_part(*facet) && !alone.contains(facet)
+                })
+                .collect();
+            alone.retain(|&facet| self.may_part(facet));
+            if !alone.is_empty() || !together.is_empty() {
+                self.tips.push(Tip { vertex, alone: alone.as_slice().into(), together });
             }
         }
     }
@@ -170,28 +176,79 @@ impl<const D: usize> Joints<D> {
         [[f64; D]; N]: Simplex<D, N>,
     {
         let State { solid, topology, .. } = state;
-        let &Tip { vertex, ref facets } = tip;
+        let &Tip { vertex, ref alone, ref together } = tip;
         // The force that moves a held node is unknown here. There the mean traction of the elements decides.
         if solid.hold_at(topology.corners_of(vertex)[0]) != NONE {
             return;
         }
-        let mut groups = Vec::new();
-        for &facet in facets {
+        let used = |facet: u32| {
             let beside = topology.facets[facet as usize].elements();
-            if beside.iter().all(|&element| self.near[element as usize] == Near::Far)
-                || self.used(facet, state) < SUSPECT
-            {
-                continue;
+            let far = beside.iter().all(|&element| self.near[element as usize] == Near::Far);
+            if far { 0.0 } else { self.used(facet, state) }
+        };
+        for &facet in alone.iter().filter(|&&facet| used(facet) >= SUSPECT) {
+            self.fails_with(&[facet], vertex, state, failing);
+        }
+        let all = together.iter().map(|&facet| (used(facet), facet)).filter(|(used, _)| *used >= SUSPECT);
+        let most = all.reduce(|most, next| if next.0 > most.0 { next } else { most });
+        if let Some(cut) = most.and_then(|(_, facet)| self.cut_along(facet, vertex, state)) {
+            self.fails_with(&cut, vertex, state, failing);
+        }
+    }
+
+    /// The facets that separate the elements at a vertex on the two sides of the plane of a facet, that facet first; `None` if one of them cannot get a joint.
+    fn cut_along<const N: usize>(&self, facet: u32, vertex: u32, state: State<'_, D, N>) -> Option<Vec<u32>>
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        let State { solid, topology, .. } = state;
+        let whole = |facet: u32| self.of_facet[facet as usize] == NONE;
+        let mut groups = Vec::new();
+        topology.groups(vertex, whole, &mut groups);
+        let fan = Fan { vertex, groups: &groups, joints: self, state };
+        let normal = <[[f64; D]; N]>::facet_normal(&side(solid, &topology.facets[facet as usize]));
+        let above = |corner: u32| {
+            let middle = solid.shape(corner / N as u32);
+            let at = middle[corner as usize % N];
+            middle.iter().map(|&place| dot(minus(place, at), normal)).sum::<f64>() > 0.0
+        };
+        let group = fan.groups_beside(facet)[0];
+        let mut cut = vec![facet];
+        for (other, _) in topology.facets_around(vertex).filter(|(other, _)| *other != facet && whole(*other))
+        {
+            let [a, b] = fan.beside(other).map(above);
+            if fan.groups_beside(other)[0] == group && a != b {
+                if !self.may_part(other) {
+                    return None;
+                }
+                cut.push(other);
             }
-            let holds = |other| other != facet && self.of_facet[other as usize] == NONE;
-            topology.groups(vertex, holds, &mut groups);
-            let fan = Fan { vertex, groups: &groups, joints: self, state };
-            let held = fan.held_by(fan.groups_beside(facet), part_of(facet, state));
-            let traction = components(held, solid, &topology.facets[facet as usize]);
-            let used = self.strength(facet).map_or(0.0, |strength| use_of(&strength, traction));
-            if breaks(used, || self.plane(facet, solid, topology)) {
-                failing.push(facet);
-            }
+        }
+        Some(cut)
+    }
+
+    /// Adds these facets to those that fail if the traction at the vertex does that holds the two sides of the first together, when all are cut.
+    fn fails_with<const N: usize>(
+        &self,
+        cut: &[u32],
+        vertex: u32,
+        state: State<'_, D, N>,
+        failing: &mut Vec<u32>,
+    ) where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        let State { solid, topology, .. } = state;
+        let Some(&facet) = cut.first() else { return };
+        let mut groups = Vec::new();
+        let holds = |other| !cut.contains(&other) && self.of_facet[other as usize] == NONE;
+        topology.groups(vertex, holds, &mut groups);
+        let fan = Fan { vertex, groups: &groups, joints: self, state };
+        let area = cut.iter().map(|&facet| part_of(facet, state)).sum();
+        let held = fan.held_by(fan.groups_beside(facet), area);
+        let traction = components(held, solid, &topology.facets[facet as usize]);
+        let used = self.strength(facet).map_or(0.0, |strength| use_of(&strength, traction));
+        if breaks(used, || self.plane(facet, solid, topology)) {
+            failing.extend(cut);
         }
     }
 
