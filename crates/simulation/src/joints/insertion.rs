@@ -11,6 +11,9 @@
 //! with `f₀` the sum of all forces on the elements of side 0 at the node, `m₀` their mass at the node, and `a` the common acceleration of the two sides as long
 //! as they share the node. `R` acts on the area at the node of the facet, and of a joint behind the tip whose end is still closed. When the two sides separate,
 //! their joints begin with exactly this traction, so that no force jumps.
+//!
+//! At the end of an edge crack one more facet parts the two sides of a vertex. In space the front of a crack is a line: at a vertex on it several faces must part at once, and each of them
+//! alone is held by the others. There the facet whose strength is used most gives a plane, and all facets between the elements on its two sides are one cut, with one traction.
 
 use crate::cohesive::{Memory, Plane, use_of};
 use crate::contacts::Contacts;

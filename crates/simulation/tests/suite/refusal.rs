@@ -41,7 +41,7 @@ fn models_that_cannot_be_say_why() {
         refusal(|m| m.mesh.nodes[4][1] = f64::INFINITY),
         "node 4: a coordinate is inf, it must be a finite number"
     );
-    assert!(refusal(|m| m.mesh.elements[1].swap(0, 1)).starts_with("element 1 has an area of -"));
+    assert!(refusal(|m| m.mesh.elements[1].swap(0, 1)).starts_with("element 1 has an area, or volume, of -"));
     assert_eq!(refusal(|m| m.mesh.nodes.push([3.0; 2])), "node 9 belongs to no element");
     assert!(refusal(|m| m.mesh.bodies[7] = 1).contains("bodies share no nodes"));
     assert_eq!(refusal(|m| m.velocities = vec![[0.0; 2]; 3]), "3 initial velocities for 9");
