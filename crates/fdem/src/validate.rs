@@ -452,6 +452,13 @@ const CASES: &[Case] = &[
         source: "conservation; R. F. Recht and T. W. Ipson, J. Appl. Mech. 30 (1963) 384-390",
         run: space::perforation::run,
     },
+    Case {
+        number: 31,
+        name: "double cantilever in space",
+        what: "The arms of a slit beam are pulled apart: their compliance, and the load under which the crack grows, at several of its lengths.",
+        source: "beams with the turn and shear at the front of the crack: B. Gross and J. E. Srawley, NASA TN D-3295 (1966)",
+        run: space::cantilever::run,
+    },
 ];
 
 /// All cases, in the order of the ladder.

@@ -12,11 +12,12 @@ use std::path::PathBuf;
 use std::process::{Command, ExitCode};
 
 use case::{Case, Outcome};
-use fdem_bench::bodies::{Body, Plane};
+use fdem_bench::bodies::{Body, Plane, Space};
 
 const USAGE: &str = "\
 usage: simulation [--quick] [--bodies NAMES] [--elements N,M] [--threads N] [--rounds N] [--external NAME=COMMAND]...
-                  [--external-joints NAME=COMMAND]... [--write FILE]
+                  [--external-joints NAME=COMMAND]... [--external-space NAME=COMMAND]...
+                  [--external-space-joints NAME=COMMAND]... [--write FILE]
 
   --quick                  1,000 elements, one round: shows that all runs
   --bodies NAMES           some of bar,disc,joined,adaptive,intrinsic,heap,
@@ -27,6 +28,8 @@ usage: simulation [--quick] [--bodies NAMES] [--elements N,M] [--threads N] [--r
   --external NAME=COMMAND  a program that simulates the bar and the disc as well, see README.md; may be repeated
   --external-joints NAME=COMMAND
                            one that simulates the disc with joints on every edge
+  --external-space NAME=COMMAND, --external-space-joints NAME=COMMAND
+                           likewise for the cube of tetrahedra
   --write FILE             writes what is printed to a file, too
 ";
 
@@ -39,9 +42,18 @@ struct Plan {
     elements: Vec<usize>,
     threads: usize,
     rounds: usize,
-    /// `NAME=COMMAND` of programs: for bodies without joints, and for those with joints.
-    external: [Vec<String>; 2],
+    /// `NAME=COMMAND` of programs: for bodies in the plane, and for those in space.
+    external: [External; 2],
     write: Option<PathBuf>,
+}
+
+/// `NAME=COMMAND` of programs.
+#[derive(Default)]
+struct External {
+    /// For bodies without joints.
+    whole: Vec<String>,
+    /// For bodies with joints on every facet.
+    joined: Vec<String>,
 }
 
 impl Plan {
@@ -51,7 +63,7 @@ impl Plan {
             elements: vec![10_000, 100_000, 1_000_000],
             threads: 2,
             rounds: 5,
-            external: [Vec::new(), Vec::new()],
+            external: Default::default(),
             write: None,
         };
         let mut rest = arguments.iter();
@@ -64,8 +76,10 @@ impl Plan {
                 }
                 "--threads" => plan.threads = rest.next()?.parse().ok()?,
                 "--rounds" => plan.rounds = rest.next()?.parse().ok().filter(|&rounds| rounds > 0)?,
-                "--external" => plan.external[0].push(rest.next()?.clone()),
-                "--external-joints" => plan.external[1].push(rest.next()?.clone()),
+                "--external" => plan.external[0].whole.push(rest.next()?.clone()),
+                "--external-joints" => plan.external[0].joined.push(rest.next()?.clone()),
+                "--external-space" => plan.external[1].whole.push(rest.next()?.clone()),
+                "--external-space-joints" => plan.external[1].joined.push(rest.next()?.clone()),
                 "--write" => plan.write = Some(PathBuf::from(rest.next()?)),
                 _ => return None,
             }
@@ -116,8 +130,11 @@ fn compare(plan: &Plan) -> Result<(), Box<dyn Error>> {
         for &body in &plan.bodies {
             let numbers = [elements, plan.threads, plan.rounds].map(|number| number.to_string());
             let external = match body {
-                Body::Plane(Plane::Bar | Plane::Disc) if elements <= LARGEST => &plan.external[0][..],
-                Body::Plane(Plane::Joined) if elements <= LARGEST => &plan.external[1],
+                _ if elements > LARGEST => &[][..],
+                Body::Plane(Plane::Bar | Plane::Disc) => &plan.external[0].whole,
+                Body::Plane(Plane::Joined) => &plan.external[0].joined,
+                Body::Space(Space::Cube) => &plan.external[1].whole,
+                Body::Space(Space::CubeJoined) => &plan.external[1].joined,
                 _ => &[],
             };
             let output =
