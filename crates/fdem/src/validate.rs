@@ -459,6 +459,13 @@ const CASES: &[Case] = &[
         source: "beams with the turn and shear at the front of the crack: B. Gross and J. E. Srawley, NASA TN D-3295 (1966)",
         run: space::cantilever::run,
     },
+    Case {
+        number: 32,
+        name: "strength of a thick disc",
+        what: "The disc of case 28 splits between two narrow strips that move towards each other: its strength is that of the material.",
+        source: "S. P. Timoshenko and J. N. Goodier, Theory of Elasticity (1970), 41",
+        run: space::brazilian::run,
+    },
 ];
 
 /// All cases, in the order of the ladder.

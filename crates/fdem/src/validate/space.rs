@@ -2,6 +2,7 @@
 
 pub(super) mod bars;
 mod bodies;
+pub(super) mod brazilian;
 pub(super) mod cantilever;
 pub(super) mod compression;
 pub(super) mod debris;

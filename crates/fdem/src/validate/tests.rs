@@ -189,6 +189,11 @@ fn the_tension_in_a_thick_disc_varies_through_its_thickness() {
 }
 
 #[test]
+fn a_thick_disc_splits_at_its_tensile_strength() {
+    passes("strength of a thick disc");
+}
+
+#[test]
 fn a_cylinder_in_compression_fails_at_the_bound_of_mohr_and_coulomb() {
     passes("compression of a cylinder");
 }

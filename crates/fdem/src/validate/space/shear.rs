@@ -15,8 +15,8 @@ const CELL: f64 = 0.002;
 /// Height of a block, m. Blocks are flat, so that their free sides have little influence on the stress.
 const HEIGHT: f64 = 0.0005;
 
-/// Time in which the pressure rises, s.
-const PRESSING: f64 = 1e-4;
+/// Time in which the pressure rises, s: many times the period in which the heavy platens swing on the blocks. In a third of it the normal stress still swings by 6 %, and the peak with it.
+const PRESSING: f64 = 3e-4;
 
 /// Speeds, m/s: up to the peak, and while the joints break.
 const SPEEDS: [f64; 2] = [0.01, 0.2];
