@@ -6,12 +6,14 @@
 mod extrusion;
 mod grains;
 mod hull;
+mod prism;
 mod round;
 mod soup;
 
 pub use extrusion::extrusion;
 pub use grains::grains;
 pub use hull::hull;
+pub use prism::Prism;
 pub use round::{cylinder, sphere, tube};
 
 use crate::tetrahedra::{MeshError, OUTSIDE, Surface, finite};

@@ -129,7 +129,7 @@ pub struct Tetrahedra {
 /// # Ok::<(), fdem_mesh::tetrahedra::MeshError>(())
 /// ```
 pub fn tetrahedra(surface: &Surface, size: &Size<'_>, seed: u64) -> Result<Tetrahedra, MeshError> {
-    mesh_in_frame(surface, size, false, seed)
+    mesh_again(surface, size, false, seed, &|place| place)
 }
 
 /// As [`tetrahedra`], with elements that are smaller near some places, however small these are.
@@ -137,6 +137,19 @@ pub fn tetrahedra(surface: &Surface, size: &Size<'_>, seed: u64) -> Result<Tetra
 /// # Errors
 /// As [`tetrahedra`].
 pub fn graded(surface: &Surface, grading: &Grading<3>, seed: u64) -> Result<Tetrahedra, MeshError> {
+    moved(surface, grading, seed, &|place| place)
+}
+
+/// As [`graded`], with every node moved: a body of flat faces becomes one of round faces, if it is moved by little.
+///
+/// # Errors
+/// As [`tetrahedra`].
+pub fn moved(
+    surface: &Surface,
+    grading: &Grading<3>,
+    seed: u64,
+    to: &dyn Fn([f64; 3]) -> [f64; 3],
+) -> Result<Tetrahedra, MeshError> {
     let (low, high) = bounds(&surface.nodes);
     for near in &grading.near {
         let elements = near.cubes([low, high]) / VOLUME;
@@ -144,25 +157,33 @@ pub fn graded(surface: &Surface, grading: &Grading<3>, seed: u64) -> Result<Tetr
             return Err(MeshError::TooMany { elements });
         }
     }
-    mesh_in_frame(surface, &|place| grading.at(place), !grading.near.is_empty(), seed)
+    mesh_again(surface, &|place| grading.at(place), !grading.near.is_empty(), seed, to)
 }
 
-/// Meshes a surface, moved to the origin and scaled.
-fn mesh_in_frame(
+/// Meshes a surface, again if the angles are small.
+fn mesh_again(
     surface: &Surface,
     size: &Size<'_>,
     varies: bool,
     seed: u64,
+    to: &dyn Fn([f64; 3]) -> [f64; 3],
 ) -> Result<Tetrahedra, MeshError> {
     surface.check()?;
     not_thin(surface, size)?;
-    let mesh = mesh_once(surface, size, varies, seed)?;
+    let mesh_once = |seed: u64| -> Result<Tetrahedra, MeshError> {
+        let mut mesh = mesh_in_frame(surface, size, varies, seed)?;
+        for node in &mut mesh.nodes {
+            *node = to(*node);
+        }
+        Ok(mesh)
+    };
+    let mesh = mesh_once(seed)?;
     let mut best = (smallest_angle(&mesh), mesh);
     if best.0 >= POOR || sharpest::of_surface(surface).is_some_and(|edge| edge.angle < POOR) {
         return Ok(best.1);
     }
     for again in 1..=AGAIN {
-        let mesh = mesh_once(surface, size, varies, seed.wrapping_add(again << 32))?;
+        let mesh = mesh_once(seed.wrapping_add(again << 32))?;
         let angle = smallest_angle(&mesh);
         if angle > best.0 {
             best = (angle, mesh);
@@ -174,9 +195,12 @@ fn mesh_in_frame(
     Ok(best.1)
 }
 
-/// The smallest angle between two facets of an element, degrees.
+/// The smallest angle between two facets of an element, degrees; 0 if an element is turned inside out.
 fn smallest_angle(mesh: &Tetrahedra) -> f64 {
     let corners = |element: &[u32; 4]| element.map(|node| mesh.nodes[node as usize]);
+    if mesh.elements.iter().any(|element| corners(element).measure() <= 0.0) {
+        return 0.0;
+    }
     mesh.elements.iter().flat_map(|element| corners(element).angles()).fold(180.0, f64::min)
 }
 
@@ -210,8 +234,13 @@ fn not_thin(surface: &Surface, size: &Size<'_>) -> Result<(), MeshError> {
     Ok(())
 }
 
-/// Meshes a good surface.
-fn mesh_once(surface: &Surface, size: &Size<'_>, varies: bool, seed: u64) -> Result<Tetrahedra, MeshError> {
+/// Meshes a good surface, moved to the origin and scaled.
+fn mesh_in_frame(
+    surface: &Surface,
+    size: &Size<'_>,
+    varies: bool,
+    seed: u64,
+) -> Result<Tetrahedra, MeshError> {
     let frame = Frame::around(&surface.nodes);
     let nodes = surface.nodes.iter().map(|&node| frame.inward(node)).collect();
     let inner = Surface { nodes, names: Vec::new(), ..surface.clone() };

@@ -8,8 +8,10 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
-use fdem_mesh::shapes::{cuboid, cylinder, extrusion, grains, hull, sphere, tube};
-use fdem_mesh::tetrahedra::{MeshError, OUTSIDE, Surface, Tetrahedra, graded, sharpest_edge, tetrahedra};
+use fdem_mesh::shapes::{Prism, cuboid, cylinder, extrusion, grains, hull, sphere, tube};
+use fdem_mesh::tetrahedra::{
+    MeshError, OUTSIDE, Surface, Tetrahedra, graded, moved, sharpest_edge, tetrahedra,
+};
 use fdem_mesh::{Grading, Place, Refinement};
 use fdem_scenes::random::Random;
 
@@ -506,6 +508,49 @@ fn plates_much_thinner_than_the_size_are_refused() {
         assert!(matches!(tetrahedra(&plate, &|_| thickness * 1e-3, 1), Err(MeshError::TooMany { .. })));
     }
     meshed(&cuboid([0.0; 3], [1.0, 1.0, 0.03]).unwrap(), 0.1, 1);
+}
+
+/// The nodes of the mantle are on the cylinder, the grains fill it, and angles are good.
+#[test]
+fn grains_of_a_cylinder_are_round_outside() {
+    let (from, to, radius): (Point, Point, f64) = ([0.1, 0.0, 0.0], [0.14, 0.03, 0.12], 0.04);
+    for seed in 0..6 {
+        let size = [0.007, 0.01][seed as usize % 2];
+        let prism = Prism::of_cylinder(from, to, radius).unwrap();
+        let surface = grains(&prism.surface(), 12, seed).unwrap();
+        let mesh = moved(&surface, &Grading::even(size), seed, &|place| prism.rounded(place)).unwrap();
+        let [least, most] = angles(&mesh);
+        assert!(least > 8.0 && most < 172.0, "seed {seed}: {least} to {most}");
+        let along = minus(to, from);
+        let mut area = 0.0;
+        for (facet, &face) in mesh.facets.iter().zip(&mesh.faces) {
+            if face != 2 {
+                continue;
+            }
+            let points = facet.map(|node| mesh.nodes[node as usize]);
+            for point in points {
+                let off = cross(minus(point, from), along);
+                assert!((length(off) / length(along) - radius).abs() < 1e-12);
+            }
+            area += 0.5 * length(cross(minus(points[1], points[0]), minus(points[2], points[0])));
+        }
+        let exact = std::f64::consts::TAU * radius * length(along);
+        assert!((0.97..1.0).contains(&(area / exact)), "{}", area / exact);
+        let volume: f64 = (0..mesh.elements.len())
+            .map(|element| {
+                let [a, b, c, d] = corners(&mesh, element);
+                let six = dot(minus(b, a), cross(minus(c, a), minus(d, a)));
+                assert!(six > 0.0);
+                six / 6.0
+            })
+            .sum();
+        let exact = std::f64::consts::PI * radius * radius * length(along);
+        assert!((0.95..1.0).contains(&(volume / exact)), "{}", volume / exact);
+        let mut found = mesh.regions.clone();
+        found.sort_unstable();
+        found.dedup();
+        assert_eq!(found, (0..12).collect::<Vec<u32>>());
+    }
 }
 
 /// Angles are good, or those of the sharp edges of the body.

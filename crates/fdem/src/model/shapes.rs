@@ -53,11 +53,13 @@ fn find(body: &Body, dimensions: u8) -> Option<Problem> {
     solid(body).or_else(|| body.packing.as_ref().and_then(|packing| in_packing(body, packing, dimensions)))
 }
 
+/// A cylinder or tube without length.
+fn ends(key: &str, from: [f64; 3], to: [f64; 3]) -> Option<Problem> {
+    (from == to).then(|| Problem::new(key, "it has no length: \"from\" and \"to\" are the same point"))
+}
+
 /// Shapes in space that have no volume.
 fn solid(body: &Body) -> Option<Problem> {
-    let ends = |key: &str, from: [f64; 3], to: [f64; 3]| {
-        (from == to).then(|| Problem::new(key, "it has no length: \"from\" and \"to\" are the same point"))
-    };
     if let Some(block) = &body.block {
         return flat_box("box", block);
     }
@@ -99,13 +101,16 @@ fn grains(of: &Outline, dimensions: u8) -> Option<Problem> {
     match of.given()[..] {
         [(_, found)] if found == dimensions => {}
         _ if dimensions == 3 => {
-            let message = "an outline of grains in three dimensions is one of box, polyhedron";
+            let message = "an outline of grains in three dimensions is one of box, polyhedron, cylinder";
             return Some(Problem::new("voronoi.outline", message));
         }
         _ => return Some(Problem::new("voronoi.outline", "an outline is one of rectangle, disc, polygon")),
     }
     if let Some(block) = &of.block {
         return flat_box("voronoi.outline.box", block);
+    }
+    if let Some(cylinder) = &of.cylinder {
+        return ends("voronoi.outline.cylinder.to", cylinder.from, cylinder.to);
     }
     outline_of("voronoi.outline", of)
 }

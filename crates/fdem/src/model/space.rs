@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 use fdem_io::numbers::brief;
-use fdem_mesh::tetrahedra::{MeshError, Size, Surface, Tetrahedra, graded};
+use fdem_mesh::shapes::Prism;
+use fdem_mesh::tetrahedra::{MeshError, Size, Surface, Tetrahedra, graded, moved};
 use fdem_mesh::triangles::colours;
 use fdem_mesh::{Grading, shapes};
 use fdem_scenes::random::Random;
@@ -12,7 +13,7 @@ use fdem_scenes::random::Random;
 use crate::model::bodies::Load;
 use crate::model::dimensions::Dimensions;
 use crate::model::extent::too_many;
-use crate::model::file::{self, Block, Body, Extrusion, ModelFile, Outline, Packing};
+use crate::model::file::{self, Block, Body, Cylinder, Extrusion, ModelFile, Outline, Packing};
 use crate::model::materials;
 use crate::model::mesh_file::{self, Problem, materials_of_groups};
 use crate::model::outline::{self, area};
@@ -87,9 +88,12 @@ fn meshed(
     grading: &Grading<3>,
 ) -> Result<Piece<3, 4>, Problem> {
     let material = materials::number(file, &body.material).unwrap_or(0);
-    let Shape { surface, names } = shape.map_err(|error| told(body, key, &error, None))?;
-    let meshed =
-        graded(&surface, grading, body.seed).map_err(|error| told(body, key, &error, Some(&surface)))?;
+    let Shape { surface, names, prism } = shape.map_err(|error| told(body, key, &error, None))?;
+    let meshed = match prism {
+        Some(prism) => moved(&surface, grading, body.seed, &|place| prism.rounded(place)),
+        None => graded(&surface, grading, body.seed),
+    };
+    let meshed = meshed.map_err(|error| told(body, key, &error, Some(&surface)))?;
     let materials = match &body.voronoi {
         Some(voronoi) if !voronoi.materials.is_empty() => {
             let count = voronoi.materials.len();
@@ -178,11 +182,11 @@ fn copy(
 ) -> Result<Result<Shape, MeshError>, Problem> {
     let (_, shape) = surface(of, &|place| grading.at(motion.place(place)) / motion.scale, load)
         .map_err(|problem| Problem { key: format!("packing.copies_of.{}", problem.key), ..problem })?;
-    Ok(shape.map(|Shape { mut surface, names }| {
-        for node in &mut surface.nodes {
+    Ok(shape.map(|mut shape| {
+        for node in &mut shape.surface.nodes {
             *node = motion.place(*node);
         }
-        Shape { surface, names }
+        shape
     }))
 }
 
@@ -233,20 +237,22 @@ struct Shape {
     surface: Surface,
     /// Names of each face.
     names: Vec<Vec<String>>,
+    /// A prism that is meshed instead of a cylinder, and then made round.
+    prism: Option<Prism>,
 }
 
 impl Shape {
     /// A shape whose faces have the names that its surface gives them.
     fn named(surface: Surface) -> Self {
         let names = surface.names.iter().map(|name| vec![name.clone()]).collect();
-        Self { surface, names }
+        Self { surface, names, prism: None }
     }
 
     /// A shape whose faces are `face-1`, `face-2`, ….
     fn numbered(surface: Surface) -> Self {
         let count = surface.faces.iter().max().map_or(0, |most| most + 1);
         let names = (1..=count).map(|number| vec![format!("face-{number}")]).collect();
-        Self { surface, names }
+        Self { surface, names, prism: None }
     }
 }
 
@@ -276,24 +282,30 @@ fn surface(
     } else if let Some(of) = &body.extrusion {
         ("extrusion", extrusion(of, body.mesh_size.unwrap_or(f64::MAX)))
     } else if let Some(voronoi) = &body.voronoi {
-        let of = &voronoi.outline;
-        let outline = if let Some(of) = &of.block {
-            shapes::cuboid(of.min, of.max).map(Shape::named)
-        } else {
-            let points = of.polyhedron.as_ref().map_or(&[][..], |of| &of.points);
-            shapes::hull(points).map(Shape::numbered)
-        };
-        let grains = outline.and_then(|shape| {
+        let shape = outline_of_grains(&voronoi.outline).and_then(|shape| {
             let surface = shapes::grains(&shape.surface, voronoi.grains, voronoi.seed)?;
             Ok(Shape { surface, ..shape })
         });
-        ("voronoi", grains)
+        ("voronoi", shape)
     } else if let Some(name) = &body.surface {
         let triangles = mesh_file::triangles(load, name)?;
         ("surface", Surface::from_triangles(&triangles, CREASE).map(Shape::numbered))
     } else {
         return Err(Problem::new("name", "a body without shape"));
     })
+}
+
+/// What grains fill.
+fn outline_of_grains(of: &Outline) -> Result<Shape, MeshError> {
+    if let Some(of) = &of.block {
+        return shapes::cuboid(of.min, of.max).map(Shape::named);
+    }
+    if let Some(of) = &of.cylinder {
+        let prism = Prism::of_cylinder(of.from, of.to, of.radius)?;
+        return Ok(Shape { prism: Some(prism), ..Shape::named(prism.surface()) });
+    }
+    let points = of.polyhedron.as_ref().map_or(&[][..], |of| &of.points);
+    shapes::hull(points).map(Shape::numbered)
 }
 
 fn extrusion(of: &Extrusion, size: f64) -> Result<Shape, MeshError> {
@@ -307,7 +319,7 @@ fn extrusion(of: &Extrusion, size: f64) -> Result<Shape, MeshError> {
         };
         names.extend(std::iter::repeat_n(name, corners.len()));
     }
-    Ok(Shape { surface, names })
+    Ok(Shape { surface, names, prism: None })
 }
 
 /// A mesh that was made here, with the groups of its faces.
@@ -353,9 +365,10 @@ pub(crate) fn bounds(body: &Body) -> Option<[[f64; 3]; 2]> {
         Room::<3>::new(packing.within.as_ref()?)?.bounds
     } else {
         let of = &body.voronoi.as_ref()?.outline;
-        match (&of.block, &of.polyhedron) {
+        match (&of.block, &of.cylinder) {
             (Some(of), _) => of_block(of),
-            (None, of) => around(&of.as_ref()?.points, 0.0),
+            (_, Some(of)) => around(&[of.from, of.to], of.radius),
+            _ => around(&of.polyhedron.as_ref()?.points, 0.0),
         }
     })
 }
@@ -368,10 +381,11 @@ pub(crate) fn elements(body: &Body, size: f64) -> Option<f64> {
 /// Volume of a body, m³, about; `None` if its shape does not tell.
 fn volume(body: &Body) -> Option<f64> {
     let of_block = |of: &Block| (0..3).map(|axis| of.max[axis] - of.min[axis]).product();
+    let of_cylinder = |of: &Cylinder| PI * of.radius * of.radius * distance(of.from, of.to);
     Some(if let Some(of) = &body.block {
         of_block(of)
     } else if let Some(of) = &body.cylinder {
-        PI * of.radius * of.radius * distance(of.from, of.to)
+        of_cylinder(of)
     } else if let Some(of) = &body.tube {
         PI * (of.radius * of.radius - of.inner_radius * of.inner_radius) * distance(of.from, of.to)
     } else if let Some(of) = &body.sphere {
@@ -381,7 +395,11 @@ fn volume(body: &Body) -> Option<f64> {
     } else if let Some(packing) = &body.packing {
         volume_of_packing(body, packing)?
     } else {
-        of_block(body.voronoi.as_ref()?.outline.block.as_ref()?)
+        let of = &body.voronoi.as_ref()?.outline;
+        match (&of.block, &of.cylinder) {
+            (Some(of), _) => of_block(of),
+            (_, of) => of_cylinder(of.as_ref()?),
+        }
     })
 }
 

@@ -512,8 +512,16 @@ fn grains_fill_their_outline() {
         let first = prepared.grains.iter().position(|other| other == grain).expect("it is there");
         assert_eq!(*material, materials[first], "a grain has one material");
     }
+    let of = "voronoi = { outline = { cylinder = { from = [0, 0, 0], to = [0, 0, 2], radius = 0.5 } }, grains = 6 }\nmesh_size = 0.15";
+    let prepared = space(&body(of));
+    // The mantle is a polygon with corners on the circle.
+    let exact = 0.5 * std::f64::consts::PI;
+    assert!((0.97..1.0).contains(&(volume(&prepared) / exact)), "{}", volume(&prepared) / exact);
     let cube = body("box = { min = [0, 0, 0], max = [1, 1, 1] }\nmesh_size = 0.5").replace("\"b\"", "\"c\"");
     let flat = body("voronoi = { outline = { disc = { radius = 1 } }, grains = 3 }\nmesh_size = 0.2");
     let found = wrong(&format!("{cube}{flat}"));
-    assert!(found.contains("an outline of grains in three dimensions is one of box, polyhedron"), "{found}");
+    assert!(
+        found.contains("an outline of grains in three dimensions is one of box, polyhedron, cylinder"),
+        "{found}"
+    );
 }

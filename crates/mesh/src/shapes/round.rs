@@ -93,15 +93,16 @@ fn push(surface: &mut Surface, facet: [u32; 3], face: u32) {
 }
 
 /// The axis of a cylinder.
-struct Axis {
-    from: Point,
-    to: Point,
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Axis {
+    pub(super) from: Point,
+    pub(super) to: Point,
     /// Two directions across.
     across: [Point; 2],
 }
 
 impl Axis {
-    fn new(from: Point, to: Point) -> Result<Self, MeshError> {
+    pub(super) fn new(from: Point, to: Point) -> Result<Self, MeshError> {
         finite(&[from, to])?;
         let along = minus(to, from);
         positive(length(along))?;
@@ -114,7 +115,7 @@ impl Axis {
     }
 
     /// A point at an angle and at a part of the length.
-    fn place(&self, radius: f64, angle: f64, part: f64) -> Point {
+    pub(super) fn place(&self, radius: f64, angle: f64, part: f64) -> Point {
         let centre = [0, 1, 2].map(|k| {
             if part >= 1.0 { self.to[k] } else { self.from[k] + part * (self.to[k] - self.from[k]) }
         });
@@ -124,7 +125,7 @@ impl Axis {
     }
 
     /// The angle of a point, in turns of 2π.
-    fn angle(&self, point: Point) -> f64 {
+    pub(super) fn angle(&self, point: Point) -> f64 {
         let [x, y] = self.across.map(|axis| dot(axis, minus(point, self.from)));
         let angle = libm::atan2(y, x);
         if angle < 0.0 { angle + TAU } else { angle }
