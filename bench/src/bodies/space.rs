@@ -4,6 +4,9 @@ use fdem_simulation::{Insertion, Mesh, Model};
 
 use super::{CELL, of_rock, pressed};
 
+/// Cells along each edge of a fragment of the debris: at 100,000 elements there is a little more than one contact for each element.
+const DEBRIS: usize = 10;
+
 /// The body of tetrahedra that is simulated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Space {
@@ -13,7 +16,7 @@ pub enum Space {
     CubeAdaptive,
     /// The same cube with joints on all faces from the beginning.
     CubeJoined,
-    /// Cubes of 384 elements, which press each other on all sides in a box that shrinks.
+    /// Cubes of 6,000 elements, which press each other on all sides in a box that shrinks.
     Debris,
 }
 
@@ -38,7 +41,7 @@ impl Space {
             Self::CubeAdaptive => "3D: cube that may break anywhere, and does not yet",
             Self::CubeJoined => "3D: cube, ringing, joints on every face",
             Self::Debris => {
-                "3D: elastic fragments of 384 elements that press each other in a box that shrinks"
+                "3D: elastic fragments of 6,000 elements that press each other in a box that shrinks"
             }
         }
     }
@@ -50,10 +53,15 @@ impl Space {
             let odd = |number: usize, shift: f64| if number.is_multiple_of(2) { 0.0 } else { shift };
             let shift =
                 |[_, row, layer]: [usize; 3]| [odd(row, 0.45) + odd(layer, 0.23), odd(layer, 0.37), 0.0];
-            let (mesh, velocities, boundaries) =
-                pressed(&cubes(4), count((elements as f64 / 384.0).cbrt()), shift);
-            let rock = of_rock(mesh, velocities, false, Insertion::Adaptive);
-            return Model { boundaries, ..rock };
+            let along = count((elements as f64 / 6.0).cbrt() / DEBRIS as f64).max(2);
+            let (mesh, velocities, boundaries) = pressed(&cubes(DEBRIS), along, shift);
+            let mut model = Model { boundaries, ..of_rock(mesh, velocities, false, Insertion::Adaptive) };
+            // The first contact sets the surfaces swinging. Damping ends that, and they press each other from then on.
+            model.contact.damping = 1.0;
+            for material in &mut model.materials {
+                material.damping = 0.5;
+            }
+            return model;
         }
         let mesh = cubes(count((elements as f64 / 6.0).cbrt()));
         let speed = |[x, y, z]: [f64; 3]| [(300.0 * x).sin(), (200.0 * y).cos(), (250.0 * z).sin()];

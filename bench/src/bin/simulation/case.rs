@@ -12,7 +12,7 @@ use fdem_simulation::{Element, Mesh, Model, Simulation, Timings};
 const FILL: f64 = 0.5;
 
 /// Steps before any timing: fragments press each other evenly after the first few.
-const SETTLE: u64 = 20;
+const SETTLE: u64 = 40;
 
 /// A body, and the way it is timed.
 pub(crate) struct Case {

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use fdem_bench::bodies::{Body, Plane};
+use fdem_bench::bodies::{Body, Plane, Space};
 use fdem_bench::{Table, grouped, machine, significant};
 
 use crate::case::Outcome;
@@ -45,14 +45,18 @@ pub(crate) fn report(threads: usize, rounds: usize, limits: &Limits, outcomes: &
          In brackets: the time of a step over the bound.\n\n{}",
         bounds(limits, outcomes)
     );
-    let others: String = [Plane::Bar, Plane::Disc, Plane::Joined]
-        .into_iter()
-        .filter_map(|body| others(Body::Plane(body), outcomes))
-        .collect();
+    let driven = [
+        Body::Plane(Plane::Bar),
+        Body::Plane(Plane::Disc),
+        Body::Plane(Plane::Joined),
+        Body::Space(Space::Cube),
+        Body::Space(Space::CubeJoined),
+    ];
+    let others: String = driven.into_iter().filter_map(|body| others(body, outcomes)).collect();
     if !others.is_empty() {
         let _ = writeln!(
             out,
-            "## Other programs, 1 thread\n\nThe same meshes, linear triangles, explicit central differences. \
+            "## Other programs, 1 thread\n\nThe same meshes, linear triangles and tetrahedra, explicit central differences. \
              In brackets: how many times as long as ours they take.\n{others}"
         );
     }

@@ -1,7 +1,7 @@
 //! The common part of two faces, and forces because a face turns.
 
 use crate::simplex::tetrahedron::cross3;
-use crate::simplex::tetrahedron::piece::{Piece, Place, share_of};
+use crate::simplex::tetrahedron::piece::{Corner, Piece, Pieces, share_of};
 use crate::vector::{Matrix, Point, add, dot, length, minus, unit};
 
 /// Barycentric coordinates on a face of points on its plane.
@@ -22,7 +22,7 @@ impl Coordinates {
         Self { origin: *a, gradients: [zero, one, two] }
     }
 
-    fn at(&self, point: Point<3>) -> Place {
+    fn at(&self, point: Point<3>) -> [f64; 3] {
         let from = minus(point, self.origin);
         let [one, two] = [1, 2].map(|k| dot(self.gradients[k], from));
         [1.0 - one - two, one, two]
@@ -46,21 +46,22 @@ pub(super) fn common(
     let coordinates = [Coordinates::of(one), Coordinates::of(other)];
     // The part of the other face that is in the first.
     let corners = other.map(|corner| coordinates[0].at(corner));
-    let mut piece = Piece::WHOLE;
-    for k in 0..3 {
-        piece.cut(corners.map(|corner| corner[k]));
-    }
+    let mut pieces = Pieces::of(&corners.map(|[a, b, c]| [a, b, c, 0.0]));
+    let piece = (0..3).fold(Piece::WHOLE, |piece, k| pieces.cut(&piece, |values| values[k]));
+    let corners: Vec<&Corner> = pieces.corners(&piece).collect();
     let area = 0.5 * length(other_normal);
     let mut points = Vec::new();
-    piece.fan(|triangle| {
-        let share = share_of(&triangle);
+    for pair in corners.windows(2).skip(1) {
+        let triangle = [corners[0], pair[0], pair[1]];
+        let share = share_of(triangle);
+        let triangle = triangle.map(Corner::coordinates);
         // A triangle thinner than this is one of rounding.
         if share * area <= least * least {
-            return;
+            continue;
         }
         for k in 0..3 {
             let weights: [f64; 3] = std::array::from_fn(|l| if k == l { 2.0 / 3.0 } else { 1.0 / 6.0 });
-            let on_other: Place =
+            let on_other: [f64; 3] =
                 std::array::from_fn(|i| (0..3).map(|corner| weights[corner] * triangle[corner][i]).sum());
             let mut point = [0.0; 3];
             for (corner, weight) in other.iter().zip(on_other) {
@@ -68,7 +69,7 @@ pub(super) fn common(
             }
             points.push(([coordinates[0].at(point), on_other], share * area / 3.0));
         }
-    });
+    }
     points
 }
 

@@ -18,7 +18,7 @@
 //! A. Munjiza, "The Combined Finite-Discrete Element Method" (Wiley, 2004), 2.6, has another potential and other forces, which are not its gradient.
 
 use crate::simplex::tetrahedron::distance;
-use crate::simplex::tetrahedron::piece::{Piece, Place, share_of};
+use crate::simplex::tetrahedron::piece::{Piece, Pieces, share_of};
 use crate::simplex::tetrahedron::{FACES, Tetrahedron, cross3};
 use crate::simplex::{Interaction, NEAR, Sum};
 use crate::vector::{Point, add, dot, length, minus};
@@ -62,16 +62,16 @@ fn press(
         let normal = cross3(minus(q, p), minus(r, p));
         let beyond = dot(minus(p, centroid), normal);
         inside &= beyond >= 0.0;
-        let pressure: f64 = covered.shares.iter().sum();
+        let pressure = covered.potential;
         if pressure == 0.0 {
             continue;
         }
         // Means over the face become integrals by its area, half of the length of the normal.
         outside += 0.5 * beyond * covered.outside;
-        near += 0.5 * beyond * covered.near;
-        passes_near |= covered.least < NEAR;
+        near += 0.5 * beyond * covered.near();
+        passes_near |= 1.0 - covered.most < NEAR;
         let size = 0.5 * length(normal);
-        for (&corner, &share) in face.iter().zip(&covered.shares) {
+        for (&corner, share) in face.iter().zip(covered.shares()) {
             add(&mut on_contactor[corner], normal, -0.5 * share);
             for (node, on_target) in on_target.iter_mut().enumerate() {
                 add(on_target, normal, 0.5 * share * at[corner][node]);
@@ -138,64 +138,112 @@ impl Coordinates {
 }
 
 /// The part of a face that lies in another tetrahedron, with integrals over this part. The area of the face counts as 1.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 struct Covered {
     /// Area of the part.
     area: f64,
-    /// ∫ φ β, with β the barycentric coordinates on the face.
-    shares: [f64; 3],
-    /// ∫ h with C = −1/12, and with C = 0.
+    /// ∫ φ.
+    potential: f64,
+    /// ∫ φ β, with β the last two barycentric coordinates on the face.
+    shares: [f64; 2],
+    /// ∫ h with C = −1/12.
     outside: f64,
-    near: f64,
-    /// Smallest w on the part.
-    least: f64,
+    /// Largest φ on the part.
+    most: f64,
+}
+
+impl Covered {
+    /// ∫ φ β, with β the barycentric coordinates on the face.
+    #[inline]
+    fn shares(&self) -> [f64; 3] {
+        let [one, two] = self.shares;
+        [self.potential - one - two, one, two]
+    }
+
+    /// ∫ h with C = 0.
+    #[inline]
+    fn near(&self) -> f64 {
+        self.area / 12.0 + 0.25 * self.potential
+    }
+
+    /// Adds the integrals over a piece of the face on which this coordinate is the least.
+    #[inline]
+    fn add(&mut self, pieces: &Pieces, piece: &Piece, least: usize) {
+        let mut corners = pieces.corners(piece).map(|corner| (corner, 4.0 * corner.values[least].max(0.0)));
+        let (Some((first, a)), Some((mut second, mut b))) = (corners.next(), corners.next()) else { return };
+        let mut most = self.most.max(a).max(b);
+        for (third, c) in corners {
+            let area = share_of([first, second, third]);
+            self.area += area;
+            let sum = a + b + c;
+            self.potential += area / 3.0 * sum;
+            for k in 0..2 {
+                let places = first.place[k] + second.place[k] + third.place[k];
+                let own = a * first.place[k] + b * second.place[k] + c * third.place[k];
+                self.shares[k] += area / 12.0 * (sum * places + own);
+            }
+            let (two, three) = (a * b + b * c + c * a, a * b * c);
+            let w = (1.0 - a) * (1.0 - b) * (1.0 - c);
+            self.outside -= area * (sum * sum - two - sum * two + three + sum * three) / (12.0 * w);
+            most = most.max(c);
+            (second, b) = (third, c);
+        }
+        self.most = most;
+    }
 }
 
 /// The parts of the four faces of a tetrahedron that another one covers. `corners`: coordinates of the corners in that other one.
 fn faces_in(corners: &[[f64; 4]; 4]) -> [Covered; 4] {
-    FACES.map(|face| face_in(&face.map(|corner| corners[corner])))
+    let mut pieces = Pieces::of(&[[0.0; 4]; 3]);
+    // The coordinates, as bits, that are positive and negative at each corner.
+    let bits =
+        |is: fn(&f64) -> bool| corners.map(|at| (0..4).fold(0, |all, k| all | u8::from(is(&at[k])) << k));
+    let (positive, negative) = (bits(|x| *x > 0.0), bits(|x| *x < 0.0));
+    FACES.map(|[a, b, c]| {
+        // Beyond a face of the other one: most faces are.
+        if positive[a] | positive[b] | positive[c] != 0b1111 {
+            return Covered::default();
+        }
+        face_in(&[corners[a], corners[b], corners[c]], negative[a] | negative[b] | negative[c], &mut pieces)
+    })
 }
 
-/// The part of a face whose corners have these coordinates in the other tetrahedron.
-fn face_in(corners: &[[f64; 4]; 3]) -> Covered {
-    let mut covered = Covered { area: 0.0, shares: [0.0; 3], outside: 0.0, near: 0.0, least: 1.0 };
-    if (0..4).any(|k| corners.iter().all(|corner| corner[k] <= 0.0)) {
-        return covered;
-    }
-    // Where no coordinate is negative. Most faces have no such part.
+/// The part of a face whose corners have these coordinates in the other tetrahedron. `negative`: those that are negative somewhere.
+fn face_in(corners: &[[f64; 4]; 3], negative: u8, pieces: &mut Pieces) -> Covered {
+    let mut covered = Covered::default();
+    pieces.begin(corners);
+    // Where no coordinate is negative.
     let mut inside = Piece::WHOLE;
-    for k in 0..4 {
-        inside.cut(corners.map(|corner| corner[k]));
+    for k in (0..4).filter(|k| negative >> k & 1 != 0) {
+        inside = pieces.cut(&inside, |values| values[k]);
         if inside.is_empty() {
             return covered;
         }
     }
-    for least in 0..4 {
-        // Where this coordinate is the least.
-        let mut piece = inside;
-        for other in (0..4).filter(|&other| other != least) {
-            piece.cut(corners.map(|corner| corner[other] - corner[least]));
-        }
-        let potential =
-            |place: &Place| 4.0 * (0..3).map(|k| place[k] * corners[k][least]).sum::<f64>().max(0.0);
-        piece.fan(|triangle| {
-            let [a, b, c] = triangle.map(|place| potential(&place));
-            let [first, second, third] = triangle;
-            let area = share_of(&triangle);
-            covered.area += area;
-            let sum = a + b + c;
-            for k in 0..3 {
-                let places = first[k] + second[k] + third[k];
-                let own = a * first[k] + b * second[k] + c * third[k];
-                covered.shares[k] += area / 12.0 * (sum * places + own);
+    // Bit `j` of the mask `k`: at some corner coordinate `k` is more than `j`.
+    let mut more = [0_u8; 4];
+    for corner in pieces.corners(&inside) {
+        for k in 0..4 {
+            for j in 0..k {
+                more[k] |= u8::from(corner.values[k] > corner.values[j]) << j;
+                more[j] |= u8::from(corner.values[j] > corner.values[k]) << k;
             }
-            let (two, three) = (a * b + b * c + c * a, a * b * c);
-            let w = [1.0 - a, 1.0 - b, 1.0 - c];
-            covered.outside -=
-                area * (sum * sum - two - sum * two + three + sum * three) / (12.0 * w[0] * w[1] * w[2]);
-            covered.near += area * (1.0 / 3.0 - (w[0] + w[1] + w[2]) / 12.0);
-            covered.least = w.into_iter().fold(covered.least, f64::min);
-        });
+        }
+    }
+    let is_more = |k: usize, j: usize| more[k] >> j & 1 != 0;
+    let count = pieces.count();
+    // Each part where one coordinate is the least: if another is nowhere more, there is none. Of two that are the same on the face, the first counts.
+    for least in 0..4 {
+        let others = (0..4).filter(|&other| other != least);
+        if others.clone().any(|other| !is_more(other, least) && (is_more(least, other) || other < least)) {
+            continue;
+        }
+        let mut part = inside;
+        pieces.forget(count);
+        for other in others.filter(|&other| is_more(least, other)) {
+            part = pieces.cut(&part, |values| values[other] - values[least]);
+        }
+        covered.add(pieces, &part, least);
     }
     covered
 }
