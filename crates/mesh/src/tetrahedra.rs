@@ -49,12 +49,13 @@ const VOLUME: f64 = 0.1;
 /// Size over the mean thickness of a body that still gives good angles.
 const THICK: f64 = 3.0;
 
-/// Size over the mean thickness of a body from which the angles are below a degree or two: no mesh is made.
-const FLAT: f64 = 50.0;
+/// Size over the mean thickness of a body from which the angles are below 8°: no mesh is made.
+const FLAT: f64 = 12.0;
 
-/// Smallest angle between facets of a mesh, degrees, below which it is made again from other random numbers, and how often.
+/// Smallest angle between facets of a mesh, degrees, below which it is made again from other random numbers; how often; and by which share of the size it is finer each time.
 const POOR: f64 = 8.0;
 const AGAIN: u64 = 6;
+const FINER: f64 = 0.04;
 
 /// Most rounds in which flat tetrahedra at the surface are left out.
 const PEELS: usize = 8;
@@ -170,20 +171,22 @@ fn mesh_again(
 ) -> Result<Tetrahedra, MeshError> {
     surface.check()?;
     not_thin(surface, size)?;
-    let mesh_once = |seed: u64| -> Result<Tetrahedra, MeshError> {
-        let mut mesh = mesh_in_frame(surface, size, varies, seed)?;
+    let mesh_once = |again: u64| -> Result<Tetrahedra, MeshError> {
+        let finer = 1.0 - FINER * again as f64;
+        let size = |place: Point| finer * size(place);
+        let mut mesh = mesh_in_frame(surface, &size, varies, seed.wrapping_add(again << 32))?;
         for node in &mut mesh.nodes {
             *node = to(*node);
         }
         Ok(mesh)
     };
-    let mesh = mesh_once(seed)?;
+    let mesh = mesh_once(0)?;
     let mut best = (smallest_angle(&mesh), mesh);
     if best.0 >= POOR || sharpest::of_surface(surface).is_some_and(|edge| edge.angle < POOR) {
         return Ok(best.1);
     }
     for again in 1..=AGAIN {
-        let mesh = mesh_once(seed.wrapping_add(again << 32))?;
+        let mesh = mesh_once(again)?;
         let angle = smallest_angle(&mesh);
         if angle > best.0 {
             best = (angle, mesh);

@@ -130,7 +130,7 @@ impl Pieces {
     }
 
     /// Adds the corner where the function is zero between two corners of a piece. Returns its number.
-    #[inline(always)]
+    #[inline]
     fn between(&mut self, piece: &Piece, [one, other]: [u32; 2], at: &[f64; MOST]) -> u128 {
         let [a, b] = [one, other].map(|corner| at[corner as usize]);
         let [from, to] = [one, other].map(|corner| self.corners[piece.number(corner)]);

@@ -388,6 +388,36 @@ mod tests {
         }
     }
 
+    /// On a face in the plane where two coordinates of the other tetrahedron are the same, each part counts once.
+    #[test]
+    fn a_face_in_the_middle_plane_of_an_edge_is_as_one_beside_it() {
+        let target = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0], [0.0, 0.0, 4.0]];
+        let contactor = |by: f64| {
+            [[-9.0, -9.0, -9.0], [9.0, 9.0, -9.0], [0.0, 0.0, 18.0], [9.0, -9.0, 0.0]]
+                .map(|[x, y, z]| [x + by, y - by, z])
+        };
+        let contactor = |by: f64| {
+            let shape = contactor(by);
+            if Coordinates::of(&shape).six_volumes > 0.0 {
+                shape
+            } else {
+                [shape[1], shape[0], shape[2], shape[3]]
+            }
+        };
+        let at = |by: f64| interaction(&contactor(by), &target).expect("they overlap");
+        let (before, middle, after) = (at(-1e-9), at(0.0), at(1e-9));
+        let size = length(middle.forces[0][3]) + length(middle.forces[0][0]);
+        assert!(size > 0.1);
+        for side in 0..2 {
+            for corner in 0..4 {
+                for other in [&before, &after] {
+                    let off = length(minus(middle.forces[side][corner], other.forces[side][corner]));
+                    assert!(off < 1e-6 * size, "{off} of {size}");
+                }
+            }
+        }
+    }
+
     #[test]
     fn tetrahedra_that_touch_do_nothing() {
         let one = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
