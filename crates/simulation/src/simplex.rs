@@ -21,6 +21,8 @@ pub(crate) trait Simplex<const D: usize, const N: usize>: Copy + Send + Sync {
     const FACETS: [[usize; D]; N];
     /// Facets that meet in each corner.
     const AT_CORNER: [[usize; D]; N];
+    /// The measure of strain up to which [`Simplex::stress_of_small`] is the stress.
+    const SMALL: f64;
     /// The name of facets in messages.
     const FACETS_ARE: &'static str;
 
@@ -114,7 +116,11 @@ pub(crate) trait Simplex<const D: usize, const N: usize>: Copy + Send + Sync {
     fn moduli(material: &Material, plane: Plane) -> Moduli;
 
     /// First Piola-Kirchhoff stress, Pa, and energy per undeformed volume, J/m³, of a deformation gradient. `j` is its determinant; it must be positive.
-    fn stress(moduli: &Moduli, f: &Matrix<D>, j: f64) -> (Matrix<D>, f64);
+    /// The moduli are those of shear and bulk, Pa.
+    fn stress(moduli: [f64; 2], f: &Matrix<D>, j: f64) -> (Matrix<D>, f64);
+
+    /// [`Simplex::stress`] without a branch, and a measure of the strain. Where the measure is below [`Simplex::SMALL`], the stress is the same to the last bit.
+    fn stress_of_small(moduli: [f64; 2], f: &Matrix<D>, j: f64) -> (Matrix<D>, f64, f64);
 
     /// Energy density, J/m³, that a stress has stored by Hooke's law: `σ:C⁻¹:σ / 2`.
     fn stored(moduli: &Moduli, stress: &Matrix<D>) -> f64;

@@ -360,7 +360,7 @@ where
             };
             let fastest = self.solid.nodes_of(number as u32).into_iter().map(square).fold(0.0, f64::max);
             let density = self.model.materials[element.material as usize].density;
-            0.5 * fastest + self.solid.strained[number].energy / (density * element.volume)
+            0.5 * fastest + self.solid.energy(number) / (density * element.volume)
         };
         (0..self.solid.elements.len()).max_by(|&a, &b| density(a).total_cmp(&density(b))).unwrap_or(0) as u32
     }
@@ -512,8 +512,8 @@ where
             nodes: self.solid.nodes.clone(),
             constants: self.solid.constants.clone(),
             of_corner: self.solid.corners.of_corner.clone(),
-            stresses: self.solid.strained.iter().map(|strained| strained.stress).collect(),
-            viscous: self.solid.all_viscous(),
+            stresses: (0..self.solid.elements.len()).map(|element| self.solid.stress(element)).collect(),
+            viscous: self.solid.viscous(),
             joints: self.joints.save(),
             contacts: self.contacts.save(),
             seams: self.seams.save(),
@@ -557,12 +557,7 @@ where
         }
         run.solid.corners = Nodes::new(state.of_corner, state.nodes.len());
         (run.solid.nodes, run.solid.constants) = (state.nodes, state.constants);
-        for (strained, stress) in run.solid.strained.iter_mut().zip(state.stresses) {
-            strained.stress = stress;
-        }
-        // Without viscosity there is none.
-        let viscous = run.solid.viscous.len();
-        run.solid.viscous.copy_from_slice(&state.viscous[..viscous]);
+        run.solid.restore(&state.stresses, &state.viscous);
         run.joints.restore(state.joints, &run.model, &run.topology, &run.solid)?;
         run.contacts.restore(state.contacts, &run.joints, &run.topology)?;
         run.seams.restore(state.seams)?;
@@ -606,8 +601,7 @@ where
             elements: self.solid.corners.of_corner.clone(),
             stresses: (0..elements)
                 .map(|element| {
-                    let (stress, moduli) = (&self.solid.strained[element].stress, self.solid.moduli(element));
-                    <[[f64; D]; N]>::in_tensor(stress, moduli)
+                    <[[f64; D]; N]>::in_tensor(&self.solid.stress(element), self.solid.moduli(element))
                 })
                 .collect(),
             damage,

@@ -1,16 +1,19 @@
 //! Elements and nodes, and the forces of their deformation.
 
+pub(crate) mod batch;
+
 use fdem_mesh::Mesh;
 use serde::{Deserialize, Serialize};
 
-use crate::elastic::{Moduli, viscous_stress};
+use crate::elastic::Moduli;
 use crate::model::Model;
 use crate::simplex::Simplex;
+use crate::solid::batch::{
+    Available, Deformed, Given, LANES, Lanes, Tensors, Told, Undeformed, forces_of, set_tensor, tensor,
+};
 use crate::team::Team;
 use crate::topology::{NONE, Nodes};
-use crate::vector::{
-    Matrix, Point, add, contraction, matrix, minus, product, product_transposed, symmetric, transposed,
-};
+use crate::vector::{Matrix, Point, add, minus};
 
 /// Motion of a node.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -34,49 +37,16 @@ pub(crate) struct Constants {
 
 /// An element of constant strain.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Element<const D: usize = 2> {
+pub(crate) struct Element {
     pub(crate) material: u32,
-    /// Inverse of the matrix whose columns are the undeformed edges from corner 0, 1/m.
-    gradients: Matrix<D>,
     /// Undeformed volume, m³: in two dimensions area times thickness.
     pub(crate) volume: f64,
 }
 
-/// Results of the deformation of an element.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Strained<const D: usize = 2> {
-    /// Cauchy stress, Pa.
-    pub(crate) stress: Matrix<D>,
-    /// Strain energy, J.
-    pub(crate) energy: f64,
-}
-
-impl<const D: usize> Default for Strained<D> {
-    fn default() -> Self {
-        Self { stress: [[0.0; D]; D], energy: 0.0 }
-    }
-}
-
-impl<const D: usize> Element<D> {
+impl Element {
     /// Mass at each of its corners, kg.
-    pub(crate) fn corner_mass<const N: usize>(&self, model: &Model<D, N>) -> f64 {
+    pub(crate) fn corner_mass<const D: usize, const N: usize>(&self, model: &Model<D, N>) -> f64 {
         model.materials[self.material as usize].density * self.volume / N as f64
-    }
-
-    /// Forces on the corners of the element of a stress (first Piola-Kirchhoff), N.
-    #[inline]
-    fn forces<const N: usize>(&self, stress: &Matrix<D>) -> [Point<D>; N] {
-        let on = product_transposed(stress, &self.gradients).map(|row| row.map(|f| -self.volume * f));
-        let mut forces = [[0.0; D]; N];
-        for axis in 0..D {
-            forces[0][axis] = -on[axis][0];
-            forces[1][axis] = on[axis][0];
-            for k in 1..D {
-                forces[0][axis] -= on[axis][k];
-                forces[k + 1][axis] = on[axis][k];
-            }
-        }
-        forces
     }
 }
 
@@ -97,16 +67,21 @@ pub(crate) struct Solid<const D: usize = 2, const N: usize = 3> {
     pub(crate) origin: Point<D>,
     pub(crate) nodes: Vec<Node<D>>,
     pub(crate) constants: Vec<Constants>,
-    pub(crate) elements: Vec<Element<D>>,
-    /// Results of the deformation of each element.
-    pub(crate) strained: Vec<Strained<D>>,
-    /// Forces of the deformation and of loads on the corners of each element, N. They are stored apart because the motion of nodes reads nothing else of an element.
+    pub(crate) elements: Vec<Element>,
+    /// Their undeformed shapes, in batches.
+    undeformed: Vec<Undeformed<D>>,
+    /// Results of their deformation, likewise.
+    deformed: Vec<Deformed<D>>,
+    /// Forces of the deformation and of loads on the corners of each element, N. They are stored apart, element by element, because the motion of nodes reads nothing else of an
+    /// element.
     pub(crate) forces: Vec<[Point<D>; N]>,
-    /// Viscous part of the stress of each element (first Piola-Kirchhoff), Pa; empty without viscosity.
-    pub(crate) viscous: Vec<Matrix<D>>,
+    /// Viscous parts of the stresses (first Piola-Kirchhoff), Pa, likewise; empty without viscosity.
+    viscous: Vec<Tensors<D>>,
     pub(crate) corners: Nodes<N>,
     /// Thickness out of the plane, m; 1 in space.
     pub(crate) thickness: f64,
+    /// Vector instructions of the elements.
+    pub(crate) simd: Available,
     responses: Vec<Response>,
     /// Smallest height of each element; empty without viscosity.
     heights: Vec<f64>,
@@ -139,15 +114,17 @@ where
     pub(crate) fn new(model: &Model<D, N>) -> Self {
         let mesh = &model.mesh;
         let element = |number: usize| {
-            let corners = corners_of(mesh, number);
-            let gradients = <[[f64; D]; N]>::inverse_edges(&corners);
-            Element {
-                material: mesh.materials[number],
-                gradients,
-                volume: corners.measure() * model.thickness,
-            }
+            let volume = corners_of(mesh, number).measure() * model.thickness;
+            Element { material: mesh.materials[number], volume }
         };
-        let elements: Vec<Element<D>> = (0..mesh.elements.len()).map(element).collect();
+        let elements: Vec<Element> = (0..mesh.elements.len()).map(element).collect();
+        let mut undeformed = vec![Undeformed::EMPTY; elements.len().div_ceil(LANES)];
+        for (number, element) in elements.iter().enumerate() {
+            let gradients = <[[f64; D]; N]>::inverse_edges(&corners_of(mesh, number));
+            let batch = &mut undeformed[number / LANES];
+            set_tensor(&mut batch.gradients, number % LANES, &gradients);
+            batch.volume.set(number % LANES, element.volume);
+        }
         let responses: Vec<Response> = model
             .materials
             .iter()
@@ -184,19 +161,22 @@ where
                 energy: <[[f64; D]; N]>::stored(moduli(element), &stress),
             })
             .collect();
-        let mut strained = vec![Strained::default(); elements.len()];
-        for ((strained, prestress), element) in strained.iter_mut().zip(&prestress).zip(&elements) {
-            strained.stress = prestress.stress;
-            strained.energy = prestress.energy * element.volume;
+        let mut deformed = vec![Deformed::NONE; undeformed.len()];
+        for (number, (prestress, element)) in prestress.iter().zip(&elements).enumerate() {
+            let batch: &mut Deformed<D> = &mut deformed[number / LANES];
+            batch.set_stress(number % LANES, &prestress.stress);
+            batch.energy.set(number % LANES, prestress.energy * element.volume);
         }
         let mut solid = Self {
             forces: vec![[[0.0; D]; N]; elements.len()],
-            viscous: vec![[[0.0; D]; D]; heights.len()],
+            viscous: vec![[[Lanes::ZERO; D]; D]; heights.len().div_ceil(LANES)],
             origin,
             nodes,
             constants,
-            strained,
             elements,
+            undeformed,
+            deformed,
+            simd: Available::best(),
             corners,
             thickness: model.thickness,
             responses,
@@ -263,11 +243,43 @@ where
         add(&mut self.forces[corner as usize / N][corner as usize % N], force, 1.0);
     }
 
+    /// Force of the deformation and of loads on a corner of an element, N.
+    #[inline]
+    pub(crate) fn force(&self, corner: u32) -> Point<D> {
+        self.forces[corner as usize / N][corner as usize % N]
+    }
+
+    /// Cauchy stress of an element in the last pass, Pa.
+    #[inline]
+    pub(crate) fn stress(&self, element: usize) -> Matrix<D> {
+        self.deformed[element / LANES].stress(element % LANES)
+    }
+
+    /// Strain energy of an element in the last pass, J.
+    #[inline]
+    pub(crate) fn energy(&self, element: usize) -> f64 {
+        self.deformed[element / LANES].energy.get(element % LANES)
+    }
+
     /// The viscous part of the stress of each element, Pa: 0 without viscosity.
-    pub(crate) fn all_viscous(&self) -> Vec<Matrix<D>> {
-        let mut all = self.viscous.clone();
-        all.resize(self.elements.len(), [[0.0; D]; D]);
-        all
+    pub(crate) fn viscous(&self) -> Vec<Matrix<D>> {
+        let of = |element: usize| match self.viscous.get(element / LANES) {
+            Some(batch) => tensor(batch, element % LANES),
+            None => [[0.0; D]; D],
+        };
+        (0..self.elements.len()).map(of).collect()
+    }
+
+    /// Sets the stresses of all elements, Pa, and the viscous parts of them to those of a saved run.
+    pub(crate) fn restore(&mut self, stresses: &[Matrix<D>], viscous: &[Matrix<D>]) {
+        for (number, stress) in stresses.iter().enumerate() {
+            self.deformed[number / LANES].set_stress(number % LANES, stress);
+        }
+        for (number, viscous) in viscous.iter().enumerate() {
+            if let Some(batch) = self.viscous.get_mut(number / LANES) {
+                set_tensor(batch, number % LANES, viscous);
+            }
+        }
     }
 
     /// Displacement of a node, m.
@@ -288,51 +300,87 @@ where
 
     /// Computes stresses and forces of all elements from the positions and velocities of their nodes.
     pub(crate) fn deform(&mut self, step: f64, team: &Team) -> Deformation {
-        let Self {
-            nodes, elements, strained, forces, viscous, corners, responses, heights, prestress, ..
-        } = self;
-        let found = team.change_all(strained, forces, viscous, |first, chunk, forces, viscous| {
-            let mut sum = Deformation::default();
-            for (k, (strained, forces)) in chunk.iter_mut().zip(forces).enumerate() {
-                let number = first + k;
-                let element = &elements[number];
-                let response = &responses[element.material as usize];
-                let ends = corners.of_corner[number].map(|node| &nodes[node as usize]);
-                let edges = <[[f64; D]; N]>::edges(&ends.map(|node| node.position));
-                let gradient = product(&edges, &element.gradients);
-                let j = <[[f64; D]; N]>::determinant(&gradient);
-                if (j <= 0.0 || j.is_nan()) && sum.inverted.is_none() {
-                    sum.inverted = Some((number as u32, j));
-                }
-                let (mut stress, mut energy) = <[[f64; D]; N]>::stress(&response.moduli, &gradient, j);
-                if let Some(prestress) = prestress.get(number) {
-                    let first = product(&gradient, &prestress.stress);
-                    stress = matrix(|i, k| stress[i][k] + first[i][k]);
-                    let across = transposed(&gradient);
-                    let mut strain = product_transposed(&across, &across);
-                    for axis in 0..D {
-                        strain[axis][axis] -= 1.0;
+        match (self.is_prestressed(), !self.viscous.is_empty()) {
+            (false, false) => self.deform_with::<false, false>(step, team),
+            (false, true) => self.deform_with::<false, true>(step, team),
+            (true, false) => self.deform_with::<true, false>(step, team),
+            (true, true) => self.deform_with::<true, true>(step, team),
+        }
+    }
+
+    /// [`Solid::deform`], with or without `INITIAL` stress and viscosity.
+    fn deform_with<const INITIAL: bool, const VISCOUS: bool>(
+        &mut self,
+        step: f64,
+        team: &Team,
+    ) -> Deformation {
+        let Self { nodes, elements, undeformed, deformed, forces, viscous, corners, responses, .. } = self;
+        let (heights, prestress, simd) = (&self.heights, &self.prestress, self.simd);
+        let found = team.change_batches::<LANES, _, _, _, _>(
+            deformed,
+            forces,
+            viscous,
+            |first, deformed, forces, viscous| {
+                let mut sum = Deformation::default();
+                let (mut given, mut told) = (Given::NONE, Told::NONE);
+                let mut none = [[Lanes::ZERO; D]; D];
+                let mut material = NONE;
+                for (k, deformed) in deformed.iter_mut().enumerate() {
+                    let batch = first + k;
+                    let range = batch * LANES..((batch + 1) * LANES).min(elements.len());
+                    for (lane, of_corner) in corners.of_corner[range.clone()].iter().enumerate() {
+                        let ends = of_corner.map(|node| &nodes[node as usize]);
+                        let edges = <[[f64; D]; N]>::edges(&ends.map(|node| node.position));
+                        set_tensor(&mut given.edges, lane, &edges);
+                        if VISCOUS {
+                            let rates = <[[f64; D]; N]>::edges(&ends.map(|node| node.velocity));
+                            set_tensor(&mut given.rates, lane, &rates);
+                        }
                     }
-                    energy += prestress.energy + 0.5 * contraction(&prestress.stress, &strain);
+                    for (lane, number) in range.clone().enumerate() {
+                        if VISCOUS {
+                            let response = &responses[elements[number].material as usize];
+                            given.viscosity.set(lane, response.viscosity * heights[number]);
+                        }
+                        if INITIAL {
+                            set_tensor(&mut given.initial, lane, &prestress[number].stress);
+                            given.stored.set(lane, prestress[number].energy);
+                        }
+                    }
+                    // Most batches have the material of the one before.
+                    let own = &elements[range.clone()];
+                    if own.iter().any(|element| element.material != material) {
+                        for (lane, element) in own.iter().enumerate() {
+                            let moduli = &responses[element.material as usize].moduli;
+                            given.shear.set(lane, moduli.shear);
+                            given.bulk.set(lane, moduli.bulk);
+                        }
+                        material = own[0].material;
+                        if own.iter().any(|element| element.material != material) {
+                            material = NONE;
+                        }
+                    }
+                    let undeformed = &undeformed[batch];
+                    let viscous = if VISCOUS { &mut viscous[k] } else { &mut none };
+                    batch::strain::<D, N, INITIAL, VISCOUS>(
+                        simd, undeformed, &given, deformed, viscous, &mut told,
+                    );
+                    let forces = &mut forces[k * LANES..][..range.len()];
+                    for (lane, (number, forces)) in range.zip(forces).enumerate() {
+                        *forces = told.forces(lane);
+                        let ratio = told.ratio.get(lane);
+                        if (ratio <= 0.0 || ratio.is_nan()) && sum.inverted.is_none() {
+                            sum.inverted = Some((number as u32, ratio));
+                        }
+                        if VISCOUS && given.viscosity.get(lane) > 0.0 {
+                            // Work of the last viscous stress in the second half of its step, and of the new one in the first half of its step.
+                            sum.dissipated += 0.5 * step * told.power.get(lane) * undeformed.volume.get(lane);
+                        }
+                    }
                 }
-                if response.viscosity > 0.0 {
-                    let edges = <[[f64; D]; N]>::edges(&ends.map(|node| node.velocity));
-                    let rate = product(&edges, &element.gradients);
-                    let viscosity = response.viscosity * heights[number];
-                    let now = viscous_stress::<D, N>(viscosity, &gradient, j, &rate);
-                    let before = std::mem::replace(&mut viscous[k], now);
-                    // Work of the last viscous stress in the second half of its step, and of the new one in the first half of its step.
-                    let power = contraction(&before, &rate) + contraction(&now, &rate);
-                    sum.dissipated += 0.5 * step * power * element.volume;
-                    stress = matrix(|i, k| stress[i][k] + now[i][k]);
-                }
-                strained.energy = energy * element.volume;
-                let cauchy = symmetric(&product_transposed(&stress, &gradient));
-                strained.stress = cauchy.map(|row| row.map(|x| x / j));
-                *forces = element.forces(&stress);
-            }
-            sum
-        });
+                sum
+            },
+        );
         let mut all = Deformation::default();
         for chunk in found {
             all.dissipated += chunk.dissipated;
@@ -343,11 +391,9 @@ where
 
     /// Strain energy of all elements in the last pass, J.
     pub(crate) fn strain_energy(&self, team: &Team) -> f64 {
-        team.look(self.elements.len(), |range| {
-            self.strained[range].iter().map(|strained| strained.energy).sum::<f64>()
-        })
-        .into_iter()
-        .sum()
+        team.look(self.elements.len(), |range| range.map(|element| self.energy(element)).sum::<f64>())
+            .into_iter()
+            .sum()
     }
 
     /// Whether there is initial stress.
@@ -359,7 +405,10 @@ where
     pub(crate) fn initial_force(&self, corner: u32) -> Point<D> {
         let element = corner as usize / N;
         let Some(prestress) = self.prestress.get(element) else { return [0.0; D] };
-        self.elements[element].forces::<N>(&prestress.stress)[corner as usize % N]
+        let (batch, lane) = (&self.undeformed[element / LANES], element % LANES);
+        let gradients = tensor(&batch.gradients, lane);
+        let forces: [Point<D>; N] = forces_of(&prestress.stress, &gradients, batch.volume.get(lane));
+        forces[corner as usize % N]
     }
 
     /// Out-of-plane stress of an element in two dimensions, Pa.

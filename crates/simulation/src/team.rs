@@ -78,26 +78,27 @@ impl Team {
         }
     }
 
-    /// Calls `work` on chunks of three lists, likewise. The third list may be empty; then its chunks are.
-    pub(crate) fn change_all<A: Send, B: Send, C: Send, R: Send>(
+    /// Calls `work` on chunks of a list of batches of `LANES` items, of the items themselves, and of another list of batches, likewise. The third list may be empty;
+    /// then its chunks are.
+    pub(crate) fn change_batches<const LANES: usize, A: Send, B: Send, C: Send, R: Send>(
         &self,
-        first: &mut [A],
-        second: &mut [B],
-        third: &mut [C],
+        batches: &mut [A],
+        items: &mut [B],
+        more: &mut [C],
         work: impl Fn(usize, &mut [A], &mut [B], &mut [C]) -> R + Sync,
     ) -> Vec<R> {
-        let parallel = first.len() >= WORTH_IT;
-        let thirds = third.chunks_mut(CHUNK).chain(std::iter::repeat_with(|| &mut [][..]));
-        let chunks = first.chunks_mut(CHUNK).zip(second.chunks_mut(CHUNK)).zip(thirds);
-        let chunks = chunks.enumerate();
+        let size = const { CHUNK / LANES };
+        let parallel = items.len() >= WORTH_IT;
+        let more = more.chunks_mut(size).chain(std::iter::repeat_with(|| &mut [][..]));
+        let chunks = batches.chunks_mut(size).zip(items.chunks_mut(CHUNK)).zip(more).enumerate();
         match &self.pool {
             Some(pool) if parallel => {
                 let chunks: Vec<_> = chunks.collect();
                 pool.install(|| {
-                    chunks.into_par_iter().map(|(k, ((a, b), c))| work(k * CHUNK, a, b, c)).collect()
+                    chunks.into_par_iter().map(|(k, ((a, b), c))| work(k * size, a, b, c)).collect()
                 })
             }
-            _ => chunks.map(|(k, ((a, b), c))| work(k * CHUNK, a, b, c)).collect(),
+            _ => chunks.map(|(k, ((a, b), c))| work(k * size, a, b, c)).collect(),
         }
     }
 

@@ -57,7 +57,7 @@ impl<const D: usize> Joints<D> {
             let mut failing = Vec::new();
             for (k, near) in chunk.iter_mut().enumerate() {
                 let element = first + k;
-                let (weakest, stress) = (self.weakest[element], &solid.strained[element].stress);
+                let (weakest, stress) = (self.weakest[element], &solid.stress(element));
                 *near = self.slopes.near(weakest, <[[f64; D]; N]>::circle_bound(stress));
                 // The circle itself costs more than its bound.
                 if *near == Near::Failing {
@@ -395,7 +395,7 @@ where
         let (mut force, mut mass) = ([[0.0; D]; 2], [0.0; 2]);
         for (&corner, &group) in self.corners().iter().zip(self.groups) {
             let Some(side) = sides.iter().position(|&side| side == group) else { continue };
-            let mut total = solid.forces[corner as usize / N][corner as usize % N];
+            let mut total = solid.force(corner);
             self.joints.add_force(corner, &mut total);
             contacts.add_force(corner, &mut total);
             for axis in 0..D {

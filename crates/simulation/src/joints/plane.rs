@@ -56,11 +56,11 @@ where
 }
 
 /// Mean stress of the two elements at a facet, Pa.
-pub(crate) fn mean_stress<const D: usize, const N: usize>(
-    solid: &Solid<D, N>,
-    facet: &Facet<D>,
-) -> Matrix<D> {
-    let [one, two] = facet.elements().map(|element| solid.strained[element as usize].stress);
+pub(crate) fn mean_stress<const D: usize, const N: usize>(solid: &Solid<D, N>, facet: &Facet<D>) -> Matrix<D>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    let [one, two] = facet.elements().map(|element| solid.stress(element as usize));
     matrix(|i, k| 0.5 * (one[i][k] + two[i][k]))
 }
 

@@ -27,6 +27,7 @@ const EDGES: [[usize; 2]; 6] = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
 impl Simplex<3, 4> for Tetrahedron {
     const FACETS: [[usize; 3]; 4] = FACES;
     const AT_CORNER: [[usize; 3]; 4] = [[0, 1, 3], [0, 1, 2], [0, 2, 3], [1, 2, 3]];
+    const SMALL: f64 = elastic::SMALL;
     const FACETS_ARE: &'static str = "faces";
 
     fn advance(run: &mut Simulation<3, 4>, steps: u64) -> Result<(), Stop> {
@@ -38,7 +39,7 @@ impl Simplex<3, 4> for Tetrahedron {
         dot(*one, cross3(*two, *three))
     }
 
-    #[inline]
+    #[inline(always)]
     fn cofactor([one, two, three]: &Matrix<3>) -> Matrix<3> {
         [cross3(*two, *three), cross3(*three, *one), cross3(*one, *two)]
     }
@@ -167,8 +168,18 @@ impl Simplex<3, 4> for Tetrahedron {
     }
 
     #[inline]
-    fn stress(moduli: &Moduli, f: &Matrix<3>, j: f64) -> (Matrix<3>, f64) {
-        elastic::stress(moduli, f, j, &Self::cofactor(f))
+    fn stress(moduli: [f64; 2], f: &Matrix<3>, j: f64) -> (Matrix<3>, f64) {
+        elastic::stress(moduli, f, j, &Self::cofactor(f), elastic::cube_root)
+    }
+
+    #[inline(always)]
+    fn stress_of_small(moduli: [f64; 2], f: &Matrix<3>, j: f64) -> (Matrix<3>, f64, f64) {
+        let mut strain = 0.0;
+        let (stress, energy) = elastic::stress(moduli, f, j, &Self::cofactor(f), |z| {
+            strain = z.abs();
+            elastic::cube_root_of_small(z)
+        });
+        (stress, energy, strain)
     }
 
     fn stored(moduli: &Moduli, stress: &Matrix<3>) -> f64 {

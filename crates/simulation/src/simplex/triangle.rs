@@ -18,6 +18,8 @@ pub(crate) type Triangle = [Point; 3];
 impl Simplex<2, 3> for Triangle {
     const FACETS: [[usize; 2]; 3] = [[0, 1], [1, 2], [2, 0]];
     const AT_CORNER: [[usize; 2]; 3] = [[0, 2], [1, 0], [2, 1]];
+    /// No strain needs a branch.
+    const SMALL: f64 = f64::INFINITY;
     const FACETS_ARE: &'static str = "edges";
 
     fn advance(run: &mut Simulation<2, 3>, steps: u64) -> Result<(), Stop> {
@@ -142,8 +144,14 @@ impl Simplex<2, 3> for Triangle {
     }
 
     #[inline]
-    fn stress(moduli: &Moduli, f: &Matrix, j: f64) -> (Matrix, f64) {
+    fn stress(moduli: [f64; 2], f: &Matrix, j: f64) -> (Matrix, f64) {
         elastic::stress(moduli, f, j)
+    }
+
+    #[inline(always)]
+    fn stress_of_small(moduli: [f64; 2], f: &Matrix, j: f64) -> (Matrix, f64, f64) {
+        let (stress, energy) = elastic::stress(moduli, f, j);
+        (stress, energy, 0.0)
     }
 
     fn stored(moduli: &Moduli, stress: &Matrix) -> f64 {

@@ -17,16 +17,21 @@ pub(super) fn deviation([[xx, xy, xz], [_, yy, yz], [_, _, zz]]: &Matrix<3>) -> 
     0.5 * (one * one + two * two + three * three) + 3.0 * (xy * xy + yz * yz + xz * xz)
 }
 
-/// `∛(1 + z)`. For small strains by its series, which is exact to rounding there and takes a fifth of the time.
+/// Up to this magnitude of its argument the series of the cube root is exact to rounding.
+pub(super) const SMALL: f64 = 1e-3;
+
+/// `∛(1 + z)`. For small strains by its series, which takes a fifth of the time.
 #[inline]
-fn cube_root(z: f64) -> f64 {
-    if z.abs() < 1e-3 {
-        let series = 22.0 / 729.0 * z - 10.0 / 243.0;
-        let series = (series * z + 5.0 / 81.0) * z - 1.0 / 9.0;
-        1.0 + z * (1.0 / 3.0 + z * series)
-    } else {
-        libm::cbrt(1.0 + z)
-    }
+pub(super) fn cube_root(z: f64) -> f64 {
+    if z.abs() < SMALL { cube_root_of_small(z) } else { libm::cbrt(1.0 + z) }
+}
+
+/// `∛(1 + z)` by its series.
+#[inline]
+pub(super) fn cube_root_of_small(z: f64) -> f64 {
+    let series = 22.0 / 729.0 * z - 10.0 / 243.0;
+    let series = (series * z + 5.0 / 81.0) * z - 1.0 / 9.0;
+    1.0 + z * (1.0 / 3.0 + z * series)
 }
 
 /// Energy density, J/m³, that a stress has stored by Hooke's law: `σ:C⁻¹:σ / 2`.
@@ -36,7 +41,7 @@ pub(super) fn stored(moduli: &Moduli, stress: &Matrix<3>) -> f64 {
 }
 
 /// First Piola-Kirchhoff stress, Pa, and energy per undeformed volume, J/m³. `j` is the determinant of `f`, which must be positive, and `cofactor` its matrix of
-/// cofactors.
+/// cofactors. `root` is [`cube_root`].
 ///
 /// The energy of the change of shape is `3/2 G (c − 1)` with `c³ = (I₁/3)³/J²`. Both are near 1 while strains are small, and `c − 1` of the order of their squares. With
 /// the strain `E = (FᵀF − 1)/2`, `u = 2/3 tr E` and `q` the [`deviation`] of E,
@@ -45,8 +50,14 @@ pub(super) fn stored(moduli: &Moduli, stress: &Matrix<3>) -> f64 {
 /// c³ − 1 = z = (4/3 q + u³ − 8 det E)/J²,    c − 1 = z/(c² + c + 1),
 /// ```
 /// in which no large terms cancel.
-#[inline]
-pub(super) fn stress(moduli: &Moduli, f: &Matrix<3>, j: f64, cofactor: &Matrix<3>) -> (Matrix<3>, f64) {
+#[inline(always)]
+pub(super) fn stress(
+    [shear, bulk]: [f64; 2],
+    f: &Matrix<3>,
+    j: f64,
+    cofactor: &Matrix<3>,
+    root: impl FnOnce(f64) -> f64,
+) -> (Matrix<3>, f64) {
     let strain = |i: usize, k: usize| {
         let sum = f[0][i] * f[0][k] + f[1][i] * f[1][k] + f[2][i] * f[2][k];
         0.5 * if i == k { sum - 1.0 } else { sum }
@@ -57,15 +68,15 @@ pub(super) fn stress(moduli: &Moduli, f: &Matrix<3>, j: f64, cofactor: &Matrix<3
     let determinant = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz);
     let deviation = deviation(&[[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]);
     let z = (4.0 / 3.0 * deviation + u * u * u - 8.0 * determinant) / (j * j);
-    let c = cube_root(z);
+    let c = root(z);
     let shape = z / (c * c + c + 1.0);
     let volume = j - 1.0;
     // G J^(−2/3), and what multiplies the cofactors.
     let third = 1.0 + u;
-    let g = moduli.shear * c / third;
-    let k = moduli.bulk * volume - g * third / j;
+    let g = shear * c / third;
+    let k = bulk * volume - g * third / j;
     let stress = std::array::from_fn(|i| std::array::from_fn(|l| g * f[i][l] + k * cofactor[i][l]));
-    (stress, 1.5 * moduli.shear * shape + 0.5 * moduli.bulk * volume * volume)
+    (stress, 1.5 * shear * shape + 0.5 * bulk * volume * volume)
 }
 
 #[cfg(test)]

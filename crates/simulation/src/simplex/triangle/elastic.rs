@@ -21,14 +21,14 @@ pub(super) fn stored(moduli: &Moduli, [[xx, xy], [_, yy]]: &Matrix) -> f64 {
 }
 
 /// First Piola-Kirchhoff stress, Pa, and energy per undeformed volume, J/m³. `j` is the determinant of `f`; it must be positive.
-#[inline]
-pub(super) fn stress(moduli: &Moduli, f: &Matrix, j: f64) -> (Matrix, f64) {
+#[inline(always)]
+pub(super) fn stress([shear, bulk]: [f64; 2], f: &Matrix, j: f64) -> (Matrix, f64) {
     let [[a, b], [c, d]] = *f;
     // I₁ - 2J as a sum of squares that vanish under rotation, so that no large terms cancel.
     let (difference, sum) = (a - d, b + c);
     let shape = (difference * difference + sum * sum) / j;
     let volume = j - 1.0;
-    let (g, k) = (moduli.shear / j, moduli.bulk * volume - 0.5 * moduli.shear / j * shape);
+    let (g, k) = (shear / j, bulk * volume - 0.5 * shear / j * shape);
     let stress = [[g * difference + k * d, g * sum + k * -c], [g * sum + k * -b, g * -difference + k * a]];
-    (stress, 0.5 * (moduli.shear * shape + moduli.bulk * volume * volume))
+    (stress, 0.5 * (shear * shape + bulk * volume * volume))
 }
