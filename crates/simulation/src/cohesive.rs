@@ -131,9 +131,24 @@ impl Law {
     }
 
     /// A traction, Pa, below which a whole joint does not soften in any direction. `friction`: what pressure adds to its shear strength, Pa.
-    #[inline]
+    #[inline(always)]
     fn least(&self, friction: f64) -> f64 {
-        if friction > 0.0 { self.cohesion + friction } else { self.tensile.min(self.cohesion) }
+        let lower = if self.tensile < self.cohesion { self.tensile } else { self.cohesion };
+        if friction > 0.0 { self.cohesion + friction } else { lower }
+    }
+
+    /// Traction, Pa, of a whole joint at an opening and sliding from where it has none, m, and whether it stays whole. There is no branch, so that many joints can be
+    /// computed side by side.
+    #[inline(always)]
+    pub(crate) fn of_whole<const D: usize>(&self, mut bond: [f64; D]) -> ([f64; D], bool) {
+        let opening = bond[0];
+        let pressure = self.penalty * if opening < 0.0 { -opening } else { 0.0 };
+        bond[0] = if opening > 0.0 { opening } else { 0.0 };
+        let least = self.least(self.friction * pressure);
+        let holds = self.penalty * self.penalty * dot(bond, bond) <= least * least;
+        let mut traction = bond.map(|length| self.penalty * length);
+        traction[0] = if pressure != 0.0 { -pressure } else { traction[0] };
+        (traction, holds)
     }
 
     /// Strength, Pa, and length beyond the elastic range at which the joint is broken, m, of a vector of opening and sliding with the squares of the cosine and
@@ -255,21 +270,23 @@ impl<const D: usize> Memory<D> {
     /// Traction of a joint that is whole and stays whole, `None` if it may soften. Its bond holds all of the sliding, so that it has no history: nothing is written.
     #[inline]
     fn of_whole(&self, law: &Law, gap: [f64; D]) -> Option<[f64; D]> {
-        if self.stiffness != 1.0 || law.tensile == 0.0 || law.cohesion == 0.0 {
+        if !self.is_whole(law) {
             return None;
         }
-        let mut bond = minus(gap, self.origin);
-        let pressure = law.penalty * (-bond[0]).max(0.0);
-        bond[0] = bond[0].max(0.0);
-        let least = law.least(law.friction * pressure);
-        if law.penalty * law.penalty * dot(bond, bond) > least * least {
-            return None;
-        }
-        let mut traction = bond.map(|length| law.penalty * length);
-        if pressure != 0.0 {
-            traction[0] = -pressure;
-        }
-        Some(traction)
+        let (traction, holds) = law.of_whole(minus(gap, self.origin));
+        holds.then_some(traction)
+    }
+
+    /// Whether it has not softened, and [`Law::of_whole`] is its law until it does.
+    #[inline]
+    pub(crate) fn is_whole(&self, law: &Law) -> bool {
+        self.stiffness == 1.0 && law.tensile != 0.0 && law.cohesion != 0.0
+    }
+
+    /// Opening and sliding, m, at which the bond has no traction.
+    #[inline]
+    pub(crate) fn origin(&self) -> [f64; D] {
+        self.origin
     }
 
     /// Traction of any joint.

@@ -44,8 +44,8 @@ pub(crate) fn viscous_stress<const D: usize, const N: usize>(
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    let cofactor = <[[f64; D]; N]>::cofactor(f);
-    let inverse = matrix(|i, k| cofactor[k][i] / j);
+    let (cofactor, over) = (<[[f64; D]; N]>::cofactor(f), 1.0 / j);
+    let inverse = matrix(|i, k| cofactor[k][i] * over);
     let rate = symmetric(&product(rate, &inverse));
     product(&rate.map(|row| row.map(|x| 2.0 * viscosity * x)), &cofactor)
 }

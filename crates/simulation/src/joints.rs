@@ -10,6 +10,7 @@
 mod insertion;
 mod near;
 mod plane;
+mod whole;
 
 use serde::{Deserialize, Serialize};
 
@@ -17,6 +18,8 @@ use crate::cohesive::{Law, Memory, Plane, TooLittle};
 use crate::error::ModelError;
 use crate::forces::ContactForce;
 use crate::joints::near::{Near, Slopes, Weakest};
+use crate::joints::whole::{Batch, Link};
+use crate::lanes::LANES;
 use crate::model::{Insertion, Model, Strength};
 use crate::random;
 use crate::simplex::Simplex;
@@ -119,6 +122,12 @@ impl<const D: usize> Joint<D> {
         }
     }
 
+    /// Area of each of its ends that has not been handed over to contact, m².
+    #[inline]
+    fn share(&self, thickness: f64) -> f64 {
+        self.measure / D as f64 * thickness * (1.0 - self.faded)
+    }
+
     /// Damage by opening and by sliding: the mean of its ends.
     pub(crate) fn modes(&self) -> [f64; 2] {
         [0, 1].map(|mode| self.ends.iter().map(|end| end.damages[mode]).sum::<f64>() / D as f64)
@@ -129,6 +138,8 @@ impl<const D: usize> Joint<D> {
 #[derive(Debug)]
 pub(crate) struct Joints<const D: usize = 2> {
     pub(crate) all: Vec<Joint<D>>,
+    /// What most steps need of each joint.
+    links: Vec<Link<D>>,
     /// Force of each joint on its side 0, at each end, N; side 1 has the opposite.
     forces: Vec<[Point<D>; D]>,
     /// Joints that broke, ascending by their numbers.
@@ -211,6 +222,7 @@ impl<const D: usize> Joints<D> {
         let mut joints = Self {
             tips: Vec::new(),
             all: Vec::new(),
+            links: Vec::new(),
             forces: Vec::new(),
             breaks: Vec::new(),
             at_corner: if strengths.is_empty() {
@@ -293,6 +305,7 @@ impl<const D: usize> Joints<D> {
     {
         let count = self.class.iter().filter(|&&class| class != NONE).count();
         self.all.reserve_exact(count);
+        self.links.reserve_exact(count);
         self.forces.reserve_exact(count);
         for facet in 0..topology.facets.len() as u32 {
             if let Some(law) = self.law(facet, model, topology)? {
@@ -330,7 +343,7 @@ impl<const D: usize> Joints<D> {
         }
         self.forces.push([[0.0; D]; D]);
         let measure = measure_of(model, topology, sides);
-        self.all.push(Joint {
+        let joint = Joint {
             facet,
             state: State::Holding,
             plane,
@@ -343,7 +356,9 @@ impl<const D: usize> Joints<D> {
             detached: [false; D],
             faded: 0.0,
             fading: 0.0,
-        });
+        };
+        self.links.push(Link::of(&joint, model.thickness));
+        self.all.push(joint);
     }
 
     /// Looks up the nodes of all joints again.
@@ -351,8 +366,9 @@ impl<const D: usize> Joints<D> {
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
-        for joint in &mut self.all {
+        for (joint, link) in self.all.iter_mut().zip(&mut self.links) {
             joint.nodes = nodes_at(&topology.facets[joint.facet as usize], solid);
+            *link = Link::of(joint, solid.thickness);
         }
     }
 
@@ -397,6 +413,7 @@ impl<const D: usize> Joints<D> {
             return Err(missing("joint", broken.joint));
         }
         self.all.clear();
+        self.links.clear();
         self.forces.clear();
         for joint in &saved.joints {
             let law = if (joint.facet as usize) < topology.facets.len() {
@@ -431,21 +448,38 @@ impl<const D: usize> Joints<D> {
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
-        let found = team.change_both(&mut self.all, &mut self.forces, |first, joints, forces| {
-            let mut sum = Parting::default();
-            for (k, (joint, forces)) in joints.iter_mut().zip(forces).enumerate() {
-                if joint.state == State::Removed {
-                    joint.fading = 0.0;
-                    continue;
+        let Self { all, links, forces, .. } = self;
+        let found =
+            team.change_batches::<1, _, _, _, _>(all, links, forces, |first, joints, links, forces| {
+                let mut sum = Parting::default();
+                let mut batch = Batch::EMPTY;
+                let lists =
+                    joints.chunks_mut(LANES).zip(links.chunks_mut(LANES)).zip(forces.chunks_mut(LANES));
+                for (start, ((joints, links), forces)) in (first..).step_by(LANES).zip(lists) {
+                    let batched = batch.pull(joints, links, forces, solid, step);
+                    for (k, ((joint, link), forces)) in joints.iter_mut().zip(links).zip(forces).enumerate() {
+                        if let Some((found, work)) = batched.then(|| batch.result(k)).flatten() {
+                            *forces = found;
+                            sum.work += work;
+                            continue;
+                        }
+                        if link.is_gone() {
+                            continue;
+                        }
+                        if joint.state == State::Removed {
+                            joint.fading = 0.0;
+                        } else {
+                            let (work, modes) = pull(joint, forces, solid, step);
+                            sum.work += work;
+                            if let Some(modes) = modes {
+                                sum.breaks.push(Break { joint: (start + k) as u32, time, modes });
+                            }
+                        }
+                        *link = Link::of(joint, solid.thickness);
+                    }
                 }
-                let (work, modes) = pull(joint, forces, solid, step);
-                sum.work += work;
-                if let Some(modes) = modes {
-                    sum.breaks.push(Break { joint: (first + k) as u32, time, modes });
-                }
-            }
-            sum
-        });
+                sum
+            });
         let mut all = Parting::default();
         for chunk in found {
             all.work += chunk.work;
@@ -608,7 +642,7 @@ where
     [[f64; D]; N]: Simplex<D, N>,
 {
     let frame = Frame::new(joint, solid);
-    let share = joint.measure / D as f64 * solid.thickness * (1.0 - joint.faded);
+    let share = joint.share(solid.thickness);
     let (mut work, mut slid, mut least, mut whole) = (0.0, [0.0; D], f64::INFINITY, false);
     let mut pressed = false;
     for (end, [a, b]) in frame.ends.into_iter().enumerate() {

@@ -79,6 +79,7 @@ mod checks;
 mod random;
 mod team;
 mod vector;
+mod lanes;
 mod simplex;
 mod topology;
 mod elastic;

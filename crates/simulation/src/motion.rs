@@ -127,8 +127,9 @@ fn move_node<const D: usize, const N: usize>(
     let mut reactions = [0.0; D];
     let mass = constants.mass;
     let step = motion.step;
+    let over = step / mass;
     let before = node.velocity;
-    let weight: Point<D> = std::array::from_fn(|axis| mass * motion.gravity[axis]);
+    let weight: Point<D> = motion.gravity.map(|acceleration| mass * acceleration);
     let held = motion.loads.holds.get(constants.hold as usize);
     let damping = motion.model.time.local_damping;
     let mut external = weight;
@@ -149,18 +150,23 @@ fn move_node<const D: usize, const N: usize>(
             sum.reactions[hold.boundary as usize][axis] += reaction;
             after
         } else {
-            if before[axis] != 0.0 {
+            if damping != 0.0 && before[axis] != 0.0 {
                 damped[axis] = damping * force[axis].abs() * before[axis].signum();
             }
-            before[axis] + step * (force[axis] - damped[axis]) / mass
+            before[axis] + over * (force[axis] - damped[axis])
         };
         node.velocity[axis] = after;
         node.position[axis] += step * after;
     }
     sum.kinetic += 0.5 * mass * dot(before, node.velocity);
     for (half, velocity) in [before, node.velocity].into_iter().enumerate() {
-        sum.external[half] += 0.5 * step * dot(external, velocity);
-        sum.damping[half] += 0.5 * step * dot(damped, velocity);
+        // Most nodes have no force that does work but those of elements, joints and contacts.
+        if external != [0.0; D] {
+            sum.external[half] += 0.5 * step * dot(external, velocity);
+        }
+        if damping != 0.0 {
+            sum.damping[half] += 0.5 * step * dot(damped, velocity);
+        }
     }
     reactions
 }

@@ -6,11 +6,10 @@ use fdem_mesh::Mesh;
 use serde::{Deserialize, Serialize};
 
 use crate::elastic::Moduli;
+use crate::lanes::{Available, LANES, Lanes, Tensors, set_tensor, tensor};
 use crate::model::Model;
 use crate::simplex::Simplex;
-use crate::solid::batch::{
-    Available, Deformed, Given, LANES, Lanes, Tensors, Told, Undeformed, forces_of, set_tensor, tensor,
-};
+use crate::solid::batch::{Deformed, Given, Told, Undeformed, forces_of};
 use crate::team::Team;
 use crate::topology::{NONE, Nodes};
 use crate::vector::{Matrix, Point, add, minus};
@@ -80,8 +79,8 @@ pub(crate) struct Solid<const D: usize = 2, const N: usize = 3> {
     pub(crate) corners: Nodes<N>,
     /// Thickness out of the plane, m; 1 in space.
     pub(crate) thickness: f64,
-    /// Vector instructions of the elements.
-    pub(crate) simd: Available,
+    /// Vector instructions of elements and joints.
+    pub(crate) available: Available,
     responses: Vec<Response>,
     /// Smallest height of each element; empty without viscosity.
     heights: Vec<f64>,
@@ -176,7 +175,7 @@ where
             elements,
             undeformed,
             deformed,
-            simd: Available::best(),
+            available: Available::best(),
             corners,
             thickness: model.thickness,
             responses,
@@ -315,7 +314,7 @@ where
         team: &Team,
     ) -> Deformation {
         let Self { nodes, elements, undeformed, deformed, forces, viscous, corners, responses, .. } = self;
-        let (heights, prestress, simd) = (&self.heights, &self.prestress, self.simd);
+        let (heights, prestress, available) = (&self.heights, &self.prestress, self.available);
         let found = team.change_batches::<LANES, _, _, _, _>(
             deformed,
             forces,
@@ -363,7 +362,7 @@ where
                     let undeformed = &undeformed[batch];
                     let viscous = if VISCOUS { &mut viscous[k] } else { &mut none };
                     batch::strain::<D, N, INITIAL, VISCOUS>(
-                        simd, undeformed, &given, deformed, viscous, &mut told,
+                        available, undeformed, &given, deformed, viscous, &mut told,
                     );
                     let forces = &mut forces[k * LANES..][..range.len()];
                     for (lane, (number, forces)) in range.zip(forces).enumerate() {

@@ -19,6 +19,7 @@ use crate::cohesive::{Memory, Plane, use_of};
 use crate::contacts::Contacts;
 use crate::joints::near::{Near, SUSPECT};
 use crate::joints::plane::{breaks, mean_stress, plane_near, side, traction};
+use crate::joints::whole::Link;
 use crate::joints::{Joints, Tip, measure_of, nodes_at};
 use crate::model::{Insertion, Model};
 use crate::simplex::Simplex;
@@ -316,19 +317,20 @@ impl<const D: usize> Joints<D> {
         if facet == NONE {
             return;
         }
-        let Some(joint) = self.all.get_mut(self.of_facet[facet as usize] as usize) else { return };
+        let number = self.of_facet[facet as usize] as usize;
+        let Some(joint) = self.all.get_mut(number) else { return };
         let sides = &topology.facets[facet as usize];
         let end = end_at(sides, vertex, topology);
         joint.nodes = nodes_at(sides, solid);
         let [a, b] = joint.nodes[end];
-        if joint.open[end] || a == b {
-            return;
+        if !joint.open[end] && a != b {
+            joint.open[end] = true;
+            if self.insertion == Insertion::Adaptive || solid.is_prestressed() {
+                let traction = known.unwrap_or_else(|| traction(solid, sides));
+                joint.ends[end] = Memory::under(&joint.law, traction);
+            }
         }
-        joint.open[end] = true;
-        if self.insertion == Insertion::Adaptive || solid.is_prestressed() {
-            let traction = known.unwrap_or_else(|| traction(solid, sides));
-            joint.ends[end] = Memory::under(&joint.law, traction);
-        }
+        self.links[number] = Link::of(joint, solid.thickness);
     }
 }
 

@@ -80,7 +80,7 @@ impl Simplex<3, 4> for Tetrahedron {
         [normal, along, cross3(normal, along)]
     }
 
-    #[inline]
+    #[inline(always)]
     fn unit_axes([a, b, c]: &[Point<3>; 3]) -> Matrix<3> {
         let along = minus(*b, *a);
         let normal = cross3(along, minus(*c, *a));

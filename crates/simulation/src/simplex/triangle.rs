@@ -70,7 +70,7 @@ impl Simplex<2, 3> for Triangle {
         [[y, -x], [x, y]]
     }
 
-    #[inline]
+    #[inline(always)]
     fn unit_axes(facet: &[Point; 2]) -> Matrix {
         Self::axes(facet).map(|axis| {
             let long = 1.0 / dot(axis, axis).sqrt();

@@ -1,56 +1,12 @@
-//! The deformation of elements, a batch of them side by side.
-//!
-//! [`strain_one`] is the definition: the stress and the forces of one element of a batch. Its only branch is on what is the same for a whole batch, so that the compiler makes vectors of
-//! the loop over a batch: one for each set of instructions, chosen at run time. All of them do the same operations on each element, so that the bits are the same.
+//! The deformation of elements, a batch of them side by side: see `lanes.rs`.
 
 #![allow(unsafe_code, reason = "functions that are compiled for vector instructions")]
 #![allow(clippy::inline_always, reason = "what a batch calls must be compiled for the same instructions")]
 
-use fdem_contact::Simd;
-
 use crate::elastic::viscous_stress;
+use crate::lanes::{Available, LANES, Lanes, Tensors, compiled_for_vectors, set_tensor, tensor};
 use crate::simplex::Simplex;
 use crate::vector::{Matrix, Point, contraction, matrix, product, product_transposed, symmetric, transposed};
-
-/// Number of elements in a batch: two vectors of the widest kind.
-pub(crate) const LANES: usize = 16;
-
-/// A number of each element of a batch.
-#[derive(Clone, Copy, Debug)]
-#[repr(align(64))]
-pub(crate) struct Lanes([f64; LANES]);
-
-impl Lanes {
-    pub(crate) const ZERO: Self = Self([0.0; LANES]);
-
-    #[inline(always)]
-    pub(crate) fn get(&self, lane: usize) -> f64 {
-        self.0[lane]
-    }
-
-    #[inline(always)]
-    pub(crate) fn set(&mut self, lane: usize, value: f64) {
-        self.0[lane] = value;
-    }
-}
-
-/// A tensor of each element of a batch.
-pub(crate) type Tensors<const D: usize> = [[Lanes; D]; D];
-
-/// The tensor of one element.
-#[inline(always)]
-pub(crate) fn tensor<const D: usize>(of: &Tensors<D>, lane: usize) -> Matrix<D> {
-    matrix(|i, k| of[i][k].get(lane))
-}
-
-#[inline(always)]
-pub(crate) fn set_tensor<const D: usize>(of: &mut Tensors<D>, lane: usize, value: &Matrix<D>) {
-    for i in 0..D {
-        for k in 0..D {
-            of[i][k].set(lane, value[i][k]);
-        }
-    }
-}
 
 /// The undeformed elements of a batch.
 #[derive(Clone, Copy, Debug)]
@@ -63,7 +19,7 @@ pub(crate) struct Undeformed<const D: usize> {
 
 impl<const D: usize> Undeformed<D> {
     /// Elements of volume 1 without a shape.
-    pub(crate) const EMPTY: Self = Self { gradients: [[Lanes::ZERO; D]; D], volume: Lanes([1.0; LANES]) };
+    pub(crate) const EMPTY: Self = Self { gradients: [[Lanes::ZERO; D]; D], volume: Lanes::all(1.0) };
 }
 
 /// Results of the deformation of a batch that are kept.
@@ -206,14 +162,14 @@ fn strain_one<const D: usize, const N: usize, const INITIAL: bool, const VISCOUS
         let before = tensor(viscous, lane);
         let now = viscous_stress::<D, N>(viscosity, &gradient, j, &rate);
         told.power.set(lane, contraction(&before, &rate) + contraction(&now, &rate));
-        // In one material there may be none.
-        set_tensor(viscous, lane, &matrix(|i, k| if viscosity > 0.0 { now[i][k] } else { before[i][k] }));
-        stress = matrix(|i, k| if viscosity > 0.0 { stress[i][k] + now[i][k] } else { stress[i][k] });
+        set_tensor(viscous, lane, &now);
+        stress = matrix(|i, k| stress[i][k] + now[i][k]);
     }
     told.ratio.set(lane, j);
     deformed.energy.set(lane, energy * volume);
     let cauchy = symmetric(&product_transposed(&stress, &gradient));
-    deformed.set_stress(lane, &cauchy.map(|row| row.map(|x| x / j)));
+    let over = 1.0 / j;
+    deformed.set_stress(lane, &cauchy.map(|row| row.map(|x| x * over)));
     let forces: [Point<D>; N] = forces_of(&stress, &gradients, volume);
     for corner in 0..N {
         for axis in 0..D {
@@ -238,35 +194,18 @@ fn strain_all<const D: usize, const N: usize, const INITIAL: bool, const VISCOUS
     }
 }
 
-/// Defines [`strain_all`] for a set of instructions.
-#[allow(unused_macros, reason = "only processors with such a set use it")]
-macro_rules! compiled_for {
-    ($features:literal, $name:ident) => {
-        /// [`strain_all`], compiled for these instructions.
-        #[target_feature(enable = $features)]
-        fn $name<const D: usize, const N: usize, const INITIAL: bool, const VISCOUS: bool>(
-            undeformed: &Undeformed<D>,
-            given: &Given<D>,
-            deformed: &mut Deformed<D>,
-            viscous: &mut Tensors<D>,
-            told: &mut Told<D, N>,
-        ) where
-            [[f64; D]; N]: Simplex<D, N>,
-        {
-            strain_all::<D, N, INITIAL, VISCOUS>(undeformed, given, deformed, viscous, told);
-        }
-    };
-}
+compiled_for_vectors!(fn vectors = strain_all<const D: usize, const N: usize, const INITIAL: bool, const VISCOUS: bool>(
+    undeformed: &Undeformed<D>,
+    given: &Given<D>,
+    deformed: &mut Deformed<D>,
+    viscous: &mut Tensors<D>,
+    told: &mut Told<D, N>
+) where [[f64; D]; N]: Simplex<D, N>);
 
-#[cfg(target_arch = "x86_64")]
-compiled_for!("avx2", avx2);
-#[cfg(target_arch = "x86_64")]
-compiled_for!("avx512f,avx512vl", avx512);
-
-/// Computes the elements of a batch. `simd`: a set of instructions that the processor has, see [`Simd::available`].
+/// Computes the elements of a batch.
 #[inline]
 pub(crate) fn strain<const D: usize, const N: usize, const INITIAL: bool, const VISCOUS: bool>(
-    simd: Available,
+    available: Available,
     undeformed: &Undeformed<D>,
     given: &Given<D>,
     deformed: &mut Deformed<D>,
@@ -275,36 +214,10 @@ pub(crate) fn strain<const D: usize, const N: usize, const INITIAL: bool, const 
 ) where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    match simd.0 {
-        // SAFETY: this processor has the instructions, or there were no `Available`.
-        #[cfg(target_arch = "x86_64")]
-        Simd::Avx512 => unsafe {
-            avx512::<D, N, INITIAL, VISCOUS>(undeformed, given, deformed, viscous, told)
-        },
-        // SAFETY: likewise.
-        #[cfg(target_arch = "x86_64")]
-        Simd::Avx2 => unsafe { avx2::<D, N, INITIAL, VISCOUS>(undeformed, given, deformed, viscous, told) },
-        _ => strain_all::<D, N, INITIAL, VISCOUS>(undeformed, given, deformed, viscous, told),
-    }
+    vectors::<D, N, INITIAL, VISCOUS>(available, undeformed, given, deformed, viscous, told);
     for lane in 0..LANES {
         if told.strain.get(lane) >= <[[f64; D]; N]>::SMALL {
             strain_one::<D, N, INITIAL, VISCOUS, true>(lane, undeformed, given, deformed, viscous, told);
         }
-    }
-}
-
-/// A set of vector instructions that this processor has.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Available(Simd);
-
-impl Available {
-    /// This set, if the processor has it.
-    pub(crate) fn new(simd: Simd) -> Option<Self> {
-        simd.is_available().then_some(Self(simd))
-    }
-
-    /// The fastest.
-    pub(crate) fn best() -> Self {
-        Self(Simd::best())
     }
 }

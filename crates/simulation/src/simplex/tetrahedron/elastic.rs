@@ -67,14 +67,17 @@ pub(super) fn stress(
     let u = 2.0 / 3.0 * (xx + yy + zz);
     let determinant = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz);
     let deviation = deviation(&[[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]);
-    let z = (4.0 / 3.0 * deviation + u * u * u - 8.0 * determinant) / (j * j);
+    // Divisions cost more than all else here: there are two.
+    let inverse = 1.0 / j;
+    let z = (4.0 / 3.0 * deviation + u * u * u - 8.0 * determinant) * (inverse * inverse);
     let c = root(z);
-    let shape = z / (c * c + c + 1.0);
+    let (third, sum) = (1.0 + u, c * c + c + 1.0);
+    let both = 1.0 / (third * sum);
+    let shape = z * (third * both);
     let volume = j - 1.0;
     // G J^(−2/3), and what multiplies the cofactors.
-    let third = 1.0 + u;
-    let g = shear * c / third;
-    let k = bulk * volume - g * third / j;
+    let g = shear * c * (sum * both);
+    let k = bulk * volume - g * third * inverse;
     let stress = std::array::from_fn(|i| std::array::from_fn(|l| g * f[i][l] + k * cofactor[i][l]));
     (stress, 1.5 * shear * shape + 0.5 * bulk * volume * volume)
 }

@@ -26,9 +26,11 @@ pub(super) fn stress([shear, bulk]: [f64; 2], f: &Matrix, j: f64) -> (Matrix, f6
     let [[a, b], [c, d]] = *f;
     // I₁ - 2J as a sum of squares that vanish under rotation, so that no large terms cancel.
     let (difference, sum) = (a - d, b + c);
-    let shape = (difference * difference + sum * sum) / j;
+    let inverse = 1.0 / j;
+    let shape = (difference * difference + sum * sum) * inverse;
     let volume = j - 1.0;
-    let (g, k) = (shear / j, bulk * volume - 0.5 * shear / j * shape);
+    let g = shear * inverse;
+    let k = bulk * volume - 0.5 * g * shape;
     let stress = [[g * difference + k * d, g * sum + k * -c], [g * sum + k * -b, g * -difference + k * a]];
     (stress, 0.5 * (shear * shape + bulk * volume * volume))
 }

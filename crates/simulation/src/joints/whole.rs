@@ -1,0 +1,236 @@
+//! Whole joints, a batch of them side by side: see `lanes.rs`.
+//!
+//! Where nothing has broken yet, nearly all joints are whole and stay so. Of such a joint a step reads a [`Link`] only, a quarter of the whole record, and its tractions have no branch,
+//! unlike those of joints that soften. [`pull_one`] does the operations of `pull` in `joints.rs` on it.
+
+#![allow(unsafe_code, reason = "functions that are compiled for vector instructions")]
+#![allow(clippy::inline_always, reason = "what a batch calls must be compiled for the same instructions")]
+
+use crate::cohesive::Law;
+use crate::joints::{Joint, State};
+use crate::lanes::{LANES, Lanes, Tensors, compiled_for_vectors, set_tensor, tensor};
+use crate::simplex::Simplex;
+use crate::solid::{Node, Solid};
+use crate::vector::{Point, dot, minus, plus};
+
+/// Number of whole joints in a batch from which it is worth its cost.
+const WORTH_IT: usize = 4;
+
+/// What a step does with a joint.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    /// It is whole, and has no traction where its sides lie on each other.
+    AtRest,
+    /// It is whole.
+    Whole,
+    /// It softens, or is broken.
+    Any,
+    /// It has been removed, and nothing changes any more.
+    Gone,
+}
+
+/// What the forces of a joint depend on while it is whole.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Link<const D: usize> {
+    nodes: [[u32; 2]; D],
+    penalty: f64,
+    tensile: f64,
+    cohesion: f64,
+    friction: f64,
+    /// Area of each end, m².
+    share: f64,
+    open: [bool; D],
+    kind: Kind,
+}
+
+impl<const D: usize> Link<D> {
+    /// The link of a joint as it is now.
+    pub(super) fn of(joint: &Joint<D>, thickness: f64) -> Self {
+        let whole = joint.state == State::Holding
+            && joint.fading == 0.0
+            && joint.detached == [false; D]
+            && joint.ends.iter().all(|end| end.is_whole(&joint.law));
+        let kind = if joint.state == State::Removed && joint.fading == 0.0 {
+            Kind::Gone
+        } else if !whole {
+            Kind::Any
+        } else if joint.ends.iter().all(|end| end.origin() == [0.0; D]) {
+            Kind::AtRest
+        } else {
+            Kind::Whole
+        };
+        let Law { penalty, tensile, cohesion, friction, .. } = joint.law;
+        let share = joint.share(thickness);
+        Self { nodes: joint.nodes, penalty, tensile, cohesion, friction, share, open: joint.open, kind }
+    }
+
+    #[inline]
+    fn is_whole(&self) -> bool {
+        matches!(self.kind, Kind::AtRest | Kind::Whole)
+    }
+
+    /// Whether the joint has been removed, and nothing changes any more.
+    #[inline]
+    pub(super) fn is_gone(&self) -> bool {
+        self.kind == Kind::Gone
+    }
+}
+
+/// What the forces of a batch depend on. The first index of tensors is the end of a joint.
+#[derive(Clone, Debug)]
+pub(super) struct Batch<const D: usize> {
+    /// Sums of the positions of both sides, m.
+    sums: Tensors<D>,
+    /// Differences of the positions and velocities of side 1 from those of side 0, m and m/s.
+    apart: Tensors<D>,
+    rates: Tensors<D>,
+    /// Openings and slidings without traction, m.
+    origins: Tensors<D>,
+    /// Forces on side 0, N: those of the last step, then those of this one.
+    forces: Tensors<D>,
+    /// 1 if the end has two nodes, otherwise 0.
+    open: [Lanes; D],
+    penalty: Lanes,
+    tensile: Lanes,
+    cohesion: Lanes,
+    friction: Lanes,
+    /// Area of each end, m².
+    share: Lanes,
+    /// Work since the last step, J.
+    work: Lanes,
+    /// 1 if the joint was computed and stays whole, otherwise 0.
+    holds: Lanes,
+}
+
+impl<const D: usize> Batch<D> {
+    pub(super) const EMPTY: Self = Self {
+        sums: [[Lanes::ZERO; D]; D],
+        apart: [[Lanes::ZERO; D]; D],
+        rates: [[Lanes::ZERO; D]; D],
+        origins: [[Lanes::ZERO; D]; D],
+        forces: [[Lanes::ZERO; D]; D],
+        open: [Lanes::ZERO; D],
+        penalty: Lanes::ZERO,
+        tensile: Lanes::ZERO,
+        cohesion: Lanes::ZERO,
+        friction: Lanes::ZERO,
+        share: Lanes::ZERO,
+        work: Lanes::ZERO,
+        holds: Lanes::ZERO,
+    };
+
+    /// Computes those of up to [`LANES`] joints that are whole. Returns whether they are worth it.
+    #[inline]
+    pub(super) fn pull<const N: usize>(
+        &mut self,
+        joints: &[Joint<D>],
+        links: &[Link<D>],
+        forces: &[[Point<D>; D]],
+        solid: &Solid<D, N>,
+        step: f64,
+    ) -> bool
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        if links.iter().filter(|link| link.is_whole()).count() < WORTH_IT {
+            return false;
+        }
+        self.holds = Lanes::ZERO;
+        for (lane, ((link, joint), forces)) in links.iter().zip(joints).zip(forces).enumerate() {
+            if link.is_whole() {
+                self.take(lane, link, forces, &solid.nodes);
+                for end in 0..D {
+                    let at_rest = link.kind == Kind::AtRest;
+                    let origin = if at_rest { [0.0; D] } else { joint.ends[end].origin() };
+                    for axis in 0..D {
+                        self.origins[end][axis].set(lane, origin[axis]);
+                    }
+                }
+            }
+        }
+        vectors::<D, N>(solid.available, self, step);
+        for (lane, link) in links.iter().enumerate() {
+            if !link.is_whole() {
+                self.holds.set(lane, 0.0);
+            }
+        }
+        true
+    }
+
+    /// Takes a joint into a lane.
+    #[inline]
+    fn take(&mut self, lane: usize, link: &Link<D>, forces: &[Point<D>; D], nodes: &[Node<D>]) {
+        let ends = link.nodes.map(|end| end.map(|node| &nodes[node as usize]));
+        set_tensor(&mut self.sums, lane, &ends.map(|[a, b]| plus(a.position, b.position)));
+        set_tensor(&mut self.apart, lane, &ends.map(|[a, b]| minus(b.position, a.position)));
+        set_tensor(&mut self.rates, lane, &ends.map(|[a, b]| minus(b.velocity, a.velocity)));
+        set_tensor(&mut self.forces, lane, forces);
+        for end in 0..D {
+            self.open[end].set(lane, f64::from(u8::from(link.open[end])));
+        }
+        self.penalty.set(lane, link.penalty);
+        self.tensile.set(lane, link.tensile);
+        self.cohesion.set(lane, link.cohesion);
+        self.friction.set(lane, link.friction);
+        self.share.set(lane, link.share);
+    }
+
+    /// The forces on side 0 of a joint and the work since the last step, `None` if the joint was not computed, or does not stay whole.
+    #[inline]
+    pub(super) fn result(&self, lane: usize) -> Option<([Point<D>; D], f64)> {
+        (self.holds.get(lane) == 1.0).then(|| (tensor(&self.forces, lane), self.work.get(lane)))
+    }
+}
+
+/// Computes a joint of a batch.
+#[inline(always)]
+fn pull_one<const D: usize, const N: usize>(lane: usize, batch: &mut Batch<D>, step: f64)
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    let axes = <[[f64; D]; N]>::unit_axes(&tensor(&batch.sums, lane));
+    let (apart, rates) = (tensor(&batch.apart, lane), tensor(&batch.rates, lane));
+    let (origins, before) = (tensor(&batch.origins, lane), tensor(&batch.forces, lane));
+    let law = Law {
+        penalty: batch.penalty.get(lane),
+        tensile: batch.tensile.get(lane),
+        cohesion: batch.cohesion.get(lane),
+        friction: batch.friction.get(lane),
+        critical: [0.0; 2],
+    };
+    let share = batch.share.get(lane);
+    let (mut work, mut stay) = (0.0, 1.0);
+    for end in 0..D {
+        let open = batch.open[end].get(lane) > 0.0;
+        let gap: [f64; D] = std::array::from_fn(|k| dot(apart[end], axes[k]));
+        let (traction, holds) = law.of_whole(minus(gap, origins[end]));
+        let force: Point<D> = std::array::from_fn(|axis| {
+            let mut sum = traction[0] * axes[0][axis];
+            for k in 1..D {
+                sum += traction[k] * axes[k][axis];
+            }
+            share * sum
+        });
+        let done = 0.5 * step * (dot(before[end], rates[end]) + dot(force, rates[end]));
+        work += if open { done } else { 0.0 };
+        for axis in 0..D {
+            batch.forces[end][axis].set(lane, if open { force[axis] } else { before[end][axis] });
+        }
+        stay = if open && !holds { 0.0 } else { stay };
+    }
+    batch.work.set(lane, work);
+    batch.holds.set(lane, stay);
+}
+
+/// Computes a batch.
+#[inline(always)]
+fn pull_all<const D: usize, const N: usize>(batch: &mut Batch<D>, step: f64)
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    for lane in 0..LANES {
+        pull_one::<D, N>(lane, batch, step);
+    }
+}
+
+compiled_for_vectors!(fn vectors = pull_all<const D: usize, const N: usize>(batch: &mut Batch<D>, step: f64) where [[f64; D]; N]: Simplex<D, N>);

@@ -1,0 +1,108 @@
+//! Numbers of several elements or joints side by side, and functions that are compiled for vector instructions.
+//!
+//! What a step does most is written for one element or joint of a batch, without a branch that depends on it, and called in a loop over the batch. The compiler makes vectors of such a
+//! loop: one for each set of instructions that [`compiled_for_vectors`] names, chosen at run time. All of them do the same operations on each element, so that the bits are the same.
+
+#![allow(unsafe_code, reason = "functions that are compiled for vector instructions")]
+#![allow(clippy::inline_always, reason = "what a batch calls must be compiled for the same instructions")]
+
+use fdem_contact::Simd;
+
+use crate::vector::{Matrix, matrix};
+
+/// Number of elements or joints in a batch: two vectors of the widest kind.
+pub(crate) const LANES: usize = 16;
+
+/// A number of each member of a batch.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+pub(crate) struct Lanes([f64; LANES]);
+
+impl Lanes {
+    pub(crate) const ZERO: Self = Self::all(0.0);
+
+    pub(crate) const fn all(value: f64) -> Self {
+        Self([value; LANES])
+    }
+
+    #[inline(always)]
+    pub(crate) fn get(&self, lane: usize) -> f64 {
+        self.0[lane]
+    }
+
+    #[inline(always)]
+    pub(crate) fn set(&mut self, lane: usize, value: f64) {
+        self.0[lane] = value;
+    }
+}
+
+/// A tensor, or D vectors, of each member of a batch.
+pub(crate) type Tensors<const D: usize> = [[Lanes; D]; D];
+
+/// The tensor of one member.
+#[inline(always)]
+pub(crate) fn tensor<const D: usize>(of: &Tensors<D>, lane: usize) -> Matrix<D> {
+    matrix(|i, k| of[i][k].get(lane))
+}
+
+#[inline(always)]
+pub(crate) fn set_tensor<const D: usize>(of: &mut Tensors<D>, lane: usize, value: &Matrix<D>) {
+    for i in 0..D {
+        for k in 0..D {
+            of[i][k].set(lane, value[i][k]);
+        }
+    }
+}
+
+/// A set of vector instructions that this processor has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Available(Simd);
+
+impl Available {
+    /// This set, if the processor has it.
+    pub(crate) fn new(simd: Simd) -> Option<Self> {
+        simd.is_available().then_some(Self(simd))
+    }
+
+    /// The fastest.
+    pub(crate) fn best() -> Self {
+        Self(Simd::best())
+    }
+
+    pub(crate) fn simd(self) -> Simd {
+        self.0
+    }
+}
+
+/// Calls a function on batches, compiled for a set of instructions: `compiled_for_vectors!(simd; name<parameters>(arguments: types) where bounds)`. The function must be
+/// `#[inline(always)]`, and so must be what it calls.
+macro_rules! compiled_for_vectors {
+    ($vis:vis fn $name:ident = $all:ident<$(const $parameter:ident: $kind:ty),+>($($argument:ident: $type:ty),+) where $($bound:tt)+) => {
+        /// The loop over a batch, with these instructions.
+        #[inline]
+        $vis fn $name<$(const $parameter: $kind),+>(available: $crate::lanes::Available, $($argument: $type),+) where $($bound)+ {
+            #[cfg(target_arch = "x86_64")]
+            #[target_feature(enable = "avx2")]
+            fn avx2<$(const $parameter: $kind),+>($($argument: $type),+) where $($bound)+ {
+                $all::<$($parameter),+>($($argument),+);
+            }
+
+            #[cfg(target_arch = "x86_64")]
+            #[target_feature(enable = "avx512f,avx512vl")]
+            fn avx512<$(const $parameter: $kind),+>($($argument: $type),+) where $($bound)+ {
+                $all::<$($parameter),+>($($argument),+);
+            }
+
+            match available.simd() {
+                // SAFETY: this processor has the instructions, or there were no `Available`.
+                #[cfg(target_arch = "x86_64")]
+                fdem_contact::Simd::Avx512 => unsafe { avx512::<$($parameter),+>($($argument),+) },
+                // SAFETY: likewise.
+                #[cfg(target_arch = "x86_64")]
+                fdem_contact::Simd::Avx2 => unsafe { avx2::<$($parameter),+>($($argument),+) },
+                _ => $all::<$($parameter),+>($($argument),+),
+            }
+        }
+    };
+}
+pub(crate) use compiled_for_vectors;
