@@ -11,7 +11,7 @@ use crate::simplex::Simplex;
 use crate::solid::{Constants, Node, Solid};
 use crate::team::Team;
 use crate::topology::{NONE, Nodes};
-use crate::vector::{Point, add, dot};
+use crate::vector::{Point, add, dot, minus, plus};
 
 /// Everything that the motion of the nodes in a step depends on.
 pub(crate) struct Motion<'a, const D: usize, const N: usize> {
@@ -61,11 +61,10 @@ where
         for (k, node) in chunk.iter_mut().enumerate() {
             let constants = &constants[first + k];
             let force = gather(first + k, constants, forces, corners, motion);
-            let reaction = move_node(node, constants, force, origin, motion, &mut sum);
+            let (reaction, squared) = move_node(node, constants, force, origin, motion, &mut sum);
             if constants.hold != NONE {
                 sum.held.push(((first + k) as u32, reaction));
             }
-            let squared = dot(node.velocity, node.velocity);
             sum.fastest = sum.fastest.max(squared);
             if (squared > limit || squared.is_nan()) && sum.runaway.is_none() {
                 sum.runaway = Some(((first + k) as u32, squared.sqrt()));
@@ -114,53 +113,34 @@ where
     force
 }
 
-/// Moves a node, and returns the force of what holds it.
+/// Moves a node. Returns the force of what holds it, and the square of its speed.
 #[inline]
 fn move_node<const D: usize, const N: usize>(
     node: &mut Node<D>,
     constants: &Constants,
-    mut force: Point<D>,
+    force: Point<D>,
     origin: Point<D>,
     motion: &Motion<'_, D, N>,
     sum: &mut Moved<D>,
-) -> Point<D> {
-    let mut reactions = [0.0; D];
-    let mass = constants.mass;
-    let step = motion.step;
-    let over = step / mass;
-    let before = node.velocity;
+) -> (Point<D>, f64) {
+    let (mass, step, damping) = (constants.mass, motion.step, motion.model.time.local_damping);
+    let Node { position, velocity: before } = *node;
     let weight: Point<D> = motion.gravity.map(|acceleration| mass * acceleration);
-    let held = motion.loads.holds.get(constants.hold as usize);
-    let damping = motion.model.time.local_damping;
-    let mut external = weight;
-    let mut damped = [0.0; D];
-    for axis in 0..D {
-        force[axis] += weight[axis];
-        let hold = held.and_then(|held| held[axis]);
-        let after = if let Some(hold) = hold {
-            let start = motion.model.mesh.nodes[constants.vertex as usize][axis] - origin[axis];
-            let moved = node.position[axis] - start;
-            let after = hold.velocity(&motion.loads.schedules, motion.time, step, moved);
-            let reaction = mass * (after - before[axis]) / step - force[axis];
-            external[axis] += reaction;
-            reactions[axis] = reaction;
-            if sum.reactions.is_empty() {
-                sum.reactions = vec![[0.0; D]; motion.model.boundaries.len()];
-            }
-            sum.reactions[hold.boundary as usize][axis] += reaction;
-            after
-        } else {
-            if damping != 0.0 && before[axis] != 0.0 {
-                damped[axis] = damping * force[axis].abs() * before[axis].signum();
-            }
-            before[axis] + over * (force[axis] - damped[axis])
-        };
-        node.velocity[axis] = after;
-        node.position[axis] += step * after;
-    }
-    sum.kinetic += 0.5 * mass * dot(before, node.velocity);
-    for (half, velocity) in [before, node.velocity].into_iter().enumerate() {
-        // Most nodes have no force that does work but those of elements, joints and contacts.
+    let force = plus(force, weight);
+    let over = step / mass;
+    let (damped, after, reactions) = if constants.hold == NONE {
+        let damped = local_damping(damping, force, before);
+        (damped, accelerated(before, over, minus(force, damped)), [0.0; D])
+    } else {
+        hold_node(node, constants, force, origin, motion, sum)
+    };
+    // The whole node at once: a processor waits where it reads together what was written in parts.
+    *node =
+        Node { position: std::array::from_fn(|axis| position[axis] + step * after[axis]), velocity: after };
+    sum.kinetic += 0.5 * mass * dot(before, after);
+    // Forces that do work, besides those of elements, joints and contacts. Most nodes have none.
+    let external = plus(weight, reactions);
+    for (half, velocity) in [before, after].into_iter().enumerate() {
         if external != [0.0; D] {
             sum.external[half] += 0.5 * step * dot(external, velocity);
         }
@@ -168,5 +148,54 @@ fn move_node<const D: usize, const N: usize>(
             sum.damping[half] += 0.5 * step * dot(damped, velocity);
         }
     }
-    reactions
+    (reactions, dot(after, after))
+}
+
+/// Velocity after a step. `over`: step over mass, s/kg.
+#[inline]
+fn accelerated<const D: usize>(before: Point<D>, over: f64, force: Point<D>) -> Point<D> {
+    std::array::from_fn(|axis| before[axis] + over * force[axis])
+}
+
+/// The force of local damping against a motion.
+#[inline]
+fn local_damping<const D: usize>(damping: f64, force: Point<D>, velocity: Point<D>) -> Point<D> {
+    if damping == 0.0 {
+        return [0.0; D];
+    }
+    let against = |force: f64, v: f64| if v == 0.0 { 0.0 } else { damping * force.abs() * v.signum() };
+    std::array::from_fn(|axis| against(force[axis], velocity[axis]))
+}
+
+/// The force of local damping on a node that is held, its velocity after the step, and the force of what holds it. Apart from the others, which are most: where axes are
+/// counted one by one, vectors stay in memory.
+#[cold]
+#[inline(never)]
+fn hold_node<const D: usize, const N: usize>(
+    node: &Node<D>,
+    constants: &Constants,
+    force: Point<D>,
+    origin: Point<D>,
+    motion: &Motion<'_, D, N>,
+    sum: &mut Moved<D>,
+) -> (Point<D>, Point<D>, Point<D>) {
+    let (mass, step) = (constants.mass, motion.step);
+    let before = node.velocity;
+    let mut damped = local_damping(motion.model.time.local_damping, force, before);
+    let mut after = accelerated(before, step / mass, minus(force, damped));
+    let mut reactions = [0.0; D];
+    let held = motion.loads.holds[constants.hold as usize];
+    for axis in 0..D {
+        let Some(hold) = held[axis] else { continue };
+        let start = motion.model.mesh.nodes[constants.vertex as usize][axis] - origin[axis];
+        let moved = node.position[axis] - start;
+        after[axis] = hold.velocity(&motion.loads.schedules, motion.time, step, moved);
+        damped[axis] = 0.0;
+        reactions[axis] = mass * (after[axis] - before[axis]) / step - force[axis];
+        if sum.reactions.is_empty() {
+            sum.reactions = vec![[0.0; D]; motion.model.boundaries.len()];
+        }
+        sum.reactions[hold.boundary as usize][axis] += reactions[axis];
+    }
+    (damped, after, reactions)
 }
