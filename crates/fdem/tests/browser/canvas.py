@@ -16,3 +16,13 @@ def picture(page):
     return page.evaluate(
         """new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))).then(() => document.getElementById("canvas").toDataURL())"""
     )
+
+
+# Runs before the page: counts in `uploads` how often it sends data to the graphics card.
+UPLOADS = """{
+  window.uploads = 0;
+  for (const name of ["bufferData", "bufferSubData", "texImage2D", "texSubImage2D"]) {
+    const send = WebGL2RenderingContext.prototype[name];
+    WebGL2RenderingContext.prototype[name] = function (...all) { window.uploads++; return send.apply(this, all); };
+  }
+}"""

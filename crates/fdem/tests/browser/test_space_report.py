@@ -10,6 +10,7 @@ import subprocess
 
 import pytest
 
+from canvas import UPLOADS
 from test_run_report import ROOT, Watched, browser, number  # noqa: F401 (a fixture)
 
 SPACE_REPORT = os.environ.get("SPACE_REPORT", str(ROOT / "target/release/examples/space_report"))
@@ -242,6 +243,30 @@ def test_the_view_turns_zooms_and_moves(browser, plate):  # noqa: F811
         watched.until(lambda state: state["zoomed"] > 1.4)
         _, metres = watched.eye()
         assert metres(*place) == pytest.approx(before, abs=1e-6), "what is under the pointer stays"
+        watched.check()
+
+
+def test_nothing_is_uploaded_while_the_view_turns(browser, plate):  # noqa: F811
+    with Space(browser, plate[0], UPLOADS) as watched:
+        page = watched.page
+        page.select_option("#cut-axis", "1")
+        seen = [watched.pixels()]
+        loaded = page.evaluate("uploads")
+        assert loaded > 0
+        page.evaluate("fdem.turn(2.1, 0.2)")
+        seen.append(watched.pixels())
+        page.click("#zoom-in")
+        seen.append(watched.pixels())
+        page.focus("#canvas")
+        for key in ("ArrowLeft", "Shift+ArrowRight"):
+            page.keyboard.press(key)
+            seen.append(watched.pixels())
+        page.select_option("#solid", "translucent")
+        seen.append(watched.pixels())
+        assert len(set(seen)) == 6 and page.evaluate("uploads") == loaded
+        page.locator("#cut").fill("300")
+        watched.drawn(lambda picture: picture != seen[-1])
+        assert page.evaluate("uploads") > loaded
         watched.check()
 
 
