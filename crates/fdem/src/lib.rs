@@ -14,25 +14,32 @@
 //! `src/model` reads a model file. `Document` finds the place of every key for messages. The types of `src/model/file.rs` define the keys; their comments
 //! become the descriptions of the schema and the page of the book that lists every key. `prepare` checks, meshes and numbers, and returns a
 //! `fdem_simulation::Model`. `src/command/run.rs` is the loop around `Simulation::advance`: frames, history, checkpoints, signals. A model and a run are
-//! generic in the dimensions as well: `src/model/dimensions.rs` and `src/command/run/results.rs` hold what differs. `crates/results/src/run`, and for
-//! three dimensions `crates/results/src/space`, turn snapshots into bytes and text and know no paths; only `src/command/run/folder.rs` writes into a
+//! generic in the dimensions as well: `src/model/dimensions/differences.rs` and `src/command/run/results.rs` hold what differs. `crates/results/src/run`, and
+//! for three dimensions `crates/results/src/space`, turn snapshots into bytes and text and know no paths; only `src/command/run/folder.rs` writes into a
 //! folder of results.
+//!
+//! # Layers
+//!
+//! Files import only from the layers below: the command, at the top, uses `validate` and `model`, and `validate` uses `model`. In `model`, from the bottom: the document, its
+//! faults and its keys (`fault`, `document`, `file`); shapes and their sizes (`outline`, `limits`, `extent`); meshes of bodies (`mesh_file`, `plane`, `space`); bodies put together
+//! (`bodies`, `boundaries`, `sizes`); warnings; `prepare`. In `command`, from the bottom: options; input and output; searches (`detect`, `verify`); tasks. A test in `tests/docs/layers.rs` finds circles.
 //!
 //! # To change X, open Y
 //!
 //! | to change | open |
 //! |---|---|
+//! | how `contacts` searches a packing, and writes what it finds | `src/command/packing.rs`, `src/command/detect.rs`, `src/command/verify.rs`, `src/command/outputs.rs` |
 //! | several files on the command line, bodies over several files | `src/command/meshes.rs`, `src/command/mesh_summary.rs` |
-//! | reading and writing several frames | `src/command/series.rs`, `src/command/frames.rs`, `src/command/tables.rs` |
+//! | reading and writing several frames | `src/command/series.rs`, `src/command/series_table.rs`, `src/command/frames.rs`, `src/command/tables.rs` |
 //! | an option of the command | `src/command/args.rs`, then the task: `src/command/contacts.rs`, `src/command/bench.rs`, `src/command/generate.rs` |
 //! | how the commands read and refuse a packing | `src/command/input.rs` |
 //! | periodic boxes: the options, and the box of a file | `src/command/periodic.rs` |
 //! | formats of output, and their names | `src/command/output.rs`, `src/command/tables.rs`; a format: its file in `crates/io/src/written` |
 //! | files that are written aside, progress on the terminal | `src/command/aside.rs`, `src/command/progress.rs` |
 //! | the summary and its JSON | `src/command/summary.rs` |
-//! | options for pictures | `src/command/drawings.rs` |
+//! | options for pictures | `src/command/args/drawings.rs`, `src/command/drawings.rs` |
 //! | a key of the model file | `src/model/file.rs` and the files below `src/model/file`; then `BLESS=1 cargo test -p fdem --test docs` |
-//! | bounds on size and memory before meshing | `src/model/extent.rs`, `src/command/memory.rs` |
+//! | bounds on size and memory before meshing | `src/model/limits.rs`, `src/model/sizes.rs`, `src/model/extent.rs`, `src/command/memory.rs` |
 //! | warnings of `check` | `src/model/warnings.rs`, `locking.rs`, `plausible.rs`, `joined.rs`, `connected.rs`, `slivers.rs`, `equilibrium.rs` beside it |
 //! | errors in a model file | `src/model/fault.rs`, `src/model/document.rs` |
 //! | shapes of bodies, and their meshes | `src/model/bodies.rs`; flat ones: `src/model/plane.rs`, `src/model/packing.rs`, `crates/mesh/src/triangles.rs`; in space: `src/model/space.rs`, `crates/mesh/src/shapes.rs`, `crates/mesh/src/tetrahedra.rs`; smaller elements near places: `src/model/refine.rs`, `crates/mesh/src/grading.rs` |

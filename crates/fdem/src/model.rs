@@ -15,6 +15,7 @@ mod partial;
 mod schema;
 
 mod shapes;
+mod limits;
 mod extent;
 mod outline;
 mod refine;
@@ -22,10 +23,14 @@ mod packing;
 mod mesh_file;
 mod gmsh;
 mod piece;
+mod placed;
+mod prepared;
 
 mod dimensions;
 mod plane;
 mod space;
+mod crowded;
+mod sizes;
 mod bodies;
 mod boundaries;
 mod materials;
@@ -42,7 +47,6 @@ mod equilibrium;
 
 use std::collections::BTreeMap;
 use std::io;
-use std::ops::Range;
 
 use fdem_io::numbers::grouped;
 use fdem_mesh::Mesh;
@@ -50,16 +54,16 @@ use fdem_simulation::{Interface, Material, Model, Schedule, TimeOptions};
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 
-pub use bodies::Load;
 pub use fault::{Drawing, Fault, ModelErrors};
 pub use fdem_mesh::Quality;
 pub(crate) use gmsh::stop as stop_gmsh;
+pub use mesh_file::Load;
 pub(crate) use preflight::steps;
 pub use preflight::{Critical, Preflight};
+pub use prepared::{AnyPrepared, Body, Group, Prepared};
 pub use schema::schema;
 pub use settings::{Checkpoint, History, OutputSettings, Quantity};
 
-use bodies::Placed;
 pub(crate) use dimensions::Dimensions;
 use dimensions::Ready;
 use document::{Document, Table};
@@ -67,72 +71,13 @@ use fault::nearest;
 use file::{ModelFile, Vector};
 use partial::Partial;
 use piece::Piece;
+use placed::Placed;
 
 /// A small and complete model to start from, with a comment on every part.
 pub const STARTER: &str = include_str!("model/starter.toml");
 
 /// As [`STARTER`], in three dimensions.
 pub const STARTER_3D: &str = include_str!("model/starter_3d.toml");
-
-/// A model that is ready to run.
-#[derive(Debug, Clone)]
-pub struct Prepared<const D: usize = 2, const N: usize = 3> {
-    /// The model to simulate.
-    pub model: Model<D, N>,
-    /// Title; empty if there is none.
-    pub title: String,
-    /// When the run ends, s.
-    pub end_time: f64,
-    /// The bodies, by their numbers in [`Mesh::bodies`](fdem_simulation::Mesh).
-    pub bodies: Vec<Body>,
-    /// Named parts of bodies: physical groups of mesh files; outlines, holes and faces of other shapes.
-    pub groups: Vec<Group<D>>,
-    /// Grain of each element, numbered within its body; empty if no body has grains.
-    pub grains: Vec<u32>,
-    /// Settings of the output.
-    pub output: OutputSettings,
-    /// Quantities to record over time.
-    pub histories: Vec<History>,
-    /// Sizes and shapes of the elements.
-    pub quality: Quality,
-    /// Warnings of what is possible, but probably not meant.
-    pub warnings: Vec<String>,
-    /// SHA-256 of the model in hexadecimal digits. Two models are equal if their hashes are.
-    pub hash: String,
-}
-
-/// A body of the mesh.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Body {
-    /// Its name; of a piece of a packing with its number from 1: `heap-7`.
-    pub name: String,
-    /// Its nodes.
-    pub nodes: Range<u32>,
-    /// Its elements.
-    pub elements: Range<u32>,
-}
-
-/// A named part of a body.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Group<const D: usize = 2> {
-    /// Number of its body.
-    pub body: u32,
-    /// Its name in the mesh file, or `outer`, `holes`, `hole-1`, ….
-    pub name: String,
-    /// Its nodes, ascending.
-    pub nodes: Vec<u32>,
-    /// Its outer facets: edges in the direction in which their triangle has them; faces with their nodes counter-clockwise seen from outside.
-    pub facets: Vec<[u32; D]>,
-}
-
-/// A model in two or in three dimensions that is ready to run.
-#[derive(Debug, Clone)]
-pub enum AnyPrepared {
-    /// Of triangles in the plane.
-    Plane(Box<Prepared>),
-    /// Of tetrahedra.
-    Space(Box<Prepared<3, 4>>),
-}
 
 /// Reads, checks and meshes a model in two dimensions. [`prepare_any`] does so for any model.
 ///
@@ -284,7 +229,7 @@ fn prepare_or_faults(
     boundaries::check(&file, &document, &mut found);
     settings::check(&file, &document, &mut found);
     check_initial(&file, &document, &mut found);
-    let elements = extent::check(&file, &document, memory, &mut found);
+    let elements = sizes::check(&file, &document, memory, &mut found);
     faults.extend(found.into_iter().filter(is_news));
 
     let checked = Checked { file: &file, document: &document, elements, materials, interfaces };

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use fdem_io::numbers::{brief, grouped};
 use fdem_results::analysis::{
     Analysis, AnalysisError, Frictionless, Options, RadialOptions, WithoutRattlers, analyse,
 };
@@ -9,7 +10,6 @@ use fdem_results::network::Network;
 
 use crate::command::args::AnalyseArguments;
 use crate::command::failure::Failure;
-use crate::command::summary::{brief, grouped};
 
 /// Returns the analysis of the network, or `None` without `--analyse`.
 pub(crate) fn run<const D: usize>(

@@ -1,5 +1,6 @@
 //! Options of the command: definitions, parsing and help.
 
+mod drawings;
 mod simulation;
 
 use std::path::PathBuf;
@@ -10,8 +11,8 @@ use fdem_contact::{Engine, Simd};
 use fdem_io::{Columns, PackingFormat};
 use fdem_scenes::Sizes;
 
-use crate::command::drawings::DrawingArguments;
 use crate::command::frames::Frames;
+pub(crate) use drawings::{DrawingArguments, has_extension};
 pub(crate) use simulation::{
     CheckArguments, NewArguments, ResumeArguments, RunArguments, RunOptions, ValidateArguments,
 };

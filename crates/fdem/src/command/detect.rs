@@ -4,11 +4,9 @@ use std::sync::atomic::Ordering;
 
 use fdem_contact::{
     Detector, Elements, Engine, Error, Filter, PeriodicBox, PeriodicCouple, PeriodicSearch, Plan, Search,
-    verify,
 };
 use fdem_results::network::{Couples, Sizes, Space, unshifted};
 
-use crate::command::periodic;
 use crate::command::progress::Position;
 
 /// Elements and options of a detection.
@@ -154,25 +152,6 @@ fn detect_periodic<const D: usize>(
         .extend(space.centres.iter().map(|&centre| cell.wrap(centre).map_or(centre, |(inside, _)| inside)));
     let plan = Detector::new().with_engine(request.engine).plan(&request.elements(&wrapped)?)?;
     Ok((Couples::Periodic(couples), plan))
-}
-
-/// Compares the couples of `sample` random elements with brute force. Returns the number of checked elements, or a description of the mismatch.
-///
-/// The sample is the same in every run, so that an error can be reproduced.
-pub(crate) fn check<const D: usize>(
-    space: &Space<'_, D>,
-    request: &Request<'_>,
-    couples: &Couples<D>,
-    sample: usize,
-) -> Result<usize, String> {
-    match (couples, &space.cell) {
-        (Couples::Periodic(couples), Some(cell)) => periodic::check(space, cell, request, couples, sample),
-        (Couples::Plain(couples), _) => {
-            let elements = request.elements(space.centres).expect("the elements have been searched before");
-            verify(&elements, couples, sample, 0).map_err(|mismatch| mismatch.to_string())
-        }
-        (Couples::Periodic(_), None) => unreachable!("shifts come from a box"),
-    }
 }
 
 #[cfg(test)]

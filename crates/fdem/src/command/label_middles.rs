@@ -6,7 +6,7 @@ use fdem_contact::image::{ImageContact, Label, Spacing};
 use fdem_io::{LabelValue, Table, Values};
 use fdem_results::picture::{Bodies, BodyJoint};
 
-use crate::command::labels::{AxisOrder, Stop};
+use crate::command::label_axes::{AxisOrder, Stop};
 
 /// Sums over the pixels or voxels of each body, while the image is read slab by slab.
 pub(crate) struct Middles<L, const D: usize> {

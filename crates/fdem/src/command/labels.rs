@@ -8,15 +8,16 @@ use std::time::Instant;
 
 use fdem_contact::Error;
 use fdem_contact::image::{ImageContact, ImageContacts, Label, Neighbourhood, Spacing};
-use fdem_io::{LabelError, LabelImage, LabelKind, LabelValue, Table, Values, with_label_image};
+use fdem_io::{LabelImage, LabelKind, LabelValue, Table, Values, with_label_image};
 
 use crate::command::args::{ContactsArguments, NeighbourhoodName};
-use crate::command::contacts::Outputs;
 use crate::command::drawings::BodiesDrawing;
 use crate::command::failure::{Failure, display_name};
+use crate::command::label_axes::{AxisOrder, Stop};
 use crate::command::label_middles::{Drawn, Middles, Sum};
 use crate::command::label_summary::LabelSummary;
 use crate::command::output::{TableFormat, is_stdout, refuse_to_overwrite};
+use crate::command::outputs::Outputs;
 use crate::command::progress::{Position, Progress};
 use crate::command::summary::Seconds;
 use crate::command::tables::{normal, point, write_table};
@@ -79,70 +80,11 @@ fn open(file: &Path, name: &str) -> Result<Opened, Failure> {
     Ok(Opened::Memory(Cursor::new(bytes)))
 }
 
-/// Why the work on an image stopped.
-pub(crate) enum Stop {
-    Unreadable(LabelError),
-    Refused(Error),
-    /// An option does not fit the image.
-    Option(String),
-    Failed(Failure),
-}
-
-impl From<LabelError> for Stop {
-    fn from(error: LabelError) -> Self {
-        Self::Unreadable(error)
-    }
-}
-
-impl From<Error> for Stop {
-    fn from(error: Error) -> Self {
-        Self::Refused(error)
-    }
-}
-
-impl Stop {
-    /// The failure with the message of the command.
-    fn told(self, name: &str) -> Failure {
-        let text = match self {
-            Self::Failed(failure) => return failure,
-            Self::Unreadable(LabelError::Read(error)) => return Failure::reading(name, &error),
-            Self::Unreadable(LabelError::Member { wanted: None, present }) => format!(
-                "the archive has {} arrays: choose one with --member: {}",
-                present.len(),
-                present.join(", ")
-            ),
-            Self::Unreadable(error) => error.to_string(),
-            Self::Refused(error @ Error::NoEdgesIn2D) => format!("--neighbourhood edge: {error}"),
-            Self::Refused(error @ Error::InvalidSpacing { .. }) => format!("--spacing: {error}"),
-            Self::Refused(error @ Error::NoThreads { .. }) => format!("--threads: {error}"),
-            Self::Refused(error) => error.to_string(),
-            Self::Option(text) => text,
-        };
-        Failure::Unusable(format!("{name}: {text}"))
-    }
-}
-
 /// The arguments of the command and its progress.
 struct Task<'a> {
     arguments: &'a ContactsArguments,
     progress: &'a Progress,
     name: &'a str,
-}
-
-/// Order of x, y and z among the axes of the stored array.
-#[derive(Clone, Copy)]
-pub(crate) struct AxisOrder {
-    reversed: bool,
-}
-
-impl AxisOrder {
-    /// Sorts values of the stored axes into the order x, y, z. x is the last axis of the array, which is the fastest in C order.
-    pub(crate) fn xyz<T: Copy, const D: usize>(self, mut axes: [T; D]) -> [T; D] {
-        if !self.reversed {
-            axes.reverse();
-        }
-        axes
-    }
 }
 
 /// Pixels or voxels that are compared at a time, unless one plane has more.

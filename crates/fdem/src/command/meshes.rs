@@ -13,16 +13,17 @@ use fdem_results::network::Sizes;
 use fdem_results::picture::MeshDrawing;
 
 use crate::command::args::{ContactsArguments, PeriodicArguments};
-use crate::command::contacts::{Outputs, wrong};
 use crate::command::drawings::BodiesDrawing;
 use crate::command::failure::Failure;
 use crate::command::input::{self, Input, Opened, id, sizes};
 use crate::command::mesh_summary::{BodyOf, Couples, FileOf, LeftOut, MeshSummary};
 use crate::command::output::TableFormat;
+use crate::command::outputs::Outputs;
 use crate::command::progress::{Position, Progress};
 use crate::command::shapes::{Branches, Parts, Shapes};
 use crate::command::summary::Seconds;
 use crate::command::tables::{normal, point, write_table};
+use crate::command::verify::wrong;
 
 pub(crate) fn run(
     arguments: &ContactsArguments,

@@ -1,6 +1,7 @@
 //! `fdem run` and `fdem resume` simulate a model and write its results during the run.
 
 mod account;
+mod checkpoint;
 pub(crate) mod folder;
 mod recorder;
 mod results;
@@ -22,7 +23,8 @@ use crate::command::output::print;
 use crate::command::progress::Progress;
 use crate::model::{AnyPrepared, Checkpoint as When, Preflight, Prepared, prepare_any, steps, with_end_time};
 use account::{Account, PARTS};
-use folder::{Checkpoint, Folder, MODEL, SUMMARY, SavedState};
+use checkpoint::Checkpoint;
+use folder::{Folder, MODEL, SUMMARY, SavedState};
 use recorder::Recorder;
 use results::Results;
 use told::Told;

@@ -1,23 +1,18 @@
 //! `fdem contacts` for several frames: one table of all frames, or a file per frame.
 
-use std::fs::File;
-use std::io;
 use std::path::{Path, PathBuf};
 
-use fdem_io::{Packing, Series, Spool, write_csv, write_csv_rows};
-use fdem_results::network::Network;
+use fdem_io::Series;
 
 use crate::command::args::ContactsArguments;
-use crate::command::contacts::{self, Outputs, show};
 use crate::command::failure::{Failure, display_name};
 use crate::command::input::Opened;
-use crate::command::output::{Output, TABLES, TableFormat, Written, is_stdout, refuse_to_overwrite};
-use crate::command::progress::{Position, Progress};
+use crate::command::output::{Output, Written, is_stdout, refuse_to_overwrite};
+use crate::command::outputs::{Outputs, show};
+use crate::command::packing;
+use crate::command::progress::Progress;
 use crate::command::series_summary::SeriesSummary;
-use crate::command::tables::{frame_table, write_table};
-
-/// Placeholder for the number of a frame in the name of an output.
-const PLACE: &str = "{frame}";
+use crate::command::series_table::{PLACE, SeriesTable};
 
 /// Treats one frame after the other. Only one packing is in memory.
 pub(crate) fn run(
@@ -44,7 +39,7 @@ pub(crate) fn run(
         let mut outputs = Outputs::open(&own)?;
         outputs.series = table.take();
         let input = opened.frame(frames, frame, &own.input, own.bodies.as_deref(), progress)?;
-        let mut of_frame = contacts::treat(&own, progress, &input, &mut outputs)?;
+        let mut of_frame = packing::treat(&own, progress, &input, &mut outputs)?;
         of_frame.frame = Some(frame);
         of_frame.measure_peak();
         table = outputs.series.take();
@@ -138,73 +133,4 @@ pub(crate) fn of_frame(arguments: &ContactsArguments, frame: usize) -> Result<Co
     files.extend(own.drawings.files());
     refuse_to_overwrite(&files)?;
     Ok(own)
-}
-
-/// Table of the couples of all frames. The first frame decides whether it has columns for shifts.
-pub(crate) struct SeriesTable {
-    name: PathBuf,
-    output: Output,
-    /// Number of columns for shifts; `None` before the first frame.
-    shifts: Option<usize>,
-    format: TableFormat,
-    /// Rows of all frames, for formats that are written at once at the end.
-    rows: Option<Spool<File>>,
-}
-
-impl SeriesTable {
-    fn open(path: Option<&Path>) -> Result<Self, Failure> {
-        let format = TableFormat::of(path)?;
-        if !TABLES.contains(&format) {
-            return Err(Failure::Unusable(format!(
-                "--output: a table of several frames must end in .csv, .npy, .npz or .parquet; for a file per frame, put {PLACE} into its name"
-            )));
-        }
-        let output = Output::open(path)?;
-        let name = path.map_or_else(|| PathBuf::from("standard output"), Path::to_owned);
-        let rows = (format != TableFormat::Csv).then(Spool::new);
-        Ok(Self { name, output, shifts: None, format, rows })
-    }
-
-    /// Adds the couples of a frame.
-    pub(crate) fn write<const D: usize>(
-        &mut self,
-        packing: &Packing,
-        network: &Network<'_, D>,
-        position: &Position,
-    ) -> Result<(), Failure> {
-        let is_first = self.shifts.is_none();
-        let shifts = if network.space.cell.is_some() { D } else { 0 };
-        let columns = *self.shifts.get_or_insert(shifts);
-        // Without a periodic box, shifts are zero, and any number of columns holds them.
-        if shifts != columns && shifts != 0 {
-            return Err(Failure::Unusable(format!(
-                "frame {}: its box has other periodic edges than that of the first frame, or another dimension: one table cannot hold both. Put \
-                 {PLACE} into the name of the output, or give --periodic",
-                packing.frame.index
-            )));
-        }
-        let table = frame_table(packing, network, columns, position);
-        match &mut self.rows {
-            None if is_first => self.output.write(|mut out| write_csv(&mut out, &table)),
-            None => self.output.write(|mut out| write_csv_rows(&mut out, &table)),
-            Some(rows) => {
-                let folder = self.name.parent().filter(|folder| !folder.as_os_str().is_empty());
-                let file = || tempfile::tempfile_in(folder.unwrap_or(Path::new(".")));
-                // Only the kind is shown, because the error itself names the temporary file.
-                let failed = |error: io::Error| match error.kind() {
-                    io::ErrorKind::Other => Failure::writing(&self.name, error),
-                    kind => Failure::writing(&self.name, io::Error::from(kind)),
-                };
-                rows.add(&table, file).map_err(failed)
-            }
-        }
-    }
-
-    fn close(mut self) -> Result<Written, Failure> {
-        if let Some(rows) = self.rows.take() {
-            write_table(&mut self.output, self.format, &rows.table())?;
-            rows.check().map_err(|error| Failure::writing(&self.name, error))?;
-        }
-        self.output.close()
-    }
 }

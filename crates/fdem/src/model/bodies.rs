@@ -2,50 +2,19 @@
 
 use std::collections::BTreeSet;
 
-use fdem_mesh::Mesh;
+use fdem_mesh::{Mesh, bounds};
 
+use crate::model::crowded::{self, Filled};
 use crate::model::dimensions::Dimensions;
 use crate::model::document::{Document, Table};
-use crate::model::extent::{self, Filled};
-use crate::model::fault::{self, Fault};
+use crate::model::fault::Fault;
 use crate::model::file::{Body, ModelFile};
 use crate::model::materials;
-use crate::model::packing;
+use crate::model::mesh_file::Load;
 use crate::model::piece::Piece;
-use crate::model::shapes;
+use crate::model::placed::Placed;
+use crate::model::shapes::{self, SHAPES, given};
 use crate::model::{gmsh, refine};
-
-/// Gives the bytes of a file that a model names, or says why it cannot.
-pub type Load<'l> = dyn FnMut(&str) -> Result<Vec<u8>, String> + 'l;
-
-/// A meshed body, and its table in the model file.
-#[derive(Debug)]
-pub(crate) struct Placed<const D: usize = 2, const N: usize = 3> {
-    pub(crate) name: String,
-    /// Its table in the file.
-    pub(crate) table: usize,
-    pub(crate) piece: Piece<D, N>,
-    /// The numbers of its first node and of its first element.
-    pub(crate) first: [u32; 2],
-}
-
-/// The shapes that a body may have, and the dimensions in which it may have them.
-const SHAPES: [(&str, &[u8]); 14] = [
-    ("mesh", &[2, 3]),
-    ("rectangle", &[2]),
-    ("disc", &[2]),
-    ("ring", &[2]),
-    ("polygon", &[2]),
-    ("box", &[3]),
-    ("cylinder", &[3]),
-    ("tube", &[3]),
-    ("sphere", &[3]),
-    ("polyhedron", &[3]),
-    ("surface", &[3]),
-    ("extrusion", &[3]),
-    ("voronoi", &[2, 3]),
-    ("packing", &[2, 3]),
-];
 
 /// Checks bodies before they are meshed.
 pub(crate) fn check(file: &ModelFile, document: &Document<'_>, dimensions: u8, faults: &mut Vec<Fault>) {
@@ -119,42 +88,6 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, dimensions: u8, f
             let span = document.value(table, &problem.key);
             faults.push(Fault::at(span, problem.message).label("this shape").maybe_help(problem.help));
         }
-    }
-}
-
-/// The shapes that a body has.
-fn given(body: &Body) -> Vec<&'static str> {
-    let has = [
-        body.mesh.is_some(),
-        body.rectangle.is_some(),
-        body.disc.is_some(),
-        body.ring.is_some(),
-        body.polygon.is_some(),
-        body.block.is_some(),
-        body.cylinder.is_some(),
-        body.tube.is_some(),
-        body.sphere.is_some(),
-        body.polyhedron.is_some(),
-        body.surface.is_some(),
-        body.extrusion.is_some(),
-        body.voronoi.is_some(),
-        body.packing.is_some(),
-    ];
-    SHAPES.into_iter().zip(has).filter(|(_, has)| *has).map(|((shape, _), _)| shape).collect()
-}
-
-/// The dimensions that the shape of a body tells; `None` for a mesh from a file, and without a shape.
-pub(crate) fn dimensions(body: &Body) -> Option<u8> {
-    if let Some(voronoi) = &body.voronoi {
-        return voronoi.outline.given().first().map(|(_, dimensions)| *dimensions);
-    }
-    if let Some(packing) = &body.packing {
-        return packing::dimensions(packing);
-    }
-    let of = |shape: &str| SHAPES.iter().find(|(known, _)| *known == shape).map(|(_, of)| *of);
-    match of(given(body).first()?)? {
-        [only] => Some(*only),
-        _ => None,
     }
 }
 
@@ -240,7 +173,7 @@ where
     [[f64; D]; N]: Dimensions<D, N>,
 {
     if body.angle != 0.0 {
-        let [low, high] = extent::bounds(piece.nodes.iter().copied());
+        let [low, high] = bounds(piece.nodes.iter().copied());
         let middle: [f64; D] = std::array::from_fn(|axis| f64::midpoint(low[axis], high[axis]));
         let turn = <[[f64; D]; N]>::turn(body.angle, body.axis);
         for node in &mut piece.nodes {
@@ -272,35 +205,17 @@ where
             let piece = &body.piece;
             let mut size = [0.0; D];
             for element in &piece.elements {
-                let [low, high] = extent::bounds(piece.corners(element).into_iter());
+                let [low, high] = bounds(piece.corners(element).into_iter());
                 for axis in 0..D {
                     size[axis] += (high[axis] - low[axis]) / piece.elements.len() as f64;
                 }
             }
-            let bounds = extent::bounds(piece.nodes.iter().copied());
+            let bounds = bounds(piece.nodes.iter().copied());
             Filled { bounds, elements: piece.elements.len() as f64, size }
         })
         .collect();
-    let ([a, b], couples) = extent::crowded(&boxes)?;
+    let ([a, b], couples) = crowded::crowded(&boxes)?;
     let [first, second] = [a.min(b), a.max(b)].map(|body| &placed[body]);
     let span = document.value(Table::of("body", second.table), "name");
-    Some(extent::crowd(span, &first.name, &second.name, couples))
-}
-
-/// The bodies that a name means: those of its table, or one piece of a packing.
-pub(crate) fn named<const D: usize, const N: usize>(
-    placed: &[Placed<D, N>],
-    file: &ModelFile,
-    name: &str,
-) -> Vec<usize> {
-    let of_table =
-        |body: &&(usize, &Placed<D, N>)| file.body[body.1.table].name == name || body.1.name == name;
-    let all: Vec<(usize, &Placed<D, N>)> = placed.iter().enumerate().collect();
-    all.iter().filter(of_table).map(|(number, _)| *number).collect()
-}
-
-/// The body that was probably meant.
-pub(crate) fn suggestion(file: &ModelFile, name: &str) -> Option<String> {
-    let names: Vec<&str> = file.body.iter().map(|body| body.name.as_str()).collect();
-    fault::suggestion(name, &names, "[[body]]")
+    Some(crowded::crowd(span, &first.name, &second.name, couples))
 }

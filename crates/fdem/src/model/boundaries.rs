@@ -2,16 +2,14 @@
 
 use std::collections::BTreeSet;
 
-use fdem_mesh::Mesh;
+use fdem_mesh::{Mesh, bounds};
 use fdem_simulation::{Boundary, Load, Schedule, Target};
 
-use crate::model::bodies::{self, Placed};
 use crate::model::dimensions::Dimensions;
 use crate::model::document::{Document, Table};
-use crate::model::extent::bounds;
 use crate::model::fault::{Fault, suggestion};
 use crate::model::file::{self, Component, ModelFile, Side};
-use crate::model::settings::is_piece;
+use crate::model::placed::{self, Placed, is_piece};
 
 /// Largest distance of nodes of one side from its outermost node, over the extent of the bodies.
 const SIDE: f64 = 1e-6;
@@ -135,13 +133,13 @@ where
         }
         let bodies = match &boundary.body {
             None => (0..placed.len()).collect(),
-            Some(name) => bodies::named(placed, file, name),
+            Some(name) => placed::named(placed, file, name),
         };
         if let (Some(name), []) = (&boundary.body, &bodies[..]) {
             faults.push(
                 Fault::at(document.value(table, "body"), format!("there is no body \"{name}\""))
                     .label("unknown body")
-                    .maybe_help(bodies::suggestion(file, name)),
+                    .maybe_help(placed::suggestion(file, name)),
             );
             continue;
         }

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use fdem_io::numbers::{brief, grouped};
+use fdem_mesh::bounds;
 
-use crate::model::extent::bounds;
 use crate::model::outline::{Point, distance};
 use crate::model::piece::Piece;
 

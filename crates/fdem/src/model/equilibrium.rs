@@ -4,8 +4,8 @@ use fdem_io::numbers::brief;
 use fdem_mesh::Simplex;
 use fdem_simulation::{InitialContacts, Load, Model, Schedule, Target, principal_stresses};
 
-use crate::model::Body;
 use crate::model::dimensions::Dimensions;
+use crate::model::prepared::Body;
 
 /// Forces out of balance, over the weights, from which a body is said not to be in equilibrium.
 const UNBALANCED: f64 = 0.1;

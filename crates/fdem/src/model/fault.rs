@@ -306,6 +306,20 @@ pub(crate) fn suggestion(word: &str, names: &[&str], what: &str) -> Option<Strin
     }
 }
 
+/// A problem of a body, and the key that it belongs to.
+#[derive(Debug)]
+pub(crate) struct Problem {
+    pub(crate) key: String,
+    pub(crate) message: String,
+    pub(crate) help: Option<String>,
+}
+
+impl Problem {
+    pub(crate) fn new(key: impl Into<String>, message: impl Into<String>) -> Self {
+        Self { key: key.into(), message: message.into(), help: None }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -4,6 +4,7 @@ mod body;
 mod boundary;
 mod material;
 mod output;
+mod vector;
 
 use std::collections::BTreeMap;
 
@@ -18,6 +19,7 @@ pub use body::{
 pub use boundary::{Boundary, Component, Fixed, Side};
 pub use material::{Interface, Material};
 pub use output::{Animate, History, Output};
+pub use vector::Vector;
 
 /// A model of the combined finite-discrete element method in two or three dimensions. SI units: m, kg, s, N, Pa; angles in degrees.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
@@ -113,18 +115,6 @@ pub struct General {
     #[serde(default = "energy_bound")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub energy_bound: f64,
-}
-
-/// A vector: [x, y] in two dimensions, [x, y, z] in three.
-#[derive(Debug, Clone, Default, PartialEq, Deserialize, JsonSchema)]
-#[serde(transparent)]
-pub struct Vector(#[schemars(length(min = 2, max = 3))] pub Vec<f64>);
-
-impl Vector {
-    /// The components; zeros if their number is another one, which is a fault that has been found before.
-    pub(crate) fn components<const D: usize>(&self) -> [f64; D] {
-        self.0.as_slice().try_into().unwrap_or([0.0; D])
-    }
 }
 
 /// A vector, or none.

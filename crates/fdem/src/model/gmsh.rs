@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 
 use fdem_io::numbers::brief;
 
-use crate::model::mesh_file::Problem;
+use crate::model::fault::Problem;
 
 /// Ends of the names of files that Gmsh meshes.
 const GEOMETRIES: [&str; 6] = [".geo", ".step", ".stp", ".iges", ".igs", ".brep"];

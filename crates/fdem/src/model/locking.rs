@@ -3,12 +3,11 @@
 //! Triangles were measured against beam theory (`tests/model/locking.rs`; the table is in the book), tetrahedra against pure bending (the case "locking" of the ladder).
 
 use fdem_io::numbers::brief;
-use fdem_mesh::{Simplex, edges};
+use fdem_mesh::{Simplex, bounds, edges};
 use fdem_simulation::{Load, Model, Plane, Target};
 
-use crate::model::bodies::Placed;
-use crate::model::extent::bounds;
 use crate::model::outline::{distance, twice_area};
+use crate::model::placed::Placed;
 
 /// Length of a member over its thickness from which it bends.
 const SLENDER: f64 = 5.0;

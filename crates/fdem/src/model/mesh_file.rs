@@ -6,8 +6,7 @@ use fdem_io::numbers::grouped;
 use fdem_io::{Cells, MeshBody, MeshFile};
 use fdem_mesh::{Simplex, facets_of, sorted};
 
-use crate::model::bodies::Load;
-use crate::model::fault::suggestion;
+use crate::model::fault::{Problem, suggestion};
 use crate::model::file::{Body, ModelFile};
 use crate::model::outline::Point;
 use crate::model::piece::{Group, Piece};
@@ -21,19 +20,8 @@ const TRIANGLES: &str =
 const FIRST_ORDER: &str =
     "elements have nodes at their corners only; in Gmsh set Mesh.ElementOrder = 1, or run gmsh with -order 1";
 
-/// A problem of a body, and the key that it belongs to.
-#[derive(Debug)]
-pub(crate) struct Problem {
-    pub(crate) key: String,
-    pub(crate) message: String,
-    pub(crate) help: Option<String>,
-}
-
-impl Problem {
-    pub(crate) fn new(key: impl Into<String>, message: impl Into<String>) -> Self {
-        Self { key: key.into(), message: message.into(), help: None }
-    }
-}
+/// Gives the bytes of a file that a model names, or says why it cannot.
+pub type Load<'l> = dyn FnMut(&str) -> Result<Vec<u8>, String> + 'l;
 
 /// The materials of the groups of a mesh file, by their numbers. Names have been checked.
 pub(crate) fn materials_of_groups(file: &ModelFile, body: &Body) -> BTreeMap<String, u32> {

@@ -7,11 +7,12 @@ use fdem_mesh::Grading;
 use fdem_mesh::triangles::{Grains, OutlineError, colours, triangles};
 use fdem_scenes::random::Random;
 
-use crate::model::bodies::Load;
-use crate::model::extent::{elements_of_discs, too_many};
+use crate::model::extent::elements_of_discs;
+use crate::model::fault::Problem;
 use crate::model::file::{Body, Disc, Hole, ModelFile, Outline, Packing, Voronoi};
+use crate::model::limits::too_many;
 use crate::model::materials;
-use crate::model::mesh_file::{self, Problem, materials_of_groups};
+use crate::model::mesh_file::{self, Load, materials_of_groups};
 use crate::model::outline::{self, Domain};
 use crate::model::packing::{self, Motion, Room};
 use crate::model::piece::Piece;
@@ -40,7 +41,7 @@ pub(crate) fn pieces(file: &ModelFile, body: &Body, load: &mut Load<'_>) -> Resu
     };
     if let Some(packing) = &body.packing {
         let copied = packing.copies_of.as_ref().map(|of| of.body(body));
-        let reach = copied.as_ref().and_then(reach);
+        let reach = copied.as_ref().and_then(outline::reach);
         let circles = circles(packing, reach.map(|(_, radius)| radius), load).map_err(shape("packing"))?;
         let elements = elements_of_discs(circles.iter().map(|(_, radius)| *radius), size);
         if let Some(message) = too_many(0.0, elements, size, None) {
@@ -168,20 +169,6 @@ fn circles(
         }
         _ => Ok(Vec::new()),
     }
-}
-
-/// The middle of a shape that may be copied, and the radius of the circle around it; `None` for other bodies.
-pub(crate) fn reach(body: &Body) -> Option<(outline::Point, f64)> {
-    if let Some(ring) = &body.ring {
-        return Some((ring.centre, ring.radius));
-    }
-    let corners = match (&body.rectangle, &body.polygon) {
-        (Some(rectangle), _) => outline::rectangle(rectangle)?,
-        (None, polygon) => polygon.as_ref()?.points.clone(),
-    };
-    let [low, high] = fdem_mesh::bounds(corners.iter().copied());
-    let middle = [0, 1].map(|axis| f64::midpoint(low[axis], high[axis]));
-    Some((middle, corners.iter().map(|&corner| outline::distance(corner, middle)).fold(0.0, f64::max)))
 }
 
 /// The loops of a copy of a shape.

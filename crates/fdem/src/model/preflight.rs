@@ -4,10 +4,12 @@ use std::fmt;
 use std::time::{Duration, Instant};
 
 use fdem_io::numbers::{brief, grouped};
+use fdem_mesh::Quality;
 use fdem_simulation::{CriticalStep, Insertion, Model, Simulation};
 use serde::Serialize;
 
-use crate::model::{Dimensions, Prepared, Quality};
+use crate::model::dimensions::Dimensions;
+use crate::model::prepared::Prepared;
 
 /// Costs of an element.
 struct Cost {

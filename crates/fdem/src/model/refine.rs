@@ -3,9 +3,9 @@
 use fdem_io::numbers::brief;
 use fdem_mesh::{Grading, Place, Refinement};
 
-use crate::model::extent::{MOST, per_cube};
+use crate::model::fault::Problem;
 use crate::model::file::{Body, Refine, Vector};
-use crate::model::mesh_file::Problem;
+use crate::model::limits::{MOST, per_cube};
 use crate::model::piece::Piece;
 
 /// The size of the elements of a body. Its keys have been checked.

@@ -3,10 +3,10 @@
 use fdem_results::{Field, MOST_ELEMENTS, SAMPLE};
 use serde::Serialize;
 
-use crate::model::bodies::{self, Placed};
 use crate::model::document::{Document, Table};
 use crate::model::fault::{Fault, suggestion};
 use crate::model::file::{Animate, Gravity, ModelFile};
+use crate::model::placed::{self, Placed, is_piece};
 
 /// Wall-clock time between checkpoints, s.
 const CHECKPOINT: f64 = 60.0;
@@ -114,7 +114,7 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<
                 format!("there is no body \"{name}\""),
             )
             .label("unknown body")
-            .maybe_help(bodies::suggestion(file, name)),
+            .maybe_help(placed::suggestion(file, name)),
         );
     }
     for (index, history) in file.history.iter().enumerate() {
@@ -139,7 +139,7 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<
                 faults.push(
                     Fault::at(document.value(table, "body"), format!("there is no body \"{name}\""))
                         .label("unknown body")
-                        .maybe_help(bodies::suggestion(file, name)),
+                        .maybe_help(placed::suggestion(file, name)),
                 );
             }
         }
@@ -159,13 +159,6 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<
 /// Whether a name is that of a body, or may be that of a piece of a packing.
 fn is_body(file: &ModelFile, name: &str) -> bool {
     file.body.iter().any(|body| body.name == name || is_piece(&body.name, name))
-}
-
-/// Whether a name is that of a piece of a packing, `heap-12`.
-pub(crate) fn is_piece(body: &str, name: &str) -> bool {
-    name.strip_prefix(body)
-        .and_then(|rest| rest.strip_prefix('-'))
-        .is_some_and(|rest| rest.parse::<u32>().is_ok())
 }
 
 /// The settings, with defaults. `file` has been checked.
@@ -189,7 +182,7 @@ pub(crate) fn settings<const D: usize, const N: usize>(
         fields,
         shown: output.shown_elements.map_or([MOST_ELEMENTS, SAMPLE], |most| [most as usize; 2]),
         fragments: output.fragments.as_ref().map(|names| {
-            let bodies = names.iter().flat_map(|name| bodies::named(placed, file, name));
+            let bodies = names.iter().flat_map(|name| placed::named(placed, file, name));
             bodies.map(|body| body as u32).collect()
         }),
         checkpoint: match output.checkpoint_steps {
@@ -212,7 +205,7 @@ pub(crate) fn histories<const D: usize, const N: usize>(
         let quantity = if let Some(point) = &history.node {
             let point = point.components::<D>();
             let bodies = match &history.body {
-                Some(name) => bodies::named(placed, file, name),
+                Some(name) => placed::named(placed, file, name),
                 None => (0..placed.len()).collect(),
             };
             let Some((node, gap)) = nearest(nodes, placed, &bodies, point) else { continue };

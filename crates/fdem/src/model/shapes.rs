@@ -2,10 +2,64 @@
 
 use fdem_io::numbers::brief;
 
+use crate::model::fault::Problem;
 use crate::model::file::{Block, Body, Hole, Outline, Packing, Piece, Region, Voronoi};
-use crate::model::mesh_file::Problem;
 use crate::model::outline::{self, Point, area, twice_area};
 use crate::model::packing;
+
+/// The shapes that a body may have, and the dimensions in which it may have them.
+pub(crate) const SHAPES: [(&str, &[u8]); 14] = [
+    ("mesh", &[2, 3]),
+    ("rectangle", &[2]),
+    ("disc", &[2]),
+    ("ring", &[2]),
+    ("polygon", &[2]),
+    ("box", &[3]),
+    ("cylinder", &[3]),
+    ("tube", &[3]),
+    ("sphere", &[3]),
+    ("polyhedron", &[3]),
+    ("surface", &[3]),
+    ("extrusion", &[3]),
+    ("voronoi", &[2, 3]),
+    ("packing", &[2, 3]),
+];
+
+/// The shapes that a body has.
+pub(crate) fn given(body: &Body) -> Vec<&'static str> {
+    let has = [
+        body.mesh.is_some(),
+        body.rectangle.is_some(),
+        body.disc.is_some(),
+        body.ring.is_some(),
+        body.polygon.is_some(),
+        body.block.is_some(),
+        body.cylinder.is_some(),
+        body.tube.is_some(),
+        body.sphere.is_some(),
+        body.polyhedron.is_some(),
+        body.surface.is_some(),
+        body.extrusion.is_some(),
+        body.voronoi.is_some(),
+        body.packing.is_some(),
+    ];
+    SHAPES.into_iter().zip(has).filter(|(_, has)| *has).map(|((shape, _), _)| shape).collect()
+}
+
+/// The dimensions that the shape of a body tells; `None` for a mesh from a file, and without a shape.
+pub(crate) fn dimensions(body: &Body) -> Option<u8> {
+    if let Some(voronoi) = &body.voronoi {
+        return voronoi.outline.given().first().map(|(_, dimensions)| *dimensions);
+    }
+    if let Some(packing) = &body.packing {
+        return packing::dimensions(packing);
+    }
+    let of = |shape: &str| SHAPES.iter().find(|(known, _)| *known == shape).map(|(_, of)| *of);
+    match of(given(body).first()?)? {
+        [only] => Some(*only),
+        _ => None,
+    }
+}
 
 /// Corners of an outline up to which all pairs of its edges are compared; the mesher finds the crossings of larger ones.
 const COMPARED: usize = 3000;

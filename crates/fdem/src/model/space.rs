@@ -10,12 +10,12 @@ use fdem_mesh::triangles::colours;
 use fdem_mesh::{Grading, shapes};
 use fdem_scenes::random::Random;
 
-use crate::model::bodies::Load;
 use crate::model::dimensions::Dimensions;
-use crate::model::extent::too_many;
+use crate::model::fault::Problem;
 use crate::model::file::{self, Block, Body, Cylinder, Extrusion, ModelFile, Outline, Packing};
+use crate::model::limits::{VOLUME, too_many};
 use crate::model::materials;
-use crate::model::mesh_file::{self, Problem, materials_of_groups};
+use crate::model::mesh_file::{self, Load, materials_of_groups};
 use crate::model::outline::{self, area};
 use crate::model::packing::{self, Ball, Motion, Room};
 use crate::model::piece::Piece;
@@ -27,9 +27,6 @@ const CREASE: f64 = 30.0;
 
 /// Width of a body over its mesh size from which its unit may be another one.
 const WIDE: f64 = 1000.0;
-
-/// Volume of a tetrahedron over the cube of the mean edge.
-pub(crate) const VOLUME: f64 = 0.1;
 
 /// The meshed pieces of a body: one, unless it is a packing.
 pub(crate) fn pieces(

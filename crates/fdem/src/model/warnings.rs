@@ -8,14 +8,13 @@ use fdem_contact::discretised::{self, MeshView};
 use fdem_contact::narrow::Measure;
 use fdem_io::numbers::{brief, grouped};
 use fdem_mesh::tetrahedra::sharpest_edge;
-use fdem_mesh::{Simplex, edges};
+use fdem_mesh::{Simplex, bounds, edges};
 use fdem_simulation::{Boundary, Load, Model, Plane, Schedule, Target};
 
-use crate::model::Body;
 use crate::model::dimensions::{Dimensions, Ready};
 use crate::model::equilibrium;
-use crate::model::extent::bounds;
 use crate::model::file;
+use crate::model::prepared::Body;
 
 /// Elements in the fracture process zone that are needed for an objective result (Guo, 2016).
 const IN_PROCESS_ZONE: f64 = 3.0;

@@ -16,6 +16,8 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import expect, sync_playwright
 
+from canvas import KEPT, picture
+
 FDEM = os.environ.get("FDEM", "fdem")
 ROOT = Path(__file__).resolve().parents[4]
 EXAMPLES = ROOT / "examples"
@@ -103,6 +105,7 @@ class Watched:
         self.page.on("console", lambda message: self.complaints.append(message.text) if message.type in ("error", "warning") else None)
         self.page.on("pageerror", lambda error: self.complaints.append(str(error)))
         self.page.on("dialog", lambda dialog: (self.complaints.append(dialog.message), dialog.dismiss()))
+        self.page.add_init_script(KEPT)
         if script:
             self.page.add_init_script(script)
         self.page.goto(path.as_uri())
@@ -236,24 +239,20 @@ def test_a_cut_hides_the_centres_beyond_it(browser, bed):
         watched.check()
 
 
-def pixels(watched):
-    return watched.page.locator("#canvas").screenshot()
-
-
 def test_colours_and_parts_can_be_chosen(browser, bed):
     with Watched(browser, bed[0]) as watched:
         page = watched.page
-        seen = [pixels(watched)]
+        seen = [picture(watched.page)]
         for by, legend in (("overlap", "largest overlap"), ("size", "radius"), ("coordination", "contacts of an element")):
             page.select_option("#colour-by", by)
             assert legend in page.text_content("#legends")
-            seen.append(pixels(watched))
+            seen.append(picture(watched.page))
         assert len(set(seen[:3])) == 3
         page.uncheck("#show-elements")
-        contacts_only = pixels(watched)
+        contacts_only = picture(watched.page)
         watched.shot("contacts")
         page.uncheck("#show-contacts")
-        nothing = pixels(watched)
+        nothing = picture(watched.page)
         assert len({seen[-1], contacts_only, nothing}) == 3
         page.check("#show-elements")
         page.focus("#size")
@@ -385,8 +384,7 @@ def test_spheres_and_walls(browser, tmp_path):
         seen = set()
         for surfaces in ("1", "0.3", "0"):
             page.select_option("#surfaces", surfaces)
-            page.wait_for_timeout(300)
-            seen.add(pixels(watched))
+            seen.add(picture(watched.page))
         assert len(seen) == 3
         page.select_option("#surfaces", "0.3")
         watched.shot("walls")
@@ -400,10 +398,9 @@ def test_meshes_and_images(browser, tmp_path, case):
     subprocess.run([FDEM, "contacts", str(EXAMPLES / file), "--report", str(path), *options], check=True, capture_output=True)
     with Watched(browser, path) as watched:
         page = watched.page
-        nothing = pixels(watched)
+        nothing = picture(watched.page)
         page.uncheck("#show-elements")
-        page.wait_for_timeout(300)
-        assert pixels(watched) != nothing
+        assert picture(watched.page) != nothing
         page.check("#show-elements")
         page.evaluate("fdem.pick(0)")
         assert int(watched.picked("contacts")) > 0

@@ -14,6 +14,8 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import sync_playwright
 
+from canvas import KEPT, UPLOADS, picture
+
 ROOT = Path(__file__).resolve().parents[4]
 RUN_REPORT = os.environ.get("RUN_REPORT", str(ROOT / "target/release/examples/run_report"))
 FDEM = os.environ.get("FDEM", str(ROOT / "target/release/fdem"))
@@ -65,6 +67,7 @@ class Watched:
         self.page.on("request", lambda request: self.requests.append(request.url))
         self.page.on("console", lambda message: self.complaints.append(message.text) if message.type in ("error", "warning") else None)
         self.page.on("pageerror", lambda error: self.complaints.append(str(error)))
+        self.page.add_init_script(KEPT)
         if script:
             self.page.add_init_script(script)
         self.page.goto(path.as_uri())
@@ -90,9 +93,9 @@ class Watched:
     def drawn(self, condition):
         """Waits until the canvas is as it should be, and returns its picture."""
         for _ in range(100):
-            picture = self.page.locator("#canvas").screenshot()
-            if condition(picture):
-                return picture
+            seen = self.pixels()
+            if condition(seen):
+                return seen
             self.page.wait_for_timeout(50)
         raise AssertionError("the canvas is not as it should be")
 
@@ -104,8 +107,7 @@ class Watched:
         return self.page.text_content(f'#picked dd[data-fact="{name}"]')
 
     def pixels(self):
-        self.page.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
-        return self.page.locator("#canvas").screenshot()
+        return picture(self.page)
 
     def check(self):
         """Nothing but the file itself and pictures inside it; no complaint, but those of the software renderer about its speed."""
@@ -190,7 +192,8 @@ def test_a_run_plays_pauses_and_begins_again(browser, disc):
         rested = watched.state()
         assert not rested["playing"] and page.text_content("#play") == "Play"
         page.wait_for_timeout(400)
-        assert watched.state()["frame"] == watched.state()["wanted"] and abs(watched.state()["frame"] - rested["frame"]) <= 1
+        watched.until(lambda state: state["frame"] == state["wanted"])
+        assert abs(watched.state()["frame"] - rested["frame"]) <= 1
         page.click("#play")
         watched.until(lambda state: not state["playing"])
         assert watched.state()["frame"] == 59, "it stops at the end"
@@ -307,15 +310,26 @@ def test_outlines_are_drawn_and_can_be_hidden(browser, disc):
     with Watched(browser, disc[0]) as watched:
         page = watched.page
         page.uncheck("#show-outlines")
-        # The first drawing may still be under way.
-        page.wait_for_timeout(500)
-        without = page.locator("#canvas").screenshot()
+        without = watched.pixels()
         page.check("#show-outlines")
         with_outlines = watched.drawn(lambda picture: picture != without)
         page.uncheck("#show-outlines")
         watched.drawn(lambda picture: picture == without)
         page.check("#show-outlines")
         watched.drawn(lambda picture: picture == with_outlines)
+        watched.check()
+
+
+def test_a_picture_is_that_of_the_canvas_alone(browser, disc):
+    """The round corners of the view were in the pictures that tests compare. The browser does not always paint them in the same way."""
+    with Watched(browser, disc[0]) as watched:
+        before = watched.pixels()
+        watched.page.evaluate("document.querySelector('.view').style.borderRadius = document.getElementById('canvas').style.borderRadius = '90px'")
+        assert watched.pixels() == before
+        watched.page.click("#zoom-in")
+        watched.drawn(lambda picture: picture != before)
+        watched.page.click("#reset")
+        watched.drawn(lambda picture: picture == before)
         watched.check()
 
 
@@ -453,12 +467,22 @@ def test_a_single_frame(browser, tmp_path):
         watched.check()
 
 
-def test_many_elements_are_drawn_in_time(browser, tmp_path):
+def test_nothing_is_uploaded_while_the_view_of_many_elements_moves(browser, tmp_path):
     path = run(tmp_path, 60, 4)
     assert path.stat().st_size < 6_000_000
-    with Watched(browser, path) as watched:
-        assert "21,600 elements" in watched.page.text_content(".lead")
-        times = [watched.page.evaluate("fdem.time()") for _ in range(5)]
-        # On a software renderer; a graphics card takes a fraction.
-        assert sorted(times)[2] < 400, times
+    with Watched(browser, path, UPLOADS) as watched:
+        page = watched.page
+        assert "21,600 elements" in page.text_content(".lead")
+        seen = [watched.pixels()]
+        loaded = page.evaluate("uploads")
+        assert loaded > 0
+        page.click("#zoom-in")
+        seen.append(watched.pixels())
+        page.focus("#canvas")
+        page.keyboard.press("ArrowLeft")
+        seen.append(watched.pixels())
+        assert len(set(seen)) == 3 and page.evaluate("uploads") == loaded
+        page.select_option("#field", "velocity")
+        watched.drawn(lambda picture: picture != seen[-1])
+        assert page.evaluate("uploads") > loaded
         watched.check()

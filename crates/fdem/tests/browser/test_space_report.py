@@ -10,6 +10,7 @@ import subprocess
 
 import pytest
 
+from canvas import UPLOADS
 from test_run_report import ROOT, Watched, browser, number  # noqa: F401 (a fixture)
 
 SPACE_REPORT = os.environ.get("SPACE_REPORT", str(ROOT / "target/release/examples/space_report"))
@@ -99,9 +100,7 @@ class Space(Watched):
         self.pixels()
         data = self.page.evaluate(
             """(() => {
-              fdem.time();
               const canvas = document.getElementById("canvas"), gl = canvas.getContext("webgl2"), data = new Uint8Array(4 * canvas.width * canvas.height);
-              fdem.time();
               gl.readPixels(0, 0, canvas.width, canvas.height, gl.RGBA, gl.UNSIGNED_BYTE, data);
               const counts = {};
               for (let k = 0; k < data.length; k += 4) {
@@ -167,7 +166,7 @@ def test_a_run_plays_to_its_end(browser, plate):  # noqa: F811
     with Space(browser, plate[0]) as watched:
         page = watched.page
         assert watched.state()["frame"] == FRAMES - 1, "the end is shown first"
-        page.select_option("#speed", "24")
+        page.select_option("#speed", "6")
         page.click("#play")
         watched.until(lambda state: state["playing"] and state["frame"] < FRAMES - 1)
         watched.until(lambda state: not state["playing"] and state["frame"] == FRAMES - 1)
@@ -211,9 +210,6 @@ def test_a_run_plays_to_its_end(browser, plate):  # noqa: F811
 def test_the_view_turns_zooms_and_moves(browser, plate):  # noqa: F811
     with Space(browser, plate[0]) as watched:
         page = watched.page
-        # A canvas that a key has focused has an outline.
-        page.focus("#canvas")
-        page.keyboard.press("r")
         seen = watched.pixels()
         home = watched.space()
         box = page.locator("#canvas").bounding_box()
@@ -230,7 +226,6 @@ def test_the_view_turns_zooms_and_moves(browser, plate):  # noqa: F811
         watched.pixels()
         assert watched.space() == home
         page.focus("#canvas")
-        page.mouse.move(1, 1)
         page.keyboard.press("r")
         watched.drawn(lambda picture: picture == seen)
         for key in ("ArrowLeft", "ArrowUp", "Shift+ArrowRight", "+"):
@@ -248,6 +243,30 @@ def test_the_view_turns_zooms_and_moves(browser, plate):  # noqa: F811
         watched.until(lambda state: state["zoomed"] > 1.4)
         _, metres = watched.eye()
         assert metres(*place) == pytest.approx(before, abs=1e-6), "what is under the pointer stays"
+        watched.check()
+
+
+def test_nothing_is_uploaded_while_the_view_turns(browser, plate):  # noqa: F811
+    with Space(browser, plate[0], UPLOADS) as watched:
+        page = watched.page
+        page.select_option("#cut-axis", "1")
+        seen = [watched.pixels()]
+        loaded = page.evaluate("uploads")
+        assert loaded > 0
+        page.evaluate("fdem.turn(2.1, 0.2)")
+        seen.append(watched.pixels())
+        page.click("#zoom-in")
+        seen.append(watched.pixels())
+        page.focus("#canvas")
+        for key in ("ArrowLeft", "Shift+ArrowRight"):
+            page.keyboard.press(key)
+            seen.append(watched.pixels())
+        page.select_option("#solid", "translucent")
+        seen.append(watched.pixels())
+        assert len(set(seen)) == 6 and page.evaluate("uploads") == loaded
+        page.locator("#cut").fill("300")
+        watched.drawn(lambda picture: picture != seen[-1])
+        assert page.evaluate("uploads") > loaded
         watched.check()
 
 

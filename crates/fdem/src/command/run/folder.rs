@@ -17,13 +17,11 @@ use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use fdem_simulation::State;
-use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use crate::command::aside;
 use crate::command::failure::{Failure, display_name};
-use crate::command::run::account::Account;
+use crate::command::run::checkpoint::Checkpoint;
 use crate::command::run::results::Results;
 
 pub(crate) const MODEL: &str = "model.toml";
@@ -61,23 +59,6 @@ const FOLDERS: [&str; 4] = [FRAMES, INPUTS, PLOTS, "animation"];
 
 /// First line of a checkpoint. It changes whenever the contents change.
 const MAGIC: &[u8] = b"fdem checkpoint 5\n";
-
-/// The state of a run, with the state of its files.
-#[derive(Debug, Serialize, Deserialize)]
-#[serde(bound(serialize = "State<D, N>: Serialize", deserialize = "State<D, N>: Deserialize<'de>"))]
-pub(crate) struct Checkpoint<const D: usize, const N: usize> {
-    /// Hash of the model, [`Prepared::hash`](crate::model::Prepared).
-    pub(crate) model: String,
-    /// Step and time, s, of each frame that has been written.
-    pub(crate) frames: Vec<(u64, f64)>,
-    /// Length of the history, bytes.
-    pub(crate) history: u64,
-    /// Time between frames and time between rows of the history, s: they stay as they are if the end time changes.
-    pub(crate) intervals: [f64; 2],
-    /// Times and numbers since the beginning of the run.
-    pub(crate) account: Account,
-    pub(crate) state: State<D, N>,
-}
 
 /// A folder of results.
 #[derive(Debug, Clone)]

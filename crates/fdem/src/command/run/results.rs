@@ -7,7 +7,7 @@ use fdem_results::{
 };
 use fdem_simulation::Snapshot;
 
-use crate::command::run::folder::Checkpoint;
+use crate::command::run::checkpoint::Checkpoint;
 use crate::model::{Dimensions, Prepared};
 
 /// Time between two pictures of an animation, in hundredths of a second.

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use crate::model::file::Vector;
+use crate::model::file::vector::Vector;
 
 /// A body, or several of one kind. It has exactly one shape: mesh, voronoi or packing; in two dimensions rectangle, disc, ring or polygon; in three dimensions box,
 /// cylinder, tube, sphere, polyhedron, surface or extrusion.

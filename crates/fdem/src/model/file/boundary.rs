@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use crate::model::file::Vector;
+use crate::model::file::vector::Vector;
 
 /// A support, motion or load on a part of the bodies. Where: `body` (default: all bodies) and at most one of side, box, group. What: exactly one of
 /// fixed, velocity, displacement, force, traction, pressure, absorbing. When: ramp or table (default: constant from the start).

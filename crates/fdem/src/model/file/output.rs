@@ -5,7 +5,7 @@ use serde::Deserialize;
 
 use fdem_results::Field;
 
-use crate::model::file::Vector;
+use crate::model::file::vector::Vector;
 
 /// Results to write.
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]

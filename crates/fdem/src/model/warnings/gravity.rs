@@ -2,11 +2,11 @@
 
 use fdem_contact::{Couple, Detector, Elements, Filter, Search};
 use fdem_io::numbers::brief;
+use fdem_mesh::bounds;
 use fdem_simulation::{Load, Model, Schedule, Target};
 
-use crate::model::Body;
 use crate::model::dimensions::Dimensions;
-use crate::model::extent::bounds;
+use crate::model::prepared::Body;
 
 /// Bodies rest on each other if the gap between them is below this share of the shortest edge of an element's box.
 const RESTING: f64 = 1e-3;

@@ -24,8 +24,8 @@ class Growing {
 
 // Returns the polygons in which the plane `[a, b, c, d]`, where a x + b y + c z = d, crosses the elements for which `shown` is true, as triangles: their corners, their elements, and which of their
 // edges are edges of the polygon (bit k for the edge opposite to corner k). `lines` are the sides of the polygons that are on facets that are seen, with the mode of the crack there, or 0.
-// `place` writes the corners of an element to an array.
-function section(frame, [a, b, c, d], shown, place) {
+// `place` writes the corners of an element to an array; `still`: these are the corners that it has in the frame.
+function section(frame, [a, b, c, d], shown, place, still) {
   const corners = new Growing(Float32Array), owners = new Growing(Uint32Array), edges = new Growing(Uint8Array), lines = new Growing(Float32Array), modes = new Growing(Uint8Array);
   const at = new Float32Array(12), far = new Float64Array(4), points = new Float32Array(12);
   const sides = [0, 0, 0, 0], inner = [], outer = [];
@@ -38,8 +38,14 @@ function section(frame, [a, b, c, d], shown, place) {
     const share = far[p] / (far[p] - far[q]);
     for (let axis = 0; axis < 3; axis++) points[3 * k + axis] = at[3 * p + axis] + share * (at[3 * q + axis] - at[3 * p + axis]);
   };
+  // Whether all corners of an element are on one side. Most are, and nothing else is done for them.
+  const all = frame.corners, within = (k) => a * all[k] + b * all[k + 1] + c * all[k + 2] - d <= 0;
+  const aside = (k) => {
+    const first = within(k);
+    return within(k + 3) === first && within(k + 6) === first && within(k + 9) === first;
+  };
   for (let element = 0; element < frame.n; element++) {
-    if (!shown(element)) continue;
+    if ((still && aside(12 * element)) || !shown(element)) continue;
     place(element, at);
     inner.length = outer.length = 0;
     for (let corner = 0; corner < 4; corner++) {

@@ -291,23 +291,26 @@ class View extends Screen {
 
   colourLines(lines, colours) {
     this.fill(lines.colours, colours);
-    if (colours.length > MOST_STRIPS) this.fill(lines.ofEnds, Uint32Array.from({ length: 2 * colours.length }, (_, k) => colours[k >> 1]));
+    if (colours.length <= MOST_STRIPS) return;
+    const ofEnds = new Uint32Array(2 * colours.length);
+    for (let k = 0; k < ofEnds.length; k++) ofEnds[k] = colours[k >> 1];
+    this.fill(lines.ofEnds, ofEnds);
   }
 
   // Makes the section of the frame by the plane.
   slice() {
-    const { frame } = this, none = { corners: new Float32Array(0), owners: [], edges: [], lines: new Float32Array(0), modes: [] };
-    const cut = this.plane !== NOWHERE_CUT && frame.solid ? section(frame, this.plane, (element) => this.shown(element), (element, to) => this.place(element, to)) : none;
+    const { frame } = this, none = { corners: new Float32Array(0), owners: [], edges: [], lines: new Float32Array(0), modes: new Uint8Array(0) };
+    const cut = this.plane !== NOWHERE_CUT && frame.solid ? section(frame, this.plane, (element) => this.shown(element), (element, to) => this.place(element, to), !this.offsets) : none;
     this.cut = cut;
     this.fill(this.triangles.section.corners, cut.corners);
-    const whole = [], cracked = [], modes = [];
-    for (let k = 0; k < cut.modes.length; k++) {
-      const line = cut.lines.subarray(6 * k, 6 * k + 6);
-      if (cut.modes[k]) modes.push(cut.modes[k]);
-      (cut.modes[k] ? cracked : whole).push(...line);
+    const modes = cut.modes.filter((mode) => mode), whole = new Float32Array(6 * (cut.modes.length - modes.length)), cracked = new Float32Array(6 * modes.length);
+    let wholes = 0, cracks = 0;
+    for (let k = 0; k < cut.lines.length; k++) {
+      if (cut.modes[Math.floor(k / 6)]) cracked[cracks++] = cut.lines[k];
+      else whole[wholes++] = cut.lines[k];
     }
-    this.setLines(this.lines.section, new Float32Array(whole), meta.outlines[1].colour);
-    this.setLines(this.lines.sectionCracks, new Float32Array(cracked));
+    this.setLines(this.lines.section, whole, meta.outlines[1].colour);
+    this.setLines(this.lines.sectionCracks, cracked);
     this.sectionModes = modes;
     this.paintSection();
   }

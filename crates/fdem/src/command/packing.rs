@@ -1,0 +1,130 @@
+//! The contacts of a packing: found, counted, and written.
+
+use fdem_io::Centres;
+use fdem_results::network::{Network, Space};
+
+use crate::command::analyse;
+use crate::command::args::ContactsArguments;
+use crate::command::detect::{Request, detect};
+use crate::command::explain::Told;
+use crate::command::failure::Failure;
+use crate::command::input::{Input, refused, sizes};
+use crate::command::outputs::Outputs;
+use crate::command::periodic::{periodic_box, takes_file_box};
+use crate::command::progress::Progress;
+use crate::command::summary::{Seconds, Summary};
+use crate::command::tables::write_network;
+use crate::command::verify::{check, wrong};
+
+/// Finds the contacts of a packing and writes them.
+pub(crate) fn treat(
+    arguments: &ContactsArguments,
+    progress: &Progress,
+    input: &Input,
+    outputs: &mut Outputs,
+) -> Result<Summary, Failure> {
+    arguments.drawings.check(input.packing.centres.len(), &input.name)?;
+    match &input.packing.centres {
+        Centres::Two(centres) => find(arguments, progress, input, centres, outputs),
+        Centres::Three(centres) => find(arguments, progress, input, centres, outputs),
+    }
+}
+
+/// Writes an estimate of the cost of the search, in place of the couples.
+pub(crate) fn explain(
+    arguments: &ContactsArguments,
+    input: &Input,
+    mut outputs: Outputs,
+) -> Result<(), Failure> {
+    let told = match &input.packing.centres {
+        Centres::Two(centres) => told(arguments, input, centres),
+        Centres::Three(centres) => told(arguments, input, centres),
+    }?;
+    if let Some(out) = &mut outputs.couples {
+        out.write(|out| out.write_all(told.text().as_bytes()))?;
+    }
+    if let Some(json) = &mut outputs.json {
+        json.write(|out| {
+            serde_json::to_writer_pretty(&mut *out, &told)?;
+            out.write_all(b"\n")
+        })?;
+    }
+    outputs.commit()
+}
+
+fn told<const D: usize>(
+    arguments: &ContactsArguments,
+    input: &Input,
+    centres: &[[f64; D]],
+) -> Result<Told, Failure> {
+    let Input { name, packing, bodies, .. } = input;
+    let space = Space { centres, cell: periodic_box(&arguments.periodic, input)? };
+    let bodies = bodies.as_ref().map(|bodies| bodies.count);
+    Told::of(&space, &request(arguments, input)?, bodies).map_err(|error| refused(name, packing, &error))
+}
+
+fn request<'a>(arguments: &ContactsArguments, input: &'a Input) -> Result<Request<'a>, Failure> {
+    Ok(Request {
+        sizes: sizes(&arguments.input, &input.name, &input.packing)?,
+        tolerance: arguments.input.tolerance,
+        bodies: input.bodies.as_ref().map(|bodies| bodies.numbers.as_slice()),
+        engine: arguments.engine.engine(),
+        threads: arguments.threads,
+        keep: !arguments.count
+            || arguments.drawings.any()
+            || arguments.verify.is_some()
+            || arguments.analysis.analyse,
+    })
+}
+
+/// Finds the couples, verifies and analyses them as asked for, and writes all outputs except the summary.
+fn find<const D: usize>(
+    arguments: &ContactsArguments,
+    progress: &Progress,
+    input: &Input,
+    centres: &[[f64; D]],
+    outputs: &mut Outputs,
+) -> Result<Summary, Failure> {
+    let Input { name, packing, .. } = input;
+    let mut seconds = Seconds { read: input.seconds, ..Seconds::default() };
+    let request = request(arguments, input)?;
+    let space = Space { centres, cell: periodic_box(&arguments.periodic, input)? };
+    let (found, detection) =
+        progress.step("detecting, couples", None, |position| detect(&space, &request, position));
+    seconds.detect = detection;
+    let found = found.map_err(|error| refused(name, packing, &error))?;
+
+    let mut verified = None;
+    if let Some(sample) = arguments.verify {
+        let (checked, verification) =
+            progress.step("verifying", None, |_| check(&space, &request, &found.couples, sample));
+        seconds.verify = Some(verification);
+        verified = Some(checked.map_err(|mismatch| wrong(name, &mismatch))?);
+    }
+
+    let network = Network { space, sizes: request.sizes, couples: &found.couples };
+    let (analysis, analysing) =
+        progress.step("analysing", None, |_| analyse::run(&arguments.analysis, &network, name));
+    let analysis = analysis?;
+    seconds.analyse = analysis.is_some().then_some(analysing);
+
+    let total = found.couples.len() as u64;
+    let (written, writing) = progress.step("writing", Some(total), |position| {
+        if arguments.count {
+            return outputs.count(found.statistics.couples);
+        }
+        match (&mut outputs.series, &mut outputs.couples) {
+            (Some(series), _) => series.write(packing, &network, position),
+            (None, Some(couples)) => write_network(couples, outputs.table, packing, &network, position),
+            (None, None) => Ok(()),
+        }
+    });
+    written?;
+    seconds.write = writing;
+    let of_file = takes_file_box(&arguments.periodic);
+    let summary =
+        Summary::new(input, &space, of_file, &request, &found, verified, seconds).with_analysis(analysis);
+    let (drawn, _) =
+        progress.step("drawing", None, |_| outputs.drawings.write(input, &network, || summary.to_string()));
+    drawn.map(|()| summary)
+}

@@ -1,0 +1,16 @@
+//! Vectors in model files.
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+/// A vector: [x, y] in two dimensions, [x, y, z] in three.
+#[derive(Debug, Clone, Default, PartialEq, Deserialize, JsonSchema)]
+#[serde(transparent)]
+pub struct Vector(#[schemars(length(min = 2, max = 3))] pub Vec<f64>);
+
+impl Vector {
+    /// The components; zeros if their number is another one, which is a fault that has been found before.
+    pub(crate) fn components<const D: usize>(&self) -> [f64; D] {
+        self.0.as_slice().try_into().unwrap_or([0.0; D])
+    }
+}

@@ -1,0 +1,68 @@
+//! A model that is ready to run.
+
+use std::ops::Range;
+
+use fdem_mesh::Quality;
+use fdem_simulation::Model;
+
+use crate::model::settings::{History, OutputSettings};
+
+/// A model that is ready to run.
+#[derive(Debug, Clone)]
+pub struct Prepared<const D: usize = 2, const N: usize = 3> {
+    /// The model to simulate.
+    pub model: Model<D, N>,
+    /// Title; empty if there is none.
+    pub title: String,
+    /// When the run ends, s.
+    pub end_time: f64,
+    /// The bodies, by their numbers in [`Mesh::bodies`](fdem_simulation::Mesh).
+    pub bodies: Vec<Body>,
+    /// Named parts of bodies: physical groups of mesh files; outlines, holes and faces of other shapes.
+    pub groups: Vec<Group<D>>,
+    /// Grain of each element, numbered within its body; empty if no body has grains.
+    pub grains: Vec<u32>,
+    /// Settings of the output.
+    pub output: OutputSettings,
+    /// Quantities to record over time.
+    pub histories: Vec<History>,
+    /// Sizes and shapes of the elements.
+    pub quality: Quality,
+    /// Warnings of what is possible, but probably not meant.
+    pub warnings: Vec<String>,
+    /// SHA-256 of the model in hexadecimal digits. Two models are equal if their hashes are.
+    pub hash: String,
+}
+
+/// A body of the mesh.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Body {
+    /// Its name; of a piece of a packing with its number from 1: `heap-7`.
+    pub name: String,
+    /// Its nodes.
+    pub nodes: Range<u32>,
+    /// Its elements.
+    pub elements: Range<u32>,
+}
+
+/// A named part of a body.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Group<const D: usize = 2> {
+    /// Number of its body.
+    pub body: u32,
+    /// Its name in the mesh file, or `outer`, `holes`, `hole-1`, ….
+    pub name: String,
+    /// Its nodes, ascending.
+    pub nodes: Vec<u32>,
+    /// Its outer facets: edges in the direction in which their triangle has them; faces with their nodes counter-clockwise seen from outside.
+    pub facets: Vec<[u32; D]>,
+}
+
+/// A model in two or in three dimensions that is ready to run.
+#[derive(Debug, Clone)]
+pub enum AnyPrepared {
+    /// Of triangles in the plane.
+    Plane(Box<Prepared>),
+    /// Of tetrahedra.
+    Space(Box<Prepared<3, 4>>),
+}

@@ -1,0 +1,72 @@
+//! Whether the mesh sizes of the bodies are possible, before anything is cut.
+
+use crate::model::crowded::{Filled, crowd, crowded};
+use crate::model::document::{Document, Table};
+use crate::model::extent::extent;
+use crate::model::fault::Fault;
+use crate::model::file::{Body, ModelFile, Vector};
+use crate::model::limits::too_many;
+use crate::model::outline::Point;
+use crate::model::{refine, space};
+
+/// Number of elements of all bodies that are cut here, about. Refuses sizes that give too many, or more than `memory` (bytes) has room for, and bodies that lie in each other
+/// so much that their contacts have no room.
+pub(crate) fn check(
+    file: &ModelFile,
+    document: &Document<'_>,
+    memory: Option<f64>,
+    faults: &mut Vec<Fault>,
+) -> f64 {
+    let mut all = 0.0;
+    let mut boxes = Vec::new();
+    let mut tables = Vec::new();
+    for (index, body) in file.body.iter().enumerate() {
+        let Some(size) = body.mesh_size else { continue };
+        let flat = extent(body);
+        let refined = match &flat {
+            Some(extent) => refine::elements(body, extent.bounds),
+            None => space::bounds(body).map_or(Ok(0.0), |bounds| refine::elements(body, bounds)),
+        };
+        let refined = match refined {
+            Ok(elements) => elements,
+            Err(problem) => {
+                let span = document.value(Table::of("body", index), &problem.key);
+                faults.push(Fault::at(span, problem.message).label("too small").maybe_help(problem.help));
+                return all;
+            }
+        };
+        let Some(elements) = flat.map(|extent| extent.elements(size)).or_else(|| space::elements(body, size))
+        else {
+            continue;
+        };
+        let elements = elements + refined;
+        let before = all;
+        all += elements;
+        if let Some(message) = too_many(before, elements, size, memory) {
+            let span = document.value(Table::of("body", index), "mesh_size");
+            let message = format!("[[body]] \"{}\": {message}", body.name);
+            faults.push(Fault::at(span, message).label("too small").help("take a larger mesh_size"));
+            return all;
+        }
+        if let Some(extent) = flat {
+            boxes.push(Filled { bounds: placed(extent.bounds, body), elements, size: [size; 2] });
+            tables.push(index);
+        }
+    }
+    if let Some(([a, b], couples)) = crowded(&boxes) {
+        let [a, b] = [tables[a.min(b)], tables[a.max(b)]];
+        let [first, second] = [a, b].map(|index| &file.body[index].name);
+        faults.push(crowd(document.value(Table::of("body", b), "name"), first, second, couples));
+    }
+    all
+}
+
+/// The bounding box of a body that is turned and moved.
+fn placed([low, high]: [Point; 2], body: &Body) -> [Point; 2] {
+    let (sine, cosine) = libm::sincos(body.angle.to_radians());
+    let [x, y] = [0, 1].map(|axis| 0.5 * (high[axis] - low[axis]));
+    let half = [x * cosine.abs() + y * sine.abs(), x * sine.abs() + y * cosine.abs()];
+    let by = body.translate.as_ref().map_or([0.0; 2], Vector::components);
+    let middle = [0, 1].map(|axis| f64::midpoint(low[axis], high[axis]) + by[axis]);
+    [-1.0, 1.0].map(|sign| [0, 1].map(|axis| middle[axis] + sign * half[axis]))
+}
