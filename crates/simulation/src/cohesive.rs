@@ -147,7 +147,7 @@ impl Law {
         let least = self.least(self.friction * pressure);
         let holds = self.penalty * self.penalty * dot(bond, bond) <= least * least;
         let mut traction = bond.map(|length| self.penalty * length);
-        traction[0] = if pressure != 0.0 { -pressure } else { traction[0] };
+        traction[0] = if pressure == 0.0 { traction[0] } else { -pressure };
         (traction, holds)
     }
 

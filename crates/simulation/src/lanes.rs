@@ -3,9 +3,6 @@
 //! What a step does most is written for one element or joint of a batch, without a branch that depends on it, and called in a loop over the batch. The compiler makes vectors of such a
 //! loop: one for each set of instructions that [`compiled_for_vectors`] names, chosen at run time. All of them do the same operations on each element, so that the bits are the same.
 
-#![allow(unsafe_code, reason = "functions that are compiled for vector instructions")]
-#![allow(clippy::inline_always, reason = "what a batch calls must be compiled for the same instructions")]
-
 use fdem_contact::Simd;
 
 use crate::vector::{Matrix, matrix};
@@ -79,6 +76,7 @@ impl Available {
 macro_rules! compiled_for_vectors {
     ($vis:vis fn $name:ident = $all:ident<$(const $parameter:ident: $kind:ty),+>($($argument:ident: $type:ty),+) where $($bound:tt)+) => {
         /// The loop over a batch, with these instructions.
+        #[allow(unsafe_code, reason = "it is compiled for vector instructions")]
         #[inline]
         $vis fn $name<$(const $parameter: $kind),+>(available: $crate::lanes::Available, $($argument: $type),+) where $($bound)+ {
             #[cfg(target_arch = "x86_64")]

@@ -72,6 +72,10 @@
 //! A. Munjiza, *The Combined Finite-Discrete Element Method* (Wiley, 2004); each module says where it departs from the book and why.
 
 #![allow(private_bounds, reason = "elements are triangles or tetrahedra; nobody else can make others")]
+#![allow(
+    clippy::inline_always,
+    reason = "what a batch calls must be compiled for the same instructions: `lanes.rs`"
+)]
 #![allow(clippy::needless_range_loop, reason = "axes, ends and corners count through several arrays at once")]
 
 mod model;
@@ -101,6 +105,7 @@ mod error;
 pub use critical::{Cause, CriticalStep};
 pub use energy::{Energies, Term, TermKind};
 pub use error::{ModelError, Stop};
+pub use fdem_contact::Simd;
 pub use fdem_mesh::Mesh;
 pub use forces::{ContactForce, Forces};
 pub use model::{

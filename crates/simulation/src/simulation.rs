@@ -2,6 +2,7 @@
 
 use std::time::{Duration, Instant};
 
+use fdem_contact::Simd;
 use serde::{Deserialize, Serialize};
 
 use crate::checks;
@@ -11,6 +12,7 @@ use crate::energy::Energies;
 use crate::error::{ModelError, Stop};
 use crate::forces::{self, Forces};
 use crate::joints::{Break, Joint, Joints, Saved};
+use crate::lanes::Available;
 use crate::loads::Loads;
 use crate::model::{Insertion, Model};
 use crate::motion::{self, Motion};
@@ -466,6 +468,19 @@ where
     /// Number of threads.
     pub fn threads(&self) -> usize {
         self.team.threads()
+    }
+
+    /// The vector instructions on which elements and whole joints are computed: the fastest that the processor has, where nothing else was set.
+    pub fn simd(&self) -> Simd {
+        self.solid.available.simd()
+    }
+
+    /// Computes elements and whole joints on other vector instructions. Results are the same to the last bit. Returns `false`, and changes nothing, if the processor does not have
+    /// them.
+    pub fn set_simd(&mut self, simd: Simd) -> bool {
+        let available = Available::new(simd);
+        self.solid.available = available.unwrap_or(self.solid.available);
+        available.is_some()
     }
 
     /// Displacement, m, and velocity, m/s, of a node of the mesh; those of the first of its nodes if the mesh has broken there. `None` if there is no such

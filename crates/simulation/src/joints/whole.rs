@@ -3,9 +3,6 @@
 //! Where nothing has broken yet, nearly all joints are whole and stay so. Of such a joint a step reads a [`Link`] only, a quarter of the whole record, and its tractions have no branch,
 //! unlike those of joints that soften. [`pull_one`] does the operations of `pull` in `joints.rs` on it.
 
-#![allow(unsafe_code, reason = "functions that are compiled for vector instructions")]
-#![allow(clippy::inline_always, reason = "what a batch calls must be compiled for the same instructions")]
-
 use crate::cohesive::Law;
 use crate::joints::{Joint, State};
 use crate::lanes::{LANES, Lanes, Tensors, compiled_for_vectors, set_tensor, tensor};

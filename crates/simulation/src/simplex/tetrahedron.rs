@@ -248,4 +248,27 @@ mod tests {
             }
         }
     }
+
+    /// What is computed side by side is the stress to the last bit, up to the measure that it tells.
+    #[test]
+    fn the_stress_of_small_strains_is_the_stress() {
+        let (mut small, mut large) = (0, 0);
+        for seed in 0..2000 {
+            let size = 10_f64.powf(-4.0 * uniform(seed, 0));
+            let noise: Matrix<3> = matrix(|i, k| uniform(seed, 1 + (3 * i + k) as u64) - 0.5);
+            let f = matrix(|i, k| f64::from(u8::from(i == k)) + size * noise[i][k]);
+            let j = Tetrahedron::determinant(&f);
+            if j <= 0.1 {
+                continue;
+            }
+            let (stress, energy, strain) = Tetrahedron::stress_of_small([2e9, 3e9], &f, j);
+            if strain < Tetrahedron::SMALL {
+                assert_eq!((stress, energy), Tetrahedron::stress([2e9, 3e9], &f, j));
+                small += 1;
+            } else {
+                large += 1;
+            }
+        }
+        assert!(small > 500 && large > 100, "{small} {large}");
+    }
 }

@@ -1,8 +1,5 @@
 //! The deformation of elements, a batch of them side by side: see `lanes.rs`.
 
-#![allow(unsafe_code, reason = "functions that are compiled for vector instructions")]
-#![allow(clippy::inline_always, reason = "what a batch calls must be compiled for the same instructions")]
-
 use crate::elastic::viscous_stress;
 use crate::lanes::{Available, LANES, Lanes, Tensors, compiled_for_vectors, set_tensor, tensor};
 use crate::simplex::Simplex;

@@ -22,5 +22,7 @@ mod stress;
 mod space;
 /// Sources that must not know whether there are two or three dimensions.
 mod dimensions;
+/// Results on all vector instructions.
+mod vectors;
 /// Models that are refused.
 mod refusal;

@@ -3,10 +3,10 @@
 use crate::common::*;
 use fdem_simulation::*;
 
-type Solid = Mesh<3, 4>;
+pub(crate) type Solid = Mesh<3, 4>;
 
 /// A box of so many cells along each axis, each of six tetrahedra around its diagonal.
-fn cuboid(min: [f64; 3], max: [f64; 3], cells: [usize; 3]) -> Solid {
+pub(crate) fn cuboid(min: [f64; 3], max: [f64; 3], cells: [usize; 3]) -> Solid {
     let number = |at: [usize; 3]| ((at[2] * (cells[1] + 1) + at[1]) * (cells[0] + 1) + at[0]) as u32;
     let mut nodes = Vec::new();
     for k in 0..=cells[2] {
@@ -336,7 +336,7 @@ fn a_joint_that_broke_under_pressure_lets_go_without_a_jump() {
 }
 
 /// A turned block that falls on another and breaks.
-fn crash(insertion: Insertion) -> Model<3, 4> {
+pub(crate) fn crash(insertion: Insertion) -> Model<3, 4> {
     let ground = cuboid([0.0, 0.0, -0.05], [0.2, 0.2, 0.0], [4, 4, 2]);
     let mut block = turned(&cuboid([-0.04; 3], [0.04; 3], [3, 3, 3]), 0.9, [0.1, 0.1, 0.0]);
     let lowest = block.nodes.iter().map(|node| node[2]).fold(f64::INFINITY, f64::min);
