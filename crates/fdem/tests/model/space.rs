@@ -517,11 +517,21 @@ fn grains_fill_their_outline() {
     // The mantle is a polygon with corners on the circle.
     let exact = 0.5 * std::f64::consts::PI;
     assert!((0.97..1.0).contains(&(volume(&prepared) / exact)), "{}", volume(&prepared) / exact);
+    let prepared = space(&body(
+        "voronoi = { outline = { sphere = { centre = [1, 2, 3], radius = 0.5 } }, grains = 8 }\nmesh_size = 0.12",
+    ));
+    let exact = std::f64::consts::PI / 6.0;
+    assert!((0.97..1.0).contains(&(volume(&prepared) / exact)), "{}", volume(&prepared) / exact);
+    let mut grains = prepared.grains.clone();
+    grains.sort_unstable();
+    grains.dedup();
+    assert_eq!(grains, [0, 1, 2, 3, 4, 5, 6, 7]);
     let cube = body("box = { min = [0, 0, 0], max = [1, 1, 1] }\nmesh_size = 0.5").replace("\"b\"", "\"c\"");
     let flat = body("voronoi = { outline = { disc = { radius = 1 } }, grains = 3 }\nmesh_size = 0.2");
     let found = wrong(&format!("{cube}{flat}"));
     assert!(
-        found.contains("an outline of grains in three dimensions is one of box, polyhedron, cylinder"),
+        found
+            .contains("an outline of grains in three dimensions is one of box, polyhedron, cylinder, sphere"),
         "{found}"
     );
 }
