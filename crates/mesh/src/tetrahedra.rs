@@ -28,7 +28,7 @@ mod skin;
 pub(crate) mod vector;
 
 pub use error::MeshError;
-pub use sharpest::{SharpEdge, sharpest_edge};
+pub use sharpest::{SharpCorner, SharpEdge, sharpest_corner, sharpest_edge};
 
 use std::collections::BTreeMap;
 

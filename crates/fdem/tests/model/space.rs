@@ -268,6 +268,15 @@ fn the_sharp_edge_that_makes_angles_poor_is_named() {
 }
 
 #[test]
+fn the_sharp_corner_of_a_face_that_makes_angles_poor_is_named() {
+    let prepared = space(&body(
+        "polyhedron = { points = [[0.522, 0.965, 0.087], [0.429, 0.428, 0.799], [0.439, 0.878, 0.492], [0.413, 0.421, 0.781], [0.113, 0.217, 0.403], [0.957, 0.834, 0.85]] }\nmesh_size = 0.3",
+    ));
+    let [warning] = &prepared.warnings[..] else { panic!("it has one warning") };
+    assert!(warning.contains("\"b\" has a face that ends in an angle of 0."), "{warning}");
+}
+
+#[test]
 fn what_is_wrong_in_space_is_told_at_its_key() {
     let cube = "box = { min = [0, 0, 0], max = [1, 1, 1] }\nmesh_size = 0.5";
     for (bodies, expected) in [
