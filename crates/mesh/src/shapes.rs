@@ -11,7 +11,7 @@ mod round;
 mod soup;
 
 pub use extrusion::extrusion;
-pub use grains::grains;
+pub use grains::{grains, grains_of_sphere, onto_sphere};
 pub use hull::hull;
 pub use prism::Prism;
 pub use round::{cylinder, sphere, tube};

@@ -28,7 +28,7 @@ mod skin;
 pub(crate) mod vector;
 
 pub use error::MeshError;
-pub use sharpest::{SharpEdge, sharpest_edge};
+pub use sharpest::{SharpCorner, SharpEdge, sharpest_corner, sharpest_edge};
 
 use std::collections::BTreeMap;
 
@@ -130,7 +130,7 @@ pub struct Tetrahedra {
 /// # Ok::<(), fdem_mesh::tetrahedra::MeshError>(())
 /// ```
 pub fn tetrahedra(surface: &Surface, size: &Size<'_>, seed: u64) -> Result<Tetrahedra, MeshError> {
-    mesh_again(surface, size, false, seed, &|place| place)
+    mesh_again(surface, size, false, seed, &|_| ())
 }
 
 /// As [`tetrahedra`], with elements that are smaller near some places, however small these are.
@@ -138,10 +138,10 @@ pub fn tetrahedra(surface: &Surface, size: &Size<'_>, seed: u64) -> Result<Tetra
 /// # Errors
 /// As [`tetrahedra`].
 pub fn graded(surface: &Surface, grading: &Grading<3>, seed: u64) -> Result<Tetrahedra, MeshError> {
-    moved(surface, grading, seed, &|place| place)
+    moved(surface, grading, seed, &|_| ())
 }
 
-/// As [`graded`], with every node moved: a body of flat faces becomes one of round faces, if it is moved by little.
+/// As [`graded`], with nodes moved by `to`: a body of flat faces becomes one of round faces, if they are moved by little.
 ///
 /// # Errors
 /// As [`tetrahedra`].
@@ -149,7 +149,7 @@ pub fn moved(
     surface: &Surface,
     grading: &Grading<3>,
     seed: u64,
-    to: &dyn Fn([f64; 3]) -> [f64; 3],
+    to: &dyn Fn(&mut Tetrahedra),
 ) -> Result<Tetrahedra, MeshError> {
     let (low, high) = bounds(&surface.nodes);
     for near in &grading.near {
@@ -167,7 +167,7 @@ fn mesh_again(
     size: &Size<'_>,
     varies: bool,
     seed: u64,
-    to: &dyn Fn([f64; 3]) -> [f64; 3],
+    to: &dyn Fn(&mut Tetrahedra),
 ) -> Result<Tetrahedra, MeshError> {
     surface.check()?;
     not_thin(surface, size)?;
@@ -175,9 +175,7 @@ fn mesh_again(
         let finer = 1.0 - FINER * again as f64;
         let size = |place: Point| finer * size(place);
         let mut mesh = mesh_in_frame(surface, &size, varies, seed.wrapping_add(again << 32))?;
-        for node in &mut mesh.nodes {
-            *node = to(*node);
-        }
+        to(&mut mesh);
         Ok(mesh)
     };
     let mesh = mesh_once(0)?;

@@ -155,7 +155,8 @@ fn grains(of: &Outline, dimensions: u8) -> Option<Problem> {
     match of.given()[..] {
         [(_, found)] if found == dimensions => {}
         _ if dimensions == 3 => {
-            let message = "an outline of grains in three dimensions is one of box, polyhedron, cylinder";
+            let message =
+                "an outline of grains in three dimensions is one of box, polyhedron, cylinder, sphere";
             return Some(Problem::new("voronoi.outline", message));
         }
         _ => return Some(Problem::new("voronoi.outline", "an outline is one of rectangle, disc, polygon")),

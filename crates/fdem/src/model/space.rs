@@ -12,7 +12,9 @@ use fdem_scenes::random::Random;
 
 use crate::model::dimensions::Dimensions;
 use crate::model::fault::Problem;
-use crate::model::file::{self, Block, Body, Cylinder, Extrusion, ModelFile, Outline, Packing};
+use crate::model::file::{
+    self, Block, Body, Cylinder, Extrusion, ModelFile, Outline, Packing, Sphere, Voronoi,
+};
 use crate::model::limits::{VOLUME, too_many};
 use crate::model::materials;
 use crate::model::mesh_file::{self, Load, materials_of_groups};
@@ -85,9 +87,12 @@ fn meshed(
     grading: &Grading<3>,
 ) -> Result<Piece<3, 4>, Problem> {
     let material = materials::number(file, &body.material).unwrap_or(0);
-    let Shape { surface, names, prism } = shape.map_err(|error| told(body, key, &error, None))?;
-    let meshed = match prism {
-        Some(prism) => moved(&surface, grading, body.seed, &|place| prism.rounded(place)),
+    let Shape { surface, names, round } = shape.map_err(|error| told(body, key, &error, None))?;
+    let meshed = match round {
+        Some(Round::Cylinder(prism)) => moved(&surface, grading, body.seed, &|mesh| prism.round(mesh)),
+        Some(Round::Sphere(of)) => {
+            moved(&surface, grading, body.seed, &|mesh| shapes::onto_sphere(mesh, of.centre, of.radius))
+        }
         None => graded(&surface, grading, body.seed),
     };
     let meshed = meshed.map_err(|error| told(body, key, &error, Some(&surface)))?;
@@ -234,22 +239,30 @@ struct Shape {
     surface: Surface,
     /// Names of each face.
     names: Vec<Vec<String>>,
-    /// A prism that is meshed instead of a cylinder, and then made round.
-    prism: Option<Prism>,
+    /// How a mesh with grains is made round.
+    round: Option<Round>,
+}
+
+/// What a mesh with grains becomes.
+enum Round {
+    /// A cylinder, for which a prism is meshed.
+    Cylinder(Prism),
+    /// A sphere, whose surface has its nodes but for those that the mesher adds.
+    Sphere(Sphere),
 }
 
 impl Shape {
     /// A shape whose faces have the names that its surface gives them.
     fn named(surface: Surface) -> Self {
         let names = surface.names.iter().map(|name| vec![name.clone()]).collect();
-        Self { surface, names, prism: None }
+        Self { surface, names, round: None }
     }
 
     /// A shape whose faces are `face-1`, `face-2`, ….
     fn numbered(surface: Surface) -> Self {
         let count = surface.faces.iter().max().map_or(0, |most| most + 1);
         let names = (1..=count).map(|number| vec![format!("face-{number}")]).collect();
-        Self { surface, names, prism: None }
+        Self { surface, names, round: None }
     }
 }
 
@@ -279,10 +292,7 @@ fn surface(
     } else if let Some(of) = &body.extrusion {
         ("extrusion", extrusion(of, body.mesh_size.unwrap_or(f64::MAX)))
     } else if let Some(voronoi) = &body.voronoi {
-        let shape = outline_of_grains(&voronoi.outline).and_then(|shape| {
-            let surface = shapes::grains(&shape.surface, voronoi.grains, voronoi.seed)?;
-            Ok(Shape { surface, ..shape })
-        });
+        let shape = grains(voronoi, size);
         ("voronoi", shape)
     } else if let Some(name) = &body.surface {
         let triangles = mesh_file::triangles(load, name)?;
@@ -292,17 +302,29 @@ fn surface(
     })
 }
 
-/// What grains fill.
-fn outline_of_grains(of: &Outline) -> Result<Shape, MeshError> {
-    if let Some(of) = &of.block {
-        return shapes::cuboid(of.min, of.max).map(Shape::named);
+/// Grains of an outline.
+fn grains(voronoi: &Voronoi, size: &Size<'_>) -> Result<Shape, MeshError> {
+    let (of, count, seed) = (&voronoi.outline, voronoi.grains, voronoi.seed);
+    if let Some(of) = &of.sphere {
+        let surface = shapes::grains_of_sphere(of.centre, of.radius, count, size, seed)?;
+        // The faces between grains have no names.
+        return Ok(Shape {
+            surface,
+            names: vec![vec!["face-1".to_owned()]],
+            round: Some(Round::Sphere(of.clone())),
+        });
     }
-    if let Some(of) = &of.cylinder {
+    let shape = if let Some(of) = &of.block {
+        Shape::named(shapes::cuboid(of.min, of.max)?)
+    } else if let Some(of) = &of.cylinder {
         let prism = Prism::of_cylinder(of.from, of.to, of.radius)?;
-        return Ok(Shape { prism: Some(prism), ..Shape::named(prism.surface()) });
-    }
-    let points = of.polyhedron.as_ref().map_or(&[][..], |of| &of.points);
-    shapes::hull(points).map(Shape::numbered)
+        Shape { round: Some(Round::Cylinder(prism)), ..Shape::named(prism.surface()) }
+    } else {
+        let points = of.polyhedron.as_ref().map_or(&[][..], |of| &of.points);
+        Shape::numbered(shapes::hull(points)?)
+    };
+    let surface = shapes::grains(&shape.surface, count, seed)?;
+    Ok(Shape { surface, ..shape })
 }
 
 fn extrusion(of: &Extrusion, size: f64) -> Result<Shape, MeshError> {
@@ -316,7 +338,7 @@ fn extrusion(of: &Extrusion, size: f64) -> Result<Shape, MeshError> {
         };
         names.extend(std::iter::repeat_n(name, corners.len()));
     }
-    Ok(Shape { surface, names, prism: None })
+    Ok(Shape { surface, names, round: None })
 }
 
 /// A mesh that was made here, with the groups of its faces.
@@ -362,9 +384,10 @@ pub(crate) fn bounds(body: &Body) -> Option<[[f64; 3]; 2]> {
         Room::<3>::new(packing.within.as_ref()?)?.bounds
     } else {
         let of = &body.voronoi.as_ref()?.outline;
-        match (&of.block, &of.cylinder) {
-            (Some(of), _) => of_block(of),
-            (_, Some(of)) => around(&[of.from, of.to], of.radius),
+        match (&of.block, &of.cylinder, &of.sphere) {
+            (Some(of), ..) => of_block(of),
+            (_, Some(of), _) => around(&[of.from, of.to], of.radius),
+            (.., Some(of)) => around(&[of.centre], of.radius),
             _ => around(&of.polyhedron.as_ref()?.points, 0.0),
         }
     })
@@ -395,7 +418,8 @@ fn volume(body: &Body) -> Option<f64> {
         let of = &body.voronoi.as_ref()?.outline;
         match (&of.block, &of.cylinder) {
             (Some(of), _) => of_block(of),
-            (_, of) => of_cylinder(of.as_ref()?),
+            (_, Some(of)) => of_cylinder(of),
+            _ => ball_volume(of.sphere.as_ref()?.radius),
         }
     })
 }

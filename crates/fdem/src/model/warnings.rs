@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use fdem_contact::discretised::{self, MeshView};
 use fdem_contact::narrow::Measure;
 use fdem_io::numbers::{brief, grouped};
-use fdem_mesh::tetrahedra::sharpest_edge;
+use fdem_mesh::tetrahedra::{sharpest_corner, sharpest_edge};
 use fdem_mesh::{Simplex, bounds, edges};
 use fdem_simulation::{Boundary, Load, Model, Plane, Schedule, Target};
 
@@ -52,7 +52,7 @@ pub(crate) fn of_plane(ready: &Ready<'_, 2, 3>) -> Vec<String> {
 
 /// Returns the warnings of models in space.
 pub(crate) fn of_space(ready: &Ready<'_, 3, 4>) -> Vec<String> {
-    let mut warnings = of_both(ready, POOR_IN_SPACE, || sharp_edge(ready).unwrap_or_default());
+    let mut warnings = of_both(ready, POOR_IN_SPACE, || sharp_shape(ready).unwrap_or_default());
     of_start(ready, "m³", &mut warnings);
     warnings
 }
@@ -67,18 +67,30 @@ where
     equilibrium::warnings(ready.model, ready.bodies, warnings);
 }
 
-/// The sharp edge of a body that gives the smallest angle of the model, in words. A mesh has no larger angles than the edge.
-fn sharp_edge(ready: &Ready<'_, 3, 4>) -> Option<String> {
+/// Angle of a flat face at a corner, degrees, below which the elements there are flat.
+const SHARP_CORNER: f64 = 2.0;
+
+/// The sharp edge, or the sharp corner of a face, of a body that gives the smallest angle of the model, in words. A mesh has no larger angles than the edge, and hardly any better ones
+/// beside the corner, as its faces have that of the corner.
+fn sharp_shape(ready: &Ready<'_, 3, 4>) -> Option<String> {
     let body = ready.model.mesh.bodies[ready.quality.worst as usize];
     let piece = &ready.placed[body as usize].piece;
-    let edge = sharpest_edge(&piece.nodes, &piece.outline)?;
-    (edge.angle < 2.0 * POOR_IN_SPACE[0]).then(|| {
-        format!(
-            "; \"{}\" has an edge of {:.1} degrees from {} to {}, which no mesh makes better: make the body blunter there",
-            ready.bodies[body as usize].name,
+    let name = &ready.bodies[body as usize].name;
+    let edge = sharpest_edge(&piece.nodes, &piece.outline).filter(|edge| edge.angle < 2.0 * POOR_IN_SPACE[0]);
+    if let Some(edge) = edge {
+        return Some(format!(
+            "; \"{name}\" has an edge of {:.1} degrees from {} to {}, which no mesh makes better: make the body blunter there",
             edge.angle,
             place(&edge.ends[0]),
             place(&edge.ends[1])
+        ));
+    }
+    let corner = sharpest_corner(&piece.nodes, &piece.outline)?;
+    (corner.angle < SHARP_CORNER).then(|| {
+        format!(
+            "; \"{name}\" has a face that ends in an angle of {:.2} degrees at {}, beside which elements are flat: move the corners of this face away from the line between its ends",
+            corner.angle,
+            place(&corner.place)
         )
     })
 }

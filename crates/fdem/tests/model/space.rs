@@ -268,6 +268,15 @@ fn the_sharp_edge_that_makes_angles_poor_is_named() {
 }
 
 #[test]
+fn the_sharp_corner_of_a_face_that_makes_angles_poor_is_named() {
+    let prepared = space(&body(
+        "polyhedron = { points = [[0.522, 0.965, 0.087], [0.429, 0.428, 0.799], [0.439, 0.878, 0.492], [0.413, 0.421, 0.781], [0.113, 0.217, 0.403], [0.957, 0.834, 0.85]] }\nmesh_size = 0.3",
+    ));
+    let [warning] = &prepared.warnings[..] else { panic!("it has one warning") };
+    assert!(warning.contains("\"b\" has a face that ends in an angle of 0."), "{warning}");
+}
+
+#[test]
 fn what_is_wrong_in_space_is_told_at_its_key() {
     let cube = "box = { min = [0, 0, 0], max = [1, 1, 1] }\nmesh_size = 0.5";
     for (bodies, expected) in [
@@ -517,11 +526,21 @@ fn grains_fill_their_outline() {
     // The mantle is a polygon with corners on the circle.
     let exact = 0.5 * std::f64::consts::PI;
     assert!((0.97..1.0).contains(&(volume(&prepared) / exact)), "{}", volume(&prepared) / exact);
+    let prepared = space(&body(
+        "voronoi = { outline = { sphere = { centre = [1, 2, 3], radius = 0.5 } }, grains = 8 }\nmesh_size = 0.12",
+    ));
+    let exact = std::f64::consts::PI / 6.0;
+    assert!((0.97..1.0).contains(&(volume(&prepared) / exact)), "{}", volume(&prepared) / exact);
+    let mut grains = prepared.grains.clone();
+    grains.sort_unstable();
+    grains.dedup();
+    assert_eq!(grains, [0, 1, 2, 3, 4, 5, 6, 7]);
     let cube = body("box = { min = [0, 0, 0], max = [1, 1, 1] }\nmesh_size = 0.5").replace("\"b\"", "\"c\"");
     let flat = body("voronoi = { outline = { disc = { radius = 1 } }, grains = 3 }\nmesh_size = 0.2");
     let found = wrong(&format!("{cube}{flat}"));
     assert!(
-        found.contains("an outline of grains in three dimensions is one of box, polyhedron, cylinder"),
+        found
+            .contains("an outline of grains in three dimensions is one of box, polyhedron, cylinder, sphere"),
         "{found}"
     );
 }

@@ -159,10 +159,10 @@ fn messages_in_three_dimensions_have_its_words() {
     assert_eq!(told.matches("\"left\", \"right\"").count(), 1, "{told}");
     let grains =
         |of: &str| refused("", &format!("voronoi = {{ outline = {{ {of} }}, grains = 5 }}\nmesh_size = 0.2"));
-    let told = grains("sphere = { radius = 1 }");
+    let told = grains("tube = { from = [0, 0, 0], to = [0, 0, 1], radius = 1, inner_radius = 0.5 }");
     assert!(
         told.contains("its keys are")
-            && ["box", "polyhedron", "cylinder"].iter().all(|key| told.contains(key)),
+            && ["box", "polyhedron", "cylinder", "sphere"].iter().all(|key| told.contains(key)),
         "{told}"
     );
     let told = grains("cylinder = { from = [0, 0, 1], to = [0, 0, 1], radius = 1 }");

@@ -66,7 +66,7 @@ fn side(a: Point2, b: Point2, c: Point2) -> f64 {
     orient2d(a, b, c)
 }
 
-fn twice_area(corners: &[Point2], ring: &[u32]) -> f64 {
+pub(super) fn twice_area(corners: &[Point2], ring: &[u32]) -> f64 {
     let at = |k: usize| corners[ring[k % ring.len()] as usize];
     let origin = at(0);
     let from = |[x, y]: Point2| [x - origin[0], y - origin[1]];
@@ -93,7 +93,7 @@ fn edges(rings: &[Vec<u32>]) -> Vec<[u32; 2]> {
 }
 
 /// Checks that edges meet in their common ends only.
-fn no_crossing(corners: &[Point2], rings: &[Vec<u32>]) -> Result<(), MeshError> {
+pub(super) fn no_crossing(corners: &[Point2], rings: &[Vec<u32>]) -> Result<(), MeshError> {
     let at = |edge: [u32; 2]| edge.map(|corner| corners[corner as usize]);
     let edges = edges(rings);
     for (number, &[a, b]) in edges.iter().enumerate() {
@@ -121,7 +121,7 @@ fn no_crossing(corners: &[Point2], rings: &[Vec<u32>]) -> Result<(), MeshError> 
 }
 
 /// Joins holes to the outline by edges that are run through there and back.
-fn join(corners: &[Point2], mut rings: Vec<Vec<u32>>) -> Result<Vec<u32>, MeshError> {
+pub(super) fn join(corners: &[Point2], mut rings: Vec<Vec<u32>>) -> Result<Vec<u32>, MeshError> {
     let at = |corner: u32| corners[corner as usize];
     let all = edges(&rings);
     let mut outline = rings.remove(0);
@@ -180,7 +180,7 @@ fn on(from: Point2, to: Point2, point: Point2) -> bool {
 ///
 /// # Source
 /// G. H. Meisters, "Polygons have ears", Amer. Math. Monthly 82 (1975).
-fn ears(corners: &[Point2], mut ring: Vec<u32>) -> Result<Vec<[u32; 3]>, MeshError> {
+pub(super) fn ears(corners: &[Point2], mut ring: Vec<u32>) -> Result<Vec<[u32; 3]>, MeshError> {
     let at = |corner: u32| corners[corner as usize];
     let mut triangles = Vec::new();
     let mut start = 0;

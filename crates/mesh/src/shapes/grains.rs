@@ -1,5 +1,6 @@
 //! Bodies of grains.
 
+mod ball;
 mod cell;
 
 use std::collections::BTreeMap;
@@ -9,6 +10,7 @@ use fdem_scenes::random::Random;
 use super::hull::number_faces;
 use crate::tetrahedra::vector::{Point, cross, distance, dot, length, minus, plus, times};
 use crate::tetrahedra::{MeshError, OUTSIDE, Surface};
+pub use ball::{grains_of_sphere, onto_sphere};
 use cell::{Behind, Cell};
 
 /// Rounds in which seeds of grains move to the centres of their grains.
@@ -46,6 +48,32 @@ pub fn grains(body: &Surface, count: usize, seed: u64) -> Result<Surface, MeshEr
     }
     let whole = convex(body)?;
     let size = whole.reach(whole.points[0]);
+    let seeds = spread(&whole, count, ROUNDS, seed);
+    let cells: Vec<Cell> = (0..count).map(|grain| cell_of(&whole, &seeds, grain)).collect();
+    let mean = libm::cbrt(cells.iter().map(Cell::volume).sum::<f64>() / count as f64);
+    let complex = Complex::new(body, &whole, &cells, SAME * size);
+    with_lengths(SHORT * mean, &|short| complex.contracted(short))
+}
+
+/// The first surface that can be meshed, of those made with a length below which edges are contracted, with half of it, and so on.
+fn with_lengths(short: f64, make: &dyn Fn(f64) -> Result<Surface, MeshError>) -> Result<Surface, MeshError> {
+    let mut last = MeshError::Empty;
+    let halved = (0..ATTEMPTS).scan(short, |short, _| {
+        let now = *short;
+        *short *= 0.5;
+        Some(now)
+    });
+    for short in halved.chain([0.0]) {
+        match make(short).and_then(|surface| surface.check().map(|()| surface)) {
+            Ok(surface) => return Ok(surface),
+            Err(error) => last = error,
+        }
+    }
+    Err(last)
+}
+
+/// Points of a body that have moved to the centres of their Voronoi cells so many times.
+fn spread(whole: &Cell, count: usize, rounds: usize, seed: u64) -> Vec<Point> {
     let mut random = Random::new(seed);
     let mut seeds = Vec::with_capacity(count);
     let (low, high) = crate::tetrahedra::bounds(&whole.points);
@@ -55,25 +83,10 @@ pub fn grains(body: &Surface, count: usize, seed: u64) -> Result<Surface, MeshEr
             seeds.push(point);
         }
     }
-    for _ in 0..ROUNDS {
-        seeds = (0..count).map(|grain| cell_of(&whole, &seeds, grain).centre()).collect();
+    for _ in 0..rounds {
+        seeds = (0..count).map(|grain| cell_of(whole, &seeds, grain).centre()).collect();
     }
-    let cells: Vec<Cell> = (0..count).map(|grain| cell_of(&whole, &seeds, grain)).collect();
-    let mean = libm::cbrt(cells.iter().map(Cell::volume).sum::<f64>() / count as f64);
-    let complex = Complex::new(body, &whole, &cells, SAME * size);
-    let mut last = MeshError::Empty;
-    let halved = (0..ATTEMPTS).scan(SHORT * mean, |short, _| {
-        let now = *short;
-        *short *= 0.5;
-        Some(now)
-    });
-    for short in halved.chain([0.0]) {
-        match complex.contracted(short).and_then(|surface| surface.check().map(|()| surface)) {
-            Ok(surface) => return Ok(surface),
-            Err(error) => last = error,
-        }
-    }
-    Err(last)
+    seeds
 }
 
 /// A convex body with one polygon for all facets in a plane; facets of a polygon are of one face.
@@ -193,50 +206,11 @@ impl Complex {
 
     /// The surface whose edges shorter than a length are contracted, shortest first. Corners, edges and faces of the body stay where they are.
     fn contracted(&self, short: f64) -> Result<Surface, MeshError> {
-        let mut to: Vec<u32> = (0..self.points.len() as u32).collect();
-        let (mut points, mut on) = (self.points.clone(), self.on.clone());
-        let root = |to: &[u32], mut node: u32| {
-            while to[node as usize] != node {
-                node = to[node as usize];
-            }
-            node
-        };
-        let mut edges: Vec<(f64, u32, u32)> = Vec::new();
-        for (corners, _, _) in &self.polygons {
-            for (k, &a) in corners.iter().enumerate() {
-                let b = corners[(k + 1) % corners.len()];
-                let span = distance(points[a as usize], points[b as usize]);
-                if span < short {
-                    edges.push((span, a.min(b), a.max(b)));
-                }
-            }
-        }
-        edges.sort_unstable_by(|one, other| {
-            one.0.total_cmp(&other.0).then((one.1, one.2).cmp(&(other.1, other.2)))
-        });
-        for (_, a, b) in edges {
-            let (a, b) = (root(&to, a), root(&to, b));
-            if a == b || distance(points[a as usize], points[b as usize]) >= short {
-                continue;
-            }
-            let within = |one: u32, other: u32| {
-                on[one as usize].iter().all(|plane| on[other as usize].contains(plane))
-            };
-            let (kept, gone) = match (within(a, b), within(b, a)) {
-                (true, true) => {
-                    points[a as usize] = times(plus(points[a as usize], points[b as usize]), 0.5);
-                    (a, b)
-                }
-                (true, false) => (b, a),
-                (false, true) => (a, b),
-                (false, false) => continue,
-            };
-            to[gone as usize] = kept;
-            on[gone as usize].clear();
-        }
+        let outlines = self.polygons.iter().map(|(corners, _, _)| &corners[..]);
+        let (points, to) = contract(&self.points, &self.on, outlines, short, &|middle, _| middle);
         let mut surface = Surface { nodes: points, names: self.names.clone(), ..Surface::default() };
         for (corners, sides, face) in &self.polygons {
-            let mut polygon: Vec<u32> = corners.iter().map(|&corner| root(&to, corner)).collect();
+            let mut polygon: Vec<u32> = corners.iter().map(|&corner| to[corner as usize]).collect();
             polygon.dedup();
             while polygon.len() > 1 && polygon.first() == polygon.last() {
                 polygon.pop();
@@ -250,16 +224,74 @@ impl Complex {
                 surface.faces.push(*face);
             }
         }
-        // Nodes that are no longer used go.
-        let mut used: Vec<u32> = surface.facets.iter().flatten().copied().collect();
-        used.sort_unstable();
-        used.dedup();
-        for node in surface.facets.iter_mut().flatten() {
-            *node = used.binary_search(node).unwrap_or(0) as u32;
-        }
-        surface.nodes = used.iter().map(|&node| surface.nodes[node as usize]).collect();
+        leave_out_unused(&mut surface);
         Ok(surface)
     }
+}
+
+/// Contracts edges of polygons that are shorter than a length, shortest first. Returns where points are now, and which point each has become.
+///
+/// A point becomes one that is in all of its planes. Of two points in the same planes, `middle` has the place between them, and one of them.
+fn contract<'a>(
+    points: &[Point],
+    on: &[Vec<u32>],
+    polygons: impl Iterator<Item = &'a [u32]>,
+    short: f64,
+    middle: &dyn Fn(Point, u32) -> Point,
+) -> (Vec<Point>, Vec<u32>) {
+    let mut to: Vec<u32> = (0..points.len() as u32).collect();
+    let (mut points, mut on) = (points.to_vec(), on.to_vec());
+    let root = |to: &[u32], mut node: u32| {
+        while to[node as usize] != node {
+            node = to[node as usize];
+        }
+        node
+    };
+    let mut edges: Vec<(f64, u32, u32)> = Vec::new();
+    for corners in polygons {
+        for (k, &a) in corners.iter().enumerate() {
+            let b = corners[(k + 1) % corners.len()];
+            let span = distance(points[a as usize], points[b as usize]);
+            if span < short {
+                edges.push((span, a.min(b), a.max(b)));
+            }
+        }
+    }
+    edges.sort_unstable_by(|one, other| {
+        one.0.total_cmp(&other.0).then((one.1, one.2).cmp(&(other.1, other.2)))
+    });
+    for (_, a, b) in edges {
+        let (a, b) = (root(&to, a), root(&to, b));
+        if a == b || distance(points[a as usize], points[b as usize]) >= short {
+            continue;
+        }
+        let within =
+            |one: u32, other: u32| on[one as usize].iter().all(|plane| on[other as usize].contains(plane));
+        let (kept, gone) = match (within(a, b), within(b, a)) {
+            (true, true) => {
+                points[a as usize] = middle(times(plus(points[a as usize], points[b as usize]), 0.5), a);
+                (a, b)
+            }
+            (true, false) => (b, a),
+            (false, true) => (a, b),
+            (false, false) => continue,
+        };
+        to[gone as usize] = kept;
+        on[gone as usize].clear();
+    }
+    let to = (0..points.len() as u32).map(|node| root(&to, node)).collect();
+    (points, to)
+}
+
+/// Leaves out nodes without facets.
+fn leave_out_unused(surface: &mut Surface) {
+    let mut used: Vec<u32> = surface.facets.iter().flatten().copied().collect();
+    used.sort_unstable();
+    used.dedup();
+    for node in surface.facets.iter_mut().flatten() {
+        *node = used.binary_search(node).unwrap_or(0) as u32;
+    }
+    surface.nodes = used.iter().map(|&node| surface.nodes[node as usize]).collect();
 }
 
 /// Cuts a polygon that is nearly flat and nearly convex into triangles, ear by ear: that with the largest smallest angle first.

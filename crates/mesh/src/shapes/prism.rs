@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use super::positive;
 use super::round::Axis;
 use crate::tetrahedra::vector::{Point, dot, length, minus, plus, times};
-use crate::tetrahedra::{MeshError, OUTSIDE, Surface};
+use crate::tetrahedra::{MeshError, OUTSIDE, Surface, Tetrahedra};
 
 /// Number of sides. With fewer, moved elements are too oblique; with more, sides are narrow, and grains meet their edges at small angles. In 24 bodies of 12 grains the least angle between
 /// facets was 2.4° with 8 sides, 5.8° with 12, 8.1° with 14, 8.7° with 16, and 6.7° with 18.
@@ -56,8 +56,15 @@ impl Prism {
         surface
     }
 
+    /// Makes a mesh of the prism one of the cylinder.
+    pub fn round(&self, mesh: &mut Tetrahedra) {
+        for node in &mut mesh.nodes {
+            *node = self.rounded(*node);
+        }
+    }
+
     /// Where a point of the prism is in the cylinder: farther from the axis, so that the sides are on the mantle.
-    pub fn rounded(&self, point: [f64; 3]) -> Point {
+    fn rounded(&self, point: Point) -> Point {
         let along = minus(self.axis.to, self.axis.from);
         let off = minus(point, self.axis.from);
         let part = dot(off, along) / dot(along, along);

@@ -107,11 +107,7 @@ impl Axis {
         let along = minus(to, from);
         positive(length(along))?;
         // Along the axes of coordinates, exactly, if the cylinder is.
-        let least = (0..3).fold(0, |least, k| if along[k].abs() < along[least].abs() { k } else { least });
-        let mut one = [0.0; 3];
-        one[least] = 1.0;
-        let one = unit(minus(one, times(along, dot(one, along) / dot(along, along))));
-        Ok(Self { from, to, across: [one, cross(unit(along), one)] })
+        Ok(Self { from, to, across: square_axes(along) })
     }
 
     /// A point at an angle and at a part of the length.
@@ -130,6 +126,15 @@ impl Axis {
         let angle = libm::atan2(y, x);
         if angle < 0.0 { angle + TAU } else { angle }
     }
+}
+
+/// Two directions of length 1, square to each other and to a vector: seen from its tip, the second is counter-clockwise of the first.
+pub(super) fn square_axes(along: Point) -> [Point; 2] {
+    let least = (0..3).fold(0, |least, k| if along[k].abs() < along[least].abs() { k } else { least });
+    let mut one = [0.0; 3];
+    one[least] = 1.0;
+    let one = unit(minus(one, times(along, dot(one, along) / dot(along, along))));
+    [one, cross(unit(along), one)]
 }
 
 /// Adds the mantle of a cylinder, seen from outside. Returns the nodes of both rims, in order of their angles.

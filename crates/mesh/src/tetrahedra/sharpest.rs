@@ -1,6 +1,8 @@
-//! Sharp edges of closed surfaces.
+//! Sharp edges and corners of closed surfaces.
 
-use super::vector::{Point, dot, minus, normal, unit};
+use std::collections::BTreeMap;
+
+use super::vector::{Point, cross, dot, length, minus, normal, unit};
 use super::{OUTSIDE, Surface};
 
 /// An edge of a closed surface.
@@ -17,18 +19,9 @@ pub struct SharpEdge {
 /// # Shapes
 /// `facets`: corners `[m]`, counter-clockwise seen from outside.
 pub fn sharpest_edge(nodes: &[[f64; 3]], facets: &[[u32; 3]]) -> Option<SharpEdge> {
-    let mut edges: Vec<([u32; 2], usize)> = Vec::with_capacity(3 * facets.len());
-    for (number, facet) in facets.iter().enumerate() {
-        for k in 0..3 {
-            let (a, b) = (facet[k], facet[(k + 1) % 3]);
-            edges.push(([a.min(b), a.max(b)], number));
-        }
-    }
-    edges.sort_unstable();
     let corners = |facet: usize| facets[facet].map(|node| nodes[node as usize]);
     let mut sharpest: Option<SharpEdge> = None;
-    for pair in edges.chunk_by(|one, other| one.0 == other.0) {
-        let &[(ends, one), (_, other)] = pair else { continue };
+    for (one, other, ends) in neighbours(facets) {
         let opposite = facets[other].into_iter().find(|node| !ends.contains(node));
         let Some(opposite) = opposite.map(|node| nodes[node as usize]) else { continue };
         let angle = angle(corners(one), corners(other), opposite);
@@ -37,6 +30,75 @@ pub fn sharpest_edge(nodes: &[[f64; 3]], facets: &[[u32; 3]]) -> Option<SharpEdg
         }
     }
     sharpest
+}
+
+/// A corner of a flat face.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SharpCorner {
+    /// Angle of the face there, degrees.
+    pub angle: f64,
+    /// The corner.
+    pub place: [f64; 3],
+}
+
+/// Sine of the largest angle between facets of one plane.
+const FLAT: f64 = 1e-6;
+
+/// The corner of a flat face with the smallest angle; `None` without facets. Neighbours in one plane are of one face.
+///
+/// # Shapes
+/// `facets`: corners `[m]`, of a closed surface.
+pub fn sharpest_corner(nodes: &[[f64; 3]], facets: &[[u32; 3]]) -> Option<SharpCorner> {
+    let corners = |facet: usize| facets[facet].map(|node| nodes[node as usize]);
+    let normals: Vec<Point> = (0..facets.len())
+        .map(|facet| {
+            let [a, b, c] = corners(facet);
+            unit(normal(a, b, c))
+        })
+        .collect();
+    let mut parent: Vec<usize> = (0..facets.len()).collect();
+    let root = |parent: &mut Vec<usize>, mut facet: usize| {
+        while parent[facet] != facet {
+            parent[facet] = parent[parent[facet]];
+            facet = parent[facet];
+        }
+        facet
+    };
+    for (one, other, _) in neighbours(facets) {
+        let (m, n) = (normals[one], normals[other]);
+        if dot(m, n) > 0.0 && length(cross(m, n)) < FLAT {
+            let (one, other) = (root(&mut parent, one), root(&mut parent, other));
+            parent[one.max(other)] = one.min(other);
+        }
+    }
+    let mut angles: BTreeMap<(usize, u32), f64> = BTreeMap::new();
+    for (number, facet) in facets.iter().enumerate() {
+        let (face, p) = (root(&mut parent, number), corners(number));
+        for k in 0..3 {
+            let (u, v) = (minus(p[(k + 1) % 3], p[k]), minus(p[(k + 2) % 3], p[k]));
+            let angle = libm::atan2(length(cross(u, v)), dot(u, v)).to_degrees();
+            *angles.entry((face, facet[k])).or_default() += angle;
+        }
+    }
+    let sharpest = angles.into_iter().min_by(|one, other| one.1.total_cmp(&other.1));
+    sharpest.map(|((_, node), angle)| SharpCorner { angle, place: nodes[node as usize] })
+}
+
+/// The two facets at each edge, and its ends.
+fn neighbours(facets: &[[u32; 3]]) -> Vec<(usize, usize, [u32; 2])> {
+    let mut edges: Vec<([u32; 2], usize)> = Vec::with_capacity(3 * facets.len());
+    for (number, facet) in facets.iter().enumerate() {
+        for k in 0..3 {
+            let (a, b) = (facet[k], facet[(k + 1) % 3]);
+            edges.push(([a.min(b), a.max(b)], number));
+        }
+    }
+    edges.sort_unstable();
+    let pairs = edges.chunk_by(|one, other| one.0 == other.0).filter_map(|pair| {
+        let &[(ends, one), (_, other)] = pair else { return None };
+        Some((one, other, ends))
+    });
+    pairs.collect()
 }
 
 /// The angle inside between two facets, degrees. `opposite` is the corner of the second that the first has not.
@@ -64,6 +126,19 @@ pub(super) fn of_surface(surface: &Surface) -> Option<SharpEdge> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_sharp_corner_of_a_flat_face_is_found() {
+        // Its sides are cut into triangles with small angles, which are no angles of the body.
+        let cube = crate::shapes::cuboid([0.0; 3], [1.0, 1.0, 0.01]).unwrap();
+        let corner = sharpest_corner(&cube.nodes, &cube.facets).unwrap();
+        assert!((corner.angle - 90.0).abs() < 1e-9, "{corner:?}");
+        let tip = [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 0.02, 0.0], [0.9, 0.3, 0.3]];
+        let body = crate::shapes::hull(&tip).unwrap();
+        let corner = sharpest_corner(&body.nodes, &body.facets).unwrap();
+        assert!((corner.angle - 0.02_f64.atan().to_degrees()).abs() < 1e-9, "{corner:?}");
+        assert_eq!(corner.place, [0.0; 3]);
+    }
 
     #[test]
     fn the_sharp_edge_of_a_wedge_is_found() {

@@ -254,7 +254,7 @@ pub enum Hole {
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Voronoi {
-    /// Outline that the grains fill: { rectangle = … }, { disc = … } or { polygon = … }; in three dimensions { box = … }, { polyhedron = … } or { cylinder = … }.
+    /// Outline that the grains fill: { rectangle = … }, { disc = … } or { polygon = … }; in three dimensions { box = … }, { polyhedron = … }, { cylinder = … } or { sphere = … }.
     pub outline: Outline,
     /// Number of grains.
     #[schemars(range(min = 1, max = 100_000))]
@@ -272,7 +272,7 @@ pub struct Voronoi {
     pub materials: Vec<String>,
 }
 
-/// An outline; exactly one of the keys. The last three are for grains in three dimensions.
+/// An outline; exactly one of the keys. The last four are for grains in three dimensions.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Outline {
@@ -295,6 +295,9 @@ pub struct Outline {
     /// A cylinder.
     #[serde(default)]
     pub cylinder: Option<Cylinder>,
+    /// A sphere.
+    #[serde(default)]
+    pub sphere: Option<Sphere>,
 }
 
 impl Outline {
@@ -307,6 +310,7 @@ impl Outline {
             ("box", 3, self.block.is_some()),
             ("polyhedron", 3, self.polyhedron.is_some()),
             ("cylinder", 3, self.cylinder.is_some()),
+            ("sphere", 3, self.sphere.is_some()),
         ];
         all.into_iter().filter(|(.., given)| *given).map(|(key, dimensions, _)| (key, dimensions)).collect()
     }
