@@ -6,13 +6,16 @@ use std::process::Command;
 use std::time::{Duration, Instant};
 
 use fdem_bench::bodies::Body;
-use fdem_simulation::{Element, Mesh, Model, Simulation, Timings};
+use fdem_simulation::{Element, Mesh, Model, Simd, Simulation, Timings};
 
 /// Lower bound on the duration of one timing, in seconds.
 const FILL: f64 = 0.5;
 
 /// Steps before any timing: fragments press each other evenly after the first few.
 const SETTLE: u64 = 40;
+
+/// What the name of a run on other vector instructions than the best begins with.
+const ON: &str = "on:";
 
 /// A body, and the way it is timed.
 pub(crate) struct Case {
@@ -78,6 +81,15 @@ impl Case {
         let memory = (resident("VmHWM")? - before) / elements as f64;
         let mut many = Simulation::new(model(self.elements), self.threads)?;
         many.advance(one.steps())?;
+        let mut slower = Vec::new();
+        if elements <= super::LARGEST {
+            for simd in Simd::available().into_iter().filter(|&simd| simd != Simd::best()) {
+                let mut run = Simulation::new(model(self.elements), 1)?;
+                run.set_simd(simd);
+                run.advance(one.steps())?;
+                slower.push(run);
+            }
+        }
         let mesh = std::env::temp_dir().join(format!("fdem-bench-{}.msh", std::process::id()));
         if !self.external.is_empty() {
             std::fs::write(&mesh, gmsh(&one.model().mesh))?;
@@ -85,8 +97,10 @@ impl Case {
         let start = one.timings();
         let mut contacts = Vec::with_capacity(self.rounds);
         let mut samples = vec![Vec::new(); 2 + self.external.len()];
+        let mut on = vec![Vec::new(); slower.len()];
         for _ in 0..self.rounds {
-            for (run, samples) in [&mut one, &mut many].into_iter().zip(&mut samples) {
+            let runs = [&mut one, &mut many].into_iter().chain(&mut slower);
+            for (run, samples) in runs.zip(samples[..2].iter_mut().chain(&mut on)) {
                 let clock = Instant::now();
                 run.advance(steps)?;
                 samples.push(clock.elapsed().as_secs_f64() / steps as f64);
@@ -97,14 +111,22 @@ impl Case {
             }
         }
         let _ = std::fs::remove_file(&mesh);
-        let (a, b) = (one.snapshot(), many.snapshot());
-        if a.positions != b.positions || a.velocities != b.velocities || a.cracks != b.cracks {
+        let a = one.snapshot();
+        let differs = |other: &Simulation<D, N>| {
+            let b = other.snapshot();
+            a.positions != b.positions || a.velocities != b.velocities || a.cracks != b.cracks
+        };
+        if differs(&many) {
             return Err(format!("{} threads give another result than one", self.threads).into());
+        }
+        if let Some(run) = slower.iter().find(|run| differs(run)) {
+            return Err(format!("{} gives another result than {}", run.simd(), one.simd()).into());
         }
         let names = ["one", "many"]
             .map(str::to_owned)
             .into_iter()
-            .chain(self.external.iter().map(|(name, _)| name.clone()));
+            .chain(self.external.iter().map(|(name, _)| name.clone()))
+            .chain(slower.iter().map(|run| format!("{ON}{}", run.simd())));
         let counts = one.counts();
         Ok(Outcome {
             elements,
@@ -112,7 +134,7 @@ impl Case {
             detections: counts.detections,
             broken: counts.broken,
             memory,
-            seconds: names.zip(samples.into_iter().map(median)).collect(),
+            seconds: names.zip(samples.into_iter().chain(on).map(median)).collect(),
             shares: shares(&start, &one.timings()),
         })
     }
@@ -158,6 +180,19 @@ impl Outcome {
     /// Element-steps per second of the program with this number.
     pub(crate) fn rate(&self, program: usize) -> f64 {
         self.elements as f64 / self.seconds[program].1
+    }
+
+    /// Names and element-steps per second of other programs.
+    pub(crate) fn others(&self) -> impl Iterator<Item = (&str, f64)> {
+        let rest = self.seconds[2..].iter().filter(|(name, _)| !name.starts_with(ON));
+        rest.map(|(name, seconds)| (name.as_str(), self.elements as f64 / seconds))
+    }
+
+    /// Names and element-steps per second of the vector instructions that were compared with the best, on one thread.
+    pub(crate) fn slower(&self) -> impl Iterator<Item = (&str, f64)> {
+        self.seconds
+            .iter()
+            .filter_map(|(name, seconds)| Some((name.strip_prefix(ON)?, self.elements as f64 / seconds)))
     }
 
     /// Parses the line that [`fmt::Display`] writes.

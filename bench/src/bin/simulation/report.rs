@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use fdem_bench::bodies::{Body, Plane, Space};
 use fdem_bench::{Table, grouped, machine, significant};
+use fdem_simulation::Simd;
 
 use crate::case::Outcome;
 use crate::limits::Limits;
@@ -24,9 +25,10 @@ type Outcomes = [(Body, Outcome)];
 
 pub(crate) fn report(threads: usize, rounds: usize, limits: &Limits, outcomes: &Outcomes) -> String {
     let mut out = format!(
-        "# Steps of the simulation\n\n{}.\n\nMillions of element-steps in a second; medians of {rounds} rounds in which all take turns. \
-         Results are compared at the end: they are the same on any number of threads.\n\n",
-        machine(&[1, threads])
+        "# Steps of the simulation\n\n{}; {}.\n\nMillions of element-steps in a second; medians of {rounds} rounds in which all take turns. \
+         Results are compared at the end: they are the same on any number of threads and on all vector instructions.\n\n",
+        machine(&[1, threads]),
+        Simd::best()
     );
     let _ = writeln!(out, "{}\n{}", bodies(outcomes), speed(threads, outcomes));
     let _ = writeln!(
@@ -45,6 +47,12 @@ pub(crate) fn report(threads: usize, rounds: usize, limits: &Limits, outcomes: &
          In brackets: the time of a step over the bound.\n\n{}",
         bounds(limits, outcomes)
     );
+    if let Some(table) = instructions(outcomes) {
+        let _ = writeln!(
+            out,
+            "## Vector instructions, 1 thread\n\nElements and whole joints are computed on the best that the processor has. All give the same results.\n\n{table}"
+        );
+    }
     let driven = [
         Body::Plane(Plane::Bar),
         Body::Plane(Plane::Disc),
@@ -134,19 +142,34 @@ fn bounds(limits: &Limits, outcomes: &Outcomes) -> Table {
     table
 }
 
-/// A sentence on the other programs; `None` if there were none.
+/// A table of the other programs; `None` if there were none.
 fn others(body: Body, outcomes: &Outcomes) -> Option<String> {
-    let with = || outcomes.iter().filter(|(other, outcome)| *other == body && outcome.seconds.len() > 2);
+    let with =
+        || outcomes.iter().filter(|(other, outcome)| *other == body && outcome.others().next().is_some());
     let (_, first) = with().next()?;
-    let names = first.seconds[2..].iter().map(|(name, _)| name.as_str());
+    let names = first.others().map(|(name, _)| name);
     let headings: Vec<&str> = ["body", "elements", "fdem"].into_iter().chain(names).collect();
     let mut table = Table::new(&headings);
     for (body, outcome) in with() {
-        let theirs = (2..outcome.seconds.len()).map(|program| {
-            let rate = outcome.rate(program);
-            format!("{} ({})", millions(rate), significant(outcome.rate(0) / rate))
-        });
+        let theirs = outcome
+            .others()
+            .map(|(_, rate)| format!("{} ({})", millions(rate), significant(outcome.rate(0) / rate)));
         table.row(head(*body, outcome).into_iter().chain([millions(outcome.rate(0))]).chain(theirs));
     }
     Some(format!("\n{table}"))
+}
+
+/// A table of vector instructions.
+fn instructions(outcomes: &Outcomes) -> Option<Table> {
+    let with = || outcomes.iter().filter(|(_, outcome)| outcome.slower().next().is_some());
+    let (_, first) = with().next()?;
+    let best = Simd::best().to_string();
+    let headings =
+        ["body", "elements"].into_iter().chain(first.slower().map(|(name, _)| name)).chain([&*best]);
+    let mut table = Table::new(&headings.collect::<Vec<_>>());
+    for (body, outcome) in with() {
+        let rates = outcome.slower().map(|(_, rate)| rate).chain([outcome.rate(0)]);
+        table.row(head(*body, outcome).into_iter().chain(rates.map(millions)));
+    }
+    Some(table)
 }
