@@ -19,7 +19,11 @@
 //! Elements, joints and couples write their forces on corners; each node then adds the forces of its corners in a fixed order (`gather` in
 //! `src/motion.rs`), so that threads share no sum and change no bit. `Team` cuts work into chunks of fixed size and adds their results in order.
 //!
-//! Data that each step reads are stored apart from data that are seldom read (`Node` and `Constants`, `Element` and `Strained`). A step skips everything
+//! Elements and whole joints are computed in batches of 16, side by side (`src/lanes.rs`): one function says what happens to one of them, without a branch, and the compiler makes
+//! vectors of the loop over a batch, for AVX2, AVX-512, and what every processor has. The best set of instructions is chosen at run time. All give the same bits; tests compare them.
+//! An element that is strained so much that its stress needs a branch, and a joint that does not stay whole, are computed again, one by one.
+//!
+//! Data that each step reads are stored apart from data that are seldom read (`Node` and `Constants`, `Joint` and `Link`). A step skips everything
 //! that cannot have changed: edges of elements whose stress is far from the strength (`joints/near.rs`), boxes of bodies that have moved less than the
 //! slack of the buffer, and couples that have moved less than the distance between them (`apart_until` in `contacts.rs`). Skipping changes no result. The
 //! mesher numbers nodes and elements along Hilbert's curve. Where every element has its own nodes, nodes are numbered in the order of the elements.
@@ -38,8 +42,8 @@
 //! | to change | open |
 //! |---|---|
 //! | the time step of a simulation | `src/simulation.rs` |
-//! | the stress in an element | `src/elastic.rs`, `src/solid.rs`, `elastic.rs` in `src/simplex/triangle` and `tetrahedron` |
-//! | softening and breaking of a joint | `src/cohesive.rs`; a broken joint: `src/joints.rs`; insertion: `src/joints/insertion.rs`, `near.rs` and `plane.rs` beside it |
+//! | the stress in an element | `src/elastic.rs`, `src/solid.rs`, `src/solid/batch.rs`, `elastic.rs` in `src/simplex/triangle` and `tetrahedron` |
+//! | softening and breaking of a joint | `src/cohesive.rs`; a whole joint: `src/joints/whole.rs`; a broken one: `src/joints.rs`; insertion: `src/joints/insertion.rs`, `near.rs` and `plane.rs` beside it |
 //! | the contact force | `potential.rs` in `src/simplex/triangle` and `tetrahedron`; friction, damping: `src/contacts/forces.rs`; couples: `src/contacts.rs` |
 //! | loads, schedules, absorbing edges | `src/loads.rs` |
 //! | the longest stable time step | `src/critical.rs` |
@@ -67,6 +71,9 @@
 //! - An edge fails as soon as a plane within 15° of it does, and its joint stands for that plane; in the book an edge fails by its own traction. Without
 //!   this a block in compression is up to a quarter stronger than its material (`src/joints/plane.rs`).
 //! - The critical opening is the one that dissipates the fracture energy, G/(0.3863 f); 3 G/f is an option.
+//!
+//! # Unsafe code
+//! `src/lanes.rs` calls functions that are compiled for vector instructions, on processors that have them. There is no other in this crate.
 //!
 //! # Sources
 //! A. Munjiza, *The Combined Finite-Discrete Element Method* (Wiley, 2004); each module says where it departs from the book and why.
