@@ -120,7 +120,7 @@ where
         let slack = SLACK * buffer;
         let detector = team.pool().map_or_else(Detector::new, |pool| Detector::new().on_pool(pool));
         let search = Buffered::with_search(detector, buffer - slack)
-            .map_err(|error| ModelError::Threads { message: error.to_string() })?;
+            .map_err(|error| ModelError::Detection { message: error.to_string() })?;
         let mut contacts = Self {
             options,
             materials,

@@ -105,7 +105,7 @@ pub enum ModelError {
         /// Message of the library.
         message: String,
     },
-    /// Detection of the surfaces that touch at the beginning failed.
+    /// Contact detection could not begin: of the surfaces that touch at the beginning, or with this buffer.
     Detection {
         /// Message of the detection.
         message: String,

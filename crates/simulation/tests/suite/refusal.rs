@@ -35,6 +35,7 @@ fn models_that_cannot_be_say_why() {
     assert!(
         refusal(|m| (m.plane, m.materials[0].poissons_ratio) = (Plane::Strain, 0.5)).contains("below 0.5")
     );
+    assert!(refusal(|m| m.contact.buffer = 1e300).starts_with("contact detection: buffer"));
     assert_eq!(refusal(|m| m.mesh.elements[3][1] = 77), "element 3: there is no node 77");
     assert_eq!(refusal(|m| m.mesh.materials[2] = 5), "element 2: there is no material 5");
     assert_eq!(
