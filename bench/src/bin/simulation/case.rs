@@ -14,7 +14,7 @@ const FILL: f64 = 0.5;
 /// Steps before any timing: fragments press each other evenly after the first few.
 const SETTLE: u64 = 40;
 
-/// What the name of a run on other vector instructions than the best begins with.
+/// Begins the names of the runs on slower vector instructions.
 const ON: &str = "on:";
 
 /// A body, and the way it is timed.

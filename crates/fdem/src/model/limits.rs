@@ -1,4 +1,4 @@
-//! How many elements there may be.
+//! Limits of the number of elements.
 
 use fdem_io::numbers::{brief, grouped};
 use fdem_mesh::MOST_ELEMENTS;

@@ -61,8 +61,8 @@ pub struct Group<const D: usize = 2> {
 /// A model in two or in three dimensions that is ready to run.
 #[derive(Debug, Clone)]
 pub enum AnyPrepared {
-    /// Of triangles in the plane.
+    /// A model of triangles in the plane.
     Plane(Box<Prepared>),
-    /// Of tetrahedra.
+    /// A model of tetrahedra in space.
     Space(Box<Prepared<3, 4>>),
 }

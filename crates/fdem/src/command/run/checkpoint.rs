@@ -1,4 +1,4 @@
-//! What a checkpoint has.
+//! The content of a checkpoint.
 
 use fdem_simulation::State;
 use serde::{Deserialize, Serialize};

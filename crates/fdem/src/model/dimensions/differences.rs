@@ -1,4 +1,4 @@
-//! What differs between models in two and in three dimensions.
+//! The differences between models in two and in three dimensions.
 
 use fdem_contact::narrow::{Measure, Tetrahedron, Triangle, tetrahedron_tetrahedron, triangle_triangle_2d};
 use fdem_simulation::Model;
