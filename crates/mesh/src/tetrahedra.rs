@@ -50,11 +50,14 @@ const VOLUME: f64 = 0.1;
 const THICK: f64 = 3.0;
 
 /// Size over the mean thickness of a body from which the angles are below 8°: no mesh is made.
-const FLAT: f64 = 12.0;
+pub(crate) const FLAT: f64 = 12.0;
 
-/// Smallest angle between facets of a mesh, degrees, below which it is made again from other random numbers; how often; and by which share of the size it is finer each time.
+/// Smallest angle between facets of a mesh, degrees, below which it is made again from other random numbers; how often at most; and by which share of the size it is finer each time.
 const POOR: f64 = 8.0;
 const AGAIN: u64 = 6;
+
+/// Elements in all meshes of a surface together, from which on it is not meshed again: it would take longer than anyone waits.
+const ENOUGH: usize = 1_000_000;
 const FINER: f64 = 0.04;
 
 /// Most rounds in which flat tetrahedra at the surface are left out.
@@ -183,8 +186,13 @@ fn mesh_again(
     if best.0 >= POOR || sharpest::of_surface(surface).is_some_and(|edge| edge.angle < POOR) {
         return Ok(best.1);
     }
+    let mut elements = best.1.elements.len();
     for again in 1..=AGAIN {
+        if elements > ENOUGH {
+            break;
+        }
         let mesh = mesh_once(again)?;
+        elements += mesh.elements.len();
         let angle = smallest_angle(&mesh);
         if angle > best.0 {
             best = (angle, mesh);
@@ -274,9 +282,11 @@ fn mesh(
         (hits, _) = recover::lock(&mut mesh, &skin);
         regions::classify(&mut mesh, &skin, &hits)?;
     }
+    let bare = mesh.clone();
     let mut points = skin.points.clone();
     fill::fill(&mut mesh, &mut points, &sizes, seed)?;
-    let (mesh, hits) = fill::smooth(mesh, &skin, &mut points, &sizes)?;
+    let (mesh, hits) = fill::smooth(mesh, &bare, &skin, &mut points, &sizes)?;
+    drop(bare);
     let mut body = Body::new(&mesh, &skin, &hits, points);
     drop(mesh);
     improve::improve(&mut body, seed);

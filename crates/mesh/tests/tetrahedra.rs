@@ -515,6 +515,81 @@ fn plates_much_thinner_than_the_size_are_refused() {
     }
 }
 
+/// A sphere of `rings` rings of triangles between circles of latitude. Each quadrilateral is flat only up to rounding, and all its points are on one sphere.
+fn globe(rings: usize, a_face_each: bool) -> Surface {
+    use std::f64::consts::PI;
+    let sectors = 2 * rings;
+    let mut nodes = vec![[0.0, 0.0, 1.0]];
+    for ring in 1..rings {
+        let (sine, cosine) = (PI * ring as f64 / rings as f64).sin_cos();
+        nodes.extend((0..sectors).map(|sector| {
+            let (y, x) = (2.0 * PI * sector as f64 / sectors as f64).sin_cos();
+            [sine * x, sine * y, cosine]
+        }));
+    }
+    nodes.push([0.0, 0.0, -1.0]);
+    let at = |ring: usize, sector: usize| match ring {
+        0 => 0,
+        _ if ring == rings => nodes.len() as u32 - 1,
+        _ => (1 + (ring - 1) * sectors + sector % sectors) as u32,
+    };
+    let mut facets = Vec::new();
+    for ring in 0..rings {
+        for sector in 0..sectors {
+            let [a, b] = [at(ring, sector), at(ring + 1, sector)];
+            let [c, d] = [at(ring + 1, sector + 1), at(ring, sector + 1)];
+            if ring > 0 {
+                facets.push([a, c, d]);
+            }
+            if ring + 1 < rings {
+                facets.push([a, b, c]);
+            }
+        }
+    }
+    let count = facets.len() as u32;
+    Surface {
+        nodes,
+        faces: if a_face_each { (0..count).collect() } else { vec![0; facets.len()] },
+        sides: vec![[0, OUTSIDE]; facets.len()],
+        facets,
+        names: Vec::new(),
+    }
+}
+
+/// Delaunay's tetrahedra of these points have flat ones outside, in whose spheres all points inside are: before locked facets were walls, no point was inserted, and
+/// the angles were below 2°.
+#[test]
+fn surfaces_of_many_points_on_one_sphere_have_good_angles() {
+    for (rings, a_face_each) in [(15, false), (15, true), (21, false), (21, true)] {
+        let globe = globe(rings, a_face_each);
+        let mesh = meshed(&globe, 0.3, 1);
+        check(&globe, &mesh);
+        let [least, _] = angles(&mesh);
+        assert!(least > 8.0, "{rings}, {a_face_each}: {least}");
+    }
+}
+
+/// The edges of long faces are flipped until all are Delaunay's, however many flips that takes.
+#[test]
+fn a_rod_may_be_thousands_of_times_as_long_as_wide() {
+    let rod = cuboid([0.0; 3], [3000.0, 1.0, 1.0]).unwrap();
+    let mesh = meshed(&rod, 1.0, 1);
+    assert_eq!(mesh.elements.len(), 18_000, "six for each cube");
+}
+
+#[test]
+fn tubes_with_thin_walls_or_a_hair_as_hole_are_refused() {
+    let tube = |inner, size: f64| tube([0.0; 3], [0.0, 0.0, 1.0], inner, 0.5, &move |_| size, 1);
+    let thin = tube(0.499, 0.1).unwrap_err();
+    assert!(
+        matches!(thin, MeshError::Thin { thickness, size, .. } if (thickness - 1e-3).abs() < 1e-9 && size == 0.1)
+    );
+    assert!(tube(0.49, 0.1).is_ok());
+    let hair = tube(1e-6, 0.1).unwrap_err();
+    assert!(matches!(hair, MeshError::Slender { radius: 1e-6, length: 1.0, .. }), "{hair}");
+    assert!(tube(1e-3, 0.1).is_ok());
+}
+
 /// The nodes of the mantle are on the cylinder, the grains fill it, and angles are good.
 #[test]
 fn grains_of_a_cylinder_are_round_outside() {

@@ -3,7 +3,7 @@
 use std::io::IsTerminal;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::mpsc::{self, RecvTimeoutError, Sender};
+use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
@@ -11,6 +11,9 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 /// Time after which a bar appears: nobody could read the bar of a shorter step.
 const PATIENCE: Duration = Duration::from_secs(1);
+
+/// Time after which a step is named in one line where no bar can be drawn.
+const SILENCE: Duration = Duration::from_secs(10);
 
 /// Time between two updates of a bar.
 pub(crate) const INTERVAL: Duration = Duration::from_millis(100);
@@ -22,7 +25,7 @@ pub(crate) fn is_terminal() -> bool {
 
 /// Measures the time of steps, and shows a bar on standard error during each.
 pub(crate) struct Progress {
-    visible: bool,
+    quiet: bool,
 }
 
 /// Progress of a step. The code that works on the step advances it.
@@ -30,12 +33,12 @@ pub(crate) type Position = Arc<AtomicU64>;
 
 impl Progress {
     pub(crate) fn new(quiet: bool) -> Self {
-        Self { visible: !quiet && is_terminal() }
+        Self { quiet }
     }
 
     /// Runs `work` and returns its result with the seconds it took.
     ///
-    /// The bar runs up to `total`. Without a total it shows the position and the time.
+    /// The bar runs up to `total`. Without a total it shows the position and the time. Without a terminal a long step is named in a line.
     pub(crate) fn step<R>(
         &self,
         label: &'static str,
@@ -43,8 +46,13 @@ impl Progress {
         work: impl FnOnce(&Position) -> R,
     ) -> (R, f64) {
         let position = Position::default();
+        let watched = Arc::clone(&position);
         let start = Instant::now();
-        let bar = if self.visible { Watched::start(label, total, &position) } else { None };
+        let bar = match (self.quiet, is_terminal()) {
+            (true, _) => None,
+            (false, true) => Watched::start(move |wait| draw(label, total, &watched, wait)),
+            (false, false) => Watched::start(move |wait| tell(label, wait)),
+        };
         let result = work(&position);
         let seconds = start.elapsed().as_secs_f64();
         if let Some(bar) = bar {
@@ -54,31 +62,17 @@ impl Progress {
     }
 }
 
-/// A thread that draws the position, so that the work never waits for the terminal.
+/// A thread that shows the progress, so that the work never waits for the terminal.
 struct Watched {
     done: Sender<()>,
     thread: JoinHandle<()>,
 }
 
 impl Watched {
-    /// Starts the thread; `None` if the system has no thread left. The work then goes on without a bar.
-    fn start(label: &'static str, total: Option<u64>, position: &Position) -> Option<Self> {
+    /// Starts the thread; `None` if the system has no thread left. The work then goes on without a bar. `show` waits for the end.
+    fn start(show: impl FnOnce(&Receiver<()>) + Send + 'static) -> Option<Self> {
         let (done, wait) = mpsc::channel();
-        let position = Arc::clone(position);
-        let draw = move || {
-            if wait.recv_timeout(PATIENCE) != Err(RecvTimeoutError::Timeout) {
-                return;
-            }
-            let length = label.chars().count();
-            let mut bar =
-                Bar::new(total, PATIENCE, move |width| template(total.is_some(), length, width).to_owned());
-            bar.say(label);
-            while wait.recv_timeout(INTERVAL) == Err(RecvTimeoutError::Timeout) {
-                bar.show(position.load(Ordering::Relaxed));
-            }
-            bar.finish();
-        };
-        let thread = thread::Builder::new().spawn(draw).ok()?;
+        let thread = thread::Builder::new().spawn(move || show(&wait)).ok()?;
         Some(Self { done, thread })
     }
 
@@ -86,6 +80,27 @@ impl Watched {
         drop(self.done);
         // The thread only draws: the result is right even if it panicked.
         let _ = self.thread.join();
+    }
+}
+
+/// Draws the position until the step ends.
+fn draw(label: &'static str, total: Option<u64>, position: &Position, wait: &Receiver<()>) {
+    if wait.recv_timeout(PATIENCE) != Err(RecvTimeoutError::Timeout) {
+        return;
+    }
+    let length = label.chars().count();
+    let mut bar = Bar::new(total, PATIENCE, move |width| template(total.is_some(), length, width).to_owned());
+    bar.say(label);
+    while wait.recv_timeout(INTERVAL) == Err(RecvTimeoutError::Timeout) {
+        bar.show(position.load(Ordering::Relaxed));
+    }
+    bar.finish();
+}
+
+/// Says what goes on if the step is a long one.
+fn tell(label: &str, wait: &Receiver<()>) {
+    if wait.recv_timeout(SILENCE) == Err(RecvTimeoutError::Timeout) {
+        eprintln!("{label} ...");
     }
 }
 

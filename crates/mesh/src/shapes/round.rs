@@ -12,7 +12,7 @@ use crate::tetrahedra::plane::Plane;
 use crate::tetrahedra::vector::{
     Point, circle, cross, distance, dot, in_ball, length, minus, plus, times, unit,
 };
-use crate::tetrahedra::{MOST, MeshError, OUTSIDE, Size, Surface, finite};
+use crate::tetrahedra::{FLAT, MOST, MeshError, OUTSIDE, Size, Surface, finite};
 
 /// Fewest edges around a circle.
 const FEWEST: usize = 8;
@@ -49,7 +49,7 @@ pub fn cylinder(
 /// Faces: `bottom` (around `from`), `top`, `mantle`, `inner mantle`.
 ///
 /// # Errors
-/// As [`cylinder`]; [`MeshError::Length`] if `inner` is not less than `outer`.
+/// As [`cylinder`]; [`MeshError::Length`] if `inner` is not less than `outer`; [`MeshError::Thin`] if the size is above 12 times the thickness of the wall.
 pub fn tube(
     from: [f64; 3],
     to: [f64; 3],
@@ -65,8 +65,13 @@ pub fn tube(
     let names = ["bottom", "top", "mantle", "inner mantle"].map(str::to_owned).to_vec();
     let mut surface = Surface { names, ..Surface::default() };
     let mut random = Random::new(seed);
-    // Edges are no longer than the wall is thick.
     let wall = outer - inner;
+    let middle = times(plus(from, to), 0.5);
+    let largest = size(middle).min(distance(from, to)).min(TAU * outer);
+    if largest > FLAT * wall {
+        return Err(MeshError::Thin { region: 0, thickness: wall, size: largest });
+    }
+    // Edges are no longer than the wall is thick.
     let thin = move |place: Point| at_most(size(place), 1.2 * wall);
     let outside = mantle(&mut surface, &axis, outer, &thin, &mut random, 2)?;
     let first = surface.facets.len();
@@ -154,7 +159,13 @@ fn mantle(
         ring(&|angle| limited(axis.place(radius, angle, 1.0)), radius)?,
     ];
     // Rows of few points between the rims keep all triangles narrow: a triangle around half of the cylinder has no place in the plane.
-    let rows = (long / (around / FEWEST as f64)).round().clamp(1.0, MOST as f64) as usize;
+    let rows = (long / (around / FEWEST as f64)).round().max(1.0);
+    // At least four elements are at a facet in the end.
+    let elements = 4.0 * 2.0 * FEWEST as f64 * rows;
+    if elements > MOST as f64 {
+        return Err(MeshError::Slender { radius, length: long, elements });
+    }
+    let rows = rows as usize;
     let mut rings: Vec<(f64, Vec<f64>)> = vec![(0.0, rims[0].clone())];
     for row in 1..rows {
         let (phase, shift) = (random.uniform(), random.between(-0.2, 0.2));
@@ -353,7 +364,7 @@ fn refine(
         if !mesh.takes(points, t as usize, point, vertex) {
             continue;
         }
-        mesh.find_gap(points, point, vertex, t);
+        mesh.find_gap(points, point, vertex, t, false);
         points.push(point);
         mesh.fill_gap(vertex);
         open.extend(&mesh.made);

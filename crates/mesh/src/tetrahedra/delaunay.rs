@@ -9,6 +9,7 @@
 //! O. Devillers, M. Teillaud, "Perturbations for Delaunay and weighted Delaunay 3D triangulations", Comput. Geom. 44 (2011), for the ties;
 //! O. Devillers, S. Pion, M. Teillaud, "Walking in a triangulation", Int. J. Found. Comput. Sci. 13 (2002).
 
+use super::OUTSIDE;
 use super::predicates::{side, within};
 use super::vector::Point;
 
@@ -24,6 +25,9 @@ pub(crate) const FACETS: [[usize; 3]; 4] = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0,
 /// Vertices around a gap for which places are looked up in a table.
 const TABLE: usize = 128;
 
+/// Steps of a walk from which on it is led by chance.
+const LONG: u32 = 1000;
+
 /// A facet around the gap of a new point.
 #[derive(Clone, Copy)]
 struct Border {
@@ -37,16 +41,10 @@ struct Border {
     outside: u32,
 }
 
-/// What a new point would do.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) enum Found {
-    /// The point may be inserted.
-    Gap,
-    /// A locked facet would be lost.
-    Locked,
-}
-
 /// A Delaunay triangulation. The points are the caller's.
+///
+/// With [`insert_inside`](Self::insert_inside), it is one of the space that locked facets divide: a sphere may hold points, if none of them is seen from inside the tetrahedron.
+#[derive(Clone)]
 pub(crate) struct Delaunay {
     /// Corners of each tetrahedron, of positive volume. Free places have [`NONE`] as their first two corners.
     pub(crate) corners: Vec<[u32; 4]>,
@@ -137,7 +135,18 @@ impl Delaunay {
         if self.corners[start as usize].iter().any(same) {
             return false;
         }
-        self.find_gap(points, point, vertex, start);
+        self.find_gap(points, point, vertex, start, false);
+        self.fill_gap(vertex);
+        true
+    }
+
+    /// Inserts a point that is not [`OUTSIDE`] such that no locked facet is lost. Returns whether it is inserted.
+    pub(crate) fn insert_inside(&mut self, points: &[Point], vertex: u32) -> bool {
+        let point = points[vertex as usize];
+        let start = self.locate(points, point, self.last);
+        if self.regions[start as usize] == OUTSIDE || !self.find_gap_inside(points, point, vertex, start) {
+            return false;
+        }
         self.fill_gap(vertex);
         true
     }
@@ -155,15 +164,23 @@ impl Delaunay {
     }
 
     /// The tetrahedron with a point in it, or a ghost beyond whose facet it is.
+    ///
+    /// The facet to leave by is the first of those that part the tetrahedron from the point. Where locked facets keep tetrahedra from being Delaunay's, such a walk could
+    /// go round in circles: a long one starts with another facet each time.
     fn locate(&self, points: &[Point], point: Point, start: u32) -> u32 {
         let mut t = start as usize;
         if let Some(ghost) = self.corners[t].iter().position(|&corner| corner == GHOST) {
             t = (self.across[t][ghost] / 4) as usize;
         }
         let mut from = NONE;
+        let mut steps = 0_u32;
         'walk: loop {
             let corners = self.corners[t];
-            for (place, facet) in FACETS.iter().enumerate() {
+            steps = steps.wrapping_add(1);
+            let first = if steps < LONG { 0 } else { (steps.wrapping_mul(0x9e37_79b9) >> 30) as usize };
+            for place in 0..4 {
+                let place = (place + first) % 4;
+                let facet = FACETS[place];
                 let beyond = self.across[t][place];
                 if beyond / 4 == from {
                     continue;
@@ -200,8 +217,24 @@ impl Delaunay {
         value > 0.0
     }
 
-    /// Finds the tetrahedra that `point`, number `vertex`, takes away: `start` has to be one of them.
-    pub(crate) fn find_gap(&mut self, points: &[Point], point: Point, vertex: u32, start: u32) -> Found {
+    /// Finds the tetrahedra that `point`, number `vertex`, takes away and that no locked facet parts from `start`, which has to be one of them. Returns whether the point
+    /// sees all facets around them from inside: only then may the gap be filled.
+    pub(crate) fn find_gap_inside(
+        &mut self,
+        points: &[Point],
+        point: Point,
+        vertex: u32,
+        start: u32,
+    ) -> bool {
+        self.find_gap(points, point, vertex, start, true);
+        self.border.iter().all(|border| {
+            let [a, b, c] = FACETS[border.at as usize].map(|k| points[border.corners[k] as usize]);
+            side(a, b, c, point) < 0.0
+        })
+    }
+
+    /// Finds the tetrahedra that `point`, number `vertex`, takes away: `start` has to be one of them. Locked facets may be `walls`, behind which nothing is taken.
+    pub(crate) fn find_gap(&mut self, points: &[Point], point: Point, vertex: u32, start: u32, walls: bool) {
         if self.search >= u32::MAX / 2 - 1 {
             self.met.fill(0);
             self.local.fill([0; 2]);
@@ -213,7 +246,6 @@ impl Delaunay {
         self.border.clear();
         self.gap.push(start);
         self.met[start as usize] = taken;
-        let mut found = Found::Gap;
         let mut next = 0;
         while let Some(&t) = self.gap.get(next) {
             next += 1;
@@ -222,23 +254,21 @@ impl Delaunay {
                 let outside = self.across[t][place];
                 let u = (outside / 4) as usize;
                 let locked = self.locked[t] >> place & 1 == 1;
-                if self.met[u] < out {
+                let wall = walls && locked;
+                if !wall && self.met[u] < out {
                     let takes = self.takes(points, u, point, vertex);
                     self.met[u] = if takes { taken } else { out };
                     if takes {
                         self.gap.push(u as u32);
                     }
                 }
-                if self.met[u] == out {
+                if wall || self.met[u] == out {
                     let corners = self.corners[t];
                     let region = self.regions[t];
                     self.border.push(Border { corners, at: place as u8, locked, region, outside });
-                } else if locked {
-                    found = Found::Locked;
                 }
             }
         }
-        found
     }
 
     /// The locked facets around the gap.

@@ -104,6 +104,15 @@ pub enum MeshError {
         /// The mean size at its surface.
         size: f64,
     },
+    /// A round body or hole is so slender that its facets, which are not longer than wide, are too many.
+    Slender {
+        /// Its radius.
+        radius: f64,
+        /// Its length.
+        length: f64,
+        /// About how many elements it would take.
+        elements: f64,
+    },
     /// Facets are so near to each other, or angles so sharp, that the surface is not met after many splits.
     NotRecovered {
         /// Where.
@@ -153,6 +162,10 @@ impl fmt::Display for MeshError {
                 f,
                 "the body is {thickness:.2e} thick in the mean, and a mesh size of {size:.2e} would make flat elements; take {:.2e} at most, or a thicker body",
                 THICK * thickness
+            ),
+            Self::Slender { radius, length, elements } => write!(
+                f,
+                "a radius of {radius:.2e} along a length of {length:.2e} would take about {elements:.1e} elements, of at most {MOST}: elements are not longer than wide; take a larger radius"
             ),
             Self::NotRecovered { place } => {
                 write!(

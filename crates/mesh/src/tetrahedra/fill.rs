@@ -3,19 +3,18 @@
 //! # Sources
 //! J. R. Shewchuk, "Tetrahedral mesh generation by Delaunay refinement", `SoCG` 1998, for points in the middle of spheres that are too large; L. Chen, J. Xu, "Optimal
 //! Delaunay triangulations", J. Comput. Math. 22 (2004), and P. Alliez, D. Cohen-Steiner, M. Yvinec, M. Desbrun, "Variational tetrahedral meshing", SIGGRAPH 2005, for
-//! the moves: each point goes to the mean of the centres of the spheres around it.
+//! the moves: each point goes to the mean of the centres of the spheres around it; J. R. Shewchuk, "General-dimensional constrained Delaunay and constrained regular
+//! triangulations, I", Discrete Comput. Geom. 39 (2008), for tetrahedra that locked facets part.
 
 use std::collections::VecDeque;
 
 use fdem_scenes::random::Random;
 
-use super::delaunay::{Delaunay, FACETS, Found};
+use super::delaunay::{Delaunay, FACETS};
 use super::recover::{self, Hits};
 use super::sizes::Sizes;
 use super::skin::Skin;
-use super::vector::{
-    Point, circle, cross, distance, dot, in_ball, length, minus, normal, plus, sphere, times,
-};
+use super::vector::{Point, circle, cross, dot, in_ball, length, minus, normal, plus, sphere, times};
 use super::{MOST, MeshError, OUTSIDE, order, regions};
 
 /// A sphere is too large if its radius is above this times the size; chosen such that the mean edge is the size.
@@ -57,7 +56,7 @@ pub(crate) fn fill(
         if !mesh.takes(points, t as usize, point, vertex) {
             continue;
         }
-        if mesh.find_gap(points, point, vertex, t) == Found::Locked
+        if !mesh.find_gap_inside(points, point, vertex, t)
             || mesh.locked_around().any(|facet| encroaches(facet.map(|k| points[k as usize]), point))
         {
             continue;
@@ -79,9 +78,10 @@ fn encroaches([a, b, c]: [Point; 3], point: Point) -> bool {
     dot(offset, offset) < square || dot(offset, normal(a, b, c)) > 0.0
 }
 
-/// Moves the points inside, and makes Delaunay's tetrahedra of them, several times.
+/// Moves the points inside, and makes Delaunay's tetrahedra of them, several times. Those of the skin alone are `bare`.
 pub(crate) fn smooth(
     mut mesh: Delaunay,
+    bare: &Delaunay,
     skin: &Skin,
     points: &mut [Point],
     sizes: &Sizes<'_>,
@@ -90,7 +90,7 @@ pub(crate) fn smooth(
     for _ in 0..ROUNDS {
         let mut moved = targets(&mesh, skin.points.len(), points, sizes);
         drop(mesh);
-        (mesh, _) = triangulate(&mut moved, points, skin, &order)?;
+        mesh = triangulate(&mut moved, points, bare, skin, &order)?;
         points.copy_from_slice(&moved);
     }
     let (hits, _) = recover::lock(&mut mesh, skin);
@@ -146,35 +146,28 @@ fn targets(mesh: &Delaunay, fixed: usize, points: &[Point], sizes: &Sizes<'_>) -
     targets
 }
 
-/// Delaunay's tetrahedra of moved points; points whose move took away triangles of the skin go back.
+/// Delaunay's tetrahedra of moved points. Where these lack triangles of the skin, the points are inserted into the tetrahedra of the `bare` skin instead; those for which
+/// there is no room go back to where they were `before`, or are left out.
 fn triangulate(
     moved: &mut [Point],
     before: &[Point],
+    bare: &Delaunay,
     skin: &Skin,
     order: &[u32],
-) -> Result<(Delaunay, Hits), MeshError> {
-    for attempt in 0..6 {
-        let mut mesh = Delaunay::new(moved, order).ok_or(MeshError::Flat)?;
-        let (hits, missing) = recover::lock(&mut mesh, skin);
-        if missing.is_empty() {
-            regions::classify(&mut mesh, skin, &hits)?;
-            return Ok((mesh, hits));
-        }
-        if attempt > 3 || missing.len() > 1000 {
-            moved.copy_from_slice(before);
-            continue;
-        }
-        let fixed = skin.points.len();
-        for &triangle in &missing {
-            let [a, b, c] = skin.corners(triangle as usize);
-            let Some((centre, square)) = circle(a, b, c) else { continue };
-            let reach = (1.0 + 0.5 * f64::from(attempt)) * 1.5 * square.sqrt();
-            for k in fixed..moved.len() {
-                if distance(moved[k], centre) < reach || distance(before[k], centre) < reach {
-                    moved[k] = before[k];
-                }
-            }
+) -> Result<Delaunay, MeshError> {
+    let mut mesh = Delaunay::new(moved, order).ok_or(MeshError::Flat)?;
+    let (hits, missing) = recover::lock(&mut mesh, skin);
+    if missing.is_empty() {
+        regions::classify(&mut mesh, skin, &hits)?;
+        return Ok(mesh);
+    }
+    let mut mesh = bare.clone();
+    for &vertex in order.iter().filter(|&&vertex| vertex as usize >= skin.points.len()) {
+        let at = vertex as usize;
+        if !mesh.insert_inside(moved, vertex) {
+            moved[at] = before[at];
+            mesh.insert_inside(moved, vertex);
         }
     }
-    Err(MeshError::NotRecovered { place: skin.points[0] })
+    Ok(mesh)
 }

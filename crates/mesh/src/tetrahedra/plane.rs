@@ -113,8 +113,8 @@ impl Plane {
     }
 
     fn flip_all(&mut self, open: &mut Vec<[u32; 2]>) {
-        // Ties are left as they are, so the flips end; the limit is for rounding that goes in circles.
-        let mut left = 100 * self.triangles.len() + 1000;
+        // Ties are left as they are, so the flips end; the limit is for rounding that goes in circles. The fans of a long strip take n²/8.
+        let mut left = self.triangles.len().saturating_pow(2).saturating_add(1000);
         while let Some([t, place]) = open.pop() {
             if left == 0 {
                 return;
