@@ -207,11 +207,8 @@ pub(super) fn press<const D: usize, const N: usize>(
         if size > 0.0 {
             let axes = <[[f64; D]; N]>::axes_around(push.map(|x| x / size));
             let normal = axes[0];
-            let length = couple
-                .elements
-                .map(|element| solid.elements[element as usize].volume)
-                .map(<[[f64; D]; N]>::contact_length);
-            let length = length[0].min(length[1]);
+            let volume = couple.elements.map(|element| solid.elements[element as usize].volume);
+            let length = <[[f64; D]; N]>::contact_length(volume[0].min(volume[1]));
             let rate = relative_velocity(couple.elements, &grip.shares, solid);
             let mut pressed = size;
             if law.damping > 0.0 {

@@ -5,8 +5,11 @@ use crate::vector::cross;
 /// Most corners of a piece: of a triangle that was cut by seven lines.
 pub(super) const MOST: usize = 10;
 
-/// Most corners of all pieces: three of the triangle, and two of each cut.
-const ALL: usize = 3 + 2 * 7;
+/// Bits of the number of a corner: all pieces have three corners of the triangle, and two of each cut.
+const BITS: u32 = 5;
+
+/// Room for the corners of all pieces.
+const ALL: usize = 1 << BITS;
 
 /// A point, by the last two of its barycentric coordinates, and the values of the functions there.
 #[derive(Clone, Copy, Default)]
@@ -33,21 +36,22 @@ impl Corner {
 }
 
 /// A triangle that is cut into pieces.
+#[derive(Default)]
 pub(super) struct Pieces {
     corners: [Corner; ALL],
     count: usize,
 }
 
-/// A convex piece of the triangle: the numbers of its corners, in order, one in each byte.
+/// A convex piece of the triangle: the numbers of its corners, in order, in [`BITS`] bits each.
 #[derive(Clone, Copy)]
 pub(super) struct Piece {
-    numbers: u128,
+    numbers: u64,
     count: u32,
 }
 
 impl Piece {
     /// The whole triangle.
-    pub(super) const WHOLE: Self = Self { numbers: 0x02_01_00, count: 3 };
+    pub(super) const WHOLE: Self = Self { numbers: 2 << (2 * BITS) | 1 << BITS, count: 3 };
 
     const EMPTY: Self = Self { numbers: 0, count: 0 };
 
@@ -57,7 +61,7 @@ impl Piece {
 
     #[inline]
     fn number(&self, corner: u32) -> usize {
-        (self.numbers >> (8 * corner)) as usize & 0xff
+        (self.numbers >> (BITS * corner)) as usize % ALL
     }
 }
 
@@ -85,8 +89,8 @@ impl Pieces {
     pub(super) fn corners(&self, piece: &Piece) -> impl Iterator<Item = &Corner> {
         let mut numbers = piece.numbers;
         (0..piece.count).map(move |_| {
-            let number = numbers as usize & 0xff;
-            numbers >>= 8;
+            let number = numbers as usize % ALL;
+            numbers >>= BITS;
             &self.corners[number]
         })
     }
@@ -98,9 +102,10 @@ impl Pieces {
     pub(super) fn cut(&mut self, piece: &Piece, function: impl Fn(&[f64; 4]) -> f64) -> Piece {
         let mut at = [0.0; MOST];
         let mut kept = 0_u32;
-        for (k, (at, corner)) in at.iter_mut().zip(self.corners(piece)).enumerate() {
-            *at = function(&corner.values);
-            kept |= u32::from(*at >= 0.0) << k;
+        for k in 0..piece.count {
+            let value = function(&self.corners[piece.number(k)].values);
+            at[k as usize] = value;
+            kept |= u32::from(value >= 0.0) << k;
         }
         let (count, all) = (piece.count, (1 << piece.count) - 1);
         if kept == all {
@@ -124,20 +129,20 @@ impl Pieces {
         let after = around(last + 1);
         let begin = self.between(piece, [outside, first], &at);
         let end = self.between(piece, [last, after], &at);
-        let numbers =
-            (piece.numbers >> (8 * first) | piece.numbers << (8 * (count - first))) & ((1 << (8 * run)) - 1);
-        Piece { numbers: begin | numbers << 8 | end << (8 * (run + 1)), count: run + 2 }
+        let numbers = (piece.numbers >> (BITS * first) | piece.numbers << (BITS * (count - first)))
+            & ((1 << (BITS * run)) - 1);
+        Piece { numbers: begin | numbers << BITS | end << (BITS * (run + 1)), count: run + 2 }
     }
 
     /// Adds the corner where the function is zero between two corners of a piece. Returns its number.
     #[inline]
-    fn between(&mut self, piece: &Piece, [one, other]: [u32; 2], at: &[f64; MOST]) -> u128 {
+    fn between(&mut self, piece: &Piece, [one, other]: [u32; 2], at: &[f64; MOST]) -> u64 {
         let [a, b] = [one, other].map(|corner| at[corner as usize]);
         let [from, to] = [one, other].map(|corner| self.corners[piece.number(corner)]);
-        let number = self.count;
+        let number = self.count % ALL;
         self.corners[number] = from.towards(&to, a / (a - b));
         self.count += 1;
-        number as u128
+        number as u64
     }
 
     /// Forgets the corners that cuts have made since there were so many.

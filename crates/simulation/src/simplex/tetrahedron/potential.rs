@@ -30,7 +30,8 @@ pub(super) fn interaction(a: &Tetrahedron, b: &Tetrahedron) -> Result<Interactio
     coordinates[1].beyond(&in_b)?;
     let in_a = b.map(|corner| coordinates[0].at(corner));
     coordinates[0].beyond(&in_a)?;
-    let covered = [faces_in(&in_b), faces_in(&in_a)];
+    let mut pieces = Pieces::default();
+    let covered = [faces_in(&in_b, &mut pieces), faces_in(&in_a, &mut pieces)];
     let mut result = Interaction::default();
     let mut sum = Sum::default();
     let [first, second] = &mut result.forces;
@@ -193,8 +194,7 @@ impl Covered {
 }
 
 /// The parts of the four faces of a tetrahedron that another one covers. `corners`: coordinates of the corners in that other one.
-fn faces_in(corners: &[[f64; 4]; 4]) -> [Covered; 4] {
-    let mut pieces = Pieces::of(&[[0.0; 4]; 3]);
+fn faces_in(corners: &[[f64; 4]; 4], pieces: &mut Pieces) -> [Covered; 4] {
     // The coordinates, as bits, that are positive and negative at each corner.
     let bits =
         |is: fn(&f64) -> bool| corners.map(|at| (0..4).fold(0, |all, k| all | u8::from(is(&at[k])) << k));
@@ -204,9 +204,12 @@ fn faces_in(corners: &[[f64; 4]; 4]) -> [Covered; 4] {
         if positive[a] | positive[b] | positive[c] != 0b1111 {
             return Covered::default();
         }
-        face_in(&[corners[a], corners[b], corners[c]], negative[a] | negative[b] | negative[c], &mut pieces)
+        face_in(&[corners[a], corners[b], corners[c]], negative[a] | negative[b] | negative[c], pieces)
     })
 }
+
+/// Pairs of coordinates.
+const PAIRS: [[usize; 2]; 6] = [[1, 0], [2, 1], [3, 2], [0, 3], [2, 0], [3, 1]];
 
 /// The part of a face whose corners have these coordinates in the other tetrahedron. `negative`: those that are negative somewhere.
 fn face_in(corners: &[[f64; 4]; 3], negative: u8, pieces: &mut Pieces) -> Covered {
@@ -220,15 +223,20 @@ fn face_in(corners: &[[f64; 4]; 3], negative: u8, pieces: &mut Pieces) -> Covere
             return covered;
         }
     }
+    // The largest and the least difference of each pair of coordinates at the corners.
+    let (mut largest, mut least) = ([f64::NEG_INFINITY; 6], [f64::INFINITY; 6]);
+    for corner in pieces.corners(&inside) {
+        for (pair, [k, j]) in PAIRS.into_iter().enumerate() {
+            let difference = corner.values[k] - corner.values[j];
+            largest[pair] = if difference > largest[pair] { difference } else { largest[pair] };
+            least[pair] = if difference < least[pair] { difference } else { least[pair] };
+        }
+    }
     // Bit `j` of the mask `k`: at some corner coordinate `k` is more than `j`.
     let mut more = [0_u8; 4];
-    for corner in pieces.corners(&inside) {
-        for k in 0..4 {
-            for j in 0..k {
-                more[k] |= u8::from(corner.values[k] > corner.values[j]) << j;
-                more[j] |= u8::from(corner.values[j] > corner.values[k]) << k;
-            }
-        }
+    for (pair, [k, j]) in PAIRS.into_iter().enumerate() {
+        more[k] |= u8::from(largest[pair] > 0.0) << j;
+        more[j] |= u8::from(least[pair] < 0.0) << k;
     }
     let is_more = |k: usize, j: usize| more[k] >> j & 1 != 0;
     let count = pieces.count();
