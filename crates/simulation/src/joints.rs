@@ -8,80 +8,28 @@
 //! (`joints/insertion.rs`), and for intrinsic joints under initial stress. The energy balance counts the elastic energy of the latter from the beginning.
 
 mod insertion;
+mod joint;
 mod near;
 mod plane;
 mod whole;
 
 use serde::{Deserialize, Serialize};
 
-use crate::cohesive::{Law, Memory, Plane, TooLittle};
+use crate::cohesive::{Law, Plane, TooLittle};
 use crate::error::ModelError;
 use crate::forces::ContactForce;
+use crate::joints::joint::Frame;
+pub(crate) use crate::joints::joint::{Joint, State};
 use crate::joints::near::{Near, Slopes, Weakest};
 use crate::joints::whole::{Batch, Link};
 use crate::lanes::LANES;
 use crate::model::{Insertion, Model, Strength};
 use crate::random;
 use crate::simplex::Simplex;
-use crate::solid::{Node, Solid, corners_of};
+use crate::solid::{Solid, corners_of};
 use crate::team::Team;
 use crate::topology::{Facet, NONE, Topology, place_in_element};
-use crate::vector::{Matrix, Point, add, dot, length, minus};
-
-/// Sliding of a broken joint over its length at which it begins to hand over to the contact of its two elements, and at which the handover is complete.
-const FADE: [f64; 2] = [0.1, 0.3];
-
-/// An end is detached if it is broken and its two sides are farther apart than this, over the length of the joint: the two elements turn about the other end as
-/// about a hinge. Half way round, the joint has no direction any more; farther round, an open joint looks closed.
-///
-/// If all other ends have two nodes, they break together with the detached end: their fracture process is long over, and they seem to hold only because a joint is
-/// evaluated at few points. If another end is still a single node, the detached end has no force. It presses again only after it was found open at
-/// a smaller distance, so that its force begins at zero.
-const APART: f64 = 0.5;
-
-/// State of a joint.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) enum State {
-    /// Elastic or softening.
-    Holding,
-    /// Transmits pressure and friction only.
-    Broken,
-    /// Has handed over to the contact of the two elements.
-    Removed,
-}
-
-/// A joint on the facet between two elements.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-#[serde(bound(
-    serialize = "[f64; D]: Serialize, [Memory<D>; D]: Serialize, [bool; D]: Serialize",
-    deserialize = "[f64; D]: Deserialize<'de>, [Memory<D>; D]: Deserialize<'de>, [bool; D]: Deserialize<'de>"
-))]
-pub(crate) struct Joint<const D: usize = 2> {
-    pub(crate) facet: u32,
-    pub(crate) state: State,
-    /// The plane for which it stands.
-    pub(crate) plane: Plane,
-    #[serde(skip, default = "no_law")]
-    pub(crate) law: Law,
-    /// Length of the undeformed edge, m, or area of the undeformed face, m².
-    #[serde(skip)]
-    pub(crate) measure: f64,
-    /// Its length, or that of the edges of an even face of this area, m.
-    #[serde(skip)]
-    length: f64,
-    /// Nodes of each end, on side 0 and on side 1.
-    #[serde(skip, default = "no_nodes")]
-    nodes: [[u32; 2]; D],
-    pub(crate) ends: [Memory<D>; D],
-    /// Whether each end has two nodes.
-    pub(crate) open: [bool; D],
-    /// Whether each end is detached: see [`APART`].
-    pub(crate) detached: [bool; D],
-    /// Share of the joint that has been handed over to contact, 0 to 1.
-    pub(crate) faded: f64,
-    /// Increase of `faded` in the last step.
-    pub(crate) fading: f64,
-}
+use crate::vector::{Point, add, dot, length, minus};
 
 /// When and how a joint broke.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
@@ -102,36 +50,6 @@ pub(crate) struct Saved<const D: usize = 2> {
     joints: Vec<Joint<D>>,
     forces: Vec<[Point<D>; D]>,
     breaks: Vec<Break>,
-}
-
-fn no_law() -> Law {
-    Law { penalty: 0.0, tensile: 0.0, cohesion: 0.0, friction: 0.0, critical: [1.0; 2] }
-}
-
-fn no_nodes<const D: usize>() -> [[u32; 2]; D] {
-    [[0; 2]; D]
-}
-
-impl<const D: usize> Joint<D> {
-    /// Damage from 0 (whole) to 1 (broken): the mean of its ends while the joint holds.
-    pub(crate) fn damage(&self) -> f64 {
-        if self.state == State::Holding {
-            self.ends.iter().map(Memory::damage).sum::<f64>() / D as f64
-        } else {
-            1.0
-        }
-    }
-
-    /// Area of each of its ends that has not been handed over to contact, m².
-    #[inline]
-    fn share(&self, thickness: f64) -> f64 {
-        self.measure / D as f64 * thickness * (1.0 - self.faded)
-    }
-
-    /// Damage by opening and by sliding: the mean of its ends.
-    pub(crate) fn modes(&self) -> [f64; 2] {
-        [0, 1].map(|mode| self.ends.iter().map(|end| end.damages[mode]).sum::<f64>() / D as f64)
-    }
 }
 
 /// All joints of a model, and the strengths of facets that may still get one.
@@ -343,20 +261,8 @@ impl<const D: usize> Joints<D> {
         }
         self.forces.push([[0.0; D]; D]);
         let measure = measure_of(model, topology, sides);
-        let joint = Joint {
-            facet,
-            state: State::Holding,
-            plane,
-            law: law.on(plane),
-            measure,
-            length: <[[f64; D]; N]>::facet_length(measure),
-            nodes: no_nodes(),
-            ends: [Memory::default(); D],
-            open: [false; D],
-            detached: [false; D],
-            faded: 0.0,
-            fading: 0.0,
-        };
+        let length = <[[f64; D]; N]>::facet_length(measure);
+        let joint = Joint::new(facet, law, plane, [measure, length]);
         self.links.push(Link::of(&joint, model.thickness));
         self.all.push(joint);
     }
@@ -367,7 +273,7 @@ impl<const D: usize> Joints<D> {
         [[f64; D]; N]: Simplex<D, N>,
     {
         for (joint, link) in self.all.iter_mut().zip(&mut self.links) {
-            joint.nodes = nodes_at(&topology.facets[joint.facet as usize], solid);
+            joint.find_nodes(&topology.facets[joint.facet as usize], solid);
             *link = Link::of(joint, solid.thickness);
         }
     }
@@ -425,7 +331,7 @@ impl<const D: usize> Joints<D> {
             self.put(joint.facet, law, joint.plane, topology, model);
         }
         for (own, joint) in self.all.iter_mut().zip(saved.joints) {
-            *own = Joint { law: own.law, measure: own.measure, length: own.length, ..joint };
+            *own = own.restored(joint);
         }
         if self.insertion == Insertion::Adaptive {
             let joined: Vec<u32> =
@@ -469,7 +375,7 @@ impl<const D: usize> Joints<D> {
                         if joint.state == State::Removed {
                             joint.fading = 0.0;
                         } else {
-                            let (work, modes) = pull(joint, forces, solid, step);
+                            let (work, modes) = joint.pull(forces, solid, step);
                             sum.work += work;
                             if let Some(modes) = modes {
                                 sum.breaks.push(Break { joint: (start + k) as u32, time, modes });
@@ -573,149 +479,6 @@ impl<const D: usize> Joints<D> {
             add(force, frame.vector(traction), if code % 2 == 0 { area } else { -area });
         }
     }
-
-    /// Mean opening and sliding of a joint, m: across it, then along it.
-    pub(crate) fn gap<const N: usize>(joint: &Joint<D>, solid: &Solid<D, N>) -> [f64; D]
-    where
-        [[f64; D]; N]: Simplex<D, N>,
-    {
-        let frame = Frame::new(joint, solid);
-        let mut mean = [0.0; D];
-        for [a, b] in frame.ends {
-            add(&mut mean, frame.components(minus(b.position, a.position)), 1.0 / D as f64);
-        }
-        mean
-    }
-}
-
-/// Position and direction of a joint.
-struct Frame<'a, const D: usize> {
-    ends: [[&'a Node<D>; 2]; D],
-    /// Unit vectors: the outward normal of side 0, and directions along the joint.
-    axes: Matrix<D>,
-}
-
-impl<'a, const D: usize> Frame<'a, D> {
-    #[inline]
-    fn new<const N: usize>(joint: &Joint<D>, solid: &'a Solid<D, N>) -> Self
-    where
-        [[f64; D]; N]: Simplex<D, N>,
-    {
-        let ends = joint.nodes.map(|end| end.map(|node| &solid.nodes[node as usize]));
-        // The facet half way between the two sides, in twice its size.
-        let sum = ends.map(|[a, b]| std::array::from_fn(|axis| a.position[axis] + b.position[axis]));
-        Self { ends, axes: <[[f64; D]; N]>::unit_axes(&sum) }
-    }
-
-    /// Components of a vector across the joint and along it.
-    #[inline]
-    fn components(&self, vector: Point<D>) -> [f64; D] {
-        self.axes.map(|axis| dot(vector, axis))
-    }
-
-    /// The vector with these components.
-    #[inline]
-    fn vector(&self, components: [f64; D]) -> Point<D> {
-        std::array::from_fn(|axis| {
-            let mut sum = components[0] * self.axes[0][axis];
-            for k in 1..D {
-                sum += components[k] * self.axes[k][axis];
-            }
-            sum
-        })
-    }
-}
-
-fn nodes_at<const D: usize, const N: usize>(facet: &Facet<D>, solid: &Solid<D, N>) -> [[u32; 2]; D] {
-    std::array::from_fn(|end| facet.corners.map(|side| solid.corners.node_at(side[end])))
-}
-
-/// Updates one joint and its forces. Returns the work since the last pass and, if the joint broke, the modes of its damage.
-#[inline]
-fn pull<const D: usize, const N: usize>(
-    joint: &mut Joint<D>,
-    forces: &mut [Point<D>; D],
-    solid: &Solid<D, N>,
-    step: f64,
-) -> (f64, Option<[f64; 2]>)
-where
-    [[f64; D]; N]: Simplex<D, N>,
-{
-    let frame = Frame::new(joint, solid);
-    let share = joint.share(solid.thickness);
-    let (mut work, mut slid, mut least, mut whole) = (0.0, [0.0; D], f64::INFINITY, false);
-    let mut pressed = false;
-    for (end, [a, b]) in frame.ends.into_iter().enumerate() {
-        if !joint.open[end] {
-            whole = true;
-            continue;
-        }
-        let apart = minus(b.position, a.position);
-        let rate = minus(b.velocity, a.velocity);
-        let gap = frame.components(apart);
-        if joint.ends[end].damage() >= 1.0 {
-            let far = dot(apart, apart) > (APART * joint.length) * (APART * joint.length);
-            joint.detached[end] = far || (joint.detached[end] && gap[0] < 0.0);
-        }
-        let traction = if joint.detached[end] {
-            [0.0; D]
-        } else {
-            least = least.min(gap[0]);
-            let traction = joint.ends[end].traction(&joint.law, gap);
-            pressed |= traction[0] < 0.0;
-            traction
-        };
-        let force = frame.vector(traction).map(|x| share * x);
-        // Work of the last force in the second half of its step, and of the new force in the first half of its step.
-        work += 0.5 * step * (dot(forces[end], rate) + dot(force, rate));
-        forces[end] = force;
-        for axis in 1..D {
-            slid[axis] += gap[axis] / D as f64;
-        }
-    }
-    let is_detached = joint.detached != [false; D] && !whole;
-    let broken = joint.ends.iter().all(|end| end.damage() >= 1.0) && !whole;
-    let before = joint.faded;
-    let mut modes = None;
-    match joint.state {
-        State::Holding if is_detached || broken => {
-            joint.state = State::Broken;
-            modes = Some(joint.modes());
-            if is_detached {
-                work -= leave(joint, forces, &frame, step);
-            }
-        }
-        State::Broken => {
-            let share = (length(slid) / joint.length - FADE[0]) / (FADE[1] - FADE[0]);
-            joint.faded = joint.faded.max(share.clamp(0.0, 1.0));
-            // Neither the joint nor the contact has a force while the joint is open, so it can hand over at once. One that was inserted under pressure still presses when its gap is
-            // 0: it waits until it does not.
-            if (least >= 0.0 && !pressed) || joint.faded >= 1.0 || is_detached {
-                work -= leave(joint, forces, &frame, step);
-            }
-        }
-        State::Holding | State::Removed => {}
-    }
-    let fading = joint.faded - before;
-    // Joints seldom fade: what does not change is not written, so that whole joints are only read.
-    if fading != joint.fading {
-        joint.fading = fading;
-    }
-    (work, modes)
-}
-
-/// Hands over to the contact of the two elements. Returns the work, J, in the first half of the step of the forces that end here.
-fn leave<const D: usize>(
-    joint: &mut Joint<D>,
-    forces: &mut [Point<D>; D],
-    frame: &Frame<'_, D>,
-    step: f64,
-) -> f64 {
-    joint.faded = 1.0;
-    joint.state = State::Removed;
-    let dropped = std::mem::replace(forces, [[0.0; D]; D]);
-    let work = |(force, [a, b]): (&Point<D>, [&Node<D>; 2])| dot(*force, minus(b.velocity, a.velocity));
-    0.5 * step * dropped.iter().zip(frame.ends).map(work).sum::<f64>()
 }
 
 /// Penalty of the joint on a facet, Pa/m.
@@ -761,95 +524,4 @@ fn strength_between<const D: usize, const N: usize>(
         [one, two] => one.or(two),
     };
     weaker.map(|strength| (strength, false))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::cohesive::tests::ROCK;
-    use fdem_mesh::Mesh;
-
-    use crate::model::Material;
-
-    fn two_triangles() -> (Model, Topology) {
-        let material = Material {
-            name: String::new(),
-            density: 2700.0,
-            youngs_modulus: 30e9,
-            poissons_ratio: 0.2,
-            damping: 0.0,
-            strength: Some(ROCK),
-            friction: 0.0,
-        };
-        let mesh = Mesh {
-            nodes: vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0]],
-            elements: vec![[0, 1, 2], [0, 2, 3]],
-            bodies: vec![0; 2],
-            materials: vec![0; 2],
-        };
-        let model = Model { mesh, materials: vec![material], ..Model::default() };
-        let topology = Topology::of(&model.mesh).expect("a mesh");
-        (model, topology)
-    }
-
-    /// Two elements that turn about one end of a joint, while its other end is broken, may turn so far that the frame of the joint is reversed.
-    #[test]
-    fn a_broken_end_that_came_round_does_not_press() {
-        let (model, topology) = two_triangles();
-        let mut solid = Solid::new(&model);
-        let mut joints = Joints::new(&model, &topology);
-        joints.everywhere(&model, &topology).expect("enough energy");
-        for vertex in 0..4 {
-            joints.part(vertex, &mut solid, None, &model, &topology);
-        }
-        // The upper end has turned far; the lower end is like a hinge.
-        let joint = &mut joints.all[0];
-        let end = usize::from(solid.constants[joint.nodes[0][0] as usize].vertex != 2);
-        joint.open[1 - end] = false;
-        joint.ends[end] = Memory::broken();
-        let [a, b] = joint.nodes[end];
-        for (node, place) in [(a, [0.9, -0.5]), (b, [-0.9, -0.5])] {
-            solid.nodes[node as usize].position = place;
-        }
-        let mut forces = [[0.0; 2]; 2];
-        let (_, modes) = pull(joint, &mut forces, &solid, 1e-6);
-        assert_eq!((forces, modes), ([[0.0; 2]; 2], None));
-        // At a small distance the end presses only if it was open before.
-        let mut at = |x: f64| {
-            for (node, place) in [(a, [x, 1.0]), (b, [-x, 1.0])] {
-                solid.nodes[node as usize].position = place;
-            }
-            let mut forces = [[0.0; 2]; 2];
-            pull(&mut joints.all[0], &mut forces, &solid, 1e-6);
-            forces
-        };
-        assert_eq!([at(-0.01), at(0.01)], [[[0.0; 2]; 2]; 2]);
-        let forces = at(-0.01);
-        assert!(forces[end].iter().any(|force| force.abs() > 1.0), "{forces:?}");
-    }
-
-    /// If both ends have two nodes, a joint breaks as a whole when one end has opened far, and hands over to contact.
-    #[test]
-    fn a_joint_that_opens_as_a_hinge_is_broken_at_both_ends() {
-        let (model, topology) = two_triangles();
-        let (mut solid, mut joints) = (Solid::new(&model), Joints::new(&model, &topology));
-        joints.everywhere(&model, &topology).expect("enough energy");
-        for vertex in 0..4 {
-            joints.part(vertex, &mut solid, None, &model, &topology);
-        }
-        let joint = &mut joints.all[0];
-        joint.ends[0] = Memory::broken();
-        let [a, b] = joint.nodes[0];
-        let [x, y] = solid.nodes[a as usize].position;
-        for (node, shift) in [(a, 0.3), (b, -0.3)] {
-            solid.nodes[node as usize].position = [x + shift, y];
-        }
-        let mut forces = [[1.0; 2]; 2];
-        let (_, modes) = pull(joint, &mut forces, &solid, 1e-6);
-        assert!(modes.is_some());
-        assert_eq!(
-            (joint.state, joint.faded, joint.fading, forces),
-            (State::Removed, 1.0, 1.0, [[0.0; 2]; 2])
-        );
-    }
 }

@@ -633,7 +633,7 @@ where
             let [a, b] = facet.corners.map(|side| self.solid.at_corner(side[corner]).position);
             self.solid.place(std::array::from_fn(|axis| 0.5 * (a[axis] + b[axis])))
         };
-        let gap = Joints::gap(joint, &self.solid);
+        let gap = joint.gap(&self.solid);
         let modes = broken.map_or_else(|| joint.modes(), |broken| broken.modes);
         Crack {
             corners: std::array::from_fn(corner),

@@ -20,7 +20,7 @@ use crate::contacts::Contacts;
 use crate::joints::near::{Near, SUSPECT};
 use crate::joints::plane::{breaks, mean_stress, plane_near, side, traction};
 use crate::joints::whole::Link;
-use crate::joints::{Joints, Tip, measure_of, nodes_at};
+use crate::joints::{Joints, Tip, measure_of};
 use crate::model::{Insertion, Model};
 use crate::simplex::Simplex;
 use crate::solid::Solid;
@@ -321,7 +321,7 @@ impl<const D: usize> Joints<D> {
         let Some(joint) = self.all.get_mut(number) else { return };
         let sides = &topology.facets[facet as usize];
         let end = end_at(sides, vertex, topology);
-        joint.nodes = nodes_at(sides, solid);
+        joint.find_nodes(sides, solid);
         let [a, b] = joint.nodes[end];
         if !joint.open[end] && a != b {
             joint.open[end] = true;

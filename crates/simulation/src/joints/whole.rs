@@ -1,7 +1,7 @@
 //! Whole joints, a batch of them side by side: see `lanes.rs`.
 //!
 //! Where nothing has broken yet, nearly all joints are whole and stay so. Of such a joint a step reads a [`Link`] only, a quarter of the whole record, and its tractions have no branch,
-//! unlike those of joints that soften. [`pull_one`] does the operations of `pull` in `joints.rs` on it.
+//! unlike those of joints that soften. [`pull_one`] does the operations of [`Joint::pull`] on it.
 
 use crate::cohesive::Law;
 use crate::joints::{Joint, State};

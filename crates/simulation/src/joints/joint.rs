@@ -1,0 +1,348 @@
+//! One joint: its state, and the forces that it has while it holds, softens, and is handed over to contact.
+
+use serde::{Deserialize, Serialize};
+
+use crate::cohesive::{Law, Memory, Plane};
+use crate::simplex::Simplex;
+use crate::solid::{Node, Solid};
+use crate::topology::Facet;
+use crate::vector::{Matrix, Point, add, dot, length, minus};
+
+/// Sliding of a broken joint over its length at which it begins to hand over to the contact of its two elements, and at which the handover is complete.
+const FADE: [f64; 2] = [0.1, 0.3];
+
+/// An end is detached if it is broken and its two sides are farther apart than this, over the length of the joint: the two elements turn about the other end as
+/// about a hinge. Half way round, the joint has no direction any more; farther round, an open joint looks closed.
+///
+/// If all other ends have two nodes, they break together with the detached end: their fracture process is long over, and they seem to hold only because a joint is
+/// evaluated at few points. If another end is still a single node, the detached end has no force. It presses again only after it was found open at
+/// a smaller distance, so that its force begins at zero.
+const APART: f64 = 0.5;
+
+/// State of a joint.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) enum State {
+    /// Elastic or softening.
+    Holding,
+    /// Transmits pressure and friction only.
+    Broken,
+    /// Has handed over to the contact of the two elements.
+    Removed,
+}
+
+/// A joint on the facet between two elements.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+#[serde(bound(
+    serialize = "[f64; D]: Serialize, [Memory<D>; D]: Serialize, [bool; D]: Serialize",
+    deserialize = "[f64; D]: Deserialize<'de>, [Memory<D>; D]: Deserialize<'de>, [bool; D]: Deserialize<'de>"
+))]
+pub(crate) struct Joint<const D: usize = 2> {
+    pub(crate) facet: u32,
+    pub(crate) state: State,
+    /// The plane for which it stands.
+    pub(crate) plane: Plane,
+    #[serde(skip, default = "no_law")]
+    pub(crate) law: Law,
+    /// Length of the undeformed edge, m, or area of the undeformed face, m².
+    #[serde(skip)]
+    pub(crate) measure: f64,
+    /// Its length, or that of the edges of an even face of this area, m.
+    #[serde(skip)]
+    length: f64,
+    /// Nodes of each end, on side 0 and on side 1.
+    #[serde(skip, default = "no_nodes")]
+    pub(super) nodes: [[u32; 2]; D],
+    pub(crate) ends: [Memory<D>; D],
+    /// Whether each end has two nodes.
+    pub(crate) open: [bool; D],
+    /// Whether each end is detached: see [`APART`].
+    pub(crate) detached: [bool; D],
+    /// Share of the joint that has been handed over to contact, 0 to 1.
+    pub(crate) faded: f64,
+    /// Increase of `faded` in the last step.
+    pub(crate) fading: f64,
+}
+
+fn no_law() -> Law {
+    Law { penalty: 0.0, tensile: 0.0, cohesion: 0.0, friction: 0.0, critical: [1.0; 2] }
+}
+
+fn no_nodes<const D: usize>() -> [[u32; 2]; D] {
+    [[0; 2]; D]
+}
+
+impl<const D: usize> Joint<D> {
+    /// A joint that nothing has loaded yet. Its nodes are found by [`find_nodes`](Self::find_nodes).
+    pub(super) fn new(facet: u32, law: Law, plane: Plane, [measure, length]: [f64; 2]) -> Self {
+        Self {
+            facet,
+            state: State::Holding,
+            plane,
+            law: law.on(plane),
+            measure,
+            length,
+            nodes: no_nodes(),
+            ends: [Memory::default(); D],
+            open: [false; D],
+            detached: [false; D],
+            faded: 0.0,
+            fading: 0.0,
+        }
+    }
+
+    /// Looks up its nodes.
+    pub(super) fn find_nodes<const N: usize>(&mut self, facet: &Facet<D>, solid: &Solid<D, N>) {
+        self.nodes = std::array::from_fn(|end| facet.corners.map(|side| solid.corners.node_at(side[end])));
+    }
+
+    /// The joint of a saved run, with what is not saved.
+    pub(super) fn restored(&self, saved: Self) -> Self {
+        Self { law: self.law, measure: self.measure, length: self.length, ..saved }
+    }
+
+    /// Damage from 0 (whole) to 1 (broken): the mean of its ends while the joint holds.
+    pub(crate) fn damage(&self) -> f64 {
+        if self.state == State::Holding {
+            self.ends.iter().map(Memory::damage).sum::<f64>() / D as f64
+        } else {
+            1.0
+        }
+    }
+
+    /// Area of each of its ends that has not been handed over to contact, m².
+    #[inline]
+    pub(super) fn share(&self, thickness: f64) -> f64 {
+        self.measure / D as f64 * thickness * (1.0 - self.faded)
+    }
+
+    /// Damage by opening and by sliding: the mean of its ends.
+    pub(crate) fn modes(&self) -> [f64; 2] {
+        [0, 1].map(|mode| self.ends.iter().map(|end| end.damages[mode]).sum::<f64>() / D as f64)
+    }
+
+    /// Mean opening and sliding, m: across it, then along it.
+    pub(crate) fn gap<const N: usize>(&self, solid: &Solid<D, N>) -> [f64; D]
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        let frame = Frame::new(self, solid);
+        let mut mean = [0.0; D];
+        for [a, b] in frame.ends {
+            add(&mut mean, frame.components(minus(b.position, a.position)), 1.0 / D as f64);
+        }
+        mean
+    }
+
+    /// Updates the joint and its forces. Returns the work since the last pass and, if the joint broke, the modes of its damage.
+    #[inline]
+    pub(super) fn pull<const N: usize>(
+        &mut self,
+        forces: &mut [Point<D>; D],
+        solid: &Solid<D, N>,
+        step: f64,
+    ) -> (f64, Option<[f64; 2]>)
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        let frame = Frame::new(self, solid);
+        let share = self.share(solid.thickness);
+        let (mut work, mut slid, mut least, mut whole) = (0.0, [0.0; D], f64::INFINITY, false);
+        let mut pressed = false;
+        for (end, [a, b]) in frame.ends.into_iter().enumerate() {
+            if !self.open[end] {
+                whole = true;
+                continue;
+            }
+            let apart = minus(b.position, a.position);
+            let rate = minus(b.velocity, a.velocity);
+            let gap = frame.components(apart);
+            if self.ends[end].damage() >= 1.0 {
+                let far = dot(apart, apart) > (APART * self.length) * (APART * self.length);
+                self.detached[end] = far || (self.detached[end] && gap[0] < 0.0);
+            }
+            let traction = if self.detached[end] {
+                [0.0; D]
+            } else {
+                least = least.min(gap[0]);
+                let traction = self.ends[end].traction(&self.law, gap);
+                pressed |= traction[0] < 0.0;
+                traction
+            };
+            let force = frame.vector(traction).map(|x| share * x);
+            // Work of the last force in the second half of its step, and of the new force in the first half of its step.
+            work += 0.5 * step * (dot(forces[end], rate) + dot(force, rate));
+            forces[end] = force;
+            for axis in 1..D {
+                slid[axis] += gap[axis] / D as f64;
+            }
+        }
+        let is_detached = self.detached != [false; D] && !whole;
+        let broken = self.ends.iter().all(|end| end.damage() >= 1.0) && !whole;
+        let before = self.faded;
+        let mut modes = None;
+        match self.state {
+            State::Holding if is_detached || broken => {
+                self.state = State::Broken;
+                modes = Some(self.modes());
+                if is_detached {
+                    work -= self.leave(forces, &frame, step);
+                }
+            }
+            State::Broken => {
+                let share = (length(slid) / self.length - FADE[0]) / (FADE[1] - FADE[0]);
+                self.faded = self.faded.max(share.clamp(0.0, 1.0));
+                // Neither the joint nor the contact has a force while the joint is open, so it can hand over at once. One that was inserted under pressure still presses when its gap is
+                // 0: it waits until it does not.
+                if (least >= 0.0 && !pressed) || self.faded >= 1.0 || is_detached {
+                    work -= self.leave(forces, &frame, step);
+                }
+            }
+            State::Holding | State::Removed => {}
+        }
+        let fading = self.faded - before;
+        // Joints seldom fade: what does not change is not written, so that whole joints are only read.
+        if fading != self.fading {
+            self.fading = fading;
+        }
+        (work, modes)
+    }
+
+    /// Hands over to the contact of the two elements. Returns the work, J, in the first half of the step of the forces that end here.
+    fn leave(&mut self, forces: &mut [Point<D>; D], frame: &Frame<'_, D>, step: f64) -> f64 {
+        self.faded = 1.0;
+        self.state = State::Removed;
+        let dropped = std::mem::replace(forces, [[0.0; D]; D]);
+        let work = |(force, [a, b]): (&Point<D>, [&Node<D>; 2])| dot(*force, minus(b.velocity, a.velocity));
+        0.5 * step * dropped.iter().zip(frame.ends).map(work).sum::<f64>()
+    }
+}
+
+/// Position and direction of a joint.
+pub(super) struct Frame<'a, const D: usize> {
+    pub(super) ends: [[&'a Node<D>; 2]; D],
+    /// Unit vectors: the outward normal of side 0, and directions along the joint.
+    pub(super) axes: Matrix<D>,
+}
+
+impl<'a, const D: usize> Frame<'a, D> {
+    #[inline]
+    pub(super) fn new<const N: usize>(joint: &Joint<D>, solid: &'a Solid<D, N>) -> Self
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        let ends = joint.nodes.map(|end| end.map(|node| &solid.nodes[node as usize]));
+        // The facet half way between the two sides, in twice its size.
+        let sum = ends.map(|[a, b]| std::array::from_fn(|axis| a.position[axis] + b.position[axis]));
+        Self { ends, axes: <[[f64; D]; N]>::unit_axes(&sum) }
+    }
+
+    /// Components of a vector across the joint and along it.
+    #[inline]
+    pub(super) fn components(&self, vector: Point<D>) -> [f64; D] {
+        self.axes.map(|axis| dot(vector, axis))
+    }
+
+    /// The vector with these components.
+    #[inline]
+    pub(super) fn vector(&self, components: [f64; D]) -> Point<D> {
+        std::array::from_fn(|axis| {
+            let mut sum = components[0] * self.axes[0][axis];
+            for k in 1..D {
+                sum += components[k] * self.axes[k][axis];
+            }
+            sum
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cohesive::tests::ROCK;
+    use crate::joints::Joints;
+    use crate::model::{Material, Model};
+    use crate::topology::Topology;
+    use fdem_mesh::Mesh;
+
+    fn two_triangles() -> (Model, Topology) {
+        let material = Material {
+            name: String::new(),
+            density: 2700.0,
+            youngs_modulus: 30e9,
+            poissons_ratio: 0.2,
+            damping: 0.0,
+            strength: Some(ROCK),
+            friction: 0.0,
+        };
+        let mesh = Mesh {
+            nodes: vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0]],
+            elements: vec![[0, 1, 2], [0, 2, 3]],
+            bodies: vec![0; 2],
+            materials: vec![0; 2],
+        };
+        let model = Model { mesh, materials: vec![material], ..Model::default() };
+        let topology = Topology::of(&model.mesh).expect("a mesh");
+        (model, topology)
+    }
+
+    /// Two elements that turn about one end of a joint, while its other end is broken, may turn so far that the frame of the joint is reversed.
+    #[test]
+    fn a_broken_end_that_came_round_does_not_press() {
+        let (model, topology) = two_triangles();
+        let mut solid = Solid::new(&model);
+        let mut joints = Joints::new(&model, &topology);
+        joints.everywhere(&model, &topology).expect("enough energy");
+        for vertex in 0..4 {
+            joints.part(vertex, &mut solid, None, &model, &topology);
+        }
+        // The upper end has turned far; the lower end is like a hinge.
+        let joint = &mut joints.all[0];
+        let end = usize::from(solid.constants[joint.nodes[0][0] as usize].vertex != 2);
+        joint.open[1 - end] = false;
+        joint.ends[end] = Memory::broken();
+        let [a, b] = joint.nodes[end];
+        for (node, place) in [(a, [0.9, -0.5]), (b, [-0.9, -0.5])] {
+            solid.nodes[node as usize].position = place;
+        }
+        let mut forces = [[0.0; 2]; 2];
+        let (_, modes) = joint.pull(&mut forces, &solid, 1e-6);
+        assert_eq!((forces, modes), ([[0.0; 2]; 2], None));
+        // At a small distance the end presses only if it was open before.
+        let mut at = |x: f64| {
+            for (node, place) in [(a, [x, 1.0]), (b, [-x, 1.0])] {
+                solid.nodes[node as usize].position = place;
+            }
+            let mut forces = [[0.0; 2]; 2];
+            joints.all[0].pull(&mut forces, &solid, 1e-6);
+            forces
+        };
+        assert_eq!([at(-0.01), at(0.01)], [[[0.0; 2]; 2]; 2]);
+        let forces = at(-0.01);
+        assert!(forces[end].iter().any(|force| force.abs() > 1.0), "{forces:?}");
+    }
+
+    /// If both ends have two nodes, a joint breaks as a whole when one end has opened far, and hands over to contact.
+    #[test]
+    fn a_joint_that_opens_as_a_hinge_is_broken_at_both_ends() {
+        let (model, topology) = two_triangles();
+        let (mut solid, mut joints) = (Solid::new(&model), Joints::new(&model, &topology));
+        joints.everywhere(&model, &topology).expect("enough energy");
+        for vertex in 0..4 {
+            joints.part(vertex, &mut solid, None, &model, &topology);
+        }
+        let joint = &mut joints.all[0];
+        joint.ends[0] = Memory::broken();
+        let [a, b] = joint.nodes[0];
+        let [x, y] = solid.nodes[a as usize].position;
+        for (node, shift) in [(a, 0.3), (b, -0.3)] {
+            solid.nodes[node as usize].position = [x + shift, y];
+        }
+        let mut forces = [[1.0; 2]; 2];
+        let (_, modes) = joint.pull(&mut forces, &solid, 1e-6);
+        assert!(modes.is_some());
+        assert_eq!(
+            (joint.state, joint.faded, joint.fading, forces),
+            (State::Removed, 1.0, 1.0, [[0.0; 2]; 2])
+        );
+    }
+}
