@@ -22,6 +22,7 @@ mod refine;
 mod packing;
 mod mesh_file;
 mod gmsh;
+mod parts;
 mod piece;
 mod placed;
 mod prepared;
