@@ -77,7 +77,8 @@ fn tell<const D: usize, const N: usize>(
     if found.pieces > 1 && found.unmerged.0 == 0 && found.hanging.0 == 0 {
         warnings.push(format!("{falls} that have no node in common: nothing holds them to each other, and they touch as bodies do"));
     }
-    if let (count, Some(node)) = found.parts {
+    // Nodes that are not merged, or hang, are why parts share no more than others.
+    if let ((count, Some(node)), (0, _), (0, _)) = (found.parts, found.unmerged, found.hanging) {
         let (shared, facets) = if D == 2 { ("nodes", "edges") } else { ("nodes or edges", "faces") };
         warnings.push(format!(
             "[[body]] \"{name}\": its mesh has {} parts of which some share only {shared}, as at {}: elements hold together at common {facets} only, so that these parts touch as bodies do",
@@ -229,7 +230,10 @@ mod tests {
         let mut nodes = corners.to_vec();
         nodes.push([0.5, 0.5]);
         let hanging = piece(&nodes, &[[0, 1, 2], [0, 4, 3], [4, 2, 3]]);
-        assert_eq!(look(&hanging), Found { pieces: 1, unmerged: (0, None), hanging: (1, Some(4)) });
+        assert_eq!(
+            look(&hanging),
+            Found { pieces: 1, parts: (2, Some(0)), unmerged: (0, None), hanging: (1, Some(4)) }
+        );
 
         let apart = piece(
             &[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [5.0, 0.0], [6.0, 0.0], [5.0, 1.0]],

@@ -235,6 +235,15 @@ fn messages_in_three_dimensions_have_its_words() {
             && ["box", "polyhedron", "cylinder", "sphere"].iter().all(|key| told.contains(key)),
         "{told}"
     );
+    let told = grains("box = { min = [0, 0, 0], max = [1, 1, 1] }, sphere = { radius = 1 }");
+    assert!(told.contains("an outline is one shape, and this has two"), "{told}");
+    let told = refused("", "sphere = { centre = [1e16, 0, 0], radius = 1 }\nmesh_size = 0.5");
+    assert!(told.contains("m.toml:7: [[body]] \"b\" is 2 m wide and 1e16 m from the origin"), "{told}");
+    let told = refused(
+        "",
+        "extrusion = { outline = { rectangle = { min = [0, 0], max = [1, 1], holes = [{ centre = [3, 3], radius = 0.1 }] } }, from = 0, to = 1 }\nmesh_size = 0.5",
+    );
+    assert!(told.contains("hole 1 is not inside the outline"), "{told}");
     let told = grains("cylinder = { from = [0, 0, 1], to = [0, 0, 1], radius = 1 }");
     assert!(told.contains("it has no length"), "{told}");
 }
