@@ -39,7 +39,7 @@
 //! | the summary and its JSON | `src/command/summary.rs` |
 //! | options for pictures | `src/command/args/drawings.rs`, `src/command/drawings.rs` |
 //! | a key of the model file | `src/model/file.rs` and the files below `src/model/file`; then `BLESS=1 cargo test -p fdem --test docs` |
-//! | bounds on size and memory before meshing | `src/model/limits.rs`, `src/model/sizes.rs`, `src/model/extent.rs`, `src/command/memory.rs` |
+//! | bounds on numbers, size and memory before meshing | `src/model/limits.rs`, `src/model/far.rs`, `src/model/sizes.rs`, `src/model/extent.rs`, `src/command/memory.rs` |
 //! | warnings of `check` | `src/model/warnings.rs`, `locking.rs`, `plausible.rs`, `joined.rs`, `connected.rs`, `slivers.rs`, `equilibrium.rs` beside it |
 //! | errors in a model file | `src/model/fault.rs`, `src/model/document.rs` |
 //! | shapes of bodies, and their meshes | `src/model/bodies.rs`; flat ones: `src/model/plane.rs`, `src/model/packing.rs`, `crates/mesh/src/triangles.rs`; in space: `src/model/space.rs`, `crates/mesh/src/shapes.rs`, `crates/mesh/src/tetrahedra.rs`; smaller elements near places: `src/model/refine.rs`, `crates/mesh/src/grading.rs` |

@@ -17,11 +17,13 @@ mod schema;
 mod shapes;
 mod limits;
 mod extent;
+mod far;
 mod outline;
 mod refine;
 mod packing;
 mod mesh_file;
 mod gmsh;
+mod parts;
 mod piece;
 mod placed;
 mod prepared;
@@ -314,6 +316,7 @@ impl Checked<'_> {
             warnings.extend(body.piece.notes.iter().map(|note| format!("[[body]] \"{name}\": {note}")));
         }
         plausible::units(&model, &mut warnings);
+        plausible::loads(&model, &mut warnings);
         plausible::without_effect(file, document, &model, &mut warnings);
         let ready = Ready { file, model: &model, placed: &placed, bodies: &bodies, quality: &quality };
         warnings.extend(<[[f64; D]; N]>::warnings(&ready));

@@ -47,7 +47,7 @@ pub const OUTSIDE: u32 = u32::MAX;
 const VOLUME: f64 = 0.1;
 
 /// Size over the mean thickness of a body that still gives good angles.
-const THICK: f64 = 3.0;
+pub const THICK: f64 = 3.0;
 
 /// Size over the mean thickness of a body from which the angles are below 8°: no mesh is made.
 pub(crate) const FLAT: f64 = 12.0;

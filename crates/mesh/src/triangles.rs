@@ -97,7 +97,7 @@ pub fn triangles(domain: &Domain, size: &Grading<2>, seed: u64) -> Result<Triang
 }
 
 /// Checks that every hole is inside the outline and none is in another hole.
-fn holes_are_inside(domain: &Domain) -> Result<(), OutlineError> {
+pub(crate) fn holes_are_inside(domain: &Domain) -> Result<(), OutlineError> {
     let Some((outer, holes)) = domain.loops.split_first() else { return Ok(()) };
     let outline = Inside::new(std::slice::from_ref(outer));
     for (number, hole) in holes.iter().enumerate() {

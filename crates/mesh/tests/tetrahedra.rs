@@ -492,6 +492,19 @@ fn bad_surfaces_are_refused_with_the_reason() {
     assert!(matches!(error(inverted), MeshError::Inverted { region: 0 }));
     // A corner pushed through the opposite face.
     assert!(matches!(error(|s| s.nodes[0] = [2.0, 0.5, 0.4]), MeshError::Crossing { .. }));
+    // Twisted through itself: the volumes of its two halves cancel each other.
+    let twisted = |s: &mut Surface| {
+        for node in s.nodes.iter_mut().filter(|node| node[2] == 1.0) {
+            *node = [1.0 - node[0], 1.0 - node[1], 1.0];
+        }
+    };
+    assert!(matches!(error(twisted), MeshError::Crossing { .. }));
+    let twice = |s: &mut Surface| {
+        s.facets.push(s.facets[3]);
+        s.faces.push(0);
+        s.sides.push(s.sides[3]);
+    };
+    assert!(matches!(error(twice), MeshError::Twice { facets: [3, 12], .. }));
     assert!(matches!(error(|s| s.sides[2] = [0, 0]), MeshError::Sides { .. }));
     let flat = |s: &mut Surface| s.nodes.iter_mut().for_each(|node| node[2] = 0.0);
     assert!(matches!(error(flat), MeshError::Degenerate { .. } | MeshError::Inverted { .. }));
@@ -753,5 +766,8 @@ fn bad_sizes_and_shapes_are_refused() {
     assert!(matches!(extrusion(&[SQUARE.to_vec(), crossing], 0.0, 1.0), Err(MeshError::Outline { .. })));
     let inside = vec![[0.2, 0.2], [0.8, 0.2], [0.2, 0.8]];
     let nested = vec![[0.25, 0.25], [0.3, 0.25], [0.25, 0.3]];
-    assert!(extrusion(&[SQUARE.to_vec(), inside, nested], 0.0, 1.0).is_err());
+    let told = |loops: &[Vec<[f64; 2]>]| extrusion(loops, 0.0, 1.0).unwrap_err().to_string();
+    assert_eq!(told(&[SQUARE.to_vec(), inside, nested]), "hole 2 is in hole 1");
+    let beyond = vec![[2.25, 0.25], [2.5, 0.25], [2.25, 0.5]];
+    assert_eq!(told(&[SQUARE.to_vec(), beyond]), "hole 1 is not inside the outline: [2.25, 0.25] is beyond");
 }

@@ -99,8 +99,8 @@ pub(crate) struct Touching {
     pub(crate) handed_over: f64,
     /// Number of couples that overlap.
     pub(crate) count: usize,
-    /// First element of the first couple in which one element reaches the centroid of the other.
-    pub(crate) deep: Option<u32>,
+    /// The elements of the first couple in which one element reaches the centroid of the other.
+    pub(crate) deep: Option<[u32; 2]>,
 }
 
 impl<const D: usize, const N: usize> Contacts<D, N>
@@ -426,7 +426,7 @@ where
             all.damping += contact.works.damping;
             all.handed_over += contact.works.handed_over;
             all.count += usize::from(contact.touches);
-            all.deep = all.deep.or(contact.deep.then_some(couple.elements[0]));
+            all.deep = all.deep.or(contact.deep.then_some(couple.elements));
         }
         all
     }

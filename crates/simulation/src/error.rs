@@ -133,6 +133,12 @@ impl fmt::Display for ModelError {
                     write!(out, "{place}: {what} is {value}, it must be {range}")
                 }
             }
+            Self::Area { element, area } if !area.is_finite() => {
+                write!(
+                    out,
+                    "element {element} has an area, or volume, beyond the largest number: its coordinates are too large"
+                )
+            }
             Self::Area { element, area } => {
                 write!(
                     out,
@@ -256,7 +262,7 @@ impl fmt::Display for Stop {
             }
             Self::Runaway { element, step, speed, limit } => write!(
                 out,
-                "step {step}: element {element} has a node at {speed:.3e} m/s, beyond {limit:.3e}: the time step may be too long"
+                "step {step}: element {element} has a node at {speed:.3e} m/s, beyond {limit:.3e}: the time step may be too long, or a load or a velocity too large"
             ),
             Self::Energy { element, step, error, bound } => write!(
                 out,

@@ -377,10 +377,23 @@ where
 
     /// Takes so many steps.
     pub(crate) fn take(&mut self, steps: u64) -> Result<(), Stop> {
-        match self.team.pool() {
+        let done = match self.team.pool() {
             Some(pool) => pool.install(|| (0..steps).try_for_each(|_| self.step())),
             None => (0..steps).try_for_each(|_| self.step()),
+        };
+        // Where a step turns velocities round, their product before and after it is negative, and says nothing.
+        if done.is_err() && self.energies.kinetic < 0.0 {
+            self.energies.kinetic = self.kinetic_of_half_step();
         }
+        done
+    }
+
+    /// Kinetic energy with the velocities half a step after the positions, J.
+    fn kinetic_of_half_step(&self) -> f64 {
+        let of = |(node, constants): (&Node<D>, &Constants)| {
+            0.5 * constants.mass * dot(node.velocity, node.velocity)
+        };
+        self.solid.nodes.iter().zip(&self.solid.constants).map(of).sum()
     }
 
     /// The model as it was given.
@@ -454,9 +467,9 @@ where
         }
     }
 
-    /// An element of a couple in which one element reached the centroid of the other in the last step: the contact is too soft. `None` if there is no such
+    /// The elements of a couple in which one element reached the centroid of the other in the last step: the contact is too soft. `None` if there is no such
     /// couple.
-    pub fn penetrated(&self) -> Option<u32> {
+    pub fn penetrated(&self) -> Option<[u32; 2]> {
         self.touching.deep
     }
 

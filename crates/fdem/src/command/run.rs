@@ -392,10 +392,10 @@ where
 
     /// Warns once of contacts that are too soft.
     fn warn(&mut self) {
-        if let Some(element) = self.run.penetrated().filter(|_| !self.warned) {
+        if let Some([one, other]) = self.run.penetrated().filter(|_| !self.warned) {
             self.warned = true;
             self.told.say(&format!(
-                "warning: at step {} element {element} and another one overlap as deep as a centroid: contacts are too soft; increase penalty in [contact]",
+                "warning: at step {} elements {one} and {other} overlap as deep as a centroid: contacts are too soft; increase penalty in [contact]",
                 self.run.steps()
             ));
         }

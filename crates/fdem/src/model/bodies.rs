@@ -14,7 +14,7 @@ use crate::model::mesh_file::Load;
 use crate::model::piece::Piece;
 use crate::model::placed::Placed;
 use crate::model::shapes::{self, SHAPES, given};
-use crate::model::{gmsh, refine};
+use crate::model::{far, gmsh, refine};
 
 /// Checks bodies before they are meshed.
 pub(crate) fn check(file: &ModelFile, document: &Document<'_>, dimensions: u8, faults: &mut Vec<Fault>) {
@@ -129,6 +129,18 @@ where
                 let several = body.packing.is_some();
                 for (number, mut piece) in pieces.into_iter().enumerate() {
                     place(&mut piece, body);
+                    let shape = given(body).first().copied().unwrap_or("name");
+                    if let Some(problem) =
+                        far::problem(shape, &body.name, bounds(piece.nodes.iter().copied()))
+                    {
+                        missing.insert(index);
+                        faults.push(
+                            Fault::at(document.value(table, &problem.key), problem.message)
+                                .label("too far away")
+                                .maybe_help(problem.help),
+                        );
+                        break;
+                    }
                     let name =
                         if several { format!("{}-{}", body.name, number + 1) } else { body.name.clone() };
                     if !names.insert(name.clone()) {
@@ -146,11 +158,14 @@ where
             }
             Err(problem) => {
                 missing.insert(index);
-                faults.push(
-                    Fault::at(document.value(table, &problem.key), problem.message)
-                        .label("here")
-                        .maybe_help(problem.help),
-                );
+                // The group of a mesh file is a key, and its material is the value.
+                let is_group = problem.key.starts_with("groups.");
+                let span = if is_group {
+                    document.key(table, &problem.key)
+                } else {
+                    document.value(table, &problem.key)
+                };
+                faults.push(Fault::at(span, problem.message).label("here").maybe_help(problem.help));
             }
         }
     }

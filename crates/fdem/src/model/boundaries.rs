@@ -139,7 +139,7 @@ where
             faults.push(
                 Fault::at(document.value(table, "body"), format!("there is no body \"{name}\""))
                     .label("unknown body")
-                    .maybe_help(placed::suggestion(file, name)),
+                    .help(placed::suggestion(file, name)),
             );
             continue;
         }
@@ -149,7 +149,7 @@ where
             faults.push(
                 Fault::at(document.value(table, "group"), format!("no body here has a group \"{group}\""))
                     .label("unknown group")
-                    .maybe_help(help),
+                    .help(help),
             );
             continue;
         }
@@ -237,7 +237,7 @@ where
     [[f64; D]; N]: Dimensions<D, N>,
 {
     /// Whether some body has the group, else what to write instead.
-    fn check_group(&self) -> Result<(), Option<String>> {
+    fn check_group(&self) -> Result<(), String> {
         let Some(group) = &self.boundary.group else { return Ok(()) };
         let mut names: Vec<&str> = Vec::new();
         for &body in self.bodies {

@@ -1,11 +1,12 @@
-//! Whether the mesh of a body holds together: its pieces, nodes that were not merged, and nodes that hang on edges.
+//! Whether the mesh of a body holds together: its pieces, parts that share only nodes, nodes that were not merged, and nodes that hang on edges.
 
 use std::collections::BTreeMap;
 
 use fdem_io::numbers::{brief, grouped};
-use fdem_mesh::bounds;
+use fdem_mesh::{Simplex, bounds};
 
 use crate::model::outline::{Point, distance};
+use crate::model::parts::{join, parts};
 use crate::model::piece::Piece;
 
 /// Distance over the extent of a body below which two points are in one place.
@@ -19,6 +20,8 @@ const ON: f64 = 1e-6;
 struct Found {
     /// Parts that have no node in common.
     pieces: usize,
+    /// Parts that have no facet in common, and a node that two of them share.
+    parts: (usize, Option<u32>),
     /// Nodes in the place of another, and one of them.
     unmerged: (usize, Option<u32>),
     /// Nodes on the edge of an element that does not have them, and one of them.
@@ -33,7 +36,12 @@ pub(crate) fn warnings(name: &str, piece: &Piece, warnings: &mut Vec<String>) {
 /// Warns of a mesh of tetrahedra that falls into pieces. Nodes on faces of other elements are not looked for.
 pub(crate) fn warnings_in_space(name: &str, piece: &Piece<3, 4>, warnings: &mut Vec<String>) {
     let nodes = outer_nodes(piece);
-    let found = Found { pieces: pieces(piece), unmerged: unmerged(piece, &nodes), hanging: (0, None) };
+    let found = Found {
+        pieces: pieces(piece),
+        parts: hinged(piece),
+        unmerged: unmerged(piece, &nodes),
+        hanging: (0, None),
+    };
     tell(name, piece, found, warnings);
 }
 
@@ -69,11 +77,25 @@ fn tell<const D: usize, const N: usize>(
     if found.pieces > 1 && found.unmerged.0 == 0 && found.hanging.0 == 0 {
         warnings.push(format!("{falls} that have no node in common: nothing holds them to each other, and they touch as bodies do"));
     }
+    // Nodes that are not merged, or hang, are why parts share no more than others.
+    if let ((count, Some(node)), (0, _), (0, _)) = (found.parts, found.unmerged, found.hanging) {
+        let (shared, facets) = if D == 2 { ("nodes", "edges") } else { ("nodes or edges", "faces") };
+        warnings.push(format!(
+            "[[body]] \"{name}\": its mesh has {} parts of which some share only {shared}, as at {}: elements hold together at common {facets} only, so that these parts touch as bodies do",
+            grouped(count as u64),
+            at(Some(node))
+        ));
+    }
 }
 
 fn look(piece: &Piece) -> Found {
     let nodes = outer_nodes(piece);
-    Found { pieces: pieces(piece), unmerged: unmerged(piece, &nodes), hanging: hanging(piece, &nodes) }
+    Found {
+        pieces: pieces(piece),
+        parts: hinged(piece),
+        unmerged: unmerged(piece, &nodes),
+        hanging: hanging(piece, &nodes),
+    }
 }
 
 /// The nodes of the outline, ascending.
@@ -90,22 +112,29 @@ fn pieces<const D: usize, const N: usize>(piece: &Piece<D, N>) -> usize {
     let mut count = parent.len();
     for element in &piece.elements {
         for &other in &element[1..] {
-            let (a, b) = (root(&mut parent, element[0]), root(&mut parent, other));
-            if a != b {
-                parent[a.max(b) as usize] = a.min(b);
-                count -= 1;
-            }
+            count -= usize::from(join(&mut parent, element[0], other));
         }
     }
     count
 }
 
-fn root(parent: &mut [u32], mut node: u32) -> u32 {
-    while parent[node as usize] != node {
-        parent[node as usize] = parent[parent[node as usize] as usize];
-        node = parent[node as usize];
+/// The number of parts that have no facet in common, and the first node that two of them share.
+fn hinged<const D: usize, const N: usize>(piece: &Piece<D, N>) -> (usize, Option<u32>)
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    let parts = parts(&piece.elements);
+    let count = (0..).zip(&parts).filter(|(element, part)| element == *part).count();
+    let mut first: Vec<Option<u32>> = vec![None; piece.nodes.len()];
+    let mut shared: Option<u32> = None;
+    for (element, &part) in piece.elements.iter().zip(&parts) {
+        for &node in element {
+            if *first[node as usize].get_or_insert(part) != part {
+                shared = Some(shared.map_or(node, |known| known.min(node)));
+            }
+        }
     }
-    node
+    (count, shared)
 }
 
 /// Nodes of the outline in the place of one with a smaller number.
@@ -184,18 +213,27 @@ mod tests {
     fn pieces_unmerged_and_hanging_nodes_are_counted() {
         let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
         let whole = piece(&corners, &[[0, 1, 2], [0, 2, 3]]);
-        assert_eq!(look(&whole), Found { pieces: 1, unmerged: (0, None), hanging: (0, None) });
+        assert_eq!(
+            look(&whole),
+            Found { pieces: 1, parts: (1, None), unmerged: (0, None), hanging: (0, None) }
+        );
 
         let mut nodes = corners.to_vec();
         nodes.extend([[0.0, 0.0], [1.0, 1.0 + 1e-12]]);
         let parted = piece(&nodes, &[[0, 1, 2], [4, 5, 3]]);
-        assert_eq!(look(&parted), Found { pieces: 2, unmerged: (2, Some(4)), hanging: (0, None) });
+        assert_eq!(
+            look(&parted),
+            Found { pieces: 2, parts: (2, None), unmerged: (2, Some(4)), hanging: (0, None) }
+        );
 
         // The upper half has a node in the middle of the diagonal, the lower one has not.
         let mut nodes = corners.to_vec();
         nodes.push([0.5, 0.5]);
         let hanging = piece(&nodes, &[[0, 1, 2], [0, 4, 3], [4, 2, 3]]);
-        assert_eq!(look(&hanging), Found { pieces: 1, unmerged: (0, None), hanging: (1, Some(4)) });
+        assert_eq!(
+            look(&hanging),
+            Found { pieces: 1, parts: (2, Some(0)), unmerged: (0, None), hanging: (1, Some(4)) }
+        );
 
         let apart = piece(
             &[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [5.0, 0.0], [6.0, 0.0], [5.0, 1.0]],

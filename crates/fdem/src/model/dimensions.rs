@@ -152,17 +152,25 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, dimensions: u8, f
         vectors.extend(node.map(|found| (Table::of("history", index), "node".to_owned(), found, d)));
     }
     for (table, key, found, wanted) in vectors.into_iter().filter(|(_, _, found, wanted)| found != wanted) {
+        let body = table.index.filter(|_| key.starts_with("packing")).map(|index| &file.body[index]);
+        let shape = body.and_then(|body| body.packing.as_ref()?.shape);
         let mut message = String::new();
         // Writing to a string does not fail.
         let _ = write!(
             message,
             "\"{key}\" has {found} numbers, where a model in {dimensions} dimensions has {wanted}"
         );
-        faults.push(
-            Fault::at(document.value(table, &key), message)
-                .label(format!("{found} numbers"))
-                .help(form(&key, dimensions)),
-        );
+        faults.push(Fault::at(document.value(table, &key), message).label(format!("{found} numbers")).help(
+            match shape {
+                Some(file::Piece::Disc) => {
+                    "discs are flat: write [x, y], or take shape = \"sphere\"".to_owned()
+                }
+                Some(file::Piece::Polygon) => {
+                    "polygons are flat: write [x, y], or take shape = \"polyhedron\"".to_owned()
+                }
+                Some(file::Piece::Sphere | file::Piece::Polyhedron) | None => form(&key, dimensions),
+            },
+        ));
     }
 }
 

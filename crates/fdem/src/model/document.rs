@@ -109,7 +109,7 @@ impl<'a> Document<'a> {
             value = value.get_ref().as_array()?.get(index)?;
         }
         for key in dotted.split('.').filter(|key| !key.is_empty()) {
-            value = lookup(value.get_ref().as_table()?, key)?.1;
+            value = inner(value, key)?.1;
         }
         Some(value)
     }
@@ -125,10 +125,8 @@ impl<'a> Document<'a> {
             found = (item.span(), item.span());
         }
         for key in dotted.split('.').filter(|key| !key.is_empty()) {
-            let Some((key, inner)) = value.get_ref().as_table().and_then(|table| lookup(table, key)) else {
-                break;
-            };
-            found = (key.span(), inner.span());
+            let Some((key, inner)) = inner(value, key) else { break };
+            found = (key, inner.span());
             value = inner;
         }
         found
@@ -156,6 +154,19 @@ fn widen(extent: &mut Range<usize>, value: &Spanned<DeValue<'_>>) {
 /// The line, from 0, of a place in a text.
 pub(crate) fn line_of(text: &str, place: usize) -> usize {
     text.get(..place).unwrap_or(text).matches('\n').count()
+}
+
+/// An entry of a table by its key, or of a list by its number from 0, with the place of the key, or of the entry.
+fn inner<'t, 'a>(
+    value: &'t Spanned<DeValue<'a>>,
+    key: &str,
+) -> Option<(Range<usize>, &'t Spanned<DeValue<'a>>)> {
+    if let Some(list) = value.get_ref().as_array() {
+        let entry = list.get(key.parse::<usize>().ok()?)?;
+        return Some((entry.span(), entry));
+    }
+    let (key, value) = lookup(value.get_ref().as_table()?, key)?;
+    Some((key.span(), value))
 }
 
 /// An entry of a table.

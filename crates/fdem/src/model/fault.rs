@@ -296,13 +296,19 @@ pub(crate) fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a s
     best.map(|(_, candidate)| candidate)
 }
 
-/// Advice that offers the nearest of the names, or all of them if they are few.
-pub(crate) fn suggestion(word: &str, names: &[&str], what: &str) -> Option<String> {
+/// Names that are listed; the rest is counted.
+const LISTED: usize = 12;
+
+/// Advice that offers the nearest of the names, or lists them.
+pub(crate) fn suggestion(word: &str, names: &[&str], what: &str) -> String {
     match nearest(word, names.iter().copied()) {
-        Some(name) => Some(format!("did you mean \"{name}\"?")),
-        None if names.is_empty() => Some(format!("there is no {what}")),
-        None if names.len() <= 12 => Some(format!("there is {}", names.join(", "))),
-        None => None,
+        Some(name) => format!("did you mean \"{name}\"?"),
+        None if names.is_empty() => format!("there is no {what}"),
+        None if names.len() <= LISTED => format!("there is {}", names.join(", ")),
+        None => {
+            let more = grouped((names.len() - LISTED) as u64);
+            format!("there is {}, and {more} more", names[..LISTED].join(", "))
+        }
     }
 }
 

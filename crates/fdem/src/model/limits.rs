@@ -3,6 +3,9 @@
 use fdem_io::numbers::{brief, grouped};
 use fdem_mesh::MOST_ELEMENTS;
 
+/// Largest magnitude of a number in SI units: beyond those of all solids and loads, and small enough to compute with.
+pub(crate) const LARGEST: f64 = 1e30;
+
 /// Elements above which a model is refused.
 pub(crate) const MOST: f64 = MOST_ELEMENTS as f64;
 

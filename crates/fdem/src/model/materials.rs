@@ -110,7 +110,7 @@ pub(crate) fn interfaces(
 }
 
 /// Returns the number of a material, or advice if there is none of this name.
-pub(crate) fn number(file: &ModelFile, name: &str) -> Result<u32, Option<String>> {
+pub(crate) fn number(file: &ModelFile, name: &str) -> Result<u32, String> {
     let place = file.material.iter().position(|material| material.name == name);
     place.map(|place| place as u32).ok_or_else(|| {
         let names: Vec<&str> = file.material.iter().map(|material| material.name.as_str()).collect();
@@ -119,8 +119,8 @@ pub(crate) fn number(file: &ModelFile, name: &str) -> Result<u32, Option<String>
 }
 
 /// The fault of a name that no material has.
-pub(crate) fn unknown(span: std::ops::Range<usize>, name: &str, help: Option<String>) -> Fault {
-    Fault::at(span, format!("there is no material \"{name}\"")).label("unknown material").maybe_help(help)
+pub(crate) fn unknown(span: std::ops::Range<usize>, name: &str, help: String) -> Fault {
+    Fault::at(span, format!("there is no material \"{name}\"")).label("unknown material").help(help)
 }
 
 /// The keys of the strength of a table.

@@ -2,12 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use fdem_io::numbers::grouped;
+use fdem_io::numbers::{exact, grouped};
 use fdem_io::{Cells, MeshBody, MeshFile};
 use fdem_mesh::{Simplex, facets_of, sorted};
 
-use crate::model::fault::{Problem, suggestion};
+use crate::model::fault::{Problem, nearest, suggestion};
 use crate::model::file::{Body, ModelFile};
+use crate::model::limits::LARGEST;
 use crate::model::outline::Point;
 use crate::model::piece::{Group, Piece};
 use crate::model::{gmsh, materials};
@@ -112,11 +113,22 @@ pub(crate) fn is_in_space(bytes: &[u8], name: &str) -> bool {
 fn read(bytes: &[u8], name: &str) -> Result<MeshFile, Problem> {
     let (bytes, _) = fdem_io::unpack(bytes.into(), |_| true)
         .map_err(|error| Problem::new("mesh", format!("cannot read {name}: {error}")))?;
-    fdem_io::read_mesh(&bytes, name).map_err(|error| {
+    let mesh = fdem_io::read_mesh(&bytes, name).map_err(|error| {
         let message = error.to_string();
         let help = message.contains("second order").then(|| FIRST_ORDER.to_owned());
         Problem { help, ..Problem::new("mesh", message) }
-    })
+    })?;
+    let too_large = |point: &[f64; 3]| point.iter().copied().find(|x| x.abs() > LARGEST);
+    if let Some((number, x)) = (1_u64..).zip(&mesh.points).find_map(|(k, point)| Some((k, too_large(point)?)))
+    {
+        let message = format!(
+            "{name}: node {} of the file has the coordinate {}: coordinates are in metres and from -{LARGEST:e} to {LARGEST:e}",
+            grouped(number),
+            exact(x)
+        );
+        return Err(Problem::new("mesh", message));
+    }
+    Ok(mesh)
 }
 
 /// Words of messages.
@@ -152,7 +164,7 @@ where
             return Err(Problem {
                 key,
                 message: format!("{name} has no {} \"{wanted}\"", words.group),
-                help: suggestion(wanted, &known, &format!("{} in it", words.group)),
+                help: Some(advice(wanted, &known, words)),
             });
         }
     }
@@ -211,6 +223,15 @@ where
         }
     }
     Ok(piece)
+}
+
+/// The group that was probably meant, and the groups that there are.
+fn advice(wanted: &str, known: &[&str], words: &Words) -> String {
+    let all = suggestion("", known, &format!("{} in it", words.group));
+    match nearest(wanted, known.iter().copied()) {
+        Some(name) => format!("did you mean \"{name}\"? {all}"),
+        None => all,
+    }
 }
 
 /// Tells of facets that are those of no element: boundaries do not act on them.

@@ -9,6 +9,7 @@ use fdem_mesh::Grading;
 use fdem_scenes::random::Random;
 
 use crate::model::file::{Body, CopiesOf, Cylinder, Packing, Piece, Region, Vector};
+use crate::model::limits::LARGEST;
 use crate::model::outline::{Point, circle};
 
 /// A centre and a radius, m.
@@ -348,6 +349,17 @@ fn read(bytes: &[u8], name: &str) -> Result<(Centres, Vec<f64>), String> {
     let radii = packing.radii.ok_or_else(|| format!("{name} has no radii"))?;
     if let Some(row) = radii.iter().position(|&radius| radius <= 0.0) {
         return Err(format!("{name}: the radius of row {row} is 0"));
+    }
+    let most = |ball: &[f64], radius: f64| ball.iter().fold(radius, |most, x| most.max(x.abs()));
+    let most_of_row = |row: usize| match &packing.centres {
+        Centres::Two(centres) => most(&centres[row], radii[row]),
+        Centres::Three(centres) => most(&centres[row], radii[row]),
+    };
+    if let Some(row) = (0..radii.len()).find(|&row| most_of_row(row) > LARGEST) {
+        return Err(format!(
+            "{name}: row {row} has a number of {:e}: numbers are in metres and from -{LARGEST:e} to {LARGEST:e}",
+            most_of_row(row)
+        ));
     }
     Ok((packing.centres, radii))
 }

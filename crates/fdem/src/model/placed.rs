@@ -28,7 +28,7 @@ pub(crate) fn named<const D: usize, const N: usize>(
 }
 
 /// The body that was probably meant.
-pub(crate) fn suggestion(file: &ModelFile, name: &str) -> Option<String> {
+pub(crate) fn suggestion(file: &ModelFile, name: &str) -> String {
     let names: Vec<&str> = file.body.iter().map(|body| body.name.as_str()).collect();
     fault::suggestion(name, &names, "[[body]]")
 }

@@ -7,7 +7,7 @@ use fdem_mesh::Grading;
 use fdem_mesh::triangles::{Grains, OutlineError, colours, triangles};
 use fdem_scenes::random::Random;
 
-use crate::model::extent::elements_of_discs;
+use crate::model::extent::{elements_of_discs, extent};
 use crate::model::fault::Problem;
 use crate::model::file::{Body, Disc, Hole, ModelFile, Outline, Packing, Voronoi};
 use crate::model::limits::too_many;
@@ -16,7 +16,7 @@ use crate::model::mesh_file::{self, Load, materials_of_groups};
 use crate::model::outline::{self, Domain};
 use crate::model::packing::{self, Motion, Room};
 use crate::model::piece::Piece;
-use crate::model::refine::grading;
+use crate::model::refine::{self, grading};
 
 /// The meshed pieces of a body: one, unless it is a packing.
 pub(crate) fn pieces(file: &ModelFile, body: &Body, load: &mut Load<'_>) -> Result<Vec<Piece>, Problem> {
@@ -35,7 +35,7 @@ pub(crate) fn pieces(file: &ModelFile, body: &Body, load: &mut Load<'_>) -> Resu
         return Ok(vec![piece]);
     }
     let uniform = |domain: &Domain, seed: u64, key: &'static str| {
-        let meshed = triangles(domain, &grading, seed).map_err(|error| shape(key)(told(&error, size)))?;
+        let meshed = triangles(domain, &grading, seed).map_err(|error| refused(body, key, &error))?;
         let materials = vec![material; meshed.elements.len()];
         Piece::new(meshed, materials).map_err(shape(key))
     };
@@ -89,6 +89,20 @@ pub(crate) fn pieces(file: &ModelFile, body: &Body, load: &mut Load<'_>) -> Resu
         return Err(Problem::new("name", "a body without shape"));
     };
     Ok(vec![uniform(&domain, body.seed, key)?])
+}
+
+/// An error of the mesher as a problem of this key, or of the place to refine that is its cause.
+fn refused(body: &Body, key: &str, error: &OutlineError) -> Problem {
+    let size = body.mesh_size.unwrap_or(f64::MAX);
+    let elements = match *error {
+        OutlineError::TooMany { elements } => Some(Some(elements)),
+        OutlineError::SizeTooSmall | OutlineError::Coincide => Some(None),
+        _ => None,
+    };
+    let even = || extent(body).map(|extent| extent.elements(size));
+    elements
+        .and_then(|elements| refine::blamed(body, even(), elements))
+        .unwrap_or_else(|| Problem::new(key, format!("[[body]] \"{}\": {}", body.name, told(error, size))))
 }
 
 /// An error of the mesher in words; that of too many elements with the size that gives them.

@@ -1,7 +1,8 @@
 //! Keys and numbers of a model file that are allowed, and yet are probably not what is meant.
 
 use fdem_io::numbers::brief;
-use fdem_simulation::{Material, Model};
+use fdem_mesh::bounds;
+use fdem_simulation::{Load, Material, Model};
 
 use crate::model::document::{Document, Table};
 use crate::model::file::{Body, Boundary, Component, ModelFile, Piece};
@@ -16,7 +17,7 @@ struct Range {
 }
 
 /// Values of real solids, from gels to diamond, from aerated concrete to osmium.
-const RANGES: [Range; 3] = [
+const RANGES: [Range; 6] = [
     Range {
         key: "youngs_modulus",
         unit: "Pa",
@@ -38,7 +39,28 @@ const RANGES: [Range; 3] = [
         most: 2e10,
         mistaken: [("MPa", 1e6), ("kPa", 1e3)],
     },
+    Range { key: "cohesion", unit: "Pa", least: 0.0, most: 1e11, mistaken: [("MPa", 1e6), ("kPa", 1e3)] },
+    Range {
+        key: "fracture_energy_i",
+        unit: "J/m²",
+        least: 0.0,
+        most: 1e9,
+        mistaken: [("N/m", 1.0), ("N/mm", 1e3)],
+    },
+    Range {
+        key: "fracture_energy_ii",
+        unit: "J/m²",
+        least: 0.0,
+        most: 1e9,
+        mistaken: [("N/m", 1.0), ("N/mm", 1e3)],
+    },
 ];
+
+/// Coefficient of friction beyond which it is hardly meant.
+const ROUGH: f64 = 10.0;
+
+/// Speed over that of waves, √(E/ρ), beyond which a run stops.
+const FAST: f64 = 10.0;
 
 /// Gravity beyond which it is hardly meant, even in a centrifuge, m/s².
 const HEAVY: f64 = 5000.0;
@@ -50,9 +72,31 @@ pub(crate) fn units<const D: usize, const N: usize>(model: &Model<D, N>, warning
             let value = match range.key {
                 "youngs_modulus" => Some(material.youngs_modulus),
                 "density" => Some(material.density),
+                "cohesion" => material.strength.map(|strength| strength.cohesion),
+                "fracture_energy_i" => material.strength.map(|strength| strength.energy_i),
+                "fracture_energy_ii" => material.strength.map(|strength| strength.energy_ii),
                 _ => material.strength.map(|strength| strength.tensile),
             };
             warnings.extend(value.and_then(|value| question(material, range, value)));
+        }
+        if material.friction > ROUGH {
+            warnings.push(format!(
+                "[[material]] \"{}\": friction = {} is much: coefficients of friction are mostly below 1",
+                material.name,
+                brief(material.friction)
+            ));
+        }
+    }
+    for interface in model.interfaces.iter().filter(|interface| interface.friction > ROUGH) {
+        // An interface that says nothing has the friction of a material, which is told above.
+        let names = interface.materials.map(|number| &model.materials[number as usize]);
+        if names.iter().all(|material| material.friction != interface.friction) {
+            warnings.push(format!(
+                "[[interface]] of \"{}\" and \"{}\": friction = {} is much: coefficients of friction are mostly below 1",
+                names[0].name,
+                names[1].name,
+                brief(interface.friction)
+            ));
         }
     }
     let gravity = model.gravity.iter().map(|x| x * x).sum::<f64>().sqrt();
@@ -60,9 +104,63 @@ pub(crate) fn units<const D: usize, const N: usize>(model: &Model<D, N>, warning
         warnings.push(format!(
             "[model] gravity = [{}] m/s² is {} times that of the earth: are the units m/s²?",
             model.gravity.map(brief).join(", "),
-            (gravity / 9.81).round()
+            brief((gravity / 9.81).round())
         ));
     }
+}
+
+/// Loads, stresses and speeds beyond all that the materials carry.
+pub(crate) fn loads<const D: usize, const N: usize>(model: &Model<D, N>, warnings: &mut Vec<String>) {
+    let largest = |of: fn(&Material) -> f64| model.materials.iter().map(of).fold(0.0, f64::max);
+    let (stiffest, wave) =
+        (largest(|of| of.youngs_modulus), largest(|of| (of.youngs_modulus / of.density).sqrt()));
+    let [low, high] = bounds(model.mesh.nodes.iter().copied());
+    let width = (0..D).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
+    let section = width * if D == 2 { model.thickness } else { width };
+    let length = |vector: &[f64; D]| vector.iter().map(|x| x * x).sum::<f64>().sqrt();
+    for boundary in &model.boundaries {
+        let title = format!("[[boundary]] \"{}\"", boundary.name);
+        let (what, stress) = match &boundary.load {
+            Load::Force(force) => ("force", length(force) / section),
+            Load::Traction(traction) => ("traction", length(traction)),
+            Load::Pressure(pressure) => ("pressure", pressure.abs()),
+            Load::Velocity(velocity) => {
+                let speed = length(&velocity.map(|component| component.unwrap_or(0.0)));
+                warnings.extend(too_fast(&title, speed, wave));
+                continue;
+            }
+            Load::Displacement(_) | Load::Absorbing => continue,
+        };
+        if stress > stiffest {
+            let over = if what == "force" { " over the width of the model squared" } else { "" };
+            warnings.push(format!(
+                "{title}: its {what}{over} is {} Pa, above the largest Young's modulus, {} Pa: no body carries that",
+                brief(stress),
+                brief(stiffest)
+            ));
+        }
+    }
+    let most = model.stresses.iter().flatten().flatten().fold(0.0, |most: f64, x| most.max(x.abs()));
+    if most > stiffest {
+        warnings.push(format!(
+            "[initial] stress is up to {} Pa, above the largest Young's modulus, {} Pa: no body carries that",
+            brief(most),
+            brief(stiffest)
+        ));
+    }
+    let fastest = model.velocities.iter().map(length).fold(0.0, f64::max);
+    warnings.extend(too_fast("at the start, a body", fastest, wave));
+}
+
+/// Tells of a speed at which a run stops.
+fn too_fast(title: &str, speed: f64, wave: f64) -> Option<String> {
+    (speed > FAST * wave).then(|| {
+        format!(
+            "{title} moves at {} m/s: a run stops where a node is faster than {FAST} times the speed of waves in the bodies, {} m/s",
+            brief(speed),
+            brief(wave)
+        )
+    })
 }
 
 fn question(material: &Material, range: &Range, value: f64) -> Option<String> {

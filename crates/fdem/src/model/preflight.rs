@@ -43,6 +43,9 @@ const PROGRAM: f64 = 28e6;
 /// Memory for an element of each frame when the report is made, bytes.
 const IN_REPORT: f64 = 16.0;
 
+/// Time between results over the time step below which it is hardly meant.
+const SHORT: f64 = 0.5;
+
 /// Largest number of steps of a run: beyond it not every whole number is a floating-point number.
 const MOST: f64 = 9e15;
 
@@ -113,6 +116,20 @@ impl Preflight {
                 "the time step {} s is above the critical one, {} s: the run will not be stable",
                 brief(step),
                 brief(critical.step)
+            ));
+        }
+        if step > prepared.end_time {
+            warnings.push(format!(
+                "the time step {} s is longer than end_time = {} s: the run has one step, and ends after it",
+                brief(step),
+                brief(prepared.end_time)
+            ));
+        }
+        for (key, interval) in prepared.output.given.iter().filter(|(_, interval)| *interval < SHORT * step) {
+            warnings.push(format!(
+                "{key} gives one result every {} s, but a step takes {} s: there will be one each step",
+                brief(*interval),
+                brief(step)
             ));
         }
         let seconds = pace.breaking * steps as f64;

@@ -1,6 +1,6 @@
 //! Places near which the elements of a body are smaller.
 
-use fdem_io::numbers::brief;
+use fdem_io::numbers::{brief, grouped};
 use fdem_mesh::{Grading, Place, Refinement};
 
 use crate::model::fault::Problem;
@@ -27,13 +27,13 @@ fn refinement<const D: usize>(of: &Refine) -> Refinement<D> {
     Refinement { place, size: of.size, reach: of.reach }
 }
 
-/// What is wrong with the places near which a body has smaller elements. Their keys are that of the body: a key inside of a list has no place of its own.
+/// What is wrong with the places near which a body has smaller elements.
 pub(crate) fn problems(body: &Body, dimensions: u8) -> Vec<Problem> {
     let mut problems = Vec::new();
     for (number, of) in (1..).zip(&body.refine) {
         let found = problem(of, usize::from(dimensions), body.mesh_size);
         problems.extend(found.map(|(message, help)| Problem {
-            key: "refine".to_owned(),
+            key: format!("refine.{}", number - 1),
             message: format!("[[body]] \"{}\": place {number} to refine: {message}", body.name),
             help: Some(help),
         }));
@@ -95,7 +95,7 @@ pub(crate) fn beyond<const D: usize, const N: usize>(body: &Body, pieces: &[Piec
         (!nodes.any(|&node| one.at(node) < size)).then(|| Problem {
             help: Some("places have the coordinates of the shape, before angle and translate".to_owned()),
             ..Problem::new(
-                "refine",
+                format!("refine.{}", number - 1),
                 format!(
                     "[[body]] \"{}\": place {number} to refine changes nothing: it is too far from the body",
                     body.name
@@ -114,13 +114,13 @@ pub(crate) fn elements<const D: usize>(body: &Body, bounds: [[f64; D]; 2]) -> Re
             return Err(Problem {
                 help: Some("take a larger size, or a shorter reach".to_owned()),
                 ..Problem::new(
-                    "refine",
+                    format!("refine.{}.size", number - 1),
                     format!(
                         "[[body]] \"{}\": place {number} to refine: a size of {} m gives about {} elements; the most are {}",
                         body.name,
                         brief(of.size),
                         brief(elements),
-                        fdem_io::numbers::grouped(MOST as u64)
+                        grouped(MOST as u64)
                     ),
                 )
             });
@@ -128,4 +128,32 @@ pub(crate) fn elements<const D: usize>(body: &Body, bounds: [[f64; D]; 2]) -> Re
         all += elements;
     }
     Ok(all)
+}
+
+/// The smallest size of the places to refine as a problem, if a body has too many elements because of it and not of its mesh size. `even`: about how many elements the
+/// mesh size alone gives; `elements`: how many there are; `None` where that is not known.
+pub(crate) fn blamed(body: &Body, even: Option<f64>, elements: Option<f64>) -> Option<Problem> {
+    let (place, of) = body.refine.iter().enumerate().min_by(|a, b| a.1.size.total_cmp(&b.1.size))?;
+    // The mesh size alone gives more than half of what is allowed.
+    if even.is_some_and(|even| even > 0.5 * MOST) {
+        return None;
+    }
+    let what = match elements {
+        Some(elements) if elements.is_finite() => {
+            format!("gives about {} elements; the most are {}", brief(elements), grouped(MOST as u64))
+        }
+        _ => "is too small for this body".to_owned(),
+    };
+    Some(Problem {
+        help: Some("take a larger size there".to_owned()),
+        ..Problem::new(
+            format!("refine.{place}.size"),
+            format!(
+                "[[body]] \"{}\": place {} to refine: a size of {} m {what}",
+                body.name,
+                place + 1,
+                brief(of.size)
+            ),
+        )
+    })
 }

@@ -12,6 +12,7 @@ use toml::de::{DeTable, DeValue};
 
 use crate::model::fault::{Fault, nearest};
 use crate::model::file::ModelFile;
+use crate::model::limits::LARGEST;
 
 /// The JSON schema of model files, for editors: keys with descriptions, types, ranges and defaults.
 pub fn schema() -> Value {
@@ -262,11 +263,23 @@ impl<'s> Checker<'s> {
                 candidate = Some(found);
             }
         }
+        let expected = self.expected(schema);
+        let known: Vec<&str> =
+            branches.iter().filter_map(|branch| words(self.resolve(branch))).flatten().collect();
+        if let (DeValue::String(text), false) = (value.get_ref(), known.is_empty()) {
+            let near = nearest(text, known).map(|word| format!("did you mean \"{word}\"?"));
+            let number = || branches.iter().find_map(|branch| hint(value.get_ref(), self.resolve(branch)));
+            self.faults.push(
+                Fault::at(value.span(), format!("\"{key}\" cannot be \"{text}\": it is {expected}"))
+                    .label("unknown word")
+                    .maybe_help(near.or_else(number)),
+            );
+            return;
+        }
         if let Some(found) = candidate {
             self.faults.extend(found);
             return;
         }
-        let expected = self.expected(schema);
         let message = format!("\"{key}\" is {}, not {expected}", kind(value.get_ref()));
         let hint = branches.iter().find_map(|branch| hint(value.get_ref(), self.resolve(branch)));
         self.faults
@@ -298,6 +311,13 @@ impl<'s> Checker<'s> {
     }
 
     fn range(&mut self, number: f64, span: Range<usize>, schema: &Value, key: &str) {
+        if number.abs() > LARGEST {
+            let most = exact(LARGEST);
+            let message =
+                format!("\"{key}\" is {}: numbers are in SI units and from -{most} to {most}", exact(number));
+            self.faults.push(Fault::at(span, message).label("out of range"));
+            return;
+        }
         let limit = |name: &str| schema.get(name).and_then(Value::as_f64);
         let wrong = [
             ("minimum", "at least", number < limit("minimum").unwrap_or(f64::NEG_INFINITY)),
@@ -321,7 +341,8 @@ impl<'s> Checker<'s> {
         }
         if let Some(branches) = branches(schema) {
             let all: Vec<String> = branches.iter().map(|branch| self.expected(branch)).collect();
-            return all.join(" or ");
+            let is_long = all.iter().any(|branch| branch.contains(", "));
+            return all.join(if is_long { ", or " } else { " or " });
         }
         match types(schema).first().copied() {
             Some("number") => "a number".to_owned(),

@@ -34,6 +34,8 @@ pub struct OutputSettings {
     pub checkpoint: Checkpoint,
     /// Time between rows of the history, s.
     pub history_interval: f64,
+    /// Times between results that the model file gives, s, with their keys.
+    pub given: Vec<(String, f64)>,
 }
 
 /// Interval of checkpoints.
@@ -114,7 +116,7 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<
                 format!("there is no body \"{name}\""),
             )
             .label("unknown body")
-            .maybe_help(placed::suggestion(file, name)),
+            .help(placed::suggestion(file, name)),
         );
     }
     for (index, history) in file.history.iter().enumerate() {
@@ -139,7 +141,7 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<
                 faults.push(
                     Fault::at(document.value(table, "body"), format!("there is no body \"{name}\""))
                         .label("unknown body")
-                        .maybe_help(placed::suggestion(file, name)),
+                        .help(placed::suggestion(file, name)),
                 );
             }
         }
@@ -150,7 +152,7 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<
             faults.push(
                 Fault::at(document.value(table, "force"), format!("there is no boundary \"{force}\""))
                     .label("unknown boundary")
-                    .maybe_help(suggestion(force, &names, "[[boundary]]")),
+                    .help(suggestion(force, &names, "[[boundary]]")),
             );
         }
     }
@@ -189,8 +191,22 @@ pub(crate) fn settings<const D: usize, const N: usize>(
             Some(steps) => Checkpoint::Steps(steps),
             None => Checkpoint::Seconds(output.checkpoint_interval.unwrap_or(CHECKPOINT)),
         },
+        given: given(file),
         history_interval: file.history.iter().filter_map(|history| history.interval).fold(interval, f64::min),
     }
+}
+
+/// Times between results that a file gives, s, with their keys.
+fn given(file: &ModelFile) -> Vec<(String, f64)> {
+    let output = &file.output;
+    let frames = output.frames.map(|frames| file.model.end_time / f64::from(frames));
+    let of_output =
+        [("interval", output.interval), ("frames", frames), ("history_interval", output.history_interval)];
+    let of_output = of_output.into_iter().filter_map(|(key, time)| Some((format!("[output] {key}"), time?)));
+    let of_histories = file.history.iter().filter_map(|history| {
+        Some((format!("[[history]] \"{}\": interval", history.name), history.interval?))
+    });
+    of_output.chain(of_histories).collect()
 }
 
 /// The histories, with the nodes and boundaries that they are of. `boundaries` and `file` have been checked.

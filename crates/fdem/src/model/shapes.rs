@@ -143,8 +143,21 @@ fn flat_box(key: &str, block: &Block) -> Option<Problem> {
     ))
 }
 
+/// What is wrong with a table that has two shapes where one is allowed.
+fn second(key: &str, what: &str, given: &[(&str, u8)]) -> Option<Problem> {
+    let [(first, _), (second, _), ..] = given else { return None };
+    let message = format!("{what} is one shape, and this has two, {first} and {second}");
+    Some(Problem {
+        help: Some("take one of them out".to_owned()),
+        ..Problem::new(format!("{key}.{second}"), message)
+    })
+}
+
 /// An outline that is drawn out along z.
 fn flat(key: &str, of: &Outline) -> Option<Problem> {
+    if let Some(problem) = second(key, "an outline", &of.given()) {
+        return Some(problem);
+    }
     match of.given()[..] {
         [(_, 2)] => outline_of(key, of),
         _ => Some(Problem::new(key, "an outline to draw out is one of rectangle, disc, polygon")),
@@ -152,6 +165,9 @@ fn flat(key: &str, of: &Outline) -> Option<Problem> {
 }
 
 fn grains(of: &Outline, dimensions: u8) -> Option<Problem> {
+    if let Some(problem) = second("voronoi.outline", "an outline", &of.given()) {
+        return Some(problem);
+    }
     match of.given()[..] {
         [(_, found)] if found == dimensions => {}
         _ if dimensions == 3 => {
@@ -263,11 +279,19 @@ fn in_packing(body: &Body, packing: &Packing, dimensions: u8) -> Option<Problem>
             return problem("packing.shape", "a packing has a shape or copies_of, not both");
         }
         if of != dimensions {
+            let help = if dimensions == 3 {
+                "flat bodies are for two dimensions; in three take \"sphere\" or \"polyhedron\""
+            } else {
+                "in two dimensions take \"disc\" or \"polygon\""
+            };
             let what = format!("a packing of {name} is not for {dimensions} dimensions");
-            return problem("packing.shape", &what);
+            return Some(Problem { help: Some(help.to_owned()), ..Problem::new("packing.shape", what) });
         }
     }
     if let Some(of) = &packing.copies_of {
+        if let Some(problem) = second("packing.copies_of", "what is copied", &of.given()) {
+            return Some(problem);
+        }
         let shapes = if dimensions == 2 {
             "rectangle, ring, polygon"
         } else {

@@ -2,12 +2,12 @@
 
 use crate::model::crowded::{Filled, crowd, crowded};
 use crate::model::document::{Document, Table};
-use crate::model::extent::extent;
-use crate::model::fault::Fault;
+use crate::model::extent::{Extent, extent};
+use crate::model::fault::{Fault, Problem};
 use crate::model::file::{Body, ModelFile, Vector};
-use crate::model::limits::too_many;
+use crate::model::limits::{MOST, too_many};
 use crate::model::outline::Point;
-use crate::model::{refine, space};
+use crate::model::{far, refine, shapes, space};
 
 /// Number of elements of all bodies that are cut here, about. Refuses sizes that give too many, or more than `memory` (bytes) has room for, and bodies that lie in each other
 /// so much that their contacts have no room.
@@ -23,15 +23,24 @@ pub(crate) fn check(
     for (index, body) in file.body.iter().enumerate() {
         let Some(size) = body.mesh_size else { continue };
         let flat = extent(body);
-        let refined = match &flat {
-            Some(extent) => refine::elements(body, extent.bounds),
-            None => space::bounds(body).map_or(Ok(0.0), |bounds| refine::elements(body, bounds)),
+        let mut refuse = |problem: Problem, label: &str| {
+            let span = document.value(Table::of("body", index), &problem.key);
+            faults.push(Fault::at(span, problem.message).label(label).maybe_help(problem.help));
+        };
+        let around = if flat.is_none() { space::bounds(body) } else { None };
+        if let Some(problem) = too_far(body, flat.as_ref(), around) {
+            refuse(problem, "too far away");
+            continue;
+        }
+        let refined = match (&flat, around) {
+            (Some(extent), _) => refine::elements(body, extent.bounds),
+            (None, Some(bounds)) => refine::elements(body, bounds),
+            (None, None) => Ok(0.0),
         };
         let refined = match refined {
             Ok(elements) => elements,
             Err(problem) => {
-                let span = document.value(Table::of("body", index), &problem.key);
-                faults.push(Fault::at(span, problem.message).label("too small").maybe_help(problem.help));
+                refuse(problem, "too small");
                 return all;
             }
         };
@@ -43,6 +52,11 @@ pub(crate) fn check(
         let before = all;
         all += elements;
         if let Some(message) = too_many(before, elements, size, memory) {
+            let blamed = || refine::blamed(body, Some(elements - refined), Some(elements));
+            if let Some(problem) = Some(()).filter(|()| elements > MOST).and_then(|()| blamed()) {
+                refuse(problem, "too small");
+                return all;
+            }
             let span = document.value(Table::of("body", index), "mesh_size");
             let message = format!("[[body]] \"{}\": {message}", body.name);
             faults.push(Fault::at(span, message).label("too small").help("take a larger mesh_size"));
@@ -59,6 +73,19 @@ pub(crate) fn check(
         faults.push(crowd(document.value(Table::of("body", b), "name"), first, second, couples));
     }
     all
+}
+
+/// What is wrong with a body that is too far from the origin, where its shape says or where it is moved to.
+fn too_far(body: &Body, flat: Option<&Extent>, around: Option<[[f64; 3]; 2]>) -> Option<Problem> {
+    fn of<const D: usize>(body: &Body, bounds: [[f64; D]; 2]) -> Option<Problem> {
+        let shape = shapes::given(body).first().copied()?;
+        far::problem(shape, &body.name, bounds)
+            .or_else(|| far::moved("translate", &body.name, bounds, body.translate.as_ref()?.components()))
+    }
+    match flat {
+        Some(extent) => of(body, extent.bounds),
+        None => of(body, around?),
+    }
 }
 
 /// The bounding box of a body that is turned and moved.

@@ -3,26 +3,27 @@
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-use fdem_io::numbers::brief;
+use fdem_io::numbers::{brief, grouped};
 use fdem_mesh::shapes::Prism;
-use fdem_mesh::tetrahedra::{MeshError, Size, Surface, Tetrahedra, graded, moved};
+use fdem_mesh::tetrahedra::{MeshError, Size, Surface, THICK, Tetrahedra, graded, moved};
 use fdem_mesh::triangles::colours;
 use fdem_mesh::{Grading, shapes};
 use fdem_scenes::random::Random;
 
 use crate::model::dimensions::Dimensions;
+use crate::model::far;
 use crate::model::fault::Problem;
 use crate::model::file::{
     self, Block, Body, Cylinder, Extrusion, ModelFile, Outline, Packing, Sphere, Voronoi,
 };
-use crate::model::limits::{VOLUME, too_many};
+use crate::model::limits::{MOST, VOLUME, too_many};
 use crate::model::materials;
 use crate::model::mesh_file::{self, Load, materials_of_groups};
 use crate::model::outline::{self, area};
 use crate::model::packing::{self, Ball, Motion, Room};
 use crate::model::piece::Piece;
 use crate::model::plane::outline_domain;
-use crate::model::refine::grading;
+use crate::model::refine::{self, grading};
 
 /// Angle between the normals of two triangles of a surface from which they are of two faces, degrees.
 const CREASE: f64 = 30.0;
@@ -88,6 +89,9 @@ fn meshed(
 ) -> Result<Piece<3, 4>, Problem> {
     let material = materials::number(file, &body.material).unwrap_or(0);
     let Shape { surface, names, round } = shape.map_err(|error| told(body, key, &error, None))?;
+    if let Some(problem) = far::problem(key, &body.name, fdem_mesh::bounds(surface.nodes.iter().copied())) {
+        return Err(problem);
+    }
     let meshed = match round {
         Some(Round::Cylinder(prism)) => moved(&surface, grading, body.seed, &|mesh| prism.round(mesh)),
         Some(Round::Sphere(of)) => {
@@ -110,12 +114,38 @@ fn meshed(
     piece.map_err(|message| Problem::new(key, format!("[[body]] \"{}\": {message}", body.name)))
 }
 
-/// An error of the mesher in words. Too many elements are a matter of the mesh size, or of the unit of a file.
+/// An error of the mesher in words, with units. Too many elements are a matter of the mesh size, of a place to refine, or of the unit of a file.
 fn told(body: &Body, key: &str, error: &MeshError, surface: Option<&Surface>) -> Problem {
     let size = body.mesh_size.unwrap_or(f64::MAX);
-    let MeshError::TooMany { elements } = *error else {
-        return Problem::new(key, format!("[[body]] \"{}\": {error}", body.name));
+    let elements = match *error {
+        MeshError::TooMany { elements } => elements,
+        MeshError::Thin { thickness, size, .. } => {
+            let message = format!(
+                "[[body]] \"{}\": it is {} m thick in the mean, and a mesh size of {} m would make flat elements",
+                body.name,
+                brief(thickness),
+                brief(size)
+            );
+            let help =
+                format!("take a mesh_size of {} m at most, or a thicker body", brief(THICK * thickness));
+            return Problem { help: Some(help), ..Problem::new(key, message) };
+        }
+        MeshError::Slender { radius, length, elements } => {
+            let message = format!(
+                "[[body]] \"{}\": a radius of {} m along a length of {} m would take about {} elements, of at most {}: elements are not longer than wide",
+                body.name,
+                brief(radius),
+                brief(length),
+                brief(elements),
+                grouped(MOST as u64)
+            );
+            return Problem { help: Some("take a larger radius".to_owned()), ..Problem::new(key, message) };
+        }
+        _ => return Problem::new(key, format!("[[body]] \"{}\": {error}", body.name)),
     };
+    if let Some(problem) = refine::blamed(body, self::elements(body, size), Some(elements)) {
+        return problem;
+    }
     let message = too_many(0.0, elements, size, None).unwrap_or_else(|| error.to_string());
     let [low, high] =
         fdem_mesh::bounds(surface.into_iter().flat_map(|surface| surface.nodes.iter().copied()));

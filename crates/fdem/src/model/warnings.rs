@@ -14,7 +14,7 @@ use fdem_simulation::{Boundary, Load, Model, Plane, Schedule, Target};
 use crate::model::dimensions::{Dimensions, Ready};
 use crate::model::equilibrium;
 use crate::model::file;
-use crate::model::prepared::Body;
+use crate::model::parts;
 
 /// Elements in the fracture process zone that are needed for an objective result (Guo, 2016).
 const IN_PROCESS_ZONE: f64 = 3.0;
@@ -62,7 +62,7 @@ fn of_start<const D: usize, const N: usize>(ready: &Ready<'_, D, N>, unit: &str,
 where
     [[f64; D]; N]: Dimensions<D, N> + discretised::Simplex<D>,
 {
-    overlaps(ready.model, ready.bodies, unit, warnings);
+    overlaps(ready, unit, warnings);
     gravity::sudden(ready.model, ready.bodies, warnings);
     equilibrium::warnings(ready.model, ready.bodies, warnings);
 }
@@ -294,26 +294,24 @@ fn stepped<const D: usize>(boundary: &Boundary<D>, warnings: &mut Vec<String>) {
     }
 }
 
-/// Warns of bodies that overlap at the start.
-fn overlaps<const D: usize, const N: usize>(
-    model: &Model<D, N>,
-    bodies: &[Body],
-    unit: &str,
-    warnings: &mut Vec<String>,
-) where
-    [[f64; D]; N]: Simplex<D, N> + discretised::Simplex<D>,
+/// Warns of bodies, and of parts of the mesh of a body, that overlap at the start.
+fn overlaps<const D: usize, const N: usize>(ready: &Ready<'_, D, N>, unit: &str, warnings: &mut Vec<String>)
+where
+    [[f64; D]; N]: Dimensions<D, N> + discretised::Simplex<D>,
 {
-    if bodies.len() < 2 {
+    let mesh = &ready.model.mesh;
+    let parts = parts_of(ready);
+    if parts.iter().all(|part| *part == 0) {
         return;
     }
-    let mesh = &model.mesh;
-    let found = MeshView::new(&mesh.nodes, &mesh.elements, &mesh.bodies)
-        .and_then(|mesh| discretised::contacts(&mesh));
+    let found =
+        MeshView::new(&mesh.nodes, &mesh.elements, &parts).and_then(|mesh| discretised::contacts(&mesh));
     // A model whose contacts cannot be detected cannot run; its preflight reports that.
     let Ok(found) = found else { return };
     let size =
         |element: u32| mesh.elements[element as usize].map(|node| mesh.nodes[node as usize]).measure().abs();
-    let mut pairs: BTreeMap<[u32; 2], f64> = BTreeMap::new();
+    // Of each pair of bodies: the sum, and the two elements that overlap most, with that overlap.
+    let mut pairs: BTreeMap<[u32; 2], (f64, [u32; 2], f64)> = BTreeMap::new();
     for contact in found {
         // Where tetrahedra touch in a face, the area of that is no overlap.
         let common = match contact.contact.measure {
@@ -321,24 +319,74 @@ fn overlaps<const D: usize, const N: usize>(
             Measure::Volume(volume) => volume,
             _ => continue,
         };
+        let elements = [contact.i, contact.j];
         if common > 1e-4 * size(contact.i).min(size(contact.j)) {
-            let pair = [contact.i, contact.j].map(|element| mesh.bodies[element as usize]);
-            *pairs.entry(pair).or_default() += common;
+            let pair = elements.map(|element| mesh.bodies[element as usize]);
+            let of_pair = pairs.entry(pair).or_insert((0.0, elements, 0.0));
+            of_pair.0 += common;
+            if common > of_pair.2 {
+                (of_pair.1, of_pair.2) = (elements, common);
+            }
         }
     }
-    let largest = pairs.iter().max_by(|a, b| a.1.total_cmp(b.1).then(b.0.cmp(a.0)));
-    if let Some((&[a, b], common)) = largest {
-        let more = match pairs.len() {
+    let name = |body: u32| &ready.bodies[body as usize].name;
+    let (inside, between): (Vec<_>, Vec<_>) = pairs.iter().partition(|([a, b], _)| a == b);
+    for ([body, _], (common, [one, other], _)) in inside {
+        let at: [f64; D] = middle(ready.model, *one);
+        warnings.push(format!(
+            "[[body]] \"{}\": parts of its mesh that share no nodes overlap by {} {unit} at the beginning, most of all elements {one} and {other} near {}: they will be driven apart",
+            name(*body),
+            brief(*common),
+            place(&at)
+        ));
+    }
+    let largest = between.iter().max_by(|a, b| a.1.0.total_cmp(&b.1.0).then(b.0.cmp(a.0)));
+    if let Some(([a, b], (common, ..))) = largest {
+        let more = match between.len() {
             1 => String::new(),
             count => format!(" ({count} pairs of bodies do, these most)"),
         };
         warnings.push(format!(
             "\"{}\" and \"{}\" overlap by {} {unit} at the beginning{more}: they will be driven apart",
-            bodies[a as usize].name,
-            bodies[b as usize].name,
+            name(*a),
+            name(*b),
             brief(*common)
         ));
     }
+}
+
+/// The number of the body of each element; where a mesh comes from a file, parts that share no facet have numbers of their own. All are 0 where there is nothing to overlap.
+fn parts_of<const D: usize, const N: usize>(ready: &Ready<'_, D, N>) -> Vec<u32>
+where
+    [[f64; D]; N]: Dimensions<D, N>,
+{
+    let mut numbers = Vec::with_capacity(ready.model.mesh.elements.len());
+    let mut next = 0;
+    for body in ready.placed {
+        let elements = &body.piece.elements;
+        if ready.file.body[body.table].mesh.is_none() {
+            numbers.extend(std::iter::repeat_n(next, elements.len()));
+            next += 1;
+            continue;
+        }
+        // The least element of a part comes first.
+        let parts = parts::parts(elements);
+        let mut number_of = vec![0; elements.len()];
+        for (element, &part) in parts.iter().enumerate() {
+            if part as usize == element {
+                number_of[element] = next;
+                next += 1;
+            }
+            numbers.push(number_of[part as usize]);
+        }
+    }
+    numbers
+}
+
+/// Centroid of an element.
+fn middle<const D: usize, const N: usize>(model: &Model<D, N>, element: u32) -> [f64; D] {
+    let nodes = model.mesh.elements[element as usize].map(|node| model.mesh.nodes[node as usize]);
+    std::array::from_fn(|axis| nodes.iter().map(|node| node[axis]).sum::<f64>() / N as f64)
 }
 
 fn place(at: &[f64]) -> String {

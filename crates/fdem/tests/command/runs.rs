@@ -223,6 +223,15 @@ fn force_replaces_runs_and_nothing_else() {
 }
 
 #[test]
+fn a_run_without_a_checkpoint_is_told_how_to_start_again() {
+    let bench = Bench::of(&CRASH.replace("0.8e-3", "0.01e-3"));
+    bench.run(&["run", "crash.toml", "-q", "-o", "run"]).succeeds();
+    fs::remove_file(bench.path("run/checkpoint")).unwrap();
+    bench.run(&["resume", "-q", "run"]).refused_with(&["before its first checkpoint", "fdem run --force"]);
+    bench.run(&["run", "crash.toml", "-q", "--force", "-o", "run"]).succeeds();
+}
+
+#[test]
 fn one_folder_has_one_run_at_a_time() {
     let bench = Bench::of(&CRASH.replace("0.8e-3", "80e-3"));
     let mut first = bench.start(&["run", "crash.toml", "-q", "-o", "run"]);

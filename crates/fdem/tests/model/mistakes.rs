@@ -144,7 +144,7 @@ fn words_that_do_not_exist_are_told_with_those_that_do() {
     let text = changed("end_time", "time_step = \"automatic\"\nend_time");
     refused(&text, "\"automatic\"", &["\"time_step\" cannot be \"automatic\"", "did you mean \"auto\"?"]);
     let text = changed("end_time", "gravity = 9.81\nend_time");
-    refused(&text, "9.81", &["\"gravity\" is a number, not a list of 2 or 3, each a number or \"none\""]);
+    refused(&text, "9.81", &["\"gravity\" is a number, not a list of 2 or 3, each a number, or \"none\""]);
 }
 
 #[test]
@@ -478,8 +478,21 @@ fn mesh_files_are_refused_with_their_name_and_element() {
     refused(
         "mesh = \"a.msh\"\ngroups = { rigt = \"rock\" }",
         squares,
-        "\"rock\"",
-        &["no surface group \"rigt\"", "did you mean \"right\"?"],
+        "rigt",
+        &["no surface group \"rigt\"", "did you mean \"right\"? there is left, right"],
+    );
+    refused("mesh = \"a.msh\"\ngroups = { nope = \"rock\" }", squares, "nope", &["there is left, right"]);
+    refused(
+        "mesh = \"a.obj\"",
+        b"v 0 0 0\nv 1e300 0 0\nv 0 1 0\nf 1 2 3\n",
+        "\"a.obj\"",
+        &["a.obj: node 2 of the file has the coordinate 1e300: coordinates are in metres"],
+    );
+    refused(
+        "mesh = \"a.obj\"",
+        b"v 1e15 0 0\nv 1.000000000000001e15 0 0\nv 1e15 1 0\nf 1 2 3\n",
+        "\"a.obj\"",
+        &["[[body]] \"block\" is 1 m wide and 1e15 m from the origin: coordinates there have too few digits"],
     );
     refused("mesh = \"a.msh\"\nmesh_size = 1", squares, "mesh_size", &["not for meshes from files"]);
     let quadrilateral = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n";
@@ -585,4 +598,59 @@ fn a_node_that_two_boundaries_move_is_refused() {
     let still =
         format!("{SMALL}{}{}", boundary("upper", "fixed = \"xy\""), boundary("also", "fixed = \"y\""));
     assert!(read(&still).is_ok());
+}
+
+#[test]
+fn numbers_beyond_all_solids_are_refused_at_their_place() {
+    for (from, to) in [
+        ("2700", "1e300"),
+        ("30e9", "1e31"),
+        ("max = [1.0,", "max = [1e300,"),
+        ("0.25", "0.25\nfriction = 1e40"),
+        ("end_time", "gravity = [0, -1e300]\nend_time"),
+    ] {
+        let number =
+            to.split(['[', ' ', ',', ']']).find(|word| word.contains("e3") || word.contains("e4")).unwrap();
+        refused(&changed(from, to), number, &[number, "numbers are in SI units and from -1e30 to 1e30"]);
+    }
+    let damped = changed("0.25", "0.25\ndamping = 1e20");
+    refused(&damped, "1e20", &["\"damping\" is 1e20: it has to be at most 1000"]);
+}
+
+#[test]
+fn bodies_too_far_from_the_origin_for_their_shape_are_refused() {
+    let moved = changed("mesh_size = 0.1", "mesh_size = 0.1\ntranslate = [1e16, 0]");
+    refused(&moved, "[1e16, 0]", &["\"block\" is 1 m wide", "from the origin", "put the origin nearer"]);
+    let shape = "disc = { centre = [0, 1e17], radius = 0.5 }";
+    let text = changed("rectangle = { min = [0, 0], max = [1.0, 0.5] }", shape);
+    refused(&text, &shape[7..], &["too few digits for its shape"]);
+    right(&changed("mesh_size = 0.1", "mesh_size = 0.1\ntranslate = [1e9, 0]"));
+}
+
+#[test]
+fn words_in_the_place_of_numbers_are_told_with_what_is_expected() {
+    let boundary =
+        |keys: &str| format!("{SMALL}\n[[boundary]]\nname = \"b\"\nside = \"left\"\nramp = 1\n{keys}\n");
+    refused(
+        &boundary("velocity = [0, \"fre\"]"),
+        "\"fre\"",
+        &["\"velocity\" cannot be \"fre\": it is a number or \"free\"", "did you mean \"free\"?"],
+    );
+    refused(
+        &changed("end_time", "gravity = \"down\"\nend_time"),
+        "\"down\"",
+        &["\"gravity\" cannot be \"down\": it is a list of 2 or 3, each a number, or \"none\""],
+    );
+}
+
+#[test]
+fn a_second_shape_of_an_outline_is_told() {
+    let shape = "voronoi = { outline = { disc = { radius = 1 }, rectangle = { min = [0, 0], max = [1, 1] } }, grains = 5 }";
+    let text = changed("rectangle = { min = [0, 0], max = [1.0, 0.5] }", shape);
+    let errors = read(&text).unwrap_err().to_string();
+    assert!(errors.contains("an outline is one shape, and this has two, rectangle and disc"), "{errors}");
+    let discs = "packing = { shape = \"disc\", count = 2, radius = [0.1, 0.1], within = { min = [0, 0, 0], max = [1, 1, 1] } }";
+    let text = changed("rectangle = { min = [0, 0], max = [1.0, 0.5] }", discs);
+    let errors = read(&text).unwrap_err().to_string();
+    assert!(errors.contains("discs are flat: write [x, y], or take shape = \"sphere\""), "{errors}");
 }

@@ -139,6 +139,12 @@ fn a_place_that_cannot_be_is_an_error_at_its_key() {
             "place 1 to refine: a size of 1e-6 m gives about",
         ),
         (block, "[{ box = [0, 0, 0, 1, 1, 1], size = 1e-4 }]", "the most are 20,000,000"),
+        (block, "[{ point = [0, 0, 0], size = 1e-9 }]", "place 1 to refine: a size of 1e-9 m gives about"),
+        (
+            rectangle,
+            "[{ point = [0, 0], size = 0.01 }, { point = [0, 0], size = 1e-9 }]",
+            "place 2 to refine: a size of 1e-9 m is too small for this body",
+        ),
     ] {
         let error = any(shape, refine).err().unwrap_or_else(|| panic!("{refine} is allowed"));
         assert!(error.starts_with("m.toml:8: ") && error.contains(message), "{refine}: {error}");

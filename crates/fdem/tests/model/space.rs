@@ -318,7 +318,7 @@ fn what_is_wrong_in_space_is_told_at_its_key() {
             body(
                 "polyhedron = { points = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0], [0, 0, 1e-9]] }\nmesh_size = 0.1",
             ),
-            "thick in the mean, and a mesh size of 1.00e-1 would make flat elements",
+            "m thick in the mean, and a mesh size of 0.1 m would make flat elements",
         ),
         (
             format!(

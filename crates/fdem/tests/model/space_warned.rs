@@ -50,6 +50,76 @@ fn a_surface_of_parts_that_do_not_touch_is_warned_of() {
     assert!(two.warnings.len() == 1 && two.warnings[0].starts_with(told), "{:?}", two.warnings);
 }
 
+/// Cubes with edges of 1 of six tetrahedra each, whose corners are these, as a Gmsh file. Equal corners are one node if `merged`.
+fn cubes_msh(places: &[[f64; 3]], merged: bool) -> String {
+    let (mut nodes, mut elements): (Vec<[f64; 3]>, Vec<[usize; 4]>) = (Vec::new(), Vec::new());
+    for place in places {
+        let numbers: Vec<usize> = (0..8)
+            .map(|k| {
+                let corner = [0, 1, 2].map(|axis| place[axis] + f64::from(k >> axis & 1));
+                let known = nodes.iter().position(|node| merged && *node == corner);
+                known.unwrap_or_else(|| {
+                    nodes.push(corner);
+                    nodes.len() - 1
+                })
+            })
+            .collect();
+        // Along the diagonal from corner 0 to corner 7.
+        for [a, b] in [[1, 3], [3, 2], [2, 6], [6, 4], [4, 5], [5, 1]] {
+            elements.push([0, a, b, 7].map(|k| numbers[k] + 1));
+        }
+    }
+    let line = |numbers: Vec<String>| numbers.join(" ");
+    let lines = |lines: Vec<String>| lines.join("\n");
+    format!(
+        "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n{}\n{}\n$EndNodes\n$Elements\n{}\n{}\n$EndElements\n",
+        nodes.len(),
+        lines(
+            (1..)
+                .zip(&nodes)
+                .map(|(k, node)| format!("{k} {}", line(node.map(|x| x.to_string()).into())))
+                .collect()
+        ),
+        elements.len(),
+        lines(
+            (1..)
+                .zip(&elements)
+                .map(|(k, nodes)| format!("{k} 4 2 1 1 {}", line(nodes.map(|k| k.to_string()).into())))
+                .collect()
+        )
+    )
+}
+
+#[test]
+fn parts_of_a_mesh_that_overlap_are_warned_of_with_two_elements() {
+    let warnings =
+        |second: [f64; 3]| space("", "mesh = \"a.msh\"", &cubes_msh(&[[0.0; 3], second], false)).warnings;
+    let found = warnings([0.75, 0.25, 0.25]);
+    let told = found.iter().find(|told| told.contains("overlap")).unwrap();
+    for part in
+        ["[[body]] \"b\": parts of its mesh that share no nodes overlap by 0.140625 m³", "elements ", " and "]
+    {
+        assert!(told.contains(part), "{part} is not in {told}");
+    }
+    // Side by side they only touch.
+    let found = warnings([1.0, 0.0, 0.0]);
+    assert!(found.len() == 1 && !found[0].contains("overlap"), "{found:?}");
+}
+
+#[test]
+fn parts_of_a_mesh_that_share_only_an_edge_or_a_node_are_warned_of() {
+    let warnings =
+        |second: [f64; 3]| space("", "mesh = \"a.msh\"", &cubes_msh(&[[0.0; 3], second], true)).warnings;
+    for (second, at) in [([1.0, 1.0, 0.0], "[1, 1, 0]"), ([1.0; 3], "[1, 1, 1]")] {
+        let told = format!(
+            "[[body]] \"b\": its mesh has 2 parts of which some share only nodes or edges, as at {at}: elements hold together at common faces only"
+        );
+        let found = warnings(second);
+        assert!(found.len() == 1 && found[0].starts_with(&told), "{found:?}");
+    }
+    assert_eq!(warnings([1.0, 0.0, 0.0]), Vec::<String>::new());
+}
+
 #[test]
 fn a_surface_that_gives_too_many_elements_is_refused_at_its_mesh_size() {
     let refused = |width: f64, size: f64| {
@@ -165,6 +235,15 @@ fn messages_in_three_dimensions_have_its_words() {
             && ["box", "polyhedron", "cylinder", "sphere"].iter().all(|key| told.contains(key)),
         "{told}"
     );
+    let told = grains("box = { min = [0, 0, 0], max = [1, 1, 1] }, sphere = { radius = 1 }");
+    assert!(told.contains("an outline is one shape, and this has two"), "{told}");
+    let told = refused("", "sphere = { centre = [1e16, 0, 0], radius = 1 }\nmesh_size = 0.5");
+    assert!(told.contains("m.toml:7: [[body]] \"b\" is 2 m wide and 1e16 m from the origin"), "{told}");
+    let told = refused(
+        "",
+        "extrusion = { outline = { rectangle = { min = [0, 0], max = [1, 1], holes = [{ centre = [3, 3], radius = 0.1 }] } }, from = 0, to = 1 }\nmesh_size = 0.5",
+    );
+    assert!(told.contains("hole 1 is not inside the outline"), "{told}");
     let told = grains("cylinder = { from = [0, 0, 1], to = [0, 0, 1], radius = 1 }");
     assert!(told.contains("it has no length"), "{told}");
 }

@@ -161,3 +161,55 @@ fn meshes_that_fall_apart_are_told_with_the_number_of_pieces() {
     let told = from_file(apart).join("\n");
     assert!(told.contains("its mesh falls into 2 pieces that have no node in common"), "{told}");
 }
+
+#[test]
+fn loads_and_speeds_beyond_what_materials_carry_are_warned_of() {
+    let boundary = |load: &str| with(&format!("[[boundary]]\nname = \"b\"\nside = \"left\"\n{load}\n"));
+    for (text, part) in [
+        (
+            boundary("pressure = 1e20"),
+            "\"b\": its pressure is 1e20 Pa, above the largest Young's modulus, 3e10 Pa",
+        ),
+        (boundary("traction = [1e20, 0]"), "\"b\": its traction is 1e20 Pa"),
+        (boundary("force = [1e20, 0]"), "\"b\": its force over the width of the model squared is 1e20 Pa"),
+        (
+            boundary("velocity = [1e6, 0]\nramp = 1"),
+            "\"b\" moves at 1e6 m/s: a run stops where a node is faster",
+        ),
+        (with("[initial]\nvelocity = { block = [1e6, 0] }"), "at the start, a body moves at 1e6 m/s"),
+        (with("[initial]\nstress = [1e20, 0, 0]"), "[initial] stress is up to 1e20 Pa"),
+        (SMALL.replace("0.25", "0.25\nfriction = 1e20"), "friction = 1e20 is much"),
+        (
+            with("[[interface]]\nmaterials = [\"rock\", \"rock\"]\nfriction = 1e20"),
+            "[[interface]] of \"rock\" and \"rock\": friction = 1e20 is much",
+        ),
+        (format!("{SMALL}{}", STRENGTH.replace("30e6", "1e20")), "cohesion = 1e20 Pa is much for a solid"),
+        (
+            format!("{SMALL}{}", STRENGTH.replace("energy_ii = 100", "energy_ii = 1e20")),
+            "fracture_energy_ii = 1e20 J/m² is much for a solid",
+        ),
+    ] {
+        warned(&text, part);
+    }
+}
+
+#[test]
+fn times_that_are_shorter_than_a_step_are_warned_of() {
+    let warnings = |text: &str| Preflight::of(&right(text)).unwrap().warnings;
+    for (tables, part) in [
+        ("[output]\ninterval = 1e-12", "[output] interval gives one result every 1e-12 s, but a step takes"),
+        ("[output]\nframes = 1000000", "[output] frames gives one result every 1e-9 s"),
+        ("[output]\nhistory_interval = 1e-12", "[output] history_interval gives"),
+        (
+            "[[history]]\nname = \"h\"\nenergy = true\ninterval = 1e-12",
+            "[[history]] \"h\": interval gives one result",
+        ),
+    ] {
+        let found = warnings(&with(tables));
+        assert!(found.len() == 1 && found[0].starts_with(part), "{found:?}");
+    }
+    let found = warnings(&SMALL.replace("end_time = 1e-3", "end_time = 1e-6\ntime_step = 2e-6"));
+    assert!(found.iter().any(|told| told.contains("2e-6 s is longer than end_time = 1e-6 s")), "{found:?}");
+    // The defaults give many results of few steps, and nobody is told so.
+    assert_eq!(warnings(&SMALL.replace("end_time = 1e-3", "end_time = 1e-5")), Vec::<String>::new());
+}

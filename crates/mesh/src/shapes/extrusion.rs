@@ -4,6 +4,8 @@ use robust::{Coord, orient2d};
 
 use super::positive;
 use crate::tetrahedra::{MeshError, OUTSIDE, Surface, finite};
+use crate::triangles::holes_are_inside;
+use crate::triangles::outline::Domain;
 
 type Point2 = [f64; 2];
 
@@ -15,7 +17,8 @@ type Point2 = [f64; 2];
 /// The outline is cut into triangles ear by ear: time grows with the square of its corners.
 ///
 /// # Errors
-/// [`MeshError::NotFinite`], [`MeshError::Length`]; [`MeshError::Empty`] without loops of three corners; [`MeshError::Outline`] if it crosses or touches itself.
+/// [`MeshError::NotFinite`], [`MeshError::Length`]; [`MeshError::Empty`] without loops of three corners; [`MeshError::Outline`] if it crosses or touches itself;
+/// [`MeshError::Hole`] for holes beyond the outline or in each other.
 pub fn extrusion(loops: &[Vec<[f64; 2]>], bottom: f64, top: f64) -> Result<Surface, MeshError> {
     positive(top - bottom)?;
     let corners: Vec<Point2> = loops.iter().flatten().copied().collect();
@@ -36,6 +39,7 @@ pub fn extrusion(loops: &[Vec<[f64; 2]>], bottom: f64, top: f64) -> Result<Surfa
         rings.push(ring);
     }
     no_crossing(&corners, &rings)?;
+    holes_are_inside(&Domain { loops: loops.to_vec(), lines: Vec::new() }).map_err(MeshError::Hole)?;
     let mut surface = Surface { names: ["bottom", "top"].map(str::to_owned).to_vec(), ..Surface::default() };
     for z in [bottom, top] {
         surface.nodes.extend(corners.iter().map(|&[x, y]| [x, y, z]));

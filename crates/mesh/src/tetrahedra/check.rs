@@ -4,6 +4,7 @@ use super::delaunay::in_line;
 use super::predicates::side;
 use super::vector::{Point, cross, dot, minus};
 use super::{MeshError, OUTSIDE, Surface};
+use crate::simplex::sorted;
 
 impl Surface {
     /// Checks that the surface is closed around each region, has its outside outside, and does not cross itself.
@@ -43,9 +44,27 @@ impl Surface {
             self.sides.iter().flatten().copied().filter(|&region| region != OUTSIDE).collect();
         regions.sort_unstable();
         regions.dedup();
+        self.has_none_twice()?;
         self.is_closed()?;
-        self.is_right_side_out(&regions)?;
-        self.crosses_nothing()
+        match self.is_right_side_out(&regions) {
+            // A surface that is twisted through itself may enclose nothing because of that.
+            Err(inverted) => self.crosses_nothing().and(Err(inverted)),
+            Ok(()) => self.crosses_nothing(),
+        }
+    }
+
+    /// Checks that no two facets have the same corners.
+    fn has_none_twice(&self) -> Result<(), MeshError> {
+        let mut facets: Vec<([u32; 3], usize)> =
+            self.facets.iter().enumerate().map(|(number, &facet)| (sorted(facet), number)).collect();
+        facets.sort_unstable();
+        match facets.windows(2).find(|pair| pair[0].0 == pair[1].0) {
+            Some(pair) => Err(MeshError::Twice {
+                facets: [pair[0].1, pair[1].1],
+                place: self.nodes[pair[0].0[0] as usize],
+            }),
+            None => Ok(()),
+        }
     }
 
     /// Checks that around each region, every edge of a facet is run through there and back.

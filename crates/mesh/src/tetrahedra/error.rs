@@ -4,6 +4,7 @@ use std::error::Error;
 use std::fmt;
 
 use super::{MOST, THICK};
+use crate::triangles::OutlineError;
 
 /// Why a surface could not be made or meshed. Places are coordinates of the surface; numbers count from 0.
 #[derive(Clone, Debug, PartialEq)]
@@ -75,6 +76,13 @@ pub enum MeshError {
         /// The middle of the first.
         place: [f64; 3],
     },
+    /// Two facets have the same corners.
+    Twice {
+        /// The facets.
+        facets: [usize; 2],
+        /// Their first corner.
+        place: [f64; 3],
+    },
     /// Facets contradict each other about the regions at their sides.
     Sides {
         /// A place at one of the facets.
@@ -90,6 +98,8 @@ pub enum MeshError {
         /// A corner there.
         place: [f64; 2],
     },
+    /// A hole of an outline is not inside it, or in another hole.
+    Hole(OutlineError),
     /// There would be too many elements.
     TooMany {
         /// About how many.
@@ -150,11 +160,18 @@ impl fmt::Display for MeshError {
             Self::Crossing { facets: [one, other], place } => {
                 write!(f, "facets {one} and {other} cross or touch near {place:?}")
             }
+            Self::Twice { facets: [one, other], place } => {
+                write!(
+                    f,
+                    "facets {one} and {other} are the same, with a corner at {place:?}: one of them is too many"
+                )
+            }
             Self::Sides { place } => {
                 write!(f, "facets near {place:?} contradict each other about what is inside")
             }
             Self::NotConvex { facet } => write!(f, "the body is not convex at facet {facet}"),
             Self::Outline { place } => write!(f, "the outline crosses or touches itself near {place:?}"),
+            Self::Hole(error) => error.fmt(f),
             Self::TooMany { elements } => {
                 write!(f, "the mesh size is too small: about {elements:.0} elements, of at most {MOST}")
             }

@@ -137,3 +137,17 @@ fn results_do_not_depend_on_threads() {
         assert!(states[0] == states[1] && states[0] == states[2]);
     }
 }
+
+#[test]
+fn the_kinetic_energy_of_a_run_that_stops_is_not_negative() {
+    let mesh = bar(40);
+    let velocities = mesh.nodes.iter().map(|[x, _]| [x.sin(), 0.0]).collect();
+    let model = Model { mesh, materials: vec![granite()], velocities, ..Model::default() };
+    let critical = Simulation::new(model.clone(), 1).expect("a model").critical_step().step;
+    for share in [4.0, 8.0, 30.0] {
+        let time = TimeOptions { step: Some(share * critical), ..TimeOptions::default() };
+        let mut run = Simulation::new(Model { time, ..model.clone() }, 1).expect("a model");
+        let stop = run.advance(10_000).expect_err("it is not stable");
+        assert!(run.energies().kinetic >= 0.0, "{share}: {stop}: {:?}", run.energies());
+    }
+}

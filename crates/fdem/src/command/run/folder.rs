@@ -216,6 +216,11 @@ impl Folder {
         match File::open(&path).and_then(|mut file| file.read_to_end(&mut bytes)) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => {
                 let folder = display_name(&self.path);
+                if self.path(SUMMARY).exists() && self.path(MODEL).exists() {
+                    return Err(Failure::Unusable(format!(
+                        "the run in {folder} ended before its first checkpoint, and cannot go on: start it again with `fdem run --force`"
+                    )));
+                }
                 return Err(Failure::Unusable(format!("{folder} has no run: there is no checkpoint in it")));
             }
             Err(error) => return Err(Failure::reading(&name, &error)),

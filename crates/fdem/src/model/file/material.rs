@@ -21,7 +21,7 @@ pub struct Material {
     pub poissons_ratio: f64,
     /// Viscous damping, as a share of the critical damping of the fastest mode of an element. Default: 0.
     #[serde(default)]
-    #[schemars(extend("minimum" = 0))]
+    #[schemars(extend("minimum" = 0, "maximum" = 1000))]
     pub damping: f64,
     /// Coefficient of friction of contacts, unless an `[[interface]]` says otherwise. Default: 0.
     #[serde(default)]
