@@ -22,8 +22,8 @@ pub(crate) fn moved<const D: usize>(
     let width = (0..D).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
     let farthest = (0..D).map(|axis| (low[axis] + by[axis]).abs().max((high[axis] + by[axis]).abs()));
     let distance = farthest.fold(0.0, f64::max);
-    // A shape without any width has another fault, unless it has lost its width to rounding.
-    if distance <= FARTHEST * width || width == 0.0 && distance <= FARTHEST {
+    // A shape without any width has another fault, unless it has lost its width to rounding; one without a mesh has another, too.
+    if !distance.is_finite() || distance <= FARTHEST * width || width == 0.0 && distance <= FARTHEST {
         return None;
     }
     Some(Problem {

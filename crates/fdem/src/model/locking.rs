@@ -255,7 +255,10 @@ fn member_in_space(model: &Model<3, 4>, placed: &[Placed<3, 4>], body: usize) ->
     if length <= SLENDER * thickness {
         return None;
     }
+    let width = middle_width(piece.nodes.iter().copied());
     let own = first[0]..first[0] + piece.nodes.len() as u32;
+    // What is held along the length, by all boundaries that hold so much of it.
+    let mut long: Vec<[f64; 3]> = Vec::new();
     for boundary in &model.boundaries {
         let (Load::Velocity(_) | Load::Displacement(_), Target::Nodes(nodes)) =
             (boundary.load, &boundary.target)
@@ -264,13 +267,25 @@ fn member_in_space(model: &Model<3, 4>, placed: &[Placed<3, 4>], body: usize) ->
         };
         let held =
             nodes.iter().filter(|node| own.contains(node)).map(|&node| model.mesh.nodes[node as usize]);
-        let [low, high] = bounds(held);
+        let [low, high] = bounds(held.clone());
         if span(low, high) > HELD * length {
-            return None;
+            long.extend(held);
         }
+    }
+    // A plate that is held along one edge bends all the same.
+    if middle_width(long.into_iter()) > HELD * width {
+        return None;
     }
     let edges = piece.elements.iter().flat_map(|element| edges(&element.each_ref().map(point)));
     let mean = edges.sum::<f64>() / (6 * piece.elements.len()) as f64;
     let material = *piece.materials.first()? as usize;
     Some(Member { body, thickness, elements: thickness / mean, material })
+}
+
+/// The middle one of the widths, m, of the box around points.
+fn middle_width(points: impl Iterator<Item = [f64; 3]>) -> f64 {
+    let [low, high] = bounds(points);
+    let mut widths = [0, 1, 2].map(|axis| high[axis] - low[axis]);
+    widths.sort_unstable_by(f64::total_cmp);
+    widths[1]
 }

@@ -188,7 +188,7 @@ pub(crate) fn without_effect<const D: usize, const N: usize>(
     warnings: &mut Vec<String>,
 ) {
     for (index, body) in file.body.iter().enumerate() {
-        for key in idle_keys(body) {
+        for key in idle_keys(body, D) {
             if document.has(Table::of("body", index), key) {
                 warnings.push(format!("[[body]] \"{}\": {key} changes nothing here", body.name));
             }
@@ -205,8 +205,14 @@ pub(crate) fn without_effect<const D: usize, const N: usize>(
 }
 
 /// Keys that have no effect on a body of this kind.
-fn idle_keys(body: &Body) -> Vec<&'static str> {
+fn idle_keys(body: &Body, dimensions: usize) -> Vec<&'static str> {
     let mut keys = Vec::new();
+    if body.angle == 0.0 {
+        keys.push("axis");
+    }
+    if dimensions == 3 {
+        keys.push("voronoi.rounds");
+    }
     if body.mesh.is_some() {
         keys.push("seed");
     }

@@ -455,6 +455,9 @@ fn hint(found: &DeValue<'_>, schema: &Value) -> Option<String> {
         DeValue::Table(_) if wants("array") && schema.get("maxItems").is_none() => {
             Some("a table that may come several times has two brackets: [[name]]".to_owned())
         }
+        DeValue::Array(list) if wants("object") && !list.iter().any(|entry| entry.get_ref().is_table()) => {
+            Some("it has keys: { key = …, … }".to_owned())
+        }
         DeValue::Array(_) if wants("object") => {
             Some("this table comes once: [name], with one bracket".to_owned())
         }

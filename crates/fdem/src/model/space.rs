@@ -120,14 +120,17 @@ fn told(body: &Body, key: &str, error: &MeshError, surface: Option<&Surface>) ->
     let elements = match *error {
         MeshError::TooMany { elements } => elements,
         MeshError::Thin { thickness, size, .. } => {
+            let (what, other) = match &body.voronoi {
+                Some(_) => ("a grain", "fewer grains"),
+                None => ("it", "a thicker body"),
+            };
             let message = format!(
-                "[[body]] \"{}\": it is {} m thick in the mean, and a mesh size of {} m would make flat elements",
+                "[[body]] \"{}\": {what} is {} m thick in the mean, and a mesh size of {} m would make flat elements",
                 body.name,
                 brief(thickness),
                 brief(size)
             );
-            let help =
-                format!("take a mesh_size of {} m at most, or a thicker body", brief(THICK * thickness));
+            let help = format!("take a mesh_size of {} m at most, or {other}", brief(THICK * thickness));
             return Problem { help: Some(help), ..Problem::new(key, message) };
         }
         MeshError::Slender { radius, length, elements } => {

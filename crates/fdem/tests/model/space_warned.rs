@@ -247,3 +247,43 @@ fn messages_in_three_dimensions_have_its_words() {
     let told = grains("cylinder = { from = [0, 0, 1], to = [0, 0, 1], radius = 1 }");
     assert!(told.contains("it has no length"), "{told}");
 }
+
+/// A plate that is held at one edge bends, however wide it is; one that lies on its face does not.
+#[test]
+fn a_plate_with_few_elements_through_it_is_told_to_be_too_stiff() {
+    let warned = |held: &str, load: &str| {
+        let body = format!(
+            "box = {{ min = [0, 0, 0], max = [1, 1, 0.05] }}\nmesh_size = 0.1\n[[boundary]]\nname = \"held\"\nbody = \"b\"\nside = \"{held}\"\nfixed = \"xyz\"\n[[boundary]]\nname = \"load\"\nbody = \"b\"\nside = \"{load}\"\npressure = 1e3\nramp = 1e-3"
+        );
+        space("", &body, "").warnings.iter().any(|warning| warning.contains("too stiff"))
+    };
+    assert!(warned("left", "top"));
+    assert!(!warned("bottom", "top"));
+}
+
+#[test]
+fn keys_without_effect_in_three_dimensions_are_told() {
+    let cube = "box = { min = [0, 0, 0], max = [1, 1, 1] }";
+    let turned = space("", &format!("{cube}\nmesh_size = 0.5\naxis = [1, 0, 0]"), "");
+    assert_eq!(turned.warnings, ["[[body]] \"b\": axis changes nothing here"]);
+    let grains = format!("voronoi = {{ outline = {{ {cube} }}, grains = 4, rounds = 9 }}\nmesh_size = 0.2");
+    let warnings = space("", &grains, "").warnings;
+    let told = "[[body]] \"b\": voronoi.rounds changes nothing here";
+    assert!(warnings.iter().any(|warning| warning == told), "{warnings:?}");
+}
+
+#[test]
+fn grains_that_are_too_thin_for_the_size_are_named() {
+    let grains =
+        "voronoi = { outline = { box = { min = [0, 0, 0], max = [1, 1, 1] } }, grains = 400 }\nmesh_size = 5";
+    let error = any("dimensions = 3", grains, "").map(|_| ()).unwrap_err();
+    assert!(error.contains("a grain is") && error.contains("fewer grains"), "{error}");
+}
+
+/// An extrusion of a sphere has no mesh, and so no distance from the origin.
+#[test]
+fn a_shape_that_cannot_be_has_one_error() {
+    let body = "extrusion = { outline = { sphere = { radius = 1 } }, to = 1 }\nmesh_size = 0.5";
+    let error = any("", body, "").map(|_| ()).unwrap_err();
+    assert!(error.lines().count() == 1 && !error.contains("inf"), "{error}");
+}

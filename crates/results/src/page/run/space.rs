@@ -166,9 +166,10 @@ impl SpaceReport<'_> {
         let cracks: f64 = last.areas.iter().sum();
         if cracks > 0.0 {
             let (factor, unit) = area(cracks);
-            let fragments = if last.fragments == 1 { "fragment" } else { "fragments" };
+            // Those of bodies that cannot break are among them: the page calls them pieces everywhere.
+            let plural = if last.fragments == 1 { "" } else { "s" };
             text = format!(
-                "{text}, {} {unit} of cracks, {} {fragments}",
+                "{text}, {} {unit} of cracks, {} piece{plural}",
                 brief((cracks * factor * 100.0).round() / 100.0),
                 grouped(last.fragments as u64)
             );
