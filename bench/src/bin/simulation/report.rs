@@ -41,7 +41,7 @@ pub(crate) fn report(threads: usize, rounds: usize, limits: &Limits, outcomes: &
     let ([one, all], [slow, fast]) = (giga(limits.bytes), giga(limits.operations));
     let _ = writeln!(
         out,
-        "What no program can beat here: {one} GB/s through memory on one thread and {all} on {threads} (triad), {slow} and {fast} GFLOP/s \
+        "The bounds of this machine: {one} GB/s through memory on one thread and {all} on {threads} (triad), {slow} and {fast} GFLOP/s \
          (additions and multiplications in registers, with the instructions of our build). A step moves at least {NODE} bytes for a node, \
          {ELEMENT} for an element, {JOINT} for a joint, and takes {NODE_WORK}, {ELEMENT_WORK} and {JOINT_WORK} operations; contacts are not counted, and bodies of tetrahedra are left out. \
          In brackets: the time of a step over the bound.\n\n{}",

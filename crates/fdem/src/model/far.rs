@@ -7,7 +7,7 @@ use crate::model::fault::Problem;
 /// Distance from the origin over the width of a body up to which its shape is kept: of the 16 digits of a coordinate, 4 are left for it there.
 const FARTHEST: f64 = 1e12;
 
-/// What is wrong with a body between these least and largest coordinates, if it is too far from the origin.
+/// The problem of a body that is too far from the origin. `bounds`: its least and largest coordinates.
 pub(crate) fn problem<const D: usize>(key: &str, name: &str, bounds: [[f64; D]; 2]) -> Option<Problem> {
     moved(key, name, bounds, [0.0; D])
 }

@@ -27,7 +27,7 @@ fn refinement<const D: usize>(of: &Refine) -> Refinement<D> {
     Refinement { place, size: of.size, reach: of.reach }
 }
 
-/// What is wrong with the places near which a body has smaller elements.
+/// The problems of the places near which a body has smaller elements.
 pub(crate) fn problems(body: &Body, dimensions: u8) -> Vec<Problem> {
     let mut problems = Vec::new();
     for (number, of) in (1..).zip(&body.refine) {

@@ -143,7 +143,7 @@ fn flat_box(key: &str, block: &Block) -> Option<Problem> {
     ))
 }
 
-/// What is wrong with a table that has two shapes where one is allowed.
+/// The problem of a table that has two shapes, where one is allowed.
 fn second(key: &str, what: &str, given: &[(&str, u8)]) -> Option<Problem> {
     let [(first, _), (second, _), ..] = given else { return None };
     let message = format!("{what} is one shape, and this has two, {first} and {second}");

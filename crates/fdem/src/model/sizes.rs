@@ -52,8 +52,9 @@ pub(crate) fn check(
         let before = all;
         all += elements;
         if let Some(message) = too_many(before, elements, size, memory) {
-            let blamed = || refine::blamed(body, Some(elements - refined), Some(elements));
-            if let Some(problem) = Some(()).filter(|()| elements > MOST).and_then(|()| blamed()) {
+            if elements > MOST
+                && let Some(problem) = refine::blamed(body, Some(elements - refined), Some(elements))
+            {
                 refuse(problem, "too small");
                 return all;
             }
@@ -75,7 +76,7 @@ pub(crate) fn check(
     all
 }
 
-/// What is wrong with a body that is too far from the origin, where its shape says or where it is moved to.
+/// The problem of a body that is too far from the origin: where its shape puts it, or where `translate` moves it.
 fn too_far(body: &Body, flat: Option<&Extent>, around: Option<[[f64; 3]; 2]>) -> Option<Problem> {
     fn of<const D: usize>(body: &Body, bounds: [[f64; D]; 2]) -> Option<Problem> {
         let shape = shapes::given(body).first().copied()?;
