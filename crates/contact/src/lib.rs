@@ -198,6 +198,8 @@ pub use search::multilevel::{Multilevel, Work};
 pub use search::nbs::{DEFAULT_MAX_HEADS, Nbs, Observer};
 pub use search::rows::Rows;
 pub use simd::Simd;
+#[doc(hidden)]
+pub use simd::prefetch::value as prefetch;
 pub use verify::{Mismatch, verify};
 
 /// All couples among spheres (discs in 2D) that touch, in ascending order.

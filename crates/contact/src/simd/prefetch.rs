@@ -22,6 +22,16 @@ pub(crate) fn lines<V>(values: &[V], from: usize, count: usize) {
     }
 }
 
+/// Prefetches a value that is read soon, from a place that the processor cannot guess.
+#[doc(hidden)] // Shared with `fdem-simulation`.
+#[inline(always)]
+pub fn value<V>(value: &V) {
+    lines(std::slice::from_ref(value), 0, 1);
+    // It may begin within a cache line, and so end within one more.
+    let last = size_of::<V>().saturating_sub(1);
+    hint::<false>(std::ptr::from_ref(value).cast::<i8>().wrapping_add(last));
+}
+
 /// Size of a cache line in bytes.
 const LINE: usize = 64;
 

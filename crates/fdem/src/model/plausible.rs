@@ -132,7 +132,11 @@ pub(crate) fn loads<const D: usize, const N: usize>(model: &Model<D, N>, warning
             Load::Displacement(_) | Load::Absorbing => continue,
         };
         if stress > stiffest {
-            let over = if what == "force" { " over the width of the model squared" } else { "" };
+            let over = match (what, D) {
+                ("force", 2) => " over the width of the model times its thickness",
+                ("force", _) => " over the width of the model squared",
+                _ => "",
+            };
             warnings.push(format!(
                 "{title}: its {what}{over} is {} Pa, above the largest Young's modulus, {} Pa: no body carries that",
                 brief(stress),

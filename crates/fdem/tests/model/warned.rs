@@ -171,7 +171,10 @@ fn loads_and_speeds_beyond_what_materials_carry_are_warned_of() {
             "\"b\": its pressure is 1e20 Pa, above the largest Young's modulus, 3e10 Pa",
         ),
         (boundary("traction = [1e20, 0]"), "\"b\": its traction is 1e20 Pa"),
-        (boundary("force = [1e20, 0]"), "\"b\": its force over the width of the model squared is 1e20 Pa"),
+        (
+            boundary("force = [1e20, 0]"),
+            "\"b\": its force over the width of the model times its thickness is 1e20 Pa",
+        ),
         (
             boundary("velocity = [1e6, 0]\nramp = 1"),
             "\"b\" moves at 1e6 m/s: a run stops where a node is faster",
