@@ -198,7 +198,7 @@ pub use search::multilevel::{Multilevel, Work};
 pub use search::nbs::{DEFAULT_MAX_HEADS, Nbs, Observer};
 pub use search::rows::Rows;
 pub use simd::Simd;
-#[doc(hidden)]
+#[doc(hidden)] // For `fdem-simulation`.
 pub use simd::prefetch::value as prefetch;
 pub use verify::{Mismatch, verify};
 

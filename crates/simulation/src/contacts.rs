@@ -53,10 +53,8 @@ where
     #[inline]
     fn prefetch(&self, solid: &Solid<D, N>) {
         for element in self.elements {
-            prefetch(&solid.elements[element as usize]);
             for node in solid.nodes_of(element) {
                 prefetch(&solid.nodes[node as usize]);
-                prefetch(&solid.constants[node as usize]);
             }
         }
         if let Some(contact) = &self.contact {

@@ -23,7 +23,6 @@ pub(crate) fn lines<V>(values: &[V], from: usize, count: usize) {
 }
 
 /// Prefetches a value that is read soon, from a place that the processor cannot guess.
-#[doc(hidden)] // Shared with `fdem-simulation`.
 #[inline(always)]
 pub fn value<V>(value: &V) {
     lines(std::slice::from_ref(value), 0, 1);

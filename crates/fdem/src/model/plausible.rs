@@ -116,7 +116,11 @@ pub(crate) fn loads<const D: usize, const N: usize>(model: &Model<D, N>, warning
         (largest(|of| of.youngs_modulus), largest(|of| (of.youngs_modulus / of.density).sqrt()));
     let [low, high] = bounds(model.mesh.nodes.iter().copied());
     let width = (0..D).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
-    let section = width * if D == 2 { model.thickness } else { width };
+    let (section, product) = if D == 2 {
+        (width * model.thickness, "width of the model times its thickness")
+    } else {
+        (width * width, "width of the model squared")
+    };
     let length = |vector: &[f64; D]| vector.iter().map(|x| x * x).sum::<f64>().sqrt();
     for boundary in &model.boundaries {
         let title = format!("[[boundary]] \"{}\"", boundary.name);
@@ -132,11 +136,7 @@ pub(crate) fn loads<const D: usize, const N: usize>(model: &Model<D, N>, warning
             Load::Displacement(_) | Load::Absorbing => continue,
         };
         if stress > stiffest {
-            let over = match (what, D) {
-                ("force", 2) => " over the width of the model times its thickness",
-                ("force", _) => " over the width of the model squared",
-                _ => "",
-            };
+            let over = if what == "force" { format!(" over the {product}") } else { String::new() };
             warnings.push(format!(
                 "{title}: its {what}{over} is {} Pa, above the largest Young's modulus, {} Pa: no body carries that",
                 brief(stress),
