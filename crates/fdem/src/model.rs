@@ -18,6 +18,7 @@ mod shapes;
 mod limits;
 mod extent;
 mod far;
+mod near;
 mod outline;
 mod refine;
 mod packing;

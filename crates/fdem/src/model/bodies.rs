@@ -10,7 +10,7 @@ use crate::model::document::{Document, Table};
 use crate::model::fault::Fault;
 use crate::model::file::{Body, ModelFile};
 use crate::model::materials;
-use crate::model::mesh_file::Load;
+use crate::model::mesh_file::{self, Load, SURFACES};
 use crate::model::piece::Piece;
 use crate::model::placed::Placed;
 use crate::model::shapes::{self, SHAPES, given};
@@ -75,9 +75,9 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, dimensions: u8, f
             let fits = if key == "mesh_size" { meshed_here } else { of_files == from_file };
             if is_given && !fits && !given.is_empty() {
                 let what = if of_files { "for meshes from files" } else { "not for meshes from files" };
-                faults.push(
-                    Fault::at(document.key(table, key), format!("\"{key}\" is {what}")).label("take it out"),
-                );
+                let fault = Fault::at(document.key(table, key), format!("\"{key}\" is {what}"));
+                let surface = key == "mesh_size" && body.mesh.as_deref().is_some_and(mesh_file::is_surface);
+                faults.push(if surface { fault.help(SURFACES) } else { fault.label("take it out") });
             }
         }
         for problem in refine::problems(body, dimensions) {

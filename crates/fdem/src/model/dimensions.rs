@@ -52,7 +52,7 @@ pub(crate) struct Ready<'a, const D: usize, const N: usize> {
     pub(crate) quality: &'a Quality,
 }
 
-/// The dimensions of a model: those that it says, or that its bodies have.
+/// The dimensions of a model: those that it says, or that its bodies have. Where a file that would tell them cannot be read, vectors and supports tell them.
 pub(crate) fn of(file: &ModelFile, load: &mut Load<'_>) -> u8 {
     let told = || file.body.iter().find_map(shapes::dimensions);
     let vectors = || match &file.model.gravity {
@@ -68,9 +68,24 @@ pub(crate) fn of(file: &ModelFile, load: &mut Load<'_>) -> u8 {
             return Some(3);
         }
         let bytes = load(name).ok()?;
-        Some(if mesh_file::is_in_space(&bytes, name) { 3 } else { 2 })
+        Some(if mesh_file::is_in_space(&bytes, name)? { 3 } else { 2 })
     };
-    file.model.dimensions.or_else(told).or_else(vectors).or_else(&mut from_files).unwrap_or(2)
+    let boundaries = || file.boundary.iter().any(is_in_space).then_some(3);
+    let said = file.model.dimensions.filter(|said| [2, 3].contains(said));
+    said.or_else(told).or_else(vectors).or_else(&mut from_files).or_else(boundaries).unwrap_or(2)
+}
+
+/// Whether a boundary can only be meant for three dimensions.
+fn is_in_space(boundary: &file::Boundary) -> bool {
+    let holds_z = boundary.fixed.is_some_and(|fixed| fixed.axes()[2]);
+    let on_side = matches!(boundary.side, Some(Side::Front | Side::Back));
+    let motions = [&boundary.velocity, &boundary.displacement];
+    let loads = [&boundary.force, &boundary.traction];
+    holds_z
+        || on_side
+        || boundary.limits.as_ref().is_some_and(|limits| limits.len() == 6)
+        || motions.into_iter().flatten().any(|motion| motion.len() == 3)
+        || loads.into_iter().flatten().any(|load| load.0.len() == 3)
 }
 
 /// Finds vectors, boxes and stresses whose number of components is not that of the model.

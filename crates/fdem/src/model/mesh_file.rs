@@ -78,10 +78,7 @@ pub(crate) fn read_space(
         let found =
             if mesh.triangles.is_empty() { "has no elements" } else { "has triangles and no tetrahedra" };
         return Err(Problem {
-            help: Some(
-                "in three dimensions a body is a mesh of tetrahedra; a closed surface of triangles is meshed with surface = \"…\" instead of mesh"
-                    .to_owned(),
-            ),
+            help: Some(format!("in three dimensions a body is a mesh of tetrahedra; {SURFACES}")),
             ..Problem::new("mesh", format!("{name} {found}"))
         });
     }
@@ -105,9 +102,17 @@ pub(crate) fn triangles(load: &mut Load<'_>, name: &str) -> Result<Vec<[[f64; 3]
     Ok(mesh.triangles.nodes.iter().map(corners).collect())
 }
 
-/// Whether a file has a mesh of tetrahedra; false if it cannot be read.
-pub(crate) fn is_in_space(bytes: &[u8], name: &str) -> bool {
-    read(bytes, name).is_ok_and(|mesh| !mesh.tetrahedra.is_empty())
+/// Whether a file has a mesh of tetrahedra, or a surface that is in no plane z = constant; `None` if it cannot be read.
+pub(crate) fn is_in_space(bytes: &[u8], name: &str) -> Option<bool> {
+    let mesh = read(bytes, name).ok()?;
+    let is_flat = mesh.points.windows(2).all(|pair| pair[0][2] == pair[1][2]);
+    Some(!mesh.tetrahedra.is_empty() || !mesh.triangles.is_empty() && !is_flat)
+}
+
+/// Whether the format of a file has surfaces only.
+pub(crate) fn is_surface(name: &str) -> bool {
+    let name = name.to_ascii_lowercase();
+    [".stl", ".obj", ".stl.gz", ".obj.gz"].iter().any(|ending| name.ends_with(ending))
 }
 
 fn read(bytes: &[u8], name: &str) -> Result<MeshFile, Problem> {
@@ -130,6 +135,10 @@ fn read(bytes: &[u8], name: &str) -> Result<MeshFile, Problem> {
     }
     Ok(mesh)
 }
+
+/// What to do with a surface, in messages.
+pub(crate) const SURFACES: &str =
+    "a closed surface of triangles is meshed with surface = \"…\" instead of mesh";
 
 /// Words of messages.
 struct Words {

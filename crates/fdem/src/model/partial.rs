@@ -13,6 +13,7 @@ use crate::model::document::{Document, Table};
 use crate::model::fault::Fault;
 use crate::model::file::{Body, Boundary, General, History, Initial, Interface, Material};
 use crate::model::file::{ModelFile, Output};
+use crate::model::shapes::SHAPES;
 
 /// Stands for a name that could not be read. No name in a file can be this: it would have to be written as an escape.
 const NAMELESS: &str = "\u{1}";
@@ -38,13 +39,16 @@ impl Partial {
         });
         reader.list::<Body>(&mut root, "body", |body| {
             let material = body.get("material").filter(|name| name.is_str()).cloned();
-            let disc: Toml = [("radius".to_owned(), Value::from(1.0))].into_iter().collect();
-            [
-                ("material", material.unwrap_or_else(|| NAMELESS.into())),
-                ("disc", disc.into()),
-                ("mesh_size", 1.0.into()),
-            ]
-            .into()
+            let mut instead = vec![("material", material.unwrap_or_else(|| NAMELESS.into()))];
+            if let Some(mesh) = body.get("mesh").filter(|name| name.is_str()) {
+                instead.push(("mesh", mesh.clone()));
+            } else {
+                // A shape of the same dimensions, or all that fits the body would be faults.
+                let round: Toml = [("radius".to_owned(), Value::from(1.0))].into_iter().collect();
+                instead.push((if is_in_space(body) { "sphere" } else { "disc" }, round.into()));
+                instead.push(("mesh_size", 1.0.into()));
+            }
+            instead
         });
         reader.list::<Interface>(&mut root, "interface", |_| {
             vec![("materials", Value::Array(vec![NAMELESS.into(), NAMELESS.into()]))]
@@ -87,6 +91,12 @@ impl Partial {
             self.broken.iter().any(|broken| broken.start <= span.start && span.end <= broken.end)
         })
     }
+}
+
+/// Whether a body, or its outline, has a shape in three dimensions.
+fn is_in_space(body: &Toml) -> bool {
+    let is_solid = |key: &str| SHAPES.iter().any(|(shape, of)| *shape == key && **of == [3]);
+    body.iter().any(|(key, value)| is_solid(key) || value.as_table().is_some_and(is_in_space))
 }
 
 struct Reader<'d, 'f> {

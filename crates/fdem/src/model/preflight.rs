@@ -118,6 +118,14 @@ impl Preflight {
                 brief(critical.step)
             ));
         }
+        let whole = pace.whole * steps as f64;
+        if whole > YEAR {
+            warnings.push(format!(
+                "the run would take {}: look at units, end_time, and what makes the time step {} s",
+                duration(whole),
+                brief(step)
+            ));
+        }
         if step > prepared.end_time {
             warnings.push(format!(
                 "the time step {} s is longer than end_time = {} s: the run has one step, and ends after it",
@@ -145,7 +153,7 @@ impl Preflight {
             step,
             steps,
             seconds,
-            seconds_whole: pace.whole * steps as f64,
+            seconds_whole: whole,
             memory: PROGRAM + sum(model, |cost| cost.bytes).max(in_report(prepared, steps)),
             warnings,
             hash: prepared.hash.clone(),

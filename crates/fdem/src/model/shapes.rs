@@ -4,6 +4,7 @@ use fdem_io::numbers::brief;
 
 use crate::model::fault::Problem;
 use crate::model::file::{Block, Body, Hole, Outline, Packing, Piece, Region, Voronoi};
+use crate::model::near::{self, MERGE, TOO_NEAR};
 use crate::model::outline::{self, Point, area, twice_area};
 use crate::model::packing;
 
@@ -225,6 +226,10 @@ fn corners(key: &str, points: &[Point]) -> Option<Problem> {
             format!("points {} and {} are the same, {:?}", place + 1, place + 2, points[place]),
             "take one of them out",
         );
+    }
+    let edges = points.iter().zip(points.iter().cycle().skip(1)).map(|(a, b)| [*a, *b]);
+    if let Some([a, b]) = near::find(edges, fdem_mesh::bounds(points.iter().copied())) {
+        return problem(format!("the points {a:?} and {b:?} are {TOO_NEAR}"), MERGE);
     }
     if let Some([a, b, c, d]) = crossing(points) {
         return problem(

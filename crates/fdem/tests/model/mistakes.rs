@@ -354,6 +354,13 @@ fn a_body_has_one_shape_and_a_size() {
             ],
         ),
         (
+            "[[0, 0], [1, 0], [0, 1], [6e-17, 0]]",
+            [
+                "the points [6e-17, 0.0] and [0.0, 0.0] are nearer to each other than a billionth of the shape",
+                "they differ by rounding: make them one",
+            ],
+        ),
+        (
             "[[0, 0], [1, 0], [0, 1], [0, 0]]",
             [
                 "the last point is the first again, [0.0, 0.0]",
@@ -513,7 +520,9 @@ fn mesh_files_are_refused_with_their_name_and_element() {
     let flat = b"v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n";
     refused("mesh = \"a.obj\"", flat, "\"a.obj\"", &["a.obj: element 0 (triangle) has no area"]);
     let steep = b"v 0 0 0\nv 1 0 0\nv 2 0 1\nf 1 2 3\n";
-    refused("mesh = \"a.obj\"", steep, "\"a.obj\"", &["a.obj is not flat"]);
+    refused("mesh = \"a.obj\"", steep, "\"a.obj\"", &["a.obj has triangles and no tetrahedra", "surface ="]);
+    let raised = b"v 0 0 1\nv 1 0 1\nv 0 1 1\nf 1 2 3\n";
+    refused("mesh = \"a.obj\"", raised, "\"a.obj\"", &["a.obj is not flat"]);
     let twice = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0.5 2 0\nf 1 2 3\nf 1 2 4\n";
     refused("mesh = \"a.obj\"", twice, "\"a.obj\"", &["elements lie on top of each other"]);
     refused("mesh = \"a.obj\"", b"f 1 2 9\n", "\"a.obj\"", &["a.obj:1: element 0 (triangle) names node 1"]);

@@ -373,6 +373,45 @@ fn what_is_wrong_in_space_is_told_at_its_key() {
 }
 
 /// Initial stress and its gradient grow with depth, and gravity is along z.
+/// Elements between them would use up all memory.
+#[test]
+fn corners_that_differ_by_rounding_are_refused() {
+    let told = "are nearer to each other than a billionth of the shape";
+    for shape in [
+        "polyhedron = { points = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [0, 0, 1e-17]] }",
+        "polyhedron = { points = [[1, 0, 0], [6.123e-17, 1, 0], [0, 1, 0], [-1, 0, 0], [0, 0, 1]] }",
+        "extrusion = { outline = { polygon = { points = [[0, 0], [6e-17, 0], [1, 0], [0, 1]] } }, to = 1 }",
+        "extrusion = { outline = { polygon = { points = [[0, 0], [1, 0], [0, 1], [0, 1e-10]] } }, to = 1 }",
+    ] {
+        let errors = wrong(&body(&format!("{shape}\nmesh_size = 0.4")));
+        assert!(errors.contains(told) && errors.lines().count() == 1, "{errors}");
+    }
+    let near = "polyhedron = { points = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [0, 0.01, 0.98]] }";
+    space(&body(&format!("{near}\nmesh_size = 0.4")));
+}
+
+/// One mistake in a body, or a file that cannot be read, does not make a model flat: there would be errors where nothing is wrong.
+#[test]
+fn a_mistake_in_a_body_leaves_its_dimensions() {
+    let rest = "[[boundary]]\nname = \"f\"\nside = \"bottom\"\nfixed = \"xyz\"\n";
+    for (shape, expected) in [
+        ("box = { min = [0, 0, 0], max = [1, 1, 1] }\nmeshsize = 0.5", "no key \"meshsize\""),
+        ("box = { min = [0, 0], max = [1, 1, 1] }\nmesh_size = 0.5", "\"min\" is a list of 2"),
+        ("mesh = \"two.msh\"\nmeshsize = 0.5", "no key \"meshsize\""),
+        ("mesh = \"none.msh\"", "cannot read none.msh"),
+        ("", "has no shape"),
+        (
+            "voronoi = { outline = { sphere = { radius = 1 } }, grains = \"many\" }\nmesh_size = 0.5",
+            "\"grains\"",
+        ),
+        ("mesh = \"cube.stl\"", "is meshed with surface ="),
+        ("mesh = \"cube.stl\"\nmesh_size = 0.5", "is meshed with surface ="),
+    ] {
+        let errors = wrong(&format!("{}{rest}", body(shape)));
+        assert!(errors.contains(expected) && errors.matches("m.toml:").count() == 1, "{errors}");
+    }
+}
+
 #[test]
 fn initial_stress_is_a_tensor_that_changes_with_height() {
     let text = format!(

@@ -213,6 +213,8 @@ fn times_that_are_shorter_than_a_step_are_warned_of() {
     }
     let found = warnings(&SMALL.replace("end_time = 1e-3", "end_time = 1e-6\ntime_step = 2e-6"));
     assert!(found.iter().any(|told| told.contains("2e-6 s is longer than end_time = 1e-6 s")), "{found:?}");
+    let found = warnings(&SMALL.replace("end_time = 1e-3", "end_time = 1e-3\ntime_step = 1e-18"));
+    assert!(found.iter().any(|told| told.contains("the run would take")), "{found:?}");
     // The defaults give many results of few steps, and nobody is told so.
     assert_eq!(warnings(&SMALL.replace("end_time = 1e-3", "end_time = 1e-5")), Vec::<String>::new());
 }
