@@ -136,7 +136,7 @@ fn read(bytes: &[u8], name: &str) -> Result<MeshFile, Problem> {
     Ok(mesh)
 }
 
-/// What to do with a surface, in messages.
+/// Help for a file with a surface where a mesh is asked for.
 pub(crate) const SURFACES: &str =
     "a closed surface of triangles is meshed with surface = \"…\" instead of mesh";
 

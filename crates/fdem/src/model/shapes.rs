@@ -4,9 +4,8 @@ use fdem_io::numbers::brief;
 
 use crate::model::fault::Problem;
 use crate::model::file::{Block, Body, Hole, Outline, Packing, Piece, Region, Voronoi};
-use crate::model::near::{self, MERGE, TOO_NEAR};
 use crate::model::outline::{self, Point, area, twice_area};
-use crate::model::packing;
+use crate::model::{near, packing};
 
 /// The shapes that a body may have, and the dimensions in which it may have them.
 pub(crate) const SHAPES: [(&str, &[u8]); 14] = [
@@ -227,9 +226,9 @@ fn corners(key: &str, points: &[Point]) -> Option<Problem> {
             "take one of them out",
         );
     }
-    let edges = points.iter().zip(points.iter().cycle().skip(1)).map(|(a, b)| [*a, *b]);
-    if let Some([a, b]) = near::find(edges, fdem_mesh::bounds(points.iter().copied())) {
-        return problem(format!("the points {a:?} and {b:?} are {TOO_NEAR}"), MERGE);
+    let edges = (0..points.len()).map(|k| [k, (k + 1) % points.len()]);
+    if let Some(problem) = near::problem(key, "the points", points, edges) {
+        return Some(problem);
     }
     if let Some([a, b, c, d]) = crossing(points) {
         return problem(

@@ -19,7 +19,7 @@ use crate::model::file::{
 use crate::model::limits::{MOST, VOLUME, too_many};
 use crate::model::materials;
 use crate::model::mesh_file::{self, Load, materials_of_groups};
-use crate::model::near::{self, MERGE, TOO_NEAR};
+use crate::model::near;
 use crate::model::outline::{self, area};
 use crate::model::packing::{self, Ball, Motion, Room};
 use crate::model::piece::Piece;
@@ -94,15 +94,10 @@ fn meshed(
         return Err(problem);
     }
     let edges = surface.facets.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
-    let edges = edges.map(|edge| edge.map(|node| surface.nodes[node as usize]));
-    if let Some([a, b]) = near::find(edges, fdem_mesh::bounds(surface.nodes.iter().copied())) {
-        return Err(Problem {
-            help: Some(MERGE.to_owned()),
-            ..Problem::new(
-                key,
-                format!("[[body]] \"{}\": its corners {a:?} and {b:?} are {TOO_NEAR}", body.name),
-            )
-        });
+    let edges = edges.map(|edge| edge.map(|node| node as usize));
+    let corners = format!("[[body]] \"{}\": its corners", body.name);
+    if let Some(problem) = near::problem(key, &corners, &surface.nodes, edges) {
+        return Err(problem);
     }
     let meshed = match round {
         Some(Round::Cylinder(prism)) => moved(&surface, grading, body.seed, &|mesh| prism.round(mesh)),

@@ -48,6 +48,8 @@ fn outlines_that_fill_little_of_their_box_take_no_memory_for_the_rest() {
     assert!((60_000..120_000).contains(&elements), "{elements}");
     let spire = "voronoi = { outline = { polygon = { points = [[0, 0], [1e-6, 0], [100, 100]] } }, grains = 50 }\nmesh_size = 0.1";
     refused(&with_shape(spire), "the outline is too thin for grains");
+    let needle = spire.replace("[100, 100]", "[1e18, 1e18]").replace("mesh_size = 0.1", "mesh_size = 1e15");
+    refused(&with_shape(&needle), "are nearer to each other than a billionth of the shape");
     // Edges that go from the bottom to the top are in all rows in which points are looked up.
     let comb: Vec<String> = (0..4000).map(|k| format!("[{}, {}]", k, k % 2)).collect();
     let comb = format!("polygon = {{ points = [{}, [4000, 3], [-1, 3]] }}\nmesh_size = 1", comb.join(", "));

@@ -372,7 +372,6 @@ fn what_is_wrong_in_space_is_told_at_its_key() {
     assert!(empty.is_err_and(|errors| errors.contains("box, cylinder")));
 }
 
-/// Initial stress and its gradient grow with depth, and gravity is along z.
 /// Elements between them would use up all memory.
 #[test]
 fn corners_that_differ_by_rounding_are_refused() {
@@ -412,6 +411,7 @@ fn a_mistake_in_a_body_leaves_its_dimensions() {
     }
 }
 
+/// Initial stress and its gradient grow with depth, and gravity is along z.
 #[test]
 fn initial_stress_is_a_tensor_that_changes_with_height() {
     let text = format!(
