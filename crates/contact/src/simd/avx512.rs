@@ -3,7 +3,7 @@
 use std::arch::x86_64::*;
 
 use crate::couple::Couple;
-use crate::simd::vector::{Estimate, Vector};
+use crate::simd::vector::{CLUSTER, Estimate, Vector};
 
 entry_points!("avx512f,avx512vl,avx2,fma,bmi2,popcnt", F64x8, F32x16);
 
@@ -159,17 +159,87 @@ impl Vector<f32> for F32x16 {
             let first = _mm512_setr_epi32(0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
             let rest = _mm512_setr_epi32(8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31);
             _mm512_storeu_si512(to, _mm512_permutex2var_epi32(low, first, high));
-            if hits.count_ones() > 8 {
-                _mm512_storeu_si512(to.add(1), _mm512_permutex2var_epi32(low, rest, high));
-            }
+            _mm512_storeu_si512(to.add(1), _mm512_permutex2var_epi32(low, rest, high));
         }
     }
 }
 
 impl Estimate for F32x16 {
+    const MARKS: [u32; CLUSTER] = [1 << 31, 1 << 30, 1 << 29, 1 << 28];
+
     #[inline(always)]
     unsafe fn mul_add(self, other: Self, sum: Self) -> Self {
         // SAFETY: the contract of `Vector`.
         Self(unsafe { _mm512_fmadd_ps(self.0, other.0, sum.0) })
+    }
+
+    #[inline(always)]
+    unsafe fn and(self, other: Self) -> Self {
+        // SAFETY: the contract of `Vector`.
+        unsafe {
+            let both = _mm512_and_si512(_mm512_castps_si512(self.0), _mm512_castps_si512(other.0));
+            Self(_mm512_castsi512_ps(both))
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn least(self, other: Self) -> Self {
+        // SAFETY: the contract of `Vector`.
+        unsafe {
+            let least = _mm512_min_epi32(_mm512_castps_si512(self.0), _mm512_castps_si512(other.0));
+            Self(_mm512_castsi512_ps(least))
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn is_within(self, width: f32) -> bool {
+        // SAFETY: the contract of `Vector`.
+        unsafe {
+            let beyond = _mm512_set1_epi32((-width).to_bits().cast_signed());
+            _mm512_cmplt_epi32_mask(_mm512_castps_si512(self.0), beyond) != 0
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn marks(vectors: [Self; CLUSTER]) -> Self {
+        // SAFETY: the contract of `Vector`.
+        unsafe {
+            let [a, b, c, d] = vectors;
+            let [a, b] = [_mm512_castps_si512(a.0), _mm512_castps_si512(b.0)];
+            let [c, d] = [_mm512_castps_si512(c.0), _mm512_castps_si512(d.0)];
+            // 0xca: the bits of the second number where the first has ones, those of the third elsewhere.
+            let sign = _mm512_set1_epi32(i32::MIN);
+            let first = _mm512_ternarylogic_epi32::<0xca>(sign, a, _mm512_srli_epi32::<1>(b));
+            let second = _mm512_ternarylogic_epi32::<0xca>(sign, c, _mm512_srli_epi32::<1>(d));
+            let two = _mm512_set1_epi32(i32::MIN >> 1);
+            let marks = _mm512_ternarylogic_epi32::<0xca>(two, first, _mm512_srli_epi32::<2>(second));
+            Self(_mm512_castsi512_ps(marks))
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn marked(self, of: Self) -> u32 {
+        // SAFETY: the contract of `Vector`.
+        unsafe { u32::from(_mm512_test_epi32_mask(_mm512_castps_si512(self.0), _mm512_castps_si512(of.0))) }
+    }
+
+    #[inline(always)]
+    unsafe fn marked_by<const MEMBER: usize>(self) -> u32 {
+        // SAFETY: the contract of `Vector`.
+        unsafe {
+            let mark = _mm512_set1_epi32(Self::MARKS[MEMBER].cast_signed());
+            u32::from(_mm512_test_epi32_mask(_mm512_castps_si512(self.0), mark))
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn sift(self, ids: *const u32, lanes: u32, marks: *mut f32, to: *mut u32) {
+        // SAFETY: the contract of `Estimate`.
+        unsafe {
+            let lanes = lanes as __mmask16;
+            _mm512_storeu_ps(marks, _mm512_maskz_compress_ps(lanes, self.0));
+            let ids = _mm512_maskz_compress_epi32(lanes, _mm512_loadu_si512(ids.cast()));
+            _mm512_storeu_si512(to.cast(), ids);
+        }
     }
 }

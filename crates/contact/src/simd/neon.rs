@@ -3,7 +3,7 @@
 use std::arch::aarch64::*;
 
 use crate::couple::Couple;
-use crate::simd::vector::{Estimate, Vector};
+use crate::simd::vector::{CLUSTER, Estimate, Vector};
 
 entry_points!("neon", F64x2, F32x4);
 
@@ -176,9 +176,76 @@ impl Vector<f32> for F32x4 {
 }
 
 impl Estimate for F32x4 {
+    const MARKS: [u32; CLUSTER] = [1 << 31, 1 << 30, 1 << 29, 1 << 28];
+
     #[inline(always)]
     unsafe fn mul_add(self, other: Self, sum: Self) -> Self {
         // SAFETY: the contract of `Vector`.
         Self(unsafe { vfmaq_f32(sum.0, self.0, other.0) })
+    }
+
+    #[inline(always)]
+    unsafe fn and(self, other: Self) -> Self {
+        // SAFETY: the contract of `Vector`.
+        unsafe {
+            let both = vandq_u32(vreinterpretq_u32_f32(self.0), vreinterpretq_u32_f32(other.0));
+            Self(vreinterpretq_f32_u32(both))
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn least(self, other: Self) -> Self {
+        // SAFETY: the contract of `Vector`.
+        unsafe {
+            let least = vminq_s32(vreinterpretq_s32_f32(self.0), vreinterpretq_s32_f32(other.0));
+            Self(vreinterpretq_f32_s32(least))
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn is_within(self, width: f32) -> bool {
+        // SAFETY: the contract of `Vector`.
+        unsafe { vminvq_s32(vreinterpretq_s32_f32(self.0)) < (-width).to_bits().cast_signed() }
+    }
+
+    #[inline(always)]
+    unsafe fn marks(vectors: [Self; CLUSTER]) -> Self {
+        // SAFETY: the contract of `Vector`.
+        unsafe {
+            let [a, b, c, d] = vectors;
+            let [a, b] = [vreinterpretq_u32_f32(a.0), vreinterpretq_u32_f32(b.0)];
+            let [c, d] = [vreinterpretq_u32_f32(c.0), vreinterpretq_u32_f32(d.0)];
+            // Each keeps its highest bit and takes those of the next below it.
+            let marks = vsriq_n_u32::<1>(a, vsriq_n_u32::<1>(b, vsriq_n_u32::<1>(c, d)));
+            Self(vreinterpretq_f32_u32(marks))
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn marked(self, of: Self) -> u32 {
+        // SAFETY: the contract of `Vector`.
+        unsafe { Self::bits(vtstq_u32(vreinterpretq_u32_f32(self.0), vreinterpretq_u32_f32(of.0))) }
+    }
+
+    #[inline(always)]
+    unsafe fn marked_by<const MEMBER: usize>(self) -> u32 {
+        // SAFETY: the contract of `Vector`.
+        unsafe { Self::bits(vtstq_u32(vreinterpretq_u32_f32(self.0), vdupq_n_u32(Self::MARKS[MEMBER]))) }
+    }
+
+    #[inline(always)]
+    unsafe fn sift(self, ids: *const u32, lanes: u32, marks: *mut f32, to: *mut u32) {
+        let mut numbers = [0.0; 4];
+        // SAFETY: the contract of `Estimate`; `place` stays below `LANES`.
+        unsafe {
+            vst1q_f32(numbers.as_mut_ptr(), self.0);
+            let mut place = 0;
+            for (lane, &number) in numbers.iter().enumerate() {
+                // What is not marked is overwritten by the next, or not counted.
+                *marks.add(place) = number;
+                *to.add(place) = *ids.add(lane);
+                place += (lanes >> lane & 1) as usize;
+            }
+        }
     }
 }

@@ -81,13 +81,59 @@ pub(crate) trait Vector<T>: Copy {
     unsafe fn store_couples<const TWO_SETS: bool>(id: u32, ids: *const u32, hits: u32, to: *mut Couple);
 }
 
+/// Number of elements of a cluster, which share their windows.
+pub(super) const CLUSTER: usize = 4;
+
 /// A vector for estimates, whose results may differ between instruction sets.
+///
+/// Its lanes may also hold *marks*: a bit for each element of a cluster.
 ///
 /// # Safety
 /// That of [`Vector`].
 pub(super) trait Estimate: Vector<f32> {
+    /// The mark of each element of a cluster.
+    const MARKS: [u32; CLUSTER];
+
     /// `self * other + sum`, rounded once or twice depending on the instruction set.
     unsafe fn mul_add(self, other: Self, sum: Self) -> Self;
+
+    /// The bits that both have.
+    unsafe fn and(self, other: Self) -> Self;
+
+    /// In each lane the negative number that is nearer to zero; a negative one before a positive one. These are the lesser ones of the bits as
+    /// integers with a sign.
+    unsafe fn least(self, other: Self) -> Self;
+
+    /// Whether any lane is negative and at most `width` from zero.
+    unsafe fn is_within(self, width: f32) -> bool;
+
+    /// The marks of the lanes that are negative, for each of four vectors; other bits of the result are arbitrary.
+    unsafe fn marks(vectors: [Self; CLUSTER]) -> Self;
+
+    /// Lanes with any of the marks `of`.
+    unsafe fn marked(self, of: Self) -> u32;
+
+    /// Lanes with one mark.
+    unsafe fn marked_by<const MEMBER: usize>(self) -> u32;
+
+    /// Number of marks; no other bits are set.
+    #[inline(always)]
+    unsafe fn count_marks(self) -> u32 {
+        // SAFETY: the contract of this function.
+        unsafe {
+            self.marked_by::<0>().count_ones()
+                + self.marked_by::<1>().count_ones()
+                + self.marked_by::<2>().count_ones()
+                + self.marked_by::<3>().count_ones()
+        }
+    }
+
+    /// Stores the marks whose bit in `lanes` is set, in order, from `marks` on, and the same numbers of `ids` from `to` on.
+    ///
+    /// # Safety
+    /// The processor has the instructions, `LANES` numbers can be read from `ids` on and written from `marks` and `to` on, and only the lowest
+    /// `LANES` bits of `lanes` are set.
+    unsafe fn sift(self, ids: *const u32, lanes: u32, marks: *mut f32, to: *mut u32);
 }
 
 /// Where the next couples go; kept in registers.
@@ -124,6 +170,12 @@ impl Writer {
             out.count += self.count + (len - out.couples.len()) as u64;
             out.couples.set_len(len);
         }
+    }
+
+    /// Counts couples that are not written.
+    #[inline(always)]
+    pub(super) fn count(&mut self, couples: u64) {
+        self.count += couples;
     }
 
     /// Writes or counts the couples of `id` with those of `ids` whose bit in `hits` is set.
