@@ -118,6 +118,12 @@ impl<const D: usize> Grid<D> {
         grid
     }
 
+    /// The grid over the same domain whose cells are wider by `factor`, at least 1.
+    pub(crate) fn wider(&self, factor: f64) -> Self {
+        let max = std::array::from_fn(|axis| self.span(axis)[1]);
+        Self::with_cell_size(self.origin, max, self.cell_size * factor)
+    }
+
     /// Edge of a cell, in the unit of the coordinates.
     pub fn cell_size(&self) -> f64 {
         self.cell_size

@@ -64,7 +64,8 @@
 //! - `Nbs` is one recursion over the axes. For D = 2 and D = 3 it is the published procedure, and its comments mark the published steps.
 //! - `Rows` is the default. It uses the same decomposition on contiguous memory: `Layout` sorts the elements into rows of cells and along the rows, and a
 //!   kernel compares each row with itself and with the rows of the mask, one vector at a time. `Layout` first distributes the elements over blocks of
-//!   rows and then sorts each block in cache; empty stretches of cells cost nothing.
+//!   rows and then sorts each block in cache; empty stretches of cells cost nothing. Where elements are few, cells are wider than the largest element, so
+//!   that rows hold enough of them (`src/search/rows/sparse.rs`).
 //! - `Multilevel` is for unlike sizes. It splits the elements into levels, each with a `Layout`, and scans the levels in pairs. A cost model chooses the
 //!   levels, and which level of a pair searches in the other (`src/search/multilevel/levels.rs`). Spheres search one by one, each within its own reach,
 //!   and less far along the rows that are farther away (`src/search/rows/reach.rs`).
@@ -75,7 +76,7 @@
 //!   boxes vectors on rows are faster (`bench/NOTES.md`, "Bodies that span cells").
 //!
 //! **Vectors.** The kernel compares four neighbouring elements together, in 32-bit coordinates relative to a nearby point. Where such a distance is too
-//! close to decide, the exact comparison decides. The head of `src/simd/cluster.rs` bounds the error and proves that no couple is lost or invented;
+//! close to decide, the exact comparison decides. What touches any of the four is first put side by side, and their couples are read from there. The head of `src/simd/cluster.rs` bounds the error and proves that no couple is lost or invented;
 //! `tests/suite/doubt.rs` tests distances within 1e-16 of the limit.
 //!
 //! **Threads.** Every engine that sorts elements into rows produces `Scan`s (`src/search/rows/scan.rs`), which threads run part by part. The parts do not
@@ -112,7 +113,7 @@
 //! | definition of contact, refused inputs | `src/elements.rs`, `src/geometry.rs`, `src/error.rs` |
 //! | filters: bodies, groups, masks | `src/filter.rs` |
 //! | periodic boxes: definition of contact, images | `src/periodic.rs`, `src/periodic/cell.rs`, `src/periodic/images.rs` |
-//! | size of cells | `src/grid.rs` |
+//! | size of cells | `src/grid.rs`, `src/search/rows/sparse.rs` |
 //! | the published algorithm | `src/search/nbs.rs`, `src/lists.rs`, `src/mask.rs` |
 //! | the default engine: sorting, windows | `src/search/rows.rs`, `src/search/rows/layout.rs` |
 //! | levels for unlike sizes | `src/search/multilevel/levels.rs` |

@@ -8,6 +8,7 @@ pub(crate) mod layout;
 pub(crate) mod reach;
 pub(crate) mod scan;
 mod scatter;
+mod sparse;
 
 use crate::couple::Couple;
 use crate::elements::{Elements, Shape};
@@ -24,7 +25,7 @@ use scan::{PART, Scan, Scanner, Scans, Sink};
 
 /// The default engine: the decomposition and the contact mask of Munjiza-NBS, on sorted rows instead of lists.
 ///
-/// A *row* is a line of cells along the axis with the most cells. Elements are sorted by row and, inside a row, by coordinate along it. The
+/// A *row* is a line of cells along the axis with the most cells. Cells are as wide as the largest element, and wider where rows would hold few elements. Elements are sorted by row and, inside a row, by coordinate along it. The
 /// lists of NBS become runs of contiguous memory, and rows without elements do not exist. A row is compared with itself and with the half
 /// mask of neighbour rows (1 in 2D, 4 in 3D, `(3^(D-1) - 1)/2`). Because rows are sorted, an element's candidates in a neighbour row are
 /// one window, whose lower end only moves forward. Coordinates are tested a vector at a time, with AVX-512, AVX2 or NEON if the processor
@@ -137,7 +138,7 @@ impl<T: Real, const D: usize> Rows<T, D> {
 
     /// The grid that a search over `elements` would use.
     pub fn plan(&self, elements: &Elements<'_, T, D>) -> Grid<D> {
-        Grid::unbounded(elements)
+        sparse::grid(elements)
     }
 
     /// Folds the couples on all threads without storing them: `visit` gets every couple once, with the state of its part.

@@ -90,7 +90,7 @@ fn a_wide_domain_takes_no_more_memory() {
     );
 
     // Each element has its own row: two entries for its start, and the room in which starts were collected.
-    let spread: Vec<[f64; 3]> = dense.iter().map(|centre| centre.map(|x| x * 2000.0)).collect();
+    let spread: Vec<[f64; 3]> = dense.iter().map(|centre| centre.map(|x| x * 20_000.0)).collect();
     let far = per_element(&spread, 1e15);
     assert!(far < 48.0 && far < packed + 16.0, "spread: {far} bytes per element, {packed} when packed");
 }
