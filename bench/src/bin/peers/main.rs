@@ -7,8 +7,10 @@
 mod plan;
 mod compare;
 mod count;
+mod moving;
 mod outcome;
 mod report;
+mod small;
 
 use std::error::Error;
 use std::fmt::Write as _;
@@ -52,6 +54,14 @@ fn on_all<const D: usize>(
 }
 
 fn run(plan: &Plan) -> Result<(), Box<dyn Error>> {
+    if plan.small || plan.moving {
+        let report = if plan.small { small::small(plan)? } else { moving::moving(plan)? };
+        print(&report)?;
+        if let Some(file) = &plan.out {
+            std::fs::write(file, report).map_err(|error| format!("{}: {error}", file.display()))?;
+        }
+        return Ok(());
+    }
     let pools: Vec<Threads> =
         plan.threads.iter().map(|&count| Threads::new(count)).collect::<Result<_, _>>()?;
     let mut called = Vec::new();

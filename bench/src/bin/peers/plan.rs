@@ -9,6 +9,7 @@ use fdem_contact::Simd;
 pub(crate) const USAGE: &str = "\
 usage: peers [--sets A,B,...] [--engines A,B,...] [--external NAME=COMMAND]... [--simd LEVEL] [--threads N,M,...]
              [--rounds N] [--budget SECONDS] [--patience SECONDS] [--counts N,M,...] [--quick] [--out FILE]
+             [--small] [--moving]
 
   --sets      of gas100k, gas1m, dense1m, sparse1m, outlier1m, gas2d1m, poly400k, logn1m, ratio1, ratio3, ratio10, ratio30, ratio100,
               ratio1000, boxes1m; all if not given
@@ -22,6 +23,8 @@ usage: peers [--sets A,B,...] [--engines A,B,...] [--external NAME=COMMAND]... [
   --patience  a search that would take longer than this, 15 s if not given, is left out
   --counts    points of the gas that rows counts, to show the time per element; 1000000,10000000 if not given, 0 for none
   --quick     10,000 bodies: compares the couples, takes no times, writes nothing unless --out is given
+  --small     only sets of 10 to 10,000 points; SMALL.md of this package unless --out is given
+  --moving    only points that move, and coordinates in 32 bits; MOVING.md unless --out is given
   --out       Markdown with the tables, and the plot beside it as SVG; RESULTS.md of this package if not given
 ";
 
@@ -37,6 +40,8 @@ pub(crate) struct Plan {
     pub(crate) patience: f64,
     pub(crate) counts: Vec<usize>,
     pub(crate) quick: bool,
+    pub(crate) small: bool,
+    pub(crate) moving: bool,
     pub(crate) out: Option<PathBuf>,
 }
 
@@ -53,12 +58,19 @@ impl Plan {
             patience: 15.0,
             counts: vec![1_000_000, 10_000_000],
             quick: false,
+            small: false,
+            moving: false,
             out: None,
         };
         let mut rest = arguments.iter();
         while let Some(argument) = rest.next() {
-            if argument == "--quick" {
-                plan.quick = true;
+            match argument.as_str() {
+                "--quick" => plan.quick = true,
+                "--small" => plan.small = true,
+                "--moving" => plan.moving = true,
+                _ => {}
+            }
+            if ["--quick", "--small", "--moving"].contains(&argument.as_str()) {
                 continue;
             }
             let value = rest.next()?;
@@ -91,7 +103,12 @@ impl Plan {
             }
         }
         if plan.out.is_none() && !plan.quick {
-            plan.out = Some(Path::new(env!("CARGO_MANIFEST_DIR")).join("RESULTS.md"));
+            let name = match (plan.small, plan.moving) {
+                (true, _) => "SMALL.md",
+                (_, true) => "MOVING.md",
+                _ => "RESULTS.md",
+            };
+            plan.out = Some(Path::new(env!("CARGO_MANIFEST_DIR")).join(name));
         }
         Some(plan)
     }
