@@ -13,7 +13,7 @@ mod forces;
 use fdem_contact::{Buffered, Couple as Pair, Detector, Elements as Boxes, prefetch};
 use serde::{Deserialize, Serialize};
 
-use crate::contacts::forces::{Contact, Grip, Law, distance, law, press};
+use crate::contacts::forces::{Grip, Law, Pass, Pressed, distance, law, points};
 pub(crate) use crate::contacts::forces::{penalty_and_friction, stiffness};
 use crate::error::{ModelError, Stop};
 use crate::forces::ContactForce;
@@ -21,44 +21,44 @@ use crate::joints::{Joints, State};
 use crate::model::Model;
 use crate::simplex::Simplex;
 use crate::solid::{Solid, corners_of};
-use crate::team::Team;
+use crate::team::{CHUNK, Team};
 use crate::topology::{NONE, Topology};
-use crate::vector::{Point, add};
+use crate::vector::{add, minus};
 
 /// Number of couples between one whose forces are computed and the one whose memory is prefetched.
 const AHEAD: usize = 3;
+
+/// Number of chunks of couples whose forces are computed together, and then added to those of their elements. The memory for the forces of couples does not grow beyond that.
+const ROUND: usize = 32;
 
 /// Share of the buffer for the motion of elements between two updates of their boxes.
 const SLACK: f64 = 0.25;
 
 /// Two elements that may touch.
-#[derive(Debug)]
-pub(crate) struct Couple<const D: usize, const N: usize> {
+#[derive(Clone, Debug)]
+pub(crate) struct Couple {
     elements: [u32; 2],
     /// The joint between the two, or [`NONE`].
     joint: u32,
     /// Whether the two have separated in this step and may overlap already. Cleared when their forces are computed for the first time.
     initial_overlap: bool,
+    /// Whether the two overlap. Then they have a history among [`Contacts::grips`].
+    touches: bool,
     /// The two cannot touch before nodes have travelled this distance since the beginning, m.
     apart_until: f64,
-    /// `None` for most couples, which do not touch.
-    contact: Option<Box<Contact<D, N>>>,
 }
 
-impl<const D: usize, const N: usize> Couple<D, N>
-where
-    [[f64; D]; N]: Simplex<D, N>,
-{
+impl Couple {
     /// Prefetches what its forces need. The two elements are neighbours in space and seldom in memory.
     #[inline]
-    fn prefetch(&self, solid: &Solid<D, N>) {
+    fn prefetch<const D: usize, const N: usize>(&self, solid: &Solid<D, N>)
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
         for element in self.elements {
             for node in solid.nodes_of(element) {
                 prefetch(&solid.nodes[node as usize]);
             }
-        }
-        if let Some(contact) = &self.contact {
-            prefetch(&**contact);
         }
     }
 }
@@ -77,6 +77,8 @@ pub(crate) struct Saved<const D: usize = 2, const N: usize = 3> {
 pub(crate) struct Contacts<const D: usize = 2, const N: usize = 3> {
     options: Vec<Law>,
     materials: usize,
+    /// Contact length of each element, m: [`Simplex::contact_length`].
+    lengths: Vec<f64>,
     /// Whether each vertex is free: on an outer facet or a broken joint.
     free: Vec<bool>,
     /// Group of each corner among those of its vertex: elements of one group are connected there.
@@ -94,12 +96,11 @@ pub(crate) struct Contacts<const D: usize = 2, const N: usize = 3> {
     looked: f64,
     chosen: f64,
     /// Couples that may touch in the present state of the joints, ascending.
-    couples: Vec<Couple<D, N>>,
-    /// Couples of each element, as 2 × number + side. Those of element `e` are in the slice `first[e]..first[e + 1]`.
-    entries: Vec<u32>,
-    first: Vec<u32>,
-    /// Whether each element has a couple with a contact.
-    in_contact: Vec<bool>,
+    couples: Vec<Couple>,
+    /// For each chunk of couples, the histories of those that touch, in their order.
+    grips: Vec<Vec<Grip<D, N>>>,
+    /// Forces of the couples of one round. They are not kept.
+    pressed: Vec<Vec<Pressed<D, N>>>,
     /// Pairs of elements that have separated in this step, at a vertex or along a facet.
     parted: Vec<[u32; 2]>,
     /// Whether an element at a free vertex is not watched yet.
@@ -137,6 +138,10 @@ where
         let options = (0..materials * materials)
             .map(|k| law(model, (k / materials) as u32, (k % materials) as u32))
             .collect();
+        let lengths = (0..model.mesh.elements.len()).map(|element| {
+            <[[f64; D]; N]>::contact_length(corners_of(&model.mesh, element).measure() * model.thickness)
+        });
+        let lengths = lengths.collect();
         let buffer = model.contact.buffer * mean_edge(model);
         let slack = SLACK * buffer;
         let detector = team.pool().map_or_else(Detector::new, |pool| Detector::new().on_pool(pool));
@@ -145,6 +150,7 @@ where
         let mut contacts = Self {
             options,
             materials,
+            lengths,
             free: topology.outer_vertices(),
             groups: vec![0; topology.vertices.len()],
             watched: vec![false; model.mesh.elements.len()],
@@ -156,9 +162,8 @@ where
             looked: f64::NEG_INFINITY,
             chosen: f64::NEG_INFINITY,
             couples: Vec::new(),
-            entries: Vec::new(),
-            first: vec![0; model.mesh.elements.len() + 1],
-            in_contact: vec![false; model.mesh.elements.len()],
+            grips: Vec::new(),
+            pressed: (0..ROUND).map(|_| Vec::new()).collect(),
             parted: Vec::new(),
             unwatched: true,
             detections: 0,
@@ -311,12 +316,9 @@ where
 
     /// State of the contacts for a saved run.
     pub(crate) fn save(&self) -> Saved<D, N> {
-        let grip = |couple: &Couple<D, N>| {
-            let contact = couple.contact.as_ref().filter(|contact| contact.touches)?;
-            Some((couple.elements, contact.grip))
-        };
         // Couples that do not touch have no history. They are found anew.
-        Saved { watched: self.watched.clone(), grips: self.couples.iter().filter_map(grip).collect() }
+        let grips = self.touching().map(|(elements, grip)| (elements, *grip)).collect();
+        Saved { watched: self.watched.clone(), grips }
     }
 
     /// Restores the saved contacts. The joints must be restored before.
@@ -339,34 +341,63 @@ where
         self.watched = saved.watched;
         self.list_watched();
         self.unwatched = self.list.is_empty();
-        let touching = |(elements, grip)| {
-            let contact = Contact { grip, touches: true, ..Contact::default() };
-            Couple { contact: Some(Box::new(contact)), ..apart(elements) }
-        };
-        self.couples = saved.grips.into_iter().map(touching).collect();
-        self.couples.sort_unstable_by_key(|couple| couple.elements);
+        let mut saved = saved.grips;
+        saved.sort_unstable_by_key(|(elements, _)| *elements);
+        self.couples =
+            saved.iter().map(|&(elements, _)| Couple { touches: true, ..apart(elements) }).collect();
+        self.group_grips(saved.into_iter().map(|(_, grip)| grip.without_push()));
         Ok(())
     }
 
+    /// The couples that touch, with their histories.
+    fn touching(&self) -> impl Iterator<Item = ([u32; 2], &Grip<D, N>)> {
+        let elements = self.couples.iter().filter(|couple| couple.touches).map(|couple| couple.elements);
+        elements.zip(self.grips.iter().flatten())
+    }
+
+    /// Distributes the histories of the couples that touch, in their order, among the chunks of couples.
+    fn group_grips(&mut self, grips: impl IntoIterator<Item = Grip<D, N>>) {
+        let mut grips = grips.into_iter();
+        let chunks = self.couples.chunks(CHUNK);
+        self.grips = chunks
+            .map(|couples| {
+                grips.by_ref().take(couples.iter().filter(|couple| couple.touches).count()).collect()
+            })
+            .collect();
+    }
+
     /// Replaces the couples by those that may touch now. Couples that were there before keep their history.
-    fn choose(&mut self, mut couples: Vec<Couple<D, N>>) {
+    fn choose(&mut self, mut couples: Vec<Couple>) {
         couples.sort_unstable_by_key(|couple| couple.elements);
-        let mut before = std::mem::take(&mut self.couples).into_iter().peekable();
+        let before = std::mem::take(&mut self.couples);
+        let grips = std::mem::take(&mut self.grips);
+        let mut grips = grips.into_iter().flatten();
+        let mut before = before.into_iter().map(|known| {
+            let grip = if known.touches { grips.next() } else { None };
+            (known, grip)
+        });
+        let mut known = before.next();
+        let mut kept = Vec::new();
         for couple in &mut couples {
-            while before.next_if(|known| known.elements < couple.elements).is_some() {}
-            if let Some(known) = before.next_if(|known| known.elements == couple.elements) {
+            while known.as_ref().is_some_and(|(known, _)| known.elements < couple.elements) {
+                known = before.next();
+            }
+            if let Some((known, grip)) = &known
+                && known.elements == couple.elements
+            {
                 // The distance that was found now may be larger than the one that was told then.
-                let apart_until = if known.contact.is_none() && !known.initial_overlap {
+                let apart_until = if !known.touches && !known.initial_overlap {
                     known.apart_until.max(couple.apart_until)
                 } else {
                     known.apart_until
                 };
-                *couple = Couple { joint: couple.joint, apart_until, ..known };
+                *couple = Couple { joint: couple.joint, apart_until, ..known.clone() };
+                kept.extend(*grip);
             }
         }
         self.couples = couples;
+        self.group_grips(kept);
         self.parted.clear();
-        self.list_couples();
     }
 
     /// Adds couples of elements that have separated.
@@ -382,103 +413,65 @@ where
         if self.couples.len() > count {
             // A stable sort of two ascending runs is one merge.
             self.couples.sort_by_key(|couple| couple.elements);
-            self.list_couples();
+            let grips = std::mem::take(&mut self.grips);
+            self.group_grips(grips.into_iter().flatten());
         }
     }
 
-    /// Lists the couples of each element, in the order of the couples.
-    fn list_couples(&mut self) {
-        // Counting sort.
-        let first = &mut self.first;
-        first.fill(0);
-        for element in self.couples.iter().flat_map(|couple| couple.elements) {
-            first[element as usize + 1] += 1;
-        }
-        for element in 1..first.len() {
-            first[element] += first[element - 1];
-        }
-        self.entries.resize(2 * self.couples.len(), 0);
-        for (number, couple) in self.couples.iter().enumerate() {
-            for (side, element) in couple.elements.into_iter().enumerate() {
-                let next = &mut first[element as usize];
-                self.entries[*next as usize] = (2 * number + side) as u32;
-                *next += 1;
-            }
-        }
-        // Each offset is at the end of its slice now, which is the beginning of the next slice.
-        first.rotate_right(1);
-        first[0] = 0;
-    }
-
-    /// Computes the forces of all couples.
+    /// Computes the forces of all couples, and adds them to those of their elements.
     pub(crate) fn press(
         &mut self,
-        solid: &Solid<D, N>,
+        solid: &mut Solid<D, N>,
         joints: &Joints<D>,
         step: f64,
         team: &Team,
     ) -> Touching {
-        let (options, materials, travel) = (&self.options, self.materials, self.travel);
-        team.change(&mut self.couples, |_, couples| {
-            for number in 0..couples.len() {
-                if let Some(next) = couples.get(number + AHEAD)
-                    && next.apart_until <= travel
-                {
-                    next.prefetch(solid);
-                }
-                let couple = &mut couples[number];
-                if couple.apart_until > travel {
+        let mut all = Touching::default();
+        let rounds = self.couples.chunks_mut(ROUND * CHUNK).zip(self.grips.chunks_mut(ROUND));
+        for (couples, grips) in rounds {
+            let pass = Pass {
+                solid,
+                joints,
+                laws: &self.options,
+                materials: self.materials,
+                lengths: &self.lengths,
+                step,
+                travel: self.travel,
+            };
+            let pressed = &mut self.pressed[..grips.len()];
+            team.change_chunks(couples, grips, pressed, |couples, grips, pressed| {
+                pass.press(couples, grips, pressed);
+            });
+            // Added couple by couple: sums of chunks would depend on the couples that do not touch, and a resumed run may have others.
+            for pressed in pressed.iter().flatten() {
+                all.energy += pressed.works.energy;
+                all.friction += pressed.works.friction;
+                all.damping += pressed.works.damping;
+                all.handed_over += pressed.works.handed_over;
+                if !pressed.touches {
                     continue;
                 }
-                let pair = couple.elements.map(|element| &solid.elements[element as usize]);
-                let law = &options[pair[0].material as usize * materials + pair[1].material as usize];
-                let joint = joints.all.get(couple.joint as usize);
-                // A detached joint did not press its elements apart: their overlap now must not count at once.
-                couple.initial_overlap |=
-                    joint.is_some_and(|joint| joint.fading > 0.0 && joint.detached != [false; D]);
-                let share = joint.map_or([1.0, 0.0], |joint| [joint.faded, joint.fading]);
-                press(couple, solid, law, share, step, travel);
+                all.count += 1;
+                all.deep = all.deep.or(pressed.deep.then_some(pressed.elements));
+                for (element, forces) in pressed.elements.into_iter().zip(&pressed.forces) {
+                    for (sum, force) in solid.forces[element as usize].iter_mut().zip(forces) {
+                        add(sum, *force, 1.0);
+                    }
+                }
             }
-        });
-        // Summed couple by couple: sums of chunks would depend on the couples that do not touch, and a resumed run may have others.
-        let mut all = Touching::default();
-        self.in_contact.fill(false);
-        for couple in &self.couples {
-            let Some(contact) = &couple.contact else { continue };
-            for element in couple.elements {
-                self.in_contact[element as usize] = true;
-            }
-            all.energy += contact.works.energy;
-            all.friction += contact.works.friction;
-            all.damping += contact.works.damping;
-            all.handed_over += contact.works.handed_over;
-            all.count += usize::from(contact.touches);
-            all.deep = all.deep.or(contact.deep.then_some(couple.elements));
         }
         all
     }
 
-    /// Forces of the couples that touch.
+    /// Forces of the couples that touch, at the points where their elements overlap now.
     pub(crate) fn forces(&self, solid: &Solid<D, N>) -> Vec<ContactForce<D>> {
-        let touching = |couple: &Couple<D, N>| {
-            let contact = couple.contact.as_ref().filter(|contact| contact.touches)?;
-            Some(contact.force(couple.elements, solid))
-        };
-        self.couples.iter().filter_map(touching).collect()
-    }
-
-    /// Adds the force of the contacts on a corner of an element.
-    #[inline]
-    pub(crate) fn add_force(&self, corner: u32, force: &mut Point<D>) {
-        let element = corner as usize / N;
-        if !self.in_contact[element] {
-            return;
-        }
-        for &entry in &self.entries[self.first[element] as usize..self.first[element + 1] as usize] {
-            if let Some(contact) = &self.couples[entry as usize / 2].contact {
-                add(force, contact.forces[entry as usize % 2][corner as usize % N], 1.0);
-            }
-        }
+        let couples: Vec<[u32; 2]> = self.touching().map(|(elements, _)| elements).collect();
+        let points = points(&couples, solid);
+        let forces = self.touching().zip(points).map(|((elements, grip), point)| {
+            let tangential = grip.friction;
+            ContactForce { elements, point, normal: minus(grip.push, tangential), tangential }
+        });
+        forces.collect()
     }
 }
 
@@ -508,8 +501,8 @@ fn relation<const D: usize, const N: usize>([a, b]: [u32; 2], topology: &Topolog
 }
 
 /// A couple of two elements that were never connected.
-fn apart<const D: usize, const N: usize>(elements: [u32; 2]) -> Couple<D, N> {
-    Couple { elements, joint: NONE, initial_overlap: false, apart_until: 0.0, contact: None }
+fn apart(elements: [u32; 2]) -> Couple {
+    Couple { elements, joint: NONE, initial_overlap: false, touches: false, apart_until: 0.0 }
 }
 
 /// A new couple of two elements; `None` if they cannot touch in the present state of the joints. `parted`: whether they have separated in this step.
@@ -519,7 +512,7 @@ fn couple<const D: usize, const N: usize>(
     groups: &[u32],
     joints: &Joints<D>,
     topology: &Topology<D, N>,
-) -> Option<Couple<D, N>> {
+) -> Option<Couple> {
     let couple = apart(elements);
     match relation(elements, topology) {
         Relation::Apart => Some(couple),
@@ -537,11 +530,11 @@ fn couple<const D: usize, const N: usize>(
 
 /// The couple, if its elements are not farther apart than this, m. A couple with a joint stays: the joint says when its contact begins.
 fn near<const D: usize, const N: usize>(
-    couple: Couple<D, N>,
+    couple: Couple,
     solid: &Solid<D, N>,
     travel: f64,
     most: f64,
-) -> Option<Couple<D, N>>
+) -> Option<Couple>
 where
     [[f64; D]; N]: Simplex<D, N>,
 {

@@ -51,6 +51,58 @@ pub(crate) fn set_tensor<const D: usize>(of: &mut Tensors<D>, lane: usize, value
     }
 }
 
+/// Points, or other rows of numbers, of each member of a batch.
+pub(crate) type Rows<const D: usize, const N: usize> = [[Lanes; D]; N];
+
+/// The points of one member.
+#[inline(always)]
+pub(crate) fn rows<const D: usize, const N: usize>(of: &Rows<D, N>, lane: usize) -> [[f64; D]; N] {
+    std::array::from_fn(|row| std::array::from_fn(|k| of[row][k].get(lane)))
+}
+
+#[inline(always)]
+pub(crate) fn set_rows<const D: usize, const N: usize>(
+    of: &mut Rows<D, N>,
+    lane: usize,
+    value: &[[f64; D]; N],
+) {
+    for (row, value) in of.iter_mut().zip(value) {
+        set_row(row, lane, value);
+    }
+}
+
+/// The numbers of one member.
+#[inline(always)]
+pub(crate) fn row<const D: usize>(of: &[Lanes; D], lane: usize) -> [f64; D] {
+    std::array::from_fn(|k| of[k].get(lane))
+}
+
+#[inline(always)]
+pub(crate) fn set_row<const D: usize>(of: &mut [Lanes; D], lane: usize, value: &[f64; D]) {
+    for k in 0..D {
+        of[k].set(lane, value[k]);
+    }
+}
+
+/// The larger of two numbers. One instruction, where `f64::max` takes five, because it knows what is not a number.
+#[inline(always)]
+pub(crate) fn larger(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
+
+/// The smaller of two numbers.
+#[inline(always)]
+pub(crate) fn smaller(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}
+
+/// One number where all bits of the mask are set, the other where none is. By its bits: of a comparison of numbers that lie in memory, the compiler makes a choice of the place that is
+/// read, and no vector.
+#[inline(always)]
+pub(crate) fn either(mask: u64, one: f64, other: f64) -> f64 {
+    f64::from_bits((one.to_bits() & mask) | (other.to_bits() & !mask))
+}
+
 /// A set of vector instructions that this processor has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Available(Simd);
@@ -74,31 +126,31 @@ impl Available {
 /// Calls a function on batches, compiled for a set of instructions: `compiled_for_vectors!(simd; name<parameters>(arguments: types) where bounds)`. The function must be
 /// `#[inline(always)]`, and so must be what it calls.
 macro_rules! compiled_for_vectors {
-    ($vis:vis fn $name:ident = $all:ident<$(const $parameter:ident: $kind:ty),+>($($argument:ident: $type:ty),+) where $($bound:tt)+) => {
+    ($vis:vis fn $name:ident = $all:ident<$(const $parameter:ident: $kind:ty),*>($($argument:ident: $type:ty),+) $(where $($bound:tt)+)?) => {
         /// The loop over a batch, with these instructions.
         #[allow(unsafe_code, reason = "it is compiled for vector instructions")]
         #[inline]
-        $vis fn $name<$(const $parameter: $kind),+>(available: $crate::lanes::Available, $($argument: $type),+) where $($bound)+ {
+        $vis fn $name<$(const $parameter: $kind),*>(available: $crate::lanes::Available, $($argument: $type),+) $(where $($bound)+)? {
             #[cfg(target_arch = "x86_64")]
             #[target_feature(enable = "avx2")]
-            fn avx2<$(const $parameter: $kind),+>($($argument: $type),+) where $($bound)+ {
-                $all::<$($parameter),+>($($argument),+);
+            fn avx2<$(const $parameter: $kind),*>($($argument: $type),+) $(where $($bound)+)? {
+                $all::<$($parameter),*>($($argument),+);
             }
 
             #[cfg(target_arch = "x86_64")]
             #[target_feature(enable = "avx512f,avx512vl")]
-            fn avx512<$(const $parameter: $kind),+>($($argument: $type),+) where $($bound)+ {
-                $all::<$($parameter),+>($($argument),+);
+            fn avx512<$(const $parameter: $kind),*>($($argument: $type),+) $(where $($bound)+)? {
+                $all::<$($parameter),*>($($argument),+);
             }
 
             match available.simd() {
                 // SAFETY: this processor has the instructions, or there were no `Available`.
                 #[cfg(target_arch = "x86_64")]
-                fdem_contact::Simd::Avx512 => unsafe { avx512::<$($parameter),+>($($argument),+) },
+                fdem_contact::Simd::Avx512 => unsafe { avx512::<$($parameter),*>($($argument),+) },
                 // SAFETY: likewise.
                 #[cfg(target_arch = "x86_64")]
-                fdem_contact::Simd::Avx2 => unsafe { avx2::<$($parameter),+>($($argument),+) },
-                _ => $all::<$($parameter),+>($($argument),+),
+                fdem_contact::Simd::Avx2 => unsafe { avx2::<$($parameter),*>($($argument),+) },
+                _ => $all::<$($parameter),*>($($argument),+),
             }
         }
     };

@@ -3,7 +3,6 @@
 //! Velocities stand half a step before positions. With `v₋` before and `v₊` after a step, `m v₋·v₊ / 2` is the kinetic energy at the positions between them: with it, the sum of
 //! kinetic and strain energy of a linear system is constant to rounding, and the work of a force in the step is `F·(v₋ + v₊) h / 2`.
 
-use crate::contacts::Contacts;
 use crate::joints::Joints;
 use crate::loads::Loads;
 use crate::model::Model;
@@ -17,7 +16,6 @@ use crate::vector::{Point, add, dot, minus, plus};
 pub(crate) struct Motion<'a, const D: usize, const N: usize> {
     pub(crate) model: &'a Model<D, N>,
     pub(crate) joints: &'a Joints<D>,
-    pub(crate) contacts: &'a Contacts<D, N>,
     pub(crate) loads: &'a Loads<D, N>,
     /// Acceleration of gravity at the beginning of the step, m/s².
     pub(crate) gravity: Point<D>,
@@ -89,7 +87,7 @@ where
     all
 }
 
-/// Force on a node: the sum over its corners in their order, for each that of its element, its joints and its contacts.
+/// Force on a node: the sum over its corners in their order, for each that of its element with its contacts, and its joints.
 #[inline]
 fn gather<const D: usize, const N: usize>(
     number: usize,
@@ -108,7 +106,6 @@ where
         if joined {
             motion.joints.add_force(corner, &mut force);
         }
-        motion.contacts.add_force(corner, &mut force);
     }
     force
 }

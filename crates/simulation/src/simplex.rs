@@ -8,15 +8,21 @@ pub(crate) mod triangle;
 
 use crate::elastic::Moduli;
 use crate::error::Stop;
+use crate::lanes::{Available, Lanes, Rows, larger, smaller};
+#[cfg(test)]
+use crate::lanes::{LANES, row, rows, set_rows};
 use crate::model::{Material, Plane};
 use crate::simulation::Simulation;
-use crate::vector::{Matrix, Point};
+use crate::vector::{Matrix, Point, dot};
 
 /// A facet passes near the centroid if the smallest distance from it, over that of the boundary in the same direction, is below this.
 const NEAR: f64 = 0.1;
 
 /// The corners of an element: `[[f64; 2]; 3]` counter-clockwise, or `[[f64; 3]; 4]`, the first three counter-clockwise seen from the last.
 pub(crate) trait Simplex<const D: usize, const N: usize>: Copy + Send + Sync {
+    /// Memory for [`Simplex::interactions`].
+    type Scratch: Default;
+
     /// Corners of each facet, in the order in which they go around it counter-clockwise, seen from outside.
     const FACETS: [[usize; D]; N];
     /// Facets that meet in each corner.
@@ -128,10 +134,18 @@ pub(crate) trait Simplex<const D: usize, const N: usize>: Copy + Send + Sync {
     /// Square of the highest angular frequency of the free element, 1/s²: the largest ratio of its stiffness to its lumped mass.
     fn highest_square(&self, moduli: &Moduli, density: f64) -> f64;
 
-    /// Computes the interaction of two elements, for a penalty of 1 and a thickness of 1. If they do not overlap, returns a lower bound of their distance.
-    fn interaction(&self, other: &Self) -> Result<Interaction<D, N>, f64>;
+    /// The square of the distance, m², by which a facet of the other element parts it from this one: that of the facet that parts the two most. Negative if none does.
+    fn parted(&self, other: &Self) -> f64;
 
-    /// The distance of two elements that do not overlap, m, or a lower bound of it. `told`: the lower bound of [`Simplex::interaction`].
+    /// Computes the interactions of couples of elements in batches, for a penalty of 1 and a thickness of 1.
+    fn interactions(
+        available: Available,
+        shapes: &[Shapes<D, N>],
+        scratch: &mut Self::Scratch,
+        found: &mut [Interactions<D, N>],
+    );
+
+    /// The distance of two elements that do not overlap, m, or a lower bound of it. `told`: the lower bound of [`apart`].
     fn distance(&self, other: &Self, told: f64) -> f64;
 
     /// The matrix whose columns are the edges from corner 0.
@@ -161,44 +175,122 @@ pub trait Element<const D: usize, const N: usize>: Simplex<D, N> {}
 impl Element<2, 3> for [Point<2>; 3] {}
 impl Element<3, 4> for [Point<3>; 4] {}
 
+/// The corners of a batch of couples of elements, m.
+pub(crate) type Shapes<const D: usize, const N: usize> = [Rows<D, N>; 2];
+
+/// Forces and energy of a batch of couples of elements.
+#[derive(Clone, Debug)]
+pub(crate) struct Interactions<const D: usize, const N: usize> {
+    /// Forces on the corners of the first and of the second element.
+    pub(crate) forces: [Rows<D, N>; 2],
+    /// The integral of the potentials over the overlap; 0 or, by rounding, less if the elements do not overlap.
+    pub(crate) energy: Lanes,
+    /// The point where the force acts: the mean of the boundary in contact, weighted by its pressure.
+    pub(crate) point: [Lanes; D],
+    /// 1 where one element reaches the centroid of the other, else 0: the potential does not grow with further penetration.
+    pub(crate) deep: Lanes,
+}
+
+impl<const D: usize, const N: usize> Interactions<D, N> {
+    pub(crate) const NONE: Self = Self {
+        forces: [[[Lanes::ZERO; D]; N]; 2],
+        energy: Lanes::ZERO,
+        point: [Lanes::ZERO; D],
+        deep: Lanes::ZERO,
+    };
+}
+
+/// A lower bound of the distance of two elements, m: the gap of their boxes, or the distance by which a facet parts them. Negative if none does; then they overlap, or an edge of each
+/// is nearest to the other.
+#[inline(always)]
+pub(crate) fn apart<const D: usize, const N: usize>(a: &[Point<D>; N], b: &[Point<D>; N]) -> f64
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    larger(gap(a, b), larger(parted(a, b), parted(b, a)))
+}
+
+/// The distance, m, by which a facet of the second element parts it from the first; negative if none does.
+#[inline(always)]
+pub(crate) fn parted<const D: usize, const N: usize>(a: &[Point<D>; N], b: &[Point<D>; N]) -> f64
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    let squared = a.parted(b);
+    if squared < 0.0 { -1.0 } else { squared.sqrt() }
+}
+
+/// Gap, m, between the boxes of two elements along the axis on which they are farthest apart; negative if the boxes overlap.
+#[inline(always)]
+pub(crate) fn gap<const D: usize, const N: usize>(a: &[Point<D>; N], b: &[Point<D>; N]) -> f64 {
+    let mut most = f64::NEG_INFINITY;
+    for axis in 0..D {
+        let (mut low, mut high) = ([a[0][axis], b[0][axis]], [a[0][axis], b[0][axis]]);
+        for corner in 1..N {
+            let at = [a[corner][axis], b[corner][axis]];
+            low = std::array::from_fn(|side| smaller(low[side], at[side]));
+            high = std::array::from_fn(|side| larger(high[side], at[side]));
+        }
+        most = larger(most, larger(low[0] - high[1], low[1] - high[0]));
+    }
+    most
+}
+
+/// [`Simplex::parted`], from the gradients of the barycentric coordinates of one element, and those of the corners of the other in it.
+#[inline(always)]
+fn furthest<const D: usize, const N: usize>(gradients: &[Point<D>; N], at: &[[f64; N]; N]) -> f64 {
+    let mut furthest = -1.0;
+    for k in 0..N {
+        let mut most = at[0][k];
+        for corner in 1..N {
+            most = larger(most, at[corner][k]);
+        }
+        // The length of the gradient is one over the height.
+        let squared = most * most / dot(gradients[k], gradients[k]);
+        furthest = larger(furthest, if most <= 0.0 { squared } else { -1.0 });
+    }
+    furthest
+}
+
 /// Forces and energy of two elements that overlap.
+#[cfg(test)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Interaction<const D: usize = 2, const N: usize = 3> {
-    /// Forces on the corners of the first and of the second element.
     pub(crate) forces: [[Point<D>; N]; 2],
-    /// The integral of the potentials over the overlap.
     pub(crate) energy: f64,
-    /// The point where the force acts: the mean of the boundary in contact, weighted by its pressure.
     pub(crate) point: Point<D>,
-    /// Whether one element reaches the centroid of the other: the potential does not grow with further penetration.
     pub(crate) deep: bool,
 }
 
-impl<const D: usize, const N: usize> Default for Interaction<D, N> {
-    fn default() -> Self {
-        Self { forces: [[[0.0; D]; N]; 2], energy: 0.0, point: [0.0; D], deep: false }
+/// The interaction of two elements; if they do not overlap, a lower bound of their distance.
+#[cfg(test)]
+pub(crate) fn interaction<const D: usize, const N: usize>(
+    a: &[Point<D>; N],
+    b: &[Point<D>; N],
+) -> Result<Interaction<D, N>, f64>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    let apart = apart(a, b);
+    if apart >= 0.0 {
+        return Err(apart);
     }
-}
-
-/// Sums over the boundary in contact of two elements.
-struct Sum<const D: usize> {
-    energy: f64,
-    /// Pressure, and pressure times position.
-    weight: f64,
-    moment: Point<D>,
-    deep: bool,
-}
-
-impl<const D: usize> Default for Sum<D> {
-    fn default() -> Self {
-        Self { energy: 0.0, weight: 0.0, moment: [0.0; D], deep: false }
+    let mut shapes = [[[Lanes::ZERO; D]; N]; 2];
+    for (of, shape) in shapes.iter_mut().zip([a, b]) {
+        for lane in 0..LANES {
+            set_rows(of, lane, shape);
+        }
     }
-}
-
-impl<const D: usize> Sum<D> {
-    /// The interaction with these sums. Without pressure there is no friction, so `any` point will do.
-    fn completed<const N: usize>(self, interaction: Interaction<D, N>, any: Point<D>) -> Interaction<D, N> {
-        let point = if self.weight > 0.0 { self.moment.map(|x| x / self.weight) } else { any };
-        Interaction { energy: self.energy, point, deep: self.deep, ..interaction }
+    let mut found = [Interactions::NONE];
+    <[[f64; D]; N]>::interactions(Available::best(), &[shapes], &mut Default::default(), &mut found);
+    let energy = found[0].energy.get(0);
+    if energy <= 0.0 {
+        return Err(a.distance(b, 0.0));
     }
+    Ok(Interaction {
+        forces: [0, 1].map(|side| rows(&found[0].forces[side], 0)),
+        energy,
+        point: row(&found[0].point, 0),
+        deep: found[0].deep.get(0) > 0.0,
+    })
 }

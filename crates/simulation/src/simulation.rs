@@ -186,7 +186,7 @@ where
         }
         // This also separates elements that have only a vertex in common.
         for vertex in 0..topology.vertex_count() as u32 {
-            joints.part(vertex, &mut solid, None, &model, &topology);
+            joints.part(vertex, &mut solid, false, &model, &topology);
         }
         if model.fracture.insertion == Insertion::Intrinsic {
             solid.number_by_corners();
@@ -272,8 +272,7 @@ where
         totals.damping -= absorbed;
         let factor = model.gravity_schedule.factor(time);
         let gravity = model.gravity.map(|acceleration| factor * acceleration);
-        let motion =
-            Motion { model, joints, contacts, loads, gravity, time, step, speed_limit: self.speed_limit };
+        let motion = Motion { model, joints, loads, gravity, time, step, speed_limit: self.speed_limit };
         let moved = motion::advance(solid, &motion, team);
         contacts.note_motion(step * moved.fastest);
         totals.external += moved.external[0];
@@ -300,7 +299,7 @@ where
         clock.read(&mut timings.integration);
 
         // Joints are inserted by the forces of this step and act from the next one.
-        joints.insert(solid, contacts, model, topology, team);
+        joints.insert(solid, model, topology, team);
         clock.read(&mut timings.joints);
 
         self.audit()?;

@@ -71,7 +71,7 @@ pub(crate) struct Solid<const D: usize = 2, const N: usize = 3> {
     undeformed: Vec<Undeformed<D>>,
     /// Results of their deformation, likewise.
     deformed: Vec<Deformed<D>>,
-    /// Forces of the deformation and of loads on the corners of each element, N. They are stored apart, element by element, because the motion of nodes reads nothing else of an
+    /// Forces of the deformation, of contacts and of loads on the corners of each element, N. They are stored apart, element by element, because the motion of nodes reads nothing else of an
     /// element.
     pub(crate) forces: Vec<[Point<D>; N]>,
     /// Viscous parts of the stresses (first Piola-Kirchhoff), Pa, likewise; empty without viscosity.
@@ -242,7 +242,7 @@ where
         add(&mut self.forces[corner as usize / N][corner as usize % N], force, 1.0);
     }
 
-    /// Force of the deformation and of loads on a corner of an element, N.
+    /// Force of the deformation, of contacts and of loads on a corner of an element, N.
     #[inline]
     pub(crate) fn force(&self, corner: u32) -> Point<D> {
         self.forces[corner as usize / N][corner as usize % N]

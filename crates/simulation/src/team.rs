@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use crate::error::ModelError;
 
 /// Number of items in a chunk: so few that all threads get some, so many that a task is worth its cost.
-const CHUNK: usize = 512;
+pub(crate) const CHUNK: usize = 512;
 
 /// Number of items below which one thread does the work.
 const WORTH_IT: usize = 8 * CHUNK;
@@ -74,6 +74,26 @@ impl Team {
             _ => {
                 let pairs = first.chunks_mut(CHUNK).zip(second.chunks_mut(CHUNK));
                 pairs.enumerate().map(|(k, (a, b))| work(k * CHUNK, a, b)).collect()
+            }
+        }
+    }
+
+    /// Calls `work` on chunks of `items`, each with its own of two other lists.
+    pub(crate) fn change_chunks<T: Send, A: Send, B: Send>(
+        &self,
+        items: &mut [T],
+        first: &mut [A],
+        second: &mut [B],
+        work: impl Fn(&mut [T], &mut A, &mut B) + Sync,
+    ) {
+        match &self.pool {
+            Some(pool) if items.len() >= WORTH_IT => pool.install(|| {
+                let chunks = items.par_chunks_mut(CHUNK).zip(first).zip(second);
+                chunks.for_each(|((items, a), b)| work(items, a, b));
+            }),
+            _ => {
+                let chunks = items.chunks_mut(CHUNK).zip(first).zip(second);
+                chunks.for_each(|((items, a), b)| work(items, a, b));
             }
         }
     }

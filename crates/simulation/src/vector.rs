@@ -3,17 +3,17 @@
 /// A point or vector.
 pub(crate) type Point<const D: usize = 2> = [f64; D];
 
-#[inline]
+#[inline(always)]
 pub(crate) fn minus<const D: usize>(a: Point<D>, b: Point<D>) -> Point<D> {
     std::array::from_fn(|axis| a[axis] - b[axis])
 }
 
-#[inline]
+#[inline(always)]
 pub(crate) fn plus<const D: usize>(a: Point<D>, b: Point<D>) -> Point<D> {
     std::array::from_fn(|axis| a[axis] + b[axis])
 }
 
-#[inline]
+#[inline(always)]
 pub(crate) fn dot<const D: usize>(a: Point<D>, b: Point<D>) -> f64 {
     let mut sum = a[0] * b[0];
     for axis in 1..D {
@@ -23,25 +23,25 @@ pub(crate) fn dot<const D: usize>(a: Point<D>, b: Point<D>) -> f64 {
 }
 
 /// Length of a vector, by a square root: it is the same on every platform, unlike `hypot`.
-#[inline]
+#[inline(always)]
 pub(crate) fn length<const D: usize>(a: Point<D>) -> f64 {
     dot(a, a).sqrt()
 }
 
 /// The vector of unit length in the same direction.
-#[inline]
+#[inline(always)]
 pub(crate) fn unit<const D: usize>(a: Point<D>) -> Point<D> {
     let long = length(a);
     a.map(|x| x / long)
 }
 
-#[inline]
+#[inline(always)]
 pub(crate) fn cross(a: Point, b: Point) -> f64 {
     a[0] * b[1] - a[1] * b[0]
 }
 
 /// Adds a multiple of a vector.
-#[inline]
+#[inline(always)]
 pub(crate) fn add<const D: usize>(to: &mut Point<D>, direction: Point<D>, factor: f64) {
     for axis in 0..D {
         to[axis] += direction[axis] * factor;
@@ -49,14 +49,14 @@ pub(crate) fn add<const D: usize>(to: &mut Point<D>, direction: Point<D>, factor
 }
 
 /// The part along the facet of a vector, whose first component is the one across.
-#[inline]
+#[inline(always)]
 pub(crate) fn along<const D: usize>(mut vector: [f64; D]) -> [f64; D] {
     vector[0] = 0.0;
     vector
 }
 
 /// A vector, shortened to `limit` if it is longer.
-#[inline]
+#[inline(always)]
 pub(crate) fn at_most<const D: usize>(vector: [f64; D], limit: f64) -> [f64; D] {
     let size = length(vector);
     if size > limit { vector.map(|x| limit * (x / size)) } else { vector }
@@ -66,36 +66,36 @@ pub(crate) fn at_most<const D: usize>(vector: [f64; D], limit: f64) -> [f64; D] 
 pub(crate) type Matrix<const D: usize = 2> = [[f64; D]; D];
 
 /// The matrix with these entries.
-#[inline]
+#[inline(always)]
 pub(crate) fn matrix<const D: usize>(entry: impl Fn(usize, usize) -> f64) -> Matrix<D> {
     std::array::from_fn(|i| std::array::from_fn(|k| entry(i, k)))
 }
 
-#[inline]
+#[inline(always)]
 pub(crate) fn transposed<const D: usize>(a: &Matrix<D>) -> Matrix<D> {
     matrix(|i, k| a[k][i])
 }
 
 /// `a b`.
-#[inline]
+#[inline(always)]
 pub(crate) fn product<const D: usize>(a: &Matrix<D>, b: &Matrix<D>) -> Matrix<D> {
     product_transposed(a, &transposed(b))
 }
 
 /// `a bᵀ`.
-#[inline]
+#[inline(always)]
 pub(crate) fn product_transposed<const D: usize>(a: &Matrix<D>, b: &Matrix<D>) -> Matrix<D> {
     matrix(|i, k| dot(a[i], b[k]))
 }
 
 /// `a v`.
-#[inline]
+#[inline(always)]
 pub(crate) fn applied<const D: usize>(a: &Matrix<D>, v: Point<D>) -> Point<D> {
     std::array::from_fn(|i| dot(a[i], v))
 }
 
 /// `a:b`.
-#[inline]
+#[inline(always)]
 pub(crate) fn contraction<const D: usize>(a: &Matrix<D>, b: &Matrix<D>) -> f64 {
     let mut products = a.as_flattened().iter().zip(b.as_flattened()).map(|(a, b)| a * b);
     let first = products.next().unwrap_or_default();
@@ -103,7 +103,7 @@ pub(crate) fn contraction<const D: usize>(a: &Matrix<D>, b: &Matrix<D>) -> f64 {
 }
 
 /// `(a + aᵀ)/2`.
-#[inline]
+#[inline(always)]
 pub(crate) fn symmetric<const D: usize>(a: &Matrix<D>) -> Matrix<D> {
     matrix(|i, k| if i == k { a[i][i] } else { 0.5 * (a[i.min(k)][i.max(k)] + a[i.max(k)][i.min(k)]) })
 }

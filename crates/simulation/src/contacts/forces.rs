@@ -1,60 +1,20 @@
 //! Forces between two elements in contact: potential, friction, damping.
+//!
+//! Couples are computed in batches: those that no facet parts are told from the others, then the forces of their potentials are computed, then friction and damping.
 
 use serde::{Deserialize, Serialize};
 
-use crate::contacts::{Couple, skipped_until};
-use crate::forces::ContactForce;
+use crate::contacts::{AHEAD, Couple, skipped_until};
+use crate::joints::Joints;
+use crate::lanes::{LANES, Lanes, Rows, compiled_for_vectors, larger, row, rows, set_row, set_rows, smaller};
 use crate::model::Model;
-use crate::simplex::{Interaction, Simplex};
+use crate::simplex::{Interactions, Shapes, Simplex, apart, gap, parted};
 use crate::solid::Solid;
-use crate::vector::{Point, add, at_most, dot, length, minus};
+use crate::topology::NONE;
+use crate::vector::{Point, add, dot, length};
 
-/// Forces and history of two elements in contact.
-#[derive(Debug)]
-pub(super) struct Contact<const D: usize, const N: usize> {
-    /// Forces of potential, damping and friction on the corners of both elements, N.
-    pub(super) forces: [[Point<D>; N]; 2],
-    pub(super) grip: Grip<D, N>,
-    /// Energy, and works since the last pass.
-    pub(super) works: Works,
-    /// Whether the two overlap. False in the one pass after they have separated.
-    pub(super) touches: bool,
-    pub(super) deep: bool,
-}
-
-impl<const D: usize, const N: usize> Default for Contact<D, N> {
-    fn default() -> Self {
-        Self {
-            forces: [[[0.0; D]; N]; 2],
-            grip: Grip::default(),
-            works: Works::default(),
-            touches: false,
-            deep: false,
-        }
-    }
-}
-
-impl<const D: usize, const N: usize> Contact<D, N>
-where
-    [[f64; D]; N]: Simplex<D, N>,
-{
-    /// Force on the first of the two elements, at the point where they overlap now.
-    pub(super) fn force(&self, elements: [u32; 2], solid: &Solid<D, N>) -> ContactForce<D> {
-        let sum = total(&self.forces[0]);
-        let [a, b] = elements.map(|element| solid.shape(element));
-        let point = a.interaction(&b).map_or_else(
-            // They have separated in this step.
-            |_| {
-                std::array::from_fn(|axis| {
-                    a.iter().chain(&b).map(|corner| corner[axis]).sum::<f64>() / (2 * N) as f64
-                })
-            },
-            |interaction| interaction.point,
-        );
-        let tangential = self.grip.friction;
-        ContactForce { elements, point, normal: minus(sum, tangential), tangential }
-    }
-}
+/// Number of batches whose potentials are computed together.
+const GROUP: usize = 4;
 
 /// Energy of a contact, and works since the last pass, J.
 #[derive(Clone, Copy, Debug, Default)]
@@ -73,18 +33,36 @@ pub(super) struct Works {
 ))]
 pub(super) struct Grip<const D: usize, const N: usize> {
     /// Friction on the first element, N.
-    friction: Point<D>,
+    pub(super) friction: Point<D>,
     /// Damping on the first element, N.
     damping: Point<D>,
-    /// Barycentric coordinates, in both elements, of the point where the force acted.
-    shares: [[f64; N]; 2],
+    /// Barycentric coordinates, in both elements, of the point where the force acted, without the first, which is 1 less the others.
+    shares: [[f64; D]; 2],
     /// Initial potential energy, J, which is not counted: see [`count_from`].
     credited_energy: f64,
+    /// Force on the first element, N, for results.
+    pub(super) push: Point<D>,
 }
 
-impl<const D: usize, const N: usize> Default for Grip<D, N> {
-    fn default() -> Self {
-        Self { friction: [0.0; D], damping: [0.0; D], shares: [[0.0; N]; 2], credited_energy: 0.0 }
+impl<const D: usize, const N: usize> Grip<D, N> {
+    const NONE: Self = Self {
+        friction: [0.0; D],
+        damping: [0.0; D],
+        shares: [[0.0; D]; 2],
+        credited_energy: 0.0,
+        push: [0.0; D],
+    };
+
+    /// This history without a force: a resumed run tells none before its first step.
+    pub(super) fn without_push(self) -> Self {
+        Self { push: [0.0; D], ..self }
+    }
+
+    /// Work against friction and damping, J, in the second half of the step in which they acted.
+    #[inline(always)]
+    fn second_half(&self, velocities: &[[Point<D>; N]; 2], step: f64) -> [f64; 2] {
+        let rate = relative_velocity(velocities, &self.shares);
+        [-0.5 * step * dot(self.friction, rate), -0.5 * step * dot(self.damping, rate)]
     }
 }
 
@@ -146,135 +124,526 @@ where
     2.0 * normal.max(model.contact.tangential_stiffness * penalty * length)
 }
 
-/// Computes the forces of one couple. `weight`: share of the forces that acts, while a joint between the two carries the rest; `fading`: increase of this share
-/// in the last step. `step` in s, `travel` in m.
-pub(super) fn press<const D: usize, const N: usize>(
-    couple: &mut Couple<D, N>,
-    solid: &Solid<D, N>,
-    law: &Law,
-    [weight, fading]: [f64; 2],
+/// A couple whose forces are computed.
+#[derive(Clone, Copy)]
+struct Member {
+    /// Its number in the chunk.
+    couple: u32,
+    /// The number of its history in that of the chunk, or [`NONE`].
+    grip: u32,
+    /// Share of the forces that acts, while a joint between the two elements carries the rest, and the increase of this share in the last step.
+    weight: f64,
+    fading: f64,
+}
+
+impl Member {
+    const NONE: Self = Self { couple: 0, grip: NONE, weight: 0.0, fading: 0.0 };
+}
+
+/// Forces of a couple that touches, or works of one that has separated in this pass.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pressed<const D: usize, const N: usize> {
+    couple: u32,
+    pub(super) elements: [u32; 2],
+    /// Forces of potential, damping and friction on the corners of both elements, N.
+    pub(super) forces: [[Point<D>; N]; 2],
+    pub(super) works: Works,
+    pub(super) touches: bool,
+    pub(super) deep: bool,
+}
+
+/// What the forces of all couples depend on in this pass.
+pub(super) struct Pass<'a, const D: usize, const N: usize> {
+    pub(super) solid: &'a Solid<D, N>,
+    pub(super) joints: &'a Joints<D>,
+    /// Parameters of the contacts of each pair of materials, and the number of materials.
+    pub(super) laws: &'a [Law],
+    pub(super) materials: usize,
+    /// Contact length of each element, m.
+    pub(super) lengths: &'a [f64],
+    /// Time step, s.
+    pub(super) step: f64,
+    /// Distance that nodes have travelled since the beginning, m.
+    pub(super) travel: f64,
+}
+
+impl<const D: usize, const N: usize> Pass<'_, D, N>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    /// Computes the forces of a chunk of couples, ascending. `grips`: the histories of those that touch, in their order.
+    pub(super) fn press(
+        &self,
+        couples: &mut [Couple],
+        grips: &mut Vec<Grip<D, N>>,
+        pressed: &mut Vec<Pressed<D, N>>,
+    ) {
+        pressed.clear();
+        let before = std::mem::replace(grips, Vec::with_capacity(grips.len()));
+        let mut histories = Histories { before: &before, grips, pressed };
+        let mut work = Work::<D, N>::new();
+        // Couples that are looked at together, and those of them that no facet parts.
+        let mut near = [Member::NONE; LANES];
+        let mut group = [Member::NONE; GROUP * LANES];
+        let (mut looked, mut count, mut touching) = (0, 0, 0);
+        for number in 0..couples.len() {
+            if let Some(next) = couples.get(number + AHEAD)
+                && next.apart_until <= self.travel
+            {
+                next.prefetch(self.solid);
+            }
+            let couple = &mut couples[number];
+            let grip = if couple.touches { touching } else { NONE };
+            touching += u32::from(couple.touches);
+            if couple.apart_until <= self.travel {
+                let joint = self.joints.all.get(couple.joint as usize);
+                // A detached joint did not press its elements apart: their overlap now must not count at once.
+                couple.initial_overlap |=
+                    joint.is_some_and(|joint| joint.fading > 0.0 && joint.detached != [false; D]);
+                let [weight, fading] = joint.map_or([1.0, 0.0], |joint| [joint.faded, joint.fading]);
+                near[looked] = Member { couple: number as u32, grip, weight, fading };
+                for (shape, element) in work.near.iter_mut().zip(couple.elements) {
+                    set_rows(shape, looked, &self.solid.shape(element));
+                }
+                looked += 1;
+            }
+            let is_last = number + 1 == couples.len();
+            if looked == LANES || is_last {
+                self.choose(&near[..looked], &mut work, couples, &mut group, &mut count, &mut histories);
+                looked = 0;
+            }
+            if count > group.len() - LANES || is_last {
+                self.press_group(&group[..count], &mut work, couples, &mut histories);
+                count = 0;
+            }
+        }
+        // Couples that have separated were found before others.
+        if !pressed.is_sorted_by_key(|pressed| pressed.couple) {
+            pressed.sort_unstable_by_key(|pressed| pressed.couple);
+        }
+    }
+
+    /// Takes the couples that no facet parts into the group.
+    fn choose(
+        &self,
+        near: &[Member],
+        work: &mut Work<D, N>,
+        couples: &mut [Couple],
+        group: &mut [Member],
+        count: &mut usize,
+        histories: &mut Histories<'_, D, N>,
+    ) {
+        let mut distances = Lanes::ZERO;
+        distances_of::<D, N>(self.solid.available, &work.near, &mut distances);
+        for (lane, member) in near.iter().enumerate() {
+            // While the joint carries the whole load, the gap says nothing about when contact begins: the couple must not be skipped.
+            let distance = if member.weight > 0.0 { distances.get(lane) } else { 0.0 };
+            if distance >= 0.0 {
+                self.separate(couples, member, distance, histories);
+                continue;
+            }
+            for (to, from) in work.shapes[*count / LANES].iter_mut().zip(&work.near) {
+                set_rows(to, *count % LANES, &rows(from, lane));
+            }
+            group[*count] = *member;
+            *count += 1;
+        }
+    }
+
+    /// Computes the forces of a group of couples, whose shapes are in `work`.
+    fn press_group(
+        &self,
+        group: &[Member],
+        work: &mut Work<D, N>,
+        couples: &mut [Couple],
+        histories: &mut Histories<'_, D, N>,
+    ) {
+        let solid = self.solid;
+        work.clear(group.len());
+        let Work { shapes, found, scratch, batch, .. } = work;
+        let count = group.len().div_ceil(LANES);
+        <[[f64; D]; N]>::interactions(solid.available, &shapes[..count], scratch, &mut found[..count]);
+        for (members, (shapes, found)) in group.chunks(LANES).zip(shapes.iter().zip(found)) {
+            for (lane, member) in members.iter().enumerate() {
+                let couple = &couples[member.couple as usize];
+                let pair = couple.elements.map(|element| &solid.elements[element as usize]);
+                let law = &self.laws[pair[0].material as usize * self.materials + pair[1].material as usize];
+                let velocities = couple.elements.map(|element| self.velocities(element));
+                let masses = if law.damping > 0.0 {
+                    couple.elements.map(|element| mass(solid, element))
+                } else {
+                    [1.0; 2]
+                };
+                let [one, other] = couple.elements.map(|element| self.lengths[element as usize]);
+                batch.take(lane, law, histories.before(member), &velocities, masses, smaller(one, other));
+                batch.weight.set(lane, member.weight);
+                batch.fading.set(lane, member.fading);
+                batch.initial.set(lane, f64::from(u8::from(couple.initial_overlap)));
+            }
+            grip_of::<D, N>(solid.available, shapes, found, batch, self.step);
+            for (lane, member) in members.iter().enumerate() {
+                if found.energy.get(lane) <= 0.0 {
+                    // They touch, or are apart with an edge of each nearest to the other.
+                    let [a, b] = [0, 1].map(|side| rows(&shapes[side], lane));
+                    self.separate(couples, member, a.distance(&b, 0.0), histories);
+                    continue;
+                }
+                let couple = &mut couples[member.couple as usize];
+                couple.initial_overlap = false;
+                couple.touches = true;
+                histories.grips.push(batch.grip(lane));
+                histories.pressed.push(Pressed {
+                    couple: member.couple,
+                    elements: couple.elements,
+                    forces: [0, 1].map(|side| rows(&found.forces[side], lane)),
+                    works: batch.works(lane),
+                    touches: true,
+                    deep: found.deep.get(lane) > 0.0,
+                });
+            }
+        }
+    }
+
+    /// Notes that the elements of a couple are at least this far apart, m, and counts the works of its last forces.
+    fn separate(
+        &self,
+        couples: &mut [Couple],
+        member: &Member,
+        distance: f64,
+        histories: &mut Histories<'_, D, N>,
+    ) {
+        let couple = &mut couples[member.couple as usize];
+        couple.initial_overlap = false;
+        couple.apart_until = skipped_until(self.travel, distance);
+        if couple.touches {
+            couple.touches = false;
+            let velocities = couple.elements.map(|element| self.velocities(element));
+            let [friction, damping] = histories.before(member).second_half(&velocities, self.step);
+            histories.pressed.push(Pressed {
+                couple: member.couple,
+                elements: couple.elements,
+                forces: [[[0.0; D]; N]; 2],
+                works: Works { friction, damping, ..Works::default() },
+                touches: false,
+                deep: false,
+            });
+        }
+    }
+
+    /// Velocities of the corners of an element, m/s.
+    #[inline]
+    fn velocities(&self, element: u32) -> [Point<D>; N] {
+        self.solid.nodes_of(element).map(|node| self.solid.nodes[node as usize].velocity)
+    }
+}
+
+/// The histories of the couples of a chunk that touched before, and those of couples that touch now with their forces.
+struct Histories<'a, const D: usize, const N: usize> {
+    before: &'a [Grip<D, N>],
+    grips: &'a mut Vec<Grip<D, N>>,
+    pressed: &'a mut Vec<Pressed<D, N>>,
+}
+
+impl<const D: usize, const N: usize> Histories<'_, D, N> {
+    /// The history of a couple.
+    #[inline]
+    fn before(&self, member: &Member) -> &Grip<D, N> {
+        self.before.get(member.grip as usize).unwrap_or(const { &Grip::NONE })
+    }
+}
+
+/// Memory for a group of couples.
+struct Work<const D: usize, const N: usize>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    /// Shapes of the couples that are looked at, and of those of the group.
+    near: Shapes<D, N>,
+    shapes: [Shapes<D, N>; GROUP],
+    found: [Interactions<D, N>; GROUP],
+    scratch: <[[f64; D]; N] as Simplex<D, N>>::Scratch,
+    batch: Batch<D, N>,
+}
+
+impl<const D: usize, const N: usize> Work<D, N>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    fn new() -> Self {
+        Self {
+            shapes: [[[[Lanes::ZERO; D]; N]; 2]; GROUP],
+            near: [[[Lanes::ZERO; D]; N]; 2],
+            found: [const { Interactions::NONE }; GROUP],
+            scratch: Default::default(),
+            batch: Batch::NONE,
+        }
+    }
+
+    /// Clears the shapes of all couples from this one on: they cost nothing then.
+    fn clear(&mut self, count: usize) {
+        for k in count..count.next_multiple_of(LANES) {
+            for shape in &mut self.shapes[k / LANES] {
+                set_rows(shape, k % LANES, &[[0.0; D]; N]);
+            }
+        }
+    }
+}
+
+/// Lower bounds of the distances of a batch of couples.
+#[inline(always)]
+fn all_distances<const D: usize, const N: usize>(shapes: &Shapes<D, N>, distances: &mut Lanes)
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    for lane in 0..LANES {
+        distances.set(lane, gap(&rows(&shapes[0], lane), &rows(&shapes[1], lane)));
+    }
+    for side in 0..2 {
+        for lane in 0..LANES {
+            let parted = parted::<D, N>(&rows(&shapes[side], lane), &rows(&shapes[1 - side], lane));
+            distances.set(lane, larger(distances.get(lane), parted));
+        }
+    }
+}
+
+compiled_for_vectors!(fn distances_of = all_distances<const D: usize, const N: usize>(shapes: &Shapes<D, N>, distances: &mut Lanes)
+    where [[f64; D]; N]: Simplex<D, N>);
+
+/// Friction and damping of a batch of couples: what they depend on, and their results.
+struct Batch<const D: usize, const N: usize> {
+    velocities: [Rows<D, N>; 2],
+    /// Parameters of [`Law`].
+    penalty: Lanes,
+    coefficient: Lanes,
+    tangential: Lanes,
+    ratio: Lanes,
+    /// Those of [`Member`].
+    weight: Lanes,
+    fading: Lanes,
+    /// 1 where the overlap of now must not count at once, else 0.
+    initial: Lanes,
+    /// Mean masses of the nodes of the elements, kg, and the contact length, m.
+    masses: [Lanes; 2],
+    length: Lanes,
+    /// The history: that of the pass before, then that of this one.
+    friction: [Lanes; D],
+    damping: [Lanes; D],
+    shares: [[Lanes; D]; 2],
+    credited_energy: Lanes,
+    push: [Lanes; D],
+    /// The numbers of [`Works`].
+    works: [Lanes; 4],
+}
+
+impl<const D: usize, const N: usize> Batch<D, N> {
+    const NONE: Self = Self {
+        velocities: [[[Lanes::ZERO; D]; N]; 2],
+        penalty: Lanes::ZERO,
+        coefficient: Lanes::ZERO,
+        tangential: Lanes::ZERO,
+        ratio: Lanes::ZERO,
+        weight: Lanes::ZERO,
+        fading: Lanes::ZERO,
+        initial: Lanes::ZERO,
+        masses: [Lanes::ZERO; 2],
+        length: Lanes::ZERO,
+        friction: [Lanes::ZERO; D],
+        damping: [Lanes::ZERO; D],
+        shares: [[Lanes::ZERO; D]; 2],
+        credited_energy: Lanes::ZERO,
+        push: [Lanes::ZERO; D],
+        works: [Lanes::ZERO; 4],
+    };
+
+    /// Takes a couple into a lane.
+    #[inline]
+    fn take(
+        &mut self,
+        lane: usize,
+        law: &Law,
+        grip: &Grip<D, N>,
+        velocities: &[[Point<D>; N]; 2],
+        masses: [f64; 2],
+        length: f64,
+    ) {
+        for side in 0..2 {
+            set_rows(&mut self.velocities[side], lane, &velocities[side]);
+            self.masses[side].set(lane, masses[side]);
+            set_row(&mut self.shares[side], lane, &grip.shares[side]);
+        }
+        self.penalty.set(lane, law.penalty);
+        self.coefficient.set(lane, law.friction);
+        self.tangential.set(lane, law.tangential);
+        self.ratio.set(lane, law.damping);
+        self.length.set(lane, length);
+        set_row(&mut self.friction, lane, &grip.friction);
+        set_row(&mut self.damping, lane, &grip.damping);
+        self.credited_energy.set(lane, grip.credited_energy);
+    }
+
+    #[inline]
+    fn grip(&self, lane: usize) -> Grip<D, N> {
+        Grip {
+            friction: row(&self.friction, lane),
+            damping: row(&self.damping, lane),
+            shares: [0, 1].map(|side| row(&self.shares[side], lane)),
+            credited_energy: self.credited_energy.get(lane),
+            push: row(&self.push, lane),
+        }
+    }
+
+    #[inline]
+    fn works(&self, lane: usize) -> Works {
+        let [energy, friction, damping, handed_over] = row(&self.works, lane);
+        Works { energy, friction, damping, handed_over }
+    }
+}
+
+/// Computes friction and damping of a batch of couples that overlap, and adds them to the forces of their potentials.
+#[inline(always)]
+fn grip_all<const D: usize, const N: usize>(
+    shapes: &Shapes<D, N>,
+    found: &mut Interactions<D, N>,
+    batch: &mut Batch<D, N>,
     step: f64,
-    travel: f64,
 ) where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    let [a, b] = couple.elements.map(|element| solid.shape(element));
-    let gap = gap(&a, &b);
-    // While the joint carries the whole load, the gap says nothing about when contact begins: the couple must not be skipped.
-    let found = match (weight > 0.0, gap < 0.0) {
-        (true, true) => a.interaction(&b),
-        (true, false) => Err(gap),
-        (false, _) => Err(0.0),
-    };
-    let initial_overlap = std::mem::take(&mut couple.initial_overlap);
-    // Work of the last friction and damping in the second half of their step.
-    let mut sum = Works::default();
-    let before = couple.contact.as_ref().filter(|contact| contact.touches).map(|contact| contact.grip);
-    if let Some(before) = &before {
-        let rate = relative_velocity(couple.elements, &before.shares, solid);
-        sum.friction -= 0.5 * step * dot(before.friction, rate);
-        sum.damping -= 0.5 * step * dot(before.damping, rate);
+    for lane in 0..LANES {
+        grip_one(lane, shapes, found, batch, step);
     }
-    let Interaction { mut forces, energy, point, deep } = match found {
-        Ok(interaction) => interaction,
-        Err(distance) => {
-            // Keeps the contact for one more pass, so that this work is counted.
-            couple.contact = before.map(|_| Box::new(Contact { works: sum, ..Contact::default() }));
-            if couple.contact.is_none() {
-                couple.apart_until = skipped_until(travel, distance);
-            }
-            return;
-        }
-    };
-    let potential = law.penalty * energy;
-    let credited_energy = match &before {
-        _ if initial_overlap => potential,
-        Some(before) => before.credited_energy.min(potential),
-        None => 0.0,
-    };
+}
+
+compiled_for_vectors!(fn grip_of = grip_all<const D: usize, const N: usize>(
+    shapes: &Shapes<D, N>,
+    found: &mut Interactions<D, N>,
+    batch: &mut Batch<D, N>,
+    step: f64
+) where [[f64; D]; N]: Simplex<D, N>);
+
+/// Computes one couple of a batch.
+#[inline(always)]
+#[allow(
+    clippy::needless_bitwise_bool,
+    reason = "a lazy operator is a branch, of which the compiler makes no vectors"
+)]
+fn grip_one<const D: usize, const N: usize>(
+    lane: usize,
+    shapes: &Shapes<D, N>,
+    found: &mut Interactions<D, N>,
+    batch: &mut Batch<D, N>,
+    step: f64,
+) where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    let velocities = [0, 1].map(|side| rows(&batch.velocities[side], lane));
+    let before: Grip<D, N> = batch.grip(lane);
+    let [mut friction_work, mut damping_work] = before.second_half(&velocities, step);
+    let [penalty, weight] = [batch.penalty.get(lane), batch.weight.get(lane)];
+    let potential = penalty * found.energy.get(lane);
+    let credited_energy =
+        if batch.initial.get(lane) > 0.0 { potential } else { smaller(before.credited_energy, potential) };
     let (energy, slope) = count_from(credited_energy, potential);
-    let scale = law.penalty * weight * slope;
-    for force in forces.as_flattened_mut().as_flattened_mut() {
-        *force *= scale;
-    }
-    sum.energy += weight * energy;
-    sum.handed_over += fading * energy;
-    let mut grip = Grip { credited_energy, ..Grip::default() };
-    if law.friction > 0.0 || law.damping > 0.0 {
-        grip.shares = [a.coordinates(point), b.coordinates(point)];
-        let push = total(&forces[0]);
-        let size = length(push);
-        if size > 0.0 {
-            let axes = <[[f64; D]; N]>::axes_around(push.map(|x| x / size));
-            let normal = axes[0];
-            let volume = couple.elements.map(|element| solid.elements[element as usize].volume);
-            let length = <[[f64; D]; N]>::contact_length(volume[0].min(volume[1]));
-            let rate = relative_velocity(couple.elements, &grip.shares, solid);
-            let mut pressed = size;
-            if law.damping > 0.0 {
-                let [m, n] = couple.elements.map(|element| mass(solid, element));
-                let critical = 2.0 * (law.penalty * length * m * n / (m + n)).sqrt();
-                // At most the force that presses the two apart, so that they do not stick.
-                let damping = (-law.damping * weight * critical * dot(rate, normal)).clamp(-size, size);
-                grip.damping = normal.map(|n| damping * n);
-                pressed += damping;
-            }
-            if law.friction > 0.0 {
-                // In the directions along the surface, as these are now.
-                let slip = weight * law.tangential * length * step;
-                let mut trial = [0.0; D];
-                for k in 1..D {
-                    let held = before.map_or(0.0, |before| dot(before.friction, axes[k]));
-                    trial[k] = held - slip * dot(rate, axes[k]);
-                }
-                let held = at_most(trial, law.friction * pressed);
-                for k in 1..D {
-                    add(&mut grip.friction, axes[k], held[k]);
-                }
-            }
-            sum.friction -= 0.5 * step * dot(grip.friction, rate);
-            sum.damping -= 0.5 * step * dot(grip.damping, rate);
-            for (side, sign) in [(0, 1.0), (1, -1.0)] {
-                for corner in 0..N {
-                    let share = sign * grip.shares[side][corner];
-                    for axis in 0..D {
-                        forces[side][corner][axis] += share * (grip.friction[axis] + grip.damping[axis]);
-                    }
-                }
+    let scale = penalty * weight * slope;
+    let mut forces = [0, 1].map(|side| rows(&found.forces[side], lane));
+    for side in 0..2 {
+        for corner in 0..N {
+            for axis in 0..D {
+                forces[side][corner][axis] *= scale;
             }
         }
     }
-    let contact = couple.contact.get_or_insert_default();
-    **contact = Contact { forces, grip, works: sum, touches: true, deep };
+    let point = row(&found.point, lane);
+    let mut shares = [[0.0; D]; 2];
+    for side in 0..2 {
+        let shape: [Point<D>; N] = rows(&shapes[side], lane);
+        let all = shape.coordinates(point);
+        shares[side] = std::array::from_fn(|k| all[k + 1]);
+    }
+    let rate = relative_velocity(&velocities, &shares);
+    let push = total(&forces[0]);
+    let size = dot(push, push).sqrt();
+    let (coefficient, ratio) = (batch.coefficient.get(lane), batch.ratio.get(lane));
+    let grips = size > 0.0;
+    let axes = <[[f64; D]; N]>::axes_around(push.map(|x| x / size));
+    let normal = axes[0];
+    let long = batch.length.get(lane);
+    let [m, n] = [0, 1].map(|side| batch.masses[side].get(lane));
+    let critical = 2.0 * (penalty * long * m * n / (m + n)).sqrt();
+    // At most the force that presses the two apart, so that they do not stick.
+    let damping = larger(smaller(-ratio * weight * critical * dot(rate, normal), size), -size);
+    let damping = if grips & (ratio > 0.0) { damping } else { 0.0 };
+    let damped: Point<D> = std::array::from_fn(|axis| if grips { damping * normal[axis] } else { 0.0 });
+    // In the directions along the surface, as these are now.
+    let slip = weight * batch.tangential.get(lane) * long * step;
+    let mut trial = [0.0; D];
+    for k in 1..D {
+        trial[k] = dot(before.friction, axes[k]) - slip * dot(rate, axes[k]);
+    }
+    let (tried, limit) = (dot(trial, trial).sqrt(), coefficient * (size + damping));
+    let held = trial.map(|x| if tried > limit { limit * (x / tried) } else { x });
+    let mut along = [0.0; D];
+    for k in 1..D {
+        add(&mut along, axes[k], held[k]);
+    }
+    let friction: Point<D> =
+        std::array::from_fn(|axis| if grips & (coefficient > 0.0) { along[axis] } else { 0.0 });
+    friction_work -= 0.5 * step * dot(friction, rate);
+    damping_work -= 0.5 * step * dot(damped, rate);
+    let both: Point<D> = std::array::from_fn(|axis| friction[axis] + damped[axis]);
+    for (side, sign) in [(0, 1.0), (1, -1.0)] {
+        let all = completed::<D, N>(&shares[side]);
+        for corner in 0..N {
+            let share = sign * all[corner];
+            for axis in 0..D {
+                forces[side][corner][axis] += share * both[axis];
+            }
+        }
+        set_rows(&mut found.forces[side], lane, &forces[side]);
+        set_row(&mut batch.shares[side], lane, &shares[side]);
+    }
+    set_row(&mut batch.friction, lane, &friction);
+    set_row(&mut batch.damping, lane, &damped);
+    batch.credited_energy.set(lane, credited_energy);
+    set_row(&mut batch.push, lane, &std::array::from_fn(|axis| push[axis] + both[axis]));
+    let works = [weight * energy, friction_work, damping_work, batch.fading.get(lane) * energy];
+    set_row(&mut batch.works, lane, &works);
 }
 
 /// Counted part of the potential energy `U`, J, and its derivative by `U`, if the energy `U₀` (`credited_energy`) was there before the two elements could touch.
 ///
 /// Elements that were connected until a joint at their vertex broke overlap by the sliding of that joint. Counting this overlap at once would create energy.
 /// `(U - U₀)² / U` begins without energy and without force, and its ratio to `U` tends to 1. When `U` falls below `U₀`, the caller lowers `U₀` to `U`.
+#[inline(always)]
 fn count_from(credited_energy: f64, potential: f64) -> (f64, f64) {
-    if potential <= credited_energy {
-        return (0.0, 0.0);
-    }
     let share = credited_energy / potential;
-    (potential * (1.0 - share) * (1.0 - share), 1.0 - share * share)
+    let counted = (potential * (1.0 - share) * (1.0 - share), 1.0 - share * share);
+    let counts = potential > credited_energy;
+    (if counts { counted.0 } else { 0.0 }, if counts { counted.1 } else { 0.0 })
 }
 
-/// Velocity, m/s, of the first element relative to the second, at the points with these barycentric coordinates.
+/// Barycentric coordinates, from all but the first.
+#[inline(always)]
+fn completed<const D: usize, const N: usize>(rest: &[f64; D]) -> [f64; N] {
+    let mut first = 1.0;
+    for k in 0..D {
+        first -= rest[k];
+    }
+    std::array::from_fn(|k| if k == 0 { first } else { rest[k - 1] })
+}
+
+/// Velocity, m/s, of the first element relative to the second, at the points with these barycentric coordinates, of which the first is left out.
+#[inline(always)]
 fn relative_velocity<const D: usize, const N: usize>(
-    elements: [u32; 2],
-    shares: &[[f64; N]; 2],
-    solid: &Solid<D, N>,
-) -> Point<D>
-where
-    [[f64; D]; N]: Simplex<D, N>,
-{
+    velocities: &[[Point<D>; N]; 2],
+    shares: &[[f64; D]; 2],
+) -> Point<D> {
     let mut rate = [0.0; D];
     for (side, sign) in [(0, 1.0), (1, -1.0)] {
-        for (node, share) in solid.nodes_of(elements[side]).into_iter().zip(shares[side]) {
-            let velocity = solid.nodes[node as usize].velocity;
+        let all = completed::<D, N>(&shares[side]);
+        for corner in 0..N {
             for axis in 0..D {
-                rate[axis] += sign * share * velocity[axis];
+                rate[axis] += sign * all[corner] * velocities[side][corner][axis];
             }
         }
     }
@@ -290,11 +659,55 @@ where
 }
 
 /// Sum of forces.
-fn total<const D: usize>(forces: &[Point<D>]) -> Point<D> {
-    forces.iter().fold([0.0; D], |sum, force| std::array::from_fn(|axis| sum[axis] + force[axis]))
+#[inline(always)]
+fn total<const D: usize, const N: usize>(forces: &[Point<D>; N]) -> Point<D> {
+    let mut sum = [0.0; D];
+    for force in forces {
+        for axis in 0..D {
+            sum[axis] += force[axis];
+        }
+    }
+    sum
 }
 
-/// A lower bound of the distance of two elements, m; `None` if they overlap. The bound need not be sharp beyond `most`.
+/// Points where the forces of couples act: the middle of their boundary in contact, or of their corners if they do not overlap any more.
+pub(super) fn points<const D: usize, const N: usize>(
+    couples: &[[u32; 2]],
+    solid: &Solid<D, N>,
+) -> Vec<Point<D>>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    let mut points = Vec::with_capacity(couples.len());
+    let (mut shapes, mut found) = ([[[Lanes::ZERO; D]; N]; 2], Interactions::NONE);
+    let (mut distances, mut scratch) = (Lanes::ZERO, Default::default());
+    for couples in couples.chunks(LANES) {
+        for (lane, elements) in couples.iter().enumerate() {
+            for (shape, element) in shapes.iter_mut().zip(elements) {
+                set_rows(shape, lane, &solid.shape(*element));
+            }
+        }
+        distances_of::<D, N>(solid.available, &shapes, &mut distances);
+        <[[f64; D]; N]>::interactions(
+            solid.available,
+            std::slice::from_ref(&shapes),
+            &mut scratch,
+            std::slice::from_mut(&mut found),
+        );
+        points.extend((0..couples.len()).map(|lane| {
+            if distances.get(lane) < 0.0 && found.energy.get(lane) > 0.0 {
+                return row(&found.point, lane);
+            }
+            let corners: [[Point<D>; N]; 2] = [0, 1].map(|side| rows(&shapes[side], lane));
+            std::array::from_fn(|axis| {
+                corners.as_flattened().iter().map(|corner| corner[axis]).sum::<f64>() / (2 * N) as f64
+            })
+        }));
+    }
+    points
+}
+
+/// A lower bound of the distance of two elements, m; `None` if no facet parts them: they overlap, or are near each other. The bound need not be sharp beyond `most`.
 pub(super) fn distance<const D: usize, const N: usize>(
     a: &[Point<D>; N],
     b: &[Point<D>; N],
@@ -303,11 +716,15 @@ pub(super) fn distance<const D: usize, const N: usize>(
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    let apart = gap(a, b).max(gap_between_middles(a, b));
-    if apart > most {
-        return Some(apart);
+    let told = larger(gap(a, b), gap_between_middles(a, b));
+    if told > most {
+        return Some(told);
     }
-    let told = a.interaction(b).err()?.max(apart);
+    let apart = apart(a, b);
+    if apart < 0.0 {
+        return None;
+    }
+    let told = larger(told, apart);
     Some(if told > most { told } else { a.distance(b, told) })
 }
 
@@ -320,18 +737,4 @@ fn gap_between_middles<const D: usize, const N: usize>(a: &[Point<D>; N], b: &[P
     let least = b.iter().map(|corner| dot(*corner, line)).fold(f64::INFINITY, f64::min);
     let most = a.iter().map(|corner| dot(*corner, line)).fold(f64::NEG_INFINITY, f64::max);
     (least - most) / length(line)
-}
-
-/// Gap, m, between the boxes of two elements along the axis on which they are farthest apart; negative if the boxes overlap.
-#[inline]
-fn gap<const D: usize, const N: usize>(a: &[Point<D>; N], b: &[Point<D>; N]) -> f64 {
-    let along = |axis: usize| {
-        let [a, b] = [a, b].map(|corners| {
-            corners[1..].iter().fold([corners[0][axis]; 2], |[low, high], corner| {
-                [low.min(corner[axis]), high.max(corner[axis])]
-            })
-        });
-        (a[0] - b[1]).max(b[0] - a[1])
-    };
-    (1..D).fold(along(0), |most, axis| most.max(along(axis)))
 }

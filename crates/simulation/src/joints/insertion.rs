@@ -16,7 +16,6 @@
 //! alone is held by the others. There the facet whose strength is used most gives a plane, and all facets between the elements on its two sides are one cut, with one traction.
 
 use crate::cohesive::{Memory, Plane, use_of};
-use crate::contacts::Contacts;
 use crate::joints::near::{Near, SUSPECT};
 use crate::joints::plane::{breaks, mean_stress, plane_near, side, traction};
 use crate::joints::whole::Link;
@@ -32,7 +31,6 @@ use crate::vector::{Point, dot, minus, unit};
 #[derive(Clone, Copy)]
 struct State<'a, const D: usize, const N: usize> {
     solid: &'a Solid<D, N>,
-    contacts: &'a Contacts<D, N>,
     model: &'a Model<D, N>,
     topology: &'a Topology<D, N>,
 }
@@ -42,7 +40,6 @@ impl<const D: usize> Joints<D> {
     pub(crate) fn insert<const N: usize>(
         &mut self,
         solid: &mut Solid<D, N>,
-        contacts: &Contacts<D, N>,
         model: &Model<D, N>,
         topology: &Topology<D, N>,
         team: &Team,
@@ -52,7 +49,7 @@ impl<const D: usize> Joints<D> {
         if self.insertion == Insertion::Intrinsic || self.strengths.is_empty() {
             return;
         }
-        let state = State { solid, contacts, model, topology };
+        let state = State { solid, model, topology };
         let mut near = std::mem::take(&mut self.near);
         let suspects = team.change(&mut near, |first, chunk| {
             let mut failing = Vec::new();
@@ -102,7 +99,7 @@ impl<const D: usize> Joints<D> {
         vertices.sort_unstable();
         vertices.dedup();
         for &vertex in &vertices {
-            self.part(vertex, solid, Some(contacts), model, topology);
+            self.part(vertex, solid, true, model, topology);
         }
         if !vertices.is_empty() {
             self.find_tips(&vertices, topology);
@@ -257,12 +254,12 @@ impl<const D: usize> Joints<D> {
     }
 
     /// Splits the node of a vertex, so that each group of elements between joints has a node of its own. Joint ends that open begin with the traction that acts
-    /// there.
+    /// there, if forces have `pulled` at the elements.
     pub(crate) fn part<const N: usize>(
         &mut self,
         vertex: u32,
         solid: &mut Solid<D, N>,
-        contacts: Option<&Contacts<D, N>>,
+        pulled: bool,
         model: &Model<D, N>,
         topology: &Topology<D, N>,
     ) where
@@ -273,8 +270,8 @@ impl<const D: usize> Joints<D> {
         topology.groups(vertex, |facet| self.of_facet[facet as usize] == NONE, &mut groups);
         // Tractions of the ends that open now, computed before the nodes are split.
         let mut begin: Vec<(u32, [f64; D])> = Vec::new();
-        if let Some(contacts) = contacts.filter(|_| solid.hold_at(corners[0]) == NONE) {
-            let state = State { solid, contacts, model, topology };
+        if pulled && solid.hold_at(corners[0]) == NONE {
+            let state = State { solid, model, topology };
             let fan = Fan { vertex, groups: &groups, joints: self, state };
             for (facet, corner) in topology.facets_around(vertex) {
                 let sides = fan.groups_beside(facet);
@@ -393,13 +390,12 @@ where
     /// Traction, Pa, with which group `sides[1]` holds group `sides[0]`. It acts on the parts of the closed joints between the two groups at the vertex, and on
     /// `more`, m or m², besides.
     fn held_by(&self, sides: [u32; 2], more: f64) -> Point<D> {
-        let State { solid, contacts, model, topology } = self.state;
+        let State { solid, model, topology } = self.state;
         let (mut force, mut mass) = ([[0.0; D]; 2], [0.0; 2]);
         for (&corner, &group) in self.corners().iter().zip(self.groups) {
             let Some(side) = sides.iter().position(|&side| side == group) else { continue };
             let mut total = solid.force(corner);
             self.joints.add_force(corner, &mut total);
-            contacts.add_force(corner, &mut total);
             for axis in 0..D {
                 force[side][axis] += total[axis];
             }

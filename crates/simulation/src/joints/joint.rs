@@ -293,7 +293,7 @@ mod tests {
         let mut joints = Joints::new(&model, &topology);
         joints.everywhere(&model, &topology).expect("enough energy");
         for vertex in 0..4 {
-            joints.part(vertex, &mut solid, None, &model, &topology);
+            joints.part(vertex, &mut solid, false, &model, &topology);
         }
         // The upper end has turned far; the lower end is like a hinge.
         let joint = &mut joints.all[0];
@@ -328,7 +328,7 @@ mod tests {
         let (mut solid, mut joints) = (Solid::new(&model), Joints::new(&model, &topology));
         joints.everywhere(&model, &topology).expect("enough energy");
         for vertex in 0..4 {
-            joints.part(vertex, &mut solid, None, &model, &topology);
+            joints.part(vertex, &mut solid, false, &model, &topology);
         }
         let joint = &mut joints.all[0];
         joint.ends[0] = Memory::broken();

@@ -4,14 +4,16 @@ mod distance;
 mod eigen;
 mod elastic;
 mod facet;
+mod part;
 mod piece;
 mod plane;
 mod potential;
 
 use crate::elastic::Moduli;
 use crate::error::Stop;
+use crate::lanes::Available;
 use crate::model::{Material, Plane};
-use crate::simplex::{Interaction, Simplex};
+use crate::simplex::{Interactions, Shapes, Simplex};
 use crate::simulation::Simulation;
 use crate::vector::{Matrix, Point, dot, length, minus, unit};
 
@@ -25,6 +27,8 @@ const FACES: [[usize; 3]; 4] = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]];
 const EDGES: [[usize; 2]; 6] = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
 
 impl Simplex<3, 4> for Tetrahedron {
+    type Scratch = potential::Scratch;
+
     const FACETS: [[usize; 3]; 4] = FACES;
     const AT_CORNER: [[usize; 3]; 4] = [[0, 1, 3], [0, 1, 2], [0, 2, 3], [1, 2, 3]];
     const SMALL: f64 = elastic::SMALL;
@@ -56,6 +60,7 @@ impl Simplex<3, 4> for Tetrahedron {
         6.0 * self.measure() / double
     }
 
+    #[inline(always)]
     fn coordinates(&self, point: Point<3>) -> [f64; 4] {
         potential::Coordinates::of(self).at(point)
     }
@@ -91,6 +96,7 @@ impl Simplex<3, 4> for Tetrahedron {
         [normal, along, cross3(normal, along)]
     }
 
+    #[inline(always)]
     fn axes_around(normal: Point<3>) -> Matrix<3> {
         plane::axes_around(normal)
     }
@@ -207,8 +213,18 @@ impl Simplex<3, 4> for Tetrahedron {
         4.0 / density * most(eigen::values(normal)).max(shear)
     }
 
-    fn interaction(&self, other: &Self) -> Result<Interaction<3, 4>, f64> {
-        potential::interaction(self, other)
+    #[inline(always)]
+    fn parted(&self, other: &Self) -> f64 {
+        potential::parted(self, other)
+    }
+
+    fn interactions(
+        available: Available,
+        shapes: &[Shapes<3, 4>],
+        scratch: &mut Self::Scratch,
+        found: &mut [Interactions<3, 4>],
+    ) {
+        potential::interactions(available, shapes, scratch, found);
     }
 
     fn distance(&self, other: &Self, told: f64) -> f64 {
@@ -216,7 +232,7 @@ impl Simplex<3, 4> for Tetrahedron {
     }
 }
 
-#[inline]
+#[inline(always)]
 fn cross3(a: Point<3>, b: Point<3>) -> Point<3> {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }

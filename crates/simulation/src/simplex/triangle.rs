@@ -7,8 +7,9 @@ mod potential;
 
 use crate::elastic::Moduli;
 use crate::error::Stop;
+use crate::lanes::Available;
 use crate::model::{Material, Plane};
-use crate::simplex::{Interaction, Simplex};
+use crate::simplex::{Interactions, Shapes, Simplex};
 use crate::simulation::Simulation;
 use crate::vector::{Matrix, Point, cross, dot, length, minus};
 
@@ -16,6 +17,8 @@ use crate::vector::{Matrix, Point, cross, dot, length, minus};
 pub(crate) type Triangle = [Point; 3];
 
 impl Simplex<2, 3> for Triangle {
+    type Scratch = potential::Between;
+
     const FACETS: [[usize; 2]; 3] = [[0, 1], [1, 2], [2, 0]];
     const AT_CORNER: [[usize; 2]; 3] = [[0, 2], [1, 0], [2, 1]];
     /// No strain needs a branch.
@@ -47,6 +50,7 @@ impl Simplex<2, 3> for Triangle {
         cross(edge, minus(c, a)) / length(edge)
     }
 
+    #[inline(always)]
     fn coordinates(&self, point: Point) -> [f64; 3] {
         potential::Coordinates::of(self).at(point)
     }
@@ -78,6 +82,7 @@ impl Simplex<2, 3> for Triangle {
         })
     }
 
+    #[inline(always)]
     fn axes_around(normal: Point) -> Matrix {
         [normal, [-normal[1], normal[0]]]
     }
@@ -178,8 +183,18 @@ impl Simplex<2, 3> for Triangle {
         3.0 / density * largest
     }
 
-    fn interaction(&self, other: &Self) -> Result<Interaction, f64> {
-        potential::interaction(self, other)
+    #[inline(always)]
+    fn parted(&self, other: &Self) -> f64 {
+        potential::parted(self, other)
+    }
+
+    fn interactions(
+        available: Available,
+        shapes: &[Shapes<2, 3>],
+        scratch: &mut Self::Scratch,
+        found: &mut [Interactions<2, 3>],
+    ) {
+        potential::interactions(available, shapes, scratch, found);
     }
 
     fn distance(&self, _: &Self, told: f64) -> f64 {

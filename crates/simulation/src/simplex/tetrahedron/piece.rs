@@ -55,10 +55,6 @@ impl Piece {
 
     const EMPTY: Self = Self { numbers: 0, count: 0 };
 
-    pub(super) fn is_empty(&self) -> bool {
-        self.count == 0
-    }
-
     #[inline]
     fn number(&self, corner: u32) -> usize {
         (self.numbers >> (BITS * corner)) as usize % ALL
@@ -143,18 +139,6 @@ impl Pieces {
         self.corners[number] = from.towards(&to, a / (a - b));
         self.count += 1;
         number as u64
-    }
-
-    /// Forgets the corners that cuts have made since there were so many.
-    #[inline]
-    pub(super) fn forget(&mut self, count: usize) {
-        self.count = count;
-    }
-
-    /// Number of corners of all pieces.
-    #[inline]
-    pub(super) fn count(&self) -> usize {
-        self.count
     }
 }
 

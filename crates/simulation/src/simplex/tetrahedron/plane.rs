@@ -46,12 +46,18 @@ fn critical_normals(stress: &Matrix<3>, friction: f64) -> Matrix<3> {
 }
 
 /// Unit vectors at right angles, of which this is the first.
+#[inline(always)]
+#[allow(
+    clippy::needless_bitwise_bool,
+    reason = "a lazy operator is a branch, of which the compiler makes no vectors"
+)]
 pub(super) fn axes_around(normal: Point<3>) -> Matrix<3> {
     // The second is at right angles to the axis of the coordinates that is least along the first, too.
-    let least = (1..3).fold(0, |best, k| if normal[k].abs() < normal[best].abs() { k } else { best });
-    let mut axis = [0.0; 3];
-    axis[least] = 1.0;
-    let along = unit(cross3(normal, axis));
+    let [x, y, z] = normal.map(f64::abs);
+    let last = (z < x) & (z < y);
+    let middle = (y < x) & !last;
+    let one = |is: bool| if is { 1.0 } else { 0.0 };
+    let along = unit(cross3(normal, [one(!(last | middle)), one(middle), one(last)]));
     [normal, along, cross3(normal, along)]
 }
 

@@ -16,83 +16,398 @@
 //! used instead, and the flux out of the faces of B inside A, where h = 1/12, is added.
 //!
 //! A. Munjiza, "The Combined Finite-Discrete Element Method" (Wiley, 2004), 2.6, has another potential and other forces, which are not its gradient.
+//!
+//! Couples are computed in batches. Pieces of faces differ in what has to be cut off, so each piece is a task of its own, and tasks with the same number of cuts are computed
+//! side by side: see `part.rs` and `lanes.rs`.
 
-use crate::simplex::tetrahedron::distance;
-use crate::simplex::tetrahedron::piece::{Piece, Pieces, share_of};
+#![allow(
+    clippy::needless_bitwise_bool,
+    reason = "a lazy operator is a branch, of which the compiler makes no vectors"
+)]
+
+use crate::lanes::{
+    Available, LANES, Lanes, Rows, compiled_for_vectors, larger, row, rows, set_row, set_rows,
+};
+use crate::simplex::tetrahedron::part::{CUTS, NUMBERS, Parts};
 use crate::simplex::tetrahedron::{FACES, Tetrahedron, cross3};
-use crate::simplex::{Interaction, NEAR, Sum};
-use crate::vector::{Point, add, dot, length, minus};
+use crate::simplex::{Interactions, NEAR, Shapes, furthest};
+use crate::vector::{Point, dot, minus};
 
-/// Computes the interaction of two tetrahedra, for a penalty of 1. If they do not overlap, returns a lower bound of their distance.
-pub(super) fn interaction(a: &Tetrahedron, b: &Tetrahedron) -> Result<Interaction<3, 4>, f64> {
-    let coordinates = [Coordinates::of(a), Coordinates::of(b)];
-    let in_b = a.map(|corner| coordinates[1].at(corner));
-    coordinates[1].beyond(&in_b)?;
-    let in_a = b.map(|corner| coordinates[0].at(corner));
-    coordinates[0].beyond(&in_a)?;
-    let mut pieces = Pieces::default();
-    let covered = [faces_in(&in_b, &mut pieces), faces_in(&in_a, &mut pieces)];
-    let mut result = Interaction::default();
-    let mut sum = Sum::default();
-    let [first, second] = &mut result.forces;
-    press(a, (b, &coordinates[1], &in_b), [&covered[0], &covered[1]], [first, second], &mut sum);
-    press(b, (a, &coordinates[0], &in_a), [&covered[1], &covered[0]], [second, first], &mut sum);
-    // No face parts the two. They overlap, touch, or are apart with an edge of each nearest to the other.
-    if sum.energy <= 0.0 {
-        return Err(distance::between(a, b));
-    }
-    Ok(sum.completed(result, a[0]))
+/// Memory for the interactions of a list of batches.
+pub(crate) struct Scratch {
+    frames: Vec<Between>,
+    tasks: Tasks,
 }
 
-/// Adds the forces of the potential of `target` on the boundary of `contactor`, and their reaction. `at`: coordinates of the corners of the contactor in the target.
-/// `covered`: what the target covers of the faces of the contactor, and the reverse.
-fn press(
-    contactor: &Tetrahedron,
-    (target, coordinates, at): (&Tetrahedron, &Coordinates, &[[f64; 4]; 4]),
-    covered: [&[Covered; 4]; 2],
-    [on_contactor, on_target]: [&mut [Point<3>; 4]; 2],
-    sum: &mut Sum<3>,
+impl Default for Scratch {
+    fn default() -> Self {
+        Self { frames: vec![Between::NONE; TOGETHER], tasks: Tasks::new() }
+    }
+}
+
+/// Computes the interactions of a list of batches.
+pub(super) fn interactions(
+    available: Available,
+    shapes: &[Shapes<3, 4>],
+    Scratch { frames, tasks }: &mut Scratch,
+    found: &mut [Interactions<3, 4>],
 ) {
-    let centroid: Point<3> =
-        std::array::from_fn(|axis| target.iter().map(|corner| corner[axis]).sum::<f64>() / 4.0);
-    let volume = coordinates.six_volumes / 6.0;
-    let (mut outside, mut near, mut inside, mut passes_near) = (0.0, 0.0, true, false);
-    for (face, covered) in FACES.iter().zip(covered[0]) {
-        let [p, q, r] = face.map(|corner| contactor[corner]);
+    for (shapes, found) in shapes.chunks(TOGETHER).zip(found.chunks_mut(TOGETHER)) {
+        let frames = &mut frames[..shapes.len()];
+        tasks.clear();
+        for (batch, (shapes, between)) in shapes.iter().zip(&mut *frames).enumerate() {
+            frames_of(available, shapes, between);
+            codes(available, between, &mut tasks.codes);
+            tasks.list(batch);
+        }
+        tasks.compute(available, frames);
+        for ((shapes, between), found) in shapes.iter().zip(frames).zip(found) {
+            *found = Interactions::NONE;
+            side::<0>(available, shapes, between, found);
+            side::<1>(available, shapes, between, found);
+            points(available, between, &shapes[0][0], &mut found.point);
+        }
+    }
+}
+
+/// Number of batches whose tasks are computed together.
+const TOGETHER: usize = 4;
+
+/// Computes the forces and the energy of the potential of one tetrahedron, that on the other: that of the second for `OF` = 0.
+fn side<const OF: usize>(
+    available: Available,
+    shapes: &Shapes<3, 4>,
+    between: &mut Between,
+    found: &mut Interactions<3, 4>,
+) {
+    between.outside = Lanes::ZERO;
+    between.near = Lanes::ZERO;
+    between.inside = Lanes::all(1.0);
+    between.passes_near = Lanes::ZERO;
+    faces::<OF, 0>(available, shapes, between, &mut found.forces);
+    faces::<OF, 1>(available, shapes, between, &mut found.forces);
+    faces::<OF, 2>(available, shapes, between, &mut found.forces);
+    faces::<OF, 3>(available, shapes, between, &mut found.forces);
+    energies::<OF>(available, between, found);
+}
+
+/// What is kept of a batch between the loops over its couples. The first of two is that of the first tetrahedron on the second, the other the reverse.
+#[derive(Clone)]
+struct Between {
+    /// Gradients of the barycentric coordinates, six times the volume, and the centroid of the target.
+    gradients: [Rows<3, 4>; 2],
+    six_volumes: [Lanes; 2],
+    centroids: [[Lanes; 3]; 2],
+    /// Barycentric coordinates of the corners of the contactor in the target.
+    at: [Rows<4, 4>; 2],
+    /// The numbers of [`Parts`], summed over the parts of each face of the contactor that the target covers.
+    covered: [Rows<NUMBERS, 4>; 2],
+    /// Sums over the faces of one contactor: the flux of both fields, and whether the centroid of the target is inside, and near a face: 1 or 0.
+    outside: Lanes,
+    near: Lanes,
+    inside: Lanes,
+    passes_near: Lanes,
+    /// Sums over all faces: pressure, and pressure times position.
+    weight: Lanes,
+    moment: [Lanes; 3],
+}
+
+impl Between {
+    const NONE: Self = Self {
+        gradients: [[[Lanes::ZERO; 3]; 4]; 2],
+        six_volumes: [Lanes::ZERO; 2],
+        centroids: [[Lanes::ZERO; 3]; 2],
+        at: [[[Lanes::ZERO; 4]; 4]; 2],
+        covered: [[[Lanes::ZERO; NUMBERS]; 4]; 2],
+        outside: Lanes::ZERO,
+        near: Lanes::ZERO,
+        inside: Lanes::ZERO,
+        passes_near: Lanes::ZERO,
+        weight: Lanes::ZERO,
+        moment: [Lanes::ZERO; 3],
+    };
+}
+
+compiled_for_vectors!(fn frames_of = all_frames<>(shapes: &Shapes<3, 4>, between: &mut Between));
+
+/// The barycentric coordinates of both tetrahedra.
+#[inline(always)]
+fn all_frames(shapes: &Shapes<3, 4>, between: &mut Between) {
+    for of in 0..2 {
+        for lane in 0..LANES {
+            let target: Tetrahedron = rows(&shapes[1 - of], lane);
+            let contactor: Tetrahedron = rows(&shapes[of], lane);
+            let coordinates = Coordinates::of(&target);
+            set_rows(&mut between.gradients[of], lane, &coordinates.gradients);
+            between.six_volumes[of].set(lane, coordinates.six_volumes);
+            let [a, b, c, d] = target;
+            let centroid: Point<3> =
+                std::array::from_fn(|axis| 0.25 * (a[axis] + b[axis] + c[axis] + d[axis]));
+            set_row(&mut between.centroids[of], lane, &centroid);
+            set_rows(&mut between.at[of], lane, &contactor.map(|corner| coordinates.at(corner)));
+        }
+    }
+    between.covered = [[[Lanes::ZERO; NUMBERS]; 4]; 2];
+    between.weight = Lanes::ZERO;
+    between.moment = [Lanes::ZERO; 3];
+}
+
+/// Bits of the word of a corner: coordinate k is positive; it is negative, from 4 on; coordinate k is more than j, at 4 k + j from 8 on; it is less, from 24 on.
+const NEGATIVE: u32 = 4;
+const MORE: u32 = 8;
+const LESS: u32 = 24;
+
+/// The parts of the faces on each side. Part 4 f + k is that of face f on which coordinate k of the target is the least. `parts`: those that are there, as bits. `lines`: what cuts
+/// each, four bits for each.
+struct Codes {
+    parts: [[u64; LANES]; 2],
+    lines: [[u64; LANES]; 2],
+}
+
+compiled_for_vectors!(fn codes = all_codes<>(between: &Between, codes: &mut Codes));
+
+#[inline(always)]
+fn all_codes(between: &Between, codes: &mut Codes) {
+    for of in 0..2 {
+        let mut words = [[0_u64; LANES]; 4];
+        for corner in 0..4 {
+            for lane in 0..LANES {
+                words[corner][lane] = word(&row(&between.at[of][corner], lane));
+            }
+        }
+        codes.parts[of] = [0; LANES];
+        codes.lines[of] = [0; LANES];
+        for face in 0..4 {
+            let [a, b, c] = FACES[face];
+            for lane in 0..LANES {
+                let word = words[a][lane] | words[b][lane] | words[c][lane];
+                let (mut parts, mut lines) = (0, 0);
+                for least in 0..4 {
+                    let (is_there, cuts) = code(word, least as u32);
+                    parts |= u64::from(is_there) << least;
+                    lines |= cuts << (4 * least);
+                }
+                codes.parts[of][lane] |= parts << (4 * face);
+                codes.lines[of][lane] |= lines << (16 * face);
+            }
+        }
+    }
+}
+
+/// The signs of the coordinates of a corner, and of their differences, as bits.
+#[inline(always)]
+fn word(at: &[f64; 4]) -> u64 {
+    let mut word = 0;
+    for k in 0..4 {
+        word |= u64::from(at[k] > 0.0) << k;
+        word |= u64::from(at[k] < 0.0) << (NEGATIVE + k as u32);
+        for j in 0..4 {
+            if j != k {
+                word |= u64::from(at[k] > at[j]) << (MORE + (4 * k + j) as u32);
+                word |= u64::from(at[k] < at[j]) << (LESS + (4 * k + j) as u32);
+            }
+        }
+    }
+    word
+}
+
+/// Whether there is a part of a face on which coordinate `least` is the least, and the lines that cut it, as bits: bit j stands for the line where it is the same as coordinate j, bit `least` for the line
+/// where it is zero. `word`: the words of the corners of the face.
+#[inline(always)]
+fn code(word: u64, least: u32) -> (bool, u64) {
+    // Beyond a face of the other one: most faces are.
+    let beyond = word & 0b1111 != 0b1111;
+    let more = word >> (MORE + 4 * least) & 0b1111;
+    let less = word >> (LESS + 4 * least) & 0b1111;
+    // If another is nowhere more, there is no part. Of two that are the same on the face, the first counts.
+    let none = !less & (more | ((1 << least) - 1)) & (0b1111 ^ 1 << least) != 0;
+    let zero = (word >> (NEGATIVE + least) & 1) << least;
+    (!(beyond | none), more | zero)
+}
+
+/// A part of a face: its batch, lane, side and number in [`Codes`], and the lines that cut it, as bits.
+#[derive(Clone, Copy)]
+struct Task {
+    batch: u8,
+    lane: u8,
+    of: u8,
+    part: u8,
+    lines: u8,
+}
+
+/// The parts of faces to be computed, by the number of lines that cut them.
+struct Tasks {
+    codes: Codes,
+    lists: [Vec<Task>; CUTS + 1],
+    parts: Parts,
+}
+
+impl Tasks {
+    fn new() -> Self {
+        let codes = Codes { parts: [[0; LANES]; 2], lines: [[0; LANES]; 2] };
+        Self { codes, lists: std::array::from_fn(|_| Vec::new()), parts: Parts::NONE }
+    }
+
+    fn clear(&mut self) {
+        for list in &mut self.lists {
+            list.clear();
+        }
+    }
+
+    /// Lists the parts of a batch by their codes.
+    fn list(&mut self, batch: usize) {
+        for lane in 0..LANES {
+            for of in 0..2 {
+                let mut parts = self.codes.parts[of][lane];
+                let lines = self.codes.lines[of][lane];
+                while parts != 0 {
+                    let part = parts.trailing_zeros();
+                    parts &= parts - 1;
+                    let lines = (lines >> (4 * part)) as u8 & 0b1111;
+                    let [batch, lane, of, part] = [batch, lane, of, part as usize].map(|x| x as u8);
+                    self.lists[lines.count_ones() as usize].push(Task { batch, lane, of, part, lines });
+                }
+            }
+        }
+    }
+
+    /// Computes all parts, and adds their numbers to those of their faces: first those with no cut, then those with one and more, so that the order for each couple does not
+    /// depend on the others.
+    fn compute(&mut self, available: Available, frames: &mut [Between]) {
+        let Self { lists, parts, .. } = self;
+        for (cuts, list) in lists.iter().enumerate() {
+            for tasks in list.chunks(LANES) {
+                for (lane, task) in tasks.iter().enumerate() {
+                    task.give(&frames[task.batch as usize], lane, parts);
+                }
+                parts.compute(available, cuts);
+                for (lane, task) in tasks.iter().enumerate() {
+                    let frame = &mut frames[task.batch as usize];
+                    let sums = &mut frame.covered[task.of as usize % 2][task.face()];
+                    parts.add_to(lane, sums, task.lane as usize % LANES);
+                }
+            }
+        }
+    }
+}
+
+impl Task {
+    fn face(self) -> usize {
+        self.part as usize / 4 % 4
+    }
+
+    /// Gives the corners of the face to a lane of the parts.
+    #[inline]
+    fn give(self, between: &Between, lane: usize, parts: &mut Parts) {
+        let own = self.lane as usize % LANES;
+        let at = &between.at[self.of as usize % 2];
+        let corners = FACES[self.face()].map(|corner| &at[corner]);
+        let values = |k: usize| corners.map(|at| at[k].get(own));
+        let number = self.part as usize % 4;
+        let least = values(number);
+        parts.set_potential(lane, least);
+        let mut lines = self.lines;
+        let mut count = 0;
+        while lines != 0 {
+            let k = lines.trailing_zeros() as usize % 4;
+            lines &= lines - 1;
+            // The part lies where a line is not negative.
+            let line = if k == number { least } else { minus(values(k), least) };
+            parts.set_line(lane, count, line);
+            count += 1;
+        }
+    }
+}
+
+compiled_for_vectors!(fn faces = all_faces<const OF: usize, const F: usize>(
+    shapes: &Shapes<3, 4>,
+    between: &mut Between,
+    forces: &mut [Rows<3, 4>; 2]
+));
+
+/// Adds the forces on one face of the contactor, and their reaction.
+#[inline(always)]
+fn all_faces<const OF: usize, const F: usize>(
+    shapes: &Shapes<3, 4>,
+    between: &mut Between,
+    forces: &mut [Rows<3, 4>; 2],
+) {
+    let corners = const { FACES[F] };
+    for lane in 0..LANES {
+        let [area, potential, one, two, outside, most] = row(&between.covered[OF][F], lane);
+        let [p, q, r]: [Point<3>; 3] = corners.map(|corner| row(&shapes[OF][corner], lane));
         // The normal has twice the area of the face as its length.
         let normal = cross3(minus(q, p), minus(r, p));
-        let beyond = dot(minus(p, centroid), normal);
-        inside &= beyond >= 0.0;
-        let pressure = covered.potential;
-        if pressure == 0.0 {
-            continue;
-        }
+        let beyond = 0.5 * dot(minus(p, row(&between.centroids[OF], lane)), normal);
+        // Without pressure, what is near the centroid may not be a number.
+        let presses = potential != 0.0;
+        let add_to = |sum: &mut Lanes, more: f64| sum.set(lane, sum.get(lane) + more);
         // Means over the face become integrals by its area, half of the length of the normal.
-        outside += 0.5 * beyond * covered.outside;
-        near += 0.5 * beyond * covered.near();
-        passes_near |= 1.0 - covered.most < NEAR;
-        let size = 0.5 * length(normal);
-        for (&corner, share) in face.iter().zip(covered.shares()) {
-            add(&mut on_contactor[corner], normal, -0.5 * share);
-            for (node, on_target) in on_target.iter_mut().enumerate() {
-                add(on_target, normal, 0.5 * share * at[corner][node]);
+        add_to(&mut between.outside, if presses { beyond * outside } else { 0.0 });
+        let near = area * (1.0 / 12.0) + 0.25 * potential;
+        add_to(&mut between.near, if presses { beyond * near } else { 0.0 });
+        between.inside.set(lane, if beyond >= 0.0 { between.inside.get(lane) } else { 0.0 });
+        let passes = presses & (1.0 - most < NEAR);
+        between.passes_near.set(lane, if passes { 1.0 } else { between.passes_near.get(lane) });
+        let shares = [potential - one - two, one, two];
+        for k in 0..3 {
+            for axis in 0..3 {
+                add_to(&mut forces[OF][corners[k]][axis], normal[axis] * (-0.5 * shares[k]));
             }
-            add(&mut sum.moment, contactor[corner], size * share);
         }
-        sum.weight += size * pressure;
+        let at: [[f64; 4]; 3] = corners.map(|corner| row(&between.at[OF][corner], lane));
+        for node in 0..4 {
+            let share = shares[0] * at[0][node] + shares[1] * at[1][node] + shares[2] * at[2][node];
+            for axis in 0..3 {
+                add_to(&mut forces[1 - OF][node][axis], normal[axis] * (0.5 * share));
+            }
+        }
+        let size = 0.5 * dot(normal, normal).sqrt();
+        add_to(&mut between.weight, size * potential);
+        for axis in 0..3 {
+            let on = shares[0] * p[axis] + shares[1] * q[axis] + shares[2] * r[axis];
+            add_to(&mut between.moment[axis], size * on);
+        }
     }
-    let energy = if passes_near {
-        near + volume / 16.0 * covered[1].iter().map(|covered| covered.area).sum::<f64>()
-    } else if inside {
-        outside + volume / 4.0
-    } else {
-        outside
-    };
-    for (on_target, gradient) in on_target.iter_mut().zip(coordinates.gradients) {
-        add(on_target, gradient, -energy);
+}
+
+compiled_for_vectors!(fn energies = all_energies<const OF: usize>(between: &Between, found: &mut Interactions<3, 4>));
+
+/// Adds the energy of the potential of one target, and the forces on its corners because the potential moves with them.
+#[inline(always)]
+fn all_energies<const OF: usize>(between: &Between, found: &mut Interactions<3, 4>) {
+    for lane in 0..LANES {
+        let volume = between.six_volumes[OF].get(lane) * (1.0 / 6.0);
+        let inside = between.inside.get(lane);
+        let areas = [0, 1, 2, 3].map(|face| between.covered[1 - OF][face][0].get(lane));
+        let area = areas[0] + areas[1] + areas[2] + areas[3];
+        let far = between.outside.get(lane) + inside * (0.25 * volume);
+        let near = between.near.get(lane) + volume * (1.0 / 16.0) * area;
+        let energy = if between.passes_near.get(lane) > 0.0 { near } else { far };
+        for corner in 0..4 {
+            for axis in 0..3 {
+                let force = &mut found.forces[1 - OF][corner][axis];
+                let gradient = between.gradients[OF][corner][axis].get(lane);
+                force.set(lane, force.get(lane) - gradient * energy);
+            }
+        }
+        found.energy.set(lane, found.energy.get(lane) + energy);
+        found.deep.set(lane, larger(found.deep.get(lane), inside));
     }
-    sum.energy += energy;
-    sum.deep |= inside;
+}
+
+compiled_for_vectors!(fn points = all_points<>(between: &Between, any: &[Lanes; 3], point: &mut [Lanes; 3]));
+
+/// The points where the forces act. Without pressure there is no friction, so any point will do.
+#[inline(always)]
+fn all_points(between: &Between, any: &[Lanes; 3], point: &mut [Lanes; 3]) {
+    for lane in 0..LANES {
+        let weight = between.weight.get(lane);
+        for axis in 0..3 {
+            let mean = between.moment[axis].get(lane) / weight;
+            point[axis].set(lane, if weight > 0.0 { mean } else { any[axis].get(lane) });
+        }
+    }
 }
 
 /// Barycentric coordinates of a tetrahedron.
@@ -103,7 +418,7 @@ pub(super) struct Coordinates {
 }
 
 impl Coordinates {
-    #[inline]
+    #[inline(always)]
     pub(super) fn of(tetrahedron: &Tetrahedron) -> Self {
         let [a, b, c, d] = *tetrahedron;
         let (e, f, g) = (minus(b, a), minus(c, a), minus(d, a));
@@ -115,158 +430,27 @@ impl Coordinates {
         Self { origin: a, gradients: [zero, one, two, three], six_volumes }
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn at(&self, point: Point<3>) -> [f64; 4] {
         let from = minus(point, self.origin);
         let [one, two, three] = [1, 2, 3].map(|k| dot(self.gradients[k], from));
         [1.0 - one - two - three, one, two, three]
     }
-
-    /// Returns `Err` if corners with these coordinates are all on or beyond one of the faces; the value is a lower bound of their distance.
-    #[inline]
-    fn beyond(&self, corners: &[[f64; 4]; 4]) -> Result<(), f64> {
-        let mut distance: Option<f64> = None;
-        for k in 0..4 {
-            let most = corners.iter().map(|corner| corner[k]).fold(f64::NEG_INFINITY, f64::max);
-            if most <= 0.0 {
-                // The length of the gradient is one over the height.
-                let beyond = -most / length(self.gradients[k]);
-                distance = Some(distance.map_or(beyond, |other| other.max(beyond)));
-            }
-        }
-        distance.map_or(Ok(()), Err)
-    }
 }
 
-/// The part of a face that lies in another tetrahedron, with integrals over this part. The area of the face counts as 1.
-#[derive(Clone, Copy, Default)]
-struct Covered {
-    /// Area of the part.
-    area: f64,
-    /// ∫ φ.
-    potential: f64,
-    /// ∫ φ β, with β the last two barycentric coordinates on the face.
-    shares: [f64; 2],
-    /// ∫ h with C = −1/12.
-    outside: f64,
-    /// Largest φ on the part.
-    most: f64,
-}
-
-impl Covered {
-    /// ∫ φ β, with β the barycentric coordinates on the face.
-    #[inline]
-    fn shares(&self) -> [f64; 3] {
-        let [one, two] = self.shares;
-        [self.potential - one - two, one, two]
-    }
-
-    /// ∫ h with C = 0.
-    #[inline]
-    fn near(&self) -> f64 {
-        self.area / 12.0 + 0.25 * self.potential
-    }
-
-    /// Adds the integrals over a piece of the face on which this coordinate is the least.
-    #[inline]
-    fn add(&mut self, pieces: &Pieces, piece: &Piece, least: usize) {
-        let mut corners =
-            pieces.corners(piece).map(|corner| (corner, larger(4.0 * corner.values[least], 0.0)));
-        let (Some((first, a)), Some((mut second, mut b))) = (corners.next(), corners.next()) else { return };
-        let mut most = larger(larger(self.most, a), b);
-        for (third, c) in corners {
-            let area = share_of([first, second, third]);
-            self.area += area;
-            let sum = a + b + c;
-            self.potential += area / 3.0 * sum;
-            for k in 0..2 {
-                let places = first.place[k] + second.place[k] + third.place[k];
-                let own = a * first.place[k] + b * second.place[k] + c * third.place[k];
-                self.shares[k] += area / 12.0 * (sum * places + own);
-            }
-            let (two, three) = (a * b + b * c + c * a, a * b * c);
-            let w = (1.0 - a) * (1.0 - b) * (1.0 - c);
-            self.outside -= area * (sum * sum - two - sum * two + three + sum * three) / (12.0 * w);
-            most = larger(most, c);
-            (second, b) = (third, c);
-        }
-        self.most = most;
-    }
-}
-
-/// The larger of two numbers. One instruction, where `f64::max` takes five, because it knows what is not a number.
-#[inline]
-fn larger(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
-}
-
-/// The parts of the four faces of a tetrahedron that another one covers. `corners`: coordinates of the corners in that other one.
-fn faces_in(corners: &[[f64; 4]; 4], pieces: &mut Pieces) -> [Covered; 4] {
-    // The coordinates, as bits, that are positive and negative at each corner.
-    let bits =
-        |is: fn(&f64) -> bool| corners.map(|at| (0..4).fold(0, |all, k| all | u8::from(is(&at[k])) << k));
-    let (positive, negative) = (bits(|x| *x > 0.0), bits(|x| *x < 0.0));
-    FACES.map(|[a, b, c]| {
-        // Beyond a face of the other one: most faces are.
-        if positive[a] | positive[b] | positive[c] != 0b1111 {
-            return Covered::default();
-        }
-        face_in(&[corners[a], corners[b], corners[c]], negative[a] | negative[b] | negative[c], pieces)
-    })
-}
-
-/// Pairs of coordinates.
-const PAIRS: [[usize; 2]; 6] = [[1, 0], [2, 1], [3, 2], [0, 3], [2, 0], [3, 1]];
-
-/// The part of a face whose corners have these coordinates in the other tetrahedron. `negative`: those that are negative somewhere.
-fn face_in(corners: &[[f64; 4]; 3], negative: u8, pieces: &mut Pieces) -> Covered {
-    let mut covered = Covered::default();
-    pieces.begin(corners);
-    // Where no coordinate is negative.
-    let mut inside = Piece::WHOLE;
-    for k in (0..4).filter(|k| negative >> k & 1 != 0) {
-        inside = pieces.cut(&inside, |values| values[k]);
-        if inside.is_empty() {
-            return covered;
-        }
-    }
-    // The largest and the least difference of each pair of coordinates at the corners.
-    let (mut largest, mut least) = ([f64::NEG_INFINITY; 6], [f64::INFINITY; 6]);
-    for corner in pieces.corners(&inside) {
-        for (pair, [k, j]) in PAIRS.into_iter().enumerate() {
-            let difference = corner.values[k] - corner.values[j];
-            largest[pair] = larger(difference, largest[pair]);
-            least[pair] = if difference < least[pair] { difference } else { least[pair] };
-        }
-    }
-    // Bit `j` of the mask `k`: at some corner coordinate `k` is more than `j`.
-    let mut more = [0_u8; 4];
-    for (pair, [k, j]) in PAIRS.into_iter().enumerate() {
-        more[k] |= u8::from(largest[pair] > 0.0) << j;
-        more[j] |= u8::from(least[pair] < 0.0) << k;
-    }
-    let is_more = |k: usize, j: usize| more[k] >> j & 1 != 0;
-    let count = pieces.count();
-    // Each part where one coordinate is the least: if another is nowhere more, there is none. Of two that are the same on the face, the first counts.
-    for least in 0..4 {
-        let others = (0..4).filter(|&other| other != least);
-        if others.clone().any(|other| !is_more(other, least) && (is_more(least, other) || other < least)) {
-            continue;
-        }
-        let mut part = inside;
-        pieces.forget(count);
-        for other in others.filter(|&other| is_more(least, other)) {
-            part = pieces.cut(&part, |values| values[other] - values[least]);
-        }
-        covered.add(pieces, &part, least);
-    }
-    covered
+/// The square of the distance, m², by which the face of `target` that does so most parts it from the other tetrahedron; negative if none does.
+#[inline(always)]
+pub(super) fn parted(contactor: &Tetrahedron, target: &Tetrahedron) -> f64 {
+    let coordinates = Coordinates::of(target);
+    furthest(&coordinates.gradients, &contactor.map(|corner| coordinates.at(corner)))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::random::uniform;
+    use crate::simplex::interaction;
+    use crate::vector::{add, length};
 
     /// Pairs of tetrahedra that overlap in many ways, or do not, from a fixed pseudo-random sequence.
     fn pairs(count: u64) -> impl Iterator<Item = [Tetrahedron; 2]> {

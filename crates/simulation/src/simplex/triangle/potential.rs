@@ -15,85 +15,224 @@
 //! `h = 1/2 − w/3 + C/w²` has the divergence φ for any C. With C = −1/6 the field vanishes on the boundary of B, and its flux out of the edges of A is the
 //! integral, less a third of the area of B if c is in A. Without cancellation, `h = −φ² (3 − 2 φ)/(6 w²)` there. Near c the flux is nearly 0/0. If an edge of A
 //! passes near c, C = 0 is used instead, and the flux out of the edges of B inside A, where h = 1/6, is added.
+//!
+//! Couples are computed in batches, without a branch that depends on one of them: see `lanes.rs`.
 
+#![allow(
+    clippy::needless_bitwise_bool,
+    reason = "a lazy operator is a branch, of which the compiler makes no vectors"
+)]
+
+use crate::lanes::{
+    Available, LANES, Lanes, Rows, compiled_for_vectors, larger, row, rows, set_row, set_rows, smaller,
+};
 use crate::simplex::triangle::Triangle;
-use crate::simplex::{Interaction, NEAR, Sum};
-use crate::vector::{Point, add, cross, dot, length, minus};
+use crate::simplex::{Interactions, NEAR, Shapes, furthest};
+use crate::vector::{Point, cross, dot, minus};
 
-/// Computes the interaction of two triangles. If they do not overlap, returns a lower bound of their distance.
-pub(super) fn interaction(a: &Triangle, b: &Triangle) -> Result<Interaction, f64> {
-    let coordinates = [Coordinates::of(a), Coordinates::of(b)];
-    let in_b = a.map(|corner| coordinates[1].at(corner));
-    coordinates[1].beyond(&in_b)?;
-    let in_a = b.map(|corner| coordinates[0].at(corner));
-    coordinates[0].beyond(&in_a)?;
-    let chords = [chords(&in_b), chords(&in_a)];
-    let mut result = Interaction::default();
-    let [first, second] = &mut result.forces;
-    let mut sum = Sum::default();
-    press(a, b, &coordinates[1], [&chords[0], &chords[1]], [first, second], &mut sum);
-    press(b, a, &coordinates[0], [&chords[1], &chords[0]], [second, first], &mut sum);
-    // The triangles touch only in a point or along a line.
-    if sum.energy <= 0.0 {
-        return Err(0.0);
+const THIRD: f64 = 1.0 / 3.0;
+const SIXTH: f64 = 1.0 / 6.0;
+
+/// Computes the interactions of a list of batches.
+pub(super) fn interactions(
+    available: Available,
+    shapes: &[Shapes<2, 3>],
+    between: &mut Between,
+    found: &mut [Interactions<2, 3>],
+) {
+    for (shapes, found) in shapes.iter().zip(found) {
+        frames(available, shapes, between);
+        for of in 0..2 {
+            for k in 0..3 {
+                let at = &between.at[of];
+                chords(available, &at[k], &at[(k + 1) % 3], &mut between.chords[of][k]);
+            }
+        }
+        *found = Interactions::NONE;
+        side::<0>(available, shapes, between, found);
+        side::<1>(available, shapes, between, found);
+        points(available, between, &shapes[0][0], &mut found.point);
     }
-    Ok(sum.completed(result, a[0]))
 }
 
-/// Adds the forces of the potential of `target` on the boundary of `contactor`, and their reaction. `chords`: those of the edges of the contactor in the
-/// target, and the reverse.
-fn press(
-    contactor: &Triangle,
-    target: &Triangle,
-    coordinates: &Coordinates,
-    chords: [&[Chord; 3]; 2],
-    [on_contactor, on_target]: [&mut [Point; 3]; 2],
-    sum: &mut Sum<2>,
+/// Computes the forces and the energy of the potential of one triangle, that on the other: that of the second for `OF` = 0.
+fn side<const OF: usize>(
+    available: Available,
+    shapes: &Shapes<2, 3>,
+    between: &mut Between,
+    found: &mut Interactions<2, 3>,
 ) {
-    let centroid: Point =
-        std::array::from_fn(|axis| (target[0][axis] + target[1][axis] + target[2][axis]) / 3.0);
-    let area = 0.5 * coordinates.double;
-    let (mut outside, mut near, mut inside) = (0.0, 0.0, true);
-    let mut passes_near = false;
-    for (k, chord) in chords[0].iter().enumerate() {
-        let next = (k + 1) % 3;
-        let along = minus(contactor[next], contactor[k]);
+    between.outside = Lanes::ZERO;
+    between.near = Lanes::ZERO;
+    between.inside = Lanes::all(1.0);
+    between.passes_near = Lanes::ZERO;
+    edges::<OF, 0>(available, shapes, between, &mut found.forces);
+    edges::<OF, 1>(available, shapes, between, &mut found.forces);
+    edges::<OF, 2>(available, shapes, between, &mut found.forces);
+    energies::<OF>(available, between, found);
+}
+
+/// What is kept of a batch between the loops over its couples. The first of two is that of the first triangle on the second, the other the reverse.
+pub(crate) struct Between {
+    /// Gradients of the area coordinates, twice the area, and the centroid of the target.
+    gradients: [Rows<2, 3>; 2],
+    double: [Lanes; 2],
+    centroids: [[Lanes; 2]; 2],
+    /// Area coordinates of the corners of the contactor in the target.
+    at: [Rows<3, 3>; 2],
+    /// The numbers of a [`Chord`] for each edge of the contactor.
+    chords: [Rows<6, 3>; 2],
+    /// Sums over the edges of one contactor: the flux of both fields, and whether the centroid of the target is inside, and near an edge: 1 or 0.
+    outside: Lanes,
+    near: Lanes,
+    inside: Lanes,
+    passes_near: Lanes,
+    /// Sums over all edges: pressure, and pressure times position.
+    weight: Lanes,
+    moment: [Lanes; 2],
+}
+
+impl Default for Between {
+    fn default() -> Self {
+        Self::NONE
+    }
+}
+
+impl Between {
+    const NONE: Self = Self {
+        gradients: [[[Lanes::ZERO; 2]; 3]; 2],
+        double: [Lanes::ZERO; 2],
+        centroids: [[Lanes::ZERO; 2]; 2],
+        at: [[[Lanes::ZERO; 3]; 3]; 2],
+        chords: [[[Lanes::ZERO; 6]; 3]; 2],
+        outside: Lanes::ZERO,
+        near: Lanes::ZERO,
+        inside: Lanes::ZERO,
+        passes_near: Lanes::ZERO,
+        weight: Lanes::ZERO,
+        moment: [Lanes::ZERO; 2],
+    };
+}
+
+compiled_for_vectors!(fn frames = all_frames<>(shapes: &Shapes<2, 3>, between: &mut Between));
+
+/// The area coordinates of both triangles.
+#[inline(always)]
+fn all_frames(shapes: &Shapes<2, 3>, between: &mut Between) {
+    for lane in 0..LANES {
+        let [a, b] = [rows(&shapes[0], lane), rows(&shapes[1], lane)];
+        for (of, (target, contactor)) in [(b, a), (a, b)].into_iter().enumerate() {
+            let coordinates = Coordinates::of(&target);
+            set_rows(&mut between.gradients[of], lane, &coordinates.gradients);
+            between.double[of].set(lane, coordinates.double);
+            let centroid: Point =
+                std::array::from_fn(|axis| THIRD * (target[0][axis] + target[1][axis] + target[2][axis]));
+            set_row(&mut between.centroids[of], lane, &centroid);
+            set_rows(&mut between.at[of], lane, &contactor.map(|corner| coordinates.at(corner)));
+        }
+        between.weight.set(lane, 0.0);
+        set_row(&mut between.moment, lane, &[0.0; 2]);
+    }
+}
+
+compiled_for_vectors!(fn chords = all_chords<>(start: &[Lanes; 3], end: &[Lanes; 3], chords: &mut [Lanes; 6]));
+
+/// The chords of one edge.
+#[inline(always)]
+fn all_chords(start: &[Lanes; 3], end: &[Lanes; 3], chords: &mut [Lanes; 6]) {
+    for lane in 0..LANES {
+        let chord = chord(row(start, lane), row(end, lane));
+        set_row(chords, lane, &chord.numbers());
+    }
+}
+
+compiled_for_vectors!(fn edges = all_edges<const OF: usize, const K: usize>(
+    shapes: &Shapes<2, 3>,
+    between: &mut Between,
+    forces: &mut [Rows<2, 3>; 2]
+));
+
+/// Adds the forces on one edge of the contactor, and their reaction.
+#[inline(always)]
+fn all_edges<const OF: usize, const K: usize>(
+    shapes: &Shapes<2, 3>,
+    between: &mut Between,
+    forces: &mut [Rows<2, 3>; 2],
+) {
+    let next = const { (K + 1) % 3 };
+    for lane in 0..LANES {
+        let chord = Chord::of(row(&between.chords[OF][K], lane));
+        let [here, there]: [Point; 2] = [K, next].map(|corner| row(&shapes[OF][corner], lane));
+        let [start, end]: [[f64; 3]; 2] = [K, next].map(|corner| row(&between.at[OF][corner], lane));
+        let along = minus(there, here);
         // The normal has the length of the edge.
         let normal = [along[1], -along[0]];
-        let beyond = dot(minus(contactor[k], centroid), normal);
-        inside &= beyond >= 0.0;
+        let beyond = dot(minus(here, row(&between.centroids[OF], lane)), normal);
         let pressure = chord.at_start + chord.at_end;
-        if pressure == 0.0 {
-            continue;
-        }
-        outside += beyond * chord.outside;
-        near += beyond * chord.near;
-        passes_near |= chord.least < NEAR;
-        add(&mut on_contactor[k], normal, -chord.at_start);
-        add(&mut on_contactor[next], normal, -chord.at_end);
-        let [start, end] = [k, next].map(|corner| coordinates.at(contactor[corner]));
-        for corner in 0..3 {
-            add(&mut on_target[corner], normal, start[corner] * chord.at_start + end[corner] * chord.at_end);
-        }
-        let long = length(normal);
-        sum.weight += long * pressure;
+        // Without pressure, what is near the centroid may not be a number.
+        let presses = pressure != 0.0;
+        let add_to = |sum: &mut Lanes, more: f64| sum.set(lane, sum.get(lane) + more);
+        add_to(&mut between.outside, if presses { beyond * chord.outside } else { 0.0 });
+        add_to(&mut between.near, if presses { beyond * chord.near } else { 0.0 });
+        between.inside.set(lane, if beyond >= 0.0 { between.inside.get(lane) } else { 0.0 });
+        let passes = presses & (chord.least < NEAR);
+        between.passes_near.set(lane, if passes { 1.0 } else { between.passes_near.get(lane) });
         for axis in 0..2 {
-            let moment = contactor[k][axis] * chord.at_start + contactor[next][axis] * chord.at_end;
-            sum.moment[axis] += long * moment;
+            add_to(&mut forces[OF][K][axis], normal[axis] * -chord.at_start);
+            add_to(&mut forces[OF][next][axis], normal[axis] * -chord.at_end);
+        }
+        for corner in 0..3 {
+            let share = start[corner] * chord.at_start + end[corner] * chord.at_end;
+            for axis in 0..2 {
+                add_to(&mut forces[1 - OF][corner][axis], normal[axis] * share);
+            }
+        }
+        let long = dot(normal, normal).sqrt();
+        add_to(&mut between.weight, long * pressure);
+        for axis in 0..2 {
+            let on = here[axis] * chord.at_start + there[axis] * chord.at_end;
+            add_to(&mut between.moment[axis], long * on);
         }
     }
-    let energy = if passes_near {
-        near + area / 9.0 * chords[1].iter().map(|chord| chord.long).sum::<f64>()
-    } else if inside {
-        outside + area / 3.0
-    } else {
-        outside
-    };
-    for corner in 0..3 {
-        add(&mut on_target[corner], coordinates.gradients[corner], -energy);
+}
+
+compiled_for_vectors!(fn energies = all_energies<const OF: usize>(between: &Between, found: &mut Interactions<2, 3>));
+
+/// Adds the energy of the potential of one target, and the forces on its corners because the potential moves with them.
+#[inline(always)]
+fn all_energies<const OF: usize>(between: &Between, found: &mut Interactions<2, 3>) {
+    for lane in 0..LANES {
+        let area = 0.5 * between.double[OF].get(lane);
+        let inside = between.inside.get(lane);
+        let covered = [0, 1, 2].map(|k| between.chords[1 - OF][k][0].get(lane));
+        let covered = covered[0] + covered[1] + covered[2];
+        let far = between.outside.get(lane) + inside * (THIRD * area);
+        let near = between.near.get(lane) + THIRD * THIRD * area * covered;
+        let energy = if between.passes_near.get(lane) > 0.0 { near } else { far };
+        for corner in 0..3 {
+            for axis in 0..2 {
+                let force = &mut found.forces[1 - OF][corner][axis];
+                let gradient = between.gradients[OF][corner][axis].get(lane);
+                force.set(lane, force.get(lane) - gradient * energy);
+            }
+        }
+        found.energy.set(lane, found.energy.get(lane) + energy);
+        found.deep.set(lane, larger(found.deep.get(lane), inside));
     }
-    sum.energy += energy;
-    sum.deep |= inside;
+}
+
+compiled_for_vectors!(fn points = all_points<>(between: &Between, any: &[Lanes; 2], point: &mut [Lanes; 2]));
+
+/// The points where the forces act. Without pressure there is no friction, so any point will do.
+#[inline(always)]
+fn all_points(between: &Between, any: &[Lanes; 2], point: &mut [Lanes; 2]) {
+    for lane in 0..LANES {
+        let weight = between.weight.get(lane);
+        for axis in 0..2 {
+            let mean = between.moment[axis].get(lane) / weight;
+            point[axis].set(lane, if weight > 0.0 { mean } else { any[axis].get(lane) });
+        }
+    }
 }
 
 /// Area coordinates of a triangle.
@@ -105,7 +244,7 @@ pub(super) struct Coordinates {
 }
 
 impl Coordinates {
-    #[inline]
+    #[inline(always)]
     pub(super) fn of(triangle: &Triangle) -> Self {
         let [a, b, c] = *triangle;
         let double = cross(minus(b, a), minus(c, a));
@@ -115,31 +254,23 @@ impl Coordinates {
         Self { origin: a, gradients, double }
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn at(&self, point: Point) -> [f64; 3] {
         let from = minus(point, self.origin);
         let (one, two) = (dot(self.gradients[1], from), dot(self.gradients[2], from));
         [1.0 - one - two, one, two]
     }
+}
 
-    /// Returns `Err` if corners with these coordinates are all on or beyond one of the edges; the value is a lower bound of their distance.
-    #[inline]
-    fn beyond(&self, corners: &[[f64; 3]; 3]) -> Result<(), f64> {
-        let mut distance = None;
-        for k in 0..3 {
-            let most = corners[0][k].max(corners[1][k]).max(corners[2][k]);
-            if most <= 0.0 {
-                // The length of the gradient is one over the height.
-                let beyond = -most / length(self.gradients[k]);
-                distance = Some(distance.map_or(beyond, |other: f64| other.max(beyond)));
-            }
-        }
-        distance.map_or(Ok(()), Err)
-    }
+/// The square of the distance, m², by which the edge of `target` that does so most parts it from the other triangle; negative if none does.
+#[inline(always)]
+pub(super) fn parted(contactor: &Triangle, target: &Triangle) -> f64 {
+    let coordinates = Coordinates::of(target);
+    furthest(&coordinates.gradients, &contactor.map(|corner| coordinates.at(corner)))
 }
 
 /// The part of an edge that lies in another triangle, with integrals over this part. The length of the edge counts as 1.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy)]
 struct Chord {
     /// Length of the part.
     long: f64,
@@ -153,64 +284,61 @@ struct Chord {
     least: f64,
 }
 
-/// Chords of the three edges of a triangle whose corners have these area coordinates in the other triangle.
-#[inline]
-fn chords(corners: &[[f64; 3]; 3]) -> [Chord; 3] {
-    [0, 1, 2].map(|k| chord(&corners[k], &corners[(k + 1) % 3]))
+impl Chord {
+    #[inline(always)]
+    fn of([long, at_start, at_end, outside, near, least]: [f64; 6]) -> Self {
+        Self { long, at_start, at_end, outside, near, least }
+    }
+
+    #[inline(always)]
+    fn numbers(&self) -> [f64; 6] {
+        [self.long, self.at_start, self.at_end, self.outside, self.near, self.least]
+    }
 }
 
 /// Chord of an edge whose ends have these area coordinates in the other triangle.
-#[inline]
-fn chord(start: &[f64; 3], end: &[f64; 3]) -> Chord {
-    let (mut from, mut to) = (0.0_f64, 1.0_f64);
+#[inline(always)]
+fn chord(start: [f64; 3], end: [f64; 3]) -> Chord {
+    let (mut from, mut to, mut beyond) = (0.0, 1.0, false);
     for k in 0..3 {
         let (x, y) = (start[k], end[k]);
-        if x < 0.0 && y < 0.0 {
-            return Chord::default();
-        }
-        if x < 0.0 {
-            from = from.max(x / (x - y));
-        } else if y < 0.0 {
-            to = to.min(x / (x - y));
-        }
+        let crossing = x / (x - y);
+        from = if x < 0.0 { larger(from, crossing) } else { from };
+        to = if (x >= 0.0) & (y < 0.0) { smaller(to, crossing) } else { to };
+        beyond |= (x < 0.0) & (y < 0.0);
     }
-    if from >= to {
-        return Chord::default();
-    }
-    // Ends of the pieces on which one coordinate is the smallest: two coordinates are equal there.
-    let (mut cuts, mut count) = ([from, to, to, to, to], 1);
-    for (k, l) in [(0, 1), (1, 2), (2, 0)] {
+    // A part without length.
+    to = if beyond | (from >= to) { from } else { to };
+    // Ends of the pieces on which one coordinate is the smallest: two coordinates are equal there. Those that are not needed are at the end.
+    let cut = |k: usize, l: usize| {
         let (x, y) = (start[k] - start[l], end[k] - end[l]);
-        if (x < 0.0 && y > 0.0) || (x > 0.0 && y < 0.0) {
-            let cut = x / (x - y);
-            if cut > from && cut < to {
-                let mut place = count;
-                while cuts[place - 1] > cut {
-                    cuts[place] = cuts[place - 1];
-                    place -= 1;
-                }
-                cuts[place] = cut;
-                count += 1;
-            }
-        }
-    }
-    cuts[count] = to;
-    let potential = |s: f64| {
-        let at = |k: usize| start[k] + s * (end[k] - start[k]);
-        3.0 * at(0).min(at(1)).min(at(2)).max(0.0)
+        let cut = x / (x - y);
+        let crosses = ((x < 0.0) & (y > 0.0)) | ((x > 0.0) & (y < 0.0));
+        if crosses & (cut > from) & (cut < to) { cut } else { to }
     };
-    let mut chord = Chord { long: to - from, least: 1.0, ..Chord::default() };
-    let (mut s, mut a) = (from, potential(from));
-    for &t in &cuts[1..=count] {
-        let (b, long) = (potential(t), t - s);
+    let (a, b, c) = (cut(0, 1), cut(1, 2), cut(2, 0));
+    let (a, b) = (smaller(a, b), larger(b, a));
+    let (b, c) = (smaller(b, c), larger(c, b));
+    let (a, b) = (smaller(a, b), larger(b, a));
+    let along: [f64; 3] = std::array::from_fn(|k| end[k] - start[k]);
+    let potential = |s: f64| {
+        let at = |k: usize| start[k] + s * along[k];
+        larger(3.0 * smaller(smaller(at(0), at(1)), at(2)), 0.0)
+    };
+    let mut chord =
+        Chord { long: to - from, at_start: 0.0, at_end: 0.0, outside: 0.0, near: 0.0, least: 1.0 };
+    let (mut s, mut a_s) = (from, potential(from));
+    for t in [a, b, c, to] {
+        let (a, b, long) = (a_s, potential(t), t - s);
         let (v, w) = (1.0 - a, 1.0 - b);
-        chord.at_start += long / 6.0 * (a * (3.0 - 2.0 * s - t) + b * (3.0 - s - 2.0 * t));
-        chord.at_end += long / 6.0 * (a * (2.0 * s + t) + b * (s + 2.0 * t));
+        let share = long * SIXTH;
+        chord.at_start += share * (a * (3.0 - 2.0 * s - t) + b * (3.0 - s - 2.0 * t));
+        chord.at_end += share * (a * (2.0 * s + t) + b * (s + 2.0 * t));
         // Integral of -φ² (3 - 2 φ)/(6 w²), with φ from a to b.
-        chord.outside -= long * (a * a + a * b + b * b - a * b * (a + b)) / (6.0 * v * w);
-        chord.near += long * (0.5 - (v + w) / 6.0);
-        chord.least = chord.least.min(v).min(w);
-        (s, a) = (t, b);
+        chord.outside -= share * (a * a + a * b + b * b - a * b * (a + b)) / (v * w);
+        chord.near += long * (0.5 - SIXTH * (v + w));
+        chord.least = smaller(chord.least, smaller(v, w));
+        (s, a_s) = (t, b);
     }
     chord
 }
@@ -218,6 +346,7 @@ fn chord(start: &[f64; 3], end: &[f64; 3]) -> Chord {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::simplex::interaction;
 
     /// Pairs of triangles that overlap in many ways, from a fixed pseudo-random sequence.
     fn pairs() -> impl Iterator<Item = (Triangle, Triangle)> {
@@ -350,7 +479,7 @@ mod tests {
         let below = [[0.0, 0.0], [1.0, 0.0], [0.5, 1.0]].map(|[x, y]: Point| [x, -y]);
         let below = [below[0], below[2], below[1]];
         let above = [[0.0, -d], [1.0, -d], [0.5, 1.0 - d]];
-        let found = interaction(&above, &below).unwrap_or_default();
+        let found = interaction(&above, &below).expect("they overlap");
         let up = found.forces[0].iter().map(|f| f[1]).sum::<f64>();
         // Both potentials press, each with 3 d over a length of 1.
         assert!((up / (6.0 * d) - 1.0).abs() < 1e-4, "{up}");
@@ -361,7 +490,7 @@ mod tests {
     #[test]
     fn the_same_triangle_twice_is_deep() {
         let a = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
-        let found = interaction(&a, &a).unwrap_or_default();
+        let found = interaction(&a, &a).expect("they overlap");
         assert!(found.deep);
         // ∫ φ over a triangle is a third of its area.
         assert!((found.energy - 2.0 * 0.5 / 3.0).abs() < 1e-14);
