@@ -14,8 +14,8 @@ use crate::command::run::checkpoint::Unsaved;
 use crate::command::run::recorder::Recorder;
 use crate::command::run::results::Results;
 
-/// What waits beside what is being written: a frame, and the checkpoint or the frame after it.
-const PLACES: usize = 2;
+/// What waits beside what is being written. With one place the run need not wait where a frame and a checkpoint are due at the same step; each place costs the memory of a frame.
+const PLACES: usize = 1;
 
 /// What is to be written.
 pub(crate) enum Task<const D: usize, const N: usize> {
