@@ -125,20 +125,20 @@ impl Case {
         let start = one.timings();
         let steps = self.steps;
         let mut contacts = [0.0; 2];
-        let programs = [Program::One].into_iter().chain(others.iter().map(|(program, _)| program.clone()));
-        let programs = programs.chain(earlier.iter().map(|_| Program::Before));
+        let programs = [Program::One].into_iter().chain(earlier.iter().map(|_| Program::Before));
+        let programs = programs.chain(others.iter().map(|(program, _)| program.clone()));
         let programs = programs.chain(self.external.iter().map(|(name, _)| Program::Other(name.clone())));
         let mut seconds: Vec<(Program, Vec<f64>)> = programs.map(|program| (program, Vec::new())).collect();
         for _ in 0..self.rounds {
             let mut round = vec![timed(&mut one, steps)?];
             contacts[0] += one.counts().contacts as f64 / self.rounds as f64;
-            for (_, run) in &mut others {
-                round.push(timed(run, steps)?);
-            }
             if let Some(earlier) = &mut earlier {
                 let turn = earlier.turn()?;
                 contacts[1] += turn.contacts / self.rounds as f64;
                 round.push(turn.seconds);
+            }
+            for (_, run) in &mut others {
+                round.push(timed(run, steps)?);
             }
             for (name, command) in &self.external {
                 round.push(outside(name, command, &mesh, steps)?);
