@@ -46,6 +46,21 @@ impl Body {
             Self::Space(body) => body.what(),
         }
     }
+
+    /// Steps of one timing with this number of elements: about half a second on one core. The number is fixed, so that all runs and all versions take the same steps.
+    pub fn steps(self, elements: usize) -> u64 {
+        let millions = match self {
+            Self::Plane(Plane::Bar | Plane::Disc) => 27.0,
+            Self::Plane(Plane::Adaptive) => 20.0,
+            Self::Plane(Plane::Joined | Plane::Intrinsic) => 6.5,
+            Self::Plane(Plane::Heap) => 0.9,
+            Self::Space(Space::Cube) => 14.0,
+            Self::Space(Space::CubeAdaptive) => 10.0,
+            Self::Space(Space::CubeJoined) => 2.0,
+            Self::Space(Space::Debris) => 0.3,
+        };
+        ((1e6 * millions / elements as f64) as u64).max(2)
+    }
 }
 
 /// A model of rock.
@@ -127,6 +142,15 @@ fn pressed<const D: usize, const N: usize>(
         [wall(axis, low, RATE * middle), wall(axis, high, -RATE * middle)]
     };
     (mesh, velocities, walls.into_iter().enumerate().flat_map(pair).collect())
+}
+
+/// Damps fragments that press each other. The first contact sets their surfaces swinging. Damping ends that within some steps, and they press each other from then on.
+fn calm<const D: usize, const N: usize>(mut model: Model<D, N>) -> Model<D, N> {
+    model.contact.damping = 1.0;
+    for material in &mut model.materials {
+        material.damping = 0.5;
+    }
+    model
 }
 
 fn moved<const D: usize, const N: usize>(mesh: &Mesh<D, N>, by: [f64; D]) -> Mesh<D, N> {

@@ -18,7 +18,8 @@ pub fn machine(threads: &[usize]) -> String {
     if let Ok(cores) = std::thread::available_parallelism() {
         let used: Vec<String> = threads.iter().map(ToString::to_string).collect();
         let plural = if threads == [1] { "" } else { "s" };
-        facts.push(format!("{cores} cores, {} thread{plural} used", used.join(" and ")));
+        let several = if cores.get() == 1 { "" } else { "s" };
+        facts.push(format!("{cores} core{several}, {} thread{plural} used", used.join(" and ")));
     }
     if let Some(version) = compiler() {
         facts.push(version);

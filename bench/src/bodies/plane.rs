@@ -2,7 +2,7 @@
 
 use fdem_simulation::{Insertion, Mesh, Model};
 
-use super::{CELL, moved, of_rock, pressed, together};
+use super::{CELL, calm, moved, of_rock, pressed, together};
 
 /// The body of triangles that is simulated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -103,7 +103,8 @@ impl Plane {
         };
         let breaks = !matches!(self, Self::Bar | Self::Disc);
         let insertion = if self.has_joints() { Insertion::Intrinsic } else { Insertion::Adaptive };
-        Model { boundaries, ..of_rock(mesh, velocities, breaks, insertion) }
+        let model = Model { boundaries, ..of_rock(mesh, velocities, breaks, insertion) };
+        if self == Self::Heap { calm(model) } else { model }
     }
 }
 

@@ -2,10 +2,13 @@
 
 use fdem_simulation::{Insertion, Mesh, Model};
 
-use super::{CELL, of_rock, pressed};
+use super::{CELL, calm, of_rock, pressed};
 
-/// Cells along each edge of a fragment of the debris: at 100,000 elements there is a little more than one contact for each element.
-const DEBRIS: usize = 10;
+/// Cells along each edge of a fragment of the debris, and of one among fewer elements than [`FEW`]: there is about one contact for each element, or more.
+const DEBRIS: [usize; 2] = [10, 4];
+
+/// With fewer elements the debris has smaller fragments: of the larger ones there would be so few that most of their surface would be at the walls.
+const FEW: usize = 50_000;
 
 /// The body of tetrahedra that is simulated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,7 +19,7 @@ pub enum Space {
     CubeAdaptive,
     /// The same cube with joints on all faces from the beginning.
     CubeJoined,
-    /// Cubes of 6,000 elements, which press each other on all sides in a box that shrinks.
+    /// Cubes of 6,000 elements, or of 384 if there are few elements, which press each other on all sides in a box that shrinks.
     Debris,
 }
 
@@ -40,9 +43,7 @@ impl Space {
             Self::Cube => "3D: elastic cube, ringing",
             Self::CubeAdaptive => "3D: cube that may break anywhere, and does not yet",
             Self::CubeJoined => "3D: cube, ringing, joints on every face",
-            Self::Debris => {
-                "3D: elastic fragments of 6,000 elements that press each other in a box that shrinks"
-            }
+            Self::Debris => "3D: elastic fragments that press each other in a box that shrinks",
         }
     }
 
@@ -53,15 +54,10 @@ impl Space {
             let odd = |number: usize, shift: f64| if number.is_multiple_of(2) { 0.0 } else { shift };
             let shift =
                 |[_, row, layer]: [usize; 3]| [odd(row, 0.45) + odd(layer, 0.23), odd(layer, 0.37), 0.0];
-            let along = count((elements as f64 / 6.0).cbrt() / DEBRIS as f64).max(2);
-            let (mesh, velocities, boundaries) = pressed(&cubes(DEBRIS), along, shift);
-            let mut model = Model { boundaries, ..of_rock(mesh, velocities, false, Insertion::Adaptive) };
-            // The first contact sets the surfaces swinging. Damping ends that, and they press each other from then on.
-            model.contact.damping = 1.0;
-            for material in &mut model.materials {
-                material.damping = 0.5;
-            }
-            return model;
+            let cells = DEBRIS[usize::from(elements < FEW)];
+            let along = count((elements as f64 / 6.0).cbrt() / cells as f64).max(2);
+            let (mesh, velocities, boundaries) = pressed(&cubes(cells), along, shift);
+            return calm(Model { boundaries, ..of_rock(mesh, velocities, false, Insertion::Adaptive) });
         }
         let mesh = cubes(count((elements as f64 / 6.0).cbrt()));
         let speed = |[x, y, z]: [f64; 3]| [(300.0 * x).sin(), (200.0 * y).cos(), (250.0 * z).sin()];

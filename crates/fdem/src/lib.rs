@@ -13,7 +13,8 @@
 //!
 //! `src/model` reads a model file. `Document` finds the place of every key for messages. The types of `src/model/file.rs` define the keys; their comments
 //! become the descriptions of the schema and the page of the book that lists every key. `prepare` checks, meshes and numbers, and returns a
-//! `fdem_simulation::Model`. `src/command/run.rs` is the loop around `Simulation::advance`: frames, history, checkpoints, signals. A model and a run are
+//! `fdem_simulation::Model`. `src/command/run.rs` is the loop around `Simulation::advance`: frames, history, checkpoints, signals. What it takes from the run it hands to
+//! `src/command/run/writer.rs`, a thread that writes it in the order of the steps. A model and a run are
 //! generic in the dimensions as well: `src/model/dimensions/differences.rs` and `src/command/run/results.rs` hold what differs. `crates/results/src/run`, and
 //! for three dimensions `crates/results/src/space`, turn snapshots into bytes and text and know no paths; only `src/command/run/folder.rs` writes into a
 //! folder of results.
@@ -44,7 +45,7 @@
 //! | errors in a model file | `src/model/fault.rs`, `src/model/document.rs` |
 //! | shapes of bodies, and their meshes | `src/model/bodies.rs`; flat ones: `src/model/plane.rs`, `src/model/packing.rs`, `crates/mesh/src/triangles.rs`; in space: `src/model/space.rs`, `crates/mesh/src/shapes.rs`, `crates/mesh/src/tetrahedra.rs`; smaller elements near places: `src/model/refine.rs`, `crates/mesh/src/grading.rs` |
 //! | output and warnings of `fdem check` | `src/model/preflight.rs`, `src/model/warnings.rs` |
-//! | the loop of a run, its folder, its messages | `src/command/run.rs`, `src/command/run/folder.rs`, `src/command/run/told.rs` |
+//! | the loop of a run, its folder, its messages | `src/command/run.rs`, `src/command/run/observer.rs`, `src/command/run/writer.rs`, `src/command/run/recorder.rs`, `src/command/run/folder.rs`, `src/command/run/told.rs` |
 //! | a case of the verification ladder, its bound | `src/validate.rs`, and its file in `src/validate` |
 //!
 //! There is no log by tracing: `run.log` has the few lines that a run tells.

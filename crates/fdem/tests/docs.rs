@@ -8,6 +8,8 @@ use std::process::Command;
 
 #[path = "../examples/book_figures/main.rs"]
 mod book_figures;
+#[path = "docs/figures.rs"]
+mod figures;
 #[path = "docs/layers.rs"]
 mod layers;
 #[path = "docs/model_keys.rs"]

@@ -1,58 +1,67 @@
-//! One body of one size: times, memory, and shares of the parts of a step.
+//! One body of one size: everything that is timed takes a fixed number of steps, in turns.
 
 use std::error::Error;
-use std::fmt::{self, Write as _};
+use std::fmt::Write as _;
+use std::path::PathBuf;
 use std::process::Command;
 use std::time::{Duration, Instant};
 
 use fdem_bench::bodies::Body;
-use fdem_simulation::{Element, Mesh, Model, Simd, Simulation, Timings};
+use fdem_contact::Simd;
+use fdem_simulation::{Element, Mesh, Model, Simulation, Timings};
 
-/// Lower bound on the duration of one timing, in seconds.
-const FILL: f64 = 0.5;
+use crate::before::{self, Before, Turn};
+use crate::levels;
+use crate::outcome::{Outcome, Program};
 
 /// Steps before any timing: fragments press each other evenly after the first few.
 const SETTLE: u64 = 40;
-
-/// Begins the names of the runs on slower vector instructions.
-const ON: &str = "on:";
 
 /// A body, and the way it is timed.
 pub(crate) struct Case {
     body: Body,
     elements: usize,
+    /// The vector instructions; `None` for the best that the processor has.
+    level: Option<Simd>,
+    /// Steps of one timing.
+    steps: u64,
+    /// Compared with one thread if there are more.
     threads: usize,
     rounds: usize,
+    /// Another binary of this program, of an earlier version.
+    before: Option<PathBuf>,
+    /// Names and commands of other programs.
     external: Vec<(String, String)>,
-}
-
-/// The result, printed as `key value` pairs in one line.
-#[derive(Debug)]
-pub(crate) struct Outcome {
-    pub(crate) elements: usize,
-    /// Mean number of contacts in the time that was measured.
-    pub(crate) contacts: f64,
-    pub(crate) detections: u64,
-    pub(crate) broken: usize,
-    /// Peak memory in bytes per element, without what the process held before.
-    pub(crate) memory: f64,
-    /// Median time of one step in seconds: on one thread, on several, and of other programs.
-    pub(crate) seconds: Vec<(String, f64)>,
-    /// Shares of bulk, joints, detection, contact and integration, on one thread.
-    pub(crate) shares: [f64; 5],
 }
 
 impl Case {
     pub(crate) fn from_arguments(arguments: &[String]) -> Option<Self> {
-        let [name, elements, threads, rounds, external @ ..] = arguments else { return None };
+        let [name, elements, level, steps, threads, rounds, before, external @ ..] = arguments else {
+            return None;
+        };
         let split =
             |text: &String| text.split_once('=').map(|(name, command)| (name.to_owned(), command.to_owned()));
         Some(Self {
-            body: super::body(name)?,
-            elements: elements.parse().ok()?,
             threads: threads.parse().ok()?,
             rounds: rounds.parse().ok()?,
+            before: Some(PathBuf::from(before)).filter(|path| !path.as_os_str().is_empty()),
             external: external.iter().map(split).collect::<Option<_>>()?,
+            ..Self::of_turns(&[name, elements, level, steps].map(Clone::clone))?
+        })
+    }
+
+    /// A case that takes a turn whenever it is asked.
+    pub(crate) fn of_turns(arguments: &[String]) -> Option<Self> {
+        let [name, elements, level, steps] = arguments else { return None };
+        Some(Self {
+            body: super::body(name)?,
+            elements: elements.parse().ok()?,
+            level: levels::named(level),
+            steps: steps.parse().ok()?,
+            threads: 1,
+            rounds: 1,
+            before: None,
+            external: Vec::new(),
         })
     }
 
@@ -61,6 +70,25 @@ impl Case {
             Body::Plane(body) => self.measure(|elements| body.model(elements)),
             Body::Space(body) => self.measure(|elements| body.model(elements)),
         }
+    }
+
+    /// Takes turns for a later version that is compared with this one.
+    pub(crate) fn answer(&self) -> Result<(), Box<dyn Error>> {
+        match self.body {
+            Body::Plane(body) => self.turns(body.model(self.elements)),
+            Body::Space(body) => self.turns(body.model(self.elements)),
+        }
+    }
+
+    fn turns<const D: usize, const N: usize>(&self, model: Model<D, N>) -> Result<(), Box<dyn Error>>
+    where
+        [[f64; D]; N]: Element<D, N>,
+    {
+        let mut run = self.ready(model, 1, self.level)?;
+        before::answer(|| {
+            let seconds = timed(&mut run, self.steps)?;
+            Ok(Turn { seconds, contacts: run.counts().contacts as f64 })
+        })
     }
 
     /// Runs the same model in turns, so that a temporary slowdown of the machine affects all runs.
@@ -73,93 +101,104 @@ impl Case {
     {
         // A first small run, so that the memory of the program itself is not counted.
         Simulation::new(model(200), 1)?.advance(100)?;
-        let before = resident("VmRSS")?;
-        let mut one = Simulation::new(model(self.elements), 1)?;
+        let held = resident("VmRSS")?;
+        let mut one = self.ready(model(self.elements), 1, self.level)?;
         let elements = one.model().mesh.elements.len();
-        // Runs until detection has its memory and fragments have met.
-        let steps = self.warm(&mut one)?;
-        let memory = (resident("VmHWM")? - before) / elements as f64;
-        let mut many = Simulation::new(model(self.elements), self.threads)?;
-        many.advance(one.steps())?;
-        let mut slower = Vec::new();
+        let memory = (resident("VmHWM")? - held) / elements as f64;
+        let mut others = Vec::new();
+        if self.threads > 1 {
+            others.push((Program::Many, self.ready(model(self.elements), self.threads, self.level)?));
+        }
         if elements <= super::LARGEST {
-            for simd in Simd::available().into_iter().filter(|&simd| simd != Simd::best()) {
-                let mut run = Simulation::new(model(self.elements), 1)?;
-                run.set_simd(simd);
-                run.advance(one.steps())?;
-                slower.push(run);
+            for level in levels::others(self.level) {
+                let run = self.ready(model(self.elements), 1, Some(level))?;
+                others.push((Program::On(level.to_string()), run));
             }
         }
         let mesh = std::env::temp_dir().join(format!("fdem-bench-{}.msh", std::process::id()));
         if !self.external.is_empty() {
             std::fs::write(&mesh, gmsh(&one.model().mesh))?;
         }
+        let [size, pace] = [self.elements.to_string(), self.steps.to_string()];
+        let case = [self.body.name(), &size, self.level.map_or("", Simd::name), &pace];
+        let mut earlier = self.before.as_ref().map(|program| Before::start(program, case)).transpose()?;
         let start = one.timings();
-        let mut contacts = Vec::with_capacity(self.rounds);
-        let mut samples = vec![Vec::new(); 2 + self.external.len()];
-        let mut on = vec![Vec::new(); slower.len()];
+        let steps = self.steps;
+        let mut contacts = [0.0; 2];
+        let programs = [Program::One].into_iter().chain(earlier.iter().map(|_| Program::Before));
+        let programs = programs.chain(others.iter().map(|(program, _)| program.clone()));
+        let programs = programs.chain(self.external.iter().map(|(name, _)| Program::Other(name.clone())));
+        let mut seconds: Vec<(Program, Vec<f64>)> = programs.map(|program| (program, Vec::new())).collect();
         for _ in 0..self.rounds {
-            let runs = [&mut one, &mut many].into_iter().chain(&mut slower);
-            for (run, samples) in runs.zip(samples[..2].iter_mut().chain(&mut on)) {
-                let clock = Instant::now();
-                run.advance(steps)?;
-                samples.push(clock.elapsed().as_secs_f64() / steps as f64);
+            let mut round = vec![timed(&mut one, steps)?];
+            contacts[0] += one.counts().contacts as f64 / self.rounds as f64;
+            if let Some(earlier) = &mut earlier {
+                let turn = earlier.turn()?;
+                contacts[1] += turn.contacts / self.rounds as f64;
+                round.push(turn.seconds);
             }
-            contacts.push(one.counts().contacts as f64);
-            for ((name, command), samples) in self.external.iter().zip(&mut samples[2..]) {
-                samples.push(outside(name, command, &mesh, steps)?);
+            for (_, run) in &mut others {
+                round.push(timed(run, steps)?);
+            }
+            for (name, command) in &self.external {
+                round.push(outside(name, command, &mesh, steps)?);
+            }
+            for ((_, samples), taken) in seconds.iter_mut().zip(round) {
+                samples.push(taken / steps as f64);
             }
         }
         let _ = std::fs::remove_file(&mesh);
         let a = one.snapshot();
-        let differs = |other: &Simulation<D, N>| {
-            let b = other.snapshot();
-            a.positions != b.positions || a.velocities != b.velocities || a.cracks != b.cracks
-        };
-        if differs(&many) {
-            return Err(format!("{} threads give another result than one", self.threads).into());
+        for (program, run) in &others {
+            let b = run.snapshot();
+            if a.positions != b.positions || a.velocities != b.velocities || a.cracks != b.cracks {
+                return Err(format!("{program}: another result than on one thread").into());
+            }
         }
-        if let Some(run) = slower.iter().find(|run| differs(run)) {
-            return Err(format!("{} gives another result than {}", run.simd(), one.simd()).into());
-        }
-        let names = ["one", "many"]
-            .map(str::to_owned)
-            .into_iter()
-            .chain(self.external.iter().map(|(name, _)| name.clone()))
-            .chain(slower.iter().map(|run| format!("{ON}{}", run.simd())));
         let counts = one.counts();
         Ok(Outcome {
             elements,
-            contacts: contacts.iter().sum::<f64>() / self.rounds as f64,
+            steps,
+            contacts,
             detections: counts.detections,
             broken: counts.broken,
             memory,
-            seconds: names.zip(samples.into_iter().chain(on).map(median)).collect(),
             shares: shares(&start, &one.timings()),
+            seconds,
         })
     }
 
-    /// Runs until the pace is known; returns the number of steps that fill a sample.
-    fn warm<const D: usize, const N: usize>(&self, run: &mut Simulation<D, N>) -> Result<u64, Box<dyn Error>>
+    /// A run whose detection has its memory and whose fragments press each other.
+    fn ready<const D: usize, const N: usize>(
+        &self,
+        model: Model<D, N>,
+        threads: usize,
+        level: Option<Simd>,
+    ) -> Result<Simulation<D, N>, Box<dyn Error>>
     where
         [[f64; D]; N]: Element<D, N>,
     {
-        run.advance(SETTLE)?;
-        let mut steps = 1;
-        loop {
-            let clock = Instant::now();
-            run.advance(steps)?;
-            let seconds = clock.elapsed().as_secs_f64();
-            if seconds >= 0.2 * FILL || self.rounds == 1 {
-                return Ok(((FILL / seconds * steps as f64) as u64).max(2));
-            }
-            steps *= 2;
-        }
+        let mut run = Simulation::new(model, threads)?;
+        levels::choose(&mut run, level);
+        run.advance(SETTLE + self.steps / 4)?;
+        Ok(run)
     }
 }
 
-/// The time of one step of another program, in seconds. It is given the mesh and the number of steps, and prints the seconds for all of
-/// them.
+/// Seconds for so many steps.
+fn timed<const D: usize, const N: usize>(
+    run: &mut Simulation<D, N>,
+    steps: u64,
+) -> Result<f64, Box<dyn Error>>
+where
+    [[f64; D]; N]: Element<D, N>,
+{
+    let clock = Instant::now();
+    run.advance(steps)?;
+    Ok(clock.elapsed().as_secs_f64())
+}
+
+/// The time of another program, in seconds. It is given the mesh and the number of steps, and prints the seconds for all of them.
 fn outside(name: &str, command: &str, mesh: &std::path::Path, steps: u64) -> Result<f64, Box<dyn Error>> {
     let mut words = command.split_whitespace();
     let output = Command::new(words.next().ok_or("an empty command")?)
@@ -171,72 +210,9 @@ fn outside(name: &str, command: &str, mesh: &std::path::Path, steps: u64) -> Res
     let text = String::from_utf8_lossy(&output.stdout);
     let seconds = text.split_whitespace().last().and_then(|word| word.parse::<f64>().ok());
     match seconds.filter(|_| output.status.success()) {
-        Some(seconds) => Ok(seconds / steps as f64),
+        Some(seconds) => Ok(seconds),
         None => Err(format!("{name}: {}", String::from_utf8_lossy(&output.stderr).trim()).into()),
     }
-}
-
-impl Outcome {
-    /// Element-steps per second of the program with this number.
-    pub(crate) fn rate(&self, program: usize) -> f64 {
-        self.elements as f64 / self.seconds[program].1
-    }
-
-    /// Names and element-steps per second of other programs.
-    pub(crate) fn others(&self) -> impl Iterator<Item = (&str, f64)> {
-        let rest = self.seconds[2..].iter().filter(|(name, _)| !name.starts_with(ON));
-        rest.map(|(name, seconds)| (name.as_str(), self.elements as f64 / seconds))
-    }
-
-    /// Names and element-steps per second of the vector instructions that were compared with the best, on one thread.
-    pub(crate) fn slower(&self) -> impl Iterator<Item = (&str, f64)> {
-        self.seconds
-            .iter()
-            .filter_map(|(name, seconds)| Some((name.strip_prefix(ON)?, self.elements as f64 / seconds)))
-    }
-
-    /// Parses the line that [`fmt::Display`] writes.
-    pub(crate) fn read(text: &str) -> Option<Self> {
-        let mut words = text.split_whitespace();
-        let mut outcome = Self {
-            elements: words.next()?.parse().ok()?,
-            contacts: words.next()?.parse().ok()?,
-            detections: words.next()?.parse().ok()?,
-            broken: words.next()?.parse().ok()?,
-            memory: words.next()?.parse().ok()?,
-            seconds: Vec::new(),
-            shares: [0.0; 5],
-        };
-        for share in &mut outcome.shares {
-            *share = words.next()?.parse().ok()?;
-        }
-        while let Some(name) = words.next() {
-            outcome.seconds.push((name.to_owned(), words.next()?.parse().ok()?));
-        }
-        (outcome.seconds.len() >= 2).then_some(outcome)
-    }
-}
-
-impl fmt::Display for Outcome {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            out,
-            "{} {} {} {} {}",
-            self.elements, self.contacts, self.detections, self.broken, self.memory
-        )?;
-        for share in self.shares {
-            write!(out, " {share}")?;
-        }
-        for (name, seconds) in &self.seconds {
-            write!(out, " {name} {seconds}")?;
-        }
-        Ok(())
-    }
-}
-
-fn median(mut samples: Vec<f64>) -> f64 {
-    samples.sort_unstable_by(f64::total_cmp);
-    f64::midpoint(samples[(samples.len() - 1) / 2], samples[samples.len() / 2])
 }
 
 /// The shares of the time between two readings.

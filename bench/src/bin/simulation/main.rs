@@ -2,29 +2,37 @@
 //!
 //! Each case runs in its own process, which reports its memory. The limits of the machine are measured too.
 
+mod before;
 mod case;
+mod levels;
 mod limits;
+mod outcome;
 mod report;
 
 use std::error::Error;
 use std::io::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
-use case::{Case, Outcome};
+use case::Case;
 use fdem_bench::bodies::{Body, Plane, Space};
+use fdem_contact::Simd;
+use outcome::Outcome;
+use report::Setting;
 
 const USAGE: &str = "\
-usage: simulation [--quick] [--bodies NAMES] [--elements N,M] [--threads N] [--rounds N] [--external NAME=COMMAND]...
-                  [--external-joints NAME=COMMAND]... [--external-space NAME=COMMAND]...
-                  [--external-space-joints NAME=COMMAND]... [--write FILE]
+usage: simulation [--quick] [--bodies NAMES] [--elements N,M] [--threads N] [--rounds N] [--simd LEVEL]
+                  [--before PROGRAM] [--external NAME=COMMAND]... [--external-joints NAME=COMMAND]...
+                  [--external-space NAME=COMMAND]... [--external-space-joints NAME=COMMAND]... [--write FILE]
 
   --quick                  1,000 elements, one round: shows that all runs
   --bodies NAMES           some of bar,disc,joined,adaptive,intrinsic,heap,
                            cube,cube-adaptive,cube-joined,debris
   --elements N,M           10000,100000,1000000 if not given
-  --threads N              to compare with one thread; 2 if not given
+  --threads N              to compare with one thread; 2 if not given; 1 for no comparison
   --rounds N               5 if not given
+  --simd LEVEL             vector instructions: portable, neon, avx2 or avx512; the best of this processor if not given
+  --before PROGRAM         this program of an earlier version, see README.md: takes turns with this one
   --external NAME=COMMAND  a program that simulates the bar and the disc as well, see README.md; may be repeated
   --external-joints NAME=COMMAND
                            one that simulates the disc with joints on every edge
@@ -42,6 +50,12 @@ struct Plan {
     elements: Vec<usize>,
     threads: usize,
     rounds: usize,
+    /// Steps of one timing, if not those of the body.
+    steps: Option<u64>,
+    /// The vector instructions; `None` for the best that the processor has.
+    level: Option<Simd>,
+    /// This program of an earlier version.
+    before: Option<PathBuf>,
     /// `NAME=COMMAND` of programs: for bodies in the plane, and for those in space.
     external: [External; 2],
     write: Option<PathBuf>,
@@ -63,19 +77,24 @@ impl Plan {
             elements: vec![10_000, 100_000, 1_000_000],
             threads: 2,
             rounds: 5,
+            steps: None,
+            level: None,
+            before: None,
             external: Default::default(),
             write: None,
         };
         let mut rest = arguments.iter();
         while let Some(argument) = rest.next() {
             match argument.as_str() {
-                "--quick" => (plan.elements, plan.rounds) = (vec![1_000], 1),
+                "--quick" => (plan.elements, plan.rounds, plan.steps) = (vec![1_000], 1, Some(4)),
                 "--bodies" => plan.bodies = rest.next()?.split(',').map(body).collect::<Option<_>>()?,
                 "--elements" => {
                     plan.elements = rest.next()?.split(',').map(|n| n.parse().ok()).collect::<Option<_>>()?;
                 }
-                "--threads" => plan.threads = rest.next()?.parse().ok()?,
+                "--threads" => plan.threads = rest.next()?.parse().ok().filter(|&threads| threads > 0)?,
                 "--rounds" => plan.rounds = rest.next()?.parse().ok().filter(|&rounds| rounds > 0)?,
+                "--simd" => plan.level = Some(levels::named(rest.next()?)?),
+                "--before" => plan.before = Some(PathBuf::from(rest.next()?)),
                 "--external" => plan.external[0].whole.push(rest.next()?.clone()),
                 "--external-joints" => plan.external[0].joined.push(rest.next()?.clone()),
                 "--external-space" => plan.external[1].whole.push(rest.next()?.clone()),
@@ -97,6 +116,8 @@ fn main() -> ExitCode {
     let done = match arguments.split_first() {
         // A case that this program started itself.
         Some((task, rest)) if task == "case" => alone(rest),
+        // A case that a later version of this program started.
+        Some((task, rest)) if task == "turns" => turns(rest),
         _ => {
             let Some(plan) = Plan::from_arguments(&arguments) else {
                 eprint!("{USAGE}");
@@ -117,9 +138,14 @@ fn main() -> ExitCode {
 /// Runs one case in this process and prints its result to standard output.
 fn alone(arguments: &[String]) -> Result<(), Box<dyn Error>> {
     let case =
-        Case::from_arguments(arguments).ok_or("case: a body, and numbers of elements, threads and rounds")?;
+        Case::from_arguments(arguments).ok_or("case: a body, a number of elements, and how it is timed")?;
     writeln!(std::io::stdout(), "{}", case.run()?)?;
     Ok(())
+}
+
+/// Runs one case in this process, a few steps whenever the later version asks for them.
+fn turns(arguments: &[String]) -> Result<(), Box<dyn Error>> {
+    Case::of_turns(arguments).ok_or("turns: a body, and numbers of elements and steps")?.answer()
 }
 
 fn compare(plan: &Plan) -> Result<(), Box<dyn Error>> {
@@ -128,7 +154,11 @@ fn compare(plan: &Plan) -> Result<(), Box<dyn Error>> {
     let mut outcomes = Vec::new();
     for &elements in &plan.elements {
         for &body in &plan.bodies {
-            let numbers = [elements, plan.threads, plan.rounds].map(|number| number.to_string());
+            let [size, threads, rounds] =
+                [elements, plan.threads, plan.rounds].map(|number| number.to_string());
+            let steps = plan.steps.unwrap_or(body.steps(elements)).to_string();
+            let level = plan.level.map_or("", Simd::name);
+            let before = plan.before.as_deref().unwrap_or(Path::new(""));
             let external = match body {
                 _ if elements > LARGEST => &[][..],
                 Body::Plane(Plane::Bar | Plane::Disc) => &plan.external[0].whole,
@@ -137,8 +167,11 @@ fn compare(plan: &Plan) -> Result<(), Box<dyn Error>> {
                 Body::Space(Space::CubeJoined) => &plan.external[1].joined,
                 _ => &[],
             };
-            let output =
-                Command::new(&own).args(["case", body.name()]).args(numbers).args(external).output()?;
+            let output = Command::new(&own)
+                .args(["case", body.name(), &size, level, &steps, &threads, &rounds])
+                .arg(before)
+                .args(external)
+                .output()?;
             let text = String::from_utf8(output.stdout)?;
             let outcome = Outcome::read(&text).filter(|_| output.status.success()).ok_or_else(|| {
                 format!(
@@ -150,12 +183,13 @@ fn compare(plan: &Plan) -> Result<(), Box<dyn Error>> {
             eprintln!(
                 "{:9} {elements:9} elements: {:.2} million element-steps per second",
                 body.name(),
-                outcome.rate(0) / 1e6
+                outcome.one() / 1e6
             );
             outcomes.push((body, outcome));
         }
     }
-    let report = report::report(plan.threads, plan.rounds, &limits, &outcomes);
+    let setting = Setting { threads: plan.threads, rounds: plan.rounds, level: plan.level };
+    let report = report::report(&setting, &limits, &outcomes);
     std::io::stdout().write_all(report.as_bytes())?;
     if let Some(file) = &plan.write {
         std::fs::write(file, report).map_err(|error| format!("{}: {error}", file.display()))?;

@@ -3,16 +3,18 @@
 mod account;
 mod checkpoint;
 pub(crate) mod folder;
+mod observer;
 mod recorder;
 mod results;
 mod told;
 mod watch;
+mod writer;
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use fdem_io::numbers::{brief, grouped};
-use fdem_results::Fragments;
+use fdem_results::{Fragments, Row};
 use fdem_simulation::{Simulation, Stop};
 
 use crate::command::args::{ResumeArguments, RunArguments, RunOptions};
@@ -22,16 +24,24 @@ use crate::command::memory;
 use crate::command::output::print;
 use crate::command::progress::Progress;
 use crate::model::{AnyPrepared, Checkpoint as When, Preflight, Prepared, prepare_any, steps, with_end_time};
-use account::{Account, PARTS};
-use checkpoint::Checkpoint;
+use account::{Account, PARTS, Spent};
+use checkpoint::{Checkpoint, Unsaved};
 use folder::{Folder, MODEL, SUMMARY, SavedState};
+use observer::Observer;
 use recorder::Recorder;
 use results::Results;
 use told::Told;
 use watch::Watch;
+use writer::{Task, Writer};
 
 /// Time between two looks at the clock and for signals.
 const SLICE: Duration = Duration::from_millis(100);
+
+/// Rows of the history that are handed to the writer together, where it has time for them.
+const SOME: usize = 64;
+
+/// Rows for which the run waits for the writer.
+const MANY: usize = 10_000;
 
 pub(crate) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     let watch = Watch::new()?;
@@ -203,7 +213,12 @@ where
     folder: Folder,
     prepared: Prepared<D, N>,
     run: Simulation<D, N>,
-    recorder: Recorder<D, N>,
+    observer: Observer,
+    /// Rows of the history on their way to the writer.
+    rows: Vec<Row>,
+    writer: Writer<D, N>,
+    /// Number of frames that have been handed to the writer.
+    frames: usize,
     told: Told,
     watch: Watch,
     earlier: Earlier,
@@ -211,8 +226,8 @@ where
     total: u64,
     /// Steps between frames and between rows of the history.
     every: [f64; 2],
-    /// Time for results in this part of the run.
-    output: Duration,
+    /// What results have taken in this part of the run.
+    spent: Spent,
     saved: Instant,
     warned: bool,
     quiet: bool,
@@ -248,15 +263,18 @@ where
         let told = Told::new(&folder, &run, total, options.quiet)?;
         Ok(Self {
             folder,
+            observer: Observer::new(&prepared)?,
             prepared,
             run,
-            recorder,
+            rows: Vec::new(),
+            frames: recorder.frames(),
+            writer: Writer::start(recorder)?,
             told,
             watch,
             total,
             every: earlier.intervals.map(|interval| interval / step),
             earlier,
-            output: Duration::ZERO,
+            spent: Spent::default(),
             saved: Instant::now(),
             warned: false,
             quiet: options.quiet,
@@ -265,15 +283,10 @@ where
 
     /// Runs to the end, or until the run is interrupted or stops. Draws the results recorded so far.
     fn go(&mut self) -> Result<(), Failure> {
-        let end = self.steps().inspect_err(|failure| {
+        let (end, mut recorder) = self.recorded().inspect_err(|failure| {
             // The disk may be full: then the summary cannot be written either.
             let _ = self.summarise(&format!("stopped: {failure}"));
         })?;
-        match &end {
-            End::Finished | End::Interrupted(_) => self.save()?,
-            // The frame shows the reason. The last good checkpoint is kept.
-            End::Stopped(_) => self.frame()?,
-        }
         self.told.end();
         let status = match &end {
             End::Finished => "finished".to_owned(),
@@ -282,12 +295,12 @@ where
         };
         // The summary is written before the drawings, so that it shows how the run ended even if drawing fails.
         self.summarise(&status)?;
-        let fragments = self.recorder.fragments(&self.run)?;
+        let fragments = self.observer.fragments(&self.run)?;
         let facts = self.facts(&status, &fragments);
-        let drawn = self.draw(&facts, &fragments);
+        let drawn = self.draw(&mut recorder, &facts, &fragments);
         if !matches!(end, End::Stopped(_)) {
             // The checkpoint is written again, so that its account has the time for drawing.
-            self.save()?;
+            recorder.save(self.state())?;
         }
         self.summarise(&status)?;
         for (name, text) in &facts {
@@ -312,6 +325,20 @@ where
         }
     }
 
+    /// Runs to the end, or until the run is interrupted or stops, and waits until frames, history and checkpoint are on the disk.
+    fn recorded(&mut self) -> Result<(End, Recorder<D, N>), Failure> {
+        let end = self.steps()?;
+        match &end {
+            End::Finished | End::Interrupted(_) => self.save()?,
+            // The frame shows the reason. The last good checkpoint is kept.
+            End::Stopped(_) => self.frame()?,
+        }
+        let start = Instant::now();
+        let recorder = self.writer.finish()?;
+        self.spent.output += start.elapsed();
+        Ok((end, recorder))
+    }
+
     fn steps(&mut self) -> Result<End, Failure> {
         let mut slice = 1;
         while self.run.steps() < self.total {
@@ -321,7 +348,7 @@ where
                 When::Steps(every) => next(step, every as f64),
                 When::Seconds(_) => u64::MAX,
             };
-            let opening = (step == 0).then(|| self.recorder.values(&self.run, &self.prepared));
+            let opening = (step == 0).then(|| self.observer.values(&self.run, &self.prepared));
             // The first slice is one step, because the initial forces and energies are known after it.
             let stop = frame.min(row).min(checkpoint).min(self.total).min(step + slice);
             let start = Instant::now();
@@ -332,12 +359,13 @@ where
             let step = stop;
             let start = Instant::now();
             if let Some(values) = opening {
-                self.recorder.first_row(&self.run, &self.prepared, values)?;
+                self.rows.push(self.observer.first_row(&self.run, &self.prepared, values));
             }
             if step == row || step == self.total {
-                self.recorder.row(&self.run, &self.prepared)?;
+                self.rows.push(self.observer.row(&self.run, &self.prepared));
+                self.offer_rows()?;
             }
-            self.output += start.elapsed();
+            self.spent.output += start.elapsed();
             if step == frame || step == self.total {
                 self.frame()?;
             }
@@ -348,6 +376,7 @@ where
             if due {
                 self.save()?;
             }
+            self.writer.check()?;
             self.told.show(&self.run);
             self.warn();
             if let Some(signal) = self.watch.signal() {
@@ -357,37 +386,66 @@ where
         Ok(End::Finished)
     }
 
-    /// Writes the files of a frame.
+    /// Hands rows to the writer if it has time for them, and waits for it if there are many.
+    fn offer_rows(&mut self) -> Result<(), Failure> {
+        if self.rows.len() >= MANY {
+            return self.hand_rows();
+        }
+        if self.rows.len() >= SOME
+            && let Some(Task::Rows(rows)) = self.writer.offer(Task::Rows(std::mem::take(&mut self.rows)))?
+        {
+            self.rows = rows;
+        }
+        Ok(())
+    }
+
+    /// Hands all rows to the writer.
+    fn hand_rows(&mut self) -> Result<(), Failure> {
+        if self.rows.is_empty() {
+            Ok(())
+        } else {
+            self.writer.send(Task::Rows(std::mem::take(&mut self.rows)))
+        }
+    }
+
+    /// Hands a frame to the writer, after the rows before it.
     fn frame(&mut self) -> Result<(), Failure> {
         let start = Instant::now();
-        self.told.does(&format!("writing frame {}", self.recorder.frames.len()));
-        let written = self.recorder.frame(&self.run);
-        self.output += start.elapsed();
-        written
+        self.told.does(&format!("writing frame {}", self.frames));
+        self.hand_rows()?;
+        self.writer.send(Task::Frame(Box::new((self.run.snapshot(), self.run.forces()))))?;
+        self.frames += 1;
+        self.spent.output += start.elapsed();
+        Ok(())
     }
 
     /// Draws the plots, the picture, the animation and the report.
-    fn draw(&mut self, facts: &[(&str, String)], fragments: &Fragments<D>) -> Result<(), Failure> {
+    fn draw(
+        &mut self,
+        recorder: &mut Recorder<D, N>,
+        facts: &[(&str, String)],
+        fragments: &Fragments<D>,
+    ) -> Result<(), Failure> {
         let start = Instant::now();
         let facts: Vec<(&str, &str)> = facts.iter().map(|(name, text)| (*name, text.as_str())).collect();
         let progress = Progress::new(self.quiet);
         let (drawn, _) = progress.step("reading frames, drawing plots and the report", None, |done| {
-            self.recorder.finish(&self.prepared, &facts, fragments, done)
+            recorder.finish(&self.prepared, &facts, fragments, done)
         });
-        self.output += start.elapsed();
+        self.spent.drawing += start.elapsed();
         drawn
     }
 
     /// Writes `run.json`.
     fn summarise(&self, status: &str) -> Result<(), Failure> {
-        let fragments = self.recorder.fragments(&self.run)?;
-        let json = told::json(&self.run, &self.prepared, status, &self.account(), &fragments);
+        let fragments = self.observer.fragments(&self.run)?;
+        let json = told::json(&self.run, &self.prepared, status, &self.account(), self.frames, &fragments);
         self.folder.write(SUMMARY, format!("{json:#}\n").as_bytes())
     }
 
     /// The account of the whole run until now.
     fn account(&self) -> Account {
-        self.earlier.account.and(&self.run, self.told.elapsed(), self.output)
+        self.earlier.account.and(&self.run, self.told.elapsed(), &self.spent)
     }
 
     /// Warns once of contacts that are too soft.
@@ -401,22 +459,26 @@ where
         }
     }
 
-    /// Writes a checkpoint.
+    /// Hands a checkpoint to the writer, after the rows before it.
     fn save(&mut self) -> Result<(), Failure> {
         let start = Instant::now();
         self.told.does("writing a checkpoint");
-        self.recorder.flush()?;
-        self.folder.save(&Checkpoint {
+        self.spent.checkpoints += 1;
+        self.hand_rows()?;
+        self.writer.send(Task::Checkpoint(Box::new(self.state())))?;
+        self.saved = Instant::now();
+        self.spent.output += start.elapsed();
+        Ok(())
+    }
+
+    /// The state of the run, for a checkpoint.
+    fn state(&self) -> Unsaved<D, N> {
+        Unsaved {
             model: self.prepared.hash.clone(),
-            frames: self.recorder.frames.clone(),
-            history: self.recorder.length()?,
             intervals: self.earlier.intervals,
             account: self.account(),
             state: self.run.state(),
-        })?;
-        self.saved = Instant::now();
-        self.output += start.elapsed();
-        Ok(())
+        }
     }
 
     /// The summary of the run: names and texts of its lines.
@@ -493,8 +555,22 @@ where
                     shares.join(", ")
                 ),
             ),
+            (
+                "output",
+                format!(
+                    "{:.1} % of the run ({}, {})",
+                    100.0 * account.share(),
+                    counted(self.frames as u64, "frame"),
+                    counted(account.checkpoints, "checkpoint")
+                ),
+            ),
         ]
     }
+}
+
+/// `2 frames` and `1 frame`.
+fn counted(number: u64, what: &str) -> String {
+    format!("{} {what}{}", grouped(number), if number == 1 { "" } else { "s" })
 }
 
 /// Describes the fragments of the bodies that count.

@@ -15,18 +15,18 @@ use crate::model::prepared::Prepared;
 struct Cost {
     /// Time in a step on one core of the machine on which these were measured, s.
     seconds: f64,
-    /// Memory while the run writes a frame or a checkpoint, bytes.
+    /// Memory while the run writes a frame or a checkpoint and others wait to be written, bytes.
     bytes: f64,
 }
 
 /// Costs of an element of a material that does not break.
-const WHOLE: Cost = Cost { seconds: 40e-9, bytes: 600.0 };
+const WHOLE: Cost = Cost { seconds: 40e-9, bytes: 900.0 };
 
 /// Costs of an element with joints on its edges from the beginning.
-const JOINED: Cost = Cost { seconds: 160e-9, bytes: 2100.0 };
+const JOINED: Cost = Cost { seconds: 160e-9, bytes: 2800.0 };
 
 /// Costs of an element of a material that breaks, as the mean over a run in which it breaks to pieces: joints are inserted, fragments touch.
-const BREAKING: Cost = Cost { seconds: 160e-9, bytes: 1500.0 };
+const BREAKING: Cost = Cost { seconds: 160e-9, bytes: 2000.0 };
 
 /// Share of the forces of elements in [`WHOLE`].
 const BULK: f64 = 0.6;

@@ -306,7 +306,12 @@ fn a_run_writes_all_that_it_promises_and_is_not_overwritten() {
             );
         }
     }
+    assert!(told.stderr.contains("% of the run (9 frames, "), "{}", told.stderr);
     let json = bench.summary("crash_results");
+    let output = &json["output"];
+    assert_eq!(output["frames"], 9);
+    assert!(output["checkpoints"].as_u64().unwrap() >= 3, "{output}");
+    assert!((0.0..=1.0).contains(&output["share"].as_f64().unwrap()), "{output}");
     assert!(json["broken_joints"].as_u64().unwrap() > 5, "{json}");
     assert!(json["energies"]["error"].as_f64().unwrap().abs() < 0.02, "{json}");
     assert!(told.stderr.contains("% of the mass; half of the mass passes"), "{}", told.stderr);
@@ -464,7 +469,7 @@ fn a_resumed_run_keeps_its_account() {
     bench.run(&["resume", "-q", "run", "--end-time", "0.808e-3"]).succeeds();
     let after = bench.summary("run");
     let number = |json: &Value, key: &str| json["seconds"][key].as_f64().unwrap();
-    for key in ["bulk", "joints", "detection", "contact_force", "integration", "output", "total"] {
+    for key in ["bulk", "joints", "detection", "contact_force", "integration", "output", "drawing", "total"] {
         assert!(number(&after, key) > number(&before, key), "{key}: {after} after {before}");
     }
     let detections = |json: &Value| json["detections"].as_u64().unwrap();
@@ -595,6 +600,36 @@ fn an_interrupt_saves_where_the_run_stands() {
     bench.run(&["resume", "cut"]).refused_with(&["has changed since this run"]);
 }
 
+/// The thread that writes results cannot go on without its folder, and the run ends with it.
+#[test]
+fn results_that_cannot_be_written_stop_the_run() {
+    let bench = Bench::of(&CRASH.replace("0.8e-3", "80e-3").replace("frames = 8", "frames = 8000"));
+    let child =
+        bench.command(&["run", "crash.toml", "-q", "-o", "run"]).stderr(Stdio::piped()).spawn().unwrap();
+    while !bench.path("run/frames/00003.frame").exists() {
+        thread::sleep(Duration::from_millis(5));
+    }
+    fs::rename(bench.path("run/frames"), bench.path("run/elsewhere")).unwrap();
+    let output = child.wait_with_output().unwrap();
+    let told = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2), "{told}");
+    assert!(told.contains("cannot write run/frames/"), "{told}");
+    let status = bench.summary("run")["status"].to_string();
+    assert!(status.contains("stopped: cannot write run/frames/"), "{status}");
+    let names = fs::read_dir(bench.path("run")).unwrap();
+    let names: Vec<_> = names.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    assert!(!names.iter().any(|name| name.starts_with('.')), "partial files are left: {names:?}");
+    // Once the folder is back, the run goes on from its checkpoint.
+    fs::rename(bench.path("run/elsewhere"), bench.path("run/frames")).unwrap();
+    let mut second = bench.start(&["resume", "-q", "run"]);
+    while !bench.path("run/frames/00008.frame").exists() {
+        assert!(second.try_wait().unwrap().is_none(), "the run is over");
+        thread::sleep(Duration::from_millis(5));
+    }
+    second.kill().unwrap();
+    second.wait().unwrap();
+}
+
 #[test]
 fn a_run_that_blows_up_says_where_and_keeps_its_checkpoint() {
     let model = CRASH.replace("title", "time_step = 2e-5\nsafety = 1.0\ntitle");
@@ -619,7 +654,7 @@ fn what_cannot_run_leaves_no_folder() {
             fs::create_dir(bench.path(folder)).unwrap();
         }
         if folder == "torn" {
-            bench.write("torn/checkpoint", [b"fdem checkpoint 5\n".as_slice(), &[7; 100]].concat());
+            bench.write("torn/checkpoint", [b"fdem checkpoint 6\n".as_slice(), &[7; 100]].concat());
         }
         if folder == "old" {
             bench.write("old/checkpoint", "fdem checkpoint 0\n");

@@ -13,21 +13,36 @@ pub(crate) const PARTS: [&str; 5] = ["bulk", "joints", "detection", "contact for
 pub(crate) struct Account {
     /// Wall-clock time, s.
     pub(crate) seconds: f64,
-    /// Part of [`Self::seconds`] spent on results: files, plots, the report, s.
+    /// Part of [`Self::seconds`] in which steps waited for frames, history and checkpoints, s.
     pub(crate) output: f64,
+    /// Part of [`Self::seconds`] after the steps, in which plots, pictures and the report were drawn, s.
+    pub(crate) drawing: f64,
+    /// Number of checkpoints.
+    pub(crate) checkpoints: u64,
     /// Time in each of [`PARTS`], s.
     pub(crate) parts: [f64; PARTS.len()],
     /// Number of detections of couples.
     pub(crate) detections: u64,
 }
 
+/// What results have taken in one part of a run.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Spent {
+    /// Time in which steps waited for frames, history and checkpoints.
+    pub(crate) output: Duration,
+    /// Time for drawing after the steps.
+    pub(crate) drawing: Duration,
+    /// Number of checkpoints.
+    pub(crate) checkpoints: u64,
+}
+
 impl Account {
-    /// Adds the times of a simulation since its creation, with the wall-clock time and the time for results since then.
+    /// Adds the times of a simulation since its creation, with the wall-clock time and what results took since then.
     pub(crate) fn and<const D: usize, const N: usize>(
         &self,
         run: &Simulation<D, N>,
         clock: Duration,
-        output: Duration,
+        spent: &Spent,
     ) -> Self
     where
         [[f64; D]; N]: Element<D, N>,
@@ -39,10 +54,17 @@ impl Account {
         }
         Self {
             seconds: self.seconds + clock.as_secs_f64(),
-            output: self.output + output.as_secs_f64(),
+            output: self.output + spent.output.as_secs_f64(),
+            drawing: self.drawing + spent.drawing.as_secs_f64(),
+            checkpoints: self.checkpoints + spent.checkpoints,
             parts,
             detections: self.detections + run.counts().detections,
         }
+    }
+
+    /// Share of the run, without drawing, in which steps waited for frames, history and checkpoints.
+    pub(crate) fn share(&self) -> f64 {
+        self.output / (self.seconds - self.drawing).max(1e-9)
     }
 
     /// Time in the steps, s.

@@ -21,3 +21,11 @@ pub(crate) struct Checkpoint<const D: usize, const N: usize> {
     pub(crate) account: Account,
     pub(crate) state: State<D, N>,
 }
+
+/// The part of a [`Checkpoint`] that is known before frames and rows on their way to the disk are written.
+pub(crate) struct Unsaved<const D: usize, const N: usize> {
+    pub(crate) model: String,
+    pub(crate) intervals: [f64; 2],
+    pub(crate) account: Account,
+    pub(crate) state: State<D, N>,
+}

@@ -1,4 +1,4 @@
-//! Writes the results of a run: frames and history during the run, plots, animation and report at its end.
+//! Writes the results of a run: frames, history and checkpoints during the run, plots, animation and report at its end.
 
 use std::fmt;
 use std::fs::{self, File, OpenOptions};
@@ -6,19 +6,20 @@ use std::io::{BufWriter, Write};
 use std::sync::atomic::Ordering;
 
 use fdem_results::{
-    ElementMasses, Field, FragmentCount, Fragments, History, HistoryWriter, Names, Plot, Row, fragment_sizes,
-    kept, plots, pvd, write_contacts_vtp, write_cracks_vtp, write_damaged_joints_vtp, write_vtu,
+    Field, Fragments, History, HistoryWriter, Names, Plot, Row, fragment_sizes, kept, plots, pvd,
+    write_contacts_vtp, write_cracks_vtp, write_damaged_joints_vtp, write_vtu,
 };
-use fdem_simulation::{Simulation, Target};
+use fdem_simulation::{Forces, Snapshot};
 
 use crate::command::failure::{Failure, display_name};
 use crate::command::progress::Position;
+use crate::command::run::checkpoint::{Checkpoint, Unsaved};
 use crate::command::run::folder::{
     COLLECTIONS, FRAGMENTS, Folder, HISTORY, MODEL, PLOTS, REPORT, contacts_file, cracks_file, damaged_file,
     mesh_file, packed_file,
 };
 use crate::command::run::results::{Drawn, Results};
-use crate::model::{History as Recorded, Prepared, Quantity};
+use crate::model::{Prepared, Quantity};
 
 /// Writes the results of a run into its folder.
 pub(crate) struct Recorder<const D: usize, const N: usize>
@@ -28,14 +29,9 @@ where
     folder: Folder,
     history: HistoryWriter<BufWriter<File>>,
     names: Names,
-    masses: ElementMasses,
-    /// Number of broken joints at the last count of fragments, and that count.
-    counted: Option<(usize, FragmentCount)>,
     outlines: <[[f64; D]; N] as Results<D, N>>::Outlines,
-    /// Nodes of the boundary of each history of a force; empty for other histories.
-    targets: Vec<Vec<u32>>,
     /// Step and time, s, of each frame that has been written.
-    pub(crate) frames: Vec<(u64, f64)>,
+    frames: Vec<(u64, f64)>,
     /// Most elements of a frame that the report shows completely, and number of triangles in the samples of larger frames.
     shown: [usize; 2],
     /// Number of frames of the whole run, about.
@@ -53,7 +49,7 @@ where
         let history = File::create(&path)
             .and_then(|file| HistoryWriter::new(BufWriter::new(file), D, &names))
             .map_err(|error| Failure::writing(&path, error))?;
-        Self::with(folder, prepared, history, Vec::new())
+        Ok(Self::with(folder, prepared, history, Vec::new()))
     }
 
     fn with(
@@ -61,26 +57,19 @@ where
         prepared: &Prepared<D, N>,
         history: HistoryWriter<BufWriter<File>>,
         frames: Vec<(u64, f64)>,
-    ) -> Result<Self, Failure> {
-        let mut masses = ElementMasses::of(&prepared.model).map_err(|error| broken(MODEL, &error))?;
-        if let Some(bodies) = &prepared.output.fragments {
-            masses = masses.counting(bodies);
-        }
-        Ok(Self {
+    ) -> Self {
+        Self {
             folder: folder.clone(),
             history,
             names: Names {
                 bodies: prepared.bodies.iter().map(|body| body.name.clone()).collect(),
                 materials: prepared.model.materials.iter().map(|material| material.name.clone()).collect(),
             },
-            masses,
-            counted: None,
             outlines: <[[f64; D]; N]>::outlines(prepared),
-            targets: prepared.histories.iter().map(|history| target(history, prepared)).collect(),
             frames,
             shown: prepared.output.shown,
             expected: (prepared.end_time / prepared.output.interval).ceil() as usize + 1,
-        })
+        }
     }
 
     /// Continues the records of a run from a checkpoint. Later frames and rows are removed; earlier ones must exist.
@@ -143,87 +132,19 @@ where
             later += 1;
         }
         let history = HistoryWriter::going_on(BufWriter::new(history), columns(prepared).len());
-        let recorder = Self::with(folder, prepared, history, frames)?;
+        let recorder = Self::with(folder, prepared, history, frames);
         recorder.collections()?;
         Ok(recorder)
     }
 
-    /// Returns the present values of each `[[history]]`.
-    pub(crate) fn values(&self, run: &Simulation<D, N>, prepared: &Prepared<D, N>) -> Vec<Vec<f64>> {
-        let values = |(history, target): (&Recorded, &Vec<u32>)| match history.quantity {
-            Quantity::Node(node) => {
-                let (moved, velocity) = run.node(node).unwrap_or(([0.0; D], [0.0; D]));
-                [moved, velocity].concat()
-            }
-            Quantity::Force(boundary) => {
-                [run.force(boundary).unwrap_or([0.0; D]), mean_displacement(run, target)].concat()
-            }
-            Quantity::Energy | Quantity::CrackLength => Vec::new(),
-        };
-        prepared.histories.iter().zip(&self.targets).map(values).collect()
-    }
-
-    /// Writes the row of t = 0 after the first step. `values`: values before that step. Forces and energies are those at its beginning, known only after it.
-    pub(crate) fn first_row(
-        &mut self,
-        run: &Simulation<D, N>,
-        prepared: &Prepared<D, N>,
-        mut values: Vec<Vec<f64>>,
-    ) -> Result<(), Failure> {
-        for (number, history) in prepared.histories.iter().enumerate() {
-            if let Quantity::Force(boundary) = history.quantity {
-                values[number][..D].copy_from_slice(&run.force(boundary).unwrap_or([0.0; D]));
-            }
-        }
-        let fragments = self.masses.count(&run.fragments());
-        self.write_row(&Row {
-            energies: run.energies(),
-            fragments,
-            values: values.concat(),
-            ..Row::default()
-        })
-    }
-
-    /// Writes a row of the history.
-    pub(crate) fn row(&mut self, run: &Simulation<D, N>, prepared: &Prepared<D, N>) -> Result<(), Failure> {
-        let fragments = self.count(run);
-        self.write_row(&Row {
-            step: run.steps(),
-            time: run.time(),
-            energies: run.energies(),
-            broken: run.counts().broken as u64,
-            lengths: run.crack_lengths(),
-            fragments,
-            values: self.values(run, prepared).concat(),
-        })
-    }
-
-    /// Counts the fragments. They are found again only if joints have broken since the last count.
-    fn count(&mut self, run: &Simulation<D, N>) -> FragmentCount {
-        let broken = run.counts().broken;
-        match self.counted {
-            Some((before, count)) if before == broken => count,
-            _ => {
-                let count = self.masses.count(&run.fragments());
-                self.counted = Some((broken, count));
-                count
-            }
-        }
-    }
-
-    /// The fragments of a run now.
-    pub(crate) fn fragments(&self, run: &Simulation<D, N>) -> Result<Fragments<D>, Failure> {
-        // The snapshot of a run is consistent. An error would be a bug.
-        Fragments::of(&run.snapshot(), &self.masses).map_err(|error| broken(FRAGMENTS, &error))
-    }
-
-    fn write_row(&mut self, row: &Row) -> Result<(), Failure> {
-        self.history.row(row).map_err(|error| Failure::writing(&self.folder.path(HISTORY), error))
+    /// Writes rows of the history.
+    pub(crate) fn rows(&mut self, rows: &[Row]) -> Result<(), Failure> {
+        let written = rows.iter().try_for_each(|row| self.history.row(row));
+        written.map_err(|error| Failure::writing(&self.folder.path(HISTORY), error))
     }
 
     /// Writes the files of a frame: bodies, cracks, damaged joints and contact forces.
-    pub(crate) fn frame(&mut self, run: &Simulation<D, N>) -> Result<(), Failure> {
-        let (snapshot, forces) = (run.snapshot(), run.forces());
+    pub(crate) fn frame(&mut self, snapshot: &Snapshot<D, N>, forces: &Forces<D>) -> Result<(), Failure> {
         let number = self.frames.len();
         // Writing to memory does not fail. An inconsistent snapshot would be a bug.
         let fault = |name: &str, error: std::io::Error| Failure::writing(&self.folder.path(name), error);
@@ -232,15 +153,15 @@ where
             write(&mut bytes).map_err(|error| fault(&name, error))?;
             self.folder.write(&name, &bytes)
         };
-        write(mesh_file(number), &|out| write_vtu(out, &snapshot, &forces, &self.names))?;
-        write(cracks_file(number), &|out| write_cracks_vtp(out, &snapshot))?;
-        write(damaged_file(number), &|out| write_damaged_joints_vtp(out, &snapshot))?;
-        write(contacts_file(number), &|out| write_contacts_vtp(out, &snapshot, &forces))?;
+        write(mesh_file(number), &|out| write_vtu(out, snapshot, forces, &self.names))?;
+        write(cracks_file(number), &|out| write_cracks_vtp(out, snapshot))?;
+        write(damaged_file(number), &|out| write_damaged_joints_vtp(out, snapshot))?;
+        write(contacts_file(number), &|out| write_contacts_vtp(out, snapshot, forces))?;
         let name = packed_file(number);
-        let frame = <[[f64; D]; N]>::frame(&snapshot, &self.outlines, self.shown, self.expected)
+        let frame = <[[f64; D]; N]>::frame(snapshot, &self.outlines, self.shown, self.expected)
             .map_err(|error| fault(&name, error.into()))?;
         self.folder.write(&name, &frame)?;
-        self.frames.push((run.steps(), run.time()));
+        self.frames.push((snapshot.step, snapshot.time));
         self.collections()
     }
 
@@ -254,8 +175,23 @@ where
         Ok(())
     }
 
+    /// Writes a checkpoint. It has the frames and the history until now, which are on the disk before it.
+    pub(crate) fn save(&mut self, state: Unsaved<D, N>) -> Result<(), Failure> {
+        self.flush()?;
+        let Unsaved { model, intervals, account, state } = state;
+        let history = self.length()?;
+        self.folder.save(&Checkpoint {
+            model,
+            frames: self.frames.clone(),
+            history,
+            intervals,
+            account,
+            state,
+        })
+    }
+
     /// Length of the history on the disk, bytes.
-    pub(crate) fn length(&self) -> Result<u64, Failure> {
+    fn length(&self) -> Result<u64, Failure> {
         let path = self.folder.path(HISTORY);
         fs::metadata(&path)
             .map(|metadata| metadata.len())
@@ -263,10 +199,15 @@ where
     }
 
     /// Writes all rows so far to the disk.
-    pub(crate) fn flush(&mut self) -> Result<(), Failure> {
+    fn flush(&mut self) -> Result<(), Failure> {
         let out = self.history.get_mut();
         let done = out.flush().and_then(|()| out.get_ref().sync_all());
         done.map_err(|error| Failure::writing(&self.folder.path(HISTORY), error))
+    }
+
+    /// Number of frames that have been written.
+    pub(crate) fn frames(&self) -> usize {
+        self.frames.len()
     }
 
     /// Draws plots, the picture, the animation and the report from the recorded results, and writes the table of fragments. `facts`: rows of the summary; `done`: number of frames read so far.
@@ -336,7 +277,7 @@ where
     }
 }
 
-fn broken(what: &str, error: &dyn fmt::Display) -> Failure {
+pub(crate) fn broken(what: &str, error: &dyn fmt::Display) -> Failure {
     Failure::Unusable(format!("{what}: {error}"))
 }
 
@@ -359,29 +300,4 @@ where
         }
     }
     names
-}
-
-/// The nodes of the boundary whose force a history records, each once.
-fn target<const D: usize, const N: usize>(history: &Recorded, prepared: &Prepared<D, N>) -> Vec<u32> {
-    let Quantity::Force(boundary) = history.quantity else { return Vec::new() };
-    let mut nodes = match &prepared.model.boundaries[boundary].target {
-        Target::Nodes(nodes) => nodes.clone(),
-        Target::Facets(edges) => edges.as_flattened().to_vec(),
-    };
-    nodes.sort_unstable();
-    nodes.dedup();
-    nodes
-}
-
-/// The mean displacement of some nodes, m.
-fn mean_displacement<const D: usize, const N: usize>(run: &Simulation<D, N>, nodes: &[u32]) -> [f64; D]
-where
-    [[f64; D]; N]: Results<D, N>,
-{
-    let mut sum = [0.0; D];
-    for &node in nodes {
-        let (moved, _) = run.node(node).unwrap_or(([0.0; D], [0.0; D]));
-        sum = std::array::from_fn(|axis| sum[axis] + moved[axis]);
-    }
-    sum.map(|sum| sum / nodes.len().max(1) as f64)
 }

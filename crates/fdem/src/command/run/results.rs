@@ -19,7 +19,7 @@ const INSIDE: usize = 1_500_000;
 /// Results of a run in `D` dimensions.
 pub(crate) trait Results<const D: usize, const N: usize>: Dimensions<D, N> {
     /// What is drawn as lines, found once for a mesh.
-    type Outlines;
+    type Outlines: Send + 'static;
 
     /// A compressed snapshot.
     type Frame;

@@ -127,12 +127,13 @@ impl Told {
     }
 }
 
-/// Returns the contents of `run.json`. `account`: the times of the whole run; `fragments`: those of now.
+/// Returns the contents of `run.json`. `account`: the times of the whole run; `frames`: their number; `fragments`: those of now.
 pub(crate) fn json<const D: usize, const N: usize>(
     run: &Simulation<D, N>,
     prepared: &Prepared<D, N>,
     status: &str,
     account: &Account,
+    frames: usize,
     fragments: &Fragments<D>,
 ) -> Value
 where
@@ -145,6 +146,7 @@ where
         .map(|(name, seconds)| (name.replace(' ', "_"), json!(seconds)))
         .collect();
     timings.insert("output".to_owned(), json!(account.output));
+    timings.insert("drawing".to_owned(), json!(account.drawing));
     timings.insert("total".to_owned(), json!(account.seconds));
     let critical = run.critical_step();
     let (fragment_count, sizes) = (fragments.count(), fragments.sizes());
@@ -190,6 +192,11 @@ where
         },
         "energies": told_energies,
         "seconds": timings,
+        "output": {
+            "share": account.share(),
+            "frames": frames,
+            "checkpoints": account.checkpoints,
+        },
         "state_hash": state_hash(run),
     })
 }

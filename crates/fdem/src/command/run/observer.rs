@@ -1,0 +1,154 @@
+//! Looks at a run between its steps: rows of the history, and fragments.
+
+use fdem_results::{ElementMasses, FragmentCount, Fragments, Row};
+use fdem_simulation::{Simulation, Target};
+
+use crate::command::failure::Failure;
+use crate::command::run::folder::{FRAGMENTS, MODEL};
+use crate::command::run::recorder::broken;
+use crate::command::run::results::Results;
+use crate::model::{History as Recorded, Prepared, Quantity};
+
+/// Looks at a run. It writes nothing.
+pub(crate) struct Observer {
+    masses: ElementMasses,
+    /// Number of broken joints at the last count of fragments, and that count.
+    counted: Option<(usize, FragmentCount)>,
+    /// Nodes of the boundary of each history of a force; empty for other histories.
+    targets: Vec<Vec<u32>>,
+}
+
+impl Observer {
+    pub(crate) fn new<const D: usize, const N: usize>(prepared: &Prepared<D, N>) -> Result<Self, Failure>
+    where
+        [[f64; D]; N]: Results<D, N>,
+    {
+        let mut masses = ElementMasses::of(&prepared.model).map_err(|error| broken(MODEL, &error))?;
+        if let Some(bodies) = &prepared.output.fragments {
+            masses = masses.counting(bodies);
+        }
+        Ok(Self {
+            masses,
+            counted: None,
+            targets: prepared.histories.iter().map(|history| target(history, prepared)).collect(),
+        })
+    }
+
+    /// Returns the present values of each `[[history]]`.
+    pub(crate) fn values<const D: usize, const N: usize>(
+        &self,
+        run: &Simulation<D, N>,
+        prepared: &Prepared<D, N>,
+    ) -> Vec<Vec<f64>>
+    where
+        [[f64; D]; N]: Results<D, N>,
+    {
+        let values = |(history, target): (&Recorded, &Vec<u32>)| match history.quantity {
+            Quantity::Node(node) => {
+                let (moved, velocity) = run.node(node).unwrap_or(([0.0; D], [0.0; D]));
+                [moved, velocity].concat()
+            }
+            Quantity::Force(boundary) => {
+                [run.force(boundary).unwrap_or([0.0; D]), mean_displacement(run, target)].concat()
+            }
+            Quantity::Energy | Quantity::CrackLength => Vec::new(),
+        };
+        prepared.histories.iter().zip(&self.targets).map(values).collect()
+    }
+
+    /// Returns the row of t = 0 after the first step. `values`: values before that step. Forces and energies are those at its beginning, known only after it.
+    pub(crate) fn first_row<const D: usize, const N: usize>(
+        &self,
+        run: &Simulation<D, N>,
+        prepared: &Prepared<D, N>,
+        mut values: Vec<Vec<f64>>,
+    ) -> Row
+    where
+        [[f64; D]; N]: Results<D, N>,
+    {
+        for (number, history) in prepared.histories.iter().enumerate() {
+            if let Quantity::Force(boundary) = history.quantity {
+                values[number][..D].copy_from_slice(&run.force(boundary).unwrap_or([0.0; D]));
+            }
+        }
+        Row {
+            energies: run.energies(),
+            fragments: self.masses.count(&run.fragments()),
+            values: values.concat(),
+            ..Row::default()
+        }
+    }
+
+    /// Returns the present row of the history.
+    pub(crate) fn row<const D: usize, const N: usize>(
+        &mut self,
+        run: &Simulation<D, N>,
+        prepared: &Prepared<D, N>,
+    ) -> Row
+    where
+        [[f64; D]; N]: Results<D, N>,
+    {
+        Row {
+            step: run.steps(),
+            time: run.time(),
+            energies: run.energies(),
+            broken: run.counts().broken as u64,
+            lengths: run.crack_lengths(),
+            fragments: self.count(run),
+            values: self.values(run, prepared).concat(),
+        }
+    }
+
+    /// Counts the fragments. They are found again only if joints have broken since the last count.
+    fn count<const D: usize, const N: usize>(&mut self, run: &Simulation<D, N>) -> FragmentCount
+    where
+        [[f64; D]; N]: Results<D, N>,
+    {
+        let broken = run.counts().broken;
+        match self.counted {
+            Some((before, count)) if before == broken => count,
+            _ => {
+                let count = self.masses.count(&run.fragments());
+                self.counted = Some((broken, count));
+                count
+            }
+        }
+    }
+
+    /// The fragments of a run now.
+    pub(crate) fn fragments<const D: usize, const N: usize>(
+        &self,
+        run: &Simulation<D, N>,
+    ) -> Result<Fragments<D>, Failure>
+    where
+        [[f64; D]; N]: Results<D, N>,
+    {
+        // The snapshot of a run is consistent. An error would be a bug.
+        Fragments::of(&run.snapshot(), &self.masses).map_err(|error| broken(FRAGMENTS, &error))
+    }
+}
+
+/// The nodes of the boundary whose force a history records, each once.
+fn target<const D: usize, const N: usize>(history: &Recorded, prepared: &Prepared<D, N>) -> Vec<u32> {
+    let Quantity::Force(boundary) = history.quantity else { return Vec::new() };
+    let mut nodes = match &prepared.model.boundaries[boundary].target {
+        Target::Nodes(nodes) => nodes.clone(),
+        Target::Facets(edges) => edges.as_flattened().to_vec(),
+    };
+    nodes.sort_unstable();
+    nodes.dedup();
+    nodes
+}
+
+/// The mean displacement of some nodes, m.
+fn mean_displacement<const D: usize, const N: usize>(run: &Simulation<D, N>, nodes: &[u32]) -> [f64; D]
+where
+    [[f64; D]; N]: Results<D, N>,
+{
+    let mut sum = [0.0; D];
+    for &node in nodes {
+        let (moved, _) = run.node(node).unwrap_or(([0.0; D], [0.0; D]));
+        sum = std::array::from_fn(|axis| sum[axis] + moved[axis]);
+    }
+    sum.map(|sum| sum / nodes.len().max(1) as f64)
+}

@@ -1,0 +1,133 @@
+//! A thread that writes frames, history and checkpoints while the run goes on.
+//!
+//! The run hands it copies through a queue, and it writes them in their order: what a checkpoint refers to is on the disk before the checkpoint is. The queue is short, so that the copies do
+//! not fill the memory; a run that is faster than the disk waits.
+
+use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
+use std::thread::{self, JoinHandle};
+
+use fdem_results::Row;
+use fdem_simulation::{Forces, Snapshot};
+
+use crate::command::failure::Failure;
+use crate::command::run::checkpoint::Unsaved;
+use crate::command::run::recorder::Recorder;
+use crate::command::run::results::Results;
+
+/// What waits beside what is being written. With one place the run need not wait where a frame and a checkpoint are due at the same step; each place costs the memory of a frame.
+const PLACES: usize = 1;
+
+/// What is to be written.
+pub(crate) enum Task<const D: usize, const N: usize> {
+    /// Rows of the history.
+    Rows(Vec<Row>),
+    Frame(Box<(Snapshot<D, N>, Forces<D>)>),
+    Checkpoint(Box<Unsaved<D, N>>),
+}
+
+/// The thread, and the queue to it.
+pub(crate) struct Writer<const D: usize, const N: usize>
+where
+    [[f64; D]; N]: Results<D, N>,
+{
+    /// `None` once the thread has been asked to end.
+    queue: Option<SyncSender<Task<D, N>>>,
+    /// `None` once it has ended.
+    thread: Option<JoinHandle<Result<Recorder<D, N>, Failure>>>,
+}
+
+impl<const D: usize, const N: usize> Writer<D, N>
+where
+    [[f64; D]; N]: Results<D, N>,
+{
+    /// Starts the thread.
+    pub(crate) fn start(recorder: Recorder<D, N>) -> Result<Self, Failure> {
+        let (queue, tasks) = sync_channel(PLACES);
+        let thread = thread::Builder::new().name("results".to_owned()).spawn(|| write(recorder, tasks));
+        let thread = thread.map_err(|error| {
+            Failure::Unusable(format!("cannot start the thread that writes results: {error}"))
+        })?;
+        Ok(Self { queue: Some(queue), thread: Some(thread) })
+    }
+
+    /// Hands over what is to be written, and waits for a place in the queue.
+    ///
+    /// # Errors
+    /// The error for which the thread has ended.
+    pub(crate) fn send(&mut self, task: Task<D, N>) -> Result<(), Failure> {
+        match self.queue.as_ref().map(|queue| queue.send(task)) {
+            Some(Ok(())) => Ok(()),
+            _ => self.finish().map(drop),
+        }
+    }
+
+    /// Hands over what is to be written if there is a place in the queue, and gives it back if there is none.
+    ///
+    /// # Errors
+    /// The error for which the thread has ended.
+    pub(crate) fn offer(&mut self, task: Task<D, N>) -> Result<Option<Task<D, N>>, Failure> {
+        match self.queue.as_ref().map(|queue| queue.try_send(task)) {
+            Some(Ok(())) => Ok(None),
+            Some(Err(TrySendError::Full(task))) => Ok(Some(task)),
+            _ => self.finish().map(|_| None),
+        }
+    }
+
+    /// Notices whether the thread could not write something.
+    ///
+    /// # Errors
+    /// The error for which the thread has ended.
+    pub(crate) fn check(&mut self) -> Result<(), Failure> {
+        // The thread ends by itself only on an error.
+        match &self.thread {
+            Some(thread) if thread.is_finished() => self.finish().map(drop),
+            _ => Ok(()),
+        }
+    }
+
+    /// Waits until all is written, and ends the thread.
+    ///
+    /// # Errors
+    /// The first error of the thread. What came after it has not been written.
+    pub(crate) fn finish(&mut self) -> Result<Recorder<D, N>, Failure> {
+        drop(self.queue.take());
+        let ended = self.thread.take().map(JoinHandle::join);
+        match ended {
+            Some(Ok(written)) => written,
+            Some(Err(panic)) => std::panic::resume_unwind(panic),
+            None => Err(Failure::Unusable("the thread that writes results has ended".to_owned())),
+        }
+    }
+}
+
+impl<const D: usize, const N: usize> Drop for Writer<D, N>
+where
+    [[f64; D]; N]: Results<D, N>,
+{
+    /// A run that ends with an error of its own has what it handed over written all the same.
+    fn drop(&mut self) {
+        drop(self.queue.take());
+        if let Some(thread) = self.thread.take() {
+            // The error of the run is told already.
+            let _ = thread.join();
+        }
+    }
+}
+
+/// Writes what comes until nothing comes any more.
+fn write<const D: usize, const N: usize>(
+    mut recorder: Recorder<D, N>,
+    tasks: Receiver<Task<D, N>>,
+) -> Result<Recorder<D, N>, Failure>
+where
+    [[f64; D]; N]: Results<D, N>,
+{
+    for task in tasks {
+        match task {
+            Task::Rows(rows) => recorder.rows(&rows)?,
+            Task::Frame(frame) => recorder.frame(&frame.0, &frame.1)?,
+            Task::Checkpoint(state) => recorder.save(*state)?,
+        }
+    }
+    Ok(recorder)
+}

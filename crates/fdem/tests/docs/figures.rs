@@ -1,0 +1,375 @@
+//! Figures of speed on the README and in the book are those of the tables in `bench/`, and there are no others.
+//!
+//! [`FIGURES`] lists sentences with the cells that their figures come from, [`OTHERS`] numbers that look like figures of speed and are none. After new timings, the test says which sentences disagree:
+//! change them, and the list.
+
+use super::{pages, read};
+
+/// Figures of documents, in braces, and what the tables say.
+const FIGURES: &[(&str, &str, &[Value])] = &[
+    (
+        "README.md",
+        "One core of an {Intel Xeon} finds the {5.9} million contacts of a million spheres in {67} ms with AVX-512, and in {82} ms with AVX2.",
+        &[
+            Machine("RESULTS.md"),
+            Millions(RESULTS, &["gas1m"], "couples"),
+            Cell(MEDIAN, &["rows"], "gas1m"),
+            Cell(MEDIAN, &["rows-avx2"], "gas1m"),
+        ],
+    ),
+    (
+        "README.md",
+        "The fastest of {eight} other libraries takes {ten} times as long as the first, and {eight} times as long as the second",
+        &[
+            Peers(MEDIAN, "gas1m"),
+            Cell(FASTEST, &["gas1m"], "times ours"),
+            Cell(FASTEST, &["gas1m"], "times rows-avx2"),
+        ],
+    ),
+    (
+        "README.md",
+        "One core of an {AMD EPYC} with AVX-512 updates {55} million elastic triangles or {27} million elastic tetrahedra a second, or {13} and {3.8} million with a joint on every edge or face; with AVX2 {48}, {21}, {12} and {3.0} million",
+        &[
+            Machine("SIMULATION.md"),
+            Cell(STEPS, &["disc", "100,352"], "1 thread"),
+            Cell(STEPS, &["cube", "105,456"], "1 thread"),
+            Cell(STEPS, &["joined", "100,352"], "1 thread"),
+            Cell(STEPS, &["cube-joined", "105,456"], "1 thread"),
+            Cell(LEVELS, &["disc", "100,352"], "avx2"),
+            Cell(LEVELS, &["cube", "105,456"], "avx2"),
+            Cell(LEVELS, &["joined", "100,352"], "avx2"),
+            Cell(LEVELS, &["cube-joined", "105,456"], "avx2"),
+        ],
+    ),
+    (
+        "README.md",
+        "Akantu takes {7.5} times as long as AVX-512 for triangles, and {4.8} times as long for tetrahedra.",
+        &[
+            Bracket(PROGRAMS, &["disc", "100,352"], "akantu"),
+            Bracket(PROGRAMS, &["cube", "105,456"], "akantu"),
+        ],
+    ),
+    (
+        "book/src/performance.md",
+        "| on an {Intel Xeon} | AVX-512 | AVX2 | the fastest of {eight} other libraries |",
+        &[Machine("RESULTS.md"), Peers(MEDIAN, "gas1m")],
+    ),
+    (
+        "book/src/performance.md",
+        "| one thread | {67} ms | {82} ms | {676} ms: {10} and {8.2} times as long |",
+        &[
+            Cell(MEDIAN, &["rows"], "gas1m"),
+            Cell(MEDIAN, &["rows-avx2"], "gas1m"),
+            Cell(FASTEST, &["gas1m"], "its time [ms]"),
+            Cell(FASTEST, &["gas1m"], "times ours"),
+            Cell(FASTEST, &["gas1m"], "times rows-avx2"),
+        ],
+    ),
+    (
+        "book/src/performance.md",
+        "| two threads | {34} ms | {44} ms | {360} ms: {11} and {8.2} times as long |",
+        &[
+            Cell(MEDIAN_2, &["rows"], "gas1m"),
+            Cell(MEDIAN_2, &["rows-avx2"], "gas1m"),
+            Cell(FASTEST_2, &["gas1m"], "its time [ms]"),
+            Cell(FASTEST_2, &["gas1m"], "times ours"),
+            Cell(FASTEST_2, &["gas1m"], "times rows-avx2"),
+        ],
+    ),
+    (
+        "book/src/performance.md",
+        "| working memory of a search | about {30} |",
+        &[Cell((RESULTS.0, "Memory of"), &["gas1m", "1"], "bytes per element")],
+    ),
+    (
+        "book/src/how/rows.md",
+        "each take {67} nanoseconds per point on one core with AVX-512, and {82} with AVX2,",
+        &[
+            Cell(FASTEST, &["gas1m"], "ns per element"),
+            // Milliseconds for a million points.
+            Cell(MEDIAN, &["rows-avx2"], "gas1m"),
+        ],
+    ),
+    (
+        "book/src/how/multilevel.md",
+        "take {1.5} times as long as a million equal ones",
+        &[Ratio(Place(UNLIKE, &["auto"], "ratio1000"), Place(UNLIKE, &["auto"], "ratio1"))],
+    ),
+    (
+        "book/src/faq.md",
+        "the search takes about {6} per cent longer",
+        &[More(Place(MEDIAN, &["rows"], "outlier1m"), Place(MEDIAN, &["rows"], "gas1m"))],
+    ),
+    (
+        "book/src/faq.md",
+        "finds the contacts of a million spheres in less than {100} ms",
+        &[Below(MEDIAN, &["rows-avx2"], "gas1m")],
+    ),
+];
+
+/// What looks like a figure of speed, and why no table has it.
+const OTHERS: &[(&str, &str, &str)] = &[
+    ("README.md", "Compiling takes about five minutes on 2 cores", "the reader's machine"),
+    ("README.md", "in about 12 minutes on 2 cores", "the reader's machine"),
+    ("book/src/how/cgrid.md", "at least six times as fast", "a rule by which `auto` chooses"),
+    ("book/src/simulation/first.md", "Ten minutes, from an empty folder", "the reader's time"),
+    ("book/src/simulation/first-3d.md", "Ten minutes, from an empty folder", "the reader's time"),
+    ("book/src/simulation/trust.md", "four times the speed", "a speed of the model"),
+    ("book/src/simulation/model-file.md", "after 10 minutes", "a limit"),
+    ("book/src/simulation/model-file.md", "20 times as long as a wave needs", "a duration of the model"),
+    ("book/src/simulation/verification.md", "took 28 minutes", "told by `fdem validate`"),
+];
+
+type Section = (&'static str, &'static str);
+const RESULTS: Section = ("RESULTS.md", "");
+const MEDIAN: Section = ("RESULTS.md", "1 thread: median");
+const MEDIAN_2: Section = ("RESULTS.md", "2 threads: median");
+const FASTEST: Section = ("RESULTS.md", "1 thread: `rows` and the fastest peer");
+const FASTEST_2: Section = ("RESULTS.md", "2 threads: `rows` and the fastest peer");
+const UNLIKE: Section = ("UNLIKE.md", "1 thread, unlike sizes: median");
+const STEPS: Section = ("SIMULATION.md", "");
+const LEVELS: Section = ("SIMULATION.md", "Vector instructions");
+const PROGRAMS: Section = ("SIMULATION.md", "Other programs");
+
+/// A cell: a file of `bench/` and the start of a heading in it (empty for any), the first cells of a row, and the name of a column.
+struct Place(Section, &'static [&'static str], &'static str);
+
+/// What a figure must be.
+enum Value {
+    /// The number of a cell.
+    Cell(Section, &'static [&'static str], &'static str),
+    /// The number in brackets in a cell.
+    Bracket(Section, &'static [&'static str], &'static str),
+    /// The number of a cell, in millions.
+    Millions(Section, &'static [&'static str], &'static str),
+    /// More than the number of a cell.
+    Below(Section, &'static [&'static str], &'static str),
+    /// The first cell over the second.
+    Ratio(Place, Place),
+    /// By how many per cent the first cell is more than the second.
+    More(Place, Place),
+    /// The number of other programs with a time in this column.
+    Peers(Section, &'static str),
+    /// The processor at the head of a file.
+    Machine(&'static str),
+}
+
+use Value::{Below, Bracket, Cell, Machine, Millions, More, Peers, Ratio};
+
+/// The text of a file, by its path from the root of the repository.
+type Files<'a> = &'a dyn Fn(&str) -> String;
+
+#[test]
+fn figures_of_speed_are_those_of_the_tables() {
+    let found = problems(&read);
+    assert!(found.is_empty(), "{}", found.join("\n"));
+}
+
+#[test]
+fn a_figure_that_no_table_has_is_found() {
+    let changed = |file: &'static str, from: &'static str, to: &'static str| {
+        assert!(read(file).contains(from), "{file}: {from}");
+        move |name: &str| if name == file { read(name).replace(from, to) } else { read(name) }
+    };
+    for (file, from, to, says) in [
+        ("README.md", "67 ms", "66 ms", "README.md: 66 "),
+        ("README.md", "takes ten times", "takes eleven times", "README.md: eleven "),
+        ("README.md", "a second, or", "a second, 9 times as fast as before, or", "README.md: 9 "),
+        ("book/src/introduction.md", "many times faster", "40 times faster", "book/src/introduction.md: 40 "),
+        ("book/src/how/rows.md", "67 nanoseconds", "some 60 nanoseconds", "book/src/how/rows.md: 60 "),
+        ("bench/RESULTS.md", "66.9 (1.00)", "68.1 (1.00)", "README.md: 67, but bench/RESULTS.md says 68.1"),
+        ("bench/RESULTS.md", "Intel(R) Xeon(R)", "AMD EPYC", "README.md: Intel Xeon, but"),
+        ("bench/SIMULATION.md", "7.32 (7.54)", "7.32 (7.61)", "README.md: 7.5, but"),
+    ] {
+        let replaced = changed(file, from, to);
+        let found = problems(&replaced);
+        assert!(found.iter().any(|problem| problem.contains(says)), "{says}: {found:?}");
+    }
+}
+
+/// Sentences that disagree with the tables, and figures of speed without a table.
+fn problems(files: Files<'_>) -> Vec<String> {
+    let mut found = Vec::new();
+    for (page, sentence, values) in FIGURES {
+        let plain = sentence.replace(['{', '}'], "");
+        if !one_line(&files(page)).contains(&plain) {
+            found.push(format!("{page} no longer says {plain:?}: change the list of figures, too"));
+        }
+        let figures: Vec<&str> =
+            sentence.split('{').skip(1).filter_map(|rest| rest.split('}').next()).collect();
+        assert_eq!(figures.len(), values.len(), "{sentence}");
+        found.extend(figures.iter().zip(*values).filter_map(|(figure, value)| {
+            value.disagrees(figure, files).map(|why| format!("{page}: {figure}, but {why}"))
+        }));
+    }
+    for page in std::iter::once("README.md".to_owned()).chain(pages()) {
+        let mut text = one_line(&prose(&files(&page)));
+        let listed = FIGURES.iter().map(|(of, sentence, _)| (*of, *sentence));
+        for (_, known) in
+            listed.chain(OTHERS.iter().map(|&(of, says, _)| (of, says))).filter(|(of, _)| *of == page)
+        {
+            text = text.replace(&known.replace(['{', '}'], ""), " ; ");
+        }
+        for (_, says, why) in OTHERS.iter().filter(|(of, _, _)| *of == page) {
+            if !one_line(&files(&page)).contains(says) {
+                found.push(format!("{page} no longer says {says:?} ({why}): take it off the list"));
+            }
+        }
+        found.extend(figures_of_speed(&text).into_iter().map(|figure| {
+            format!("{page}: {figure} is a figure of speed that is not in the list with its table")
+        }));
+    }
+    found
+}
+
+/// A text without code, in which line breaks are blanks.
+fn prose(text: &str) -> String {
+    text.split("```").step_by(2).collect::<Vec<_>>().join(" ; ")
+}
+
+fn one_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// Numbers followed by what makes them figures of speed, with the words that show it.
+fn figures_of_speed(text: &str) -> Vec<String> {
+    let words: Vec<&str> = text.split_whitespace().collect();
+    let bare = |word: &&str| word.trim_matches(|c: char| !c.is_alphanumeric()).to_lowercase();
+    let plain: Vec<String> = words.iter().map(bare).collect();
+    let starts = |at: usize, phrase: &str| {
+        phrase.split(' ').enumerate().all(|(k, word)| plain.get(at + k).is_some_and(|other| other == word))
+    };
+    let units = ["ms", "ns", "nanoseconds", "microseconds", "milliseconds", "minutes", "hours"];
+    let phrases = [
+        "times as fast",
+        "times as long",
+        "times as slow",
+        "times faster",
+        "times slower",
+        "times the speed",
+        "per cent faster",
+        "per cent longer",
+        "s on",
+        "seconds on",
+        "million element-steps",
+    ];
+    let rates = ["a second", "per second", "each second"];
+    let mut found = Vec::new();
+    for at in 0..plain.len() {
+        if number(&plain[at]).is_none() {
+            continue;
+        }
+        // A rate may have some words between number and unit, but no other sentence.
+        let rate = (at + 1..words.len().min(at + 8))
+            .take_while(|&next| next == at + 1 || !words[next - 1].ends_with('.'));
+        let is_rate = rate.clone().any(|next| rates.iter().any(|phrase| starts(next, phrase)))
+            && plain.get(at + 1).is_some_and(|word| word == "million" || word == "thousand");
+        if units.iter().chain(&phrases).any(|phrase| starts(at + 1, phrase)) || is_rate {
+            found.push(words[at..words.len().min(at + 8)].join(" "));
+        }
+    }
+    found
+}
+
+/// A number in digits, with commas between thousands, or in a word.
+fn number(text: &str) -> Option<f64> {
+    const WORDS: [&str; 13] = [
+        "zero", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven",
+        "twelve",
+    ];
+    let word = WORDS.iter().position(|word| *word == text).map(|number| number as f64);
+    word.or_else(|| {
+        text.replace(',', "").parse().ok().filter(|_| text.starts_with(|c: char| c.is_ascii_digit()))
+    })
+}
+
+impl Value {
+    /// What the tables say instead of a figure; `None` if they agree.
+    fn disagrees(&self, figure: &str, files: Files<'_>) -> Option<String> {
+        let (value, from) = match self {
+            Machine(file) => {
+                let text = files(&format!("bench/{file}")).replace("(R)", "");
+                let head = text.lines().find(|line| line.starts_with("fdem")).unwrap_or_default().to_owned();
+                return (!head.contains(figure)).then(|| format!("bench/{file} is of {head}"));
+            }
+            Peers(section, column) => (peers(*section, column, files), section.0),
+            Cell(section, row, column) | Below(section, row, column) => {
+                (Place(*section, row, column).number(files), section.0)
+            }
+            Millions(section, row, column) => {
+                (Place(*section, row, column).number(files).map(|number| number / 1e6), section.0)
+            }
+            Bracket(section, row, column) => (
+                Place(*section, row, column)
+                    .text(files)
+                    .and_then(|text| number(text.split_once('(')?.1.trim_end_matches(')'))),
+                section.0,
+            ),
+            Ratio(first, second) => (ratio(first, second, files), first.0.0),
+            More(first, second) => {
+                (ratio(first, second, files).map(|ratio| 100.0 * (ratio - 1.0)), first.0.0)
+            }
+        };
+        let Some(value) = value else { return Some(format!("bench/{from} has no such cell")) };
+        let Some(told) = number(figure) else { return Some("that is no number".to_owned()) };
+        let decimals = figure.split_once('.').map_or(0, |(_, decimals)| decimals.len());
+        let agrees = match self {
+            Below(..) => value < told,
+            // As it is rounded to the digits that are told.
+            _ => (value - told).abs() <= 0.5 * (0..decimals).fold(1.0, |unit, _| 0.1 * unit) + 1e-9,
+        };
+        (!agrees).then(|| format!("bench/{from} says {value}"))
+    }
+}
+
+fn ratio(first: &Place, second: &Place, files: Files<'_>) -> Option<f64> {
+    Some(first.number(files)? / second.number(files)?)
+}
+
+impl Place {
+    /// The number at the beginning of the cell.
+    fn number(&self, files: Files<'_>) -> Option<f64> {
+        number(self.text(files)?.split([' ', '†']).next()?)
+    }
+
+    /// The text of the cell in the first table that has the row and the column.
+    fn text(&self, files: Files<'_>) -> Option<String> {
+        let Self(section, row, column) = self;
+        tables(*section, files).into_iter().find_map(|table| {
+            let column = table[0].iter().position(|name| name == column)?;
+            let found = table.iter().find(|cells| row.iter().zip(*cells).all(|(a, b)| a == b))?;
+            found.get(column).cloned()
+        })
+    }
+}
+
+/// The number of searches with a time in a column that are not ours.
+fn peers(section: Section, column: &str, files: Files<'_>) -> Option<f64> {
+    let table = tables(section, files).into_iter().next()?;
+    let column = table[0].iter().position(|name| name == column)?;
+    let ours = |name: &str| name.starts_with("rows") || name == "nbs";
+    let others = table[1..].iter().filter(|row| !ours(&row[0]) && row[column] != "-");
+    Some(others.count() as f64)
+}
+
+/// The tables of a section: rows of cells, the names of the columns first.
+fn tables((file, heading): Section, files: Files<'_>) -> Vec<Vec<Vec<String>>> {
+    let text = files(&format!("bench/{file}"));
+    let mut tables: Vec<Vec<Vec<String>>> = Vec::new();
+    let (mut inside, mut open) = (heading.is_empty(), false);
+    for line in text.lines() {
+        if let Some(name) = line.strip_prefix("## ") {
+            inside = heading.is_empty() || name.starts_with(heading);
+        }
+        let is_row = inside && line.starts_with('|');
+        if is_row && !line.starts_with("|-") {
+            if !open {
+                tables.push(Vec::new());
+            }
+            let cells = line.trim_matches('|').split('|').map(|cell| cell.trim().to_owned()).collect();
+            tables.last_mut().unwrap().push(cells);
+        }
+        open = is_row;
+    }
+    tables
+}
