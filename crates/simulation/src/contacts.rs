@@ -13,7 +13,7 @@ mod forces;
 use fdem_contact::{Buffered, Couple as Pair, Detector, Elements as Boxes, prefetch};
 use serde::{Deserialize, Serialize};
 
-use crate::contacts::forces::{Grip, Law, Pass, Pressed, distance, law, points};
+use crate::contacts::forces::{Grip, Law, Pass, Pressed, Works, distance, law, points};
 pub(crate) use crate::contacts::forces::{penalty_and_friction, stiffness};
 use crate::error::{ModelError, Stop};
 use crate::forces::ContactForce;
@@ -29,7 +29,7 @@ use crate::vector::{add, minus};
 const AHEAD: usize = 3;
 
 /// Number of chunks of couples whose forces are computed together, and then added to those of their elements. The memory for the forces of couples does not grow beyond that.
-const ROUND: usize = 32;
+const ROUND: usize = 8;
 
 /// Share of the buffer for the motion of elements between two updates of their boxes.
 const SLACK: f64 = 0.25;
@@ -42,8 +42,9 @@ pub(crate) struct Couple {
     joint: u32,
     /// Whether the two have separated in this step and may overlap already. Cleared when their forces are computed for the first time.
     initial_overlap: bool,
-    /// Whether the two overlap. Then they have a history among [`Contacts::grips`].
+    /// Whether the two overlap. Then they have a history among [`Contacts::grips`], at this place in that of their chunk.
     touches: bool,
+    slot: u16,
     /// The two cannot touch before nodes have travelled this distance since the beginning, m.
     apart_until: f64,
 }
@@ -77,8 +78,6 @@ pub(crate) struct Saved<const D: usize = 2, const N: usize = 3> {
 pub(crate) struct Contacts<const D: usize = 2, const N: usize = 3> {
     options: Vec<Law>,
     materials: usize,
-    /// Contact length of each element, m: [`Simplex::contact_length`].
-    lengths: Vec<f64>,
     /// Whether each vertex is free: on an outer facet or a broken joint.
     free: Vec<bool>,
     /// Group of each corner among those of its vertex: elements of one group are connected there.
@@ -97,10 +96,10 @@ pub(crate) struct Contacts<const D: usize = 2, const N: usize = 3> {
     chosen: f64,
     /// Couples that may touch in the present state of the joints, ascending.
     couples: Vec<Couple>,
-    /// For each chunk of couples, the histories of those that touch, in their order.
+    /// For each chunk of couples, the histories of those that touch.
     grips: Vec<Vec<Grip<D, N>>>,
     /// Forces of the couples of one round. They are not kept.
-    pressed: Vec<Vec<Pressed<D, N>>>,
+    pressed: Vec<Pressed<D, N>>,
     /// Pairs of elements that have separated in this step, at a vertex or along a facet.
     parted: Vec<[u32; 2]>,
     /// Whether an element at a free vertex is not watched yet.
@@ -125,6 +124,15 @@ pub(crate) struct Touching {
     pub(crate) deep: Option<[u32; 2]>,
 }
 
+impl Touching {
+    fn add(&mut self, works: &Works) {
+        self.energy += works.energy;
+        self.friction += works.friction;
+        self.damping += works.damping;
+        self.handed_over += works.handed_over;
+    }
+}
+
 impl<const D: usize, const N: usize> Contacts<D, N>
 where
     [[f64; D]; N]: Simplex<D, N>,
@@ -138,10 +146,6 @@ where
         let options = (0..materials * materials)
             .map(|k| law(model, (k / materials) as u32, (k % materials) as u32))
             .collect();
-        let lengths = (0..model.mesh.elements.len()).map(|element| {
-            <[[f64; D]; N]>::contact_length(corners_of(&model.mesh, element).measure() * model.thickness)
-        });
-        let lengths = lengths.collect();
         let buffer = model.contact.buffer * mean_edge(model);
         let slack = SLACK * buffer;
         let detector = team.pool().map_or_else(Detector::new, |pool| Detector::new().on_pool(pool));
@@ -150,7 +154,6 @@ where
         let mut contacts = Self {
             options,
             materials,
-            lengths,
             free: topology.outer_vertices(),
             groups: vec![0; topology.vertices.len()],
             watched: vec![false; model.mesh.elements.len()],
@@ -163,7 +166,7 @@ where
             chosen: f64::NEG_INFINITY,
             couples: Vec::new(),
             grips: Vec::new(),
-            pressed: (0..ROUND).map(|_| Vec::new()).collect(),
+            pressed: (0..ROUND).map(|_| Pressed::default()).collect(),
             parted: Vec::new(),
             unwatched: true,
             detections: 0,
@@ -351,27 +354,30 @@ where
 
     /// The couples that touch, with their histories.
     fn touching(&self) -> impl Iterator<Item = ([u32; 2], &Grip<D, N>)> {
-        let elements = self.couples.iter().filter(|couple| couple.touches).map(|couple| couple.elements);
-        elements.zip(self.grips.iter().flatten())
+        let chunks = self.couples.chunks(CHUNK).zip(&self.grips);
+        chunks.flat_map(|(couples, grips)| {
+            let touching = couples.iter().filter(|couple| couple.touches);
+            touching.map(|couple| (couple.elements, &grips[couple.slot as usize]))
+        })
     }
 
     /// Distributes the histories of the couples that touch, in their order, among the chunks of couples.
     fn group_grips(&mut self, grips: impl IntoIterator<Item = Grip<D, N>>) {
         let mut grips = grips.into_iter();
-        let chunks = self.couples.chunks(CHUNK);
-        self.grips = chunks
-            .map(|couples| {
-                grips.by_ref().take(couples.iter().filter(|couple| couple.touches).count()).collect()
-            })
-            .collect();
+        let group = |couples: &mut [Couple]| {
+            let touching = couples.iter_mut().filter(|couple| couple.touches);
+            let slots = touching.enumerate().map(|(slot, couple)| couple.slot = slot as u16);
+            grips.by_ref().take(slots.count()).collect()
+        };
+        self.grips = self.couples.chunks_mut(CHUNK).map(group).collect();
     }
 
     /// Replaces the couples by those that may touch now. Couples that were there before keep their history.
     fn choose(&mut self, mut couples: Vec<Couple>) {
         couples.sort_unstable_by_key(|couple| couple.elements);
+        let grips: Vec<_> = self.touching().map(|(_, grip)| *grip).collect();
+        let mut grips = grips.into_iter();
         let before = std::mem::take(&mut self.couples);
-        let grips = std::mem::take(&mut self.grips);
-        let mut grips = grips.into_iter().flatten();
         let mut before = before.into_iter().map(|known| {
             let grip = if known.touches { grips.next() } else { None };
             (known, grip)
@@ -408,13 +414,13 @@ where
         // Elements that share a facet are listed for the facet and for all of its vertices.
         parted.dedup();
         let new = parted.into_iter().filter_map(|pair| couple(pair, true, &self.groups, joints, topology));
-        let count = self.couples.len();
-        self.couples.extend(new);
-        if self.couples.len() > count {
+        let new: Vec<Couple> = new.collect();
+        if !new.is_empty() {
+            let grips: Vec<_> = self.touching().map(|(_, grip)| *grip).collect();
+            self.couples.extend(new);
             // A stable sort of two ascending runs is one merge.
             self.couples.sort_by_key(|couple| couple.elements);
-            let grips = std::mem::take(&mut self.grips);
-            self.group_grips(grips.into_iter().flatten());
+            self.group_grips(grips);
         }
     }
 
@@ -434,7 +440,6 @@ where
                 joints,
                 laws: &self.options,
                 materials: self.materials,
-                lengths: &self.lengths,
                 step,
                 travel: self.travel,
             };
@@ -443,19 +448,22 @@ where
                 pass.press(couples, grips, pressed);
             });
             // Added couple by couple: sums of chunks would depend on the couples that do not touch, and a resumed run may have others.
-            for pressed in pressed.iter().flatten() {
-                all.energy += pressed.works.energy;
-                all.friction += pressed.works.friction;
-                all.damping += pressed.works.damping;
-                all.handed_over += pressed.works.handed_over;
-                if !pressed.touches {
-                    continue;
-                }
-                all.count += 1;
-                all.deep = all.deep.or(pressed.deep.then_some(pressed.elements));
-                for (element, forces) in pressed.elements.into_iter().zip(&pressed.forces) {
-                    for (sum, force) in solid.forces[element as usize].iter_mut().zip(forces) {
-                        add(sum, *force, 1.0);
+            for (couples, pressed) in couples.chunks(CHUNK).zip(pressed) {
+                let mut separated = pressed.separated.iter().peekable();
+                for (number, couple) in (0..).zip(couples) {
+                    if let Some((_, works)) = separated.next_if(|(couple, _)| *couple == number) {
+                        all.add(works);
+                    }
+                    if couple.touches {
+                        let push = &pressed.pushes[couple.slot as usize];
+                        all.add(&push.works);
+                        all.count += 1;
+                        all.deep = all.deep.or(push.deep.then_some(couple.elements));
+                        for (element, forces) in couple.elements.into_iter().zip(&push.forces) {
+                            for (sum, force) in solid.forces[element as usize].iter_mut().zip(forces) {
+                                add(sum, *force, 1.0);
+                            }
+                        }
                     }
                 }
             }
@@ -502,7 +510,7 @@ fn relation<const D: usize, const N: usize>([a, b]: [u32; 2], topology: &Topolog
 
 /// A couple of two elements that were never connected.
 fn apart(elements: [u32; 2]) -> Couple {
-    Couple { elements, joint: NONE, initial_overlap: false, touches: false, apart_until: 0.0 }
+    Couple { elements, joint: NONE, initial_overlap: false, touches: false, slot: 0, apart_until: 0.0 }
 }
 
 /// A new couple of two elements; `None` if they cannot touch in the present state of the joints. `parted`: whether they have separated in this step.

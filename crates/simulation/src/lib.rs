@@ -10,18 +10,21 @@
 //! Types have two parameters: `D` dimensions and `N = D + 1` corners of an element. They are 2 and 3 where nothing is said, so that `Model` is one of triangles and `Model<3, 4>` one
 //! of tetrahedra. What differs between the two is in `simplex.rs` and its parts.
 //!
-//! Results do not depend on the number of threads: elements, joints and contacts store their forces, and every node adds up its forces in a fixed order.
+//! Results do not depend on the number of threads: forces of couples are added to those of their elements in the order of the couples, and every node adds up the forces of its elements
+//! and joints in a fixed order.
 //! A run that is saved and resumed continues bit for bit.
 //!
 //! # How it is built
 //!
 //! `Topology` never changes: vertices of the mesh, corners of elements, facets. `Solid` has the present nodes, which become more as the mesh comes apart.
-//! Elements, joints and couples write their forces on corners; each node then adds the forces of its corners in a fixed order (`gather` in
-//! `src/motion.rs`), so that threads share no sum and change no bit. `Team` cuts work into chunks of fixed size and adds their results in order.
+//! Elements and joints write their forces on corners; couples are computed in rounds, and the forces of each round are added to those of their elements, couple by couple. Each node then
+//! adds the forces of its corners in a fixed order (`gather` in `src/motion.rs`), so that threads share no sum and change no bit. `Team` cuts work into chunks of fixed size and adds
+//! their results in order.
 //!
-//! Elements and whole joints are computed in batches of 16, side by side (`src/lanes.rs`): one function says what happens to one of them, without a branch, and the compiler makes
+//! Elements, whole joints and contacts are computed in batches of 16, side by side (`src/lanes.rs`): one function says what happens to one of them, without a branch, and the compiler makes
 //! vectors of the loop over a batch, for AVX2, AVX-512, and what every processor has. The best set of instructions is chosen at run time. All give the same bits; tests compare them.
-//! An element that is strained so much that its stress needs a branch, and a joint that does not stay whole, are computed again, one by one.
+//! An element that is strained so much that its stress needs a branch, and a joint that does not stay whole, are computed again, one by one. The parts of faces that a contact of
+//! tetrahedra covers differ in how many lines cut them: each part is a task, and tasks with the same number of cuts share batches (`src/simplex/tetrahedron/part.rs`).
 //!
 //! Data that each step reads are stored apart from data that are seldom read (`Node` and `Constants`, `Joint` and `Link`). A step skips everything
 //! that cannot have changed: edges of elements whose stress is far from the strength (`joints/near.rs`), boxes of bodies that have moved less than the

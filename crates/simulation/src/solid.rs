@@ -40,6 +40,10 @@ pub(crate) struct Element {
     pub(crate) material: u32,
     /// Undeformed volume, m³: in two dimensions area times thickness.
     pub(crate) volume: f64,
+    /// Length for contacts, m: [`Simplex::contact_length`].
+    pub(crate) length: f64,
+    /// Mean mass of its nodes, kg.
+    pub(crate) mass: f64,
 }
 
 impl Element {
@@ -114,7 +118,8 @@ where
         let mesh = &model.mesh;
         let element = |number: usize| {
             let volume = corners_of(mesh, number).measure() * model.thickness;
-            Element { material: mesh.materials[number], volume }
+            let length = <[[f64; D]; N]>::contact_length(volume);
+            Element { material: mesh.materials[number], volume, length, mass: 0.0 }
         };
         let elements: Vec<Element> = (0..mesh.elements.len()).map(element).collect();
         let mut undeformed = vec![Undeformed::EMPTY; elements.len().div_ceil(LANES)];
@@ -210,13 +215,19 @@ where
         self.corners = Nodes::new(of_corner.collect(), order.len());
     }
 
-    /// Sets the mass of a node to the sum over its corners.
+    /// Sets the mass of a node to the sum over its corners, and the mean masses of the elements there.
     pub(crate) fn weigh(&mut self, node: u32, model: &Model<D, N>) {
+        let Self { elements, constants, corners, .. } = self;
         let mut mass = 0.0;
-        for &corner in self.corners.of(node as usize) {
-            mass += self.elements[corner as usize / N].corner_mass(model);
+        for &corner in corners.of(node as usize) {
+            mass += elements[corner as usize / N].corner_mass(model);
         }
-        self.constants[node as usize].mass = mass;
+        constants[node as usize].mass = mass;
+        for &corner in corners.of(node as usize) {
+            let element = corner as usize / N;
+            let nodes = corners.of_corner[element].iter();
+            elements[element].mass = nodes.map(|&node| constants[node as usize].mass / N as f64).sum();
+        }
     }
 
     /// Present nodes of an element.

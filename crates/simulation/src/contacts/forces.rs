@@ -10,7 +10,6 @@ use crate::lanes::{LANES, Lanes, Rows, compiled_for_vectors, larger, row, rows, 
 use crate::model::Model;
 use crate::simplex::{Interactions, Shapes, Simplex, apart, gap, parted};
 use crate::solid::Solid;
-use crate::topology::NONE;
 use crate::vector::{Point, add, dot, length};
 
 /// Number of batches whose potentials are computed together.
@@ -129,26 +128,36 @@ where
 struct Member {
     /// Its number in the chunk.
     couple: u32,
-    /// The number of its history in that of the chunk, or [`NONE`].
-    grip: u32,
     /// Share of the forces that acts, while a joint between the two elements carries the rest, and the increase of this share in the last step.
     weight: f64,
     fading: f64,
 }
 
 impl Member {
-    const NONE: Self = Self { couple: 0, grip: NONE, weight: 0.0, fading: 0.0 };
+    const NONE: Self = Self { couple: 0, weight: 0.0, fading: 0.0 };
 }
 
-/// Forces of a couple that touches, or works of one that has separated in this pass.
-#[derive(Clone, Copy, Debug)]
+/// Forces of a chunk of couples.
+#[derive(Debug)]
 pub(super) struct Pressed<const D: usize, const N: usize> {
-    couple: u32,
-    pub(super) elements: [u32; 2],
+    /// Those of the couples that touch, in the order of their histories.
+    pub(super) pushes: Vec<Push<D, N>>,
+    /// Couples of the chunk that have separated in this pass, ascending, with the works of their last forces.
+    pub(super) separated: Vec<(u32, Works)>,
+}
+
+impl<const D: usize, const N: usize> Default for Pressed<D, N> {
+    fn default() -> Self {
+        Self { pushes: Vec::new(), separated: Vec::new() }
+    }
+}
+
+/// Forces of a couple that touches.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Push<const D: usize, const N: usize> {
     /// Forces of potential, damping and friction on the corners of both elements, N.
     pub(super) forces: [[Point<D>; N]; 2],
     pub(super) works: Works,
-    pub(super) touches: bool,
     pub(super) deep: bool,
 }
 
@@ -159,8 +168,6 @@ pub(super) struct Pass<'a, const D: usize, const N: usize> {
     /// Parameters of the contacts of each pair of materials, and the number of materials.
     pub(super) laws: &'a [Law],
     pub(super) materials: usize,
-    /// Contact length of each element, m.
-    pub(super) lengths: &'a [f64],
     /// Time step, s.
     pub(super) step: f64,
     /// Distance that nodes have travelled since the beginning, m.
@@ -171,21 +178,22 @@ impl<const D: usize, const N: usize> Pass<'_, D, N>
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    /// Computes the forces of a chunk of couples, ascending. `grips`: the histories of those that touch, in their order.
+    /// Computes the forces of a chunk of couples. `grips`: the histories of those that touch.
     pub(super) fn press(
         &self,
         couples: &mut [Couple],
         grips: &mut Vec<Grip<D, N>>,
-        pressed: &mut Vec<Pressed<D, N>>,
+        pressed: &mut Pressed<D, N>,
     ) {
-        pressed.clear();
+        pressed.pushes.clear();
+        pressed.separated.clear();
         let before = std::mem::replace(grips, Vec::with_capacity(grips.len()));
         let mut histories = Histories { before: &before, grips, pressed };
         let mut work = Work::<D, N>::new();
-        // Couples that are looked at together, and those of them that no facet parts.
+        // Couples that are looked at together, and those that no facet parts.
         let mut near = [Member::NONE; LANES];
         let mut group = [Member::NONE; GROUP * LANES];
-        let (mut looked, mut count, mut touching) = (0, 0, 0);
+        let (mut looked, mut count) = (0, 0);
         for number in 0..couples.len() {
             if let Some(next) = couples.get(number + AHEAD)
                 && next.apart_until <= self.travel
@@ -193,34 +201,38 @@ where
                 next.prefetch(self.solid);
             }
             let couple = &mut couples[number];
-            let grip = if couple.touches { touching } else { NONE };
-            touching += u32::from(couple.touches);
             if couple.apart_until <= self.travel {
                 let joint = self.joints.all.get(couple.joint as usize);
                 // A detached joint did not press its elements apart: their overlap now must not count at once.
                 couple.initial_overlap |=
                     joint.is_some_and(|joint| joint.fading > 0.0 && joint.detached != [false; D]);
                 let [weight, fading] = joint.map_or([1.0, 0.0], |joint| [joint.faded, joint.fading]);
-                near[looked] = Member { couple: number as u32, grip, weight, fading };
-                for (shape, element) in work.near.iter_mut().zip(couple.elements) {
-                    set_rows(shape, looked, &self.solid.shape(element));
+                let member = Member { couple: number as u32, weight, fading };
+                // Most couples that touched still do.
+                let (shapes, lane) = if couple.touches && weight > 0.0 {
+                    group[count] = member;
+                    count += 1;
+                    (&mut work.shapes[(count - 1) / LANES], (count - 1) % LANES)
+                } else {
+                    near[looked] = member;
+                    looked += 1;
+                    (&mut work.near, looked - 1)
+                };
+                for (shape, element) in shapes.iter_mut().zip(couple.elements) {
+                    set_rows(shape, lane, &self.solid.shape(element));
                 }
-                looked += 1;
             }
             let is_last = number + 1 == couples.len();
             if looked == LANES || is_last {
                 self.choose(&near[..looked], &mut work, couples, &mut group, &mut count, &mut histories);
                 looked = 0;
             }
-            if count > group.len() - LANES || is_last {
+            if count + LANES >= group.len() || is_last {
                 self.press_group(&group[..count], &mut work, couples, &mut histories);
                 count = 0;
             }
         }
-        // Couples that have separated were found before others.
-        if !pressed.is_sorted_by_key(|pressed| pressed.couple) {
-            pressed.sort_unstable_by_key(|pressed| pressed.couple);
-        }
+        pressed.separated.sort_unstable_by_key(|(couple, _)| *couple);
     }
 
     /// Takes the couples that no facet parts into the group.
@@ -233,6 +245,9 @@ where
         count: &mut usize,
         histories: &mut Histories<'_, D, N>,
     ) {
+        if near.is_empty() {
+            return;
+        }
         let mut distances = Lanes::ZERO;
         distances_of::<D, N>(self.solid.available, &work.near, &mut distances);
         for (lane, member) in near.iter().enumerate() {
@@ -258,6 +273,9 @@ where
         couples: &mut [Couple],
         histories: &mut Histories<'_, D, N>,
     ) {
+        if group.is_empty() {
+            return;
+        }
         let solid = self.solid;
         work.clear(group.len());
         let Work { shapes, found, scratch, batch, .. } = work;
@@ -269,13 +287,9 @@ where
                 let pair = couple.elements.map(|element| &solid.elements[element as usize]);
                 let law = &self.laws[pair[0].material as usize * self.materials + pair[1].material as usize];
                 let velocities = couple.elements.map(|element| self.velocities(element));
-                let masses = if law.damping > 0.0 {
-                    couple.elements.map(|element| mass(solid, element))
-                } else {
-                    [1.0; 2]
-                };
-                let [one, other] = couple.elements.map(|element| self.lengths[element as usize]);
-                batch.take(lane, law, histories.before(member), &velocities, masses, smaller(one, other));
+                let masses = pair.map(|element| element.mass);
+                let length = smaller(pair[0].length, pair[1].length);
+                batch.take(lane, law, histories.before(couple), &velocities, masses, length);
                 batch.weight.set(lane, member.weight);
                 batch.fading.set(lane, member.fading);
                 batch.initial.set(lane, f64::from(u8::from(couple.initial_overlap)));
@@ -291,13 +305,11 @@ where
                 let couple = &mut couples[member.couple as usize];
                 couple.initial_overlap = false;
                 couple.touches = true;
+                couple.slot = histories.grips.len() as u16;
                 histories.grips.push(batch.grip(lane));
-                histories.pressed.push(Pressed {
-                    couple: member.couple,
-                    elements: couple.elements,
+                histories.pressed.pushes.push(Push {
                     forces: [0, 1].map(|side| rows(&found.forces[side], lane)),
                     works: batch.works(lane),
-                    touches: true,
                     deep: found.deep.get(lane) > 0.0,
                 });
             }
@@ -316,17 +328,11 @@ where
         couple.initial_overlap = false;
         couple.apart_until = skipped_until(self.travel, distance);
         if couple.touches {
-            couple.touches = false;
             let velocities = couple.elements.map(|element| self.velocities(element));
-            let [friction, damping] = histories.before(member).second_half(&velocities, self.step);
-            histories.pressed.push(Pressed {
-                couple: member.couple,
-                elements: couple.elements,
-                forces: [[[0.0; D]; N]; 2],
-                works: Works { friction, damping, ..Works::default() },
-                touches: false,
-                deep: false,
-            });
+            let [friction, damping] = histories.before(couple).second_half(&velocities, self.step);
+            couple.touches = false;
+            let works = Works { friction, damping, ..Works::default() };
+            histories.pressed.separated.push((member.couple, works));
         }
     }
 
@@ -341,14 +347,14 @@ where
 struct Histories<'a, const D: usize, const N: usize> {
     before: &'a [Grip<D, N>],
     grips: &'a mut Vec<Grip<D, N>>,
-    pressed: &'a mut Vec<Pressed<D, N>>,
+    pressed: &'a mut Pressed<D, N>,
 }
 
 impl<const D: usize, const N: usize> Histories<'_, D, N> {
     /// The history of a couple.
     #[inline]
-    fn before(&self, member: &Member) -> &Grip<D, N> {
-        self.before.get(member.grip as usize).unwrap_or(const { &Grip::NONE })
+    fn before(&self, couple: &Couple) -> &Grip<D, N> {
+        if couple.touches { &self.before[couple.slot as usize] } else { const { &Grip::NONE } }
     }
 }
 
@@ -648,14 +654,6 @@ fn relative_velocity<const D: usize, const N: usize>(
         }
     }
     rate
-}
-
-/// Mean mass of the nodes of an element, kg.
-fn mass<const D: usize, const N: usize>(solid: &Solid<D, N>, element: u32) -> f64
-where
-    [[f64; D]; N]: Simplex<D, N>,
-{
-    solid.nodes_of(element).iter().map(|&node| solid.constants[node as usize].mass / N as f64).sum()
 }
 
 /// Sum of forces.

@@ -24,7 +24,8 @@
 )]
 
 use crate::lanes::{
-    Available, LANES, Lanes, Rows, compiled_for_vectors, larger, row, rows, set_row, set_rows, smaller,
+    Available, LANES, Lanes, Rows, compiled_for_vectors, either, larger, row, rows, set_row, set_rows,
+    smaller,
 };
 use crate::simplex::triangle::Triangle;
 use crate::simplex::{Interactions, NEAR, Shapes, furthest};
@@ -228,9 +229,10 @@ compiled_for_vectors!(fn points = all_points<>(between: &Between, any: &[Lanes; 
 fn all_points(between: &Between, any: &[Lanes; 2], point: &mut [Lanes; 2]) {
     for lane in 0..LANES {
         let weight = between.weight.get(lane);
+        let presses = if weight > 0.0 { !0 } else { 0 };
         for axis in 0..2 {
             let mean = between.moment[axis].get(lane) / weight;
-            point[axis].set(lane, if weight > 0.0 { mean } else { any[axis].get(lane) });
+            point[axis].set(lane, either(presses, mean, any[axis].get(lane)));
         }
     }
 }
@@ -328,6 +330,8 @@ fn chord(start: [f64; 3], end: [f64; 3]) -> Chord {
     let mut chord =
         Chord { long: to - from, at_start: 0.0, at_end: 0.0, outside: 0.0, near: 0.0, least: 1.0 };
     let (mut s, mut a_s) = (from, potential(from));
+    // The sum of four fractions, by one division.
+    let (mut over, mut product) = (0.0, 1.0);
     for t in [a, b, c, to] {
         let (a, b, long) = (a_s, potential(t), t - s);
         let (v, w) = (1.0 - a, 1.0 - b);
@@ -335,11 +339,13 @@ fn chord(start: [f64; 3], end: [f64; 3]) -> Chord {
         chord.at_start += share * (a * (3.0 - 2.0 * s - t) + b * (3.0 - s - 2.0 * t));
         chord.at_end += share * (a * (2.0 * s + t) + b * (s + 2.0 * t));
         // Integral of -φ² (3 - 2 φ)/(6 w²), with φ from a to b.
-        chord.outside -= share * (a * a + a * b + b * b - a * b * (a + b)) / (v * w);
+        let (more, under) = (share * (a * a + a * b + b * b - a * b * (a + b)), v * w);
+        (over, product) = (over * under + more * product, product * under);
         chord.near += long * (0.5 - SIXTH * (v + w));
         chord.least = smaller(chord.least, smaller(v, w));
         (s, a_s) = (t, b);
     }
+    chord.outside = -over / product;
     chord
 }
 
