@@ -325,3 +325,88 @@ fn all_integrals<const M: usize, const FROM: usize>(parts: &mut Parts) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::uniform;
+    use crate::simplex::tetrahedron::piece::{Piece, Pieces, share_of};
+
+    /// Values of four functions at the corners of a triangle, by seed. Every fourth triangle has values that are multiples of a fifth: lines through corners, and along edges.
+    fn values(seed: u64) -> [[f64; 4]; 3] {
+        std::array::from_fn(|corner| {
+            std::array::from_fn(|k| {
+                let value = uniform(seed, (4 * corner + k) as u64) - 0.4;
+                if seed.is_multiple_of(4) { (5.0 * value).round() / 5.0 } else { value }
+            })
+        })
+    }
+
+    /// The numbers of the parts where the first functions are not negative, of one triangle in each lane.
+    fn parts(seeds: std::ops::Range<u64>, lines: usize) -> Vec<[f64; NUMBERS]> {
+        let mut parts = Parts::NONE;
+        for (lane, seed) in seeds.enumerate() {
+            let values = values(seed);
+            let of = |k: usize| values.map(|at| at[k]);
+            parts.set_potential(lane, of(0).map(|value| 0.1 * value));
+            for line in 0..lines {
+                parts.set_line(lane, line, of(line));
+            }
+        }
+        parts.compute(Available::best(), lines);
+        (0..LANES)
+            .map(|lane| {
+                let mut sums = [Lanes::ZERO; NUMBERS];
+                parts.add_to(lane, &mut sums, 0);
+                row(&sums, 0)
+            })
+            .collect()
+    }
+
+    #[test]
+    fn a_part_is_what_cuts_one_by_one_leave() {
+        for lines in 0..=CUTS {
+            let mut empty = 0;
+            for first in (0..4000).step_by(LANES) {
+                let found = parts(first..first + LANES as u64, lines);
+                for (seed, found) in (first..).zip(found) {
+                    let mut pieces = Pieces::of(&values(seed));
+                    let mut left = Piece::WHOLE;
+                    for line in 0..lines {
+                        left = pieces.cut(&left, |at| at[line]);
+                    }
+                    let corners: Vec<_> = pieces.corners(&left).copied().collect();
+                    let (mut area, mut potential, mut most) = (0.0, 0.0, 0.0_f64);
+                    for k in 2..corners.len() {
+                        let three = [&corners[0], &corners[k - 1], &corners[k]];
+                        let phi = three.map(|corner| 4.0 * (0.1 * corner.values[0]).max(0.0));
+                        area += share_of(three);
+                        potential += share_of(three) / 3.0 * (phi[0] + phi[1] + phi[2]);
+                        most = phi.into_iter().fold(most, f64::max);
+                    }
+                    empty += usize::from(area == 0.0);
+                    assert!((found[0] - area).abs() < 1e-14, "{lines} {seed}: {} {area}", found[0]);
+                    assert!((found[1] - potential).abs() < 1e-14, "{lines} {seed}: {} {potential}", found[1]);
+                    if area > 1e-12 {
+                        assert!((found[5] - most).abs() < 1e-14, "{lines} {seed}: {} {most}", found[5]);
+                    }
+                }
+            }
+            assert!(lines == 0 || empty > 100 && empty < 3900, "{lines}: {empty}");
+        }
+    }
+
+    #[test]
+    fn only_the_longest_run_is_kept() {
+        let kept = |bits: [u64; 6]| {
+            let mut kept = bits.map(|bit| [bit * !0; LANES]);
+            keep_longest_run(&mut kept, 3);
+            assert_eq!(kept.map(|at| at[2]), bits.map(|bit| bit * !0), "another lane");
+            kept.map(|at| at[3] & 1)
+        };
+        assert_eq!(kept([1, 0, 1, 1, 0, 0]), [0, 0, 1, 1, 0, 0]);
+        assert_eq!(kept([1, 0, 1, 0, 1, 1]), [1, 0, 0, 0, 1, 1]);
+        assert_eq!(kept([1, 0, 1, 0, 0, 0]), [1, 0, 0, 0, 0, 0]);
+        assert_eq!(kept([0, 0, 1, 1, 1, 1]), [0, 0, 1, 1, 1, 1]);
+    }
+}
