@@ -187,6 +187,10 @@ where
     ) {
         pressed.pushes.clear();
         pressed.separated.clear();
+        // Mostly, bodies do not touch anywhere near.
+        if couples.iter().all(|couple| couple.apart_until > self.travel) {
+            return;
+        }
         let before = std::mem::replace(grips, Vec::with_capacity(grips.len()));
         let mut histories = Histories { before: &before, grips, pressed };
         let mut work = Work::<D, N>::new();
