@@ -8,9 +8,9 @@ pub(crate) mod triangle;
 
 use crate::elastic::Moduli;
 use crate::error::Stop;
-use crate::lanes::{Available, Lanes, Rows, larger, smaller};
+use crate::lanes::{Available, LANES, Lanes, Rows, compiled_for_vectors, either, larger, smaller};
 #[cfg(test)]
-use crate::lanes::{LANES, row, rows, set_rows};
+use crate::lanes::{row, rows, set_rows};
 use crate::model::{Material, Plane};
 use crate::simulation::Simulation;
 use crate::vector::{Matrix, Point, dot};
@@ -198,6 +198,40 @@ impl<const D: usize, const N: usize> Interactions<D, N> {
         point: [Lanes::ZERO; D],
         deep: Lanes::ZERO,
     };
+
+    /// Adds the energy of the potential of one element of a couple, and the forces on its corners because the potential moves with them. `gradients`: those of its barycentric
+    /// coordinates. `inside`: 1 if the other element reaches its centroid, else 0.
+    #[inline(always)]
+    fn add_energy(&mut self, lane: usize, side: usize, gradients: &Rows<D, N>, energy: f64, inside: f64) {
+        for corner in 0..N {
+            for axis in 0..D {
+                let force = &mut self.forces[side][corner][axis];
+                force.set(lane, force.get(lane) - gradients[corner][axis].get(lane) * energy);
+            }
+        }
+        self.energy.set(lane, self.energy.get(lane) + energy);
+        self.deep.set(lane, larger(self.deep.get(lane), inside));
+    }
+}
+
+compiled_for_vectors!(fn points = all_points<const D: usize>(
+    weight: &Lanes,
+    moment: &[Lanes; D],
+    any: &[Lanes; D],
+    point: &mut [Lanes; D]
+));
+
+/// The points where the forces of a batch act: pressure times position, over pressure. Without pressure there is no friction, so `any` point will do.
+#[inline(always)]
+fn all_points<const D: usize>(weight: &Lanes, moment: &[Lanes; D], any: &[Lanes; D], point: &mut [Lanes; D]) {
+    for lane in 0..LANES {
+        let weight = weight.get(lane);
+        let presses = if weight > 0.0 { !0 } else { 0 };
+        for axis in 0..D {
+            let mean = moment[axis].get(lane) / weight;
+            point[axis].set(lane, either(presses, mean, any[axis].get(lane)));
+        }
+    }
 }
 
 /// A lower bound of the distance of two elements, m: the gap of their boxes, or the distance by which a facet parts them. Negative if none does; then they overlap, or an edge of each

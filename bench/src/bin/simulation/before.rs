@@ -12,7 +12,7 @@ pub(crate) struct Before {
     answers: Lines<BufReader<ChildStdout>>,
 }
 
-/// What a turn of the version before gave.
+/// Time and contacts of one turn of the earlier version.
 pub(crate) struct Turn {
     /// Seconds for all steps of the turn.
     pub(crate) seconds: f64,

@@ -28,7 +28,7 @@ pub(crate) fn others(level: Option<Simd>) -> Vec<Simd> {
     choice.into_iter().filter(|&other| other != chosen).collect()
 }
 
-/// How reports call the instructions that were chosen.
+/// The name of the chosen instructions in reports.
 pub(crate) fn name(level: Option<Simd>) -> &'static str {
     if cfg!(feature = "levels") { level.unwrap_or(Simd::best()).name() } else { "instructions of the build" }
 }

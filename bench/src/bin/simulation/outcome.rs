@@ -26,7 +26,7 @@ pub(crate) struct Outcome {
     pub(crate) seconds: Vec<(Program, Vec<f64>)>,
 }
 
-/// What is timed.
+/// A program or a setting that is timed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Program {
     /// This version on one thread.
@@ -91,7 +91,7 @@ impl Outcome {
         })
     }
 
-    /// How many times as fast as the version before this one is: the median over the rounds, the least and the most.
+    /// Time of the earlier version over the time of this one: median, least and most of the rounds.
     pub(crate) fn faster(&self) -> Option<[f64; 3]> {
         let (ours, theirs) = (self.samples(&Program::One)?, self.samples(&Program::Before)?);
         let ratios: Vec<f64> = theirs.iter().zip(ours).map(|(theirs, ours)| theirs / ours).collect();

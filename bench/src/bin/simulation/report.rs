@@ -24,7 +24,7 @@ const NODE_WORK: f64 = 30.0;
 
 type Outcomes = [(Body, Outcome)];
 
-/// How all bodies were timed.
+/// Settings that hold for all bodies: threads, rounds, instructions.
 pub(crate) struct Setting {
     pub(crate) threads: usize,
     pub(crate) rounds: usize,

@@ -539,7 +539,7 @@ impl<C: Estimate> Collect<C> for All<C> {
 /// Compares a cluster with all pieces; `false` if any couple is in doubt or there is no room. `base` is the place of the cluster in the first piece.
 ///
 /// # Safety
-/// That of [`clusters`]; `to` has room as [`Collect::is_full`] has it.
+/// The caller must keep what [`clusters`] requires, and leave the room in `to` that [`Collect::is_full`] checks.
 #[inline(always)]
 unsafe fn collect<C, const D: usize, const SHAPE: u8>(
     pieces: &mut [Piece<D>],

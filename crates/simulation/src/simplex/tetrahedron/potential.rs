@@ -25,12 +25,10 @@
     reason = "a lazy operator is a branch, of which the compiler makes no vectors"
 )]
 
-use crate::lanes::{
-    Available, LANES, Lanes, Rows, compiled_for_vectors, larger, row, rows, set_row, set_rows,
-};
+use crate::lanes::{Available, LANES, Lanes, Rows, compiled_for_vectors, row, rows, set_row, set_rows};
 use crate::simplex::tetrahedron::part::{CUTS, NUMBERS, Parts};
 use crate::simplex::tetrahedron::{FACES, Tetrahedron, cross3};
-use crate::simplex::{Interactions, NEAR, Shapes, furthest};
+use crate::simplex::{Interactions, NEAR, Shapes, furthest, points};
 use crate::vector::{Point, dot, minus};
 
 /// Memory for the interactions of a list of batches.
@@ -65,7 +63,7 @@ pub(super) fn interactions(
             *found = Interactions::NONE;
             side::<0>(available, shapes, between, found);
             side::<1>(available, shapes, between, found);
-            points(available, between, &shapes[0][0], &mut found.point);
+            points(available, &between.weight, &between.moment, &shapes[0][0], &mut found.point);
         }
     }
 }
@@ -373,7 +371,7 @@ fn all_faces<const OF: usize, const F: usize>(
 
 compiled_for_vectors!(fn energies = all_energies<const OF: usize>(between: &Between, found: &mut Interactions<3, 4>));
 
-/// Adds the energy of the potential of one target, and the forces on its corners because the potential moves with them.
+/// Adds the energy of the potential of one target.
 #[inline(always)]
 fn all_energies<const OF: usize>(between: &Between, found: &mut Interactions<3, 4>) {
     for lane in 0..LANES {
@@ -384,29 +382,7 @@ fn all_energies<const OF: usize>(between: &Between, found: &mut Interactions<3, 
         let far = between.outside.get(lane) + inside * (0.25 * volume);
         let near = between.near.get(lane) + volume * (1.0 / 16.0) * area;
         let energy = if between.passes_near.get(lane) > 0.0 { near } else { far };
-        for corner in 0..4 {
-            for axis in 0..3 {
-                let force = &mut found.forces[1 - OF][corner][axis];
-                let gradient = between.gradients[OF][corner][axis].get(lane);
-                force.set(lane, force.get(lane) - gradient * energy);
-            }
-        }
-        found.energy.set(lane, found.energy.get(lane) + energy);
-        found.deep.set(lane, larger(found.deep.get(lane), inside));
-    }
-}
-
-compiled_for_vectors!(fn points = all_points<>(between: &Between, any: &[Lanes; 3], point: &mut [Lanes; 3]));
-
-/// The points where the forces act. Without pressure there is no friction, so any point will do.
-#[inline(always)]
-fn all_points(between: &Between, any: &[Lanes; 3], point: &mut [Lanes; 3]) {
-    for lane in 0..LANES {
-        let weight = between.weight.get(lane);
-        for axis in 0..3 {
-            let mean = between.moment[axis].get(lane) / weight;
-            point[axis].set(lane, if weight > 0.0 { mean } else { any[axis].get(lane) });
-        }
+        found.add_energy(lane, 1 - OF, &between.gradients[OF], energy, inside);
     }
 }
 

@@ -24,11 +24,10 @@
 )]
 
 use crate::lanes::{
-    Available, LANES, Lanes, Rows, compiled_for_vectors, either, larger, row, rows, set_row, set_rows,
-    smaller,
+    Available, LANES, Lanes, Rows, compiled_for_vectors, larger, row, rows, set_row, set_rows, smaller,
 };
 use crate::simplex::triangle::Triangle;
-use crate::simplex::{Interactions, NEAR, Shapes, furthest};
+use crate::simplex::{Interactions, NEAR, Shapes, furthest, points};
 use crate::vector::{Point, cross, dot, minus};
 
 const THIRD: f64 = 1.0 / 3.0;
@@ -52,7 +51,7 @@ pub(super) fn interactions(
         *found = Interactions::NONE;
         side::<0>(available, shapes, between, found);
         side::<1>(available, shapes, between, found);
-        points(available, between, &shapes[0][0], &mut found.point);
+        points(available, &between.weight, &between.moment, &shapes[0][0], &mut found.point);
     }
 }
 
@@ -95,24 +94,20 @@ pub(crate) struct Between {
 
 impl Default for Between {
     fn default() -> Self {
-        Self::NONE
+        Self {
+            gradients: [[[Lanes::ZERO; 2]; 3]; 2],
+            double: [Lanes::ZERO; 2],
+            centroids: [[Lanes::ZERO; 2]; 2],
+            at: [[[Lanes::ZERO; 3]; 3]; 2],
+            chords: [[[Lanes::ZERO; 6]; 3]; 2],
+            outside: Lanes::ZERO,
+            near: Lanes::ZERO,
+            inside: Lanes::ZERO,
+            passes_near: Lanes::ZERO,
+            weight: Lanes::ZERO,
+            moment: [Lanes::ZERO; 2],
+        }
     }
-}
-
-impl Between {
-    const NONE: Self = Self {
-        gradients: [[[Lanes::ZERO; 2]; 3]; 2],
-        double: [Lanes::ZERO; 2],
-        centroids: [[Lanes::ZERO; 2]; 2],
-        at: [[[Lanes::ZERO; 3]; 3]; 2],
-        chords: [[[Lanes::ZERO; 6]; 3]; 2],
-        outside: Lanes::ZERO,
-        near: Lanes::ZERO,
-        inside: Lanes::ZERO,
-        passes_near: Lanes::ZERO,
-        weight: Lanes::ZERO,
-        moment: [Lanes::ZERO; 2],
-    };
 }
 
 compiled_for_vectors!(fn frames = all_frames<>(shapes: &Shapes<2, 3>, between: &mut Between));
@@ -199,7 +194,7 @@ fn all_edges<const OF: usize, const K: usize>(
 
 compiled_for_vectors!(fn energies = all_energies<const OF: usize>(between: &Between, found: &mut Interactions<2, 3>));
 
-/// Adds the energy of the potential of one target, and the forces on its corners because the potential moves with them.
+/// Adds the energy of the potential of one target.
 #[inline(always)]
 fn all_energies<const OF: usize>(between: &Between, found: &mut Interactions<2, 3>) {
     for lane in 0..LANES {
@@ -210,30 +205,7 @@ fn all_energies<const OF: usize>(between: &Between, found: &mut Interactions<2, 
         let far = between.outside.get(lane) + inside * (THIRD * area);
         let near = between.near.get(lane) + THIRD * THIRD * area * covered;
         let energy = if between.passes_near.get(lane) > 0.0 { near } else { far };
-        for corner in 0..3 {
-            for axis in 0..2 {
-                let force = &mut found.forces[1 - OF][corner][axis];
-                let gradient = between.gradients[OF][corner][axis].get(lane);
-                force.set(lane, force.get(lane) - gradient * energy);
-            }
-        }
-        found.energy.set(lane, found.energy.get(lane) + energy);
-        found.deep.set(lane, larger(found.deep.get(lane), inside));
-    }
-}
-
-compiled_for_vectors!(fn points = all_points<>(between: &Between, any: &[Lanes; 2], point: &mut [Lanes; 2]));
-
-/// The points where the forces act. Without pressure there is no friction, so any point will do.
-#[inline(always)]
-fn all_points(between: &Between, any: &[Lanes; 2], point: &mut [Lanes; 2]) {
-    for lane in 0..LANES {
-        let weight = between.weight.get(lane);
-        let presses = if weight > 0.0 { !0 } else { 0 };
-        for axis in 0..2 {
-            let mean = between.moment[axis].get(lane) / weight;
-            point[axis].set(lane, either(presses, mean, any[axis].get(lane)));
-        }
+        found.add_energy(lane, 1 - OF, &between.gradients[OF], energy, inside);
     }
 }
 
