@@ -4,6 +4,10 @@
 //! result depends on them but the sum of the motions, whose order is that of the lanes. So every processor gives the same bits.
 
 #![allow(clippy::needless_range_loop, reason = "a lane is an index into several arrays")]
+#![allow(
+    clippy::eq_op,
+    reason = "the difference of a number and itself is NaN if the number is NaN or infinite"
+)]
 
 use crate::real::Real;
 #[cfg(target_arch = "x86_64")]
@@ -17,9 +21,7 @@ const LANES: usize = 12;
 pub(crate) fn of_points<T: Real, const D: usize>(points: &[[T; D]]) -> Option<([T; D], [T; D])> {
     let first = points.first()?;
     let start = Extremes { min: *first, max: *first, odd: [T::ZERO; D] };
-    let extremes = if !LANES.is_multiple_of(D) {
-        start.with_points::<D>(points.as_flattened())
-    } else {
+    let extremes = if LANES.is_multiple_of(D) {
         #[cfg(target_arch = "x86_64")]
         if Simd::Avx2.is_available() {
             // SAFETY: the processor has AVX2.
@@ -29,6 +31,8 @@ pub(crate) fn of_points<T: Real, const D: usize>(points: &[[T; D]]) -> Option<([
         }
         #[cfg(not(target_arch = "x86_64"))]
         points_in_lanes(start, points)
+    } else {
+        start.with_points::<D>(points.as_flattened())
     };
     extremes.odd.iter().all(|&odd| odd == T::ZERO).then_some((extremes.min, extremes.max))
 }
