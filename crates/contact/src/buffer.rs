@@ -14,6 +14,7 @@ use crate::ordered;
 use crate::pool::Pool;
 use crate::real::Real;
 use crate::search::Search;
+use crate::simd::extremes::Motions;
 
 /// Repeated contact detection that keeps its candidates until an element has moved farther than half the buffer.
 ///
@@ -36,8 +37,9 @@ use crate::search::Search;
 /// The `|w_i|` are computed in `f64`, with `v = 2^-53`. The two subtractions err by at most `v (2 |w_i| + |c|)` to first order. The
 /// comparison of the square of `w_i` with that of the limit errs by less than `(D + 3) v` relative to `|w_i|`. The limit is the bound above
 /// minus `(D + 8) 2 v` times the larger tolerance, which is at least `b`, and minus `2 v` times the sum of the `|c|` of all axes. That is
-/// twice what is needed; the remainder covers the roundings of the limit itself. Squares that underflow are covered by `MIN_RESOLVED` in
-/// `p` and `P`.
+/// twice what is needed; the remainder covers the roundings of the limit itself. If `c` is in the middle of all motions, the corner of the box
+/// that holds them is compared instead of each `w_i`: rounding is monotonic, so its computed square is at least as large as theirs. Squares
+/// that underflow are covered by `MIN_RESOLVED` in `p` and `P`.
 ///
 /// # Shapes
 /// Elements of any shape. Each update may use other arrays. Element `i` must be the same element throughout; otherwise it counts as moved,
@@ -47,10 +49,11 @@ use crate::search::Search;
 /// The order of the candidates, which is that of the engine at the last detection. It depends on the sequence of updates.
 ///
 /// # Cost
-/// An update that keeps the candidates takes one pass over the positions and, for the couples, one over the candidates, on any number of
-/// threads. The second pass reads coordinates in spatial order, so it is twice as fast if elements are numbered along space as if they are
-/// numbered at random. It can be skipped: [`Update::candidates`]. An update that detects takes at most two passes over the positions, a
-/// search, and a copy of positions, radii and filter. Memory: that of the search, the copy, and 8 bytes per candidate.
+/// An update that keeps the candidates takes one pass over the positions, two once elements have moved nearly as far as the buffer covers, and,
+/// for the couples, one over the candidates, on any number of threads. The pass over the candidates reads coordinates in spatial order, so it is
+/// twice as fast if elements are numbered along space as if they are numbered at random. It can be skipped: [`Update::candidates`]. An update
+/// that detects takes at most two passes over the positions, a search, and a copy of positions, radii and filter. Memory: that of the search,
+/// the copy, and 8 bytes per candidate.
 ///
 /// # Source
 /// L. Verlet, "Computer experiments on classical fluids", Phys. Rev. 159 (1967) 98-103: lists with a skin. A. Munjiza, "The Combined
@@ -307,9 +310,6 @@ impl<T: Real, const D: usize, S: Search<T, D>> Buffered<T, D, S> {
     }
 }
 
-/// Number of elements whose motion is averaged for a first estimate of the mean.
-const SAMPLE: usize = 1024;
-
 impl<T: Real, const D: usize> Reference<T, D> {
     pub(crate) fn empty() -> Self {
         Self {
@@ -370,39 +370,53 @@ impl<T: Real, const D: usize> Reference<T, D> {
         if !self.labels.equal(filter) || self.matrix.as_ref() != filter.and_then(|filter| filter.matrix()) {
             return Some(Reason::FilterChanged { element: self.labels.first_change(filter) });
         }
-        // Any common motion will do. That of a sample is tried first, which saves a pass over all elements.
-        let n = now.points.len();
-        let step = n.div_ceil(SAMPLE).max(1);
-        let reason = self.moved(elements, &now, step, rounding)?;
-        if step == 1 { Some(reason) } else { self.moved(elements, &now, 1, rounding) }
+        self.moved(elements, &now, rounding)
     }
 
-    /// Whether an element moved too far relative to the mean motion of every `step`-th element.
-    fn moved(
-        &self,
-        elements: &Elements<'_, T, D>,
-        now: &Numbers<'_, T, D>,
-        step: usize,
-        rounding: f64,
-    ) -> Option<Reason> {
+    /// Whether an element moved too far relative to a common motion.
+    fn moved(&self, elements: &Elements<'_, T, D>, now: &Numbers<'_, T, D>, rounding: f64) -> Option<Reason> {
+        if now.points.is_empty() {
+            return None;
+        }
         let motions = [
             Motion { now: now.points, before: &self.points },
             Motion { now: now.far_points, before: &self.far_points },
         ];
-        let mean = mean_motion(&motions, step);
-
         let roundings = self.rounding + elements.rounding() + rounding;
         let enlarged = self.tolerance.to_f64() + self.buffer;
-        let limit = 0.5 * (self.buffer - roundings)
-            - f64::EPSILON * ((D + 8) as f64 * enlarged + mean.iter().map(|c| c.abs()).sum::<f64>());
-        if limit.is_nan() || limit <= 0.0 {
-            return (!now.points.is_empty()).then_some(Reason::BufferTooSmall);
+        let limit = |common: &[f64; D]| {
+            0.5 * (self.buffer - roundings)
+                - f64::EPSILON * ((D + 8) as f64 * enlarged + common.iter().map(|c| c.abs()).sum::<f64>())
+        };
+        let combine = match self.kind {
+            Kind::Equal | Kind::Spheres => |sum: f64, square: f64| sum + square,
+            Kind::Boxes => f64::max,
+        };
+
+        // Any common motion will do. That in the middle of all is tried first: only the extremes are needed to compare with it.
+        let all = motions.iter().fold(Motions::NONE, |all, motion| all.with(motion.now, motion.before));
+        let middle = std::array::from_fn(|axis| f64::midpoint(all.min[axis], all.max[axis]));
+        let corner = (0..D).fold(0.0, |squared, axis| {
+            let (low, high) = (all.min[axis] - middle[axis], all.max[axis] - middle[axis]);
+            combine(squared, f64::max(low * low, high * high))
+        });
+        let within = limit(&middle);
+        if within > 0.0 && corner <= within * within {
+            return None;
         }
 
-        let [near, far] = motions.map(|motion| match self.kind {
-            Kind::Equal | Kind::Spheres => motion.farthest(&mean, |sum, square| sum + square),
-            Kind::Boxes => motion.farthest(&mean, f64::max),
-        });
+        let count = (now.points.len() + now.far_points.len()) as f64;
+        let mean = all.sum.map(|sum| sum / count);
+        let limit = limit(&mean);
+        if limit.is_nan() || limit <= 0.0 {
+            return Some(Reason::BufferTooSmall);
+        }
+        let [near, far] = match self.kind {
+            Kind::Equal | Kind::Spheres => {
+                motions.map(|motion| motion.farthest(&mean, |sum, square| sum + square))
+            }
+            Kind::Boxes => motions.map(|motion| motion.farthest(&mean, f64::max)),
+        };
         let (element, squared) = if far.1 > near.1 { far } else { near };
         (squared > limit * limit).then(|| Reason::Moved { element, distance: squared.sqrt(), limit })
     }
@@ -431,21 +445,6 @@ impl<T: Real, const D: usize> Motion<'_, T, D> {
         }
         worst
     }
-}
-
-/// The mean motion of every `step`-th point of all arrays; zero without points.
-fn mean_motion<T: Real, const D: usize>(motions: &[Motion<'_, T, D>], step: usize) -> [f64; D] {
-    let mut sum = [0.0; D];
-    let mut count = 0.0_f64;
-    for motion in motions {
-        for (now, before) in motion.now.iter().zip(motion.before).step_by(step) {
-            for axis in 0..D {
-                sum[axis] += now[axis].to_f64() - before[axis].to_f64();
-            }
-            count += 1.0;
-        }
-    }
-    sum.map(|sum| sum / count.max(1.0))
 }
 
 impl<T: Real, const D: usize> Update<'_, T, D> {
@@ -544,15 +543,23 @@ fn copy<V: Copy>(from: &[V], to: &mut Vec<V>) -> Result<(), Error> {
 mod tests {
     use super::*;
 
+    /// The box around the motions reaches beyond the limit at its corners; a motion does so only in the last case.
     #[test]
-    fn the_mean_is_of_every_corner_and_of_every_step() {
-        let before = [[0.0, 0.0], [1.0, 1.0], [2.0, 2.0]];
-        let moved = || Motion { now: &[[1.0, 0.0], [2.0, 1.0], [6.0, 2.0]], before: &before };
-        let still = Motion { now: &before, before: &before };
-        assert_eq!(mean_motion(&[moved()], 1), [2.0, 0.0]);
-        assert_eq!(mean_motion(&[moved()], 2), [2.5, 0.0]);
-        assert_eq!(mean_motion(&[moved(), still], 1), [1.0, 0.0]);
-        assert_eq!(mean_motion::<f64, 2>(&[], 1), [0.0, 0.0]);
+    fn a_motion_counts_by_its_length_where_the_box_around_all_does_not_decide() {
+        let at = |by: f64| [[by, 0.0], [10.0 - by, 0.0], [20.0, by], [30.0, -by]];
+        for (by, is_kept) in [(0.05, true), (0.09, true), (0.11, false)] {
+            let mut buffered = Buffered::new(0.2).unwrap();
+            let _ = buffered.update(&Elements::points(&at(0.0), 1.0).unwrap()).unwrap();
+            let now = at(by);
+            let update = buffered.update(&Elements::points(&now, 1.0).unwrap()).unwrap();
+            match update.reason() {
+                None => assert!(is_kept, "{by}"),
+                Some(Reason::Moved { distance, limit, .. }) => {
+                    assert!(!is_kept && (distance - by).abs() < 1e-12 && limit < 0.1, "{by}: {distance}");
+                }
+                other => panic!("{other:?}"),
+            }
+        }
     }
 
     #[test]

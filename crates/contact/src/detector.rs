@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use crate::couple::Couple;
-use crate::elements::Elements;
+use crate::elements::{Elements, Shape};
 use crate::engine::{Engine, Plan};
 use crate::error::Error;
 use crate::explain::{Estimate, Explanation, Means};
@@ -162,7 +162,7 @@ impl<T: Real, const D: usize> Detector<T, D> {
         elements: &Elements<'_, T, D>,
         mut visit: impl FnMut(&[Couple]),
     ) -> Result<(), Error> {
-        match self.plan(elements)?.engine {
+        match self.choose(elements) {
             Engine::Rows => self.rows.for_each_block(elements, visit),
             Engine::Multilevel => self.multilevel.for_each_block(elements, visit),
             Engine::Direct | Engine::Nbs | Engine::CGrid => {
@@ -179,7 +179,7 @@ impl<T: Real, const D: usize> Detector<T, D> {
         parts: &mut Vec<Vec<V>>,
         list: &mut Vec<V>,
     ) -> Result<(), Error> {
-        match self.plan(elements)?.engine {
+        match self.choose(elements) {
             Engine::Rows => return self.rows.append_converted(elements, convert, parts, list),
             Engine::Multilevel => return self.multilevel.append_converted(elements, convert, parts, list),
             _ => {}
@@ -200,7 +200,7 @@ impl<T: Real, const D: usize> Detector<T, D> {
         start: impl Fn() -> S,
         visit: impl Fn(&mut S, &[Couple]) + Sync,
     ) -> Result<Vec<S>, Error> {
-        match self.plan(elements)?.engine {
+        match self.choose(elements) {
             Engine::Rows => return self.rows.fold_blocks(elements, start, visit),
             Engine::Multilevel => return self.multilevel.fold_blocks(elements, start, visit),
             _ => {}
@@ -208,6 +208,25 @@ impl<T: Real, const D: usize> Detector<T, D> {
         let mut state = start();
         self.for_each(elements, |couple| visit(&mut state, &[couple]))?;
         Ok(vec![state])
+    }
+
+    /// The engine of [`Detector::plan`], without the rest of the plan.
+    fn choose(&self, elements: &Elements<'_, T, D>) -> Engine {
+        match self.engine {
+            Some(engine) => engine,
+            None if elements.len() <= FEW_ELEMENTS => Engine::Direct,
+            None if matches!(elements.shape, Shape::Equal(_)) => Engine::Rows,
+            None => {
+                let (levels, cost) = self.multilevel.levels_and_cost(elements);
+                if CGrid::levels_for_long_boxes(elements, cost / WORTH_IT).is_some() {
+                    Engine::CGrid
+                } else if levels.len() > 1 {
+                    Engine::Multilevel
+                } else {
+                    Engine::Rows
+                }
+            }
+        }
     }
 
     /// How a search over `elements` will run.
@@ -220,6 +239,7 @@ impl<T: Real, const D: usize> Detector<T, D> {
             None if elements.len() <= FEW_ELEMENTS => {
                 (Engine::Direct, format!("all against all is fastest for up to {FEW_ELEMENTS} elements"))
             }
+            None if matches!(elements.shape, Shape::Equal(_)) => (Engine::Rows, SIMILAR.to_owned()),
             None => {
                 let cost;
                 (levels, cost) = self.multilevel.levels_and_cost(elements);
@@ -229,7 +249,7 @@ impl<T: Real, const D: usize> Detector<T, D> {
                         (Engine::CGrid, long(cost / in_cells_cost))
                     }
                     (_, [first, .., last]) => (Engine::Multilevel, unlike(first, last)),
-                    _ => (Engine::Rows, "linear in N for similar sizes, in any domain".to_owned()),
+                    _ => (Engine::Rows, SIMILAR.to_owned()),
                 }
             }
             Some(engine) => {
@@ -276,7 +296,7 @@ impl<T: Real, const D: usize> Detector<T, D> {
 
     /// The memory, threads and instructions of a search over `elements`.
     pub(crate) fn means(&self, elements: &Elements<'_, T, D>) -> Result<Means, Error> {
-        Ok(match self.plan(elements)?.engine {
+        Ok(match self.choose(elements) {
             Engine::Direct => Means::NONE,
             Engine::Nbs => {
                 let grid = self.nbs.plan(elements)?;
@@ -306,6 +326,9 @@ impl<T: Real, const D: usize> Detector<T, D> {
     }
 }
 
+/// The reason for rows, in words.
+const SIMILAR: &str = "linear in N for similar sizes, in any domain";
+
 /// The reason for the C-grid, in words.
 fn long(times: f64) -> String {
     format!(
@@ -324,7 +347,7 @@ fn unlike(first: &Level, last: &Level) -> String {
 
 impl<T: Real, const D: usize> Search<T, D> for Detector<T, D> {
     fn for_each(&mut self, elements: &Elements<'_, T, D>, visit: impl FnMut(Couple)) -> Result<(), Error> {
-        match self.plan(elements)?.engine {
+        match self.choose(elements) {
             Engine::Direct => self.direct.for_each(elements, visit),
             Engine::Nbs => self.nbs.for_each(elements, visit),
             Engine::Rows => self.rows.for_each(elements, visit),
@@ -334,7 +357,7 @@ impl<T: Real, const D: usize> Search<T, D> for Detector<T, D> {
     }
 
     fn couples(&mut self, elements: &Elements<'_, T, D>, couples: &mut Vec<Couple>) -> Result<(), Error> {
-        match self.plan(elements)?.engine {
+        match self.choose(elements) {
             Engine::Direct => self.direct.couples(elements, couples),
             Engine::Nbs => self.nbs.couples(elements, couples),
             Engine::Rows => self.rows.couples(elements, couples),
@@ -344,12 +367,47 @@ impl<T: Real, const D: usize> Search<T, D> for Detector<T, D> {
     }
 
     fn count(&mut self, elements: &Elements<'_, T, D>) -> Result<u64, Error> {
-        match self.plan(elements)?.engine {
+        match self.choose(elements) {
             Engine::Direct => self.direct.count(elements),
             Engine::Nbs => self.nbs.count(elements),
             Engine::Rows => self.rows.count(elements),
             Engine::Multilevel => self.multilevel.count(elements),
             Engine::CGrid => self.cgrid.count(elements),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_search_takes_the_engine_of_its_plan() {
+        let points = |n: usize| -> Vec<[f64; 2]> { (0..n).map(|k| [k as f64, (k % 7) as f64]).collect() };
+        let many = points(5000);
+        let radii = |largest: f64| -> Vec<f64> {
+            (0..many.len()).map(|k| if k % 1000 == 0 { largest } else { 0.3 }).collect()
+        };
+        let (like, unlike) = (radii(0.4), radii(300.0));
+        let far: Vec<_> =
+            many.iter().map(|&[x, y]| if y < 3.0 { [x + 400.0, y] } else { [x, y + 400.0] }).collect();
+        let few = points(FEW_ELEMENTS);
+        let sets = [
+            Elements::points(&few, 1.0),
+            Elements::points(&many, 1.0),
+            Elements::spheres_with_radii(&many, &like),
+            Elements::spheres_with_radii(&many, &unlike),
+            Elements::boxes(&many, &far),
+        ]
+        .map(Result::unwrap);
+        let mut chosen = Vec::new();
+        for elements in &sets {
+            let detector = Detector::new();
+            chosen.push(detector.choose(elements));
+            assert_eq!(chosen.last(), Some(&detector.plan(elements).unwrap().engine));
+            let detector = detector.with_engine(Engine::Nbs);
+            assert_eq!(detector.choose(elements), Engine::Nbs);
+        }
+        assert_eq!(chosen[..4], [Engine::Direct, Engine::Rows, Engine::Rows, Engine::Multilevel]);
     }
 }

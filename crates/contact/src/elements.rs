@@ -4,7 +4,7 @@ use crate::error::{Error, check_lengths};
 use crate::filter::Filter;
 use crate::geometry::{Boxes, EqualSpheres, Geometry, Spheres, distance_squared};
 use crate::real::Real;
-use crate::simd::prefetch;
+use crate::simd::extremes;
 
 /// A view of N elements: centres with one radius, with a radius each, or axis-aligned boxes.
 ///
@@ -488,30 +488,29 @@ fn check_radius<T: Real>(radius: T, index: Option<usize>) -> Result<(), Error> {
 fn check_points<T: Real, const D: usize>(points: &[[T; D]]) -> Result<Bounds<D>, Error> {
     const { assert!(D > 0, "elements need at least one dimension") };
     let limit = T::MAX_MAGNITUDE;
-    let first = points.first().copied().unwrap_or([T::ZERO; D]);
-    let (mut min, mut max) = (first, first);
-    for (index, point) in points.iter().enumerate() {
-        prefetch::read(point);
-        for axis in 0..D {
-            let x = point[axis];
-            // The condition is negated so that NaN fails too.
-            if !(x <= limit && x >= T::ZERO - limit) {
-                let value = x.to_f64();
-                return Err(if x.is_finite() {
-                    Error::CoordinateTooLarge { index, axis, value, limit: limit.to_f64() }
-                } else {
-                    Error::NonFiniteCoordinate { index, axis, value }
-                });
-            }
-            if x < min[axis] {
-                min[axis] = x;
-            }
-            if x > max[axis] {
-                max[axis] = x;
-            }
+    let (min, max) = match extremes::of_points(points) {
+        None if points.is_empty() => ([T::ZERO; D], [T::ZERO; D]),
+        Some((min, max)) if (0..D).all(|axis| min[axis] >= T::ZERO - limit && max[axis] <= limit) => {
+            (min, max)
         }
-    }
+        _ => return Err(first_invalid(points)),
+    };
     Ok(Bounds { min: min.map(T::to_f64), max: max.map(T::to_f64) })
+}
+
+/// The error of the first coordinate that is refused; there is one.
+#[cold]
+fn first_invalid<T: Real, const D: usize>(points: &[[T; D]]) -> Error {
+    let limit = T::MAX_MAGNITUDE;
+    let numbers = points.as_flattened();
+    // The condition is negated so that NaN counts too.
+    let place = numbers.iter().position(|&x| !(x <= limit && x >= T::ZERO - limit)).unwrap_or(0);
+    let (index, axis, value) = (place / D, place % D, numbers[place].to_f64());
+    if numbers[place].is_finite() {
+        Error::CoordinateTooLarge { index, axis, value, limit: limit.to_f64() }
+    } else {
+        Error::NonFiniteCoordinate { index, axis, value }
+    }
 }
 
 #[cfg(test)]

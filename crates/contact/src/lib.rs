@@ -121,6 +121,7 @@
 //! | running and joining the parts of a search | `src/search/rows/scan.rs`, `src/ordered.rs`, `src/pool.rs` |
 //! | the threads of a search | `src/pool.rs`, `src/pool/others.rs`; under Miri `src/pool/miri.rs` |
 //! | vector instructions | `src/simd.rs`, `src/simd/task.rs`, `src/simd/vector.rs`, `src/simd/kernel.rs`; four elements at a time: `src/simd/cluster.rs` |
+//! | the check of coordinates, the extremes of motions | `src/elements.rs`, `src/simd/extremes.rs` |
 //! | the choice of an engine, a new engine | `src/detector.rs`, `src/engine.rs`, `src/search.rs` |
 //! | what `explain` tells before a search | `src/explain.rs` |
 //! | two sets, elements around points, nearest elements | `src/index.rs`, `src/index/rows.rs`, `src/index/nearest.rs` |

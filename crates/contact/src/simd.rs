@@ -123,6 +123,7 @@ mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
 mod cluster;
+pub(crate) mod extremes;
 mod kernel;
 pub(crate) mod level;
 mod labels;

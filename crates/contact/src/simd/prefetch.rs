@@ -34,8 +34,8 @@ pub fn value<V>(value: &V) {
 /// Size of a cache line in bytes.
 const LINE: usize = 64;
 
-/// Distance in bytes: half a page.
-const READ_AHEAD: usize = 2048;
+/// Distance in bytes: a page.
+const READ_AHEAD: usize = 4096;
 
 /// Distance in bytes: two cache lines.
 const WRITE_AHEAD: usize = 128;
