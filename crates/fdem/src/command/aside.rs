@@ -5,7 +5,7 @@
 //! The system releases the lock when the process ends, however it ends. The next command that writes into the folder removes the partial files
 //! that no process holds.
 
-use std::fs::{self, File, Permissions, TryLockError};
+use std::fs::{self, File, OpenOptions, Permissions, TryLockError};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError, Weak};
@@ -68,8 +68,13 @@ impl Part {
 
     /// Closes the file once the disk has all of it.
     pub(crate) fn close(self) -> io::Result<Complete> {
+        self.close_with(File::sync_all)
+    }
+
+    /// Closes the file after `last` is done with it.
+    fn close_with(self, last: impl FnOnce(&File) -> io::Result<()>) -> io::Result<Complete> {
         let file = self.file.into_inner().map_err(io::IntoInnerError::into_error)?;
-        file.as_file().sync_all()?;
+        last(file.as_file())?;
         Ok(Complete { file: file.into_temp_path(), target: self.target, _claim: self.claim })
     }
 }
@@ -108,10 +113,50 @@ pub(crate) fn replace(target: &Path, bytes: &[u8]) -> io::Result<()> {
     let mut part = Part::beside(target.to_owned(), None)?;
     part.write_all(bytes)?;
     part.close()?.put_in_place()?;
-    // The name of the file is on the disk only after the folder is synced.
+    sync_folder(folder(target))
+}
+
+/// Replaces the file `target`, or makes it, without a wait for the disk. Other processes see the old contents or the new ones. After a power cut the file may be cut
+/// off or missing, unless [`sync`] and [`sync_folder`] were called.
+pub(crate) fn replace_unsynced(target: &Path, bytes: &[u8]) -> io::Result<()> {
+    let mut part = Part::beside(target.to_owned(), None)?;
+    part.write_all(bytes)?;
+    part.close_with(|_| Ok(()))?.put_in_place()
+}
+
+/// Waits until the disk has the contents of a file.
+///
+/// # Errors
+/// Those of the system, also when an earlier attempt to write the contents to the disk has failed.
+pub(crate) fn sync(file: &Path) -> io::Result<()> {
+    // Some systems sync only files that are open for writing.
+    OpenOptions::new().write(true).open(file)?.sync_all()
+}
+
+/// Waits until the disk has the names of the files in a folder.
+#[cfg_attr(
+    not(unix),
+    allow(clippy::unnecessary_wraps, unused_variables, reason = "elsewhere folders cannot be synced")
+)]
+pub(crate) fn sync_folder(folder: &Path) -> io::Result<()> {
     #[cfg(unix)]
-    File::open(folder(target))?.sync_all()?;
+    File::open(folder)?.sync_all()?;
     Ok(())
+}
+
+/// Keeps the lock file of this process in a folder. Without it, each file that is written makes the lock file, looks for abandoned files, and removes the lock file.
+#[derive(Debug)]
+pub(crate) struct Hold {
+    _claim: Arc<Claim>,
+}
+
+/// Makes the lock file of this process in a folder until the hold is dropped.
+///
+/// # Errors
+/// Only their kind, because the error of the system names the lock file.
+pub(crate) fn hold(folder: &Path) -> io::Result<Hold> {
+    let claim = aside(|aside| aside.claim(folder)).map_err(|error| io::Error::from(error.kind()))?;
+    Ok(Hold { _claim: claim })
 }
 
 /// Whether this is the name of a partial file, or of the lock file of a process that writes some.
@@ -273,6 +318,21 @@ mod tests {
         assert_eq!(names(folder.path()), kept);
     }
 
+    /// Files that are written under a hold share its lock file, which goes with it.
+    #[test]
+    fn a_hold_keeps_one_lock_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let held = hold(folder.path()).unwrap();
+        let lock = names(folder.path());
+        assert!(lock.len() == 1 && lock[0].ends_with(LOCK), "{lock:?}");
+        replace_unsynced(&folder.path().join("one"), b"").unwrap();
+        replace(&folder.path().join("two"), b"").unwrap();
+        assert_eq!(names(folder.path()), [lock[0].as_str(), "one", "two"]);
+        drop(held);
+        assert_eq!(names(folder.path()), ["one", "two"]);
+        assert!(hold(&folder.path().join("absent")).is_err());
+    }
+
     /// A file has its old contents until the new ones are complete, and nothing else stays in the folder.
     #[test]
     fn a_file_is_replaced_as_a_whole() {
@@ -286,6 +346,12 @@ mod tests {
         assert_eq!(fs::read(&target).unwrap(), b"old");
         complete.put_in_place().unwrap();
         assert_eq!(fs::read(&target).unwrap(), b"new");
+        assert_eq!(names(folder.path()), ["results"]);
+        replace_unsynced(&target, b"newest").unwrap();
+        assert_eq!(fs::read(&target).unwrap(), b"newest");
+        sync(&target).unwrap();
+        sync_folder(folder.path()).unwrap();
+        assert!(sync(&folder.path().join("absent")).is_err());
         assert_eq!(names(folder.path()), ["results"]);
 
         drop(Part::beside(target.clone(), None).unwrap());

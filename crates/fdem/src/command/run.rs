@@ -32,7 +32,7 @@ use recorder::Recorder;
 use results::Results;
 use told::Told;
 use watch::Watch;
-use writer::{Task, Writer};
+use writer::{Task, Then, Writer};
 
 /// Time between two looks at the clock and for signals.
 const SLICE: Duration = Duration::from_millis(100);
@@ -371,7 +371,11 @@ where
             }
             let due = match self.prepared.output.checkpoint {
                 When::Steps(_) => step == checkpoint,
-                When::Seconds(seconds) => self.saved.elapsed().as_secs_f64() >= seconds,
+                // It may come later, so that the steps need not wait for a writer that is behind, but not by more than another interval.
+                When::Seconds(seconds) => {
+                    let since = self.saved.elapsed().as_secs_f64();
+                    since >= seconds && (self.writer.has_room() || since >= 2.0 * seconds)
+                }
             };
             if due {
                 self.save()?;
@@ -389,31 +393,27 @@ where
     /// Hands rows to the writer if it has time for them, and waits for it if there are many.
     fn offer_rows(&mut self) -> Result<(), Failure> {
         if self.rows.len() >= MANY {
-            return self.hand_rows();
+            return self.hand(Then::Nothing);
         }
-        if self.rows.len() >= SOME
-            && let Some(Task::Rows(rows)) = self.writer.offer(Task::Rows(std::mem::take(&mut self.rows)))?
-        {
-            self.rows = rows;
+        if self.rows.len() >= SOME {
+            let rows = std::mem::take(&mut self.rows);
+            if let Some(task) = self.writer.offer(Task { rows, then: Then::Nothing })? {
+                self.rows = task.rows;
+            }
         }
         Ok(())
     }
 
-    /// Hands all rows to the writer.
-    fn hand_rows(&mut self) -> Result<(), Failure> {
-        if self.rows.is_empty() {
-            Ok(())
-        } else {
-            self.writer.send(Task::Rows(std::mem::take(&mut self.rows)))
-        }
+    /// Hands all rows to the writer, and a frame or a checkpoint after them.
+    fn hand(&mut self, then: Then<D, N>) -> Result<(), Failure> {
+        self.writer.send(Task { rows: std::mem::take(&mut self.rows), then })
     }
 
     /// Hands a frame to the writer, after the rows before it.
     fn frame(&mut self) -> Result<(), Failure> {
         let start = Instant::now();
         self.told.does(&format!("writing frame {}", self.frames));
-        self.hand_rows()?;
-        self.writer.send(Task::Frame(Box::new((self.run.snapshot(), self.run.forces()))))?;
+        self.hand(Then::Frame(Box::new((self.run.snapshot(), self.run.forces()))))?;
         self.frames += 1;
         self.spent.output += start.elapsed();
         Ok(())
@@ -464,8 +464,7 @@ where
         let start = Instant::now();
         self.told.does("writing a checkpoint");
         self.spent.checkpoints += 1;
-        self.hand_rows()?;
-        self.writer.send(Task::Checkpoint(Box::new(self.state())))?;
+        self.hand(Then::Checkpoint(Box::new(self.state())))?;
         self.saved = Instant::now();
         self.spent.output += start.elapsed();
         Ok(())

@@ -173,6 +173,18 @@ impl Bench {
         assert_eq!(found.2.len(), frames.len());
     }
 
+    /// Asserts that the collections of a folder are complete, and that the files that they name exist.
+    fn has_all_that_collections_name(&self, folder: &str) {
+        for name in ["results.pvd", "cracks.pvd", "damaged_joints.pvd", "contacts.pvd"] {
+            let Ok(text) = fs::read_to_string(self.path(folder).join(name)) else { continue };
+            assert!(text.ends_with("</VTKFile>\n"), "{name}: {text}");
+            let files = text.split("file=\"").skip(1).map(|rest| rest.split('"').next().unwrap());
+            for file in files {
+                assert!(self.path(folder).join(file).exists(), "{name} names {file}");
+            }
+        }
+    }
+
     /// Results that must not depend on interruptions: hash of the state, history, frames.
     fn fingerprint(&self, folder: &str) -> (String, String, Vec<(String, Vec<u8>)>) {
         let json = self.summary(folder);
@@ -271,6 +283,29 @@ fn what_is_missing_of_a_run_is_found_before_it_goes_on() {
         fs::write(&file, whole).unwrap();
     }
     bench.run(&["resume", "-q", "run", "--end-time", "0.06e-3"]).succeeds();
+}
+
+/// After a power cut the disk may have a later frame without those before it.
+#[test]
+fn later_frames_are_removed_also_if_some_are_missing() {
+    let bench = Bench::of(&CRASH.replace("0.8e-3", "0.05e-3"));
+    bench.run(&["run", "crash.toml", "-q", "-o", "run"]).succeeds();
+    let files = [
+        "00037.vtu",
+        "00040_cracks.vtp",
+        "00040_damaged_joints.vtp",
+        "00041_contacts.vtp",
+        "123456.frame",
+        "00050_mine.vtp",
+    ];
+    for file in files {
+        bench.write(&format!("run/frames/{file}"), "cut off");
+    }
+    bench.run(&["resume", "-q", "run", "--end-time", "0.06e-3"]).succeeds();
+    let left = files.map(|file| bench.path("run/frames").join(file).exists());
+    assert_eq!(left, [false, false, false, false, false, true], "only files of frames are removed");
+    bench.has_all_that_collections_name("run");
+    assert!(!bench.read("run/results.pvd").contains("00037.vtu"));
 }
 
 #[test]
@@ -565,6 +600,7 @@ fn a_run_killed_at_any_moment_goes_on_to_the_same_end() {
         }
         child.kill().unwrap();
         child.wait().unwrap();
+        bench.has_all_that_collections_name("cut");
         kills += 1;
     }
     if bench.path("cut/checkpoint").exists() {

@@ -5,7 +5,7 @@ use std::fmt;
 use fdem_simulation::Snapshot;
 
 use crate::run::field::SCALES;
-use crate::run::frame::{FrameError, Scale, Words, bounds, code, mode};
+use crate::run::frame::{FrameError, LEVEL, Scale, Words, bounds, code, mode};
 use crate::run::packed::{Packed, Unpacked, low_halves};
 use crate::run::{SnapshotError, checked};
 use crate::space::shell::Seen;
@@ -180,7 +180,7 @@ impl SpaceFrame {
             areas,
             openings: ends,
             sizes: [packed[0].len(), packed[1].len()],
-            deflated: packed.map(|bytes| miniz_oxide::deflate::compress_to_vec(&bytes, 6)),
+            deflated: packed.map(|bytes| miniz_oxide::deflate::compress_to_vec(&bytes, LEVEL)),
         })
     }
 

@@ -9,8 +9,11 @@
 //! plots/, report.html, animation.gif   made when the run ends
 //! run.json, run.log     model, machine, times and result; run.json marks a folder as that of a run
 //! ```
-//! Lines are appended to the history and the log. Every other file is written to a temporary file, synced and renamed, so that the folder holds complete files at
+//! Lines are appended to the history and the log. Every other file is written to a temporary file and renamed, so that the folder holds complete files at
 //! any time. A checkpoint records the number of frames and the length of the history; later frames and rows are removed when the run goes on.
+//!
+//! Files are synced before they are renamed, except those of frames: they are synced later, but before the collections and the checkpoint that name them. What the
+//! collections and the checkpoint name is complete also after a power cut. A frame that they do not name may then be cut off; it is removed when the run goes on.
 
 use std::fs::{self, File, TryLockError};
 use std::io::{self, Read};
@@ -19,7 +22,7 @@ use std::sync::Arc;
 
 use sha2::{Digest, Sha256};
 
-use crate::command::aside;
+use crate::command::aside::{self, Hold};
 use crate::command::failure::{Failure, display_name};
 use crate::command::run::checkpoint::Checkpoint;
 use crate::command::run::results::Results;
@@ -184,6 +187,51 @@ impl Folder {
         aside::replace(&path, bytes).map_err(|error| Failure::writing(&path, error))
     }
 
+    /// Writes a file, which is complete or absent for other processes, and which the disk has only after it and its folder are synced.
+    pub(crate) fn write_unsynced(&self, name: &str, bytes: &[u8]) -> Result<(), Failure> {
+        let path = self.path(name);
+        aside::replace_unsynced(&path, bytes).map_err(|error| Failure::writing(&path, error))
+    }
+
+    /// Waits until the disk has the contents of a file.
+    pub(crate) fn sync(&self, name: &str) -> Result<(), Failure> {
+        let path = self.path(name);
+        aside::sync(&path).map_err(|error| Failure::writing(&path, error))
+    }
+
+    /// Waits until the disk has the names of the files of frames.
+    pub(crate) fn sync_frames(&self) -> Result<(), Failure> {
+        let path = self.path(FRAMES);
+        aside::sync_folder(&path).map_err(|error| Failure::writing(&path, error))
+    }
+
+    /// Removes the files of frames from a number on. After a power cut some numbers between them may be missing.
+    pub(crate) fn remove_frames(&self, first: usize) -> Result<(), Failure> {
+        let path = self.path(FRAMES);
+        let failed = |error| Failure::writing(&path, error);
+        for entry in fs::read_dir(&path).map_err(failed)? {
+            let name = entry.map_err(failed)?.file_name();
+            let name = name.to_string_lossy();
+            let number = name.split(['.', '_']).next().and_then(|number| number.parse().ok());
+            let is_later = |number: &usize| {
+                *number >= first && files_of(*number).any(|file| file == format!("{FRAMES}/{name}"))
+            };
+            if number.is_some_and(|number| is_later(&number)) {
+                fs::remove_file(path.join(&*name)).map_err(failed)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Keeps lock files in this folder and in that of the frames, so that files are written with less work.
+    pub(crate) fn hold(&self) -> Result<[Hold; 2], Failure> {
+        let hold = |name| {
+            let path = self.path(name);
+            aside::hold(&path).map_err(|error| Failure::writing(&path, error))
+        };
+        Ok([hold("")?, hold(FRAMES)?])
+    }
+
     pub(crate) fn read(&self, name: &str) -> Result<Vec<u8>, Failure> {
         let path = self.path(name);
         fs::read(&path).map_err(|error| Failure::reading(&display_name(&path), &error))
@@ -290,4 +338,9 @@ pub(crate) const COLLECTIONS: [(&str, Named); 4] = [
 /// Name of the file of a frame for the report.
 pub(crate) fn packed_file(number: usize) -> String {
     format!("{FRAMES}/{number:05}.frame")
+}
+
+/// Returns the names of the files of a frame.
+pub(crate) fn files_of(number: usize) -> impl Iterator<Item = String> {
+    COLLECTIONS.into_iter().map(move |(_, file_of)| file_of(number)).chain([packed_file(number)])
 }

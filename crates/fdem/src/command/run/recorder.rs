@@ -1,5 +1,6 @@
 //! Writes the results of a run: frames, history and checkpoints during the run, plots, animation and report at its end.
 
+use std::collections::VecDeque;
 use std::fmt;
 use std::fs::{self, File, OpenOptions};
 use std::io::{BufWriter, Write};
@@ -11,12 +12,13 @@ use fdem_results::{
 };
 use fdem_simulation::{Forces, Snapshot};
 
+use crate::command::aside::Hold;
 use crate::command::failure::{Failure, display_name};
 use crate::command::progress::Position;
 use crate::command::run::checkpoint::{Checkpoint, Unsaved};
 use crate::command::run::folder::{
     COLLECTIONS, FRAGMENTS, Folder, HISTORY, MODEL, PLOTS, REPORT, contacts_file, cracks_file, damaged_file,
-    mesh_file, packed_file,
+    files_of, mesh_file, packed_file,
 };
 use crate::command::run::results::{Drawn, Results};
 use crate::model::{Prepared, Quantity};
@@ -32,6 +34,12 @@ where
     outlines: <[[f64; D]; N] as Results<D, N>>::Outlines,
     /// Step and time, s, of each frame that has been written.
     frames: Vec<(u64, f64)>,
+    /// Files of frames that are in place, and that the disk may not have yet.
+    unsynced: VecDeque<String>,
+    /// Number of frames that the collections name.
+    collected: usize,
+    /// `None` once nothing more is to be recorded.
+    holds: Option<[Hold; 2]>,
     /// Most elements of a frame that the report shows completely, and number of triangles in the samples of larger frames.
     shown: [usize; 2],
     /// Number of frames of the whole run, about.
@@ -49,7 +57,7 @@ where
         let history = File::create(&path)
             .and_then(|file| HistoryWriter::new(BufWriter::new(file), D, &names))
             .map_err(|error| Failure::writing(&path, error))?;
-        Ok(Self::with(folder, prepared, history, Vec::new()))
+        Self::with(folder, prepared, history, Vec::new())
     }
 
     fn with(
@@ -57,8 +65,8 @@ where
         prepared: &Prepared<D, N>,
         history: HistoryWriter<BufWriter<File>>,
         frames: Vec<(u64, f64)>,
-    ) -> Self {
-        Self {
+    ) -> Result<Self, Failure> {
+        Ok(Self {
             folder: folder.clone(),
             history,
             names: Names {
@@ -67,9 +75,12 @@ where
             },
             outlines: <[[f64; D]; N]>::outlines(prepared),
             frames,
+            unsynced: VecDeque::new(),
+            collected: 0,
+            holds: Some(folder.hold()?),
             shown: prepared.output.shown,
             expected: (prepared.end_time / prepared.output.interval).ceil() as usize + 1,
-        }
+        })
     }
 
     /// Continues the records of a run from a checkpoint. Later frames and rows are removed; earlier ones must exist.
@@ -121,19 +132,10 @@ where
             .open(&path)
             .and_then(|file| file.set_len(end as u64).map(|()| file))
             .map_err(|error| Failure::writing(&path, error))?;
-        let mut later = frames.len();
-        loop {
-            let files = COLLECTIONS.map(|(_, file_of)| file_of(later));
-            let files = files.into_iter().chain([packed_file(later)]);
-            let removed = files.filter(|name| fs::remove_file(folder.path(name)).is_ok()).count();
-            if removed == 0 {
-                break;
-            }
-            later += 1;
-        }
+        folder.remove_frames(frames.len())?;
         let history = HistoryWriter::going_on(BufWriter::new(history), columns(prepared).len());
-        let recorder = Self::with(folder, prepared, history, frames);
-        recorder.collections()?;
+        let mut recorder = Self::with(folder, prepared, history, frames)?;
+        recorder.collect()?;
         Ok(recorder)
     }
 
@@ -143,7 +145,7 @@ where
         written.map_err(|error| Failure::writing(&self.folder.path(HISTORY), error))
     }
 
-    /// Writes the files of a frame: bodies, cracks, damaged joints and contact forces.
+    /// Writes the files of a frame: bodies, cracks, damaged joints and contact forces. They are synced and put into the collections by [`Self::tidy`].
     pub(crate) fn frame(&mut self, snapshot: &Snapshot<D, N>, forces: &Forces<D>) -> Result<(), Failure> {
         let number = self.frames.len();
         // Writing to memory does not fail. An inconsistent snapshot would be a bug.
@@ -151,7 +153,7 @@ where
         let write = |name: String, write: &dyn Fn(&mut Vec<u8>) -> std::io::Result<()>| {
             let mut bytes = Vec::new();
             write(&mut bytes).map_err(|error| fault(&name, error))?;
-            self.folder.write(&name, &bytes)
+            self.folder.write_unsynced(&name, &bytes)
         };
         write(mesh_file(number), &|out| write_vtu(out, snapshot, forces, &self.names))?;
         write(cracks_file(number), &|out| write_cracks_vtp(out, snapshot))?;
@@ -160,13 +162,32 @@ where
         let name = packed_file(number);
         let frame = <[[f64; D]; N]>::frame(snapshot, &self.outlines, self.shown, self.expected)
             .map_err(|error| fault(&name, error.into()))?;
-        self.folder.write(&name, &frame)?;
+        self.folder.write_unsynced(&name, &frame)?;
         self.frames.push((snapshot.step, snapshot.time));
-        self.collections()
+        self.unsynced.extend(files_of(number));
+        Ok(())
     }
 
-    /// Writes the collections that ParaView opens.
-    fn collections(&self) -> Result<(), Failure> {
+    /// Does a part of what is left to do for the frames that have been written: syncs a file, or puts all frames into the collections once their files are synced.
+    /// Returns whether there was anything to do.
+    ///
+    /// The parts are short, so that a frame or a checkpoint that comes meanwhile does not wait long. Where frames come faster than they are synced, all of this is done
+    /// before the next checkpoint, and the collections are written once for many frames.
+    pub(crate) fn tidy(&mut self) -> Result<bool, Failure> {
+        if let Some(name) = self.unsynced.pop_front() {
+            return self.folder.sync(&name).map(|()| true);
+        }
+        let left = self.collected < self.frames.len();
+        if left {
+            self.folder.sync_frames()?;
+            self.collect()?;
+        }
+        Ok(left)
+    }
+
+    /// Writes the collections that ParaView opens. The disk has the files that they name.
+    fn collect(&mut self) -> Result<(), Failure> {
+        self.collected = self.frames.len();
         for (name, file_of) in COLLECTIONS {
             let files: Vec<String> = (0..self.frames.len()).map(file_of).collect();
             let entries = self.frames.iter().zip(&files).map(|(&(_, time), file)| (time, file.as_str()));
@@ -175,9 +196,21 @@ where
         Ok(())
     }
 
+    /// Does all that is left to do for the frames.
+    pub(crate) fn tidy_up(&mut self) -> Result<(), Failure> {
+        while self.tidy()? {}
+        Ok(())
+    }
+
+    /// Releases the lock files once all is recorded.
+    pub(crate) fn release(&mut self) {
+        self.holds = None;
+    }
+
     /// Writes a checkpoint. It has the frames and the history until now, which are on the disk before it.
     pub(crate) fn save(&mut self, state: Unsaved<D, N>) -> Result<(), Failure> {
         self.flush()?;
+        self.tidy_up()?;
         let Unsaved { model, intervals, account, state } = state;
         let history = self.length()?;
         self.folder.save(&Checkpoint {

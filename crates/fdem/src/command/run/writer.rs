@@ -1,9 +1,11 @@
 //! A thread that writes frames, history and checkpoints while the run goes on.
 //!
 //! The run hands it copies through a queue, and it writes them in their order: what a checkpoint refers to is on the disk before the checkpoint is. The queue is short, so that the copies do
-//! not fill the memory; a run that is faster than the disk waits.
+//! not fill the memory; a run that is faster than the writer waits. The writer waits for the disk only when nothing waits for the writer, and before a checkpoint.
 
-use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc::{Receiver, SyncSender, TryRecvError, TrySendError, sync_channel};
 use std::thread::{self, JoinHandle};
 
 use fdem_results::Row;
@@ -17,10 +19,15 @@ use crate::command::run::results::Results;
 /// What waits beside what is being written. With one place the run need not wait where a frame and a checkpoint are due at the same step; each place costs the memory of a frame.
 const PLACES: usize = 1;
 
-/// What is to be written.
-pub(crate) enum Task<const D: usize, const N: usize> {
-    /// Rows of the history.
-    Rows(Vec<Row>),
+/// What is to be written: rows of the history, and a frame or a checkpoint after them. Rows take no place of their own in the queue.
+pub(crate) struct Task<const D: usize, const N: usize> {
+    pub(crate) rows: Vec<Row>,
+    pub(crate) then: Then<D, N>,
+}
+
+/// What is written after rows.
+pub(crate) enum Then<const D: usize, const N: usize> {
+    Nothing,
     Frame(Box<(Snapshot<D, N>, Forces<D>)>),
     Checkpoint(Box<Unsaved<D, N>>),
 }
@@ -32,6 +39,8 @@ where
 {
     /// `None` once the thread has been asked to end.
     queue: Option<SyncSender<Task<D, N>>>,
+    /// Number of tasks that have been handed over and are not done.
+    undone: Arc<AtomicUsize>,
     /// `None` once it has ended.
     thread: Option<JoinHandle<Result<Recorder<D, N>, Failure>>>,
 }
@@ -43,11 +52,14 @@ where
     /// Starts the thread.
     pub(crate) fn start(recorder: Recorder<D, N>) -> Result<Self, Failure> {
         let (queue, tasks) = sync_channel(PLACES);
-        let thread = thread::Builder::new().name("results".to_owned()).spawn(|| write(recorder, tasks));
+        let undone = Arc::new(AtomicUsize::new(0));
+        let count = Arc::clone(&undone);
+        let thread =
+            thread::Builder::new().name("results".to_owned()).spawn(move || write(recorder, &tasks, &count));
         let thread = thread.map_err(|error| {
             Failure::Unusable(format!("cannot start the thread that writes results: {error}"))
         })?;
-        Ok(Self { queue: Some(queue), thread: Some(thread) })
+        Ok(Self { queue: Some(queue), undone, thread: Some(thread) })
     }
 
     /// Hands over what is to be written, and waits for a place in the queue.
@@ -55,10 +67,17 @@ where
     /// # Errors
     /// The error for which the thread has ended.
     pub(crate) fn send(&mut self, task: Task<D, N>) -> Result<(), Failure> {
+        self.undone.fetch_add(1, Ordering::Relaxed);
         match self.queue.as_ref().map(|queue| queue.send(task)) {
             Some(Ok(())) => Ok(()),
             _ => self.finish().map(drop),
         }
+    }
+
+    /// Whether the queue has a place, so that the run need not wait to hand something over.
+    pub(crate) fn has_room(&self) -> bool {
+        // One task may be in work, and is not in the queue.
+        self.undone.load(Ordering::Relaxed) <= PLACES
     }
 
     /// Hands over what is to be written if there is a place in the queue, and gives it back if there is none.
@@ -66,9 +85,13 @@ where
     /// # Errors
     /// The error for which the thread has ended.
     pub(crate) fn offer(&mut self, task: Task<D, N>) -> Result<Option<Task<D, N>>, Failure> {
+        self.undone.fetch_add(1, Ordering::Relaxed);
         match self.queue.as_ref().map(|queue| queue.try_send(task)) {
             Some(Ok(())) => Ok(None),
-            Some(Err(TrySendError::Full(task))) => Ok(Some(task)),
+            Some(Err(TrySendError::Full(task))) => {
+                self.undone.fetch_sub(1, Ordering::Relaxed);
+                Ok(Some(task))
+            }
             _ => self.finish().map(|_| None),
         }
     }
@@ -114,20 +137,31 @@ where
     }
 }
 
-/// Writes what comes until nothing comes any more.
+/// Writes what comes until nothing comes any more, and tidies up between.
 fn write<const D: usize, const N: usize>(
     mut recorder: Recorder<D, N>,
-    tasks: Receiver<Task<D, N>>,
+    tasks: &Receiver<Task<D, N>>,
+    undone: &AtomicUsize,
 ) -> Result<Recorder<D, N>, Failure>
 where
     [[f64; D]; N]: Results<D, N>,
 {
-    for task in tasks {
-        match task {
-            Task::Rows(rows) => recorder.rows(&rows)?,
-            Task::Frame(frame) => recorder.frame(&frame.0, &frame.1)?,
-            Task::Checkpoint(state) => recorder.save(*state)?,
+    loop {
+        let task = match tasks.try_recv() {
+            Err(TryRecvError::Empty) if recorder.tidy()? => continue,
+            Err(TryRecvError::Empty) => tasks.recv().ok(),
+            task => task.ok(),
+        };
+        let Some(Task { rows, then }) = task else { break };
+        recorder.rows(&rows)?;
+        match then {
+            Then::Nothing => {}
+            Then::Frame(frame) => recorder.frame(&frame.0, &frame.1)?,
+            Then::Checkpoint(state) => recorder.save(*state)?,
         }
+        undone.fetch_sub(1, Ordering::Relaxed);
     }
+    recorder.tidy_up()?;
+    recorder.release();
     Ok(recorder)
 }
