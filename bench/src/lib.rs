@@ -15,10 +15,10 @@ pub use timer::{Rounds, Task, Times, Turn, times, turns};
 /// Processor, cores, compiler and version of this package in one line, for runs with these numbers of threads. Unknown items are left out.
 pub fn machine(threads: &[usize]) -> String {
     let mut facts = vec![format!("fdem {}", env!("CARGO_PKG_VERSION")), processor()];
-    if let Ok(cores) = std::thread::available_parallelism() {
+    if let Some(cores) = cores() {
         let used: Vec<String> = threads.iter().map(ToString::to_string).collect();
         let plural = if threads == [1] { "" } else { "s" };
-        let several = if cores.get() == 1 { "" } else { "s" };
+        let several = if cores == 1 { "" } else { "s" };
         facts.push(format!("{cores} core{several}, {} thread{plural} used", used.join(" and ")));
     }
     if let Some(version) = compiler() {
@@ -34,6 +34,13 @@ fn processor() -> String {
     let described = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let named = described.lines().find_map(|line| line.strip_prefix("model name")?.split_once(": "));
     named.map_or(std::env::consts::ARCH, |(_, name)| name).to_owned()
+}
+
+/// Number of processors of the machine, also where this process may use fewer of them.
+fn cores() -> Option<usize> {
+    let described = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let listed = described.lines().filter(|line| line.starts_with("processor")).count();
+    (listed > 0).then_some(listed).or_else(|| std::thread::available_parallelism().ok().map(usize::from))
 }
 
 fn compiler() -> Option<String> {

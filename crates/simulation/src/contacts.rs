@@ -9,12 +9,16 @@
 //! All these bounds add up the distance of the fastest node in each step, so that no contact is found too late.
 
 mod forces;
+mod grips;
+mod law;
 
 use fdem_contact::{Buffered, Couple as Pair, Detector, Elements as Boxes, prefetch};
 use serde::{Deserialize, Serialize};
 
-use crate::contacts::forces::{Grip, Law, Pass, Pressed, Works, distance, law, points};
-pub(crate) use crate::contacts::forces::{penalty_and_friction, stiffness};
+use crate::contacts::forces::{Pass, Pressed, distance, points};
+use crate::contacts::grips::{Grip, Histories, Works};
+use crate::contacts::law::{Law, law};
+pub(crate) use crate::contacts::law::{penalty_and_friction, stiffness};
 use crate::error::{ModelError, Stop};
 use crate::forces::ContactForce;
 use crate::joints::{Joints, State};
@@ -23,13 +27,14 @@ use crate::simplex::Simplex;
 use crate::solid::{Solid, corners_of};
 use crate::team::{CHUNK, Team};
 use crate::topology::{NONE, Topology};
-use crate::vector::{add, minus};
+use crate::vector::{Point, minus};
 
-/// Number of couples between one whose forces are computed and the one whose memory is prefetched.
-const AHEAD: usize = 3;
+/// Number of couples between one whose forces are computed and the one whose nodes are prefetched; twice as far ahead, the numbers of the nodes are.
+const AHEAD: usize = 6;
 
-/// Number of chunks of couples whose forces are computed together, and then added to those of their elements. The memory for the forces of couples does not grow beyond that.
-const ROUND: usize = 8;
+/// Number of chunks of couples for each thread whose forces are computed together. Meanwhile, those of the round before are added to the forces of elements. The memory for the forces
+/// of couples does not grow beyond two rounds.
+const ROUND: usize = 4;
 
 /// Share of the buffer for the motion of elements between two updates of their boxes.
 const SLACK: f64 = 0.25;
@@ -42,26 +47,11 @@ pub(crate) struct Couple {
     joint: u32,
     /// Whether the two have separated in this step and may overlap already. Cleared when their forces are computed for the first time.
     initial_overlap: bool,
-    /// Whether the two overlap. Then they have a history among [`Contacts::grips`], at this place in that of their chunk.
+    /// Whether the two overlap. Then they have a history, at this place in the [`Histories`] of their chunk.
     touches: bool,
     slot: u16,
     /// The two cannot touch before nodes have travelled this distance since the beginning, m.
     apart_until: f64,
-}
-
-impl Couple {
-    /// Prefetches what its forces need. The two elements are neighbours in space and seldom in memory.
-    #[inline]
-    fn prefetch<const D: usize, const N: usize>(&self, solid: &Solid<D, N>)
-    where
-        [[f64; D]; N]: Simplex<D, N>,
-    {
-        for element in self.elements {
-            for node in solid.nodes_of(element) {
-                prefetch(&solid.nodes[node as usize]);
-            }
-        }
-    }
 }
 
 /// State of the contacts in a saved run.
@@ -97,9 +87,9 @@ pub(crate) struct Contacts<const D: usize = 2, const N: usize = 3> {
     /// Couples that may touch in the present state of the joints, ascending.
     couples: Vec<Couple>,
     /// For each chunk of couples, the histories of those that touch.
-    grips: Vec<Vec<Grip<D, N>>>,
-    /// Forces of the couples of one round. They are not kept.
-    pressed: Vec<Pressed<D, N>>,
+    histories: Vec<Histories<D, N>>,
+    /// Forces of the couples of two rounds. They are not kept.
+    pressed: [Vec<Pressed<D, N>>; 2],
     /// Pairs of elements that have separated in this step, at a vertex or along a facet.
     parted: Vec<[u32; 2]>,
     /// Whether an element at a free vertex is not watched yet.
@@ -125,6 +115,33 @@ pub(crate) struct Touching {
 }
 
 impl Touching {
+    /// Takes the works of a round of couples, and adds their forces to those of their elements. One by one: sums of chunks would depend on the couples that do not touch,
+    /// and a resumed run may have others.
+    fn take<const D: usize, const N: usize>(
+        &mut self,
+        couples: &[Couple],
+        pressed: &[Pressed<D, N>],
+        forces: &mut [[Point<D>; N]],
+    ) {
+        for (couples, pressed) in couples.chunks(CHUNK).zip(pressed) {
+            let mut separated = pressed.separated.iter().peekable();
+            for (number, couple) in (0..).zip(couples) {
+                if let Some(next) = couples.get(number as usize + 2 * AHEAD) {
+                    prefetch(&forces[next.elements[1] as usize]);
+                }
+                if let Some((_, works)) = separated.next_if(|(couple, _)| *couple == number) {
+                    self.add(works);
+                }
+                if couple.touches {
+                    let (works, deep) = pressed.add_to(forces, couple.elements, couple.slot);
+                    self.add(&works);
+                    self.count += 1;
+                    self.deep = self.deep.or(deep.then_some(couple.elements));
+                }
+            }
+        }
+    }
+
     fn add(&mut self, works: &Works) {
         self.energy += works.energy;
         self.friction += works.friction;
@@ -165,8 +182,10 @@ where
             looked: f64::NEG_INFINITY,
             chosen: f64::NEG_INFINITY,
             couples: Vec::new(),
-            grips: Vec::new(),
-            pressed: (0..ROUND).map(|_| Pressed::default()).collect(),
+            histories: Vec::new(),
+            pressed: std::array::from_fn(|_| {
+                (0..ROUND * team.threads()).map(|_| Pressed::default()).collect()
+            }),
             parted: Vec::new(),
             unwatched: true,
             detections: 0,
@@ -320,8 +339,7 @@ where
     /// State of the contacts for a saved run.
     pub(crate) fn save(&self) -> Saved<D, N> {
         // Couples that do not touch have no history. They are found anew.
-        let grips = self.touching().map(|(elements, grip)| (elements, *grip)).collect();
-        Saved { watched: self.watched.clone(), grips }
+        Saved { watched: self.watched.clone(), grips: self.touching().collect() }
     }
 
     /// Restores the saved contacts. The joints must be restored before.
@@ -353,11 +371,11 @@ where
     }
 
     /// The couples that touch, with their histories.
-    fn touching(&self) -> impl Iterator<Item = ([u32; 2], &Grip<D, N>)> {
-        let chunks = self.couples.chunks(CHUNK).zip(&self.grips);
-        chunks.flat_map(|(couples, grips)| {
+    fn touching(&self) -> impl Iterator<Item = ([u32; 2], Grip<D, N>)> {
+        let chunks = self.couples.chunks(CHUNK).zip(&self.histories);
+        chunks.flat_map(|(couples, histories)| {
             let touching = couples.iter().filter(|couple| couple.touches);
-            touching.map(|couple| (couple.elements, &grips[couple.slot as usize]))
+            touching.map(|couple| (couple.elements, histories.get(couple.slot)))
         })
     }
 
@@ -365,17 +383,21 @@ where
     fn group_grips(&mut self, grips: impl IntoIterator<Item = Grip<D, N>>) {
         let mut grips = grips.into_iter();
         let group = |couples: &mut [Couple]| {
-            let touching = couples.iter_mut().filter(|couple| couple.touches);
-            let slots = touching.enumerate().map(|(slot, couple)| couple.slot = slot as u16);
-            grips.by_ref().take(slots.count()).collect()
+            let count = couples.iter().filter(|couple| couple.touches).count();
+            let mut histories = Histories::with_capacity(count);
+            let touching = couples.iter_mut().enumerate().filter(|(_, couple)| couple.touches);
+            for ((number, couple), grip) in touching.zip(&mut grips) {
+                couple.slot = histories.give(number, &grip);
+            }
+            histories
         };
-        self.grips = self.couples.chunks_mut(CHUNK).map(group).collect();
+        self.histories = self.couples.chunks_mut(CHUNK).map(group).collect();
     }
 
     /// Replaces the couples by those that may touch now. Couples that were there before keep their history.
     fn choose(&mut self, mut couples: Vec<Couple>) {
         couples.sort_unstable_by_key(|couple| couple.elements);
-        let grips: Vec<_> = self.touching().map(|(_, grip)| *grip).collect();
+        let grips: Vec<_> = self.touching().map(|(_, grip)| grip).collect();
         let mut grips = grips.into_iter();
         let before = std::mem::take(&mut self.couples);
         let mut before = before.into_iter().map(|known| {
@@ -416,7 +438,7 @@ where
         let new = parted.into_iter().filter_map(|pair| couple(pair, true, &self.groups, joints, topology));
         let new: Vec<Couple> = new.collect();
         if !new.is_empty() {
-            let grips: Vec<_> = self.touching().map(|(_, grip)| *grip).collect();
+            let grips: Vec<_> = self.touching().map(|(_, grip)| grip).collect();
             self.couples.extend(new);
             // A stable sort of two ascending runs is one merge.
             self.couples.sort_by_key(|couple| couple.elements);
@@ -433,41 +455,26 @@ where
         team: &Team,
     ) -> Touching {
         let mut all = Touching::default();
-        let rounds = self.couples.chunks_mut(ROUND * CHUNK).zip(self.grips.chunks_mut(ROUND));
-        for (couples, grips) in rounds {
-            let pass = Pass {
-                solid,
-                joints,
-                laws: &self.options,
-                materials: self.materials,
-                step,
-                travel: self.travel,
-            };
-            let pressed = &mut self.pressed[..grips.len()];
-            team.change_chunks(couples, grips, pressed, |couples, grips, pressed| {
-                pass.press(couples, grips, pressed);
-            });
-            // Added couple by couple: sums of chunks would depend on the couples that do not touch, and a resumed run may have others.
-            for (couples, pressed) in couples.chunks(CHUNK).zip(pressed) {
-                let mut separated = pressed.separated.iter().peekable();
-                for (number, couple) in (0..).zip(couples) {
-                    if let Some((_, works)) = separated.next_if(|(couple, _)| *couple == number) {
-                        all.add(works);
-                    }
-                    if couple.touches {
-                        let push = &pressed.pushes[couple.slot as usize];
-                        all.add(&push.works);
-                        all.count += 1;
-                        all.deep = all.deep.or(push.deep.then_some(couple.elements));
-                        for (element, forces) in couple.elements.into_iter().zip(&push.forces) {
-                            for (sum, force) in solid.forces[element as usize].iter_mut().zip(forces) {
-                                add(sum, *force, 1.0);
-                            }
-                        }
-                    }
-                }
-            }
+        let mut forces = std::mem::take(&mut solid.forces);
+        let pass =
+            Pass { solid, joints, laws: &self.options, materials: self.materials, step, travel: self.travel };
+        let [last, next] = &mut self.pressed;
+        let (round, mut done) = (next.len(), &[][..]);
+        let rounds = self.couples.chunks_mut(round * CHUNK).zip(self.histories.chunks_mut(round));
+        for (couples, histories) in rounds {
+            team.both(
+                || all.take(done, last, &mut forces),
+                || {
+                    team.change_chunks(couples, histories, next, |couples, histories, pressed| {
+                        pass.press(couples, histories, pressed);
+                    });
+                },
+            );
+            done = couples;
+            std::mem::swap(last, next);
         }
+        all.take(done, last, &mut forces);
+        solid.forces = forces;
         all
     }
 

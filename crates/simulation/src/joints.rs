@@ -407,7 +407,7 @@ impl<const D: usize> Joints<D> {
             if code == NONE {
                 continue;
             }
-            let pull = self.forces[code as usize / (2 * D)][code as usize / 2 % D];
+            let pull = self.forces.as_flattened()[code as usize / 2];
             add(force, pull, if code % 2 == 0 { 1.0 } else { -1.0 });
         }
     }

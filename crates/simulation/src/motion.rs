@@ -102,7 +102,7 @@ where
     let mut force = [0.0; D];
     let joined = motion.joints.at_vertex[constants.vertex as usize];
     for &corner in corners.of(number) {
-        add(&mut force, forces[corner as usize / N][corner as usize % N], 1.0);
+        add(&mut force, forces.as_flattened()[corner as usize], 1.0);
         if joined {
             motion.joints.add_force(corner, &mut force);
         }

@@ -376,10 +376,8 @@ where
 
     /// Takes so many steps.
     pub(crate) fn take(&mut self, steps: u64) -> Result<(), Stop> {
-        let done = match self.team.pool() {
-            Some(pool) => pool.install(|| (0..steps).try_for_each(|_| self.step())),
-            None => (0..steps).try_for_each(|_| self.step()),
-        };
+        let team = self.team.clone();
+        let done = team.keep_awake(|| (0..steps).try_for_each(|_| self.step()));
         // Where a step turns velocities round, their product before and after it is negative, and says nothing.
         if done.is_err() && self.energies.kinetic < 0.0 {
             self.energies.kinetic = self.kinetic_of_half_step();

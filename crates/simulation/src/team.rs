@@ -3,19 +3,48 @@
 //! Items are divided into chunks of a fixed size. The sums of the chunks are added in their order.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
+use rayon::{Scope, Yield};
 
 use crate::error::ModelError;
 
 /// Number of items in a chunk: so few that all threads get some, so many that a task is worth its cost.
 pub(crate) const CHUNK: usize = 512;
 
-/// Number of items below which one thread does the work.
-const WORTH_IT: usize = 8 * CHUNK;
+/// Number of items below which one thread does the work. A pass takes about 1 µs more on several threads.
+const WORTH_IT: usize = 2 * CHUNK;
+
+/// Time for which a thread without work looks for some without a pause. Then it leaves the processor to other threads between two looks.
+const IMPATIENT: Duration = Duration::from_micros(100);
+
+/// Notes the end of work, also when it panics.
+struct End<'a>(&'a AtomicBool);
+
+impl Drop for End<'_> {
+    fn drop(&mut self) {
+        self.0.store(true, Ordering::Release);
+    }
+}
+
+/// Does work of the pool until all of it has ended.
+fn wait(ended: &AtomicBool) {
+    let mut idle = Instant::now();
+    while !ended.load(Ordering::Acquire) {
+        if rayon::yield_now() == Some(Yield::Executed) {
+            idle = Instant::now();
+        } else if idle.elapsed() < IMPATIENT {
+            std::hint::spin_loop();
+        } else {
+            std::thread::yield_now();
+        }
+    }
+}
 
 /// The threads of a simulation.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Team {
     /// `None` if the thread of the caller does all work.
     pool: Option<Arc<rayon::ThreadPool>>,
@@ -39,10 +68,43 @@ impl Team {
         self.pool.as_ref().map_or(1, |pool| pool.current_num_threads())
     }
 
-    /// The pool of these threads. Long work is given to it as a whole, so that no thread from outside has to be woken for each piece. The search for
-    /// contacts works on it too.
+    /// Calls `work` on a thread of the team, and keeps the others awake until it ends: most passes of a step are shorter than it takes to wake a thread.
+    pub(crate) fn keep_awake<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
+        let Some(pool) = &self.pool else { return work() };
+        let (awake, ended) = (AtomicUsize::new(1), AtomicBool::new(false));
+        pool.scope(|scope: &Scope<'_>| {
+            let caller = pool.current_thread_index();
+            let (awake, ended) = (&awake, &ended);
+            scope.spawn_broadcast(move |_, context| {
+                if Some(context.index()) != caller {
+                    awake.fetch_add(1, Ordering::Relaxed);
+                    wait(ended);
+                }
+            });
+            // Until all wait, no work may begin: a thread that waited for a part of it could otherwise begin to wait for its end.
+            while awake.load(Ordering::Relaxed) < pool.current_num_threads() {
+                std::thread::yield_now();
+            }
+            let _end = End(ended);
+            work()
+        })
+    }
+
+    /// The pool of these threads. The search for contacts works on it too.
     pub(crate) fn pool(&self) -> Option<Arc<rayon::ThreadPool>> {
         self.pool.clone()
+    }
+
+    /// Calls both, at the same time if there is more than one thread.
+    pub(crate) fn both<A: Send, B: Send>(
+        &self,
+        one: impl FnOnce() -> A + Send,
+        other: impl FnOnce() -> B + Send,
+    ) -> (A, B) {
+        match &self.pool {
+            Some(pool) => pool.install(|| rayon::join(one, other)),
+            None => (one(), other()),
+        }
     }
 
     /// Calls `work` on chunks of `items`, with the number of the first item. Returns the results in the order of the chunks.
@@ -135,6 +197,33 @@ impl Team {
                 pool.install(|| (0..chunks).into_par_iter().map(|k| work(range(k))).collect())
             }
             _ => (0..chunks).map(|k| work(range(k))).collect(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// All threads take part while the team is kept awake, with work within work, and again after a panic.
+    #[test]
+    fn a_team_that_is_kept_awake_does_all_work_and_ends() {
+        for threads in [1, 2, 5] {
+            let team = Team::new(threads).expect("threads can be started");
+            for _ in 0..20 {
+                let sums = team.keep_awake(|| {
+                    let (low, high) = team.both(
+                        || team.look(10 * CHUNK, |range| range.sum::<usize>()),
+                        || team.look(20 * CHUNK, |range| range.sum::<usize>()),
+                    );
+                    [low.len(), high.len(), low.iter().sum(), high.iter().sum()]
+                });
+                let whole = |chunks: usize| (0..chunks * CHUNK).sum::<usize>();
+                assert_eq!(sums, [10, 20, whole(10), whole(20)]);
+            }
+            let panics = std::panic::AssertUnwindSafe(|| team.keep_awake(|| panic!("on purpose")));
+            assert!(std::panic::catch_unwind(panics).is_err());
+            assert_eq!(team.keep_awake(|| team.threads()), threads);
         }
     }
 }

@@ -1,164 +1,62 @@
-//! Forces between two elements in contact: potential, friction, damping.
+//! Forces between two elements in contact.
 //!
-//! Couples are computed in batches: those that no facet parts are told from the others, then the forces of their potentials are computed, then friction and damping.
+//! Couples are computed in batches. Those that did not touch and that no facet parts now get a place among the histories; then the forces of all couples with a place are computed: those of
+//! their potentials, and friction and damping.
 
-use serde::{Deserialize, Serialize};
+use std::ops::Range;
 
+use fdem_contact::prefetch;
+
+use crate::contacts::grips::{Given, Grip, Histories, Works, grip_of};
+use crate::contacts::law::Law;
 use crate::contacts::{AHEAD, Couple, skipped_until};
 use crate::joints::Joints;
-use crate::lanes::{LANES, Lanes, Rows, compiled_for_vectors, larger, row, rows, set_row, set_rows, smaller};
-use crate::model::Model;
+use crate::lanes::{LANES, Lanes, compiled_for_vectors, larger, row, rows, set_row, set_rows, smaller};
 use crate::simplex::{Interactions, Shapes, Simplex, apart, gap, parted};
 use crate::solid::Solid;
-use crate::vector::{Point, add, dot, length};
+use crate::team::CHUNK;
+use crate::vector::{Point, dot, length};
 
 /// Number of batches whose potentials are computed together.
 const GROUP: usize = 4;
 
-/// Energy of a contact, and works since the last pass, J.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Works {
-    pub(super) energy: f64,
-    pub(super) friction: f64,
-    pub(super) damping: f64,
-    pub(super) handed_over: f64,
-}
-
-/// History of friction and damping of a contact.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(bound(
-    serialize = "[f64; D]: Serialize, [f64; N]: Serialize",
-    deserialize = "[f64; D]: Deserialize<'de>, [f64; N]: Deserialize<'de>"
-))]
-pub(super) struct Grip<const D: usize, const N: usize> {
-    /// Friction on the first element, N.
-    pub(super) friction: Point<D>,
-    /// Damping on the first element, N.
-    damping: Point<D>,
-    /// Barycentric coordinates, in both elements, of the point where the force acted, without the first, which is 1 less the others.
-    shares: [[f64; D]; 2],
-    /// Initial potential energy, J, which is not counted: see [`count_from`].
-    credited_energy: f64,
-    /// Force on the first element, N, for results.
-    pub(super) push: Point<D>,
-}
-
-impl<const D: usize, const N: usize> Grip<D, N> {
-    const NONE: Self = Self {
-        friction: [0.0; D],
-        damping: [0.0; D],
-        shares: [[0.0; D]; 2],
-        credited_energy: 0.0,
-        push: [0.0; D],
-    };
-
-    /// This history without a force: a resumed run tells none before its first step.
-    pub(super) fn without_push(self) -> Self {
-        Self { push: [0.0; D], ..self }
-    }
-
-    /// Work against friction and damping, J, in the second half of the step in which they acted.
-    #[inline(always)]
-    fn second_half(&self, velocities: &[[Point<D>; N]; 2], step: f64) -> [f64; 2] {
-        let rate = relative_velocity(velocities, &self.shares);
-        [-0.5 * step * dot(self.friction, rate), -0.5 * step * dot(self.damping, rate)]
-    }
-}
-
-/// Contact parameters of two materials.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Law {
-    /// Penalty times thickness: N/m in two dimensions, Pa in three.
-    penalty: f64,
-    friction: f64,
-    /// Tangential stiffness, likewise.
-    tangential: f64,
-    /// Share of critical damping.
-    damping: f64,
-}
-
-/// Parameters of contacts between two materials.
-pub(super) fn law<const D: usize, const N: usize>(model: &Model<D, N>, a: u32, b: u32) -> Law {
-    let interface = model.interface(a, b);
-    let [one, two] = [a, b].map(|material| &model.materials[material as usize]);
-    let penalty = interface
-        .and_then(|interface| interface.penalty)
-        .unwrap_or(model.contact.penalty * one.youngs_modulus.min(two.youngs_modulus))
-        * model.thickness;
-    let friction = interface.map_or(one.friction.min(two.friction), |interface| interface.friction);
-    Law {
-        penalty,
-        friction,
-        tangential: model.contact.tangential_stiffness * penalty,
-        damping: model.contact.damping,
-    }
-}
-
-/// Penalty of contacts between two materials, Pa, and their coefficient of friction.
-pub(crate) fn penalty_and_friction<const D: usize, const N: usize>(
-    model: &Model<D, N>,
-    [a, b]: [u32; 2],
-) -> [f64; 2] {
-    let law = law(model, a, b);
-    [law.penalty / model.thickness, law.friction]
-}
-
-/// Upper bound of the stiffness, N/m, that a contact over facet `k` of an element of this material has at each vertex of the facet.
-pub(crate) fn stiffness<const D: usize, const N: usize>(
-    model: &Model<D, N>,
-    corners: &[Point<D>; N],
-    k: usize,
-    material: u32,
-) -> f64
-where
-    [[f64; D]; N]: Simplex<D, N>,
-{
-    let penalty = (0..model.materials.len() as u32)
-        .map(|other| law(model, material, other).penalty)
-        .fold(0.0_f64, f64::max);
-    let measure = <[[f64; D]; N]>::facet_measure(&<[[f64; D]; N]>::FACETS[k].map(|corner| corners[corner]));
-    // φ grows by N over the height. A part of 1/D of the pressure on the facet goes to each vertex. Each of the two elements presses the other: factor 2.
-    let normal = N as f64 * penalty / corners.height(k) * (1.0 / D as f64) * measure;
-    let length = <[[f64; D]; N]>::contact_length(corners.measure());
-    2.0 * normal.max(model.contact.tangential_stiffness * penalty * length)
-}
-
-/// A couple whose forces are computed.
-#[derive(Clone, Copy)]
-struct Member {
-    /// Its number in the chunk.
-    couple: u32,
-    /// Share of the forces that acts, while a joint between the two elements carries the rest, and the increase of this share in the last step.
-    weight: f64,
-    fading: f64,
-}
-
-impl Member {
-    const NONE: Self = Self { couple: 0, weight: 0.0, fading: 0.0 };
-}
-
 /// Forces of a chunk of couples.
 #[derive(Debug)]
 pub(super) struct Pressed<const D: usize, const N: usize> {
-    /// Those of the couples that touch, in the order of their histories.
-    pub(super) pushes: Vec<Push<D, N>>,
+    /// Those of potential, friction and damping, in batches, in the places of the histories.
+    found: Vec<Interactions<D, N>>,
+    /// The numbers of [`Works`], likewise.
+    works: Vec<[Lanes; 4]>,
     /// Couples of the chunk that have separated in this pass, ascending, with the works of their last forces.
     pub(super) separated: Vec<(u32, Works)>,
 }
 
 impl<const D: usize, const N: usize> Default for Pressed<D, N> {
     fn default() -> Self {
-        Self { pushes: Vec::new(), separated: Vec::new() }
+        Self { found: Vec::new(), works: Vec::new(), separated: Vec::new() }
     }
 }
 
-/// Forces of a couple that touches.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Push<const D: usize, const N: usize> {
-    /// Forces of potential, damping and friction on the corners of both elements, N.
-    pub(super) forces: [[Point<D>; N]; 2],
-    pub(super) works: Works,
-    pub(super) deep: bool,
+impl<const D: usize, const N: usize> Pressed<D, N> {
+    /// Adds the forces of the couple in a place to those of its elements, N. Returns its works, and whether one element reaches the centroid of the other.
+    #[inline]
+    pub(super) fn add_to(
+        &self,
+        forces: &mut [[Point<D>; N]],
+        elements: [u32; 2],
+        place: u16,
+    ) -> (Works, bool) {
+        let (batch, lane) = (place as usize / LANES, place as usize % LANES);
+        let found = &self.found[batch];
+        for (element, more) in elements.into_iter().zip(&found.forces) {
+            for (sum, more) in forces[element as usize].iter_mut().zip(more) {
+                for axis in 0..D {
+                    sum[axis] += more[axis].get(lane);
+                }
+            }
+        }
+        (Works::of(&self.works[batch], lane), found.deep.get(lane) > 0.0)
+    }
 }
 
 /// What the forces of all couples depend on in this pass.
@@ -178,144 +76,74 @@ impl<const D: usize, const N: usize> Pass<'_, D, N>
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    /// Computes the forces of a chunk of couples. `grips`: the histories of those that touch.
+    /// Computes the forces of a chunk of couples.
     pub(super) fn press(
         &self,
         couples: &mut [Couple],
-        grips: &mut Vec<Grip<D, N>>,
+        histories: &mut Histories<D, N>,
         pressed: &mut Pressed<D, N>,
     ) {
-        pressed.pushes.clear();
         pressed.separated.clear();
         // Mostly, bodies do not touch anywhere near.
         if couples.iter().all(|couple| couple.apart_until > self.travel) {
             return;
         }
-        let before = std::mem::replace(grips, Vec::with_capacity(grips.len()));
-        let mut histories = Histories { before: &before, grips, pressed };
         let mut work = Work::<D, N>::new();
-        // Couples that are looked at together, and those that no facet parts.
-        let mut near = [Member::NONE; LANES];
-        let mut group = [Member::NONE; GROUP * LANES];
-        let (mut looked, mut count) = (0, 0);
-        for number in 0..couples.len() {
-            if let Some(next) = couples.get(number + AHEAD)
-                && next.apart_until <= self.travel
-            {
-                next.prefetch(self.solid);
-            }
-            let couple = &mut couples[number];
-            if couple.apart_until <= self.travel {
-                let joint = self.joints.all.get(couple.joint as usize);
-                // A detached joint did not press its elements apart: their overlap now must not count at once.
-                couple.initial_overlap |=
-                    joint.is_some_and(|joint| joint.fading > 0.0 && joint.detached != [false; D]);
-                let [weight, fading] = joint.map_or([1.0, 0.0], |joint| [joint.faded, joint.fading]);
-                let member = Member { couple: number as u32, weight, fading };
-                // Most couples that touched still do.
-                let (shapes, lane) = if couple.touches && weight > 0.0 {
-                    group[count] = member;
-                    count += 1;
-                    (&mut work.shapes[(count - 1) / LANES], (count - 1) % LANES)
-                } else {
-                    near[looked] = member;
-                    looked += 1;
-                    (&mut work.near, looked - 1)
-                };
-                for (shape, element) in shapes.iter_mut().zip(couple.elements) {
-                    set_rows(shape, lane, &self.solid.shape(element));
-                }
-            }
-            let is_last = number + 1 == couples.len();
-            if looked == LANES || is_last {
-                self.choose(&near[..looked], &mut work, couples, &mut group, &mut count, &mut histories);
-                looked = 0;
-            }
-            if count + LANES >= group.len() || is_last {
-                self.press_group(&group[..count], &mut work, couples, &mut histories);
-                count = 0;
-            }
+        self.look(couples, &mut work.near, histories, &mut pressed.separated);
+        let batches = histories.batches.len();
+        pressed.found.resize(batches, Interactions::NONE);
+        pressed.works.resize(batches, [Lanes::ZERO; 4]);
+        for first in (0..batches).step_by(GROUP) {
+            self.press_group(first..batches.min(first + GROUP), &mut work, couples, histories, pressed);
         }
+        histories.trim();
         pressed.separated.sort_unstable_by_key(|(couple, _)| *couple);
     }
 
-    /// Takes the couples that no facet parts into the group.
-    fn choose(
+    /// Gives a place to the couples that did not touch and that no facet parts now.
+    fn look(
         &self,
-        near: &[Member],
-        work: &mut Work<D, N>,
         couples: &mut [Couple],
-        group: &mut [Member],
-        count: &mut usize,
-        histories: &mut Histories<'_, D, N>,
+        shapes: &mut Shapes<D, N>,
+        histories: &mut Histories<D, N>,
+        separated: &mut Vec<(u32, Works)>,
     ) {
-        if near.is_empty() {
-            return;
-        }
-        let mut distances = Lanes::ZERO;
-        distances_of::<D, N>(self.solid.available, &work.near, &mut distances);
-        for (lane, member) in near.iter().enumerate() {
-            // While the joint carries the whole load, the gap says nothing about when contact begins: the couple must not be skipped.
-            let distance = if member.weight > 0.0 { distances.get(lane) } else { 0.0 };
-            if distance >= 0.0 {
-                self.separate(couples, member, distance, histories);
+        let (mut near, mut count) = ([0_usize; CHUNK], 0);
+        for (number, couple) in couples.iter_mut().enumerate() {
+            if couple.apart_until > self.travel {
                 continue;
             }
-            for (to, from) in work.shapes[*count / LANES].iter_mut().zip(&work.near) {
-                set_rows(to, *count % LANES, &rows(from, lane));
+            // A detached joint did not press its elements apart: their overlap now must not count at once.
+            let joint = self.joints.all.get(couple.joint as usize);
+            couple.initial_overlap |=
+                joint.is_some_and(|joint| joint.fading > 0.0 && joint.detached != [false; D]);
+            if self.weight(couple)[0] <= 0.0 {
+                // While the joint carries the whole load, the gap says nothing about when contact begins: the couple must not be skipped.
+                self.separate(couple, number, 0.0, histories, separated);
+            } else if !couple.touches {
+                near[count] = number;
+                count += 1;
             }
-            group[*count] = *member;
-            *count += 1;
         }
-    }
-
-    /// Computes the forces of a group of couples, whose shapes are in `work`.
-    fn press_group(
-        &self,
-        group: &[Member],
-        work: &mut Work<D, N>,
-        couples: &mut [Couple],
-        histories: &mut Histories<'_, D, N>,
-    ) {
-        if group.is_empty() {
-            return;
-        }
-        let solid = self.solid;
-        work.clear(group.len());
-        let Work { shapes, found, scratch, batch, .. } = work;
-        let count = group.len().div_ceil(LANES);
-        <[[f64; D]; N]>::interactions(solid.available, &shapes[..count], scratch, &mut found[..count]);
-        for (members, (shapes, found)) in group.chunks(LANES).zip(shapes.iter().zip(found)) {
-            for (lane, member) in members.iter().enumerate() {
-                let couple = &couples[member.couple as usize];
-                let pair = couple.elements.map(|element| &solid.elements[element as usize]);
-                let law = &self.laws[pair[0].material as usize * self.materials + pair[1].material as usize];
-                let velocities = couple.elements.map(|element| self.velocities(element));
-                let masses = pair.map(|element| element.mass);
-                let length = smaller(pair[0].length, pair[1].length);
-                batch.take(lane, law, histories.before(couple), &velocities, masses, length);
-                batch.weight.set(lane, member.weight);
-                batch.fading.set(lane, member.fading);
-                batch.initial.set(lane, f64::from(u8::from(couple.initial_overlap)));
-            }
-            grip_of::<D, N>(solid.available, shapes, found, batch, self.step);
-            for (lane, member) in members.iter().enumerate() {
-                if found.energy.get(lane) <= 0.0 {
-                    // They touch, or are apart with an edge of each nearest to the other.
-                    let [a, b] = [0, 1].map(|side| rows(&shapes[side], lane));
-                    self.separate(couples, member, a.distance(&b, 0.0), histories);
-                    continue;
+        let near = &near[..count];
+        let mut distances = Lanes::ZERO;
+        for (first, numbers) in (0..).step_by(LANES).zip(near.chunks(LANES)) {
+            for (lane, &number) in numbers.iter().enumerate() {
+                let next = |ahead: usize| near.get(first + lane + ahead).map(|&next| &couples[next]);
+                self.prefetch(next);
+                for (shape, element) in shapes.iter_mut().zip(couples[number].elements) {
+                    set_rows(shape, lane, &self.solid.shape(element));
                 }
-                let couple = &mut couples[member.couple as usize];
-                couple.initial_overlap = false;
-                couple.touches = true;
-                couple.slot = histories.grips.len() as u16;
-                histories.grips.push(batch.grip(lane));
-                histories.pressed.pushes.push(Push {
-                    forces: [0, 1].map(|side| rows(&found.forces[side], lane)),
-                    works: batch.works(lane),
-                    deep: found.deep.get(lane) > 0.0,
-                });
+            }
+            distances_of::<D, N>(self.solid.available, shapes, &mut distances);
+            for (lane, &number) in numbers.iter().enumerate() {
+                let (couple, distance) = (&mut couples[number], distances.get(lane));
+                if distance >= 0.0 {
+                    self.separate(couple, number, distance, histories, separated);
+                } else {
+                    couple.touches = true;
+                    couple.slot = histories.give(number, &Grip::NONE);
+                }
             }
         }
     }
@@ -323,42 +151,113 @@ where
     /// Notes that the elements of a couple are at least this far apart, m, and counts the works of its last forces.
     fn separate(
         &self,
-        couples: &mut [Couple],
-        member: &Member,
+        couple: &mut Couple,
+        number: usize,
         distance: f64,
-        histories: &mut Histories<'_, D, N>,
+        histories: &mut Histories<D, N>,
+        separated: &mut Vec<(u32, Works)>,
     ) {
-        let couple = &mut couples[member.couple as usize];
         couple.initial_overlap = false;
         couple.apart_until = skipped_until(self.travel, distance);
         if couple.touches {
-            let velocities = couple.elements.map(|element| self.velocities(element));
-            let [friction, damping] = histories.before(couple).second_half(&velocities, self.step);
+            let nodes = couple.elements.map(|element| self.solid.nodes_of(element));
+            let velocities = nodes.map(|nodes| nodes.map(|node| self.solid.nodes[node as usize].velocity));
+            let [friction, damping] = histories.get(couple.slot).second_half(&velocities, self.step);
             couple.touches = false;
-            let works = Works { friction, damping, ..Works::default() };
-            histories.pressed.separated.push((member.couple, works));
+            histories.free(couple.slot);
+            separated.push((number as u32, Works { friction, damping, ..Works::default() }));
         }
     }
 
-    /// Velocities of the corners of an element, m/s.
-    #[inline]
-    fn velocities(&self, element: u32) -> [Point<D>; N] {
-        self.solid.nodes_of(element).map(|node| self.solid.nodes[node as usize].velocity)
+    /// Computes the forces of some batches of couples that have a place.
+    fn press_group(
+        &self,
+        group: Range<usize>,
+        work: &mut Work<D, N>,
+        couples: &mut [Couple],
+        histories: &mut Histories<D, N>,
+        pressed: &mut Pressed<D, N>,
+    ) {
+        let available = self.solid.available;
+        let Work { shapes, given, scratch, .. } = work;
+        let shapes = &mut shapes[..group.len()];
+        for (batch, (shapes, given)) in group.clone().zip(shapes.iter_mut().zip(&mut *given)) {
+            for lane in 0..LANES {
+                let place = batch * LANES + lane;
+                self.prefetch(|ahead| histories.couple(place + ahead).map(|next| &couples[next]));
+                match histories.couple(place) {
+                    Some(couple) => self.gather(&couples[couple], lane, shapes, given),
+                    // A lane without a couple costs nothing.
+                    None => shapes.iter_mut().for_each(|shape| set_rows(shape, lane, &[[0.0; D]; N])),
+                }
+            }
+        }
+        let Pressed { found, works, separated } = pressed;
+        <[[f64; D]; N]>::interactions(available, shapes, scratch, &mut found[group.clone()]);
+        for (batch, (shapes, given)) in group.zip(shapes.iter().zip(given)) {
+            let (found, works) = (&mut found[batch], &mut works[batch]);
+            grip_of::<D, N>(available, shapes, given, found, &mut histories.batches[batch], works, self.step);
+            for lane in 0..LANES {
+                let Some(number) = histories.couple(batch * LANES + lane) else { continue };
+                let couple = &mut couples[number];
+                couple.initial_overlap = false;
+                if found.energy.get(lane) <= 0.0 {
+                    // They touch, or are apart with an edge of each nearest to the other.
+                    let [a, b] = [0, 1].map(|side| rows(&shapes[side], lane));
+                    couple.apart_until = skipped_until(self.travel, a.distance(&b, 0.0));
+                    couple.touches = false;
+                    histories.free(couple.slot);
+                    let Works { friction, damping, .. } = Works::of(works, lane);
+                    separated.push((number as u32, Works { friction, damping, ..Works::default() }));
+                }
+            }
+        }
     }
-}
 
-/// The histories of the couples of a chunk that touched before, and those of couples that touch now with their forces.
-struct Histories<'a, const D: usize, const N: usize> {
-    before: &'a [Grip<D, N>],
-    grips: &'a mut Vec<Grip<D, N>>,
-    pressed: &'a mut Pressed<D, N>,
-}
-
-impl<const D: usize, const N: usize> Histories<'_, D, N> {
-    /// The history of a couple.
+    /// Prefetches what the couples ahead need: the numbers of the nodes, and then the nodes. The first element is often that of the couple before.
     #[inline]
-    fn before(&self, couple: &Couple) -> &Grip<D, N> {
-        if couple.touches { &self.before[couple.slot as usize] } else { const { &Grip::NONE } }
+    fn prefetch<'a>(&self, ahead: impl Fn(usize) -> Option<&'a Couple>) {
+        if let Some(Couple { elements: [_, next], .. }) = ahead(2 * AHEAD) {
+            prefetch(&self.solid.corners.of_corner[*next as usize]);
+            prefetch(&self.solid.elements[*next as usize]);
+        }
+        if let Some(Couple { elements: [_, next], .. }) = ahead(AHEAD) {
+            for node in self.solid.nodes_of(*next) {
+                prefetch(&self.solid.nodes[node as usize]);
+            }
+        }
+    }
+
+    /// Puts what the forces of a couple depend on into a lane.
+    #[inline]
+    fn gather(&self, couple: &Couple, lane: usize, shapes: &mut Shapes<D, N>, given: &mut Given<D, N>) {
+        let solid = self.solid;
+        for side in 0..2 {
+            let nodes = solid.nodes_of(couple.elements[side]);
+            for corner in 0..N {
+                let node = &solid.nodes[nodes[corner] as usize];
+                set_row(&mut shapes[side][corner], lane, &node.position);
+                set_row(&mut given.velocities[side][corner], lane, &node.velocity);
+            }
+        }
+        let pair = couple.elements.map(|element| &solid.elements[element as usize]);
+        for side in 0..2 {
+            given.masses[side].set(lane, pair[side].mass);
+        }
+        given.length.set(lane, smaller(pair[0].length, pair[1].length));
+        let [one, other] = pair.map(|element| element.material as usize);
+        given.set_law(lane, one * self.materials + other, self.laws);
+        let [weight, fading] = self.weight(couple);
+        given.weight.set(lane, weight);
+        given.fading.set(lane, fading);
+        given.initial.set(lane, f64::from(u8::from(couple.initial_overlap)));
+    }
+
+    /// Share of the forces of a couple that acts, while a joint between its elements carries the rest, and the increase of this share in the last step.
+    #[inline]
+    fn weight(&self, couple: &Couple) -> [f64; 2] {
+        let joint = self.joints.all.get(couple.joint as usize);
+        joint.map_or([1.0, 0.0], |joint| [joint.faded, joint.fading])
     }
 }
 
@@ -367,12 +266,11 @@ struct Work<const D: usize, const N: usize>
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    /// Shapes of the couples that are looked at, and of those of the group.
+    /// Shapes of couples that did not touch, and of those of the group.
     near: Shapes<D, N>,
     shapes: [Shapes<D, N>; GROUP],
-    found: [Interactions<D, N>; GROUP],
+    given: [Given<D, N>; GROUP],
     scratch: <[[f64; D]; N] as Simplex<D, N>>::Scratch,
-    batch: Batch<D, N>,
 }
 
 impl<const D: usize, const N: usize> Work<D, N>
@@ -381,20 +279,10 @@ where
 {
     fn new() -> Self {
         Self {
-            shapes: [[[[Lanes::ZERO; D]; N]; 2]; GROUP],
             near: [[[Lanes::ZERO; D]; N]; 2],
-            found: [const { Interactions::NONE }; GROUP],
+            shapes: [[[[Lanes::ZERO; D]; N]; 2]; GROUP],
+            given: [const { Given::NONE }; GROUP],
             scratch: Default::default(),
-            batch: Batch::NONE,
-        }
-    }
-
-    /// Clears the shapes of all couples from this one on: they cost nothing then.
-    fn clear(&mut self, count: usize) {
-        for k in count..count.next_multiple_of(LANES) {
-            for shape in &mut self.shapes[k / LANES] {
-                set_rows(shape, k % LANES, &[[0.0; D]; N]);
-            }
         }
     }
 }
@@ -418,259 +306,6 @@ where
 
 compiled_for_vectors!(fn distances_of = all_distances<const D: usize, const N: usize>(shapes: &Shapes<D, N>, distances: &mut Lanes)
     where [[f64; D]; N]: Simplex<D, N>);
-
-/// Friction and damping of a batch of couples: what they depend on, and their results.
-struct Batch<const D: usize, const N: usize> {
-    velocities: [Rows<D, N>; 2],
-    /// Parameters of [`Law`].
-    penalty: Lanes,
-    coefficient: Lanes,
-    tangential: Lanes,
-    ratio: Lanes,
-    /// Those of [`Member`].
-    weight: Lanes,
-    fading: Lanes,
-    /// 1 where the overlap of now must not count at once, else 0.
-    initial: Lanes,
-    /// Mean masses of the nodes of the elements, kg, and the contact length, m.
-    masses: [Lanes; 2],
-    length: Lanes,
-    /// The history: that of the pass before, then that of this one.
-    friction: [Lanes; D],
-    damping: [Lanes; D],
-    shares: [[Lanes; D]; 2],
-    credited_energy: Lanes,
-    push: [Lanes; D],
-    /// The numbers of [`Works`].
-    works: [Lanes; 4],
-}
-
-impl<const D: usize, const N: usize> Batch<D, N> {
-    const NONE: Self = Self {
-        velocities: [[[Lanes::ZERO; D]; N]; 2],
-        penalty: Lanes::ZERO,
-        coefficient: Lanes::ZERO,
-        tangential: Lanes::ZERO,
-        ratio: Lanes::ZERO,
-        weight: Lanes::ZERO,
-        fading: Lanes::ZERO,
-        initial: Lanes::ZERO,
-        masses: [Lanes::ZERO; 2],
-        length: Lanes::ZERO,
-        friction: [Lanes::ZERO; D],
-        damping: [Lanes::ZERO; D],
-        shares: [[Lanes::ZERO; D]; 2],
-        credited_energy: Lanes::ZERO,
-        push: [Lanes::ZERO; D],
-        works: [Lanes::ZERO; 4],
-    };
-
-    /// Takes a couple into a lane.
-    #[inline]
-    fn take(
-        &mut self,
-        lane: usize,
-        law: &Law,
-        grip: &Grip<D, N>,
-        velocities: &[[Point<D>; N]; 2],
-        masses: [f64; 2],
-        length: f64,
-    ) {
-        for side in 0..2 {
-            set_rows(&mut self.velocities[side], lane, &velocities[side]);
-            self.masses[side].set(lane, masses[side]);
-            set_row(&mut self.shares[side], lane, &grip.shares[side]);
-        }
-        self.penalty.set(lane, law.penalty);
-        self.coefficient.set(lane, law.friction);
-        self.tangential.set(lane, law.tangential);
-        self.ratio.set(lane, law.damping);
-        self.length.set(lane, length);
-        set_row(&mut self.friction, lane, &grip.friction);
-        set_row(&mut self.damping, lane, &grip.damping);
-        self.credited_energy.set(lane, grip.credited_energy);
-    }
-
-    #[inline]
-    fn grip(&self, lane: usize) -> Grip<D, N> {
-        Grip {
-            friction: row(&self.friction, lane),
-            damping: row(&self.damping, lane),
-            shares: [0, 1].map(|side| row(&self.shares[side], lane)),
-            credited_energy: self.credited_energy.get(lane),
-            push: row(&self.push, lane),
-        }
-    }
-
-    #[inline]
-    fn works(&self, lane: usize) -> Works {
-        let [energy, friction, damping, handed_over] = row(&self.works, lane);
-        Works { energy, friction, damping, handed_over }
-    }
-}
-
-/// Computes friction and damping of a batch of couples that overlap, and adds them to the forces of their potentials.
-#[inline(always)]
-fn grip_all<const D: usize, const N: usize>(
-    shapes: &Shapes<D, N>,
-    found: &mut Interactions<D, N>,
-    batch: &mut Batch<D, N>,
-    step: f64,
-) where
-    [[f64; D]; N]: Simplex<D, N>,
-{
-    for lane in 0..LANES {
-        grip_one(lane, shapes, found, batch, step);
-    }
-}
-
-compiled_for_vectors!(fn grip_of = grip_all<const D: usize, const N: usize>(
-    shapes: &Shapes<D, N>,
-    found: &mut Interactions<D, N>,
-    batch: &mut Batch<D, N>,
-    step: f64
-) where [[f64; D]; N]: Simplex<D, N>);
-
-/// Computes one couple of a batch.
-#[inline(always)]
-#[allow(
-    clippy::needless_bitwise_bool,
-    reason = "a lazy operator is a branch, of which the compiler makes no vectors"
-)]
-fn grip_one<const D: usize, const N: usize>(
-    lane: usize,
-    shapes: &Shapes<D, N>,
-    found: &mut Interactions<D, N>,
-    batch: &mut Batch<D, N>,
-    step: f64,
-) where
-    [[f64; D]; N]: Simplex<D, N>,
-{
-    let velocities = [0, 1].map(|side| rows(&batch.velocities[side], lane));
-    let before: Grip<D, N> = batch.grip(lane);
-    let [mut friction_work, mut damping_work] = before.second_half(&velocities, step);
-    let [penalty, weight] = [batch.penalty.get(lane), batch.weight.get(lane)];
-    let potential = penalty * found.energy.get(lane);
-    let credited_energy =
-        if batch.initial.get(lane) > 0.0 { potential } else { smaller(before.credited_energy, potential) };
-    let (energy, slope) = count_from(credited_energy, potential);
-    let scale = penalty * weight * slope;
-    let mut forces = [0, 1].map(|side| rows(&found.forces[side], lane));
-    for side in 0..2 {
-        for corner in 0..N {
-            for axis in 0..D {
-                forces[side][corner][axis] *= scale;
-            }
-        }
-    }
-    let point = row(&found.point, lane);
-    let mut shares = [[0.0; D]; 2];
-    for side in 0..2 {
-        let shape: [Point<D>; N] = rows(&shapes[side], lane);
-        let all = shape.coordinates(point);
-        shares[side] = std::array::from_fn(|k| all[k + 1]);
-    }
-    let rate = relative_velocity(&velocities, &shares);
-    let push = total(&forces[0]);
-    let size = dot(push, push).sqrt();
-    let (coefficient, ratio) = (batch.coefficient.get(lane), batch.ratio.get(lane));
-    let grips = size > 0.0;
-    let axes = <[[f64; D]; N]>::axes_around(push.map(|x| x / size));
-    let normal = axes[0];
-    let long = batch.length.get(lane);
-    let [m, n] = [0, 1].map(|side| batch.masses[side].get(lane));
-    let critical = 2.0 * (penalty * long * m * n / (m + n)).sqrt();
-    // At most the force that presses the two apart, so that they do not stick.
-    let damping = larger(smaller(-ratio * weight * critical * dot(rate, normal), size), -size);
-    let damping = if grips & (ratio > 0.0) { damping } else { 0.0 };
-    let damped: Point<D> = std::array::from_fn(|axis| if grips { damping * normal[axis] } else { 0.0 });
-    // In the directions along the surface, as these are now.
-    let slip = weight * batch.tangential.get(lane) * long * step;
-    let mut trial = [0.0; D];
-    for k in 1..D {
-        trial[k] = dot(before.friction, axes[k]) - slip * dot(rate, axes[k]);
-    }
-    let (tried, limit) = (dot(trial, trial).sqrt(), coefficient * (size + damping));
-    let held = trial.map(|x| if tried > limit { limit * (x / tried) } else { x });
-    let mut along = [0.0; D];
-    for k in 1..D {
-        add(&mut along, axes[k], held[k]);
-    }
-    let friction: Point<D> =
-        std::array::from_fn(|axis| if grips & (coefficient > 0.0) { along[axis] } else { 0.0 });
-    friction_work -= 0.5 * step * dot(friction, rate);
-    damping_work -= 0.5 * step * dot(damped, rate);
-    let both: Point<D> = std::array::from_fn(|axis| friction[axis] + damped[axis]);
-    for (side, sign) in [(0, 1.0), (1, -1.0)] {
-        let all = completed::<D, N>(&shares[side]);
-        for corner in 0..N {
-            let share = sign * all[corner];
-            for axis in 0..D {
-                forces[side][corner][axis] += share * both[axis];
-            }
-        }
-        set_rows(&mut found.forces[side], lane, &forces[side]);
-        set_row(&mut batch.shares[side], lane, &shares[side]);
-    }
-    set_row(&mut batch.friction, lane, &friction);
-    set_row(&mut batch.damping, lane, &damped);
-    batch.credited_energy.set(lane, credited_energy);
-    set_row(&mut batch.push, lane, &std::array::from_fn(|axis| push[axis] + both[axis]));
-    let works = [weight * energy, friction_work, damping_work, batch.fading.get(lane) * energy];
-    set_row(&mut batch.works, lane, &works);
-}
-
-/// Counted part of the potential energy `U`, J, and its derivative by `U`, if the energy `U₀` (`credited_energy`) was there before the two elements could touch.
-///
-/// Elements that were connected until a joint at their vertex broke overlap by the sliding of that joint. Counting this overlap at once would create energy.
-/// `(U - U₀)² / U` begins without energy and without force, and its ratio to `U` tends to 1. When `U` falls below `U₀`, the caller lowers `U₀` to `U`.
-#[inline(always)]
-fn count_from(credited_energy: f64, potential: f64) -> (f64, f64) {
-    let share = credited_energy / potential;
-    let counted = (potential * (1.0 - share) * (1.0 - share), 1.0 - share * share);
-    let counts = potential > credited_energy;
-    (if counts { counted.0 } else { 0.0 }, if counts { counted.1 } else { 0.0 })
-}
-
-/// Barycentric coordinates, from all but the first.
-#[inline(always)]
-fn completed<const D: usize, const N: usize>(rest: &[f64; D]) -> [f64; N] {
-    let mut first = 1.0;
-    for k in 0..D {
-        first -= rest[k];
-    }
-    std::array::from_fn(|k| if k == 0 { first } else { rest[k - 1] })
-}
-
-/// Velocity, m/s, of the first element relative to the second, at the points with these barycentric coordinates, of which the first is left out.
-#[inline(always)]
-fn relative_velocity<const D: usize, const N: usize>(
-    velocities: &[[Point<D>; N]; 2],
-    shares: &[[f64; D]; 2],
-) -> Point<D> {
-    let mut rate = [0.0; D];
-    for (side, sign) in [(0, 1.0), (1, -1.0)] {
-        let all = completed::<D, N>(&shares[side]);
-        for corner in 0..N {
-            for axis in 0..D {
-                rate[axis] += sign * all[corner] * velocities[side][corner][axis];
-            }
-        }
-    }
-    rate
-}
-
-/// Sum of forces.
-#[inline(always)]
-fn total<const D: usize, const N: usize>(forces: &[Point<D>; N]) -> Point<D> {
-    let mut sum = [0.0; D];
-    for force in forces {
-        for axis in 0..D {
-            sum[axis] += force[axis];
-        }
-    }
-    sum
-}
 
 /// Points where the forces of couples act: the middle of their boundary in contact, or of their corners if they do not overlap any more.
 pub(super) fn points<const D: usize, const N: usize>(

@@ -273,52 +273,55 @@ impl Chord {
 /// Chord of an edge whose ends have these area coordinates in the other triangle.
 #[inline(always)]
 fn chord(start: [f64; 3], end: [f64; 3]) -> Chord {
+    let back: [f64; 3] = std::array::from_fn(|k| start[k] - end[k]);
     let (mut from, mut to, mut beyond) = (0.0, 1.0, false);
     for k in 0..3 {
         let (x, y) = (start[k], end[k]);
-        let crossing = x / (x - y);
+        let crossing = x / back[k];
         from = if x < 0.0 { larger(from, crossing) } else { from };
-        to = if (x >= 0.0) & (y < 0.0) { smaller(to, crossing) } else { to };
+        to = if y < 0.0 { smaller(to, crossing) } else { to };
         beyond |= (x < 0.0) & (y < 0.0);
     }
     // A part without length.
-    to = if beyond | (from >= to) { from } else { to };
+    to = if beyond { from } else { larger(to, from) };
     // Ends of the pieces on which one coordinate is the smallest: two coordinates are equal there. Those that are not needed are at the end.
     let cut = |k: usize, l: usize| {
         let (x, y) = (start[k] - start[l], end[k] - end[l]);
         let cut = x / (x - y);
-        let crosses = ((x < 0.0) & (y > 0.0)) | ((x > 0.0) & (y < 0.0));
-        if crosses & (cut > from) & (cut < to) { cut } else { to }
+        if (cut > from) & (cut < to) { cut } else { to }
     };
     let (a, b, c) = (cut(0, 1), cut(1, 2), cut(2, 0));
     let (a, b) = (smaller(a, b), larger(b, a));
     let (b, c) = (smaller(b, c), larger(c, b));
     let (a, b) = (smaller(a, b), larger(b, a));
-    let along: [f64; 3] = std::array::from_fn(|k| end[k] - start[k]);
     let potential = |s: f64| {
-        let at = |k: usize| start[k] + s * along[k];
+        let at = |k: usize| start[k] - s * back[k];
         larger(3.0 * smaller(smaller(at(0), at(1)), at(2)), 0.0)
     };
-    let mut chord =
-        Chord { long: to - from, at_start: 0.0, at_end: 0.0, outside: 0.0, near: 0.0, least: 1.0 };
-    let (mut s, mut a_s) = (from, potential(from));
+    let at = [from, a, b, c, to];
+    let phi = at.map(potential);
+    let w = phi.map(|phi| 1.0 - phi);
+    // Of each piece: twice ∫ φ, six times ∫ φ s, and six times ∫ φ² (3 - 2 φ) over the w² of its ends.
+    let pieces: [[f64; 3]; 4] = std::array::from_fn(|k| {
+        let (s, t, a, b) = (at[k], at[k + 1], phi[k], phi[k + 1]);
+        let (long, both) = (t - s, a + b);
+        [long * both, long * (both * (s + t) + (a * s + b * t)), long * (both * both - a * b * (1.0 + both))]
+    });
+    let sum = |k: usize| (pieces[0][k] + pieces[1][k]) + (pieces[2][k] + pieces[3][k]);
+    let (long, total, at_end) = (to - from, sum(0), SIXTH * sum(1));
     // The sum of four fractions, by one division.
-    let (mut over, mut product) = (0.0, 1.0);
-    for t in [a, b, c, to] {
-        let (a, b, long) = (a_s, potential(t), t - s);
-        let (v, w) = (1.0 - a, 1.0 - b);
-        let share = long * SIXTH;
-        chord.at_start += share * (a * (3.0 - 2.0 * s - t) + b * (3.0 - s - 2.0 * t));
-        chord.at_end += share * (a * (2.0 * s + t) + b * (s + 2.0 * t));
-        // Integral of -φ² (3 - 2 φ)/(6 w²), with φ from a to b.
-        let (more, under) = (share * (a * a + a * b + b * b - a * b * (a + b)), v * w);
-        (over, product) = (over * under + more * product, product * under);
-        chord.near += long * (0.5 - SIXTH * (v + w));
-        chord.least = smaller(chord.least, smaller(v, w));
-        (s, a_s) = (t, b);
+    let (one, two) = (pieces[0][2] * w[2] + pieces[1][2] * w[0], pieces[2][2] * w[4] + pieces[3][2] * w[2]);
+    let (before, after) = (w[0] * w[1], w[3] * w[4]);
+    let outside = (one * after + two * before) / (before * w[2] * after);
+    let least = smaller(smaller(w[0], w[1]), smaller(smaller(w[2], w[3]), w[4]));
+    Chord {
+        long,
+        at_start: 0.5 * total - at_end,
+        at_end,
+        outside: -SIXTH * outside,
+        near: SIXTH * (long + total),
+        least,
     }
-    chord.outside = -over / product;
-    chord
 }
 
 #[cfg(test)]

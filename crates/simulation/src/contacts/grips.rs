@@ -1,0 +1,436 @@
+//! Friction and damping of contacts, and their histories.
+//!
+//! A couple has a lane of a batch as long as it touches. Its history stays there, and each step replaces it.
+
+use serde::{Deserialize, Serialize};
+
+use crate::contacts::law::Law;
+use crate::lanes::{LANES, Lanes, Rows, compiled_for_vectors, larger, row, rows, set_row, set_rows, smaller};
+use crate::simplex::{Interactions, Shapes, Simplex};
+use crate::vector::{Point, add, dot};
+
+/// What [`Histories`] have in a place without a couple.
+const FREE: u16 = u16::MAX;
+
+/// Energy of a contact, and works since the last pass, J.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Works {
+    pub(super) energy: f64,
+    pub(super) friction: f64,
+    pub(super) damping: f64,
+    pub(super) handed_over: f64,
+}
+
+impl Works {
+    /// Those of a couple of a batch.
+    #[inline]
+    pub(super) fn of(batch: &[Lanes; 4], lane: usize) -> Self {
+        let [energy, friction, damping, handed_over] = row(batch, lane);
+        Self { energy, friction, damping, handed_over }
+    }
+}
+
+/// History of friction and damping of a contact.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(bound(
+    serialize = "[f64; D]: Serialize, [f64; N]: Serialize",
+    deserialize = "[f64; D]: Deserialize<'de>, [f64; N]: Deserialize<'de>"
+))]
+pub(super) struct Grip<const D: usize, const N: usize> {
+    /// Friction on the first element, N.
+    pub(super) friction: Point<D>,
+    /// Damping on the first element, N.
+    damping: Point<D>,
+    /// Barycentric coordinates, in both elements, of the point where the force acted, without the first, which is 1 less the others.
+    shares: [[f64; D]; 2],
+    /// Initial potential energy, J, which is not counted: see [`count_from`].
+    credited_energy: f64,
+    /// Force on the first element, N, for results.
+    pub(super) push: Point<D>,
+}
+
+impl<const D: usize, const N: usize> Grip<D, N> {
+    pub(super) const NONE: Self = Self {
+        friction: [0.0; D],
+        damping: [0.0; D],
+        shares: [[0.0; D]; 2],
+        credited_energy: 0.0,
+        push: [0.0; D],
+    };
+
+    /// This history without a force: a resumed run tells none before its first step.
+    pub(super) fn without_push(self) -> Self {
+        Self { push: [0.0; D], ..self }
+    }
+
+    /// Work against friction and damping, J, in the second half of the step in which they acted.
+    #[inline(always)]
+    pub(super) fn second_half(&self, velocities: &[[Point<D>; N]; 2], step: f64) -> [f64; 2] {
+        let rate = relative_velocity(velocities, &self.shares);
+        [-0.5 * step * dot(self.friction, rate), -0.5 * step * dot(self.damping, rate)]
+    }
+}
+
+/// Histories of a batch of couples.
+#[derive(Clone, Debug)]
+pub(super) struct Grips<const D: usize, const N: usize> {
+    friction: [Lanes; D],
+    damping: [Lanes; D],
+    shares: [[Lanes; D]; 2],
+    credited_energy: Lanes,
+    push: [Lanes; D],
+}
+
+impl<const D: usize, const N: usize> Grips<D, N> {
+    const NONE: Self = Self {
+        friction: [Lanes::ZERO; D],
+        damping: [Lanes::ZERO; D],
+        shares: [[Lanes::ZERO; D]; 2],
+        credited_energy: Lanes::ZERO,
+        push: [Lanes::ZERO; D],
+    };
+
+    #[inline(always)]
+    fn get(&self, lane: usize) -> Grip<D, N> {
+        Grip {
+            friction: row(&self.friction, lane),
+            damping: row(&self.damping, lane),
+            shares: std::array::from_fn(|side| row(&self.shares[side], lane)),
+            credited_energy: self.credited_energy.get(lane),
+            push: row(&self.push, lane),
+        }
+    }
+
+    #[inline(always)]
+    fn set(&mut self, lane: usize, grip: &Grip<D, N>) {
+        set_row(&mut self.friction, lane, &grip.friction);
+        set_row(&mut self.damping, lane, &grip.damping);
+        for side in 0..2 {
+            set_row(&mut self.shares[side], lane, &grip.shares[side]);
+        }
+        self.credited_energy.set(lane, grip.credited_energy);
+        set_row(&mut self.push, lane, &grip.push);
+    }
+}
+
+/// Histories of the couples of a chunk that touch. Each has a place: place `k` is lane `k % LANES` of batch `k / LANES`.
+#[derive(Debug)]
+pub(super) struct Histories<const D: usize, const N: usize> {
+    pub(super) batches: Vec<Grips<D, N>>,
+    /// The couple in each place, by its number in the chunk, or [`FREE`].
+    couples: Vec<u16>,
+    /// No place before this one is free.
+    full: usize,
+}
+
+impl<const D: usize, const N: usize> Histories<D, N> {
+    /// Memory for so many couples.
+    pub(super) fn with_capacity(couples: usize) -> Self {
+        let batches = couples.div_ceil(LANES);
+        Self { batches: Vec::with_capacity(batches), couples: Vec::with_capacity(batches * LANES), full: 0 }
+    }
+
+    /// Gives a place to a couple, and returns it.
+    pub(super) fn give(&mut self, couple: usize, grip: &Grip<D, N>) -> u16 {
+        while self.couple(self.full).is_some() {
+            self.full += 1;
+        }
+        let place = self.full;
+        if place == self.couples.len() {
+            // Not twice as many: in most chunks, few couples touch.
+            self.batches.reserve_exact(1);
+            self.couples.reserve_exact(LANES);
+            self.batches.push(Grips::NONE);
+            self.couples.resize(place + LANES, FREE);
+        }
+        self.couples[place] = couple as u16;
+        self.batches[place / LANES].set(place % LANES, grip);
+        place as u16
+    }
+
+    /// Takes the place of a couple back.
+    pub(super) fn free(&mut self, place: u16) {
+        self.couples[place as usize] = FREE;
+        self.full = self.full.min(place as usize);
+    }
+
+    /// Drops batches at the end in which no place is taken.
+    pub(super) fn trim(&mut self) {
+        let places = self.couples.iter().rposition(|&couple| couple != FREE).map_or(0, |last| last + 1);
+        self.batches.truncate(places.div_ceil(LANES));
+        self.couples.truncate(places.next_multiple_of(LANES));
+        self.full = self.full.min(self.couples.len());
+    }
+
+    /// The history in a place.
+    pub(super) fn get(&self, place: u16) -> Grip<D, N> {
+        self.batches[place as usize / LANES].get(place as usize % LANES)
+    }
+
+    /// The couple in a place, by its number in the chunk; `None` if the place is free, or does not exist.
+    #[inline]
+    pub(super) fn couple(&self, place: usize) -> Option<usize> {
+        self.couples.get(place).filter(|&&couple| couple != FREE).map(|&couple| couple as usize)
+    }
+}
+
+/// What friction and damping of a batch of couples depend on, besides their histories and shapes.
+pub(super) struct Given<const D: usize, const N: usize> {
+    pub(super) velocities: [Rows<D, N>; 2],
+    /// Share of the forces that acts, while a joint between the two elements carries the rest, and the increase of this share in the last step.
+    pub(super) weight: Lanes,
+    pub(super) fading: Lanes,
+    /// 1 where the overlap of now must not count at once, else 0.
+    pub(super) initial: Lanes,
+    /// Mean masses of the nodes of the elements, kg, and the contact length, m.
+    pub(super) masses: [Lanes; 2],
+    pub(super) length: Lanes,
+    /// The numbers of [`Law`], and which of all laws each is.
+    penalty: Lanes,
+    friction: Lanes,
+    tangential: Lanes,
+    damping: Lanes,
+    laws: [usize; LANES],
+}
+
+impl<const D: usize, const N: usize> Given<D, N> {
+    pub(super) const NONE: Self = Self {
+        velocities: [[[Lanes::ZERO; D]; N]; 2],
+        weight: Lanes::ZERO,
+        fading: Lanes::ZERO,
+        initial: Lanes::ZERO,
+        masses: [Lanes::ZERO; 2],
+        length: Lanes::ZERO,
+        penalty: Lanes::ZERO,
+        friction: Lanes::ZERO,
+        tangential: Lanes::ZERO,
+        damping: Lanes::ZERO,
+        laws: [usize::MAX; LANES],
+    };
+
+    /// Sets the law of a couple. Most couples have that of the one before in this lane.
+    #[inline]
+    pub(super) fn set_law(&mut self, lane: usize, number: usize, laws: &[Law]) {
+        if self.laws[lane] != number {
+            let law = &laws[number];
+            self.penalty.set(lane, law.penalty);
+            self.friction.set(lane, law.friction);
+            self.tangential.set(lane, law.tangential);
+            self.damping.set(lane, law.damping);
+            self.laws[lane] = number;
+        }
+    }
+}
+
+/// Computes friction and damping of a batch of couples that overlap, and adds them to the forces of their potentials. `works`: the numbers of [`Works`].
+#[inline(always)]
+fn grip_all<const D: usize, const N: usize>(
+    shapes: &Shapes<D, N>,
+    given: &Given<D, N>,
+    found: &mut Interactions<D, N>,
+    grips: &mut Grips<D, N>,
+    works: &mut [Lanes; 4],
+    step: f64,
+) where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    for lane in 0..LANES {
+        grip_one(lane, shapes, given, found, grips, works, step);
+    }
+}
+
+compiled_for_vectors!(pub(super) fn grip_of = grip_all<const D: usize, const N: usize>(
+    shapes: &Shapes<D, N>,
+    given: &Given<D, N>,
+    found: &mut Interactions<D, N>,
+    grips: &mut Grips<D, N>,
+    works: &mut [Lanes; 4],
+    step: f64
+) where [[f64; D]; N]: Simplex<D, N>);
+
+/// Computes one couple of a batch.
+#[inline(always)]
+#[allow(
+    clippy::needless_bitwise_bool,
+    reason = "a lazy operator is a branch, of which the compiler makes no vectors"
+)]
+fn grip_one<const D: usize, const N: usize>(
+    lane: usize,
+    shapes: &Shapes<D, N>,
+    given: &Given<D, N>,
+    found: &mut Interactions<D, N>,
+    grips: &mut Grips<D, N>,
+    works: &mut [Lanes; 4],
+    step: f64,
+) where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    let velocities = [0, 1].map(|side| rows(&given.velocities[side], lane));
+    let before: Grip<D, N> = grips.get(lane);
+    let [mut friction_work, mut damping_work] = before.second_half(&velocities, step);
+    let [penalty, weight] = [given.penalty.get(lane), given.weight.get(lane)];
+    let potential = penalty * found.energy.get(lane);
+    let credited_energy =
+        if given.initial.get(lane) > 0.0 { potential } else { smaller(before.credited_energy, potential) };
+    let (energy, slope) = count_from(credited_energy, potential);
+    let scale = penalty * weight * slope;
+    let mut forces = [0, 1].map(|side| rows(&found.forces[side], lane));
+    for side in 0..2 {
+        for corner in 0..N {
+            for axis in 0..D {
+                forces[side][corner][axis] *= scale;
+            }
+        }
+    }
+    let point = row(&found.point, lane);
+    let mut shares = [[0.0; D]; 2];
+    for side in 0..2 {
+        let shape: [Point<D>; N] = rows(&shapes[side], lane);
+        let all = shape.coordinates(point);
+        shares[side] = std::array::from_fn(|k| all[k + 1]);
+    }
+    let rate = relative_velocity(&velocities, &shares);
+    let push = total(&forces[0]);
+    let size = dot(push, push).sqrt();
+    let (coefficient, ratio) = (given.friction.get(lane), given.damping.get(lane));
+    // Those that separate have only the works of their last forces.
+    let touches = (size > 0.0) & (found.energy.get(lane) > 0.0);
+    let per_size = 1.0 / size;
+    let axes = <[[f64; D]; N]>::axes_around(push.map(|x| per_size * x));
+    let normal = axes[0];
+    let long = given.length.get(lane);
+    let [m, n] = [0, 1].map(|side| given.masses[side].get(lane));
+    let critical = 2.0 * (penalty * long * m * n / (m + n)).sqrt();
+    // At most the force that presses the two apart, so that they do not stick.
+    let damping = larger(smaller(-ratio * weight * critical * dot(rate, normal), size), -size);
+    let damping = if touches & (ratio > 0.0) { damping } else { 0.0 };
+    let damped: Point<D> = std::array::from_fn(|axis| if touches { damping * normal[axis] } else { 0.0 });
+    // In the directions along the surface, as these are now.
+    let slip = weight * given.tangential.get(lane) * long * step;
+    let mut trial = [0.0; D];
+    for k in 1..D {
+        trial[k] = dot(before.friction, axes[k]) - slip * dot(rate, axes[k]);
+    }
+    let (tried, limit) = (dot(trial, trial).sqrt(), coefficient * (size + damping));
+    let kept = limit / tried;
+    let held = trial.map(|x| if tried > limit { kept * x } else { x });
+    let mut along = [0.0; D];
+    for k in 1..D {
+        add(&mut along, axes[k], held[k]);
+    }
+    let friction: Point<D> =
+        std::array::from_fn(|axis| if touches & (coefficient > 0.0) { along[axis] } else { 0.0 });
+    friction_work -= 0.5 * step * dot(friction, rate);
+    damping_work -= 0.5 * step * dot(damped, rate);
+    let both: Point<D> = std::array::from_fn(|axis| friction[axis] + damped[axis]);
+    for (side, sign) in [(0, 1.0), (1, -1.0)] {
+        let all = completed::<D, N>(&shares[side]);
+        for corner in 0..N {
+            let share = sign * all[corner];
+            for axis in 0..D {
+                forces[side][corner][axis] += share * both[axis];
+            }
+        }
+        set_rows(&mut found.forces[side], lane, &forces[side]);
+    }
+    let push = std::array::from_fn(|axis| push[axis] + both[axis]);
+    grips.set(lane, &Grip { friction, damping: damped, shares, credited_energy, push });
+    let handed_over = given.fading.get(lane) * energy;
+    set_row(works, lane, &[weight * energy, friction_work, damping_work, handed_over]);
+}
+
+/// Counted part of the potential energy `U`, J, and its derivative by `U`, if the energy `U₀` (`credited_energy`) was there before the two elements could touch.
+///
+/// Elements that were connected until a joint at their vertex broke overlap by the sliding of that joint. Counting this overlap at once would create energy.
+/// `(U - U₀)² / U` begins without energy and without force, and its ratio to `U` tends to 1. When `U` falls below `U₀`, the caller lowers `U₀` to `U`.
+#[inline(always)]
+fn count_from(credited_energy: f64, potential: f64) -> (f64, f64) {
+    let share = credited_energy / potential;
+    let counted = (potential * (1.0 - share) * (1.0 - share), 1.0 - share * share);
+    let counts = potential > credited_energy;
+    (if counts { counted.0 } else { 0.0 }, if counts { counted.1 } else { 0.0 })
+}
+
+/// Barycentric coordinates, from all but the first.
+#[inline(always)]
+fn completed<const D: usize, const N: usize>(rest: &[f64; D]) -> [f64; N] {
+    let mut first = 1.0;
+    for k in 0..D {
+        first -= rest[k];
+    }
+    std::array::from_fn(|k| if k == 0 { first } else { rest[k - 1] })
+}
+
+/// Velocity, m/s, of the first element relative to the second, at the points with these barycentric coordinates, of which the first is left out.
+#[inline(always)]
+fn relative_velocity<const D: usize, const N: usize>(
+    velocities: &[[Point<D>; N]; 2],
+    shares: &[[f64; D]; 2],
+) -> Point<D> {
+    let mut rate = [0.0; D];
+    for (side, sign) in [(0, 1.0), (1, -1.0)] {
+        let all = completed::<D, N>(&shares[side]);
+        for corner in 0..N {
+            for axis in 0..D {
+                rate[axis] += sign * all[corner] * velocities[side][corner][axis];
+            }
+        }
+    }
+    rate
+}
+
+/// Sum of forces.
+#[inline(always)]
+fn total<const D: usize, const N: usize>(forces: &[Point<D>; N]) -> Point<D> {
+    let mut sum = [0.0; D];
+    for force in forces {
+        for axis in 0..D {
+            sum[axis] += force[axis];
+        }
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn grip(energy: f64) -> Grip<2, 3> {
+        Grip { credited_energy: energy, ..Grip::NONE }
+    }
+
+    /// A place is free as soon as its couple separates, and the first free one is given next. The others keep their histories.
+    #[test]
+    fn a_couple_keeps_its_place_and_a_free_one_is_given_again() {
+        let mut histories = Histories::with_capacity(0);
+        let places: Vec<u16> = (0..40).map(|couple| histories.give(couple, &grip(couple as f64))).collect();
+        assert_eq!(places, Vec::from_iter(0..40));
+        assert_eq!(histories.batches.len(), 3);
+        histories.free(20);
+        histories.free(5);
+        assert_eq!([5, 20, 40].map(|place| histories.couple(place)), [None; 3]);
+        let given = [100, 101, 102].map(|couple| histories.give(couple, &grip(couple as f64)));
+        assert_eq!(given, [5, 20, 40]);
+        for (place, couple) in [(4, 4), (5, 100), (20, 101), (39, 39), (40, 102)] {
+            assert_eq!(histories.couple(place), Some(couple));
+            assert_eq!(histories.get(place as u16), grip(couple as f64), "place {place}");
+        }
+    }
+
+    /// Batches without couples at the end cost nothing in the next step; those in the middle stay.
+    #[test]
+    fn batches_at_the_end_are_dropped_without_couples() {
+        let mut histories = Histories::with_capacity(40);
+        for couple in 0..40 {
+            histories.give(couple, &grip(couple as f64));
+        }
+        (0..16).chain(17..40).for_each(|place| histories.free(place));
+        histories.trim();
+        assert_eq!((histories.batches.len(), histories.couple(16)), (2, Some(16)));
+        assert_eq!(histories.get(16), grip(16.0));
+        histories.free(16);
+        histories.trim();
+        assert_eq!(histories.batches.len(), 0);
+        assert_eq!(histories.give(7, &grip(7.0)), 0);
+    }
+}

@@ -1,0 +1,63 @@
+//! Parameters of contacts between two materials.
+
+use crate::model::Model;
+use crate::simplex::Simplex;
+use crate::vector::Point;
+
+/// Contact parameters of two materials.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Law {
+    /// Penalty times thickness: N/m in two dimensions, Pa in three.
+    pub(super) penalty: f64,
+    pub(super) friction: f64,
+    /// Tangential stiffness, likewise.
+    pub(super) tangential: f64,
+    /// Share of critical damping.
+    pub(super) damping: f64,
+}
+
+/// Parameters of contacts between two materials.
+pub(super) fn law<const D: usize, const N: usize>(model: &Model<D, N>, a: u32, b: u32) -> Law {
+    let interface = model.interface(a, b);
+    let [one, two] = [a, b].map(|material| &model.materials[material as usize]);
+    let penalty = interface
+        .and_then(|interface| interface.penalty)
+        .unwrap_or(model.contact.penalty * one.youngs_modulus.min(two.youngs_modulus))
+        * model.thickness;
+    let friction = interface.map_or(one.friction.min(two.friction), |interface| interface.friction);
+    Law {
+        penalty,
+        friction,
+        tangential: model.contact.tangential_stiffness * penalty,
+        damping: model.contact.damping,
+    }
+}
+
+/// Penalty of contacts between two materials, Pa, and their coefficient of friction.
+pub(crate) fn penalty_and_friction<const D: usize, const N: usize>(
+    model: &Model<D, N>,
+    [a, b]: [u32; 2],
+) -> [f64; 2] {
+    let law = law(model, a, b);
+    [law.penalty / model.thickness, law.friction]
+}
+
+/// Upper bound of the stiffness, N/m, that a contact over facet `k` of an element of this material has at each vertex of the facet.
+pub(crate) fn stiffness<const D: usize, const N: usize>(
+    model: &Model<D, N>,
+    corners: &[Point<D>; N],
+    k: usize,
+    material: u32,
+) -> f64
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    let penalty = (0..model.materials.len() as u32)
+        .map(|other| law(model, material, other).penalty)
+        .fold(0.0_f64, f64::max);
+    let measure = <[[f64; D]; N]>::facet_measure(&<[[f64; D]; N]>::FACETS[k].map(|corner| corners[corner]));
+    // φ grows by N over the height. A part of 1/D of the pressure on the facet goes to each vertex. Each of the two elements presses the other: factor 2.
+    let normal = N as f64 * penalty / corners.height(k) * (1.0 / D as f64) * measure;
+    let length = <[[f64; D]; N]>::contact_length(corners.measure());
+    2.0 * normal.max(model.contact.tangential_stiffness * penalty * length)
+}
