@@ -359,10 +359,17 @@ impl<const D: usize> Joints<D> {
             team.change_batches::<1, _, _, _, _>(all, links, forces, |first, joints, links, forces| {
                 let mut sum = Parting::default();
                 let mut batch = Batch::EMPTY;
-                let lists =
-                    joints.chunks_mut(LANES).zip(links.chunks_mut(LANES)).zip(forces.chunks_mut(LANES));
-                for (start, ((joints, links), forces)) in (first..).step_by(LANES).zip(lists) {
-                    let batched = batch.pull(joints, links, forces, solid, step);
+                for start in (0..joints.len()).step_by(LANES) {
+                    let range = start..joints.len().min(start + LANES);
+                    let batched = batch.pull(
+                        &joints[range.clone()],
+                        &links[start..],
+                        &forces[range.clone()],
+                        solid,
+                        step,
+                    );
+                    let (joints, links, forces) =
+                        (&mut joints[range.clone()], &mut links[range.clone()], &mut forces[range]);
                     for (k, ((joint, link), forces)) in joints.iter_mut().zip(links).zip(forces).enumerate() {
                         if let Some((found, work)) = batched.then(|| batch.result(k)).flatten() {
                             *forces = found;
@@ -378,7 +385,7 @@ impl<const D: usize> Joints<D> {
                             let (work, modes) = joint.pull(forces, solid, step);
                             sum.work += work;
                             if let Some(modes) = modes {
-                                sum.breaks.push(Break { joint: (start + k) as u32, time, modes });
+                                sum.breaks.push(Break { joint: (first + start + k) as u32, time, modes });
                             }
                         }
                         *link = Link::of(joint, solid.thickness);

@@ -5,9 +5,9 @@
 use serde::{Deserialize, Serialize};
 
 use crate::contacts::law::Law;
-use crate::lanes::{LANES, Lanes, Rows, compiled_for_vectors, larger, row, rows, set_row, set_rows, smaller};
+use crate::lanes::{LANES, Lanes, Rows, compiled_for_vectors, larger, row, rows, set_row, smaller};
 use crate::simplex::{Interactions, Shapes, Simplex};
-use crate::vector::{Point, add, dot};
+use crate::vector::{Point, add, dot, minus, plus};
 
 /// What [`Histories`] have in a place without a couple.
 const FREE: u16 = u16::MAX;
@@ -66,7 +66,9 @@ impl<const D: usize, const N: usize> Grip<D, N> {
     /// Work against friction and damping, J, in the second half of the step in which they acted.
     #[inline(always)]
     pub(super) fn second_half(&self, velocities: &[[Point<D>; N]; 2], step: f64) -> [f64; 2] {
-        let rate = relative_velocity(velocities, &self.shares);
+        let one = velocity_at(&velocities[0], &completed(&self.shares[0]));
+        let other = velocity_at(&velocities[1], &completed(&self.shares[1]));
+        let rate = minus(one, other);
         [-0.5 * step * dot(self.friction, rate), -0.5 * step * dot(self.damping, rate)]
     }
 }
@@ -222,6 +224,13 @@ impl<const D: usize, const N: usize> Given<D, N> {
     }
 }
 
+/// Forces of a batch: `scale` times those of the potential for a penalty of 1, and `along` at the points with these barycentric coordinates.
+struct Forces<const D: usize, const N: usize> {
+    scale: Lanes,
+    along: [Lanes; D],
+    shares: [[Lanes; N]; 2],
+}
+
 /// Computes friction and damping of a batch of couples that overlap, and adds them to the forces of their potentials. `works`: the numbers of [`Works`].
 #[inline(always)]
 fn grip_all<const D: usize, const N: usize>(
@@ -234,8 +243,24 @@ fn grip_all<const D: usize, const N: usize>(
 ) where
     [[f64; D]; N]: Simplex<D, N>,
 {
+    let mut forces = Forces { scale: Lanes::ZERO, along: [Lanes::ZERO; D], shares: [[Lanes::ZERO; N]; 2] };
     for lane in 0..LANES {
-        grip_one(lane, shapes, given, found, grips, works, step);
+        grip_one(lane, shapes, given, found, grips, works, &mut forces, step);
+    }
+    let Forces { scale, along, shares } = &forces;
+    for corner in 0..N {
+        for axis in 0..D {
+            for lane in 0..LANES {
+                let force = &mut found.forces[0][corner][axis];
+                let more = shares[0][corner].get(lane) * along[axis].get(lane);
+                force.set(lane, scale.get(lane) * force.get(lane) + more);
+            }
+            for lane in 0..LANES {
+                let force = &mut found.forces[1][corner][axis];
+                let more = shares[1][corner].get(lane) * along[axis].get(lane);
+                force.set(lane, scale.get(lane) * force.get(lane) - more);
+            }
+        }
     }
 }
 
@@ -248,7 +273,7 @@ compiled_for_vectors!(pub(super) fn grip_of = grip_all<const D: usize, const N: 
     step: f64
 ) where [[f64; D]; N]: Simplex<D, N>);
 
-/// Computes one couple of a batch.
+/// Computes friction and damping of one couple of a batch.
 #[inline(always)]
 #[allow(
     clippy::needless_bitwise_bool,
@@ -258,14 +283,15 @@ fn grip_one<const D: usize, const N: usize>(
     lane: usize,
     shapes: &Shapes<D, N>,
     given: &Given<D, N>,
-    found: &mut Interactions<D, N>,
+    found: &Interactions<D, N>,
     grips: &mut Grips<D, N>,
     works: &mut [Lanes; 4],
+    forces: &mut Forces<D, N>,
     step: f64,
 ) where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    let velocities = [0, 1].map(|side| rows(&given.velocities[side], lane));
+    let velocities = [rows(&given.velocities[0], lane), rows(&given.velocities[1], lane)];
     let before: Grip<D, N> = grips.get(lane);
     let [mut friction_work, mut damping_work] = before.second_half(&velocities, step);
     let [penalty, weight] = [given.penalty.get(lane), given.weight.get(lane)];
@@ -274,23 +300,16 @@ fn grip_one<const D: usize, const N: usize>(
         if given.initial.get(lane) > 0.0 { potential } else { smaller(before.credited_energy, potential) };
     let (energy, slope) = count_from(credited_energy, potential);
     let scale = penalty * weight * slope;
-    let mut forces = [0, 1].map(|side| rows(&found.forces[side], lane));
-    for side in 0..2 {
-        for corner in 0..N {
-            for axis in 0..D {
-                forces[side][corner][axis] *= scale;
-            }
+    let mut push = [0.0; D];
+    for corner in 0..N {
+        for axis in 0..D {
+            push[axis] += scale * found.forces[0][corner][axis].get(lane);
         }
     }
     let point = row(&found.point, lane);
-    let mut shares = [[0.0; D]; 2];
-    for side in 0..2 {
-        let shape: [Point<D>; N] = rows(&shapes[side], lane);
-        let all = shape.coordinates(point);
-        shares[side] = std::array::from_fn(|k| all[k + 1]);
-    }
-    let rate = relative_velocity(&velocities, &shares);
-    let push = total(&forces[0]);
+    let one = rows::<D, N>(&shapes[0], lane).coordinates(point);
+    let other = rows::<D, N>(&shapes[1], lane).coordinates(point);
+    let rate = minus(velocity_at(&velocities[0], &one), velocity_at(&velocities[1], &other));
     let size = dot(push, push).sqrt();
     let (coefficient, ratio) = (given.friction.get(lane), given.damping.get(lane));
     // Those that separate have only the works of their last forces.
@@ -299,7 +318,7 @@ fn grip_one<const D: usize, const N: usize>(
     let axes = <[[f64; D]; N]>::axes_around(push.map(|x| per_size * x));
     let normal = axes[0];
     let long = given.length.get(lane);
-    let [m, n] = [0, 1].map(|side| given.masses[side].get(lane));
+    let [m, n] = [given.masses[0].get(lane), given.masses[1].get(lane)];
     let critical = 2.0 * (penalty * long * m * n / (m + n)).sqrt();
     // At most the force that presses the two apart, so that they do not stick.
     let damping = larger(smaller(-ratio * weight * critical * dot(rate, normal), size), -size);
@@ -322,21 +341,15 @@ fn grip_one<const D: usize, const N: usize>(
         std::array::from_fn(|axis| if touches & (coefficient > 0.0) { along[axis] } else { 0.0 });
     friction_work -= 0.5 * step * dot(friction, rate);
     damping_work -= 0.5 * step * dot(damped, rate);
-    let both: Point<D> = std::array::from_fn(|axis| friction[axis] + damped[axis]);
-    for (side, sign) in [(0, 1.0), (1, -1.0)] {
-        let all = completed::<D, N>(&shares[side]);
-        for corner in 0..N {
-            let share = sign * all[corner];
-            for axis in 0..D {
-                forces[side][corner][axis] += share * both[axis];
-            }
-        }
-        set_rows(&mut found.forces[side], lane, &forces[side]);
-    }
-    let push = std::array::from_fn(|axis| push[axis] + both[axis]);
-    grips.set(lane, &Grip { friction, damping: damped, shares, credited_energy, push });
+    let both = plus(friction, damped);
+    let shares = [rest_of(&one), rest_of(&other)];
+    grips.set(lane, &Grip { friction, damping: damped, shares, credited_energy, push: plus(push, both) });
     let handed_over = given.fading.get(lane) * energy;
     set_row(works, lane, &[weight * energy, friction_work, damping_work, handed_over]);
+    forces.scale.set(lane, scale);
+    set_row(&mut forces.along, lane, &both);
+    set_row(&mut forces.shares[0], lane, &one);
+    set_row(&mut forces.shares[1], lane, &other);
 }
 
 /// Counted part of the potential energy `U`, J, and its derivative by `U`, if the energy `U₀` (`credited_energy`) was there before the two elements could touch.
@@ -351,6 +364,12 @@ fn count_from(credited_energy: f64, potential: f64) -> (f64, f64) {
     (if counts { counted.0 } else { 0.0 }, if counts { counted.1 } else { 0.0 })
 }
 
+/// Barycentric coordinates without the first, which is 1 less the others.
+#[inline(always)]
+fn rest_of<const D: usize, const N: usize>(all: &[f64; N]) -> [f64; D] {
+    std::array::from_fn(|k| all[k + 1])
+}
+
 /// Barycentric coordinates, from all but the first.
 #[inline(always)]
 fn completed<const D: usize, const N: usize>(rest: &[f64; D]) -> [f64; N] {
@@ -361,34 +380,16 @@ fn completed<const D: usize, const N: usize>(rest: &[f64; D]) -> [f64; N] {
     std::array::from_fn(|k| if k == 0 { first } else { rest[k - 1] })
 }
 
-/// Velocity, m/s, of the first element relative to the second, at the points with these barycentric coordinates, of which the first is left out.
+/// Velocity, m/s, of an element at the point with these barycentric coordinates.
 #[inline(always)]
-fn relative_velocity<const D: usize, const N: usize>(
-    velocities: &[[Point<D>; N]; 2],
-    shares: &[[f64; D]; 2],
-) -> Point<D> {
-    let mut rate = [0.0; D];
-    for (side, sign) in [(0, 1.0), (1, -1.0)] {
-        let all = completed::<D, N>(&shares[side]);
-        for corner in 0..N {
-            for axis in 0..D {
-                rate[axis] += sign * all[corner] * velocities[side][corner][axis];
-            }
-        }
-    }
-    rate
-}
-
-/// Sum of forces.
-#[inline(always)]
-fn total<const D: usize, const N: usize>(forces: &[Point<D>; N]) -> Point<D> {
-    let mut sum = [0.0; D];
-    for force in forces {
+fn velocity_at<const D: usize, const N: usize>(velocities: &[Point<D>; N], shares: &[f64; N]) -> Point<D> {
+    let mut velocity = [0.0; D];
+    for corner in 0..N {
         for axis in 0..D {
-            sum[axis] += force[axis];
+            velocity[axis] += shares[corner] * velocities[corner][axis];
         }
     }
-    sum
+    velocity
 }
 
 #[cfg(test)]

@@ -3,15 +3,20 @@
 //! Where nothing has broken yet, nearly all joints are whole and stay so. Of such a joint a step reads a [`Link`] only, a quarter of the whole record, and its tractions have no branch,
 //! unlike those of joints that soften. [`pull_one`] does the operations of [`Joint::pull`] on it.
 
+use fdem_contact::prefetch;
+
 use crate::cohesive::Law;
 use crate::joints::{Joint, State};
-use crate::lanes::{LANES, Lanes, Tensors, compiled_for_vectors, set_tensor, tensor};
+use crate::lanes::{LANES, Lanes, Tensors, compiled_for_vectors, row, set_tensor, tensor};
 use crate::simplex::Simplex;
 use crate::solid::{Node, Solid};
 use crate::vector::{Point, dot, minus, plus};
 
 /// Number of whole joints in a batch from which it is worth its cost.
 const WORTH_IT: usize = 4;
+
+/// Number of joints between one that is taken and the one whose nodes are prefetched.
+const AHEAD: usize = 6;
 
 /// What a step does with a joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -85,6 +90,8 @@ pub(super) struct Batch<const D: usize> {
     origins: Tensors<D>,
     /// Forces on side 0, N: those of the last step, then those of this one.
     forces: Tensors<D>,
+    /// Unit vectors across the facet and along it.
+    axes: Tensors<D>,
     /// 1 if the end has two nodes, otherwise 0.
     open: [Lanes; D],
     penalty: Lanes,
@@ -106,6 +113,7 @@ impl<const D: usize> Batch<D> {
         rates: [[Lanes::ZERO; D]; D],
         origins: [[Lanes::ZERO; D]; D],
         forces: [[Lanes::ZERO; D]; D],
+        axes: [[Lanes::ZERO; D]; D],
         open: [Lanes::ZERO; D],
         penalty: Lanes::ZERO,
         tensile: Lanes::ZERO,
@@ -116,7 +124,7 @@ impl<const D: usize> Batch<D> {
         holds: Lanes::ZERO,
     };
 
-    /// Computes those of up to [`LANES`] joints that are whole. Returns whether they are worth it.
+    /// Computes those of up to [`LANES`] joints that are whole. Returns whether they are worth it. `links`: those of these joints, and of the next ones.
     #[inline]
     pub(super) fn pull<const N: usize>(
         &mut self,
@@ -129,11 +137,15 @@ impl<const D: usize> Batch<D> {
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
+        let (next, links) = (&links[AHEAD.min(links.len())..], &links[..joints.len()]);
         if links.iter().filter(|link| link.is_whole()).count() < WORTH_IT {
             return false;
         }
         self.holds = Lanes::ZERO;
         for (lane, ((link, joint), forces)) in links.iter().zip(joints).zip(forces).enumerate() {
+            if let Some(next) = next.get(lane) {
+                next.nodes.as_flattened().iter().for_each(|&node| prefetch(&solid.nodes[node as usize]));
+            }
             if link.is_whole() {
                 self.take(lane, link, forces, &solid.nodes);
                 for end in 0..D {
@@ -179,15 +191,23 @@ impl<const D: usize> Batch<D> {
     }
 }
 
-/// Computes a joint of a batch.
+/// Computes the axes of a joint of a batch.
 #[inline(always)]
-fn pull_one<const D: usize, const N: usize>(lane: usize, batch: &mut Batch<D>, step: f64)
+fn turn_one<const D: usize, const N: usize>(lane: usize, batch: &mut Batch<D>)
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    let axes = <[[f64; D]; N]>::unit_axes(&tensor(&batch.sums, lane));
-    let (apart, rates) = (tensor(&batch.apart, lane), tensor(&batch.rates, lane));
-    let (origins, before) = (tensor(&batch.origins, lane), tensor(&batch.forces, lane));
+    set_tensor(&mut batch.axes, lane, &<[[f64; D]; N]>::unit_axes(&tensor(&batch.sums, lane)));
+    batch.work.set(lane, 0.0);
+    batch.holds.set(lane, 1.0);
+}
+
+/// Computes an end of a joint of a batch.
+#[inline(always)]
+fn pull_one<const D: usize>(lane: usize, end: usize, batch: &mut Batch<D>, step: f64) {
+    let axes = tensor(&batch.axes, lane);
+    let (apart, rate) = (row(&batch.apart[end], lane), row(&batch.rates[end], lane));
+    let (origin, before) = (row(&batch.origins[end], lane), row(&batch.forces[end], lane));
     let law = Law {
         penalty: batch.penalty.get(lane),
         tensile: batch.tensile.get(lane),
@@ -196,27 +216,22 @@ where
         critical: [0.0; 2],
     };
     let share = batch.share.get(lane);
-    let (mut work, mut stay) = (0.0, 1.0);
-    for end in 0..D {
-        let open = batch.open[end].get(lane) > 0.0;
-        let gap: [f64; D] = std::array::from_fn(|k| dot(apart[end], axes[k]));
-        let (traction, holds) = law.of_whole(minus(gap, origins[end]));
-        let force: Point<D> = std::array::from_fn(|axis| {
-            let mut sum = traction[0] * axes[0][axis];
-            for k in 1..D {
-                sum += traction[k] * axes[k][axis];
-            }
-            share * sum
-        });
-        let done = 0.5 * step * (dot(before[end], rates[end]) + dot(force, rates[end]));
-        work += if open { done } else { 0.0 };
-        for axis in 0..D {
-            batch.forces[end][axis].set(lane, if open { force[axis] } else { before[end][axis] });
+    let open = batch.open[end].get(lane) > 0.0;
+    let gap: [f64; D] = std::array::from_fn(|k| dot(apart, axes[k]));
+    let (traction, holds) = law.of_whole(minus(gap, origin));
+    let force: Point<D> = std::array::from_fn(|axis| {
+        let mut sum = traction[0] * axes[0][axis];
+        for k in 1..D {
+            sum += traction[k] * axes[k][axis];
         }
-        stay = if open && !holds { 0.0 } else { stay };
+        share * sum
+    });
+    let done = 0.5 * step * (dot(before, rate) + dot(force, rate));
+    batch.work.set(lane, batch.work.get(lane) + if open { done } else { 0.0 });
+    for axis in 0..D {
+        batch.forces[end][axis].set(lane, if open { force[axis] } else { before[axis] });
     }
-    batch.work.set(lane, work);
-    batch.holds.set(lane, stay);
+    batch.holds.set(lane, if open && !holds { 0.0 } else { batch.holds.get(lane) });
 }
 
 /// Computes a batch.
@@ -226,7 +241,12 @@ where
     [[f64; D]; N]: Simplex<D, N>,
 {
     for lane in 0..LANES {
-        pull_one::<D, N>(lane, batch, step);
+        turn_one::<D, N>(lane, batch);
+    }
+    for end in 0..D {
+        for lane in 0..LANES {
+            pull_one::<D>(lane, end, batch, step);
+        }
     }
 }
 
