@@ -213,8 +213,8 @@ mod tests {
             for _ in 0..20 {
                 let sums = team.keep_awake(|| {
                     let (low, high) = team.both(
-                        || team.look(10 * CHUNK, |range| range.sum::<usize>()),
-                        || team.look(20 * CHUNK, |range| range.sum::<usize>()),
+                        || team.look(10 * CHUNK, Iterator::sum::<usize>),
+                        || team.look(20 * CHUNK, Iterator::sum::<usize>),
                     );
                     [low.len(), high.len(), low.iter().sum(), high.iter().sum()]
                 });

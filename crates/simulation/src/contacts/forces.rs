@@ -88,7 +88,7 @@ where
         if couples.iter().all(|couple| couple.apart_until > self.travel) {
             return;
         }
-        let mut work = Work::<D, N>::new();
+        let mut work = Work::<D, N>::new(self.step);
         self.look(couples, &mut work.near, histories, &mut pressed.separated);
         let batches = histories.batches.len();
         pressed.found.resize(batches, Interactions::NONE);
@@ -196,7 +196,7 @@ where
         <[[f64; D]; N]>::interactions(available, shapes, scratch, &mut found[group.clone()]);
         for (batch, (shapes, given)) in group.zip(shapes.iter().zip(given)) {
             let (found, works) = (&mut found[batch], &mut works[batch]);
-            grip_of::<D, N>(available, shapes, given, found, &mut histories.batches[batch], works, self.step);
+            grip_of::<D, N>(available, shapes, given, found, &mut histories.batches[batch], works);
             for lane in 0..LANES {
                 let Some(number) = histories.couple(batch * LANES + lane) else { continue };
                 let couple = &mut couples[number];
@@ -277,11 +277,11 @@ impl<const D: usize, const N: usize> Work<D, N>
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    fn new() -> Self {
+    fn new(step: f64) -> Self {
         Self {
             near: [[[Lanes::ZERO; D]; N]; 2],
             shapes: [[[[Lanes::ZERO; D]; N]; 2]; GROUP],
-            given: [const { Given::NONE }; GROUP],
+            given: std::array::from_fn(|_| Given::new(step)),
             scratch: Default::default(),
         }
     }

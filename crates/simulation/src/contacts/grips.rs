@@ -193,22 +193,28 @@ pub(super) struct Given<const D: usize, const N: usize> {
     tangential: Lanes,
     damping: Lanes,
     laws: [usize; LANES],
+    /// Time step, s.
+    step: f64,
 }
 
 impl<const D: usize, const N: usize> Given<D, N> {
-    pub(super) const NONE: Self = Self {
-        velocities: [[[Lanes::ZERO; D]; N]; 2],
-        weight: Lanes::ZERO,
-        fading: Lanes::ZERO,
-        initial: Lanes::ZERO,
-        masses: [Lanes::ZERO; 2],
-        length: Lanes::ZERO,
-        penalty: Lanes::ZERO,
-        friction: Lanes::ZERO,
-        tangential: Lanes::ZERO,
-        damping: Lanes::ZERO,
-        laws: [usize::MAX; LANES],
-    };
+    /// Memory for a batch. `step`: time step, s.
+    pub(super) const fn new(step: f64) -> Self {
+        Self {
+            velocities: [[[Lanes::ZERO; D]; N]; 2],
+            weight: Lanes::ZERO,
+            fading: Lanes::ZERO,
+            initial: Lanes::ZERO,
+            masses: [Lanes::ZERO; 2],
+            length: Lanes::ZERO,
+            penalty: Lanes::ZERO,
+            friction: Lanes::ZERO,
+            tangential: Lanes::ZERO,
+            damping: Lanes::ZERO,
+            laws: [usize::MAX; LANES],
+            step,
+        }
+    }
 
     /// Sets the law of a couple. Most couples have that of the one before in this lane.
     #[inline]
@@ -239,13 +245,12 @@ fn grip_all<const D: usize, const N: usize>(
     found: &mut Interactions<D, N>,
     grips: &mut Grips<D, N>,
     works: &mut [Lanes; 4],
-    step: f64,
 ) where
     [[f64; D]; N]: Simplex<D, N>,
 {
     let mut forces = Forces { scale: Lanes::ZERO, along: [Lanes::ZERO; D], shares: [[Lanes::ZERO; N]; 2] };
     for lane in 0..LANES {
-        grip_one(lane, shapes, given, found, grips, works, &mut forces, step);
+        grip_one(lane, shapes, given, found, grips, works, &mut forces);
     }
     let Forces { scale, along, shares } = &forces;
     for corner in 0..N {
@@ -269,8 +274,7 @@ compiled_for_vectors!(pub(super) fn grip_of = grip_all<const D: usize, const N: 
     given: &Given<D, N>,
     found: &mut Interactions<D, N>,
     grips: &mut Grips<D, N>,
-    works: &mut [Lanes; 4],
-    step: f64
+    works: &mut [Lanes; 4]
 ) where [[f64; D]; N]: Simplex<D, N>);
 
 /// Computes friction and damping of one couple of a batch.
@@ -287,12 +291,12 @@ fn grip_one<const D: usize, const N: usize>(
     grips: &mut Grips<D, N>,
     works: &mut [Lanes; 4],
     forces: &mut Forces<D, N>,
-    step: f64,
 ) where
     [[f64; D]; N]: Simplex<D, N>,
 {
     let velocities = [rows(&given.velocities[0], lane), rows(&given.velocities[1], lane)];
     let before: Grip<D, N> = grips.get(lane);
+    let step = given.step;
     let [mut friction_work, mut damping_work] = before.second_half(&velocities, step);
     let [penalty, weight] = [given.penalty.get(lane), given.weight.get(lane)];
     let potential = penalty * found.energy.get(lane);
@@ -405,7 +409,7 @@ mod tests {
     fn a_couple_keeps_its_place_and_a_free_one_is_given_again() {
         let mut histories = Histories::with_capacity(0);
         let places: Vec<u16> = (0..40).map(|couple| histories.give(couple, &grip(couple as f64))).collect();
-        assert_eq!(places, Vec::from_iter(0..40));
+        assert!(places.into_iter().eq(0..40));
         assert_eq!(histories.batches.len(), 3);
         histories.free(20);
         histories.free(5);
