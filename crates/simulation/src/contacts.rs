@@ -34,7 +34,7 @@ const AHEAD: usize = 6;
 
 /// Number of chunks of couples for each thread whose forces are computed together. Meanwhile, those of the round before are added to the forces of elements. The memory for the forces
 /// of couples does not grow beyond two rounds.
-const ROUND: usize = 4;
+const ROUND: usize = 16;
 
 /// Share of the buffer for the motion of elements between two updates of their boxes.
 const SLACK: f64 = 0.25;

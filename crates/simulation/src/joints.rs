@@ -78,8 +78,8 @@ pub(crate) struct Joints<const D: usize = 2> {
     insertion: Insertion,
     /// Where whole material can part at a free surface or at a crack; empty if joints are not inserted.
     tips: Vec<Tip>,
-    /// Lowest strengths of the facets of each element, and how near its stress is to them; both lists are empty if joints are not inserted.
-    weakest: Vec<Weakest>,
+    /// Lowest strengths of the facets of each element, in batches, and how near its stress is to them; both lists are empty if joints are not inserted.
+    weakest: Vec<[Weakest; LANES]>,
     near: Vec<Near>,
     slopes: Slopes,
 }
@@ -160,12 +160,14 @@ impl<const D: usize> Joints<D> {
             slopes,
         };
         if model.fracture.insertion == Insertion::Adaptive && !joints.strengths.is_empty() {
-            joints.weakest = (0..mesh.elements.len())
-                .map(|element| {
-                    let facets = topology.facet_of[element].into_iter().filter(|&facet| facet != NONE);
-                    Weakest::of(facets.filter_map(|facet| joints.strength(facet)))
-                })
-                .collect();
+            let weakest = |element: usize| {
+                let facets = topology.facet_of.get(element).into_iter().flatten();
+                let facets = facets.filter(|&&facet| facet != NONE);
+                Weakest::of(facets.filter_map(|&facet| joints.strength(facet)))
+            };
+            let batches = 0..mesh.elements.len().div_ceil(LANES);
+            joints.weakest =
+                batches.map(|batch| std::array::from_fn(|lane| weakest(batch * LANES + lane))).collect();
             joints.near = vec![Near::Far; mesh.elements.len()];
             let outer = topology.outer_vertices();
             let outer: Vec<u32> = (0..outer.len() as u32).filter(|&vertex| outer[vertex as usize]).collect();

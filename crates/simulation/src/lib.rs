@@ -47,7 +47,7 @@
 //! | the time step of a simulation | `src/simulation.rs` |
 //! | the stress in an element | `src/elastic.rs`, `src/solid.rs`, `src/solid/batch.rs`, `elastic.rs` in `src/simplex/triangle` and `tetrahedron` |
 //! | softening and breaking of a joint | `src/cohesive.rs`; a whole joint: `src/joints/whole.rs`; a broken one: `src/joints.rs`; insertion: `src/joints/insertion.rs`, `near.rs` and `plane.rs` beside it |
-//! | the contact force | `potential.rs` in `src/simplex/triangle` and `tetrahedron`; friction, damping: `src/contacts/forces.rs`; couples: `src/contacts.rs` |
+//! | the contact force | `potential.rs` in `src/simplex/triangle` and `tetrahedron`; friction, damping and their histories: `src/contacts/grips.rs`; couples: `src/contacts.rs`, in batches: `src/contacts/forces.rs` |
 //! | loads, schedules, absorbing edges | `src/loads.rs` |
 //! | the longest stable time step | `src/critical.rs` |
 //! | terms of the energy balance | `src/energy.rs`, and their sum: `src/simulation.rs` |

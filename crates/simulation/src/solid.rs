@@ -74,7 +74,7 @@ pub(crate) struct Solid<const D: usize = 2, const N: usize = 3> {
     /// Their undeformed shapes, in batches.
     undeformed: Vec<Undeformed<D>>,
     /// Results of their deformation, likewise.
-    deformed: Vec<Deformed<D>>,
+    pub(crate) deformed: Vec<Deformed<D>>,
     /// Forces of the deformation, of contacts and of loads on the corners of each element, N. They are stored apart, element by element, because the motion of nodes reads nothing else of an
     /// element.
     pub(crate) forces: Vec<[Point<D>; N]>,

@@ -16,10 +16,11 @@
 //! alone is held by the others. There the facet whose strength is used most gives a plane, and all facets between the elements on its two sides are one cut, with one traction.
 
 use crate::cohesive::{Memory, Plane, use_of};
-use crate::joints::near::{Near, SUSPECT};
+use crate::joints::near::{Near, SUSPECT, nears};
 use crate::joints::plane::{breaks, mean_stress, plane_near, side, traction};
 use crate::joints::whole::Link;
 use crate::joints::{Joints, Tip, measure_of};
+use crate::lanes::LANES;
 use crate::model::{Insertion, Model};
 use crate::simplex::Simplex;
 use crate::solid::Solid;
@@ -53,16 +54,18 @@ impl<const D: usize> Joints<D> {
         let mut near = std::mem::take(&mut self.near);
         let suspects = team.change(&mut near, |first, chunk| {
             let mut failing = Vec::new();
-            for (k, near) in chunk.iter_mut().enumerate() {
-                let element = first + k;
-                let (weakest, stress) = (self.weakest[element], &solid.stress(element));
-                *near = self.slopes.near(weakest, <[[f64; D]; N]>::circle_bound(stress));
-                // The circle itself costs more than its bound.
-                if *near == Near::Failing {
-                    *near = self.slopes.near(weakest, <[[f64; D]; N]>::circle(stress));
-                }
-                if *near == Near::Failing {
-                    failing.push(element as u32);
+            for (batch, near) in (first / LANES..).zip(chunk.chunks_mut(LANES)) {
+                let (weakest, deformed) = (&self.weakest[batch], &solid.deformed[batch]);
+                nears::<D, N>(solid.available, &self.slopes, deformed, weakest, near);
+                for (lane, near) in near.iter_mut().enumerate() {
+                    // The circle itself costs more than its bound.
+                    if *near == Near::Failing {
+                        *near =
+                            self.slopes.near(weakest[lane], <[[f64; D]; N]>::circle(&deformed.stress(lane)));
+                    }
+                    if *near == Near::Failing {
+                        failing.push((batch * LANES + lane) as u32);
+                    }
                 }
             }
             failing

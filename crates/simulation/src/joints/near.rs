@@ -5,7 +5,10 @@
 //! of which every traction that fails reaches one, are `|τ| + µ σ ≥ c` and, where that line is beyond the ellipse, the chord from their intersection to `(f_t, 0)`:
 //! `|τ| + m σ ≥ m f_t`. The largest value of `|τ| + µ σ` over all directions is `µ s + R √(1 + µ²)`, with the mean stress `s` and the radius `R` of Mohr's circle.
 
+use crate::lanes::{Available, LANES, Lanes, compiled_for_vectors, larger};
 use crate::model::Strength;
+use crate::simplex::Simplex;
+use crate::solid::batch::Deformed;
 
 /// Edges at a free surface or a crack tip are checked if the mean traction of their elements reaches this share of their strength. The traction at the node
 /// exceeds that of the elements around it: by a factor of 1.6 ahead of a crack, where stress is proportional to 1/√r, and by less elsewhere.
@@ -66,17 +69,74 @@ impl Slopes {
 
     /// Compares a stress, by the middle and the radius of Mohr's largest circle, with the strengths of an element's edges.
     #[inline]
-    pub(crate) fn near(&self, weakest: Weakest, [mean, radius]: [f64; 2]) -> Near {
+    pub(crate) fn near(&self, weakest: Weakest, circle: [f64; 2]) -> Near {
+        Near::of(self.level(weakest, circle))
+    }
+
+    /// 2 if an edge may fail, 1 if it may reach [`SUSPECT`], else 0.
+    #[inline(always)]
+    #[allow(
+        clippy::needless_bitwise_bool,
+        reason = "a lazy operator is a branch, of which the compiler makes no vectors"
+    )]
+    fn level(&self, weakest: Weakest, [mean, radius]: [f64; 2]) -> f64 {
         let [one, other] = self.friction.map(|[friction, secant]| friction * mean + secant * radius);
-        let (tension, shear) = (mean + self.chord * radius, one.max(other));
-        let reaches = |share: f64| tension >= share * weakest.tensile || shear >= share * weakest.cohesion;
-        if reaches(1.0 - ROUNDING) {
-            Near::Failing
-        } else if reaches(SUSPECT - ROUNDING) {
-            Near::Suspect
+        let (tension, shear) = (mean + self.chord * radius, larger(one, other));
+        let reaches = |share: f64| (tension >= share * weakest.tensile) | (shear >= share * weakest.cohesion);
+        let suspect = if reaches(SUSPECT - ROUNDING) { 1.0 } else { 0.0 };
+        if reaches(1.0 - ROUNDING) { 2.0 } else { suspect }
+    }
+}
+
+impl Near {
+    #[inline]
+    fn of(level: f64) -> Self {
+        if level >= 2.0 {
+            Self::Failing
+        } else if level >= 1.0 {
+            Self::Suspect
         } else {
-            Near::Far
+            Self::Far
         }
+    }
+}
+
+/// Compares the stresses of a batch, by bounds of Mohr's circles, with the strengths.
+pub(crate) fn nears<const D: usize, const N: usize>(
+    available: Available,
+    slopes: &Slopes,
+    deformed: &Deformed<D>,
+    weakest: &[Weakest; LANES],
+    near: &mut [Near],
+) where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    let mut levels = Lanes::ZERO;
+    levels_of::<D, N>(available, slopes, deformed, weakest, &mut levels);
+    for (lane, near) in near.iter_mut().enumerate() {
+        *near = Near::of(levels.get(lane));
+    }
+}
+
+compiled_for_vectors!(fn levels_of = all_levels<const D: usize, const N: usize>(
+    slopes: &Slopes,
+    deformed: &Deformed<D>,
+    weakest: &[Weakest; LANES],
+    levels: &mut Lanes
+) where [[f64; D]; N]: Simplex<D, N>);
+
+#[inline(always)]
+fn all_levels<const D: usize, const N: usize>(
+    slopes: &Slopes,
+    deformed: &Deformed<D>,
+    weakest: &[Weakest; LANES],
+    levels: &mut Lanes,
+) where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    for lane in 0..LANES {
+        let circle = <[[f64; D]; N]>::circle_bound(&deformed.stress(lane));
+        levels.set(lane, slopes.level(weakest[lane], circle));
     }
 }
 
@@ -96,7 +156,6 @@ mod tests {
     use super::*;
     use crate::cohesive::use_of;
     use crate::random;
-    use crate::simplex::Simplex;
 
     fn strength(tensile: f64, friction: f64) -> Strength {
         Strength {

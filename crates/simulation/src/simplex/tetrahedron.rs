@@ -160,7 +160,7 @@ impl Simplex<3, 4> for Tetrahedron {
 
     /// From the mean stress p and the second invariant J₂ of the deviator. Its eigenvalues differ by at most 2 √J₂, and the one between the others is at least −√(J₂/3); the
     /// middle of the others is p less half of it.
-    #[inline]
+    #[inline(always)]
     fn circle_bound(stress: &Matrix<3>) -> [f64; 2] {
         let mean = (stress[0][0] + stress[1][1] + stress[2][2]) / 3.0;
         // Enlarged by more than rounding.

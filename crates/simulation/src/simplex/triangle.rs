@@ -135,11 +135,13 @@ impl Simplex<2, 3> for Triangle {
         *sliding
     }
 
+    #[inline(always)]
     fn circle([[xx, xy], [_, yy]]: &Matrix) -> [f64; 2] {
         let (mean, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
         [mean, (half * half + xy * xy).sqrt()]
     }
 
+    #[inline(always)]
     fn circle_bound(stress: &Matrix) -> [f64; 2] {
         Self::circle(stress)
     }

@@ -11,7 +11,7 @@ pub(super) fn moduli(material: &Material) -> Moduli {
 }
 
 /// Sum of squares that is 0 for a multiple of the unit tensor: `((xx − yy)² + (yy − zz)² + (zz − xx)²)/2 + 3 (xy² + yz² + zx²)`.
-#[inline]
+#[inline(always)]
 pub(super) fn deviation([[xx, xy, xz], [_, yy, yz], [_, _, zz]]: &Matrix<3>) -> f64 {
     let (one, two, three) = (xx - yy, yy - zz, zz - xx);
     0.5 * (one * one + two * two + three * three) + 3.0 * (xy * xy + yz * yz + xz * xz)
