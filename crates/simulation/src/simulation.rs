@@ -480,12 +480,12 @@ where
         self.team.threads()
     }
 
-    /// The vector instructions on which elements and whole joints are computed: the fastest that the processor has, where nothing else was set.
+    /// The vector instructions on which elements, whole joints and contacts are computed: the fastest that the processor has, where nothing else was set.
     pub fn simd(&self) -> Simd {
         self.solid.available.simd()
     }
 
-    /// Computes elements and whole joints on other vector instructions. Results are the same to the last bit. Returns `false`, and changes nothing, if the processor does not have
+    /// Computes elements, whole joints and contacts on other vector instructions. Results are the same to the last bit. Returns `false`, and changes nothing, if the processor does not have
     /// them.
     pub fn set_simd(&mut self, simd: Simd) -> bool {
         let available = Available::new(simd);

@@ -84,7 +84,7 @@ pub(crate) fn report(setting: &Setting, limits: &Limits, outcomes: &Outcomes) ->
     if let Some(table) = instructions(level, outcomes) {
         let _ = writeln!(
             out,
-            "## Vector instructions, 1 thread\n\nElements and whole joints are computed on them. The last column is that of all other tables. All give the same results.\n\n{table}"
+            "## Vector instructions, 1 thread\n\nElements, whole joints and contacts are computed on them. The last column is that of all other tables. All give the same results.\n\n{table}"
         );
     }
     let driven = [
