@@ -582,6 +582,7 @@ where
         }
         run.solid.corners = Nodes::new(state.of_corner, state.nodes.len());
         (run.solid.nodes, run.solid.constants) = (state.nodes, state.constants);
+        run.solid.weigh_elements();
         run.solid.restore(&state.stresses, &state.viscous);
         run.joints.restore(state.joints, &run.model, &run.topology, &run.solid)?;
         run.contacts.restore(state.contacts, &run.joints, &run.topology)?;

@@ -46,6 +46,11 @@ pub(crate) struct Element {
     pub(crate) mass: f64,
 }
 
+/// Mean mass of some nodes, kg.
+fn mean_mass<const N: usize>(constants: &[Constants], nodes: &[u32; N]) -> f64 {
+    nodes.iter().map(|&node| constants[node as usize].mass / N as f64).sum()
+}
+
 impl Element {
     /// Mass at each of its corners, kg.
     pub(crate) fn corner_mass<const D: usize, const N: usize>(&self, model: &Model<D, N>) -> f64 {
@@ -225,8 +230,14 @@ where
         constants[node as usize].mass = mass;
         for &corner in corners.of(node as usize) {
             let element = corner as usize / N;
-            let nodes = corners.of_corner[element].iter();
-            elements[element].mass = nodes.map(|&node| constants[node as usize].mass / N as f64).sum();
+            elements[element].mass = mean_mass(constants, &corners.of_corner[element]);
+        }
+    }
+
+    /// Sets the mean masses of all elements from those of their nodes.
+    pub(crate) fn weigh_elements(&mut self) {
+        for (element, nodes) in self.elements.iter_mut().zip(&self.corners.of_corner) {
+            element.mass = mean_mass(&self.constants, nodes);
         }
     }
 

@@ -18,6 +18,7 @@ fn crash(insertion: Insertion) -> Model {
         velocities,
         materials: vec![Material { strength: Some(strength), friction: 0.5, damping: 0.05, ..granite() }],
         gravity: [0.0, -9.81],
+        contact: ContactOptions { damping: 0.2, ..ContactOptions::default() },
         fracture: FractureOptions { insertion, joint_penalty: 100.0, ..FractureOptions::default() },
         time: TimeOptions { safety: 0.5, ..TimeOptions::default() },
         ..Model::default()
