@@ -392,7 +392,7 @@ fn triangulate(frame: &Frame) -> Result<Vec<[u32; 3]>, OutlineError> {
         frame.edges.clone(),
         |[a, _]| crossing = crossing.or(Some(a)),
     )
-    .map_err(|error| OutlineError::Coordinates { what: "the outline", why: error.to_string() })?;
+    .map_err(|error| OutlineError::coordinates("the outline", error))?;
     if triangulation.num_vertices() != count {
         return Err(OutlineError::Coincide);
     }

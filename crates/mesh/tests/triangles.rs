@@ -151,6 +151,8 @@ fn errors_tell_what_is_wrong() {
     let bow = vec![[0.0, 0.0], [1.0, 0.9], [1.0, 0.0], [0.0, 1.0]];
     assert!(matches!(error(vec![bow]), OutlineError::Crossing { .. }));
     assert!(matches!(error(vec![vec![[0.0, 0.0]; 3]]), OutlineError::Twice { .. }));
+    let tiny = vec![[0.0, 0.0], [1e-100, 0.0], [0.0, 1e-100]];
+    assert_eq!(error(vec![tiny]).to_string(), "coordinates of the outline: a number is nearly 0, but not 0");
     let fine = near(Place::Box([[0.0; 2], [1.0; 2]]), 1e-5, 0.0);
     assert!(matches!(
         triangles(&domain(vec![square()]), &fine, 1),

@@ -623,7 +623,11 @@ fn an_interrupt_saves_where_the_run_stands() {
     while !begun() {
         thread::sleep(Duration::from_millis(20));
     }
-    let sent = Command::new("kill").args(["-TERM", &child.id().to_string()]).status().unwrap();
+    // As `timeout` does, to the process and to its group.
+    let process = child.id().to_string();
+    let sent = Command::new("kill").args(["-TERM", &process]).status().unwrap();
+    thread::sleep(Duration::from_millis(20));
+    let _ = Command::new("kill").args(["-TERM", &process]).stderr(Stdio::null()).status();
     assert!(sent.success());
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(128 + 15));

@@ -3,6 +3,8 @@
 use std::error::Error;
 use std::fmt;
 
+use spade::InsertionError;
+
 /// Why an outline could not be meshed or filled with grains. Holes count from 1; places are coordinates of the outline.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -38,7 +40,7 @@ pub enum OutlineError {
         /// What has them.
         what: &'static str,
         /// The reason.
-        why: String,
+        why: &'static str,
     },
     /// Two points of the outline are in one place after it is cut.
     Coincide,
@@ -60,6 +62,18 @@ pub enum OutlineError {
     TooThin,
     /// No random point is inside the outline.
     NoRoom,
+}
+
+impl OutlineError {
+    /// Why points cannot be triangulated.
+    pub(super) fn coordinates(what: &'static str, error: InsertionError) -> Self {
+        let why = match error {
+            InsertionError::TooSmall => "a number is nearly 0, but not 0",
+            InsertionError::TooLarge => "a number is too large",
+            InsertionError::NAN => "a number is not finite",
+        };
+        Self::Coordinates { what, why }
+    }
 }
 
 impl fmt::Display for OutlineError {

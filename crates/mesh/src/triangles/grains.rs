@@ -82,7 +82,7 @@ impl Grains {
         let seeds =
             (0..).zip(&self.centres).map(|(number, &[x, y])| Seed { position: Point2::new(x, y), number });
         DelaunayTriangulation::bulk_load(seeds.collect())
-            .map_err(|error| OutlineError::Coordinates { what: "grains", why: error.to_string() })
+            .map_err(|error| OutlineError::coordinates("grains", error))
     }
 
     /// Moves each centre to the mean of the points of a lattice that are nearest to it.

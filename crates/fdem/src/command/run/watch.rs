@@ -1,10 +1,14 @@
 //! Ctrl-C and the other signals that ask a program to end. A run writes a checkpoint before it ends.
 
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
+use std::sync::{Arc, OnceLock};
+use std::time::{Duration, Instant};
 
 use crate::command::failure::Failure;
 use crate::command::output::end;
+
+/// Signals within this time are one request: `timeout` and batch systems send one to the program and one to its group.
+const ONE_REQUEST: Duration = Duration::from_secs(1);
 
 /// The signal that has arrived, if any, and whether the run waits for one.
 #[derive(Debug)]
@@ -14,14 +18,17 @@ pub(crate) struct Watch {
 }
 
 impl Watch {
-    /// Starts to watch for signals. They end the program at once, until [`Self::begin`]; so does a second signal afterwards, because the files in the folder are
+    /// Starts to watch for signals. They end the program at once, until [`Self::begin`]; so does a second request afterwards, because the files in the folder are
     /// complete at any time.
     pub(crate) fn new() -> Result<Self, Failure> {
         let (came, runs) = (Arc::new(AtomicI32::new(0)), Arc::new(AtomicBool::new(false)));
         let note = {
             let (came, runs) = (Arc::clone(&came), Arc::clone(&runs));
+            let first = OnceLock::new();
             move |signal: i32| {
-                if came.swap(signal, Ordering::SeqCst) != 0 || !runs.load(Ordering::SeqCst) {
+                came.store(signal, Ordering::SeqCst);
+                let since = first.get_or_init(Instant::now).elapsed();
+                if since > ONE_REQUEST || !runs.load(Ordering::SeqCst) {
                     end(128 + signal);
                 }
             }
