@@ -31,15 +31,19 @@ pub fn machine(threads: &[usize]) -> String {
 }
 
 fn processor() -> String {
-    let described = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let described = cpuinfo();
     let named = described.lines().find_map(|line| line.strip_prefix("model name")?.split_once(": "));
     named.map_or(std::env::consts::ARCH, |(_, name)| name).to_owned()
 }
 
+/// The system's description of the processors; empty where there is none.
+fn cpuinfo() -> String {
+    std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default()
+}
+
 /// Number of processors of the machine, also where this process may use fewer of them.
 fn cores() -> Option<usize> {
-    let described = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-    let listed = described.lines().filter(|line| line.starts_with("processor")).count();
+    let listed = cpuinfo().lines().filter(|line| line.starts_with("processor")).count();
     (listed > 0).then_some(listed).or_else(|| std::thread::available_parallelism().ok().map(usize::from))
 }
 

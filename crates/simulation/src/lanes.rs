@@ -3,7 +3,7 @@
 //! What a step does most is written for one element or joint of a batch, without a branch that depends on it, and called in a loop over the batch. The compiler makes vectors of such a
 //! loop: one for each set of instructions that [`compiled_for_vectors`] names, chosen at run time. All of them do the same operations on each element, so that the bits are the same.
 //!
-//! What keeps the compiler from vectors, and how to see whether it has made them: `bench/NOTES.md`, "Vectors".
+//! Section "Vectors" of `bench/NOTES.md` lists what prevents vectors, and tells how to check a loop.
 
 use fdem_contact::Simd;
 

@@ -46,16 +46,16 @@ pub(crate) struct Element {
     pub(crate) mass: f64,
 }
 
-/// Mean mass of some nodes, kg.
-fn mean_mass<const N: usize>(constants: &[Constants], nodes: &[u32; N]) -> f64 {
-    nodes.iter().map(|&node| constants[node as usize].mass / N as f64).sum()
-}
-
 impl Element {
     /// Mass at each of its corners, kg.
     pub(crate) fn corner_mass<const D: usize, const N: usize>(&self, model: &Model<D, N>) -> f64 {
         model.materials[self.material as usize].density * self.volume / N as f64
     }
+}
+
+/// Mean mass of some nodes, kg.
+fn mean_mass<const N: usize>(constants: &[Constants], nodes: &[u32; N]) -> f64 {
+    nodes.iter().map(|&node| constants[node as usize].mass / N as f64).sum()
 }
 
 /// Constants of a material for the forces of its elements.

@@ -127,7 +127,7 @@ pub(crate) fn replace_unsynced(target: &Path, bytes: &[u8]) -> io::Result<()> {
 /// Waits until the disk has the contents of a file.
 ///
 /// # Errors
-/// Those of the system, also when an earlier attempt to write the contents to the disk has failed.
+/// The error of the system. It may stem from an earlier attempt to write the contents to the disk.
 pub(crate) fn sync(file: &Path) -> io::Result<()> {
     // Some systems sync only files that are open for writing.
     OpenOptions::new().write(true).open(file)?.sync_all()

@@ -23,7 +23,7 @@ const GROUP: usize = 4;
 /// Forces of a chunk of couples.
 #[derive(Debug)]
 pub(super) struct Pressed<const D: usize, const N: usize> {
-    /// Those of potential, friction and damping, in batches, in the places of the histories.
+    /// Forces of potential, friction and damping, in batches. Each couple has the place of its history.
     found: Vec<Interactions<D, N>>,
     /// The numbers of [`Works`], likewise.
     works: Vec<[Lanes; 4]>,
@@ -119,7 +119,12 @@ where
                 joint.is_some_and(|joint| joint.fading > 0.0 && joint.detached != [false; D]);
             if self.weight(couple)[0] <= 0.0 {
                 // While the joint carries the whole load, the gap says nothing about when contact begins: the couple must not be skipped.
-                self.separate(couple, number, 0.0, histories, separated);
+                if couple.touches {
+                    let works = self.last_works(couple, histories);
+                    separated.push((number as u32, works));
+                    histories.free(couple.slot);
+                }
+                self.part(couple, 0.0);
             } else if !couple.touches {
                 near[count] = number;
                 count += 1;
@@ -139,7 +144,7 @@ where
             for (lane, &number) in numbers.iter().enumerate() {
                 let (couple, distance) = (&mut couples[number], distances.get(lane));
                 if distance >= 0.0 {
-                    self.separate(couple, number, distance, histories, separated);
+                    self.part(couple, distance);
                 } else {
                     couple.touches = true;
                     couple.slot = histories.give(number, &Grip::NONE);
@@ -148,25 +153,19 @@ where
         }
     }
 
-    /// Notes that the elements of a couple are at least this far apart, m, and counts the works of its last forces.
-    fn separate(
-        &self,
-        couple: &mut Couple,
-        number: usize,
-        distance: f64,
-        histories: &mut Histories<D, N>,
-        separated: &mut Vec<(u32, Works)>,
-    ) {
+    /// Works of the last forces of a couple that touched, in the second half of their step.
+    fn last_works(&self, couple: &Couple, histories: &Histories<D, N>) -> Works {
+        let nodes = couple.elements.map(|element| self.solid.nodes_of(element));
+        let velocities = nodes.map(|nodes| nodes.map(|node| self.solid.nodes[node as usize].velocity));
+        let [friction, damping] = histories.get(couple.slot).second_half(&velocities, self.step);
+        Works { friction, damping, ..Works::default() }
+    }
+
+    /// Notes that the elements of a couple are at least this far apart, m.
+    fn part(&self, couple: &mut Couple, distance: f64) {
         couple.initial_overlap = false;
+        couple.touches = false;
         couple.apart_until = skipped_until(self.travel, distance);
-        if couple.touches {
-            let nodes = couple.elements.map(|element| self.solid.nodes_of(element));
-            let velocities = nodes.map(|nodes| nodes.map(|node| self.solid.nodes[node as usize].velocity));
-            let [friction, damping] = histories.get(couple.slot).second_half(&velocities, self.step);
-            couple.touches = false;
-            histories.free(couple.slot);
-            separated.push((number as u32, Works { friction, damping, ..Works::default() }));
-        }
     }
 
     /// Computes the forces of some batches of couples that have a place.
@@ -200,16 +199,16 @@ where
             for lane in 0..LANES {
                 let Some(number) = histories.couple(batch * LANES + lane) else { continue };
                 let couple = &mut couples[number];
-                couple.initial_overlap = false;
-                if found.energy.get(lane) <= 0.0 {
-                    // They touch, or are apart with an edge of each nearest to the other.
-                    let [a, b] = [0, 1].map(|side| rows(&shapes[side], lane));
-                    couple.apart_until = skipped_until(self.travel, a.distance(&b, 0.0));
-                    couple.touches = false;
-                    histories.free(couple.slot);
-                    let Works { friction, damping, .. } = Works::of(works, lane);
-                    separated.push((number as u32, Works { friction, damping, ..Works::default() }));
+                if found.energy.get(lane) > 0.0 {
+                    couple.initial_overlap = false;
+                    continue;
                 }
+                // They touch, or are apart with an edge of each nearest to the other.
+                let [a, b] = [0, 1].map(|side| rows(&shapes[side], lane));
+                let Works { friction, damping, .. } = Works::of(works, lane);
+                separated.push((number as u32, Works { friction, damping, ..Works::default() }));
+                histories.free(couple.slot);
+                self.part(couple, a.distance(&b, 0.0));
             }
         }
     }

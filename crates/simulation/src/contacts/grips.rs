@@ -22,7 +22,7 @@ pub(super) struct Works {
 }
 
 impl Works {
-    /// Those of a couple of a batch.
+    /// Returns the energy and the works of one couple of a batch.
     #[inline]
     pub(super) fn of(batch: &[Lanes; 4], lane: usize) -> Self {
         let [energy, friction, damping, handed_over] = row(batch, lane);
@@ -176,7 +176,7 @@ impl<const D: usize, const N: usize> Histories<D, N> {
     }
 }
 
-/// What friction and damping of a batch of couples depend on, besides their histories and shapes.
+/// Inputs of friction and damping for a batch of couples, besides their histories and shapes.
 pub(super) struct Given<const D: usize, const N: usize> {
     pub(super) velocities: [Rows<D, N>; 2],
     /// Share of the forces that acts, while a joint between the two elements carries the rest, and the increase of this share in the last step.

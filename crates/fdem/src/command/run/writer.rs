@@ -19,13 +19,13 @@ use crate::command::run::results::Results;
 /// What waits beside what is being written. With one place the run need not wait where a frame and a checkpoint are due at the same step; each place costs the memory of a frame.
 const PLACES: usize = 1;
 
-/// What is to be written: rows of the history, and a frame or a checkpoint after them. Rows take no place of their own in the queue.
+/// A task of the writer: it writes rows of the history, and after them a frame, a checkpoint or nothing. Rows share a place in the queue with what follows them.
 pub(crate) struct Task<const D: usize, const N: usize> {
     pub(crate) rows: Vec<Row>,
     pub(crate) then: Then<D, N>,
 }
 
-/// What is written after rows.
+/// The second part of a task.
 pub(crate) enum Then<const D: usize, const N: usize> {
     Nothing,
     Frame(Box<(Snapshot<D, N>, Forces<D>)>),
