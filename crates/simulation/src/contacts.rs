@@ -25,6 +25,7 @@ use crate::joints::{Joints, State};
 use crate::model::Model;
 use crate::simplex::Simplex;
 use crate::solid::{Solid, corners_of};
+use crate::sum::Sum;
 use crate::team::{CHUNK, Team};
 use crate::topology::{NONE, Topology};
 use crate::vector::{Point, minus};
@@ -45,7 +46,7 @@ pub(crate) struct Couple {
     elements: [u32; 2],
     /// The joint between the two, or [`NONE`].
     joint: u32,
-    /// Whether the two have separated in this step and may overlap already. Cleared when their forces are computed for the first time.
+    /// Whether the two may overlap already, because they have separated now or become bare now. Cleared when their forces are computed for the first time.
     initial_overlap: bool,
     /// Whether the two overlap. Then they have a history, at this place in the [`Histories`] of their chunk.
     touches: bool,
@@ -58,9 +59,11 @@ pub(crate) struct Couple {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(bound(serialize = "Grip<D, N>: Serialize", deserialize = "Grip<D, N>: Deserialize<'de>"))]
 pub(crate) struct Saved<const D: usize = 2, const N: usize = 3> {
-    watched: Vec<bool>,
-    /// Couples that touch, with their history of friction and damping.
+    /// Couples that touch, ascending, with their history of friction and damping.
     grips: Vec<([u32; 2], Grip<D, N>)>,
+    /// See [`Contacts`].
+    parted: Vec<[u32; 2]>,
+    bared: Vec<u32>,
 }
 
 /// Couples of elements that may touch, and their detection.
@@ -72,8 +75,10 @@ pub(crate) struct Contacts<const D: usize = 2, const N: usize = 3> {
     free: Vec<bool>,
     /// Group of each corner among those of its vertex: elements of one group are connected there.
     groups: Vec<u32>,
+    /// Whether each element is bare: whether one of its vertices is free. Only bare elements touch others.
+    bare: Vec<bool>,
     /// Whether each element is watched.
-    pub(crate) watched: Vec<bool>,
+    watched: Vec<bool>,
     list: Vec<u32>,
     search: Buffered<f64, D>,
     /// Gap up to which couples are chosen among the candidates, m.
@@ -90,24 +95,25 @@ pub(crate) struct Contacts<const D: usize = 2, const N: usize = 3> {
     histories: Vec<Histories<D, N>>,
     /// Forces of the couples of two rounds. They are not kept.
     pressed: [Vec<Pressed<D, N>>; 2],
-    /// Pairs of elements that have separated in this step, at a vertex or along a facet.
+    /// Pairs of elements that separated in the last step, at a vertex or along a facet, and elements that became bare in it. Their overlap must not count at once.
     parted: Vec<[u32; 2]>,
+    bared: Vec<u32>,
     /// Whether an element at a free vertex is not watched yet.
     unwatched: bool,
     pub(crate) detections: u64,
 }
 
 /// Results of a pass over the couples. Energies and works in J.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Touching {
-    /// Energy stored in the potentials.
-    pub(crate) energy: f64,
+    /// Energy stored in the potentials, if it is asked for.
+    pub(crate) energy: Option<Sum>,
     /// Work against friction since the last pass.
-    pub(crate) friction: f64,
+    pub(crate) friction: Sum,
     /// Energy dissipated by damping since the last pass.
-    pub(crate) damping: f64,
+    pub(crate) damping: Sum,
     /// Potential energy that appeared because joints handed over to contact since the last pass.
-    pub(crate) handed_over: f64,
+    pub(crate) handed_over: Sum,
     /// Number of couples that overlap.
     pub(crate) count: usize,
     /// The elements of the first couple in which one element reaches the centroid of the other.
@@ -143,10 +149,12 @@ impl Touching {
     }
 
     fn add(&mut self, works: &Works) {
-        self.energy += works.energy;
-        self.friction += works.friction;
-        self.damping += works.damping;
-        self.handed_over += works.handed_over;
+        if let Some(energy) = &mut self.energy {
+            energy.add(works.energy);
+        }
+        self.friction.add(works.friction);
+        self.damping.add(works.damping);
+        self.handed_over.add(works.handed_over);
     }
 }
 
@@ -173,6 +181,7 @@ where
             materials,
             free: topology.outer_vertices(),
             groups: vec![0; topology.vertices.len()],
+            bare: vec![false; model.mesh.elements.len()],
             watched: vec![false; model.mesh.elements.len()],
             list: Vec::new(),
             search,
@@ -187,12 +196,17 @@ where
                 (0..ROUND * team.threads()).map(|_| Pressed::default()).collect()
             }),
             parted: Vec::new(),
+            bared: Vec::new(),
             unwatched: true,
             detections: 0,
         };
         for vertex in 0..topology.vertex_count() as u32 {
             contacts.group(vertex, topology, |_| true);
+            if contacts.free[vertex as usize] {
+                contacts.bare_at(vertex, topology);
+            }
         }
+        contacts.bared.clear();
         Ok(contacts)
     }
 
@@ -205,7 +219,18 @@ where
         }
     }
 
-    /// Registers joints that broke: their elements may touch from now on.
+    /// Marks the elements at a free vertex as bare.
+    fn bare_at(&mut self, vertex: u32, topology: &Topology<D, N>) {
+        for &corner in topology.corners_of(vertex) {
+            let element = corner as usize / N;
+            if !self.bare[element] {
+                self.bare[element] = true;
+                self.bared.push(element as u32);
+            }
+        }
+    }
+
+    /// Registers joints that broke: their elements may touch from the next step on.
     pub(crate) fn part(&mut self, broken: &[u32], joints: &Joints<D>, topology: &Topology<D, N>) {
         for &joint in broken {
             let facet = &topology.facets[joints.all[joint as usize].facet as usize];
@@ -215,6 +240,7 @@ where
                 let before: Vec<u32> = corners.iter().map(|&corner| self.groups[corner as usize]).collect();
                 self.group(vertex, topology, |facet| joints.holds(facet));
                 self.free[vertex as usize] = true;
+                self.bare_at(vertex, topology);
                 self.unwatched |= corners.iter().any(|&corner| !self.watched[corner as usize / N]);
                 for (k, &one) in corners.iter().enumerate() {
                     for (l, &other) in corners.iter().enumerate().skip(k + 1) {
@@ -227,6 +253,10 @@ where
             }
             self.parted.push(facet.elements());
         }
+        self.parted.sort_unstable();
+        // Elements that share a facet are listed for the facet and for all of its vertices.
+        self.parted.dedup();
+        self.bared.sort_unstable();
     }
 
     /// Updates the couples as far as motion and broken joints require.
@@ -248,6 +278,7 @@ where
             self.looked = self.travel;
         }
         self.add_parted(joints, topology);
+        self.add_bared();
         Ok(())
     }
 
@@ -288,7 +319,6 @@ where
         if update.redetected() || 2.0 * (self.travel - self.chosen) + self.slack > self.buffer {
             let (groups, candidates) = (&self.groups, update.candidates());
             let (travel, buffer) = (self.travel, self.buffer);
-            self.parted.sort_unstable();
             let parted = &self.parted;
             let found = team.look(candidates.len(), |range| {
                 let elements = |&Pair { i, j }: &Pair| [list[i as usize], list[j as usize]];
@@ -339,35 +369,22 @@ where
     /// State of the contacts for a saved run.
     pub(crate) fn save(&self) -> Saved<D, N> {
         // Couples that do not touch have no history. They are found anew.
-        Saved { watched: self.watched.clone(), grips: self.touching().collect() }
+        Saved { grips: self.touching().collect(), parted: self.parted.clone(), bared: self.bared.clone() }
     }
 
     /// Restores the saved contacts. The joints must be restored before.
-    pub(crate) fn restore(
-        &mut self,
-        saved: Saved<D, N>,
-        joints: &Joints<D>,
-        topology: &Topology<D, N>,
-    ) -> Result<(), ModelError> {
-        let (found, expected) = (saved.watched.len(), self.watched.len());
-        if found != expected {
-            return Err(ModelError::Length { what: "watched elements", found, expected });
-        }
+    pub(crate) fn restore(&mut self, saved: Saved<D, N>, joints: &Joints<D>, topology: &Topology<D, N>) {
         let broken: Vec<u32> = (0..joints.all.len() as u32)
             .filter(|&joint| joints.all[joint as usize].state != State::Holding)
             .collect();
         self.part(&broken, joints, topology);
-        // They separated before the state was saved.
-        self.parted.clear();
-        self.watched = saved.watched;
-        self.list_watched();
-        self.unwatched = self.list.is_empty();
+        (self.parted, self.bared) = (saved.parted, saved.bared);
+        self.unwatched = true;
         let mut saved = saved.grips;
         saved.sort_unstable_by_key(|(elements, _)| *elements);
         self.couples =
             saved.iter().map(|&(elements, _)| Couple { touches: true, ..apart(elements) }).collect();
         self.group_grips(saved.into_iter().map(|(_, grip)| grip.without_push()));
-        Ok(())
     }
 
     /// The couples that touch, with their histories.
@@ -425,16 +442,12 @@ where
         }
         self.couples = couples;
         self.group_grips(kept);
-        self.parted.clear();
     }
 
     /// Adds couples of elements that have separated.
     fn add_parted(&mut self, joints: &Joints<D>, topology: &Topology<D, N>) {
         let mut parted = std::mem::take(&mut self.parted);
         parted.retain(|pair| self.couples.binary_search_by_key(pair, |couple| couple.elements).is_err());
-        parted.sort_unstable();
-        // Elements that share a facet are listed for the facet and for all of its vertices.
-        parted.dedup();
         let new = parted.into_iter().filter_map(|pair| couple(pair, true, &self.groups, joints, topology));
         let new: Vec<Couple> = new.collect();
         if !new.is_empty() {
@@ -446,21 +459,34 @@ where
         }
     }
 
-    /// Computes the forces of all couples, and adds them to those of their elements.
+    /// Notes the couples of elements that have become bare.
+    fn add_bared(&mut self) {
+        let bared = std::mem::take(&mut self.bared);
+        if bared.is_empty() {
+            return;
+        }
+        for couple in self.couples.iter_mut().filter(|couple| !couple.touches) {
+            couple.initial_overlap |=
+                couple.elements.iter().any(|element| bared.binary_search(element).is_ok());
+        }
+    }
+
+    /// Computes the forces of all couples, and adds them to those of their elements. `energy`: whether the energy of the potentials is asked for.
     pub(crate) fn press(
         &mut self,
         solid: &mut Solid<D, N>,
         joints: &Joints<D>,
         step: f64,
+        energy: bool,
         team: &Team,
     ) -> Touching {
-        let mut all = Touching::default();
+        let mut all = Touching { energy: energy.then(Sum::default), ..Touching::default() };
         let mut forces = std::mem::take(&mut solid.forces);
-        let pass =
-            Pass { solid, joints, laws: &self.options, materials: self.materials, step, travel: self.travel };
-        let [last, next] = &mut self.pressed;
+        let Self { options: laws, materials, travel, bare, couples, histories, pressed, .. } = self;
+        let pass = Pass { solid, joints, laws, materials: *materials, bare, step, travel: *travel };
+        let [last, next] = pressed;
         let (round, mut done) = (next.len(), &[][..]);
-        let rounds = self.couples.chunks_mut(round * CHUNK).zip(self.histories.chunks_mut(round));
+        let rounds = couples.chunks_mut(round * CHUNK).zip(histories.chunks_mut(round));
         for (couples, histories) in rounds {
             team.both(
                 || all.take(done, last, &mut forces),
@@ -520,7 +546,7 @@ fn apart(elements: [u32; 2]) -> Couple {
     Couple { elements, joint: NONE, initial_overlap: false, touches: false, slot: 0, apart_until: 0.0 }
 }
 
-/// A new couple of two elements; `None` if they cannot touch in the present state of the joints. `parted`: whether they have separated in this step.
+/// A new couple of two elements; `None` if they cannot touch in the present state of the joints. `parted`: whether they have separated in the last step.
 fn couple<const D: usize, const N: usize>(
     elements: [u32; 2],
     parted: bool,
@@ -534,7 +560,8 @@ fn couple<const D: usize, const N: usize>(
         Relation::Facet(facet) => {
             let joint = joints.of_facet[facet as usize];
             let broken = joints.all.get(joint as usize).is_some_and(|joint| joint.state != State::Holding);
-            broken.then_some(Couple { joint, ..couple })
+            let left = || joints.all[joint as usize].detached != [false; D];
+            broken.then(|| Couple { joint, initial_overlap: parted && left(), ..couple })
         }
         Relation::Vertex([a, b]) => {
             let connected = groups[a as usize] == groups[b as usize];

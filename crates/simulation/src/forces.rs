@@ -13,7 +13,7 @@ use crate::vector::{Point, add, length, plus};
 pub struct Forces<const D: usize = 2> {
     /// Forces of couples of elements that press each other, ascending by their elements.
     pub contacts: Vec<ContactForce<D>>,
-    /// Force of all boundaries on each node, N.
+    /// Force of all boundaries on each node, N, in the order of the nodes of a [`Snapshot`](crate::Snapshot).
     pub reactions: Vec<[f64; D]>,
 }
 
@@ -78,9 +78,10 @@ where
     all
 }
 
-/// Force of all boundaries on each node, N. `held`: forces on the nodes that boundaries move.
+/// Force of all boundaries on each node, N, in the order of results. `held`: forces on the nodes that boundaries move.
 pub(crate) fn reactions<const D: usize, const N: usize>(
     solid: &Solid<D, N>,
+    topology: &Topology<D, N>,
     loads: &Loads<D, N>,
     held: &[(u32, Point<D>)],
 ) -> Vec<[f64; D]>
@@ -92,5 +93,5 @@ where
     for (node, force) in held.iter().copied().chain(applied) {
         add(&mut forces[node as usize], force, 1.0);
     }
-    forces
+    solid.order(topology).into_iter().map(|node| forces[node as usize]).collect()
 }

@@ -13,6 +13,8 @@ mod near;
 mod plane;
 mod whole;
 
+use std::ops::Range;
+
 use serde::{Deserialize, Serialize};
 
 use crate::cohesive::{Law, Plane, TooLittle};
@@ -27,6 +29,7 @@ use crate::model::{Insertion, Model, Strength};
 use crate::random;
 use crate::simplex::Simplex;
 use crate::solid::{Solid, corners_of};
+use crate::sum::Sum;
 use crate::team::Team;
 use crate::topology::{Facet, NONE, Topology, place_in_element};
 use crate::vector::{Point, add, dot, length, minus};
@@ -48,8 +51,18 @@ pub(crate) struct Break {
 ))]
 pub(crate) struct Saved<const D: usize = 2> {
     joints: Vec<Joint<D>>,
-    forces: Vec<[Point<D>; D]>,
+    pulls: Vec<Pull<D>>,
     breaks: Vec<Break>,
+}
+
+/// The part of a joint that every step changes.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(bound(serialize = "[[f64; D]; D]: Serialize", deserialize = "[[f64; D]; D]: Deserialize<'de>"))]
+struct Pull<const D: usize> {
+    /// Force on its side 0, at each end, N; side 1 has the opposite.
+    forces: [Point<D>; D],
+    /// Work done against it so far, J.
+    work: f64,
 }
 
 /// All joints of a model, and the strengths of facets that may still get one.
@@ -58,8 +71,8 @@ pub(crate) struct Joints<const D: usize = 2> {
     pub(crate) all: Vec<Joint<D>>,
     /// What most steps need of each joint.
     links: Vec<Link<D>>,
-    /// Force of each joint on its side 0, at each end, N; side 1 has the opposite.
-    forces: Vec<[Point<D>; D]>,
+    /// Force and work of each joint.
+    pulls: Vec<Pull<D>>,
     /// Joints that broke, ascending by their numbers.
     breaks: Vec<Break>,
     /// Joints of the facets at each corner, as 2 D × number + 2 × end + side; or [`NONE`]. Empty if no facet can break.
@@ -94,16 +107,6 @@ struct Tip {
     together: Box<[u32]>,
 }
 
-/// Results of a pass over the joints.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Parting {
-    /// Work done against the joints since the last pass, J.
-    pub(crate) work: f64,
-    /// Joints that broke.
-    pub(crate) broken: Vec<u32>,
-    breaks: Vec<Break>,
-}
-
 impl<const D: usize> Joints<D> {
     /// Finds the strength of each facet, with its scatter. Inserts no joints yet.
     pub(crate) fn new<const N: usize>(model: &Model<D, N>, topology: &Topology<D, N>) -> Self
@@ -129,7 +132,11 @@ impl<const D: usize> Joints<D> {
         let scattered = strengths.iter().any(|strength| strength.weibull_modulus.is_some());
         let factor = |(facet, &class): (usize, &u32)| {
             let strength = strengths.get(class as usize)?;
-            Some(random::weibull(strength.seed, facet as u64, strength.weibull_modulus?))
+            Some(random::weibull(
+                strength.seed,
+                topology.code(facet as u32).into(),
+                strength.weibull_modulus?,
+            ))
         };
         let factors = if scattered {
             class.iter().enumerate().map(|pair| factor(pair).unwrap_or(1.0)).collect()
@@ -141,7 +148,7 @@ impl<const D: usize> Joints<D> {
             tips: Vec::new(),
             all: Vec::new(),
             links: Vec::new(),
-            forces: Vec::new(),
+            pulls: Vec::new(),
             breaks: Vec::new(),
             at_corner: if strengths.is_empty() {
                 Vec::new()
@@ -226,7 +233,7 @@ impl<const D: usize> Joints<D> {
         let count = self.class.iter().filter(|&&class| class != NONE).count();
         self.all.reserve_exact(count);
         self.links.reserve_exact(count);
-        self.forces.reserve_exact(count);
+        self.pulls.reserve_exact(count);
         for facet in 0..topology.facets.len() as u32 {
             if let Some(law) = self.law(facet, model, topology)? {
                 self.put(facet, law, Plane::OWN, topology, model);
@@ -261,7 +268,7 @@ impl<const D: usize> Joints<D> {
         for vertex in vertices {
             self.at_vertex[vertex as usize] = true;
         }
-        self.forces.push([[0.0; D]; D]);
+        self.pulls.push(Pull { forces: [[0.0; D]; D], work: 0.0 });
         let measure = measure_of(model, topology, sides);
         let length = <[[f64; D]; N]>::facet_length(measure);
         let joint = Joint::new(facet, law, plane, [measure, length]);
@@ -296,8 +303,30 @@ impl<const D: usize> Joints<D> {
         self.breaks.get(place)
     }
 
-    pub(crate) fn save(&self) -> Saved<D> {
-        Saved { joints: self.all.clone(), forces: self.forces.clone(), breaks: self.breaks.clone() }
+    /// The numbers of all joints, in the order of their facets. Memory has them in the order in which they were inserted.
+    pub(crate) fn in_order(&self) -> Vec<u32> {
+        self.of_facet.iter().copied().filter(|&joint| joint != NONE).collect()
+    }
+
+    /// The joints for a saved run, in the order of their facets.
+    pub(crate) fn save<const N: usize>(&self, topology: &Topology<D, N>) -> Saved<D>
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        let order = self.in_order();
+        let joint = |&number: &u32| {
+            let mut joint = self.all[number as usize];
+            joint.facet = topology.code(joint.facet);
+            joint
+        };
+        let broken = |(place, number): (u32, &u32)| {
+            self.break_of(*number).map(|broken| Break { joint: place, ..*broken })
+        };
+        Saved {
+            joints: order.iter().map(joint).collect(),
+            pulls: order.iter().map(|&number| self.pulls[number as usize]).collect(),
+            breaks: (0..).zip(&order).filter_map(broken).collect(),
+        }
     }
 
     /// Restores the saved joints.
@@ -313,8 +342,8 @@ impl<const D: usize> Joints<D> {
     {
         let missing = |what, index| ModelError::Missing { what, index, place: "the saved joints".to_owned() };
         let count = saved.joints.len();
-        if saved.forces.len() != count {
-            let found = saved.forces.len();
+        if saved.pulls.len() != count {
+            let found = saved.pulls.len();
             return Err(ModelError::Length { what: "forces of joints", found, expected: count });
         }
         if let Some(broken) = saved.breaks.iter().find(|broken| broken.joint as usize >= count) {
@@ -322,15 +351,11 @@ impl<const D: usize> Joints<D> {
         }
         self.all.clear();
         self.links.clear();
-        self.forces.clear();
+        self.pulls.clear();
         for joint in &saved.joints {
-            let law = if (joint.facet as usize) < topology.facets.len() {
-                self.law(joint.facet, model, topology)?
-            } else {
-                None
-            };
-            let law = law.ok_or_else(|| missing("facet", joint.facet))?;
-            self.put(joint.facet, law, joint.plane, topology, model);
+            let facet = topology.facet_with(joint.facet).ok_or_else(|| missing("facet", joint.facet))?;
+            let law = self.law(facet, model, topology)?.ok_or_else(|| missing("facet", joint.facet))?;
+            self.put(facet, law, joint.plane, topology, model);
         }
         for (own, joint) in self.all.iter_mut().zip(saved.joints) {
             *own = own.restored(joint);
@@ -341,71 +366,68 @@ impl<const D: usize> Joints<D> {
             self.find_tips(&joined, topology);
         }
         self.find_nodes(topology, solid);
-        (self.forces, self.breaks) = (saved.forces, saved.breaks);
+        (self.pulls, self.breaks) = (saved.pulls, saved.breaks);
         Ok(())
     }
 
-    /// Updates all joints and their forces from the positions of the nodes.
+    /// Updates all joints and their forces from the positions of the nodes. Returns the joints that broke, ascending.
     pub(crate) fn pull<const N: usize>(
         &mut self,
         solid: &Solid<D, N>,
         step: f64,
         time: f64,
         team: &Team,
-    ) -> Parting
+    ) -> Vec<u32>
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
-        let Self { all, links, forces, .. } = self;
-        let found =
-            team.change_batches::<1, _, _, _, _>(all, links, forces, |first, joints, links, forces| {
-                let mut sum = Parting::default();
-                let mut batch = Batch::EMPTY;
-                for start in (0..joints.len()).step_by(LANES) {
-                    let range = start..joints.len().min(start + LANES);
-                    let batched = batch.pull(
-                        &joints[range.clone()],
-                        &links[start..],
-                        &forces[range.clone()],
-                        solid,
-                        step,
-                    );
-                    let (joints, links, forces) =
-                        (&mut joints[range.clone()], &mut links[range.clone()], &mut forces[range]);
-                    for (k, ((joint, link), forces)) in joints.iter_mut().zip(links).zip(forces).enumerate() {
-                        if let Some((found, work)) = batched.then(|| batch.result(k)).flatten() {
-                            *forces = found;
-                            sum.work += work;
-                            continue;
-                        }
-                        if link.is_gone() {
-                            continue;
-                        }
-                        if joint.state == State::Removed {
-                            joint.fading = 0.0;
-                        } else {
-                            let (work, modes) = joint.pull(forces, solid, step);
-                            sum.work += work;
-                            if let Some(modes) = modes {
-                                sum.breaks.push(Break { joint: (first + start + k) as u32, time, modes });
-                            }
-                        }
-                        *link = Link::of(joint, solid.thickness);
+        let Self { all, links, pulls, .. } = self;
+        let found = team.change_batches::<1, _, _, _, _>(all, links, pulls, |first, joints, links, pulls| {
+            let mut breaks = Vec::new();
+            let mut batch = Batch::EMPTY;
+            for start in (0..joints.len()).step_by(LANES) {
+                let range = start..joints.len().min(start + LANES);
+                let batched =
+                    batch.pull(&joints[range.clone()], &links[start..], &pulls[range.clone()], solid, step);
+                let (joints, links, pulls) =
+                    (&mut joints[range.clone()], &mut links[range.clone()], &mut pulls[range]);
+                for (k, ((joint, link), pull)) in joints.iter_mut().zip(links).zip(pulls).enumerate() {
+                    if let Some((forces, work)) = batched.then(|| batch.result(k)).flatten() {
+                        pull.forces = forces;
+                        pull.work += work;
+                        continue;
                     }
+                    if link.is_gone() {
+                        continue;
+                    }
+                    if joint.state == State::Removed {
+                        joint.fading = 0.0;
+                    } else {
+                        let (work, modes) = joint.pull(&mut pull.forces, solid, step);
+                        pull.work += work;
+                        if let Some(modes) = modes {
+                            breaks.push(Break { joint: (first + start + k) as u32, time, modes });
+                        }
+                    }
+                    *link = Link::of(joint, solid.thickness);
                 }
-                sum
-            });
-        let mut all = Parting::default();
-        for chunk in found {
-            all.work += chunk.work;
-            all.breaks.extend(chunk.breaks);
-        }
-        all.broken = all.breaks.iter().map(|broken| broken.joint).collect();
-        if !all.breaks.is_empty() {
-            self.breaks.append(&mut all.breaks);
+            }
+            breaks
+        });
+        let breaks = found.concat();
+        let broken = breaks.iter().map(|broken| broken.joint).collect();
+        if !breaks.is_empty() {
+            self.breaks.extend(breaks);
             self.breaks.sort_unstable_by_key(|broken| broken.joint);
         }
-        all
+        broken
+    }
+
+    /// Work done against all joints so far, J.
+    pub(crate) fn work(&self, team: &Team) -> Sum {
+        let of = |range: Range<usize>| [self.pulls[range].iter().map(|pull| pull.work).collect()];
+        let [work] = Sum::all(team.look(self.pulls.len(), of));
+        work
     }
 
     /// Adds the force of the joints on a corner of an element.
@@ -416,7 +438,7 @@ impl<const D: usize> Joints<D> {
             if code == NONE {
                 continue;
             }
-            let pull = self.forces.as_flattened()[code as usize / 2];
+            let pull = self.pulls[code as usize / (2 * D)].forces[code as usize / 2 % D];
             add(force, pull, if code % 2 == 0 { 1.0 } else { -1.0 });
         }
     }
@@ -436,7 +458,7 @@ impl<const D: usize> Joints<D> {
         [[f64; D]; N]: Simplex<D, N>,
     {
         let mut pressing = Vec::new();
-        for (joint, forces) in self.all.iter().zip(&self.forces) {
+        for (joint, Pull { forces, .. }) in self.all.iter().zip(&self.pulls) {
             if joint.state != State::Broken || *forces == [[0.0; D]; D] {
                 continue;
             }
@@ -462,12 +484,12 @@ impl<const D: usize> Joints<D> {
         pressing
     }
 
-    /// Elastic energy, J, that the initial stress has stored in intrinsic joints. Valid only before any joint has opened or slid.
-    pub(crate) fn stored<const N: usize>(&self, solid: &Solid<D, N>) -> f64 {
-        let part = |joint: &Joint<D>| joint.measure / D as f64 * solid.thickness;
-        let of_joint =
-            |joint: &Joint<D>| joint.ends.iter().map(|end| part(joint) * end.stored(&joint.law)).sum::<f64>();
-        self.all.iter().map(of_joint).sum()
+    /// Counts the elastic energy that the initial stress has stored in intrinsic joints as work done against them. Valid only before any joint has opened or slid.
+    pub(crate) fn count_stored<const N: usize>(&mut self, solid: &Solid<D, N>) {
+        for (joint, pull) in self.all.iter().zip(&mut self.pulls) {
+            let part = joint.measure / D as f64 * solid.thickness;
+            pull.work = joint.ends.iter().map(|end| part * end.stored(&joint.law)).sum();
+        }
     }
 
     /// Adds the force of the joints on a corner of an element before anything has moved.

@@ -91,6 +91,7 @@
 mod model;
 mod checks;
 mod random;
+mod sum;
 mod team;
 mod vector;
 mod lanes;

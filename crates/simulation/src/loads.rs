@@ -239,16 +239,13 @@ where
         }
     }
 
-    /// Work of the applied forces in half a step at the nodes' velocities: of loads, and of the dashpots of absorbing facets.
-    pub(crate) fn half_work(&self, solid: &Solid<D, N>, step: f64) -> [f64; 2] {
-        let mut work = [0.0; 2];
-        for applied in &self.applied {
+    /// Works of the applied forces in half a step at the nodes' velocities: of loads, and of the dashpots of absorbing facets, one pair for each force.
+    pub(crate) fn half_works(&self, solid: &Solid<D, N>, step: f64) -> impl Iterator<Item = [f64; 2]> {
+        self.applied.iter().map(move |applied| {
             let velocity = solid.at_corner(applied.corner).velocity;
             let absorbed = 0.5 * step * dot(applied.viscous, velocity);
-            work[0] += 0.5 * step * dot(applied.force, velocity) - absorbed;
-            work[1] += absorbed;
-        }
-        work
+            [0.5 * step * dot(applied.force, velocity) - absorbed, absorbed]
+        })
     }
 
     /// The forces that were applied in the last step, each with its corner.
@@ -256,11 +253,9 @@ where
         self.applied.iter().map(|applied| (applied.corner, applied.force))
     }
 
-    /// Adds the forces that each boundary applied in the last step.
-    pub(crate) fn add_forces(&self, totals: &mut [Point<D>]) {
-        for applied in &self.applied {
-            add(&mut totals[applied.boundary as usize], applied.force, 1.0);
-        }
+    /// The same forces, each with its boundary.
+    pub(crate) fn applied_by(&self) -> impl Iterator<Item = (u32, Point<D>)> {
+        self.applied.iter().map(|applied| (applied.boundary, applied.force))
     }
 }
 

@@ -8,6 +8,7 @@ use crate::loads::Loads;
 use crate::model::Model;
 use crate::simplex::Simplex;
 use crate::solid::{Constants, Node, Solid};
+use crate::sum::Sum;
 use crate::team::Team;
 use crate::topology::{NONE, Nodes};
 use crate::vector::{Point, add, dot, minus, plus};
@@ -22,24 +23,34 @@ pub(crate) struct Motion<'a, const D: usize, const N: usize> {
     pub(crate) time: f64,
     pub(crate) step: f64,
     pub(crate) speed_limit: f64,
+    /// Whether the kinetic energy is asked for.
+    pub(crate) energy: bool,
 }
 
 /// Sums over the motion of all nodes.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Moved<const D: usize> {
-    pub(crate) kinetic: f64,
-    /// Work of gravity and of prescribed motions, up to the positions at the beginning of the step and after them.
-    pub(crate) external: [f64; 2],
+    /// Kinetic energy, J, if it is asked for.
+    pub(crate) kinetic: Sum,
+    /// Work of gravity and of prescribed motions, up to the positions at the beginning of the step and after them, J.
+    pub(crate) external: [Sum; 2],
     /// Energy dissipated by local damping, likewise.
-    pub(crate) damping: [f64; 2],
-    /// Force of each boundary on the nodes that it holds.
-    pub(crate) reactions: Vec<Point<D>>,
-    /// Force on each node that a boundary moves.
+    pub(crate) damping: [Sum; 2],
+    /// Force on each node that a boundary moves, N.
     pub(crate) held: Vec<(u32, Point<D>)>,
     /// Speed of the fastest node, m/s.
     pub(crate) fastest: f64,
-    /// The first node that is too fast, and its speed, m/s.
+    /// The first element with a node that is too fast, and the speed of that node, m/s.
     pub(crate) runaway: Option<(u32, f64)>,
+}
+
+impl<const D: usize> Moved<D> {
+    /// Notes an element with a node that is too fast.
+    fn note_runaway(&mut self, found: (u32, f64)) {
+        if self.runaway.is_none_or(|(element, _)| found.0 < element) {
+            self.runaway = Some(found);
+        }
+    }
 }
 
 /// Gathers the forces on each node, and moves it.
@@ -64,25 +75,24 @@ where
                 sum.held.push(((first + k) as u32, reaction));
             }
             sum.fastest = sum.fastest.max(squared);
-            if (squared > limit || squared.is_nan()) && sum.runaway.is_none() {
-                sum.runaway = Some(((first + k) as u32, squared.sqrt()));
+            if squared > limit || squared.is_nan() {
+                sum.note_runaway((corners.of(first + k)[0] / N as u32, squared.sqrt()));
             }
         }
         sum
     });
-    let mut all = Moved { reactions: vec![[0.0; D]; motion.model.boundaries.len()], ..Moved::default() };
+    let mut all = Moved::default();
     for chunk in found {
-        all.kinetic += chunk.kinetic;
+        all.kinetic.add_sum(&chunk.kinetic);
         all.fastest = all.fastest.max(chunk.fastest.sqrt());
         for half in 0..2 {
-            all.external[half] += chunk.external[half];
-            all.damping[half] += chunk.damping[half];
-        }
-        for (total, reaction) in all.reactions.iter_mut().zip(&chunk.reactions) {
-            add(total, *reaction, 1.0);
+            all.external[half].add_sum(&chunk.external[half]);
+            all.damping[half].add_sum(&chunk.damping[half]);
         }
         all.held.extend(chunk.held);
-        all.runaway = all.runaway.or(chunk.runaway);
+        if let Some(runaway) = chunk.runaway {
+            all.note_runaway(runaway);
+        }
     }
     all
 }
@@ -129,20 +139,22 @@ fn move_node<const D: usize, const N: usize>(
         let damped = local_damping(damping, force, before);
         (damped, accelerated(before, over, minus(force, damped)), [0.0; D])
     } else {
-        hold_node(node, constants, force, origin, motion, sum)
+        hold_node(node, constants, force, origin, motion)
     };
     // The whole node at once: a processor waits where it reads together what was written in parts.
     *node =
         Node { position: std::array::from_fn(|axis| position[axis] + step * after[axis]), velocity: after };
-    sum.kinetic += 0.5 * mass * dot(before, after);
+    if motion.energy {
+        sum.kinetic.add(0.5 * mass * dot(before, after));
+    }
     // Forces that do work, besides those of elements, joints and contacts. Most nodes have none.
     let external = plus(weight, reactions);
     for (half, velocity) in [before, after].into_iter().enumerate() {
         if external != [0.0; D] {
-            sum.external[half] += 0.5 * step * dot(external, velocity);
+            sum.external[half].add(0.5 * step * dot(external, velocity));
         }
         if damping != 0.0 {
-            sum.damping[half] += 0.5 * step * dot(damped, velocity);
+            sum.damping[half].add(0.5 * step * dot(damped, velocity));
         }
     }
     (reactions, dot(after, after))
@@ -174,7 +186,6 @@ fn hold_node<const D: usize, const N: usize>(
     force: Point<D>,
     origin: Point<D>,
     motion: &Motion<'_, D, N>,
-    sum: &mut Moved<D>,
 ) -> (Point<D>, Point<D>, Point<D>) {
     let (mass, step) = (constants.mass, motion.step);
     let before = node.velocity;
@@ -189,10 +200,6 @@ fn hold_node<const D: usize, const N: usize>(
         after[axis] = hold.velocity(&motion.loads.schedules, motion.time, step, moved);
         damped[axis] = 0.0;
         reactions[axis] = mass * (after[axis] - before[axis]) / step - force[axis];
-        if sum.reactions.is_empty() {
-            sum.reactions = vec![[0.0; D]; motion.model.boundaries.len()];
-        }
-        sum.reactions[hold.boundary as usize][axis] += reactions[axis];
     }
     (damped, after, reactions)
 }

@@ -27,6 +27,7 @@ use crate::error::ModelError;
 use crate::model::Model;
 use crate::simplex::Simplex;
 use crate::solid::{Solid, corners_of};
+use crate::sum::Sum;
 use crate::team::Team;
 use crate::topology::{Topology, place_in_element};
 use crate::vector::{Matrix, Point, add, along, applied, at_most, dot, length, matrix, minus, plus, unit};
@@ -105,11 +106,13 @@ pub(crate) struct Hold<const D: usize = 2> {
     traction: [f64; D],
     /// Share that has been handed over to contact, 0 to 1.
     faded: f64,
+    /// Work against friction so far, energy that the tangential spring had stored at the beginning, and energy of the share that has faded, J.
+    friction: f64,
 }
 
 impl<const D: usize> Default for Hold<D> {
     fn default() -> Self {
-        Self { sliding: [0.0; D], slip: [0.0; D], traction: [0.0; D], faded: 0.0 }
+        Self { sliding: [0.0; D], slip: [0.0; D], traction: [0.0; D], faded: 0.0, friction: 0.0 }
     }
 }
 
@@ -118,18 +121,22 @@ impl<const D: usize> Default for Hold<D> {
 pub(crate) struct Seams<const D: usize = 2> {
     places: Vec<Place<D>>,
     holds: Vec<Hold<D>>,
-    /// Forces on the corners of both facets in the last step, N.
-    forces: Vec<[[Point<D>; D]; 2]>,
+    /// Results of the last step.
+    pressed: Vec<Pressed<D>>,
     found: InitialContacts,
 }
 
-/// Energy and work of seams, J.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Pressing {
-    /// Energy stored in the potential.
-    pub(crate) energy: f64,
-    /// Work against friction, and energy of the shares that have faded, since the last pass.
-    pub(crate) friction: f64,
+/// Result of a point of a seam in a step.
+#[derive(Clone, Copy, Debug)]
+struct Pressed<const D: usize> {
+    /// Forces on the corners of both facets, N.
+    forces: [[Point<D>; D]; 2],
+    /// Energy stored in the potential, J.
+    energy: f64,
+}
+
+impl<const D: usize> Pressed<D> {
+    const NONE: Self = Self { forces: [[[0.0; D]; D]; 2], energy: 0.0 };
 }
 
 impl<const D: usize> Seams<D> {
@@ -213,19 +220,18 @@ impl<const D: usize> Seams<D> {
             };
             place.gap = place.frame::<N>(ends).gap;
             let slip = if tangential > 0.0 { held.map(|traction| -traction / tangential) } else { [0.0; D] };
-            self.holds.push(Hold { slip, traction: held, ..Hold::default() });
+            let squared = place.area * dot(held, held);
+            let friction = if squared == 0.0 { 0.0 } else { squared / (2.0 * tangential) };
+            self.holds.push(Hold { slip, traction: held, friction, ..Hold::default() });
             self.places.push(place);
-            self.forces.push([[[0.0; D]; D]; 2]);
+            self.pressed.push(Pressed::NONE);
         }
     }
 
-    /// Energy that tangential springs have stored at the beginning, J.
-    pub(crate) fn stored(&self) -> f64 {
-        let stored = |(place, hold): (&Place<D>, &Hold<D>)| {
-            let squared = dot(hold.traction.map(|traction| place.area * traction), hold.traction);
-            if squared == 0.0 { 0.0 } else { squared / (2.0 * place.stiffness[1]) }
-        };
-        self.places.iter().zip(&self.holds).map(stored).sum()
+    /// Energy stored in the potentials in the last step, and work against friction so far, J.
+    pub(crate) fn energies(&self) -> [Sum; 2] {
+        let energies = self.pressed.iter().map(|pressed| pressed.energy);
+        [energies.collect(), self.holds.iter().map(|hold| hold.friction).collect()]
     }
 
     /// Force on each corner at the beginning, N; empty without seams.
@@ -248,33 +254,24 @@ impl<const D: usize> Seams<D> {
     }
 
     /// Adds the forces of all seams to the corners of elements.
-    pub(crate) fn press<const N: usize>(&mut self, solid: &mut Solid<D, N>, team: &Team) -> Pressing
+    pub(crate) fn press<const N: usize>(&mut self, solid: &mut Solid<D, N>, team: &Team)
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
-        let Self { places, holds, forces, .. } = self;
+        let Self { places, holds, pressed, .. } = self;
         let on = &*solid;
-        let found = team.change_both(holds, forces, |first, holds, forces| {
-            let mut sum = Pressing::default();
-            for (k, (hold, forces)) in holds.iter_mut().zip(forces).enumerate() {
+        team.change_both(holds, pressed, |first, holds, pressed| {
+            for (k, (hold, pressed)) in holds.iter_mut().zip(pressed).enumerate() {
                 let place = &places[first + k];
                 let ends = place.corners.map(|facet| facet.map(|corner| on.at_corner(corner).position));
-                let (now, pressing) = place.press::<N>(hold, ends);
-                *forces = now;
-                sum.energy += pressing.energy;
-                sum.friction += pressing.friction;
+                *pressed = place.press::<N>(hold, ends);
             }
-            sum
         });
-        for (place, forces) in places.iter().zip(forces) {
-            place.give(*forces, |corner, force| {
+        for (place, pressed) in places.iter().zip(pressed) {
+            place.give(pressed.forces, |corner, force| {
                 solid.add_force(corner, force);
             });
         }
-        found.into_iter().fold(Pressing::default(), |sum, chunk| Pressing {
-            energy: sum.energy + chunk.energy,
-            friction: sum.friction + chunk.friction,
-        })
     }
 
     pub(crate) fn save(&self) -> Vec<Hold<D>> {
@@ -359,18 +356,14 @@ impl<const D: usize> Place<D> {
         forces
     }
 
-    /// Updates a point. Returns its forces, and its energy and the work against friction since the last pass.
+    /// Updates a point. Returns its forces and its energy.
     #[inline]
-    fn press<const N: usize>(
-        &self,
-        hold: &mut Hold<D>,
-        ends: [[Point<D>; D]; 2],
-    ) -> ([[Point<D>; D]; 2], Pressing)
+    fn press<const N: usize>(&self, hold: &mut Hold<D>, ends: [[Point<D>; D]; 2]) -> Pressed<D>
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
         if hold.faded >= 1.0 {
-            return ([[[0.0; D]; D]; 2], Pressing::default());
+            return Pressed::NONE;
         }
         let frame = self.frame::<N>(ends);
         let since = minus(frame.gap, self.gap);
@@ -388,11 +381,11 @@ impl<const D: usize> Place<D> {
         let traction = held.map(|traction| weight * traction);
         let slid = dot(plus(hold.traction, traction).map(|sum| 0.5 * sum), minus(sliding, hold.sliding));
         (hold.sliding, hold.traction) = (sliding, traction);
-        let pressing = Pressing {
+        hold.friction += self.area * (slid + fading * potential);
+        Pressed {
+            forces: self.forces::<N>(&frame, weight * pressure, traction),
             energy: self.area * weight * potential,
-            friction: self.area * (slid + fading * potential),
-        };
-        (self.forces::<N>(&frame, weight * pressure, traction), pressing)
+        }
     }
 
     /// Gives each corner the force on it.
@@ -512,22 +505,22 @@ mod tests {
         let mut place = Place { gap: [0.0, frame.gap[1]], ..place };
         place.reach = 0.5;
         let mut hold = Hold::default();
-        let (mut forces, mut pressing) = place.press::<3>(&mut hold, ends);
-        let (begin, steps) = (pressing.energy, 40_000);
-        let (mut work, mut friction) = (0.0, 0.0);
+        let mut pressed = place.press::<3>(&mut hold, ends);
+        let (begin, steps) = (pressed.energy, 40_000);
+        let mut work = 0.0;
         let step = frame.axes[1].map(|t| 0.4 * t / f64::from(steps));
         for _ in 0..steps {
             for end in &mut ends[1] {
                 *end = [end[0] + step[0], end[1] + step[1]];
             }
-            let before = forces;
-            (forces, pressing) = place.press::<3>(&mut hold, ends);
-            friction += pressing.friction;
+            let before = pressed.forces;
+            pressed = place.press::<3>(&mut hold, ends);
             for end in 0..2 {
-                work -= 0.5 * (dot(before[1][end], step) + dot(forces[1][end], step));
+                work -= 0.5 * (dot(before[1][end], step) + dot(pressed.forces[1][end], step));
             }
         }
-        assert_eq!((hold.faded, pressing.energy), (1.0, 0.0));
+        let friction = hold.friction;
+        assert_eq!((hold.faded, pressed.energy), (1.0, 0.0));
         assert!(work > 0.0 && (work + begin - friction).abs() < 1e-6 * begin, "{work} {begin} {friction}");
     }
 }

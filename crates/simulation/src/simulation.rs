@@ -1,5 +1,6 @@
 //! A run of a model: its state, and the time step that advances it.
 
+use std::ops::Range;
 use std::time::{Duration, Instant};
 
 use fdem_contact::Simd;
@@ -20,8 +21,9 @@ use crate::seams::{Hold, Seams};
 use crate::simplex::Simplex;
 use crate::snapshot::{Crack, Mode, Snapshot};
 use crate::solid::{Constants, Node, Solid};
+use crate::sum::Sum;
 use crate::team::Team;
-use crate::topology::{NONE, Nodes, Topology};
+use crate::topology::Topology;
 use crate::vector::{Matrix, Point, dot};
 
 /// Steps between two checks of the energy balance.
@@ -68,13 +70,9 @@ pub struct Simulation<const D: usize = 2, const N: usize = 3> {
     negligible: f64,
     step: u64,
     totals: Totals,
-    /// Energies at the beginning of the last step, J, without strain energy, initial energy and exchanged energy.
+    /// Energies at the beginning of the last step that they were asked for, J: of the last step of [`Simulation::advance`].
     energies: Energies,
-    /// Work of applied forces until then, J: a part of `energies.external`.
-    loads_work: f64,
-    /// All energies of the state from which the run was resumed; `None` after the first step.
-    resumed: Option<Energies>,
-    /// Force of each boundary on the bodies at the beginning of the last step, N.
+    /// Force of each boundary on the bodies then, N.
     reactions: Vec<Point<D>>,
     /// Force on each node that a boundary moves, at the beginning of the last step, N.
     held: Vec<(u32, Point<D>)>,
@@ -83,20 +81,23 @@ pub struct Simulation<const D: usize = 2, const N: usize = 3> {
 }
 
 /// Sums over a run, J.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Totals {
-    friction: f64,
-    cohesive: f64,
-    /// Largest value of `cohesive` so far.
-    most_cohesive: f64,
-    damping: f64,
-    external: f64,
+    /// Work against friction of contacts.
+    friction: Sum,
+    /// Potential energy of contacts to which joints have handed over.
+    handed_over: Sum,
+    /// Energy dissipated by local damping, damping of contacts and absorbing edges.
+    damping: Sum,
+    /// Work of applied forces, of gravity, and of boundaries that move nodes.
+    external: Sum,
     /// Work of applied forces, which `external` contains.
-    loads: f64,
+    loads: Sum,
     /// Energies at the beginning, once the first step has found them.
     first: Option<Energies>,
-    /// Largest exchanged energy at any audit.
+    /// Largest exchanged and cohesive energy at any audit.
     exchanged: f64,
+    most_cohesive: f64,
 }
 
 /// State of a run, without its model. A run that is resumed from it continues as if it had never stopped.
@@ -109,16 +110,27 @@ pub struct State<const D: usize = 2, const N: usize = 3> {
     step: u64,
     totals: Totals,
     energies: Energies,
-    loads_work: f64,
     reactions: Vec<Point<D>>,
+    /// In the order of results: see [`Snapshot`].
     nodes: Vec<Node<D>>,
-    constants: Vec<Constants>,
     of_corner: Vec<[u32; N]>,
     stresses: Vec<Matrix<D>>,
     viscous: Vec<Matrix<D>>,
+    dissipated: Vec<f64>,
     joints: Saved<D>,
     contacts: SavedContacts<D, N>,
     seams: Vec<Hold<D>>,
+}
+
+impl Totals {
+    /// Adds works of loads, and of the dashpots of absorbing facets.
+    fn add_works(&mut self, works: impl Iterator<Item = [f64; 2]>) {
+        for [work, absorbed] in works {
+            self.external.add(work);
+            self.loads.add(work);
+            self.damping.add(-absorbed);
+        }
+    }
 }
 
 impl<const D: usize, const N: usize> State<D, N> {
@@ -201,26 +213,24 @@ where
                 force
             });
         }
-        let cohesive = joints.stored(&solid);
-        let totals =
-            Totals { cohesive, most_cohesive: cohesive, friction: seams.stored(), ..Totals::default() };
+        joints.count_stored(&solid);
         let wave = |material: &crate::model::Material| (material.youngs_modulus / material.density).sqrt();
         let speed_limit = RUNAWAY * model.materials.iter().map(wave).fold(0.0, f64::max);
         let modulus = |material: u32| model.materials[material as usize].youngs_modulus;
-        let stiffness: f64 =
-            solid.elements.iter().map(|element| element.volume * modulus(element.material)).sum();
+        let stiffness: Sum =
+            solid.elements.iter().map(|element| element.volume * modulus(element.material)).collect();
+        let [strain, _] = solid.energies(&team).map(|sum| sum.value());
+        let totals = Totals { most_cohesive: joints.work(&team).value(), ..Totals::default() };
         Ok(Self {
             time_step: model.time.step.unwrap_or(critical.step * model.time.safety),
-            negligible: 0.5 * stiffness * NEGLIGIBLE_STRAIN * NEGLIGIBLE_STRAIN
-                + NEGLIGIBLE_SHARE * solid.strain_energy(&team),
+            negligible: 0.5 * stiffness.value() * NEGLIGIBLE_STRAIN * NEGLIGIBLE_STRAIN
+                + NEGLIGIBLE_SHARE * strain,
             reactions: vec![[0.0; D]; model.boundaries.len()],
             team,
             step: 0,
             totals,
-            energies: Energies::default(),
+            energies: Energies { strain, initial: strain, ..Energies::default() },
             held: Vec::new(),
-            loads_work: 0.0,
-            resumed: None,
             touching: Touching::default(),
             timings: Timings::default(),
             model,
@@ -235,94 +245,107 @@ where
         })
     }
 
-    /// Advances one step: from positions at its beginning, and velocities half a step earlier, to positions at its end.
-    fn step(&mut self) -> Result<(), Stop> {
+    /// Advances one step: from positions at its beginning, and velocities half a step earlier, to positions at its end. `energies`: whether they are asked for.
+    fn step(&mut self, energies: bool) -> Result<(), Stop> {
         let Self { model, topology, solid, joints, contacts, seams, loads, team, totals, timings, .. } = self;
         let (step, time) = (self.time_step, self.step as f64 * self.time_step);
         let mut clock = Clock::new();
 
-        let deformation = solid.deform(step, team);
-        if let Some((element, ratio)) = deformation.inverted {
+        if let Some((element, ratio)) = solid.deform(step, team) {
             return Err(Stop::Inverted { element, step: self.step, ratio });
         }
-        totals.damping += deformation.dissipated;
         clock.read(&mut timings.bulk);
 
-        let parting = joints.pull(solid, step, time, team);
-        contacts.part(&parting.broken, joints, topology);
-        totals.cohesive += parting.work;
+        let broken = joints.pull(solid, step, time, team);
         clock.read(&mut timings.joints);
 
         contacts.detect(solid, joints, topology, team)?;
         clock.read(&mut timings.detection);
 
-        let touching = contacts.press(solid, joints, step, team);
-        totals.friction += touching.friction;
-        totals.damping += touching.damping;
-        totals.cohesive -= touching.handed_over;
-        totals.most_cohesive = totals.most_cohesive.max(totals.cohesive);
-        let pressing = seams.press(solid, team);
-        totals.friction += pressing.friction;
+        let touching = contacts.press(solid, joints, step, energies, team);
+        totals.friction.add_sum(&touching.friction);
+        totals.damping.add_sum(&touching.damping);
+        totals.handed_over.add_sum(&touching.handed_over);
+        seams.press(solid, team);
         clock.read(&mut timings.contact);
 
         loads.apply(solid, model, time);
-        let [first, absorbed] = loads.half_work(solid, step);
-        totals.external += first;
-        totals.loads += first;
-        totals.damping -= absorbed;
-        let factor = model.gravity_schedule.factor(time);
-        let gravity = model.gravity.map(|acceleration| factor * acceleration);
-        let motion = Motion { model, joints, loads, gravity, time, step, speed_limit: self.speed_limit };
-        let moved = motion::advance(solid, &motion, team);
-        contacts.note_motion(step * moved.fastest);
-        totals.external += moved.external[0];
-        totals.damping += moved.damping[0];
-        // The energy balance holds here, at the time of the positions. The work in the second half of the step is added after it.
-        self.energies = Energies {
-            kinetic: moved.kinetic,
-            contact: touching.energy + pressing.energy,
-            friction: totals.friction,
-            cohesive: totals.cohesive,
-            damping: totals.damping,
-            external: totals.external,
-            ..Energies::default()
-        };
-        self.loads_work = totals.loads;
-        let [second, absorbed] = loads.half_work(solid, step);
-        totals.external += second + moved.external[1];
-        totals.loads += second;
-        totals.damping += moved.damping[1] - absorbed;
-        self.reactions = moved.reactions;
-        self.held = moved.held;
-        loads.add_forces(&mut self.reactions);
-        self.touching = touching;
+        totals.add_works(loads.half_works(solid, step));
         clock.read(&mut timings.integration);
 
-        // Joints are inserted by the forces of this step and act from the next one.
-        joints.insert(solid, model, topology, team);
+        // The forces of this step say where joints are inserted; they act from the next one.
+        let failing = joints.failing(solid, model, topology, team);
         clock.read(&mut timings.joints);
 
-        self.audit()?;
-        if let Some((node, speed)) = moved.runaway {
-            let element = self.solid.corners.of(node as usize)[0] / N as u32;
+        let factor = model.gravity_schedule.factor(time);
+        let gravity = model.gravity.map(|acceleration| factor * acceleration);
+        let speed_limit = self.speed_limit;
+        let motion = Motion { model, joints, loads, gravity, time, step, speed_limit, energy: energies };
+        let moved = motion::advance(solid, &motion, team);
+        contacts.note_motion(step * moved.fastest);
+        totals.external.add_sum(&moved.external[0]);
+        totals.damping.add_sum(&moved.damping[0]);
+        self.held = moved.held;
+        self.touching = touching;
+        if energies {
+            // The energy balance holds here, at the time of the positions. The work in the second half of the step is added after it.
+            self.account(&moved.kinetic);
+        }
+        let Self { model, topology, solid, joints, contacts, loads, totals, timings, .. } = self;
+        totals.add_works(loads.half_works(solid, step));
+        totals.external.add_sum(&moved.external[1]);
+        totals.damping.add_sum(&moved.damping[1]);
+        clock.read(&mut timings.integration);
+
+        joints.insert(&failing, solid, model, topology);
+        contacts.part(&broken, joints, topology);
+        clock.read(&mut timings.joints);
+
+        if self.is_audited() {
+            self.audit()?;
+        }
+        if let Some((element, speed)) = moved.runaway {
             return Err(Stop::Runaway { element, step: self.step, speed, limit: self.speed_limit });
         }
         self.step += 1;
         Ok(())
     }
 
-    /// Checks the energy balance every [`AUDIT`] steps.
+    /// Whether the energy balance is checked in this step.
+    fn is_audited(&self) -> bool {
+        self.step.is_multiple_of(AUDIT)
+    }
+
+    /// Sums up the energies and the reactions at the beginning of this step. `kinetic`: the kinetic energy, J.
+    fn account(&mut self, kinetic: &Sum) {
+        let [strain, viscous] = self.solid.energies(&self.team);
+        let [mut contact, mut friction] = self.seams.energies();
+        let [mut cohesive, mut damping] = [self.joints.work(&self.team), viscous];
+        contact.add_sum(self.touching.energy.as_ref().unwrap_or(&Sum::default()));
+        friction.add_sum(&self.totals.friction);
+        cohesive.subtract(&self.totals.handed_over);
+        damping.add_sum(&self.totals.damping);
+        let now = Energies {
+            kinetic: kinetic.value(),
+            strain: strain.value(),
+            contact: contact.value(),
+            friction: friction.value(),
+            cohesive: cohesive.value(),
+            damping: damping.value(),
+            external: self.totals.external.value(),
+            ..Energies::default()
+        };
+        let first = *self.totals.first.get_or_insert(now);
+        let exchanged = now.changed(&first).max(self.work_done(now.external)).max(self.totals.exchanged);
+        self.energies = Energies { initial: first.balance(), exchanged, ..now };
+        self.reactions = self.reactions_of_boundaries();
+    }
+
+    /// Checks the energy balance.
     fn audit(&mut self) -> Result<(), Stop> {
-        self.resumed = None;
-        if self.totals.first.is_none() {
-            let strain = self.solid.strain_energy(&self.team);
-            self.totals.first = Some(Energies { strain, ..self.energies });
-        }
-        if !self.step.is_multiple_of(AUDIT) {
-            return Ok(());
-        }
-        let energies = self.energies();
+        let energies = self.energies;
         self.totals.exchanged = energies.exchanged;
+        self.totals.most_cohesive = self.totals.most_cohesive.max(energies.cohesive);
         let (step, bound) = (self.step, self.model.time.energy_bound);
         let (error, scale, available) = (energies.error(), energies.scale(), energies.available());
         if scale <= self.negligible {
@@ -351,6 +374,25 @@ where
         Ok(())
     }
 
+    /// Force of each boundary on the bodies in this step, N.
+    fn reactions_of_boundaries(&self) -> Vec<Point<D>> {
+        let mut sums = vec![[(); D].map(|()| Sum::default()); self.model.boundaries.len()];
+        for (node, reaction) in &self.held {
+            let hold = self.loads.holds[self.solid.constants[*node as usize].hold as usize];
+            for axis in 0..D {
+                if let Some(hold) = hold[axis] {
+                    sums[hold.boundary as usize][axis].add(reaction[axis]);
+                }
+            }
+        }
+        for (boundary, force) in self.loads.applied_by() {
+            for axis in 0..D {
+                sums[boundary as usize][axis].add(force[axis]);
+            }
+        }
+        sums.iter().map(|sums| std::array::from_fn(|axis| sums[axis].value())).collect()
+    }
+
     /// The element with the most energy per mass.
     fn hottest(&self) -> u32 {
         let density = |number: usize| {
@@ -377,20 +419,27 @@ where
     /// Takes so many steps.
     pub(crate) fn take(&mut self, steps: u64) -> Result<(), Stop> {
         let team = self.team.clone();
-        let done = team.keep_awake(|| (0..steps).try_for_each(|_| self.step()));
-        // Where a step turns velocities round, their product before and after it is negative, and says nothing.
-        if done.is_err() && self.energies.kinetic < 0.0 {
-            self.energies.kinetic = self.kinetic_of_half_step();
+        let last = self.step.saturating_add(steps).saturating_sub(1);
+        let done = team.keep_awake(|| {
+            (0..steps).try_for_each(|_| {
+                let energies = self.is_audited() || self.step == last;
+                self.step(energies)
+            })
+        });
+        // Energies of the step that failed. Where a step turns velocities round, their product before and after it is negative, and says nothing.
+        if done.is_err() {
+            let kinetic = self.kinetic_of_half_step();
+            self.account(&kinetic);
         }
         done
     }
 
     /// Kinetic energy with the velocities half a step after the positions, J.
-    fn kinetic_of_half_step(&self) -> f64 {
+    fn kinetic_of_half_step(&self) -> Sum {
         let of = |(node, constants): (&Node<D>, &Constants)| {
             0.5 * constants.mass * dot(node.velocity, node.velocity)
         };
-        self.solid.nodes.iter().zip(&self.solid.constants).map(of).sum()
+        self.solid.nodes.iter().zip(&self.solid.constants).map(of).collect()
     }
 
     /// The model as it was given.
@@ -420,32 +469,27 @@ where
 
     /// Energies at the beginning of the last step, J.
     pub fn energies(&self) -> Energies {
-        if let Some(energies) = self.resumed {
-            return energies;
-        }
-        let now = Energies { strain: self.solid.strain_energy(&self.team), ..self.energies };
-        let first = self.totals.first.unwrap_or(now);
-        let exchanged = now.changed(&first).max(self.work_done());
-        Energies { initial: first.balance(), exchanged: exchanged.max(self.totals.exchanged), ..now }
+        self.energies
     }
 
-    /// Sum of the magnitudes of three works, J: of loads, of gravity, and of boundaries that move or hold nodes.
-    fn work_done(&self) -> f64 {
+    /// Sum of the magnitudes of three works, J: of loads, of gravity, and of boundaries that move or hold nodes. `external`: their sum.
+    fn work_done(&self, external: f64) -> f64 {
         let factor = self.model.gravity_schedule.factor(self.time());
-        let by_gravity = |range: std::ops::Range<usize>| {
+        let by_gravity = |range: Range<usize>| {
             let work = |node: usize| {
                 let moved = self.solid.displacement(node, &self.model);
                 factor * self.solid.constants[node].mass * dot(self.model.gravity, moved)
             };
-            range.map(work).sum::<f64>()
+            [range.map(work).collect()]
         };
-        let gravity = if self.model.gravity == [0.0; D] {
-            0.0
+        let [gravity] = if self.model.gravity == [0.0; D] {
+            [Sum::default()]
         } else {
-            self.team.look(self.solid.nodes.len(), by_gravity).into_iter().sum()
+            Sum::all(self.team.look(self.solid.nodes.len(), by_gravity))
         };
-        let held = self.energies.external - self.loads_work - gravity;
-        self.loads_work.abs() + gravity.abs() + held.abs()
+        let (loads, gravity) = (self.totals.loads.value(), gravity.value());
+        let held = external - loads - gravity;
+        loads.abs() + gravity.abs() + held.abs()
     }
 
     /// Force of a boundary on the bodies at the beginning of the last step, N; `None` if there is no such boundary.
@@ -505,11 +549,11 @@ where
 
     /// Total lengths of joints that broke by opening, by sliding, and by both, m.
     pub fn crack_lengths(&self) -> [f64; 3] {
-        let mut lengths = [0.0; 3];
+        let mut lengths = [(); 3].map(|()| Sum::default());
         for (joint, broken) in self.joints.breaks() {
-            lengths[mode(broken.modes) as usize] += joint.measure;
+            lengths[mode(broken.modes) as usize].add(joint.measure);
         }
-        lengths
+        lengths.map(|length| length.value())
     }
 
     /// Fragment of each element: elements that hang together by facets have one number, from 0 in the order of the first element of each fragment. The fragments
@@ -522,24 +566,24 @@ where
     pub fn forces(&self) -> Forces<D> {
         Forces {
             contacts: forces::contact_forces(&self.contacts, &self.joints, &self.solid, &self.topology),
-            reactions: forces::reactions(&self.solid, &self.loads, &self.held),
+            reactions: forces::reactions(&self.solid, &self.topology, &self.loads, &self.held),
         }
     }
 
     /// State from which the run can be resumed.
     pub fn state(&self) -> State<D, N> {
+        let order = self.solid.order(&self.topology);
         State {
             step: self.step,
-            totals: self.totals,
-            energies: self.energies(),
-            loads_work: self.loads_work,
+            totals: self.totals.clone(),
+            energies: self.energies,
             reactions: self.reactions.clone(),
-            nodes: self.solid.nodes.clone(),
-            constants: self.solid.constants.clone(),
-            of_corner: self.solid.corners.of_corner.clone(),
+            nodes: order.iter().map(|&node| self.solid.nodes[node as usize]).collect(),
+            of_corner: self.solid.in_order(&order),
             stresses: (0..self.solid.elements.len()).map(|element| self.solid.stress(element)).collect(),
             viscous: self.solid.viscous(),
-            joints: self.joints.save(),
+            dissipated: self.solid.dissipated(),
+            joints: self.joints.save(&self.topology),
             contacts: self.contacts.save(),
             seams: self.seams.save(),
         }
@@ -556,7 +600,7 @@ where
             ("stresses", state.stresses.len(), elements),
             ("viscous stresses", state.viscous.len(), elements),
             ("elements", state.of_corner.len(), elements),
-            ("constants of nodes", state.constants.len(), state.nodes.len()),
+            ("dissipated energies", state.dissipated.len(), run.solid.dissipated().len()),
             ("boundaries", state.reactions.len(), run.reactions.len()),
         ];
         for (what, found, expected) in lengths {
@@ -571,27 +615,14 @@ where
         {
             return Err(missing(node));
         }
-        let vertices = run.topology.vertex_count() as u32;
-        let holds = run.loads.holds.len() as u32;
-        if let Some(node) = state
-            .constants
-            .iter()
-            .find(|node| node.vertex >= vertices || (node.hold != NONE && node.hold >= holds))
-        {
-            return Err(missing(node.vertex));
-        }
-        run.solid.corners = Nodes::new(state.of_corner, state.nodes.len());
-        (run.solid.nodes, run.solid.constants) = (state.nodes, state.constants);
-        run.solid.weigh_elements();
-        run.solid.restore(&state.stresses, &state.viscous);
+        run.solid.set_nodes(state.nodes, state.of_corner, &run.model);
+        run.solid.restore(&state.stresses, &state.viscous, &state.dissipated);
         run.joints.restore(state.joints, &run.model, &run.topology, &run.solid)?;
-        run.contacts.restore(state.contacts, &run.joints, &run.topology)?;
+        run.contacts.restore(state.contacts, &run.joints, &run.topology);
         run.seams.restore(state.seams)?;
         run.step = state.step;
         run.totals = state.totals;
         run.energies = state.energies;
-        run.loads_work = state.loads_work;
-        run.resumed = Some(state.energies);
         run.reactions = state.reactions;
         Ok(run)
     }
@@ -603,11 +634,13 @@ where
 {
     /// Positions, motion, stress and cracks now.
     pub fn snapshot(&self) -> Snapshot<D, N> {
-        let nodes = &self.solid.nodes;
+        let order = self.solid.order(&self.topology);
+        let nodes = || order.iter().map(|&node| node as usize);
         let elements = self.solid.elements.len();
         let mut damage = vec![0.0_f64; elements];
         let mut cracks = Vec::new();
-        for (number, joint) in self.joints.all.iter().enumerate() {
+        for number in self.joints.in_order() {
+            let joint = &self.joints.all[number as usize];
             let of_joint = joint.damage();
             let facet = &self.topology.facets[joint.facet as usize];
             for element in facet.elements() {
@@ -615,16 +648,16 @@ where
                 *damage = damage.max(of_joint);
             }
             if of_joint > 0.0 {
-                cracks.push(self.crack(joint, of_joint, self.joints.break_of(number as u32)));
+                cracks.push(self.crack(joint, of_joint, self.joints.break_of(number)));
             }
         }
         Snapshot {
             step: self.step,
             time: self.time(),
-            positions: nodes.iter().map(|node| self.solid.place(node.position)).collect(),
-            displacements: (0..nodes.len()).map(|node| self.solid.displacement(node, &self.model)).collect(),
-            velocities: nodes.iter().map(|node| node.velocity).collect(),
-            elements: self.solid.corners.of_corner.clone(),
+            positions: nodes().map(|node| self.solid.place(self.solid.nodes[node].position)).collect(),
+            displacements: nodes().map(|node| self.solid.displacement(node, &self.model)).collect(),
+            velocities: nodes().map(|node| self.solid.nodes[node].velocity).collect(),
+            elements: self.solid.in_order(&order),
             stresses: (0..elements)
                 .map(|element| {
                     <[[f64; D]; N]>::in_tensor(&self.solid.stress(element), self.solid.moduli(element))
@@ -719,7 +752,7 @@ mod tests {
         for node in &mut run.solid.nodes {
             node.velocity = node.velocity.map(|v| 2.0 * v);
         }
-        run.totals.damping -= 3.0 * kinetic;
+        run.totals.damping.add(-3.0 * kinetic);
         let stop = run.advance(100).expect_err("three times the energy from nowhere");
         assert!(matches!(stop, Stop::Kinetic { step: 200, .. }), "{stop}");
     }

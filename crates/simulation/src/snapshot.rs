@@ -9,7 +9,8 @@ pub struct Snapshot<const D: usize = 2, const N: usize = 3> {
     pub step: u64,
     /// Time, s.
     pub time: f64,
-    /// Positions of the nodes, m. A node of the mesh becomes several nodes where the mesh has broken.
+    /// Positions of the nodes, m. A node of the mesh becomes several nodes where the mesh has broken: the first keeps its number, and the others follow after all nodes of the mesh, in the
+    /// order of the nodes of the mesh and, at each of these, of the elements.
     pub positions: Vec<[f64; D]>,
     /// Displacements of the nodes, m.
     pub displacements: Vec<[f64; D]>,
@@ -27,7 +28,7 @@ pub struct Snapshot<const D: usize = 2, const N: usize = 3> {
     pub materials: Vec<u32>,
     /// Fragment of each element: elements that hang together by facets have one number. Numbers count from 0 in the order of the first element of each fragment.
     pub fragments: Vec<u32>,
-    /// Joints that are softening or broken.
+    /// Joints that are softening or broken, in the order of their elements.
     pub cracks: Vec<Crack<D>>,
 }
 

@@ -2,6 +2,8 @@
 
 pub(crate) mod batch;
 
+use std::ops::Range;
+
 use fdem_mesh::Mesh;
 use serde::{Deserialize, Serialize};
 
@@ -10,8 +12,9 @@ use crate::lanes::{Available, LANES, Lanes, Tensors, set_tensor, tensor};
 use crate::model::Model;
 use crate::simplex::Simplex;
 use crate::solid::batch::{Deformed, Given, Told, Undeformed, forces_of};
+use crate::sum::Sum;
 use crate::team::Team;
-use crate::topology::{NONE, Nodes};
+use crate::topology::{NONE, Nodes, Topology};
 use crate::vector::{Matrix, Point, add, minus};
 
 /// Motion of a node.
@@ -83,8 +86,8 @@ pub(crate) struct Solid<const D: usize = 2, const N: usize = 3> {
     /// Forces of the deformation, of contacts and of loads on the corners of each element, N. They are stored apart, element by element, because the motion of nodes reads nothing else of an
     /// element.
     pub(crate) forces: Vec<[Point<D>; N]>,
-    /// Viscous parts of the stresses (first Piola-Kirchhoff), Pa, likewise; empty without viscosity.
-    viscous: Vec<Tensors<D>>,
+    /// Viscosity of the elements, likewise; empty without any.
+    viscous: Vec<Viscous<D>>,
     pub(crate) corners: Nodes<N>,
     /// Thickness out of the plane, m; 1 in space.
     pub(crate) thickness: f64,
@@ -97,6 +100,19 @@ pub(crate) struct Solid<const D: usize = 2, const N: usize = 3> {
     prestress: Vec<Prestress<D>>,
 }
 
+/// Viscosity in a batch of elements.
+#[derive(Clone, Copy, Debug)]
+struct Viscous<const D: usize> {
+    /// Viscous parts of the stresses (first Piola-Kirchhoff), Pa.
+    stress: Tensors<D>,
+    /// Energy that has been dissipated so far, J.
+    dissipated: Lanes,
+}
+
+impl<const D: usize> Viscous<D> {
+    const NONE: Self = Self { stress: [[Lanes::ZERO; D]; D], dissipated: Lanes::ZERO };
+}
+
 /// The initial stress of an element.
 #[derive(Clone, Copy, Debug)]
 struct Prestress<const D: usize> {
@@ -104,15 +120,6 @@ struct Prestress<const D: usize> {
     stress: Matrix<D>,
     /// Energy that it has stored before the run, J/m³.
     energy: f64,
-}
-
-/// Results of a pass over the elements.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Deformation {
-    /// Energy dissipated by viscosity since the last pass, J.
-    pub(crate) dissipated: f64,
-    /// The first inverted element, with its ratio of deformed to undeformed area or volume.
-    pub(crate) inverted: Option<(u32, f64)>,
 }
 
 impl<const D: usize, const N: usize> Solid<D, N>
@@ -178,7 +185,7 @@ where
         }
         let mut solid = Self {
             forces: vec![[[0.0; D]; N]; elements.len()],
-            viscous: vec![[[Lanes::ZERO; D]; D]; heights.len().div_ceil(LANES)],
+            viscous: vec![Viscous::NONE; heights.len().div_ceil(LANES)],
             origin,
             nodes,
             constants,
@@ -220,6 +227,46 @@ where
         self.corners = Nodes::new(of_corner.collect(), order.len());
     }
 
+    /// The nodes in the order of results: the first of each vertex, and then all others, both in the order of the vertices. The first node of a vertex is that of its first corner; the
+    /// others follow in the order of their first corners. Memory has them in the order in which they appeared.
+    pub(crate) fn order(&self, topology: &Topology<D, N>) -> Vec<u32> {
+        let key = |&node: &u32| {
+            let (vertex, corner) = (self.constants[node as usize].vertex, self.corners.of(node as usize)[0]);
+            (corner != topology.corners_of(vertex)[0], vertex, corner)
+        };
+        let mut order: Vec<u32> = (0..self.nodes.len() as u32).collect();
+        order.sort_unstable_by_key(key);
+        order
+    }
+
+    /// The nodes of each element, by their places in an order of all nodes.
+    pub(crate) fn in_order(&self, order: &[u32]) -> Vec<[u32; N]> {
+        let mut place = vec![0; order.len()];
+        for (k, &node) in (0..).zip(order) {
+            place[node as usize] = k;
+        }
+        self.corners.of_corner.iter().map(|nodes| nodes.map(|node| place[node as usize])).collect()
+    }
+
+    /// Replaces the nodes by those of a saved run. Each vertex is held as it was.
+    pub(crate) fn set_nodes(&mut self, nodes: Vec<Node<D>>, of_corner: Vec<[u32; N]>, model: &Model<D, N>) {
+        let vertices = &model.mesh.elements;
+        let mut holds = vec![NONE; model.mesh.nodes.len()];
+        for constants in &self.constants {
+            holds[constants.vertex as usize] = constants.hold;
+        }
+        self.constants = vec![Constants { mass: 0.0, vertex: NONE, hold: NONE }; nodes.len()];
+        for (&node, &vertex) in of_corner.as_flattened().iter().zip(vertices.as_flattened()) {
+            self.constants[node as usize] = Constants { mass: 0.0, vertex, hold: holds[vertex as usize] };
+        }
+        self.corners = Nodes::new(of_corner, nodes.len());
+        self.nodes = nodes;
+        for node in 0..self.nodes.len() as u32 {
+            self.weigh(node, model);
+        }
+        self.weigh_elements();
+    }
+
     /// Sets the mass of a node to the sum over its corners, and the mean masses of the elements there.
     pub(crate) fn weigh(&mut self, node: u32, model: &Model<D, N>) {
         let Self { elements, constants, corners, .. } = self;
@@ -235,7 +282,7 @@ where
     }
 
     /// Sets the mean masses of all elements from those of their nodes.
-    pub(crate) fn weigh_elements(&mut self) {
+    fn weigh_elements(&mut self) {
         for (element, nodes) in self.elements.iter_mut().zip(&self.corners.of_corner) {
             element.mass = mean_mass(&self.constants, nodes);
         }
@@ -285,20 +332,31 @@ where
     /// The viscous part of the stress of each element, Pa: 0 without viscosity.
     pub(crate) fn viscous(&self) -> Vec<Matrix<D>> {
         let of = |element: usize| match self.viscous.get(element / LANES) {
-            Some(batch) => tensor(batch, element % LANES),
+            Some(batch) => tensor(&batch.stress, element % LANES),
             None => [[0.0; D]; D],
         };
         (0..self.elements.len()).map(of).collect()
     }
 
-    /// Sets the stresses of all elements, Pa, and the viscous parts of them to those of a saved run.
-    pub(crate) fn restore(&mut self, stresses: &[Matrix<D>], viscous: &[Matrix<D>]) {
+    /// Energy that viscosity has dissipated in each element so far, J; empty without viscosity.
+    pub(crate) fn dissipated(&self) -> Vec<f64> {
+        let all = self.viscous.iter().flat_map(|batch| (0..LANES).map(|lane| batch.dissipated.get(lane)));
+        all.take(self.heights.len()).collect()
+    }
+
+    /// Sets the stresses of all elements, Pa, the viscous parts of them, and the dissipated energies to those of a saved run.
+    pub(crate) fn restore(&mut self, stresses: &[Matrix<D>], viscous: &[Matrix<D>], dissipated: &[f64]) {
         for (number, stress) in stresses.iter().enumerate() {
             self.deformed[number / LANES].set_stress(number % LANES, stress);
         }
         for (number, viscous) in viscous.iter().enumerate() {
             if let Some(batch) = self.viscous.get_mut(number / LANES) {
-                set_tensor(batch, number % LANES, viscous);
+                set_tensor(&mut batch.stress, number % LANES, viscous);
+            }
+        }
+        for (number, dissipated) in dissipated.iter().enumerate() {
+            if let Some(batch) = self.viscous.get_mut(number / LANES) {
+                batch.dissipated.set(number % LANES, *dissipated);
             }
         }
     }
@@ -319,8 +377,9 @@ where
         self.constants[self.corners.node_at(corner) as usize].hold
     }
 
-    /// Computes stresses and forces of all elements from the positions and velocities of their nodes.
-    pub(crate) fn deform(&mut self, step: f64, team: &Team) -> Deformation {
+    /// Computes stresses and forces of all elements from the positions and velocities of their nodes. Returns the first inverted element, with its ratio of deformed to undeformed area or
+    /// volume.
+    pub(crate) fn deform(&mut self, step: f64, team: &Team) -> Option<(u32, f64)> {
         match (self.is_prestressed(), !self.viscous.is_empty()) {
             (false, false) => self.deform_with::<false, false>(step, team),
             (false, true) => self.deform_with::<false, true>(step, team),
@@ -334,7 +393,7 @@ where
         &mut self,
         step: f64,
         team: &Team,
-    ) -> Deformation {
+    ) -> Option<(u32, f64)> {
         let Self { nodes, elements, undeformed, deformed, forces, viscous, corners, responses, .. } = self;
         let (heights, prestress, available) = (&self.heights, &self.prestress, self.available);
         let found = team.change_batches::<LANES, _, _, _, _>(
@@ -342,9 +401,9 @@ where
             forces,
             viscous,
             |first, deformed, forces, viscous| {
-                let mut sum = Deformation::default();
+                let mut inverted = None;
                 let (mut given, mut told) = (Given::NONE, Told::NONE);
-                let mut none = [[Lanes::ZERO; D]; D];
+                let mut none = Viscous::NONE;
                 let mut material = NONE;
                 for (k, deformed) in deformed.iter_mut().enumerate() {
                     let batch = first + k;
@@ -384,37 +443,45 @@ where
                     let undeformed = &undeformed[batch];
                     let viscous = if VISCOUS { &mut viscous[k] } else { &mut none };
                     batch::strain::<D, N, INITIAL, VISCOUS>(
-                        available, undeformed, &given, deformed, viscous, &mut told,
+                        available,
+                        undeformed,
+                        &given,
+                        deformed,
+                        &mut viscous.stress,
+                        &mut told,
                     );
                     let forces = &mut forces[k * LANES..][..range.len()];
                     for (lane, (number, forces)) in range.zip(forces).enumerate() {
                         *forces = told.forces(lane);
                         let ratio = told.ratio.get(lane);
-                        if (ratio <= 0.0 || ratio.is_nan()) && sum.inverted.is_none() {
-                            sum.inverted = Some((number as u32, ratio));
+                        if (ratio <= 0.0 || ratio.is_nan()) && inverted.is_none() {
+                            inverted = Some((number as u32, ratio));
                         }
                         if VISCOUS && given.viscosity.get(lane) > 0.0 {
                             // Work of the last viscous stress in the second half of its step, and of the new one in the first half of its step.
-                            sum.dissipated += 0.5 * step * told.power.get(lane) * undeformed.volume.get(lane);
+                            let work = 0.5 * step * told.power.get(lane) * undeformed.volume.get(lane);
+                            viscous.dissipated.set(lane, viscous.dissipated.get(lane) + work);
                         }
                     }
                 }
-                sum
+                inverted
             },
         );
-        let mut all = Deformation::default();
-        for chunk in found {
-            all.dissipated += chunk.dissipated;
-            all.inverted = all.inverted.or(chunk.inverted);
-        }
-        all
+        found.into_iter().flatten().next()
     }
 
-    /// Strain energy of all elements in the last pass, J.
-    pub(crate) fn strain_energy(&self, team: &Team) -> f64 {
-        team.look(self.elements.len(), |range| range.map(|element| self.energy(element)).sum::<f64>())
-            .into_iter()
-            .sum()
+    /// Strain energy in the last pass, and energy that viscosity has dissipated so far, J.
+    pub(crate) fn energies(&self, team: &Team) -> [Sum; 2] {
+        let of = |range: Range<usize>| {
+            let dissipated = |element: usize| {
+                self.viscous.get(element / LANES).map(|batch| batch.dissipated.get(element % LANES))
+            };
+            [
+                range.clone().map(|element| self.energy(element)).collect(),
+                range.filter_map(dissipated).collect(),
+            ]
+        };
+        Sum::all(team.look(self.elements.len(), of))
     }
 
     /// Whether there is initial stress.

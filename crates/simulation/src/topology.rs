@@ -69,6 +69,18 @@ where
         Ok(Self { vertices, offsets, corners, facets, facet_of })
     }
 
+    /// The code of a facet, by which a saved run knows it: N times the number of its first element, and the place of the facet there.
+    pub(crate) fn code(&self, facet: u32) -> u32 {
+        let [side, _] = &self.facets[facet as usize].corners;
+        side[0] / N as u32 * N as u32 + place_in_element::<D, N>(side) as u32
+    }
+
+    /// The facet with a code; `None` if there is none.
+    pub(crate) fn facet_with(&self, code: u32) -> Option<u32> {
+        let facet = *self.facet_of.as_flattened().get(code as usize)?;
+        (facet != NONE && self.code(facet) == code).then_some(facet)
+    }
+
     pub(crate) fn corners_of(&self, vertex: u32) -> &[u32] {
         let vertex = vertex as usize;
         &self.corners[self.offsets[vertex] as usize..self.offsets[vertex + 1] as usize]

@@ -66,6 +66,8 @@ pub(super) struct Pass<'a, const D: usize, const N: usize> {
     /// Parameters of the contacts of each pair of materials, and the number of materials.
     pub(super) laws: &'a [Law],
     pub(super) materials: usize,
+    /// Whether each element is bare.
+    pub(super) bare: &'a [bool],
     /// Time step, s.
     pub(super) step: f64,
     /// Distance that nodes have travelled since the beginning, m.
@@ -111,6 +113,9 @@ where
         let (mut near, mut count) = ([0_usize; CHUNK], 0);
         for (number, couple) in couples.iter_mut().enumerate() {
             if couple.apart_until > self.travel {
+                continue;
+            }
+            if couple.elements.iter().any(|&element| !self.bare[element as usize]) {
                 continue;
             }
             // A detached joint did not press its elements apart: their overlap now must not count at once.

@@ -37,18 +37,19 @@ struct State<'a, const D: usize, const N: usize> {
 }
 
 impl<const D: usize> Joints<D> {
-    /// Inserts joints on the facets whose traction has reached their strength, and splits the nodes at which elements are no longer connected.
-    pub(crate) fn insert<const N: usize>(
+    /// Returns the facets, ascending, whose traction has reached their strength.
+    pub(crate) fn failing<const N: usize>(
         &mut self,
-        solid: &mut Solid<D, N>,
+        solid: &Solid<D, N>,
         model: &Model<D, N>,
         topology: &Topology<D, N>,
         team: &Team,
-    ) where
+    ) -> Vec<u32>
+    where
         [[f64; D]; N]: Simplex<D, N>,
     {
         if self.insertion == Insertion::Intrinsic || self.strengths.is_empty() {
-            return;
+            return Vec::new();
         }
         let state = State { solid, model, topology };
         let mut near = std::mem::take(&mut self.near);
@@ -89,8 +90,21 @@ impl<const D: usize> Joints<D> {
         let mut failing = [whole, tips].concat().concat();
         failing.sort_unstable();
         failing.dedup();
+        failing
+    }
+
+    /// Inserts joints on these facets, and splits the nodes at which elements are no longer connected.
+    pub(crate) fn insert<const N: usize>(
+        &mut self,
+        failing: &[u32],
+        solid: &mut Solid<D, N>,
+        model: &Model<D, N>,
+        topology: &Topology<D, N>,
+    ) where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
         let mut vertices = Vec::new();
-        for facet in failing {
+        for &facet in failing {
             // The laws of all facets were checked together with the model.
             if let Ok(Some(law)) = self.law(facet, model, topology) {
                 let plane = self.plane(facet, solid, topology);

@@ -37,6 +37,7 @@ pub(crate) enum State {
     deserialize = "[f64; D]: Deserialize<'de>, [Memory<D>; D]: Deserialize<'de>, [bool; D]: Deserialize<'de>"
 ))]
 pub(crate) struct Joint<const D: usize = 2> {
+    /// Number of its facet; in a saved run the code of the facet.
     pub(crate) facet: u32,
     pub(crate) state: State,
     /// The plane for which it stands.
@@ -97,7 +98,7 @@ impl<const D: usize> Joint<D> {
 
     /// The joint of a saved run, with what is not saved.
     pub(super) fn restored(&self, saved: Self) -> Self {
-        Self { law: self.law, measure: self.measure, length: self.length, ..saved }
+        Self { facet: self.facet, law: self.law, measure: self.measure, length: self.length, ..saved }
     }
 
     /// Damage from 0 (whole) to 1 (broken): the mean of its ends while the joint holds.
