@@ -1,0 +1,20 @@
+//! Run by `tests/mpirun.sh` on several processes. Without a launcher there is one rank.
+
+#![allow(clippy::print_stdout, reason = "there is no harness that would print")]
+
+mod common {
+    pub(crate) mod ranks;
+}
+
+use fdem_distributed::Communicator;
+use fdem_distributed::mpi::World;
+
+fn main() {
+    let world = World::start().expect("MPI starts once");
+    let asked_for = std::env::var("RANKS").map_or(1, |ranks| ranks.parse().expect("a number"));
+    assert_eq!(world.size(), asked_for, "as many ranks as the launcher was asked for");
+    common::ranks::all(&world);
+    if world.rank() == 0 {
+        println!("{} ranks: all calls work", world.size());
+    }
+}
