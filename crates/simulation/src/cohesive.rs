@@ -26,6 +26,7 @@
 //! for one damage of a vector with a strength and an energy for each of its directions; G. Alfano, E. Sacco, Int. J. Numer. Meth. Eng. 68 (2006) 542-582, for
 //! friction beside a bond.
 
+use crate::ranks::wire::wire;
 use crate::model::{CriticalOpening, Strength};
 use crate::vector::{along, at_most, dot, length, minus};
 
@@ -194,6 +195,8 @@ pub(crate) struct Plane {
     pub(crate) area: f64,
 }
 
+wire!([] Plane { excess, area });
+
 impl Plane {
     /// The plane of the joint itself.
     pub(crate) const OWN: Self = Self { excess: 1.0, area: 1.0 };
@@ -212,6 +215,8 @@ pub(crate) struct Memory<const D: usize = 2> {
     /// Sliding, m, at which friction has none.
     rubbed: [f64; D],
 }
+
+wire!([const D: usize] Memory<D> { damages, stiffness, origin, rubbed });
 
 impl<const D: usize> Default for Memory<D> {
     fn default() -> Self {

@@ -16,7 +16,8 @@ use fdem_contact::{Buffered, Couple as Pair, Detector, Elements as Boxes, prefet
 use serde::{Deserialize, Serialize};
 
 use crate::contacts::forces::{Pass, Pressed, distance, points};
-use crate::contacts::grips::{Grip, Histories, Works};
+pub(crate) use crate::contacts::grips::Grip;
+use crate::contacts::grips::{Histories, Works};
 use crate::contacts::law::{Law, law};
 pub(crate) use crate::contacts::law::{penalty_and_friction, stiffness};
 use crate::error::{ModelError, Stop};
@@ -25,6 +26,7 @@ use crate::joints::{Joints, State};
 use crate::model::Model;
 use crate::simplex::Simplex;
 use crate::solid::{Solid, corners_of};
+use crate::share::Share;
 use crate::sum::Sum;
 use crate::team::{CHUNK, Team};
 use crate::topology::{NONE, Topology};
@@ -60,10 +62,10 @@ pub(crate) struct Couple {
 #[serde(bound(serialize = "Grip<D, N>: Serialize", deserialize = "Grip<D, N>: Deserialize<'de>"))]
 pub(crate) struct Saved<const D: usize = 2, const N: usize = 3> {
     /// Couples that touch, ascending, with their history of friction and damping.
-    grips: Vec<([u32; 2], Grip<D, N>)>,
+    pub(crate) grips: Vec<([u32; 2], Grip<D, N>)>,
     /// See [`Contacts`].
-    parted: Vec<[u32; 2]>,
-    bared: Vec<u32>,
+    pub(crate) parted: Vec<[u32; 2]>,
+    pub(crate) bared: Vec<u32>,
 }
 
 /// Couples of elements that may touch, and their detection.
@@ -72,13 +74,13 @@ pub(crate) struct Contacts<const D: usize = 2, const N: usize = 3> {
     options: Vec<Law>,
     materials: usize,
     /// Whether each vertex is free: on an outer facet or a broken joint.
-    free: Vec<bool>,
-    /// Group of each corner among those of its vertex: elements of one group are connected there.
-    groups: Vec<u32>,
+    pub(crate) free: Vec<bool>,
+    /// Group of each corner among those of its vertex, by the code of its first corner: elements of one group are connected there.
+    pub(crate) groups: Vec<u32>,
     /// Whether each element is bare: whether one of its vertices is free. Only bare elements touch others.
     bare: Vec<bool>,
     /// Whether each element is watched.
-    watched: Vec<bool>,
+    pub(crate) watched: Vec<bool>,
     list: Vec<u32>,
     search: Buffered<f64, D>,
     /// Gap up to which couples are chosen among the candidates, m.
@@ -96,10 +98,10 @@ pub(crate) struct Contacts<const D: usize = 2, const N: usize = 3> {
     /// Forces of the couples of two rounds. They are not kept.
     pressed: [Vec<Pressed<D, N>>; 2],
     /// Pairs of elements that separated in the last step, at a vertex or along a facet, and elements that became bare in it. Their overlap must not count at once.
-    parted: Vec<[u32; 2]>,
-    bared: Vec<u32>,
+    pub(crate) parted: Vec<[u32; 2]>,
+    pub(crate) bared: Vec<u32>,
     /// Whether an element at a free vertex is not watched yet.
-    unwatched: bool,
+    pub(crate) unwatched: bool,
     pub(crate) detections: u64,
 }
 
@@ -127,6 +129,7 @@ impl Touching {
         &mut self,
         couples: &[Couple],
         pressed: &[Pressed<D, N>],
+        share: &Share,
         forces: &mut [[Point<D>; N]],
     ) {
         for (couples, pressed) in couples.chunks(CHUNK).zip(pressed) {
@@ -135,14 +138,19 @@ impl Touching {
                 if let Some(next) = couples.get(number as usize + 2 * AHEAD) {
                     prefetch(&forces[next.elements[1] as usize]);
                 }
-                if let Some((_, works)) = separated.next_if(|(couple, _)| *couple == number) {
+                let counted = share.element(couple.elements[0]);
+                if let Some((_, works)) = separated.next_if(|(couple, _)| *couple == number)
+                    && counted
+                {
                     self.add(works);
                 }
                 if couple.touches {
                     let (works, deep) = pressed.add_to(forces, couple.elements, couple.slot);
-                    self.add(&works);
-                    self.count += 1;
-                    self.deep = self.deep.or(deep.then_some(couple.elements));
+                    if counted {
+                        self.add(&works);
+                        self.count += 1;
+                        self.deep = self.deep.or(deep.then_some(couple.elements));
+                    }
                 }
             }
         }
@@ -162,16 +170,18 @@ impl<const D: usize, const N: usize> Contacts<D, N>
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
+    /// `edge`: mean length of the edges of the whole model, m.
     pub(crate) fn new(
         model: &Model<D, N>,
         topology: &Topology<D, N>,
+        edge: f64,
         team: &Team,
     ) -> Result<Self, ModelError> {
         let materials = model.materials.len();
         let options = (0..materials * materials)
             .map(|k| law(model, (k / materials) as u32, (k % materials) as u32))
             .collect();
-        let buffer = model.contact.buffer * mean_edge(model);
+        let buffer = model.contact.buffer * edge;
         let slack = SLACK * buffer;
         let detector = team.pool().map_or_else(Detector::new, |pool| Detector::new().on_pool(pool));
         let search = Buffered::with_search(detector, buffer - slack)
@@ -201,22 +211,15 @@ where
             detections: 0,
         };
         for vertex in 0..topology.vertex_count() as u32 {
-            contacts.group(vertex, topology, |_| true);
+            for (corner, group) in group(vertex, topology, |_| true) {
+                contacts.groups[corner as usize] = group;
+            }
             if contacts.free[vertex as usize] {
                 contacts.bare_at(vertex, topology);
             }
         }
         contacts.bared.clear();
         Ok(contacts)
-    }
-
-    /// Groups the corners of a vertex: elements are connected by the facets that `holds` accepts.
-    fn group(&mut self, vertex: u32, topology: &Topology<D, N>, holds: impl Fn(u32) -> bool) {
-        let mut groups = Vec::new();
-        topology.groups(vertex, holds, &mut groups);
-        for (&corner, group) in topology.corners_of(vertex).iter().zip(groups) {
-            self.groups[corner as usize] = group;
-        }
     }
 
     /// Marks the elements at a free vertex as bare.
@@ -230,33 +233,56 @@ where
         }
     }
 
-    /// Registers joints that broke: their elements may touch from the next step on.
-    pub(crate) fn part(&mut self, broken: &[u32], joints: &Joints<D>, topology: &Topology<D, N>) {
+    /// Registers joints that broke: their elements may touch from the next step on. Returns the vertices at which they are, ascending.
+    pub(crate) fn part(
+        &mut self,
+        broken: &[u32],
+        joints: &Joints<D>,
+        topology: &Topology<D, N>,
+        share: &Share,
+    ) -> Vec<u32> {
+        let mut vertices = Vec::new();
         for &joint in broken {
             let facet = &topology.facets[joints.all[joint as usize].facet as usize];
-            for corner in facet.corners[0] {
-                let vertex = topology.vertices[corner as usize];
-                let corners = topology.corners_of(vertex);
-                let before: Vec<u32> = corners.iter().map(|&corner| self.groups[corner as usize]).collect();
-                self.group(vertex, topology, |facet| joints.holds(facet));
-                self.free[vertex as usize] = true;
-                self.bare_at(vertex, topology);
-                self.unwatched |= corners.iter().any(|&corner| !self.watched[corner as usize / N]);
-                for (k, &one) in corners.iter().enumerate() {
-                    for (l, &other) in corners.iter().enumerate().skip(k + 1) {
-                        let [a, b] = [one, other].map(|corner| self.groups[corner as usize]);
-                        if before[k] == before[l] && a != b {
-                            self.parted.push([one / N as u32, other / N as u32]);
-                        }
-                    }
-                }
-            }
+            vertices.extend(facet.corners[0].map(|corner| topology.vertices[corner as usize]));
             self.parted.push(facet.elements());
         }
+        vertices.sort_unstable();
+        vertices.dedup();
+        for &vertex in &vertices {
+            let groups = group(vertex, topology, |facet| joints.holds(facet));
+            let owned: Vec<_> = groups.into_iter().filter(|(corner, _)| share.corner(*corner)).collect();
+            self.divide(vertex, &owned, topology);
+        }
+        self.list_parted();
+        vertices
+    }
+
+    /// Sets the groups of some corners of a vertex, which is free from now on.
+    pub(crate) fn divide(&mut self, vertex: u32, groups: &[(u32, u32)], topology: &Topology<D, N>) {
+        self.free[vertex as usize] = true;
+        self.bare_at(vertex, topology);
+        let corners = topology.corners_of(vertex);
+        self.unwatched |= corners.iter().any(|&corner| !self.watched[corner as usize / N]);
+        for (k, &(one, group)) in groups.iter().enumerate() {
+            for &(other, another) in &groups[k + 1..] {
+                if self.groups[one as usize] == self.groups[other as usize] && group != another {
+                    self.parted.push([one / N as u32, other / N as u32]);
+                }
+            }
+        }
+        for &(corner, group) in groups {
+            self.groups[corner as usize] = group;
+        }
+    }
+
+    /// Orders the lists of elements that have separated or become bare.
+    pub(crate) fn list_parted(&mut self) {
         self.parted.sort_unstable();
         // Elements that share a facet are listed for the facet and for all of its vertices.
         self.parted.dedup();
         self.bared.sort_unstable();
+        self.bared.dedup();
     }
 
     /// Updates the couples as far as motion and broken joints require.
@@ -267,19 +293,24 @@ where
         topology: &Topology<D, N>,
         team: &Team,
     ) -> Result<(), Stop> {
-        if self.unwatched {
-            self.watch(joints, topology);
-            self.unwatched = false;
-            self.looked = f64::NEG_INFINITY;
-        }
+        self.watch_bare(joints, topology);
         // Both elements of a couple may have travelled this far.
         if 2.0 * (self.travel - self.looked) > self.slack {
             self.look(solid, joints, topology, team)?;
             self.looked = self.travel;
         }
-        self.add_parted(joints, topology);
+        self.add_parted(joints, topology, &solid.share);
         self.add_bared();
         Ok(())
+    }
+
+    /// Watches all bare elements, and those beside them.
+    pub(crate) fn watch_bare(&mut self, joints: &Joints<D>, topology: &Topology<D, N>) {
+        if self.unwatched {
+            self.watch(joints, topology);
+            self.unwatched = false;
+            self.looked = f64::NEG_INFINITY;
+        }
     }
 
     /// Adds the distance of the fastest node in a step, m.
@@ -323,7 +354,8 @@ where
             let found = team.look(candidates.len(), |range| {
                 let elements = |&Pair { i, j }: &Pair| [list[i as usize], list[j as usize]];
                 let all = candidates[range].iter().map(elements);
-                let couples = all.filter_map(|pair| {
+                let acting = all.filter(|pair| pair.iter().any(|&element| solid.share.acts(element)));
+                let couples = acting.filter_map(|pair| {
                     let is_new = parted.binary_search(&pair).is_ok();
                     couple(pair, is_new, groups, joints, topology)
                 });
@@ -377,18 +409,38 @@ where
         let broken: Vec<u32> = (0..joints.all.len() as u32)
             .filter(|&joint| joints.all[joint as usize].state != State::Holding)
             .collect();
-        self.part(&broken, joints, topology);
+        self.part(&broken, joints, topology, &Share::default());
+        self.restore_couples(saved);
+    }
+
+    /// Sets the groups of all corners, and which vertices are free.
+    pub(crate) fn set_known(&mut self, groups: Vec<u32>, free: Vec<bool>, topology: &Topology<D, N>) {
+        (self.groups, self.free) = (groups, free);
+        for vertex in (0..self.free.len() as u32).filter(|&vertex| self.free[vertex as usize]).collect::<Vec<_>>() {
+            self.bare_at(vertex, topology);
+        }
+    }
+
+    /// Restores the couples that touch, and the elements that have separated.
+    pub(crate) fn restore_couples(&mut self, saved: Saved<D, N>) {
         (self.parted, self.bared) = (saved.parted, saved.bared);
+        self.list_parted();
         self.unwatched = true;
         let mut saved = saved.grips;
         saved.sort_unstable_by_key(|(elements, _)| *elements);
         self.couples =
             saved.iter().map(|&(elements, _)| Couple { touches: true, ..apart(elements) }).collect();
-        self.group_grips(saved.into_iter().map(|(_, grip)| grip.without_push()));
+        self.group_grips(saved.into_iter().map(|(_, grip)| grip));
+    }
+
+    /// Forgets the forces of the last step: a resumed run tells none before its first.
+    pub(crate) fn without_forces(saved: Saved<D, N>) -> Saved<D, N> {
+        let grips = saved.grips.into_iter().map(|(elements, grip)| (elements, grip.without_push()));
+        Saved { grips: grips.collect(), ..saved }
     }
 
     /// The couples that touch, with their histories.
-    fn touching(&self) -> impl Iterator<Item = ([u32; 2], Grip<D, N>)> {
+    pub(crate) fn touching(&self) -> impl Iterator<Item = ([u32; 2], Grip<D, N>)> {
         let chunks = self.couples.chunks(CHUNK).zip(&self.histories);
         chunks.flat_map(|(couples, histories)| {
             let touching = couples.iter().filter(|couple| couple.touches);
@@ -445,8 +497,9 @@ where
     }
 
     /// Adds couples of elements that have separated.
-    fn add_parted(&mut self, joints: &Joints<D>, topology: &Topology<D, N>) {
+    fn add_parted(&mut self, joints: &Joints<D>, topology: &Topology<D, N>, share: &Share) {
         let mut parted = std::mem::take(&mut self.parted);
+        parted.retain(|pair| pair.iter().any(|&element| share.acts(element)));
         parted.retain(|pair| self.couples.binary_search_by_key(pair, |couple| couple.elements).is_err());
         let new = parted.into_iter().filter_map(|pair| couple(pair, true, &self.groups, joints, topology));
         let new: Vec<Couple> = new.collect();
@@ -489,7 +542,7 @@ where
         let rounds = couples.chunks_mut(round * CHUNK).zip(histories.chunks_mut(round));
         for (couples, histories) in rounds {
             team.both(
-                || all.take(done, last, &mut forces),
+                || all.take(done, last, &solid.share, &mut forces),
                 || {
                     team.change_chunks(couples, histories, next, |couples, histories, pressed| {
                         pass.press(couples, histories, pressed);
@@ -499,7 +552,7 @@ where
             done = couples;
             std::mem::swap(last, next);
         }
-        all.take(done, last, &mut forces);
+        all.take(done, last, &solid.share, &mut forces);
         solid.forces = forces;
         all
     }
@@ -514,6 +567,21 @@ where
         });
         forces.collect()
     }
+}
+
+/// Groups the corners of a vertex: elements are connected by the facets that `holds` accepts. Returns each corner with the code of the first corner of its group.
+fn group<const D: usize, const N: usize>(
+    vertex: u32,
+    topology: &Topology<D, N>,
+    holds: impl Fn(u32) -> bool,
+) -> Vec<(u32, u32)>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    let (corners, mut groups) = (topology.corners_of(vertex), Vec::new());
+    topology.groups(vertex, holds, &mut groups);
+    let label = |group: u32| topology.code_of_corner(corners[group as usize]);
+    corners.iter().zip(groups).map(|(&corner, group)| (corner, label(group))).collect()
 }
 
 /// The part of the undeformed mesh that two elements share.

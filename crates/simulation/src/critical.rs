@@ -15,6 +15,7 @@ use crate::error::ModelError;
 use crate::ground::Ground;
 use crate::joints::{Joints, penalty};
 use crate::model::Model;
+use crate::share::Share;
 use crate::simplex::Simplex;
 use crate::solid::corners_of;
 use crate::topology::{NONE, Topology};
@@ -52,6 +53,11 @@ impl std::fmt::Display for Cause {
 }
 
 impl CriticalStep {
+    /// The cause with a number.
+    pub(crate) fn cause_of(number: u8) -> Cause {
+        [Cause::Bulk, Cause::Joint, Cause::Contact][number as usize]
+    }
+
     /// The critical time step of a model, with all joints and contacts that it may get.
     ///
     /// # Errors
@@ -62,7 +68,7 @@ impl CriticalStep {
     {
         crate::checks::check(model)?;
         let topology = Topology::of(&model.mesh)?;
-        let joints = Joints::new(model, &topology);
+        let joints = Joints::new(model, &topology, &Share::default());
         Ok(Self::new(model, &topology, &joints))
     }
 
@@ -80,7 +86,7 @@ impl CriticalStep {
             (0..mesh.elements.len()).flat_map(|element| element_corners(model, topology, joints, element)),
         );
         // Absorbing facets that are not outer facets are refused when the loads are made.
-        for (corner, stiffness) in Ground::new(model, topology).unwrap_or_default().springs() {
+        for (corner, stiffness) in Ground::new(model, topology, None).unwrap_or_default().springs() {
             corners[corner as usize].bulk += stiffness;
         }
         let (mut worst, mut element, mut cause) = (0.0, 0, Cause::Bulk);

@@ -55,6 +55,18 @@ pub struct Term {
 const ROUNDING: f64 = 1e-9;
 
 impl Energies {
+    /// All of them, in the order of their fields.
+    pub(crate) fn numbers(&self) -> [f64; 9] {
+        let Self { kinetic, strain, contact, friction, cohesive, damping, external, initial, exchanged } = *self;
+        [kinetic, strain, contact, friction, cohesive, damping, external, initial, exchanged]
+    }
+
+    /// The energies of these [`numbers`](Self::numbers).
+    pub(crate) fn of_numbers(numbers: [f64; 9]) -> Self {
+        let [kinetic, strain, contact, friction, cohesive, damping, external, initial, exchanged] = numbers;
+        Self { kinetic, strain, contact, friction, cohesive, damping, external, initial, exchanged }
+    }
+
     /// All terms of the balance. Tables, files and plots list them in this order.
     pub fn terms(&self) -> [Term; 8] {
         use TermKind::{Initial, Supplied, Used};

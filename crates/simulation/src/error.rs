@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::ranks::Wire;
+
 /// Reason why a [`Model`](crate::Model) cannot be simulated.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -249,6 +251,67 @@ pub enum Stop {
         /// The error of the detection.
         fdem_contact::Error,
     ),
+    /// A rank of a run of many cannot go on.
+    OnRank {
+        /// The rank.
+        rank: usize,
+        /// Its reason.
+        reason: String,
+    },
+}
+
+impl Stop {
+    /// The element that it names, or a number above those of all elements.
+    pub(crate) fn element(&self) -> u32 {
+        match *self {
+            Self::Inverted { element, .. }
+            | Self::Runaway { element, .. }
+            | Self::Energy { element, .. }
+            | Self::Kinetic { element, .. }
+            | Self::Returned { element, .. } => element,
+            Self::Detection(_) | Self::OnRank { .. } => u32::MAX,
+        }
+    }
+
+    /// The reason for other ranks: the same, or that of this rank.
+    pub(crate) fn on_rank(self, rank: usize) -> Self {
+        match self {
+            Self::Detection(error) => Self::OnRank { rank, reason: error.to_string() },
+            stop => stop,
+        }
+    }
+}
+
+impl Wire for Stop {
+    fn put(&self, out: &mut Vec<u8>) {
+        match self {
+            &Self::Inverted { element, step, ratio } => (0_u8, (element, (step, [ratio, 0.0]))).put(out),
+            &Self::Runaway { element, step, speed, limit } => (1_u8, (element, (step, [speed, limit]))).put(out),
+            &Self::Energy { element, step, error, bound } => (2_u8, (element, (step, [error, bound]))).put(out),
+            &Self::Kinetic { element, step, kinetic, available } => {
+                (3_u8, (element, (step, [kinetic, available]))).put(out);
+            }
+            &Self::Returned { element, step, share, bound } => (4_u8, (element, (step, [share, bound]))).put(out),
+            Self::Detection(error) => (5_u8, (0_u64, error.to_string())).put(out),
+            Self::OnRank { rank, reason } => (5_u8, (*rank as u64, reason.clone())).put(out),
+        }
+    }
+
+    fn take(bytes: &mut &[u8]) -> Self {
+        let kind = u8::take(bytes);
+        if kind == 5 {
+            let (rank, reason) = <(u64, String)>::take(bytes);
+            return Self::OnRank { rank: rank as usize, reason };
+        }
+        let (element, (step, [one, other])) = <(u32, (u64, [f64; 2]))>::take(bytes);
+        match kind {
+            0 => Self::Inverted { element, step, ratio: one },
+            1 => Self::Runaway { element, step, speed: one, limit: other },
+            2 => Self::Energy { element, step, error: one, bound: other },
+            3 => Self::Kinetic { element, step, kinetic: one, available: other },
+            _ => Self::Returned { element, step, share: one, bound: other },
+        }
+    }
 }
 
 impl fmt::Display for Stop {
@@ -282,6 +345,7 @@ impl fmt::Display for Stop {
                 100.0 * bound
             ),
             Self::Detection(error) => write!(out, "contact detection: {error}"),
+            Self::OnRank { rank, reason } => write!(out, "rank {rank}: {reason}"),
         }
     }
 }

@@ -1,9 +1,11 @@
 //! Forces between elements and on nodes for results.
 
+use std::collections::BTreeMap;
+
 use crate::contacts::Contacts;
 use crate::joints::Joints;
-use crate::loads::Loads;
 use crate::simplex::Simplex;
+use crate::simulation::Simulation;
 use crate::solid::Solid;
 use crate::topology::Topology;
 use crate::vector::{Point, add, length, plus};
@@ -79,19 +81,39 @@ where
 }
 
 /// Force of all boundaries on each node, N, in the order of results. `held`: forces on the nodes that boundaries move.
-pub(crate) fn reactions<const D: usize, const N: usize>(
-    solid: &Solid<D, N>,
-    topology: &Topology<D, N>,
-    loads: &Loads<D, N>,
-    held: &[(u32, Point<D>)],
+pub(crate) fn reactions<const D: usize, const N: usize>(run: &Simulation<D, N>) -> Vec<[f64; D]>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    placed_reactions(run, &mut own_reactions(run).into_iter())
+}
+
+/// Force of all boundaries on each node of this rank on which one acts, N, by the code of the first corner of the node.
+pub(crate) fn own_reactions<const D: usize, const N: usize>(run: &Simulation<D, N>) -> Vec<(u32, Point<D>)>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    let applied = run.loads.applied(&run.solid);
+    let applied = applied.map(|([_, corner], force)| (run.solid.corners.node_at(corner), force));
+    let mut forces = BTreeMap::new();
+    for (node, force) in run.held.iter().copied().chain(applied) {
+        add(forces.entry(node).or_insert([0.0; D]), force, 1.0);
+    }
+    let code = |node: u32| run.topology.code_of_corner(run.solid.corners.of(node as usize)[0]);
+    forces.into_iter().map(|(node, force)| (code(node), force)).collect()
+}
+
+/// The same forces of a whole run, in the order of results.
+pub(crate) fn placed_reactions<const D: usize, const N: usize>(
+    run: &Simulation<D, N>,
+    forces: &mut dyn Iterator<Item = (u32, Point<D>)>,
 ) -> Vec<[f64; D]>
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    let mut forces = vec![[0.0; D]; solid.nodes.len()];
-    let applied = loads.applied().map(|(corner, force)| (solid.corners.node_at(corner), force));
-    for (node, force) in held.iter().copied().chain(applied) {
-        add(&mut forces[node as usize], force, 1.0);
+    let mut all = vec![[0.0; D]; run.solid.nodes.len()];
+    for (corner, force) in forces {
+        all[run.solid.corners.node_at(corner) as usize] = force;
     }
-    solid.order(topology).into_iter().map(|node| forces[node as usize]).collect()
+    run.solid.order(&run.topology).into_iter().map(|node| all[node as usize]).collect()
 }

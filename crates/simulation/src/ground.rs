@@ -11,6 +11,8 @@
 //!
 //! The work of springs and static forces counts as work of loads; the work of dashpots is dissipated.
 
+use std::collections::BTreeMap;
+
 use crate::error::ModelError;
 use crate::loads::outer_side;
 use crate::model::{Load, Model, Target};
@@ -57,8 +59,12 @@ impl<const D: usize, const N: usize> Ground<D, N>
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    /// The ground of a model, without static forces.
-    pub(crate) fn new(model: &Model<D, N>, topology: &Topology<D, N>) -> Result<Self, ModelError> {
+    /// The ground of a model, without static forces. `known`: [`radii`] of the bodies, if this is a part of a model.
+    pub(crate) fn new(
+        model: &Model<D, N>,
+        topology: &Topology<D, N>,
+        known: Option<&BTreeMap<u32, f64>>,
+    ) -> Result<Self, ModelError> {
         let mesh = &model.mesh;
         let mut facets = Vec::new();
         for (number, boundary) in model.boundaries.iter().enumerate() {
@@ -81,13 +87,26 @@ where
             }
         }
         if !facets.is_empty() {
-            let radii = radii(model);
+            let own = if known.is_none() { radii(model) } else { BTreeMap::new() };
+            let radii = known.unwrap_or(&own);
             for facet in &mut facets {
                 let radius = radii[&mesh.bodies[facet.corners[0] as usize / N]];
                 facet.stiffness = facet.stiffness.map(|modulus| modulus / radius);
             }
         }
         Ok(Self { facets })
+    }
+
+    /// Static forces on the ends of each facet, N, by boundary and in the order of its facets.
+    pub(crate) fn held(&self) -> impl Iterator<Item = (u32, [Point<D>; D])> {
+        self.facets.iter().map(|facet| (facet.boundary, facet.held))
+    }
+
+    /// Sets the static forces to these, in the same order.
+    pub(crate) fn hold(&mut self, held: impl IntoIterator<Item = [Point<D>; D]>) {
+        for (facet, held) in self.facets.iter_mut().zip(held) {
+            facet.held = held;
+        }
     }
 
     pub(crate) fn is_empty(&self) -> bool {
@@ -171,9 +190,9 @@ where
 }
 
 /// Half of the longer side of the bounding box of each body, m.
-fn radii<const D: usize, const N: usize>(model: &Model<D, N>) -> std::collections::BTreeMap<u32, f64> {
+pub(crate) fn radii<const D: usize, const N: usize>(model: &Model<D, N>) -> BTreeMap<u32, f64> {
     let mesh = &model.mesh;
-    let mut boxes = std::collections::BTreeMap::new();
+    let mut boxes = BTreeMap::new();
     for (nodes, &body) in mesh.elements.iter().zip(&mesh.bodies) {
         let around = boxes.entry(body).or_insert([[f64::INFINITY; D], [f64::NEG_INFINITY; D]]);
         for node in nodes {

@@ -29,6 +29,8 @@ use crate::model::{Insertion, Model, Strength};
 use crate::random;
 use crate::simplex::Simplex;
 use crate::solid::{Solid, corners_of};
+use crate::ranks::wire::wire;
+use crate::share::Share;
 use crate::sum::Sum;
 use crate::team::Team;
 use crate::topology::{Facet, NONE, Topology, place_in_element};
@@ -63,6 +65,47 @@ struct Pull<const D: usize> {
     forces: [Point<D>; D],
     /// Work done against it so far, J.
     work: f64,
+}
+
+/// A joint with what is kept apart from it, for another rank. Its facet is a code.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Moving<const D: usize> {
+    pub(crate) joint: Joint<D>,
+    pull: Pull<D>,
+    /// Time and modes of its failure.
+    broken: Option<(f64, [f64; 2])>,
+    /// Length of the undeformed edge, m, or area of the undeformed face, m².
+    measure: f64,
+}
+
+wire!([const D: usize] Pull<D> { forces, work });
+wire!([const D: usize] Moving<D> { joint, pull, broken, measure });
+
+impl<const D: usize> Moving<D> {
+    /// Work done against it so far, J.
+    pub(crate) fn work(&self) -> f64 {
+        self.pull.work
+    }
+
+    /// If it is broken, its modes, and its length or area.
+    pub(crate) fn failed(&self) -> Option<([f64; 2], f64)> {
+        self.broken.map(|(_, modes)| (modes, self.measure))
+    }
+}
+
+impl<const D: usize> Saved<D> {
+    /// Joints in the order of their facets.
+    pub(crate) fn of(mut all: Vec<Moving<D>>) -> Self {
+        all.sort_unstable_by_key(|moving| moving.joint.facet);
+        let broken = |(joint, moving): (u32, &Moving<D>)| {
+            moving.broken.map(|(time, modes)| Break { joint, time, modes })
+        };
+        Self {
+            joints: all.iter().map(|moving| moving.joint).collect(),
+            pulls: all.iter().map(|moving| moving.pull).collect(),
+            breaks: (0..).zip(&all).filter_map(broken).collect(),
+        }
+    }
 }
 
 /// All joints of a model, and the strengths of facets that may still get one.
@@ -109,7 +152,7 @@ struct Tip {
 
 impl<const D: usize> Joints<D> {
     /// Finds the strength of each facet, with its scatter. Inserts no joints yet.
-    pub(crate) fn new<const N: usize>(model: &Model<D, N>, topology: &Topology<D, N>) -> Self
+    pub(crate) fn new<const N: usize>(model: &Model<D, N>, topology: &Topology<D, N>, share: &Share) -> Self
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
@@ -178,7 +221,7 @@ impl<const D: usize> Joints<D> {
             joints.near = vec![Near::Far; mesh.elements.len()];
             let outer = topology.outer_vertices();
             let outer: Vec<u32> = (0..outer.len() as u32).filter(|&vertex| outer[vertex as usize]).collect();
-            joints.find_tips(&outer, topology);
+            joints.find_tips(&outer, topology, share);
         }
         joints
     }
@@ -287,14 +330,19 @@ impl<const D: usize> Joints<D> {
         }
     }
 
+    /// Whether the two elements at a facet may still act on each other there: by the mesh, or by a joint.
+    pub(crate) fn acts(&self, facet: u32) -> bool {
+        self.links.get(self.of_facet[facet as usize] as usize).is_none_or(|link| !link.is_gone())
+    }
+
     /// Number of broken joints.
     pub(crate) fn broken(&self) -> usize {
         self.breaks.len()
     }
 
-    /// Broken joints, each with when and how it broke.
-    pub(crate) fn breaks(&self) -> impl Iterator<Item = (&Joint<D>, &Break)> {
-        self.breaks.iter().map(|broken| (&self.all[broken.joint as usize], broken))
+    /// Broken joints: the number of each, and when and how it broke.
+    pub(crate) fn breaks(&self) -> impl Iterator<Item = (u32, &Joint<D>, &Break)> {
+        self.breaks.iter().map(|broken| (broken.joint, &self.all[broken.joint as usize], broken))
     }
 
     /// When and how a joint broke, if it did.
@@ -308,25 +356,24 @@ impl<const D: usize> Joints<D> {
         self.of_facet.iter().copied().filter(|&joint| joint != NONE).collect()
     }
 
+    /// A joint for another rank.
+    pub(crate) fn moving<const N: usize>(&self, number: u32, topology: &Topology<D, N>) -> Moving<D>
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        let mut joint = self.all[number as usize];
+        let measure = joint.measure;
+        joint.facet = topology.code(joint.facet);
+        let broken = self.break_of(number).map(|broken| (broken.time, broken.modes));
+        Moving { joint, pull: self.pulls[number as usize], broken, measure }
+    }
+
     /// The joints for a saved run, in the order of their facets.
     pub(crate) fn save<const N: usize>(&self, topology: &Topology<D, N>) -> Saved<D>
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
-        let order = self.in_order();
-        let joint = |&number: &u32| {
-            let mut joint = self.all[number as usize];
-            joint.facet = topology.code(joint.facet);
-            joint
-        };
-        let broken = |(place, number): (u32, &u32)| {
-            self.break_of(*number).map(|broken| Break { joint: place, ..*broken })
-        };
-        Saved {
-            joints: order.iter().map(joint).collect(),
-            pulls: order.iter().map(|&number| self.pulls[number as usize]).collect(),
-            breaks: (0..).zip(&order).filter_map(broken).collect(),
-        }
+        Saved::of(self.in_order().into_iter().map(|number| self.moving(number, topology)).collect())
     }
 
     /// Restores the saved joints.
@@ -363,7 +410,7 @@ impl<const D: usize> Joints<D> {
         if self.insertion == Insertion::Adaptive {
             let joined: Vec<u32> =
                 (0..self.at_vertex.len() as u32).filter(|&vertex| self.at_vertex[vertex as usize]).collect();
-            self.find_tips(&joined, topology);
+            self.find_tips(&joined, topology, &solid.share);
         }
         self.find_nodes(topology, solid);
         (self.pulls, self.breaks) = (saved.pulls, saved.breaks);
@@ -423,9 +470,17 @@ impl<const D: usize> Joints<D> {
         broken
     }
 
+    /// Whether a joint is counted on this rank.
+    pub(crate) fn counts<const N: usize>(&self, joint: usize, topology: &Topology<D, N>, share: &Share) -> bool {
+        share.is_whole() || share.corner(topology.facets[self.all[joint].facet as usize].corners[0][0])
+    }
+
     /// Work done against all joints so far, J.
-    pub(crate) fn work(&self, team: &Team) -> Sum {
-        let of = |range: Range<usize>| [self.pulls[range].iter().map(|pull| pull.work).collect()];
+    pub(crate) fn work<const N: usize>(&self, topology: &Topology<D, N>, share: &Share, team: &Team) -> Sum {
+        let of = |range: Range<usize>| {
+            let counted = range.filter(|&joint| self.counts(joint, topology, share));
+            [counted.map(|joint| self.pulls[joint].work).collect()]
+        };
         let [work] = Sum::all(team.look(self.pulls.len(), of));
         work
     }

@@ -91,6 +91,7 @@
 mod model;
 mod checks;
 mod random;
+mod share;
 mod sum;
 mod team;
 mod vector;
@@ -111,6 +112,7 @@ mod energy;
 mod forces;
 mod snapshot;
 mod simulation;
+mod ranks;
 mod error;
 
 pub use critical::{Cause, CriticalStep};
@@ -123,6 +125,7 @@ pub use model::{
     Boundary, ContactOptions, CriticalOpening, FractureOptions, Insertion, Interface, Load, Material, Model,
     Plane, Schedule, Strength, Target, TimeOptions,
 };
+pub use ranks::{Distributed, Traffic};
 pub use seams::InitialContacts;
 pub use simplex::Element;
 pub use simulation::{Counts, Simulation, State, Timings};

@@ -1,5 +1,7 @@
 //! External actions: nodes that are held or moved, forces, pressures, absorbing edges.
 
+use std::collections::BTreeMap;
+
 use crate::error::ModelError;
 use crate::ground::{Ground, Reaction};
 use crate::model::{Load, Model, Schedule, Target};
@@ -74,6 +76,17 @@ pub(crate) struct Side<const D: usize> {
     pub(crate) measure: f64,
 }
 
+/// What a rank must know of the whole model for its part of the loads.
+#[derive(Debug)]
+pub(crate) struct Wide {
+    /// Number of nodes of the mesh on which each boundary acts.
+    pub(crate) nodes: Vec<u32>,
+    /// Number of corners at each vertex.
+    pub(crate) corners: Vec<u32>,
+    /// Half of the longer side of the bounding box of each body, m.
+    pub(crate) radii: BTreeMap<u32, f64>,
+}
+
 /// All external actions on a model.
 #[derive(Debug)]
 pub(crate) struct Loads<const D: usize = 2, const N: usize = 3> {
@@ -93,11 +106,12 @@ impl<const D: usize, const N: usize> Loads<D, N>
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    /// Checks the boundaries and marks the nodes that they hold.
+    /// Checks the boundaries and marks the nodes that they hold. `wide`: what is known of the whole model, if this is a part.
     pub(crate) fn new(
         model: &Model<D, N>,
         topology: &Topology<D, N>,
         solid: &mut Solid<D, N>,
+        wide: Option<&Wide>,
     ) -> Result<Self, ModelError> {
         let mut loads = Self {
             schedules: model.boundaries.iter().map(|boundary| boundary.schedule.clone()).collect(),
@@ -105,11 +119,14 @@ where
             forces: Vec::new(),
             sides: Vec::new(),
             applied: Vec::new(),
-            ground: Ground::new(model, topology)?,
+            ground: Ground::new(model, topology, wide.map(|wide| &wide.radii))?,
         };
         for (number, boundary) in model.boundaries.iter().enumerate() {
             let number = number as u32;
             let wrong = |needs| ModelError::Target { boundary: boundary.name.clone(), needs };
+            if wide.is_some() && boundary.target.is_empty() {
+                continue;
+            }
             match (boundary.load, &boundary.target) {
                 (Load::Velocity(velocity), target) => {
                     let nodes = nodes_of(target);
@@ -125,10 +142,12 @@ where
                         return Err(wrong("nodes"));
                     }
                     // Equal parts for the nodes of the mesh. The corners of a node share its part, because they may separate.
-                    let each = force.map(|f| f / nodes.len() as f64);
+                    let count = wide.map_or(nodes.len(), |wide| wide.nodes[number as usize] as usize);
+                    let each = force.map(|f| f / count as f64);
                     for &node in &nodes {
                         let corners = topology.corners_of(node).to_vec();
-                        let part = each.map(|f| f / corners.len() as f64);
+                        let count = wide.map_or(corners.len(), |wide| wide.corners[node as usize] as usize);
+                        let part = each.map(|f| f / count as f64);
                         loads.forces.push((number, part, corners));
                     }
                 }
@@ -241,26 +260,25 @@ where
 
     /// Works of the applied forces in half a step at the nodes' velocities: of loads, and of the dashpots of absorbing facets, one pair for each force.
     pub(crate) fn half_works(&self, solid: &Solid<D, N>, step: f64) -> impl Iterator<Item = [f64; 2]> {
-        self.applied.iter().map(move |applied| {
+        self.owned(solid).map(move |applied| {
             let velocity = solid.at_corner(applied.corner).velocity;
             let absorbed = 0.5 * step * dot(applied.viscous, velocity);
             [0.5 * step * dot(applied.force, velocity) - absorbed, absorbed]
         })
     }
 
-    /// The forces that were applied in the last step, each with its corner.
-    pub(crate) fn applied(&self) -> impl Iterator<Item = (u32, Point<D>)> {
-        self.applied.iter().map(|applied| (applied.corner, applied.force))
+    /// The forces that were applied in the last step on corners that this rank owns, each with its boundary and its corner.
+    pub(crate) fn applied(&self, solid: &Solid<D, N>) -> impl Iterator<Item = ([u32; 2], Point<D>)> {
+        self.owned(solid).map(|applied| ([applied.boundary, applied.corner], applied.force))
     }
 
-    /// The same forces, each with its boundary.
-    pub(crate) fn applied_by(&self) -> impl Iterator<Item = (u32, Point<D>)> {
-        self.applied.iter().map(|applied| (applied.boundary, applied.force))
+    fn owned(&self, solid: &Solid<D, N>) -> impl Iterator<Item = &Applied<D>> {
+        self.applied.iter().filter(|applied| solid.share.corner(applied.corner))
     }
 }
 
 /// Nodes of a target, each once, ascending.
-fn nodes_of<const D: usize>(target: &Target<D>) -> Vec<u32> {
+pub(crate) fn nodes_of<const D: usize>(target: &Target<D>) -> Vec<u32> {
     let mut nodes: Vec<u32> = match target {
         Target::Nodes(nodes) => nodes.clone(),
         Target::Facets(facets) => facets.iter().flatten().copied().collect(),

@@ -158,6 +158,16 @@ pub enum Target<const D: usize = 2> {
     Facets(Vec<[u32; D]>),
 }
 
+impl<const D: usize> Target<D> {
+    /// Whether it has no nodes and no facets.
+    pub(crate) fn is_empty(&self) -> bool {
+        match self {
+            Self::Nodes(nodes) => nodes.is_empty(),
+            Self::Facets(facets) => facets.is_empty(),
+        }
+    }
+}
+
 /// Action of a [`Boundary`]. Components that are `None` are free.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(bound(

@@ -62,12 +62,15 @@ pub(crate) fn advance<const D: usize, const N: usize>(
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    let Solid { nodes, constants, forces, corners, origin, .. } = solid;
+    let Solid { nodes, constants, forces, corners, share, origin, .. } = solid;
     let origin = *origin;
     let limit = motion.speed_limit * motion.speed_limit;
     let found = team.change(nodes, |first, chunk| {
         let mut sum = Moved::default();
         for (k, node) in chunk.iter_mut().enumerate() {
+            if !share.node(first + k) {
+                continue;
+            }
             let constants = &constants[first + k];
             let force = gather(first + k, constants, forces, corners, motion);
             let (reaction, squared) = move_node(node, constants, force, origin, motion, &mut sum);

@@ -27,9 +27,11 @@ use crate::error::ModelError;
 use crate::model::Model;
 use crate::simplex::Simplex;
 use crate::solid::{Solid, corners_of};
+use crate::ranks::wire::wire;
+use crate::share::Share;
 use crate::sum::Sum;
 use crate::team::Team;
-use crate::topology::{Topology, place_in_element};
+use crate::topology::{Topology, corners_of_facet, place_in_element};
 use crate::vector::{Matrix, Point, add, along, applied, at_most, dot, length, matrix, minus, plus, unit};
 
 /// Facets touch if they are nearer than this share of the shorter one.
@@ -42,7 +44,7 @@ const ROUNDING: f64 = 1e-9;
 const UNLIKE: f64 = 0.05;
 
 /// Distance of the two points of a seam, over the shorter facet, at which the seam begins to fade, and at which it has faded completely.
-const FADE: [f64; 2] = [0.1, 0.3];
+pub(crate) const FADE: [f64; 2] = [0.1, 0.3];
 
 /// Upper limit of tangential over normal stiffness: the critical time step allows for this much.
 const TANGENTIAL: f64 = 0.5;
@@ -108,6 +110,15 @@ pub(crate) struct Hold<const D: usize = 2> {
     faded: f64,
     /// Work against friction so far, energy that the tangential spring had stored at the beginning, and energy of the share that has faded, J.
     friction: f64,
+}
+
+wire!([const D: usize] Hold<D> { sliding, slip, traction, faded, friction });
+
+impl<const D: usize> Hold<D> {
+    /// Work against friction so far, J, with all that counts as such.
+    pub(crate) fn friction(&self) -> f64 {
+        self.friction
+    }
 }
 
 impl<const D: usize> Default for Hold<D> {
@@ -229,9 +240,14 @@ impl<const D: usize> Seams<D> {
     }
 
     /// Energy stored in the potentials in the last step, and work against friction so far, J.
-    pub(crate) fn energies(&self) -> [Sum; 2] {
-        let energies = self.pressed.iter().map(|pressed| pressed.energy);
-        [energies.collect(), self.holds.iter().map(|hold| hold.friction).collect()]
+    pub(crate) fn energies(&self, share: &Share) -> [Sum; 2] {
+        let counted = || {
+            (0..self.places.len()).filter(|&k| share.is_whole() || share.element(self.places[k].corners[0][0] / (D as u32 + 1)))
+        };
+        [
+            counted().map(|k| self.pressed[k].energy).collect(),
+            counted().map(|k| self.holds[k].friction).collect(),
+        ]
     }
 
     /// Force on each corner at the beginning, N; empty without seams.
@@ -272,6 +288,47 @@ impl<const D: usize> Seams<D> {
                 solid.add_force(corner, force);
             });
         }
+    }
+
+    /// The points that this rank counts, each by the codes of its two sides, its place among their points, and its state.
+    pub(crate) fn points<const N: usize>(
+        &self,
+        topology: &Topology<D, N>,
+        share: &Share,
+    ) -> impl Iterator<Item = ([u32; 2], u32, Hold<D>)>
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        let all = self.places.iter().zip(&self.holds).enumerate();
+        let counted = all.filter(|(_, (place, _))| share.element(place.corners[0][0] / N as u32));
+        counted.map(|(k, (place, hold))| {
+            let first = self.places.partition_point(|other| other.corners < place.corners);
+            (place.corners.map(|side| topology.code_of_side(&side)), (k - first) as u32, *hold)
+        })
+    }
+
+    /// Sets the state of a point. Returns whether there is such a point.
+    pub(crate) fn set_point<const N: usize>(
+        &mut self,
+        sides: [u32; 2],
+        place: u32,
+        hold: Hold<D>,
+        topology: &Topology<D, N>,
+    ) -> bool
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        let corners = |code: u32| {
+            let element = topology.element(code / N as u32)?;
+            Some(corners_of_facet::<D, N>(element as usize, code as usize % N))
+        };
+        let [Some(one), Some(other)] = sides.map(corners) else { return false };
+        let first = self.places.partition_point(|at| at.corners < [one, other]);
+        let is = self.places.get(first + place as usize).is_some_and(|at| at.corners == [one, other]);
+        if is {
+            self.holds[first + place as usize] = hold;
+        }
+        is
     }
 
     pub(crate) fn save(&self) -> Vec<Hold<D>> {
@@ -416,17 +473,18 @@ where
     [[f64; D]; N]: Simplex<D, N>,
 {
     let [mut min, mut max]: [Vec<Point<D>>; 2] = [0, 1].map(|_| Vec::with_capacity(facets.len()));
-    let mut shortest = f64::INFINITY;
+    let mut longest: f64 = 0.0;
     for &facet in facets {
         let ends = ends(facet);
         let along = |axis: usize| ends.iter().map(move |end| end[axis]);
         min.push(std::array::from_fn(|axis| along(axis).fold(f64::INFINITY, f64::min)));
         max.push(std::array::from_fn(|axis| along(axis).fold(f64::NEG_INFINITY, f64::max)));
-        shortest = shortest.min(length_of::<D, N>(&ends));
+        longest = longest.max(length_of::<D, N>(&ends));
     }
     let mut pairs: Vec<Pair> = Vec::new();
     Boxes::boxes(&min, &max)
-        .and_then(|boxes| boxes.with_tolerance(TOUCH * shortest))
+        // Enough for all: the facets themselves decide.
+        .and_then(|boxes| boxes.with_tolerance(TOUCH * longest))
         .and_then(|boxes| Detector::new().couples(&boxes, &mut pairs))
         .map_err(|error| ModelError::Detection { message: error.to_string() })?;
     pairs.sort_unstable();

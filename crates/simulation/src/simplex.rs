@@ -11,7 +11,8 @@ use crate::error::Stop;
 use crate::lanes::{Available, LANES, Lanes, Rows, compiled_for_vectors, either, larger, smaller};
 #[cfg(test)]
 use crate::lanes::{row, rows, set_rows};
-use crate::model::{Material, Plane};
+use crate::model::{Material, Model, Plane};
+use crate::ranks::Links;
 use crate::simulation::Simulation;
 use crate::vector::{Matrix, Point, dot};
 
@@ -34,7 +35,11 @@ pub(crate) trait Simplex<const D: usize, const N: usize>: Copy + Send + Sync {
 
     /// Advances a run: [`Simulation::take`]. Implemented for the two kinds of elements, so that the steps are compiled here, once and optimised; a generic function
     /// would be compiled in each crate that calls it, with the options of that crate.
-    fn advance(run: &mut Simulation<D, N>, steps: u64) -> Result<(), Stop>;
+    fn advance(run: &mut Simulation<D, N>, steps: u64, links: Option<&mut Links<'_>>) -> Result<(), Stop>;
+
+    /// A model as bytes, and back.
+    fn encode(model: &Model<D, N>) -> Vec<u8>;
+    fn decode(bytes: &[u8]) -> Model<D, N>;
 
     fn determinant(f: &Matrix<D>) -> f64;
 

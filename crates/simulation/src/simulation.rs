@@ -7,7 +7,7 @@ use fdem_contact::Simd;
 use serde::{Deserialize, Serialize};
 
 use crate::checks;
-use crate::contacts::{Contacts, Saved as SavedContacts, Touching};
+use crate::contacts::{Contacts, Saved as SavedContacts, Touching, mean_edge};
 use crate::critical::CriticalStep;
 use crate::energy::Energies;
 use crate::error::{ModelError, Stop};
@@ -17,10 +17,12 @@ use crate::lanes::Available;
 use crate::loads::Loads;
 use crate::model::{Insertion, Model};
 use crate::motion::{self, Motion};
+use crate::ranks::{Frame, Links, Part, Told};
 use crate::seams::{Hold, Seams};
 use crate::simplex::Simplex;
 use crate::snapshot::{Crack, Mode, Snapshot};
 use crate::solid::{Constants, Node, Solid};
+use crate::share::Share;
 use crate::sum::Sum;
 use crate::team::Team;
 use crate::topology::Topology;
@@ -54,50 +56,62 @@ const NEGLIGIBLE_SHARE: f64 = 1e-9;
 /// ```
 #[derive(Debug)]
 pub struct Simulation<const D: usize = 2, const N: usize = 3> {
-    model: Model<D, N>,
-    topology: Topology<D, N>,
-    solid: Solid<D, N>,
-    joints: Joints<D>,
-    contacts: Contacts<D, N>,
-    seams: Seams<D>,
-    loads: Loads<D, N>,
-    team: Team,
-    critical: CriticalStep,
-    time_step: f64,
+    pub(crate) model: Model<D, N>,
+    pub(crate) topology: Topology<D, N>,
+    pub(crate) solid: Solid<D, N>,
+    pub(crate) joints: Joints<D>,
+    pub(crate) contacts: Contacts<D, N>,
+    pub(crate) seams: Seams<D>,
+    pub(crate) loads: Loads<D, N>,
+    pub(crate) team: Team,
+    pub(crate) critical: CriticalStep,
+    pub(crate) time_step: f64,
     /// Largest speed of a node at which the run continues, m/s.
-    speed_limit: f64,
+    pub(crate) speed_limit: f64,
     /// Exchanged energy below which the energy balance is not checked, J.
-    negligible: f64,
-    step: u64,
-    totals: Totals,
+    pub(crate) negligible: f64,
+    pub(crate) step: u64,
+    pub(crate) totals: Totals,
     /// Energies at the beginning of the last step that they were asked for, J: of the last step of [`Simulation::advance`].
-    energies: Energies,
+    pub(crate) energies: Energies,
     /// Force of each boundary on the bodies then, N.
-    reactions: Vec<Point<D>>,
+    pub(crate) reactions: Vec<Point<D>>,
     /// Force on each node that a boundary moves, at the beginning of the last step, N.
-    held: Vec<(u32, Point<D>)>,
-    touching: Touching,
-    timings: Timings,
+    pub(crate) held: Vec<(u32, Point<D>)>,
+    pub(crate) touching: Touching,
+    pub(crate) timings: Timings,
+    /// What this rank has of a run of many; `None` for a whole run.
+    pub(crate) part: Option<Part<D>>,
+}
+
+/// The parts of a simulation that depend on its elements.
+pub(crate) struct Parts<const D: usize, const N: usize> {
+    pub(crate) topology: Topology<D, N>,
+    pub(crate) solid: Solid<D, N>,
+    pub(crate) joints: Joints<D>,
+    pub(crate) contacts: Contacts<D, N>,
+    pub(crate) seams: Seams<D>,
+    pub(crate) loads: Loads<D, N>,
 }
 
 /// Sums over a run, J.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-struct Totals {
+pub(crate) struct Totals {
     /// Work against friction of contacts.
-    friction: Sum,
+    pub(crate) friction: Sum,
     /// Potential energy of contacts to which joints have handed over.
-    handed_over: Sum,
+    pub(crate) handed_over: Sum,
     /// Energy dissipated by local damping, damping of contacts and absorbing edges.
-    damping: Sum,
+    pub(crate) damping: Sum,
     /// Work of applied forces, of gravity, and of boundaries that move nodes.
-    external: Sum,
+    pub(crate) external: Sum,
     /// Work of applied forces, which `external` contains.
-    loads: Sum,
+    pub(crate) loads: Sum,
     /// Energies at the beginning, once the first step has found them.
-    first: Option<Energies>,
+    pub(crate) first: Option<Energies>,
     /// Largest exchanged and cohesive energy at any audit.
-    exchanged: f64,
-    most_cohesive: f64,
+    pub(crate) exchanged: f64,
+    pub(crate) most_cohesive: f64,
 }
 
 /// State of a run, without its model. A run that is resumed from it continues as if it had never stopped.
@@ -153,6 +167,8 @@ pub struct Timings {
     pub contact: Duration,
     /// Loads and motion.
     pub integration: Duration,
+    /// Messages to other ranks, and waiting for theirs.
+    pub messages: Duration,
 }
 
 /// Numbers of joints, contacts and nodes, which change during a run.
@@ -181,7 +197,7 @@ where
     pub fn new(model: Model<D, N>, threads: usize) -> Result<Self, ModelError> {
         checks::check(&model)?;
         let topology = Topology::of(&model.mesh)?;
-        let mut joints = Joints::new(&model, &topology);
+        let mut joints = Joints::new(&model, &topology, &Share::default());
         // Before all that a run keeps, because it takes much memory for a moment.
         let critical = CriticalStep::new(&model, &topology, &joints);
         let mut solid = Solid::new(&model);
@@ -189,9 +205,9 @@ where
         for facet in 0..topology.facets.len() as u32 {
             joints.law(facet, &model, &topology)?;
         }
-        let mut loads = Loads::new(&model, &topology, &mut solid)?;
+        let mut loads = Loads::new(&model, &topology, &mut solid, None)?;
         let team = Team::new(threads)?;
-        let contacts = Contacts::new(&model, &topology, &team)?;
+        let contacts = Contacts::new(&model, &topology, mean_edge(&model), &team)?;
         if model.fracture.insertion == Insertion::Intrinsic {
             solid.reserve_nodes(N * model.mesh.elements.len());
             joints.everywhere(&model, &topology)?;
@@ -220,7 +236,7 @@ where
         let stiffness: Sum =
             solid.elements.iter().map(|element| element.volume * modulus(element.material)).collect();
         let [strain, _] = solid.energies(&team).map(|sum| sum.value());
-        let totals = Totals { most_cohesive: joints.work(&team).value(), ..Totals::default() };
+        let totals = Totals { most_cohesive: joints.work(&topology, &solid.share, &team).value(), ..Totals::default() };
         Ok(Self {
             time_step: model.time.step.unwrap_or(critical.step * model.time.safety),
             negligible: 0.5 * stiffness.value() * NEGLIGIBLE_STRAIN * NEGLIGIBLE_STRAIN
@@ -242,17 +258,134 @@ where
             loads,
             critical,
             speed_limit,
+            part: None,
         })
     }
 
-    /// Advances one step: from positions at its beginning, and velocities half a step earlier, to positions at its end. `energies`: whether they are asked for.
-    fn step(&mut self, energies: bool) -> Result<(), Stop> {
-        let Self { model, topology, solid, joints, contacts, seams, loads, team, totals, timings, .. } = self;
-        let (step, time) = (self.time_step, self.step as f64 * self.time_step);
-        let mut clock = Clock::new();
+    /// A run of a part of a model, before its first step.
+    pub(crate) fn with_parts(model: Model<D, N>, parts: Parts<D, N>, team: Team, frame: &Frame<D, N>) -> Self {
+        let Parts { topology, solid, joints, contacts, seams, loads } = parts;
+        Self {
+            time_step: frame.time_step,
+            negligible: frame.negligible,
+            reactions: vec![[0.0; D]; model.boundaries.len()],
+            team,
+            step: 0,
+            totals: Totals::default(),
+            energies: Energies::default(),
+            held: Vec::new(),
+            touching: Touching::default(),
+            timings: Timings::default(),
+            model,
+            topology,
+            solid,
+            joints,
+            contacts,
+            seams,
+            loads,
+            critical: frame.critical,
+            speed_limit: frame.speed_limit,
+            part: None,
+        }
+    }
 
+    /// Advances one step: from positions at its beginning, and velocities half a step earlier, to positions at its end. `energies`: whether they are asked for. `links`: messages to other
+    /// ranks, if this is a part of a run.
+    fn step(&mut self, energies: bool, mut links: Option<&mut Links<'_>>) -> Result<(), Stop> {
+        let mut told = Told::default();
+        let pressed = self.press(energies);
+        // A rank that cannot go on says so where all ranks hear it.
+        if links.is_none()
+            && let Err(stop) = pressed
+        {
+            return Err(stop);
+        }
+        let mut clock = Clock::new();
+        let time = self.time();
+        let Self { model, topology, solid, joints, contacts, loads, team, totals, timings, .. } = self;
+        let step = self.time_step;
+        // The forces of this step say where joints are inserted; they act from the next one.
+        let mut failing = joints.failing(solid, model, topology, team);
+        clock.read(&mut timings.joints);
+
+        let factor = model.gravity_schedule.factor(time);
+        let gravity = model.gravity.map(|acceleration| factor * acceleration);
+        let speed_limit = self.speed_limit;
+        let motion = Motion { model, joints, loads, gravity, time, step, speed_limit, energy: energies };
+        let moved = motion::advance(solid, &motion, team);
+        let broken = pressed.as_ref().map_or(&[][..], |pressed| pressed);
+        told.fastest = moved.fastest;
+        told.parts = !failing.is_empty() || !broken.is_empty();
+        told.fails = pressed.is_err();
+        told.runs_away = moved.runaway.is_some();
+        totals.external.add_sum(&moved.external[0]);
+        totals.damping.add_sum(&moved.damping[0]);
+        self.held = moved.held;
+        clock.read(&mut timings.integration);
+        if let Some(links) = links.as_deref_mut() {
+            links.exchange_motion(&mut self.solid, step, &mut told);
+            clock.read(&mut self.timings.messages);
+            if told.fails {
+                return Err(self.first_stop(pressed.err(), links));
+            }
+        }
+        self.contacts.note_motion(step * told.fastest);
+        if energies {
+            // The energy balance holds here, at the time of the positions. The work in the second half of the step is added after it.
+            self.account(&moved.kinetic, links.as_deref());
+        }
+        let Self { model, topology, solid, joints, contacts, loads, totals, timings, .. } = self;
+        totals.add_works(loads.half_works(solid, step));
+        totals.external.add_sum(&moved.external[1]);
+        totals.damping.add_sum(&moved.damping[1]);
+        clock.read(&mut timings.integration);
+
+        if told.parts {
+            if let Some(links) = links.as_deref() {
+                links.share_failing(&mut failing, topology);
+            }
+            let split = joints.insert(&failing, solid, model, topology);
+            let at = contacts.part(broken, joints, topology, &solid.share);
+            if let Some(links) = links.as_deref_mut() {
+                links.exchange_changes(&split, &at, solid, joints, contacts, topology);
+                let near = |element: &u32| {
+                    let is_near = self.part.as_ref().is_some_and(|part| part.is_near(*element));
+                    is_near && !contacts.watched[*element as usize]
+                };
+                if links.any(contacts.unwatched && contacts.bared.iter().any(near)) {
+                    links.ask();
+                }
+            }
+            clock.read(&mut timings.joints);
+        }
+        if self.is_audited() {
+            self.audit(links.as_deref())?;
+        }
+        if told.runs_away {
+            let limit = self.speed_limit;
+            let runaway = moved.runaway.map(|(element, speed)| Stop::Runaway {
+                element: self.topology.number(element),
+                step: self.step,
+                speed,
+                limit,
+            });
+            return Err(match links {
+                Some(links) => self.first_stop(runaway, links),
+                None => runaway.unwrap_or_else(|| self.unknown_stop()),
+            });
+        }
+        self.step += 1;
+        Ok(())
+    }
+
+    /// Computes all forces on the corners of elements. Returns the joints that broke.
+    fn press(&mut self, energies: bool) -> Result<Vec<u32>, Stop> {
+        let time = self.time();
+        let Self { model, topology, solid, joints, contacts, seams, loads, team, totals, timings, .. } = self;
+        let step = self.time_step;
+        let mut clock = Clock::new();
         if let Some((element, ratio)) = solid.deform(step, team) {
-            return Err(Stop::Inverted { element, step: self.step, ratio });
+            return Err(Stop::Inverted { element: topology.number(element), step: self.step, ratio });
         }
         clock.read(&mut timings.bulk);
 
@@ -266,49 +399,14 @@ where
         totals.friction.add_sum(&touching.friction);
         totals.damping.add_sum(&touching.damping);
         totals.handed_over.add_sum(&touching.handed_over);
+        self.touching = touching;
         seams.press(solid, team);
         clock.read(&mut timings.contact);
 
         loads.apply(solid, model, time);
         totals.add_works(loads.half_works(solid, step));
         clock.read(&mut timings.integration);
-
-        // The forces of this step say where joints are inserted; they act from the next one.
-        let failing = joints.failing(solid, model, topology, team);
-        clock.read(&mut timings.joints);
-
-        let factor = model.gravity_schedule.factor(time);
-        let gravity = model.gravity.map(|acceleration| factor * acceleration);
-        let speed_limit = self.speed_limit;
-        let motion = Motion { model, joints, loads, gravity, time, step, speed_limit, energy: energies };
-        let moved = motion::advance(solid, &motion, team);
-        contacts.note_motion(step * moved.fastest);
-        totals.external.add_sum(&moved.external[0]);
-        totals.damping.add_sum(&moved.damping[0]);
-        self.held = moved.held;
-        self.touching = touching;
-        if energies {
-            // The energy balance holds here, at the time of the positions. The work in the second half of the step is added after it.
-            self.account(&moved.kinetic);
-        }
-        let Self { model, topology, solid, joints, contacts, loads, totals, timings, .. } = self;
-        totals.add_works(loads.half_works(solid, step));
-        totals.external.add_sum(&moved.external[1]);
-        totals.damping.add_sum(&moved.damping[1]);
-        clock.read(&mut timings.integration);
-
-        joints.insert(&failing, solid, model, topology);
-        contacts.part(&broken, joints, topology);
-        clock.read(&mut timings.joints);
-
-        if self.is_audited() {
-            self.audit()?;
-        }
-        if let Some((element, speed)) = moved.runaway {
-            return Err(Stop::Runaway { element, step: self.step, speed, limit: self.speed_limit });
-        }
-        self.step += 1;
-        Ok(())
+        Ok(broken)
     }
 
     /// Whether the energy balance is checked in this step.
@@ -317,14 +415,30 @@ where
     }
 
     /// Sums up the energies and the reactions at the beginning of this step. `kinetic`: the kinetic energy, J.
-    fn account(&mut self, kinetic: &Sum) {
-        let [strain, viscous] = self.solid.energies(&self.team);
-        let [mut contact, mut friction] = self.seams.energies();
-        let [mut cohesive, mut damping] = [self.joints.work(&self.team), viscous];
+    fn account(&mut self, kinetic: &Sum, links: Option<&Links<'_>>) {
+        let [mut strain, viscous] = self.solid.energies(&self.team);
+        let [mut contact, mut friction] = self.seams.energies(&self.solid.share);
+        let [mut cohesive, mut damping] = [self.work_of_joints(), viscous];
+        let Totals { external, loads, .. } = &self.totals;
+        let (mut kinetic, mut external, mut loads) = (kinetic.clone(), external.clone(), loads.clone());
+        let mut gravity = self.work_of_gravity();
         contact.add_sum(self.touching.energy.as_ref().unwrap_or(&Sum::default()));
         friction.add_sum(&self.totals.friction);
         cohesive.subtract(&self.totals.handed_over);
         damping.add_sum(&self.totals.damping);
+        if let Some(part) = &self.part {
+            cohesive.add_sum(&part.work());
+            friction.add_sum(&part.friction());
+        }
+        let mut reactions = self.reactions_of_boundaries();
+        if let Some(links) = links {
+            let mut sums = vec![
+                &mut kinetic, &mut strain, &mut contact, &mut friction, &mut cohesive, &mut damping, &mut external,
+                &mut loads, &mut gravity,
+            ];
+            sums.extend(reactions.iter_mut().flatten());
+            links.add_up(&mut sums);
+        }
         let now = Energies {
             kinetic: kinetic.value(),
             strain: strain.value(),
@@ -332,17 +446,26 @@ where
             friction: friction.value(),
             cohesive: cohesive.value(),
             damping: damping.value(),
-            external: self.totals.external.value(),
+            external: external.value(),
             ..Energies::default()
         };
+        // Three works that may cancel: of loads, of gravity, and of boundaries that move or hold nodes.
+        let (loads, gravity) = (loads.value(), gravity.value());
+        let done = loads.abs() + gravity.abs() + (now.external - loads - gravity).abs();
         let first = *self.totals.first.get_or_insert(now);
-        let exchanged = now.changed(&first).max(self.work_done(now.external)).max(self.totals.exchanged);
+        let exchanged = now.changed(&first).max(done).max(self.totals.exchanged);
         self.energies = Energies { initial: first.balance(), exchanged, ..now };
-        self.reactions = self.reactions_of_boundaries();
+        self.reactions =
+            reactions.iter().map(|sums| std::array::from_fn(|axis| sums[axis].value())).collect();
+    }
+
+    /// Work done against all joints so far, J.
+    fn work_of_joints(&self) -> Sum {
+        self.joints.work(&self.topology, &self.solid.share, &self.team)
     }
 
     /// Checks the energy balance.
-    fn audit(&mut self) -> Result<(), Stop> {
+    fn audit(&mut self, links: Option<&Links<'_>>) -> Result<(), Stop> {
         let energies = self.energies;
         self.totals.exchanged = energies.exchanged;
         self.totals.most_cohesive = self.totals.most_cohesive.max(energies.cohesive);
@@ -352,11 +475,11 @@ where
             return Ok(());
         }
         if error.abs() > bound || error.is_nan() {
-            return Err(Stop::Energy { element: self.hottest(), step, error, bound });
+            return Err(Stop::Energy { element: self.hottest(links), step, error, bound });
         }
         if energies.kinetic > available + bound * scale {
             return Err(Stop::Kinetic {
-                element: self.hottest(),
+                element: self.hottest(links),
                 step,
                 kinetic: energies.kinetic,
                 available,
@@ -369,13 +492,13 @@ where
         };
         let share = returned / scale;
         if share > bound {
-            return Err(Stop::Returned { element: self.hottest(), step, share, bound });
+            return Err(Stop::Returned { element: self.hottest(links), step, share, bound });
         }
         Ok(())
     }
 
     /// Force of each boundary on the bodies in this step, N.
-    fn reactions_of_boundaries(&self) -> Vec<Point<D>> {
+    fn reactions_of_boundaries(&self) -> Vec<[Sum; D]> {
         let mut sums = vec![[(); D].map(|()| Sum::default()); self.model.boundaries.len()];
         for (node, reaction) in &self.held {
             let hold = self.loads.holds[self.solid.constants[*node as usize].hold as usize];
@@ -385,27 +508,50 @@ where
                 }
             }
         }
-        for (boundary, force) in self.loads.applied_by() {
+        for ([boundary, _], force) in self.loads.applied(&self.solid) {
             for axis in 0..D {
                 sums[boundary as usize][axis].add(force[axis]);
             }
         }
-        sums.iter().map(|sums| std::array::from_fn(|axis| sums[axis].value())).collect()
+        sums
     }
 
-    /// The element with the most energy per mass.
-    fn hottest(&self) -> u32 {
-        let density = |number: usize| {
-            let element = &self.solid.elements[number];
+    /// The element with the most energy per mass: the first of them.
+    fn hottest(&self, links: Option<&Links<'_>>) -> u32 {
+        let density = |number: u32| {
+            let element = &self.solid.elements[number as usize];
             let square = |node: u32| {
                 let velocity = self.solid.nodes[node as usize].velocity;
                 dot(velocity, velocity)
             };
-            let fastest = self.solid.nodes_of(number as u32).into_iter().map(square).fold(0.0, f64::max);
+            let fastest = self.solid.nodes_of(number).into_iter().map(square).fold(0.0, f64::max);
             let density = self.model.materials[element.material as usize].density;
-            0.5 * fastest + self.solid.energy(number) / (density * element.volume)
+            0.5 * fastest + self.solid.energy(number as usize) / (density * element.volume)
         };
-        (0..self.solid.elements.len()).max_by(|&a, &b| density(a).total_cmp(&density(b))).unwrap_or(0) as u32
+        let all = (0..self.solid.elements.len() as u32).filter(|&element| self.solid.share.element(element));
+        let of_all = all.map(|element| (density(element), self.topology.number(element)));
+        let hotter = |a: (f64, u32), b: (f64, u32)| {
+            let order = b.0.total_cmp(&a.0).then(a.1.cmp(&b.1));
+            if order.is_le() { a } else { b }
+        };
+        let own = of_all.reduce(hotter);
+        let found = match links {
+            Some(links) => links.all(&own).into_iter().flatten().reduce(hotter),
+            None => own,
+        };
+        found.map_or(0, |(_, element)| element)
+    }
+
+    /// The reason why the run cannot go on, the same on all ranks: that of the first rank that has one.
+    fn first_stop(&self, own: Option<Stop>, links: &Links<'_>) -> Stop {
+        let all = links.all(&own.map(|stop| stop.on_rank(links.rank())));
+        let order = |stop: &Stop| stop.element();
+        all.into_iter().flatten().min_by_key(order).unwrap_or_else(|| self.unknown_stop())
+    }
+
+    /// The reason of a run that does not say why.
+    fn unknown_stop(&self) -> Stop {
+        Stop::Runaway { element: 0, step: self.step, speed: f64::NAN, limit: self.speed_limit }
     }
 
     /// Advances the run by `steps` steps.
@@ -413,25 +559,29 @@ where
     /// # Errors
     /// The reason why the run cannot continue. The run stays at the step in which this was found.
     pub fn advance(&mut self, steps: u64) -> Result<(), Stop> {
-        <[[f64; D]; N]>::advance(self, steps)
+        <[[f64; D]; N]>::advance(self, steps, None)
     }
 
-    /// Takes so many steps.
-    pub(crate) fn take(&mut self, steps: u64) -> Result<(), Stop> {
-        let team = self.team.clone();
+    /// Takes so many steps. `links`: messages to other ranks, if this is a part of a run; then it takes fewer if ranks must first look for elements near theirs.
+    pub(crate) fn take(&mut self, steps: u64, mut links: Option<&mut Links<'_>>) -> Result<(), Stop> {
         let last = self.step.saturating_add(steps).saturating_sub(1);
-        let done = team.keep_awake(|| {
-            (0..steps).try_for_each(|_| {
-                let energies = self.is_audited() || self.step == last;
-                self.step(energies)
-            })
-        });
+        let done = if let Some(links) = links.as_deref_mut() {
+            (0..steps).try_for_each(|_| if links.is_stale() { Ok(()) } else { self.one_of(last, Some(links)) })
+        } else {
+            let team = self.team.clone();
+            team.keep_awake(|| (0..steps).try_for_each(|_| self.one_of(last, None)))
+        };
         // Energies of the step that failed. Where a step turns velocities round, their product before and after it is negative, and says nothing.
         if done.is_err() {
             let kinetic = self.kinetic_of_half_step();
-            self.account(&kinetic);
+            self.account(&kinetic, links.as_deref());
         }
         done
+    }
+
+    /// Takes a step of many, of which this is the last.
+    fn one_of(&mut self, last: u64, links: Option<&mut Links<'_>>) -> Result<(), Stop> {
+        self.step(self.is_audited() || self.step == last, links)
     }
 
     /// Kinetic energy with the velocities half a step after the positions, J.
@@ -439,7 +589,8 @@ where
         let of = |(node, constants): (&Node<D>, &Constants)| {
             0.5 * constants.mass * dot(node.velocity, node.velocity)
         };
-        self.solid.nodes.iter().zip(&self.solid.constants).map(of).collect()
+        let all = self.solid.nodes.iter().zip(&self.solid.constants).enumerate();
+        all.filter(|(node, _)| self.solid.share.node(*node)).map(|(_, node)| of(node)).collect()
     }
 
     /// The model as it was given.
@@ -472,24 +623,19 @@ where
         self.energies
     }
 
-    /// Sum of the magnitudes of three works, J: of loads, of gravity, and of boundaries that move or hold nodes. `external`: their sum.
-    fn work_done(&self, external: f64) -> f64 {
+    /// Work of gravity so far, J.
+    fn work_of_gravity(&self) -> Sum {
+        if self.model.gravity == [0.0; D] {
+            return Sum::default();
+        }
         let factor = self.model.gravity_schedule.factor(self.time());
-        let by_gravity = |range: Range<usize>| {
-            let work = |node: usize| {
-                let moved = self.solid.displacement(node, &self.model);
-                factor * self.solid.constants[node].mass * dot(self.model.gravity, moved)
-            };
-            [range.map(work).collect()]
+        let work = |node: usize| {
+            let moved = self.solid.displacement(node, &self.model);
+            factor * self.solid.constants[node].mass * dot(self.model.gravity, moved)
         };
-        let [gravity] = if self.model.gravity == [0.0; D] {
-            [Sum::default()]
-        } else {
-            Sum::all(self.team.look(self.solid.nodes.len(), by_gravity))
-        };
-        let (loads, gravity) = (self.totals.loads.value(), gravity.value());
-        let held = external - loads - gravity;
-        loads.abs() + gravity.abs() + held.abs()
+        let of = |range: Range<usize>| [range.filter(|&node| self.solid.share.node(node)).map(work).collect()];
+        let [sum] = Sum::all(self.team.look(self.solid.nodes.len(), of));
+        sum
     }
 
     /// Force of a boundary on the bodies at the beginning of the last step, N; `None` if there is no such boundary.
@@ -543,17 +689,27 @@ where
         if node as usize >= self.topology.vertex_count() {
             return None;
         }
-        let node = self.solid.corners.node_at(self.topology.corners_of(node)[0]) as usize;
-        Some((self.solid.displacement(node, &self.model), self.solid.nodes[node].velocity))
+        Some(self.at_vertex(node))
+    }
+
+    /// Displacement, m, and velocity, m/s, of the first node of a vertex.
+    pub(crate) fn at_vertex(&self, vertex: u32) -> ([f64; D], [f64; D]) {
+        let node = self.solid.corners.node_at(self.topology.corners_of(vertex)[0]) as usize;
+        (self.solid.displacement(node, &self.model), self.solid.nodes[node].velocity)
     }
 
     /// Total lengths of joints that broke by opening, by sliding, and by both, m.
     pub fn crack_lengths(&self) -> [f64; 3] {
+        self.lengths_of_cracks(|_| true).map(|length| length.value())
+    }
+
+    /// Sums of the lengths of the broken joints that are `counted`, by mode.
+    pub(crate) fn lengths_of_cracks(&self, counted: impl Fn(u32) -> bool) -> [Sum; 3] {
         let mut lengths = [(); 3].map(|()| Sum::default());
-        for (joint, broken) in self.joints.breaks() {
+        for (_, joint, broken) in self.joints.breaks().filter(|(number, ..)| counted(*number)) {
             lengths[mode(broken.modes) as usize].add(joint.measure);
         }
-        lengths.map(|length| length.value())
+        lengths
     }
 
     /// Fragment of each element: elements that hang together by facets have one number, from 0 in the order of the first element of each fragment. The fragments
@@ -566,7 +722,7 @@ where
     pub fn forces(&self) -> Forces<D> {
         Forces {
             contacts: forces::contact_forces(&self.contacts, &self.joints, &self.solid, &self.topology),
-            reactions: forces::reactions(&self.solid, &self.topology, &self.loads, &self.held),
+            reactions: forces::reactions(self),
         }
     }
 
@@ -618,7 +774,7 @@ where
         run.solid.set_nodes(state.nodes, state.of_corner, &run.model);
         run.solid.restore(&state.stresses, &state.viscous, &state.dissipated);
         run.joints.restore(state.joints, &run.model, &run.topology, &run.solid)?;
-        run.contacts.restore(state.contacts, &run.joints, &run.topology);
+        run.contacts.restore(state.contacts, &run.joints, &run.topology, &run.solid.share);
         run.seams.restore(state.seams)?;
         run.step = state.step;
         run.totals = state.totals;
@@ -693,7 +849,7 @@ where
 }
 
 /// Mode of failure of a joint from its damage by opening and by sliding.
-fn mode(damages: [f64; 2]) -> Mode {
+pub(crate) fn mode(damages: [f64; 2]) -> Mode {
     let opening = damages[0] / (damages[0] + damages[1]).max(f64::MIN_POSITIVE);
     if opening >= 0.75 {
         Mode::Tension
@@ -705,14 +861,14 @@ fn mode(damages: [f64; 2]) -> Mode {
 }
 
 /// Measures the time since its last reading.
-struct Clock(Instant);
+pub(crate) struct Clock(Instant);
 
 impl Clock {
-    fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self(Instant::now())
     }
 
-    fn read(&mut self, sum: &mut Duration) {
+    pub(crate) fn read(&mut self, sum: &mut Duration) {
         let now = Instant::now();
         *sum += now - self.0;
         self.0 = now;

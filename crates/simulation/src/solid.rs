@@ -12,6 +12,7 @@ use crate::lanes::{Available, LANES, Lanes, Tensors, set_tensor, tensor};
 use crate::model::Model;
 use crate::simplex::Simplex;
 use crate::solid::batch::{Deformed, Given, Told, Undeformed, forces_of};
+use crate::share::Share;
 use crate::sum::Sum;
 use crate::team::Team;
 use crate::topology::{NONE, Nodes, Topology};
@@ -89,6 +90,7 @@ pub(crate) struct Solid<const D: usize = 2, const N: usize = 3> {
     /// Viscosity of the elements, likewise; empty without any.
     viscous: Vec<Viscous<D>>,
     pub(crate) corners: Nodes<N>,
+    pub(crate) share: Share,
     /// Thickness out of the plane, m; 1 in space.
     pub(crate) thickness: f64,
     /// Vector instructions of elements and joints.
@@ -127,6 +129,11 @@ where
     [[f64; D]; N]: Simplex<D, N>,
 {
     pub(crate) fn new(model: &Model<D, N>) -> Self {
+        Self::with_origin(model, middle_if_far(&model.mesh.nodes))
+    }
+
+    /// The nodes and elements of a model, or of a part of one, with this origin of positions, m.
+    pub(crate) fn with_origin(model: &Model<D, N>, origin: Point<D>) -> Self {
         let mesh = &model.mesh;
         let element = |number: usize| {
             let volume = corners_of(mesh, number).measure() * model.thickness;
@@ -157,7 +164,6 @@ where
             Vec::new()
         };
         let all = || mesh.nodes.iter().enumerate();
-        let origin = middle_if_far(&mesh.nodes);
         let nodes = all()
             .map(|(vertex, &place)| Node {
                 position: minus(place, origin),
@@ -194,6 +200,7 @@ where
             deformed,
             available: Available::best(),
             corners,
+            share: Share::default(),
             thickness: model.thickness,
             responses,
             heights,
@@ -279,6 +286,34 @@ where
             let element = corner as usize / N;
             elements[element].mass = mean_mass(constants, &corners.of_corner[element]);
         }
+    }
+
+    /// Sets the mass of every node, kg.
+    pub(crate) fn set_masses(&mut self, masses: &[f64]) {
+        for (constants, mass) in self.constants.iter_mut().zip(masses) {
+            constants.mass = *mass;
+        }
+        self.weigh_elements();
+    }
+
+    /// Sets the mass of the node of a corner, kg, and the mean mass of the element.
+    pub(crate) fn set_mass(&mut self, corner: u32, mass: f64) {
+        let element = corner as usize / N;
+        self.constants[self.corners.node_at(corner) as usize].mass = mass;
+        self.elements[element].mass = mean_mass(&self.constants, &self.corners.of_corner[element]);
+    }
+
+    /// Gives each group of these corners of a vertex a node of its own. Returns the nodes whose corners have changed.
+    pub(crate) fn split(&mut self, corners: &[u32], groups: &[u32]) -> Vec<u32> {
+        let Self { nodes, constants, corners: lists, share, .. } = self;
+        let mut changed = Vec::new();
+        lists.split(corners, groups, |old, new| {
+            nodes.push(nodes[old as usize]);
+            constants.push(constants[old as usize]);
+            share.split(old);
+            changed.extend([old, new]);
+        });
+        changed
     }
 
     /// Sets the mean masses of all elements from those of their nodes.
@@ -395,7 +430,8 @@ where
         team: &Team,
     ) -> Option<(u32, f64)> {
         let Self { nodes, elements, undeformed, deformed, forces, viscous, corners, responses, .. } = self;
-        let (heights, prestress, available) = (&self.heights, &self.prestress, self.available);
+        let (heights, prestress, available, share) =
+            (&self.heights, &self.prestress, self.available, &self.share);
         let found = team.change_batches::<LANES, _, _, _, _>(
             deformed,
             forces,
@@ -454,7 +490,7 @@ where
                     for (lane, (number, forces)) in range.zip(forces).enumerate() {
                         *forces = told.forces(lane);
                         let ratio = told.ratio.get(lane);
-                        if (ratio <= 0.0 || ratio.is_nan()) && inverted.is_none() {
+                        if (ratio <= 0.0 || ratio.is_nan()) && inverted.is_none() && share.element(number as u32) {
                             inverted = Some((number as u32, ratio));
                         }
                         if VISCOUS && given.viscosity.get(lane) > 0.0 {

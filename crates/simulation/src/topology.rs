@@ -35,6 +35,17 @@ pub(crate) struct Topology<const D: usize = 2, const N: usize = 3> {
     pub(crate) facets: Vec<Facet<D>>,
     /// The facets of each element, in the order of [`Simplex::FACETS`]; [`NONE`] on the surface.
     pub(crate) facet_of: Vec<[u32; N]>,
+    /// What is known of a part of a mesh; `None` for a whole one.
+    part: Option<PartOf<N>>,
+}
+
+/// How a part of a mesh hangs together with the rest.
+#[derive(Clone, Debug)]
+pub(crate) struct PartOf<const N: usize> {
+    /// Numbers of the elements in the whole mesh, ascending.
+    pub(crate) numbers: Vec<u32>,
+    /// Which facets of each element are on the surface of the whole mesh.
+    pub(crate) outer: Vec<[bool; N]>,
 }
 
 impl<const D: usize, const N: usize> Topology<D, N>
@@ -44,6 +55,11 @@ where
     /// The connectivity of a mesh.
     pub(crate) fn of(mesh: &Mesh<D, N>) -> Result<Self, ModelError> {
         Self::new(mesh.nodes.len(), &mesh.elements)
+    }
+
+    /// The connectivity of a part of a mesh.
+    pub(crate) fn of_part(mesh: &Mesh<D, N>, part: PartOf<N>) -> Result<Self, ModelError> {
+        Ok(Self { part: Some(part), ..Self::of(mesh)? })
     }
 
     /// The connectivity of elements with these of `vertices` vertices as corners.
@@ -66,18 +82,52 @@ where
             next[vertex as usize] += 1;
         }
         let (facets, facet_of) = facets(&vertices)?;
-        Ok(Self { vertices, offsets, corners, facets, facet_of })
+        Ok(Self { vertices, offsets, corners, facets, facet_of, part: None })
     }
 
-    /// The code of a facet, by which a saved run knows it: N times the number of its first element, and the place of the facet there.
+    /// Whether a facet without another element is on the surface of the whole mesh.
+    pub(crate) fn is_outer(&self, element: usize, k: usize) -> bool {
+        self.part.as_ref().is_none_or(|part| part.outer[element][k])
+    }
+
+    /// The number of an element in the whole mesh.
+    #[inline]
+    pub(crate) fn number(&self, element: u32) -> u32 {
+        self.part.as_ref().map_or(element, |part| part.numbers[element as usize])
+    }
+
+    /// The element with a number in the whole mesh; `None` if it is not in this part.
+    pub(crate) fn element(&self, number: u32) -> Option<u32> {
+        match &self.part {
+            Some(part) => part.numbers.binary_search(&number).ok().map(|element| element as u32),
+            None => ((number as usize) < self.facet_of.len()).then_some(number),
+        }
+    }
+
+    /// The code of a corner, the same in each part of a mesh: N times the number of its element, and its place there.
+    #[inline]
+    pub(crate) fn code_of_corner(&self, corner: u32) -> u32 {
+        self.number(corner / N as u32) * N as u32 + corner % N as u32
+    }
+
+    /// The corner with a code; `None` if its element is not in this part.
+    pub(crate) fn corner(&self, code: u32) -> Option<u32> {
+        self.element(code / N as u32).map(|element| element * N as u32 + code % N as u32)
+    }
+
+    /// The code of a side, an element's facet by its corners: N times the number of the element, and the place of the facet there.
+    pub(crate) fn code_of_side(&self, side: &[u32; D]) -> u32 {
+        self.number(side[0] / N as u32) * N as u32 + place_in_element::<D, N>(side) as u32
+    }
+
+    /// The code of a facet: that of its first side.
     pub(crate) fn code(&self, facet: u32) -> u32 {
-        let [side, _] = &self.facets[facet as usize].corners;
-        side[0] / N as u32 * N as u32 + place_in_element::<D, N>(side) as u32
+        self.code_of_side(&self.facets[facet as usize].corners[0])
     }
 
-    /// The facet with a code; `None` if there is none.
+    /// The facet with a code; `None` if there is none, or its elements are not in this part.
     pub(crate) fn facet_with(&self, code: u32) -> Option<u32> {
-        let facet = *self.facet_of.as_flattened().get(code as usize)?;
+        let facet = self.facet_of[self.element(code / N as u32)? as usize][code as usize % N];
         (facet != NONE && self.code(facet) == code).then_some(facet)
     }
 
@@ -92,8 +142,8 @@ where
 
     /// Facets on the surface, each by its corners.
     pub(crate) fn surface(&self) -> impl Iterator<Item = [u32; D]> + '_ {
-        self.facet_of.iter().enumerate().flat_map(|(element, facets)| {
-            let outer = (0..N).filter(|&k| facets[k] == NONE);
+        self.facet_of.iter().enumerate().flat_map(move |(element, facets)| {
+            let outer = (0..N).filter(move |&k| facets[k] == NONE && self.is_outer(element, k));
             outer.map(move |k| corners_of_facet(element, k))
         })
     }
@@ -102,7 +152,7 @@ where
     pub(crate) fn surface_at(&self, vertex: u32) -> impl Iterator<Item = [u32; D]> + '_ {
         self.corners_of(vertex).iter().flat_map(move |&corner| {
             let element = corner as usize / N;
-            let outer = move |k: &usize| self.facet_of[element][*k] == NONE;
+            let outer = move |k: &usize| self.facet_of[element][*k] == NONE && self.is_outer(element, *k);
             let at = <[[f64; D]; N]>::AT_CORNER[corner as usize % N];
             at.into_iter().filter(outer).map(move |k| corners_of_facet(element, k))
         })

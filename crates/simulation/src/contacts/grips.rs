@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::contacts::law::Law;
 use crate::lanes::{LANES, Lanes, Rows, compiled_for_vectors, larger, row, rows, set_row, smaller};
+use crate::ranks::wire::wire;
 use crate::simplex::{Interactions, Shapes, Simplex};
 use crate::vector::{Point, add, dot, minus, plus};
 
@@ -36,7 +37,7 @@ impl Works {
     serialize = "[f64; D]: Serialize, [f64; N]: Serialize",
     deserialize = "[f64; D]: Deserialize<'de>, [f64; N]: Deserialize<'de>"
 ))]
-pub(super) struct Grip<const D: usize, const N: usize> {
+pub(crate) struct Grip<const D: usize, const N: usize> {
     /// Friction on the first element, N.
     pub(super) friction: Point<D>,
     /// Damping on the first element, N.
@@ -48,6 +49,8 @@ pub(super) struct Grip<const D: usize, const N: usize> {
     /// Force on the first element, N, for results.
     pub(super) push: Point<D>,
 }
+
+wire!([const D: usize, const N: usize] Grip<D, N> { friction, damping, shares, credited_energy, push });
 
 impl<const D: usize, const N: usize> Grip<D, N> {
     pub(super) const NONE: Self = Self {

@@ -22,6 +22,8 @@ use crate::joints::whole::Link;
 use crate::joints::{Joints, Tip, measure_of};
 use crate::lanes::LANES;
 use crate::model::{Insertion, Model};
+use crate::ranks::Split;
+use crate::share::Share;
 use crate::simplex::Simplex;
 use crate::solid::Solid;
 use crate::team::Team;
@@ -93,14 +95,15 @@ impl<const D: usize> Joints<D> {
         failing
     }
 
-    /// Inserts joints on these facets, and splits the nodes at which elements are no longer connected.
+    /// Inserts joints on these facets, and splits the nodes at which elements are no longer connected. Returns the vertices at which this rank has done so.
     pub(crate) fn insert<const N: usize>(
         &mut self,
         failing: &[u32],
         solid: &mut Solid<D, N>,
         model: &Model<D, N>,
         topology: &Topology<D, N>,
-    ) where
+    ) -> Vec<Split<D>>
+    where
         [[f64; D]; N]: Simplex<D, N>,
     {
         let mut vertices = Vec::new();
@@ -115,17 +118,21 @@ impl<const D: usize> Joints<D> {
         }
         vertices.sort_unstable();
         vertices.dedup();
+        let mut split = Vec::new();
         for &vertex in &vertices {
-            self.part(vertex, solid, true, model, topology);
+            if topology.corners_of(vertex).iter().any(|&corner| solid.share.corner(corner)) {
+                split.push((vertex, self.part(vertex, solid, true, model, topology)));
+            }
         }
         if !vertices.is_empty() {
-            self.find_tips(&vertices, topology);
+            self.find_tips(&vertices, topology, &solid.share);
         }
+        split
     }
 
     /// Finds the facets at these vertices, ascending, that alone connect elements there, and can get a joint. What other joints change at the vertices of a facet, they
     /// change at these only.
-    pub(super) fn find_tips<const N: usize>(&mut self, vertices: &[u32], topology: &Topology<D, N>)
+    pub(super) fn find_tips<const N: usize>(&mut self, vertices: &[u32], topology: &Topology<D, N>, share: &Share)
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
@@ -133,13 +140,14 @@ impl<const D: usize> Joints<D> {
         let mut alone = Vec::new();
         for &vertex in vertices {
             topology.bridges(vertex, |facet| self.of_facet[facet as usize] == NONE, &mut alone);
-            let all = topology.facets_around(vertex).map(|(facet, _)| facet);
-            let together: Box<[u32]> = all
+            let owned = |(_, corner): &(u32, u32)| share.corner(*corner);
+            let all = || topology.facets_around(vertex).filter(owned).map(|(facet, _)| facet);
+            let together: Box<[u32]> = all()
                 .filter(|facet| {
                     self.of_facet[*facet as usize] == NONE && self.may_part(*facet) && !alone.contains(facet)
                 })
                 .collect();
-            alone.retain(|&facet| self.may_part(facet));
+            alone.retain(|&facet| self.may_part(facet) && (share.is_whole() || all().any(|own| own == facet)));
             if !alone.is_empty() || !together.is_empty() {
                 self.tips.push(Tip { vertex, alone: alone.as_slice().into(), together });
             }
@@ -271,7 +279,7 @@ impl<const D: usize> Joints<D> {
     }
 
     /// Splits the node of a vertex, so that each group of elements between joints has a node of its own. Joint ends that open begin with the traction that acts
-    /// there, if forces have `pulled` at the elements.
+    /// there, if forces have `pulled` at the elements. Returns these tractions, each with its facet.
     pub(crate) fn part<const N: usize>(
         &mut self,
         vertex: u32,
@@ -279,7 +287,8 @@ impl<const D: usize> Joints<D> {
         pulled: bool,
         model: &Model<D, N>,
         topology: &Topology<D, N>,
-    ) where
+    ) -> Vec<(u32, [f64; D])>
+    where
         [[f64; D]; N]: Simplex<D, N>,
     {
         let corners = topology.corners_of(vertex);
@@ -290,7 +299,8 @@ impl<const D: usize> Joints<D> {
         if pulled && solid.hold_at(corners[0]) == NONE {
             let state = State { solid, model, topology };
             let fan = Fan { vertex, groups: &groups, joints: self, state };
-            for (facet, corner) in topology.facets_around(vertex) {
+            let owned = |(_, corner): &(u32, u32)| solid.share.corner(*corner);
+            for (facet, corner) in topology.facets_around(vertex).filter(owned) {
                 let sides = fan.groups_beside(facet);
                 if sides[0] != sides[1] && fan.closed(facet) && fan.groups_of_node(corner) == 2 {
                     let traction = fan.held_by(sides, 0.0);
@@ -298,27 +308,22 @@ impl<const D: usize> Joints<D> {
                 }
             }
         }
-        let Solid { nodes, constants, corners: lists, .. } = solid;
-        let mut all = Vec::new();
-        lists.split(corners, &groups, |old, new| {
-            nodes.push(nodes[old as usize]);
-            constants.push(constants[old as usize]);
-            all.extend([old, new]);
-        });
-        for node in all {
+        let (owned, groups) = solid.share.owned(corners, &groups);
+        for node in solid.split(&owned, &groups) {
             solid.weigh(node, model);
         }
-        for &corner in corners {
+        for &corner in &owned {
             for facet in topology.facets_at(corner) {
                 let known = begin.iter().find(|(other, _)| *other == facet).map(|(_, traction)| *traction);
                 self.open(facet, vertex, known, solid, topology);
             }
         }
+        begin
     }
 
     /// Marks an end of a joint as open if it has two nodes now. `known`: the traction that held them together; if it is `None`, that of the two elements is
     /// taken.
-    fn open<const N: usize>(
+    pub(crate) fn open<const N: usize>(
         &mut self,
         facet: u32,
         vertex: u32,

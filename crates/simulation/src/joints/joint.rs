@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::cohesive::{Law, Memory, Plane};
+use crate::ranks::wire::Wire;
 use crate::simplex::Simplex;
 use crate::solid::{Node, Solid};
 use crate::topology::Facet;
@@ -64,6 +65,27 @@ pub(crate) struct Joint<const D: usize = 2> {
     pub(crate) fading: f64,
 }
 
+impl<const D: usize> Wire for Joint<D> {
+    fn put(&self, out: &mut Vec<u8>) {
+        let Self { facet, state, plane, ends, open, detached, faded, fading, .. } = self;
+        facet.put(out);
+        (*state as u8).put(out);
+        plane.put(out);
+        ends.put(out);
+        [*open, *detached].put(out);
+        [*faded, *fading].put(out);
+    }
+
+    fn take(bytes: &mut &[u8]) -> Self {
+        let facet = u32::take(bytes);
+        let state = [State::Holding, State::Broken, State::Removed][u8::take(bytes) as usize];
+        let (plane, ends) = (Plane::take(bytes), Wire::take(bytes));
+        let ([open, detached], [faded, fading]) = (Wire::take(bytes), Wire::take(bytes));
+        let nodes = no_nodes();
+        Self { facet, state, plane, law: no_law(), measure: 0.0, length: 0.0, nodes, ends, open, detached, faded, fading }
+    }
+}
+
 fn no_law() -> Law {
     Law { penalty: 0.0, tensile: 0.0, cohesion: 0.0, friction: 0.0, critical: [1.0; 2] }
 }
@@ -99,6 +121,11 @@ impl<const D: usize> Joint<D> {
     /// The joint of a saved run, with what is not saved.
     pub(super) fn restored(&self, saved: Self) -> Self {
         Self { facet: self.facet, law: self.law, measure: self.measure, length: self.length, ..saved }
+    }
+
+    /// Whether it is elastic or softening.
+    pub(crate) fn holds(&self) -> bool {
+        self.state == State::Holding
     }
 
     /// Damage from 0 (whole) to 1 (broken): the mean of its ends while the joint holds.
@@ -291,7 +318,7 @@ mod tests {
     fn a_broken_end_that_came_round_does_not_press() {
         let (model, topology) = two_triangles();
         let mut solid = Solid::new(&model);
-        let mut joints = Joints::new(&model, &topology);
+        let mut joints = Joints::new(&model, &topology, &solid.share);
         joints.everywhere(&model, &topology).expect("enough energy");
         for vertex in 0..4 {
             joints.part(vertex, &mut solid, false, &model, &topology);
@@ -326,7 +353,8 @@ mod tests {
     #[test]
     fn a_joint_that_opens_as_a_hinge_is_broken_at_both_ends() {
         let (model, topology) = two_triangles();
-        let (mut solid, mut joints) = (Solid::new(&model), Joints::new(&model, &topology));
+        let mut solid = Solid::new(&model);
+        let mut joints = Joints::new(&model, &topology, &solid.share);
         joints.everywhere(&model, &topology).expect("enough energy");
         for vertex in 0..4 {
             joints.part(vertex, &mut solid, false, &model, &topology);

@@ -12,7 +12,8 @@ mod potential;
 use crate::elastic::Moduli;
 use crate::error::Stop;
 use crate::lanes::Available;
-use crate::model::{Material, Plane};
+use crate::model::{Material, Model, Plane};
+use crate::ranks::Links;
 use crate::simplex::{Interactions, Shapes, Simplex};
 use crate::simulation::Simulation;
 use crate::vector::{Matrix, Point, dot, length, minus, unit};
@@ -34,8 +35,16 @@ impl Simplex<3, 4> for Tetrahedron {
     const SMALL: f64 = elastic::SMALL;
     const FACETS_ARE: &'static str = "faces";
 
-    fn advance(run: &mut Simulation<3, 4>, steps: u64) -> Result<(), Stop> {
-        run.take(steps)
+    fn advance(run: &mut Simulation<3, 4>, steps: u64, links: Option<&mut Links<'_>>) -> Result<(), Stop> {
+        run.take(steps, links)
+    }
+
+    fn encode(model: &Model<3, 4>) -> Vec<u8> {
+        postcard::to_allocvec(model).expect("a model has no values that cannot be written")
+    }
+
+    fn decode(bytes: &[u8]) -> Model<3, 4> {
+        postcard::from_bytes(bytes).expect("a message from the same program")
     }
 
     #[inline]

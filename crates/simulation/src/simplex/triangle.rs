@@ -8,7 +8,8 @@ mod potential;
 use crate::elastic::Moduli;
 use crate::error::Stop;
 use crate::lanes::Available;
-use crate::model::{Material, Plane};
+use crate::model::{Material, Model, Plane};
+use crate::ranks::Links;
 use crate::simplex::{Interactions, Shapes, Simplex};
 use crate::simulation::Simulation;
 use crate::vector::{Matrix, Point, cross, dot, length, minus};
@@ -25,8 +26,16 @@ impl Simplex<2, 3> for Triangle {
     const SMALL: f64 = f64::INFINITY;
     const FACETS_ARE: &'static str = "edges";
 
-    fn advance(run: &mut Simulation<2, 3>, steps: u64) -> Result<(), Stop> {
-        run.take(steps)
+    fn advance(run: &mut Simulation<2, 3>, steps: u64, links: Option<&mut Links<'_>>) -> Result<(), Stop> {
+        run.take(steps, links)
+    }
+
+    fn encode(model: &Model<2, 3>) -> Vec<u8> {
+        postcard::to_allocvec(model).expect("a model has no values that cannot be written")
+    }
+
+    fn decode(bytes: &[u8]) -> Model<2, 3> {
+        postcard::from_bytes(bytes).expect("a message from the same program")
     }
 
     #[inline]

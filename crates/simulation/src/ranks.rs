@@ -1,0 +1,386 @@
+//! One run on many ranks, with the results of one.
+//!
+//! Each rank owns nodes, and has every element, joint and couple that acts on them. It computes these exactly as their other owners do, and adds up the forces on its nodes in the order of
+//! the whole model. So only motions of nodes travel, once a step; where joints are inserted or break, the owner of a vertex also says how it has come apart. Energies are exact sums
+//! (`sum.rs`), which do not depend on who adds them up.
+//!
+//! A [`Simulation`] on a rank is one of a part of the model, with local numbers in the order of those of the whole model. `links.rs` has the messages of a step. `spread.rs` divides the nodes
+//! among ranks, and gives each rank its elements: at the beginning, when elements may have come near those of other ranks, and when the work is not even. `piece.rs` has what travels then.
+
+mod links;
+mod piece;
+mod spread;
+pub(crate) mod wire;
+
+use fdem_distributed::Communicator;
+
+use crate::critical::CriticalStep;
+use crate::energy::Energies;
+use crate::error::{ModelError, Stop};
+use crate::forces::{self, Forces};
+use crate::model::Model;
+pub(crate) use crate::ranks::links::{Links, Split, Told};
+use crate::ranks::piece::{Carried, message, of_message};
+pub(crate) use crate::ranks::piece::{Frame, Part};
+use crate::ranks::spread::{Division, spread};
+pub(crate) use crate::ranks::wire::Wire;
+use crate::ranks::wire::{bytes_of, value_of};
+use crate::simplex::Simplex;
+use crate::simulation::{Counts, Simulation, State, Timings};
+use crate::sum::Sum;
+use crate::team::Team;
+
+/// A run on many ranks. Its calls are collective: all ranks make the same calls in the same order.
+///
+/// Results are those of a [`Simulation`] of the same model, to the last bit, for any number of ranks and threads.
+///
+/// # Example
+/// ```
+/// # use fdem_simulation::*;
+/// # let mesh = Mesh { nodes: vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], elements: vec![[0, 1, 2]], bodies: vec![0], materials: vec![0] };
+/// # let material = Material { name: "rock".to_owned(), density: 2700.0, youngs_modulus: 50e9, poissons_ratio: 0.25, damping: 0.0, strength: None, friction: 0.5 };
+/// let model = Model { mesh, materials: vec![material], gravity: [0.0, -9.81], ..Model::default() };
+/// let mut whole = Simulation::new(model.clone(), 1)?;
+/// whole.advance(100)?;
+/// let states = fdem_distributed::threads::run(2, |communicator| {
+///     let run = (communicator.rank() == 0).then(|| Simulation::new(model.clone(), 1).unwrap());
+///     let mut run = Distributed::new(communicator, run, 1).unwrap();
+///     run.advance(100).unwrap();
+///     run.gathered()
+/// });
+/// // Rank 0 gets the whole run.
+/// assert_eq!(states[0].as_ref().map(Simulation::snapshot), Some(whole.snapshot()));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct Distributed<'c, const D: usize = 2, const N: usize = 3> {
+    communicator: &'c dyn Communicator,
+    frame: Frame<D, N>,
+    division: Option<Division<D>>,
+    run: Simulation<D, N>,
+    links: Links<'c>,
+    team: Team,
+    /// Number of times that elements were given to ranks, after the first.
+    spreads: u64,
+    /// Bytes and messages of earlier links.
+    sent: [u64; 2],
+}
+
+/// Sums of the traffic of a run on many ranks, and what each rank has.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Traffic {
+    /// Number of ranks.
+    pub ranks: usize,
+    /// Elements that this rank counts, and those that it computes too because they act on its nodes or are near its elements.
+    pub own: usize,
+    /// See `own`.
+    pub halo: usize,
+    /// Ranks with which this one shares nodes.
+    pub neighbours: usize,
+    /// Bytes of motions of nodes that this rank has sent in all steps.
+    pub bytes: u64,
+    /// Messages with them.
+    pub messages: u64,
+    /// How often elements were given to ranks again.
+    pub spreads: u64,
+}
+
+impl<'c, const D: usize, const N: usize> Distributed<'c, D, N>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    /// Distributes a run that rank 0 has among all ranks. `threads`: threads of each rank; 0 for one per processor.
+    ///
+    /// # Errors
+    /// If threads cannot be started.
+    ///
+    /// # Panics
+    /// If rank 0 gives no run.
+    pub fn new(
+        communicator: &'c dyn Communicator,
+        run: Option<Simulation<D, N>>,
+        threads: usize,
+    ) -> Result<Self, ModelError> {
+        let mut run = run;
+        let mut bytes = Vec::new();
+        if communicator.rank() == 0 {
+            let run = run.as_mut().expect("rank 0 has the run");
+            run.watch();
+            bytes = bytes_of(&[Frame::of(run).bytes(), run.carried().bytes()]);
+        } else {
+            run = None;
+        }
+        communicator.broadcast(&mut bytes);
+        let [frame, common]: [Vec<u8>; 2] = value_of(&bytes);
+        let frame = Frame::of_bytes(&frame);
+        let team = Team::new(threads)?;
+        let carried = run.as_ref().map_or_else(|| Carried::of_bytes(&common), Simulation::carried);
+        let mut division = None;
+        let (run, links) = part(run, None, &mut division, &frame, carried, communicator, &team)?;
+        Ok(Self { communicator, frame, division, run, links, team, spreads: 0, sent: [0; 2] })
+    }
+
+    /// Advances the run by `steps` steps.
+    ///
+    /// # Errors
+    /// The reason why the run cannot continue, the same on all ranks.
+    pub fn advance(&mut self, steps: u64) -> Result<(), Stop> {
+        let end = self.run.step + steps;
+        while self.run.step < end {
+            if self.links.is_stale() {
+                self.spread().map_err(|error| Stop::OnRank {
+                    rank: self.communicator.rank(),
+                    reason: error.to_string(),
+                })?;
+            }
+            let left = end - self.run.step;
+            <[[f64; D]; N]>::advance(&mut self.run, left, Some(&mut self.links))?;
+        }
+        Ok(())
+    }
+
+    /// Gives ranks the elements that they need now.
+    fn spread(&mut self) -> Result<(), ModelError> {
+        self.run.watch();
+        let carried = self.run.carried();
+        for (sum, more) in self.sent.iter_mut().zip(self.links.sent) {
+            *sum += more;
+        }
+        let Self { communicator, frame, division, run, links, team, .. } = self;
+        let taken = std::mem::replace(run, Simulation::nothing(frame, team.clone())?);
+        let (new, messages) =
+            part(Some(taken), Some(links), division, frame, carried, *communicator, team)?;
+        (self.run, self.links) = (new, messages);
+        self.spreads += 1;
+        Ok(())
+    }
+
+    /// Steps done.
+    pub fn steps(&self) -> u64 {
+        self.run.steps()
+    }
+
+    /// Simulated time, s.
+    pub fn time(&self) -> f64 {
+        self.run.time()
+    }
+
+    /// Time step, s.
+    pub fn time_step(&self) -> f64 {
+        self.run.time_step()
+    }
+
+    /// The longest stable time step, and what sets it.
+    pub fn critical_step(&self) -> CriticalStep {
+        self.run.critical_step()
+    }
+
+    /// Energies at the beginning of the last step, J.
+    pub fn energies(&self) -> Energies {
+        self.run.energies()
+    }
+
+    /// Force of a boundary on the bodies at the beginning of the last step, N; `None` if there is no such boundary.
+    pub fn force(&self, boundary: usize) -> Option<[f64; D]> {
+        self.run.force(boundary)
+    }
+
+    /// Computing time of this rank so far, by parts of the steps.
+    pub fn timings(&self) -> Timings {
+        self.run.timings()
+    }
+
+    /// Number of threads of this rank.
+    pub fn threads(&self) -> usize {
+        self.run.threads()
+    }
+
+    /// What this rank has, and what it has sent.
+    pub fn traffic(&self) -> Traffic {
+        let share = &self.run.solid.share;
+        let elements = self.run.solid.elements.len();
+        let own = (0..elements as u32).filter(|&element| share.element(element)).count();
+        Traffic {
+            ranks: self.communicator.size(),
+            own,
+            halo: elements - own,
+            neighbours: self.links.neighbours.len(),
+            bytes: self.sent[0] + self.links.sent[0],
+            messages: self.sent[1] + self.links.sent[1],
+            spreads: self.spreads,
+        }
+    }
+
+    /// Numbers of joints, contacts and nodes of the whole run. Detections are those of the rank with most.
+    pub fn counts(&self) -> Counts {
+        let own = self.run.own_counts();
+        let numbers = |counts: &Counts| [counts.joints, counts.broken, counts.contacts, counts.nodes].map(|count| count as i64);
+        let mut sums = numbers(&own);
+        self.communicator.all_sum(&mut sums);
+        let mut most = [own.detections as f64];
+        self.communicator.all_max(&mut most);
+        let [joints, broken, contacts, nodes] = sums.map(|sum| sum as usize);
+        Counts { joints, broken, contacts, detections: most[0] as u64, nodes }
+    }
+
+    /// The elements of the first couple in which one element reached the centroid of the other in the last step; `None` if there is no such couple.
+    pub fn penetrated(&self) -> Option<[u32; 2]> {
+        let own = self.run.touching.deep.map(|pair| pair.map(|element| self.run.topology.number(element)));
+        self.links.all(&own).into_iter().flatten().min()
+    }
+
+    /// Displacement, m, and velocity, m/s, of a node of the mesh; those of the first of its nodes if the mesh has broken there. `None` if there is no such node.
+    pub fn node(&self, node: u32) -> Option<([f64; D], [f64; D])> {
+        let own = self.run.own_node(node).map(|(displacement, velocity)| [displacement, velocity]);
+        let [displacement, velocity] = self.links.all(&own).into_iter().flatten().next()?;
+        Some((displacement, velocity))
+    }
+
+    /// Total lengths, m, or areas, m², of joints that broke by opening, by sliding, and by both.
+    pub fn crack_lengths(&self) -> [f64; 3] {
+        let mut lengths = self.run.own_crack_lengths();
+        let [a, b, c] = &mut lengths;
+        self.links.add_up(&mut [a, b, c]);
+        lengths.map(|length| length.value())
+    }
+
+    /// Forces of contacts and boundaries at the beginning of the last step, on rank 0. `whole`: the run of [`gathered`](Self::gathered).
+    pub fn forces(&self, whole: Option<&Simulation<D, N>>) -> Option<Forces<D>> {
+        let own = forces::own_reactions(&self.run);
+        let mut all = self.collect(&bytes_of(&own))?.into_iter().flat_map(|bytes| value_of::<Vec<(u32, [f64; D])>>(&bytes));
+        whole.map(|whole| Forces {
+            contacts: whole.forces().contacts,
+            reactions: forces::placed_reactions(whole, &mut all),
+        })
+    }
+
+    /// The whole run, on rank 0; `None` on the others. It has the state of this one, and may be saved, drawn, or advanced by itself.
+    ///
+    /// # Panics
+    /// If the parts do not fit together, which would be a bug.
+    pub fn gathered(&self) -> Option<Simulation<D, N>> {
+        let mut carried = self.run.carried();
+        let totals = &mut carried.totals;
+        self.links.add_up(&mut [
+            &mut totals.friction,
+            &mut totals.handed_over,
+            &mut totals.damping,
+            &mut totals.external,
+            &mut totals.loads,
+        ]);
+        // Everything goes to rank 0.
+        let pieces = self.run.pieces(&vec![0; self.run.solid.elements.len() * N]);
+        let messages = self.collect(&message(&pieces))?;
+        let mut whole = piece::Pieces::default();
+        for bytes in messages {
+            whole.add(of_message(&bytes));
+        }
+        let team = self.team.clone();
+        Some(Simulation::of_pieces(&self.frame, whole, carried, 0, team).expect("the parts of a run fit together"))
+    }
+
+    /// The state of the whole run, on rank 0; `None` on the others.
+    pub fn state(&self) -> Option<State<D, N>> {
+        self.gathered().map(|whole| whole.state())
+    }
+
+    /// The model without its mesh and without the nodes and facets on which boundaries act.
+    pub fn model(&self) -> &Model<D, N> {
+        &self.frame.model
+    }
+
+    /// Number of elements of the whole model.
+    pub fn elements(&self) -> usize {
+        self.frame.elements as usize
+    }
+
+    /// Bytes of all ranks, in their order, on rank 0.
+    fn collect(&self, bytes: &[u8]) -> Option<Vec<Vec<u8>>> {
+        if self.communicator.rank() > 0 {
+            self.communicator.send(0, bytes);
+            return None;
+        }
+        let others = (1..self.communicator.size()).map(|rank| self.communicator.receive(rank));
+        Some(std::iter::once(bytes.to_vec()).chain(others).collect())
+    }
+}
+
+/// Gives this rank its part of a run.
+fn part<'c, const D: usize, const N: usize>(
+    run: Option<Simulation<D, N>>,
+    links: Option<&Links<'c>>,
+    division: &mut Option<Division<D>>,
+    frame: &Frame<D, N>,
+    carried: Carried<D>,
+    communicator: &'c dyn Communicator,
+    team: &Team,
+) -> Result<(Simulation<D, N>, Links<'c>), ModelError>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    let (pieces, near) = spread(run.as_ref(), links, division, frame, communicator);
+    // The memory of the old part is free before that of the new one is needed.
+    drop(run);
+    let mut run = Simulation::of_pieces(frame, pieces, carried, communicator.rank() as u32, team.clone())?;
+    let links = near.links(&mut run, communicator);
+    Ok((run, links))
+}
+
+impl<const D: usize, const N: usize> Simulation<D, N>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    /// A run without elements.
+    fn nothing(frame: &Frame<D, N>, team: Team) -> Result<Self, ModelError> {
+        let common = Carried {
+            step: 0,
+            totals: Default::default(),
+            energies: Energies::default(),
+            reactions: Vec::new(),
+            timings: Timings::default(),
+            detections: 0,
+        };
+        Self::of_pieces(frame, piece::Pieces::default(), common, u32::MAX, team)
+    }
+
+    /// Watches all bare elements.
+    pub(crate) fn watch(&mut self) {
+        self.contacts.watch_bare(&self.joints, &self.topology);
+    }
+
+    /// What this rank counts.
+    fn own_counts(&self) -> Counts {
+        let share = &self.solid.share;
+        let (mut joints, mut broken) = (0, 0);
+        for (number, joint) in self.joints.all.iter().enumerate() {
+            if self.joints.counts(number, &self.topology, share) {
+                if joint.holds() { joints += 1 } else { broken += 1 }
+            }
+        }
+        let loose = self.part.as_ref().map_or(0, |part| part.loose_joints.len());
+        Counts {
+            joints,
+            broken: broken + loose,
+            contacts: self.touching.count,
+            detections: self.contacts.detections,
+            nodes: (0..self.solid.nodes.len()).filter(|&node| share.node(node)).count(),
+        }
+    }
+
+    /// Displacement and velocity of a node of the mesh, if this rank owns its first corner.
+    fn own_node(&self, node: u32) -> Option<([f64; D], [f64; D])> {
+        let vertex = self.vertex_with(node)?;
+        let first = *self.topology.corners_of(vertex).first()?;
+        let is_first = self.part.as_ref().is_none_or(|part| part.is_first(vertex, self.topology.code_of_corner(first)));
+        (is_first && self.solid.share.corner(first)).then(|| self.at_vertex(vertex))
+    }
+
+    fn own_crack_lengths(&self) -> [Sum; 3] {
+        let share = &self.solid.share;
+        let counted = |joint: u32| self.joints.counts(joint as usize, &self.topology, share);
+        let mut lengths = self.lengths_of_cracks(counted);
+        for (modes, measure) in self.part.iter().flat_map(|part| &part.loose_joints).filter_map(|moving| moving.failed()) {
+            lengths[crate::simulation::mode(modes) as usize].add(measure);
+        }
+        lengths
+    }
+}

@@ -1,0 +1,645 @@
+//! Parts of a simulation on their way between ranks, and the simulation that a rank makes of them.
+//!
+//! All numbers are those of the whole model, and all facets and corners are codes (`topology.rs`): they mean the same on every rank.
+
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+
+use fdem_mesh::Mesh;
+
+use crate::contacts::{Contacts, Grip, Saved as SavedContacts};
+use crate::critical::CriticalStep;
+use crate::energy::Energies;
+use crate::error::ModelError;
+use crate::ground::radii;
+use crate::joints::{Joints, Moving, Saved};
+use crate::loads::{Loads, Wide, nodes_of, outer_side};
+use crate::model::{Load, Model, Target};
+use crate::ranks::wire::{Wire, bytes_of, value_of, wire};
+use crate::seams::{Hold, Seams};
+use crate::share::Share;
+use crate::simplex::Simplex;
+use crate::simulation::{Parts, Simulation, Timings, Totals};
+use crate::solid::{Node, Solid};
+use crate::sum::Sum;
+use crate::team::Team;
+use crate::topology::{PartOf, Topology};
+use crate::vector::{Matrix, Point};
+
+/// A corner of an element.
+#[derive(Clone, Debug)]
+pub(super) struct Corner<const D: usize> {
+    vertex: u32,
+    /// Undeformed position, m.
+    place: Point<D>,
+    /// The rank that owns the corner.
+    pub(super) owner: u32,
+    /// Code of the first corner of its node.
+    node: u32,
+    pub(super) position: Point<D>,
+    velocity: Point<D>,
+    mass: f64,
+    /// See [`Contacts`].
+    group: u32,
+    free: bool,
+    /// Number of corners at the vertex, and code of the first.
+    corners: u32,
+    first: u32,
+    /// Boundaries that act on the vertex.
+    boundaries: Vec<u32>,
+}
+
+wire!([const D: usize] Corner<D> {
+    vertex, place, owner, node, position, velocity, mass, group, free, corners, first, boundaries,
+});
+
+/// A facet on which a boundary acts.
+#[derive(Clone, Debug)]
+struct Side<const D: usize> {
+    boundary: u32,
+    /// Place of the facet among those of the boundary.
+    place: u32,
+    vertices: [u32; D],
+    /// Static forces of the ground beyond it, N.
+    held: [Point<D>; D],
+}
+
+wire!([const D: usize] Side<D> { boundary, place, vertices, held });
+
+/// An element with all that is known at its corners.
+#[derive(Clone, Debug)]
+pub(super) struct Piece<const D: usize, const N: usize> {
+    pub(super) number: u32,
+    body: u32,
+    material: u32,
+    pub(super) watched: bool,
+    /// Which of its facets are on the surface of the mesh.
+    outer: [bool; N],
+    initial: Option<Matrix<D>>,
+    stress: Matrix<D>,
+    viscous: Matrix<D>,
+    dissipated: f64,
+    pub(super) corners: [Corner<D>; N],
+    sides: Vec<Side<D>>,
+}
+
+wire!([const D: usize, const N: usize] Piece<D, N> {
+    number, body, material, watched, outer, initial, stress, viscous, dissipated, corners, sides,
+});
+
+impl<const D: usize, const N: usize> Piece<D, N> {
+    /// The ranks that own its corners, each once, ascending.
+    pub(super) fn owners(&self) -> impl Iterator<Item = u32> + use<D, N> {
+        let mut owners = [u32::MAX; N];
+        for (owner, corner) in owners.iter_mut().zip(&self.corners) {
+            *owner = corner.owner;
+        }
+        owners.sort_unstable();
+        (0..N).filter(move |&k| k == 0 || owners[k] != owners[k - 1]).map(move |k| owners[k])
+    }
+
+    /// Whether it had stress at the beginning.
+    pub(super) fn is_stressed(&self) -> bool {
+        self.initial.is_some()
+    }
+
+    /// The rank that counts it.
+    pub(super) fn counted_by(&self) -> u32 {
+        self.corners[0].owner
+    }
+
+    /// The box around it.
+    pub(super) fn bounds(&self) -> [Point<D>; 2] {
+        let along = |axis: usize| self.corners.iter().map(move |corner| corner.position[axis]);
+        [
+            std::array::from_fn(|axis| along(axis).fold(f64::INFINITY, f64::min)),
+            std::array::from_fn(|axis| along(axis).fold(f64::NEG_INFINITY, f64::max)),
+        ]
+    }
+}
+
+/// A point of a seam, by the codes of its two sides and its place among their points.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Point2<const D: usize> {
+    pub(super) sides: [u32; 2],
+    pub(super) place: u32,
+    pub(super) hold: Hold<D>,
+}
+
+wire!([const D: usize] Point2<D> { sides, place, hold });
+
+/// The history of a couple that touches.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Touch<const D: usize, const N: usize> {
+    pub(super) elements: [u32; 2],
+    pub(super) grip: Grip<D, N>,
+}
+
+wire!([const D: usize, const N: usize] Touch<D, N> { elements, grip });
+
+/// All that a rank makes its part of.
+#[derive(Clone, Debug)]
+pub(super) struct Pieces<const D: usize, const N: usize> {
+    pub(super) elements: Vec<Piece<D, N>>,
+    pub(super) joints: Vec<Moving<D>>,
+    pub(super) touching: Vec<Touch<D, N>>,
+    pub(super) seams: Vec<Point2<D>>,
+    /// Elements that have separated or become bare in the last step: see [`Contacts`].
+    pub(super) parted: Vec<[u32; 2]>,
+    pub(super) bared: Vec<u32>,
+}
+
+wire!([const D: usize, const N: usize] Pieces<D, N> { elements, joints, touching, seams, parted, bared });
+
+impl<const D: usize, const N: usize> Default for Pieces<D, N> {
+    fn default() -> Self {
+        Self {
+            elements: Vec::new(),
+            joints: Vec::new(),
+            touching: Vec::new(),
+            seams: Vec::new(),
+            parted: Vec::new(),
+            bared: Vec::new(),
+        }
+    }
+}
+
+impl<const D: usize, const N: usize> Pieces<D, N> {
+    pub(super) fn is_empty(&self) -> bool {
+        self.elements.is_empty() && self.joints.is_empty() && self.touching.is_empty() && self.seams.is_empty()
+    }
+
+    pub(super) fn add(&mut self, more: Self) {
+        self.elements.extend(more.elements);
+        self.joints.extend(more.joints);
+        self.touching.extend(more.touching);
+        self.seams.extend(more.seams);
+        self.parted.extend(more.parted);
+        self.bared.extend(more.bared);
+    }
+}
+
+/// What all ranks know: the model without its mesh, and numbers of the whole run.
+#[derive(Clone, Debug)]
+pub(crate) struct Frame<const D: usize, const N: usize> {
+    pub(crate) model: Model<D, N>,
+    pub(crate) origin: Point<D>,
+    pub(crate) critical: CriticalStep,
+    pub(crate) time_step: f64,
+    pub(crate) speed_limit: f64,
+    pub(crate) negligible: f64,
+    /// Mean length of edges, and length of the longest, m.
+    pub(crate) edge: f64,
+    pub(crate) longest: f64,
+    /// Number of elements of the whole model.
+    pub(crate) elements: u32,
+    /// Number of nodes of the mesh on which each boundary acts.
+    nodes: Vec<u32>,
+    radii: BTreeMap<u32, f64>,
+}
+
+impl<const D: usize, const N: usize> Frame<D, N>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    /// The frame of a whole simulation.
+    pub(super) fn of(run: &Simulation<D, N>) -> Self {
+        let whole = &run.model;
+        let boundaries = whole.boundaries.iter().map(|boundary| {
+            let mut boundary = boundary.clone();
+            boundary.target = match boundary.target {
+                Target::Nodes(_) => Target::Nodes(Vec::new()),
+                Target::Facets(_) => Target::Facets(Vec::new()),
+            };
+            boundary
+        });
+        let model = Model {
+            mesh: Mesh::default(),
+            boundaries: boundaries.collect(),
+            velocities: Vec::new(),
+            stresses: Vec::new(),
+            ..whole.clone()
+        };
+        let shape = |element: usize| crate::solid::corners_of(&whole.mesh, element);
+        let edges = (0..whole.mesh.elements.len()).flat_map(|element| {
+            let shape = shape(element);
+            <[[f64; D]; N]>::FACETS.map(|facet| {
+                <[[f64; D]; N]>::facet_length(<[[f64; D]; N]>::facet_measure(&facet.map(|corner| shape[corner])))
+            })
+        });
+        Self {
+            model,
+            origin: run.solid.origin,
+            critical: run.critical,
+            time_step: run.time_step,
+            speed_limit: run.speed_limit,
+            negligible: run.negligible,
+            edge: crate::contacts::mean_edge(whole),
+            longest: edges.fold(0.0, f64::max),
+            elements: whole.mesh.elements.len() as u32,
+            nodes: whole.boundaries.iter().map(|boundary| nodes_of(&boundary.target).len() as u32).collect(),
+            radii: if run.loads.ground.is_empty() { BTreeMap::new() } else { radii(whole) },
+        }
+    }
+
+    pub(super) fn bytes(&self) -> Vec<u8> {
+        let Self { critical, time_step, speed_limit, negligible, edge, longest, .. } = self;
+        let mut bytes = bytes_of(&<[[f64; D]; N]>::encode(&self.model));
+        self.origin.put(&mut bytes);
+        (critical.step, (critical.element, critical.cause as u8)).put(&mut bytes);
+        [*time_step, *speed_limit, *negligible, *edge, *longest].put(&mut bytes);
+        self.elements.put(&mut bytes);
+        self.nodes.put(&mut bytes);
+        self.radii.iter().map(|(&body, &radius)| (body, radius)).collect::<Vec<_>>().put(&mut bytes);
+        bytes
+    }
+
+    pub(super) fn of_bytes(mut bytes: &[u8]) -> Self {
+        let bytes = &mut bytes;
+        let model = <[[f64; D]; N]>::decode(&Vec::take(bytes));
+        let origin = Wire::take(bytes);
+        let (step, (element, cause)) = Wire::take(bytes);
+        let critical = CriticalStep { step, element, cause: CriticalStep::cause_of(cause) };
+        let [time_step, speed_limit, negligible, edge, longest] = Wire::take(bytes);
+        let (elements, nodes) = (u32::take(bytes), Vec::take(bytes));
+        let radii = Vec::take(bytes).into_iter().collect();
+        Self { model, origin, critical, time_step, speed_limit, negligible, edge, longest, elements, nodes, radii }
+    }
+}
+
+/// What a run keeps when its elements change.
+#[derive(Clone, Debug)]
+pub(super) struct Carried<const D: usize> {
+    pub(super) step: u64,
+    pub(super) totals: Totals,
+    pub(super) energies: Energies,
+    pub(super) reactions: Vec<Point<D>>,
+    pub(super) timings: Timings,
+    pub(super) detections: u64,
+}
+
+impl<const D: usize> Carried<D> {
+    /// Bytes of what all ranks have in common.
+    pub(super) fn bytes(&self) -> Vec<u8> {
+        let Totals { first, exchanged, most_cohesive, .. } = &self.totals;
+        let mut bytes = bytes_of(&self.step);
+        first.map(|energies| energies.numbers()).put(&mut bytes);
+        [*exchanged, *most_cohesive].put(&mut bytes);
+        self.energies.numbers().put(&mut bytes);
+        self.reactions.put(&mut bytes);
+        bytes
+    }
+
+    /// What a rank without a part begins with.
+    pub(super) fn of_bytes(mut bytes: &[u8]) -> Self {
+        let bytes = &mut bytes;
+        let step = u64::take(bytes);
+        let first = Option::take(bytes).map(Energies::of_numbers);
+        let [exchanged, most_cohesive] = Wire::take(bytes);
+        let energies = Energies::of_numbers(Wire::take(bytes));
+        let reactions = Vec::take(bytes);
+        let totals = Totals { first, exchanged, most_cohesive, ..Totals::default() };
+        Self { step, totals, energies, reactions, timings: Timings::default(), detections: 0 }
+    }
+}
+
+/// A part of a run, besides what every [`Simulation`] has.
+#[derive(Debug)]
+pub(crate) struct Part<const D: usize> {
+    /// The rank that owns each corner.
+    pub(super) owners: Vec<u32>,
+    /// Number of each vertex in the whole mesh.
+    vertices: Vec<u32>,
+    /// Code of the first corner of each vertex in the whole mesh.
+    first: Vec<u32>,
+    wide: Wide,
+    /// For each boundary, the places of its facets among all of its facets.
+    places: Vec<Vec<u32>>,
+    /// Joints and points of seams that this rank counts, and whose other element is elsewhere: they have no force any more.
+    pub(super) loose_joints: Vec<Moving<D>>,
+    pub(super) loose_seams: Vec<Point2<D>>,
+    /// Whether each element is near elements that act on other ranks.
+    pub(super) near: Vec<bool>,
+}
+
+/// Numbers of the whole model, for the pieces of a part.
+struct Lookup<'a, const D: usize, const N: usize> {
+    run: &'a Simulation<D, N>,
+    /// Boundaries on each vertex.
+    boundaries: HashMap<u32, Vec<u32>>,
+    sides: HashMap<u32, Vec<Side<D>>>,
+    viscous: Vec<Matrix<D>>,
+    dissipated: Vec<f64>,
+}
+
+impl<'a, const D: usize, const N: usize> Lookup<'a, D, N>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    fn new(run: &'a Simulation<D, N>) -> Self {
+        let (mut boundaries, mut sides) = (HashMap::<u32, Vec<u32>>::new(), HashMap::<u32, Vec<Side<D>>>::new());
+        let mut held = run.loads.ground.held();
+        for (number, boundary) in (0..).zip(&run.model.boundaries) {
+            if acts_on_nodes(&boundary.load) {
+                for vertex in nodes_of(&boundary.target) {
+                    boundaries.entry(vertex).or_default().push(number);
+                }
+                continue;
+            }
+            let Target::Facets(facets) = &boundary.target else { continue };
+            for (k, facet) in facets.iter().enumerate() {
+                let Ok(side) = outer_side(&run.model, &run.topology, *facet, &boundary.name) else { continue };
+                let absorbing = matches!(boundary.load, Load::Absorbing);
+                let held = if absorbing { held.next().map(|(_, held)| held) } else { None };
+                sides.entry(side.corners[0] / N as u32).or_default().push(Side {
+                    boundary: number,
+                    place: run.part.as_ref().map_or(k as u32, |part| part.places[number as usize][k]),
+                    vertices: facet.map(|vertex| run.vertex(vertex)),
+                    held: held.unwrap_or([[0.0; D]; D]),
+                });
+            }
+        }
+        let (viscous, dissipated) = (run.solid.viscous(), run.solid.dissipated());
+        Self { run, boundaries, sides, viscous, dissipated }
+    }
+
+    /// An element with all that is known of it. `owners`: the ranks that own each corner from now on.
+    fn piece(&self, element: u32, owners: &[u32]) -> Piece<D, N> {
+        let Self { run, .. } = *self;
+        let (topology, solid, k) = (&run.topology, &run.solid, element as usize);
+        let corner = |corner: usize| {
+            let number = element * N as u32 + corner as u32;
+            let (vertex, node) = (topology.vertices[number as usize], solid.corners.node_at(number));
+            let Node { position, velocity } = solid.nodes[node as usize];
+            let star = topology.corners_of(vertex);
+            let (count, first) = (star.len() as u32, topology.code_of_corner(star[0]));
+            Corner {
+                vertex: run.vertex(vertex),
+                place: run.model.mesh.nodes[vertex as usize],
+                owner: owners[number as usize],
+                node: topology.code_of_corner(solid.corners.of(node as usize)[0]),
+                position,
+                velocity,
+                mass: solid.constants[node as usize].mass,
+                group: run.contacts.groups[number as usize],
+                free: run.contacts.free[vertex as usize],
+                corners: run.part.as_ref().map_or(count, |part| part.wide.corners[vertex as usize]),
+                first: run.part.as_ref().map_or(first, |part| part.first[vertex as usize]),
+                boundaries: self.boundaries.get(&vertex).cloned().unwrap_or_default(),
+            }
+        };
+        let outer = |facet: usize| {
+            topology.facet_of[k][facet] == crate::topology::NONE && topology.is_outer(k, facet)
+        };
+        Piece {
+            number: topology.number(element),
+            body: run.model.mesh.bodies[k],
+            material: run.model.mesh.materials[k],
+            watched: run.contacts.watched[k],
+            outer: std::array::from_fn(outer),
+            initial: run.model.stresses.get(k).copied(),
+            stress: solid.stress(k),
+            viscous: self.viscous[k],
+            dissipated: self.dissipated.get(k).copied().unwrap_or_default(),
+            corners: std::array::from_fn(corner),
+            sides: self.sides.get(&element).cloned().unwrap_or_default(),
+        }
+    }
+}
+
+/// Whether a load acts on nodes, and not on facets.
+fn acts_on_nodes<const D: usize>(load: &Load<D>) -> bool {
+    matches!(load, Load::Velocity(_) | Load::Displacement(_) | Load::Force(_))
+}
+
+impl<const D: usize, const N: usize> Simulation<D, N>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    /// Number of a vertex in the whole mesh.
+    fn vertex(&self, vertex: u32) -> u32 {
+        self.part.as_ref().map_or(vertex, |part| part.vertices[vertex as usize])
+    }
+
+    /// Vertex with a number in the whole mesh.
+    pub(super) fn vertex_with(&self, number: u32) -> Option<u32> {
+        match &self.part {
+            Some(part) => part.vertices.binary_search(&number).ok().map(|vertex| vertex as u32),
+            None => Some(number),
+        }
+    }
+
+    /// All that this rank counts. `owners`: the ranks that own each corner from now on.
+    pub(super) fn pieces(&self, owners: &[u32]) -> Pieces<D, N> {
+        let share = &self.solid.share;
+        let lookup = Lookup::new(self);
+        let elements = (0..self.solid.elements.len() as u32).filter(|&element| share.element(element));
+        let counted = |joint: &usize| self.joints.counts(*joint, &self.topology, share);
+        let joints = (0..self.joints.all.len()).filter(counted);
+        let numbers = |elements: [u32; 2]| elements.map(|element| self.topology.number(element));
+        let touching = self.contacts.touching().filter(|(elements, _)| share.element(elements[0]));
+        let loose = self.part.as_ref();
+        Pieces {
+            elements: elements.map(|element| lookup.piece(element, owners)).collect(),
+            joints: joints
+                .map(|joint| self.joints.moving(joint as u32, &self.topology))
+                .chain(loose.into_iter().flat_map(|part| part.loose_joints.iter().copied()))
+                .collect(),
+            touching: touching.map(|(elements, grip)| Touch { elements: numbers(elements), grip }).collect(),
+            seams: self
+                .seams
+                .points(&self.topology, share)
+                .map(|(sides, place, hold)| Point2 { sides, place, hold })
+                .chain(loose.into_iter().flat_map(|part| part.loose_seams.iter().copied()))
+                .collect(),
+            parted: self.contacts.parted.iter().map(|&pair| numbers(pair)).collect(),
+            bared: self.contacts.bared.iter().map(|&element| self.topology.number(element)).collect(),
+        }
+    }
+
+    /// What the run keeps when its elements change.
+    pub(super) fn carried(&self) -> Carried<D> {
+        Carried {
+            step: self.step,
+            totals: self.totals.clone(),
+            energies: self.energies,
+            reactions: self.reactions.clone(),
+            timings: self.timings,
+            detections: self.contacts.detections,
+        }
+    }
+
+    /// The part of a run that a rank makes of these pieces.
+    pub(super) fn of_pieces(
+        frame: &Frame<D, N>,
+        mut pieces: Pieces<D, N>,
+        carried: Carried<D>,
+        rank: u32,
+        team: Team,
+    ) -> Result<Self, ModelError> {
+        pieces.elements.sort_unstable_by_key(|piece| piece.number);
+        pieces.elements.dedup_by_key(|piece| piece.number);
+        let all = &pieces.elements;
+        let corners = || all.iter().flat_map(|piece| &piece.corners);
+        let vertices: Vec<u32> =
+            corners().map(|corner| corner.vertex).collect::<BTreeSet<u32>>().into_iter().collect();
+        let vertex = |number: u32| vertices.binary_search(&number).unwrap_or_default();
+        let mut at: Vec<Option<&Corner<D>>> = vec![None; vertices.len()];
+        for corner in corners() {
+            at[vertex(corner.vertex)].get_or_insert(corner);
+        }
+        let at = || at.iter().flatten();
+        let mesh = Mesh {
+            nodes: at().map(|corner| corner.place).collect(),
+            elements: all
+                .iter()
+                .map(|piece| std::array::from_fn(|k| vertex(piece.corners[k].vertex) as u32))
+                .collect(),
+            bodies: all.iter().map(|piece| piece.body).collect(),
+            materials: all.iter().map(|piece| piece.material).collect(),
+        };
+        let mut model = Model { mesh, ..frame.model.clone() };
+        model.stresses = all.iter().filter_map(|piece| piece.initial).collect();
+        let mut sides: Vec<&Side<D>> = all.iter().flat_map(|piece| &piece.sides).collect();
+        sides.sort_unstable_by_key(|side| (side.boundary, side.place));
+        let mut places = vec![Vec::new(); model.boundaries.len()];
+        for (number, boundary) in (0..).zip(&mut model.boundaries) {
+            if acts_on_nodes(&boundary.load) {
+                let held = (0..).zip(at()).filter(|(_, corner)| corner.boundaries.contains(&number));
+                boundary.target = Target::Nodes(held.map(|(vertex, _)| vertex).collect());
+            } else {
+                let own = || sides.iter().filter(|side| side.boundary == number);
+                places[number as usize] = own().map(|side| side.place).collect();
+                boundary.target = Target::Facets(own().map(|side| side.vertices.map(|v| vertex(v) as u32)).collect());
+            }
+        }
+        let wide = Wide {
+            nodes: frame.nodes.clone(),
+            corners: at().map(|corner| corner.corners).collect(),
+            radii: frame.radii.clone(),
+        };
+        let part = PartOf {
+            numbers: all.iter().map(|piece| piece.number).collect(),
+            outer: all.iter().map(|piece| piece.outer).collect(),
+        };
+        let owners: Vec<u32> = corners().map(|corner| corner.owner).collect();
+        let mut share = Share {
+            corners: owners.iter().map(|&owner| owner == rank).collect(),
+            nodes: Vec::new(),
+            of_element: N,
+        };
+        let topology = Topology::of_part(&model.mesh, part)?;
+        let mut solid = Solid::with_origin(&model, frame.origin);
+        let mut joints = Joints::new(&model, &topology, &share);
+        let mut loads = Loads::new(&model, &topology, &mut solid, Some(&wide))?;
+        let absorbing = |side: &&&Side<D>| {
+            matches!(model.boundaries[side.boundary as usize].load, Load::Absorbing)
+        };
+        loads.ground.hold(sides.iter().filter(absorbing).map(|side| side.held));
+        let mut contacts = Contacts::new(&model, &topology, frame.edge, &team)?;
+        let mut seams = Seams::new(&model, &topology, &solid)?;
+
+        // Nodes are numbered in the order in which elements need them.
+        let (mut numbers, mut nodes, mut masses) = (HashMap::new(), Vec::new(), Vec::new());
+        let mut node = |corner: &Corner<D>| {
+            *numbers.entry(corner.node).or_insert_with(|| {
+                nodes.push(Node { position: corner.position, velocity: corner.velocity });
+                masses.push(corner.mass);
+                share.nodes.push(corner.owner == rank);
+                nodes.len() as u32 - 1
+            })
+        };
+        let of_corner = all.iter().map(|piece| std::array::from_fn(|k| node(&piece.corners[k]))).collect();
+        solid.set_nodes(nodes, of_corner, &model);
+        solid.set_masses(&masses);
+        solid.share = share;
+        let stresses: Vec<_> = all.iter().map(|piece| piece.stress).collect();
+        let viscous: Vec<_> = all.iter().map(|piece| piece.viscous).collect();
+        let dissipated: Vec<_> = all.iter().map(|piece| piece.dissipated).collect();
+        solid.restore(&stresses, &viscous, &dissipated);
+
+        // Joints that came from several ranks, and those whose other element is elsewhere.
+        pieces.joints.sort_unstable_by_key(|moving| moving.joint.facet);
+        pieces.joints.dedup_by_key(|moving| moving.joint.facet);
+        let is_here = |moving: &Moving<D>| topology.facet_with(moving.joint.facet).is_some();
+        let (here, loose): (Vec<_>, Vec<_>) = pieces.joints.into_iter().partition(is_here);
+        joints.restore(Saved::of(here), &model, &topology, &solid)?;
+        let counted = |code: u32| {
+            topology.element(code / N as u32).is_some_and(|element| {
+                let corner = <[[f64; D]; N]>::FACETS[code as usize % N][0] as u32;
+                solid.share.corner(element * N as u32 + corner)
+            })
+        };
+        let loose_joints = loose.into_iter().filter(|moving| counted(moving.joint.facet)).collect();
+
+        let groups = corners().map(|corner| corner.group).collect();
+        let free = at().map(|corner| corner.free).collect();
+        contacts.set_known(groups, free, &topology);
+        let here = |numbers: [u32; 2]| match numbers.map(|number| topology.element(number)) {
+            [Some(a), Some(b)] => Some([a, b]),
+            _ => None,
+        };
+        contacts.restore_couples(SavedContacts {
+            grips: pieces.touching.iter().filter_map(|touch| Some((here(touch.elements)?, touch.grip))).collect(),
+            parted: pieces.parted.iter().filter_map(|&pair| here(pair)).collect(),
+            bared: pieces.bared.iter().filter_map(|&number| topology.element(number)).collect(),
+        });
+        contacts.detections = carried.detections;
+        let loose_seams = pieces
+            .seams
+            .into_iter()
+            .filter(|point| !seams.set_point(point.sides, point.place, point.hold, &topology))
+            .filter(|point| {
+                topology.element(point.sides[0] / N as u32).is_some_and(|element| solid.share.element(element))
+            })
+            .collect();
+        let near = vec![false; all.len()];
+        let first = at().map(|corner| corner.first).collect();
+        let part = Part { owners, vertices, first, wide, places, loose_joints, loose_seams, near };
+        let mut run = Self::with_parts(
+            model,
+            Parts { topology, solid, joints, contacts, seams, loads },
+            team,
+            frame,
+        );
+        run.part = Some(part);
+        run.step = carried.step;
+        run.totals = carried.totals;
+        run.energies = carried.energies;
+        run.reactions = carried.reactions;
+        run.timings = carried.timings;
+        run.watch();
+        Ok(run)
+    }
+}
+
+impl<const D: usize> Part<D> {
+    /// Whether an element is near elements of other ranks.
+    pub(crate) fn is_near(&self, element: u32) -> bool {
+        self.near[element as usize]
+    }
+
+    /// Whether a corner, by its code, is the first of a vertex in the whole mesh.
+    pub(super) fn is_first(&self, vertex: u32, code: u32) -> bool {
+        self.first[vertex as usize] == code
+    }
+
+    /// Work done against loose joints, J.
+    pub(crate) fn work(&self) -> Sum {
+        self.loose_joints.iter().map(Moving::work).collect()
+    }
+
+    /// Friction of loose points of seams, J.
+    pub(crate) fn friction(&self) -> Sum {
+        self.loose_seams.iter().map(|point| point.hold.friction()).collect()
+    }
+}
+
+/// A message with pieces.
+pub(super) fn message<const D: usize, const N: usize>(pieces: &Pieces<D, N>) -> Vec<u8> {
+    bytes_of(pieces)
+}
+
+/// The pieces of a message.
+pub(super) fn of_message<const D: usize, const N: usize>(bytes: &[u8]) -> Pieces<D, N> {
+    value_of(bytes)
+}
