@@ -6,10 +6,16 @@
 //! `src/mpi.rs` calls the MPI library, which is written in C.
 
 mod communicator;
+pub mod curve;
+mod error;
 mod launcher;
 #[cfg(feature = "mpi")]
 pub mod mpi;
+mod search;
 pub mod threads;
+mod wire;
 
 pub use communicator::{Communicator, Halo, Message, Port};
+pub use error::Error;
 pub use launcher::launched;
+pub use search::{DistributedSearch, Shapes, Statistics};

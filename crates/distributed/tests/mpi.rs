@@ -1,9 +1,12 @@
 //! Run by `tests/mpirun.sh` on several processes. Without a launcher there is one rank.
 
 #![allow(clippy::print_stdout, reason = "there is no harness that would print")]
+#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
 mod common {
     pub(crate) mod ranks;
+    #[allow(dead_code, reason = "some parts are for tests on threads")]
+    pub(crate) mod searches;
 }
 
 use fdem_distributed::Communicator;
@@ -14,7 +17,10 @@ fn main() {
     let asked_for = std::env::var("RANKS").map_or(1, |ranks| ranks.parse().expect("a number"));
     assert_eq!(world.size(), asked_for, "as many ranks as the launcher was asked for");
     common::ranks::all(&world);
+    let spread = common::searches::SPREADS[asked_for % common::searches::SPREADS.len()];
+    common::searches::open(&world, spread);
+    common::searches::periodic(&world, spread);
     if world.rank() == 0 {
-        println!("{} ranks: all calls work", world.size());
+        println!("{} ranks: all calls and searches work", world.size());
     }
 }

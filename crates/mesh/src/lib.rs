@@ -8,8 +8,10 @@
 //! |---|---|
 //! | a shape, and its surface | `src/shapes.rs`, then the shape in `src/shapes` |
 //! | the mesher of tetrahedra | `src/tetrahedra.rs`, then its parts in `src/tetrahedra` |
+//! | the order of elements in memory | `src/curve.rs` |
 //! | angles, measures and facets of triangles and tetrahedra | `src/simplex.rs` |
 
+pub mod curve;
 mod grading;
 mod mesh;
 mod quality;

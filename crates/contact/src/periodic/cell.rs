@@ -202,7 +202,8 @@ impl<T: Real, const D: usize> PeriodicBox<T, D> {
         if *periods == [0; D] { point } else { self.displaced(&point, &periods.map(|n| -n)) }
     }
 
-    pub(crate) fn dual(&self) -> &[[f64; D]; D] {
+    /// The rows of the inverse of the matrix of edges: the fraction along edge `a` grows by the product of row `a` with a displacement.
+    pub fn dual(&self) -> &[[f64; D]; D] {
         &self.dual
     }
 }

@@ -32,7 +32,7 @@ fn a_panic_ends_the_ranks_that_wait_and_is_passed_on() {
     panic_while_others(|communicator| drop(communicator.exchange(Vec::new())));
     // Rank 2 waits for rank 0, which waits for rank 1.
     panic_while_others(|communicator| {
-        drop(communicator.receive(if communicator.rank() == 0 { 1 } else { 0 }));
+        drop(communicator.receive(usize::from(communicator.rank() == 0)));
     });
     panic_while_others(|communicator| {
         let port = [fdem_distributed::Port { rank: 1, bytes: 1 }];

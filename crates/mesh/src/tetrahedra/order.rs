@@ -1,14 +1,12 @@
 //! The order in which points are inserted: what follows each other is near each other.
 
 use super::vector::Point;
+use crate::curve::place;
 
 /// Bits of a coordinate.
 const BITS: u32 = 20;
 
 /// Points along Hilbert's curve through their bounding box.
-///
-/// # Source
-/// J. Skilling, "Programming the Hilbert curve", AIP Conf. Proc. 707 (2004).
 pub(crate) fn along_curve(points: &[Point]) -> Vec<u32> {
     let mut low = [f64::INFINITY; 3];
     let mut high = [f64::NEG_INFINITY; 3];
@@ -24,46 +22,11 @@ pub(crate) fn along_curve(points: &[Point]) -> Vec<u32> {
         .iter()
         .zip(0..)
         .map(|(point, number)| {
-            (place([0, 1, 2].map(|axis| ((point[axis] - low[axis]) * per_length) as u32)), number)
+            (place([0, 1, 2].map(|axis| ((point[axis] - low[axis]) * per_length) as u32), BITS), number)
         })
         .collect();
     keys.sort_unstable();
     keys.into_iter().map(|(_, number)| number).collect()
-}
-
-/// Position along the curve.
-fn place(mut x: [u32; 3]) -> u64 {
-    let mut bit = 1 << (BITS - 1);
-    while bit > 1 {
-        let mask = bit - 1;
-        for axis in 0..3 {
-            if x[axis] & bit != 0 {
-                x[0] ^= mask;
-            } else {
-                let swap = (x[0] ^ x[axis]) & mask;
-                x[0] ^= swap;
-                x[axis] ^= swap;
-            }
-        }
-        bit >>= 1;
-    }
-    x[1] ^= x[0];
-    x[2] ^= x[1];
-    let mut flip = 0;
-    let mut bit = 1 << (BITS - 1);
-    while bit > 1 {
-        if x[2] & bit != 0 {
-            flip ^= bit - 1;
-        }
-        bit >>= 1;
-    }
-    let mut key = 0;
-    for bit in (0..BITS).rev() {
-        for coordinate in x {
-            key = key << 1 | u64::from((coordinate ^ flip) >> bit & 1);
-        }
-    }
-    key
 }
 
 /// An order in rounds: each has about twice the points of all before it, and runs along the curve. What a point meets is then small, and near.

@@ -1,0 +1,245 @@
+//! Dividing elements among ranks along Hilbert's curve, so that each rank has a compact part of the domain.
+
+use crate::communicator::Communicator;
+
+/// The keys of points along Hilbert's curve through a box.
+///
+/// # Example
+/// ```
+/// let curve = fdem_distributed::curve::Curve::new([0.0, 0.0], [8.0, 8.0]);
+/// let keys = [[0.5, 0.5], [7.5, 0.5], [0.6, 0.5]].map(|point| curve.key(point));
+/// assert!(keys[0].abs_diff(keys[2]) < keys[0].abs_diff(keys[1]));
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct Curve<const D: usize> {
+    origin: [f64; D],
+    per_length: f64,
+}
+
+impl<const D: usize> Curve<D> {
+    /// Bits of a coordinate. In space a domain has a million cells along each axis, which is enough to divide crowded places.
+    const BITS: u32 = {
+        let bits = 63 / D as u32;
+        if bits < 20 { bits } else { 20 }
+    };
+
+    /// The curve through the smallest cube that holds the box from `min` to `max`.
+    pub fn new(min: [f64; D], max: [f64; D]) -> Self {
+        let width = (0..D).map(|axis| max[axis] - min[axis]).fold(0.0, f64::max);
+        let per_length = f64::from((1_u32 << Self::BITS) - 1) / width;
+        Self { origin: min, per_length: if per_length.is_finite() { per_length } else { 0.0 } }
+    }
+
+    /// The key of a point. Points outside of the box have the key of a cell at its border.
+    #[inline]
+    pub fn key(&self, point: [f64; D]) -> u64 {
+        // The conversion of a float to an integer saturates.
+        let last = (1_u32 << Self::BITS) - 1;
+        let cell = std::array::from_fn::<u32, D, _>(|axis| {
+            (((point[axis] - self.origin[axis]) * self.per_length) as u32).min(last)
+        });
+        fdem_mesh::curve::place(cell, Self::BITS)
+    }
+}
+
+/// Keys that divide weighted keys among the ranks: rank `r` gets the keys from the splitter before `r` up to, but without, splitter `r`.
+///
+/// The weight of each rank differs from the mean by at most 2 %, unless many keys are equal or single weights are large. The splitters depend on the keys
+/// of all ranks together, and not on which rank has which. Collective.
+///
+/// # Shapes
+/// `keys`, `weights`: `[n]` in any order, with another `n` on each rank; keys are below `u64::MAX`. Result: one splitter fewer than ranks, ascending, the
+/// same on all ranks. [`owner`] finds the rank of a key.
+///
+/// # Cost
+/// The rank's keys are sorted. Then at most 16 sums over all ranks of 15 numbers for each splitter; no rank sees the keys of others.
+///
+/// # Panics
+/// If there are not as many weights as keys, or the sum of all weights exceeds `i64::MAX`.
+///
+/// # Source
+/// The histogram sort of L.V. Kalé, S. Krishnan, "A comparison based parallel sorting algorithm", ICPP 1993.
+///
+/// # Example
+/// ```
+/// use fdem_distributed::{curve, threads};
+///
+/// // Rank 0 has all keys. The rank that gets the heaviest key gets no others.
+/// let splitters = threads::run(2, |communicator| {
+///     let keys: &[u64] = if communicator.rank() == 0 { &[5, 1, 9, 7] } else { &[] };
+///     let weights: &[u64] = if communicator.rank() == 0 { &[1, 1, 3, 1] } else { &[] };
+///     curve::splitters(communicator, keys, weights)
+/// });
+/// assert_eq!([5, 9].map(|key| curve::owner(&splitters[0], key)), [0, 1]);
+/// ```
+pub fn splitters(communicator: &dyn Communicator, keys: &[u64], weights: &[u64]) -> Vec<u64> {
+    assert!(keys.len() == weights.len(), "a weight for each key");
+    let mut sorted: Vec<(u64, u64)> = keys.iter().copied().zip(weights.iter().copied()).collect();
+    sorted.sort_unstable_by_key(|(key, _)| *key);
+    let mut sum = 0;
+    for (_, weight) in &mut sorted {
+        sum += *weight;
+        *weight = sum;
+    }
+    let below = |key: u64| {
+        let place = sorted.partition_point(|(other, _)| *other < key);
+        if place == 0 { 0 } else { sorted[place - 1].1 }
+    };
+    divide(communicator, sum, below)
+}
+
+/// [`splitters`] for sorted keys, each of which has the weight 1. `key` returns the key of an item.
+pub(crate) fn even_splitters<V>(
+    communicator: &dyn Communicator,
+    sorted: &[V],
+    key: impl Fn(&V) -> u64,
+) -> Vec<u64> {
+    let below = |limit: u64| sorted.partition_point(|item| key(item) < limit) as u64;
+    divide(communicator, sorted.len() as u64, below)
+}
+
+/// The rank that gets a key.
+#[inline]
+pub fn owner(splitters: &[u64], key: u64) -> usize {
+    splitters.partition_point(|splitter| *splitter <= key)
+}
+
+/// Parts into which the interval of each splitter is cut in a round.
+const PARTS: u64 = 16;
+
+/// Largest distance of a splitter from its place, as a part of the mean weight of a rank. A rank has two ends.
+const INEXACT: i64 = 100;
+
+/// An interval of keys that holds a splitter: at most the wanted weight is below `low`, and more than that below `high`.
+#[derive(Clone, Copy)]
+struct Interval {
+    low: u64,
+    high: u64,
+    /// Weights of the keys below the two ends.
+    below: [i64; 2],
+    wanted: i64,
+}
+
+impl Interval {
+    /// The end whose weight is nearer to the wanted one.
+    fn nearer_end(&self) -> (u64, i64) {
+        let [low, high] = self.below.map(|below| (below - self.wanted).abs());
+        if low <= high { (self.low, low) } else { (self.high, high) }
+    }
+
+    fn is_open(&self, enough: i64) -> bool {
+        self.high - self.low > 1 && self.nearer_end().1 > enough
+    }
+
+    /// The inner ends of the parts, ascending.
+    fn probes(&self) -> impl Iterator<Item = u64> {
+        let Self { low, high, .. } = *self;
+        (1..PARTS)
+            .map(move |part| low + ((u128::from(high - low) * u128::from(part)) / u128::from(PARTS)) as u64)
+    }
+}
+
+/// Finds splitters. `below` returns the weight of this rank's keys below a key, and `weight` is that of all of them.
+fn divide(communicator: &dyn Communicator, weight: u64, below: impl Fn(u64) -> u64) -> Vec<u64> {
+    let mut total = [weight.cast_signed()];
+    communicator.all_sum(&mut total);
+    let [total] = total;
+    assert!(total >= 0, "the sum of weights fits 63 bits");
+    let size = communicator.size();
+    let wanted = |rank: usize| (i128::from(total) * rank as i128 / size as i128) as i64;
+    let mut intervals: Vec<Interval> = (1..size)
+        .map(|rank| Interval { low: 0, high: u64::MAX, below: [0, total], wanted: wanted(rank) })
+        .collect();
+    let enough = total / size.cast_signed() as i64 / INEXACT;
+    loop {
+        let open: Vec<usize> = (0..intervals.len()).filter(|&k| intervals[k].is_open(enough)).collect();
+        if open.is_empty() {
+            break;
+        }
+        let mut sums: Vec<i64> = open
+            .iter()
+            .flat_map(|&k| intervals[k].probes())
+            .map(|probe| below(probe).cast_signed())
+            .collect();
+        communicator.all_sum(&mut sums);
+        for (&k, sums) in open.iter().zip(sums.chunks(PARTS as usize - 1)) {
+            let before = intervals[k];
+            let interval = &mut intervals[k];
+            for (probe, &sum) in before.probes().zip(sums) {
+                if sum <= before.wanted {
+                    (interval.low, interval.below[0]) = (probe, sum);
+                } else {
+                    (interval.high, interval.below[1]) = (probe, sum);
+                    break;
+                }
+            }
+        }
+    }
+    let mut last = 0;
+    intervals
+        .iter()
+        .map(|interval| {
+            last = interval.nearer_end().0.max(last);
+            last
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::threads;
+
+    /// Splitters do not depend on where the keys are, and divide the weight evenly.
+    #[test]
+    fn splitters_are_even_wherever_the_keys_are() {
+        let n = 40_000_u64;
+        // Keys that crowd at the low end, in no order.
+        let keys: Vec<u64> = (0..n).map(|k| (k * 7919 % n).pow(4)).collect();
+        let weights: Vec<u64> = (0..n).map(|k| 1 + k % 3).collect();
+        let total: u64 = weights.iter().sum();
+        for size in [1, 2, 3, 8] {
+            let found = |rank_of: fn(usize, usize) -> usize| {
+                threads::run(size, |communicator| {
+                    let own = |k: &usize| rank_of(*k, size) == communicator.rank();
+                    let own: Vec<usize> = (0..n as usize).filter(own).collect();
+                    let keys: Vec<u64> = own.iter().map(|&k| keys[k]).collect();
+                    let weights: Vec<u64> = own.iter().map(|&k| weights[k]).collect();
+                    splitters(communicator, &keys, &weights)
+                })
+            };
+            let first = found(|k, size| k % size);
+            assert!(first.iter().all(|splitters| *splitters == first[0]), "the same on all ranks");
+            assert_eq!(found(|_, size| size - 1), first);
+            let mut of_rank = vec![0; size];
+            for (&key, weight) in keys.iter().zip(&weights) {
+                of_rank[owner(&first[0], key)] += weight;
+            }
+            for weight in of_rank {
+                assert!(
+                    (weight * size as u64).abs_diff(total) * 50 <= total,
+                    "{weight} of {total} on {size}"
+                );
+            }
+        }
+    }
+
+    /// Equal keys stay together, and fewer keys than ranks leave ranks empty.
+    #[test]
+    fn equal_keys_have_one_owner_and_few_keys_suffice() {
+        for keys in [&[][..], &[3], &[0, 0, 0, 0, 0], &[u64::MAX - 1, 0, 5]] {
+            let splitters = threads::run(4, |communicator| {
+                let own = if communicator.rank() == 2 { keys } else { &[] };
+                super::splitters(communicator, own, &vec![1; own.len()])
+            });
+            assert!(splitters[0].is_sorted() && splitters[0].len() == 3);
+            assert!(splitters.iter().all(|other| *other == splitters[0]));
+        }
+    }
+
+    #[test]
+    fn a_domain_without_width_has_one_key() {
+        let curve = Curve::new([1.0, 2.0, 3.0], [1.0, 2.0, 3.0]);
+        assert_eq!(curve.key([1.0, 2.0, 3.0]), curve.key([9.0, 9.0, 9.0]));
+    }
+}

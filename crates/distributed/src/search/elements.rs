@@ -1,0 +1,287 @@
+//! Elements of a rank: those that the caller gives, and those that are sent around.
+
+use fdem_contact::{Elements, Error, PeriodicBox, Real};
+
+use crate::wire::{Reader, Writer};
+
+/// The elements that a rank gives to a search.
+///
+/// # Shapes
+/// `centres`, `min`, `max`: `[n]` points `[T; D]`; `radii`: `[n]`. Each rank has its own `n`, which may be 0.
+///
+/// # Units
+/// One length unit for everything.
+#[derive(Clone, Copy, Debug)]
+pub enum Shapes<'a, T, const D: usize> {
+    /// Spheres (discs in 2D) of one radius, the same on all ranks.
+    Equal {
+        /// Their centres.
+        centres: &'a [[T; D]],
+        /// Their radius.
+        radius: T,
+    },
+    /// Spheres (discs in 2D), each with its own radius.
+    Spheres {
+        /// Their centres.
+        centres: &'a [[T; D]],
+        /// Their radii.
+        radii: &'a [T],
+    },
+    /// Axis-aligned boxes.
+    Boxes {
+        /// Their minimum corners.
+        min: &'a [[T; D]],
+        /// Their maximum corners.
+        max: &'a [[T; D]],
+    },
+}
+
+impl<'a, T: Real, const D: usize> Shapes<'a, T, D> {
+    /// Centres or minimum corners.
+    pub(crate) fn points(&self) -> &'a [[T; D]] {
+        match self {
+            Self::Equal { centres, .. } | Self::Spheres { centres, .. } => centres,
+            Self::Boxes { min, .. } => min,
+        }
+    }
+
+    pub(crate) fn kind(&self) -> Kind<T> {
+        match self {
+            Self::Equal { radius, .. } => Kind::Equal(*radius),
+            Self::Spheres { .. } => Kind::Spheres,
+            Self::Boxes { .. } => Kind::Boxes,
+        }
+    }
+
+    /// The elements as the library of detection takes them. Checks every number.
+    pub(crate) fn elements(&self, tolerance: T) -> Result<Elements<'a, T, D>, Error> {
+        match *self {
+            Self::Equal { centres, radius } => Elements::spheres(centres, radius),
+            Self::Spheres { centres, radii } => Elements::spheres_with_radii(centres, radii),
+            Self::Boxes { min, max } => Elements::boxes(min, max),
+        }?
+        .with_tolerance(tolerance)
+    }
+}
+
+/// A kind of element, and what all elements of it have in common.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Kind<T> {
+    Equal(T),
+    Spheres,
+    Boxes,
+}
+
+/// Elements that a rank owns or has been sent. Positions are those inside the periodic box, if there is one.
+///
+/// # Shapes
+/// `ids`, `points`: `[n]`. `radii`: `[n]`, or empty unless spheres have radii. `far_points`: `[n]`, or empty unless the elements are boxes. `periods`: `[n]`, or
+/// empty without a periodic box.
+#[derive(Clone, Debug)]
+pub(crate) struct Set<T, const D: usize> {
+    pub(crate) kind: Kind<T>,
+    pub(crate) tolerance: T,
+    pub(crate) ids: Vec<u32>,
+    pub(crate) points: Vec<[T; D]>,
+    pub(crate) radii: Vec<T>,
+    pub(crate) far_points: Vec<[T; D]>,
+    /// Number of periods by which each element was outside of the box.
+    pub(crate) periods: Vec<[i32; D]>,
+}
+
+impl<T: Real, const D: usize> Set<T, D> {
+    pub(crate) fn new(kind: Kind<T>, tolerance: T) -> Self {
+        Self {
+            kind,
+            tolerance,
+            ids: Vec::new(),
+            points: Vec::new(),
+            radii: Vec::new(),
+            far_points: Vec::new(),
+            periods: Vec::new(),
+        }
+    }
+
+    /// Copies the caller's elements, wrapped into the box. They have been checked. Errors name elements by their place.
+    pub(crate) fn wrapped(
+        ids: &[u32],
+        shapes: &Shapes<'_, T, D>,
+        tolerance: T,
+        cell: Option<&PeriodicBox<T, D>>,
+    ) -> Result<Self, Error> {
+        let mut set = Self::new(shapes.kind(), tolerance);
+        set.ids = ids.to_vec();
+        set.points = shapes.points().to_vec();
+        match shapes {
+            Shapes::Equal { .. } => {}
+            Shapes::Spheres { radii, .. } => set.radii = radii.to_vec(),
+            Shapes::Boxes { max, .. } => set.far_points = max.to_vec(),
+        }
+        let Some(cell) = cell else { return Ok(set) };
+        set.periods.reserve_exact(set.points.len());
+        for (index, point) in set.points.iter_mut().enumerate() {
+            let Some((inside, periods)) = cell.wrap(*point) else { return Err(too_far(cell, index, point)) };
+            *point = inside;
+            if let Some(far) = set.far_points.get_mut(index).filter(|_| periods != [0; D]) {
+                *far = cell.displaced(far, &periods.map(|n| -n));
+            }
+            set.periods.push(periods);
+        }
+        Ok(set)
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.ids.len()
+    }
+
+    /// The elements at these places, in this order.
+    pub(crate) fn picked(&self, places: &[u32]) -> Self {
+        fn pick<V: Copy>(values: &[V], places: &[u32]) -> Vec<V> {
+            if values.is_empty() {
+                Vec::new()
+            } else {
+                places.iter().map(|&place| values[place as usize]).collect()
+            }
+        }
+        Self {
+            kind: self.kind,
+            tolerance: self.tolerance,
+            ids: pick(&self.ids, places),
+            points: pick(&self.points, places),
+            radii: pick(&self.radii, places),
+            far_points: pick(&self.far_points, places),
+            periods: pick(&self.periods, places),
+        }
+    }
+
+    /// Writes the elements at these places, whose number the reader knows.
+    pub(crate) fn write(&self, places: impl Iterator<Item = u32> + Clone, out: &mut Writer) {
+        let at = |place: u32| place as usize;
+        out.u32s(places.clone().map(|place| self.ids[at(place)]));
+        out.reals(places.clone().flat_map(|place| self.points[at(place)]));
+        if !self.radii.is_empty() {
+            out.reals(places.clone().map(|place| self.radii[at(place)]));
+        }
+        if !self.far_points.is_empty() {
+            out.reals(places.clone().flat_map(|place| self.far_points[at(place)]));
+        }
+        if !self.periods.is_empty() {
+            out.shifts(places.map(|place| self.periods[at(place)]));
+        }
+    }
+
+    /// Appends elements of the same kind that another rank has written.
+    pub(crate) fn read(&mut self, count: usize, is_periodic: bool, from: &mut Reader<'_>) {
+        self.ids.extend(from.u32s(count));
+        self.points.extend(from.points::<T, D>(count));
+        match self.kind {
+            Kind::Equal(_) => {}
+            Kind::Spheres => self.radii.extend(from.reals::<T>(count)),
+            Kind::Boxes => self.far_points.extend(from.points::<T, D>(count)),
+        }
+        if is_periodic {
+            self.periods.extend(from.shifts::<D>(count));
+        }
+    }
+
+    /// The elements as the library of detection takes them.
+    pub(crate) fn elements(&self) -> Result<Elements<'_, T, D>, Error> {
+        match self.kind {
+            Kind::Equal(radius) => Elements::spheres(&self.points, radius),
+            Kind::Spheres => Elements::spheres_with_radii(&self.points, &self.radii),
+            Kind::Boxes => Elements::boxes(&self.points, &self.far_points),
+        }?
+        .with_tolerance(self.tolerance)
+    }
+
+    /// Class of similar sizes: the binary exponent of the largest distance at which an element touches another one of its size.
+    ///
+    /// It is a function of the element alone, so that all ranks agree on it.
+    pub(crate) fn level(&self, place: usize) -> u16 {
+        (self.reach(place).to_bits() >> 52) as u16
+    }
+
+    /// The largest distance at which an element touches another one of its size, up to rounding.
+    pub(crate) fn reach(&self, place: usize) -> f64 {
+        let size = match self.kind {
+            Kind::Equal(radius) => 2.0 * radius.to_f64(),
+            Kind::Spheres => 2.0 * self.radii[place].to_f64(),
+            Kind::Boxes => (0..D).fold(0.0, |most: f64, axis| {
+                most.max(self.far_points[place][axis].to_f64() - self.points[place][axis].to_f64())
+            }),
+        };
+        size + self.tolerance.to_f64()
+    }
+
+    /// Appends elements of the same kind.
+    pub(crate) fn append(&mut self, others: &Self) {
+        self.ids.extend_from_slice(&others.ids);
+        self.points.extend_from_slice(&others.points);
+        self.radii.extend_from_slice(&others.radii);
+        self.far_points.extend_from_slice(&others.far_points);
+        self.periods.extend_from_slice(&others.periods);
+    }
+
+    /// Gives each sphere its own radius, so that some can be widened.
+    pub(crate) fn with_radii(&mut self) {
+        if let Kind::Equal(radius) = self.kind {
+            self.radii = vec![radius; self.len()];
+            self.kind = Kind::Spheres;
+        }
+    }
+
+    /// Displaces an element by edges of the box, and widens it on all sides.
+    pub(crate) fn displace(&mut self, place: usize, cell: &PeriodicBox<T, D>, shift: &[i32; D], by: f64) {
+        self.points[place] = cell.displaced(&self.points[place], shift);
+        match self.kind {
+            Kind::Equal(_) => {}
+            Kind::Spheres => self.radii[place] = T::at_least(self.radii[place].to_f64() + by),
+            Kind::Boxes => {
+                let far = cell.displaced(&self.far_points[place], shift);
+                self.far_points[place] = far.map(|x| T::at_least(x.to_f64() + by));
+                let near = self.points[place];
+                self.points[place] = near.map(|x| T::ZERO - T::at_least(by - x.to_f64()));
+            }
+        }
+    }
+
+    /// Whether element `i` touches the image of element `j` that is displaced by `shift`, by the comparison of
+    /// [`PeriodicSearch`](fdem_contact::PeriodicSearch).
+    pub(crate) fn touches_image(
+        &self,
+        i: usize,
+        j: (&Self, usize),
+        cell: &PeriodicBox<T, D>,
+        shift: &[i32; D],
+    ) -> bool {
+        let (others, j) = j;
+        let points = [self.points[i], cell.displaced(&others.points[j], shift)];
+        let elements = match self.kind {
+            Kind::Equal(radius) => Elements::spheres(&points, radius).and_then(|pair| self.touch(pair)),
+            Kind::Spheres => {
+                let radii = [self.radii[i], others.radii[j]];
+                Elements::spheres_with_radii(&points, &radii).and_then(|pair| self.touch(pair))
+            }
+            Kind::Boxes => {
+                let far = [self.far_points[i], cell.displaced(&others.far_points[j], shift)];
+                Elements::boxes(&points, &far).and_then(|pair| self.touch(pair))
+            }
+        };
+        // The numbers have been checked, and an image that is too far away for squares was refused with its ghost.
+        elements.unwrap_or(false)
+    }
+
+    fn touch(&self, pair: Elements<'_, T, D>) -> Result<bool, Error> {
+        Ok(pair.with_tolerance(self.tolerance)?.touch(0, 1))
+    }
+}
+
+/// The error of a point that cannot be wrapped.
+fn too_far<T: Real, const D: usize>(cell: &PeriodicBox<T, D>, index: usize, point: &[T; D]) -> Error {
+    const LIMIT: f64 = 268_435_456.0;
+    let fractions = cell.fractions(point);
+    let is_near = |edge: usize| fractions[edge].abs() <= LIMIT;
+    let is_far = |edge: &usize| cell.periodic()[*edge] && !is_near(*edge);
+    let edge = (0..D).find(is_far).unwrap_or_default();
+    Error::TooFarFromBox { index, edge, periods: fractions[edge], limit: LIMIT }
+}

@@ -1,0 +1,294 @@
+//! Which elements a rank must send to which ranks, so that every couple is found by one of them.
+//!
+//! Two elements that touch belong to ranks of which one gets a copy of the other's element, a ghost. The larger element is sent, so that a large one among
+//! small ones does not attract all of them. Sizes are compared by [levels](Set::level); elements of one level are sent by one of the two ranks.
+//!
+//! A rank tells the others where its elements are: it cuts them, level by level and along the curve, into groups of neighbours, and sends the box around each
+//! group. An element goes to the ranks that have a group of its level or a lower one whose box it overlaps.
+
+use fdem_contact::{DEFAULT_MAX_IMAGES, Elements, Error, PeriodicBox, Real};
+
+use super::elements::Set;
+use crate::communicator::{Communicator, Message};
+use crate::wire::{Reader, Writer};
+
+/// Number of groups into which a rank cuts its elements; each level adds at most one more.
+const GROUPS: usize = 256;
+
+/// Elements of one rank and of one level that are near each other.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Group<const D: usize> {
+    level: u16,
+    /// The box around the elements, extended so that it overlaps those that touch them.
+    low: [f64; D],
+    high: [f64; D],
+    /// First and last element; not sent.
+    first: usize,
+    end: usize,
+}
+
+/// An element that is sent, with the number of edges by which it is displaced from its place in the box.
+type Sent<const D: usize> = (u32, [i32; D]);
+
+/// Which of two ranks gets ghosts from the other one, where elements are of one level. The choice alternates, so that ghosts are spread evenly.
+pub(crate) fn keeper(a: usize, b: usize) -> usize {
+    if (a + b).is_multiple_of(2) { a.min(b) } else { a.max(b) }
+}
+
+/// How the periodic box displaces elements, and the rounding that is allowed for.
+#[derive(Clone, Copy)]
+pub(crate) struct Lattice<'a, T, const D: usize> {
+    pub(crate) cell: &'a PeriodicBox<T, D>,
+    edges: [[f64; D]; D],
+    /// Upper bound on the magnitude of all coordinates of all ranks, and on the distance of elements that touch.
+    magnitude: f64,
+    reach: f64,
+}
+
+impl<'a, T: Real, const D: usize> Lattice<'a, T, D> {
+    /// Checks that the box is not so thin that rounding is comparable to its size. The same on all ranks.
+    pub(crate) fn new(cell: &'a PeriodicBox<T, D>, magnitude: f64, reach: f64) -> Result<Self, Error> {
+        let lattice = Self { cell, edges: cell.edges().map(|edge| edge.map(T::to_f64)), magnitude, reach };
+        for edge in (0..D).filter(|&edge| cell.periodic()[edge]) {
+            let rounding = lattice.rounding(&[1; D]) / cell.heights()[edge];
+            if rounding.is_nan() || rounding > FRACTION / 4.0 {
+                return Err(Error::UnresolvedBox { edge, rounding });
+            }
+        }
+        Ok(lattice)
+    }
+
+    fn offset(&self, shift: &[i32; D]) -> [f64; D] {
+        std::array::from_fn(|axis| (0..D).map(|edge| f64::from(shift[edge]) * self.edges[edge][axis]).sum())
+    }
+
+    /// By how much the rounded position of an image may differ, relative to the elements around it, from the exact one; and the comparison from the exact one.
+    ///
+    /// A displacement is a sum of `D` products and a coordinate, in `f64`, and is rounded to `T`: its error is at most `D + 2` units in the last place of
+    /// the sum of magnitudes. Either of two elements is displaced, and before that both are wrapped. The comparison adds `D + 8` units of the reach, as
+    /// [`Elements::span`] explains. Eight times as much covers all of it.
+    pub(crate) fn rounding(&self, shift: &[i32; D]) -> f64 {
+        let displaced: f64 = (0..D)
+            .map(|edge| {
+                let longest = self.edges[edge].iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+                f64::from(shift[edge].unsigned_abs()) * longest
+            })
+            .sum();
+        let units = 8.0 * (D + 8) as f64 * T::EPSILON;
+        units * (self.magnitude + displaced + self.reach) + T::MIN_RESOLVED
+    }
+
+    /// Calls `visit` with every shift that may bring box `a` to overlap box `b`, except no shift at all.
+    ///
+    /// # Errors
+    /// The number of shifts that were to be tried, if there are too many.
+    fn shifts(&self, a: &Group<D>, b: &Group<D>, mut visit: impl FnMut([i32; D])) -> Result<(), f64> {
+        let (dual, periodic) = (self.cell.dual(), self.cell.periodic());
+        let mut ends = [[0_i64; 2]; D];
+        for edge in (0..D).filter(|&edge| periodic[edge]) {
+            let (mut low, mut high) = (-FRACTION, FRACTION);
+            for (axis, factor) in dual[edge].iter().enumerate() {
+                let products = [b.low[axis] - a.high[axis], b.high[axis] - a.low[axis]].map(|x| x * factor);
+                low += products[0].min(products[1]);
+                high += products[0].max(products[1]);
+            }
+            ends[edge] = [low.ceil() as i64, high.floor() as i64];
+            if ends[edge][0] > ends[edge][1] {
+                return Ok(());
+            }
+        }
+        let count: f64 = ends.iter().map(|[low, high]| (high - low) as f64 + 1.0).product();
+        if count > DEFAULT_MAX_IMAGES as f64 {
+            return Err(count);
+        }
+        let mut shift = ends.map(|[low, _]| low);
+        loop {
+            let number = shift.map(|n| n as i32);
+            if number != [0; D] && overlap(a, b, &self.offset(&number), self.rounding(&number)) {
+                visit(number);
+            }
+            // Counts like an odometer: the last edge changes fastest.
+            let Some(edge) = (0..D).rev().find(|&edge| shift[edge] < ends[edge][1]) else { return Ok(()) };
+            shift[edge] += 1;
+            for later in edge + 1..D {
+                shift[later] = ends[later][0];
+            }
+        }
+    }
+}
+
+/// Part of a period by which shifts are looked for beyond the exact limits; rounding is less.
+const FRACTION: f64 = 1e-3;
+
+/// Whether group `a`, displaced, overlaps group `b` or is nearer than `gap` along every axis.
+fn overlap<const D: usize>(a: &Group<D>, b: &Group<D>, offset: &[f64; D], gap: f64) -> bool {
+    (0..D).all(|axis| {
+        a.low[axis] + offset[axis] <= b.high[axis] + gap && b.low[axis] <= a.high[axis] + offset[axis] + gap
+    })
+}
+
+/// Cuts elements, which are sorted by level and then along the curve, into groups.
+pub(crate) fn groups<T: Real, const D: usize>(
+    elements: &Elements<'_, T, D>,
+    levels: &[u16],
+) -> Vec<Group<D>> {
+    let n = levels.len();
+    let mut groups = Vec::new();
+    let mut first = 0;
+    for level in levels.chunk_by(|a, b| a == b) {
+        let count = (GROUPS * level.len() / n).max(1);
+        let length = level.len().div_ceil(count);
+        let end_of_level = first + level.len();
+        while first < end_of_level {
+            let end = (first + length).min(end_of_level);
+            let mut group =
+                Group { level: level[0], low: [f64::INFINITY; D], high: [f64::NEG_INFINITY; D], first, end };
+            for place in first..end {
+                for axis in 0..D {
+                    let [low, high] = elements.span(place, axis);
+                    group.low[axis] = group.low[axis].min(low);
+                    group.high[axis] = group.high[axis].max(high);
+                }
+            }
+            groups.push(group);
+            first = end;
+        }
+    }
+    groups
+}
+
+/// Ghosts that a rank has got.
+pub(crate) struct Ghosts<T, const D: usize> {
+    /// At their places inside the box, not displaced.
+    pub(crate) set: Set<T, D>,
+    pub(crate) shifts: Vec<[i32; D]>,
+    /// The rank that owns each.
+    pub(crate) owners: Vec<u32>,
+}
+
+/// Exchanges the groups of all ranks, and finds out what this rank sends to each. Collective, if it succeeds on all ranks.
+pub(crate) fn choose<T: Real, const D: usize>(
+    communicator: &dyn Communicator,
+    elements: &Elements<'_, T, D>,
+    groups: &[Group<D>],
+    lattice: Option<&Lattice<'_, T, D>>,
+) -> Result<Vec<(usize, Vec<Sent<D>>)>, Error> {
+    let mut out = Writer::default();
+    out.u64s(groups.iter().map(|group| u64::from(group.level)));
+    out.reals(groups.iter().flat_map(|group| group.low));
+    out.reals(groups.iter().flat_map(|group| group.high));
+    let everywhere = communicator.all_gather(&out.bytes);
+
+    let own = communicator.rank();
+    let mut all = Vec::new();
+    let mut images = 0;
+    for (rank, bytes) in everywhere.iter().enumerate() {
+        if rank == own && lattice.is_none() {
+            continue;
+        }
+        let theirs = read_groups::<D>(bytes);
+        let mut sent = Vec::new();
+        for group in groups {
+            // The shift, and the group of the other rank that the elements may overlap with it.
+            let mut near: Vec<([i32; D], usize)> = Vec::new();
+            for (number, other) in theirs.iter().enumerate() {
+                let takes = group.level > other.level
+                    || (group.level == other.level && (rank == own || keeper(rank, own) == rank));
+                if !takes {
+                    continue;
+                }
+                if rank != own && overlap(group, other, &[0.0; D], 0.0) {
+                    near.push(([0; D], number));
+                }
+                if let Some(lattice) = lattice {
+                    lattice.shifts(group, other, |shift| near.push((shift, number))).map_err(too_many)?;
+                }
+                if near.len() > DEFAULT_MAX_IMAGES {
+                    return Err(too_many(near.len() as f64));
+                }
+            }
+            near.sort_unstable();
+            for same_shift in near.chunk_by(|a, b| a.0 == b.0) {
+                let (shift, before) = (same_shift[0].0, sent.len());
+                let (offset, gap) = match lattice {
+                    Some(lattice) if shift != [0; D] => (lattice.offset(&shift), lattice.rounding(&shift)),
+                    _ => ([0.0; D], 0.0),
+                };
+                for place in group.first..group.end {
+                    let spans: [[f64; 2]; D] = std::array::from_fn(|axis| elements.span(place, axis));
+                    let element = Group {
+                        level: group.level,
+                        low: spans.map(|[low, _]| low),
+                        high: spans.map(|[_, high]| high),
+                        first: place,
+                        end: place + 1,
+                    };
+                    if same_shift.iter().any(|&(_, other)| overlap(&element, &theirs[other], &offset, gap)) {
+                        sent.push((place as u32, shift));
+                    }
+                }
+                if shift != [0; D] {
+                    images += sent.len() - before;
+                }
+                if images > DEFAULT_MAX_IMAGES {
+                    return Err(too_many(images as f64));
+                }
+            }
+        }
+        if !sent.is_empty() {
+            all.push((rank, sent));
+        }
+    }
+    Ok(all)
+}
+
+fn too_many(images: f64) -> Error {
+    Error::TooManyImages { images, limit: DEFAULT_MAX_IMAGES }
+}
+
+fn read_groups<const D: usize>(bytes: &[u8]) -> Vec<Group<D>> {
+    let count = bytes.len() / (8 + 16 * D);
+    let mut from = Reader::new(bytes);
+    let levels: Vec<u64> = from.u64s(count).collect();
+    let low: Vec<[f64; D]> = from.points(count).collect();
+    let high = from.points(count);
+    let boxes = low.into_iter().zip(high);
+    levels
+        .into_iter()
+        .zip(boxes)
+        .map(|(level, (low, high))| Group { level: level as u16, low, high, first: 0, end: 0 })
+        .collect()
+}
+
+/// Sends what was chosen, and receives the ghosts of this rank. Collective.
+pub(crate) fn exchange<T: Real, const D: usize>(
+    communicator: &dyn Communicator,
+    set: &Set<T, D>,
+    chosen: Vec<(usize, Vec<Sent<D>>)>,
+    is_periodic: bool,
+) -> Ghosts<T, D> {
+    let messages = chosen.into_iter().map(|(rank, sent)| {
+        let mut out = Writer::default();
+        out.u64(sent.len() as u64);
+        set.write(sent.iter().map(|(place, _)| *place), &mut out);
+        if is_periodic {
+            out.shifts(sent.iter().map(|(_, shift)| *shift));
+        }
+        Message { rank, bytes: out.bytes }
+    });
+    let messages = messages.collect();
+    let mut ghosts =
+        Ghosts { set: Set::new(set.kind, set.tolerance), shifts: Vec::new(), owners: Vec::new() };
+    for message in communicator.exchange(messages) {
+        let mut from = Reader::new(&message.bytes);
+        let count = from.u64() as usize;
+        ghosts.set.read(count, is_periodic, &mut from);
+        if is_periodic {
+            ghosts.shifts.extend(from.shifts::<D>(count));
+        } else {
+            ghosts.shifts.resize(ghosts.shifts.len() + count, [0; D]);
+        }
+        ghosts.owners.resize(ghosts.owners.len() + count, message.rank as u32);
+    }
+    ghosts
+}
