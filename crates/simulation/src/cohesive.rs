@@ -26,8 +26,8 @@
 //! for one damage of a vector with a strength and an energy for each of its directions; G. Alfano, E. Sacco, Int. J. Numer. Meth. Eng. 68 (2006) 542-582, for
 //! friction beside a bond.
 
-use crate::ranks::wire::wire;
 use crate::model::{CriticalOpening, Strength};
+use crate::ranks::wire::wire;
 use crate::vector::{along, at_most, dot, length, minus};
 
 /// Parameters of the softening curve (7.12), which the book fits to experiments.

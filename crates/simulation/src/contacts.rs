@@ -24,9 +24,9 @@ use crate::error::{ModelError, Stop};
 use crate::forces::ContactForce;
 use crate::joints::{Joints, State};
 use crate::model::Model;
+use crate::share::Share;
 use crate::simplex::Simplex;
 use crate::solid::{Solid, corners_of};
-use crate::share::Share;
 use crate::sum::Sum;
 use crate::team::{CHUNK, Team};
 use crate::topology::{NONE, Topology};
@@ -416,7 +416,9 @@ where
     /// Sets the groups of all corners, and which vertices are free.
     pub(crate) fn set_known(&mut self, groups: Vec<u32>, free: Vec<bool>, topology: &Topology<D, N>) {
         (self.groups, self.free) = (groups, free);
-        for vertex in (0..self.free.len() as u32).filter(|&vertex| self.free[vertex as usize]).collect::<Vec<_>>() {
+        for vertex in
+            (0..self.free.len() as u32).filter(|&vertex| self.free[vertex as usize]).collect::<Vec<_>>()
+        {
             self.bare_at(vertex, topology);
         }
     }

@@ -57,7 +57,8 @@ const ROUNDING: f64 = 1e-9;
 impl Energies {
     /// All of them, in the order of their fields.
     pub(crate) fn numbers(&self) -> [f64; 9] {
-        let Self { kinetic, strain, contact, friction, cohesive, damping, external, initial, exchanged } = *self;
+        let Self { kinetic, strain, contact, friction, cohesive, damping, external, initial, exchanged } =
+            *self;
         [kinetic, strain, contact, friction, cohesive, damping, external, initial, exchanged]
     }
 

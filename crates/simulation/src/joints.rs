@@ -27,10 +27,10 @@ use crate::joints::whole::{Batch, Link};
 use crate::lanes::LANES;
 use crate::model::{Insertion, Model, Strength};
 use crate::random;
-use crate::simplex::Simplex;
-use crate::solid::{Solid, corners_of};
 use crate::ranks::wire::wire;
 use crate::share::Share;
+use crate::simplex::Simplex;
+use crate::solid::{Solid, corners_of};
 use crate::sum::Sum;
 use crate::team::Team;
 use crate::topology::{Facet, NONE, Topology, place_in_element};
@@ -471,7 +471,12 @@ impl<const D: usize> Joints<D> {
     }
 
     /// Whether a joint is counted on this rank.
-    pub(crate) fn counts<const N: usize>(&self, joint: usize, topology: &Topology<D, N>, share: &Share) -> bool {
+    pub(crate) fn counts<const N: usize>(
+        &self,
+        joint: usize,
+        topology: &Topology<D, N>,
+        share: &Share,
+    ) -> bool {
         share.is_whole() || share.corner(topology.facets[self.all[joint].facet as usize].corners[0][0])
     }
 

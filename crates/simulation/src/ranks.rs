@@ -147,8 +147,7 @@ where
         }
         let Self { communicator, frame, division, run, links, team, .. } = self;
         let taken = std::mem::replace(run, Simulation::nothing(frame, team.clone())?);
-        let (new, messages) =
-            part(Some(taken), Some(links), division, frame, carried, *communicator, team)?;
+        let (new, messages) = part(Some(taken), Some(links), division, frame, carried, *communicator, team)?;
         (self.run, self.links) = (new, messages);
         self.spreads += 1;
         Ok(())
@@ -213,7 +212,9 @@ where
     /// Numbers of joints, contacts and nodes of the whole run. Detections are those of the rank with most.
     pub fn counts(&self) -> Counts {
         let own = self.run.own_counts();
-        let numbers = |counts: &Counts| [counts.joints, counts.broken, counts.contacts, counts.nodes].map(|count| count as i64);
+        let numbers = |counts: &Counts| {
+            [counts.joints, counts.broken, counts.contacts, counts.nodes].map(|count| count as i64)
+        };
         let mut sums = numbers(&own);
         self.communicator.all_sum(&mut sums);
         let mut most = [own.detections as f64];
@@ -246,7 +247,10 @@ where
     /// Forces of contacts and boundaries at the beginning of the last step, on rank 0. `whole`: the run of [`gathered`](Self::gathered).
     pub fn forces(&self, whole: Option<&Simulation<D, N>>) -> Option<Forces<D>> {
         let own = forces::own_reactions(&self.run);
-        let mut all = self.collect(&bytes_of(&own))?.into_iter().flat_map(|bytes| value_of::<Vec<(u32, [f64; D])>>(&bytes));
+        let mut all = self
+            .collect(&bytes_of(&own))?
+            .into_iter()
+            .flat_map(|bytes| value_of::<Vec<(u32, [f64; D])>>(&bytes));
         whole.map(|whole| Forces {
             contacts: whole.forces().contacts,
             reactions: forces::placed_reactions(whole, &mut all),
@@ -275,7 +279,10 @@ where
             whole.add(of_message(&bytes));
         }
         let team = self.team.clone();
-        Some(Simulation::of_pieces(&self.frame, whole, carried, 0, team).expect("the parts of a run fit together"))
+        Some(
+            Simulation::of_pieces(&self.frame, whole, carried, 0, team)
+                .expect("the parts of a run fit together"),
+        )
     }
 
     /// The state of the whole run, on rank 0; `None` on the others.
@@ -370,7 +377,8 @@ where
     fn own_node(&self, node: u32) -> Option<([f64; D], [f64; D])> {
         let vertex = self.vertex_with(node)?;
         let first = *self.topology.corners_of(vertex).first()?;
-        let is_first = self.part.as_ref().is_none_or(|part| part.is_first(vertex, self.topology.code_of_corner(first)));
+        let is_first =
+            self.part.as_ref().is_none_or(|part| part.is_first(vertex, self.topology.code_of_corner(first)));
         (is_first && self.solid.share.corner(first)).then(|| self.at_vertex(vertex))
     }
 
@@ -378,7 +386,9 @@ where
         let share = &self.solid.share;
         let counted = |joint: u32| self.joints.counts(joint as usize, &self.topology, share);
         let mut lengths = self.lengths_of_cracks(counted);
-        for (modes, measure) in self.part.iter().flat_map(|part| &part.loose_joints).filter_map(|moving| moving.failed()) {
+        for (modes, measure) in
+            self.part.iter().flat_map(|part| &part.loose_joints).filter_map(|moving| moving.failed())
+        {
             lengths[crate::simulation::mode(modes) as usize].add(measure);
         }
         lengths

@@ -25,10 +25,10 @@ use serde::{Deserialize, Serialize};
 use crate::contacts;
 use crate::error::ModelError;
 use crate::model::Model;
-use crate::simplex::Simplex;
-use crate::solid::{Solid, corners_of};
 use crate::ranks::wire::wire;
 use crate::share::Share;
+use crate::simplex::Simplex;
+use crate::solid::{Solid, corners_of};
 use crate::sum::Sum;
 use crate::team::Team;
 use crate::topology::{Topology, corners_of_facet, place_in_element};
@@ -242,7 +242,8 @@ impl<const D: usize> Seams<D> {
     /// Energy stored in the potentials in the last step, and work against friction so far, J.
     pub(crate) fn energies(&self, share: &Share) -> [Sum; 2] {
         let counted = || {
-            (0..self.places.len()).filter(|&k| share.is_whole() || share.element(self.places[k].corners[0][0] / (D as u32 + 1)))
+            (0..self.places.len())
+                .filter(|&k| share.is_whole() || share.element(self.places[k].corners[0][0] / (D as u32 + 1)))
         };
         [
             counted().map(|k| self.pressed[k].energy).collect(),

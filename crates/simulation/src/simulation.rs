@@ -19,10 +19,10 @@ use crate::model::{Insertion, Model};
 use crate::motion::{self, Motion};
 use crate::ranks::{Frame, Links, Part, Told};
 use crate::seams::{Hold, Seams};
+use crate::share::Share;
 use crate::simplex::Simplex;
 use crate::snapshot::{Crack, Mode, Snapshot};
 use crate::solid::{Constants, Node, Solid};
-use crate::share::Share;
 use crate::sum::Sum;
 use crate::team::Team;
 use crate::topology::Topology;
@@ -236,7 +236,10 @@ where
         let stiffness: Sum =
             solid.elements.iter().map(|element| element.volume * modulus(element.material)).collect();
         let [strain, _] = solid.energies(&team).map(|sum| sum.value());
-        let totals = Totals { most_cohesive: joints.work(&topology, &solid.share, &team).value(), ..Totals::default() };
+        let totals = Totals {
+            most_cohesive: joints.work(&topology, &solid.share, &team).value(),
+            ..Totals::default()
+        };
         Ok(Self {
             time_step: model.time.step.unwrap_or(critical.step * model.time.safety),
             negligible: 0.5 * stiffness.value() * NEGLIGIBLE_STRAIN * NEGLIGIBLE_STRAIN
@@ -263,7 +266,12 @@ where
     }
 
     /// A run of a part of a model, before its first step.
-    pub(crate) fn with_parts(model: Model<D, N>, parts: Parts<D, N>, team: Team, frame: &Frame<D, N>) -> Self {
+    pub(crate) fn with_parts(
+        model: Model<D, N>,
+        parts: Parts<D, N>,
+        team: Team,
+        frame: &Frame<D, N>,
+    ) -> Self {
         let Parts { topology, solid, joints, contacts, seams, loads } = parts;
         Self {
             time_step: frame.time_step,
@@ -302,7 +310,7 @@ where
         }
         let mut clock = Clock::new();
         let time = self.time();
-        let Self { model, topology, solid, joints, contacts, loads, team, totals, timings, .. } = self;
+        let Self { model, topology, solid, joints, loads, team, totals, timings, .. } = self;
         let step = self.time_step;
         // The forces of this step say where joints are inserted; they act from the next one.
         let mut failing = joints.failing(solid, model, topology, team);
@@ -433,8 +441,15 @@ where
         let mut reactions = self.reactions_of_boundaries();
         if let Some(links) = links {
             let mut sums = vec![
-                &mut kinetic, &mut strain, &mut contact, &mut friction, &mut cohesive, &mut damping, &mut external,
-                &mut loads, &mut gravity,
+                &mut kinetic,
+                &mut strain,
+                &mut contact,
+                &mut friction,
+                &mut cohesive,
+                &mut damping,
+                &mut external,
+                &mut loads,
+                &mut gravity,
             ];
             sums.extend(reactions.iter_mut().flatten());
             links.add_up(&mut sums);
@@ -566,7 +581,8 @@ where
     pub(crate) fn take(&mut self, steps: u64, mut links: Option<&mut Links<'_>>) -> Result<(), Stop> {
         let last = self.step.saturating_add(steps).saturating_sub(1);
         let done = if let Some(links) = links.as_deref_mut() {
-            (0..steps).try_for_each(|_| if links.is_stale() { Ok(()) } else { self.one_of(last, Some(links)) })
+            (0..steps)
+                .try_for_each(|_| if links.is_stale() { Ok(()) } else { self.one_of(last, Some(links)) })
         } else {
             let team = self.team.clone();
             team.keep_awake(|| (0..steps).try_for_each(|_| self.one_of(last, None)))
@@ -633,7 +649,8 @@ where
             let moved = self.solid.displacement(node, &self.model);
             factor * self.solid.constants[node].mass * dot(self.model.gravity, moved)
         };
-        let of = |range: Range<usize>| [range.filter(|&node| self.solid.share.node(node)).map(work).collect()];
+        let of =
+            |range: Range<usize>| [range.filter(|&node| self.solid.share.node(node)).map(work).collect()];
         let [sum] = Sum::all(self.team.look(self.solid.nodes.len(), of));
         sum
     }
@@ -774,7 +791,8 @@ where
         run.solid.set_nodes(state.nodes, state.of_corner, &run.model);
         run.solid.restore(&state.stresses, &state.viscous, &state.dissipated);
         run.joints.restore(state.joints, &run.model, &run.topology, &run.solid)?;
-        run.contacts.restore(state.contacts, &run.joints, &run.topology, &run.solid.share);
+        let couples = Contacts::without_forces(state.contacts);
+        run.contacts.restore(couples, &run.joints, &run.topology);
         run.seams.restore(state.seams)?;
         run.step = state.step;
         run.totals = state.totals;

@@ -10,9 +10,9 @@ use serde::{Deserialize, Serialize};
 use crate::elastic::Moduli;
 use crate::lanes::{Available, LANES, Lanes, Tensors, set_tensor, tensor};
 use crate::model::Model;
+use crate::share::Share;
 use crate::simplex::Simplex;
 use crate::solid::batch::{Deformed, Given, Told, Undeformed, forces_of};
-use crate::share::Share;
 use crate::sum::Sum;
 use crate::team::Team;
 use crate::topology::{NONE, Nodes, Topology};
@@ -490,7 +490,10 @@ where
                     for (lane, (number, forces)) in range.zip(forces).enumerate() {
                         *forces = told.forces(lane);
                         let ratio = told.ratio.get(lane);
-                        if (ratio <= 0.0 || ratio.is_nan()) && inverted.is_none() && share.element(number as u32) {
+                        if (ratio <= 0.0 || ratio.is_nan())
+                            && inverted.is_none()
+                            && share.element(number as u32)
+                        {
                             inverted = Some((number as u32, ratio));
                         }
                         if VISCOUS && given.viscosity.get(lane) > 0.0 {
@@ -512,9 +515,10 @@ where
             let dissipated = |element: usize| {
                 self.viscous.get(element / LANES).map(|batch| batch.dissipated.get(element % LANES))
             };
+            let counted = || range.clone().filter(|&element| self.share.element(element as u32));
             [
-                range.clone().map(|element| self.energy(element)).collect(),
-                range.filter_map(dissipated).collect(),
+                counted().map(|element| self.energy(element)).collect(),
+                counted().filter_map(dissipated).collect(),
             ]
         };
         Sum::all(team.look(self.elements.len(), of))

@@ -3,6 +3,8 @@
 //! The energies of a run are sums over all its elements, nodes, joints and couples. Rounded one by one they would depend on their order, and so on what else a run holds: couples that
 //! do not touch, or parts on other ranks. A [`Sum`] is exact. It is rounded once, when it is read.
 
+use std::fmt;
+
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// Number of limbs: all finite numbers, and 2^31 times as much.
@@ -13,7 +15,7 @@ const MOST: u32 = 1 << 30;
 
 /// The exact sum of any finite numbers: a fixed-point number, in limbs of 32 bits that are carried later (U. W. Kulisch and W. L. Miranker, *Computer Arithmetic in Theory and Practice*,
 /// Academic Press, 1981; R. M. Neal, arXiv:1505.05571).
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub(crate) struct Sum {
     /// Limb `k` counts 2^(32 k - 1074).
     limbs: [i64; LIMBS],
@@ -156,6 +158,12 @@ impl Sum {
         sum.unfit = parts.get(LIMBS).copied().unwrap_or_default();
         sum.carry();
         sum
+    }
+}
+
+impl fmt::Debug for Sum {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(out, "{:e}", self.value())
     }
 }
 

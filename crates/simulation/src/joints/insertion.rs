@@ -132,8 +132,12 @@ impl<const D: usize> Joints<D> {
 
     /// Finds the facets at these vertices, ascending, that alone connect elements there, and can get a joint. What other joints change at the vertices of a facet, they
     /// change at these only.
-    pub(super) fn find_tips<const N: usize>(&mut self, vertices: &[u32], topology: &Topology<D, N>, share: &Share)
-    where
+    pub(super) fn find_tips<const N: usize>(
+        &mut self,
+        vertices: &[u32],
+        topology: &Topology<D, N>,
+        share: &Share,
+    ) where
         [[f64; D]; N]: Simplex<D, N>,
     {
         self.tips.retain(|tip| vertices.binary_search(&tip.vertex).is_err());
@@ -147,7 +151,8 @@ impl<const D: usize> Joints<D> {
                     self.of_facet[*facet as usize] == NONE && self.may_part(*facet) && !alone.contains(facet)
                 })
                 .collect();
-            alone.retain(|&facet| self.may_part(facet) && (share.is_whole() || all().any(|own| own == facet)));
+            alone
+                .retain(|&facet| self.may_part(facet) && (share.is_whole() || all().any(|own| own == facet)));
             if !alone.is_empty() || !together.is_empty() {
                 self.tips.push(Tip { vertex, alone: alone.as_slice().into(), together });
             }

@@ -82,7 +82,20 @@ impl<const D: usize> Wire for Joint<D> {
         let (plane, ends) = (Plane::take(bytes), Wire::take(bytes));
         let ([open, detached], [faded, fading]) = (Wire::take(bytes), Wire::take(bytes));
         let nodes = no_nodes();
-        Self { facet, state, plane, law: no_law(), measure: 0.0, length: 0.0, nodes, ends, open, detached, faded, fading }
+        Self {
+            facet,
+            state,
+            plane,
+            law: no_law(),
+            measure: 0.0,
+            length: 0.0,
+            nodes,
+            ends,
+            open,
+            detached,
+            faded,
+            fading,
+        }
     }
 }
 

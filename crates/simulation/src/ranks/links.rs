@@ -171,7 +171,8 @@ impl<'c> Links<'c> {
 
     /// Exchanges values with all neighbours: `of` makes that for a neighbour by its place.
     fn tell<T: Wire>(&self, of: impl Fn(&Neighbour) -> T) -> Vec<T> {
-        let message = |neighbour: &Neighbour| Message { rank: neighbour.rank, bytes: bytes_of(&of(neighbour)) };
+        let message =
+            |neighbour: &Neighbour| Message { rank: neighbour.rank, bytes: bytes_of(&of(neighbour)) };
         let heard = self.communicator.exchange(self.neighbours.iter().map(message).collect());
         heard.into_iter().map(|message| value_of(&message.bytes)).collect()
     }
@@ -205,7 +206,8 @@ impl<'c> Links<'c> {
         [[f64; D]; N]: Simplex<D, N>,
     {
         let begun = |vertex: u32| split.iter().find(|(at, _)| *at == vertex).map(|(_, begin)| begin);
-        let mut vertices: Vec<u32> = split.iter().map(|(vertex, _)| *vertex).chain(broken.iter().copied()).collect();
+        let mut vertices: Vec<u32> =
+            split.iter().map(|(vertex, _)| *vertex).chain(broken.iter().copied()).collect();
         vertices.sort_unstable();
         vertices.dedup();
         let changes = |neighbour: &Neighbour| -> Vec<Change<D>> {
@@ -241,7 +243,9 @@ impl<'c> Links<'c> {
 
     /// Tells neighbours the new owners of the corners that they have from this rank, and learns those of the corners that it has from them. `owners`: of each corner.
     pub(super) fn tell_owners(&self, owners: &mut [u32]) {
-        let heard = self.tell(|neighbour| neighbour.lent.iter().map(|&corner| owners[corner as usize]).collect::<Vec<u32>>());
+        let heard = self.tell(|neighbour| {
+            neighbour.lent.iter().map(|&corner| owners[corner as usize]).collect::<Vec<u32>>()
+        });
         for (neighbour, new) in self.neighbours.iter().zip(heard) {
             for (&corner, owner) in neighbour.borrowed.iter().zip(new) {
                 owners[corner as usize] = owner;
@@ -317,7 +321,8 @@ fn follow<const D: usize, const N: usize>(
         }
     }
     if change.broken {
-        let groups: Vec<_> = corners.iter().zip(&change.corners).map(|(&corner, at)| (corner, at.group)).collect();
+        let groups: Vec<_> =
+            corners.iter().zip(&change.corners).map(|(&corner, at)| (corner, at.group)).collect();
         contacts.divide(vertex, &groups, topology);
     }
 }

@@ -164,10 +164,6 @@ impl<const D: usize, const N: usize> Default for Pieces<D, N> {
 }
 
 impl<const D: usize, const N: usize> Pieces<D, N> {
-    pub(super) fn is_empty(&self) -> bool {
-        self.elements.is_empty() && self.joints.is_empty() && self.touching.is_empty() && self.seams.is_empty()
-    }
-
     pub(super) fn add(&mut self, more: Self) {
         self.elements.extend(more.elements);
         self.joints.extend(more.joints);
@@ -223,7 +219,9 @@ where
         let edges = (0..whole.mesh.elements.len()).flat_map(|element| {
             let shape = shape(element);
             <[[f64; D]; N]>::FACETS.map(|facet| {
-                <[[f64; D]; N]>::facet_length(<[[f64; D]; N]>::facet_measure(&facet.map(|corner| shape[corner])))
+                <[[f64; D]; N]>::facet_length(<[[f64; D]; N]>::facet_measure(
+                    &facet.map(|corner| shape[corner]),
+                ))
             })
         });
         Self {
@@ -262,7 +260,19 @@ where
         let [time_step, speed_limit, negligible, edge, longest] = Wire::take(bytes);
         let (elements, nodes) = (u32::take(bytes), Vec::take(bytes));
         let radii = Vec::take(bytes).into_iter().collect();
-        Self { model, origin, critical, time_step, speed_limit, negligible, edge, longest, elements, nodes, radii }
+        Self {
+            model,
+            origin,
+            critical,
+            time_step,
+            speed_limit,
+            negligible,
+            edge,
+            longest,
+            elements,
+            nodes,
+            radii,
+        }
     }
 }
 
@@ -293,7 +303,7 @@ impl<const D: usize> Carried<D> {
     pub(super) fn of_bytes(mut bytes: &[u8]) -> Self {
         let bytes = &mut bytes;
         let step = u64::take(bytes);
-        let first = Option::take(bytes).map(Energies::of_numbers);
+        let first = <Option<[f64; 9]> as Wire>::take(bytes).map(Energies::of_numbers);
         let [exchanged, most_cohesive] = Wire::take(bytes);
         let energies = Energies::of_numbers(Wire::take(bytes));
         let reactions = Vec::take(bytes);
@@ -336,7 +346,8 @@ where
     [[f64; D]; N]: Simplex<D, N>,
 {
     fn new(run: &'a Simulation<D, N>) -> Self {
-        let (mut boundaries, mut sides) = (HashMap::<u32, Vec<u32>>::new(), HashMap::<u32, Vec<Side<D>>>::new());
+        let (mut boundaries, mut sides) =
+            (HashMap::<u32, Vec<u32>>::new(), HashMap::<u32, Vec<Side<D>>>::new());
         let mut held = run.loads.ground.held();
         for (number, boundary) in (0..).zip(&run.model.boundaries) {
             if acts_on_nodes(&boundary.load) {
@@ -347,7 +358,9 @@ where
             }
             let Target::Facets(facets) = &boundary.target else { continue };
             for (k, facet) in facets.iter().enumerate() {
-                let Ok(side) = outer_side(&run.model, &run.topology, *facet, &boundary.name) else { continue };
+                let Ok(side) = outer_side(&run.model, &run.topology, *facet, &boundary.name) else {
+                    continue;
+                };
                 let absorbing = matches!(boundary.load, Load::Absorbing);
                 let held = if absorbing { held.next().map(|(_, held)| held) } else { None };
                 sides.entry(side.corners[0] / N as u32).or_default().push(Side {
@@ -436,6 +449,7 @@ where
         let counted = |joint: &usize| self.joints.counts(*joint, &self.topology, share);
         let joints = (0..self.joints.all.len()).filter(counted);
         let numbers = |elements: [u32; 2]| elements.map(|element| self.topology.number(element));
+        let (parted, bared) = self.apart();
         let touching = self.contacts.touching().filter(|(elements, _)| share.element(elements[0]));
         let loose = self.part.as_ref();
         Pieces {
@@ -451,9 +465,16 @@ where
                 .map(|(sides, place, hold)| Point2 { sides, place, hold })
                 .chain(loose.into_iter().flat_map(|part| part.loose_seams.iter().copied()))
                 .collect(),
-            parted: self.contacts.parted.iter().map(|&pair| numbers(pair)).collect(),
-            bared: self.contacts.bared.iter().map(|&element| self.topology.number(element)).collect(),
+            parted,
+            bared,
         }
+    }
+
+    /// The elements that have separated or become bare in the last step, as far as this rank knows.
+    pub(super) fn apart(&self) -> (Vec<[u32; 2]>, Vec<u32>) {
+        let number = |element: u32| self.topology.number(element);
+        let Contacts { parted, bared, .. } = &self.contacts;
+        (parted.iter().map(|pair| pair.map(number)).collect(), bared.iter().copied().map(number).collect())
     }
 
     /// What the run keeps when its elements change.
@@ -509,7 +530,8 @@ where
             } else {
                 let own = || sides.iter().filter(|side| side.boundary == number);
                 places[number as usize] = own().map(|side| side.place).collect();
-                boundary.target = Target::Facets(own().map(|side| side.vertices.map(|v| vertex(v) as u32)).collect());
+                boundary.target =
+                    Target::Facets(own().map(|side| side.vertices.map(|v| vertex(v) as u32)).collect());
             }
         }
         let wide = Wide {
@@ -531,9 +553,8 @@ where
         let mut solid = Solid::with_origin(&model, frame.origin);
         let mut joints = Joints::new(&model, &topology, &share);
         let mut loads = Loads::new(&model, &topology, &mut solid, Some(&wide))?;
-        let absorbing = |side: &&&Side<D>| {
-            matches!(model.boundaries[side.boundary as usize].load, Load::Absorbing)
-        };
+        let absorbing =
+            |side: &&&Side<D>| matches!(model.boundaries[side.boundary as usize].load, Load::Absorbing);
         loads.ground.hold(sides.iter().filter(absorbing).map(|side| side.held));
         let mut contacts = Contacts::new(&model, &topology, frame.edge, &team)?;
         let mut seams = Seams::new(&model, &topology, &solid)?;
@@ -579,7 +600,11 @@ where
             _ => None,
         };
         contacts.restore_couples(SavedContacts {
-            grips: pieces.touching.iter().filter_map(|touch| Some((here(touch.elements)?, touch.grip))).collect(),
+            grips: pieces
+                .touching
+                .iter()
+                .filter_map(|touch| Some((here(touch.elements)?, touch.grip)))
+                .collect(),
             parted: pieces.parted.iter().filter_map(|&pair| here(pair)).collect(),
             bared: pieces.bared.iter().filter_map(|&number| topology.element(number)).collect(),
         });
@@ -589,18 +614,16 @@ where
             .into_iter()
             .filter(|point| !seams.set_point(point.sides, point.place, point.hold, &topology))
             .filter(|point| {
-                topology.element(point.sides[0] / N as u32).is_some_and(|element| solid.share.element(element))
+                topology
+                    .element(point.sides[0] / N as u32)
+                    .is_some_and(|element| solid.share.element(element))
             })
             .collect();
         let near = vec![false; all.len()];
         let first = at().map(|corner| corner.first).collect();
         let part = Part { owners, vertices, first, wide, places, loose_joints, loose_seams, near };
-        let mut run = Self::with_parts(
-            model,
-            Parts { topology, solid, joints, contacts, seams, loads },
-            team,
-            frame,
-        );
+        let mut run =
+            Self::with_parts(model, Parts { topology, solid, joints, contacts, seams, loads }, team, frame);
         run.part = Some(part);
         run.step = carried.step;
         run.totals = carried.totals;

@@ -7,7 +7,7 @@ use fdem_distributed::curve::{Curve, owner, splitters};
 use fdem_distributed::{Communicator, Message};
 
 use crate::ranks::links::{Links, Neighbour};
-use crate::ranks::piece::{Frame, Piece, Pieces, message, of_message};
+use crate::ranks::piece::{Frame, Piece, Pieces};
 use crate::ranks::wire::{Wire, bytes_of, value_of};
 use crate::seams;
 use crate::simplex::Simplex;
@@ -55,10 +55,14 @@ where
     let (topology, share) = (&run.topology, &run.solid.share);
     let mut weights = vec![WEIGHTS[0]; run.solid.elements.len()];
     for joint in &run.joints.all {
-        topology.facets[joint.facet as usize].elements().map(|element| weights[element as usize] += WEIGHTS[1] / 2);
+        for element in topology.facets[joint.facet as usize].elements() {
+            weights[element as usize] += WEIGHTS[1] / 2;
+        }
     }
     for (elements, _) in run.contacts.touching() {
-        elements.map(|element| weights[element as usize] += WEIGHTS[2] / 2);
+        for element in elements {
+            weights[element as usize] += WEIGHTS[2] / 2;
+        }
     }
     let mut units = Vec::new();
     let mut groups = Vec::new();
@@ -93,7 +97,8 @@ where
         units.iter().map(of).collect::<Vec<_>>()
     };
     let assigned = |units: Vec<Unit>, owners: Vec<usize>| {
-        let of = |(unit, owner): (Unit, usize)| unit.corners.into_iter().map(move |corner| (corner, owner as u32));
+        let of =
+            |(unit, owner): (Unit, usize)| unit.corners.into_iter().map(move |corner| (corner, owner as u32));
         units.into_iter().zip(owners).flat_map(of).collect()
     };
     if let Some(known) = division {
@@ -104,7 +109,10 @@ where
             weights[owner] += unit.weight as i64;
         }
         communicator.all_sum(&mut weights);
-        let (most, mean) = (weights.iter().max().copied().unwrap_or_default(), weights.iter().sum::<i64>() as f64 / weights.len() as f64);
+        let (most, mean) = (
+            weights.iter().max().copied().unwrap_or_default(),
+            weights.iter().sum::<i64>() as f64 / weights.len() as f64,
+        );
         if most as f64 <= (1.0 + IMBALANCE) * mean {
             return assigned(units, owners);
         }
@@ -121,7 +129,8 @@ where
         }
     }
     communicator.all_max(&mut ends);
-    let curve = Curve::new(std::array::from_fn(|axis| -ends[D + axis]), std::array::from_fn(|axis| ends[axis]));
+    let curve =
+        Curve::new(std::array::from_fn(|axis| -ends[D + axis]), std::array::from_fn(|axis| ends[axis]));
     let units = run.map_or_else(Vec::new, |run| units(run, &curve));
     let keys: Vec<u64> = units.iter().map(|unit| unit.key).collect();
     let weights: Vec<u64> = units.iter().map(|unit| unit.weight).collect();
@@ -192,7 +201,13 @@ impl Near {
             let is_near = |element: usize| self.near.contains(&topology.number(element as u32));
             part.near = (0..part.near.len()).map(is_near).collect();
         }
-        let ranks: Vec<usize> = borrowed.keys().chain(self.lent.keys()).copied().collect::<std::collections::BTreeSet<_>>().into_iter().collect();
+        let ranks: Vec<usize> = borrowed
+            .keys()
+            .chain(self.lent.keys())
+            .copied()
+            .collect::<std::collections::BTreeSet<_>>()
+            .into_iter()
+            .collect();
         let topology = &run.topology;
         let neighbour = |rank: usize| {
             let lent = self.lent.remove(&rank).unwrap_or_default();
@@ -321,7 +336,8 @@ where
     let whole = around(fine.iter().copied());
     let of_ranks: Vec<[Point<D>; 2]> =
         communicator.all_gather(&bytes_of(&whole)).iter().map(|bytes| value_of(bytes)).collect();
-    let beside = (0..communicator.size()).filter(|&other| other != rank && are_near(&whole, &of_ranks[other], reach));
+    let beside =
+        (0..communicator.size()).filter(|&other| other != rank && are_near(&whole, &of_ranks[other], reach));
     let fine_of = exchange(communicator, beside.map(|other| (other, fine.clone())).collect());
     let mut near = HashSet::new();
     let mut offers: BTreeMap<usize, Vec<(u32, [Point<D>; 2])>> = BTreeMap::new();
@@ -329,7 +345,9 @@ where
         let offer = offers.entry(*other).or_default();
         for piece in all.iter().filter(|piece| piece.counted_by() as usize == rank) {
             let bounds = piece.bounds();
-            if are_near(&bounds, &of_ranks[*other], reach) && fine.iter().any(|at| are_near(&bounds, at, reach)) {
+            if are_near(&bounds, &of_ranks[*other], reach)
+                && fine.iter().any(|at| are_near(&bounds, at, reach))
+            {
                 near.insert(piece.number);
                 if piece.watched {
                     offer.push((piece.number, bounds));
@@ -347,7 +365,8 @@ where
     let wanted = exchange(communicator, wanted.collect::<BTreeMap<_, _>>());
     let place: HashMap<u32, usize> = all.iter().enumerate().map(|(k, piece)| (piece.number, k)).collect();
     let answers = wanted.into_iter().map(|(other, numbers)| {
-        let elements = numbers.iter().filter_map(|number| place.get(number)).map(|&k| all[k].clone()).collect();
+        let elements =
+            numbers.iter().filter_map(|number| place.get(number)).map(|&k| all[k].clone()).collect();
         (other, Pieces { elements, ..Pieces::default() })
     });
     for (_, more) in exchange(communicator, answers.collect()) {
@@ -357,7 +376,11 @@ where
 }
 
 /// The numbers of the boxes that are near any of the others.
-fn nearest<const D: usize>(offered: &[(u32, [Point<D>; 2])], others: &[[Point<D>; 2]], reach: f64) -> Vec<u32> {
+fn nearest<const D: usize>(
+    offered: &[(u32, [Point<D>; 2])],
+    others: &[[Point<D>; 2]],
+    reach: f64,
+) -> Vec<u32> {
     let whole = around(offered.iter().map(|(_, bounds)| *bounds));
     let others = others.iter().filter(|bounds| are_near(bounds, &whole, reach));
     let boxes: Vec<[Point<D>; 2]> = offered.iter().map(|(_, bounds)| bounds).chain(others).copied().collect();
@@ -398,9 +421,10 @@ where
     }
     let lent: BTreeMap<usize, Vec<u32>> = exchange(communicator, borrowed).into_iter().collect();
     let of = |lent: &Vec<u32>| {
-        let shared = pieces.joints.iter().filter(|moving| {
-            lent.binary_search(&first_corner::<D, N>(moving.joint.facet)).is_ok()
-        });
+        let shared = pieces
+            .joints
+            .iter()
+            .filter(|moving| lent.binary_search(&first_corner::<D, N>(moving.joint.facet)).is_ok());
         Pieces::<D, N> { joints: shared.copied().collect(), ..Pieces::default() }
     };
     let joints = lent.iter().map(|(&other, lent)| (other, of(lent))).collect();

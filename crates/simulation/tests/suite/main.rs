@@ -24,5 +24,7 @@ mod space;
 mod dimensions;
 /// Results on all vector instructions.
 mod vectors;
+/// Results on many ranks.
+mod ranks;
 /// Models that are refused.
 mod refusal;

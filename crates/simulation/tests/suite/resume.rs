@@ -2,7 +2,7 @@ use crate::common::*;
 use fdem_simulation::*;
 
 /// A tilted block that falls on another and breaks.
-fn crash(insertion: Insertion) -> Model {
+pub(crate) fn crash(insertion: Insertion) -> Model {
     let ground = rectangle([0.0, -0.1], [0.4, 0.0], 16, 4);
     let block = turned(&rectangle([0.0, 0.0], [0.1, 0.1], 6, 6), 0.5, [0.2, 0.001]);
     let velocities = [vec![[0.0; 2]; ground.nodes.len()], vec![[1.0, -15.0]; block.nodes.len()]].concat();
