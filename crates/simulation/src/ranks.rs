@@ -138,6 +138,12 @@ where
         Ok(())
     }
 
+    /// Divides the work among the ranks again, by what each element costs now, before the next step. A run does so by itself where one rank has much more than others.
+    pub fn rebalance(&mut self) {
+        self.division = None;
+        self.links.ask();
+    }
+
     /// Gives ranks the elements that they need now.
     fn spread(&mut self) -> Result<(), ModelError> {
         self.run.watch();
