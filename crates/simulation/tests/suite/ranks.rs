@@ -40,6 +40,9 @@ macro_rules! same_on_ranks {
                         Counts { detections: 0, ..*counts },
                         "{size} ranks, step {step}"
                     );
+                    if let Some(fragments) = run.fragments() {
+                        assert_eq!(fragments, snapshot.fragments, "{size} ranks, step {step}");
+                    }
                     if let Some(gathered) = gathered {
                         assert_eq!(gathered.snapshot(), *snapshot, "{size} ranks, step {step}");
                         assert_eq!(found.as_ref(), Some(forces), "{size} ranks, step {step}");
