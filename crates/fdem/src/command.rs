@@ -30,6 +30,8 @@ mod outputs;
 mod packing;
 mod periodic;
 mod progress;
+mod ranks;
+mod ranks_contacts;
 mod run;
 mod series;
 mod series_summary;
@@ -46,7 +48,9 @@ use std::process::ExitCode;
 
 use clap::Parser;
 
-use args::{Arguments, Task};
+use args::{Arguments, ContactsArguments, Task};
+use failure::Failure;
+use ranks::Ranks;
 pub use tables::network_file;
 
 /// Runs the command with `arguments`, the first of which is the program's name, and returns its exit code.
@@ -60,13 +64,26 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         Ok(arguments) => arguments,
         Err(error) => return help_or_refusal(&error),
     };
+    let ranks = match Ranks::start() {
+        Ok(ranks) => ranks,
+        Err(failure) => return refusal(&failure),
+    };
+    let code = carry_out(arguments, &ranks);
+    // MPI ends here, on all ranks together.
+    drop(ranks);
+    code
+}
+
+/// Carries out the task, and returns the exit code.
+fn carry_out(arguments: Arguments, ranks: &Ranks) -> u8 {
     // Interrupted simulations keep their results and handle signals themselves.
     let watched = match arguments.task {
         Task::Run(_) | Task::Resume(_) => Ok(()),
         _ => output::remove_partial_output_when_interrupted(),
     };
+    let watched = ranks.agree(watched).and_then(|()| refuse_several(&arguments.task, ranks));
     let done = watched.and_then(|()| match arguments.task {
-        Task::Contacts(arguments) => contacts::run(&arguments),
+        Task::Contacts(arguments) => find_contacts(&arguments, ranks),
         Task::Bench(arguments) => bench::run(&arguments),
         Task::Generate(arguments) => generate::run(&arguments),
         Task::New(arguments) => new::run(&arguments),
@@ -77,12 +94,39 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     });
     match done {
         Ok(()) => 0,
-        Err(failure) => {
-            // Nothing can be done if even the error cannot be printed.
-            let _ = writeln!(io::stderr(), "error: {failure}");
-            failure.exit_code()
-        }
+        // All ranks have the same failure.
+        Err(failure) if !ranks.prints() => failure.exit_code(),
+        Err(failure) => refusal(&failure),
     }
+}
+
+/// Refuses tasks that work in one process, on several ranks.
+fn refuse_several(task: &Task, ranks: &Ranks) -> Result<(), Failure> {
+    let name = match task {
+        Task::Contacts(_) => return Ok(()),
+        Task::Bench(_) => "bench",
+        Task::Generate(_) => "generate",
+        Task::New(_) => "new",
+        Task::Check(_) => "check",
+        Task::Run(_) => "run",
+        Task::Resume(_) => "resume",
+        Task::Validate(_) => "validate",
+    };
+    ranks.refuse_several(name)
+}
+
+fn find_contacts(arguments: &ContactsArguments, ranks: &Ranks) -> Result<(), Failure> {
+    match ranks.communicator() {
+        Some(communicator) => ranks_contacts::run(arguments, communicator),
+        None => contacts::run(arguments),
+    }
+}
+
+/// Prints a failure, and returns its exit code.
+fn refusal(failure: &Failure) -> u8 {
+    // Nothing can be done if even the error cannot be printed.
+    let _ = writeln!(io::stderr(), "error: {failure}");
+    failure.exit_code()
 }
 
 /// Prints the message of the parser and returns the exit code. Help and version are also "errors" of the parser: they go to standard output, and it is an error

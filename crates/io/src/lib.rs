@@ -74,6 +74,7 @@ pub use kind::{FileKind, PackingFormat};
 pub use labels::{LabelError, LabelImage, LabelKind, LabelValue, with_label_image};
 pub use mesh::error::{MeshError, MeshProblem, Place};
 pub use mesh::{BodiesFrom, Cells, MeshBody, MeshFile, MeshFormat, MeshSource, read_mesh};
+pub use npy::NpyRows;
 pub use packing::{
     BadLine, Centres, Column, Delimiter, Format, Frame, Packing, SimulationBox, Skipped, Source,
 };
@@ -83,6 +84,6 @@ pub use series::{Series, read_packing};
 pub use unpack::{Compression, unpack};
 pub use write_packing::{write_packing_csv, write_packing_npy};
 pub use written::{
-    Spool, Table, Values, write_csv, write_csv_rows, write_graphml, write_node_link, write_npy, write_npz,
-    write_parquet, write_vtp,
+    Spool, Table, Values, write_csv, write_csv_header, write_csv_rows, write_graphml, write_node_link,
+    write_npy, write_npy_header, write_npy_rows, write_npz, write_parquet, write_vtp,
 };

@@ -1,5 +1,6 @@
 //! Packings in NumPy arrays.
 
+use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::columns::{Name, Role};
@@ -22,10 +23,21 @@ pub(crate) fn read_npy(
     progress: &AtomicU64,
 ) -> Result<Packing, ReadError> {
     let header = Header::parse(bytes).map_err(|problem| ReadError::NpyHeader { problem })?;
-    let array = Array::new(&header, &bytes[header.data..])?;
+    read_rows(&header, &bytes[header.data..], 0, options, progress)
+}
+
+/// Reads an array with this header, whose data start with row `first` of a file.
+fn read_rows(
+    header: &Header,
+    data: &[u8],
+    first: u64,
+    options: &ReadOptions,
+    progress: &AtomicU64,
+) -> Result<Packing, ReadError> {
+    let array = Array::new(header, data)?;
     let (roles, unit) = array.roles(options)?;
-    let chosen = array.chosen(&roles, &header)?;
-    array.check_size(&header)?;
+    let chosen = array.chosen(&roles, header)?;
+    array.check_size(header)?;
 
     let mut elements = Elements::new(&roles, array.rows)?;
     for at in 0..array.rows {
@@ -33,9 +45,9 @@ pub(crate) fn read_npy(
             progress.store((header.data + at * (array.data.len() / array.rows)) as u64, Ordering::Relaxed);
         }
         match array.row(at, &chosen) {
-            Ok(row) => elements.push(&row, at as u64),
+            Ok(row) => elements.push(&row, first + at as u64),
             Err(problem) => {
-                let (row, text) = (at as u64, array.shown(at, &chosen));
+                let (row, text) = (first + at as u64, array.shown(at, &chosen));
                 let problem = format!("row {row} (counted from 0): {problem}");
                 if !options.skip_bad_lines {
                     return Err(ReadError::BadRow { row, text, problem });
@@ -54,11 +66,107 @@ pub(crate) fn read_npy(
     let names: Vec<Name> = array.columns.iter().map(|column| column.name.clone()).collect();
     Ok(elements.into_packing(Frame::default(), |skipped| Source {
         columns: Column::all(&names, &roles, array.named),
-        format: Format::Npy { dtype: header.descr },
+        format: Format::Npy { dtype: header.descr.clone() },
         unit,
         lines: array.rows as u64,
         skipped,
     }))
+}
+
+/// A NumPy array in a file, some rows of which can be read without the others.
+///
+/// # Example
+/// ```
+/// use std::sync::atomic::AtomicU64;
+/// use fdem_io::{Centres, NpyRows, ReadOptions, Table, Values, write_npy};
+///
+/// let mut file = Vec::new();
+/// let table = Table::new(9).with("x", Values::f64(|k| k as f64)).with("y", Values::f64(|_| 0.5));
+/// write_npy(&mut file, &table)?;
+/// let array = NpyRows::open(&file)?.expect("an array");
+/// assert_eq!(array.rows(), 9);
+///
+/// let place = array.bytes(3..5);
+/// let part = &file[place.start as usize..place.end as usize];
+/// let packing = array.read(3..5, part, &ReadOptions::default(), &AtomicU64::new(0))?;
+/// assert_eq!(packing.centres, Centres::Two(vec![[3.0, 0.5], [4.0, 0.5]]));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct NpyRows {
+    header: Header,
+    rows: u64,
+    /// Number of bytes of a row.
+    stride: u64,
+}
+
+impl NpyRows {
+    /// Bytes at the start of a file that hold any header that NumPy writes.
+    pub const START: usize = 1 << 20;
+
+    /// The array of a file that begins with `start`, which is the whole file or at least its first [`NpyRows::START`] bytes.
+    ///
+    /// `None` if the file is not a NumPy array, or has its rows scattered (Fortran order).
+    ///
+    /// # Errors
+    /// [`ReadError::NpyHeader`], [`ReadError::NpyShape`], [`ReadError::NpySize`].
+    pub fn open(start: &[u8]) -> Result<Option<Self>, ReadError> {
+        if !start.starts_with(b"\x93NUMPY") {
+            return Ok(None);
+        }
+        let header = Header::parse(start).map_err(|problem| ReadError::NpyHeader { problem })?;
+        let Array { rows, stride, columns, .. } = Array::new(&header, &[])?;
+        if header.fortran_order && columns.len() > 1 && rows > 1 {
+            return Ok(None);
+        }
+        let stride =
+            if header.fortran_order { columns.iter().map(|column| column.scalar.size).sum() } else { stride };
+        Ok(Some(Self { header, rows: rows as u64, stride: stride as u64 }))
+    }
+
+    /// Number of rows.
+    pub fn rows(&self) -> u64 {
+        self.rows
+    }
+
+    /// Where these rows are in the file.
+    pub fn bytes(&self, rows: Range<u64>) -> Range<u64> {
+        let place = |row: u64| self.header.data as u64 + row * self.stride;
+        place(rows.start)..place(rows.end)
+    }
+
+    /// Checks the length of the file.
+    ///
+    /// # Errors
+    /// [`ReadError::NpySize`].
+    pub fn check_length(&self, file: u64) -> Result<(), ReadError> {
+        let (expected, found) =
+            (u128::from(self.rows) * u128::from(self.stride), file.saturating_sub(self.header.data as u64));
+        if expected == u128::from(found) {
+            return Ok(());
+        }
+        Err(ReadError::NpySize { expected, found, shape: self.header.shown_shape() })
+    }
+
+    /// Reads rows as [`read`](crate::read) reads a file. `bytes` is the content of the file at the place of the [rows](Self::bytes).
+    ///
+    /// Errors name rows of the file. Ids are compared within these rows only.
+    ///
+    /// # Errors
+    /// [`ReadError`].
+    pub fn read(
+        &self,
+        rows: Range<u64>,
+        bytes: &[u8],
+        options: &ReadOptions,
+        progress: &AtomicU64,
+    ) -> Result<Packing, ReadError> {
+        let mut header = self.header.clone();
+        if let Some(length) = header.shape.first_mut() {
+            *length = rows.end - rows.start;
+        }
+        read_rows(&header, bytes, rows.start, options, progress)
+    }
 }
 
 /// The data of an array as a table.
@@ -332,6 +440,36 @@ mod tests {
             big_endian,
             descr: descr.into(),
         }
+    }
+
+    /// Rows that are read alone are those of the whole file, and errors name rows of the file.
+    #[test]
+    fn rows_are_read_without_the_others() {
+        let mut file = crate::npy_header::header("'<f8'", "(6, 3)");
+        let numbers = (0..18).map(|k| if k == 13 { f64::NAN } else { f64::from(k) });
+        file.extend(numbers.flat_map(f64::to_le_bytes));
+        let array = NpyRows::open(&file).unwrap().unwrap();
+        assert_eq!(array.rows(), 6);
+        assert_eq!(array.check_length(file.len() as u64), Ok(()));
+        assert!(array.check_length(file.len() as u64 - 1).is_err());
+        let read = |rows: Range<u64>| {
+            let place = array.bytes(rows.clone());
+            let part = &file[place.start as usize..place.end as usize];
+            array.read(rows, part, &ReadOptions::default(), &AtomicU64::new(0))
+        };
+        let centres = |rows| read(rows).unwrap().centres;
+        assert_eq!(centres(2..4), crate::Centres::Three(vec![[6.0, 7.0, 8.0], [9.0, 10.0, 11.0]]));
+        assert_eq!(centres(6..6), crate::Centres::Three(Vec::new()));
+        let Err(ReadError::BadRow { row: 4, problem, .. }) = read(3..6) else {
+            panic!("row 4 has no number")
+        };
+        assert!(problem.starts_with("row 4 "), "{problem}");
+
+        let mut fortran = file.clone();
+        let place = fortran.windows(5).position(|text| text == b"False").unwrap();
+        fortran[place..place + 5].copy_from_slice(b"True ");
+        assert!(NpyRows::open(&fortran).unwrap().is_none());
+        assert!(NpyRows::open(b"x,y\n0,0\n").unwrap().is_none());
     }
 
     #[test]

@@ -12,9 +12,9 @@ use std::fmt;
 use std::io::{self, Write};
 use std::ops::Range;
 
-pub use csv::{write_csv, write_csv_rows};
+pub use csv::{write_csv, write_csv_header, write_csv_rows};
 pub use graph::{write_graphml, write_node_link};
-pub use npy::write_npy;
+pub use npy::{write_npy, write_npy_header, write_npy_rows};
 pub use npz::write_npz;
 pub use parquet::write_parquet;
 pub use spool::Spool;
@@ -211,6 +211,11 @@ impl<'a> Table<'a> {
     /// Number of rows.
     pub fn rows(&self) -> usize {
         self.rows
+    }
+
+    /// Number of bytes of a row of a NumPy array.
+    pub fn npy_row(&self) -> usize {
+        self.plain().map(|column| column.values.size()).sum()
     }
 
     pub(crate) fn columns(&self) -> &[Column<'a>] {

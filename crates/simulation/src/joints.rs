@@ -53,38 +53,29 @@ pub(crate) struct Break {
 ))]
 pub(crate) struct Saved<const D: usize = 2> {
     joints: Vec<Joint<D>>,
-    pulls: Vec<Pull<D>>,
+    forces: Vec<[Point<D>; D]>,
+    works: Vec<f64>,
     breaks: Vec<Break>,
-}
-
-/// The part of a joint that every step changes.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(bound(serialize = "[[f64; D]; D]: Serialize", deserialize = "[[f64; D]; D]: Deserialize<'de>"))]
-struct Pull<const D: usize> {
-    /// Force on its side 0, at each end, N; side 1 has the opposite.
-    forces: [Point<D>; D],
-    /// Work done against it so far, J.
-    work: f64,
 }
 
 /// A joint with what is kept apart from it, for another rank. Its facet is a code.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Moving<const D: usize> {
     pub(crate) joint: Joint<D>,
-    pull: Pull<D>,
+    forces: [Point<D>; D],
+    work: f64,
     /// Time and modes of its failure.
     broken: Option<(f64, [f64; 2])>,
     /// Length of the undeformed edge, m, or area of the undeformed face, m².
     measure: f64,
 }
 
-wire!([const D: usize] Pull<D> { forces, work });
-wire!([const D: usize] Moving<D> { joint, pull, broken, measure });
+wire!([const D: usize] Moving<D> { joint, forces, work, broken, measure });
 
 impl<const D: usize> Moving<D> {
     /// Work done against it so far, J.
     pub(crate) fn work(&self) -> f64 {
-        self.pull.work
+        self.work
     }
 
     /// If it is broken, its modes, and its length or area.
@@ -102,7 +93,8 @@ impl<const D: usize> Saved<D> {
         };
         Self {
             joints: all.iter().map(|moving| moving.joint).collect(),
-            pulls: all.iter().map(|moving| moving.pull).collect(),
+            forces: all.iter().map(|moving| moving.forces).collect(),
+            works: all.iter().map(|moving| moving.work).collect(),
             breaks: (0..).zip(&all).filter_map(broken).collect(),
         }
     }
@@ -114,8 +106,10 @@ pub(crate) struct Joints<const D: usize = 2> {
     pub(crate) all: Vec<Joint<D>>,
     /// What most steps need of each joint.
     links: Vec<Link<D>>,
-    /// Force and work of each joint.
-    pulls: Vec<Pull<D>>,
+    /// Force of each joint on its side 0, at each end, N; side 1 has the opposite.
+    forces: Vec<[Point<D>; D]>,
+    /// Work done against each joint so far, J.
+    works: Vec<f64>,
     /// Joints that broke, ascending by their numbers.
     breaks: Vec<Break>,
     /// Joints of the facets at each corner, as 2 D × number + 2 × end + side; or [`NONE`]. Empty if no facet can break.
@@ -191,7 +185,8 @@ impl<const D: usize> Joints<D> {
             tips: Vec::new(),
             all: Vec::new(),
             links: Vec::new(),
-            pulls: Vec::new(),
+            forces: Vec::new(),
+            works: Vec::new(),
             breaks: Vec::new(),
             at_corner: if strengths.is_empty() {
                 Vec::new()
@@ -295,7 +290,8 @@ impl<const D: usize> Joints<D> {
         let count = self.class.iter().filter(|&&class| class != NONE).count();
         self.all.reserve_exact(count);
         self.links.reserve_exact(count);
-        self.pulls.reserve_exact(count);
+        self.forces.reserve_exact(count);
+        self.works.reserve_exact(count);
         for facet in 0..topology.facets.len() as u32 {
             if let Some(law) = self.law(facet, model, topology)? {
                 self.put(facet, law, Plane::OWN, topology, model);
@@ -330,7 +326,8 @@ impl<const D: usize> Joints<D> {
         for vertex in vertices {
             self.at_vertex[vertex as usize] = true;
         }
-        self.pulls.push(Pull { forces: [[0.0; D]; D], work: 0.0 });
+        self.forces.push([[0.0; D]; D]);
+        self.works.push(0.0);
         let measure = measure_of(model, topology, sides);
         let length = <[[f64; D]; N]>::facet_length(measure);
         let joint = Joint::new(facet, law, plane, [measure, length]);
@@ -384,7 +381,8 @@ impl<const D: usize> Joints<D> {
         let measure = joint.measure;
         joint.facet = topology.code(joint.facet);
         let broken = self.break_of(number).map(|broken| (broken.time, broken.modes));
-        Moving { joint, pull: self.pulls[number as usize], broken, measure }
+        let (forces, work) = (self.forces[number as usize], self.works[number as usize]);
+        Moving { joint, forces, work, broken, measure }
     }
 
     /// The joints for a saved run, in the order of their facets.
@@ -408,8 +406,8 @@ impl<const D: usize> Joints<D> {
     {
         let missing = |what, index| ModelError::Missing { what, index, place: "the saved joints".to_owned() };
         let count = saved.joints.len();
-        if saved.pulls.len() != count {
-            let found = saved.pulls.len();
+        if saved.forces.len() != count || saved.works.len() != count {
+            let found = saved.forces.len().min(saved.works.len());
             return Err(ModelError::Length { what: "forces of joints", found, expected: count });
         }
         if let Some(broken) = saved.breaks.iter().find(|broken| broken.joint as usize >= count) {
@@ -417,7 +415,8 @@ impl<const D: usize> Joints<D> {
         }
         self.all.clear();
         self.links.clear();
-        self.pulls.clear();
+        self.forces.clear();
+        self.works.clear();
         for joint in &saved.joints {
             let facet = topology.facet_with(joint.facet).ok_or_else(|| missing("facet", joint.facet))?;
             let law = self.law(facet, model, topology)?.ok_or_else(|| missing("facet", joint.facet))?;
@@ -432,7 +431,7 @@ impl<const D: usize> Joints<D> {
             self.find_tips(&joined, topology, &solid.share);
         }
         self.find_nodes(topology, solid);
-        (self.pulls, self.breaks) = (saved.pulls, saved.breaks);
+        (self.forces, self.works, self.breaks) = (saved.forces, saved.works, saved.breaks);
         Ok(())
     }
 
@@ -447,20 +446,19 @@ impl<const D: usize> Joints<D> {
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
-        let Self { all, links, pulls, .. } = self;
-        let found = team.change_batches::<1, _, _, _, _>(all, links, pulls, |first, joints, links, pulls| {
+        let Self { all, links, forces, works, .. } = self;
+        let found = team.change_four((all, links, forces, works), |first, (joints, links, forces, works)| {
             let mut breaks = Vec::new();
             let mut batch = Batch::EMPTY;
             for start in (0..joints.len()).step_by(LANES) {
                 let range = start..joints.len().min(start + LANES);
                 let batched =
-                    batch.pull(&joints[range.clone()], &links[start..], &pulls[range.clone()], solid, step);
-                let (joints, links, pulls) =
-                    (&mut joints[range.clone()], &mut links[range.clone()], &mut pulls[range]);
-                for (k, ((joint, link), pull)) in joints.iter_mut().zip(links).zip(pulls).enumerate() {
-                    if let Some((forces, work)) = batched.then(|| batch.result(k)).flatten() {
-                        pull.forces = forces;
-                        pull.work += work;
+                    batch.pull(&joints[range.clone()], &links[start..], &forces[range.clone()], solid, step);
+                for (k, number) in range.enumerate() {
+                    let (joint, link) = (&mut joints[number], &mut links[number]);
+                    if let Some((found, work)) = batched.then(|| batch.result(k)).flatten() {
+                        forces[number] = found;
+                        works[number] += work;
                         continue;
                     }
                     if link.is_gone() {
@@ -469,10 +467,10 @@ impl<const D: usize> Joints<D> {
                     if joint.state == State::Removed {
                         joint.fading = 0.0;
                     } else {
-                        let (work, modes) = joint.pull(&mut pull.forces, solid, step);
-                        pull.work += work;
+                        let (work, modes) = joint.pull(&mut forces[number], solid, step);
+                        works[number] += work;
                         if let Some(modes) = modes {
-                            breaks.push(Break { joint: (first + start + k) as u32, time, modes });
+                            breaks.push(Break { joint: (first + number) as u32, time, modes });
                         }
                     }
                     *link = Link::of(joint, solid.thickness);
@@ -503,9 +501,9 @@ impl<const D: usize> Joints<D> {
     pub(crate) fn work<const N: usize>(&self, topology: &Topology<D, N>, share: &Share, team: &Team) -> Sum {
         let of = |range: Range<usize>| {
             let counted = range.filter(|&joint| self.counts(joint, topology, share));
-            [counted.map(|joint| self.pulls[joint].work).collect()]
+            [counted.map(|joint| self.works[joint]).collect()]
         };
-        let [work] = Sum::all(team.look(self.pulls.len(), of));
+        let [work] = Sum::all(team.look(self.works.len(), of));
         work
     }
 
@@ -517,7 +515,7 @@ impl<const D: usize> Joints<D> {
             if code == NONE {
                 continue;
             }
-            let pull = self.pulls[code as usize / (2 * D)].forces[code as usize / 2 % D];
+            let pull = self.forces.as_flattened()[code as usize / 2];
             add(force, pull, if code % 2 == 0 { 1.0 } else { -1.0 });
         }
     }
@@ -537,7 +535,7 @@ impl<const D: usize> Joints<D> {
         [[f64; D]; N]: Simplex<D, N>,
     {
         let mut pressing = Vec::new();
-        for (joint, Pull { forces, .. }) in self.all.iter().zip(&self.pulls) {
+        for (joint, forces) in self.all.iter().zip(&self.forces) {
             if joint.state != State::Broken || *forces == [[0.0; D]; D] {
                 continue;
             }
@@ -565,9 +563,9 @@ impl<const D: usize> Joints<D> {
 
     /// Counts the elastic energy that the initial stress has stored in intrinsic joints as work done against them. Valid only before any joint has opened or slid.
     pub(crate) fn count_stored<const N: usize>(&mut self, solid: &Solid<D, N>) {
-        for (joint, pull) in self.all.iter().zip(&mut self.pulls) {
+        for (joint, work) in self.all.iter().zip(&mut self.works) {
             let part = joint.measure / D as f64 * solid.thickness;
-            pull.work = joint.ends.iter().map(|end| part * end.stored(&joint.law)).sum();
+            *work = joint.ends.iter().map(|end| part * end.stored(&joint.law)).sum();
         }
     }
 

@@ -9,6 +9,7 @@
 //! foretells all this for a number of ranks, without them.
 
 mod forecast;
+mod leader;
 mod links;
 mod piece;
 mod spread;
@@ -22,6 +23,7 @@ use crate::error::{ModelError, Stop};
 use crate::forces::{self, Forces};
 use crate::model::Model;
 pub use crate::ranks::forecast::{Forecast, RankForecast, Sizes};
+pub use crate::ranks::leader::{Leader, dismiss, follow};
 pub(crate) use crate::ranks::links::{Links, Split, Told};
 use crate::ranks::piece::{Carried, message, of_message};
 pub(crate) use crate::ranks::piece::{Frame, Part};
@@ -141,6 +143,12 @@ where
         Ok(())
     }
 
+    /// Divides the work among the ranks again, by what each element costs now, before the next step. A run does so by itself where one rank has much more than others.
+    pub fn rebalance(&mut self) {
+        self.division = None;
+        self.links.ask();
+    }
+
     /// Gives ranks the elements that they need now.
     fn spread(&mut self) -> Result<(), ModelError> {
         self.run.watch();
@@ -212,6 +220,24 @@ where
         }
     }
 
+    /// What every rank has, and what it has sent, in the order of the ranks.
+    pub fn traffic_of_all(&self) -> Vec<Traffic> {
+        let own = self.traffic();
+        let numbers = |traffic: Traffic| {
+            let Traffic { own, halo, neighbours, bytes, messages, .. } = traffic;
+            [own as u64, halo as u64, neighbours as u64, bytes, messages]
+        };
+        let of = |[elements, halo, neighbours, bytes, messages]: [u64; 5]| Traffic {
+            own: elements as usize,
+            halo: halo as usize,
+            neighbours: neighbours as usize,
+            bytes,
+            messages,
+            ..own
+        };
+        self.links.all(&numbers(own)).into_iter().map(of).collect()
+    }
+
     /// Numbers of joints, contacts and nodes of the whole run. Detections are those of the rank with most.
     pub fn counts(&self) -> Counts {
         let own = self.run.own_counts();
@@ -232,11 +258,18 @@ where
         self.links.all(&own).into_iter().flatten().min()
     }
 
-    /// Displacement, m, and velocity, m/s, of a node of the mesh; those of the first of its nodes if the mesh has broken there. `None` if there is no such node.
-    pub fn node(&self, node: u32) -> Option<([f64; D], [f64; D])> {
-        let own = self.run.own_node(node).map(|(displacement, velocity)| [displacement, velocity]);
-        let [displacement, velocity] = self.links.all(&own).into_iter().flatten().next()?;
-        Some((displacement, velocity))
+    /// Displacements, m, and velocities, m/s, of some nodes of the mesh: see [`Simulation::node`].
+    pub fn nodes(&self, nodes: &[u32]) -> Vec<Option<([f64; D], [f64; D])>> {
+        let mut found = vec![None; nodes.len()];
+        let own = (0..).zip(nodes).filter_map(|(place, &node)| {
+            let (displacement, velocity) = self.run.own_node(node)?;
+            Some((place, [displacement, velocity]))
+        });
+        let own: Vec<(u32, [[f64; D]; 2])> = own.collect();
+        for (place, [displacement, velocity]) in self.links.all(&own).into_iter().flatten() {
+            found[place as usize] = Some((displacement, velocity));
+        }
+        found
     }
 
     /// Total lengths, m, or areas, m², of joints that broke by opening, by sliding, and by both.
@@ -245,6 +278,22 @@ where
         let [a, b, c] = &mut lengths;
         self.links.add_up(&mut [a, b, c]);
         lengths.map(|length| length.value())
+    }
+
+    /// Fragment of each element, on rank 0: see [`Simulation::fragments`]. `None` on the other ranks.
+    pub fn fragments(&self) -> Option<Vec<u32>> {
+        let mut pairs = Vec::new();
+        let mut first = Vec::new();
+        for (element, piece) in (0..).zip(self.run.fragments()) {
+            let number = self.run.topology.number(element);
+            if piece as usize == first.len() {
+                first.push(number);
+            }
+            pairs.push([number, first[piece as usize]]);
+        }
+        let pairs = self.collect(&bytes_of(&pairs))?;
+        let pairs = pairs.iter().flat_map(|bytes| value_of::<Vec<[u32; 2]>>(bytes));
+        Some(united(self.elements(), pairs))
     }
 
     /// Forces of contacts and boundaries at the beginning of the last step, on rank 0. `whole`: the run of [`gathered`](Self::gathered).
@@ -312,6 +361,36 @@ where
         let others = (1..self.communicator.size()).map(|rank| self.communicator.receive(rank));
         Some(std::iter::once(bytes.to_vec()).chain(others).collect())
     }
+}
+
+/// Numbers the fragments of elements that hang together by these pairs, from 0 in the order of their first elements.
+fn united(elements: usize, pairs: impl Iterator<Item = [u32; 2]>) -> Vec<u32> {
+    // Every element points to one before it, or to itself if it is the first of its fragment.
+    let mut before: Vec<u32> = (0..elements as u32).collect();
+    let first = |before: &mut Vec<u32>, mut element: u32| {
+        while before[element as usize] != element {
+            let next = before[before[element as usize] as usize];
+            before[element as usize] = next;
+            element = next;
+        }
+        element
+    };
+    for [a, b] in pairs {
+        let [a, b] = [first(&mut before, a), first(&mut before, b)];
+        before[a.max(b) as usize] = a.min(b);
+    }
+    let mut numbers = vec![0; elements];
+    let mut count = 0;
+    for element in 0..elements as u32 {
+        let of = first(&mut before, element);
+        if of == element {
+            numbers[element as usize] = count;
+            count += 1;
+        } else {
+            numbers[element as usize] = numbers[of as usize];
+        }
+    }
+    numbers
 }
 
 /// Gives this rank its part of a run.

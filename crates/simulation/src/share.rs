@@ -10,6 +10,8 @@ pub(crate) struct Share {
     pub(crate) corners: Vec<bool>,
     /// Whether each node is, that is, all of its corners.
     pub(crate) nodes: Vec<bool>,
+    /// Codes of the first corners of nodes that are not owned, whose elements need not all be here.
+    pub(crate) codes: Vec<u32>,
     /// Number of corners of an element.
     pub(crate) of_element: usize,
 }
@@ -59,6 +61,7 @@ impl Share {
     pub(crate) fn split(&mut self, old: u32) {
         if !self.is_whole() {
             self.nodes.push(self.nodes[old as usize]);
+            self.codes.push(self.codes[old as usize]);
         }
     }
 }

@@ -715,6 +715,11 @@ where
         (self.solid.displacement(node, &self.model), self.solid.nodes[node].velocity)
     }
 
+    /// [`Simulation::node`] for some nodes.
+    pub fn nodes(&self, nodes: &[u32]) -> Vec<Option<([f64; D], [f64; D])>> {
+        nodes.iter().map(|&node| self.node(node)).collect()
+    }
+
     /// Total lengths of joints that broke by opening, by sliding, and by both, m.
     pub fn crack_lengths(&self) -> [f64; 3] {
         self.lengths_of_cracks(|_| true).map(|length| length.value())

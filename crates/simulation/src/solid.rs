@@ -321,6 +321,15 @@ where
         self.elements[element].mass = mean_mass(&self.constants, &self.corners.of_corner[element]);
     }
 
+    /// The code of the first corner of a node, by which other ranks know it.
+    pub(crate) fn code_of_node(&self, node: u32, topology: &Topology<D, N>) -> u32 {
+        if self.share.node(node as usize) {
+            topology.code_of_corner(self.corners.of(node as usize)[0])
+        } else {
+            self.share.codes[node as usize]
+        }
+    }
+
     /// Gives each group of these corners of a vertex a node of its own. Returns the nodes whose corners have changed.
     pub(crate) fn split(&mut self, corners: &[u32], groups: &[u32]) -> Vec<u32> {
         let Self { nodes, constants, corners: lists, share, .. } = self;

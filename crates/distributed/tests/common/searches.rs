@@ -81,7 +81,7 @@ fn gathered<C>(
     if mean > 8 * 3 * 2000 {
         assert!(all.iter().all(|run| run.len().abs_diff(mean) * 20 < mean), "even runs");
     }
-    let width = couples.first().map_or(0, |couple| numbers(couple).len() as i64);
+    let width = couples.first().map_or(0, |couple| numbers(couple).len());
     let mut widths = [-(width as f64), width as f64];
     communicator.all_max(&mut widths);
     let all: Vec<i64> =

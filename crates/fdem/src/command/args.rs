@@ -12,6 +12,7 @@ use fdem_io::{Columns, PackingFormat};
 use fdem_scenes::Sizes;
 
 use crate::command::frames::Frames;
+use crate::command::ranks::version;
 pub(crate) use drawings::{DrawingArguments, has_extension};
 pub(crate) use simulation::{
     CheckArguments, NewArguments, ResumeArguments, RunArguments, RunOptions, ValidateArguments,
@@ -19,7 +20,7 @@ pub(crate) use simulation::{
 
 /// Contact detection and the combined finite-discrete element method.
 #[derive(Debug, Parser)]
-#[command(name = "fdem", version, max_term_width = 100)]
+#[command(name = "fdem", version = version(), max_term_width = 100)]
 pub(crate) struct Arguments {
     #[command(subcommand)]
     pub(crate) task: Task,

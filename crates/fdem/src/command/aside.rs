@@ -66,6 +66,11 @@ impl Part {
         Ok(Self { file, target, claim })
     }
 
+    /// Where the file is while it is written.
+    pub(crate) fn path(&self) -> &Path {
+        self.file.get_ref().path()
+    }
+
     /// Closes the file once the disk has all of it.
     pub(crate) fn close(self) -> io::Result<Complete> {
         self.close_with(File::sync_all)

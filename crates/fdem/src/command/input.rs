@@ -207,7 +207,7 @@ fn may_be_mesh(start: &[u8], size: u64, name: &str) -> bool {
 }
 
 /// The failure for an input that cannot be parsed: `file:line: error`, so that an editor can jump to the line.
-fn unreadable(name: &str, error: &ReadError) -> Failure {
+pub(crate) fn unreadable(name: &str, error: &ReadError) -> Failure {
     Failure::Unusable(match error.line() {
         Some(line) => format!("{name}:{line}: {error}"),
         None => format!("{name}: {error}"),

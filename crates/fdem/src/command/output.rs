@@ -165,6 +165,14 @@ impl Output {
         (!matches!(self.to, To::Stdout(_))).then(|| display_name(&self.name))
     }
 
+    /// The partial file, if the output is a file.
+    pub(crate) fn partial(&self) -> Option<&Path> {
+        match &self.to {
+            To::Aside(part) => Some(part.path()),
+            To::Stdout(_) | To::Device(_) => None,
+        }
+    }
+
     /// Makes the output appear under its name. Without this call, the partial file is removed on drop.
     pub(crate) fn commit(self) -> Result<(), Failure> {
         self.close()?.commit()

@@ -58,7 +58,8 @@ fn told<const D: usize>(
     centres: &[[f64; D]],
 ) -> Result<Told, Failure> {
     let Input { name, packing, bodies, .. } = input;
-    let space = Space { centres, cell: periodic_box(&arguments.periodic, input)? };
+    let space =
+        Space { centres, cell: periodic_box(&arguments.periodic, &input.name, input.packing.cell.as_ref())? };
     let bodies = bodies.as_ref().map(|bodies| bodies.count);
     Told::of(&space, &request(arguments, input)?, bodies).map_err(|error| refused(name, packing, &error))
 }
@@ -88,7 +89,8 @@ fn find<const D: usize>(
     let Input { name, packing, .. } = input;
     let mut seconds = Seconds { read: input.seconds, ..Seconds::default() };
     let request = request(arguments, input)?;
-    let space = Space { centres, cell: periodic_box(&arguments.periodic, input)? };
+    let space =
+        Space { centres, cell: periodic_box(&arguments.periodic, &input.name, input.packing.cell.as_ref())? };
     let (found, detection) =
         progress.step("detecting, couples", None, |position| detect(&space, &request, position));
     seconds.detect = detection;

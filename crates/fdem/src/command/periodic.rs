@@ -5,20 +5,20 @@ use fdem_io::SimulationBox;
 
 use crate::command::args::{Axes, PeriodicArguments};
 use crate::command::failure::Failure;
-use crate::command::input::Input;
 
-/// Returns the periodic box, if there is one: the box of the options, or else of the file. The options, or else the file, say along which edges it repeats.
+/// Returns the periodic box, if there is one: the box of the options, or else `cell`, that of the file `name`. The options, or else the file, say along which edges it repeats.
 pub(crate) fn periodic_box<const D: usize>(
     arguments: &PeriodicArguments,
-    input: &Input,
+    name: &str,
+    cell: Option<&SimulationBox>,
 ) -> Result<Option<PeriodicBox<f64, D>>, Failure> {
     if let Some(axis) = arguments.periodic.and_then(|axes| (D..3).find(|&axis| axes.0[axis])) {
         let axis = ["x", "y", "z"][axis];
         return Err(unusable("--periodic", &format!("a packing in {D}D has no {axis}")));
     }
-    match (&input.packing.cell, arguments.periodic) {
-        (Some(cell), None) => file_box(cell, Axes(cell.repeats), input),
-        (Some(cell), Some(axes)) if takes_file_box(arguments) => file_box(cell, axes, input),
+    match (cell, arguments.periodic) {
+        (Some(cell), None) => file_box(cell, Axes(cell.repeats), name),
+        (Some(cell), Some(axes)) if takes_file_box(arguments) => file_box(cell, axes, name),
         (_, Some(axes)) => box_of_options(arguments, axes),
         (None, None) => Ok(None),
     }
@@ -80,14 +80,14 @@ pub(crate) fn takes_file_box(arguments: &PeriodicArguments) -> bool {
 fn file_box<const D: usize>(
     cell: &SimulationBox,
     Axes(axes): Axes,
-    input: &Input,
+    name: &str,
 ) -> Result<Option<PeriodicBox<f64, D>>, Failure> {
     if !axes[..D].contains(&true) {
         return Ok(None);
     }
     let unusable = |why: String| {
         let advice = "--periodic none ignores it, --box and --edges replace it";
-        Failure::Unusable(format!("{}: the box of the file: {why}. {advice}", input.name))
+        Failure::Unusable(format!("{name}: the box of the file: {why}. {advice}"))
     };
     if D == 2 && cell.edges[..2].iter().any(|edge| edge[2] != 0.0) {
         return Err(unusable("its edges leave the plane of the 2D elements".to_owned()));

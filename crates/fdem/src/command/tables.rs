@@ -49,7 +49,7 @@ pub(crate) fn write_network<const D: usize>(
     network: &Network<'_, D>,
     position: &Position,
 ) -> Result<(), Failure> {
-    let drawn = Drawn { packing: Some(packing), network, position };
+    let drawn = Drawn { packing: Some(packing), ids: None, network, position };
     output.write(|out| drawn.write(format, out))
 }
 
@@ -62,7 +62,7 @@ pub(crate) fn write_network<const D: usize>(
 pub fn network_file<const D: usize>(network: &Network<'_, D>, name: &Path) -> Result<Vec<u8>, String> {
     let format = TableFormat::of(Some(name)).map_err(|error| error.to_string())?;
     let mut bytes = Vec::new();
-    let drawn = Drawn { packing: None, network, position: &Position::default() };
+    let drawn = Drawn { packing: None, ids: None, network, position: &Position::default() };
     drawn.write(format, &mut bytes).map_err(|error| error.to_string())?;
     Ok(bytes)
 }
@@ -106,7 +106,7 @@ pub(crate) fn frame_table<'a, const D: usize>(
     shifts: usize,
     position: &'a Position,
 ) -> Table<'a> {
-    let drawn = Drawn { packing: Some(packing), network, position };
+    let drawn = Drawn { packing: Some(packing), ids: None, network, position };
     let (number, step) = (packing.frame.index, packing.frame.step.unwrap_or(NO_STEP));
     let table = Table::new(network.couples.len())
         .with("frame", Values::i64(move |_| number.cast_signed() as i64))
@@ -123,12 +123,23 @@ pub(crate) fn frame_table<'a, const D: usize>(
 struct Drawn<'a, const D: usize> {
     /// `None`: the ids of elements are their numbers.
     packing: Option<&'a Packing>,
+    /// Ids of the elements, in place of those of the packing.
+    ids: Option<&'a [i64]>,
     network: &'a Network<'a, D>,
     position: &'a Position,
 }
 
 fn id_of(packing: Option<&Packing>, index: usize) -> i64 {
     packing.map_or(index.cast_signed() as i64, |packing| id(packing, index))
+}
+
+/// Table of the couples of elements that have these ids, as [`write_network`] writes it.
+pub(crate) fn couples_with_ids<'a, const D: usize>(
+    network: &'a Network<'a, D>,
+    ids: &'a [i64],
+    position: &'a Position,
+) -> Table<'a> {
+    Drawn { packing: None, ids: Some(ids), network, position }.couples()
 }
 
 impl<'a, const D: usize> Drawn<'a, D> {
@@ -139,11 +150,15 @@ impl<'a, const D: usize> Drawn<'a, D> {
     }
 
     fn ids(&self, table: Table<'a>) -> Table<'a> {
-        let Self { packing, network, .. } = *self;
+        let Self { packing, ids, network, .. } = *self;
         let couples = network.couples;
+        let id_of = move |element: u32| match ids {
+            Some(ids) => ids[element as usize],
+            None => id_of(packing, element as usize),
+        };
         table
-            .with("i", self.counted(move |k| id_of(packing, couples.get(k).i as usize)))
-            .with("j", Values::i64(move |k| id_of(packing, couples.get(k).j as usize)))
+            .with("i", self.counted(move |k| id_of(couples.get(k).i)))
+            .with("j", Values::i64(move |k| id_of(couples.get(k).j)))
     }
 
     /// Couples with the row numbers of the elements, always with shifts.

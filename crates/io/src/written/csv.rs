@@ -17,9 +17,17 @@ use crate::written::{CHUNK, Plain, Table, Values};
 /// # Example
 /// See [`Table`].
 pub fn write_csv<W: Write>(out: &mut W, table: &Table<'_>) -> io::Result<()> {
-    let names: Vec<_> = table.plain().map(|column| column.name).collect();
-    out.write_all((names.join(",") + "\n").as_bytes())?;
+    write_csv_header(out, table)?;
     write_csv_rows(out, table)
+}
+
+/// Writes only the header, with the names of the columns.
+///
+/// # Errors
+/// The errors of `out`.
+pub fn write_csv_header<W: Write>(out: &mut W, table: &Table<'_>) -> io::Result<()> {
+    let names: Vec<_> = table.plain().map(|column| column.name).collect();
+    out.write_all((names.join(",") + "\n").as_bytes())
 }
 
 /// Writes only the rows, for a table with the same columns as one written before.

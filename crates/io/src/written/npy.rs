@@ -29,10 +29,26 @@ use crate::written::{CHUNK, Plain, Table};
 /// # Ok::<(), std::io::Error>(())
 /// ```
 pub fn write_npy<W: Write>(out: &mut W, table: &Table<'_>) -> io::Result<()> {
-    let columns: Vec<Plain<'_>> = table.plain().collect();
+    write_npy_header(out, table, table.rows() as u64)?;
+    write_npy_rows(out, table)
+}
+
+/// Writes only what comes before the rows, for a file of `rows` rows with the columns of a table.
+///
+/// # Errors
+/// The errors of `out`.
+pub fn write_npy_header<W: Write>(out: &mut W, table: &Table<'_>, rows: u64) -> io::Result<()> {
     let fields: Vec<_> =
-        columns.iter().map(|column| format!("('{}', '{}')", column.name, column.values.dtype())).collect();
-    out.write_all(&header(&format!("[{}]", fields.join(", ")), &format!("({},)", table.rows())))?;
+        table.plain().map(|column| format!("('{}', '{}')", column.name, column.values.dtype())).collect();
+    out.write_all(&header(&format!("[{}]", fields.join(", ")), &format!("({rows},)")))
+}
+
+/// Writes only the rows, each of [`Table::npy_row`] bytes, for a file whose header has been written.
+///
+/// # Errors
+/// The errors of `out`.
+pub fn write_npy_rows<W: Write>(out: &mut W, table: &Table<'_>) -> io::Result<()> {
+    let columns: Vec<Plain<'_>> = table.plain().collect();
     let mut chunk = Vec::with_capacity(CHUNK + CHUNK / 16);
     for row in 0..table.rows() {
         for column in &columns {

@@ -6,7 +6,7 @@
 use fdem_contact::prefetch;
 
 use crate::cohesive::Law;
-use crate::joints::{Joint, Pull, State};
+use crate::joints::{Joint, State};
 use crate::lanes::{LANES, Lanes, Tensors, compiled_for_vectors, row, set_tensor, tensor};
 use crate::simplex::Simplex;
 use crate::solid::{Node, Solid};
@@ -130,7 +130,7 @@ impl<const D: usize> Batch<D> {
         &mut self,
         joints: &[Joint<D>],
         links: &[Link<D>],
-        pulls: &[Pull<D>],
+        forces: &[[Point<D>; D]],
         solid: &Solid<D, N>,
         step: f64,
     ) -> bool
@@ -142,12 +142,12 @@ impl<const D: usize> Batch<D> {
             return false;
         }
         self.holds = Lanes::ZERO;
-        for (lane, ((link, joint), pull)) in links.iter().zip(joints).zip(pulls).enumerate() {
+        for (lane, ((link, joint), forces)) in links.iter().zip(joints).zip(forces).enumerate() {
             if let Some(next) = next.get(lane) {
                 next.nodes.as_flattened().iter().for_each(|&node| prefetch(&solid.nodes[node as usize]));
             }
             if link.is_whole() {
-                self.take(lane, link, &pull.forces, &solid.nodes);
+                self.take(lane, link, forces, &solid.nodes);
                 for end in 0..D {
                     let at_rest = link.kind == Kind::AtRest;
                     let origin = if at_rest { [0.0; D] } else { joint.ends[end].origin() };

@@ -214,11 +214,11 @@ impl<'c> Links<'c> {
             let at = |&vertex: &u32| {
                 let shared = |corner: &&u32| neighbour.lent.binary_search(corner).is_ok();
                 let corners = topology.corners_of(vertex).iter().filter(shared).map(|&corner| {
-                    let node = solid.corners.node_at(corner) as usize;
+                    let node = solid.corners.node_at(corner);
                     Changed {
                         code: topology.code_of_corner(corner),
-                        node: topology.code_of_corner(solid.corners.of(node)[0]),
-                        mass: solid.constants[node].mass,
+                        node: solid.code_of_node(node, topology),
+                        mass: solid.constants[node as usize].mass,
                         group: contacts.groups[corner as usize],
                     }
                 });
@@ -310,6 +310,8 @@ fn follow<const D: usize, const N: usize>(
         solid.split(&corners, &groups);
         for (&corner, changed) in corners.iter().zip(&change.corners) {
             solid.set_mass(corner, changed.mass);
+            let node = solid.corners.node_at(corner) as usize;
+            solid.share.codes[node] = changed.node;
         }
         for &corner in &corners {
             for facet in topology.facets_at(corner) {

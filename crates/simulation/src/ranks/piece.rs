@@ -389,7 +389,7 @@ where
                 vertex: run.vertex(vertex),
                 place: run.model.mesh.nodes[vertex as usize],
                 owner: owners[number as usize],
-                node: topology.code_of_corner(solid.corners.of(node as usize)[0]),
+                node: solid.code_of_node(node, topology),
                 position,
                 velocity,
                 mass: solid.constants[node as usize].mass,
@@ -547,6 +547,7 @@ where
         let mut share = Share {
             corners: owners.iter().map(|&owner| owner == rank).collect(),
             nodes: Vec::new(),
+            codes: Vec::new(),
             of_element: N,
         };
         let topology = Topology::of_part(&model.mesh, part)?;
@@ -566,6 +567,7 @@ where
                 nodes.push(Node { position: corner.position, velocity: corner.velocity });
                 masses.push(corner.mass);
                 share.nodes.push(corner.owner == rank);
+                share.codes.push(corner.node);
                 nodes.len() as u32 - 1
             })
         };

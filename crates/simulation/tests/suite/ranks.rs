@@ -1,7 +1,10 @@
 //! Runs on many ranks: the results of one.
 
+use crate::common::*;
 use fdem_distributed::{Communicator, threads};
 use fdem_simulation::*;
+use proptest::collection::vec;
+use proptest::prelude::*;
 use serde::Serialize;
 
 fn bytes(state: &impl Serialize) -> Vec<u8> {
@@ -17,14 +20,7 @@ macro_rules! same_on_ranks {
         for &steps in $parts {
             whole.advance(steps).expect("steps");
             let cracks = whole.crack_lengths();
-            expected.push((
-                bytes(&whole.state()),
-                whole.snapshot(),
-                whole.forces(),
-                whole.counts(),
-                cracks,
-                format!("{:?}", whole.state()),
-            ));
+            expected.push((bytes(&whole.state()), whole.snapshot(), whole.forces(), whole.counts(), cracks));
         }
         for &size in $ranks {
             let all = threads::run(size, |communicator: &dyn Communicator| {
@@ -32,7 +28,7 @@ macro_rules! same_on_ranks {
                 let run = root.then(|| Simulation::new(model.clone(), 1).expect("a model"));
                 let mut run = Distributed::new(communicator, run, 1).expect("threads");
                 let mut spreads = 0;
-                for (steps, (state, snapshot, forces, counts, cracks, dbg)) in $parts.iter().zip(&expected) {
+                for (steps, (state, snapshot, forces, counts, cracks)) in $parts.iter().zip(&expected) {
                     run.advance(*steps).expect("steps");
                     let step = run.steps();
                     let gathered = run.gathered();
@@ -44,28 +40,19 @@ macro_rules! same_on_ranks {
                         Counts { detections: 0, ..*counts },
                         "{size} ranks, step {step}"
                     );
+                    if let Some(fragments) = run.fragments() {
+                        assert_eq!(fragments, snapshot.fragments, "{size} ranks, step {step}");
+                    }
                     if let Some(gathered) = gathered {
                         assert_eq!(gathered.snapshot(), *snapshot, "{size} ranks, step {step}");
                         assert_eq!(found.as_ref(), Some(forces), "{size} ranks, step {step}");
-                        let debug = format!("{:?}", gathered.state());
-                        if debug != *dbg {
-                            let at = debug.bytes().zip(dbg.bytes()).position(|(a, b)| a != b).unwrap_or(0);
-                            let a = at.saturating_sub(600);
-                            println!(
-                                "AT {at} of {} {}\n{}\n----\n{}",
-                                debug.len(),
-                                dbg.len(),
-                                &debug[a..(at + 300).min(debug.len())],
-                                &dbg[a..(at + 300).min(dbg.len())]
-                            );
-                        }
                         assert!(bytes(&gathered.state()) == *state, "{size} ranks, step {step}");
                     }
                     spreads = run.traffic().spreads;
                 }
                 spreads
             });
-            println!("{size} ranks: {} spreads", all[0]);
+            assert!(all.iter().all(|spreads| *spreads == all[0]));
         }
         whole.counts()
     }};
@@ -88,4 +75,123 @@ fn a_crash_in_space_is_the_same() {
         let counts = same_on_ranks!(model, 3, 4, &[1, 2, 3, 4, 8], &[1, 399, 400]);
         assert!(counts.broken > 10 && counts.contacts > 5, "{insertion:?}: {counts:?}");
     }
+}
+
+/// Blocks under stress: seams, absorbing edges, loads that change.
+#[test]
+fn stressed_blocks_are_the_same() {
+    for insertion in [Insertion::Adaptive, Insertion::Intrinsic] {
+        let model = crate::stress::shaken(insertion);
+        same_on_ranks!(model, 2, 3, &[1, 2, 3, 5], &[1, 99, 150, 333]);
+    }
+}
+
+/// More ranks than elements: some have none.
+#[test]
+fn ranks_without_elements_wait_for_the_others() {
+    let mesh = together(&[
+        rectangle([0.0; 2], [0.1; 2], 1, 1),
+        turned(&rectangle([0.0; 2], [0.1; 2], 1, 1), 0.3, [0.05, 0.11]),
+    ]);
+    let velocities =
+        mesh.nodes.iter().map(|[_, y]| if *y > 0.105 { [0.0, -20.0] } else { [0.0; 2] }).collect();
+    let model = Model { mesh, velocities, materials: vec![granite()], ..Model::default() };
+    let counts = same_on_ranks!(model, 2, 3, &[3, 9], &[1, 60, 300]);
+    assert!(counts.nodes == 8);
+}
+
+/// A model drawn at random.
+#[derive(Clone, Debug)]
+struct Drawn {
+    /// Angle, height, and velocity of each block.
+    blocks: Vec<(f64, f64, [f64; 2])>,
+    insertion: Insertion,
+    damping: f64,
+    /// Ranks, threads of each, and steps of each part of the run, which is saved after each; and whether the work is divided anew in its middle.
+    parts: Vec<(usize, usize, u64, bool)>,
+}
+
+impl Drawn {
+    fn any() -> impl Strategy<Value = Self> {
+        let velocity = [-20.0..20.0, -40.0..10.0_f64];
+        let block = (0.0..3.0_f64, 0.0..0.03_f64, velocity);
+        let part = (1..6_usize, 1..3_usize, 1..400_u64, any::<bool>());
+        (vec(block, 2..5), any::<bool>(), 0.0..0.3_f64, vec(part, 2..4)).prop_map(
+            |(blocks, intrinsic, damping, parts)| Self {
+                blocks,
+                insertion: if intrinsic { Insertion::Intrinsic } else { Insertion::Adaptive },
+                damping,
+                parts,
+            },
+        )
+    }
+
+    fn model(&self) -> Model {
+        let ground = rectangle([-0.1, -0.05], [0.5, 0.0], 12, 2);
+        let mut velocities = vec![[0.0; 2]; ground.nodes.len()];
+        let mut meshes = vec![ground];
+        for (k, (angle, height, velocity)) in self.blocks.iter().enumerate() {
+            let block = rectangle([-0.04, -0.03], [0.04, 0.03], 3, 3);
+            let block = turned(&block, *angle, [0.1 * k as f64, 0.055 + height]);
+            velocities.extend(block.nodes.iter().map(|_| *velocity));
+            meshes.push(block);
+        }
+        let strength = Strength {
+            tensile: 1e6,
+            cohesion: 2e6,
+            energy_i: 3.0,
+            energy_ii: 9.0,
+            weibull_modulus: Some(4.0),
+            ..rock()
+        };
+        Model {
+            mesh: together(&meshes),
+            velocities,
+            materials: vec![Material { strength: Some(strength), friction: 0.4, damping: 0.02, ..granite() }],
+            gravity: [0.0, -9.81],
+            contact: ContactOptions { damping: self.damping, ..ContactOptions::default() },
+            fracture: FractureOptions {
+                insertion: self.insertion,
+                joint_penalty: 50.0,
+                ..FractureOptions::default()
+            },
+            time: TimeOptions { safety: 0.5, ..TimeOptions::default() },
+            ..Model::default()
+        }
+    }
+}
+
+/// Runs on changing numbers of ranks and threads, saved and resumed, divided anew at any time.
+#[test]
+fn any_run_is_the_same_on_any_ranks() {
+    let config = ProptestConfig { cases: 24, failure_persistence: None, ..ProptestConfig::default() };
+    proptest!(config, |(drawn in Drawn::any())| {
+        let model = drawn.model();
+        let mut whole = Simulation::new(model.clone(), 1).expect("a model");
+        let mut saved = bytes(&whole.state());
+        for &(size, threads, steps, anew) in &drawn.parts {
+            let stops = whole.advance(steps).is_err();
+            let states = threads::run(size, |communicator: &dyn Communicator| {
+                let run = (communicator.rank() == 0).then(|| {
+                    let state = postcard::from_bytes(&saved).expect("a state");
+                    Simulation::resume(model.clone(), state, 1).expect("the same model")
+                });
+                let mut run = Distributed::new(communicator, run, threads).expect("threads");
+                let done = run.advance(steps / 2);
+                if anew && done.is_ok() {
+                    run.rebalance();
+                }
+                let done = done.and_then(|()| run.advance(steps - steps / 2));
+                assert_eq!(done.is_err(), stops);
+                run.gathered().map(|run| (bytes(&run.state()), run.snapshot()))
+            });
+            if stops {
+                break;
+            }
+            let (state, snapshot) = states.into_iter().flatten().next().expect("rank 0 has the run");
+            prop_assert_eq!(&snapshot, &whole.snapshot());
+            saved = bytes(&whole.state());
+            prop_assert!(state == saved);
+        }
+    });
 }

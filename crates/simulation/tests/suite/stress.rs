@@ -313,16 +313,22 @@ fn stress_that_surfaces_do_not_bear_is_found_before_a_run() {
     assert!(all.unlike.is_some(), "{all:?}");
 }
 
-/// A resumed run with contacts, joints and absorbing edges under stress continues bit for bit.
-#[test]
-fn stressed_contacts_joints_and_edges_go_on_bit_for_bit() {
+/// Blocks under stress, with an absorbing edge, on which a load changes.
+pub(crate) fn shaken(insertion: Insertion) -> Model {
     let mut model = stressed(blocks(5), [-3e6, -10e6, 1e6], [true, true, true, true]);
     model.boundaries[2].load = Load::Absorbing;
     model.boundaries[3].schedule = Schedule::Table(vec![[0.0, 1.0], [1e-4, 0.2], [2e-4, 1.5]]);
     model.materials[0].strength = Some(strong());
     model.gravity = [0.0, -9.81];
+    model.fracture.insertion = insertion;
+    model
+}
+
+/// A resumed run with contacts, joints and absorbing edges under stress continues bit for bit.
+#[test]
+fn stressed_contacts_joints_and_edges_go_on_bit_for_bit() {
     for insertion in [Insertion::Adaptive, Insertion::Intrinsic] {
-        model.fracture.insertion = insertion;
+        let model = shaken(insertion);
         let mut whole = Simulation::new(model.clone(), 1).expect("a model");
         let mut parts = Simulation::new(model.clone(), 2).expect("a model");
         for steps in [0, 1, 99, 150, 333] {

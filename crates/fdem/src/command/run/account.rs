@@ -47,7 +47,7 @@ impl Account {
     where
         [[f64; D]; N]: Element<D, N>,
     {
-        let Timings { bulk, joints, detection, contact, integration } = run.timings();
+        let Timings { bulk, joints, detection, contact, integration, messages: _ } = run.timings();
         let mut parts = self.parts;
         for (sum, time) in parts.iter_mut().zip([bulk, joints, detection, contact, integration]) {
             *sum += time.as_secs_f64();

@@ -1,0 +1,253 @@
+//! A run on many ranks that one of them leads, as if it had the run for itself.
+
+use std::cell::RefCell;
+
+use fdem_distributed::Communicator;
+
+use crate::critical::CriticalStep;
+use crate::energy::Energies;
+use crate::error::{ModelError, Stop};
+use crate::forces::Forces;
+use crate::ranks::wire::{bytes_of, value_of};
+use crate::ranks::{Distributed, Traffic};
+use crate::simplex::Simplex;
+use crate::simulation::{Counts, Simulation, State, Timings};
+use crate::snapshot::Snapshot;
+
+/// What the leader asks all ranks to do together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Order {
+    End,
+    Advance,
+    Gather,
+    Frame,
+    Fragments,
+    Counts,
+    Penetrated,
+    Nodes,
+    CrackLengths,
+    Traffic,
+}
+
+impl Order {
+    const ALL: [Self; 10] = [
+        Self::End,
+        Self::Advance,
+        Self::Gather,
+        Self::Frame,
+        Self::Fragments,
+        Self::Counts,
+        Self::Penetrated,
+        Self::Nodes,
+        Self::CrackLengths,
+        Self::Traffic,
+    ];
+}
+
+/// Gives an order, with a number or with numbers.
+fn give(communicator: &dyn Communicator, order: Order, numbers: &[u64]) {
+    let mut bytes = bytes_of(&(order as u8, numbers.to_vec()));
+    communicator.broadcast(&mut bytes);
+}
+
+/// A run on many ranks, on rank 0. The other ranks call [`follow`].
+///
+/// Its methods are those of a [`Simulation`]; each is done by all ranks together.
+pub struct Leader<'c, const D: usize = 2, const N: usize = 3> {
+    communicator: &'c dyn Communicator,
+    run: RefCell<Distributed<'c, D, N>>,
+}
+
+impl<'c, const D: usize, const N: usize> Leader<'c, D, N>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    /// Leads a run. `threads`: threads of this rank; 0 for one per processor.
+    ///
+    /// # Errors
+    /// If threads cannot be started.
+    ///
+    /// # Panics
+    /// On another rank than 0.
+    pub fn new(
+        communicator: &'c dyn Communicator,
+        run: Simulation<D, N>,
+        threads: usize,
+    ) -> Result<Self, ModelError> {
+        assert!(communicator.rank() == 0, "rank 0 leads");
+        give(communicator, Order::Advance, &[D as u64]);
+        let run = Distributed::new(communicator, Some(run), threads)?;
+        Ok(Self { communicator, run: RefCell::new(run) })
+    }
+
+    fn all<T>(&self, order: Order, numbers: &[u64], of: impl FnOnce(&Distributed<'c, D, N>) -> T) -> T {
+        give(self.communicator, order, numbers);
+        of(&self.run.borrow())
+    }
+
+    /// Advances the run by `steps` steps.
+    ///
+    /// # Errors
+    /// The reason why the run cannot continue.
+    pub fn advance(&mut self, steps: u64) -> Result<(), Stop> {
+        give(self.communicator, Order::Advance, &[steps]);
+        self.run.get_mut().advance(steps)
+    }
+
+    /// Steps done.
+    pub fn steps(&self) -> u64 {
+        self.run.borrow().steps()
+    }
+
+    /// Simulated time, s.
+    pub fn time(&self) -> f64 {
+        self.run.borrow().time()
+    }
+
+    /// Time step, s.
+    pub fn time_step(&self) -> f64 {
+        self.run.borrow().time_step()
+    }
+
+    /// The longest stable time step, and what sets it.
+    pub fn critical_step(&self) -> CriticalStep {
+        self.run.borrow().critical_step()
+    }
+
+    /// Energies at the beginning of the last step, J.
+    pub fn energies(&self) -> Energies {
+        self.run.borrow().energies()
+    }
+
+    /// Force of a boundary on the bodies at the beginning of the last step, N; `None` if there is no such boundary.
+    pub fn force(&self, boundary: usize) -> Option<[f64; D]> {
+        self.run.borrow().force(boundary)
+    }
+
+    /// Computing time of this rank so far, by parts of the steps.
+    pub fn timings(&self) -> Timings {
+        self.run.borrow().timings()
+    }
+
+    /// Number of threads of this rank.
+    pub fn threads(&self) -> usize {
+        self.run.borrow().threads()
+    }
+
+    /// Number of elements.
+    pub fn elements(&self) -> usize {
+        self.run.borrow().elements()
+    }
+
+    /// Numbers of joints, contacts and nodes. Detections are those of the rank with most.
+    pub fn counts(&self) -> Counts {
+        self.all(Order::Counts, &[], Distributed::counts)
+    }
+
+    /// The elements of the first couple in which one element reached the centroid of the other in the last step; `None` if there is no such couple.
+    pub fn penetrated(&self) -> Option<[u32; 2]> {
+        self.all(Order::Penetrated, &[], Distributed::penetrated)
+    }
+
+    /// Displacements, m, and velocities, m/s, of some nodes of the mesh: see [`Simulation::node`].
+    pub fn nodes(&self, nodes: &[u32]) -> Vec<Option<([f64; D], [f64; D])>> {
+        let numbers: Vec<u64> = nodes.iter().map(|&node| u64::from(node)).collect();
+        self.all(Order::Nodes, &numbers, |run| run.nodes(nodes))
+    }
+
+    /// Total lengths, m, or areas, m², of joints that broke by opening, by sliding, and by both.
+    pub fn crack_lengths(&self) -> [f64; 3] {
+        self.all(Order::CrackLengths, &[], Distributed::crack_lengths)
+    }
+
+    /// Fragment of each element: see [`Simulation::fragments`].
+    pub fn fragments(&self) -> Vec<u32> {
+        self.all(Order::Fragments, &[], Distributed::fragments).unwrap_or_default()
+    }
+
+    /// Positions, motion, stress and cracks now, with the forces at the beginning of the last step.
+    pub fn frame(&self) -> (Snapshot<D, N>, Forces<D>) {
+        self.all(Order::Frame, &[], frame).expect("rank 0 has the frame")
+    }
+
+    /// State from which the run can be resumed, on any number of ranks.
+    pub fn state(&self) -> State<D, N> {
+        self.all(Order::Gather, &[], Distributed::state).expect("rank 0 has the state")
+    }
+
+    /// What each rank has, and what it has sent.
+    pub fn traffic(&self) -> Vec<Traffic> {
+        self.all(Order::Traffic, &[], Distributed::traffic_of_all)
+    }
+}
+
+impl<const D: usize, const N: usize> Drop for Leader<'_, D, N> {
+    fn drop(&mut self) {
+        // After a panic the other ranks are ended, and nobody listens.
+        if !std::thread::panicking() {
+            give(self.communicator, Order::End, &[]);
+        }
+    }
+}
+
+fn frame<const D: usize, const N: usize>(run: &Distributed<'_, D, N>) -> Option<(Snapshot<D, N>, Forces<D>)>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    let whole = run.gathered();
+    let forces = run.forces(whole.as_ref());
+    whole.map(|whole| whole.snapshot()).zip(forces)
+}
+
+/// Tells the other ranks that there will be no run, so that [`follow`] returns.
+pub fn dismiss(communicator: &dyn Communicator) {
+    give(communicator, Order::End, &[]);
+}
+
+/// Does a rank's part of a run that rank 0 leads, until it ends. `threads`: threads of this rank; 0 for one per processor.
+///
+/// # Errors
+/// If threads cannot be started.
+pub fn follow(communicator: &dyn Communicator, threads: usize) -> Result<(), ModelError> {
+    match next(communicator) {
+        (Order::Advance, dimensions) if dimensions == [2] => follow_in::<2, 3>(communicator, threads),
+        (Order::Advance, _) => follow_in::<3, 4>(communicator, threads),
+        _ => Ok(()),
+    }
+}
+
+/// The next order.
+fn next(communicator: &dyn Communicator) -> (Order, Vec<u64>) {
+    let mut bytes = Vec::new();
+    communicator.broadcast(&mut bytes);
+    let (order, numbers) = value_of::<(u8, Vec<u64>)>(&bytes);
+    (Order::ALL[order as usize], numbers)
+}
+
+fn follow_in<const D: usize, const N: usize>(
+    communicator: &dyn Communicator,
+    threads: usize,
+) -> Result<(), ModelError>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    let mut run = Distributed::<D, N>::new(communicator, None, threads)?;
+    loop {
+        let (order, numbers) = next(communicator);
+        match order {
+            Order::End => return Ok(()),
+            // The leader gets the same error, and tells it.
+            Order::Advance => drop(run.advance(numbers[0])),
+            Order::Gather => drop(run.gathered()),
+            Order::Frame => drop(frame(&run)),
+            Order::Fragments => drop(run.fragments()),
+            Order::Counts => _ = run.counts(),
+            Order::Penetrated => _ = run.penetrated(),
+            Order::Nodes => {
+                drop(run.nodes(&numbers.iter().map(|&node| node as u32).collect::<Vec<u32>>()));
+            }
+            Order::CrackLengths => _ = run.crack_lengths(),
+            Order::Traffic => drop(run.traffic_of_all()),
+        }
+    }
+}
