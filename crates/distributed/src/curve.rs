@@ -163,12 +163,7 @@ impl Interval {
 }
 
 /// Finds splitters. `below` returns the weight of this rank's keys below a key, `weight` is that of all of them, and `add_up` adds up values of all ranks.
-fn divide(
-    size: usize,
-    weight: u64,
-    below: impl Fn(u64) -> u64,
-    add_up: impl Fn(&mut [i64]),
-) -> Vec<u64> {
+fn divide(size: usize, weight: u64, below: impl Fn(u64) -> u64, add_up: impl Fn(&mut [i64])) -> Vec<u64> {
     assert!(size > 0, "at least one rank");
     let mut total = [weight.cast_signed()];
     add_up(&mut total);

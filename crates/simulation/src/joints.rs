@@ -223,12 +223,13 @@ impl<const D: usize> Joints<D> {
 
     /// Memory, bytes.
     pub(crate) fn bytes(&self) -> usize {
-        let Self { all, links, pulls, breaks, at_corner, of_facet, class, factors, .. } = self;
+        let Self { all, links, forces, works, breaks, at_corner, of_facet, class, factors, .. } = self;
         let Self { at_vertex, tips, weakest, near, .. } = self;
         let of_tip = |tip: &Tip| size_of::<Tip>() + size_of_val(&*tip.alone) + size_of_val(&*tip.together);
         size_of_val(&**all)
             + size_of_val(&**links)
-            + size_of_val(&**pulls)
+            + size_of_val(&**forces)
+            + size_of_val(&**works)
             + size_of_val(&**breaks)
             + size_of_val(&**at_corner)
             + size_of_val(&**of_facet)

@@ -22,7 +22,7 @@ use crate::energy::Energies;
 use crate::error::{ModelError, Stop};
 use crate::forces::{self, Forces};
 use crate::model::Model;
-pub use crate::ranks::forecast::{Forecast, RankForecast, Sizes};
+pub use crate::ranks::forecast::{Forecast, Network, RankForecast, Sizes};
 pub use crate::ranks::leader::{Leader, dismiss, follow};
 pub(crate) use crate::ranks::links::{Links, Split, Told};
 use crate::ranks::piece::{Carried, message, of_message};

@@ -106,6 +106,34 @@ impl Sizes {
     }
 }
 
+/// A network between ranks, for an estimate of the time that messages take.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Network {
+    /// Time of a message without content, s.
+    pub latency: f64,
+    /// Bytes that a rank sends in a second.
+    pub bandwidth: f64,
+}
+
+impl Default for Network {
+    /// 2 µs and 10 GB/s: the interconnect of a cluster, not measured.
+    fn default() -> Self {
+        Self { latency: 2e-6, bandwidth: 10e9 }
+    }
+}
+
+impl Network {
+    /// Time in which a rank exchanges so many messages with so many bytes together, s.
+    pub fn exchange(&self, messages: f64, bytes: f64) -> f64 {
+        messages * self.latency + bytes / self.bandwidth
+    }
+
+    /// Time in which so many ranks find a largest value, s: to one rank and back along a tree.
+    pub fn agreement(&self, ranks: usize) -> f64 {
+        2.0 * (ranks as f64).log2().ceil() * self.latency
+    }
+}
+
 /// The nodes that a rank sends to another: sender, receiver, node.
 type Sent = (u32, u32, u32);
 
@@ -164,7 +192,8 @@ impl Forecast {
         // While rank 0 makes the messages, it has the run, each element once, and a copy for each rank that holds it.
         let held: usize = of_ranks.iter().map(RankForecast::held).sum();
         let whole = elements as f64 * sizes.all();
-        let memory_at_beginning = whole.round() as u64 + ((elements + held) * size_of::<Piece<D, N>>()) as u64;
+        let memory_at_beginning =
+            whole.round() as u64 + ((elements + held) * size_of::<Piece<D, N>>()) as u64;
         Ok(Self { elements, nodes: run.solid.nodes.len(), of_ranks, sizes, memory_at_beginning })
     }
 
@@ -182,6 +211,12 @@ impl Forecast {
     /// Elements in halos of all ranks over the elements of the model: the share of the work that is done again.
     pub fn halo_share(&self) -> f64 {
         self.of_ranks.iter().map(|rank| rank.halo as f64).sum::<f64>() / self.elements as f64
+    }
+
+    /// Estimate of the time that messages take in a step, s: those of the rank for which they take longest, and the agreement of all ranks.
+    pub fn message_seconds(&self, network: &Network) -> f64 {
+        let of = |rank: &RankForecast| network.exchange(rank.neighbours as f64, rank.bytes as f64);
+        self.of_ranks.iter().map(of).fold(0.0, f64::max) + network.agreement(self.of_ranks.len())
     }
 
     /// Mean over the ranks of a number of each.
