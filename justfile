@@ -26,6 +26,10 @@ bench-python:
 bench-simulation:
     cargo run --release -p fdem-bench --bin simulation -- --write bench/SIMULATION.md
 
+# What many ranks would hold and send, and a model of larger runs. Minutes, and 8 GB of memory.
+bench-scaling:
+    cargo run --release -p fdem-bench --bin scaling -- --write bench/SCALING.md
+
 # The paper's experiments; rewrites the curves in docs/.
 bench:
     cargo run --release -p fdem-bench --bin paper

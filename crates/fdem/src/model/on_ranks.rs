@@ -19,7 +19,7 @@ pub struct OnRanks {
     pub halo_share: f64,
     /// The network that is assumed.
     pub network: Network,
-    /// Time of a step in which the rank with most elements computes, s; of a model that can break, if it breaks to pieces.
+    /// Time of a step in which the rank with most elements computes, while nothing breaks, s.
     pub computing: f64,
     /// Time of a step for messages, s.
     pub messages: f64,
@@ -47,7 +47,7 @@ impl OnRanks {
             imbalance: forecast.imbalance(),
             halo_share: forecast.halo_share(),
             network,
-            computing: pace[1] * busiest,
+            computing: pace[0] * busiest,
             messages,
             seconds: breaking,
             seconds_whole: whole,
@@ -61,7 +61,7 @@ impl OnRanks {
 
 /// Seconds as milliseconds.
 fn milliseconds(seconds: f64) -> String {
-    format!("{} ms", brief(1e3 * seconds))
+    format!("{:.3} ms", 1e3 * seconds)
 }
 
 impl fmt::Display for OnRanks {
@@ -115,9 +115,9 @@ impl fmt::Display for OnRanks {
         };
         writeln!(
             out,
-            "  run time       about {}{whole}: {} times as fast as one core",
+            "  run time       about {}{whole}: {:.1} times as fast as one core",
             duration(self.seconds),
-            brief(self.speedup)
+            self.speedup
         )
     }
 }
