@@ -88,8 +88,8 @@ fn carry_out(arguments: Arguments, ranks: &Ranks) -> u8 {
         Task::Generate(arguments) => generate::run(&arguments),
         Task::New(arguments) => new::run(&arguments),
         Task::Check(arguments) => check::run(&arguments),
-        Task::Run(arguments) => run::run(&arguments),
-        Task::Resume(arguments) => run::resume(&arguments),
+        Task::Run(arguments) => run::run(&arguments, ranks.communicator()),
+        Task::Resume(arguments) => run::resume(&arguments, ranks.communicator()),
         Task::Validate(arguments) => validate::run(&arguments),
     });
     match done {
@@ -103,13 +103,11 @@ fn carry_out(arguments: Arguments, ranks: &Ranks) -> u8 {
 /// Refuses tasks that work in one process, on several ranks.
 fn refuse_several(task: &Task, ranks: &Ranks) -> Result<(), Failure> {
     let name = match task {
-        Task::Contacts(_) => return Ok(()),
+        Task::Contacts(_) | Task::Run(_) | Task::Resume(_) => return Ok(()),
         Task::Bench(_) => "bench",
         Task::Generate(_) => "generate",
         Task::New(_) => "new",
         Task::Check(_) => "check",
-        Task::Run(_) => "run",
-        Task::Resume(_) => "resume",
         Task::Validate(_) => "validate",
     };
     ranks.refuse_several(name)

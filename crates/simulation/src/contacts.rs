@@ -27,7 +27,7 @@ use crate::model::Model;
 use crate::share::Share;
 use crate::simplex::Simplex;
 use crate::solid::{Solid, corners_of};
-use crate::sum::Sum;
+use crate::sum::{Grains, Pile, Sum};
 use crate::team::{CHUNK, Team};
 use crate::topology::{NONE, Topology};
 use crate::vector::{Point, minus};
@@ -129,10 +129,18 @@ impl Touching {
         &mut self,
         couples: &[Couple],
         pressed: &[Pressed<D, N>],
-        share: &Share,
+        (share, grains): (&Share, Grains),
         forces: &mut [[Point<D>; N]],
     ) {
         for (couples, pressed) in couples.chunks(CHUNK).zip(pressed) {
+            let mut piles = [Pile::default(); 3];
+            let mut add = |sums: &mut Self, works: &Works| {
+                if let Some(energy) = &mut sums.energy {
+                    energy.add(works.energy);
+                }
+                let works = [works.friction, works.damping, works.handed_over];
+                piles.iter_mut().zip(works).for_each(|(pile, work)| pile.add(work, grains));
+            };
             let mut separated = pressed.separated.iter().peekable();
             for (number, couple) in (0..).zip(couples) {
                 if let Some(next) = couples.get(number as usize + 2 * AHEAD) {
@@ -142,27 +150,20 @@ impl Touching {
                 if let Some((_, works)) = separated.next_if(|(couple, _)| *couple == number)
                     && counted
                 {
-                    self.add(works);
+                    add(self, works);
                 }
                 if couple.touches {
                     let (works, deep) = pressed.add_to(forces, couple.elements, couple.slot);
                     if counted {
-                        self.add(&works);
+                        add(self, &works);
                         self.count += 1;
                         self.deep = self.deep.or(deep.then_some(couple.elements));
                     }
                 }
             }
+            let sums = [&mut self.friction, &mut self.damping, &mut self.handed_over];
+            sums.into_iter().zip(piles).for_each(|(sum, pile)| sum.add_pile(pile));
         }
-    }
-
-    fn add(&mut self, works: &Works) {
-        if let Some(energy) = &mut self.energy {
-            energy.add(works.energy);
-        }
-        self.friction.add(works.friction);
-        self.damping.add(works.damping);
-        self.handed_over.add(works.handed_over);
     }
 }
 
@@ -554,7 +555,7 @@ where
         let rounds = couples.chunks_mut(round * CHUNK).zip(histories.chunks_mut(round));
         for (couples, histories) in rounds {
             team.both(
-                || all.take(done, last, &solid.share, &mut forces),
+                || all.take(done, last, (&solid.share, solid.grains), &mut forces),
                 || {
                     team.change_chunks(couples, histories, next, |couples, histories, pressed| {
                         pass.press(couples, histories, pressed);
@@ -564,7 +565,7 @@ where
             done = couples;
             std::mem::swap(last, next);
         }
-        all.take(done, last, &solid.share, &mut forces);
+        all.take(done, last, (&solid.share, solid.grains), &mut forces);
         solid.forces = forces;
         all
     }

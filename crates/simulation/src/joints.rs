@@ -13,8 +13,6 @@ mod near;
 mod plane;
 mod whole;
 
-use std::ops::Range;
-
 use serde::{Deserialize, Serialize};
 
 use crate::cohesive::{Law, Plane, TooLittle};
@@ -31,7 +29,7 @@ use crate::ranks::wire::wire;
 use crate::share::Share;
 use crate::simplex::Simplex;
 use crate::solid::{Solid, corners_of};
-use crate::sum::Sum;
+use crate::sum::{Pile, Sum};
 use crate::team::Team;
 use crate::topology::{Facet, NONE, Topology, place_in_element};
 use crate::vector::{Point, add, dot, length, minus};
@@ -54,7 +52,6 @@ pub(crate) struct Break {
 pub(crate) struct Saved<const D: usize = 2> {
     joints: Vec<Joint<D>>,
     forces: Vec<[Point<D>; D]>,
-    works: Vec<f64>,
     breaks: Vec<Break>,
 }
 
@@ -63,21 +60,15 @@ pub(crate) struct Saved<const D: usize = 2> {
 pub(crate) struct Moving<const D: usize> {
     pub(crate) joint: Joint<D>,
     forces: [Point<D>; D],
-    work: f64,
     /// Time and modes of its failure.
     broken: Option<(f64, [f64; 2])>,
     /// Length of the undeformed edge, m, or area of the undeformed face, m².
     measure: f64,
 }
 
-wire!([const D: usize] Moving<D> { joint, forces, work, broken, measure });
+wire!([const D: usize] Moving<D> { joint, forces, broken, measure });
 
 impl<const D: usize> Moving<D> {
-    /// Work done against it so far, J.
-    pub(crate) fn work(&self) -> f64 {
-        self.work
-    }
-
     /// If it is broken, its modes, and its length or area.
     pub(crate) fn failed(&self) -> Option<([f64; 2], f64)> {
         self.broken.map(|(_, modes)| (modes, self.measure))
@@ -94,7 +85,6 @@ impl<const D: usize> Saved<D> {
         Self {
             joints: all.iter().map(|moving| moving.joint).collect(),
             forces: all.iter().map(|moving| moving.forces).collect(),
-            works: all.iter().map(|moving| moving.work).collect(),
             breaks: (0..).zip(&all).filter_map(broken).collect(),
         }
     }
@@ -108,8 +98,6 @@ pub(crate) struct Joints<const D: usize = 2> {
     links: Vec<Link<D>>,
     /// Force of each joint on its side 0, at each end, N; side 1 has the opposite.
     forces: Vec<[Point<D>; D]>,
-    /// Work done against each joint so far, J.
-    works: Vec<f64>,
     /// Joints that broke, ascending by their numbers.
     breaks: Vec<Break>,
     /// Joints of the facets at each corner, as 2 D × number + 2 × end + side; or [`NONE`]. Empty if no facet can break.
@@ -186,7 +174,6 @@ impl<const D: usize> Joints<D> {
             all: Vec::new(),
             links: Vec::new(),
             forces: Vec::new(),
-            works: Vec::new(),
             breaks: Vec::new(),
             at_corner: if strengths.is_empty() {
                 Vec::new()
@@ -223,13 +210,12 @@ impl<const D: usize> Joints<D> {
 
     /// Memory, bytes.
     pub(crate) fn bytes(&self) -> usize {
-        let Self { all, links, forces, works, breaks, at_corner, of_facet, class, factors, .. } = self;
+        let Self { all, links, forces, breaks, at_corner, of_facet, class, factors, .. } = self;
         let Self { at_vertex, tips, weakest, near, .. } = self;
         let of_tip = |tip: &Tip| size_of::<Tip>() + size_of_val(&*tip.alone) + size_of_val(&*tip.together);
         size_of_val(&**all)
             + size_of_val(&**links)
             + size_of_val(&**forces)
-            + size_of_val(&**works)
             + size_of_val(&**breaks)
             + size_of_val(&**at_corner)
             + size_of_val(&**of_facet)
@@ -292,10 +278,9 @@ impl<const D: usize> Joints<D> {
         self.all.reserve_exact(count);
         self.links.reserve_exact(count);
         self.forces.reserve_exact(count);
-        self.works.reserve_exact(count);
         for facet in 0..topology.facets.len() as u32 {
             if let Some(law) = self.law(facet, model, topology)? {
-                self.put(facet, law, Plane::OWN, topology, model);
+                self.put(facet, law, Plane::OWN, topology, model, &Share::default());
             }
         }
         Ok(())
@@ -308,6 +293,7 @@ impl<const D: usize> Joints<D> {
         plane: Plane,
         topology: &Topology<D, N>,
         model: &Model<D, N>,
+        share: &Share,
     ) where
         [[f64; D]; N]: Simplex<D, N>,
     {
@@ -328,10 +314,10 @@ impl<const D: usize> Joints<D> {
             self.at_vertex[vertex as usize] = true;
         }
         self.forces.push([[0.0; D]; D]);
-        self.works.push(0.0);
         let measure = measure_of(model, topology, sides);
         let length = <[[f64; D]; N]>::facet_length(measure);
-        let joint = Joint::new(facet, law, plane, [measure, length]);
+        let mut joint = Joint::new(facet, law, plane, [measure, length]);
+        joint.counted = share.corner(sides.corners[0][0]);
         self.links.push(Link::of(&joint, model.thickness));
         self.all.push(joint);
     }
@@ -382,8 +368,7 @@ impl<const D: usize> Joints<D> {
         let measure = joint.measure;
         joint.facet = topology.code(joint.facet);
         let broken = self.break_of(number).map(|broken| (broken.time, broken.modes));
-        let (forces, work) = (self.forces[number as usize], self.works[number as usize]);
-        Moving { joint, forces, work, broken, measure }
+        Moving { joint, forces: self.forces[number as usize], broken, measure }
     }
 
     /// The joints for a saved run, in the order of their facets.
@@ -407,8 +392,8 @@ impl<const D: usize> Joints<D> {
     {
         let missing = |what, index| ModelError::Missing { what, index, place: "the saved joints".to_owned() };
         let count = saved.joints.len();
-        if saved.forces.len() != count || saved.works.len() != count {
-            let found = saved.forces.len().min(saved.works.len());
+        if saved.forces.len() != count {
+            let found = saved.forces.len();
             return Err(ModelError::Length { what: "forces of joints", found, expected: count });
         }
         if let Some(broken) = saved.breaks.iter().find(|broken| broken.joint as usize >= count) {
@@ -417,11 +402,10 @@ impl<const D: usize> Joints<D> {
         self.all.clear();
         self.links.clear();
         self.forces.clear();
-        self.works.clear();
         for joint in &saved.joints {
             let facet = topology.facet_with(joint.facet).ok_or_else(|| missing("facet", joint.facet))?;
             let law = self.law(facet, model, topology)?.ok_or_else(|| missing("facet", joint.facet))?;
-            self.put(facet, law, joint.plane, topology, model);
+            self.put(facet, law, joint.plane, topology, model, &solid.share);
         }
         for (own, joint) in self.all.iter_mut().zip(saved.joints) {
             *own = own.restored(joint);
@@ -432,80 +416,75 @@ impl<const D: usize> Joints<D> {
             self.find_tips(&joined, topology, &solid.share);
         }
         self.find_nodes(topology, solid);
-        (self.forces, self.works, self.breaks) = (saved.forces, saved.works, saved.breaks);
+        (self.forces, self.breaks) = (saved.forces, saved.breaks);
         Ok(())
     }
 
-    /// Updates all joints and their forces from the positions of the nodes. Returns the joints that broke, ascending.
+    /// Updates all joints and their forces from the positions of the nodes. Returns the joints that broke, ascending, and the work done
+    /// against all joints since the last pass, J.
     pub(crate) fn pull<const N: usize>(
         &mut self,
         solid: &Solid<D, N>,
         step: f64,
         time: f64,
         team: &Team,
-    ) -> Vec<u32>
+    ) -> (Vec<u32>, Sum)
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
-        let Self { all, links, forces, works, .. } = self;
-        let found = team.change_four((all, links, forces, works), |first, (joints, links, forces, works)| {
-            let mut breaks = Vec::new();
-            let mut batch = Batch::EMPTY;
-            for start in (0..joints.len()).step_by(LANES) {
-                let range = start..joints.len().min(start + LANES);
-                let batched =
-                    batch.pull(&joints[range.clone()], &links[start..], &forces[range.clone()], solid, step);
-                for (k, number) in range.enumerate() {
-                    let (joint, link) = (&mut joints[number], &mut links[number]);
-                    if let Some((found, work)) = batched.then(|| batch.result(k)).flatten() {
-                        forces[number] = found;
-                        works[number] += work;
-                        continue;
-                    }
-                    if link.is_gone() {
-                        continue;
-                    }
-                    if joint.state == State::Removed {
-                        joint.fading = 0.0;
-                    } else {
-                        let (work, modes) = joint.pull(&mut forces[number], solid, step);
-                        works[number] += work;
-                        if let Some(modes) = modes {
-                            breaks.push(Break { joint: (first + number) as u32, time, modes });
+        let Self { all, links, forces, .. } = self;
+        let grains = solid.grains;
+        let found =
+            team.change_batches::<1, _, _, _, _>(all, links, forces, |first, joints, links, forces| {
+                let (mut breaks, mut batch, mut pile) = (Vec::new(), Batch::EMPTY, Pile::default());
+                for start in (0..joints.len()).step_by(LANES) {
+                    let range = start..joints.len().min(start + LANES);
+                    let batched = batch.pull(
+                        &joints[range.clone()],
+                        &links[start..],
+                        &forces[range.clone()],
+                        solid,
+                        step,
+                    );
+                    let (joints, links, forces) =
+                        (&mut joints[range.clone()], &mut links[range.clone()], &mut forces[range]);
+                    for (k, ((joint, link), forces)) in joints.iter_mut().zip(links).zip(forces).enumerate() {
+                        if let Some(found) = batched.then(|| batch.result(k)).flatten() {
+                            *forces = found;
+                            continue;
                         }
+                        if link.is_gone() {
+                            continue;
+                        }
+                        if joint.state == State::Removed {
+                            joint.fading = 0.0;
+                        } else {
+                            let (done, modes) = joint.pull(forces, solid, step);
+                            if joint.counted {
+                                pile.add(done, grains);
+                            }
+                            if let Some(modes) = modes {
+                                breaks.push(Break { joint: (first + start + k) as u32, time, modes });
+                            }
+                        }
+                        *link = Link::of(joint, solid.thickness);
                     }
-                    *link = Link::of(joint, solid.thickness);
                 }
-            }
-            breaks
-        });
-        let breaks = found.concat();
-        let broken = breaks.iter().map(|broken| broken.joint).collect();
+                let mut work = batch.works();
+                work.add_pile(pile);
+                (breaks, work)
+            });
+        let (mut breaks, mut work) = (Vec::new(), Sum::default());
+        for (more, done) in found {
+            breaks.extend(more);
+            work.add_sum(&done);
+        }
+        let broken = breaks.iter().map(|broken: &Break| broken.joint).collect();
         if !breaks.is_empty() {
             self.breaks.extend(breaks);
             self.breaks.sort_unstable_by_key(|broken| broken.joint);
         }
-        broken
-    }
-
-    /// Whether a joint is counted on this rank.
-    pub(crate) fn counts<const N: usize>(
-        &self,
-        joint: usize,
-        topology: &Topology<D, N>,
-        share: &Share,
-    ) -> bool {
-        share.is_whole() || share.corner(topology.facets[self.all[joint].facet as usize].corners[0][0])
-    }
-
-    /// Work done against all joints so far, J.
-    pub(crate) fn work<const N: usize>(&self, topology: &Topology<D, N>, share: &Share, team: &Team) -> Sum {
-        let of = |range: Range<usize>| {
-            let counted = range.filter(|&joint| self.counts(joint, topology, share));
-            [counted.map(|joint| self.works[joint]).collect()]
-        };
-        let [work] = Sum::all(team.look(self.works.len(), of));
-        work
+        (broken, work)
     }
 
     /// Adds the force of the joints on a corner of an element.
@@ -562,12 +541,13 @@ impl<const D: usize> Joints<D> {
         pressing
     }
 
-    /// Counts the elastic energy that the initial stress has stored in intrinsic joints as work done against them. Valid only before any joint has opened or slid.
-    pub(crate) fn count_stored<const N: usize>(&mut self, solid: &Solid<D, N>) {
-        for (joint, work) in self.all.iter().zip(&mut self.works) {
+    /// Elastic energy, J, that the initial stress has stored in intrinsic joints. Valid only before any joint has opened or slid.
+    pub(crate) fn stored<const N: usize>(&self, solid: &Solid<D, N>) -> Sum {
+        let of_joint = |joint: &Joint<D>| -> f64 {
             let part = joint.measure / D as f64 * solid.thickness;
-            *work = joint.ends.iter().map(|end| part * end.stored(&joint.law)).sum();
-        }
+            joint.ends.iter().map(|end| part * end.stored(&joint.law)).sum()
+        };
+        self.all.iter().map(of_joint).collect()
     }
 
     /// Adds the force of the joints on a corner of an element before anything has moved.

@@ -8,7 +8,7 @@ use crate::loads::Loads;
 use crate::model::Model;
 use crate::simplex::Simplex;
 use crate::solid::{Constants, Node, Solid};
-use crate::sum::Sum;
+use crate::sum::{Grains, Pile, Sum};
 use crate::team::Team;
 use crate::topology::{NONE, Nodes};
 use crate::vector::{Point, add, dot, minus, plus};
@@ -23,8 +23,17 @@ pub(crate) struct Motion<'a, const D: usize, const N: usize> {
     pub(crate) time: f64,
     pub(crate) step: f64,
     pub(crate) speed_limit: f64,
+    /// Of the works that are added up.
+    pub(crate) grains: Grains,
     /// Whether the kinetic energy is asked for.
     pub(crate) energy: bool,
+}
+
+/// Works of a chunk of nodes: those of [`Moved`].
+#[derive(Clone, Copy, Default)]
+struct Piles {
+    external: [Pile; 2],
+    damping: [Pile; 2],
 }
 
 /// Sums over the motion of all nodes.
@@ -66,14 +75,15 @@ where
     let origin = *origin;
     let limit = motion.speed_limit * motion.speed_limit;
     let found = team.change(nodes, |first, chunk| {
-        let mut sum = Moved::default();
+        let (mut sum, mut piles) = (Moved::default(), Piles::default());
         for (k, node) in chunk.iter_mut().enumerate() {
             if !share.node(first + k) {
                 continue;
             }
             let constants = &constants[first + k];
             let force = gather(first + k, constants, forces, corners, motion);
-            let (reaction, squared) = move_node(node, constants, force, origin, motion, &mut sum);
+            let (reaction, squared) =
+                move_node(node, constants, force, origin, motion, &mut sum.kinetic, &mut piles);
             if constants.hold != NONE {
                 sum.held.push(((first + k) as u32, reaction));
             }
@@ -81,6 +91,10 @@ where
             if squared > limit || squared.is_nan() {
                 sum.note_runaway((corners.of(first + k)[0] / N as u32, squared.sqrt()));
             }
+        }
+        for half in 0..2 {
+            sum.external[half].add_pile(piles.external[half]);
+            sum.damping[half].add_pile(piles.damping[half]);
         }
         sum
     });
@@ -131,7 +145,8 @@ fn move_node<const D: usize, const N: usize>(
     force: Point<D>,
     origin: Point<D>,
     motion: &Motion<'_, D, N>,
-    sum: &mut Moved<D>,
+    kinetic: &mut Sum,
+    piles: &mut Piles,
 ) -> (Point<D>, f64) {
     let (mass, step, damping) = (constants.mass, motion.step, motion.model.time.local_damping);
     let Node { position, velocity: before } = *node;
@@ -148,16 +163,16 @@ fn move_node<const D: usize, const N: usize>(
     *node =
         Node { position: std::array::from_fn(|axis| position[axis] + step * after[axis]), velocity: after };
     if motion.energy {
-        sum.kinetic.add(0.5 * mass * dot(before, after));
+        kinetic.add(0.5 * mass * dot(before, after));
     }
     // Forces that do work, besides those of elements, joints and contacts. Most nodes have none.
     let external = plus(weight, reactions);
     for (half, velocity) in [before, after].into_iter().enumerate() {
         if external != [0.0; D] {
-            sum.external[half].add(0.5 * step * dot(external, velocity));
+            piles.external[half].add(0.5 * step * dot(external, velocity), motion.grains);
         }
         if damping != 0.0 {
-            sum.damping[half].add(0.5 * step * dot(damped, velocity));
+            piles.damping[half].add(0.5 * step * dot(damped, velocity), motion.grains);
         }
     }
     (reactions, dot(after, after))

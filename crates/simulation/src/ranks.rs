@@ -318,7 +318,7 @@ where
         let totals = &mut carried.totals;
         self.links.add_up(&mut [
             &mut totals.friction,
-            &mut totals.handed_over,
+            &mut totals.cohesive,
             &mut totals.damping,
             &mut totals.external,
             &mut totals.loads,
@@ -440,8 +440,8 @@ where
     fn own_counts(&self) -> Counts {
         let share = &self.solid.share;
         let (mut joints, mut broken) = (0, 0);
-        for (number, joint) in self.joints.all.iter().enumerate() {
-            if self.joints.counts(number, &self.topology, share) {
+        for joint in &self.joints.all {
+            if joint.counted {
                 if joint.holds() { joints += 1 } else { broken += 1 }
             }
         }
@@ -465,8 +465,7 @@ where
     }
 
     fn own_crack_lengths(&self) -> [Sum; 3] {
-        let share = &self.solid.share;
-        let counted = |joint: u32| self.joints.counts(joint as usize, &self.topology, share);
+        let counted = |joint: u32| self.joints.all[joint as usize].counted;
         let mut lengths = self.lengths_of_cracks(counted);
         for (modes, measure) in
             self.part.iter().flat_map(|part| &part.loose_joints).filter_map(|moving| moving.failed())

@@ -23,7 +23,7 @@ use crate::share::Share;
 use crate::simplex::Simplex;
 use crate::snapshot::{Crack, Mode, Snapshot};
 use crate::solid::{Constants, Node, Solid};
-use crate::sum::Sum;
+use crate::sum::{Grains, Sum};
 use crate::team::Team;
 use crate::topology::Topology;
 use crate::vector::{Matrix, Point, dot};
@@ -68,6 +68,8 @@ pub struct Simulation<const D: usize = 2, const N: usize = 3> {
     pub(crate) time_step: f64,
     /// Largest speed of a node at which the run continues, m/s.
     pub(crate) speed_limit: f64,
+    /// Energy of the stiffest element at a strain of 1, J: the size of the works that are added up.
+    pub(crate) size: f64,
     /// Exchanged energy below which the energy balance is not checked, J.
     pub(crate) negligible: f64,
     pub(crate) step: u64,
@@ -99,8 +101,8 @@ pub(crate) struct Parts<const D: usize, const N: usize> {
 pub(crate) struct Totals {
     /// Work against friction of contacts.
     pub(crate) friction: Sum,
-    /// Potential energy of contacts to which joints have handed over.
-    pub(crate) handed_over: Sum,
+    /// Work against joints, less the potential energy of contacts to which they have handed over.
+    pub(crate) cohesive: Sum,
     /// Energy dissipated by local damping, damping of contacts and absorbing edges.
     pub(crate) damping: Sum,
     /// Work of applied forces, of gravity, and of boundaries that move nodes.
@@ -229,18 +231,18 @@ where
                 force
             });
         }
-        joints.count_stored(&solid);
         let wave = |material: &crate::model::Material| (material.youngs_modulus / material.density).sqrt();
         let speed_limit = RUNAWAY * model.materials.iter().map(wave).fold(0.0, f64::max);
         let modulus = |material: u32| model.materials[material as usize].youngs_modulus;
-        let stiffness: Sum =
-            solid.elements.iter().map(|element| element.volume * modulus(element.material)).collect();
+        let stiffnesses = || solid.elements.iter().map(|element| element.volume * modulus(element.material));
+        let stiffness: Sum = stiffnesses().collect();
+        let size = stiffnesses().fold(0.0, f64::max);
+        solid.grains = Grains::of(size);
         let [strain, _] = solid.energies(&team).map(|sum| sum.value());
-        let totals = Totals {
-            most_cohesive: joints.work(&topology, &solid.share, &team).value(),
-            ..Totals::default()
-        };
+        let cohesive = joints.stored(&solid);
+        let totals = Totals { most_cohesive: cohesive.value(), cohesive, ..Totals::default() };
         Ok(Self {
+            size,
             time_step: model.time.step.unwrap_or(critical.step * model.time.safety),
             negligible: 0.5 * stiffness.value() * NEGLIGIBLE_STRAIN * NEGLIGIBLE_STRAIN
                 + NEGLIGIBLE_SHARE * strain,
@@ -276,6 +278,7 @@ where
         Self {
             time_step: frame.time_step,
             negligible: frame.negligible,
+            size: frame.size,
             reactions: vec![[0.0; D]; model.boundaries.len()],
             team,
             step: 0,
@@ -319,7 +322,9 @@ where
         let factor = model.gravity_schedule.factor(time);
         let gravity = model.gravity.map(|acceleration| factor * acceleration);
         let speed_limit = self.speed_limit;
-        let motion = Motion { model, joints, loads, gravity, time, step, speed_limit, energy: energies };
+        let grains = solid.grains;
+        let motion =
+            Motion { model, joints, loads, gravity, time, step, speed_limit, grains, energy: energies };
         let moved = motion::advance(solid, &motion, team);
         let broken = pressed.as_ref().map_or(&[][..], |pressed| pressed);
         told.fastest = moved.fastest;
@@ -397,7 +402,8 @@ where
         }
         clock.read(&mut timings.bulk);
 
-        let broken = joints.pull(solid, step, time, team);
+        let (broken, work) = joints.pull(solid, step, time, team);
+        totals.cohesive.add_sum(&work);
         clock.read(&mut timings.joints);
 
         contacts.detect(solid, joints, topology, team)?;
@@ -406,7 +412,7 @@ where
         let touching = contacts.press(solid, joints, step, energies, team);
         totals.friction.add_sum(&touching.friction);
         totals.damping.add_sum(&touching.damping);
-        totals.handed_over.add_sum(&touching.handed_over);
+        totals.cohesive.subtract(&touching.handed_over);
         self.touching = touching;
         seams.press(solid, team);
         clock.read(&mut timings.contact);
@@ -426,16 +432,15 @@ where
     fn account(&mut self, kinetic: &Sum, links: Option<&Links<'_>>) {
         let [mut strain, viscous] = self.solid.energies(&self.team);
         let [mut contact, mut friction] = self.seams.energies(&self.solid.share);
-        let [mut cohesive, mut damping] = [self.work_of_joints(), viscous];
-        let Totals { external, loads, .. } = &self.totals;
-        let (mut kinetic, mut external, mut loads) = (kinetic.clone(), external.clone(), loads.clone());
+        let mut damping = viscous;
+        let Totals { cohesive, external, loads, .. } = &self.totals;
+        let [mut kinetic, mut cohesive, mut external, mut loads] =
+            [kinetic, cohesive, external, loads].map(Clone::clone);
         let mut gravity = self.work_of_gravity();
         contact.add_sum(self.touching.energy.as_ref().unwrap_or(&Sum::default()));
         friction.add_sum(&self.totals.friction);
-        cohesive.subtract(&self.totals.handed_over);
         damping.add_sum(&self.totals.damping);
         if let Some(part) = &self.part {
-            cohesive.add_sum(&part.work());
             friction.add_sum(&part.friction());
         }
         let mut reactions = self.reactions_of_boundaries();
@@ -472,11 +477,6 @@ where
         self.energies = Energies { initial: first.balance(), exchanged, ..now };
         self.reactions =
             reactions.iter().map(|sums| std::array::from_fn(|axis| sums[axis].value())).collect();
-    }
-
-    /// Work done against all joints so far, J.
-    fn work_of_joints(&self) -> Sum {
-        self.joints.work(&self.topology, &self.solid.share, &self.team)
     }
 
     /// Checks the energy balance.

@@ -13,7 +13,7 @@ use crate::model::Model;
 use crate::share::Share;
 use crate::simplex::Simplex;
 use crate::solid::batch::{Deformed, Given, Told, Undeformed, forces_of};
-use crate::sum::Sum;
+use crate::sum::{Grains, Sum};
 use crate::team::Team;
 use crate::topology::{NONE, Nodes, Topology};
 use crate::vector::{Matrix, Point, add, minus};
@@ -93,6 +93,8 @@ pub(crate) struct Solid<const D: usize = 2, const N: usize = 3> {
     pub(crate) share: Share,
     /// Thickness out of the plane, m; 1 in space.
     pub(crate) thickness: f64,
+    /// Of the works that are added up.
+    pub(crate) grains: Grains,
     /// Vector instructions of elements and joints.
     pub(crate) available: Available,
     responses: Vec<Response>,
@@ -201,6 +203,7 @@ where
             available: Available::best(),
             corners,
             share: Share::default(),
+            grains: Grains::of(0.0),
             thickness: model.thickness,
             responses,
             heights,

@@ -184,30 +184,6 @@ impl Team {
         }
     }
 
-    /// Calls `work` on chunks of four lists of the same length, likewise.
-    pub(crate) fn change_four<A: Send, B: Send, C: Send, E: Send, R: Send>(
-        &self,
-        (first, second, third, fourth): (&mut [A], &mut [B], &mut [C], &mut [E]),
-        work: impl Fn(usize, (&mut [A], &mut [B], &mut [C], &mut [E])) -> R + Sync,
-    ) -> Vec<R> {
-        let parallel = first.len() >= WORTH_IT;
-        let one = first.chunks_mut(CHUNK).zip(second.chunks_mut(CHUNK));
-        let two = third.chunks_mut(CHUNK).zip(fourth.chunks_mut(CHUNK));
-        let chunks = one.zip(two).enumerate();
-        match &self.pool {
-            Some(pool) if parallel => {
-                let chunks: Vec<_> = chunks.collect();
-                pool.install(|| {
-                    chunks
-                        .into_par_iter()
-                        .map(|(k, ((a, b), (c, d)))| work(k * CHUNK, (a, b, c, d)))
-                        .collect()
-                })
-            }
-            _ => chunks.map(|(k, ((a, b), (c, d)))| work(k * CHUNK, (a, b, c, d))).collect(),
-        }
-    }
-
     /// Calls `work` on chunks of the numbers below `count`, likewise.
     pub(crate) fn look<R: Send>(
         &self,

@@ -2,6 +2,7 @@
 
 mod account;
 mod checkpoint;
+mod engine;
 pub(crate) mod folder;
 mod observer;
 mod recorder;
@@ -13,9 +14,10 @@ mod writer;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use fdem_distributed::Communicator;
 use fdem_io::numbers::{brief, grouped};
 use fdem_results::{Fragments, Row};
-use fdem_simulation::{Simulation, Stop};
+use fdem_simulation::{Simulation, Stop, Traffic, dismiss, follow};
 
 use crate::command::args::{ResumeArguments, RunArguments, RunOptions};
 use crate::command::check::{inputs_of, read_text, refused};
@@ -26,6 +28,7 @@ use crate::command::progress::Progress;
 use crate::model::{AnyPrepared, Checkpoint as When, Preflight, Prepared, prepare_any, steps, with_end_time};
 use account::{Account, PARTS, Spent};
 use checkpoint::{Checkpoint, Unsaved};
+use engine::Engine;
 use folder::{Folder, MODEL, SUMMARY, SavedState};
 use observer::Observer;
 use recorder::Recorder;
@@ -43,8 +46,10 @@ const SOME: usize = 64;
 /// Rows for which the run waits for the writer.
 const MANY: usize = 10_000;
 
-pub(crate) fn run(arguments: &RunArguments) -> Result<(), Failure> {
+/// Runs a model. On several ranks, rank 0 does so, and the others follow it.
+pub(crate) fn run(arguments: &RunArguments, ranks: Option<&dyn Communicator>) -> Result<(), Failure> {
     let watch = Watch::new()?;
+    let Some(lead) = Lead::of(ranks, &watch, &arguments.options)? else { return Ok(()) };
     let path = &arguments.model;
     let text = read_text(path)?;
     let target = arguments.output.clone().unwrap_or_else(|| default_folder(path));
@@ -61,8 +66,8 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<(), Failure> {
         prepare_any(&text, &display_name(path), &mut load, memory::free())
     });
     match prepared.map_err(|errors| refused(&errors))? {
-        AnyPrepared::Plane(prepared) => begin(arguments, &target, &text, &inputs, *prepared, watch),
-        AnyPrepared::Space(prepared) => begin(arguments, &target, &text, &inputs, *prepared, watch),
+        AnyPrepared::Plane(prepared) => begin(arguments, &target, &text, &inputs, *prepared, watch, lead),
+        AnyPrepared::Space(prepared) => begin(arguments, &target, &text, &inputs, *prepared, watch, lead),
     }
 }
 
@@ -74,6 +79,7 @@ fn begin<const D: usize, const N: usize>(
     inputs: &[Vec<u8>],
     prepared: Prepared<D, N>,
     watch: Watch,
+    lead: Lead<'_>,
 ) -> Result<(), Failure>
 where
     [[f64; D]; N]: Results<D, N>,
@@ -84,12 +90,13 @@ where
     // The estimates have a simulation of their own, which is dropped before that of the run is made.
     let (ready, _) = progress.step("preparing the run", None, |_| {
         let preflight = Preflight::of(&prepared)?;
-        let simulation = Simulation::new(prepared.model.clone(), arguments.options.threads);
+        let simulation = Simulation::new(prepared.model.clone(), lead.threads);
         Ok((preflight, simulation.map_err(|error| error.to_string())?))
     });
     let (preflight, simulation) = ready.map_err(unusable)?;
     let folder = Folder::create(target, arguments.force, text.as_bytes(), inputs)?;
     let recorder = Recorder::new(&folder, &prepared)?;
+    let simulation = lead.distribute(simulation).map_err(unusable)?;
     let intervals = [prepared.output.interval, prepared.output.history_interval];
     let mut running = Running::new(
         folder,
@@ -109,8 +116,10 @@ where
     running.go()
 }
 
-pub(crate) fn resume(arguments: &ResumeArguments) -> Result<(), Failure> {
+/// Continues a run, likewise.
+pub(crate) fn resume(arguments: &ResumeArguments, ranks: Option<&dyn Communicator>) -> Result<(), Failure> {
     let watch = Watch::new()?;
+    let Some(lead) = Lead::of(ranks, &watch, &arguments.options)? else { return Ok(()) };
     let (folder, saved) = Folder::open(&arguments.folder)?;
     let path = folder.path(MODEL);
     let mut text = read_text(&path)?;
@@ -129,8 +138,8 @@ pub(crate) fn resume(arguments: &ResumeArguments) -> Result<(), Failure> {
         prepare_any(&text, &display_name(&path), &mut load, memory::free())
     });
     match prepared.map_err(|errors| refused(&errors))? {
-        AnyPrepared::Plane(prepared) => go_on(arguments, folder, &saved, &text, *prepared, watch),
-        AnyPrepared::Space(prepared) => go_on(arguments, folder, &saved, &text, *prepared, watch),
+        AnyPrepared::Plane(prepared) => go_on(arguments, folder, &saved, &text, *prepared, watch, lead),
+        AnyPrepared::Space(prepared) => go_on(arguments, folder, &saved, &text, *prepared, watch, lead),
     }
 }
 
@@ -142,6 +151,7 @@ fn go_on<const D: usize, const N: usize>(
     text: &str,
     prepared: Prepared<D, N>,
     watch: Watch,
+    lead: Lead<'_>,
 ) -> Result<(), Failure>
 where
     [[f64; D]; N]: Results<D, N>,
@@ -159,9 +169,8 @@ where
     let Checkpoint::<D, N> { frames, history, intervals, account, state, .. } = checkpoint;
     let step = state.step();
     let unusable = |why: String| Failure::Unusable(format!("{place} cannot go on: {why}"));
-    let (simulation, _) = progress.step("preparing the run", None, |_| {
-        Simulation::resume(prepared.model.clone(), state, arguments.options.threads)
-    });
+    let (simulation, _) = progress
+        .step("preparing the run", None, |_| Simulation::resume(prepared.model.clone(), state, lead.threads));
     let simulation = simulation.map_err(|error| unusable(error.to_string()))?;
     let (_, steps) = steps(&prepared, simulation.critical_step().step).map_err(unusable)?;
     if steps < step {
@@ -184,11 +193,59 @@ where
     if arguments.end_time.is_some() {
         folder.replace_model(text.as_bytes())?;
     }
+    let simulation = lead.distribute(simulation).map_err(unusable)?;
     let earlier = Earlier { account, intervals };
     let mut running =
         Running::new(folder, prepared, simulation, recorder, earlier, &arguments.options, watch)?;
     running.told.say(&format!("continues after step {}", grouped(step)));
     running.go()
+}
+
+/// The ranks of a run, on the one that leads the others.
+struct Lead<'c> {
+    ranks: Option<&'c dyn Communicator>,
+    threads: usize,
+    /// Whether the others follow a run, and need not be told that there is none.
+    followed: bool,
+}
+
+impl<'c> Lead<'c> {
+    /// The ranks on rank 0, or in the only process. Any other rank follows the run of rank 0 to its end; then there is nothing left to do.
+    fn of(
+        ranks: Option<&'c dyn Communicator>,
+        watch: &Watch,
+        options: &RunOptions,
+    ) -> Result<Option<Self>, Failure> {
+        // A rank has one thread if nothing else is said: there are as many ranks as processors.
+        let threads = if ranks.is_some() { options.threads.max(1) } else { options.threads };
+        if let Some(ranks) = ranks.filter(|ranks| ranks.rank() > 0) {
+            // Rank 0 gets the same signals, and ends the run.
+            watch.begin();
+            follow(ranks, threads).map_err(|error| Failure::Unusable(error.to_string()))?;
+            return Ok(None);
+        }
+        Ok(Some(Self { ranks, threads, followed: false }))
+    }
+
+    /// Distributes a simulation among the ranks.
+    fn distribute<const D: usize, const N: usize>(
+        mut self,
+        run: Simulation<D, N>,
+    ) -> Result<Engine<'c, D, N>, String>
+    where
+        [[f64; D]; N]: Results<D, N>,
+    {
+        self.followed = true;
+        Engine::new(run, self.ranks, self.threads)
+    }
+}
+
+impl Drop for Lead<'_> {
+    fn drop(&mut self) {
+        if let Some(ranks) = self.ranks.filter(|_| !self.followed && !std::thread::panicking()) {
+            dismiss(ranks);
+        }
+    }
 }
 
 /// Returns the default folder: the name of the model with `_results` after it, in the working directory.
@@ -206,13 +263,13 @@ struct Earlier {
 }
 
 /// A simulation with its folder, its records and its progress.
-struct Running<const D: usize, const N: usize>
+struct Running<'c, const D: usize, const N: usize>
 where
     [[f64; D]; N]: Results<D, N>,
 {
     folder: Folder,
     prepared: Prepared<D, N>,
-    run: Simulation<D, N>,
+    run: Engine<'c, D, N>,
     observer: Observer,
     /// Rows of the history on their way to the writer.
     rows: Vec<Row>,
@@ -241,14 +298,14 @@ enum End {
     Stopped(Stop),
 }
 
-impl<const D: usize, const N: usize> Running<D, N>
+impl<'c, const D: usize, const N: usize> Running<'c, D, N>
 where
     [[f64; D]; N]: Results<D, N>,
 {
     fn new(
         folder: Folder,
         mut prepared: Prepared<D, N>,
-        run: Simulation<D, N>,
+        run: Engine<'c, D, N>,
         recorder: Recorder<D, N>,
         earlier: Earlier,
         options: &RunOptions,
@@ -413,7 +470,7 @@ where
     fn frame(&mut self) -> Result<(), Failure> {
         let start = Instant::now();
         self.told.does(&format!("writing frame {}", self.frames));
-        self.hand(Then::Frame(Box::new((self.run.snapshot(), self.run.forces()))))?;
+        self.hand(Then::Frame(Box::new(self.run.frame())))?;
         self.frames += 1;
         self.spent.output += start.elapsed();
         Ok(())
@@ -484,7 +541,7 @@ where
     fn facts(&self, status: &str, fragments: &Fragments<D>) -> Vec<(&'static str, String)> {
         let run = &self.run;
         let (counts, energies) = (run.counts(), run.energies());
-        let elements = run.model().mesh.elements.len();
+        let elements = run.elements();
         let account = self.account();
         let busy = account.busy();
         let shares: Vec<String> = PARTS
@@ -554,6 +611,7 @@ where
                     shares.join(", ")
                 ),
             ),
+            ("ranks", in_ranks(&run.traffic(), run.steps())),
             (
                 "output",
                 format!(
@@ -565,6 +623,26 @@ where
             ),
         ]
     }
+}
+
+/// Describes the ranks of a run: what they have, and what they have sent in each step.
+fn in_ranks(traffic: &[Traffic], steps: u64) -> String {
+    let Some(first) = traffic.first() else { return "one process".to_owned() };
+    let sum = |of: fn(&Traffic) -> u64| traffic.iter().map(of).sum::<u64>() as f64;
+    let most = |of: fn(&Traffic) -> u64| traffic.iter().map(of).max().unwrap_or_default() as f64;
+    let own = sum(|rank| rank.own as u64).max(1.0);
+    let each = steps.max(1) as f64;
+    format!(
+        "{} ranks; the halo is {:.1} % of the elements; the busiest has {:.1} % more than the mean; up to {} neighbours; \
+         {} bytes and {:.1} messages a step and rank; divided {} times",
+        traffic.len(),
+        100.0 * sum(|rank| rank.halo as u64) / own,
+        100.0 * (most(|rank| rank.own as u64) * traffic.len() as f64 / own - 1.0),
+        most(|rank| rank.neighbours as u64),
+        grouped((sum(|rank| rank.bytes) / each / traffic.len() as f64) as u64),
+        sum(|rank| rank.messages) / each / traffic.len() as f64,
+        first.spreads + 1
+    )
 }
 
 /// `2 frames` and `1 frame`.

@@ -115,7 +115,7 @@ where
             if couple.apart_until > self.travel {
                 continue;
             }
-            if couple.elements.iter().any(|&element| !self.bare[element as usize]) {
+            if !couple.touches && couple.elements.iter().any(|&element| !self.bare[element as usize]) {
                 continue;
             }
             // A detached joint did not press its elements apart: their overlap now must not count at once.

@@ -111,7 +111,7 @@ impl<const D: usize> Joints<D> {
             // The laws of all facets were checked together with the model.
             if let Ok(Some(law)) = self.law(facet, model, topology) {
                 let plane = self.plane(facet, solid, topology);
-                self.put(facet, law, plane, topology, model);
+                self.put(facet, law, plane, topology, model, &solid.share);
                 let corners = topology.facets[facet as usize].corners[0];
                 vertices.extend(corners.map(|corner| topology.vertices[corner as usize]));
             }

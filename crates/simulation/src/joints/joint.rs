@@ -48,6 +48,9 @@ pub(crate) struct Joint<const D: usize = 2> {
     /// Length of the undeformed edge, m, or area of the undeformed face, m².
     #[serde(skip)]
     pub(crate) measure: f64,
+    /// Whether this rank counts it.
+    #[serde(skip)]
+    pub(crate) counted: bool,
     /// Its length, or that of the edges of an even face of this area, m.
     #[serde(skip)]
     length: f64,
@@ -88,6 +91,7 @@ impl<const D: usize> Wire for Joint<D> {
             plane,
             law: no_law(),
             measure: 0.0,
+            counted: false,
             length: 0.0,
             nodes,
             ends,
@@ -116,6 +120,7 @@ impl<const D: usize> Joint<D> {
             plane,
             law: law.on(plane),
             measure,
+            counted: true,
             length,
             nodes: no_nodes(),
             ends: [Memory::default(); D],
@@ -133,7 +138,14 @@ impl<const D: usize> Joint<D> {
 
     /// The joint of a saved run, with what is not saved.
     pub(super) fn restored(&self, saved: Self) -> Self {
-        Self { facet: self.facet, law: self.law, measure: self.measure, length: self.length, ..saved }
+        Self {
+            facet: self.facet,
+            law: self.law,
+            measure: self.measure,
+            counted: self.counted,
+            length: self.length,
+            ..saved
+        }
     }
 
     /// Whether it is elastic or softening.

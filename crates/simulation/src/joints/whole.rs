@@ -10,6 +10,7 @@ use crate::joints::{Joint, State};
 use crate::lanes::{LANES, Lanes, Tensors, compiled_for_vectors, row, set_tensor, tensor};
 use crate::simplex::Simplex;
 use crate::solid::{Node, Solid};
+use crate::sum::{Grains, Sum};
 use crate::vector::{Point, dot, minus, plus};
 
 /// Number of whole joints in a batch from which it is worth its cost.
@@ -42,6 +43,7 @@ pub(super) struct Link<const D: usize> {
     /// Area of each end, m².
     share: f64,
     open: [bool; D],
+    counted: bool,
     kind: Kind,
 }
 
@@ -63,7 +65,17 @@ impl<const D: usize> Link<D> {
         };
         let Law { penalty, tensile, cohesion, friction, .. } = joint.law;
         let share = joint.share(thickness);
-        Self { nodes: joint.nodes, penalty, tensile, cohesion, friction, share, open: joint.open, kind }
+        Self {
+            nodes: joint.nodes,
+            penalty,
+            tensile,
+            cohesion,
+            friction,
+            share,
+            open: joint.open,
+            counted: joint.counted,
+            kind,
+        }
     }
 
     #[inline]
@@ -102,6 +114,11 @@ pub(super) struct Batch<const D: usize> {
     share: Lanes,
     /// Work since the last step, J.
     work: Lanes,
+    /// 1 where there is a whole joint, and where this rank counts it, otherwise 0.
+    whole: Lanes,
+    counted: Lanes,
+    /// Work of all whole joints of some batches, in the parts of [`Grains`].
+    works: [Lanes; 2],
     /// 1 if the joint was computed and stays whole, otherwise 0.
     holds: Lanes,
 }
@@ -121,6 +138,9 @@ impl<const D: usize> Batch<D> {
         friction: Lanes::ZERO,
         share: Lanes::ZERO,
         work: Lanes::ZERO,
+        whole: Lanes::ZERO,
+        counted: Lanes::ZERO,
+        works: [Lanes::ZERO; 2],
         holds: Lanes::ZERO,
     };
 
@@ -141,12 +161,14 @@ impl<const D: usize> Batch<D> {
         if links.iter().filter(|link| link.is_whole()).count() < WORTH_IT {
             return false;
         }
-        self.holds = Lanes::ZERO;
+        self.whole = Lanes::ZERO;
         for (lane, ((link, joint), forces)) in links.iter().zip(joints).zip(forces).enumerate() {
             if let Some(next) = next.get(lane) {
                 next.nodes.as_flattened().iter().for_each(|&node| prefetch(&solid.nodes[node as usize]));
             }
             if link.is_whole() {
+                self.whole.set(lane, 1.0);
+                self.counted.set(lane, if link.counted { 1.0 } else { 0.0 });
                 self.take(lane, link, forces, &solid.nodes);
                 for end in 0..D {
                     let at_rest = link.kind == Kind::AtRest;
@@ -157,12 +179,7 @@ impl<const D: usize> Batch<D> {
                 }
             }
         }
-        vectors::<D, N>(solid.available, self, step);
-        for (lane, link) in links.iter().enumerate() {
-            if !link.is_whole() {
-                self.holds.set(lane, 0.0);
-            }
-        }
+        vectors::<D, N>(solid.available, self, step, solid.grains);
         true
     }
 
@@ -184,10 +201,15 @@ impl<const D: usize> Batch<D> {
         self.share.set(lane, link.share);
     }
 
-    /// The forces on side 0 of a joint and the work since the last step, `None` if the joint was not computed, or does not stay whole.
+    /// The forces on side 0 of a joint, `None` if the joint was not computed, or does not stay whole.
     #[inline]
-    pub(super) fn result(&self, lane: usize) -> Option<([Point<D>; D], f64)> {
-        (self.holds.get(lane) == 1.0).then(|| (tensor(&self.forces, lane), self.work.get(lane)))
+    pub(super) fn result(&self, lane: usize) -> Option<[Point<D>; D]> {
+        (self.holds.get(lane) == 1.0).then(|| tensor(&self.forces, lane))
+    }
+
+    /// The work of all joints that were computed and stayed whole since the last step, J.
+    pub(super) fn works(&self) -> Sum {
+        self.works.iter().flat_map(|part| (0..LANES).map(|lane| part.get(lane))).collect()
     }
 }
 
@@ -199,7 +221,7 @@ where
 {
     set_tensor(&mut batch.axes, lane, &<[[f64; D]; N]>::unit_axes(&tensor(&batch.sums, lane)));
     batch.work.set(lane, 0.0);
-    batch.holds.set(lane, 1.0);
+    batch.holds.set(lane, batch.whole.get(lane));
 }
 
 /// Computes an end of a joint of a batch.
@@ -236,7 +258,7 @@ fn pull_one<const D: usize>(lane: usize, end: usize, batch: &mut Batch<D>, step:
 
 /// Computes a batch.
 #[inline(always)]
-fn pull_all<const D: usize, const N: usize>(batch: &mut Batch<D>, step: f64)
+fn pull_all<const D: usize, const N: usize>(batch: &mut Batch<D>, step: f64, grains: Grains)
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
@@ -248,6 +270,13 @@ where
             pull_one::<D>(lane, end, batch, step);
         }
     }
+    for lane in 0..LANES {
+        let counts = batch.holds.get(lane) * batch.counted.get(lane) > 0.0;
+        let parts = grains.parts(if counts { batch.work.get(lane) } else { 0.0 });
+        for (sum, part) in batch.works.iter_mut().zip(parts) {
+            sum.set(lane, sum.get(lane) + part);
+        }
+    }
 }
 
-compiled_for_vectors!(fn vectors = pull_all<const D: usize, const N: usize>(batch: &mut Batch<D>, step: f64) where [[f64; D]; N]: Simplex<D, N>);
+compiled_for_vectors!(fn vectors = pull_all<const D: usize, const N: usize>(batch: &mut Batch<D>, step: f64, grains: Grains) where [[f64; D]; N]: Simplex<D, N>);

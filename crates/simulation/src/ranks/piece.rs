@@ -20,7 +20,7 @@ use crate::share::Share;
 use crate::simplex::Simplex;
 use crate::simulation::{Parts, Simulation, Timings, Totals};
 use crate::solid::{Node, Solid};
-use crate::sum::Sum;
+use crate::sum::{Grains, Sum};
 use crate::team::Team;
 use crate::topology::{PartOf, Topology};
 use crate::vector::{Matrix, Point};
@@ -183,6 +183,8 @@ pub(crate) struct Frame<const D: usize, const N: usize> {
     pub(crate) time_step: f64,
     pub(crate) speed_limit: f64,
     pub(crate) negligible: f64,
+    /// Size of the works that are added up, J.
+    pub(crate) size: f64,
     /// Mean length of edges, and length of the longest, m.
     pub(crate) edge: f64,
     pub(crate) longest: f64,
@@ -231,6 +233,7 @@ where
             time_step: run.time_step,
             speed_limit: run.speed_limit,
             negligible: run.negligible,
+            size: run.size,
             edge: crate::contacts::mean_edge(whole),
             longest: edges.fold(0.0, f64::max),
             elements: whole.mesh.elements.len() as u32,
@@ -240,11 +243,11 @@ where
     }
 
     pub(super) fn bytes(&self) -> Vec<u8> {
-        let Self { critical, time_step, speed_limit, negligible, edge, longest, .. } = self;
+        let Self { critical, time_step, speed_limit, negligible, size, edge, longest, .. } = self;
         let mut bytes = bytes_of(&<[[f64; D]; N]>::encode(&self.model));
         self.origin.put(&mut bytes);
         (critical.step, (critical.element, critical.cause as u8)).put(&mut bytes);
-        [*time_step, *speed_limit, *negligible, *edge, *longest].put(&mut bytes);
+        [*time_step, *speed_limit, *negligible, *size, *edge, *longest].put(&mut bytes);
         self.elements.put(&mut bytes);
         self.nodes.put(&mut bytes);
         self.radii.iter().map(|(&body, &radius)| (body, radius)).collect::<Vec<_>>().put(&mut bytes);
@@ -257,7 +260,7 @@ where
         let origin = Wire::take(bytes);
         let (step, (element, cause)) = Wire::take(bytes);
         let critical = CriticalStep { step, element, cause: CriticalStep::cause_of(cause) };
-        let [time_step, speed_limit, negligible, edge, longest] = Wire::take(bytes);
+        let [time_step, speed_limit, negligible, size, edge, longest] = Wire::take(bytes);
         let (elements, nodes) = (u32::take(bytes), Vec::take(bytes));
         let radii = Vec::take(bytes).into_iter().collect();
         Self {
@@ -267,6 +270,7 @@ where
             time_step,
             speed_limit,
             negligible,
+            size,
             edge,
             longest,
             elements,
@@ -446,7 +450,7 @@ where
         let share = &self.solid.share;
         let lookup = Lookup::new(self);
         let elements = (0..self.solid.elements.len() as u32).filter(|&element| share.element(element));
-        let counted = |joint: &usize| self.joints.counts(*joint, &self.topology, share);
+        let counted = |joint: &usize| self.joints.all[*joint].counted;
         let joints = (0..self.joints.all.len()).filter(counted);
         let numbers = |elements: [u32; 2]| elements.map(|element| self.topology.number(element));
         let (parted, bared) = self.apart();
@@ -575,6 +579,7 @@ where
         solid.set_nodes(nodes, of_corner, &model);
         solid.set_masses(&masses);
         solid.share = share;
+        solid.grains = Grains::of(frame.size);
         let stresses: Vec<_> = all.iter().map(|piece| piece.stress).collect();
         let viscous: Vec<_> = all.iter().map(|piece| piece.viscous).collect();
         let dissipated: Vec<_> = all.iter().map(|piece| piece.dissipated).collect();
@@ -646,11 +651,6 @@ impl<const D: usize> Part<D> {
     /// Whether a corner, by its code, is the first of a vertex in the whole mesh.
     pub(super) fn is_first(&self, vertex: u32, code: u32) -> bool {
         self.first[vertex as usize] == code
-    }
-
-    /// Work done against loose joints, J.
-    pub(crate) fn work(&self) -> Sum {
-        self.loose_joints.iter().map(Moving::work).collect()
     }
 
     /// Friction of loose points of seams, J.

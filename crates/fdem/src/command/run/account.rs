@@ -2,13 +2,17 @@
 
 use std::time::Duration;
 
-use fdem_simulation::{Element, Simulation, Timings};
+use fdem_simulation::Timings;
 use serde::{Deserialize, Serialize};
 
-/// Parts of a step, in their order.
-pub(crate) const PARTS: [&str; 5] = ["bulk", "joints", "detection", "contact force", "integration"];
+use crate::command::run::engine::Engine;
+use crate::command::run::results::Results;
 
-/// Times and numbers summed over all parts of a run. A checkpoint stores them, because a [`Simulation`] counts only from its own creation.
+/// Parts of a step, in their order.
+pub(crate) const PARTS: [&str; 6] =
+    ["bulk", "joints", "detection", "contact force", "integration", "messages"];
+
+/// Times and numbers summed over all parts of a run. A checkpoint stores them, because a simulation counts only from its own creation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Account {
     /// Wall-clock time, s.
@@ -40,16 +44,16 @@ impl Account {
     /// Adds the times of a simulation since its creation, with the wall-clock time and what results took since then.
     pub(crate) fn and<const D: usize, const N: usize>(
         &self,
-        run: &Simulation<D, N>,
+        run: &Engine<'_, D, N>,
         clock: Duration,
         spent: &Spent,
     ) -> Self
     where
-        [[f64; D]; N]: Element<D, N>,
+        [[f64; D]; N]: Results<D, N>,
     {
-        let Timings { bulk, joints, detection, contact, integration, messages: _ } = run.timings();
+        let Timings { bulk, joints, detection, contact, integration, messages } = run.timings();
         let mut parts = self.parts;
-        for (sum, time) in parts.iter_mut().zip([bulk, joints, detection, contact, integration]) {
+        for (sum, time) in parts.iter_mut().zip([bulk, joints, detection, contact, integration, messages]) {
             *sum += time.as_secs_f64();
         }
         Self {

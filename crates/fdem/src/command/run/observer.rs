@@ -1,9 +1,10 @@
 //! Looks at a run between its steps: rows of the history, and fragments.
 
 use fdem_results::{ElementMasses, FragmentCount, Fragments, Row};
-use fdem_simulation::{Simulation, Target};
+use fdem_simulation::Target;
 
 use crate::command::failure::Failure;
+use crate::command::run::engine::Engine;
 use crate::command::run::folder::{FRAGMENTS, MODEL};
 use crate::command::run::recorder::broken;
 use crate::command::run::results::Results;
@@ -37,17 +38,18 @@ impl Observer {
     /// Returns the present values of each `[[history]]`.
     pub(crate) fn values<const D: usize, const N: usize>(
         &self,
-        run: &Simulation<D, N>,
+        run: &Engine<'_, D, N>,
         prepared: &Prepared<D, N>,
     ) -> Vec<Vec<f64>>
     where
         [[f64; D]; N]: Results<D, N>,
     {
         let values = |(history, target): (&Recorded, &Vec<u32>)| match history.quantity {
-            Quantity::Node(node) => {
-                let (moved, velocity) = run.node(node).unwrap_or(([0.0; D], [0.0; D]));
-                [moved, velocity].concat()
-            }
+            Quantity::Node(node) => run
+                .nodes(&[node])
+                .into_iter()
+                .flat_map(|(moved, velocity)| [moved, velocity].concat())
+                .collect(),
             Quantity::Force(boundary) => {
                 [run.force(boundary).unwrap_or([0.0; D]), mean_displacement(run, target)].concat()
             }
@@ -59,7 +61,7 @@ impl Observer {
     /// Returns the row of t = 0 after the first step. `values`: values before that step. Forces and energies are those at its beginning, known only after it.
     pub(crate) fn first_row<const D: usize, const N: usize>(
         &self,
-        run: &Simulation<D, N>,
+        run: &Engine<'_, D, N>,
         prepared: &Prepared<D, N>,
         mut values: Vec<Vec<f64>>,
     ) -> Row
@@ -82,7 +84,7 @@ impl Observer {
     /// Returns the present row of the history.
     pub(crate) fn row<const D: usize, const N: usize>(
         &mut self,
-        run: &Simulation<D, N>,
+        run: &Engine<'_, D, N>,
         prepared: &Prepared<D, N>,
     ) -> Row
     where
@@ -100,7 +102,7 @@ impl Observer {
     }
 
     /// Counts the fragments. They are found again only if joints have broken since the last count.
-    fn count<const D: usize, const N: usize>(&mut self, run: &Simulation<D, N>) -> FragmentCount
+    fn count<const D: usize, const N: usize>(&mut self, run: &Engine<'_, D, N>) -> FragmentCount
     where
         [[f64; D]; N]: Results<D, N>,
     {
@@ -118,13 +120,13 @@ impl Observer {
     /// The fragments of a run now.
     pub(crate) fn fragments<const D: usize, const N: usize>(
         &self,
-        run: &Simulation<D, N>,
+        run: &Engine<'_, D, N>,
     ) -> Result<Fragments<D>, Failure>
     where
         [[f64; D]; N]: Results<D, N>,
     {
         // The snapshot of a run is consistent. An error would be a bug.
-        Fragments::of(&run.snapshot(), &self.masses).map_err(|error| broken(FRAGMENTS, &error))
+        Fragments::of(&run.frame().0, &self.masses).map_err(|error| broken(FRAGMENTS, &error))
     }
 }
 
@@ -141,13 +143,12 @@ fn target<const D: usize, const N: usize>(history: &Recorded, prepared: &Prepare
 }
 
 /// The mean displacement of some nodes, m.
-fn mean_displacement<const D: usize, const N: usize>(run: &Simulation<D, N>, nodes: &[u32]) -> [f64; D]
+fn mean_displacement<const D: usize, const N: usize>(run: &Engine<'_, D, N>, nodes: &[u32]) -> [f64; D]
 where
     [[f64; D]; N]: Results<D, N>,
 {
     let mut sum = [0.0; D];
-    for &node in nodes {
-        let (moved, _) = run.node(node).unwrap_or(([0.0; D], [0.0; D]));
+    for (moved, _) in run.nodes(nodes) {
         sum = std::array::from_fn(|axis| sum[axis] + moved[axis]);
     }
     sum.map(|sum| sum / nodes.len().max(1) as f64)

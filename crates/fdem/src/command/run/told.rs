@@ -6,13 +6,13 @@ use std::time::{Duration, Instant};
 
 use fdem_io::numbers::{brief, grouped};
 use fdem_results::Fragments;
-use fdem_simulation::Simulation;
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 
 use crate::command::failure::Failure;
 use crate::command::progress::{Bar, INTERVAL, is_terminal};
 use crate::command::run::account::{Account, PARTS};
+use crate::command::run::engine::Engine;
 use crate::command::run::folder::{Folder, LOG};
 use crate::command::run::results::Results;
 use crate::model::Prepared;
@@ -35,7 +35,7 @@ pub(crate) struct Told {
 impl Told {
     pub(crate) fn new<const D: usize, const N: usize>(
         folder: &Folder,
-        run: &Simulation<D, N>,
+        run: &Engine<'_, D, N>,
         total: u64,
         quiet: bool,
     ) -> Result<Self, Failure>
@@ -85,7 +85,7 @@ impl Told {
     }
 
     /// Updates the progress.
-    pub(crate) fn show<const D: usize, const N: usize>(&mut self, run: &Simulation<D, N>)
+    pub(crate) fn show<const D: usize, const N: usize>(&mut self, run: &Engine<'_, D, N>)
     where
         [[f64; D]; N]: Results<D, N>,
     {
@@ -95,7 +95,7 @@ impl Told {
             return;
         }
         self.last = Instant::now();
-        let rate = (run.steps() - self.first_step) as f64 * run.model().mesh.elements.len() as f64
+        let rate = (run.steps() - self.first_step) as f64 * run.elements() as f64
             / self.start.elapsed().as_secs_f64().max(1e-9);
         let counts = run.counts();
         // The most important parts come first: a narrow terminal shows only those that fit.
@@ -129,7 +129,7 @@ impl Told {
 
 /// Returns the contents of `run.json`. `account`: the times of the whole run; `frames`: their number; `fragments`: those of now.
 pub(crate) fn json<const D: usize, const N: usize>(
-    run: &Simulation<D, N>,
+    run: &Engine<'_, D, N>,
     prepared: &Prepared<D, N>,
     status: &str,
     account: &Account,
@@ -169,7 +169,7 @@ where
             "processors": std::thread::available_parallelism().map_or(1, std::num::NonZero::get),
             "threads": run.threads(),
         },
-        "elements": run.model().mesh.elements.len(),
+        "elements": run.elements(),
         "nodes": counts.nodes,
         "steps": run.steps(),
         "time_step": run.time_step(),
@@ -202,11 +202,11 @@ where
 }
 
 /// SHA-256 of positions, velocities, stresses, cracks and energies. It does not depend on the number of threads or on interruptions.
-fn state_hash<const D: usize, const N: usize>(run: &Simulation<D, N>) -> String
+fn state_hash<const D: usize, const N: usize>(run: &Engine<'_, D, N>) -> String
 where
     [[f64; D]; N]: Results<D, N>,
 {
-    let (snapshot, energies) = (run.snapshot(), run.energies());
+    let ((snapshot, _), energies) = (run.frame(), run.energies());
     let mut hash = Sha256::new();
     let mut add = |number: f64| hash.update(number.to_bits().to_le_bytes());
     snapshot.positions.iter().chain(&snapshot.velocities).flatten().for_each(|&number| add(number));
