@@ -34,6 +34,10 @@ bench-simulation:
 bench-distributed:
     cargo run --release -p fdem-bench --features mpi --bin distributed -- --write bench/DISTRIBUTED.md
 
+# What many ranks would hold and send, and a model of larger runs. Minutes, and 8 GB of memory.
+bench-scaling:
+    cargo run --release -p fdem-bench --bin scaling -- --write bench/SCALING.md
+
 # The paper's experiments; rewrites the curves in docs/.
 bench:
     cargo run --release -p fdem-bench --bin paper

@@ -1,5 +1,6 @@
 //! Bodies of triangles and of tetrahedra for the benchmarks of the simulation.
 
+mod meshed;
 mod plane;
 mod space;
 
@@ -7,6 +8,7 @@ use fdem_simulation::{
     Boundary, FractureOptions, Insertion, Load, Material, Mesh, Model, Schedule, Strength, Target,
 };
 
+pub use meshed::MeshedCube;
 pub use plane::Plane;
 pub use space::Space;
 

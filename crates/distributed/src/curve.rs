@@ -73,6 +73,29 @@ impl<const D: usize> Curve<D> {
 /// assert_eq!([5, 9].map(|key| curve::owner(&splitters[0], key)), [0, 1]);
 /// ```
 pub fn splitters(communicator: &dyn Communicator, keys: &[u64], weights: &[u64]) -> Vec<u64> {
+    let (weight, below) = sums_below(keys, weights);
+    divide(communicator.size(), weight, below, |values| communicator.all_sum(values))
+}
+
+/// The splitters that so many ranks would find with [`splitters`], for a caller that has the keys of all of them. Not collective.
+///
+/// # Panics
+/// As [`splitters`], and if there are no ranks.
+///
+/// # Example
+/// ```
+/// use fdem_distributed::curve;
+///
+/// let splitters = curve::splitters_of_all(2, &[5, 1, 9, 7], &[1, 1, 3, 1]);
+/// assert_eq!([5, 9].map(|key| curve::owner(&splitters, key)), [0, 1]);
+/// ```
+pub fn splitters_of_all(ranks: usize, keys: &[u64], weights: &[u64]) -> Vec<u64> {
+    let (weight, below) = sums_below(keys, weights);
+    divide(ranks, weight, below, |_| {})
+}
+
+/// The sum of all weights, and a function that returns the sum of those of the keys below a key.
+fn sums_below(keys: &[u64], weights: &[u64]) -> (u64, impl Fn(u64) -> u64) {
     assert!(keys.len() == weights.len(), "a weight for each key");
     let mut sorted: Vec<(u64, u64)> = keys.iter().copied().zip(weights.iter().copied()).collect();
     sorted.sort_unstable_by_key(|(key, _)| *key);
@@ -81,11 +104,11 @@ pub fn splitters(communicator: &dyn Communicator, keys: &[u64], weights: &[u64])
         sum += *weight;
         *weight = sum;
     }
-    let below = |key: u64| {
+    let below = move |key: u64| {
         let place = sorted.partition_point(|(other, _)| *other < key);
         if place == 0 { 0 } else { sorted[place - 1].1 }
     };
-    divide(communicator, sum, below)
+    (sum, below)
 }
 
 /// [`splitters`] for sorted keys, each of which has the weight 1. `key` returns the key of an item.
@@ -95,7 +118,7 @@ pub(crate) fn even_splitters<V>(
     key: impl Fn(&V) -> u64,
 ) -> Vec<u64> {
     let below = |limit: u64| sorted.partition_point(|item| key(item) < limit) as u64;
-    divide(communicator, sorted.len() as u64, below)
+    divide(communicator.size(), sorted.len() as u64, below, |values| communicator.all_sum(values))
 }
 
 /// The rank that gets a key.
@@ -139,13 +162,13 @@ impl Interval {
     }
 }
 
-/// Finds splitters. `below` returns the weight of this rank's keys below a key, and `weight` is that of all of them.
-fn divide(communicator: &dyn Communicator, weight: u64, below: impl Fn(u64) -> u64) -> Vec<u64> {
+/// Finds splitters. `below` returns the weight of this rank's keys below a key, `weight` is that of all of them, and `add_up` adds up values of all ranks.
+fn divide(size: usize, weight: u64, below: impl Fn(u64) -> u64, add_up: impl Fn(&mut [i64])) -> Vec<u64> {
+    assert!(size > 0, "at least one rank");
     let mut total = [weight.cast_signed()];
-    communicator.all_sum(&mut total);
+    add_up(&mut total);
     let [total] = total;
     assert!(total >= 0, "the sum of weights fits 63 bits");
-    let size = communicator.size();
     let wanted = |rank: usize| (i128::from(total) * rank as i128 / size as i128) as i64;
     let mut intervals: Vec<Interval> = (1..size)
         .map(|rank| Interval { low: 0, high: u64::MAX, below: [0, total], wanted: wanted(rank) })
@@ -161,7 +184,7 @@ fn divide(communicator: &dyn Communicator, weight: u64, below: impl Fn(u64) -> u
             .flat_map(|&k| intervals[k].probes())
             .map(|probe| below(probe).cast_signed())
             .collect();
-        communicator.all_sum(&mut sums);
+        add_up(&mut sums);
         for (&k, sums) in open.iter().zip(sums.chunks(PARTS as usize - 1)) {
             let before = intervals[k];
             let interval = &mut intervals[k];
@@ -209,6 +232,7 @@ mod tests {
                 })
             };
             let first = found(|k, size| k % size);
+            assert_eq!(first[0], splitters_of_all(size, &keys, &weights));
             assert!(first.iter().all(|splitters| *splitters == first[0]), "the same on all ranks");
             assert_eq!(found(|_, size| size - 1), first);
             let mut of_rank = vec![0; size];

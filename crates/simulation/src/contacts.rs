@@ -223,6 +223,16 @@ where
         Ok(contacts)
     }
 
+    /// Memory of what is known of elements, bytes; without couples and without the search.
+    pub(crate) fn bytes(&self) -> usize {
+        let Self { free, groups, bare, watched, list, .. } = self;
+        size_of_val(&**free)
+            + size_of_val(&**groups)
+            + size_of_val(&**bare)
+            + size_of_val(&**watched)
+            + size_of_val(&**list)
+    }
+
     /// Marks the elements at a free vertex as bare.
     fn bare_at(&mut self, vertex: u32, topology: &Topology<D, N>) {
         for &corner in topology.corners_of(vertex) {

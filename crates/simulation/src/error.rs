@@ -112,6 +112,13 @@ pub enum ModelError {
         /// Message of the detection.
         message: String,
     },
+    /// A run cannot be divided among so many ranks.
+    Ranks {
+        /// Number of ranks.
+        ranks: usize,
+        /// Number of elements of the model.
+        elements: usize,
+    },
     /// There are more corners of elements than can be numbered.
     TooLarge {
         /// Number of elements.
@@ -182,6 +189,10 @@ impl fmt::Display for ModelError {
             ),
             Self::Threads { message } => write!(out, "no threads: {message}"),
             Self::Detection { message } => write!(out, "contact detection: {message}"),
+            Self::Ranks { ranks: 0, .. } => write!(out, "a run on 0 ranks computes nothing"),
+            Self::Ranks { ranks, elements } => {
+                write!(out, "{ranks} ranks are more than the {elements} elements of the model")
+            }
             Self::TooLarge { elements } => write!(out, "{elements} elements are too many"),
         }
     }

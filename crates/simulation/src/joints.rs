@@ -208,6 +208,25 @@ impl<const D: usize> Joints<D> {
         joints
     }
 
+    /// Memory, bytes.
+    pub(crate) fn bytes(&self) -> usize {
+        let Self { all, links, forces, breaks, at_corner, of_facet, class, factors, .. } = self;
+        let Self { at_vertex, tips, weakest, near, .. } = self;
+        let of_tip = |tip: &Tip| size_of::<Tip>() + size_of_val(&*tip.alone) + size_of_val(&*tip.together);
+        size_of_val(&**all)
+            + size_of_val(&**links)
+            + size_of_val(&**forces)
+            + size_of_val(&**breaks)
+            + size_of_val(&**at_corner)
+            + size_of_val(&**of_facet)
+            + size_of_val(&**class)
+            + size_of_val(&**factors)
+            + size_of_val(&**at_vertex)
+            + tips.iter().map(of_tip).sum::<usize>()
+            + size_of_val(&**weakest)
+            + size_of_val(&**near)
+    }
+
     /// Whether a facet can ever get a joint.
     pub(crate) fn may_part(&self, facet: u32) -> bool {
         self.class[facet as usize] != NONE

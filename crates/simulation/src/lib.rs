@@ -53,6 +53,7 @@
 //! | terms of the energy balance | `src/energy.rs`, and their sum: `src/simulation.rs` |
 //! | initial stress in contacts and at absorbing edges | `src/seams.rs`, `src/ground.rs` |
 //! | contact forces and reactions of results | `src/forces.rs` |
+//! | forecast of a run on many ranks: shares, messages, memory | `src/ranks/forecast.rs` |
 //! | refused models | `src/checks.rs`, `src/error.rs` |
 //! | what two and three dimensions differ in | `src/simplex.rs`, `crates/fdem/src/model/dimensions.rs`, `crates/fdem/src/command/run/results.rs` |
 //!
@@ -125,7 +126,7 @@ pub use model::{
     Boundary, ContactOptions, CriticalOpening, FractureOptions, Insertion, Interface, Load, Material, Model,
     Plane, Schedule, Strength, Target, TimeOptions,
 };
-pub use ranks::{Distributed, Leader, Traffic, dismiss, follow};
+pub use ranks::{Distributed, Forecast, Leader, Network, RankForecast, Sizes, Traffic, dismiss, follow};
 pub use seams::InitialContacts;
 pub use simplex::Element;
 pub use simulation::{Counts, Simulation, State, Timings};

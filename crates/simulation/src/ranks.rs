@@ -5,8 +5,10 @@
 //! (`sum.rs`), which do not depend on who adds them up.
 //!
 //! A [`Simulation`] on a rank is one of a part of the model, with local numbers in the order of those of the whole model. `links.rs` has the messages of a step. `spread.rs` divides the nodes
-//! among ranks, and gives each rank its elements: at the beginning, when elements may have come near those of other ranks, and when the work is not even. `piece.rs` has what travels then.
+//! among ranks, and gives each rank its elements: at the beginning, when elements may have come near those of other ranks, and when the work is not even. `piece.rs` has what travels then. `forecast.rs`
+//! foretells all this for a number of ranks, without them.
 
+mod forecast;
 mod leader;
 mod links;
 mod piece;
@@ -20,6 +22,7 @@ use crate::energy::Energies;
 use crate::error::{ModelError, Stop};
 use crate::forces::{self, Forces};
 use crate::model::Model;
+pub use crate::ranks::forecast::{Forecast, Network, RankForecast, Sizes};
 pub use crate::ranks::leader::{Leader, dismiss, follow};
 pub(crate) use crate::ranks::links::{Links, Split, Told};
 use crate::ranks::piece::{Carried, message, of_message};

@@ -215,6 +215,24 @@ where
         solid
     }
 
+    /// Memory, bytes.
+    pub(crate) fn bytes(&self) -> usize {
+        let Self { nodes, constants, elements, undeformed, deformed, forces, viscous, .. } = self;
+        let Self { corners, share, heights, prestress, .. } = self;
+        size_of_val(&**nodes)
+            + size_of_val(&**constants)
+            + size_of_val(&**elements)
+            + size_of_val(&**undeformed)
+            + size_of_val(&**deformed)
+            + size_of_val(&**forces)
+            + size_of_val(&**viscous)
+            + corners.bytes()
+            + size_of_val(&*share.corners)
+            + size_of_val(&*share.nodes)
+            + size_of_val(&**heights)
+            + size_of_val(&**prestress)
+    }
+
     /// Reserves memory for `count` nodes in total.
     pub(crate) fn reserve_nodes(&mut self, count: usize) {
         let more = count.saturating_sub(self.nodes.len());

@@ -85,6 +85,18 @@ where
         Ok(Self { vertices, offsets, corners, facets, facet_of, part: None })
     }
 
+    /// Memory, bytes.
+    pub(crate) fn bytes(&self) -> usize {
+        let Self { vertices, offsets, corners, facets, facet_of, part } = self;
+        let of_part = |part: &PartOf<N>| size_of_val(&*part.numbers) + size_of_val(&*part.outer);
+        size_of_val(&**vertices)
+            + size_of_val(&**offsets)
+            + size_of_val(&**corners)
+            + size_of_val(&**facets)
+            + size_of_val(&**facet_of)
+            + part.as_ref().map_or(0, of_part)
+    }
+
     /// Whether a facet without another element is on the surface of the whole mesh.
     pub(crate) fn is_outer(&self, element: usize, k: usize) -> bool {
         self.part.as_ref().is_none_or(|part| part.outer[element][k])
@@ -419,6 +431,12 @@ impl<const N: usize> Nodes<N> {
             *next += 1;
         }
         Self { of_corner, corners, ranges }
+    }
+
+    /// Memory, bytes.
+    pub(crate) fn bytes(&self) -> usize {
+        let Self { of_corner, corners, ranges } = self;
+        size_of_val(&**of_corner) + size_of_val(&**corners) + size_of_val(&**ranges)
     }
 
     /// Reserves memory for so many more nodes.

@@ -26,7 +26,7 @@ pub(crate) fn run(arguments: &CheckArguments) -> Result<(), Failure> {
     let Some(path) = &arguments.model else {
         return Err(Failure::Unusable("no model file is given".to_owned()));
     };
-    match (preflight(path), arguments.json) {
+    match (preflight(path, arguments.ranks), arguments.json) {
         (Ok(preflight), false) => print(&preflight.to_string()),
         (Ok(preflight), true) => {
             let text = serde_json::to_string_pretty(&preflight)
@@ -80,8 +80,8 @@ impl Problem {
     }
 }
 
-/// Reads, checks and meshes a model file. Paths in the file are relative to its folder.
-fn preflight(path: &Path) -> Result<Preflight, Problem> {
+/// Reads, checks and meshes a model file. Paths in the file are relative to its folder. `ranks`: number of ranks to divide the run among, if that is asked for.
+fn preflight(path: &Path, ranks: Option<usize>) -> Result<Preflight, Problem> {
     let name = display_name(path);
     let text = read_text(path).map_err(Problem::Other)?;
     let mut load = inputs_of(path);
@@ -90,8 +90,8 @@ fn preflight(path: &Path) -> Result<Preflight, Problem> {
         progress.step("meshing the model", None, |_| prepare_any(&text, &name, &mut load, memory::free()));
     let prepared = prepared.map_err(Problem::Model)?;
     let (preflight, _) = progress.step("preparing the run", None, |_| match &prepared {
-        AnyPrepared::Plane(prepared) => Preflight::of(prepared),
-        AnyPrepared::Space(prepared) => Preflight::of(prepared),
+        AnyPrepared::Plane(prepared) => Preflight::with_ranks(prepared, ranks),
+        AnyPrepared::Space(prepared) => Preflight::with_ranks(prepared, ranks),
     });
     preflight.map_err(|why| Problem::Other(Failure::Unusable(format!("{name} cannot run: {why}"))))
 }

@@ -5,10 +5,12 @@ use std::time::{Duration, Instant};
 
 use fdem_io::numbers::{brief, grouped};
 use fdem_mesh::Quality;
-use fdem_simulation::{CriticalStep, Insertion, Model, Simulation};
+use fdem_simulation::{CriticalStep, Forecast, Insertion, Model, Simulation};
 use serde::Serialize;
 
+use crate::model::amounts::{YEAR, duration, size};
 use crate::model::dimensions::Dimensions;
+use crate::model::on_ranks::OnRanks;
 use crate::model::prepared::Prepared;
 
 /// Costs of an element.
@@ -89,6 +91,9 @@ pub struct Preflight {
     pub seconds_whole: f64,
     /// Memory that the run takes, bytes.
     pub memory: f64,
+    /// Estimates for a run on many ranks, if they are asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub on_ranks: Option<OnRanks>,
     /// Warnings about what may not be meant.
     pub warnings: Vec<String>,
     /// Hash of the model.
@@ -104,9 +109,25 @@ impl Preflight {
     where
         [[f64; D]; N]: Dimensions<D, N>,
     {
+        Self::with_ranks(prepared, None)
+    }
+
+    /// As [`Preflight::of`], and how the run would be divided among so many ranks.
+    ///
+    /// # Errors
+    /// Says why the model cannot be run, or not on so many ranks.
+    pub fn with_ranks<const D: usize, const N: usize>(
+        prepared: &Prepared<D, N>,
+        ranks: Option<usize>,
+    ) -> Result<Self, String>
+    where
+        [[f64; D]; N]: Dimensions<D, N>,
+    {
         let model = &prepared.model;
         // All errors that a run would find are found here.
-        let run = Simulation::new(model.clone(), 1).map_err(|error| error.to_string())?;
+        let mut run = Simulation::new(model.clone(), 1).map_err(|error| error.to_string())?;
+        let forecast = ranks.map(|ranks| Forecast::of(&mut run, ranks)).transpose();
+        let forecast = forecast.map_err(|error| error.to_string())?;
         let critical = Critical::from(run.critical_step());
         let (step, steps) = steps(prepared, critical.step)?;
         let pace = Pace::of(run, steps, model);
@@ -154,6 +175,8 @@ impl Preflight {
             steps,
             seconds,
             seconds_whole: whole,
+            on_ranks: forecast
+                .map(|forecast| OnRanks::of(forecast, [pace.whole, pace.breaking], steps, PROGRAM)),
             memory: PROGRAM + sum(model, |cost| cost.bytes).max(in_report(prepared, steps)),
             warnings,
             hash: prepared.hash.clone(),
@@ -300,50 +323,13 @@ impl fmt::Display for Preflight {
             writeln!(out, "run time         about {most} on one core")?;
         }
         writeln!(out, "memory           about {}", size(self.memory))?;
+        if let Some(on_ranks) = &self.on_ranks {
+            write!(out, "{on_ranks}")?;
+        }
         writeln!(out, "model            {}", &self.hash[..self.hash.len().min(16)])?;
         for warning in &self.warnings {
             writeln!(out, "warning          {warning}")?;
         }
         Ok(())
-    }
-}
-
-/// s.
-const YEAR: f64 = 365.25 * 86_400.0;
-
-/// Time from which years are told instead of days, s.
-const YEARS: f64 = 2.0 * YEAR;
-
-/// `75` as `1 min 15 s`; at least 0.1 s.
-fn duration(seconds: f64) -> String {
-    if seconds < 0.1 {
-        "0.1 s".to_owned()
-    } else if seconds < 60.0 {
-        format!("{seconds:.1} s")
-    } else if seconds < 7200.0 {
-        format!("{:.0} min {:02.0} s", (seconds / 60.0).floor(), seconds % 60.0)
-    } else if seconds < 48.0 * 3600.0 {
-        format!("{:.1} h", seconds / 3600.0)
-    } else if seconds < YEARS {
-        format!("{:.1} days", seconds / 86_400.0)
-    } else {
-        format!("{} years", brief((seconds / YEAR).round()))
-    }
-}
-
-fn size(bytes: f64) -> String {
-    if bytes < 1e9 { format!("{:.1} MB", bytes / 1e6) } else { format!("{:.1} GB", bytes / 1e9) }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn durations_are_told_as_people_tell_them() {
-        assert_eq!(
-            [1e-3, 3.21, 75.0, 7300.0, 1e6, 3.2e9].map(duration),
-            ["0.1 s", "3.2 s", "1 min 15 s", "2.0 h", "11.6 days", "101 years"]
-        );
     }
 }

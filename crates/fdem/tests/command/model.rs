@@ -230,3 +230,46 @@ fn errors_are_json_where_that_is_asked_for() {
     assert_eq!(wrong[0]["line"], line);
     assert!(errors("gone.toml")[0]["message"].as_str().unwrap().contains("cannot read gone.toml"));
 }
+
+#[test]
+fn a_run_on_many_ranks_is_foretold() {
+    let bench = Bench::new();
+    bench.run(&["new"]).succeeds();
+    let run = bench.run(&["check", "model.toml", "--ranks", "16"]).succeeds();
+    for part in
+        ["ranks            16,", "own elements", "halo elements", "neighbours", "messages", "assumed: 2 µs"]
+    {
+        assert!(run.stdout.contains(part), "{part:?} is not in\n{}", run.stdout);
+    }
+    let one = bench.run(&["check", "model.toml", "--json"]).succeeds();
+    let one: serde_json::Value = serde_json::from_str(&one.stdout).unwrap();
+    assert!(one.get("on_ranks").is_none());
+    let run = bench.run(&["check", "model.toml", "--json", "--ranks", "16"]).succeeds();
+    let json: serde_json::Value = serde_json::from_str(&run.stdout).unwrap();
+    let ranks = json["on_ranks"]["forecast"]["of_ranks"].as_array().unwrap();
+    assert_eq!(ranks.len(), 16);
+    let own: u64 = ranks.iter().map(|rank| rank["own"].as_u64().unwrap()).sum();
+    assert_eq!(json["quality"]["elements"], own);
+    assert!(ranks.iter().all(|rank| rank["neighbours"].as_u64().unwrap() > 0));
+    assert!(json["on_ranks"]["halo_share"].as_f64().unwrap() > 0.0);
+}
+
+#[test]
+fn ranks_without_elements_are_refused() {
+    let bench = Bench::new();
+    bench.run(&["new"]).succeeds();
+    let run = bench.run(&["check", "model.toml", "--json"]).succeeds();
+    let json: serde_json::Value = serde_json::from_str(&run.stdout).unwrap();
+    let elements = json["quality"]["elements"].as_u64().unwrap();
+    let [most, more] = [elements, elements + 1].map(|ranks| ranks.to_string());
+    bench.run(&["check", "model.toml", "--ranks", &most]).succeeds();
+    bench
+        .run(&["check", "model.toml", "--ranks", &more])
+        .refused_with(&[&format!("{more} ranks are more than the {most} elements of the model")]);
+    bench.run(&["check", "model.toml", "--ranks", "0"]).refused_with(&["a run on 0 ranks computes nothing"]);
+    for ranks in ["-1", "many", "1.5"] {
+        let run = bench.run(&["check", "model.toml", &format!("--ranks={ranks}")]);
+        run.refused_with(&[ranks, "a whole number above 0 is needed"]);
+    }
+    bench.run(&["check", "--schema", "--ranks", "4"]).refused_with(&["--ranks"]);
+}

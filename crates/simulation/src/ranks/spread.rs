@@ -41,14 +41,14 @@ pub(super) fn reach<const D: usize, const N: usize>(frame: &Frame<D, N>, stresse
 }
 
 /// Corners of a vertex that belong together: they have one owner.
-struct Unit {
-    corners: Vec<u32>,
-    key: u64,
-    weight: u64,
+pub(super) struct Unit {
+    pub(super) corners: Vec<u32>,
+    pub(super) key: u64,
+    pub(super) weight: u64,
 }
 
 /// The corners that this rank owns, in units: elements at a vertex between which a joint may still act.
-fn units<const D: usize, const N: usize>(run: &Simulation<D, N>, curve: &Curve<D>) -> Vec<Unit>
+pub(super) fn units<const D: usize, const N: usize>(run: &Simulation<D, N>, curve: &Curve<D>) -> Vec<Unit>
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
@@ -81,6 +81,27 @@ where
         }
     }
     units
+}
+
+/// The largest coordinates of owned nodes, and the smallest with the other sign, so that the largest of several ranks hold for all of their nodes.
+pub(super) fn ends<const D: usize, const N: usize>(run: &Simulation<D, N>) -> Vec<f64>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    let mut ends = vec![f64::MIN; 2 * D];
+    let owned = (0..run.solid.nodes.len()).filter(|&node| run.solid.share.node(node));
+    for node in owned.map(|node| run.solid.nodes[node].position) {
+        for axis in 0..D {
+            ends[axis] = ends[axis].max(node[axis]);
+            ends[D + axis] = ends[D + axis].max(-node[axis]);
+        }
+    }
+    ends
+}
+
+/// The curve through the box with these [`ends`].
+pub(super) fn curve_within<const D: usize>(ends: &[f64]) -> Curve<D> {
+    Curve::new(std::array::from_fn(|axis| -ends[D + axis]), std::array::from_fn(|axis| ends[axis]))
 }
 
 /// Divides space among the ranks again if the work is not even. Returns the new owner of each corner of this rank.
@@ -117,20 +138,9 @@ where
             return assigned(units, owners);
         }
     }
-    // The largest coordinates, and the smallest with the other sign.
-    let mut ends = vec![f64::MIN; 2 * D];
-    if let Some(run) = run {
-        let owned = (0..run.solid.nodes.len()).filter(|&node| run.solid.share.node(node));
-        for node in owned.map(|node| run.solid.nodes[node].position) {
-            for axis in 0..D {
-                ends[axis] = ends[axis].max(node[axis]);
-                ends[D + axis] = ends[D + axis].max(-node[axis]);
-            }
-        }
-    }
+    let mut ends = run.map_or_else(|| vec![f64::MIN; 2 * D], ends);
     communicator.all_max(&mut ends);
-    let curve =
-        Curve::new(std::array::from_fn(|axis| -ends[D + axis]), std::array::from_fn(|axis| ends[axis]));
+    let curve = curve_within(&ends);
     let units = run.map_or_else(Vec::new, |run| units(run, &curve));
     let keys: Vec<u64> = units.iter().map(|unit| unit.key).collect();
     let weights: Vec<u64> = units.iter().map(|unit| unit.weight).collect();

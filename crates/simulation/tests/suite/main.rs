@@ -26,5 +26,7 @@ mod dimensions;
 mod vectors;
 /// Results on many ranks.
 mod ranks;
+/// Forecasts of runs on many ranks.
+mod forecast;
 /// Models that are refused.
 mod refusal;

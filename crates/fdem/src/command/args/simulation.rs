@@ -26,7 +26,7 @@ pub(crate) struct NewArguments {
 
 /// Check a model without running it: print all errors of the file, or else its mesh, time step, run time, memory, and warnings.
 #[derive(Debug, Args)]
-#[command(after_help = "Example: fdem check model.toml")]
+#[command(after_help = "Example: fdem check model.toml --ranks 64")]
 pub(crate) struct CheckArguments {
     /// The model, a TOML file. Paths of meshes and packings in it are relative to its folder.
     #[arg(value_name = "MODEL", required_unless_present = "schema")]
@@ -36,8 +36,12 @@ pub(crate) struct CheckArguments {
     #[arg(long)]
     pub(crate) json: bool,
 
+    /// Also tell how a run would be divided among RANKS processes: elements, halos, messages, memory, and the time of a step on a network that is assumed.
+    #[arg(long, value_name = "RANKS", allow_negative_numbers = true, value_parser = ranks)]
+    pub(crate) ranks: Option<usize>,
+
     /// Print the JSON schema of model files, for editors: keys, descriptions, types, ranges, defaults.
-    #[arg(long, conflicts_with_all = ["model", "json"])]
+    #[arg(long, conflicts_with_all = ["model", "json", "ranks"])]
     pub(crate) schema: bool,
 }
 
@@ -127,6 +131,15 @@ fn positive(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(number) if number.is_finite() && number > 0.0 => Ok(number),
         _ => Err("a number above 0 is needed".to_owned()),
+    }
+}
+
+/// More ranks than elements are refused when the model is known.
+fn ranks(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(0) => Err("a run on 0 ranks computes nothing".to_owned()),
+        Ok(count) => Ok(count),
+        Err(_) => Err("a whole number above 0 is needed".to_owned()),
     }
 }
 
