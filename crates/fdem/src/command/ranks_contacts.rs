@@ -688,7 +688,9 @@ mod tests {
                 for size in [2, 3, 8] {
                     let arguments = self.arguments(file, options, &many);
                     let done = threads::run(size, |communicator| run(&arguments, communicator));
-                    done.into_iter().for_each(|done| done.unwrap());
+                    for done in done {
+                        done.unwrap();
+                    }
                     let found = fs::read(self.path(&many)).unwrap();
                     assert!(found == expected, "{file} {options}: {extension} on {size} ranks");
                     fs::remove_file(self.path(&many)).unwrap();
