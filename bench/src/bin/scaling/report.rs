@@ -58,7 +58,7 @@ pub(crate) fn report(patterns: &[Pattern], estimates: &[Estimate], timed: usize,
     let _ = writeln!(
         out,
         "Halo elements for a rank with n elements of its own, over n^⅔: the constant of the model is that of the rank with most, in the last row of each kind. \
-         Where it differs between the rows, parts have another share of the surface of the body, where there are no neighbours.\n\n{}",
+         It is less for larger parts, so the model is cautious about them. *Near others only*: elements of all halos that act on no node of the rank, but lie so near to the outer surface of its part of the body that they might come to touch it.\n\n{}",
         layers(patterns)
     );
     let _ = writeln!(
