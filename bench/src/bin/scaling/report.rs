@@ -65,7 +65,7 @@ pub(crate) fn report(patterns: &[Pattern], estimates: &[Estimate], timed: usize,
         out,
         "## Inputs of the model\n\n\
          A rank with n elements of its own computes n + h n^⅔ of them in a step, on one core. It exchanges messages with k neighbours, b bytes for each element of its halo, and takes part in one agreement of all P ranks: 2 ⌈log₂ P⌉ times the latency. \
-         Messages and computing do not overlap. The time of an element is the median of {rounds} rounds on a mesh of {} tetrahedra, without the time in which other programs had the core.\n\n{}",
+         Messages and computing do not overlap. The time of an element is that in the fastest of {rounds} rounds on a mesh of {} tetrahedra, without the time in which other programs had the core.\n\n{}",
         grouped(timed as u64),
         inputs(estimates)
     );
