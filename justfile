@@ -5,6 +5,10 @@ check:
 test:
     cargo test
 
+# The tests under `mpirun`. Needs an MPI library and libclang: `apt install libopenmpi-dev openmpi-bin libclang-dev`.
+mpi:
+    bash crates/distributed/tests/mpirun.sh
+
 # Every line of the book's ten-body example.
 figures:
     cargo run -p fdem-contact --example ten_bodies
@@ -25,6 +29,10 @@ bench-python:
 # Steps of the simulation, against bounds. Minutes; other programs are added as bench/README.md says.
 bench-simulation:
     cargo run --release -p fdem-bench --bin simulation -- --write bench/SIMULATION.md
+
+# Searches on 1, 2 and 8 ranks of this machine. Needs an MPI library.
+bench-distributed:
+    cargo run --release -p fdem-bench --features mpi --bin distributed -- --write bench/DISTRIBUTED.md
 
 # What many ranks would hold and send, and a model of larger runs. Minutes, and 8 GB of memory.
 bench-scaling:

@@ -7,7 +7,8 @@ fn main() {
     println!("cargo:rerun-if-changed=build.rs");
     println!("cargo:rerun-if-env-changed=MPICC");
     println!("cargo:rerun-if-env-changed=PATH");
-    if env::var_os("CARGO_FEATURE_MPI").is_none() || cfg!(windows) {
+    let is_named = ["MPI_PKG_CONFIG", "CRAY_MPICH_DIR"].iter().any(|name| env::var_os(name).is_some());
+    if env::var_os("CARGO_FEATURE_MPI").is_none() || is_named || cfg!(windows) {
         return;
     }
     let compiler = env::var_os("MPICC").unwrap_or_else(|| "mpicc".into());
@@ -17,11 +18,7 @@ fn main() {
         let found = Command::new("pkg-config").arg("--exists").arg(name).stderr(Stdio::null()).status();
         found.is_ok_and(|status| status.success())
     };
-    if !shown.is_ok_and(|status| status.success())
-        && !packaged("ompi")
-        && !packaged("mpich")
-        && !packaged("mpi")
-    {
+    if !shown.is_ok_and(|status| status.success()) && !packaged("ompi") && !packaged("mpich") {
         eprintln!(
             "error: the feature `mpi` needs an MPI library, and `{}` cannot be run.\n\
              Install one and libclang, which reads its header:\n\

@@ -17,10 +17,10 @@ pub struct Curve<const D: usize> {
 }
 
 impl<const D: usize> Curve<D> {
-    /// Bits of a coordinate. In space a domain has a million cells along each axis, which is enough to divide crowded places.
+    /// Bits of a coordinate. A domain has 65,536 cells along each axis, which is enough to divide crowded places; more bits would take more time.
     const BITS: u32 = {
         let bits = 63 / D as u32;
-        if bits < 20 { bits } else { 20 }
+        if bits < 16 { bits } else { 16 }
     };
 
     /// The curve through the smallest cube that holds the box from `min` to `max`.

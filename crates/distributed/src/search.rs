@@ -7,7 +7,7 @@ mod ghosts;
 use fdem_contact::{Couple, Detector, Elements, PeriodicBox, PeriodicCouple, Real, Search};
 
 use crate::communicator::{Communicator, Message};
-use crate::curve::{Curve, even_splitters, owner};
+use crate::curve::{Curve, even_splitters};
 use crate::error::{Error, agree, name_by_id};
 use crate::wire::{Reader, Writer};
 use couples::key;
@@ -229,37 +229,29 @@ impl<'c, T: Real, const D: usize> DistributedSearch<'c, T, D> {
         let max = std::array::from_fn(|axis| extremes[axis]);
         let curve = Curve::new(std::array::from_fn(|axis| -extremes[D + axis]), max);
 
-        let keys: Vec<u64> = set.points.iter().map(|point| curve.key(point.map(T::to_f64))).collect();
-        let mut sorted = keys.clone();
-        sorted.sort_unstable();
-        let splitters = even_splitters(communicator, &sorted, |key| *key);
-        drop(sorted);
-        let mut of_rank = vec![0_usize; communicator.size() + 1];
-        let owners: Vec<u32> = keys.iter().map(|&key| owner(&splitters, key) as u32).collect();
-        for &owner in &owners {
-            of_rank[owner as usize + 1] += 1;
-        }
-        for rank in 0..communicator.size() {
-            of_rank[rank + 1] += of_rank[rank];
-        }
-        let mut places = vec![0_u32; set.len()];
-        let mut next = of_rank.clone();
-        for (place, &owner) in (0..).zip(&owners) {
-            places[next[owner as usize]] = place;
-            next[owner as usize] += 1;
-        }
-        drop(owners);
-        let messages =
-            (0..communicator.size()).filter(|&rank| of_rank[rank] < of_rank[rank + 1]).map(|rank| {
-                let places = &places[of_rank[rank]..of_rank[rank + 1]];
-                let mut out = Writer::default();
-                out.u64(places.len() as u64);
-                out.u64s(places.iter().map(|&place| keys[place as usize]));
-                set.write(places.iter().copied(), &mut out);
-                Message { rank, bytes: out.bytes }
-            });
+        let mut order: Vec<(u64, u32)> =
+            (0..).zip(&set.points).map(|(place, point)| (curve.key(point.map(T::to_f64)), place)).collect();
+        order.sort_unstable();
+        let splitters = even_splitters(communicator, &order, |(key, _)| *key);
+        let mut rest = &order[..];
+        let messages = (0..communicator.size()).filter_map(|rank| {
+            let count = match splitters.get(rank) {
+                Some(&splitter) => rest.partition_point(|&(key, _)| key < splitter),
+                None => rest.len(),
+            };
+            let part = rest.split_off(..count).unwrap_or_default();
+            if part.is_empty() {
+                return None;
+            }
+            let mut out = Writer::default();
+            out.bytes.reserve_exact(8 + part.len() * (8 + set.bytes()));
+            out.u64(part.len() as u64);
+            out.u64s(part.iter().map(|(key, _)| *key));
+            set.write(part.iter().map(|(_, place)| *place), &mut out);
+            Some(Message { rank, bytes: out.bytes })
+        });
         let messages = messages.collect();
-        drop((set, keys, places));
+        drop((set, order));
 
         let mut set = Set::new(kind, tolerance);
         let mut order: Vec<(u64, u32)> = Vec::new();
@@ -269,8 +261,8 @@ impl<'c, T: Real, const D: usize> DistributedSearch<'c, T, D> {
             order.extend(from.u64s(count).zip(set.len() as u32..));
             set.read(count, is_periodic, &mut from);
         }
-        // Keys can be equal; then ids decide, so that nothing depends on where the elements came from.
-        order.sort_unstable_by_key(|&(key, place)| (key, set.ids[place as usize]));
+        // Each rank sends a sorted run. A stable sort merges runs.
+        order.sort_by_key(|(key, _)| *key);
         let mut places: Vec<u32> = order.into_iter().map(|(_, place)| place).collect();
         if !matches!(kind, Kind::Equal(_)) {
             places.sort_by_cached_key(|&place| set.level(place as usize));

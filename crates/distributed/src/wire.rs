@@ -27,6 +27,13 @@ impl Writer {
         values.for_each(|value| self.bytes.extend_from_slice(&value.to_le_bytes()));
     }
 
+    /// Points, without loss.
+    pub(crate) fn points<T: Real, const D: usize>(&mut self, points: impl IntoIterator<Item = [T; D]>) {
+        for point in points {
+            self.bytes.extend_from_slice(point.map(|x| x.to_f64().to_le_bytes()).as_flattened());
+        }
+    }
+
     /// Floats, without loss: `f64` holds every `f32`.
     pub(crate) fn reals<T: Real>(&mut self, values: impl IntoIterator<Item = T>) {
         values.into_iter().for_each(|value| self.bytes.extend_from_slice(&value.to_f64().to_le_bytes()));

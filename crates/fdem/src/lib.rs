@@ -3,6 +3,7 @@
 //! This crate is the library of the `fdem` command. It analyses contact networks ([`network`], [`analysis`]) and draws them ([`picture`], [`report`]). It reads
 //! model files ([`model`]) and writes the results of simulations ([`results`]). It uses these crates:
 //! - [`contact`] finds the couples of elements that touch (package `fdem-contact`);
+//! - [`distributed`] finds them over many processes (package `fdem-distributed`);
 //! - [`io`] reads packings and meshes and writes couples in the formats of the field (package `fdem-io`);
 //! - [`scenes`] generates packings from seeds (package `fdem-scenes`);
 //! - [`simulation`] simulates bodies that deform, collide and break (package `fdem-simulation`).
@@ -30,6 +31,7 @@
 //! | to change | open |
 //! |---|---|
 //! | how `contacts` searches a packing, and writes what it finds | `src/command/packing.rs`, `src/command/detect.rs`, `src/command/verify.rs`, `src/command/outputs.rs` |
+//! | searches on many ranks under `mpirun` | `src/command/ranks.rs`, `src/command/ranks_contacts.rs` |
 //! | several files on the command line, bodies over several files | `src/command/meshes.rs`, `src/command/mesh_summary.rs` |
 //! | reading and writing several frames | `src/command/series.rs`, `src/command/series_table.rs`, `src/command/frames.rs`, `src/command/tables.rs` |
 //! | an option of the command | `src/command/args.rs`, then the task: `src/command/contacts.rs`, `src/command/bench.rs`, `src/command/generate.rs` |
@@ -57,6 +59,7 @@ pub mod model;
 mod validate;
 
 pub use fdem_contact as contact;
+pub use fdem_distributed as distributed;
 pub use fdem_io as io;
 pub use fdem_mesh as mesh;
 pub use fdem_results as results;

@@ -34,12 +34,39 @@ pub fn place<const D: usize>(cell: [u32; D], bits: u32) -> u64 {
         flip ^= ((1 << bit) - 1) & 0_u32.wrapping_sub(x[D - 1] >> bit & 1);
     }
     let mut key = 0;
+    if D <= 3 {
+        let kept = if bits < 32 { (1 << bits) - 1 } else { u32::MAX };
+        for coordinate in x {
+            key = key << 1 | spread::<D>((coordinate ^ flip) & kept);
+        }
+        return key;
+    }
     for bit in (0..bits).rev() {
         for coordinate in x {
             key = key << 1 | u64::from((coordinate ^ flip) >> bit & 1);
         }
     }
     key
+}
+
+/// The bits of a number, each at `D` times its place, for `D` up to 3 and 21 bits in three dimensions.
+#[inline]
+fn spread<const D: usize>(number: u32) -> u64 {
+    let mut x = u64::from(number);
+    if D == 2 {
+        x = (x | x << 16) & 0x0000_ffff_0000_ffff;
+        x = (x | x << 8) & 0x00ff_00ff_00ff_00ff;
+        x = (x | x << 4) & 0x0f0f_0f0f_0f0f_0f0f;
+        x = (x | x << 2) & 0x3333_3333_3333_3333;
+        x = (x | x << 1) & 0x5555_5555_5555_5555;
+    } else if D == 3 {
+        x = (x | x << 32) & 0x001f_0000_0000_ffff;
+        x = (x | x << 16) & 0x001f_0000_ff00_00ff;
+        x = (x | x << 8) & 0x100f_00f0_0f00_f00f;
+        x = (x | x << 4) & 0x10c3_0c30_c30c_30c3;
+        x = (x | x << 2) & 0x1249_2492_4924_9249;
+    }
+    x
 }
 
 #[cfg(test)]

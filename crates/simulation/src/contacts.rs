@@ -531,7 +531,10 @@ where
         if bared.is_empty() {
             return;
         }
-        for couple in self.couples.iter_mut().filter(|couple| !couple.touches) {
+        // Those that are known to be apart do not overlap.
+        let travel = self.travel;
+        let near = |couple: &&mut Couple| !couple.touches && couple.apart_until <= travel;
+        for couple in self.couples.iter_mut().filter(near) {
             couple.initial_overlap |=
                 couple.elements.iter().any(|element| bared.binary_search(element).is_ok());
         }

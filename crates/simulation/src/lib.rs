@@ -10,9 +10,9 @@
 //! Types have two parameters: `D` dimensions and `N = D + 1` corners of an element. They are 2 and 3 where nothing is said, so that `Model` is one of triangles and `Model<3, 4>` one
 //! of tetrahedra. What differs between the two is in `simplex.rs` and its parts.
 //!
-//! Results do not depend on the number of threads: forces of couples are added to those of their elements in the order of the couples, and every node adds up the forces of its elements
-//! and joints in a fixed order.
-//! A run that is saved and resumed continues bit for bit.
+//! Results do not depend on the number of threads, nor on the number of ranks of a [`Distributed`] run: forces of couples are added to those of their elements in the order of the couples,
+//! every node adds up the forces of its elements and joints in a fixed order, and energies are exact sums (`src/sum.rs`).
+//! A run that is saved and resumed continues bit for bit, on any number of ranks.
 //!
 //! # How it is built
 //!
@@ -34,7 +34,10 @@
 //!
 //! Steps are compiled in this crate, once for each kind of element (`advance` in `src/simplex.rs`), and not in the crates that call them.
 //!
-//! `State` is all that persists between steps. It is saved with postcard, hashed for `run.json`, and sufficient to continue a run.
+//! `State` is all that persists between steps. It is saved with postcard, and sufficient to continue a run. It has nodes, joints and couples in the order of the model, and not of memory.
+//!
+//! A rank of a distributed run has a `Simulation` of its part of the model (`src/ranks.rs`). What it must know of the rest is in three places: `Share` says what it owns and counts, `Topology`
+//! what the elements are called in the whole model, and `Part` what it needs to give elements away.
 //!
 //! What is not here has no use yet. Contact, joints and loads each ask `Topology` for the outer facets or vertices that they need, once; nothing reads all faces of all cracks in each
 //! step, so no such list is kept. All couples are couples of elements, and all that acts from outside are loads: a trait for other shapes, or for other actions, comes with
@@ -54,6 +57,7 @@
 //! | initial stress in contacts and at absorbing edges | `src/seams.rs`, `src/ground.rs` |
 //! | contact forces and reactions of results | `src/forces.rs` |
 //! | forecast of a run on many ranks: shares, messages, memory | `src/ranks/forecast.rs` |
+//! | many ranks: messages of a step, division of the work | `src/ranks/links.rs`, `src/ranks/spread.rs` |
 //! | refused models | `src/checks.rs`, `src/error.rs` |
 //! | what two and three dimensions differ in | `src/simplex.rs`, `crates/fdem/src/model/dimensions.rs`, `crates/fdem/src/command/run/results.rs` |
 //!

@@ -361,11 +361,11 @@ where
             let at = contacts.part(broken, joints, topology, &solid.share);
             if let Some(links) = links.as_deref_mut() {
                 links.exchange_changes(&split, &at, solid, joints, contacts, topology);
-                let near = |element: &u32| {
-                    let is_near = self.part.as_ref().is_some_and(|part| part.is_near(*element));
-                    is_near && !contacts.watched[*element as usize]
-                };
-                if links.any(contacts.unwatched && contacts.bared.iter().any(near)) {
+                let hidden = self
+                    .part
+                    .as_ref()
+                    .is_some_and(|part| contacts.bared.iter().any(|&element| part.is_hidden(element)));
+                if links.any(hidden) {
                     links.ask();
                 }
             }

@@ -158,16 +158,26 @@ impl<T: Real, const D: usize> Set<T, D> {
     pub(crate) fn write(&self, places: impl Iterator<Item = u32> + Clone, out: &mut Writer) {
         let at = |place: u32| place as usize;
         out.u32s(places.clone().map(|place| self.ids[at(place)]));
-        out.reals(places.clone().flat_map(|place| self.points[at(place)]));
+        out.points(places.clone().map(|place| self.points[at(place)]));
         if !self.radii.is_empty() {
             out.reals(places.clone().map(|place| self.radii[at(place)]));
         }
         if !self.far_points.is_empty() {
-            out.reals(places.clone().flat_map(|place| self.far_points[at(place)]));
+            out.points(places.clone().map(|place| self.far_points[at(place)]));
         }
         if !self.periods.is_empty() {
             out.shifts(places.map(|place| self.periods[at(place)]));
         }
+    }
+
+    /// Number of bytes that [`Set::write`] takes for an element.
+    pub(crate) fn bytes(&self) -> usize {
+        let floats = match self.kind {
+            Kind::Equal(_) => D,
+            Kind::Spheres => D + 1,
+            Kind::Boxes => 2 * D,
+        };
+        4 + 8 * floats + if self.periods.is_empty() { 0 } else { 4 * D }
     }
 
     /// Appends elements of the same kind that another rank has written.

@@ -627,3 +627,197 @@ fn write<const D: usize>(
     let network = Network { space: Space { centres: &centres, cell }, sizes, couples: &couples };
     output.write(communicator, &couples_with_ids(&network, &ids, position))
 }
+
+#[cfg(test)]
+mod tests {
+    use std::path::PathBuf;
+
+    use clap::Parser;
+    use fdem_distributed::threads;
+
+    use super::*;
+    use crate::command::args::{Arguments, Task};
+    use crate::command::contacts;
+
+    /// A folder for the files of a test.
+    struct Folder(tempfile::TempDir);
+
+    impl Folder {
+        fn new() -> Self {
+            Self(tempfile::tempdir().unwrap())
+        }
+
+        fn path(&self, name: &str) -> PathBuf {
+            self.0.path().join(name)
+        }
+
+        fn write(&self, name: &str, content: impl AsRef<[u8]>) {
+            fs::write(self.path(name), content).unwrap();
+        }
+
+        /// Names of all files, hidden ones too.
+        fn files(&self) -> Vec<String> {
+            let names = fs::read_dir(self.0.path()).unwrap();
+            let mut names: Vec<String> =
+                names.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+            names.sort();
+            names
+        }
+
+        /// The arguments of `fdem contacts FILE -q OPTIONS`, with `-o OUTPUT` unless it is empty.
+        fn arguments(&self, file: &str, options: &str, output: &str) -> ContactsArguments {
+            let file = self.path(file).to_str().unwrap().to_owned();
+            let output = (!output.is_empty())
+                .then(|| ["-o".to_owned(), self.path(output).to_str().unwrap().to_owned()]);
+            let words =
+                ["fdem", "contacts", "-q"].into_iter().chain(options.split_whitespace()).map(str::to_owned);
+            let words = words.chain([file]).chain(output.into_iter().flatten());
+            match Arguments::try_parse_from(words).unwrap().task {
+                Task::Contacts(arguments) => *arguments,
+                task => panic!("{task:?}"),
+            }
+        }
+
+        /// Compares the files that one process and several ranks write.
+        fn compare(&self, file: &str, options: &str) {
+            for extension in ["npy", "csv"] {
+                let (one, many) = (format!("one.{extension}"), format!("many.{extension}"));
+                contacts::run(&self.arguments(file, options, &one)).unwrap();
+                let expected = fs::read(self.path(&one)).unwrap();
+                assert!(expected.len() > 1000, "{file} {options}: there are couples");
+                for size in [2, 3, 8] {
+                    let arguments = self.arguments(file, options, &many);
+                    let done = threads::run(size, |communicator| run(&arguments, communicator));
+                    for done in done {
+                        done.unwrap();
+                    }
+                    let found = fs::read(self.path(&many)).unwrap();
+                    assert!(found == expected, "{file} {options}: {extension} on {size} ranks");
+                    fs::remove_file(self.path(&many)).unwrap();
+                }
+                fs::remove_file(self.path(&one)).unwrap();
+            }
+        }
+
+        /// The failure, which all ranks have.
+        fn refusal(&self, file: &str, options: &str, output: &str) -> String {
+            let arguments = self.arguments(file, options, output);
+            let failures =
+                threads::run(3, |communicator| run(&arguments, communicator).unwrap_err().to_string());
+            assert!(failures.iter().all(|failure| *failure == failures[0]), "{failures:?}");
+            failures[0].clone()
+        }
+    }
+
+    /// Rows `x,y,z,radius`, or with an id before them.
+    fn packing(n: usize, with_ids: bool) -> Vec<Vec<f64>> {
+        let cloud =
+            fdem_scenes::gas::<3>(n, 7, 6.0, fdem_scenes::Sizes::Lognormal { median: 0.5, sigma: 0.3 });
+        let cloud = cloud.unwrap();
+        let rows = cloud.centres.iter().zip(&cloud.radii).enumerate().map(|(k, (centre, radius))| {
+            // Ids in no order.
+            let id = with_ids.then_some((k * 7919 % n) as f64);
+            id.into_iter().chain(*centre).chain([*radius]).collect()
+        });
+        rows.collect()
+    }
+
+    fn npy(rows: &[Vec<f64>]) -> Vec<u8> {
+        let shape = format!("({}, {})", rows.len(), rows.first().map_or(4, Vec::len));
+        let mut text = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}");
+        while (10 + text.len() + 1) % 64 != 0 {
+            text.push(' ');
+        }
+        text.push('\n');
+        let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+        bytes.extend((text.len() as u16).to_le_bytes());
+        bytes.extend(text.bytes());
+        bytes.extend(rows.iter().flatten().flat_map(|x| x.to_le_bytes()));
+        bytes
+    }
+
+    #[test]
+    fn several_ranks_write_the_file_of_one_process() {
+        let folder = Folder::new();
+        let rows = packing(800, false);
+        folder.write("in.npy", npy(&rows));
+        folder.compare("in.npy", "");
+        folder.compare("in.npy", "--cutoff 0.9 --tolerance 0.1");
+        folder.compare("in.npy", "--radius 0.5 --periodic xy --box -1,7.5,0,8,0,9");
+        folder.compare("in.npy", "--periodic xyz --edges 8,0,0,4,8,0,1,-3,9 --origin 1,2,3");
+
+        folder.write("ids.npy", npy(&packing(800, true)));
+        folder.compare("ids.npy", "--columns id,x,y,z,radius");
+        folder.compare("ids.npy", "--columns id,x,y,z,radius --ignore-ids --engine nbs");
+
+        // Rank 0 reads text, and sends it to the others.
+        let line = |row: &Vec<f64>| row.iter().map(f64::to_string).collect::<Vec<_>>().join(",");
+        let lines: Vec<String> = rows.iter().map(line).collect();
+        folder.write("in.csv", format!("x,y,z,radius\n{}\n", lines.join("\n")));
+        folder.compare("in.csv", "");
+        folder.write("bad.csv", format!("x,y,z,radius\nnone,0,0,0\n{}\n", lines.join("\n")));
+        folder.compare("bad.csv", "--skip-bad-lines");
+        assert_eq!(folder.files(), ["bad.csv", "ids.npy", "in.csv", "in.npy"]);
+    }
+
+    #[test]
+    fn few_elements_and_none_are_no_trouble() {
+        let folder = Folder::new();
+        for n in 0..4 {
+            let rows: Vec<Vec<f64>> = (0..n).map(|k| vec![f64::from(k), 0.0, 0.0, 0.5]).collect();
+            folder.write("in.npy", npy(&rows));
+            contacts::run(&folder.arguments("in.npy", "", "one.npy")).unwrap();
+            let arguments = folder.arguments("in.npy", "", "many.npy");
+            threads::run(8, |communicator| run(&arguments, communicator).unwrap());
+            assert_eq!(fs::read(folder.path("one.npy")).unwrap(), fs::read(folder.path("many.npy")).unwrap());
+        }
+    }
+
+    /// A failure is the same on all ranks, names the rank where it happened, and leaves no file behind.
+    #[test]
+    fn a_failure_of_one_rank_ends_all_and_leaves_no_file() {
+        let folder = Folder::new();
+        let mut rows = packing(90, false);
+        rows[75][1] = f64::NAN;
+        folder.write("nan.npy", npy(&rows));
+        let refusal = folder.refusal("nan.npy", "", "out.npy");
+        assert!(refusal.starts_with("rank 2: ") && refusal.contains("row 75"), "{refusal}");
+
+        let mut rows = packing(90, true);
+        rows[80][0] = rows[3][0];
+        folder.write("twice.npy", npy(&rows));
+        let refusal = folder.refusal("twice.npy", "--columns id,x,y,z,radius", "out.npy");
+        assert!(refusal.contains("80") && refusal.contains(" 3"), "{refusal}");
+
+        let mut cut = npy(&packing(90, false));
+        cut.truncate(cut.len() - 8);
+        folder.write("cut.npy", cut);
+        assert!(folder.refusal("cut.npy", "", "out.npy").contains("cut.npy"));
+        assert!(folder.refusal("nowhere.npy", "", "out.npy").starts_with("rank 0: cannot read"));
+        assert!(folder.refusal("nan.npy", "", "nowhere/out.npy").starts_with("rank 0: cannot write"));
+        folder.write("bad.csv", "x,y,radius\n0,0,1\n0,none,1\n");
+        assert!(folder.refusal("bad.csv", "", "out.npy").contains("bad.csv:3"));
+        folder.write("points.npy", npy(&[vec![0.0, 0.0, 0.0]]));
+        assert!(folder.refusal("points.npy", "", "out.npy").contains("--radius"));
+        assert_eq!(folder.files(), ["bad.csv", "cut.npy", "nan.npy", "points.npy", "twice.npy"]);
+    }
+
+    /// Options that need all couples in one process are refused before the file is opened.
+    #[test]
+    fn options_for_one_process_are_refused() {
+        let folder = Folder::new();
+        for (options, output, part) in [
+            ("--analyse", "out.npy", "--analyse"),
+            ("--verify 3", "out.npy", "--verify"),
+            ("--json a.json", "out.npy", "--json"),
+            ("--picture a.svg", "out.npy", "--picture"),
+            ("--explain", "", "--explain"),
+            ("", "out.parquet", ".npy or .csv"),
+            ("", "", "--output FILE or --count"),
+        ] {
+            let refusal = folder.refusal("nowhere.npy", options, output);
+            assert!(refusal.contains(part), "{options}: {refusal}");
+        }
+        assert_eq!(folder.files(), [""; 0]);
+    }
+}

@@ -271,6 +271,24 @@ fn a_closed_standard_output_is_an_error() {
     assert_eq!(bench.files(), ["in.csv", "out.csv", "out.svg"]);
 }
 
+/// Without MPI, every process of a launcher would do the whole work and write the same file.
+#[cfg(not(feature = "mpi"))]
+#[test]
+fn a_launcher_of_mpi_is_noticed_without_mpi() {
+    let bench = Bench::new();
+    bench.write("in.csv", GOOD);
+    let mut command = bench.command(&["contacts", "in.csv", "-o", "out.csv"]);
+    let output = command.env("OMPI_COMM_WORLD_SIZE", "4").output().unwrap();
+    let run = crate::Run::of(output, &["contacts", "under mpirun"]);
+    run.refused_with(&["an MPI launcher has started 4 processes", "built without MPI", "--features mpi"]);
+    assert_eq!(bench.files(), ["in.csv"]);
+
+    let alone =
+        bench.command(&["contacts", "in.csv", "-o", "out.csv"]).env("OMPI_COMM_WORLD_SIZE", "1").output();
+    crate::Run::of(alone.unwrap(), &["contacts", "alone"]).succeeds();
+    assert_eq!(bench.files(), ["in.csv", "out.csv"]);
+}
+
 /// Help that cannot be printed was a success.
 #[cfg(target_os = "linux")]
 #[test]

@@ -331,8 +331,8 @@ pub(crate) struct Part<const D: usize> {
     /// Joints and points of seams that this rank counts, and whose other element is elsewhere: they have no force any more.
     pub(super) loose_joints: Vec<Moving<D>>,
     pub(super) loose_seams: Vec<Point2<D>>,
-    /// Whether each element is near elements that act on other ranks.
-    pub(super) near: Vec<bool>,
+    /// Whether each element is near elements that act on other ranks, which do not know it because it was not watched.
+    pub(super) hidden: Vec<bool>,
 }
 
 /// Numbers of the whole model, for the pieces of a part.
@@ -626,9 +626,9 @@ where
                     .is_some_and(|element| solid.share.element(element))
             })
             .collect();
-        let near = vec![false; all.len()];
+        let hidden = vec![false; all.len()];
         let first = at().map(|corner| corner.first).collect();
-        let part = Part { owners, vertices, first, wide, places, loose_joints, loose_seams, near };
+        let part = Part { owners, vertices, first, wide, places, loose_joints, loose_seams, hidden };
         let mut run =
             Self::with_parts(model, Parts { topology, solid, joints, contacts, seams, loads }, team, frame);
         run.part = Some(part);
@@ -643,9 +643,9 @@ where
 }
 
 impl<const D: usize> Part<D> {
-    /// Whether an element is near elements of other ranks.
-    pub(crate) fn is_near(&self, element: u32) -> bool {
-        self.near[element as usize]
+    /// Whether an element is near elements of other ranks that do not know it.
+    pub(crate) fn is_hidden(&self, element: u32) -> bool {
+        self.hidden[element as usize]
     }
 
     /// Whether a corner, by its code, is the first of a vertex in the whole mesh.

@@ -175,15 +175,15 @@ where
     let owned = divide(run, division, communicator);
     let mut pieces = send_to_owners(run, links, owned, communicator);
     let stressed = !frame.model.stresses.is_empty() || pieces.elements.iter().any(Piece::is_stressed);
-    let near = find_near(&mut pieces, reach(frame, stressed), communicator);
+    let hidden = find_near(&mut pieces, reach(frame, stressed), communicator);
     let lent = send_to_borrowers(&mut pieces, rank, communicator);
-    (pieces, Near { near, lent, reach: reach(frame, stressed) })
+    (pieces, Near { hidden, lent, reach: reach(frame, stressed) })
 }
 
 /// What [`spread`] has found besides the pieces.
 pub(super) struct Near {
-    /// Numbers of the elements that are near those of other ranks.
-    near: HashSet<u32>,
+    /// Numbers of the elements counted here that are near those of other ranks, which do not know them because they are not watched.
+    hidden: HashSet<u32>,
     /// Codes of the corners that each other rank has too.
     lent: BTreeMap<usize, Vec<u32>>,
     reach: f64,
@@ -208,8 +208,8 @@ impl Near {
                 }
             }
             let topology = &run.topology;
-            let is_near = |element: usize| self.near.contains(&topology.number(element as u32));
-            part.near = (0..part.near.len()).map(is_near).collect();
+            let is_hidden = |element: usize| self.hidden.contains(&topology.number(element as u32));
+            part.hidden = (0..part.hidden.len()).map(is_hidden).collect();
         }
         let ranks: Vec<usize> = borrowed
             .keys()
@@ -329,7 +329,7 @@ fn are_near<const D: usize>(a: &[Point<D>; 2], b: &[Point<D>; 2], reach: f64) ->
     (0..D).all(|axis| a[0][axis] - reach <= b[1][axis] && b[0][axis] - reach <= a[1][axis])
 }
 
-/// Gets the watched elements of other ranks that are near watched ones here. Returns the numbers of elements counted here that are near elements of other ranks.
+/// Gets the watched elements of other ranks that are near watched ones here. Returns the numbers of the other elements counted here that are near elements of other ranks.
 fn find_near<const D: usize, const N: usize>(
     pieces: &mut Pieces<D, N>,
     reach: f64,
@@ -349,7 +349,7 @@ where
     let beside =
         (0..communicator.size()).filter(|&other| other != rank && are_near(&whole, &of_ranks[other], reach));
     let fine_of = exchange(communicator, beside.map(|other| (other, fine.clone())).collect());
-    let mut near = HashSet::new();
+    let mut hidden = HashSet::new();
     let mut offers: BTreeMap<usize, Vec<(u32, [Point<D>; 2])>> = BTreeMap::new();
     for (other, fine) in &fine_of {
         let offer = offers.entry(*other).or_default();
@@ -358,9 +358,10 @@ where
             if are_near(&bounds, &of_ranks[*other], reach)
                 && fine.iter().any(|at| are_near(&bounds, at, reach))
             {
-                near.insert(piece.number);
                 if piece.watched {
                     offer.push((piece.number, bounds));
+                } else {
+                    hidden.insert(piece.number);
                 }
             }
         }
@@ -382,7 +383,7 @@ where
     for (_, more) in exchange(communicator, answers.collect()) {
         pieces.add(more);
     }
-    near
+    hidden
 }
 
 /// The numbers of the boxes that are near any of the others.

@@ -77,6 +77,29 @@ fn a_crash_in_space_is_the_same() {
     }
 }
 
+/// Two blocks that shatter: nearly all joints break.
+#[test]
+fn blocks_that_shatter_are_the_same() {
+    let mesh =
+        together(&[rectangle([0.0; 2], [0.1; 2], 9, 9), rectangle([0.101, 0.03], [0.201, 0.13], 9, 9)]);
+    let velocities = mesh.nodes.iter().map(|[x, _]| [if *x < 0.1005 { 20.0 } else { -20.0 }, 0.0]).collect();
+    let strength = Strength { tensile: 3e6, cohesion: 6e6, energy_i: 5.0, energy_ii: 20.0, ..rock() };
+    let model = Model {
+        mesh,
+        velocities,
+        materials: vec![Material {
+            strength: Some(strength),
+            friction: 0.5,
+            poissons_ratio: 0.2,
+            ..granite()
+        }],
+        fracture: FractureOptions { joint_penalty: 50.0, ..FractureOptions::default() },
+        ..Model::default()
+    };
+    let counts = same_on_ranks!(model, 2, 3, &[3, 8], &[600, 100, 100, 100, 100, 500, 500, 1000]);
+    assert!(counts.broken > 200, "{counts:?}");
+}
+
 /// Blocks under stress: seams, absorbing edges, loads that change.
 #[test]
 fn stressed_blocks_are_the_same() {

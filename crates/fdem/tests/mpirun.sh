@@ -1,0 +1,103 @@
+#!/usr/bin/env bash
+# Runs a model with MPI on 1, 2, 3, 4 and 8 processes, kills processes, and goes on with other numbers of them. Needs libopenmpi-dev, openmpi-bin and libclang-dev, or their like.
+set -euo pipefail
+cd "$(dirname "$0")/../../.."
+
+# Processes may share a processor here, and containers run as root.
+export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_rmaps_base_oversubscribe=1
+
+fdem=$(cargo build -p fdem --features mpi --message-format=json --quiet | sed -n 's/.*"executable":"\([^"]*\)".*/\1/p' | tail -n 1)
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+# Two blocks that collide and break.
+cat >"$work/crash.toml" <<'MODEL'
+[model]
+title = "two blocks that collide"
+end_time = 0.8e-3
+gravity = "none"
+
+[[body]]
+name = "left"
+material = "rock"
+rectangle = { min = [0, 0], max = [0.1, 0.1] }
+mesh_size = 8e-3
+velocity = [20, 0]
+
+[[body]]
+name = "right"
+material = "rock"
+rectangle = { min = [0.101, 0.03], max = [0.201, 0.13] }
+mesh_size = 8e-3
+velocity = [-20, 0]
+
+[[material]]
+name = "rock"
+density = 2700
+youngs_modulus = 30e9
+poissons_ratio = 0.2
+friction = 0.5
+tensile_strength = 3e6
+cohesion = 6e6
+friction_angle = 30
+fracture_energy_i = 5
+fracture_energy_ii = 20
+
+[[history]]
+name = "cracks"
+crack_length = true
+
+[output]
+frames = 6
+checkpoint_steps = 200
+MODEL
+
+hash_of() { sed -n 's/.*"state_hash": "\([0-9a-f]*\)".*/\1/p' "$1/run.json"; }
+
+same() {
+    test "$(hash_of "$work/one")" = "$(hash_of "$1")" || { echo "$1 has another state"; return 1; }
+    cmp "$work/one/history.csv" "$1/history.csv"
+    local frame
+    for frame in "$work"/one/frames/*; do cmp "$frame" "$1/frames/$(basename "$frame")"; done
+}
+
+"$fdem" run "$work/crash.toml" --output "$work/one" --threads 1 --quiet
+for ranks in 1 2 3 4 8; do
+    for threads in 1 2; do
+        timeout 300 mpirun -n "$ranks" "$fdem" run "$work/crash.toml" --output "$work/many" --threads "$threads" --quiet
+        same "$work/many"
+        rm -r "$work/many"
+    done
+done
+
+# A rank is killed; the run goes on with another number of ranks, or in one process. No two kills are at the same time of a run.
+sizes=(3 2 8 1 4)
+for round in $(seq 0 19); do
+    timeout 300 mpirun -n "${sizes[round % 5]}" "$fdem" run "$work/crash.toml" --output "$work/killed" --threads 1 --quiet 2>/dev/null &
+    launcher=$!
+    for _ in $(seq 2000); do
+        test -e "$work/killed/checkpoint" && break
+        sleep 0.01
+    done
+    sleep "0.$((round * 37 % 100 + 100))"
+    rank=$(pgrep -f "^$fdem run $work/crash.toml" | shuf -n 1 || true)
+    test -z "$rank" || kill -KILL "$rank" 2>/dev/null || true
+    wait "$launcher" || true
+    next=${sizes[(round + 1) % 5]}
+    if [ "$next" = 1 ]; then
+        "$fdem" resume "$work/killed" --quiet
+    else
+        timeout 300 mpirun -n "$next" "$fdem" resume "$work/killed" --threads 1 --quiet
+    fi
+    same "$work/killed"
+    rm -r "$work/killed"
+done
+
+# A model that is none: one message, exit code 2, no folder.
+sed 's/density = 2700/density = -1/' "$work/crash.toml" >"$work/none.toml"
+code=0
+timeout 60 mpirun -n 3 "$fdem" run "$work/none.toml" --output "$work/none" --quiet 2>"$work/errors" || code=$?
+test "$code" = 2
+test "$(grep -c '^error' "$work/errors")" = 1
+test ! -e "$work/none"
+echo "runs are the same on all numbers of ranks, and after ranks were killed"
