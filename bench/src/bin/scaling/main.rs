@@ -24,7 +24,7 @@ usage: scaling [--quick] [--elements N] [--ranks P,Q] [--timed N] [--rounds N] [
   --elements N   elements of the mesh that is divided; about 2,000,000 if not given
   --ranks P,Q    numbers of ranks; 10,100,1000 if not given
   --timed N      elements of the mesh whose steps are timed; about 100,000 if not given
-  --rounds N     5 if not given
+  --rounds N     9 if not given
   --write FILE   writes what is printed to a file, too
 ";
 
@@ -44,7 +44,7 @@ impl Plan {
             elements: 2_000_000,
             ranks: vec![10, 100, 1000],
             timed: 100_000,
-            rounds: 5,
+            rounds: 9,
             work: [14e6, 2e6],
             write: None,
         };

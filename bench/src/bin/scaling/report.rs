@@ -58,14 +58,14 @@ pub(crate) fn report(patterns: &[Pattern], estimates: &[Estimate], timed: usize,
     let _ = writeln!(
         out,
         "Halo elements for a rank with n elements of its own, over n^⅔: the constant of the model is that of the rank with most, in the last row of each kind. \
-         Where it differs between the rows, parts have another share of the surface of the body, where there are no neighbours.\n\n{}",
+         It is less for larger parts, so the model is cautious about them. *Near others only*: elements of all halos that act on no node of the rank, but lie so near to the outer surface of its part of the body that they might come to touch it.\n\n{}",
         layers(patterns)
     );
     let _ = writeln!(
         out,
         "## Inputs of the model\n\n\
          A rank with n elements of its own computes n + h n^⅔ of them in a step, on one core. It exchanges messages with k neighbours, b bytes for each element of its halo, and takes part in one agreement of all P ranks: 2 ⌈log₂ P⌉ times the latency. \
-         Messages and computing do not overlap. The time of an element is the median of {rounds} rounds on a mesh of {} tetrahedra, without the time in which other programs had the core.\n\n{}",
+         Messages and computing do not overlap. The time of an element is that in the fastest of {rounds} rounds on a mesh of {} tetrahedra, without the time in which other programs had the core.\n\n{}",
         grouped(timed as u64),
         inputs(estimates)
     );

@@ -108,6 +108,188 @@ const FIGURES: &[(&str, &str, &[Value])] = &[
         "finds the contacts of a million spheres in less than {100} ms",
         &[Below(MEDIAN, &["rows-avx2"], "gas1m")],
     ),
+    (
+        "book/src/simulation/ranks.md",
+        "| 10 ranks | {207,280} | {8.5} % | {7.8}, {9} | {304} kB | {140} kB |",
+        &[
+            Cell(PATTERN, &["elastic", "10"], "own elements, mean"),
+            Cell(PATTERN, &["elastic", "10"], "halo share"),
+            Cell(PATTERN, &["elastic", "10"], "neighbours, mean"),
+            Cell(PATTERN, &["elastic", "10"], "neighbours, most"),
+            Cell(PATTERN, &["elastic", "10"], "kB sent, mean"),
+            Cell(PATTERN, &["elastic", "10"], "largest message [kB]"),
+        ],
+    ),
+    (
+        "book/src/simulation/ranks.md",
+        "| 100 ranks | {20,728} | {24.8} % | {14.0}, {24} | {91.8} kB | {33.3} kB |",
+        &[
+            Cell(PATTERN, &["elastic", "100"], "own elements, mean"),
+            Cell(PATTERN, &["elastic", "100"], "halo share"),
+            Cell(PATTERN, &["elastic", "100"], "neighbours, mean"),
+            Cell(PATTERN, &["elastic", "100"], "neighbours, most"),
+            Cell(PATTERN, &["elastic", "100"], "kB sent, mean"),
+            Cell(PATTERN, &["elastic", "100"], "largest message [kB]"),
+        ],
+    ),
+    (
+        "book/src/simulation/ranks.md",
+        "| 1,000 ranks | {2,073} | {60.1} % | {17.7}, {30} | {23.8} kB | {9.74} kB |",
+        &[
+            Cell(PATTERN, &["elastic", "1,000"], "own elements, mean"),
+            Cell(PATTERN, &["elastic", "1,000"], "halo share"),
+            Cell(PATTERN, &["elastic", "1,000"], "neighbours, mean"),
+            Cell(PATTERN, &["elastic", "1,000"], "neighbours, most"),
+            Cell(PATTERN, &["elastic", "1,000"], "kB sent, mean"),
+            Cell(PATTERN, &["elastic", "1,000"], "largest message [kB]"),
+        ],
+    ),
+    (
+        "book/src/simulation/ranks.md",
+        "| 1,000 ranks, joints on all faces | {2,073} | {72.3} % | {17.8}, {30} | {288} kB | {150} kB |",
+        &[
+            Cell(PATTERN, &["joined", "1,000"], "own elements, mean"),
+            Cell(PATTERN, &["joined", "1,000"], "halo share"),
+            Cell(PATTERN, &["joined", "1,000"], "neighbours, mean"),
+            Cell(PATTERN, &["joined", "1,000"], "neighbours, most"),
+            Cell(PATTERN, &["joined", "1,000"], "kB sent, mean"),
+            Cell(PATTERN, &["joined", "1,000"], "largest message [kB]"),
+        ],
+    ),
+    (
+        "book/src/simulation/ranks.md",
+        "| 10,000, elastic | {62.2} % | {57.1} % | {56.1} % | {54.8} % |",
+        &[
+            Cell(WEAK, &["elastic", "10,000"], "10 ranks"),
+            Cell(WEAK, &["elastic", "10,000"], "100 ranks"),
+            Cell(WEAK, &["elastic", "10,000"], "1,000 ranks"),
+            Cell(WEAK, &["elastic", "10,000"], "10,000 ranks"),
+        ],
+    ),
+    (
+        "book/src/simulation/ranks.md",
+        "| 100,000, elastic | {80.0} % | {79.1} % | {78.9} % | {78.7} % |",
+        &[
+            Cell(WEAK, &["elastic", "100,000"], "10 ranks"),
+            Cell(WEAK, &["elastic", "100,000"], "100 ranks"),
+            Cell(WEAK, &["elastic", "100,000"], "1,000 ranks"),
+            Cell(WEAK, &["elastic", "100,000"], "10,000 ranks"),
+        ],
+    ),
+    (
+        "book/src/simulation/ranks.md",
+        "| 1,000,000, elastic | {89.9} % | {89.8} % | {89.8} % | {89.7} % |",
+        &[
+            Cell(WEAK, &["elastic", "1,000,000"], "10 ranks"),
+            Cell(WEAK, &["elastic", "1,000,000"], "100 ranks"),
+            Cell(WEAK, &["elastic", "1,000,000"], "1,000 ranks"),
+            Cell(WEAK, &["elastic", "1,000,000"], "10,000 ranks"),
+        ],
+    ),
+    (
+        "book/src/simulation/ranks.md",
+        "| 10,000, joints on all faces | {58.0} % | {57.3} % | {57.1} % | {56.9} % |",
+        &[
+            Cell(WEAK, &["joined", "10,000"], "10 ranks"),
+            Cell(WEAK, &["joined", "10,000"], "100 ranks"),
+            Cell(WEAK, &["joined", "10,000"], "1,000 ranks"),
+            Cell(WEAK, &["joined", "10,000"], "10,000 ranks"),
+        ],
+    ),
+    (
+        "book/src/simulation/ranks.md",
+        "| 100,000, joints on all faces | {75.1} % | {75.0} % | {74.9} % | {74.9} % |",
+        &[
+            Cell(WEAK, &["joined", "100,000"], "10 ranks"),
+            Cell(WEAK, &["joined", "100,000"], "100 ranks"),
+            Cell(WEAK, &["joined", "100,000"], "1,000 ranks"),
+            Cell(WEAK, &["joined", "100,000"], "10,000 ranks"),
+        ],
+    ),
+    (
+        "book/src/simulation/ranks.md",
+        "| 1,000,000, joints on all faces | {86.7} % | {86.7} % | {86.7} % | {86.7} % |",
+        &[
+            Cell(WEAK, &["joined", "1,000,000"], "10 ranks"),
+            Cell(WEAK, &["joined", "1,000,000"], "100 ranks"),
+            Cell(WEAK, &["joined", "1,000,000"], "1,000 ranks"),
+            Cell(WEAK, &["joined", "1,000,000"], "10,000 ranks"),
+        ],
+    ),
+    (
+        "book/src/simulation/ranks.md",
+        "| 1,000,000, elastic | {80.0} % | {57.1} % | {20.9} % | {2.9} % |",
+        &[
+            Cell(STRONG, &["elastic", "1,000,000"], "10 ranks"),
+            Cell(STRONG, &["elastic", "1,000,000"], "100 ranks"),
+            Cell(STRONG, &["elastic", "1,000,000"], "1,000 ranks"),
+            Cell(STRONG, &["elastic", "1,000,000"], "10,000 ranks"),
+        ],
+    ),
+    (
+        "book/src/simulation/ranks.md",
+        "| 10,000,000, elastic | {89.9} % | {79.1} % | {56.1} % | {19.2} % |",
+        &[
+            Cell(STRONG, &["elastic", "10,000,000"], "10 ranks"),
+            Cell(STRONG, &["elastic", "10,000,000"], "100 ranks"),
+            Cell(STRONG, &["elastic", "10,000,000"], "1,000 ranks"),
+            Cell(STRONG, &["elastic", "10,000,000"], "10,000 ranks"),
+        ],
+    ),
+    (
+        "book/src/simulation/ranks.md",
+        "| 100,000,000, elastic | {95.1} % | {89.8} % | {78.9} % | {54.8} % |",
+        &[
+            Cell(STRONG, &["elastic", "100,000,000"], "10 ranks"),
+            Cell(STRONG, &["elastic", "100,000,000"], "100 ranks"),
+            Cell(STRONG, &["elastic", "100,000,000"], "1,000 ranks"),
+            Cell(STRONG, &["elastic", "100,000,000"], "10,000 ranks"),
+        ],
+    ),
+    (
+        "book/src/simulation/ranks.md",
+        "| 1,000,000,000, elastic | {97.7} % | {95.1} % | {89.8} % | {78.7} % |",
+        &[
+            Cell(STRONG, &["elastic", "1,000,000,000"], "10 ranks"),
+            Cell(STRONG, &["elastic", "1,000,000,000"], "100 ranks"),
+            Cell(STRONG, &["elastic", "1,000,000,000"], "1,000 ranks"),
+            Cell(STRONG, &["elastic", "1,000,000,000"], "10,000 ranks"),
+        ],
+    ),
+    (
+        "book/src/simulation/ranks.md",
+        "about {2,693} bytes for an elastic tetrahedron then, and {5,088} for one with joints on all faces; later each rank needs {550} or {1,922} for each of its elements",
+        &[
+            Cell(INPUTS, &["elastic"], "on rank 0 at the beginning"),
+            Cell(INPUTS, &["joined"], "on rank 0 at the beginning"),
+            Cell(INPUTS, &["elastic"], "bytes per element"),
+            Cell(INPUTS, &["joined"], "bytes per element"),
+        ],
+    ),
+    (
+        "book/src/simulation/ranks.md",
+        "{7,268} elastic elements on each rank, and 80 % with {122,080}. At 50 %, the halo takes {27.4} % of the step, messages {12.4} %, and the agreement {10.2} %.",
+        &[
+            Cell(BENDS, &["elastic", "50 %"], "elements of a rank"),
+            Cell(BENDS, &["elastic", "80 %"], "elements of a rank"),
+            Cell(BENDS, &["elastic", "50 %"], "halo"),
+            Cell(BENDS, &["elastic", "50 %"], "messages"),
+            Cell(BENDS, &["elastic", "50 %"], "agreement"),
+        ],
+    ),
+    (
+        "book/src/simulation/ranks.md",
+        "A billion elastic elements would need {2,693} GB there.",
+        &[Cell(INPUTS, &["elastic"], "on rank 0 at the beginning")],
+    ),
+    (
+        "book/src/simulation/ranks.md",
+        "so messages are {12} times as large.",
+        &[Ratio(
+            Place(PATTERN, &["joined", "1,000"], "kB sent, mean"),
+            Place(PATTERN, &["elastic", "1,000"], "kB sent, mean"),
+        )],
+    ),
 ];
 
 /// What looks like a figure of speed, and why no table has it.
@@ -132,6 +314,11 @@ const FASTEST_2: Section = ("RESULTS.md", "2 threads: `rows` and the fastest pee
 const UNLIKE: Section = ("UNLIKE.md", "1 thread, unlike sizes: median");
 const STEPS: Section = ("SIMULATION.md", "");
 const LEVELS: Section = ("SIMULATION.md", "Vector instructions");
+const PATTERN: Section = ("SCALING.md", "Communication pattern");
+const INPUTS: Section = ("SCALING.md", "Inputs");
+const WEAK: Section = ("SCALING.md", "Model: weak");
+const STRONG: Section = ("SCALING.md", "Model: strong");
+const BENDS: Section = ("SCALING.md", "Model: where it bends");
 const PROGRAMS: Section = ("SIMULATION.md", "Other programs");
 
 /// A cell: a file of `bench/` and the start of a heading in it (empty for any), the first cells of a row, and the name of a column.

@@ -7,6 +7,7 @@ use fdem_distributed::curve::{owner, splitters_of_all};
 use serde::Serialize;
 
 use crate::error::ModelError;
+use crate::joints::Moving;
 use crate::model::Model;
 use crate::ranks::piece::{Frame, Piece};
 use crate::ranks::spread::{curve_within, ends, reach, units};
@@ -189,11 +190,11 @@ impl Forecast {
         for rank in &mut of_ranks {
             rank.memory = (rank.held() as f64 * sizes.all()).round() as u64;
         }
-        // While rank 0 makes the messages, it has the run, each element once, and a copy for each rank that holds it.
+        // While rank 0 sorts out what it sends, it has the run, each element and each joint once, and a copy of the element for each rank that holds it.
         let held: usize = of_ranks.iter().map(RankForecast::held).sum();
-        let whole = elements as f64 * sizes.all();
-        let memory_at_beginning =
-            whole.round() as u64 + ((elements + held) * size_of::<Piece<D, N>>()) as u64;
+        let moving =
+            (elements + held) * size_of::<Piece<D, N>>() + run.joints.all.len() * size_of::<Moving<D>>();
+        let memory_at_beginning = (elements as f64 * sizes.all()).round() as u64 + moving as u64;
         Ok(Self { elements, nodes: run.solid.nodes.len(), of_ranks, sizes, memory_at_beginning })
     }
 
