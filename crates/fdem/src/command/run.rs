@@ -502,7 +502,8 @@ where
 
     /// The account of the whole run until now.
     fn account(&self) -> Account {
-        self.earlier.account.and(&self.run, self.told.elapsed(), &self.spent)
+        let detections = self.run.counts().detections;
+        self.earlier.account.and(self.run.timings(), detections, self.told.elapsed(), &self.spent)
     }
 
     /// Warns once of contacts that are too soft.

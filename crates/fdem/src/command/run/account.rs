@@ -5,9 +5,6 @@ use std::time::Duration;
 use fdem_simulation::Timings;
 use serde::{Deserialize, Serialize};
 
-use crate::command::run::engine::Engine;
-use crate::command::run::results::Results;
-
 /// Parts of a step, in their order.
 pub(crate) const PARTS: [&str; 6] =
     ["bulk", "joints", "detection", "contact force", "integration", "messages"];
@@ -41,17 +38,9 @@ pub(crate) struct Spent {
 }
 
 impl Account {
-    /// Adds the times of a simulation since its creation, with the wall-clock time and what results took since then.
-    pub(crate) fn and<const D: usize, const N: usize>(
-        &self,
-        run: &Engine<'_, D, N>,
-        clock: Duration,
-        spent: &Spent,
-    ) -> Self
-    where
-        [[f64; D]; N]: Results<D, N>,
-    {
-        let Timings { bulk, joints, detection, contact, integration, messages } = run.timings();
+    /// Adds the times and the detections of a simulation since its creation, with the wall-clock time and what results took since then.
+    pub(crate) fn and(&self, timings: Timings, detections: u64, clock: Duration, spent: &Spent) -> Self {
+        let Timings { bulk, joints, detection, contact, integration, messages } = timings;
         let mut parts = self.parts;
         for (sum, time) in parts.iter_mut().zip([bulk, joints, detection, contact, integration, messages]) {
             *sum += time.as_secs_f64();
@@ -62,7 +51,7 @@ impl Account {
             drawing: self.drawing + spent.drawing.as_secs_f64(),
             checkpoints: self.checkpoints + spent.checkpoints,
             parts,
-            detections: self.detections + run.counts().detections,
+            detections: self.detections + detections,
         }
     }
 
