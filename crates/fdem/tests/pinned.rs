@@ -117,4 +117,4 @@ const PINNED: [(&str, &str); 9] = [
 
 /// The torn plate after so many steps.
 const TORN_PINNED: [(Insertion, u64, &str); 2] =
-    [(Insertion::Adaptive, 4000, "3a32cf7a13d782a5"), (Insertion::Intrinsic, 4000, "3a1e6a1bb7f6c73c")];
+    [(Insertion::Adaptive, 4000, "3a32cf7a13d782a5"), (Insertion::Intrinsic, 4000, "ab6bba458716c5d8")];
