@@ -395,7 +395,8 @@ mod tests {
                 let run = (communicator.rank() == 0).then(|| Simulation::new(model.clone(), 1).unwrap());
                 let run = Distributed::new(communicator, run, 1).unwrap().run;
                 let part = run.part.as_ref().unwrap();
-                let of_part = size_of_val(&*part.owners) + part.hidden.len() + 12 * run.model.mesh.nodes.len();
+                let of_part =
+                    size_of_val(&*part.owners) + part.hidden.len() + 12 * run.model.mesh.nodes.len();
                 let model = &run.model.mesh;
                 let mesh = size_of_val(&*model.nodes) + 20 * model.elements.len();
                 let parts = [run.topology.bytes(), run.solid.bytes(), run.joints.bytes()];
