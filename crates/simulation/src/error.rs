@@ -298,16 +298,16 @@ impl Wire for Stop {
         match self {
             &Self::Inverted { element, step, ratio } => (0_u8, (element, (step, [ratio, 0.0]))).put(out),
             &Self::Runaway { element, step, speed, limit } => {
-                (1_u8, (element, (step, [speed, limit]))).put(out)
+                (1_u8, (element, (step, [speed, limit]))).put(out);
             }
             &Self::Energy { element, step, error, bound } => {
-                (2_u8, (element, (step, [error, bound]))).put(out)
+                (2_u8, (element, (step, [error, bound]))).put(out);
             }
             &Self::Kinetic { element, step, kinetic, available } => {
                 (3_u8, (element, (step, [kinetic, available]))).put(out);
             }
             &Self::Returned { element, step, share, bound } => {
-                (4_u8, (element, (step, [share, bound]))).put(out)
+                (4_u8, (element, (step, [share, bound]))).put(out);
             }
             Self::Detection(error) => (5_u8, (0_u64, error.to_string())).put(out),
             Self::OnRank { rank, reason } => (5_u8, (*rank as u64, reason.clone())).put(out),

@@ -21,17 +21,18 @@ use crate::critical::CriticalStep;
 use crate::energy::Energies;
 use crate::error::{ModelError, Stop};
 use crate::forces::{self, Forces};
+use crate::joints::Moving;
 use crate::model::Model;
 pub use crate::ranks::forecast::{Forecast, Network, RankForecast, Sizes};
 pub use crate::ranks::leader::{Leader, dismiss, follow};
 pub(crate) use crate::ranks::links::{Links, Split, Told};
-use crate::ranks::piece::{Carried, message, of_message};
+use crate::ranks::piece::{Carried, Pieces};
 pub(crate) use crate::ranks::piece::{Frame, Part};
 use crate::ranks::spread::{Division, spread};
 pub(crate) use crate::ranks::wire::Wire;
 use crate::ranks::wire::{bytes_of, value_of};
 use crate::simplex::Simplex;
-use crate::simulation::{Counts, Simulation, State, Timings};
+use crate::simulation::{Counts, Simulation, State, Timings, Totals};
 use crate::sum::Sum;
 use crate::team::Team;
 
@@ -242,7 +243,8 @@ where
     pub fn counts(&self) -> Counts {
         let own = self.run.own_counts();
         let numbers = |counts: &Counts| {
-            [counts.joints, counts.broken, counts.contacts, counts.nodes].map(|count| count as i64)
+            [counts.joints, counts.broken, counts.contacts, counts.nodes]
+                .map(|count| (count as u64).cast_signed())
         };
         let mut sums = numbers(&own);
         self.communicator.all_sum(&mut sums);
@@ -325,10 +327,10 @@ where
         ]);
         // Everything goes to rank 0.
         let pieces = self.run.pieces(&vec![0; self.run.solid.elements.len() * N]);
-        let messages = self.collect(&message(&pieces))?;
-        let mut whole = piece::Pieces::default();
+        let messages = self.collect(&bytes_of(&pieces))?;
+        let mut whole = Pieces::default();
         for bytes in messages {
-            whole.add(of_message(&bytes));
+            whole.add(value_of(&bytes));
         }
         let team = self.team.clone();
         Some(
@@ -422,13 +424,13 @@ where
     fn nothing(frame: &Frame<D, N>, team: Team) -> Result<Self, ModelError> {
         let common = Carried {
             step: 0,
-            totals: Default::default(),
+            totals: Totals::default(),
             energies: Energies::default(),
             reactions: Vec::new(),
             timings: Timings::default(),
             detections: 0,
         };
-        Self::of_pieces(frame, piece::Pieces::default(), common, u32::MAX, team)
+        Self::of_pieces(frame, Pieces::default(), common, u32::MAX, team)
     }
 
     /// Watches all bare elements.
@@ -468,7 +470,7 @@ where
         let counted = |joint: u32| self.joints.all[joint as usize].counted;
         let mut lengths = self.lengths_of_cracks(counted);
         for (modes, measure) in
-            self.part.iter().flat_map(|part| &part.loose_joints).filter_map(|moving| moving.failed())
+            self.part.iter().flat_map(|part| &part.loose_joints).filter_map(Moving::failed)
         {
             lengths[crate::simulation::mode(modes) as usize].add(measure);
         }

@@ -143,7 +143,8 @@ impl Sum {
         if limbs[..first].iter().any(|&limb| limb != 0) {
             wide |= 1;
         }
-        let value = libm::ldexp(wide as f64, 32 * first as i32 - 1074);
+        let place = i32::try_from(32 * first).unwrap_or_default();
+        let value = libm::ldexp(wide as f64, place - 1074);
         if negative { -value } else { value }
     }
 

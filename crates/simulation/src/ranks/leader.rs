@@ -166,11 +166,17 @@ where
     }
 
     /// Positions, motion, stress and cracks now, with the forces at the beginning of the last step.
+    ///
+    /// # Panics
+    /// If rank 0 does not get them, which would be a bug.
     pub fn frame(&self) -> (Snapshot<D, N>, Forces<D>) {
         self.all(Order::Frame, &[], frame).expect("rank 0 has the frame")
     }
 
     /// State from which the run can be resumed, on any number of ranks.
+    ///
+    /// # Panics
+    /// If rank 0 does not get it, which would be a bug.
     pub fn state(&self) -> State<D, N> {
         self.all(Order::Gather, &[], Distributed::state).expect("rank 0 has the state")
     }

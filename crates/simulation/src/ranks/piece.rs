@@ -2,7 +2,7 @@
 //!
 //! All numbers are those of the whole model, and all facets and corners are codes (`topology.rs`): they mean the same on every rank.
 
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet};
 
 use fdem_mesh::Mesh;
 
@@ -14,7 +14,7 @@ use crate::ground::radii;
 use crate::joints::{Joints, Moving, Saved};
 use crate::loads::{Loads, Wide, nodes_of, outer_side};
 use crate::model::{Load, Model, Target};
-use crate::ranks::wire::{Wire, bytes_of, value_of, wire};
+use crate::ranks::wire::{Wire, bytes_of, wire};
 use crate::seams::{Hold, Seams};
 use crate::share::Share;
 use crate::simplex::Simplex;
@@ -119,13 +119,13 @@ impl<const D: usize, const N: usize> Piece<D, N> {
 
 /// A point of a seam, by the codes of its two sides and its place among their points.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Point2<const D: usize> {
+pub(super) struct SeamPoint<const D: usize> {
     pub(super) sides: [u32; 2],
     pub(super) place: u32,
     pub(super) hold: Hold<D>,
 }
 
-wire!([const D: usize] Point2<D> { sides, place, hold });
+wire!([const D: usize] SeamPoint<D> { sides, place, hold });
 
 /// The history of a couple that touches.
 #[derive(Clone, Copy, Debug)]
@@ -142,7 +142,7 @@ pub(super) struct Pieces<const D: usize, const N: usize> {
     pub(super) elements: Vec<Piece<D, N>>,
     pub(super) joints: Vec<Moving<D>>,
     pub(super) touching: Vec<Touch<D, N>>,
-    pub(super) seams: Vec<Point2<D>>,
+    pub(super) seams: Vec<SeamPoint<D>>,
     /// Elements that have separated or become bare in the last step: see [`Contacts`].
     pub(super) parted: Vec<[u32; 2]>,
     pub(super) bared: Vec<u32>,
@@ -330,7 +330,7 @@ pub(crate) struct Part<const D: usize> {
     places: Vec<Vec<u32>>,
     /// Joints and points of seams that this rank counts, and whose other element is elsewhere: they have no force any more.
     pub(super) loose_joints: Vec<Moving<D>>,
-    pub(super) loose_seams: Vec<Point2<D>>,
+    pub(super) loose_seams: Vec<SeamPoint<D>>,
     /// Whether each element is near elements that act on other ranks, which do not know it because it was not watched.
     pub(super) hidden: Vec<bool>,
 }
@@ -339,8 +339,8 @@ pub(crate) struct Part<const D: usize> {
 struct Lookup<'a, const D: usize, const N: usize> {
     run: &'a Simulation<D, N>,
     /// Boundaries on each vertex.
-    boundaries: HashMap<u32, Vec<u32>>,
-    sides: HashMap<u32, Vec<Side<D>>>,
+    boundaries: BTreeMap<u32, Vec<u32>>,
+    sides: BTreeMap<u32, Vec<Side<D>>>,
     viscous: Vec<Matrix<D>>,
     dissipated: Vec<f64>,
 }
@@ -351,7 +351,7 @@ where
 {
     fn new(run: &'a Simulation<D, N>) -> Self {
         let (mut boundaries, mut sides) =
-            (HashMap::<u32, Vec<u32>>::new(), HashMap::<u32, Vec<Side<D>>>::new());
+            (BTreeMap::<u32, Vec<u32>>::new(), BTreeMap::<u32, Vec<Side<D>>>::new());
         let mut held = run.loads.ground.held();
         for (number, boundary) in (0..).zip(&run.model.boundaries) {
             if acts_on_nodes(&boundary.load) {
@@ -466,7 +466,7 @@ where
             seams: self
                 .seams
                 .points(&self.topology, share)
-                .map(|(sides, place, hold)| Point2 { sides, place, hold })
+                .map(|(sides, place, hold)| SeamPoint { sides, place, hold })
                 .chain(loose.into_iter().flat_map(|part| part.loose_seams.iter().copied()))
                 .collect(),
             parted,
@@ -503,93 +503,52 @@ where
     ) -> Result<Self, ModelError> {
         pieces.elements.sort_unstable_by_key(|piece| piece.number);
         pieces.elements.dedup_by_key(|piece| piece.number);
+        // Joints may come from several ranks.
+        pieces.joints.sort_unstable_by_key(|moving| moving.joint.facet);
+        pieces.joints.dedup_by_key(|moving| moving.joint.facet);
         let all = &pieces.elements;
-        let corners = || all.iter().flat_map(|piece| &piece.corners);
-        let vertices: Vec<u32> =
-            corners().map(|corner| corner.vertex).collect::<BTreeSet<u32>>().into_iter().collect();
-        let vertex = |number: u32| vertices.binary_search(&number).unwrap_or_default();
-        let mut at: Vec<Option<&Corner<D>>> = vec![None; vertices.len()];
-        for corner in corners() {
-            at[vertex(corner.vertex)].get_or_insert(corner);
-        }
-        let at = || at.iter().flatten();
-        let mesh = Mesh {
-            nodes: at().map(|corner| corner.place).collect(),
-            elements: all
-                .iter()
-                .map(|piece| std::array::from_fn(|k| vertex(piece.corners[k].vertex) as u32))
-                .collect(),
-            bodies: all.iter().map(|piece| piece.body).collect(),
-            materials: all.iter().map(|piece| piece.material).collect(),
-        };
-        let mut model = Model { mesh, ..frame.model.clone() };
-        model.stresses = all.iter().filter_map(|piece| piece.initial).collect();
-        let mut sides: Vec<&Side<D>> = all.iter().flat_map(|piece| &piece.sides).collect();
-        sides.sort_unstable_by_key(|side| (side.boundary, side.place));
-        let mut places = vec![Vec::new(); model.boundaries.len()];
-        for (number, boundary) in (0..).zip(&mut model.boundaries) {
-            if acts_on_nodes(&boundary.load) {
-                let held = (0..).zip(at()).filter(|(_, corner)| corner.boundaries.contains(&number));
-                boundary.target = Target::Nodes(held.map(|(vertex, _)| vertex).collect());
-            } else {
-                let own = || sides.iter().filter(|side| side.boundary == number);
-                places[number as usize] = own().map(|side| side.place).collect();
-                boundary.target =
-                    Target::Facets(own().map(|side| side.vertices.map(|v| vertex(v) as u32)).collect());
-            }
-        }
-        let wide = Wide {
-            nodes: frame.nodes.clone(),
-            corners: at().map(|corner| corner.corners).collect(),
-            radii: frame.radii.clone(),
-        };
+        let known = Known::of(all);
+        let (model, places) = known.model(frame, all);
         let part = PartOf {
             numbers: all.iter().map(|piece| piece.number).collect(),
             outer: all.iter().map(|piece| piece.outer).collect(),
         };
-        let owners: Vec<u32> = corners().map(|corner| corner.owner).collect();
+        let owners: Vec<u32> = corners(all).map(|corner| corner.owner).collect();
         let mut share = Share {
             corners: owners.iter().map(|&owner| owner == rank).collect(),
-            nodes: Vec::new(),
-            codes: Vec::new(),
             of_element: N,
+            ..Share::default()
+        };
+        let wide = Wide {
+            nodes: frame.nodes.clone(),
+            corners: known.at().map(|corner| corner.corners).collect(),
+            radii: frame.radii.clone(),
         };
         let topology = Topology::of_part(&model.mesh, part)?;
         let mut solid = Solid::with_origin(&model, frame.origin);
         let mut joints = Joints::new(&model, &topology, &share);
         let mut loads = Loads::new(&model, &topology, &mut solid, Some(&wide))?;
-        let absorbing =
-            |side: &&&Side<D>| matches!(model.boundaries[side.boundary as usize].load, Load::Absorbing);
-        loads.ground.hold(sides.iter().filter(absorbing).map(|side| side.held));
+        loads.ground.hold(absorbing(all, &model));
         let mut contacts = Contacts::new(&model, &topology, frame.edge, &team)?;
+        // These are found where the model was before the run.
         let mut seams = Seams::new(&model, &topology, &solid)?;
 
-        // Nodes are numbered in the order in which elements need them.
-        let (mut numbers, mut nodes, mut masses) = (HashMap::new(), Vec::new(), Vec::new());
-        let mut node = |corner: &Corner<D>| {
-            *numbers.entry(corner.node).or_insert_with(|| {
-                nodes.push(Node { position: corner.position, velocity: corner.velocity });
-                masses.push(corner.mass);
-                share.nodes.push(corner.owner == rank);
-                share.codes.push(corner.node);
-                nodes.len() as u32 - 1
-            })
-        };
-        let of_corner = all.iter().map(|piece| std::array::from_fn(|k| node(&piece.corners[k]))).collect();
-        solid.set_nodes(nodes, of_corner, &model);
-        solid.set_masses(&masses);
+        let nodes = NodesOf::of(all);
+        share.nodes = nodes.first.iter().map(|corner| corner.owner == rank).collect();
+        share.codes = nodes.codes;
+        let moving =
+            nodes.first.iter().map(|at| Node { position: at.position, velocity: at.velocity }).collect();
+        solid.set_nodes(moving, nodes.of_corner, &model);
+        solid.set_masses(&nodes.first.iter().map(|at| at.mass).collect::<Vec<f64>>());
         solid.share = share;
         solid.grains = Grains::of(frame.size);
-        let stresses: Vec<_> = all.iter().map(|piece| piece.stress).collect();
-        let viscous: Vec<_> = all.iter().map(|piece| piece.viscous).collect();
-        let dissipated: Vec<_> = all.iter().map(|piece| piece.dissipated).collect();
-        solid.restore(&stresses, &viscous, &dissipated);
-
-        // Joints that came from several ranks, and those whose other element is elsewhere.
-        pieces.joints.sort_unstable_by_key(|moving| moving.joint.facet);
-        pieces.joints.dedup_by_key(|moving| moving.joint.facet);
+        solid.restore(
+            &all.iter().map(|piece| piece.stress).collect::<Vec<_>>(),
+            &all.iter().map(|piece| piece.viscous).collect::<Vec<_>>(),
+            &all.iter().map(|piece| piece.dissipated).collect::<Vec<_>>(),
+        );
         let is_here = |moving: &Moving<D>| topology.facet_with(moving.joint.facet).is_some();
-        let (here, loose): (Vec<_>, Vec<_>) = pieces.joints.into_iter().partition(is_here);
+        let (here, loose): (Vec<_>, Vec<_>) = pieces.joints.iter().partition(|moving| is_here(moving));
         joints.restore(Saved::of(here), &model, &topology, &solid)?;
         let counted = |code: u32| {
             topology.element(code / N as u32).is_some_and(|element| {
@@ -598,39 +557,32 @@ where
             })
         };
         let loose_joints = loose.into_iter().filter(|moving| counted(moving.joint.facet)).collect();
-
-        let groups = corners().map(|corner| corner.group).collect();
-        let free = at().map(|corner| corner.free).collect();
-        contacts.set_known(groups, free, &topology);
-        let here = |numbers: [u32; 2]| match numbers.map(|number| topology.element(number)) {
-            [Some(a), Some(b)] => Some([a, b]),
-            _ => None,
-        };
-        contacts.restore_couples(SavedContacts {
-            grips: pieces
-                .touching
-                .iter()
-                .filter_map(|touch| Some((here(touch.elements)?, touch.grip)))
-                .collect(),
-            parted: pieces.parted.iter().filter_map(|&pair| here(pair)).collect(),
-            bared: pieces.bared.iter().filter_map(|&number| topology.element(number)).collect(),
-        });
+        contacts.set_known(
+            corners(all).map(|corner| corner.group).collect(),
+            known.at().map(|corner| corner.free).collect(),
+            &topology,
+        );
+        contacts.restore_couples(couples_of(&pieces, &topology));
         contacts.detections = carried.detections;
-        let loose_seams = pieces
-            .seams
-            .into_iter()
-            .filter(|point| !seams.set_point(point.sides, point.place, point.hold, &topology))
-            .filter(|point| {
-                topology
-                    .element(point.sides[0] / N as u32)
-                    .is_some_and(|element| solid.share.element(element))
-            })
-            .collect();
-        let hidden = vec![false; all.len()];
-        let first = at().map(|corner| corner.first).collect();
-        let part = Part { owners, vertices, first, wide, places, loose_joints, loose_seams, hidden };
-        let mut run =
-            Self::with_parts(model, Parts { topology, solid, joints, contacts, seams, loads }, team, frame);
+        let mut loose_seams = pieces.seams.clone();
+        loose_seams.retain(|point| {
+            let counts = topology
+                .element(point.sides[0] / N as u32)
+                .is_some_and(|element| solid.share.element(element));
+            !seams.set_point(point.sides, point.place, point.hold, &topology) && counts
+        });
+        let part = Part {
+            owners,
+            first: known.at().map(|corner| corner.first).collect(),
+            vertices: known.vertices.clone(),
+            wide,
+            places,
+            loose_joints,
+            loose_seams,
+            hidden: vec![false; all.len()],
+        };
+        let parts = Parts { topology, solid, joints, contacts, seams, loads };
+        let mut run = Self::with_parts(model, parts, team, frame);
         run.part = Some(part);
         run.step = carried.step;
         run.totals = carried.totals;
@@ -639,6 +591,127 @@ where
         run.timings = carried.timings;
         run.watch();
         Ok(run)
+    }
+}
+
+/// The corners of all elements.
+fn corners<const D: usize, const N: usize>(all: &[Piece<D, N>]) -> impl Iterator<Item = &Corner<D>> {
+    all.iter().flat_map(|piece| &piece.corners)
+}
+
+/// The vertices of some elements, ascending, each with one of its corners.
+struct Known<'a, const D: usize> {
+    vertices: Vec<u32>,
+    corner: Vec<Option<&'a Corner<D>>>,
+}
+
+impl<'a, const D: usize> Known<'a, D> {
+    fn of<const N: usize>(all: &'a [Piece<D, N>]) -> Self {
+        let vertices: Vec<u32> =
+            corners(all).map(|corner| corner.vertex).collect::<BTreeSet<u32>>().into_iter().collect();
+        let mut known = Self { corner: vec![None; vertices.len()], vertices };
+        for corner in corners(all) {
+            let vertex = known.vertex(corner.vertex);
+            known.corner[vertex as usize].get_or_insert(corner);
+        }
+        known
+    }
+
+    /// The place of a vertex, by its number in the whole mesh.
+    fn vertex(&self, number: u32) -> u32 {
+        self.vertices.binary_search(&number).unwrap_or_default() as u32
+    }
+
+    /// A corner of each vertex.
+    fn at(&self) -> impl Iterator<Item = &'a Corner<D>> {
+        self.corner.iter().flatten().copied()
+    }
+
+    /// The model of these elements, and for each boundary the places of its facets among all of its facets.
+    fn model<const N: usize>(
+        &self,
+        frame: &Frame<D, N>,
+        all: &[Piece<D, N>],
+    ) -> (Model<D, N>, Vec<Vec<u32>>) {
+        let mesh = Mesh {
+            nodes: self.at().map(|corner| corner.place).collect(),
+            elements: all
+                .iter()
+                .map(|piece| piece.corners.each_ref().map(|at| self.vertex(at.vertex)))
+                .collect(),
+            bodies: all.iter().map(|piece| piece.body).collect(),
+            materials: all.iter().map(|piece| piece.material).collect(),
+        };
+        let mut model = Model { mesh, ..frame.model.clone() };
+        model.stresses = all.iter().filter_map(|piece| piece.initial).collect();
+        let sides = sides(all);
+        let mut places = vec![Vec::new(); model.boundaries.len()];
+        for (number, boundary) in (0..).zip(&mut model.boundaries) {
+            if acts_on_nodes(&boundary.load) {
+                let acts = |(_, corner): &(u32, &Corner<D>)| corner.boundaries.contains(&number);
+                let vertices = (0..).zip(self.at()).filter(acts).map(|(vertex, _)| vertex);
+                boundary.target = Target::Nodes(vertices.collect());
+            } else {
+                let own = || sides.iter().filter(|side| side.boundary == number);
+                places[number as usize] = own().map(|side| side.place).collect();
+                let vertices = |side: &&Side<D>| side.vertices.map(|vertex| self.vertex(vertex));
+                boundary.target = Target::Facets(own().map(vertices).collect());
+            }
+        }
+        (model, places)
+    }
+}
+
+/// The facets on which boundaries act, by boundary and in the order of its facets.
+fn sides<const D: usize, const N: usize>(all: &[Piece<D, N>]) -> Vec<&Side<D>> {
+    let mut sides: Vec<&Side<D>> = all.iter().flat_map(|piece| &piece.sides).collect();
+    sides.sort_unstable_by_key(|side| (side.boundary, side.place));
+    sides
+}
+
+/// Static forces of the ground beyond absorbing facets, in the same order.
+fn absorbing<const D: usize, const N: usize>(all: &[Piece<D, N>], model: &Model<D, N>) -> Vec<[Point<D>; D]> {
+    let absorbs = |side: &&Side<D>| matches!(model.boundaries[side.boundary as usize].load, Load::Absorbing);
+    sides(all).into_iter().filter(absorbs).map(|side| side.held).collect()
+}
+
+/// The nodes of some elements, in the order of the codes of their first corners.
+struct NodesOf<'a, const D: usize, const N: usize> {
+    codes: Vec<u32>,
+    /// A corner of each.
+    first: Vec<&'a Corner<D>>,
+    of_corner: Vec<[u32; N]>,
+}
+
+impl<'a, const D: usize, const N: usize> NodesOf<'a, D, N> {
+    fn of(all: &'a [Piece<D, N>]) -> Self {
+        let mut first: Vec<&Corner<D>> = corners(all).collect();
+        first.sort_by_key(|corner| corner.node);
+        first.dedup_by_key(|corner| corner.node);
+        let codes: Vec<u32> = first.iter().map(|corner| corner.node).collect();
+        let node = |corner: &Corner<D>| codes.binary_search(&corner.node).unwrap_or_default() as u32;
+        let of_corner = all.iter().map(|piece| piece.corners.each_ref().map(node)).collect();
+        Self { codes, first, of_corner }
+    }
+}
+
+/// The couples that touch, and the elements that have separated, as far as their elements are here.
+fn couples_of<const D: usize, const N: usize>(
+    pieces: &Pieces<D, N>,
+    topology: &Topology<D, N>,
+) -> SavedContacts<D, N>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    let here = |numbers: [u32; 2]| match numbers.map(|number| topology.element(number)) {
+        [Some(a), Some(b)] => Some([a, b]),
+        _ => None,
+    };
+    let touching = pieces.touching.iter();
+    SavedContacts {
+        grips: touching.filter_map(|touch| Some((here(touch.elements)?, touch.grip))).collect(),
+        parted: pieces.parted.iter().filter_map(|&pair| here(pair)).collect(),
+        bared: pieces.bared.iter().filter_map(|&number| topology.element(number)).collect(),
     }
 }
 
@@ -657,14 +730,4 @@ impl<const D: usize> Part<D> {
     pub(crate) fn friction(&self) -> Sum {
         self.loose_seams.iter().map(|point| point.hold.friction()).collect()
     }
-}
-
-/// A message with pieces.
-pub(super) fn message<const D: usize, const N: usize>(pieces: &Pieces<D, N>) -> Vec<u8> {
-    bytes_of(pieces)
-}
-
-/// The pieces of a message.
-pub(super) fn of_message<const D: usize, const N: usize>(bytes: &[u8]) -> Pieces<D, N> {
-    value_of(bytes)
 }

@@ -1,6 +1,6 @@
 //! Which rank owns what: nodes go to ranks along Hilbert's curve, and each rank gets the elements that act on its nodes, and those near them.
 
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet};
 
 use fdem_contact::{Couple, Detector, Elements as Boxes, Search};
 use fdem_distributed::curve::{Curve, owner, splitters};
@@ -109,7 +109,7 @@ fn divide<const D: usize, const N: usize>(
     run: Option<&Simulation<D, N>>,
     division: &mut Option<Division<D>>,
     communicator: &dyn Communicator,
-) -> HashMap<u32, u32>
+) -> Vec<(u32, u32)>
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
@@ -127,7 +127,7 @@ where
         let owners = owners(&units, &known.splitters);
         let mut weights = vec![0_i64; communicator.size()];
         for (unit, &owner) in units.iter().zip(&owners) {
-            weights[owner] += unit.weight as i64;
+            weights[owner] += unit.weight.cast_signed();
         }
         communicator.all_sum(&mut weights);
         let (most, mean) = (
@@ -183,7 +183,7 @@ where
 /// What [`spread`] has found besides the pieces.
 pub(super) struct Near {
     /// Numbers of the elements counted here that are near those of other ranks, which do not know them because they are not watched.
-    hidden: HashSet<u32>,
+    hidden: BTreeSet<u32>,
     /// Codes of the corners that each other rank has too.
     lent: BTreeMap<usize, Vec<u32>>,
     reach: f64,
@@ -211,13 +211,8 @@ impl Near {
             let is_hidden = |element: usize| self.hidden.contains(&topology.number(element as u32));
             part.hidden = (0..part.hidden.len()).map(is_hidden).collect();
         }
-        let ranks: Vec<usize> = borrowed
-            .keys()
-            .chain(self.lent.keys())
-            .copied()
-            .collect::<std::collections::BTreeSet<_>>()
-            .into_iter()
-            .collect();
+        let ranks: Vec<usize> =
+            borrowed.keys().chain(self.lent.keys()).copied().collect::<BTreeSet<_>>().into_iter().collect();
         let topology = &run.topology;
         let neighbour = |rank: usize| {
             let lent = self.lent.remove(&rank).unwrap_or_default();
@@ -233,7 +228,7 @@ impl Near {
 fn send_to_owners<const D: usize, const N: usize>(
     run: Option<&Simulation<D, N>>,
     links: Option<&Links<'_>>,
-    owned: HashMap<u32, u32>,
+    owned: Vec<(u32, u32)>,
     communicator: &dyn Communicator,
 ) -> Pieces<D, N>
 where
@@ -243,7 +238,7 @@ where
     let mut to = BTreeMap::<usize, Pieces<D, N>>::new();
     if let Some(run) = run {
         let mut owners = vec![0; N * run.solid.elements.len()];
-        for (&corner, &owner) in &owned {
+        for (corner, owner) in owned {
             owners[corner as usize] = owner;
         }
         if let Some(links) = links {
@@ -293,7 +288,7 @@ where
         own.add(more);
     }
     // Few: what came apart in the last step.
-    let apart = run.map_or_else(Default::default, |run| run.apart());
+    let apart = run.map(Simulation::apart).unwrap_or_default();
     for bytes in communicator.all_gather(&bytes_of(&apart)) {
         let (parted, bared): (Vec<[u32; 2]>, Vec<u32>) = value_of(&bytes);
         own.parted.extend(parted);
@@ -334,7 +329,7 @@ fn find_near<const D: usize, const N: usize>(
     pieces: &mut Pieces<D, N>,
     reach: f64,
     communicator: &dyn Communicator,
-) -> HashSet<u32>
+) -> BTreeSet<u32>
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
@@ -349,7 +344,7 @@ where
     let beside =
         (0..communicator.size()).filter(|&other| other != rank && are_near(&whole, &of_ranks[other], reach));
     let fine_of = exchange(communicator, beside.map(|other| (other, fine.clone())).collect());
-    let mut hidden = HashSet::new();
+    let mut hidden = BTreeSet::new();
     let mut offers: BTreeMap<usize, Vec<(u32, [Point<D>; 2])>> = BTreeMap::new();
     for (other, fine) in &fine_of {
         let offer = offers.entry(*other).or_default();
@@ -367,17 +362,15 @@ where
         }
     }
     let offered = exchange(communicator, offers);
-    let known: HashSet<u32> = all.iter().map(|piece| piece.number).collect();
+    let place = |number: u32| all.binary_search_by_key(&number, |piece| piece.number).ok();
     let watched: Vec<[Point<D>; 2]> = all.iter().filter(|piece| piece.watched).map(Piece::bounds).collect();
     let wanted = offered.into_iter().map(|(other, offer)| {
-        let new: Vec<_> = offer.into_iter().filter(|(number, _)| !known.contains(number)).collect();
+        let new: Vec<_> = offer.into_iter().filter(|(number, _)| place(*number).is_none()).collect();
         (other, nearest(&new, &watched, reach))
     });
     let wanted = exchange(communicator, wanted.collect::<BTreeMap<_, _>>());
-    let place: HashMap<u32, usize> = all.iter().enumerate().map(|(k, piece)| (piece.number, k)).collect();
     let answers = wanted.into_iter().map(|(other, numbers)| {
-        let elements =
-            numbers.iter().filter_map(|number| place.get(number)).map(|&k| all[k].clone()).collect();
+        let elements = numbers.iter().filter_map(|&number| place(number)).map(|k| all[k].clone()).collect();
         (other, Pieces { elements, ..Pieces::default() })
     });
     for (_, more) in exchange(communicator, answers.collect()) {

@@ -57,7 +57,9 @@ impl Wire for bool {
 
 impl<T: Wire, const K: usize> Wire for [T; K] {
     fn put(&self, out: &mut Vec<u8>) {
-        self.iter().for_each(|value| value.put(out));
+        for value in self {
+            value.put(out);
+        }
     }
 
     fn take(bytes: &mut &[u8]) -> Self {
@@ -68,7 +70,9 @@ impl<T: Wire, const K: usize> Wire for [T; K] {
 impl<T: Wire> Wire for Vec<T> {
     fn put(&self, out: &mut Vec<u8>) {
         (self.len() as u64).put(out);
-        self.iter().for_each(|value| value.put(out));
+        for value in self {
+            value.put(out);
+        }
     }
 
     fn take(bytes: &mut &[u8]) -> Self {
@@ -79,7 +83,9 @@ impl<T: Wire> Wire for Vec<T> {
 impl<T: Wire> Wire for Option<T> {
     fn put(&self, out: &mut Vec<u8>) {
         self.is_some().put(out);
-        self.iter().for_each(|value| value.put(out));
+        if let Some(value) = self {
+            value.put(out);
+        }
     }
 
     fn take(bytes: &mut &[u8]) -> Self {
