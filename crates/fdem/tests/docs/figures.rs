@@ -110,7 +110,7 @@ const FIGURES: &[(&str, &str, &[Value])] = &[
     ),
     (
         "book/src/simulation/ranks.md",
-        "| 10 ranks | {207,280} | {8.5} % | {7.8}, {9} | {304} kB | {140} kB |",
+        "| 10 ranks | {207,280} | {8.5} % | {7.8}, {9} | {305} kB | {140} kB |",
         &[
             Cell(PATTERN, &["elastic", "10"], "own elements, mean"),
             Cell(PATTERN, &["elastic", "10"], "halo share"),
@@ -146,7 +146,7 @@ const FIGURES: &[(&str, &str, &[Value])] = &[
     ),
     (
         "book/src/simulation/ranks.md",
-        "| 1,000 ranks, joints on all faces | {2,073} | {72.3} % | {17.8}, {30} | {288} kB | {150} kB |",
+        "| 1,000 ranks, joints on all faces | {2,073} | {72.3} % | {17.8}, {29} | {288} kB | {146} kB |",
         &[
             Cell(PATTERN, &["joined", "1,000"], "own elements, mean"),
             Cell(PATTERN, &["joined", "1,000"], "halo share"),
@@ -158,7 +158,7 @@ const FIGURES: &[(&str, &str, &[Value])] = &[
     ),
     (
         "book/src/simulation/ranks.md",
-        "| 10,000, elastic | {62.2} % | {57.1} % | {56.1} % | {54.8} % |",
+        "| 10,000, elastic | {62.3} % | {56.9} % | {55.9} % | {54.5} % |",
         &[
             Cell(WEAK, &["elastic", "10,000"], "10 ranks"),
             Cell(WEAK, &["elastic", "10,000"], "100 ranks"),
@@ -168,7 +168,7 @@ const FIGURES: &[(&str, &str, &[Value])] = &[
     ),
     (
         "book/src/simulation/ranks.md",
-        "| 100,000, elastic | {80.0} % | {79.1} % | {78.9} % | {78.7} % |",
+        "| 100,000, elastic | {80.2} % | {79.2} % | {79.0} % | {78.7} % |",
         &[
             Cell(WEAK, &["elastic", "100,000"], "10 ranks"),
             Cell(WEAK, &["elastic", "100,000"], "100 ranks"),
@@ -178,7 +178,7 @@ const FIGURES: &[(&str, &str, &[Value])] = &[
     ),
     (
         "book/src/simulation/ranks.md",
-        "| 1,000,000, elastic | {89.9} % | {89.8} % | {89.8} % | {89.7} % |",
+        "| 1,000,000, elastic | {90.0} % | {89.9} % | {89.8} % | {89.8} % |",
         &[
             Cell(WEAK, &["elastic", "1,000,000"], "10 ranks"),
             Cell(WEAK, &["elastic", "1,000,000"], "100 ranks"),
@@ -188,7 +188,7 @@ const FIGURES: &[(&str, &str, &[Value])] = &[
     ),
     (
         "book/src/simulation/ranks.md",
-        "| 10,000, joints on all faces | {58.0} % | {57.3} % | {57.1} % | {56.9} % |",
+        "| 10,000, joints on all faces | {57.4} % | {56.7} % | {56.6} % | {56.4} % |",
         &[
             Cell(WEAK, &["joined", "10,000"], "10 ranks"),
             Cell(WEAK, &["joined", "10,000"], "100 ranks"),
@@ -198,7 +198,7 @@ const FIGURES: &[(&str, &str, &[Value])] = &[
     ),
     (
         "book/src/simulation/ranks.md",
-        "| 100,000, joints on all faces | {75.1} % | {75.0} % | {74.9} % | {74.9} % |",
+        "| 100,000, joints on all faces | {74.7} % | {74.5} % | {74.5} % | {74.5} % |",
         &[
             Cell(WEAK, &["joined", "100,000"], "10 ranks"),
             Cell(WEAK, &["joined", "100,000"], "100 ranks"),
@@ -208,7 +208,7 @@ const FIGURES: &[(&str, &str, &[Value])] = &[
     ),
     (
         "book/src/simulation/ranks.md",
-        "| 1,000,000, joints on all faces | {86.7} % | {86.7} % | {86.7} % | {86.7} % |",
+        "| 1,000,000, joints on all faces | {86.4} % | {86.4} % | {86.4} % | {86.4} % |",
         &[
             Cell(WEAK, &["joined", "1,000,000"], "10 ranks"),
             Cell(WEAK, &["joined", "1,000,000"], "100 ranks"),
@@ -218,7 +218,7 @@ const FIGURES: &[(&str, &str, &[Value])] = &[
     ),
     (
         "book/src/simulation/ranks.md",
-        "| 1,000,000, elastic | {80.0} % | {57.1} % | {20.9} % | {2.9} % |",
+        "| 1,000,000, elastic | {80.2} % | {56.9} % | {20.5} % | {2.8} % |",
         &[
             Cell(STRONG, &["elastic", "1,000,000"], "10 ranks"),
             Cell(STRONG, &["elastic", "1,000,000"], "100 ranks"),
@@ -228,7 +228,7 @@ const FIGURES: &[(&str, &str, &[Value])] = &[
     ),
     (
         "book/src/simulation/ranks.md",
-        "| 10,000,000, elastic | {89.9} % | {79.1} % | {56.1} % | {19.2} % |",
+        "| 10,000,000, elastic | {90.0} % | {79.2} % | {55.9} % | {18.8} % |",
         &[
             Cell(STRONG, &["elastic", "10,000,000"], "10 ranks"),
             Cell(STRONG, &["elastic", "10,000,000"], "100 ranks"),
@@ -238,7 +238,7 @@ const FIGURES: &[(&str, &str, &[Value])] = &[
     ),
     (
         "book/src/simulation/ranks.md",
-        "| 100,000,000, elastic | {95.1} % | {89.8} % | {78.9} % | {54.8} % |",
+        "| 100,000,000, elastic | {95.1} % | {89.9} % | {79.0} % | {54.5} % |",
         &[
             Cell(STRONG, &["elastic", "100,000,000"], "10 ranks"),
             Cell(STRONG, &["elastic", "100,000,000"], "100 ranks"),
@@ -268,7 +268,7 @@ const FIGURES: &[(&str, &str, &[Value])] = &[
     ),
     (
         "book/src/simulation/ranks.md",
-        "{7,268} elastic elements on each rank, and 80 % with {122,080}. At 50 %, the halo takes {27.4} % of the step, messages {12.4} %, and the agreement {10.2} %.",
+        "{7,413} elastic elements on each rank, and 80 % with {120,562}. At 50 %, the halo takes {26.9} % of the step, messages {12.7} %, and the agreement {10.5} %.",
         &[
             Cell(BENDS, &["elastic", "50 %"], "elements of a rank"),
             Cell(BENDS, &["elastic", "80 %"], "elements of a rank"),
@@ -302,6 +302,7 @@ const OTHERS: &[(&str, &str, &str)] = &[
     ("book/src/simulation/trust.md", "four times the speed", "a speed of the model"),
     ("book/src/simulation/model-file.md", "after 10 minutes", "a limit"),
     ("book/src/simulation/model-file.md", "20 times as long as a wave needs", "a duration of the model"),
+    ("book/src/simulation/ranks.md", "five minutes before its time is over", "a limit"),
     ("book/src/simulation/verification.md", "took 28 minutes", "told by `fdem validate`"),
 ];
 
