@@ -20,7 +20,6 @@ enum Order {
     End,
     Advance,
     Gather,
-    Frame,
     Fragments,
     Counts,
     Penetrated,
@@ -30,11 +29,10 @@ enum Order {
 }
 
 impl Order {
-    const ALL: [Self; 10] = [
+    const ALL: [Self; 9] = [
         Self::End,
         Self::Advance,
         Self::Gather,
-        Self::Frame,
         Self::Fragments,
         Self::Counts,
         Self::Penetrated,
@@ -56,6 +54,8 @@ fn give(communicator: &dyn Communicator, order: Order, numbers: &[u64]) {
 pub struct Leader<'c, const D: usize = 2, const N: usize = 3> {
     communicator: &'c dyn Communicator,
     run: RefCell<Distributed<'c, D, N>>,
+    /// The whole run and its forces since the last step, once they are asked for.
+    whole: RefCell<Option<(Simulation<D, N>, Forces<D>)>>,
 }
 
 impl<'c, const D: usize, const N: usize> Leader<'c, D, N>
@@ -77,7 +77,7 @@ where
         assert!(communicator.rank() == 0, "rank 0 leads");
         give(communicator, Order::Advance, &[D as u64]);
         let run = Distributed::new(communicator, Some(run), threads)?;
-        Ok(Self { communicator, run: RefCell::new(run) })
+        Ok(Self { communicator, run: RefCell::new(run), whole: RefCell::new(None) })
     }
 
     fn all<T>(&self, order: Order, numbers: &[u64], of: impl FnOnce(&Distributed<'c, D, N>) -> T) -> T {
@@ -90,6 +90,7 @@ where
     /// # Errors
     /// The reason why the run cannot continue.
     pub fn advance(&mut self, steps: u64) -> Result<(), Stop> {
+        *self.whole.get_mut() = None;
         give(self.communicator, Order::Advance, &[steps]);
         self.run.get_mut().advance(steps)
     }
@@ -170,7 +171,7 @@ where
     /// # Panics
     /// If rank 0 does not get them, which would be a bug.
     pub fn frame(&self) -> (Snapshot<D, N>, Forces<D>) {
-        self.all(Order::Frame, &[], frame).expect("rank 0 has the frame")
+        self.look(|whole, forces| (whole.snapshot(), forces.clone()))
     }
 
     /// State from which the run can be resumed, on any number of ranks.
@@ -178,7 +179,16 @@ where
     /// # Panics
     /// If rank 0 does not get it, which would be a bug.
     pub fn state(&self) -> State<D, N> {
-        self.all(Order::Gather, &[], Distributed::state).expect("rank 0 has the state")
+        self.look(|whole, _| whole.state())
+    }
+
+    /// Looks at the whole run. It is gathered once for each step.
+    fn look<T>(&self, at: impl FnOnce(&Simulation<D, N>, &Forces<D>) -> T) -> T {
+        let mut known = self.whole.borrow_mut();
+        let (whole, forces) = known.get_or_insert_with(|| {
+            self.all(Order::Gather, &[], gathered).expect("rank 0 gets the whole run")
+        });
+        at(whole, forces)
     }
 
     /// What each rank has, and what it has sent.
@@ -196,13 +206,16 @@ impl<const D: usize, const N: usize> Drop for Leader<'_, D, N> {
     }
 }
 
-fn frame<const D: usize, const N: usize>(run: &Distributed<'_, D, N>) -> Option<(Snapshot<D, N>, Forces<D>)>
+/// The whole run and its forces, on rank 0.
+fn gathered<const D: usize, const N: usize>(
+    run: &Distributed<'_, D, N>,
+) -> Option<(Simulation<D, N>, Forces<D>)>
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
     let whole = run.gathered();
     let forces = run.forces(whole.as_ref());
-    whole.map(|whole| whole.snapshot()).zip(forces)
+    whole.zip(forces)
 }
 
 /// Tells the other ranks that there will be no run, so that [`follow`] returns.
@@ -244,8 +257,7 @@ where
             Order::End => return Ok(()),
             // The leader gets the same error, and tells it.
             Order::Advance => drop(run.advance(numbers[0])),
-            Order::Gather => drop(run.gathered()),
-            Order::Frame => drop(frame(&run)),
+            Order::Gather => drop(gathered(&run)),
             Order::Fragments => drop(run.fragments()),
             Order::Counts => _ = run.counts(),
             Order::Penetrated => _ = run.penetrated(),
