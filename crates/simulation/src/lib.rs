@@ -53,7 +53,7 @@
 //! | the contact force | `potential.rs` in `src/simplex/triangle` and `tetrahedron`; friction, damping and their histories: `src/contacts/grips.rs`; couples: `src/contacts.rs`, in batches: `src/contacts/forces.rs` |
 //! | loads, schedules, absorbing edges | `src/loads.rs` |
 //! | the longest stable time step | `src/critical.rs` |
-//! | terms of the energy balance | `src/energy.rs`, and their sum: `src/simulation.rs` |
+//! | terms of the energy balance | `src/energy.rs`, and their sum: `src/simulation/audit.rs` |
 //! | initial stress in contacts and at absorbing edges | `src/seams.rs`, `src/ground.rs` |
 //! | contact forces and reactions of results | `src/forces.rs` |
 //! | forecast of a run on many ranks: shares, messages, memory | `src/ranks/forecast.rs` |

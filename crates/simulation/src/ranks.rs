@@ -5,10 +5,11 @@
 //! (`sum.rs`), which do not depend on who adds them up.
 //!
 //! A [`Simulation`] on a rank is one of a part of the model, with local numbers in the order of those of the whole model. `links.rs` has the messages of a step. `spread.rs` divides the nodes
-//! among ranks, and gives each rank its elements: at the beginning, when elements may have come near those of other ranks, and when the work is not even. `piece.rs` has what travels then. `forecast.rs`
+//! among ranks, and gives each rank its elements: at the beginning, when elements may have come near those of other ranks, and when the work is not even. `piece.rs` has what travels then, and `assemble.rs` makes a part of it. `forecast.rs`
 //! foretells all this for a number of ranks, without them.
 
 mod forecast;
+mod assemble;
 mod leader;
 mod links;
 mod piece;

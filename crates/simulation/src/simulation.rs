@@ -1,35 +1,36 @@
 //! A run of a model: its state, and the time step that advances it.
 
-use std::ops::Range;
+mod audit;
+mod saved;
+mod shown;
+
 use std::time::{Duration, Instant};
 
 use fdem_contact::Simd;
-use serde::{Deserialize, Serialize};
 
 use crate::checks;
-use crate::contacts::{Contacts, Saved as SavedContacts, Touching, mean_edge};
+use crate::contacts::{Contacts, Touching, mean_edge};
 use crate::critical::CriticalStep;
 use crate::energy::Energies;
 use crate::error::{ModelError, Stop};
 use crate::forces::{self, Forces};
-use crate::joints::{Break, Joint, Joints, Saved};
+use crate::joints::Joints;
 use crate::lanes::Available;
 use crate::loads::Loads;
 use crate::model::{Insertion, Model};
 use crate::motion::{self, Motion};
 use crate::ranks::{Frame, Links, Part, Told};
-use crate::seams::{Hold, Seams};
+use crate::seams::Seams;
 use crate::share::Share;
 use crate::simplex::Simplex;
-use crate::snapshot::{Crack, Mode, Snapshot};
-use crate::solid::{Constants, Node, Solid};
+pub(crate) use crate::simulation::audit::Totals;
+pub use crate::simulation::saved::State;
+pub(crate) use crate::simulation::shown::mode;
+use crate::solid::Solid;
 use crate::sum::{Grains, Sum};
 use crate::team::Team;
 use crate::topology::Topology;
-use crate::vector::{Matrix, Point, dot};
-
-/// Steps between two checks of the energy balance.
-const AUDIT: u64 = 100;
+use crate::vector::Point;
 
 /// A run stops when a node is faster than this multiple of the highest wave speed √(E/ρ) of the materials.
 const RUNAWAY: f64 = 10.0;
@@ -94,66 +95,6 @@ pub(crate) struct Parts<const D: usize, const N: usize> {
     pub(crate) contacts: Contacts<D, N>,
     pub(crate) seams: Seams<D>,
     pub(crate) loads: Loads<D, N>,
-}
-
-/// Sums over a run, J.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Totals {
-    /// Work against friction of contacts.
-    pub(crate) friction: Sum,
-    /// Work against joints, less the potential energy of contacts to which they have handed over.
-    pub(crate) cohesive: Sum,
-    /// Energy dissipated by local damping, damping of contacts and absorbing edges.
-    pub(crate) damping: Sum,
-    /// Work of applied forces, of gravity, and of boundaries that move nodes.
-    pub(crate) external: Sum,
-    /// Work of applied forces, which `external` contains.
-    pub(crate) loads: Sum,
-    /// Energies at the beginning, once the first step has found them.
-    pub(crate) first: Option<Energies>,
-    /// Largest exchanged and cohesive energy at any audit.
-    pub(crate) exchanged: f64,
-    pub(crate) most_cohesive: f64,
-}
-
-/// State of a run, without its model. A run that is resumed from it continues as if it had never stopped.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[serde(bound(
-    serialize = "[f64; D]: Serialize, [u32; N]: Serialize, [[f64; D]; D]: Serialize, Joint<D>: Serialize, [f64; N]: Serialize, SavedContacts<D, N>: Serialize, Saved<D>: Serialize",
-    deserialize = "[f64; D]: Deserialize<'de>, [u32; N]: Deserialize<'de>, [[f64; D]; D]: Deserialize<'de>, Joint<D>: Deserialize<'de>, [f64; N]: Deserialize<'de>, SavedContacts<D, N>: Deserialize<'de>, Saved<D>: Deserialize<'de>"
-))]
-pub struct State<const D: usize = 2, const N: usize = 3> {
-    step: u64,
-    totals: Totals,
-    energies: Energies,
-    reactions: Vec<Point<D>>,
-    /// In the order of results: see [`Snapshot`].
-    nodes: Vec<Node<D>>,
-    of_corner: Vec<[u32; N]>,
-    stresses: Vec<Matrix<D>>,
-    viscous: Vec<Matrix<D>>,
-    dissipated: Vec<f64>,
-    joints: Saved<D>,
-    contacts: SavedContacts<D, N>,
-    seams: Vec<Hold<D>>,
-}
-
-impl Totals {
-    /// Adds works of loads, and of the dashpots of absorbing facets.
-    fn add_works(&mut self, works: impl Iterator<Item = [f64; 2]>) {
-        for [work, absorbed] in works {
-            self.external.add(work);
-            self.loads.add(work);
-            self.damping.add(-absorbed);
-        }
-    }
-}
-
-impl<const D: usize, const N: usize> State<D, N> {
-    /// Number of steps done.
-    pub fn step(&self) -> u64 {
-        self.step
-    }
 }
 
 /// Time spent in each part of the steps.
@@ -423,140 +364,6 @@ where
         Ok(broken)
     }
 
-    /// Whether the energy balance is checked in this step.
-    fn is_audited(&self) -> bool {
-        self.step.is_multiple_of(AUDIT)
-    }
-
-    /// Sums up the energies and the reactions at the beginning of this step. `kinetic`: the kinetic energy, J.
-    fn account(&mut self, kinetic: &Sum, links: Option<&Links<'_>>) {
-        let [mut strain, viscous] = self.solid.energies(&self.team);
-        let [mut contact, mut friction] = self.seams.energies(&self.solid.share);
-        let mut damping = viscous;
-        let Totals { cohesive, external, loads, .. } = &self.totals;
-        let [mut kinetic, mut cohesive, mut external, mut loads] =
-            [kinetic, cohesive, external, loads].map(Clone::clone);
-        let mut gravity = self.work_of_gravity();
-        contact.add_sum(self.touching.energy.as_ref().unwrap_or(&Sum::default()));
-        friction.add_sum(&self.totals.friction);
-        damping.add_sum(&self.totals.damping);
-        if let Some(part) = &self.part {
-            friction.add_sum(&part.friction());
-        }
-        let mut reactions = self.reactions_of_boundaries();
-        if let Some(links) = links {
-            let mut sums = vec![
-                &mut kinetic,
-                &mut strain,
-                &mut contact,
-                &mut friction,
-                &mut cohesive,
-                &mut damping,
-                &mut external,
-                &mut loads,
-                &mut gravity,
-            ];
-            sums.extend(reactions.iter_mut().flatten());
-            links.add_up(&mut sums);
-        }
-        let now = Energies {
-            kinetic: kinetic.value(),
-            strain: strain.value(),
-            contact: contact.value(),
-            friction: friction.value(),
-            cohesive: cohesive.value(),
-            damping: damping.value(),
-            external: external.value(),
-            ..Energies::default()
-        };
-        // Three works that may cancel: of loads, of gravity, and of boundaries that move or hold nodes.
-        let (loads, gravity) = (loads.value(), gravity.value());
-        let done = loads.abs() + gravity.abs() + (now.external - loads - gravity).abs();
-        let first = *self.totals.first.get_or_insert(now);
-        let exchanged = now.changed(&first).max(done).max(self.totals.exchanged);
-        self.energies = Energies { initial: first.balance(), exchanged, ..now };
-        self.reactions =
-            reactions.iter().map(|sums| std::array::from_fn(|axis| sums[axis].value())).collect();
-    }
-
-    /// Checks the energy balance.
-    fn audit(&mut self, links: Option<&Links<'_>>) -> Result<(), Stop> {
-        let energies = self.energies;
-        self.totals.exchanged = energies.exchanged;
-        self.totals.most_cohesive = self.totals.most_cohesive.max(energies.cohesive);
-        let (step, bound) = (self.step, self.model.time.energy_bound);
-        let (error, scale, available) = (energies.error(), energies.scale(), energies.available());
-        if scale <= self.negligible {
-            return Ok(());
-        }
-        if error.abs() > bound || error.is_nan() {
-            return Err(Stop::Energy { element: self.hottest(links), step, error, bound });
-        }
-        if energies.kinetic > available + bound * scale {
-            return Err(Stop::Kinetic {
-                element: self.hottest(links),
-                step,
-                kinetic: energies.kinetic,
-                available,
-            });
-        }
-        // Intrinsic joints store elastic energy and return it, as elements do.
-        let returned = match self.model.fracture.insertion {
-            Insertion::Adaptive => self.totals.most_cohesive - energies.cohesive,
-            Insertion::Intrinsic => -energies.cohesive,
-        };
-        let share = returned / scale;
-        if share > bound {
-            return Err(Stop::Returned { element: self.hottest(links), step, share, bound });
-        }
-        Ok(())
-    }
-
-    /// Force of each boundary on the bodies in this step, N.
-    fn reactions_of_boundaries(&self) -> Vec<[Sum; D]> {
-        let mut sums = vec![[(); D].map(|()| Sum::default()); self.model.boundaries.len()];
-        for (node, reaction) in &self.held {
-            let hold = self.loads.holds[self.solid.constants[*node as usize].hold as usize];
-            for axis in 0..D {
-                if let Some(hold) = hold[axis] {
-                    sums[hold.boundary as usize][axis].add(reaction[axis]);
-                }
-            }
-        }
-        for ([boundary, _], force) in self.loads.applied(&self.solid) {
-            for axis in 0..D {
-                sums[boundary as usize][axis].add(force[axis]);
-            }
-        }
-        sums
-    }
-
-    /// The element with the most energy per mass: the first of them.
-    fn hottest(&self, links: Option<&Links<'_>>) -> u32 {
-        let density = |number: u32| {
-            let element = &self.solid.elements[number as usize];
-            let square = |node: u32| {
-                let velocity = self.solid.nodes[node as usize].velocity;
-                dot(velocity, velocity)
-            };
-            let fastest = self.solid.nodes_of(number).into_iter().map(square).fold(0.0, f64::max);
-            let density = self.model.materials[element.material as usize].density;
-            0.5 * fastest + self.solid.energy(number as usize) / (density * element.volume)
-        };
-        let all = (0..self.solid.elements.len() as u32).filter(|&element| self.solid.share.element(element));
-        let of_all = all.map(|element| (density(element), self.topology.number(element)));
-        let hotter = |a: (f64, u32), b: (f64, u32)| {
-            let order = b.0.total_cmp(&a.0).then(a.1.cmp(&b.1));
-            if order.is_le() { a } else { b }
-        };
-        let own = of_all.reduce(hotter);
-        let found = match links {
-            Some(links) => links.all(&own).into_iter().flatten().reduce(hotter),
-            None => own,
-        };
-        found.map_or(0, |(_, element)| element)
-    }
-
     /// The reason why the run cannot go on, the same on all ranks: that of the first rank that has one.
     fn first_stop(&self, own: Option<Stop>, links: &Links<'_>) -> Stop {
         let all = links.all(&own.map(|stop| stop.on_rank(links.rank())));
@@ -600,15 +407,6 @@ where
         self.step(self.is_audited() || self.step == last, links)
     }
 
-    /// Kinetic energy with the velocities half a step after the positions, J.
-    fn kinetic_of_half_step(&self) -> Sum {
-        let of = |(node, constants): (&Node<D>, &Constants)| {
-            0.5 * constants.mass * dot(node.velocity, node.velocity)
-        };
-        let all = self.solid.nodes.iter().zip(&self.solid.constants).enumerate();
-        all.filter(|(node, _)| self.solid.share.node(*node)).map(|(_, node)| of(node)).collect()
-    }
-
     /// The model as it was given.
     pub fn model(&self) -> &Model<D, N> {
         &self.model
@@ -637,22 +435,6 @@ where
     /// Energies at the beginning of the last step, J.
     pub fn energies(&self) -> Energies {
         self.energies
-    }
-
-    /// Work of gravity so far, J.
-    fn work_of_gravity(&self) -> Sum {
-        if self.model.gravity == [0.0; D] {
-            return Sum::default();
-        }
-        let factor = self.model.gravity_schedule.factor(self.time());
-        let work = |node: usize| {
-            let moved = self.solid.displacement(node, &self.model);
-            factor * self.solid.constants[node].mass * dot(self.model.gravity, moved)
-        };
-        let of =
-            |range: Range<usize>| [range.filter(|&node| self.solid.share.node(node)).map(work).collect()];
-        let [sum] = Sum::all(self.team.look(self.solid.nodes.len(), of));
-        sum
     }
 
     /// Force of a boundary on the bodies at the beginning of the last step, N; `None` if there is no such boundary.
@@ -747,140 +529,6 @@ where
             reactions: forces::reactions(self),
         }
     }
-
-    /// State from which the run can be resumed.
-    pub fn state(&self) -> State<D, N> {
-        let order = self.solid.order(&self.topology);
-        State {
-            step: self.step,
-            totals: self.totals.clone(),
-            energies: self.energies,
-            reactions: self.reactions.clone(),
-            nodes: order.iter().map(|&node| self.solid.nodes[node as usize]).collect(),
-            of_corner: self.solid.in_order(&order),
-            stresses: (0..self.solid.elements.len()).map(|element| self.solid.stress(element)).collect(),
-            viscous: self.solid.viscous(),
-            dissipated: self.solid.dissipated(),
-            joints: self.joints.save(&self.topology),
-            contacts: self.contacts.save(),
-            seams: self.seams.save(),
-        }
-    }
-
-    /// Creates a run that continues from a state of a run of the same model.
-    ///
-    /// # Errors
-    /// An error that says why the model cannot be simulated; [`ModelError::Length`] or [`ModelError::Missing`] if the state belongs to another model.
-    pub fn resume(model: Model<D, N>, state: State<D, N>, threads: usize) -> Result<Self, ModelError> {
-        let mut run = Self::new(model, threads)?;
-        let elements = run.solid.elements.len();
-        let lengths = [
-            ("stresses", state.stresses.len(), elements),
-            ("viscous stresses", state.viscous.len(), elements),
-            ("elements", state.of_corner.len(), elements),
-            ("dissipated energies", state.dissipated.len(), run.solid.dissipated().len()),
-            ("boundaries", state.reactions.len(), run.reactions.len()),
-        ];
-        for (what, found, expected) in lengths {
-            if found != expected {
-                return Err(ModelError::Length { what, found, expected });
-            }
-        }
-        let missing =
-            |index| ModelError::Missing { what: "node", index, place: "the saved state".to_owned() };
-        if let Some(&node) =
-            state.of_corner.iter().flatten().find(|&&node| node as usize >= state.nodes.len())
-        {
-            return Err(missing(node));
-        }
-        run.solid.set_nodes(state.nodes, state.of_corner, &run.model);
-        run.solid.restore(&state.stresses, &state.viscous, &state.dissipated);
-        run.joints.restore(state.joints, &run.model, &run.topology, &run.solid)?;
-        let couples = Contacts::without_forces(state.contacts);
-        run.contacts.restore(couples, &run.joints, &run.topology);
-        run.seams.restore(state.seams)?;
-        run.step = state.step;
-        run.totals = state.totals;
-        run.energies = state.energies;
-        run.reactions = state.reactions;
-        Ok(run)
-    }
-}
-
-impl<const D: usize, const N: usize> Simulation<D, N>
-where
-    [[f64; D]; N]: Simplex<D, N>,
-{
-    /// Positions, motion, stress and cracks now.
-    pub fn snapshot(&self) -> Snapshot<D, N> {
-        let order = self.solid.order(&self.topology);
-        let nodes = || order.iter().map(|&node| node as usize);
-        let elements = self.solid.elements.len();
-        let mut damage = vec![0.0_f64; elements];
-        let mut cracks = Vec::new();
-        for number in self.joints.in_order() {
-            let joint = &self.joints.all[number as usize];
-            let of_joint = joint.damage();
-            let facet = &self.topology.facets[joint.facet as usize];
-            for element in facet.elements() {
-                let damage = &mut damage[element as usize];
-                *damage = damage.max(of_joint);
-            }
-            if of_joint > 0.0 {
-                cracks.push(self.crack(joint, of_joint, self.joints.break_of(number)));
-            }
-        }
-        Snapshot {
-            step: self.step,
-            time: self.time(),
-            positions: nodes().map(|node| self.solid.place(self.solid.nodes[node].position)).collect(),
-            displacements: nodes().map(|node| self.solid.displacement(node, &self.model)).collect(),
-            velocities: nodes().map(|node| self.solid.nodes[node].velocity).collect(),
-            elements: self.solid.in_order(&order),
-            stresses: (0..elements)
-                .map(|element| {
-                    <[[f64; D]; N]>::in_tensor(&self.solid.stress(element), self.solid.moduli(element))
-                })
-                .collect(),
-            damage,
-            bodies: self.model.mesh.bodies.clone(),
-            materials: self.model.mesh.materials.clone(),
-            fragments: self.fragments(),
-            cracks,
-        }
-    }
-
-    fn crack(&self, joint: &Joint<D>, damage: f64, broken: Option<&Break>) -> Crack<D> {
-        let facet = &self.topology.facets[joint.facet as usize];
-        let corner = |corner: usize| {
-            let [a, b] = facet.corners.map(|side| self.solid.at_corner(side[corner]).position);
-            self.solid.place(std::array::from_fn(|axis| 0.5 * (a[axis] + b[axis])))
-        };
-        let gap = joint.gap(&self.solid);
-        let modes = broken.map_or_else(|| joint.modes(), |broken| broken.modes);
-        Crack {
-            corners: std::array::from_fn(corner),
-            elements: facet.elements(),
-            damage,
-            mode: mode(modes),
-            opening: gap[0],
-            sliding: <[[f64; D]; N]>::sliding(&gap),
-            time: broken.map(|broken| broken.time),
-            measure: joint.measure,
-        }
-    }
-}
-
-/// Mode of failure of a joint from its damage by opening and by sliding.
-pub(crate) fn mode(damages: [f64; 2]) -> Mode {
-    let opening = damages[0] / (damages[0] + damages[1]).max(f64::MIN_POSITIVE);
-    if opening >= 0.75 {
-        Mode::Tension
-    } else if opening <= 0.25 {
-        Mode::Shear
-    } else {
-        Mode::Mixed
-    }
 }
 
 /// Measures the time since its last reading.
@@ -895,44 +543,5 @@ impl Clock {
         let now = Instant::now();
         *sum += now - self.0;
         self.0 = now;
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use fdem_mesh::Mesh;
-
-    use crate::model::Material;
-
-    /// Kinetic energy out of nothing is found although the balance holds: negative dissipation cancels it, but it exceeds the energy available.
-    #[test]
-    fn kinetic_energy_out_of_nothing_stops_a_run() {
-        let mesh = Mesh {
-            nodes: vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]],
-            elements: vec![[0, 1, 2]],
-            bodies: vec![0],
-            materials: vec![0],
-        };
-        let material = Material {
-            name: "rock".to_owned(),
-            density: 2700.0,
-            youngs_modulus: 50e9,
-            poissons_ratio: 0.25,
-            damping: 0.0,
-            strength: None,
-            friction: 0.5,
-        };
-        let model =
-            Model { mesh, materials: vec![material], velocities: vec![[1.0, 0.0]; 3], ..Model::default() };
-        let mut run = Simulation::new(model, 1).expect("a model");
-        run.advance(150).expect("a sound run");
-        let kinetic = run.energies().kinetic;
-        for node in &mut run.solid.nodes {
-            node.velocity = node.velocity.map(|v| 2.0 * v);
-        }
-        run.totals.damping.add(-3.0 * kinetic);
-        let stop = run.advance(100).expect_err("three times the energy from nowhere");
-        assert!(matches!(stop, Stop::Kinetic { step: 200, .. }), "{stop}");
     }
 }

@@ -1,51 +1,47 @@
-//! Parts of a simulation on their way between ranks, and the simulation that a rank makes of them.
+//! Parts of a simulation on their way between ranks.
 //!
 //! All numbers are those of the whole model, and all facets and corners are codes (`topology.rs`): they mean the same on every rank.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use fdem_mesh::Mesh;
 
-use crate::contacts::{Contacts, Grip, Saved as SavedContacts};
+use crate::contacts::{Contacts, Grip};
 use crate::critical::CriticalStep;
 use crate::energy::Energies;
-use crate::error::ModelError;
 use crate::ground::radii;
-use crate::joints::{Joints, Moving, Saved};
-use crate::loads::{Loads, Wide, nodes_of, outer_side};
+use crate::joints::Moving;
+use crate::loads::{Wide, nodes_of, outer_side};
 use crate::model::{Load, Model, Target};
 use crate::ranks::wire::{Wire, bytes_of, wire};
-use crate::seams::{Hold, Seams};
-use crate::share::Share;
+use crate::seams::Hold;
 use crate::simplex::Simplex;
-use crate::simulation::{Parts, Simulation, Timings, Totals};
-use crate::solid::{Node, Solid};
-use crate::sum::{Grains, Sum};
-use crate::team::Team;
-use crate::topology::{PartOf, Topology};
+use crate::simulation::{Simulation, Timings, Totals};
+use crate::solid::Node;
+use crate::sum::Sum;
 use crate::vector::{Matrix, Point};
 
 /// A corner of an element.
 #[derive(Clone, Debug)]
 pub(super) struct Corner<const D: usize> {
-    vertex: u32,
+    pub(super) vertex: u32,
     /// Undeformed position, m.
-    place: Point<D>,
+    pub(super) place: Point<D>,
     /// The rank that owns the corner.
     pub(super) owner: u32,
     /// Code of the first corner of its node.
-    node: u32,
+    pub(super) node: u32,
     pub(super) position: Point<D>,
-    velocity: Point<D>,
-    mass: f64,
+    pub(super) velocity: Point<D>,
+    pub(super) mass: f64,
     /// See [`Contacts`].
-    group: u32,
-    free: bool,
+    pub(super) group: u32,
+    pub(super) free: bool,
     /// Number of corners at the vertex, and code of the first.
-    corners: u32,
-    first: u32,
+    pub(super) corners: u32,
+    pub(super) first: u32,
     /// Boundaries that act on the vertex.
-    boundaries: Vec<u32>,
+    pub(super) boundaries: Vec<u32>,
 }
 
 wire!([const D: usize] Corner<D> {
@@ -54,13 +50,13 @@ wire!([const D: usize] Corner<D> {
 
 /// A facet on which a boundary acts.
 #[derive(Clone, Debug)]
-struct Side<const D: usize> {
-    boundary: u32,
+pub(super) struct Side<const D: usize> {
+    pub(super) boundary: u32,
     /// Place of the facet among those of the boundary.
-    place: u32,
-    vertices: [u32; D],
+    pub(super) place: u32,
+    pub(super) vertices: [u32; D],
     /// Static forces of the ground beyond it, N.
-    held: [Point<D>; D],
+    pub(super) held: [Point<D>; D],
 }
 
 wire!([const D: usize] Side<D> { boundary, place, vertices, held });
@@ -69,17 +65,17 @@ wire!([const D: usize] Side<D> { boundary, place, vertices, held });
 #[derive(Clone, Debug)]
 pub(super) struct Piece<const D: usize, const N: usize> {
     pub(super) number: u32,
-    body: u32,
-    material: u32,
+    pub(super) body: u32,
+    pub(super) material: u32,
     pub(super) watched: bool,
     /// Which of its facets are on the surface of the mesh.
-    outer: [bool; N],
-    initial: Option<Matrix<D>>,
-    stress: Matrix<D>,
-    viscous: Matrix<D>,
-    dissipated: f64,
+    pub(super) outer: [bool; N],
+    pub(super) initial: Option<Matrix<D>>,
+    pub(super) stress: Matrix<D>,
+    pub(super) viscous: Matrix<D>,
+    pub(super) dissipated: f64,
     pub(super) corners: [Corner<D>; N],
-    sides: Vec<Side<D>>,
+    pub(super) sides: Vec<Side<D>>,
 }
 
 wire!([const D: usize, const N: usize] Piece<D, N> {
@@ -191,8 +187,8 @@ pub(crate) struct Frame<const D: usize, const N: usize> {
     /// Number of elements of the whole model.
     pub(crate) elements: u32,
     /// Number of nodes of the mesh on which each boundary acts.
-    nodes: Vec<u32>,
-    radii: BTreeMap<u32, f64>,
+    pub(super) nodes: Vec<u32>,
+    pub(super) radii: BTreeMap<u32, f64>,
 }
 
 impl<const D: usize, const N: usize> Frame<D, N>
@@ -322,12 +318,12 @@ pub(crate) struct Part<const D: usize> {
     /// The rank that owns each corner.
     pub(super) owners: Vec<u32>,
     /// Number of each vertex in the whole mesh.
-    vertices: Vec<u32>,
+    pub(super) vertices: Vec<u32>,
     /// Code of the first corner of each vertex in the whole mesh.
-    first: Vec<u32>,
-    wide: Wide,
+    pub(super) first: Vec<u32>,
+    pub(super) wide: Wide,
     /// For each boundary, the places of its facets among all of its facets.
-    places: Vec<Vec<u32>>,
+    pub(super) places: Vec<Vec<u32>>,
     /// Joints and points of seams that this rank counts, and whose other element is elsewhere: they have no force any more.
     pub(super) loose_joints: Vec<Moving<D>>,
     pub(super) loose_seams: Vec<SeamPoint<D>>,
@@ -424,7 +420,7 @@ where
 }
 
 /// Whether a load acts on nodes, and not on facets.
-fn acts_on_nodes<const D: usize>(load: &Load<D>) -> bool {
+pub(super) fn acts_on_nodes<const D: usize>(load: &Load<D>) -> bool {
     matches!(load, Load::Velocity(_) | Load::Displacement(_) | Load::Force(_))
 }
 
@@ -491,227 +487,6 @@ where
             timings: self.timings,
             detections: self.contacts.detections,
         }
-    }
-
-    /// The part of a run that a rank makes of these pieces.
-    pub(super) fn of_pieces(
-        frame: &Frame<D, N>,
-        mut pieces: Pieces<D, N>,
-        carried: Carried<D>,
-        rank: u32,
-        team: Team,
-    ) -> Result<Self, ModelError> {
-        pieces.elements.sort_unstable_by_key(|piece| piece.number);
-        pieces.elements.dedup_by_key(|piece| piece.number);
-        // Joints may come from several ranks.
-        pieces.joints.sort_unstable_by_key(|moving| moving.joint.facet);
-        pieces.joints.dedup_by_key(|moving| moving.joint.facet);
-        let all = &pieces.elements;
-        let known = Known::of(all);
-        let (model, places) = known.model(frame, all);
-        let part = PartOf {
-            numbers: all.iter().map(|piece| piece.number).collect(),
-            outer: all.iter().map(|piece| piece.outer).collect(),
-        };
-        let owners: Vec<u32> = corners(all).map(|corner| corner.owner).collect();
-        let mut share = Share {
-            corners: owners.iter().map(|&owner| owner == rank).collect(),
-            of_element: N,
-            ..Share::default()
-        };
-        let wide = Wide {
-            nodes: frame.nodes.clone(),
-            corners: known.at().map(|corner| corner.corners).collect(),
-            radii: frame.radii.clone(),
-        };
-        let topology = Topology::of_part(&model.mesh, part)?;
-        let mut solid = Solid::with_origin(&model, frame.origin);
-        let mut joints = Joints::new(&model, &topology, &share);
-        let mut loads = Loads::new(&model, &topology, &mut solid, Some(&wide))?;
-        loads.ground.hold(absorbing(all, &model));
-        let mut contacts = Contacts::new(&model, &topology, frame.edge, &team)?;
-        // These are found where the model was before the run.
-        let mut seams = Seams::new(&model, &topology, &solid)?;
-
-        let nodes = NodesOf::of(all);
-        share.nodes = nodes.first.iter().map(|corner| corner.owner == rank).collect();
-        share.codes = nodes.codes;
-        let moving =
-            nodes.first.iter().map(|at| Node { position: at.position, velocity: at.velocity }).collect();
-        solid.set_nodes(moving, nodes.of_corner, &model);
-        solid.set_masses(&nodes.first.iter().map(|at| at.mass).collect::<Vec<f64>>());
-        solid.share = share;
-        solid.grains = Grains::of(frame.size);
-        solid.restore(
-            &all.iter().map(|piece| piece.stress).collect::<Vec<_>>(),
-            &all.iter().map(|piece| piece.viscous).collect::<Vec<_>>(),
-            &all.iter().map(|piece| piece.dissipated).collect::<Vec<_>>(),
-        );
-        let is_here = |moving: &Moving<D>| topology.facet_with(moving.joint.facet).is_some();
-        let (here, loose): (Vec<_>, Vec<_>) = pieces.joints.iter().partition(|moving| is_here(moving));
-        joints.restore(Saved::of(here), &model, &topology, &solid)?;
-        let counted = |code: u32| {
-            topology.element(code / N as u32).is_some_and(|element| {
-                let corner = <[[f64; D]; N]>::FACETS[code as usize % N][0] as u32;
-                solid.share.corner(element * N as u32 + corner)
-            })
-        };
-        let loose_joints = loose.into_iter().filter(|moving| counted(moving.joint.facet)).collect();
-        contacts.set_known(
-            corners(all).map(|corner| corner.group).collect(),
-            known.at().map(|corner| corner.free).collect(),
-            &topology,
-        );
-        contacts.restore_couples(couples_of(&pieces, &topology));
-        contacts.detections = carried.detections;
-        let mut loose_seams = pieces.seams.clone();
-        loose_seams.retain(|point| {
-            let counts = topology
-                .element(point.sides[0] / N as u32)
-                .is_some_and(|element| solid.share.element(element));
-            !seams.set_point(point.sides, point.place, point.hold, &topology) && counts
-        });
-        let part = Part {
-            owners,
-            first: known.at().map(|corner| corner.first).collect(),
-            vertices: known.vertices.clone(),
-            wide,
-            places,
-            loose_joints,
-            loose_seams,
-            hidden: vec![false; all.len()],
-        };
-        let parts = Parts { topology, solid, joints, contacts, seams, loads };
-        let mut run = Self::with_parts(model, parts, team, frame);
-        run.part = Some(part);
-        run.step = carried.step;
-        run.totals = carried.totals;
-        run.energies = carried.energies;
-        run.reactions = carried.reactions;
-        run.timings = carried.timings;
-        run.watch();
-        Ok(run)
-    }
-}
-
-/// The corners of all elements.
-fn corners<const D: usize, const N: usize>(all: &[Piece<D, N>]) -> impl Iterator<Item = &Corner<D>> {
-    all.iter().flat_map(|piece| &piece.corners)
-}
-
-/// The vertices of some elements, ascending, each with one of its corners.
-struct Known<'a, const D: usize> {
-    vertices: Vec<u32>,
-    corner: Vec<Option<&'a Corner<D>>>,
-}
-
-impl<'a, const D: usize> Known<'a, D> {
-    fn of<const N: usize>(all: &'a [Piece<D, N>]) -> Self {
-        let vertices: Vec<u32> =
-            corners(all).map(|corner| corner.vertex).collect::<BTreeSet<u32>>().into_iter().collect();
-        let mut known = Self { corner: vec![None; vertices.len()], vertices };
-        for corner in corners(all) {
-            let vertex = known.vertex(corner.vertex);
-            known.corner[vertex as usize].get_or_insert(corner);
-        }
-        known
-    }
-
-    /// The place of a vertex, by its number in the whole mesh.
-    fn vertex(&self, number: u32) -> u32 {
-        self.vertices.binary_search(&number).unwrap_or_default() as u32
-    }
-
-    /// A corner of each vertex.
-    fn at(&self) -> impl Iterator<Item = &'a Corner<D>> {
-        self.corner.iter().flatten().copied()
-    }
-
-    /// The model of these elements, and for each boundary the places of its facets among all of its facets.
-    fn model<const N: usize>(
-        &self,
-        frame: &Frame<D, N>,
-        all: &[Piece<D, N>],
-    ) -> (Model<D, N>, Vec<Vec<u32>>) {
-        let mesh = Mesh {
-            nodes: self.at().map(|corner| corner.place).collect(),
-            elements: all
-                .iter()
-                .map(|piece| piece.corners.each_ref().map(|at| self.vertex(at.vertex)))
-                .collect(),
-            bodies: all.iter().map(|piece| piece.body).collect(),
-            materials: all.iter().map(|piece| piece.material).collect(),
-        };
-        let mut model = Model { mesh, ..frame.model.clone() };
-        model.stresses = all.iter().filter_map(|piece| piece.initial).collect();
-        let sides = sides(all);
-        let mut places = vec![Vec::new(); model.boundaries.len()];
-        for (number, boundary) in (0..).zip(&mut model.boundaries) {
-            if acts_on_nodes(&boundary.load) {
-                let acts = |(_, corner): &(u32, &Corner<D>)| corner.boundaries.contains(&number);
-                let vertices = (0..).zip(self.at()).filter(acts).map(|(vertex, _)| vertex);
-                boundary.target = Target::Nodes(vertices.collect());
-            } else {
-                let own = || sides.iter().filter(|side| side.boundary == number);
-                places[number as usize] = own().map(|side| side.place).collect();
-                let vertices = |side: &&Side<D>| side.vertices.map(|vertex| self.vertex(vertex));
-                boundary.target = Target::Facets(own().map(vertices).collect());
-            }
-        }
-        (model, places)
-    }
-}
-
-/// The facets on which boundaries act, by boundary and in the order of its facets.
-fn sides<const D: usize, const N: usize>(all: &[Piece<D, N>]) -> Vec<&Side<D>> {
-    let mut sides: Vec<&Side<D>> = all.iter().flat_map(|piece| &piece.sides).collect();
-    sides.sort_unstable_by_key(|side| (side.boundary, side.place));
-    sides
-}
-
-/// Static forces of the ground beyond absorbing facets, in the same order.
-fn absorbing<const D: usize, const N: usize>(all: &[Piece<D, N>], model: &Model<D, N>) -> Vec<[Point<D>; D]> {
-    let absorbs = |side: &&Side<D>| matches!(model.boundaries[side.boundary as usize].load, Load::Absorbing);
-    sides(all).into_iter().filter(absorbs).map(|side| side.held).collect()
-}
-
-/// The nodes of some elements, in the order of the codes of their first corners.
-struct NodesOf<'a, const D: usize, const N: usize> {
-    codes: Vec<u32>,
-    /// A corner of each.
-    first: Vec<&'a Corner<D>>,
-    of_corner: Vec<[u32; N]>,
-}
-
-impl<'a, const D: usize, const N: usize> NodesOf<'a, D, N> {
-    fn of(all: &'a [Piece<D, N>]) -> Self {
-        let mut first: Vec<&Corner<D>> = corners(all).collect();
-        first.sort_by_key(|corner| corner.node);
-        first.dedup_by_key(|corner| corner.node);
-        let codes: Vec<u32> = first.iter().map(|corner| corner.node).collect();
-        let node = |corner: &Corner<D>| codes.binary_search(&corner.node).unwrap_or_default() as u32;
-        let of_corner = all.iter().map(|piece| piece.corners.each_ref().map(node)).collect();
-        Self { codes, first, of_corner }
-    }
-}
-
-/// The couples that touch, and the elements that have separated, as far as their elements are here.
-fn couples_of<const D: usize, const N: usize>(
-    pieces: &Pieces<D, N>,
-    topology: &Topology<D, N>,
-) -> SavedContacts<D, N>
-where
-    [[f64; D]; N]: Simplex<D, N>,
-{
-    let here = |numbers: [u32; 2]| match numbers.map(|number| topology.element(number)) {
-        [Some(a), Some(b)] => Some([a, b]),
-        _ => None,
-    };
-    let touching = pieces.touching.iter();
-    SavedContacts {
-        grips: touching.filter_map(|touch| Some((here(touch.elements)?, touch.grip))).collect(),
-        parted: pieces.parted.iter().filter_map(|&pair| here(pair)).collect(),
-        bared: pieces.bared.iter().filter_map(|&number| topology.element(number)).collect(),
     }
 }
 

@@ -1,0 +1,252 @@
+//! The energies of a run, and the check of their balance.
+
+use std::ops::Range;
+
+use serde::{Deserialize, Serialize};
+
+use crate::energy::Energies;
+use crate::error::Stop;
+use crate::model::Insertion;
+use crate::ranks::Links;
+use crate::simplex::Simplex;
+use crate::simulation::Simulation;
+use crate::solid::{Constants, Node};
+use crate::sum::Sum;
+use crate::vector::dot;
+
+/// Steps between two checks of the energy balance.
+const AUDIT: u64 = 100;
+
+/// Sums over a run, J.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Totals {
+    /// Work against friction of contacts.
+    pub(crate) friction: Sum,
+    /// Work against joints, less the potential energy of contacts to which they have handed over.
+    pub(crate) cohesive: Sum,
+    /// Energy dissipated by local damping, damping of contacts and absorbing edges.
+    pub(crate) damping: Sum,
+    /// Work of applied forces, of gravity, and of boundaries that move nodes.
+    pub(crate) external: Sum,
+    /// Work of applied forces, which `external` contains.
+    pub(crate) loads: Sum,
+    /// Energies at the beginning, once the first step has found them.
+    pub(crate) first: Option<Energies>,
+    /// Largest exchanged and cohesive energy at any audit.
+    pub(crate) exchanged: f64,
+    pub(crate) most_cohesive: f64,
+}
+
+impl Totals {
+    /// Adds works of loads, and of the dashpots of absorbing facets.
+    pub(super) fn add_works(&mut self, works: impl Iterator<Item = [f64; 2]>) {
+        for [work, absorbed] in works {
+            self.external.add(work);
+            self.loads.add(work);
+            self.damping.add(-absorbed);
+        }
+    }
+}
+
+impl<const D: usize, const N: usize> Simulation<D, N>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    /// Whether the energy balance is checked in this step.
+    pub(super) fn is_audited(&self) -> bool {
+        self.step.is_multiple_of(AUDIT)
+    }
+
+    /// Sums up the energies and the reactions at the beginning of this step. `kinetic`: the kinetic energy, J.
+    pub(super) fn account(&mut self, kinetic: &Sum, links: Option<&Links<'_>>) {
+        let [mut strain, viscous] = self.solid.energies(&self.team);
+        let [mut contact, mut friction] = self.seams.energies(&self.solid.share);
+        let mut damping = viscous;
+        let Totals { cohesive, external, loads, .. } = &self.totals;
+        let [mut kinetic, mut cohesive, mut external, mut loads] =
+            [kinetic, cohesive, external, loads].map(Clone::clone);
+        let mut gravity = self.work_of_gravity();
+        contact.add_sum(self.touching.energy.as_ref().unwrap_or(&Sum::default()));
+        friction.add_sum(&self.totals.friction);
+        damping.add_sum(&self.totals.damping);
+        if let Some(part) = &self.part {
+            friction.add_sum(&part.friction());
+        }
+        let mut reactions = self.reactions_of_boundaries();
+        if let Some(links) = links {
+            let mut sums = vec![
+                &mut kinetic,
+                &mut strain,
+                &mut contact,
+                &mut friction,
+                &mut cohesive,
+                &mut damping,
+                &mut external,
+                &mut loads,
+                &mut gravity,
+            ];
+            sums.extend(reactions.iter_mut().flatten());
+            links.add_up(&mut sums);
+        }
+        let now = Energies {
+            kinetic: kinetic.value(),
+            strain: strain.value(),
+            contact: contact.value(),
+            friction: friction.value(),
+            cohesive: cohesive.value(),
+            damping: damping.value(),
+            external: external.value(),
+            ..Energies::default()
+        };
+        // Three works that may cancel: of loads, of gravity, and of boundaries that move or hold nodes.
+        let (loads, gravity) = (loads.value(), gravity.value());
+        let done = loads.abs() + gravity.abs() + (now.external - loads - gravity).abs();
+        let first = *self.totals.first.get_or_insert(now);
+        let exchanged = now.changed(&first).max(done).max(self.totals.exchanged);
+        self.energies = Energies { initial: first.balance(), exchanged, ..now };
+        self.reactions =
+            reactions.iter().map(|sums| std::array::from_fn(|axis| sums[axis].value())).collect();
+    }
+
+    /// Checks the energy balance.
+    pub(super) fn audit(&mut self, links: Option<&Links<'_>>) -> Result<(), Stop> {
+        let energies = self.energies;
+        self.totals.exchanged = energies.exchanged;
+        self.totals.most_cohesive = self.totals.most_cohesive.max(energies.cohesive);
+        let (step, bound) = (self.step, self.model.time.energy_bound);
+        let (error, scale, available) = (energies.error(), energies.scale(), energies.available());
+        if scale <= self.negligible {
+            return Ok(());
+        }
+        if error.abs() > bound || error.is_nan() {
+            return Err(Stop::Energy { element: self.hottest(links), step, error, bound });
+        }
+        if energies.kinetic > available + bound * scale {
+            return Err(Stop::Kinetic {
+                element: self.hottest(links),
+                step,
+                kinetic: energies.kinetic,
+                available,
+            });
+        }
+        // Intrinsic joints store elastic energy and return it, as elements do.
+        let returned = match self.model.fracture.insertion {
+            Insertion::Adaptive => self.totals.most_cohesive - energies.cohesive,
+            Insertion::Intrinsic => -energies.cohesive,
+        };
+        let share = returned / scale;
+        if share > bound {
+            return Err(Stop::Returned { element: self.hottest(links), step, share, bound });
+        }
+        Ok(())
+    }
+
+    /// Force of each boundary on the bodies in this step, N.
+    fn reactions_of_boundaries(&self) -> Vec<[Sum; D]> {
+        let mut sums = vec![[(); D].map(|()| Sum::default()); self.model.boundaries.len()];
+        for (node, reaction) in &self.held {
+            let hold = self.loads.holds[self.solid.constants[*node as usize].hold as usize];
+            for axis in 0..D {
+                if let Some(hold) = hold[axis] {
+                    sums[hold.boundary as usize][axis].add(reaction[axis]);
+                }
+            }
+        }
+        for ([boundary, _], force) in self.loads.applied(&self.solid) {
+            for axis in 0..D {
+                sums[boundary as usize][axis].add(force[axis]);
+            }
+        }
+        sums
+    }
+
+    /// The element with the most energy per mass: the first of them.
+    pub(super) fn hottest(&self, links: Option<&Links<'_>>) -> u32 {
+        let density = |number: u32| {
+            let element = &self.solid.elements[number as usize];
+            let square = |node: u32| {
+                let velocity = self.solid.nodes[node as usize].velocity;
+                dot(velocity, velocity)
+            };
+            let fastest = self.solid.nodes_of(number).into_iter().map(square).fold(0.0, f64::max);
+            let density = self.model.materials[element.material as usize].density;
+            0.5 * fastest + self.solid.energy(number as usize) / (density * element.volume)
+        };
+        let all = (0..self.solid.elements.len() as u32).filter(|&element| self.solid.share.element(element));
+        let of_all = all.map(|element| (density(element), self.topology.number(element)));
+        let hotter = |a: (f64, u32), b: (f64, u32)| {
+            let order = b.0.total_cmp(&a.0).then(a.1.cmp(&b.1));
+            if order.is_le() { a } else { b }
+        };
+        let own = of_all.reduce(hotter);
+        let found = match links {
+            Some(links) => links.all(&own).into_iter().flatten().reduce(hotter),
+            None => own,
+        };
+        found.map_or(0, |(_, element)| element)
+    }
+
+    /// Kinetic energy with the velocities half a step after the positions, J.
+    pub(super) fn kinetic_of_half_step(&self) -> Sum {
+        let of = |(node, constants): (&Node<D>, &Constants)| {
+            0.5 * constants.mass * dot(node.velocity, node.velocity)
+        };
+        let all = self.solid.nodes.iter().zip(&self.solid.constants).enumerate();
+        all.filter(|(node, _)| self.solid.share.node(*node)).map(|(_, node)| of(node)).collect()
+    }
+
+    /// Work of gravity so far, J.
+    fn work_of_gravity(&self) -> Sum {
+        if self.model.gravity == [0.0; D] {
+            return Sum::default();
+        }
+        let factor = self.model.gravity_schedule.factor(self.time());
+        let work = |node: usize| {
+            let moved = self.solid.displacement(node, &self.model);
+            factor * self.solid.constants[node].mass * dot(self.model.gravity, moved)
+        };
+        let of =
+            |range: Range<usize>| [range.filter(|&node| self.solid.share.node(node)).map(work).collect()];
+        let [sum] = Sum::all(self.team.look(self.solid.nodes.len(), of));
+        sum
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fdem_mesh::Mesh;
+
+    use crate::model::{Material, Model};
+
+    /// Kinetic energy out of nothing is found although the balance holds: negative dissipation cancels it, but it exceeds the energy available.
+    #[test]
+    fn kinetic_energy_out_of_nothing_stops_a_run() {
+        let mesh = Mesh {
+            nodes: vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]],
+            elements: vec![[0, 1, 2]],
+            bodies: vec![0],
+            materials: vec![0],
+        };
+        let material = Material {
+            name: "rock".to_owned(),
+            density: 2700.0,
+            youngs_modulus: 50e9,
+            poissons_ratio: 0.25,
+            damping: 0.0,
+            strength: None,
+            friction: 0.5,
+        };
+        let model =
+            Model { mesh, materials: vec![material], velocities: vec![[1.0, 0.0]; 3], ..Model::default() };
+        let mut run = Simulation::new(model, 1).expect("a model");
+        run.advance(150).expect("a sound run");
+        let kinetic = run.energies().kinetic;
+        for node in &mut run.solid.nodes {
+            node.velocity = node.velocity.map(|v| 2.0 * v);
+        }
+        run.totals.damping.add(-3.0 * kinetic);
+        let stop = run.advance(100).expect_err("three times the energy from nowhere");
+        assert!(matches!(stop, Stop::Kinetic { step: 200, .. }), "{stop}");
+    }
+}

@@ -1,0 +1,107 @@
+//! The state of a run, which is saved and from which it is resumed.
+
+use serde::{Deserialize, Serialize};
+
+use crate::contacts::{Contacts, Saved as SavedContacts};
+use crate::energy::Energies;
+use crate::error::ModelError;
+use crate::joints::{Joint, Saved};
+use crate::model::Model;
+use crate::seams::Hold;
+use crate::simplex::Simplex;
+use crate::simulation::Simulation;
+use crate::simulation::audit::Totals;
+use crate::solid::Node;
+use crate::vector::{Matrix, Point};
+
+/// State of a run, without its model. A run that is resumed from it continues as if it had never stopped.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(bound(
+    serialize = "[f64; D]: Serialize, [u32; N]: Serialize, [[f64; D]; D]: Serialize, Joint<D>: Serialize, [f64; N]: Serialize, SavedContacts<D, N>: Serialize, Saved<D>: Serialize",
+    deserialize = "[f64; D]: Deserialize<'de>, [u32; N]: Deserialize<'de>, [[f64; D]; D]: Deserialize<'de>, Joint<D>: Deserialize<'de>, [f64; N]: Deserialize<'de>, SavedContacts<D, N>: Deserialize<'de>, Saved<D>: Deserialize<'de>"
+))]
+pub struct State<const D: usize = 2, const N: usize = 3> {
+    step: u64,
+    totals: Totals,
+    energies: Energies,
+    reactions: Vec<Point<D>>,
+    /// In the order of results: see [`Snapshot`].
+    nodes: Vec<Node<D>>,
+    of_corner: Vec<[u32; N]>,
+    stresses: Vec<Matrix<D>>,
+    viscous: Vec<Matrix<D>>,
+    dissipated: Vec<f64>,
+    joints: Saved<D>,
+    contacts: SavedContacts<D, N>,
+    seams: Vec<Hold<D>>,
+}
+
+impl<const D: usize, const N: usize> State<D, N> {
+    /// Number of steps done.
+    pub fn step(&self) -> u64 {
+        self.step
+    }
+}
+
+impl<const D: usize, const N: usize> Simulation<D, N>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    /// State from which the run can be resumed.
+    pub fn state(&self) -> State<D, N> {
+        let order = self.solid.order(&self.topology);
+        State {
+            step: self.step,
+            totals: self.totals.clone(),
+            energies: self.energies,
+            reactions: self.reactions.clone(),
+            nodes: order.iter().map(|&node| self.solid.nodes[node as usize]).collect(),
+            of_corner: self.solid.in_order(&order),
+            stresses: (0..self.solid.elements.len()).map(|element| self.solid.stress(element)).collect(),
+            viscous: self.solid.viscous(),
+            dissipated: self.solid.dissipated(),
+            joints: self.joints.save(&self.topology),
+            contacts: self.contacts.save(),
+            seams: self.seams.save(),
+        }
+    }
+
+    /// Creates a run that continues from a state of a run of the same model.
+    ///
+    /// # Errors
+    /// An error that says why the model cannot be simulated; [`ModelError::Length`] or [`ModelError::Missing`] if the state belongs to another model.
+    pub fn resume(model: Model<D, N>, state: State<D, N>, threads: usize) -> Result<Self, ModelError> {
+        let mut run = Self::new(model, threads)?;
+        let elements = run.solid.elements.len();
+        let lengths = [
+            ("stresses", state.stresses.len(), elements),
+            ("viscous stresses", state.viscous.len(), elements),
+            ("elements", state.of_corner.len(), elements),
+            ("dissipated energies", state.dissipated.len(), run.solid.dissipated().len()),
+            ("boundaries", state.reactions.len(), run.reactions.len()),
+        ];
+        for (what, found, expected) in lengths {
+            if found != expected {
+                return Err(ModelError::Length { what, found, expected });
+            }
+        }
+        let missing =
+            |index| ModelError::Missing { what: "node", index, place: "the saved state".to_owned() };
+        if let Some(&node) =
+            state.of_corner.iter().flatten().find(|&&node| node as usize >= state.nodes.len())
+        {
+            return Err(missing(node));
+        }
+        run.solid.set_nodes(state.nodes, state.of_corner, &run.model);
+        run.solid.restore(&state.stresses, &state.viscous, &state.dissipated);
+        run.joints.restore(state.joints, &run.model, &run.topology, &run.solid)?;
+        let couples = Contacts::without_forces(state.contacts);
+        run.contacts.restore(couples, &run.joints, &run.topology);
+        run.seams.restore(state.seams)?;
+        run.step = state.step;
+        run.totals = state.totals;
+        run.energies = state.energies;
+        run.reactions = state.reactions;
+        Ok(run)
+    }
+}
