@@ -470,14 +470,13 @@ impl<const D: usize> Joints<D> {
                         *link = Link::of(joint, solid.thickness);
                     }
                 }
-                let mut work = batch.works();
-                work.add_pile(pile);
-                (breaks, work)
+                pile.add_pile(batch.works());
+                (breaks, pile)
             });
         let (mut breaks, mut work) = (Vec::new(), Sum::default());
         for (more, done) in found {
             breaks.extend(more);
-            work.add_sum(&done);
+            work.add_pile(done);
         }
         let broken = breaks.iter().map(|broken: &Break| broken.joint).collect();
         if !breaks.is_empty() {

@@ -29,22 +29,15 @@ pub(crate) struct Motion<'a, const D: usize, const N: usize> {
     pub(crate) energy: bool,
 }
 
-/// Works of a chunk of nodes: those of [`Moved`].
-#[derive(Clone, Copy, Default)]
-struct Piles {
-    external: [Pile; 2],
-    damping: [Pile; 2],
-}
-
-/// Sums over the motion of all nodes.
+/// Sums over the motion of all nodes, or piles over that of a chunk.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Moved<const D: usize> {
+pub(crate) struct Moved<S, const D: usize> {
     /// Kinetic energy, J, if it is asked for.
-    pub(crate) kinetic: Sum,
+    pub(crate) kinetic: S,
     /// Work of gravity and of prescribed motions, up to the positions at the beginning of the step and after them, J.
-    pub(crate) external: [Sum; 2],
+    pub(crate) external: [S; 2],
     /// Energy dissipated by local damping, likewise.
-    pub(crate) damping: [Sum; 2],
+    pub(crate) damping: [S; 2],
     /// Force on each node that a boundary moves, N.
     pub(crate) held: Vec<(u32, Point<D>)>,
     /// Speed of the fastest node, m/s.
@@ -53,7 +46,7 @@ pub(crate) struct Moved<const D: usize> {
     pub(crate) runaway: Option<(u32, f64)>,
 }
 
-impl<const D: usize> Moved<D> {
+impl<S, const D: usize> Moved<S, D> {
     /// Notes an element with a node that is too fast.
     fn note_runaway(&mut self, found: (u32, f64)) {
         if self.runaway.is_none_or(|(element, _)| found.0 < element) {
@@ -67,7 +60,7 @@ pub(crate) fn advance<const D: usize, const N: usize>(
     solid: &mut Solid<D, N>,
     motion: &Motion<'_, D, N>,
     team: &Team,
-) -> Moved<D>
+) -> Moved<Sum, D>
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
@@ -75,15 +68,14 @@ where
     let origin = *origin;
     let limit = motion.speed_limit * motion.speed_limit;
     let found = team.change(nodes, |first, chunk| {
-        let (mut sum, mut piles) = (Moved::default(), Piles::default());
+        let mut sum = Moved::<Pile, D>::default();
         for (k, node) in chunk.iter_mut().enumerate() {
             if !share.node(first + k) {
                 continue;
             }
             let constants = &constants[first + k];
             let force = gather(first + k, constants, forces, corners, motion);
-            let (reaction, squared) =
-                move_node(node, constants, force, origin, motion, &mut sum.kinetic, &mut piles);
+            let (reaction, squared) = move_node(node, constants, force, origin, motion, &mut sum);
             if constants.hold != NONE {
                 sum.held.push(((first + k) as u32, reaction));
             }
@@ -92,19 +84,15 @@ where
                 sum.note_runaway((corners.of(first + k)[0] / N as u32, squared.sqrt()));
             }
         }
-        for half in 0..2 {
-            sum.external[half].add_pile(piles.external[half]);
-            sum.damping[half].add_pile(piles.damping[half]);
-        }
         sum
     });
-    let mut all = Moved::default();
+    let mut all = Moved::<Sum, D>::default();
     for chunk in found {
-        all.kinetic.add_sum(&chunk.kinetic);
+        all.kinetic.add_pile(chunk.kinetic);
         all.fastest = all.fastest.max(chunk.fastest.sqrt());
         for half in 0..2 {
-            all.external[half].add_sum(&chunk.external[half]);
-            all.damping[half].add_sum(&chunk.damping[half]);
+            all.external[half].add_pile(chunk.external[half]);
+            all.damping[half].add_pile(chunk.damping[half]);
         }
         all.held.extend(chunk.held);
         if let Some(runaway) = chunk.runaway {
@@ -145,8 +133,7 @@ fn move_node<const D: usize, const N: usize>(
     force: Point<D>,
     origin: Point<D>,
     motion: &Motion<'_, D, N>,
-    kinetic: &mut Sum,
-    piles: &mut Piles,
+    sum: &mut Moved<Pile, D>,
 ) -> (Point<D>, f64) {
     let (mass, step, damping) = (constants.mass, motion.step, motion.model.time.local_damping);
     let Node { position, velocity: before } = *node;
@@ -163,16 +150,16 @@ fn move_node<const D: usize, const N: usize>(
     *node =
         Node { position: std::array::from_fn(|axis| position[axis] + step * after[axis]), velocity: after };
     if motion.energy {
-        kinetic.add(0.5 * mass * dot(before, after));
+        sum.kinetic.add(0.5 * mass * dot(before, after), motion.grains);
     }
     // Forces that do work, besides those of elements, joints and contacts. Most nodes have none.
     let external = plus(weight, reactions);
     for (half, velocity) in [before, after].into_iter().enumerate() {
         if external != [0.0; D] {
-            piles.external[half].add(0.5 * step * dot(external, velocity), motion.grains);
+            sum.external[half].add(0.5 * step * dot(external, velocity), motion.grains);
         }
         if damping != 0.0 {
-            piles.damping[half].add(0.5 * step * dot(damped, velocity), motion.grains);
+            sum.damping[half].add(0.5 * step * dot(damped, velocity), motion.grains);
         }
     }
     (reactions, dot(after, after))

@@ -197,6 +197,17 @@ impl Grains {
 pub(crate) struct Pile([f64; 2]);
 
 impl Pile {
+    /// The pile of two sums of parts.
+    pub(crate) fn of(parts: [f64; 2]) -> Self {
+        Self(parts)
+    }
+
+    /// Adds the numbers of another pile of the same chunk.
+    pub(crate) fn add_pile(&mut self, other: Self) {
+        self.0[0] += other.0[0];
+        self.0[1] += other.0[1];
+    }
+
     /// Adds a number.
     #[inline(always)]
     pub(crate) fn add(&mut self, number: f64, grains: Grains) {

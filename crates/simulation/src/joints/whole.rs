@@ -10,7 +10,7 @@ use crate::joints::{Joint, State};
 use crate::lanes::{LANES, Lanes, Tensors, compiled_for_vectors, row, set_tensor, tensor};
 use crate::simplex::Simplex;
 use crate::solid::{Node, Solid};
-use crate::sum::{Grains, Sum};
+use crate::sum::{Grains, Pile};
 use crate::vector::{Point, dot, minus, plus};
 
 /// Number of whole joints in a batch from which it is worth its cost.
@@ -208,8 +208,8 @@ impl<const D: usize> Batch<D> {
     }
 
     /// The work of all joints that were computed and stayed whole since the last step, J.
-    pub(super) fn works(&self) -> Sum {
-        self.works.iter().flat_map(|part| (0..LANES).map(|lane| part.get(lane))).collect()
+    pub(super) fn works(&self) -> Pile {
+        Pile::of(self.works.map(|part| (0..LANES).map(|lane| part.get(lane)).sum()))
     }
 }
 
