@@ -1,6 +1,6 @@
 //! Foretells how runs on many ranks scale: counts what the ranks of a real mesh hold and send, measures what an element costs, and puts both into a model of weak and strong scaling.
 //!
-//! Nothing runs on many ranks here. Counts are exact ([`Forecast`]), times of elements are measured on one core, and the network is assumed.
+//! Nothing runs on many ranks here. Counts are exact (`fdem_simulation::Forecast`), times of elements are measured on one core, and the network is assumed.
 
 mod estimate;
 mod pattern;
