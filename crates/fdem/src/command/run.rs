@@ -548,6 +548,8 @@ where
         let shares: Vec<String> = PARTS
             .iter()
             .zip(account.parts)
+            // One process sends no messages.
+            .filter(|(name, seconds)| **name != "messages" || *seconds > 0.0)
             .map(|(name, seconds)| format!("{name} {:.0} %", 100.0 * seconds / busy.max(1e-9)))
             .collect();
         let cracks: Vec<String> = ["tension", "shear", "both"]
@@ -556,7 +558,7 @@ where
             .filter(|(_, length)| *length > 0.0)
             .map(|(name, measure)| format!("{} {} by {name}", brief(measure), <[[f64; D]; N]>::CRACKED.1))
             .collect();
-        vec![
+        let mut facts = vec![
             ("status", status.to_owned()),
             (
                 "mesh",
@@ -612,7 +614,6 @@ where
                     shares.join(", ")
                 ),
             ),
-            ("ranks", in_ranks(&run.traffic(), run.steps())),
             (
                 "output",
                 format!(
@@ -622,18 +623,20 @@ where
                     counted(account.checkpoints, "checkpoint")
                 ),
             ),
-        ]
+        ];
+        facts.extend(in_ranks(&run.traffic(), run.steps()).map(|text| ("ranks", text)));
+        facts
     }
 }
 
-/// Describes the ranks of a run: what they have, and what they have sent in each step.
-fn in_ranks(traffic: &[Traffic], steps: u64) -> String {
-    let Some(first) = traffic.first() else { return "one process".to_owned() };
+/// Describes the ranks of a run: what they have, and what they have sent in each step. `None` in one process.
+fn in_ranks(traffic: &[Traffic], steps: u64) -> Option<String> {
+    let first = traffic.first()?;
     let sum = |of: fn(&Traffic) -> u64| traffic.iter().map(of).sum::<u64>() as f64;
     let most = |of: fn(&Traffic) -> u64| traffic.iter().map(of).max().unwrap_or_default() as f64;
     let own = sum(|rank| rank.own as u64).max(1.0);
     let each = steps.max(1) as f64;
-    format!(
+    Some(format!(
         "{} ranks; the halo is {:.1} % of the elements; the busiest has {:.1} % more than the mean; up to {} neighbours; \
          {} bytes and {:.1} messages a step and rank; divided {} times",
         traffic.len(),
@@ -643,7 +646,7 @@ fn in_ranks(traffic: &[Traffic], steps: u64) -> String {
         grouped((sum(|rank| rank.bytes) / each / traffic.len() as f64) as u64),
         sum(|rank| rank.messages) / each / traffic.len() as f64,
         first.spreads + 1
-    )
+    ))
 }
 
 /// `2 frames` and `1 frame`.
