@@ -302,7 +302,6 @@ const OTHERS: &[(&str, &str, &str)] = &[
     ("book/src/simulation/trust.md", "four times the speed", "a speed of the model"),
     ("book/src/simulation/model-file.md", "after 10 minutes", "a limit"),
     ("book/src/simulation/model-file.md", "20 times as long as a wave needs", "a duration of the model"),
-    ("book/src/simulation/ranks.md", "five minutes before its time is over", "a limit"),
     ("book/src/simulation/verification.md", "took 28 minutes", "told by `fdem validate`"),
 ];
 
