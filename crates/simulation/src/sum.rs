@@ -177,11 +177,11 @@ pub(crate) struct Grains {
 }
 
 impl Grains {
-    /// Grains for numbers up to a million times `size`, with 70 bits below it. Plain sums of up to a thousand parts are exact.
+    /// Grains for numbers up to a hundred times `size`, with 88 bits below it. Plain sums of 512 parts are exact up to that size.
     pub(crate) fn of(size: f64) -> Self {
         let exponent = if size > 0.0 && size.is_finite() { libm::ilogb(size) } else { 0 };
         let grain = |below: i32| 1.5 * libm::ldexp(1.0, (exponent - below).max(-1000) + 52);
-        Self { large: grain(30), small: grain(70) }
+        Self { large: grain(44), small: grain(88) }
     }
 
     /// The two parts of a number.
@@ -297,7 +297,7 @@ mod tests {
         assert_eq!(forth, back);
         let exact: Sum = numbers.iter().copied().collect();
         let rounded: Sum = forth.into_iter().collect();
-        assert!((rounded.value() - exact.value()).abs() <= 500.0 * 10.0 * libm::exp2(-70.0));
+        assert!((rounded.value() - exact.value()).abs() <= 500.0 * 10.0 * libm::exp2(-88.0));
         for size in [0.0, f64::NAN, 1e-320, 1e300] {
             let [large, small] = Grains::of(size).parts(0.0);
             assert_eq!([large, small], [0.0; 2], "{size}");
