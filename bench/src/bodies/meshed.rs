@@ -19,7 +19,7 @@ impl MeshedCube {
     /// Meshes the cube with approximately this number of elements.
     ///
     /// # Errors
-    /// Those of the mesher.
+    /// Options of the mesher.
     pub fn new(elements: usize) -> Result<Self, MeshError> {
         let size = (1.0 / (SHAPE * elements as f64)).cbrt();
         let cut = tetrahedra(&cuboid([0.0; 3], [1.0; 3])?, &|_| size, 1)?;

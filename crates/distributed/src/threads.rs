@@ -12,7 +12,7 @@ use crate::communicator::{Communicator, Halo, Message, Port, check_messages, che
 /// Messages of [`Communicator::send`] that wait between two ranks before the sender waits. Few, so that a program that would lock up under MPI does so here.
 const WAITING: usize = 1;
 
-/// Which call a message belongs to; a difference between the ranks is a mistake of the program.
+/// The collective call to which a message belongs. If ranks are in different calls, the program has a mistake.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Call {
     Barrier,

@@ -129,7 +129,7 @@ impl NpyRows {
         self.rows
     }
 
-    /// Where these rows are in the file.
+    /// Place of these rows in the file.
     pub fn bytes(&self, rows: Range<u64>) -> Range<u64> {
         let place = |row: u64| self.header.data as u64 + row * self.stride;
         place(rows.start)..place(rows.end)

@@ -76,7 +76,7 @@ pub(crate) struct Side<const D: usize> {
     pub(crate) measure: f64,
 }
 
-/// What a rank must know of the whole model for its part of the loads.
+/// Numbers of the whole model that a rank needs for its part of the loads.
 #[derive(Debug)]
 pub(crate) struct Wide {
     /// Number of nodes of the mesh on which each boundary acts.

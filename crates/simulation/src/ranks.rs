@@ -87,7 +87,7 @@ pub struct Traffic {
     pub bytes: u64,
     /// Messages with them.
     pub messages: u64,
-    /// How often elements were given to ranks again.
+    /// Number of times that elements were given to ranks again.
     pub spreads: u64,
 }
 
@@ -206,7 +206,7 @@ where
         self.run.threads()
     }
 
-    /// What this rank has, and what it has sent.
+    /// The elements and the traffic of this rank.
     pub fn traffic(&self) -> Traffic {
         let share = &self.run.solid.share;
         let elements = self.run.solid.elements.len();
@@ -222,7 +222,7 @@ where
         }
     }
 
-    /// What every rank has, and what it has sent, in the order of the ranks.
+    /// The elements and the traffic of every rank, in the order of the ranks.
     pub fn traffic_of_all(&self) -> Vec<Traffic> {
         let own = self.traffic();
         let numbers = |traffic: Traffic| {
@@ -439,7 +439,7 @@ where
         self.contacts.watch_bare(&self.joints, &self.topology);
     }
 
-    /// What this rank counts.
+    /// Numbers of the joints, contacts and nodes that this rank counts.
     fn own_counts(&self) -> Counts {
         let share = &self.solid.share;
         let (mut joints, mut broken) = (0, 0);

@@ -3,7 +3,7 @@
 //! A rank owns corners of elements, and moves their nodes. It holds every element that acts on them. Some of these have corners of other ranks: their nodes are moved there. What several
 //! ranks hold is counted by one of them: an element, and a couple by its first element, by the owner of the first corner; a joint by the owner of its first corner.
 
-/// What of a run belongs to this rank: everything, if all lists are empty.
+/// The corners and nodes of a run that belong to this rank: all of them, if all lists are empty.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Share {
     /// Whether each corner is owned.
@@ -46,7 +46,7 @@ impl Share {
         self.is_whole() || self.corners[first..first + self.of_element].contains(&true)
     }
 
-    /// Those of the corners of a vertex that are owned, and their groups. Corners of one group have one owner.
+    /// Selects the corners of a vertex that are owned, with their groups. Corners of one group have one owner.
     pub(crate) fn owned(&self, corners: &[u32], groups: &[u32]) -> (Vec<u32>, Vec<u32>) {
         if self.is_whole() {
             return (corners.to_vec(), groups.to_vec());

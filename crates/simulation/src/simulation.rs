@@ -83,7 +83,7 @@ pub struct Simulation<const D: usize = 2, const N: usize = 3> {
     pub(crate) held: Vec<(u32, Point<D>)>,
     pub(crate) touching: Touching,
     pub(crate) timings: Timings,
-    /// What this rank has of a run of many; `None` for a whole run.
+    /// The part of a run that this rank has; `None` for a whole run.
     pub(crate) part: Option<Part<D>>,
 }
 

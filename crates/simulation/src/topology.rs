@@ -35,16 +35,16 @@ pub(crate) struct Topology<const D: usize = 2, const N: usize = 3> {
     pub(crate) facets: Vec<Facet<D>>,
     /// The facets of each element, in the order of [`Simplex::FACETS`]; [`NONE`] on the surface.
     pub(crate) facet_of: Vec<[u32; N]>,
-    /// What is known of a part of a mesh; `None` for a whole one.
+    /// Numbers and surface of a part of a mesh; `None` for a whole one.
     part: Option<PartOf<N>>,
 }
 
-/// How a part of a mesh hangs together with the rest.
+/// Numbers of a part of a mesh in the whole mesh, and its share of the surface.
 #[derive(Clone, Debug)]
 pub(crate) struct PartOf<const N: usize> {
     /// Numbers of the elements in the whole mesh, ascending.
     pub(crate) numbers: Vec<u32>,
-    /// Which facets of each element are on the surface of the whole mesh.
+    /// Whether each facet of each element is on the surface of the whole mesh.
     pub(crate) outer: Vec<[bool; N]>,
 }
 

@@ -1,4 +1,4 @@
-//! Which elements a rank must send to which ranks, so that every couple is found by one of them.
+//! Ghosts: elements that a rank sends to others, so that one rank finds each couple.
 //!
 //! Two elements that touch belong to ranks of which one gets a copy of the other's element, a ghost. The larger element is sent, so that a large one among
 //! small ones does not attract all of them. Sizes are compared by [levels](Set::level); elements of one level are sent by one of the two ranks.
@@ -30,12 +30,12 @@ pub(crate) struct Group<const D: usize> {
 /// An element that is sent, with the number of edges by which it is displaced from its place in the box.
 type Sent<const D: usize> = (u32, [i32; D]);
 
-/// Which of two ranks gets ghosts from the other one, where elements are of one level. The choice alternates, so that ghosts are spread evenly.
+/// Chooses the one of two ranks that gets ghosts from the other, for elements of one level. The choice alternates, so that ghosts are spread evenly.
 pub(crate) fn keeper(a: usize, b: usize) -> usize {
     if (a + b).is_multiple_of(2) { a.min(b) } else { a.max(b) }
 }
 
-/// How the periodic box displaces elements, and the rounding that is allowed for.
+/// Displacements of elements by the periodic box, and the rounding that is allowed for.
 #[derive(Clone, Copy)]
 pub(crate) struct Lattice<'a, T, const D: usize> {
     pub(crate) cell: &'a PeriodicBox<T, D>,

@@ -20,7 +20,7 @@ pub(crate) enum SceneSizes<T, const D: usize> {
     Far(Vec<[T; D]>),
 }
 
-/// Which rank has an element at first.
+/// The rank that has an element at first.
 pub(crate) const SPREADS: [fn(usize, usize) -> usize; 3] =
     [|place, ranks| place % ranks, |_, ranks| ranks - 1, |place, ranks| place / 97 % ranks];
 

@@ -66,7 +66,7 @@ impl Part {
         Ok(Self { file, target, claim })
     }
 
-    /// Where the file is while it is written.
+    /// Path of the file while it is written.
     pub(crate) fn path(&self) -> &Path {
         self.file.get_ref().path()
     }

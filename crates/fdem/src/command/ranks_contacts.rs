@@ -476,7 +476,7 @@ impl<const D: usize> Part<D> {
     }
 }
 
-/// What rank 0 shows at the end.
+/// The summary that rank 0 shows at the end.
 struct Told {
     file: String,
     elements: u64,

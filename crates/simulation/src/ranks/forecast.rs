@@ -15,7 +15,7 @@ use crate::simplex::Simplex;
 use crate::simulation::Simulation;
 use crate::vector::Point;
 
-/// What a run needs on a number of ranks, at its beginning or at any later step.
+/// Elements, messages and memory of a run on a number of ranks, at its beginning or at any later step.
 ///
 /// The shares and messages are those that [`Distributed::new`](crate::Distributed::new) gives the ranks, exactly: elements that each rank computes because they act on its nodes, or because
 /// they are so near to its own that they may touch them soon. They change when joints are inserted, when bodies move, and when ranks get other elements because the work has become uneven.
@@ -57,7 +57,7 @@ pub struct RankForecast {
     pub own: usize,
     /// Elements that it computes too because they act on its nodes, or are near its elements.
     pub halo: usize,
-    /// Those of `halo` that are only near.
+    /// Elements of `halo` that are only near.
     pub near: usize,
     /// Nodes that this rank moves.
     pub nodes: usize,

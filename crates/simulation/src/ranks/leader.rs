@@ -14,7 +14,7 @@ use crate::simplex::Simplex;
 use crate::simulation::{Counts, Simulation, State, Timings};
 use crate::snapshot::Snapshot;
 
-/// What the leader asks all ranks to do together.
+/// A task that the leader gives to all ranks together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Order {
     End,
@@ -191,7 +191,7 @@ where
         at(whole, forces)
     }
 
-    /// What each rank has, and what it has sent.
+    /// The elements and the traffic of each rank.
     pub fn traffic(&self) -> Vec<Traffic> {
         self.all(Order::Traffic, &[], Distributed::traffic_of_all)
     }

@@ -31,7 +31,7 @@ impl Neighbour {
     }
 }
 
-/// How a vertex has come apart: what its owner tells a neighbour.
+/// The parting of a vertex, as its owner tells it to a neighbour.
 struct Change<const D: usize> {
     corners: Vec<Changed>,
     /// Tractions with which ends of joints begin, by the codes of their facets.
@@ -57,7 +57,7 @@ wire!([] Changed { code, node, mass, group });
 /// A vertex whose nodes were split, with the tractions with which ends of joints begin there, by their facets.
 pub(crate) type Split<const D: usize> = (u32, Vec<(u32, [f64; D])>);
 
-/// What a rank says about a step, all of it numbers of which the largest counts.
+/// A rank's report of a step. Of each number, the largest of all ranks counts.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Told {
     /// Speed of the fastest node, m/s.

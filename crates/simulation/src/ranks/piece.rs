@@ -68,7 +68,7 @@ pub(super) struct Piece<const D: usize, const N: usize> {
     pub(super) body: u32,
     pub(super) material: u32,
     pub(super) watched: bool,
-    /// Which of its facets are on the surface of the mesh.
+    /// Whether each of its facets is on the surface of the mesh.
     pub(super) outer: [bool; N],
     pub(super) initial: Option<Matrix<D>>,
     pub(super) stress: Matrix<D>,
@@ -170,7 +170,7 @@ impl<const D: usize, const N: usize> Pieces<D, N> {
     }
 }
 
-/// What all ranks know: the model without its mesh, and numbers of the whole run.
+/// The model without its mesh, and numbers of the whole run: all ranks have them.
 #[derive(Clone, Debug)]
 pub(crate) struct Frame<const D: usize, const N: usize> {
     pub(crate) model: Model<D, N>,
@@ -276,7 +276,7 @@ where
     }
 }
 
-/// What a run keeps when its elements change.
+/// The step, sums and times that a run keeps when its elements change.
 #[derive(Clone, Debug)]
 pub(super) struct Carried<const D: usize> {
     pub(super) step: u64,
@@ -299,7 +299,7 @@ impl<const D: usize> Carried<D> {
         bytes
     }
 
-    /// What a rank without a part begins with.
+    /// The values with which a rank without a part begins.
     pub(super) fn of_bytes(mut bytes: &[u8]) -> Self {
         let bytes = &mut bytes;
         let step = u64::take(bytes);
@@ -477,7 +477,7 @@ where
         (parted.iter().map(|pair| pair.map(number)).collect(), bared.iter().copied().map(number).collect())
     }
 
-    /// What the run keeps when its elements change.
+    /// The step, sums and times that the run keeps when its elements change.
     pub(super) fn carried(&self) -> Carried<D> {
         Carried {
             step: self.step,

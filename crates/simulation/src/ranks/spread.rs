@@ -1,4 +1,4 @@
-//! Which rank owns what: nodes go to ranks along Hilbert's curve, and each rank gets the elements that act on its nodes, and those near them.
+//! Division of a run among ranks: nodes go to ranks along Hilbert's curve, and each rank gets the elements that act on its nodes, and those near them.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -26,7 +26,7 @@ const IMBALANCE: f64 = 0.1;
 /// Weights of an element, of a joint and of a couple that touches: about the time that each takes.
 const WEIGHTS: [u64; 3] = [12, 6, 60];
 
-/// How space is divided among the ranks.
+/// The division of space among the ranks.
 #[derive(Clone, Debug)]
 pub(super) struct Division<const D: usize> {
     curve: Curve<D>,
@@ -180,7 +180,7 @@ where
     (pieces, Near { hidden, lent, reach: reach(frame, stressed) })
 }
 
-/// What [`spread`] has found besides the pieces.
+/// Neighbourhoods that [`spread`] has found besides the pieces.
 pub(super) struct Near {
     /// Numbers of the elements counted here that are near those of other ranks, which do not know them because they are not watched.
     hidden: BTreeSet<u32>,

@@ -1,4 +1,4 @@
-//! What results show of a run.
+//! The snapshot of a run, for results.
 
 use crate::joints::{Break, Joint};
 use crate::simplex::Simplex;

@@ -1,4 +1,4 @@
-//! What is foretold of a run on many ranks is what the ranks then have and send.
+//! Forecasts of runs on many ranks: the ranks then have and send as much as was foretold.
 
 use fdem_distributed::{Communicator, threads};
 use fdem_simulation::*;

@@ -123,7 +123,7 @@ where
         both!(self, run => run.state())
     }
 
-    /// What each rank has, and what it has sent; empty in one process.
+    /// The elements and the traffic of each rank; empty in one process.
     pub(crate) fn traffic(&self) -> Vec<Traffic> {
         match self {
             Self::Alone(_) => Vec::new(),
