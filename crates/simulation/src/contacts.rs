@@ -215,11 +215,8 @@ where
             for (corner, group) in group(vertex, topology, |_| true) {
                 contacts.groups[corner as usize] = group;
             }
-            if contacts.free[vertex as usize] {
-                contacts.bare_at(vertex, topology);
-            }
         }
-        contacts.bared.clear();
+        contacts.bare_all(topology);
         Ok(contacts)
     }
 
@@ -242,6 +239,16 @@ where
                 self.bared.push(element as u32);
             }
         }
+    }
+
+    /// Marks the elements at all free vertices as bare, as they have been for long.
+    fn bare_all(&mut self, topology: &Topology<D, N>) {
+        for vertex in 0..self.free.len() as u32 {
+            if self.free[vertex as usize] {
+                self.bare_at(vertex, topology);
+            }
+        }
+        self.bared.clear();
     }
 
     /// Registers joints that broke: their elements may touch from the next step on. Returns the vertices at which they are, ascending.
@@ -427,11 +434,7 @@ where
     /// Sets the groups of all corners, and which vertices are free.
     pub(crate) fn set_known(&mut self, groups: Vec<u32>, free: Vec<bool>, topology: &Topology<D, N>) {
         (self.groups, self.free) = (groups, free);
-        for vertex in
-            (0..self.free.len() as u32).filter(|&vertex| self.free[vertex as usize]).collect::<Vec<_>>()
-        {
-            self.bare_at(vertex, topology);
-        }
+        self.bare_all(topology);
     }
 
     /// Restores the couples that touch, and the elements that have separated.

@@ -14,4 +14,6 @@ mod ranks;
 mod search;
 #[path = "../common/searches.rs"]
 mod searches;
+// The test is the same in both crates, which have unsafe code.
+#[path = "../../../contact/tests/suite/unsafe_code.rs"]
 mod unsafe_code;

@@ -4,6 +4,7 @@ mod account;
 mod checkpoint;
 mod engine;
 pub(crate) mod folder;
+mod lead;
 mod observer;
 mod recorder;
 mod results;
@@ -17,7 +18,7 @@ use std::time::{Duration, Instant};
 use fdem_distributed::Communicator;
 use fdem_io::numbers::{brief, grouped};
 use fdem_results::{Fragments, Row};
-use fdem_simulation::{Simulation, Stop, Traffic, dismiss, follow};
+use fdem_simulation::{Simulation, Stop};
 
 use crate::command::args::{ResumeArguments, RunArguments, RunOptions};
 use crate::command::check::{inputs_of, read_text, refused};
@@ -30,6 +31,7 @@ use account::{Account, PARTS, Spent};
 use checkpoint::{Checkpoint, Unsaved};
 use engine::Engine;
 use folder::{Folder, MODEL, SUMMARY, SavedState};
+use lead::{Lead, in_ranks};
 use observer::Observer;
 use recorder::Recorder;
 use results::Results;
@@ -199,53 +201,6 @@ where
         Running::new(folder, prepared, simulation, recorder, earlier, &arguments.options, watch)?;
     running.told.say(&format!("continues after step {}", grouped(step)));
     running.go()
-}
-
-/// The ranks of a run, on the one that leads the others.
-struct Lead<'c> {
-    ranks: Option<&'c dyn Communicator>,
-    threads: usize,
-    /// Whether the others follow a run, and need not be told that there is none.
-    followed: bool,
-}
-
-impl<'c> Lead<'c> {
-    /// The ranks on rank 0, or in the only process. Any other rank follows the run of rank 0 to its end; then there is nothing left to do.
-    fn of(
-        ranks: Option<&'c dyn Communicator>,
-        watch: &Watch,
-        options: &RunOptions,
-    ) -> Result<Option<Self>, Failure> {
-        // A rank has one thread if nothing else is said: there are as many ranks as processors.
-        let threads = if ranks.is_some() { options.threads.max(1) } else { options.threads };
-        if let Some(ranks) = ranks.filter(|ranks| ranks.rank() > 0) {
-            // Rank 0 gets the same signals, and ends the run.
-            watch.begin();
-            follow(ranks, threads).map_err(|error| Failure::Unusable(error.to_string()))?;
-            return Ok(None);
-        }
-        Ok(Some(Self { ranks, threads, followed: false }))
-    }
-
-    /// Distributes a simulation among the ranks.
-    fn distribute<const D: usize, const N: usize>(
-        mut self,
-        run: Simulation<D, N>,
-    ) -> Result<Engine<'c, D, N>, String>
-    where
-        [[f64; D]; N]: Results<D, N>,
-    {
-        self.followed = true;
-        Engine::new(run, self.ranks, self.threads)
-    }
-}
-
-impl Drop for Lead<'_> {
-    fn drop(&mut self) {
-        if let Some(ranks) = self.ranks.filter(|_| !self.followed && !std::thread::panicking()) {
-            dismiss(ranks);
-        }
-    }
 }
 
 /// Returns the default folder: the name of the model with `_results` after it, in the working directory.
@@ -627,26 +582,6 @@ where
         facts.extend(in_ranks(&run.traffic(), run.steps()).map(|text| ("ranks", text)));
         facts
     }
-}
-
-/// Describes the ranks of a run: what they have, and what they have sent in each step. `None` in one process.
-fn in_ranks(traffic: &[Traffic], steps: u64) -> Option<String> {
-    let first = traffic.first()?;
-    let sum = |of: fn(&Traffic) -> u64| traffic.iter().map(of).sum::<u64>() as f64;
-    let most = |of: fn(&Traffic) -> u64| traffic.iter().map(of).max().unwrap_or_default() as f64;
-    let own = sum(|rank| rank.own as u64).max(1.0);
-    let each = steps.max(1) as f64;
-    Some(format!(
-        "{} ranks; the halo is {:.1} % of the elements; the busiest has {:.1} % more than the mean; up to {} neighbours; \
-         {} bytes and {:.1} messages a step and rank; divided {} times",
-        traffic.len(),
-        100.0 * sum(|rank| rank.halo as u64) / own,
-        100.0 * (most(|rank| rank.own as u64) * traffic.len() as f64 / own - 1.0),
-        most(|rank| rank.neighbours as u64),
-        grouped((sum(|rank| rank.bytes) / each / traffic.len() as f64) as u64),
-        sum(|rank| rank.messages) / each / traffic.len() as f64,
-        first.spreads + 1
-    ))
 }
 
 /// `2 frames` and `1 frame`.

@@ -317,18 +317,32 @@ impl<const D: usize> Joints<D> {
         for node in solid.split(&owned, &groups) {
             solid.weigh(node, model);
         }
-        for &corner in &owned {
+        self.open_at(vertex, &owned, &begin, solid, topology);
+        begin
+    }
+
+    /// Marks the ends of joints at these corners of a vertex as open that have two nodes now. `begin`: tractions with which some ends begin, by their facets.
+    pub(crate) fn open_at<const N: usize>(
+        &mut self,
+        vertex: u32,
+        corners: &[u32],
+        begin: &[(u32, [f64; D])],
+        solid: &Solid<D, N>,
+        topology: &Topology<D, N>,
+    ) where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        for &corner in corners {
             for facet in topology.facets_at(corner) {
                 let known = begin.iter().find(|(other, _)| *other == facet).map(|(_, traction)| *traction);
                 self.open(facet, vertex, known, solid, topology);
             }
         }
-        begin
     }
 
     /// Marks an end of a joint as open if it has two nodes now. `known`: the traction that held them together; if it is `None`, that of the two elements is
     /// taken.
-    pub(crate) fn open<const N: usize>(
+    fn open<const N: usize>(
         &mut self,
         facet: u32,
         vertex: u32,

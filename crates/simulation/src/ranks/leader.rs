@@ -166,6 +166,11 @@ where
         self.all(Order::Fragments, &[], Distributed::fragments).unwrap_or_default()
     }
 
+    /// Positions, motion, stress and cracks now.
+    pub fn snapshot(&self) -> Snapshot<D, N> {
+        self.look(|whole, _| whole.snapshot())
+    }
+
     /// Positions, motion, stress and cracks now, with the forces at the beginning of the last step.
     ///
     /// # Panics

@@ -313,14 +313,9 @@ fn follow<const D: usize, const N: usize>(
             let node = solid.corners.node_at(corner) as usize;
             solid.share.codes[node] = changed.node;
         }
-        for &corner in &corners {
-            for facet in topology.facets_at(corner) {
-                let code = |facet| topology.code(facet);
-                let begun = |&&(at, _): &&(u32, [f64; D])| facet != NONE && at == code(facet);
-                let known = change.begin.iter().find(begun).map(|(_, traction)| *traction);
-                joints.open(facet, vertex, known, solid, topology);
-            }
-        }
+        let begun = |&(code, traction): &(u32, [f64; D])| Some((topology.facet_with(code)?, traction));
+        let begin: Vec<_> = change.begin.iter().filter_map(begun).collect();
+        joints.open_at(vertex, &corners, &begin, solid, topology);
     }
     if change.broken {
         let groups: Vec<_> =

@@ -112,6 +112,10 @@ where
         both!(self, run => run.fragments())
     }
 
+    pub(crate) fn snapshot(&self) -> Snapshot<D, N> {
+        both!(self, run => run.snapshot())
+    }
+
     pub(crate) fn frame(&self) -> (Snapshot<D, N>, Forces<D>) {
         match self {
             Self::Alone(run) => (run.snapshot(), run.forces()),

@@ -126,7 +126,7 @@ impl Observer {
         [[f64; D]; N]: Results<D, N>,
     {
         // The snapshot of a run is consistent. An error would be a bug.
-        Fragments::of(&run.frame().0, &self.masses).map_err(|error| broken(FRAGMENTS, &error))
+        Fragments::of(&run.snapshot(), &self.masses).map_err(|error| broken(FRAGMENTS, &error))
     }
 }
 

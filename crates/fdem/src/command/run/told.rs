@@ -206,7 +206,7 @@ fn state_hash<const D: usize, const N: usize>(run: &Engine<'_, D, N>) -> String
 where
     [[f64; D]; N]: Results<D, N>,
 {
-    let ((snapshot, _), energies) = (run.frame(), run.energies());
+    let (snapshot, energies) = (run.snapshot(), run.energies());
     let mut hash = Sha256::new();
     let mut add = |number: f64| hash.update(number.to_bits().to_le_bytes());
     snapshot.positions.iter().chain(&snapshot.velocities).flatten().for_each(|&number| add(number));
