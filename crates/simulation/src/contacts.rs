@@ -682,20 +682,25 @@ fn skipped_until(travel: f64, distance: f64) -> f64 {
     travel + 0.499 * distance
 }
 
+/// Lengths of the facets of all elements, as edges, m.
+pub(crate) fn edges<const D: usize, const N: usize>(model: &Model<D, N>) -> impl Iterator<Item = f64>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    (0..model.mesh.elements.len()).flat_map(|element| {
+        let corners = corners_of(&model.mesh, element);
+        debug_assert!(corners.measure() > 0.0);
+        <[[f64; D]; N]>::FACETS.map(|facet| {
+            let measure = <[[f64; D]; N]>::facet_measure(&facet.map(|corner| corners[corner]));
+            <[[f64; D]; N]>::facet_length(measure)
+        })
+    })
+}
+
 /// Mean length of the facets of all elements, as edges, m.
 pub(crate) fn mean_edge<const D: usize, const N: usize>(model: &Model<D, N>) -> f64
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    let mesh = &model.mesh;
-    let mut sum = 0.0;
-    for element in 0..mesh.elements.len() {
-        let corners = corners_of(mesh, element);
-        for facet in <[[f64; D]; N]>::FACETS {
-            let measure = <[[f64; D]; N]>::facet_measure(&facet.map(|corner| corners[corner]));
-            sum += <[[f64; D]; N]>::facet_length(measure);
-        }
-        debug_assert!(corners.measure() > 0.0);
-    }
-    sum / (N * mesh.elements.len().max(1)) as f64
+    edges(model).sum::<f64>() / (N * model.mesh.elements.len().max(1)) as f64
 }

@@ -15,6 +15,7 @@ use crate::error::ModelError;
 use crate::ground::Ground;
 use crate::joints::{Joints, penalty};
 use crate::model::Model;
+use crate::ranks::wire::{Wire, wire};
 use crate::share::Share;
 use crate::simplex::Simplex;
 use crate::solid::corners_of;
@@ -42,6 +43,18 @@ pub enum Cause {
     Contact,
 }
 
+wire!([] CriticalStep { step, element, cause });
+
+impl Wire for Cause {
+    fn put(&self, out: &mut Vec<u8>) {
+        (*self as u8).put(out);
+    }
+
+    fn take(bytes: &mut &[u8]) -> Self {
+        [Self::Bulk, Self::Joint, Self::Contact][u8::take(bytes) as usize]
+    }
+}
+
 impl std::fmt::Display for Cause {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         out.write_str(match self {
@@ -53,11 +66,6 @@ impl std::fmt::Display for Cause {
 }
 
 impl CriticalStep {
-    /// The cause with a number.
-    pub(crate) fn cause_of(number: u8) -> Cause {
-        [Cause::Bulk, Cause::Joint, Cause::Contact][number as usize]
-    }
-
     /// The critical time step of a model, with all joints and contacts that it may get.
     ///
     /// # Errors

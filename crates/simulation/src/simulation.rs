@@ -19,7 +19,8 @@ use crate::lanes::Available;
 use crate::loads::Loads;
 use crate::model::{Insertion, Model};
 use crate::motion::{self, Motion};
-use crate::ranks::{Frame, Links, Part, Told};
+use crate::ranks::wire::wire;
+use crate::ranks::{Links, Part, Told};
 use crate::seams::Seams;
 use crate::share::Share;
 use crate::simplex::Simplex;
@@ -65,14 +66,7 @@ pub struct Simulation<const D: usize = 2, const N: usize = 3> {
     pub(crate) seams: Seams<D>,
     pub(crate) loads: Loads<D, N>,
     pub(crate) team: Team,
-    pub(crate) critical: CriticalStep,
-    pub(crate) time_step: f64,
-    /// Largest speed of a node at which the run continues, m/s.
-    pub(crate) speed_limit: f64,
-    /// Energy of the stiffest element at a strain of 1, J: the size of the works that are added up.
-    pub(crate) size: f64,
-    /// Exchanged energy below which the energy balance is not checked, J.
-    pub(crate) negligible: f64,
+    pub(crate) scales: Scales,
     pub(crate) step: u64,
     pub(crate) totals: Totals,
     /// Energies at the beginning of the last step that they were asked for, J: of the last step of [`Simulation::advance`].
@@ -86,6 +80,22 @@ pub struct Simulation<const D: usize = 2, const N: usize = 3> {
     /// The part of a run that this rank has; `None` for a whole run.
     pub(crate) part: Option<Part<D>>,
 }
+
+/// Numbers of a model that all of its parts share.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Scales {
+    pub(crate) critical: CriticalStep,
+    /// Time step, s.
+    pub(crate) time_step: f64,
+    /// Largest speed of a node at which the run continues, m/s.
+    pub(crate) speed_limit: f64,
+    /// Energy of the stiffest element at a strain of 1, J: the size of the works that are added up.
+    pub(crate) size: f64,
+    /// Exchanged energy below which the energy balance is not checked, J.
+    pub(crate) negligible: f64,
+}
+
+wire!([] Scales { critical, time_step, speed_limit, size, negligible });
 
 /// The parts of a simulation that depend on its elements.
 pub(crate) struct Parts<const D: usize, const N: usize> {
@@ -182,44 +192,26 @@ where
         let [strain, _] = solid.energies(&team).map(|sum| sum.value());
         let cohesive = joints.stored(&solid);
         let totals = Totals { most_cohesive: cohesive.value(), cohesive, ..Totals::default() };
-        Ok(Self {
-            size,
+        let scales = Scales {
+            critical,
             time_step: model.time.step.unwrap_or(critical.step * model.time.safety),
+            speed_limit,
+            size,
             negligible: 0.5 * stiffness.value() * NEGLIGIBLE_STRAIN * NEGLIGIBLE_STRAIN
                 + NEGLIGIBLE_SHARE * strain,
-            reactions: vec![[0.0; D]; model.boundaries.len()],
-            team,
-            step: 0,
-            totals,
-            energies: Energies { strain, initial: strain, ..Energies::default() },
-            held: Vec::new(),
-            touching: Touching::default(),
-            timings: Timings::default(),
-            model,
-            topology,
-            solid,
-            joints,
-            contacts,
-            seams,
-            loads,
-            critical,
-            speed_limit,
-            part: None,
-        })
+        };
+        let parts = Parts { topology, solid, joints, contacts, seams, loads };
+        let mut run = Self::with_parts(model, parts, team, scales);
+        run.totals = totals;
+        run.energies = Energies { strain, initial: strain, ..Energies::default() };
+        Ok(run)
     }
 
-    /// A run of a part of a model, before its first step.
-    pub(crate) fn with_parts(
-        model: Model<D, N>,
-        parts: Parts<D, N>,
-        team: Team,
-        frame: &Frame<D, N>,
-    ) -> Self {
+    /// A run of a model, or of a part of one, before its first step.
+    pub(crate) fn with_parts(model: Model<D, N>, parts: Parts<D, N>, team: Team, scales: Scales) -> Self {
         let Parts { topology, solid, joints, contacts, seams, loads } = parts;
         Self {
-            time_step: frame.time_step,
-            negligible: frame.negligible,
-            size: frame.size,
+            scales,
             reactions: vec![[0.0; D]; model.boundaries.len()],
             team,
             step: 0,
@@ -235,8 +227,6 @@ where
             contacts,
             seams,
             loads,
-            critical: frame.critical,
-            speed_limit: frame.speed_limit,
             part: None,
         }
     }
@@ -255,14 +245,14 @@ where
         let mut clock = Clock::new();
         let time = self.time();
         let Self { model, topology, solid, joints, loads, team, totals, timings, .. } = self;
-        let step = self.time_step;
+        let step = self.scales.time_step;
         // The forces of this step say where joints are inserted; they act from the next one.
         let mut failing = joints.failing(solid, model, topology, team);
         clock.read(&mut timings.joints);
 
         let factor = model.gravity_schedule.factor(time);
         let gravity = model.gravity.map(|acceleration| factor * acceleration);
-        let speed_limit = self.speed_limit;
+        let speed_limit = self.scales.speed_limit;
         let grains = solid.grains;
         let motion =
             Motion { model, joints, loads, gravity, time, step, speed_limit, grains, energy: energies };
@@ -316,7 +306,7 @@ where
             self.audit(links.as_deref())?;
         }
         if told.runs_away {
-            let limit = self.speed_limit;
+            let limit = self.scales.speed_limit;
             let runaway = moved.runaway.map(|(element, speed)| Stop::Runaway {
                 element: self.topology.number(element),
                 step: self.step,
@@ -336,7 +326,7 @@ where
     fn press(&mut self, energies: bool) -> Result<Vec<u32>, Stop> {
         let time = self.time();
         let Self { model, topology, solid, joints, contacts, seams, loads, team, totals, timings, .. } = self;
-        let step = self.time_step;
+        let step = self.scales.time_step;
         let mut clock = Clock::new();
         if let Some((element, ratio)) = solid.deform(step, team) {
             return Err(Stop::Inverted { element: topology.number(element), step: self.step, ratio });
@@ -373,7 +363,7 @@ where
 
     /// The reason of a run that does not say why.
     fn unknown_stop(&self) -> Stop {
-        Stop::Runaway { element: 0, step: self.step, speed: f64::NAN, limit: self.speed_limit }
+        Stop::Runaway { element: 0, step: self.step, speed: f64::NAN, limit: self.scales.speed_limit }
     }
 
     /// Advances the run by `steps` steps.
@@ -419,17 +409,17 @@ where
 
     /// Simulated time, s.
     pub fn time(&self) -> f64 {
-        self.step as f64 * self.time_step
+        self.step as f64 * self.scales.time_step
     }
 
     /// Time step, s.
     pub fn time_step(&self) -> f64 {
-        self.time_step
+        self.scales.time_step
     }
 
     /// The longest stable time step, and what sets it.
     pub fn critical_step(&self) -> CriticalStep {
-        self.critical
+        self.scales.critical
     }
 
     /// Energies at the beginning of the last step, J.

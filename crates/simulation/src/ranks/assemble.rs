@@ -72,7 +72,7 @@ where
         solid.set_nodes(moving, nodes.of_corner, &model);
         solid.set_masses(&nodes.first.iter().map(|at| at.mass).collect::<Vec<f64>>());
         solid.share = share;
-        solid.grains = Grains::of(frame.size);
+        solid.grains = Grains::of(frame.scales.size);
         solid.restore(
             &all.iter().map(|piece| piece.stress).collect::<Vec<_>>(),
             &all.iter().map(|piece| piece.viscous).collect::<Vec<_>>(),
@@ -113,7 +113,7 @@ where
             hidden: vec![false; all.len()],
         };
         let parts = Parts { topology, solid, joints, contacts, seams, loads };
-        let mut run = Self::with_parts(model, parts, team, frame);
+        let mut run = Self::with_parts(model, parts, team, frame.scales);
         run.part = Some(part);
         run.step = carried.step;
         run.totals = carried.totals;

@@ -6,8 +6,7 @@ use std::collections::BTreeMap;
 
 use fdem_mesh::Mesh;
 
-use crate::contacts::{Contacts, Grip};
-use crate::critical::CriticalStep;
+use crate::contacts::{Contacts, Grip, edges, mean_edge};
 use crate::energy::Energies;
 use crate::ground::radii;
 use crate::joints::Moving;
@@ -16,7 +15,7 @@ use crate::model::{Load, Model, Target};
 use crate::ranks::wire::{Wire, bytes_of, wire};
 use crate::seams::Hold;
 use crate::simplex::Simplex;
-use crate::simulation::{Simulation, Timings, Totals};
+use crate::simulation::{Scales, Simulation, Timings, Totals};
 use crate::solid::Node;
 use crate::sum::Sum;
 use crate::vector::{Matrix, Point};
@@ -175,12 +174,7 @@ impl<const D: usize, const N: usize> Pieces<D, N> {
 pub(crate) struct Frame<const D: usize, const N: usize> {
     pub(crate) model: Model<D, N>,
     pub(crate) origin: Point<D>,
-    pub(crate) critical: CriticalStep,
-    pub(crate) time_step: f64,
-    pub(crate) speed_limit: f64,
-    pub(crate) negligible: f64,
-    /// Size of the works that are added up, J.
-    pub(crate) size: f64,
+    pub(crate) scales: Scales,
     /// Mean length of edges, and length of the longest, m.
     pub(crate) edge: f64,
     pub(crate) longest: f64,
@@ -213,25 +207,12 @@ where
             stresses: Vec::new(),
             ..whole.clone()
         };
-        let shape = |element: usize| crate::solid::corners_of(&whole.mesh, element);
-        let edges = (0..whole.mesh.elements.len()).flat_map(|element| {
-            let shape = shape(element);
-            <[[f64; D]; N]>::FACETS.map(|facet| {
-                <[[f64; D]; N]>::facet_length(<[[f64; D]; N]>::facet_measure(
-                    &facet.map(|corner| shape[corner]),
-                ))
-            })
-        });
         Self {
             model,
             origin: run.solid.origin,
-            critical: run.critical,
-            time_step: run.time_step,
-            speed_limit: run.speed_limit,
-            negligible: run.negligible,
-            size: run.size,
-            edge: crate::contacts::mean_edge(whole),
-            longest: edges.fold(0.0, f64::max),
+            scales: run.scales,
+            edge: mean_edge(whole),
+            longest: edges(whole).fold(0.0, f64::max),
             elements: whole.mesh.elements.len() as u32,
             nodes: whole.boundaries.iter().map(|boundary| nodes_of(&boundary.target).len() as u32).collect(),
             radii: if run.loads.ground.is_empty() { BTreeMap::new() } else { radii(whole) },
@@ -239,11 +220,10 @@ where
     }
 
     pub(super) fn bytes(&self) -> Vec<u8> {
-        let Self { critical, time_step, speed_limit, negligible, size, edge, longest, .. } = self;
         let mut bytes = bytes_of(&<[[f64; D]; N]>::encode(&self.model));
         self.origin.put(&mut bytes);
-        (critical.step, (critical.element, critical.cause as u8)).put(&mut bytes);
-        [*time_step, *speed_limit, *negligible, *size, *edge, *longest].put(&mut bytes);
+        self.scales.put(&mut bytes);
+        [self.edge, self.longest].put(&mut bytes);
         self.elements.put(&mut bytes);
         self.nodes.put(&mut bytes);
         self.radii.iter().map(|(&body, &radius)| (body, radius)).collect::<Vec<_>>().put(&mut bytes);
@@ -253,26 +233,11 @@ where
     pub(super) fn of_bytes(mut bytes: &[u8]) -> Self {
         let bytes = &mut bytes;
         let model = <[[f64; D]; N]>::decode(&Vec::take(bytes));
-        let origin = Wire::take(bytes);
-        let (step, (element, cause)) = Wire::take(bytes);
-        let critical = CriticalStep { step, element, cause: CriticalStep::cause_of(cause) };
-        let [time_step, speed_limit, negligible, size, edge, longest] = Wire::take(bytes);
+        let (origin, scales) = (Wire::take(bytes), Wire::take(bytes));
+        let [edge, longest] = Wire::take(bytes);
         let (elements, nodes) = (u32::take(bytes), Vec::take(bytes));
         let radii = Vec::take(bytes).into_iter().collect();
-        Self {
-            model,
-            origin,
-            critical,
-            time_step,
-            speed_limit,
-            negligible,
-            size,
-            edge,
-            longest,
-            elements,
-            nodes,
-            radii,
-        }
+        Self { model, origin, scales, edge, longest, elements, nodes, radii }
     }
 }
 

@@ -115,7 +115,7 @@ where
         self.totals.most_cohesive = self.totals.most_cohesive.max(energies.cohesive);
         let (step, bound) = (self.step, self.model.time.energy_bound);
         let (error, scale, available) = (energies.error(), energies.scale(), energies.available());
-        if scale <= self.negligible {
+        if scale <= self.scales.negligible {
             return Ok(());
         }
         if error.abs() > bound || error.is_nan() {
