@@ -32,6 +32,7 @@ mod periodic;
 mod progress;
 mod ranks;
 mod ranks_contacts;
+mod ranks_file;
 mod run;
 mod series;
 mod series_summary;

@@ -96,3 +96,13 @@ pub(crate) fn first_unlike(communicator: &dyn Communicator, bytes: &[u8]) -> Opt
     let all = communicator.all_gather(bytes);
     all.iter().position(|other| *other != all[0])
 }
+
+/// The number of each rank. Collective.
+pub(crate) fn gather_counts(communicator: &dyn Communicator, own: u64) -> Vec<u64> {
+    let all = communicator.all_gather(&own.to_le_bytes());
+    all.iter().map(|bytes| u64_from(bytes)).collect()
+}
+
+pub(crate) fn u64_from(bytes: &[u8]) -> u64 {
+    bytes.first_chunk().map_or(0, |bytes| u64::from_le_bytes(*bytes))
+}

@@ -2,14 +2,13 @@
 
 use std::fmt;
 use std::fs::{self, File};
-use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
+use std::io::{self, Read, Seek, SeekFrom};
 use std::ops::Range;
-use std::path::Path;
 use std::time::Instant;
 
 use fdem_contact::{Couple, PeriodicBox, PeriodicCouple, Real};
 use fdem_distributed::{Communicator, DistributedSearch, Message, Shapes};
-use fdem_io::{Centres, NpyRows, PackingFormat, ReadError, ReadOptions, SimulationBox, Table};
+use fdem_io::{Centres, NpyRows, PackingFormat, ReadError, ReadOptions, SimulationBox};
 use fdem_results::network::{Couples, Network, Sizes, Space};
 
 use crate::command::args::ContactsArguments;
@@ -19,7 +18,8 @@ use crate::command::output::{Output, TableFormat, is_stdout, refuse_to_overwrite
 use crate::command::outputs::show;
 use crate::command::periodic::periodic_box;
 use crate::command::progress::{Position, Progress};
-use crate::command::ranks::{agree, first_unlike};
+use crate::command::ranks::{agree, first_unlike, gather_counts, u64_from};
+use crate::command::ranks_file::SharedFile;
 use crate::command::summary::grouped;
 use crate::command::tables::couples_with_ids;
 
@@ -49,7 +49,7 @@ pub(crate) fn run(arguments: &ContactsArguments, communicator: &dyn Communicator
     refuse(arguments, communicator.size())?;
     let progress = Progress::new(arguments.quiet || communicator.rank() > 0);
     let start = Instant::now();
-    let mut output = Shared::open(arguments, communicator)?;
+    let mut output = SharedFile::open(arguments, communicator)?;
     let (rows, name) = read(arguments, communicator, &progress)?;
     match rows.centres {
         Centres::Two(centres) => {
@@ -106,129 +106,6 @@ fn refuse(arguments: &ContactsArguments, ranks: usize) -> Result<(), Failure> {
         }
     }
     Ok(())
-}
-
-/// A file that all ranks write. Rank 0 creates it under another name, and renames it at the end.
-struct Shared {
-    format: TableFormat,
-    /// The output, on rank 0.
-    output: Option<Output>,
-    /// The partial file, on the other ranks.
-    file: Option<File>,
-}
-
-impl Shared {
-    /// Rank 0 creates the partial file, and the others open it. So a folder that the machines do not share is noticed before anything is read.
-    fn open(arguments: &ContactsArguments, communicator: &dyn Communicator) -> Result<Self, Failure> {
-        let Some(name) = arguments.output.as_deref() else {
-            return Ok(Self { format: TableFormat::Csv, output: None, file: None });
-        };
-        let mut shared = Self { format: TableFormat::of(Some(name))?, output: None, file: None };
-        let mut path = Vec::new();
-        if communicator.rank() == 0 {
-            let opened = Output::open(Some(name)).and_then(|output| {
-                let part = output
-                    .partial()
-                    .ok_or_else(|| Failure::writing(name, "several ranks need a file, not a device"))?;
-                let part = std::path::absolute(part).map_err(|error| Failure::writing(name, error))?;
-                let text = part
-                    .to_str()
-                    .ok_or_else(|| Failure::writing(name, "its folder has a name that is not UTF-8"))?;
-                path.extend(text.bytes());
-                Ok(output)
-            });
-            shared.output = agree(communicator, opened.map(Some))?;
-        } else {
-            agree(communicator, Ok(()))?;
-        }
-        communicator.broadcast(&mut path);
-        if communicator.rank() > 0 {
-            let path = String::from_utf8_lossy(&path).into_owned();
-            let opened = File::options().write(true).open(&path).map_err(|error| {
-                let folder = Path::new(&path).parent().map(display_name).unwrap_or_default();
-                let why =
-                    format!("the file that rank 0 has made in {folder} cannot be opened here ({error})");
-                Failure::writing(
-                    name,
-                    format!("{why}; the folder must be on a file system that all machines share"),
-                )
-            });
-            shared.file = agree(communicator, opened.map(Some))?;
-        } else {
-            agree(communicator, Ok(()))?;
-        }
-        Ok(shared)
-    }
-
-    /// Writes the rows of all ranks, one rank after the other in the file, and waits until the disk has them.
-    fn write(&mut self, communicator: &dyn Communicator, table: &Table<'_>) -> Result<(), Failure> {
-        let format = self.format;
-        let rows = |mut out: &mut dyn Write| match format {
-            TableFormat::Npy => fdem_io::write_npy_rows(&mut out, table),
-            _ => fdem_io::write_csv_rows(&mut out, table),
-        };
-        let all_rows: u64 = gather_counts(communicator, table.rows() as u64).iter().sum();
-        let mut header = Vec::new();
-        // The text is made twice: its length says where the next rank writes.
-        let mut counter = Counter(0);
-        let counted = match format {
-            TableFormat::Npy => {
-                counter.0 = (table.npy_row() * table.rows()) as u64;
-                fdem_io::write_npy_header(&mut header, table, all_rows)
-            }
-            _ => rows(&mut counter).and_then(|()| fdem_io::write_csv_header(&mut header, table)),
-        };
-        let failed = |error: io::Error| Failure::Unusable(format!("cannot write the couples: {error}"));
-        agree(communicator, counted.map_err(failed))?;
-        let length = counter.0;
-        if communicator.rank() > 0 {
-            header.clear();
-        }
-        let lengths = gather_counts(communicator, length + header.len() as u64);
-        let start: u64 = lengths[..communicator.rank()].iter().sum();
-        let written = match (&mut self.output, &mut self.file) {
-            (Some(output), _) => output.write(|out| {
-                out.write_all(&header)?;
-                rows(out)
-            }),
-            (None, Some(file)) => write_at(file, start, rows).map_err(failed),
-            (None, None) => Ok(()),
-        };
-        agree(communicator, written)
-    }
-}
-
-fn write_at(file: &mut File, start: u64, rows: impl Fn(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
-    file.seek(SeekFrom::Start(start))?;
-    let mut out = BufWriter::new(&mut *file);
-    rows(&mut out)?;
-    out.flush()?;
-    drop(out);
-    file.sync_all()
-}
-
-/// Counts bytes, and keeps none.
-struct Counter(u64);
-
-impl Write for Counter {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.0 += bytes.len() as u64;
-        Ok(bytes.len())
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        Ok(())
-    }
-}
-
-/// The number of each rank. Collective.
-fn gather_counts(communicator: &dyn Communicator, own: u64) -> Vec<u64> {
-    let all = communicator.all_gather(&own.to_le_bytes());
-    all.iter().map(|bytes| u64_from(bytes)).collect()
-}
-
-fn u64_from(bytes: &[u8]) -> u64 {
-    bytes.first_chunk().map_or(0, |bytes| u64::from_le_bytes(*bytes))
 }
 
 /// Reads this rank's rows. Each rank reads them from a NumPy array; rank 0 reads files of other formats, and sends the rows.
@@ -504,17 +381,15 @@ impl Told {
     /// Puts the output in place, and shows the summary, on rank 0.
     fn tell(
         self,
-        output: Shared,
+        output: SharedFile,
         arguments: &ContactsArguments,
         communicator: &dyn Communicator,
     ) -> Result<(), Failure> {
-        // All files must be closed before the rename.
-        drop(output.file);
-        communicator.barrier();
+        let output = output.close(communicator);
         let mut done = Ok(());
         if communicator.rank() == 0 {
-            let name = output.output.as_ref().and_then(Output::file_name);
-            done = match output.output {
+            let name = output.as_ref().and_then(Output::file_name);
+            done = match output {
                 Some(output) => output.commit(),
                 None => crate::command::output::print(&format!("{}\n", self.couples)),
             };
@@ -532,7 +407,7 @@ fn find<const D: usize>(
     progress: &Progress,
     (name, start): (&str, Instant),
     part: &Part<D>,
-    output: &mut Shared,
+    output: &mut SharedFile,
 ) -> Result<Told, Failure> {
     let tolerance = arguments.input.tolerance;
     let (given, cutoff) = (arguments.input.radius, arguments.input.cutoff);
@@ -602,7 +477,7 @@ fn write<const D: usize>(
     found: &Couples<D>,
     cell: Option<PeriodicBox<f64, D>>,
     (radius, cutoff): (Option<f64>, Option<f64>),
-    output: &mut Shared,
+    output: &mut SharedFile,
     position: &Position,
 ) -> Result<(), Failure> {
     let mut wanted: Vec<u32> = found.iter().flat_map(|couple| [couple.i, couple.j]).collect();
