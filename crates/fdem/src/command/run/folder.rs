@@ -19,6 +19,8 @@ use std::fs::{self, File, TryLockError};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::thread::sleep;
+use std::time::{Duration, Instant};
 
 use sha2::{Digest, Sha256};
 
@@ -26,6 +28,9 @@ use crate::command::aside::{self, Hold};
 use crate::command::failure::{Failure, display_name};
 use crate::command::run::checkpoint::Checkpoint;
 use crate::command::run::results::Results;
+
+/// Waiting time for a folder that another process has locked. After a rank has died, `mpirun` may return before it has ended the other ranks.
+const PATIENCE: Duration = Duration::from_secs(3);
 
 pub(crate) const MODEL: &str = "model.toml";
 pub(crate) const HISTORY: &str = "history.csv";
@@ -135,11 +140,15 @@ impl Folder {
     /// Locks the folder for this process. A folder without a model has no run; a file system without locks is used unlocked.
     fn lock(&mut self) -> Result<(), Failure> {
         let Ok(file) = File::open(self.path(MODEL)) else { return Ok(()) };
-        if matches!(file.try_lock(), Err(TryLockError::WouldBlock)) {
-            return Err(Failure::Unusable(format!(
-                "another fdem process is using {}",
-                display_name(&self.path)
-            )));
+        let start = Instant::now();
+        while matches!(file.try_lock(), Err(TryLockError::WouldBlock)) {
+            if start.elapsed() > PATIENCE {
+                return Err(Failure::Unusable(format!(
+                    "another fdem process is using {}",
+                    display_name(&self.path)
+                )));
+            }
+            sleep(Duration::from_millis(20));
         }
         self.lock = Some(Arc::new(file));
         Ok(())
@@ -343,4 +352,36 @@ pub(crate) fn packed_file(number: usize) -> String {
 /// Returns the names of the files of a frame.
 pub(crate) fn files_of(number: usize) -> impl Iterator<Item = String> {
     COLLECTIONS.into_iter().map(move |(_, file_of)| file_of(number)).chain([packed_file(number)])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A folder that another process has locked is waited for, but not for long.
+    #[test]
+    fn a_locked_folder_is_waited_for() {
+        let place = tempfile::tempdir().expect("a folder");
+        fs::write(place.path().join(MODEL), "").expect("a model");
+        let lock = || {
+            let file = File::open(place.path().join(MODEL)).expect("a model");
+            file.lock().expect("a lock");
+            file
+        };
+        let mut folder = Folder { path: place.path().to_owned(), lock: None };
+
+        let held = lock();
+        std::thread::scope(|scope| {
+            scope.spawn(|| {
+                sleep(Duration::from_millis(200));
+                drop(held);
+            });
+            folder.lock().expect("the other process has ended");
+        });
+        folder.lock = None;
+
+        let _held = lock();
+        let Err(Failure::Unusable(why)) = folder.lock() else { panic!("the folder is in use") };
+        assert!(why.starts_with("another fdem process is using "), "{why}");
+    }
 }
