@@ -37,7 +37,44 @@ impl Hold {
     }
 }
 
+/// The greatest speed that a model gives to nodes, m/s: at the beginning, and by prescribed motions.
+pub(crate) fn fastest<const D: usize, const N: usize>(model: &Model<D, N>, step: f64) -> f64 {
+    let length = |vector: [f64; D]| dot(vector, vector).sqrt();
+    let initial = model.velocities.iter().map(|&velocity| length(velocity));
+    let prescribed = model.boundaries.iter().map(|boundary| match boundary.load {
+        Load::Velocity(velocity) => {
+            length(velocity.map(Option::unwrap_or_default)) * boundary.schedule.most()
+        }
+        Load::Displacement(goal) => {
+            length(goal.map(Option::unwrap_or_default)) * boundary.schedule.steepest(step)
+        }
+        _ => 0.0,
+    });
+    initial.chain(prescribed).fold(0.0, f64::max)
+}
+
 impl Schedule {
+    /// The largest magnitude of the factor.
+    fn most(&self) -> f64 {
+        match self {
+            Self::Constant | Self::Ramp(_) => 1.0,
+            Self::Table(rows) => rows.iter().map(|row| row[1].abs()).fold(0.0, f64::max),
+        }
+    }
+
+    /// The largest magnitude of the change of the factor in time, 1/s. At the beginning it changes from 0 within a step, s.
+    fn steepest(&self, step: f64) -> f64 {
+        let first = self.factor(0.0).abs() / step;
+        match self {
+            Self::Constant => first,
+            Self::Ramp(duration) => first.max(0.5 * std::f64::consts::PI / duration.max(step)),
+            Self::Table(rows) => {
+                let slope = |pair: &[[f64; 2]]| ((pair[1][1] - pair[0][1]) / (pair[1][0] - pair[0][0])).abs();
+                rows.windows(2).map(slope).fold(first, f64::max)
+            }
+        }
+    }
+
     /// The factor at a time, s.
     pub fn factor(&self, time: f64) -> f64 {
         match self {

@@ -55,13 +55,14 @@ impl<S, const D: usize> Moved<S, D> {
     }
 }
 
-/// Gathers the forces on each node, and moves it.
+/// Gathers the forces on each node that `moves` selects by its number, moves it, and adds to the sums over all nodes.
 pub(crate) fn advance<const D: usize, const N: usize>(
     solid: &mut Solid<D, N>,
     motion: &Motion<'_, D, N>,
     team: &Team,
-) -> Moved<Sum, D>
-where
+    moves: impl Fn(usize) -> bool + Sync,
+    all: &mut Moved<Sum, D>,
+) where
     [[f64; D]; N]: Simplex<D, N>,
 {
     let Solid { nodes, constants, forces, corners, share, origin, .. } = solid;
@@ -70,7 +71,7 @@ where
     let found = team.change(nodes, |first, chunk| {
         let mut sum = Moved::<Pile, D>::default();
         for (k, node) in chunk.iter_mut().enumerate() {
-            if !share.node(first + k) {
+            if !share.node(first + k) || !moves(first + k) {
                 continue;
             }
             let constants = &constants[first + k];
@@ -86,7 +87,6 @@ where
         }
         sum
     });
-    let mut all = Moved::<Sum, D>::default();
     for chunk in found {
         all.kinetic.add_pile(chunk.kinetic);
         all.fastest = all.fastest.max(chunk.fastest.sqrt());
@@ -99,7 +99,6 @@ where
             all.note_runaway(runaway);
         }
     }
-    all
 }
 
 /// Force on a node: the sum over its corners in their order, for each that of its element with its contacts, and its joints.

@@ -16,9 +16,9 @@ use crate::error::{ModelError, Stop};
 use crate::forces::{self, Forces};
 use crate::joints::Joints;
 use crate::lanes::Available;
-use crate::loads::Loads;
+use crate::loads::{self, Loads};
 use crate::model::{Insertion, Model};
-use crate::motion::{self, Motion};
+use crate::motion::{self, Motion, Moved};
 use crate::ranks::wire::wire;
 use crate::ranks::{Links, Part, Told};
 use crate::seams::Seams;
@@ -89,7 +89,7 @@ pub(crate) struct Scales {
     pub(crate) time_step: f64,
     /// Largest speed of a node at which the run continues, m/s.
     pub(crate) speed_limit: f64,
-    /// Energy of the stiffest element at a strain of 1, J: the size of the works that are added up.
+    /// Energy of the stiffest element at a strain of 1, J, or that of the heaviest node at the greatest speed that is prescribed, if that is more: the size of the works that are added up.
     pub(crate) size: f64,
     /// Exchanged energy below which the energy balance is not checked, J.
     pub(crate) negligible: f64,
@@ -187,14 +187,18 @@ where
         let modulus = |material: u32| model.materials[material as usize].youngs_modulus;
         let stiffnesses = || solid.elements.iter().map(|element| element.volume * modulus(element.material));
         let stiffness: Sum = stiffnesses().collect();
-        let size = stiffnesses().fold(0.0, f64::max);
+        let time_step = model.time.step.unwrap_or(critical.step * model.time.safety);
+        let heaviest = solid.constants.iter().map(|node| node.mass).fold(0.0, f64::max);
+        let fastest = loads::fastest(&model, time_step).min(speed_limit);
+        // A node of a light body may rebound at twice the speed of a heavy one. Then it has four times the kinetic energy, m/2 v².
+        let size = stiffnesses().fold(4.0 * heaviest * fastest * fastest, f64::max);
         solid.grains = Grains::of(size);
         let [strain, _] = solid.energies(&team).map(|sum| sum.value());
         let cohesive = joints.stored(&solid);
         let totals = Totals { most_cohesive: cohesive.value(), cohesive, ..Totals::default() };
         let scales = Scales {
             critical,
-            time_step: model.time.step.unwrap_or(critical.step * model.time.safety),
+            time_step,
             speed_limit,
             size,
             negligible: 0.5 * stiffness.value() * NEGLIGIBLE_STRAIN * NEGLIGIBLE_STRAIN
@@ -234,14 +238,7 @@ where
     /// Advances one step: from positions at its beginning, and velocities half a step earlier, to positions at its end. `energies`: whether they are asked for. `links`: messages to other
     /// ranks, if this is a part of a run.
     fn step(&mut self, energies: bool, mut links: Option<&mut Links<'_>>) -> Result<(), Stop> {
-        let mut told = Told::default();
-        let pressed = self.press(energies);
-        // A rank that cannot go on says so where all ranks hear it.
-        if links.is_none()
-            && let Err(stop) = pressed
-        {
-            return Err(stop);
-        }
+        let (broken, stop) = self.press(energies);
         let mut clock = Clock::new();
         let time = self.time();
         let Self { model, topology, solid, joints, loads, team, totals, timings, .. } = self;
@@ -256,22 +253,32 @@ where
         let grains = solid.grains;
         let motion =
             Motion { model, joints, loads, gravity, time, step, speed_limit, grains, energy: energies };
-        let moved = motion::advance(solid, &motion, team);
-        let broken = pressed.as_ref().map_or(&[][..], |pressed| pressed);
-        told.fastest = moved.fastest;
-        told.parts = !failing.is_empty() || !broken.is_empty();
-        told.fails = pressed.is_err();
-        told.runs_away = moved.runaway.is_some();
+        let mut moved = Moved::default();
+        if let Some(links) = links.as_deref_mut() {
+            let lent = links.lent();
+            motion::advance(solid, &motion, team, |node| lent[node], &mut moved);
+            links.start_motion(solid);
+            let lent = links.lent();
+            motion::advance(solid, &motion, team, |node| !lent[node], &mut moved);
+        } else {
+            motion::advance(solid, &motion, team, |_| true, &mut moved);
+        }
+        let mut told = Told {
+            fastest: moved.fastest,
+            parts: !failing.is_empty() || !broken.is_empty(),
+            fails: stop.is_some(),
+            runs_away: moved.runaway.is_some(),
+        };
         totals.external.add_sum(&moved.external[0]);
         totals.damping.add_sum(&moved.damping[0]);
         self.held = moved.held;
         clock.read(&mut timings.integration);
         if let Some(links) = links.as_deref_mut() {
-            links.exchange_motion(&mut self.solid, step, &mut told);
+            links.finish_motion(&mut self.solid, step, &mut told);
             clock.read(&mut self.timings.messages);
-            if told.fails {
-                return Err(self.first_stop(pressed.err(), links));
-            }
+        }
+        if told.fails {
+            return Err(self.first_stop(stop, links.as_deref()));
         }
         self.contacts.note_motion(step * told.fastest);
         if energies {
@@ -289,7 +296,7 @@ where
                 links.share_failing(&mut failing, topology);
             }
             let split = joints.insert(&failing, solid, model, topology);
-            let at = contacts.part(broken, joints, topology, &solid.share);
+            let at = contacts.part(&broken, joints, topology, &solid.share);
             if let Some(links) = links.as_deref_mut() {
                 links.exchange_changes(&split, &at, solid, joints, contacts, topology);
                 let hidden = self
@@ -313,31 +320,33 @@ where
                 speed,
                 limit,
             });
-            return Err(match links {
-                Some(links) => self.first_stop(runaway, links),
-                None => runaway.unwrap_or_else(|| self.unknown_stop()),
-            });
+            return Err(self.first_stop(runaway, links.as_deref()));
         }
         self.step += 1;
         Ok(())
     }
 
-    /// Computes all forces on the corners of elements. Returns the joints that broke.
-    fn press(&mut self, energies: bool) -> Result<Vec<u32>, Stop> {
+    /// Computes all forces on the corners of elements. Returns the joints that broke, and the reason why the run cannot go on after this step, if there is one: the step is finished all the
+    /// same, because the other ranks of a run finish it before they hear of the reason.
+    fn press(&mut self, energies: bool) -> (Vec<u32>, Option<Stop>) {
         let time = self.time();
         let Self { model, topology, solid, joints, contacts, seams, loads, team, totals, timings, .. } = self;
         let step = self.scales.time_step;
         let mut clock = Clock::new();
-        if let Some((element, ratio)) = solid.deform(step, team) {
-            return Err(Stop::Inverted { element: topology.number(element), step: self.step, ratio });
-        }
+        let stop = solid.deform(step, team).map(|(element, ratio)| Stop::Inverted {
+            element: topology.number(element),
+            step: self.step,
+            ratio,
+        });
         clock.read(&mut timings.bulk);
 
         let (broken, work) = joints.pull(solid, step, time, team);
         totals.cohesive.add_sum(&work);
         clock.read(&mut timings.joints);
 
-        contacts.detect(solid, joints, topology, team)?;
+        if let Err(error) = contacts.detect(solid, joints, topology, team) {
+            return (broken, stop.or(Some(error)));
+        }
         clock.read(&mut timings.detection);
 
         let touching = contacts.press(solid, joints, step, energies, team);
@@ -351,14 +360,19 @@ where
         loads.apply(solid, model, time);
         totals.add_works(loads.half_works(solid, step));
         clock.read(&mut timings.integration);
-        Ok(broken)
+        (broken, stop)
     }
 
-    /// The reason why the run cannot go on, the same on all ranks: that of the first rank that has one.
-    fn first_stop(&self, own: Option<Stop>, links: &Links<'_>) -> Stop {
-        let all = links.all(&own.map(|stop| stop.on_rank(links.rank())));
-        let order = |stop: &Stop| stop.element();
-        all.into_iter().flatten().min_by_key(order).unwrap_or_else(|| self.unknown_stop())
+    /// The reason why the run cannot go on, the same on all ranks: that of the first element that is a reason on any rank. `own`: that of this rank.
+    fn first_stop(&self, own: Option<Stop>, links: Option<&Links<'_>>) -> Stop {
+        let first = match links {
+            Some(links) => {
+                let all = links.all(&own.map(|stop| stop.on_rank(links.rank())));
+                all.into_iter().flatten().min_by_key(Stop::element)
+            }
+            None => own,
+        };
+        first.unwrap_or_else(|| self.unknown_stop())
     }
 
     /// The reason of a run that does not say why.

@@ -520,11 +520,12 @@ where
                     for (lane, (number, forces)) in range.zip(forces).enumerate() {
                         *forces = told.forces(lane);
                         let ratio = told.ratio.get(lane);
-                        if (ratio <= 0.0 || ratio.is_nan())
-                            && inverted.is_none()
-                            && share.element(number as u32)
-                        {
-                            inverted = Some((number as u32, ratio));
+                        if ratio <= 0.0 || ratio.is_nan() {
+                            // Its stress may be infinite, and the step is finished.
+                            *forces = [[0.0; D]; N];
+                            if inverted.is_none() && share.element(number as u32) {
+                                inverted = Some((number as u32, ratio));
+                            }
                         }
                         if VISCOUS && given.viscosity.get(lane) > 0.0 {
                             // Work of the last viscous stress in the second half of its step, and of the new one in the first half of its step.

@@ -1,7 +1,7 @@
 //! Messages between ranks that share nodes.
 //!
-//! After each step, the owner of a node sends its motion to the ranks that have elements there. Where joints were inserted or broke, it also sends how the vertex has come apart.
-//! Everything else is computed alike on every rank that needs it.
+//! In each step, a rank moves the nodes at which other ranks have elements, starts to send their motions, and moves its other nodes while these are under way. Where joints were inserted or
+//! broke, the owner of a vertex also sends how it has come apart. Everything else is computed alike on every rank that needs it.
 
 use fdem_distributed::{Communicator, Halo, Message, Port};
 
@@ -74,6 +74,8 @@ pub(crate) struct Links<'c> {
     pub(super) communicator: &'c dyn Communicator,
     pub(super) neighbours: Vec<Neighbour>,
     halo: Option<Box<dyn Halo + 'c>>,
+    /// Whether the motion of each node is sent to a neighbour.
+    lent: Vec<bool>,
     /// Distance that nodes may travel before elements of other ranks may touch those of this one that do not know them, m, and distance that they have travelled.
     reach: f64,
     travelled: f64,
@@ -93,8 +95,16 @@ impl<'c> Links<'c> {
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
-        let mut links =
-            Self { communicator, neighbours, halo: None, reach, travelled: 0.0, stale: false, sent: [0; 2] };
+        let mut links = Self {
+            communicator,
+            neighbours,
+            halo: None,
+            lent: Vec::new(),
+            reach,
+            travelled: 0.0,
+            stale: false,
+            sent: [0; 2],
+        };
         links.plan(solid);
         links
     }
@@ -118,6 +128,11 @@ impl<'c> Links<'c> {
                 }
             }
         }
+        self.lent.clear();
+        self.lent.resize(solid.nodes.len(), false);
+        for &node in self.neighbours.iter().flat_map(|neighbour| &neighbour.lent_nodes) {
+            self.lent[node as usize] = true;
+        }
         let port = |rank: usize, nodes: &[u32]| Port { rank, bytes: nodes.len() * 2 * D * 8 };
         let send: Vec<Port> = self.neighbours.iter().map(|at| port(at.rank, &at.lent_nodes)).collect();
         let receive: Vec<Port> = self.neighbours.iter().map(|at| port(at.rank, &at.borrowed_nodes)).collect();
@@ -125,13 +140,14 @@ impl<'c> Links<'c> {
         self.halo = Some(self.communicator.halo(&send, &receive));
     }
 
-    /// Exchanges the motions of nodes, and what ranks say about the step.
-    pub(crate) fn exchange_motion<const D: usize, const N: usize>(
-        &mut self,
-        solid: &mut Solid<D, N>,
-        step: f64,
-        told: &mut Told,
-    ) where
+    /// Whether the motion of each node is sent to a neighbour.
+    pub(crate) fn lent(&self) -> &[bool] {
+        &self.lent
+    }
+
+    /// Starts to send the motions of nodes that neighbours have too.
+    pub(crate) fn start_motion<const D: usize, const N: usize>(&mut self, solid: &Solid<D, N>)
+    where
         [[f64; D]; N]: Simplex<D, N>,
     {
         let Some(halo) = &mut self.halo else { return };
@@ -147,6 +163,18 @@ impl<'c> Links<'c> {
             self.sent[1] += 1;
         }
         halo.start();
+    }
+
+    /// Gets the motions of nodes that neighbours have sent, and exchanges what ranks say about the step.
+    pub(crate) fn finish_motion<const D: usize, const N: usize>(
+        &mut self,
+        solid: &mut Solid<D, N>,
+        step: f64,
+        told: &mut Told,
+    ) where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        let Some(halo) = &mut self.halo else { return };
         let flag = |flag: bool| f64::from(u8::from(flag));
         let mut numbers = [told.fastest, flag(told.parts), flag(told.fails), flag(told.runs_away)];
         self.communicator.all_max(&mut numbers);
