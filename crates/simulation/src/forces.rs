@@ -2,12 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use crate::contacts::Contacts;
-use crate::joints::Joints;
+use crate::ranks::wire::wire;
 use crate::simplex::Simplex;
 use crate::simulation::Simulation;
-use crate::solid::Solid;
-use crate::topology::Topology;
 use crate::vector::{Point, add, length, plus};
 
 /// Forces at the beginning of the last step. There are none before the first step of a run, nor before the first step after a resume.
@@ -52,68 +49,72 @@ impl<const D: usize> ContactForce<D> {
     }
 }
 
-/// Forces of contacts and broken joints, one for each couple of elements.
-pub(crate) fn contact_forces<const D: usize, const N: usize>(
-    contacts: &Contacts<D, N>,
-    joints: &Joints<D>,
-    solid: &Solid<D, N>,
-    topology: &Topology<D, N>,
-) -> Vec<ContactForce<D>>
-where
-    [[f64; D]; N]: Simplex<D, N>,
-{
-    let mut all = contacts.forces(solid);
-    all.extend(joints.pressing(solid, topology));
-    all.retain(|contact| contact.force() != [0.0; D]);
-    // A stable sort: contacts stay before joints.
-    all.sort_by_key(|contact| contact.elements);
-    all.dedup_by(|next, kept| {
-        let same = next.elements == kept.elements;
-        if same {
-            *kept = kept.merged(*next);
+/// The forces of a step that a rank counts. Elements have their numbers in the whole mesh.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct OwnForces<const D: usize> {
+    contacts: Vec<ContactForce<D>>,
+    /// Forces of broken joints that are closed.
+    joints: Vec<ContactForce<D>>,
+    /// Force of all boundaries on each node on which one acts, N, by the code of the first corner of the node.
+    pub(crate) reactions: Vec<(u32, Point<D>)>,
+}
+
+wire!([const D: usize] OwnForces<D> { contacts, joints, reactions });
+wire!([const D: usize] ContactForce<D> { elements, point, normal, tangential });
+
+impl<const D: usize> OwnForces<D> {
+    /// The forces that this rank counts.
+    pub(crate) fn of<const N: usize>(run: &Simulation<D, N>) -> Self
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        let numbered = |force: ContactForce<D>| ContactForce {
+            elements: force.elements.map(|element| run.topology.number(element)),
+            ..force
+        };
+        let counted = |force: &ContactForce<D>| run.solid.share.element(force.elements[0]);
+        let contacts = run.contacts.forces(&run.solid).into_iter().filter(counted).map(numbered);
+        let joints = run.joints.pressing(&run.solid, &run.topology).into_iter().map(numbered);
+        let applied = run.loads.applied(&run.solid);
+        let applied = applied.map(|([_, corner], force)| (run.solid.corners.node_at(corner), force));
+        let mut reactions = BTreeMap::new();
+        for (node, force) in run.held.iter().copied().chain(applied) {
+            add(reactions.entry(node).or_insert([0.0; D]), force, 1.0);
         }
-        same
-    });
-    for contact in &mut all {
-        contact.point = solid.place(contact.point);
+        let code = |node: u32| run.topology.code_of_corner(run.solid.corners.of(node as usize)[0]);
+        Self {
+            contacts: contacts.collect(),
+            joints: joints.collect(),
+            reactions: reactions.into_iter().map(|(node, force)| (code(node), force)).collect(),
+        }
     }
-    all
-}
 
-/// Force of all boundaries on each node, N, in the order of results. `held`: forces on the nodes that boundaries move.
-pub(crate) fn reactions<const D: usize, const N: usize>(run: &Simulation<D, N>) -> Vec<[f64; D]>
-where
-    [[f64; D]; N]: Simplex<D, N>,
-{
-    placed_reactions(run, &mut own_reactions(run).into_iter())
-}
-
-/// Force of all boundaries on each node of this rank on which one acts, N, by the code of the first corner of the node.
-pub(crate) fn own_reactions<const D: usize, const N: usize>(run: &Simulation<D, N>) -> Vec<(u32, Point<D>)>
-where
-    [[f64; D]; N]: Simplex<D, N>,
-{
-    let applied = run.loads.applied(&run.solid);
-    let applied = applied.map(|([_, corner], force)| (run.solid.corners.node_at(corner), force));
-    let mut forces = BTreeMap::new();
-    for (node, force) in run.held.iter().copied().chain(applied) {
-        add(forces.entry(node).or_insert([0.0; D]), force, 1.0);
+    /// Adds the forces of another rank.
+    pub(crate) fn add(&mut self, more: Self) {
+        self.contacts.extend(more.contacts);
+        self.joints.extend(more.joints);
+        self.reactions.extend(more.reactions);
     }
-    let code = |node: u32| run.topology.code_of_corner(run.solid.corners.of(node as usize)[0]);
-    forces.into_iter().map(|(node, force)| (code(node), force)).collect()
-}
 
-/// The same forces of a whole run, in the order of results.
-pub(crate) fn placed_reactions<const D: usize, const N: usize>(
-    run: &Simulation<D, N>,
-    forces: &mut dyn Iterator<Item = (u32, Point<D>)>,
-) -> Vec<[f64; D]>
-where
-    [[f64; D]; N]: Simplex<D, N>,
-{
-    let mut all = vec![[0.0; D]; run.solid.nodes.len()];
-    for (corner, force) in forces {
-        all[run.solid.corners.node_at(corner) as usize] = force;
+    /// All forces, for results. `codes`: of the first corner of each node, in the order of results; `origin`: of positions.
+    pub(crate) fn placed(self, codes: impl Iterator<Item = u32>, origin: Point<D>) -> Forces<D> {
+        let mut all = self.contacts;
+        all.extend(self.joints);
+        all.retain(|contact| contact.force() != [0.0; D]);
+        // A stable sort: contacts stay before joints.
+        all.sort_by_key(|contact| contact.elements);
+        all.dedup_by(|next, kept| {
+            let same = next.elements == kept.elements;
+            if same {
+                *kept = kept.merged(*next);
+            }
+            same
+        });
+        for contact in &mut all {
+            contact.point = plus(contact.point, origin);
+        }
+        let reactions: BTreeMap<u32, Point<D>> = self.reactions.into_iter().collect();
+        let reaction = |code: u32| reactions.get(&code).copied().unwrap_or([0.0; D]);
+        Forces { contacts: all, reactions: codes.map(reaction).collect() }
     }
-    run.solid.order(&run.topology).into_iter().map(|node| all[node as usize]).collect()
 }

@@ -64,11 +64,46 @@ pub(crate) struct Moving<const D: usize> {
     broken: Option<(f64, [f64; 2])>,
     /// Length of the undeformed edge, m, or area of the undeformed face, m².
     measure: f64,
+    /// Codes of its corners on side 0 and on side 1.
+    corners: [[u32; D]; 2],
 }
 
-wire!([const D: usize] Moving<D> { joint, forces, broken, measure });
+wire!([const D: usize] Moving<D> { joint, forces, broken, measure, corners });
+
+/// A joint as results show it.
+#[derive(Clone, Copy)]
+pub(crate) struct Seen<'a, const D: usize> {
+    pub(crate) joint: &'a Joint<D>,
+    /// Numbers of its two elements.
+    pub(crate) elements: [u32; 2],
+    /// Time and modes of its failure.
+    pub(crate) broken: Option<(f64, [f64; 2])>,
+    /// Length of the undeformed edge, m, or area of the undeformed face, m².
+    pub(crate) measure: f64,
+}
 
 impl<const D: usize> Moving<D> {
+    /// Code of its facet.
+    pub(crate) fn facet(&self) -> u32 {
+        self.joint.facet
+    }
+
+    /// Looks up its nodes. `node_at`: the node of a corner, by its code.
+    pub(crate) fn find_nodes(&mut self, node_at: impl Fn(u32) -> u32) {
+        let corners = self.corners;
+        self.joint.nodes = std::array::from_fn(|end| corners.map(|side| node_at(side[end])));
+    }
+
+    /// The joint as results show it.
+    pub(crate) fn seen<const N: usize>(&self) -> Seen<'_, D> {
+        Seen {
+            joint: &self.joint,
+            elements: self.corners.map(|side| side[0] / N as u32),
+            broken: self.broken,
+            measure: self.measure,
+        }
+    }
+
     /// If it is broken, its modes, and its length or area.
     pub(crate) fn failed(&self) -> Option<([f64; 2], f64)> {
         self.broken.map(|(_, modes)| (modes, self.measure))
@@ -349,9 +384,9 @@ impl<const D: usize> Joints<D> {
     }
 
     /// When and how a joint broke, if it did.
-    pub(crate) fn break_of(&self, joint: u32) -> Option<&Break> {
+    pub(crate) fn break_of(&self, joint: u32) -> Option<(f64, [f64; 2])> {
         let place = self.breaks.binary_search_by_key(&joint, |broken| broken.joint).ok()?;
-        self.breaks.get(place)
+        self.breaks.get(place).map(|broken| (broken.time, broken.modes))
     }
 
     /// The numbers of all joints, in the order of their facets. Memory has them in the order in which they were inserted.
@@ -366,9 +401,26 @@ impl<const D: usize> Joints<D> {
     {
         let mut joint = self.all[number as usize];
         let measure = joint.measure;
+        let sides = topology.facets[joint.facet as usize].corners;
+        let corners = sides.map(|side| side.map(|corner| topology.code_of_corner(corner)));
         joint.facet = topology.code(joint.facet);
-        let broken = self.break_of(number).map(|broken| (broken.time, broken.modes));
-        Moving { joint, forces: self.forces[number as usize], broken, measure }
+        Moving {
+            joint,
+            forces: self.forces[number as usize],
+            broken: self.break_of(number),
+            measure,
+            corners,
+        }
+    }
+
+    /// A joint as results show it.
+    pub(crate) fn seen<const N: usize>(&self, number: u32, topology: &Topology<D, N>) -> Seen<'_, D>
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        let joint = &self.all[number as usize];
+        let elements = topology.facets[joint.facet as usize].elements();
+        Seen { joint, elements, broken: self.break_of(number), measure: joint.measure }
     }
 
     /// The joints for a saved run, in the order of their facets.
@@ -504,7 +556,7 @@ impl<const D: usize> Joints<D> {
         self.all.get(self.of_facet[facet as usize] as usize).is_none_or(|joint| joint.state == State::Holding)
     }
 
-    /// Forces of the broken joints that still press their two elements.
+    /// Forces of the broken joints that this rank counts and that still press their two elements.
     pub(crate) fn pressing<const N: usize>(
         &self,
         solid: &Solid<D, N>,
@@ -515,10 +567,10 @@ impl<const D: usize> Joints<D> {
     {
         let mut pressing = Vec::new();
         for (joint, forces) in self.all.iter().zip(&self.forces) {
-            if joint.state != State::Broken || *forces == [[0.0; D]; D] {
+            if !joint.counted || joint.state != State::Broken || *forces == [[0.0; D]; D] {
                 continue;
             }
-            let frame = Frame::new(joint, solid);
+            let frame = Frame::new::<N>(joint, &solid.nodes);
             let (mut sum, mut whole, mut moment) = ([0.0; D], 0.0, [0.0; D]);
             for ([a, b], force) in frame.ends.into_iter().zip(forces) {
                 let weight = length(*force);
@@ -561,7 +613,8 @@ impl<const D: usize> Joints<D> {
         let codes = self.at_corner.get(corner as usize).into_iter().flatten();
         for &code in codes.filter(|&&code| code != NONE) {
             let joint = &self.all[code as usize / (2 * D)];
-            let (frame, mut memory) = (Frame::new(joint, solid), joint.ends[code as usize / 2 % D]);
+            let (frame, mut memory) =
+                (Frame::new::<N>(joint, &solid.nodes), joint.ends[code as usize / 2 % D]);
             let traction = memory.traction(&joint.law, [0.0; D]);
             let area = joint.measure / D as f64 * solid.thickness;
             add(force, frame.vector(traction), if code % 2 == 0 { area } else { -area });

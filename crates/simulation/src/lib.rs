@@ -130,7 +130,9 @@ pub use model::{
     Boundary, ContactOptions, CriticalOpening, FractureOptions, Insertion, Interface, Load, Material, Model,
     Plane, Schedule, Strength, Target, TimeOptions,
 };
-pub use ranks::{Distributed, Forecast, Leader, Network, RankForecast, Sizes, Traffic, dismiss, follow};
+pub use ranks::{
+    Distributed, Forecast, Gathered, Leader, Network, RankForecast, Sizes, Traffic, dismiss, follow,
+};
 pub use seams::InitialContacts;
 pub use simplex::Element;
 pub use simulation::{Counts, Simulation, State, Timings};

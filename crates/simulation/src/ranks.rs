@@ -5,11 +5,12 @@
 //! (`sum.rs`), which do not depend on who adds them up.
 //!
 //! A [`Simulation`] on a rank is one of a part of the model, with local numbers in the order of those of the whole model. `links.rs` has the messages of a step. `spread.rs` divides the nodes
-//! among ranks, and gives each rank its elements: at the beginning, when elements may have come near those of other ranks, and when the work is not even. `piece.rs` has what travels then, and `assemble.rs` makes a part of it. `forecast.rs`
-//! foretells all this for a number of ranks, without them.
+//! among ranks, and gives each rank its elements: at the beginning, when elements may have come near those of other ranks, and when the work is not even. `piece.rs` has what travels then, and `assemble.rs` makes a part of it. `gather.rs`
+//! has the whole for results and checkpoints. `forecast.rs` foretells all this for a number of ranks, without them.
 
-mod forecast;
 mod assemble;
+mod forecast;
+mod gather;
 mod leader;
 mod links;
 mod piece;
@@ -21,10 +22,10 @@ use fdem_distributed::Communicator;
 use crate::critical::CriticalStep;
 use crate::energy::Energies;
 use crate::error::{ModelError, Stop};
-use crate::forces::{self, Forces};
 use crate::joints::Moving;
 use crate::model::Model;
 pub use crate::ranks::forecast::{Forecast, Network, RankForecast, Sizes};
+pub use crate::ranks::gather::Gathered;
 pub use crate::ranks::leader::{Leader, dismiss, follow};
 pub(crate) use crate::ranks::links::{Links, Split, Told};
 use crate::ranks::piece::{Carried, Pieces};
@@ -33,7 +34,7 @@ use crate::ranks::spread::{Division, spread};
 pub(crate) use crate::ranks::wire::Wire;
 use crate::ranks::wire::{bytes_of, value_of};
 use crate::simplex::Simplex;
-use crate::simulation::{Counts, Simulation, State, Timings, Totals};
+use crate::simulation::{Counts, Simulation, Timings, Totals};
 use crate::sum::Sum;
 use crate::team::Team;
 
@@ -56,7 +57,7 @@ use crate::team::Team;
 ///     run.gathered()
 /// });
 /// // Rank 0 gets the whole run.
-/// assert_eq!(states[0].as_ref().map(Simulation::snapshot), Some(whole.snapshot()));
+/// assert_eq!(states[0].as_ref().map(Gathered::snapshot), Some(whole.snapshot()));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct Distributed<'c, const D: usize = 2, const N: usize = 3> {
@@ -299,24 +300,8 @@ where
         Some(united(self.elements(), pairs))
     }
 
-    /// Forces of contacts and boundaries at the beginning of the last step, on rank 0. `whole`: the run of [`gathered`](Self::gathered).
-    pub fn forces(&self, whole: Option<&Simulation<D, N>>) -> Option<Forces<D>> {
-        let own = forces::own_reactions(&self.run);
-        let mut all = self
-            .collect(&bytes_of(&own))?
-            .into_iter()
-            .flat_map(|bytes| value_of::<Vec<(u32, [f64; D])>>(&bytes));
-        whole.map(|whole| Forces {
-            contacts: whole.forces().contacts,
-            reactions: forces::placed_reactions(whole, &mut all),
-        })
-    }
-
-    /// The whole run, on rank 0; `None` on the others. It has the state of this one, and may be saved, drawn, or advanced by itself.
-    ///
-    /// # Panics
-    /// If the parts do not fit together, which would be a bug.
-    pub fn gathered(&self) -> Option<Simulation<D, N>> {
+    /// The whole run for results and checkpoints, on rank 0; `None` on the others.
+    pub fn gathered(&self) -> Option<Gathered<D, N>> {
         let mut carried = self.run.carried();
         let totals = &mut carried.totals;
         self.links.add_up(&mut [
@@ -326,23 +311,14 @@ where
             &mut totals.external,
             &mut totals.loads,
         ]);
-        // Everything goes to rank 0.
-        let pieces = self.run.pieces(&vec![0; self.run.solid.elements.len() * N]);
-        let messages = self.collect(&bytes_of(&pieces))?;
-        let mut whole = Pieces::default();
-        for bytes in messages {
-            whole.add(value_of(&bytes));
-        }
-        let team = self.team.clone();
-        Some(
-            Simulation::of_pieces(&self.frame, whole, carried, 0, team)
-                .expect("the parts of a run fit together"),
-        )
-    }
-
-    /// The state of the whole run, on rank 0; `None` on the others.
-    pub fn state(&self) -> Option<State<D, N>> {
-        self.gathered().map(|whole| whole.state())
+        let fragments = self.fragments();
+        let own = self.run.own();
+        let Some(fragments) = fragments else {
+            self.communicator.send(0, &bytes_of(&own));
+            return None;
+        };
+        let others = (1..self.communicator.size()).map(|rank| value_of(&self.communicator.receive(rank)));
+        Some(Gathered::of(&self.frame, carried, std::iter::once(own).chain(others), fragments))
     }
 
     /// The model without its mesh and without the nodes and facets on which boundaries act.

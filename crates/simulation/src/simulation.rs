@@ -13,7 +13,7 @@ use crate::contacts::{Contacts, Touching, mean_edge};
 use crate::critical::CriticalStep;
 use crate::energy::Energies;
 use crate::error::{ModelError, Stop};
-use crate::forces::{self, Forces};
+use crate::forces::{Forces, OwnForces};
 use crate::joints::Joints;
 use crate::lanes::Available;
 use crate::loads::{self, Loads};
@@ -26,7 +26,7 @@ use crate::share::Share;
 use crate::simplex::Simplex;
 pub(crate) use crate::simulation::audit::Totals;
 pub use crate::simulation::saved::State;
-pub(crate) use crate::simulation::shown::mode;
+pub(crate) use crate::simulation::shown::{cracks, mode};
 use crate::solid::Solid;
 use crate::sum::{Grains, Sum};
 use crate::team::Team;
@@ -528,10 +528,9 @@ where
 
     /// Forces of contacts and boundaries at the beginning of the last step.
     pub fn forces(&self) -> Forces<D> {
-        Forces {
-            contacts: forces::contact_forces(&self.contacts, &self.joints, &self.solid, &self.topology),
-            reactions: forces::reactions(self),
-        }
+        let order = self.solid.order(&self.topology);
+        let codes = order.into_iter().map(|node| self.solid.corners.of(node as usize)[0]);
+        OwnForces::of(self).placed(codes, self.solid.origin)
     }
 }
 

@@ -56,7 +56,7 @@ pub(crate) struct Joint<const D: usize = 2> {
     length: f64,
     /// Nodes of each end, on side 0 and on side 1.
     #[serde(skip, default = "no_nodes")]
-    pub(super) nodes: [[u32; 2]; D],
+    pub(crate) nodes: [[u32; 2]; D],
     pub(crate) ends: [Memory<D>; D],
     /// Whether each end has two nodes.
     pub(crate) open: [bool; D],
@@ -174,11 +174,11 @@ impl<const D: usize> Joint<D> {
     }
 
     /// Mean opening and sliding, m: across it, then along it.
-    pub(crate) fn gap<const N: usize>(&self, solid: &Solid<D, N>) -> [f64; D]
+    pub(crate) fn gap<const N: usize>(&self, nodes: &[Node<D>]) -> [f64; D]
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
-        let frame = Frame::new(self, solid);
+        let frame = Frame::new::<N>(self, nodes);
         let mut mean = [0.0; D];
         for [a, b] in frame.ends {
             add(&mut mean, frame.components(minus(b.position, a.position)), 1.0 / D as f64);
@@ -197,7 +197,7 @@ impl<const D: usize> Joint<D> {
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
-        let frame = Frame::new(self, solid);
+        let frame = Frame::new::<N>(self, &solid.nodes);
         let share = self.share(solid.thickness);
         let (mut work, mut slid, mut least, mut whole) = (0.0, [0.0; D], f64::INFINITY, false);
         let mut pressed = false;
@@ -279,11 +279,11 @@ pub(super) struct Frame<'a, const D: usize> {
 
 impl<'a, const D: usize> Frame<'a, D> {
     #[inline]
-    pub(super) fn new<const N: usize>(joint: &Joint<D>, solid: &'a Solid<D, N>) -> Self
+    pub(super) fn new<const N: usize>(joint: &Joint<D>, nodes: &'a [Node<D>]) -> Self
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
-        let ends = joint.nodes.map(|end| end.map(|node| &solid.nodes[node as usize]));
+        let ends = joint.nodes.map(|end| end.map(|node| &nodes[node as usize]));
         // The facet half way between the two sides, in twice its size.
         let sum = ends.map(|[a, b]| std::array::from_fn(|axis| a.position[axis] + b.position[axis]));
         Self { ends, axes: <[[f64; D]; N]>::unit_axes(&sum) }

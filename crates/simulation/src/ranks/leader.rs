@@ -9,7 +9,7 @@ use crate::energy::Energies;
 use crate::error::{ModelError, Stop};
 use crate::forces::Forces;
 use crate::ranks::wire::{bytes_of, value_of};
-use crate::ranks::{Distributed, Traffic};
+use crate::ranks::{Distributed, Gathered, Traffic};
 use crate::simplex::Simplex;
 use crate::simulation::{Counts, Simulation, State, Timings};
 use crate::snapshot::Snapshot;
@@ -54,8 +54,8 @@ fn give(communicator: &dyn Communicator, order: Order, numbers: &[u64]) {
 pub struct Leader<'c, const D: usize = 2, const N: usize = 3> {
     communicator: &'c dyn Communicator,
     run: RefCell<Distributed<'c, D, N>>,
-    /// The whole run and its forces since the last step, once they are asked for.
-    whole: RefCell<Option<(Simulation<D, N>, Forces<D>)>>,
+    /// The whole run after the last step, once it is asked for.
+    whole: RefCell<Option<Gathered<D, N>>>,
 }
 
 impl<'c, const D: usize, const N: usize> Leader<'c, D, N>
@@ -168,7 +168,7 @@ where
 
     /// Positions, motion, stress and cracks now.
     pub fn snapshot(&self) -> Snapshot<D, N> {
-        self.look(|whole, _| whole.snapshot())
+        self.look(Gathered::snapshot)
     }
 
     /// Positions, motion, stress and cracks now, with the forces at the beginning of the last step.
@@ -176,7 +176,7 @@ where
     /// # Panics
     /// If rank 0 does not get them, which would be a bug.
     pub fn frame(&self) -> (Snapshot<D, N>, Forces<D>) {
-        self.look(|whole, forces| (whole.snapshot(), forces.clone()))
+        self.look(|whole| (whole.snapshot(), whole.forces().clone()))
     }
 
     /// State from which the run can be resumed, on any number of ranks.
@@ -184,16 +184,16 @@ where
     /// # Panics
     /// If rank 0 does not get it, which would be a bug.
     pub fn state(&self) -> State<D, N> {
-        self.look(|whole, _| whole.state())
+        self.look(Gathered::state)
     }
 
     /// Looks at the whole run. It is gathered once for each step.
-    fn look<T>(&self, at: impl FnOnce(&Simulation<D, N>, &Forces<D>) -> T) -> T {
+    fn look<T>(&self, at: impl FnOnce(&Gathered<D, N>) -> T) -> T {
         let mut known = self.whole.borrow_mut();
-        let (whole, forces) = known.get_or_insert_with(|| {
-            self.all(Order::Gather, &[], gathered).expect("rank 0 gets the whole run")
+        let whole = known.get_or_insert_with(|| {
+            self.all(Order::Gather, &[], Distributed::gathered).expect("rank 0 gets the whole run")
         });
-        at(whole, forces)
+        at(whole)
     }
 
     /// The elements and the traffic of each rank.
@@ -209,18 +209,6 @@ impl<const D: usize, const N: usize> Drop for Leader<'_, D, N> {
             give(self.communicator, Order::End, &[]);
         }
     }
-}
-
-/// The whole run and its forces, on rank 0.
-fn gathered<const D: usize, const N: usize>(
-    run: &Distributed<'_, D, N>,
-) -> Option<(Simulation<D, N>, Forces<D>)>
-where
-    [[f64; D]; N]: Simplex<D, N>,
-{
-    let whole = run.gathered();
-    let forces = run.forces(whole.as_ref());
-    whole.zip(forces)
 }
 
 /// Tells the other ranks that there will be no run, so that [`follow`] returns.
@@ -262,7 +250,7 @@ where
             Order::End => return Ok(()),
             // The leader gets the same error, and tells it.
             Order::Advance => drop(run.advance(numbers[0])),
-            Order::Gather => drop(gathered(&run)),
+            Order::Gather => drop(run.gathered()),
             Order::Fragments => drop(run.fragments()),
             Order::Counts => _ = run.counts(),
             Order::Penetrated => _ = run.penetrated(),

@@ -394,7 +394,7 @@ where
     [[f64; D]; N]: Simplex<D, N>,
 {
     /// Number of a vertex in the whole mesh.
-    fn vertex(&self, vertex: u32) -> u32 {
+    pub(super) fn vertex(&self, vertex: u32) -> u32 {
         self.part.as_ref().map_or(vertex, |part| part.vertices[vertex as usize])
     }
 
@@ -411,28 +411,36 @@ where
         let share = &self.solid.share;
         let lookup = Lookup::new(self);
         let elements = (0..self.solid.elements.len() as u32).filter(|&element| share.element(element));
-        let counted = |joint: &usize| self.joints.all[*joint].counted;
-        let joints = (0..self.joints.all.len()).filter(counted);
-        let numbers = |elements: [u32; 2]| elements.map(|element| self.topology.number(element));
         let (parted, bared) = self.apart();
-        let touching = self.contacts.touching().filter(|(elements, _)| share.element(elements[0]));
-        let loose = self.part.as_ref();
         Pieces {
             elements: elements.map(|element| lookup.piece(element, owners)).collect(),
-            joints: joints
-                .map(|joint| self.joints.moving(joint as u32, &self.topology))
-                .chain(loose.into_iter().flat_map(|part| part.loose_joints.iter().copied()))
-                .collect(),
-            touching: touching.map(|(elements, grip)| Touch { elements: numbers(elements), grip }).collect(),
-            seams: self
-                .seams
-                .points(&self.topology, share)
-                .map(|(sides, place, hold)| SeamPoint { sides, place, hold })
-                .chain(loose.into_iter().flat_map(|part| part.loose_seams.iter().copied()))
-                .collect(),
+            joints: self.own_joints(),
+            touching: self.own_touching(),
+            seams: self.own_seams(),
             parted,
             bared,
         }
+    }
+
+    /// The joints that this rank counts.
+    pub(super) fn own_joints(&self) -> Vec<Moving<D>> {
+        let counted = (0..self.joints.all.len()).filter(|&joint| self.joints.all[joint].counted);
+        let joints = counted.map(|joint| self.joints.moving(joint as u32, &self.topology));
+        joints.chain(self.part.iter().flat_map(|part| part.loose_joints.iter().copied())).collect()
+    }
+
+    /// The couples that touch and that this rank counts.
+    pub(super) fn own_touching(&self) -> Vec<Touch<D, N>> {
+        let counted = self.contacts.touching().filter(|(elements, _)| self.solid.share.element(elements[0]));
+        let numbers = |elements: [u32; 2]| elements.map(|element| self.topology.number(element));
+        counted.map(|(elements, grip)| Touch { elements: numbers(elements), grip }).collect()
+    }
+
+    /// The points of seams that this rank counts.
+    pub(super) fn own_seams(&self) -> Vec<SeamPoint<D>> {
+        let points = self.seams.points(&self.topology, &self.solid.share);
+        let points = points.map(|(sides, place, hold)| SeamPoint { sides, place, hold });
+        points.chain(self.part.iter().flat_map(|part| part.loose_seams.iter().copied())).collect()
     }
 
     /// The elements that have separated or become bare in the last step, as far as this rank knows.

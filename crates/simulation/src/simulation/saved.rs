@@ -21,19 +21,19 @@ use crate::vector::{Matrix, Point};
     deserialize = "[f64; D]: Deserialize<'de>, [u32; N]: Deserialize<'de>, [[f64; D]; D]: Deserialize<'de>, Joint<D>: Deserialize<'de>, [f64; N]: Deserialize<'de>, SavedContacts<D, N>: Deserialize<'de>, Saved<D>: Deserialize<'de>"
 ))]
 pub struct State<const D: usize = 2, const N: usize = 3> {
-    step: u64,
-    totals: Totals,
-    energies: Energies,
-    reactions: Vec<Point<D>>,
-    /// In the order of results: see [`Snapshot`].
-    nodes: Vec<Node<D>>,
-    of_corner: Vec<[u32; N]>,
-    stresses: Vec<Matrix<D>>,
-    viscous: Vec<Matrix<D>>,
-    dissipated: Vec<f64>,
-    joints: Saved<D>,
-    contacts: SavedContacts<D, N>,
-    seams: Vec<Hold<D>>,
+    pub(crate) step: u64,
+    pub(crate) totals: Totals,
+    pub(crate) energies: Energies,
+    pub(crate) reactions: Vec<Point<D>>,
+    /// In the order of results: see [`Snapshot`](crate::Snapshot).
+    pub(crate) nodes: Vec<Node<D>>,
+    pub(crate) of_corner: Vec<[u32; N]>,
+    pub(crate) stresses: Vec<Matrix<D>>,
+    pub(crate) viscous: Vec<Matrix<D>>,
+    pub(crate) dissipated: Vec<f64>,
+    pub(crate) joints: Saved<D>,
+    pub(crate) contacts: SavedContacts<D, N>,
+    pub(crate) seams: Vec<Hold<D>>,
 }
 
 impl<const D: usize, const N: usize> State<D, N> {

@@ -1,9 +1,11 @@
 //! The snapshot of a run, for results.
 
-use crate::joints::{Break, Joint};
+use crate::joints::Seen;
 use crate::simplex::Simplex;
 use crate::simulation::Simulation;
 use crate::snapshot::{Crack, Mode, Snapshot};
+use crate::solid::Node;
+use crate::vector::{Point, plus};
 
 impl<const D: usize, const N: usize> Simulation<D, N>
 where
@@ -14,20 +16,8 @@ where
         let order = self.solid.order(&self.topology);
         let nodes = || order.iter().map(|&node| node as usize);
         let elements = self.solid.elements.len();
-        let mut damage = vec![0.0_f64; elements];
-        let mut cracks = Vec::new();
-        for number in self.joints.in_order() {
-            let joint = &self.joints.all[number as usize];
-            let of_joint = joint.damage();
-            let facet = &self.topology.facets[joint.facet as usize];
-            for element in facet.elements() {
-                let damage = &mut damage[element as usize];
-                *damage = damage.max(of_joint);
-            }
-            if of_joint > 0.0 {
-                cracks.push(self.crack(joint, of_joint, self.joints.break_of(number)));
-            }
-        }
+        let joints = self.joints.in_order().into_iter().map(|joint| self.joints.seen(joint, &self.topology));
+        let (damage, cracks) = cracks::<D, N>(joints, &self.solid.nodes, self.solid.origin, elements);
         Snapshot {
             step: self.step,
             time: self.time(),
@@ -47,25 +37,57 @@ where
             cracks,
         }
     }
+}
 
-    fn crack(&self, joint: &Joint<D>, damage: f64, broken: Option<&Break>) -> Crack<D> {
-        let facet = &self.topology.facets[joint.facet as usize];
-        let corner = |corner: usize| {
-            let [a, b] = facet.corners.map(|side| self.solid.at_corner(side[corner]).position);
-            self.solid.place(std::array::from_fn(|axis| 0.5 * (a[axis] + b[axis])))
-        };
-        let gap = joint.gap(&self.solid);
-        let modes = broken.map_or_else(|| joint.modes(), |broken| broken.modes);
-        Crack {
-            corners: std::array::from_fn(corner),
-            elements: facet.elements(),
-            damage,
-            mode: mode(modes),
-            opening: gap[0],
-            sliding: <[[f64; D]; N]>::sliding(&gap),
-            time: broken.map(|broken| broken.time),
-            measure: joint.measure,
+/// The largest damage of the joints of each element, and the joints that are damaged. `joints`: all of them in order; `nodes`: those that the joints name; `origin`: of their positions.
+pub(crate) fn cracks<'a, const D: usize, const N: usize>(
+    joints: impl Iterator<Item = Seen<'a, D>>,
+    nodes: &[Node<D>],
+    origin: Point<D>,
+    elements: usize,
+) -> (Vec<f64>, Vec<Crack<D>>)
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    let mut damage = vec![0.0_f64; elements];
+    let mut cracks = Vec::new();
+    for seen in joints {
+        let of_joint = seen.joint.damage();
+        for element in seen.elements {
+            let damage = &mut damage[element as usize];
+            *damage = damage.max(of_joint);
         }
+        if of_joint > 0.0 {
+            cracks.push(crack::<D, N>(&seen, of_joint, nodes, origin));
+        }
+    }
+    (damage, cracks)
+}
+
+fn crack<const D: usize, const N: usize>(
+    seen: &Seen<'_, D>,
+    damage: f64,
+    nodes: &[Node<D>],
+    origin: Point<D>,
+) -> Crack<D>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    let corner = |end: usize| {
+        let [a, b] = seen.joint.nodes[end].map(|node| nodes[node as usize].position);
+        plus(std::array::from_fn(|axis| 0.5 * (a[axis] + b[axis])), origin)
+    };
+    let gap = seen.joint.gap::<N>(nodes);
+    let modes = seen.broken.map_or_else(|| seen.joint.modes(), |(_, modes)| modes);
+    Crack {
+        corners: std::array::from_fn(corner),
+        elements: seen.elements,
+        damage,
+        mode: mode(modes),
+        opening: gap[0],
+        sliding: <[[f64; D]; N]>::sliding(&gap),
+        time: seen.broken.map(|(time, _)| time),
+        measure: seen.measure,
     }
 }
 

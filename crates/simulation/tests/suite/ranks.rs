@@ -32,7 +32,6 @@ macro_rules! same_on_ranks {
                     run.advance(*steps).expect("steps");
                     let step = run.steps();
                     let gathered = run.gathered();
-                    let found = run.forces(gathered.as_ref());
                     let found_counts = run.counts();
                     assert_eq!(run.crack_lengths(), *cracks);
                     assert_eq!(
@@ -45,7 +44,7 @@ macro_rules! same_on_ranks {
                     }
                     if let Some(gathered) = gathered {
                         assert_eq!(gathered.snapshot(), *snapshot, "{size} ranks, step {step}");
-                        assert_eq!(found.as_ref(), Some(forces), "{size} ranks, step {step}");
+                        assert_eq!(gathered.forces(), forces, "{size} ranks, step {step}");
                         assert!(bytes(&gathered.state()) == *state, "{size} ranks, step {step}");
                     }
                     spreads = run.traffic().spreads;

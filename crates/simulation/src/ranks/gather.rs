@@ -1,0 +1,299 @@
+//! The whole of a run on many ranks, as results and checkpoints have it.
+//!
+//! Rank 0 gets what they have of each element and node, and not what is needed to advance them.
+
+use crate::contacts::Saved as SavedContacts;
+use crate::forces::{Forces, OwnForces};
+use crate::joints::{Moving, Saved};
+use crate::model::Model;
+use crate::ranks::piece::{Carried, Frame, SeamPoint, Touch};
+use crate::ranks::wire::wire;
+use crate::seams::Hold;
+use crate::simplex::Simplex;
+use crate::simulation::{Simulation, State, cracks};
+use crate::snapshot::Snapshot;
+use crate::solid::Node;
+use crate::topology::{NONE, corners_of_facet};
+use crate::vector::{Matrix, Point, plus};
+
+/// A node that a rank owns.
+#[derive(Clone, Copy, Debug)]
+struct OwnNode<const D: usize> {
+    /// Code of its first corner, and whether that is the first of its vertex.
+    code: u32,
+    is_first: bool,
+    vertex: u32,
+    position: Point<D>,
+    displacement: Point<D>,
+    velocity: Point<D>,
+}
+
+wire!([const D: usize] OwnNode<D> { code, is_first, vertex, position, displacement, velocity });
+
+/// An element that a rank counts.
+#[derive(Clone, Copy, Debug)]
+struct OwnElement<const D: usize, const N: usize> {
+    number: u32,
+    body: u32,
+    material: u32,
+    /// Codes of the first corners of its nodes.
+    nodes: [u32; N],
+    stress: Matrix<D>,
+}
+
+wire!([const D: usize, const N: usize] OwnElement<D, N> { number, body, material, nodes, stress });
+
+/// All that a rank counts, for results and checkpoints.
+pub(super) struct Own<const D: usize, const N: usize> {
+    nodes: Vec<OwnNode<D>>,
+    elements: Vec<OwnElement<D, N>>,
+    /// Viscous stress, and dissipated energy, of each of the elements; empty without viscosity.
+    viscous: Vec<Matrix<D>>,
+    dissipated: Vec<f64>,
+    joints: Vec<Moving<D>>,
+    touching: Vec<Touch<D, N>>,
+    parted: Vec<[u32; 2]>,
+    bared: Vec<u32>,
+    seams: Vec<SeamPoint<D>>,
+    forces: OwnForces<D>,
+}
+
+wire!([const D: usize, const N: usize] Own<D, N> {
+    nodes, elements, viscous, dissipated, joints, touching, parted, bared, seams, forces,
+});
+
+impl<const D: usize, const N: usize> Simulation<D, N>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    /// All that this rank counts, for results and checkpoints.
+    pub(super) fn own(&self) -> Own<D, N> {
+        let Self { solid, topology, model, .. } = self;
+        let share = &solid.share;
+        let node = |number: usize| {
+            let vertex = solid.constants[number].vertex;
+            let code = topology.code_of_corner(solid.corners.of(number)[0]);
+            let first = || topology.code_of_corner(topology.corners_of(vertex)[0]);
+            let Node { position, velocity } = solid.nodes[number];
+            OwnNode {
+                code,
+                is_first: code == self.part.as_ref().map_or_else(first, |part| part.first[vertex as usize]),
+                vertex: self.vertex(vertex),
+                position,
+                displacement: solid.displacement(number, model),
+                velocity,
+            }
+        };
+        let element = |number: usize| OwnElement {
+            number: topology.number(number as u32),
+            body: model.mesh.bodies[number],
+            material: model.mesh.materials[number],
+            nodes: solid.nodes_of(number as u32).map(|node| solid.code_of_node(node, topology)),
+            stress: solid.stress(number),
+        };
+        let counted = || (0..solid.elements.len()).filter(|&element| share.element(element as u32));
+        let dissipated = solid.dissipated();
+        let viscous = if dissipated.is_empty() { Vec::new() } else { solid.viscous() };
+        let (parted, bared) = self.apart();
+        Own {
+            nodes: (0..solid.nodes.len()).filter(|&number| share.node(number)).map(node).collect(),
+            elements: counted().map(element).collect(),
+            viscous: counted().filter_map(|element| viscous.get(element).copied()).collect(),
+            dissipated: counted().filter_map(|element| dissipated.get(element).copied()).collect(),
+            joints: self.own_joints(),
+            touching: self.own_touching(),
+            parted,
+            bared,
+            seams: self.own_seams(),
+            forces: OwnForces::of(self),
+        }
+    }
+}
+
+/// The whole of a [`Distributed`](crate::Distributed) run after a step, for results and checkpoints.
+#[derive(Clone, Debug)]
+pub struct Gathered<const D: usize = 2, const N: usize = 3> {
+    carried: Carried<D>,
+    time: f64,
+    origin: Point<D>,
+    model: Model<D, N>,
+    /// In the order of results: see [`Snapshot`].
+    nodes: Vec<Node<D>>,
+    displacements: Vec<Point<D>>,
+    elements: Vec<[u32; N]>,
+    bodies: Vec<u32>,
+    materials: Vec<u32>,
+    stresses: Vec<Matrix<D>>,
+    viscous: Vec<Matrix<D>>,
+    dissipated: Vec<f64>,
+    /// In the order of their facets, with the numbers of their nodes.
+    joints: Vec<Moving<D>>,
+    contacts: SavedContacts<D, N>,
+    seams: Vec<Hold<D>>,
+    fragments: Vec<u32>,
+    forces: Forces<D>,
+}
+
+impl<const D: usize, const N: usize> Gathered<D, N>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    /// Puts together what the ranks have sent, one after the other.
+    pub(super) fn of(
+        frame: &Frame<D, N>,
+        carried: Carried<D>,
+        all: impl Iterator<Item = Own<D, N>>,
+        fragments: Vec<u32>,
+    ) -> Self {
+        let mut parts = Parts::of(frame.elements as usize);
+        all.for_each(|own| parts.add(own));
+        let Parts { mut nodes, mut elements, mut joints, mut seams, mut contacts, forces, .. } = parts;
+        nodes.sort_unstable_by_key(|node| (!node.is_first, node.vertex, node.code));
+        // Places of nodes by their codes.
+        let mut places = vec![NONE; N * elements.len()];
+        for (place, node) in (0..).zip(&nodes) {
+            places[node.code as usize] = place;
+        }
+        for codes in &mut elements {
+            *codes = codes.map(|code| places[code as usize]);
+        }
+        joints.sort_unstable_by_key(Moving::facet);
+        for moving in &mut joints {
+            moving.find_nodes(|corner| elements[corner as usize / N][corner as usize % N]);
+        }
+        let sides = |point: &SeamPoint<D>| {
+            point.sides.map(|code| corners_of_facet::<D, N>(code as usize / N, code as usize % N))
+        };
+        seams.sort_unstable_by_key(|point| (sides(point), point.place));
+        contacts.grips.sort_unstable_by_key(|(elements, _)| *elements);
+        contacts.parted.sort_unstable();
+        contacts.parted.dedup();
+        contacts.bared.sort_unstable();
+        contacts.bared.dedup();
+        Self {
+            time: carried.step as f64 * frame.scales.time_step,
+            carried,
+            origin: frame.origin,
+            model: frame.model.clone(),
+            displacements: nodes.iter().map(|node| node.displacement).collect(),
+            forces: forces.placed(nodes.iter().map(|node| node.code), frame.origin),
+            nodes: nodes.iter().map(|at| Node { position: at.position, velocity: at.velocity }).collect(),
+            elements,
+            bodies: parts.bodies,
+            materials: parts.materials,
+            stresses: parts.stresses,
+            viscous: parts.viscous,
+            dissipated: parts.dissipated,
+            joints,
+            contacts,
+            seams: seams.into_iter().map(|point| point.hold).collect(),
+            fragments,
+        }
+    }
+
+    /// Positions, motion, stress and cracks now.
+    pub fn snapshot(&self) -> Snapshot<D, N> {
+        let moduli: Vec<_> =
+            self.model.materials.iter().map(|at| <[[f64; D]; N]>::moduli(at, self.model.plane)).collect();
+        let tensor = |(stress, &material): (&Matrix<D>, &u32)| {
+            <[[f64; D]; N]>::in_tensor(stress, &moduli[material as usize])
+        };
+        let joints = self.joints.iter().map(Moving::seen::<N>);
+        let (damage, cracks) = cracks::<D, N>(joints, &self.nodes, self.origin, self.elements.len());
+        Snapshot {
+            step: self.carried.step,
+            time: self.time,
+            positions: self.nodes.iter().map(|node| plus(node.position, self.origin)).collect(),
+            displacements: self.displacements.clone(),
+            velocities: self.nodes.iter().map(|node| node.velocity).collect(),
+            elements: self.elements.clone(),
+            stresses: self.stresses.iter().zip(&self.materials).map(tensor).collect(),
+            damage,
+            bodies: self.bodies.clone(),
+            materials: self.materials.clone(),
+            fragments: self.fragments.clone(),
+            cracks,
+        }
+    }
+
+    /// State from which the run can be resumed, on any number of ranks.
+    pub fn state(&self) -> State<D, N> {
+        State {
+            step: self.carried.step,
+            totals: self.carried.totals.clone(),
+            energies: self.carried.energies,
+            reactions: self.carried.reactions.clone(),
+            nodes: self.nodes.clone(),
+            of_corner: self.elements.clone(),
+            stresses: self.stresses.clone(),
+            viscous: self.viscous.clone(),
+            dissipated: self.dissipated.clone(),
+            joints: Saved::of(self.joints.clone()),
+            contacts: self.contacts.clone(),
+            seams: self.seams.clone(),
+        }
+    }
+
+    /// Forces of contacts and boundaries at the beginning of the last step.
+    pub fn forces(&self) -> &Forces<D> {
+        &self.forces
+    }
+}
+
+/// What the ranks have sent so far.
+struct Parts<const D: usize, const N: usize> {
+    nodes: Vec<OwnNode<D>>,
+    /// Nodes of each element, by their codes.
+    elements: Vec<[u32; N]>,
+    bodies: Vec<u32>,
+    materials: Vec<u32>,
+    stresses: Vec<Matrix<D>>,
+    viscous: Vec<Matrix<D>>,
+    dissipated: Vec<f64>,
+    joints: Vec<Moving<D>>,
+    contacts: SavedContacts<D, N>,
+    seams: Vec<SeamPoint<D>>,
+    forces: OwnForces<D>,
+}
+
+impl<const D: usize, const N: usize> Parts<D, N> {
+    fn of(elements: usize) -> Self {
+        Self {
+            nodes: Vec::new(),
+            elements: vec![[0; N]; elements],
+            bodies: vec![0; elements],
+            materials: vec![0; elements],
+            stresses: vec![[[0.0; D]; D]; elements],
+            viscous: vec![[[0.0; D]; D]; elements],
+            dissipated: Vec::new(),
+            joints: Vec::new(),
+            contacts: SavedContacts { grips: Vec::new(), parted: Vec::new(), bared: Vec::new() },
+            seams: Vec::new(),
+            forces: OwnForces::default(),
+        }
+    }
+
+    fn add(&mut self, own: Own<D, N>) {
+        for element in &own.elements {
+            let k = element.number as usize;
+            self.elements[k] = element.nodes;
+            self.bodies[k] = element.body;
+            self.materials[k] = element.material;
+            self.stresses[k] = element.stress;
+        }
+        if !own.dissipated.is_empty() {
+            self.dissipated.resize(self.elements.len(), 0.0);
+        }
+        for ((element, viscous), dissipated) in own.elements.iter().zip(own.viscous).zip(own.dissipated) {
+            let k = element.number as usize;
+            (self.viscous[k], self.dissipated[k]) = (viscous, dissipated);
+        }
+        self.nodes.extend(own.nodes);
+        self.joints.extend(own.joints);
+        self.contacts.grips.extend(own.touching.into_iter().map(|touch| (touch.elements, touch.grip)));
+        self.contacts.parted.extend(own.parted);
+        self.contacts.bared.extend(own.bared);
+        self.seams.extend(own.seams);
+        self.forces.add(own.forces);
+    }
+}
