@@ -297,7 +297,7 @@ pub(crate) struct Part<const D: usize> {
 }
 
 /// Numbers of the whole model, for the pieces of a part.
-struct Lookup<'a, const D: usize, const N: usize> {
+pub(super) struct Lookup<'a, const D: usize, const N: usize> {
     run: &'a Simulation<D, N>,
     /// Boundaries on each vertex.
     boundaries: BTreeMap<u32, Vec<u32>>,
@@ -310,7 +310,7 @@ impl<'a, const D: usize, const N: usize> Lookup<'a, D, N>
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    fn new(run: &'a Simulation<D, N>) -> Self {
+    pub(super) fn new(run: &'a Simulation<D, N>) -> Self {
         let (mut boundaries, mut sides) =
             (BTreeMap::<u32, Vec<u32>>::new(), BTreeMap::<u32, Vec<Side<D>>>::new());
         let mut held = run.loads.ground.held();
@@ -341,7 +341,7 @@ where
     }
 
     /// An element with all that is known of it. `owners`: the ranks that own each corner from now on.
-    fn piece(&self, element: u32, owners: &[u32]) -> Piece<D, N> {
+    pub(super) fn piece(&self, element: u32, owners: &[u32]) -> Piece<D, N> {
         let Self { run, .. } = *self;
         let (topology, solid, k) = (&run.topology, &run.solid, element as usize);
         let corner = |corner: usize| {
@@ -406,20 +406,10 @@ where
         }
     }
 
-    /// All that this rank counts. `owners`: the ranks that own each corner from now on.
-    pub(super) fn pieces(&self, owners: &[u32]) -> Pieces<D, N> {
+    /// The elements that this rank counts.
+    pub(super) fn counted(&self) -> Vec<u32> {
         let share = &self.solid.share;
-        let lookup = Lookup::new(self);
-        let elements = (0..self.solid.elements.len() as u32).filter(|&element| share.element(element));
-        let (parted, bared) = self.apart();
-        Pieces {
-            elements: elements.map(|element| lookup.piece(element, owners)).collect(),
-            joints: self.own_joints(),
-            touching: self.own_touching(),
-            seams: self.own_seams(),
-            parted,
-            bared,
-        }
+        (0..self.solid.elements.len() as u32).filter(|&element| share.element(element)).collect()
     }
 
     /// The joints that this rank counts.

@@ -7,7 +7,7 @@ use fdem_distributed::curve::{Curve, owner, splitters};
 use fdem_distributed::{Communicator, Message};
 
 use crate::ranks::links::{Links, Neighbour};
-use crate::ranks::piece::{Frame, Piece, Pieces};
+use crate::ranks::piece::{Frame, Lookup, Piece, Pieces};
 use crate::ranks::wire::{Wire, bytes_of, value_of};
 use crate::seams;
 use crate::simplex::Simplex;
@@ -19,6 +19,9 @@ const REACH: f64 = 0.5;
 
 /// Number of boxes in which a rank tells others where its elements are.
 const BOXES: usize = 128;
+
+/// Elements that a rank sends at a time.
+const ROUND: usize = 1 << 15;
 
 /// Share by which the busiest rank may have more than the mean before nodes are divided anew.
 const IMBALANCE: f64 = 0.1;
@@ -234,17 +237,83 @@ fn send_to_owners<const D: usize, const N: usize>(
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    let rank = communicator.rank();
-    let mut to = BTreeMap::<usize, Pieces<D, N>>::new();
+    let mut owners = Vec::new();
     if let Some(run) = run {
-        let mut owners = vec![0; N * run.solid.elements.len()];
+        owners = vec![0; N * run.solid.elements.len()];
         for (corner, owner) in owned {
             owners[corner as usize] = owner;
         }
         if let Some(links) = links {
             links.tell_owners(&mut owners);
         }
-        let pieces = run.pieces(&owners);
+    }
+    let elements = send_elements(run, &owners, communicator);
+    let mut own = send_between(run, &owners, communicator);
+    own.elements = elements;
+    // Few: what came apart in the last step.
+    let apart = run.map(Simulation::apart).unwrap_or_default();
+    for bytes in communicator.all_gather(&bytes_of(&apart)) {
+        let (parted, bared): (Vec<[u32; 2]>, Vec<u32>) = value_of(&bytes);
+        own.parted.extend(parted);
+        own.bared.extend(bared);
+    }
+    own.parted.sort_unstable();
+    own.parted.dedup();
+    own.bared.sort_unstable();
+    own.bared.dedup();
+    own
+}
+
+/// Sends the elements, some at a time, so that their messages take little memory. Returns those of this rank.
+fn send_elements<const D: usize, const N: usize>(
+    run: Option<&Simulation<D, N>>,
+    owners: &[u32],
+    communicator: &dyn Communicator,
+) -> Vec<Piece<D, N>>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    let rank = communicator.rank() as u32;
+    let known = run.map(|run| (run.counted(), Lookup::new(run)));
+    let rounds = known.as_ref().map_or(0, |(counted, _)| counted.len().div_ceil(ROUND));
+    let mut most = [rounds as f64];
+    communicator.all_max(&mut most);
+    let mut own = Vec::new();
+    for round in 0..most[0] as usize {
+        let mut to = BTreeMap::<usize, Vec<u8>>::new();
+        if let Some((counted, lookup)) = &known {
+            for &element in counted.iter().skip(round * ROUND).take(ROUND) {
+                let piece = lookup.piece(element, owners);
+                for other in piece.owners().filter(|&other| other != rank) {
+                    piece.put(to.entry(other as usize).or_default());
+                }
+                if piece.owners().any(|owner| owner == rank) {
+                    own.push(piece);
+                }
+            }
+        }
+        let messages = to.into_iter().map(|(rank, bytes)| Message { rank, bytes }).collect();
+        for message in communicator.exchange(messages) {
+            let mut bytes = &message.bytes[..];
+            while !bytes.is_empty() {
+                own.push(Piece::take(&mut bytes));
+            }
+        }
+    }
+    own
+}
+
+/// Sends joints, couples and points of seams. Returns those of this rank.
+fn send_between<const D: usize, const N: usize>(
+    run: Option<&Simulation<D, N>>,
+    owners: &[u32],
+    communicator: &dyn Communicator,
+) -> Pieces<D, N>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    let mut to = BTreeMap::<usize, Pieces<D, N>>::new();
+    if let Some(run) = run {
         let topology = &run.topology;
         let ranks_of = |number: u32| -> Vec<u32> {
             let Some(element) = topology.element(number) else { return Vec::new() };
@@ -260,44 +329,27 @@ where
             ranks.dedup();
             ranks
         };
-        for piece in pieces.elements {
-            let ranks: Vec<u32> = piece.owners().collect();
-            for rank in ranks {
-                to.entry(rank as usize).or_default().elements.push(piece.clone());
-            }
-        }
-        for moving in pieces.joints {
+        for moving in run.own_joints() {
             let code = first_corner::<D, N>(moving.joint.facet);
             if let Some(corner) = topology.corner(code) {
                 to.entry(owners[corner as usize] as usize).or_default().joints.push(moving);
             }
         }
-        for touch in pieces.touching {
+        for touch in run.own_touching() {
             for rank in of_both(touch.elements) {
                 to.entry(rank as usize).or_default().touching.push(touch);
             }
         }
-        for point in pieces.seams {
+        for point in run.own_seams() {
             for rank in of_both(point.sides.map(|side| side / N as u32)) {
                 to.entry(rank as usize).or_default().seams.push(point);
             }
         }
     }
-    let mut own = to.remove(&rank).unwrap_or_default();
+    let mut own = to.remove(&communicator.rank()).unwrap_or_default();
     for (_, more) in exchange(communicator, to) {
         own.add(more);
     }
-    // Few: what came apart in the last step.
-    let apart = run.map(Simulation::apart).unwrap_or_default();
-    for bytes in communicator.all_gather(&bytes_of(&apart)) {
-        let (parted, bared): (Vec<[u32; 2]>, Vec<u32>) = value_of(&bytes);
-        own.parted.extend(parted);
-        own.bared.extend(bared);
-    }
-    own.parted.sort_unstable();
-    own.parted.dedup();
-    own.bared.sort_unstable();
-    own.bared.dedup();
     own
 }
 
