@@ -8,8 +8,8 @@ use std::io::ErrorKind;
 use fdem_results::picture::PictureError;
 use fdem_results::{
     Animation, AnimationError, Field, FragmentCount, Fragments, Frame, FrameError, FrameView, History,
-    HistoryWriter, MOST_FRAMES, Names, Outlines, Pictures, Range, Report, Row, SnapshotError, plots,
-    write_contacts_vtp, write_cracks_vtp, write_damaged_joints_vtp, write_vtu,
+    HistoryWriter, MOST_FRAMES, Names, Outlines, Pictures, Range, RankLoad, Report, Row, SnapshotError,
+    plots, rank_loads, write_contacts_vtp, write_cracks_vtp, write_damaged_joints_vtp, write_vtu,
 };
 use fdem_simulation::{ContactForce, Forces, Mesh, Snapshot};
 
@@ -477,6 +477,22 @@ fn plots_show_every_column_with_its_unit() {
             assert!(!plot.svg.contains("NaN") && !plot.svg.contains("inf"), "{} of {rows} rows", plot.name);
         }
     }
+}
+
+/// Each rank is a level of the curves: the second one, with twice the elements, is twice as high.
+#[test]
+fn ranks_are_drawn_as_levels() {
+    let rank = |own: f64| RankLoad { own, halo: 0.0, bytes: 800.0 };
+    let [elements, messages] = rank_loads(&[rank(1000.0), rank(2000.0)]);
+    assert_eq!([&*elements.name, &*messages.name], ["ranks_elements", "ranks_messages"]);
+    let first = elements.svg.split("class=\"curve\" d=\"M").nth(1).unwrap().split('"').next().unwrap();
+    let heights = first.split(['L', ' ']).skip(1).step_by(2).map(|y| y.parse().unwrap());
+    let heights: Vec<f64> = heights.collect();
+    // The axis is 308 down.
+    let [floor, low, high] = [308.0, heights[0], heights[2]];
+    assert_eq!((heights[0], heights[2]), (heights[1], heights[3]), "{first}");
+    assert!(((floor - high) / (floor - low) - 2.0).abs() < 0.01, "{first}");
+    assert!(messages.svg.contains("bytes in a step") && messages.png(None).is_ok());
 }
 
 #[test]

@@ -71,6 +71,8 @@ pub struct Distributed<'c, const D: usize = 2, const N: usize = 3> {
     spreads: u64,
     /// Bytes and messages of earlier links.
     sent: [u64; 2],
+    /// The step at which the run was distributed.
+    first: u64,
 }
 
 /// Sums of the traffic of a run on many ranks, and what each rank has.
@@ -84,7 +86,9 @@ pub struct Traffic {
     pub halo: usize,
     /// Ranks with which this one shares nodes.
     pub neighbours: usize,
-    /// Bytes of motions of nodes that this rank has sent in all steps.
+    /// Steps since the run was distributed.
+    pub steps: u64,
+    /// Bytes of motions of nodes that this rank has sent in these steps.
     pub bytes: u64,
     /// Messages with them.
     pub messages: u64,
@@ -124,7 +128,8 @@ where
         let carried = run.as_ref().map_or_else(|| Carried::of_bytes(&common), Simulation::carried);
         let mut division = None;
         let (run, links) = part(run, None, &mut division, &frame, carried, communicator, &team)?;
-        Ok(Self { communicator, frame, division, run, links, team, spreads: 0, sent: [0; 2] })
+        let first = run.step;
+        Ok(Self { communicator, frame, division, run, links, team, spreads: 0, sent: [0; 2], first })
     }
 
     /// Advances the run by `steps` steps.
@@ -217,6 +222,7 @@ where
             own,
             halo: elements - own,
             neighbours: self.links.neighbours.len(),
+            steps: self.run.step - self.first,
             bytes: self.sent[0] + self.links.sent[0],
             messages: self.sent[1] + self.links.sent[1],
             spreads: self.spreads,

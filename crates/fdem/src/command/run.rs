@@ -440,9 +440,10 @@ where
     ) -> Result<(), Failure> {
         let start = Instant::now();
         let facts: Vec<(&str, &str)> = facts.iter().map(|(name, text)| (*name, text.as_str())).collect();
+        let ranks = lead::plots(&self.run.traffic());
         let progress = Progress::new(self.quiet);
         let (drawn, _) = progress.step("reading frames, drawing plots and the report", None, |done| {
-            recorder.finish(&self.prepared, &facts, fragments, done)
+            recorder.finish(&self.prepared, &facts, ranks, fragments, done)
         });
         self.spent.drawing += start.elapsed();
         drawn
@@ -579,7 +580,7 @@ where
                 ),
             ),
         ];
-        facts.extend(in_ranks(&run.traffic(), run.steps()).map(|text| ("ranks", text)));
+        facts.extend(in_ranks(&run.traffic()).map(|text| ("ranks", text)));
         facts
     }
 }

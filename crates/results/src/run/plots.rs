@@ -139,6 +139,52 @@ pub fn fragment_sizes(sizes: &SizeDistribution) -> Option<Plot> {
     Some(Plot { name: "fragment_sizes".to_owned(), svg: chart.svg() })
 }
 
+/// A rank of a run on many ranks.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RankLoad {
+    /// Elements that it counts.
+    pub own: f64,
+    /// Elements that it computes too, because they act on its nodes or are near its elements.
+    pub halo: f64,
+    /// Bytes of motions of nodes that it sends in a step.
+    pub bytes: f64,
+}
+
+/// Plots the elements of each rank, and the bytes that it sends in a step.
+pub fn rank_loads(ranks: &[RankLoad]) -> [Plot; 2] {
+    // A level for each rank.
+    let across: Vec<f64> = (0..ranks.len()).flat_map(|rank| [rank as f64, rank as f64 + 1.0]).collect();
+    let levels =
+        |of: fn(&RankLoad) -> f64| -> Vec<f64> { ranks.iter().flat_map(|rank| [of(rank); 2]).collect() };
+    let [all, own, halo, bytes] = [
+        levels(|rank| rank.own + rank.halo),
+        levels(|rank| rank.own),
+        levels(|rank| rank.halo),
+        levels(|rank| rank.bytes),
+    ];
+    let plot = |name: &str, title, up, curves: Vec<Curve<'_>>| {
+        let description = described(&curves, "rank");
+        let across = Axis { name: "rank", unit: "" };
+        let chart = Chart { name: title, description, across, up, logarithmic: false, curves };
+        Plot { name: name.to_owned(), svg: chart.svg() }
+    };
+    let curve = |name, levels| Curve::plain(name, &across, levels);
+    [
+        plot(
+            "ranks_elements",
+            "Elements of each rank",
+            Axis { name: "elements", unit: "" },
+            vec![curve("all", &all), curve("own", &own), curve("halo", &halo)],
+        ),
+        plot(
+            "ranks_messages",
+            "Bytes that each rank sends in a step",
+            Axis { name: "bytes in a step", unit: "B" },
+            vec![curve("bytes", &bytes)],
+        ),
+    ]
+}
+
 /// Sizes, m, and passing shares, %, of a curve that is linear between its points. Such a curve is bent on a logarithmic axis: wide stretches get points in between.
 fn bent(sizes: &[f64], shares: &[f64]) -> (Vec<f64>, Vec<f64>) {
     const STRETCHES: u8 = 32;

@@ -2,6 +2,7 @@
 
 use fdem_distributed::Communicator;
 use fdem_io::numbers::grouped;
+use fdem_results::{Plot, RankLoad, rank_loads};
 use fdem_simulation::{Simulation, Traffic, dismiss, follow};
 
 use crate::command::args::RunOptions;
@@ -57,13 +58,26 @@ impl Drop for Lead<'_> {
     }
 }
 
+/// Draws the ranks of a run: what they have, and what they send in a step. None in one process.
+pub(super) fn plots(traffic: &[Traffic]) -> Vec<Plot> {
+    if traffic.is_empty() {
+        return Vec::new();
+    }
+    let load = |rank: &Traffic| RankLoad {
+        own: rank.own as f64,
+        halo: rank.halo as f64,
+        bytes: rank.bytes as f64 / rank.steps.max(1) as f64,
+    };
+    rank_loads(&traffic.iter().map(load).collect::<Vec<_>>()).into()
+}
+
 /// Describes the ranks of a run: what they have, and what they have sent in each step. `None` in one process.
-pub(super) fn in_ranks(traffic: &[Traffic], steps: u64) -> Option<String> {
+pub(super) fn in_ranks(traffic: &[Traffic]) -> Option<String> {
     let first = traffic.first()?;
     let sum = |of: fn(&Traffic) -> u64| traffic.iter().map(of).sum::<u64>() as f64;
     let most = |of: fn(&Traffic) -> u64| traffic.iter().map(of).max().unwrap_or_default() as f64;
     let own = sum(|rank| rank.own as u64).max(1.0);
-    let each = steps.max(1) as f64;
+    let each = first.steps.max(1) as f64;
     Some(format!(
         "{} ranks; the halo is {:.1} % of the elements; the busiest has {:.1} % more than the mean; up to {} neighbours; \
          {} bytes and {:.1} messages a step and rank; divided {} times",

@@ -243,7 +243,7 @@ where
         self.frames.len()
     }
 
-    /// Draws plots, the picture, the animation and the report from the recorded results, and writes the table of fragments. `facts`: rows of the summary; `done`: number of frames read so far.
+    /// Draws plots, the picture, the animation and the report from the recorded results, and writes the table of fragments. `facts`: rows of the summary; `more`: plots beside those of the history; `done`: number of frames read so far.
     ///
     /// # Errors
     /// The first error. If the history and the frames can be read, everything else is drawn all the same.
@@ -251,6 +251,7 @@ where
         &mut self,
         prepared: &Prepared<D, N>,
         facts: &[(&str, &str)],
+        more: Vec<Plot>,
         fragments: &Fragments<D>,
         done: &Position,
     ) -> Result<(), Failure> {
@@ -262,6 +263,7 @@ where
         let place =
             drawn.iter().position(|plot| plot.name == "fragments").map_or(drawn.len().min(3), |at| at + 1);
         drawn.splice(place..place, fragment_sizes(&fragments.sizes()));
+        drawn.extend(more);
         let frames = self.read_frames(done)?;
         let drawings = <[[f64; D]; N]>::draw(
             &Drawn {
