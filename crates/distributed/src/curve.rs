@@ -33,12 +33,67 @@ impl<const D: usize> Curve<D> {
     /// The key of a point. Points outside of the box have the key of a cell at its border.
     #[inline]
     pub fn key(&self, point: [f64; D]) -> u64 {
+        fdem_mesh::curve::place(self.cell(point), Self::BITS)
+    }
+
+    /// The same curve with about `count` cells, at most [`MOST_CELLS`].
+    pub(crate) fn coarse(&self, count: usize) -> Coarse<D> {
+        let bits = count.clamp(1, MOST_CELLS).ilog2() / D as u32;
+        let mask = (1_u32 << bits) - 1;
+        let cell = |number: usize| {
+            std::array::from_fn::<u32, D, _>(|axis| (number as u32 >> (bits * axis as u32)) & mask)
+        };
+        let places = (0..1_usize << (bits * D as u32))
+            .map(|number| fdem_mesh::curve::place(cell(number), bits) as u32);
+        Coarse { curve: *self, bits, places: places.collect() }
+    }
+
+    /// The cell of a point along each axis, in the finest grid.
+    #[inline]
+    fn cell(&self, point: [f64; D]) -> [u32; D] {
         // The conversion of a float to an integer saturates.
         let last = (1_u32 << Self::BITS) - 1;
-        let cell = std::array::from_fn::<u32, D, _>(|axis| {
-            (((point[axis] - self.origin[axis]) * self.per_length) as u32).min(last)
-        });
-        fdem_mesh::curve::place(cell, Self::BITS)
+        std::array::from_fn(|axis| (((point[axis] - self.origin[axis]) * self.per_length) as u32).min(last))
+    }
+}
+
+/// Largest number of cells of a coarse grid. Its table fits the second-level cache.
+const MOST_CELLS: usize = 1 << 16;
+
+/// A [`Curve`] through a coarse grid, whose cells are looked up in a table. Each cell has consecutive keys of the curve.
+#[derive(Clone, Debug)]
+pub(crate) struct Coarse<const D: usize> {
+    curve: Curve<D>,
+    /// Bits of a coordinate.
+    bits: u32,
+    /// Places of all cells along the curve.
+    places: Vec<u32>,
+}
+
+impl<const D: usize> Coarse<D> {
+    /// Number of cells.
+    pub(crate) fn len(&self) -> usize {
+        self.places.len()
+    }
+
+    /// The key of a point along the whole curve.
+    pub(crate) fn key(&self, point: [f64; D]) -> u64 {
+        self.curve.key(point)
+    }
+
+    /// Number of bits by which a key of the curve is longer than the place of its cell.
+    pub(crate) fn shift(&self) -> u32 {
+        (Curve::<D>::BITS - self.bits) * D as u32
+    }
+
+    /// The place along the curve of the cell of a point: the first bits of its key.
+    #[inline]
+    pub(crate) fn place(&self, point: [f64; D]) -> u32 {
+        let cell = self.curve.cell(point);
+        let coarser = Curve::<D>::BITS - self.bits;
+        let number =
+            (0..D).fold(0, |number, axis| number | (cell[axis] >> coarser) << (self.bits * axis as u32));
+        self.places[number as usize]
     }
 }
 
@@ -111,16 +166,6 @@ fn sums_below(keys: &[u64], weights: &[u64]) -> (u64, impl Fn(u64) -> u64) {
     (sum, below)
 }
 
-/// [`splitters`] for sorted keys, each of which has the weight 1. `key` returns the key of an item.
-pub(crate) fn even_splitters<V>(
-    communicator: &dyn Communicator,
-    sorted: &[V],
-    key: impl Fn(&V) -> u64,
-) -> Vec<u64> {
-    let below = |limit: u64| sorted.partition_point(|item| key(item) < limit) as u64;
-    divide(communicator.size(), sorted.len() as u64, below, |values| communicator.all_sum(values))
-}
-
 /// The rank that gets a key.
 #[inline]
 pub fn owner(splitters: &[u64], key: u64) -> usize {
@@ -135,9 +180,9 @@ const INEXACT: i64 = 100;
 
 /// An interval of keys that holds a splitter: at most the wanted weight is below `low`, and more than that below `high`.
 #[derive(Clone, Copy)]
-struct Interval {
-    low: u64,
-    high: u64,
+pub(crate) struct Interval {
+    pub(crate) low: u64,
+    pub(crate) high: u64,
     /// Weights of the keys below the two ends.
     below: [i64; 2],
     wanted: i64,
@@ -145,7 +190,7 @@ struct Interval {
 
 impl Interval {
     /// The end whose weight is nearer to the wanted one.
-    fn nearer_end(&self) -> (u64, i64) {
+    pub(crate) fn nearer_end(&self) -> (u64, i64) {
         let [low, high] = self.below.map(|below| (below - self.wanted).abs());
         if low <= high { (self.low, low) } else { (self.high, high) }
     }
@@ -164,20 +209,40 @@ impl Interval {
 
 /// Finds splitters. `below` returns the weight of this rank's keys below a key, `weight` is that of all of them, and `add_up` adds up values of all ranks.
 fn divide(size: usize, weight: u64, below: impl Fn(u64) -> u64, add_up: impl Fn(&mut [i64])) -> Vec<u64> {
+    let (mut intervals, enough) = intervals(size, weight, u64::MAX, &add_up);
+    narrow(&mut intervals, enough, below, &add_up);
+    ascending(intervals.iter().map(|interval| interval.nearer_end().0))
+}
+
+/// The intervals of the splitters when nothing is known, with keys below `high`; and how far a weight may be from the wanted one.
+pub(crate) fn intervals(
+    size: usize,
+    weight: u64,
+    high: u64,
+    add_up: impl Fn(&mut [i64]),
+) -> (Vec<Interval>, i64) {
     assert!(size > 0, "at least one rank");
     let mut total = [weight.cast_signed()];
     add_up(&mut total);
     let [total] = total;
     assert!(total >= 0, "the sum of weights fits 63 bits");
     let wanted = |rank: usize| (i128::from(total) * rank as i128 / size as i128) as i64;
-    let mut intervals: Vec<Interval> = (1..size)
-        .map(|rank| Interval { low: 0, high: u64::MAX, below: [0, total], wanted: wanted(rank) })
-        .collect();
-    let enough = total / size.cast_signed() as i64 / INEXACT;
+    let intervals =
+        (1..size).map(|rank| Interval { low: 0, high, below: [0, total], wanted: wanted(rank) }).collect();
+    (intervals, total / size.cast_signed() as i64 / INEXACT)
+}
+
+/// Narrows intervals until an end of each is near enough, or no key is inside.
+pub(crate) fn narrow(
+    intervals: &mut [Interval],
+    enough: i64,
+    below: impl Fn(u64) -> u64,
+    add_up: impl Fn(&mut [i64]),
+) {
     loop {
         let open: Vec<usize> = (0..intervals.len()).filter(|&k| intervals[k].is_open(enough)).collect();
         if open.is_empty() {
-            break;
+            return;
         }
         let mut sums: Vec<i64> = open
             .iter()
@@ -198,14 +263,15 @@ fn divide(size: usize, weight: u64, below: impl Fn(u64) -> u64, add_up: impl Fn(
             }
         }
     }
-    let mut last = 0;
-    intervals
-        .iter()
-        .map(|interval| {
-            last = interval.nearer_end().0.max(last);
-            last
-        })
-        .collect()
+}
+
+/// Raises each splitter to the one before it.
+pub(crate) fn ascending(splitters: impl Iterator<Item = u64>) -> Vec<u64> {
+    let raised = splitters.scan(0, |last, splitter| {
+        *last = splitter.max(*last);
+        Some(*last)
+    });
+    raised.collect()
 }
 
 #[cfg(test)]

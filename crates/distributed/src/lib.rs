@@ -52,6 +52,7 @@
 
 mod communicator;
 pub mod curve;
+mod division;
 mod error;
 mod launcher;
 #[cfg(feature = "mpi")]

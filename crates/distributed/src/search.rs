@@ -3,16 +3,16 @@
 mod couples;
 mod elements;
 mod ghosts;
+mod owners;
 
 use fdem_contact::{Couple, Detector, Elements, PeriodicBox, PeriodicCouple, Real, Search};
 
-use crate::communicator::{Communicator, Message};
-use crate::curve::{Curve, even_splitters};
+use crate::communicator::Communicator;
 use crate::error::{Error, agree, name_by_id};
-use crate::wire::{Reader, Writer};
-use couples::key;
+use crate::wire::Writer;
 use elements::{Kind, Set};
-use ghosts::{Ghosts, Lattice, keeper};
+use ghosts::{Ghosts, Groups, Lattice, keeper};
+use owners::{Owned, distribute};
 
 pub use elements::Shapes;
 
@@ -70,13 +70,6 @@ pub struct Statistics {
     pub couples: usize,
 }
 
-/// Elements of this rank after they have been sent to their owners.
-struct Owned<T, const D: usize> {
-    /// Sorted by level, then along the curve.
-    set: Set<T, D>,
-    levels: Vec<u16>,
-}
-
 impl<'c, T: Real, const D: usize> DistributedSearch<'c, T, D> {
     /// A search over these ranks, on one thread of each.
     pub fn new(communicator: &'c dyn Communicator) -> Self {
@@ -124,23 +117,22 @@ impl<'c, T: Real, const D: usize> DistributedSearch<'c, T, D> {
         tolerance: T,
     ) -> Result<Vec<Couple>, Error> {
         let elements = self.check(ids, shapes, tolerance, None)?;
-        let mut found: Vec<u64> = Vec::new();
+        let mut found = Vec::new();
         if self.communicator.size() == 1 {
             let keep = |couple: Couple| {
                 let (i, j) = (ids[couple.i as usize], ids[couple.j as usize]);
-                found.push(key(i.min(j), i.max(j)));
+                found.push(Couple { i: i.min(j), j: i.max(j) });
             };
             let searched = self.detector.for_each(&elements, keep);
             agree(self.communicator, searched.map_err(|error| name(error, ids)))?;
             self.statistics = Statistics { elements: ids.len(), ghosts: 0, couples: found.len() };
         } else {
-            let (owned, _) = self.distribute(Set::wrapped(ids, shapes, tolerance, None), false)?;
+            let owned = distribute(self.communicator, shapes.view(ids, tolerance), false);
             let ghosts = self.ghosts(&owned, None)?;
-            self.search(owned, ghosts, None, |i, j, _| found.push(key(i, j)))?;
+            self.search(owned.set, ghosts, None, |i, j, _| found.push(Couple { i, j }))?;
             self.statistics.couples = found.len();
         }
-        let found = couples::sort(self.communicator, found);
-        Ok(found.into_iter().map(|key| Couple { i: (key >> 32) as u32, j: key as u32 }).collect())
+        Ok(couples::sort(self.communicator, found))
     }
 
     /// Finds the couples in a periodic box, and returns this rank's run of them. Collective.
@@ -162,12 +154,15 @@ impl<'c, T: Real, const D: usize> DistributedSearch<'c, T, D> {
     ) -> Result<Vec<PeriodicCouple<D>>, Error> {
         self.check(ids, shapes, tolerance, Some(cell))?;
         let mut found = Vec::new();
-        let wrapped = Set::wrapped(ids, shapes, tolerance, Some(cell));
-        let (owned, [magnitude, reach]) = self.distribute(wrapped.map_err(|error| name(error, ids)), true)?;
+        let wrapped = Set::wrapped(ids, shapes, tolerance, cell).map_err(|error| name(error, ids));
+        let wrapped = agree(self.communicator, wrapped)?;
+        let owned = distribute(self.communicator, wrapped.view(), true);
+        drop(wrapped);
+        let [magnitude, reach] = owned.limits;
         let lattice = agree(self.communicator, Lattice::new(cell, magnitude, reach))?;
         let ghosts = self.ghosts(&owned, Some(&lattice))?;
         let keep = |i, j, shift| found.push(PeriodicCouple { i, j, shift });
-        self.search(owned, ghosts, Some(&lattice), keep)?;
+        self.search(owned.set, ghosts, Some(&lattice), keep)?;
         self.statistics.couples = found.len();
         Ok(couples::sort(self.communicator, found))
     }
@@ -201,89 +196,18 @@ impl<'c, T: Real, const D: usize> DistributedSearch<'c, T, D> {
         }
     }
 
-    /// Sends elements to the ranks that own their part of the domain. Also returns upper bounds on the magnitude of all coordinates, and on the distance
-    /// of elements that touch.
-    fn distribute(
-        &self,
-        set: Result<Set<T, D>, fdem_contact::Error>,
-        is_periodic: bool,
-    ) -> Result<(Owned<T, D>, [f64; 2]), Error> {
-        let communicator = self.communicator;
-        let set = agree(communicator, set)?;
-        let (kind, tolerance) = (set.kind, set.tolerance);
-
-        // The extremes of all points, then the largest magnitude and the largest reach.
-        let mut extremes = vec![f64::NEG_INFINITY; 2 * D];
-        for point in &set.points {
-            for axis in 0..D {
-                let x = point[axis].to_f64();
-                extremes[axis] = extremes[axis].max(x);
-                extremes[D + axis] = extremes[D + axis].max(-x);
-            }
-        }
-        let far = set.far_points.iter().flatten().fold(0.0, |most: f64, x| most.max(x.to_f64().abs()));
-        extremes.push(extremes.iter().fold(far, |most, x| most.max(*x)));
-        extremes.push((0..set.len()).fold(0.0, |most: f64, place| most.max(set.reach(place))));
-        communicator.all_max(&mut extremes);
-        let limits = [extremes[2 * D], extremes[2 * D + 1]];
-        let max = std::array::from_fn(|axis| extremes[axis]);
-        let curve = Curve::new(std::array::from_fn(|axis| -extremes[D + axis]), max);
-
-        let mut order: Vec<(u64, u32)> =
-            (0..).zip(&set.points).map(|(place, point)| (curve.key(point.map(T::to_f64)), place)).collect();
-        order.sort_unstable();
-        let splitters = even_splitters(communicator, &order, |(key, _)| *key);
-        let mut rest = &order[..];
-        let messages = (0..communicator.size()).filter_map(|rank| {
-            let count = match splitters.get(rank) {
-                Some(&splitter) => rest.partition_point(|&(key, _)| key < splitter),
-                None => rest.len(),
-            };
-            let part = rest.split_off(..count).unwrap_or_default();
-            if part.is_empty() {
-                return None;
-            }
-            let mut out = Writer::default();
-            out.bytes.reserve_exact(8 + part.len() * (8 + set.bytes()));
-            out.u64(part.len() as u64);
-            out.u64s(part.iter().map(|(key, _)| *key));
-            set.write(part.iter().map(|(_, place)| *place), &mut out);
-            Some(Message { rank, bytes: out.bytes })
-        });
-        let messages = messages.collect();
-        drop((set, order));
-
-        let mut set = Set::new(kind, tolerance);
-        let mut order: Vec<(u64, u32)> = Vec::new();
-        for message in communicator.exchange(messages) {
-            let mut from = Reader::new(&message.bytes);
-            let count = from.u64() as usize;
-            order.extend(from.u64s(count).zip(set.len() as u32..));
-            set.read(count, is_periodic, &mut from);
-        }
-        // Each rank sends a sorted run. A stable sort merges runs.
-        order.sort_by_key(|(key, _)| *key);
-        let mut places: Vec<u32> = order.into_iter().map(|(_, place)| place).collect();
-        if !matches!(kind, Kind::Equal(_)) {
-            places.sort_by_cached_key(|&place| set.level(place as usize));
-        }
-        let set = set.picked(&places);
-        let levels = (0..set.len()).map(|place| set.level(place)).collect();
-        Ok((Owned { set, levels }, limits))
-    }
-
     /// Exchanges ghosts.
     fn ghosts(
         &self,
         owned: &Owned<T, D>,
         lattice: Option<&Lattice<'_, T, D>>,
     ) -> Result<Ghosts<T, D>, Error> {
-        let Owned { set, levels } = owned;
+        let set = &owned.set;
         let id_of = |index: usize| set.ids[index] as usize;
         // Wrapping may have brought a coordinate over the limit.
         let elements = set.elements().map_err(|error| name_by_id(error, id_of));
         let elements = agree(self.communicator, elements)?;
-        let groups = ghosts::groups(&elements, levels);
+        let groups = Groups::new(&elements, set.view(), &owned.curve);
         let chosen = ghosts::choose(self.communicator, &elements, &groups, lattice);
         let chosen = agree(self.communicator, chosen)?;
         Ok(ghosts::exchange(self.communicator, set, chosen, lattice.is_some()))
@@ -293,12 +217,12 @@ impl<'c, T: Real, const D: usize> DistributedSearch<'c, T, D> {
     /// [`PeriodicCouple`].
     fn search(
         &mut self,
-        owned: Owned<T, D>,
+        owned: Set<T, D>,
         ghosts: Ghosts<T, D>,
         lattice: Option<&Lattice<'_, T, D>>,
         mut keep: impl FnMut(u32, u32, [i32; D]),
     ) -> Result<(), Error> {
-        let Owned { set: mut all, levels } = owned;
+        let mut all = owned;
         let Ghosts { set: mut ghosts, shifts, owners } = ghosts;
         let (n, rank) = (all.len(), self.communicator.rank());
         self.statistics = Statistics { elements: n, ghosts: ghosts.len(), couples: 0 };
@@ -328,7 +252,7 @@ impl<'c, T: Real, const D: usize> DistributedSearch<'c, T, D> {
                 let ghost = b - n;
                 let owner = owners[ghost] as usize;
                 shift = shifts[ghost];
-                let is_kept = match ghost_levels[ghost].cmp(&levels[a]) {
+                let is_kept = match ghost_levels[ghost].cmp(&all.level(a)) {
                     std::cmp::Ordering::Less => false,
                     std::cmp::Ordering::Greater => true,
                     std::cmp::Ordering::Equal if owner != rank => keeper(owner, rank) == rank,

@@ -1,79 +1,205 @@
 //! Couples in order over all ranks.
 
-use fdem_contact::PeriodicCouple;
+use fdem_contact::{Couple, PeriodicCouple};
 
 use crate::communicator::{Communicator, Message};
-use crate::curve::{even_splitters, owner};
-use crate::wire::{Reader, Writer};
-
-/// The two elements of a couple as one number, whose order is that of couples.
-pub(crate) fn key(i: u32, j: u32) -> u64 {
-    u64::from(i) << 32 | u64::from(j)
-}
+use crate::division::Division;
 
 /// A couple that can be sorted and sent.
 pub(crate) trait Sortable: Copy + Ord {
+    /// Length in a message.
+    const BYTES: usize;
+
+    /// The two elements as one number, whose order is that of couples.
     fn key(&self) -> u64;
-    fn write(couples: &[Self], out: &mut Writer);
-    fn read(bytes: &[u8], couples: &mut Vec<Self>);
+    fn write(&self, bytes: &mut [u8]);
+    fn read(bytes: &[u8]) -> Self;
 }
 
-impl Sortable for u64 {
+impl Sortable for Couple {
+    const BYTES: usize = 8;
+
+    #[inline]
     fn key(&self) -> u64 {
-        *self
+        u64::from(self.i) << 32 | u64::from(self.j)
     }
 
-    fn write(couples: &[Self], out: &mut Writer) {
-        out.u64s(couples.iter().copied());
+    #[inline]
+    fn write(&self, bytes: &mut [u8]) {
+        bytes.copy_from_slice(&self.key().to_le_bytes());
     }
 
-    fn read(bytes: &[u8], couples: &mut Vec<Self>) {
-        couples.extend(Reader::new(bytes).u64s(bytes.len() / 8));
+    #[inline]
+    fn read(bytes: &[u8]) -> Self {
+        let key = bytes.first_chunk().map_or(0, |bytes| u64::from_le_bytes(*bytes));
+        Self { i: (key >> 32) as u32, j: key as u32 }
     }
 }
 
 impl<const D: usize> Sortable for PeriodicCouple<D> {
+    const BYTES: usize = 8 + 4 * D;
+
+    #[inline]
     fn key(&self) -> u64 {
-        key(self.i, self.j)
+        Couple { i: self.i, j: self.j }.key()
     }
 
-    fn write(couples: &[Self], out: &mut Writer) {
-        out.u64s(couples.iter().map(Sortable::key));
-        out.shifts(couples.iter().map(|couple| couple.shift));
+    fn write(&self, bytes: &mut [u8]) {
+        let (couple, shift) = bytes.split_at_mut(8);
+        Couple { i: self.i, j: self.j }.write(couple);
+        for (bytes, edges) in shift.as_chunks_mut().0.iter_mut().zip(self.shift) {
+            *bytes = edges.to_le_bytes();
+        }
     }
 
-    fn read(bytes: &[u8], couples: &mut Vec<Self>) {
-        let count = bytes.len() / (8 + 4 * D);
-        let mut from = Reader::new(bytes);
-        let keys = from.u64s(count);
-        let pairs = keys.zip(from.shifts::<D>(count));
-        couples.extend(pairs.map(|(key, shift)| Self { i: (key >> 32) as u32, j: key as u32, shift }));
+    fn read(bytes: &[u8]) -> Self {
+        let (couple, shift) = bytes.split_at(8);
+        let (Couple { i, j }, shift) = (Couple::read(couple), shift.as_chunks().0);
+        Self { i, j, shift: std::array::from_fn(|edge| i32::from_le_bytes(shift[edge])) }
+    }
+}
+
+/// Cells of keys, which are counted from the first one on.
+#[derive(Clone, Copy)]
+struct Cells {
+    first: u64,
+    /// Number of bits of a key inside its cell.
+    shift: u32,
+    count: usize,
+}
+
+/// Largest number of cells. Each has a place in memory that is written to, and the processor keeps track of about as many pages.
+const MOST_CELLS: usize = 1 << 11;
+
+/// Least number of couples in a cell, on the rank with the most couples.
+const LEAST_IN_CELL: usize = 1 << 10;
+
+impl Cells {
+    /// Cells for the couples of all ranks. Collective.
+    fn new<C: Sortable>(communicator: &dyn Communicator, couples: &[C]) -> Self {
+        let (low, high) = couples
+            .iter()
+            .fold((u64::MAX, 0), |(low, high), couple| (low.min(couple.key()), high.max(couple.key())));
+        let [low, high] = [low, high].map(|key| f64::from((key >> 32) as u32));
+        let mut extremes = [-low, high, couples.len() as f64];
+        communicator.all_max(&mut extremes);
+        let [first, last] = [-extremes[0], extremes[1]].map(|i| (i as u64) << 32);
+        let wanted = (extremes[2] as usize / LEAST_IN_CELL).clamp(2, MOST_CELLS);
+        let span = last.saturating_sub(first) | u64::from(u32::MAX);
+        let shift = (u64::BITS - span.leading_zeros()) - wanted.ilog2();
+        Self { first, shift, count: (span >> shift) as usize + 1 }
+    }
+
+    #[inline]
+    fn key<C: Sortable>(&self, couple: &C) -> u64 {
+        couple.key() - self.first
+    }
+
+    #[inline]
+    fn cell<C: Sortable>(&self, couple: &C) -> usize {
+        (self.key(couple) >> self.shift) as usize
     }
 }
 
 /// Sorts the couples of all ranks. Afterwards the ranks, one after the other, have consecutive runs of about the same length. Collective.
+///
+/// Each rank sorts its couples into cells, and writes them to the messages in which they are sent. The rank that owns a cell sorts the couples in it while they
+/// are in cache.
 pub(crate) fn sort<C: Sortable>(communicator: &dyn Communicator, mut couples: Vec<C>) -> Vec<C> {
-    couples.sort_unstable();
-    if communicator.size() == 1 {
-        return couples;
+    let cells = Cells::new(communicator, &couples);
+    let mut counts = vec![0; cells.count];
+    for couple in &couples {
+        counts[cells.cell(couple)] += 1;
     }
-    let splitters = even_splitters(communicator, &couples, Sortable::key);
-    let messages =
-        couples.chunk_by(|a, b| owner(&splitters, a.key()) == owner(&splitters, b.key())).map(|run| {
-            let mut out = Writer::default();
-            C::write(run, &mut out);
-            Message { rank: owner(&splitters, run[0].key()), bytes: out.bytes }
-        });
-    let messages: Vec<Message> = messages.collect();
-    drop(couples);
+    let division = Division::new(communicator, &counts, cells.shift, |is_marked| {
+        couples
+            .iter()
+            .filter(|couple| is_marked[cells.cell(*couple)])
+            .map(|couple| cells.key(couple))
+            .collect()
+    });
+    let messages = messages(&couples, cells, &division);
+    couples.clear();
     let received = communicator.exchange(messages);
-    let mut couples = Vec::with_capacity(
-        received.iter().map(|message| message.bytes.len()).sum::<usize>() / size_of::<C>(),
-    );
-    for message in received {
-        C::read(&message.bytes, &mut couples);
+    let bytes: usize = received.iter().map(|message| message.bytes.len()).sum();
+    couples.reserve_exact(bytes / C::BYTES);
+
+    let mut runs: Vec<&[u8]> = received.iter().map(|message| &message.bytes[..]).collect();
+    let mut sorter = Sorter { cells, scratch: Vec::new(), counts: Vec::new() };
+    for part in division.parts().iter().filter(|part| part.owner == communicator.rank()) {
+        for run in &mut runs {
+            let all = run.chunks_exact(C::BYTES).map(C::read);
+            let before = sorter.scratch.len();
+            sorter.scratch.extend(all.take_while(|couple| cells.cell(couple) == part.cell));
+            *run = &run[(sorter.scratch.len() - before) * C::BYTES..];
+        }
+        sorter.append_to(&mut couples);
     }
-    // Each rank sends a sorted run. A stable sort merges runs.
-    couples.sort();
     couples
+}
+
+/// The couples of each rank, in the order of the cells.
+fn messages<C: Sortable>(couples: &[C], cells: Cells, division: &Division) -> Vec<Message> {
+    let of_owners = division.parts().chunk_by(|a, b| a.owner == b.owner);
+    let empty = of_owners.map(|parts| {
+        let count: usize = parts.iter().map(|part| part.count).sum();
+        Message { rank: parts[0].owner, bytes: vec![0; count * C::BYTES] }
+    });
+    let mut messages: Vec<Message> = empty.collect();
+    let mut rooms: Vec<&mut [u8]> = Vec::with_capacity(division.parts().len());
+    for (message, parts) in messages.iter_mut().zip(division.parts().chunk_by(|a, b| a.owner == b.owner)) {
+        let mut rest = &mut message.bytes[..];
+        rooms
+            .extend(parts.iter().map(|part| rest.split_off_mut(..part.count * C::BYTES).unwrap_or_default()));
+    }
+    for couple in couples {
+        let key = cells.key(couple);
+        let room = &mut rooms[division.part((key >> cells.shift) as usize, || key)];
+        if let Some(bytes) = room.split_off_mut(..C::BYTES) {
+            couple.write(bytes);
+        }
+    }
+    messages.retain(|message| !message.bytes.is_empty());
+    messages
+}
+
+/// Sorts the couples of one cell after the other.
+struct Sorter<C> {
+    cells: Cells,
+    /// The couples of the cell.
+    scratch: Vec<C>,
+    /// Ends of the couples with the same digit.
+    counts: Vec<usize>,
+}
+
+impl<C: Sortable> Sorter<C> {
+    /// Appends the couples of the cell in their order, and forgets them.
+    fn append_to(&mut self, couples: &mut Vec<C>) {
+        let Self { cells, scratch, counts } = self;
+        let start = couples.len();
+        couples.extend_from_slice(scratch);
+        let sorted = &mut couples[start..];
+        // About as many digits as couples. The first bits of a key in its cell are those of the first element.
+        let bits = sorted.len().max(1).ilog2().min(cells.shift);
+        let digit = |couple: &C| (cells.key(couple) >> (cells.shift - bits)) as usize & ((1 << bits) - 1);
+        counts.clear();
+        counts.resize(1 << bits, 0);
+        for couple in &*scratch {
+            counts[digit(couple)] += 1;
+        }
+        let mut end = 0;
+        for count in &mut *counts {
+            end += std::mem::replace(count, end);
+        }
+        for couple in scratch.drain(..) {
+            let place = &mut counts[digit(&couple)];
+            sorted[*place] = couple;
+            *place += 1;
+        }
+        let mut start = 0;
+        for &end in &*counts {
+            sorted[start..end].sort_unstable();
+            start = end;
+        }
+    }
 }

@@ -45,6 +45,16 @@ impl<'a, T: Real, const D: usize> Shapes<'a, T, D> {
         }
     }
 
+    /// These elements with their ids.
+    pub(crate) fn view(&self, ids: &'a [u32], tolerance: T) -> View<'a, T, D> {
+        let (radii, far_points): (&[T], &[[T; D]]) = match *self {
+            Self::Equal { .. } => (&[], &[]),
+            Self::Spheres { radii, .. } => (radii, &[]),
+            Self::Boxes { max, .. } => (&[], max),
+        };
+        View { kind: self.kind(), tolerance, ids, points: self.points(), radii, far_points, periods: &[] }
+    }
+
     pub(crate) fn kind(&self) -> Kind<T> {
         match self {
             Self::Equal { radius, .. } => Kind::Equal(*radius),
@@ -72,6 +82,18 @@ pub(crate) enum Kind<T> {
     Boxes,
 }
 
+/// Elements that the caller has given, or those of a [`Set`], whose fields these are.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct View<'a, T, const D: usize> {
+    pub(crate) kind: Kind<T>,
+    pub(crate) tolerance: T,
+    pub(crate) ids: &'a [u32],
+    pub(crate) points: &'a [[T; D]],
+    pub(crate) radii: &'a [T],
+    pub(crate) far_points: &'a [[T; D]],
+    pub(crate) periods: &'a [[i32; D]],
+}
+
 /// Elements that a rank owns or has been sent. Positions are those inside the periodic box, if there is one.
 ///
 /// # Shapes
@@ -89,69 +111,9 @@ pub(crate) struct Set<T, const D: usize> {
     pub(crate) periods: Vec<[i32; D]>,
 }
 
-impl<T: Real, const D: usize> Set<T, D> {
-    pub(crate) fn new(kind: Kind<T>, tolerance: T) -> Self {
-        Self {
-            kind,
-            tolerance,
-            ids: Vec::new(),
-            points: Vec::new(),
-            radii: Vec::new(),
-            far_points: Vec::new(),
-            periods: Vec::new(),
-        }
-    }
-
-    /// Copies the caller's elements, wrapped into the box. They have been checked. Errors name elements by their place.
-    pub(crate) fn wrapped(
-        ids: &[u32],
-        shapes: &Shapes<'_, T, D>,
-        tolerance: T,
-        cell: Option<&PeriodicBox<T, D>>,
-    ) -> Result<Self, Error> {
-        let mut set = Self::new(shapes.kind(), tolerance);
-        set.ids = ids.to_vec();
-        set.points = shapes.points().to_vec();
-        match shapes {
-            Shapes::Equal { .. } => {}
-            Shapes::Spheres { radii, .. } => set.radii = radii.to_vec(),
-            Shapes::Boxes { max, .. } => set.far_points = max.to_vec(),
-        }
-        let Some(cell) = cell else { return Ok(set) };
-        set.periods.reserve_exact(set.points.len());
-        for (index, point) in set.points.iter_mut().enumerate() {
-            let Some((inside, periods)) = cell.wrap(*point) else { return Err(too_far(cell, index, point)) };
-            *point = inside;
-            if let Some(far) = set.far_points.get_mut(index).filter(|_| periods != [0; D]) {
-                *far = cell.displaced(far, &periods.map(|n| -n));
-            }
-            set.periods.push(periods);
-        }
-        Ok(set)
-    }
-
+impl<T: Real, const D: usize> View<'_, T, D> {
     pub(crate) fn len(&self) -> usize {
         self.ids.len()
-    }
-
-    /// The elements at these places, in this order.
-    pub(crate) fn picked(&self, places: &[u32]) -> Self {
-        fn pick<V: Copy>(values: &[V], places: &[u32]) -> Vec<V> {
-            if values.is_empty() {
-                Vec::new()
-            } else {
-                places.iter().map(|&place| values[place as usize]).collect()
-            }
-        }
-        Self {
-            kind: self.kind,
-            tolerance: self.tolerance,
-            ids: pick(&self.ids, places),
-            points: pick(&self.points, places),
-            radii: pick(&self.radii, places),
-            far_points: pick(&self.far_points, places),
-            periods: pick(&self.periods, places),
-        }
     }
 
     /// Writes the elements at these places, whose number the reader knows.
@@ -180,6 +142,110 @@ impl<T: Real, const D: usize> Set<T, D> {
         4 + 8 * floats + if self.periods.is_empty() { 0 } else { 4 * D }
     }
 
+    /// Class of similar sizes: the binary exponent of the largest distance at which an element touches another one of its size.
+    ///
+    /// It is a function of the element alone, so that all ranks agree on it.
+    pub(crate) fn level(&self, place: usize) -> u16 {
+        (self.reach(place).to_bits() >> 52) as u16
+    }
+
+    /// The largest distance at which an element touches another one of its size, up to rounding.
+    pub(crate) fn reach(&self, place: usize) -> f64 {
+        let size = match self.kind {
+            Kind::Equal(radius) => 2.0 * radius.to_f64(),
+            Kind::Spheres => 2.0 * self.radii[place].to_f64(),
+            Kind::Boxes => (0..D).fold(0.0, |most: f64, axis| {
+                most.max(self.far_points[place][axis].to_f64() - self.points[place][axis].to_f64())
+            }),
+        };
+        size + self.tolerance.to_f64()
+    }
+}
+
+impl<T: Real, const D: usize> Set<T, D> {
+    pub(crate) fn new(kind: Kind<T>, tolerance: T) -> Self {
+        Self {
+            kind,
+            tolerance,
+            ids: Vec::new(),
+            points: Vec::new(),
+            radii: Vec::new(),
+            far_points: Vec::new(),
+            periods: Vec::new(),
+        }
+    }
+
+    /// Copies the caller's elements, wrapped into the box. They have been checked. Errors name elements by their place.
+    pub(crate) fn wrapped(
+        ids: &[u32],
+        shapes: &Shapes<'_, T, D>,
+        tolerance: T,
+        cell: &PeriodicBox<T, D>,
+    ) -> Result<Self, Error> {
+        let mut set = Self::new(shapes.kind(), tolerance);
+        set.ids = ids.to_vec();
+        set.points = shapes.points().to_vec();
+        match shapes {
+            Shapes::Equal { .. } => {}
+            Shapes::Spheres { radii, .. } => set.radii = radii.to_vec(),
+            Shapes::Boxes { max, .. } => set.far_points = max.to_vec(),
+        }
+        set.periods.reserve_exact(set.points.len());
+        for (index, point) in set.points.iter_mut().enumerate() {
+            let Some((inside, periods)) = cell.wrap(*point) else { return Err(too_far(cell, index, point)) };
+            *point = inside;
+            if let Some(far) = set.far_points.get_mut(index).filter(|_| periods != [0; D]) {
+                *far = cell.displaced(far, &periods.map(|n| -n));
+            }
+            set.periods.push(periods);
+        }
+        Ok(set)
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.ids.len()
+    }
+
+    pub(crate) fn view(&self) -> View<'_, T, D> {
+        View {
+            kind: self.kind,
+            tolerance: self.tolerance,
+            ids: &self.ids,
+            points: &self.points,
+            radii: &self.radii,
+            far_points: &self.far_points,
+            periods: &self.periods,
+        }
+    }
+
+    /// Makes room for so many more elements, and for no more.
+    pub(crate) fn reserve(&mut self, more: usize, is_periodic: bool) {
+        self.ids.reserve_exact(more);
+        self.points.reserve_exact(more);
+        match self.kind {
+            Kind::Equal(_) => {}
+            Kind::Spheres => self.radii.reserve_exact(more),
+            Kind::Boxes => self.far_points.reserve_exact(more),
+        }
+        if is_periodic {
+            self.periods.reserve_exact(more);
+        }
+    }
+
+    /// Appends the elements of `others` at these places, in this order.
+    pub(crate) fn append_picked(&mut self, others: View<'_, T, D>, places: &[u32]) {
+        fn pick<V: Copy>(values: &mut Vec<V>, others: &[V], places: &[u32]) {
+            if !others.is_empty() {
+                values.extend(places.iter().map(|&place| others[place as usize]));
+            }
+        }
+        pick(&mut self.ids, others.ids, places);
+        pick(&mut self.points, others.points, places);
+        pick(&mut self.radii, others.radii, places);
+        pick(&mut self.far_points, others.far_points, places);
+        pick(&mut self.periods, others.periods, places);
+    }
+
     /// Appends elements of the same kind that another rank has written.
     pub(crate) fn read(&mut self, count: usize, is_periodic: bool, from: &mut Reader<'_>) {
         self.ids.extend(from.u32s(count));
@@ -204,23 +270,10 @@ impl<T: Real, const D: usize> Set<T, D> {
         .with_tolerance(self.tolerance)
     }
 
-    /// Class of similar sizes: the binary exponent of the largest distance at which an element touches another one of its size.
-    ///
-    /// It is a function of the element alone, so that all ranks agree on it.
+    /// As [`View::level`].
+    #[inline]
     pub(crate) fn level(&self, place: usize) -> u16 {
-        (self.reach(place).to_bits() >> 52) as u16
-    }
-
-    /// The largest distance at which an element touches another one of its size, up to rounding.
-    pub(crate) fn reach(&self, place: usize) -> f64 {
-        let size = match self.kind {
-            Kind::Equal(radius) => 2.0 * radius.to_f64(),
-            Kind::Spheres => 2.0 * self.radii[place].to_f64(),
-            Kind::Boxes => (0..D).fold(0.0, |most: f64, axis| {
-                most.max(self.far_points[place][axis].to_f64() - self.points[place][axis].to_f64())
-            }),
-        };
-        size + self.tolerance.to_f64()
+        self.view().level(place)
     }
 
     /// Appends elements of the same kind.

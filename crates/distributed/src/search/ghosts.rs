@@ -8,8 +8,9 @@
 
 use fdem_contact::{DEFAULT_MAX_IMAGES, Elements, Error, PeriodicBox, Real};
 
-use super::elements::Set;
+use super::elements::{Kind, Set, View};
 use crate::communicator::{Communicator, Message};
+use crate::curve::Coarse;
 use crate::wire::{Reader, Writer};
 
 /// Number of groups into which a rank cuts its elements; each level adds at most one more.
@@ -22,9 +23,31 @@ pub(crate) struct Group<const D: usize> {
     /// The box around the elements, extended so that it overlaps those that touch them.
     low: [f64; D],
     high: [f64; D],
-    /// First and last element; not sent.
-    first: usize,
-    end: usize,
+}
+
+impl<const D: usize> Group<D> {
+    /// A group without elements.
+    fn empty(level: u16) -> Self {
+        Self { level, low: [f64::INFINITY; D], high: [f64::NEG_INFINITY; D] }
+    }
+
+    /// Extends the box to an element.
+    #[inline]
+    fn add<T: Real>(&mut self, elements: &Elements<'_, T, D>, place: usize) {
+        for axis in 0..D {
+            let [low, high] = elements.span(place, axis);
+            self.low[axis] = if low < self.low[axis] { low } else { self.low[axis] };
+            self.high[axis] = if high > self.high[axis] { high } else { self.high[axis] };
+        }
+    }
+}
+
+/// The groups of a rank.
+pub(crate) struct Groups<const D: usize> {
+    boxes: Vec<Group<D>>,
+    /// The places of all elements, group by group, and where each group starts.
+    places: Vec<u32>,
+    starts: Vec<usize>,
 }
 
 /// An element that is sent, with the number of edges by which it is displaced from its place in the box.
@@ -127,34 +150,115 @@ fn overlap<const D: usize>(a: &Group<D>, b: &Group<D>, offset: &[f64; D], gap: f
     })
 }
 
-/// Cuts elements, which are sorted by level and then along the curve, into groups.
-pub(crate) fn groups<T: Real, const D: usize>(
-    elements: &Elements<'_, T, D>,
-    levels: &[u16],
-) -> Vec<Group<D>> {
-    let n = levels.len();
-    let mut groups = Vec::new();
-    let mut first = 0;
-    for level in levels.chunk_by(|a, b| a == b) {
-        let count = (GROUPS * level.len() / n).max(1);
-        let length = level.len().div_ceil(count);
-        let end_of_level = first + level.len();
-        while first < end_of_level {
-            let end = (first + length).min(end_of_level);
-            let mut group =
-                Group { level: level[0], low: [f64::INFINITY; D], high: [f64::NEG_INFINITY; D], first, end };
-            for place in first..end {
-                for axis in 0..D {
-                    let [low, high] = elements.span(place, axis);
-                    group.low[axis] = group.low[axis].min(low);
-                    group.high[axis] = group.high[axis].max(high);
-                }
+/// Marks a group that is a crowded cell.
+const CROWDED: u32 = 1 << 31;
+
+impl<const D: usize> Groups<D> {
+    /// Cuts elements into groups: level by level, runs of cells along the curve. A cell with more elements than two groups is cut along the whole curve.
+    pub(crate) fn new<T: Real>(
+        elements: &Elements<'_, T, D>,
+        view: View<'_, T, D>,
+        curve: &Coarse<D>,
+    ) -> Self {
+        let n = view.len();
+        let mut levels: Vec<u16> = match view.kind {
+            Kind::Equal(_) => (0..n.min(1)).map(|place| view.level(place)).collect(),
+            _ => (0..n).map(|place| view.level(place)).collect(),
+        };
+        levels.sort_unstable();
+        levels.dedup();
+        // Cells of the first level, then those of the second one, and so on.
+        let number = |place: usize| {
+            let point = view.points[place].map(T::to_f64);
+            let level = if levels.len() == 1 { Ok(0) } else { levels.binary_search(&view.level(place)) };
+            level.unwrap_or_default() * curve.len() + curve.place(point) as usize
+        };
+        let mut of: Vec<u32> = (0..n).map(|place| number(place) as u32).collect();
+        let mut counts = vec![0_u32; levels.len() * curve.len()];
+        for &cell in &of {
+            counts[cell as usize] += 1;
+        }
+        let mut boxes = Vec::new();
+        for (&level, counts) in levels.iter().zip(counts.chunks_mut(curve.len())) {
+            cut(level, counts, n, &mut boxes);
+        }
+
+        // The number, key and place of the elements of crowded cells.
+        let mut crowded: Vec<(u32, u64, usize)> = Vec::new();
+        for (place, cell) in of.iter_mut().enumerate() {
+            let group = counts[*cell as usize];
+            *cell = group & !CROWDED;
+            if group & CROWDED == 0 {
+                boxes[group as usize].add(elements, place);
+            } else {
+                crowded.push((*cell, curve.key(view.points[place].map(T::to_f64)), place));
             }
-            groups.push(group);
-            first = end;
+        }
+        crowded.sort_unstable();
+        for in_cell in crowded.chunk_by(|a, b| a.0 == b.0) {
+            let mut group = in_cell[0].0;
+            for part in in_cell.chunks(length(n)) {
+                for &(_, _, place) in part {
+                    of[place] = group;
+                    boxes[group as usize].add(elements, place);
+                }
+                group = boxes.len() as u32;
+                boxes.push(Group::empty(boxes[in_cell[0].0 as usize].level));
+            }
+            // The last one is not needed.
+            boxes.pop();
+        }
+        Self::sorted(boxes, &of)
+    }
+
+    /// Sorts elements by group. `of` has the group of each.
+    fn sorted(boxes: Vec<Group<D>>, of: &[u32]) -> Self {
+        let mut ends = vec![0; boxes.len() + 1];
+        for &group in of {
+            ends[group as usize + 1] += 1;
+        }
+        for group in 0..boxes.len() {
+            ends[group + 1] += ends[group];
+        }
+        let starts = ends.clone();
+        let mut places = vec![0; of.len()];
+        for (place, &group) in (0..).zip(of) {
+            let end = &mut ends[group as usize];
+            places[*end] = place;
+            *end += 1;
+        }
+        Self { boxes, starts, places }
+    }
+
+    /// The places of the elements of a group.
+    fn places(&self, group: usize) -> &[u32] {
+        &self.places[self.starts[group]..self.starts[group + 1]]
+    }
+}
+
+/// Number of elements of a group.
+fn length(n: usize) -> usize {
+    n.div_ceil(GROUPS)
+}
+
+/// Makes the groups of a level, and replaces the number of elements in each cell by the group of the cell.
+fn cut<const D: usize>(level: u16, counts: &mut [u32], n: usize, boxes: &mut Vec<Group<D>>) {
+    let length = length(n);
+    // Elements in the last group. None has been made yet.
+    let mut inside = usize::MAX;
+    for count in counts.iter_mut().filter(|count| **count > 0) {
+        let more = *count as usize;
+        let is_crowded = more > 2 * length;
+        if is_crowded || inside >= length {
+            boxes.push(Group::empty(level));
+            inside = 0;
+        }
+        *count = boxes.len() as u32 - 1;
+        inside += more;
+        if is_crowded {
+            *count |= CROWDED;
         }
     }
-    groups
 }
 
 /// Ghosts that a rank has got.
@@ -170,13 +274,14 @@ pub(crate) struct Ghosts<T, const D: usize> {
 pub(crate) fn choose<T: Real, const D: usize>(
     communicator: &dyn Communicator,
     elements: &Elements<'_, T, D>,
-    groups: &[Group<D>],
+    groups: &Groups<D>,
     lattice: Option<&Lattice<'_, T, D>>,
 ) -> Result<Vec<(usize, Vec<Sent<D>>)>, Error> {
     let mut out = Writer::default();
-    out.u64s(groups.iter().map(|group| u64::from(group.level)));
-    out.reals(groups.iter().flat_map(|group| group.low));
-    out.reals(groups.iter().flat_map(|group| group.high));
+    let boxes = &groups.boxes;
+    out.u64s(boxes.iter().map(|group| u64::from(group.level)));
+    out.reals(boxes.iter().flat_map(|group| group.low));
+    out.reals(boxes.iter().flat_map(|group| group.high));
     let everywhere = communicator.all_gather(&out.bytes);
 
     let own = communicator.rank();
@@ -188,7 +293,7 @@ pub(crate) fn choose<T: Real, const D: usize>(
         }
         let theirs = read_groups::<D>(bytes);
         let mut sent = Vec::new();
-        for group in groups {
+        for (group, of_group) in boxes.iter().enumerate().map(|(k, group)| (group, groups.places(k))) {
             // The shift, and the group of the other rank that the elements may overlap with it.
             let mut near: Vec<([i32; D], usize)> = Vec::new();
             for (number, other) in theirs.iter().enumerate() {
@@ -214,17 +319,11 @@ pub(crate) fn choose<T: Real, const D: usize>(
                     Some(lattice) if shift != [0; D] => (lattice.offset(&shift), lattice.rounding(&shift)),
                     _ => ([0.0; D], 0.0),
                 };
-                for place in group.first..group.end {
-                    let spans: [[f64; 2]; D] = std::array::from_fn(|axis| elements.span(place, axis));
-                    let element = Group {
-                        level: group.level,
-                        low: spans.map(|[low, _]| low),
-                        high: spans.map(|[_, high]| high),
-                        first: place,
-                        end: place + 1,
-                    };
+                for &place in of_group {
+                    let mut element = Group::empty(group.level);
+                    element.add(elements, place as usize);
                     if same_shift.iter().any(|&(_, other)| overlap(&element, &theirs[other], &offset, gap)) {
-                        sent.push((place as u32, shift));
+                        sent.push((place, shift));
                     }
                 }
                 if shift != [0; D] {
@@ -256,7 +355,7 @@ fn read_groups<const D: usize>(bytes: &[u8]) -> Vec<Group<D>> {
     levels
         .into_iter()
         .zip(boxes)
-        .map(|(level, (low, high))| Group { level: level as u16, low, high, first: 0, end: 0 })
+        .map(|(level, (low, high))| Group { level: level as u16, low, high })
         .collect()
 }
 
@@ -270,7 +369,7 @@ pub(crate) fn exchange<T: Real, const D: usize>(
     let messages = chosen.into_iter().map(|(rank, sent)| {
         let mut out = Writer::default();
         out.u64(sent.len() as u64);
-        set.write(sent.iter().map(|(place, _)| *place), &mut out);
+        set.view().write(sent.iter().map(|(place, _)| *place), &mut out);
         if is_periodic {
             out.shifts(sent.iter().map(|(_, shift)| *shift));
         }
