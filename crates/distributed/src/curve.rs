@@ -89,11 +89,22 @@ impl<const D: usize> Coarse<D> {
     /// The place along the curve of the cell of a point: the first bits of its key.
     #[inline]
     pub(crate) fn place(&self, point: [f64; D]) -> u32 {
+        self.look_up(&self.places, point)
+    }
+
+    /// A table for [`Coarse::look_up`] of a value of each cell, which depends on its place along the curve.
+    pub(crate) fn map(&self, value: impl Fn(usize) -> u32) -> Vec<u32> {
+        self.places.iter().map(|&place| value(place as usize)).collect()
+    }
+
+    /// The value of the cell of a point in a table.
+    #[inline]
+    pub(crate) fn look_up(&self, table: &[u32], point: [f64; D]) -> u32 {
         let cell = self.curve.cell(point);
         let coarser = Curve::<D>::BITS - self.bits;
         let number =
             (0..D).fold(0, |number, axis| number | (cell[axis] >> coarser) << (self.bits * axis as u32));
-        self.places[number as usize]
+        table[number as usize]
     }
 }
 

@@ -10,6 +10,7 @@ use fdem_contact::{Couple, Detector, Elements, PeriodicBox, PeriodicCouple, Real
 use crate::communicator::Communicator;
 use crate::error::{Error, agree, name_by_id};
 use crate::wire::Writer;
+use couples::Found;
 use elements::{Kind, Set};
 use ghosts::{Ghosts, Groups, Lattice, keeper};
 use owners::{Owned, distribute};
@@ -117,7 +118,7 @@ impl<'c, T: Real, const D: usize> DistributedSearch<'c, T, D> {
         tolerance: T,
     ) -> Result<Vec<Couple>, Error> {
         let elements = self.check(ids, shapes, tolerance, None)?;
-        let mut found = Vec::new();
+        let mut found = Found::new(self.communicator, ids);
         if self.communicator.size() == 1 {
             let keep = |couple: Couple| {
                 let (i, j) = (ids[couple.i as usize], ids[couple.j as usize]);
@@ -132,7 +133,7 @@ impl<'c, T: Real, const D: usize> DistributedSearch<'c, T, D> {
             self.search(owned.set, ghosts, None, |i, j, _| found.push(Couple { i, j }))?;
             self.statistics.couples = found.len();
         }
-        Ok(couples::sort(self.communicator, found))
+        Ok(found.sorted(self.communicator))
     }
 
     /// Finds the couples in a periodic box, and returns this rank's run of them. Collective.
@@ -153,7 +154,7 @@ impl<'c, T: Real, const D: usize> DistributedSearch<'c, T, D> {
         cell: &PeriodicBox<T, D>,
     ) -> Result<Vec<PeriodicCouple<D>>, Error> {
         self.check(ids, shapes, tolerance, Some(cell))?;
-        let mut found = Vec::new();
+        let mut found = Found::new(self.communicator, ids);
         let wrapped = Set::wrapped(ids, shapes, tolerance, cell).map_err(|error| name(error, ids));
         let wrapped = agree(self.communicator, wrapped)?;
         let owned = distribute(self.communicator, wrapped.view(), true);
@@ -164,7 +165,7 @@ impl<'c, T: Real, const D: usize> DistributedSearch<'c, T, D> {
         let keep = |i, j, shift| found.push(PeriodicCouple { i, j, shift });
         self.search(owned.set, ghosts, Some(&lattice), keep)?;
         self.statistics.couples = found.len();
-        Ok(couples::sort(self.communicator, found))
+        Ok(found.sorted(self.communicator))
     }
 
     /// Checks the elements of this rank, and that all ranks have the same kind of elements, tolerance and box.
@@ -207,7 +208,7 @@ impl<'c, T: Real, const D: usize> DistributedSearch<'c, T, D> {
         // Wrapping may have brought a coordinate over the limit.
         let elements = set.elements().map_err(|error| name_by_id(error, id_of));
         let elements = agree(self.communicator, elements)?;
-        let groups = Groups::new(&elements, set.view(), &owned.curve);
+        let groups = Groups::new(&elements, set.view(), &owned.curve, owned.cells.clone());
         let chosen = ghosts::choose(self.communicator, &elements, &groups, lattice);
         let chosen = agree(self.communicator, chosen)?;
         Ok(ghosts::exchange(self.communicator, set, chosen, lattice.is_some()))
@@ -245,6 +246,10 @@ impl<'c, T: Real, const D: usize> DistributedSearch<'c, T, D> {
                 return;
             }
             let (id, other) = (all.ids[a], all.ids[b]);
+            if b < n && all.periods.is_empty() {
+                keep(id.min(other), id.max(other), [0; D]);
+                return;
+            }
             let (i, j) = if id <= other { (a, b) } else { (b, a) };
             // Displacement of the second element, inside the box.
             let mut shift = [0; D];

@@ -71,20 +71,18 @@ struct Cells {
 /// Largest number of cells. Each has a place in memory that is written to, and the processor keeps track of about as many pages.
 const MOST_CELLS: usize = 1 << 11;
 
-/// Least number of couples in a cell, on the rank with the most couples.
-const LEAST_IN_CELL: usize = 1 << 10;
+/// Elements whose couples are in one cell, if no rank has more than the others and ids are consecutive.
+const IN_CELL: usize = 1 << 8;
 
 impl Cells {
-    /// Cells for the couples of all ranks. Collective.
-    fn new<C: Sortable>(communicator: &dyn Communicator, couples: &[C]) -> Self {
-        let (low, high) = couples
-            .iter()
-            .fold((u64::MAX, 0), |(low, high), couple| (low.min(couple.key()), high.max(couple.key())));
-        let [low, high] = [low, high].map(|key| f64::from((key >> 32) as u32));
-        let mut extremes = [-low, high, couples.len() as f64];
+    /// Cells for the couples of the elements of all ranks, of which this one has these. Collective.
+    fn new(communicator: &dyn Communicator, ids: &[u32]) -> Self {
+        let low = ids.iter().min().map_or(f64::INFINITY, |id| f64::from(*id));
+        let high = ids.iter().max().map_or(f64::NEG_INFINITY, |id| f64::from(*id));
+        let mut extremes = [-low, high, ids.len() as f64];
         communicator.all_max(&mut extremes);
         let [first, last] = [-extremes[0], extremes[1]].map(|i| (i as u64) << 32);
-        let wanted = (extremes[2] as usize / LEAST_IN_CELL).clamp(2, MOST_CELLS);
+        let wanted = (extremes[2] as usize / IN_CELL).clamp(2, MOST_CELLS);
         let span = last.saturating_sub(first) | u64::from(u32::MAX);
         let shift = (u64::BITS - span.leading_zeros()) - wanted.ilog2();
         Self { first, shift, count: (span >> shift) as usize + 1 }
@@ -101,41 +99,59 @@ impl Cells {
     }
 }
 
-/// Sorts the couples of all ranks. Afterwards the ranks, one after the other, have consecutive runs of about the same length. Collective.
-///
-/// Each rank sorts its couples into cells, and writes them to the messages in which they are sent. The rank that owns a cell sorts the couples in it while they
-/// are in cache.
-pub(crate) fn sort<C: Sortable>(communicator: &dyn Communicator, mut couples: Vec<C>) -> Vec<C> {
-    let cells = Cells::new(communicator, &couples);
-    let mut counts = vec![0; cells.count];
-    for couple in &couples {
-        counts[cells.cell(couple)] += 1;
-    }
-    let division = Division::new(communicator, &counts, cells.shift, |is_marked| {
-        couples
-            .iter()
-            .filter(|couple| is_marked[cells.cell(*couple)])
-            .map(|couple| cells.key(couple))
-            .collect()
-    });
-    let messages = messages(&couples, cells, &division);
-    couples.clear();
-    let received = communicator.exchange(messages);
-    let bytes: usize = received.iter().map(|message| message.bytes.len()).sum();
-    couples.reserve_exact(bytes / C::BYTES);
+/// The couples that a rank has found, and how many there are in each cell.
+pub(crate) struct Found<C> {
+    couples: Vec<C>,
+    cells: Cells,
+    counts: Vec<usize>,
+}
 
-    let mut runs: Vec<&[u8]> = received.iter().map(|message| &message.bytes[..]).collect();
-    let mut sorter = Sorter { cells, scratch: Vec::new(), counts: Vec::new() };
-    for part in division.parts().iter().filter(|part| part.owner == communicator.rank()) {
-        for run in &mut runs {
-            let all = run.chunks_exact(C::BYTES).map(C::read);
-            let before = sorter.scratch.len();
-            sorter.scratch.extend(all.take_while(|couple| cells.cell(couple) == part.cell));
-            *run = &run[(sorter.scratch.len() - before) * C::BYTES..];
-        }
-        sorter.append_to(&mut couples);
+impl<C: Sortable> Found<C> {
+    /// No couples yet. `ids` are those of this rank's elements. Collective.
+    pub(crate) fn new(communicator: &dyn Communicator, ids: &[u32]) -> Self {
+        let cells = Cells::new(communicator, ids);
+        Self { couples: Vec::new(), cells, counts: vec![0; cells.count] }
     }
-    couples
+
+    pub(crate) fn len(&self) -> usize {
+        self.couples.len()
+    }
+
+    #[inline]
+    pub(crate) fn push(&mut self, couple: C) {
+        self.counts[self.cells.cell(&couple)] += 1;
+        self.couples.push(couple);
+    }
+
+    /// Sorts the couples of all ranks. Afterwards the ranks, one after the other, have consecutive runs of about the same length. Collective.
+    ///
+    /// Each rank sorts its couples into cells, and writes them to the messages in which they are sent. The rank that owns a cell sorts the couples in it while they
+    /// are in cache.
+    pub(crate) fn sorted(self, communicator: &dyn Communicator) -> Vec<C> {
+        let Self { mut couples, cells, counts } = self;
+        let division = Division::new(communicator, &counts, cells.shift, |is_marked| {
+            let marked = couples.iter().filter(|couple| is_marked[cells.cell(*couple)]);
+            marked.map(|couple| cells.key(couple)).collect()
+        });
+        let messages = messages(&couples, cells, &division);
+        couples.clear();
+        let received = communicator.exchange(messages);
+        let bytes: usize = received.iter().map(|message| message.bytes.len()).sum();
+        couples.reserve_exact(bytes / C::BYTES);
+
+        let mut runs: Vec<&[u8]> = received.iter().map(|message| &message.bytes[..]).collect();
+        let mut sorter = Sorter { cells, scratch: Vec::new(), counts: Vec::new() };
+        for part in division.parts().iter().filter(|part| part.owner == communicator.rank()) {
+            for run in &mut runs {
+                let all = run.chunks_exact(C::BYTES).map(C::read);
+                let before = sorter.scratch.len();
+                sorter.scratch.extend(all.take_while(|couple| cells.cell(couple) == part.cell));
+                *run = &run[(sorter.scratch.len() - before) * C::BYTES..];
+            }
+            sorter.append_to(&mut couples);
+        }
+        couples
+    }
 }
 
 /// The couples of each rank, in the order of the cells.
@@ -163,6 +179,12 @@ fn messages<C: Sortable>(couples: &[C], cells: Cells, division: &Division) -> Ve
     messages
 }
 
+/// Most bits of a digit.
+const MOST_DIGIT_BITS: u32 = 14;
+
+/// So few couples are sorted by insertion.
+const FEW: usize = 16;
+
 /// Sorts the couples of one cell after the other.
 struct Sorter<C> {
     cells: Cells,
@@ -180,7 +202,7 @@ impl<C: Sortable> Sorter<C> {
         couples.extend_from_slice(scratch);
         let sorted = &mut couples[start..];
         // About as many digits as couples. The first bits of a key in its cell are those of the first element.
-        let bits = sorted.len().max(1).ilog2().min(cells.shift);
+        let bits = sorted.len().max(1).ilog2().min(MOST_DIGIT_BITS).min(cells.shift);
         let digit = |couple: &C| (cells.key(couple) >> (cells.shift - bits)) as usize & ((1 << bits) - 1);
         counts.clear();
         counts.resize(1 << bits, 0);
@@ -198,8 +220,21 @@ impl<C: Sortable> Sorter<C> {
         }
         let mut start = 0;
         for &end in &*counts {
-            sorted[start..end].sort_unstable();
+            let same = &mut sorted[start..end];
             start = end;
+            if same.len() > FEW {
+                same.sort_unstable();
+                continue;
+            }
+            for next in 1..same.len() {
+                let couple = same[next];
+                let mut place = next;
+                while place > 0 && same[place - 1] > couple {
+                    same[place] = same[place - 1];
+                    place -= 1;
+                }
+                same[place] = couple;
+            }
         }
     }
 }

@@ -6,6 +6,8 @@
 //! A rank tells the others where its elements are: it cuts them, level by level and along the curve, into groups of neighbours, and sends the box around each
 //! group. An element goes to the ranks that have a group of its level or a lower one whose box it overlaps.
 
+use std::ops::Range;
+
 use fdem_contact::{DEFAULT_MAX_IMAGES, Elements, Error, PeriodicBox, Real};
 
 use super::elements::{Kind, Set, View};
@@ -31,6 +33,10 @@ impl<const D: usize> Group<D> {
         Self { level, low: [f64::INFINITY; D], high: [f64::NEG_INFINITY; D] }
     }
 
+    fn is_empty(&self) -> bool {
+        self.low[0] > self.high[0]
+    }
+
     /// Extends the box to an element.
     #[inline]
     fn add<T: Real>(&mut self, elements: &Elements<'_, T, D>, place: usize) {
@@ -45,9 +51,8 @@ impl<const D: usize> Group<D> {
 /// The groups of a rank.
 pub(crate) struct Groups<const D: usize> {
     boxes: Vec<Group<D>>,
-    /// The places of all elements, group by group, and where each group starts.
-    places: Vec<u32>,
-    starts: Vec<usize>,
+    /// The group of each element.
+    of: Vec<u32>,
 }
 
 /// An element that is sent, with the number of edges by which it is displaced from its place in the box.
@@ -150,114 +155,90 @@ fn overlap<const D: usize>(a: &Group<D>, b: &Group<D>, offset: &[f64; D], gap: f
     })
 }
 
-/// Marks a group that is a crowded cell.
-const CROWDED: u32 = 1 << 31;
+/// A group with so many times the mean number of elements is cut.
+const CROWDED: usize = 4;
 
 impl<const D: usize> Groups<D> {
-    /// Cuts elements into groups: level by level, runs of cells along the curve. A cell with more elements than two groups is cut along the whole curve.
+    /// Cuts elements into groups: level by level, runs of equally many cells along the curve. Crowded groups are cut along the whole curve. `cells` are those that
+    /// the rank owns.
     pub(crate) fn new<T: Real>(
         elements: &Elements<'_, T, D>,
         view: View<'_, T, D>,
         curve: &Coarse<D>,
+        cells: Range<usize>,
     ) -> Self {
         let n = view.len();
-        let mut levels: Vec<u16> = match view.kind {
-            Kind::Equal(_) => (0..n.min(1)).map(|place| view.level(place)).collect(),
-            _ => (0..n).map(|place| view.level(place)).collect(),
-        };
+        let distinct = if matches!(view.kind, Kind::Equal(_)) { n.min(1) } else { n };
+        let mut levels: Vec<u16> = (0..distinct).map(|place| view.level(place)).collect();
         levels.sort_unstable();
         levels.dedup();
-        // Cells of the first level, then those of the second one, and so on.
-        let number = |place: usize| {
-            let point = view.points[place].map(T::to_f64);
+        let runs = GROUPS.min(cells.len()).max(1);
+        let run = |cell: usize| cell.saturating_sub(cells.start) * runs / cells.len().max(1);
+        let runs_of_cells = curve.map(|cell| run(cell).min(runs - 1) as u32);
+        let group = |place: usize| {
+            let run = curve.look_up(&runs_of_cells, view.points[place].map(T::to_f64)) as usize;
             let level = if levels.len() == 1 { Ok(0) } else { levels.binary_search(&view.level(place)) };
-            level.unwrap_or_default() * curve.len() + curve.place(point) as usize
+            level.unwrap_or_default() * runs + run
         };
-        let mut of: Vec<u32> = (0..n).map(|place| number(place) as u32).collect();
-        let mut counts = vec![0_u32; levels.len() * curve.len()];
-        for &cell in &of {
-            counts[cell as usize] += 1;
+        let empty = |level: &u16| std::iter::repeat_n(Group::empty(*level), runs);
+        let mut boxes: Vec<Group<D>> = levels.iter().flat_map(empty).collect();
+        let mut counts = vec![0; boxes.len()];
+        let mut of = Vec::with_capacity(n);
+        for place in 0..n {
+            let group = group(place);
+            boxes[group].add(elements, place);
+            counts[group] += 1;
+            of.push(group as u32);
         }
-        let mut boxes = Vec::new();
-        for (&level, counts) in levels.iter().zip(counts.chunks_mut(curve.len())) {
-            cut(level, counts, n, &mut boxes);
+        let mut groups = Self { boxes, of };
+        let length = n.div_ceil(GROUPS);
+        if counts.iter().any(|&count| count > CROWDED * length) {
+            let key = |place: usize| curve.key(view.points[place].map(T::to_f64));
+            groups.cut(elements, |group| counts[group] > CROWDED * length, key, length);
         }
+        groups
+    }
 
-        // The number, key and place of the elements of crowded cells.
-        let mut crowded: Vec<(u32, u64, usize)> = Vec::new();
-        for (place, cell) in of.iter_mut().enumerate() {
-            let group = counts[*cell as usize];
-            *cell = group & !CROWDED;
-            if group & CROWDED == 0 {
-                boxes[group as usize].add(elements, place);
-            } else {
-                crowded.push((*cell, curve.key(view.points[place].map(T::to_f64)), place));
-            }
-        }
+    /// Cuts crowded groups into groups of this length.
+    fn cut<T: Real>(
+        &mut self,
+        elements: &Elements<'_, T, D>,
+        is_crowded: impl Fn(usize) -> bool,
+        key: impl Fn(usize) -> u64,
+        length: usize,
+    ) {
+        let inside = self.of.iter().enumerate().filter(|(_, group)| is_crowded(**group as usize));
+        let mut crowded: Vec<(u32, u64, usize)> =
+            inside.map(|(place, &group)| (group, key(place), place)).collect();
         crowded.sort_unstable();
-        for in_cell in crowded.chunk_by(|a, b| a.0 == b.0) {
-            let mut group = in_cell[0].0;
-            for part in in_cell.chunks(length(n)) {
+        for of_group in crowded.chunk_by(|a, b| a.0 == b.0) {
+            let first = of_group[0].0;
+            let level = self.boxes[first as usize].level;
+            for (number, part) in of_group.chunks(length).enumerate() {
+                let mut smaller = Group::empty(level);
+                let group = if number == 0 { first } else { self.boxes.len() as u32 };
                 for &(_, _, place) in part {
-                    of[place] = group;
-                    boxes[group as usize].add(elements, place);
+                    smaller.add(elements, place);
+                    self.of[place] = group;
                 }
-                group = boxes.len() as u32;
-                boxes.push(Group::empty(boxes[in_cell[0].0 as usize].level));
+                if number == 0 {
+                    self.boxes[first as usize] = smaller;
+                } else {
+                    self.boxes.push(smaller);
+                }
             }
-            // The last one is not needed.
-            boxes.pop();
         }
-        Self::sorted(boxes, &of)
     }
 
-    /// Sorts elements by group. `of` has the group of each.
-    fn sorted(boxes: Vec<Group<D>>, of: &[u32]) -> Self {
-        let mut ends = vec![0; boxes.len() + 1];
-        for &group in of {
-            ends[group as usize + 1] += 1;
+    /// The places of the elements of each group that is chosen; no places for others.
+    fn places(&self, is_chosen: &[bool]) -> Vec<Vec<u32>> {
+        let mut places = vec![Vec::new(); self.boxes.len()];
+        for (place, &group) in (0..).zip(&self.of) {
+            if is_chosen[group as usize] {
+                places[group as usize].push(place);
+            }
         }
-        for group in 0..boxes.len() {
-            ends[group + 1] += ends[group];
-        }
-        let starts = ends.clone();
-        let mut places = vec![0; of.len()];
-        for (place, &group) in (0..).zip(of) {
-            let end = &mut ends[group as usize];
-            places[*end] = place;
-            *end += 1;
-        }
-        Self { boxes, starts, places }
-    }
-
-    /// The places of the elements of a group.
-    fn places(&self, group: usize) -> &[u32] {
-        &self.places[self.starts[group]..self.starts[group + 1]]
-    }
-}
-
-/// Number of elements of a group.
-fn length(n: usize) -> usize {
-    n.div_ceil(GROUPS)
-}
-
-/// Makes the groups of a level, and replaces the number of elements in each cell by the group of the cell.
-fn cut<const D: usize>(level: u16, counts: &mut [u32], n: usize, boxes: &mut Vec<Group<D>>) {
-    let length = length(n);
-    // Elements in the last group. None has been made yet.
-    let mut inside = usize::MAX;
-    for count in counts.iter_mut().filter(|count| **count > 0) {
-        let more = *count as usize;
-        let is_crowded = more > 2 * length;
-        if is_crowded || inside >= length {
-            boxes.push(Group::empty(level));
-            inside = 0;
-        }
-        *count = boxes.len() as u32 - 1;
-        inside += more;
-        if is_crowded {
-            *count |= CROWDED;
-        }
+        places
     }
 }
 
@@ -278,28 +259,42 @@ pub(crate) fn choose<T: Real, const D: usize>(
     lattice: Option<&Lattice<'_, T, D>>,
 ) -> Result<Vec<(usize, Vec<Sent<D>>)>, Error> {
     let mut out = Writer::default();
-    let boxes = &groups.boxes;
+    let boxes: Vec<&Group<D>> = groups.boxes.iter().filter(|group| !group.is_empty()).collect();
     out.u64s(boxes.iter().map(|group| u64::from(group.level)));
     out.reals(boxes.iter().flat_map(|group| group.low));
     out.reals(boxes.iter().flat_map(|group| group.high));
     let everywhere = communicator.all_gather(&out.bytes);
+    let everywhere: Vec<Vec<Group<D>>> = everywhere.iter().map(|bytes| read_groups(bytes)).collect();
 
     let own = communicator.rank();
+    // Whether elements of a group go to another rank if they overlap one of its groups.
+    let takes = |rank: usize, group: &Group<D>, other: &Group<D>| {
+        group.level > other.level
+            || (group.level == other.level && (rank == own || keeper(rank, own) == rank))
+    };
+    let touches = |group: &Group<D>, rank: usize, theirs: &[Group<D>]| {
+        let is_near = |other: &Group<D>| takes(rank, group, other) && overlap(group, other, &[0.0; D], 0.0);
+        rank != own && theirs.iter().any(is_near)
+    };
+    let is_near = groups.boxes.iter().map(|group| {
+        let mut all = everywhere.iter().enumerate();
+        !group.is_empty() && (lattice.is_some() || all.any(|(rank, theirs)| touches(group, rank, theirs)))
+    });
+    let places = groups.places(&is_near.collect::<Vec<bool>>());
+
     let mut all = Vec::new();
     let mut images = 0;
-    for (rank, bytes) in everywhere.iter().enumerate() {
+    for (rank, theirs) in everywhere.iter().enumerate() {
         if rank == own && lattice.is_none() {
             continue;
         }
-        let theirs = read_groups::<D>(bytes);
         let mut sent = Vec::new();
-        for (group, of_group) in boxes.iter().enumerate().map(|(k, group)| (group, groups.places(k))) {
+        let with_places = groups.boxes.iter().zip(&places).filter(|(_, places)| !places.is_empty());
+        for (group, of_group) in with_places {
             // The shift, and the group of the other rank that the elements may overlap with it.
             let mut near: Vec<([i32; D], usize)> = Vec::new();
             for (number, other) in theirs.iter().enumerate() {
-                let takes = group.level > other.level
-                    || (group.level == other.level && (rank == own || keeper(rank, own) == rank));
-                if !takes {
+                if !takes(rank, group, other) {
                     continue;
                 }
                 if rank != own && overlap(group, other, &[0.0; D], 0.0) {

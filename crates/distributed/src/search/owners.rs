@@ -1,5 +1,7 @@
 //! Sending each element to the rank that owns its part of the domain.
 
+use std::ops::Range;
+
 use fdem_contact::Real;
 
 use super::elements::{Kind, Set, View};
@@ -17,6 +19,8 @@ pub(crate) struct Owned<T, const D: usize> {
     pub(crate) set: Set<T, D>,
     /// The curve along which the domain is divided.
     pub(crate) curve: Coarse<D>,
+    /// The cells along the curve that the rank owns, the first and the last one perhaps in part.
+    pub(crate) cells: Range<usize>,
     /// Upper bounds on the magnitude of all coordinates, and on the distance of elements that touch. The same on all ranks.
     pub(crate) limits: [f64; 2],
 }
@@ -68,7 +72,10 @@ pub(crate) fn distribute<T: Real, const D: usize>(
     for (mut from, count) in from.into_iter().zip(counts) {
         set.read(count, is_periodic, &mut from);
     }
-    Owned { set, curve, limits }
+    let mut own_parts = division.parts().iter().filter(|part| part.owner == own);
+    let first = own_parts.next().map_or(0, |part| part.cell);
+    let cells = first..own_parts.last().map_or(first, |part| part.cell) + 1;
+    Owned { set, curve, cells, limits }
 }
 
 /// The curve through the elements of all ranks, and the limits of [`Owned`]. Collective.
