@@ -76,6 +76,11 @@ impl<const D: usize> Coarse<D> {
         self.places.len()
     }
 
+    /// The whole curve.
+    pub(crate) fn finest(&self) -> Curve<D> {
+        self.curve
+    }
+
     /// The key of a point along the whole curve.
     pub(crate) fn key(&self, point: [f64; D]) -> u64 {
         self.curve.key(point)
@@ -89,22 +94,11 @@ impl<const D: usize> Coarse<D> {
     /// The place along the curve of the cell of a point: the first bits of its key.
     #[inline]
     pub(crate) fn place(&self, point: [f64; D]) -> u32 {
-        self.look_up(&self.places, point)
-    }
-
-    /// A table for [`Coarse::look_up`] of a value of each cell, which depends on its place along the curve.
-    pub(crate) fn map(&self, value: impl Fn(usize) -> u32) -> Vec<u32> {
-        self.places.iter().map(|&place| value(place as usize)).collect()
-    }
-
-    /// The value of the cell of a point in a table.
-    #[inline]
-    pub(crate) fn look_up(&self, table: &[u32], point: [f64; D]) -> u32 {
         let cell = self.curve.cell(point);
         let coarser = Curve::<D>::BITS - self.bits;
         let number =
             (0..D).fold(0, |number, axis| number | (cell[axis] >> coarser) << (self.bits * axis as u32));
-        table[number as usize]
+        self.places[number as usize]
     }
 }
 
@@ -336,6 +330,28 @@ mod tests {
             assert!(splitters[0].is_sorted() && splitters[0].len() == 3);
             assert!(splitters.iter().all(|other| *other == splitters[0]));
         }
+    }
+
+    /// The cell of a point in a coarse grid is the beginning of its key.
+    fn check_coarse<const D: usize>() {
+        let curve = Curve::<D>::new([-1.0; D], [1.0; D]);
+        for count in [0, 1, 2, 100, 5000, usize::MAX] {
+            let coarse = curve.coarse(count);
+            assert!(coarse.len() <= MOST_CELLS && coarse.len() <= count.max(1));
+            for k in 0..200 {
+                let point = std::array::from_fn(|axis| (f64::from(k) * (1.3 + axis as f64)).sin());
+                let start = coarse.key(point).checked_shr(coarse.shift()).unwrap_or(0);
+                assert_eq!(u64::from(coarse.place(point)), start);
+            }
+        }
+    }
+
+    #[test]
+    fn a_coarse_cell_has_consecutive_keys() {
+        check_coarse::<1>();
+        check_coarse::<2>();
+        check_coarse::<3>();
+        check_coarse::<4>();
     }
 
     #[test]

@@ -117,3 +117,66 @@ impl Division {
         first + owner(&self.splitters, key()) - self.parts[first].owner
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::threads;
+
+    /// Divides keys, of which rank `r` has every `size`-th one, in `cells` cells, and checks each rank's parts. Returns the number of keys of each owner.
+    fn divided(size: usize, cells: usize, shift: u32, keys: &[u64]) -> Vec<usize> {
+        let of_ranks = threads::run(size, |communicator| {
+            let own: Vec<u64> = keys.iter().skip(communicator.rank()).step_by(size).copied().collect();
+            let mut counts = vec![0; cells];
+            own.iter().for_each(|key| counts[(key >> shift) as usize] += 1);
+            let division = Division::new(communicator, &counts, shift, |is_marked| {
+                own.iter().copied().filter(|key| is_marked[(key >> shift) as usize]).collect()
+            });
+            assert!(division.parts().is_sorted_by_key(|part| (part.cell, part.owner)));
+            assert!(division.parts().is_sorted_by_key(|part| part.owner));
+            let mut in_parts = vec![0; division.parts().len()];
+            for &key in &own {
+                let part = division.part((key >> shift) as usize, || key);
+                assert_eq!(division.parts()[part].cell, (key >> shift) as usize);
+                assert_eq!(division.parts()[part].owner, owner(&division.splitters, key));
+                in_parts[part] += 1;
+            }
+            assert!(division.parts().iter().map(|part| part.count).eq(in_parts));
+            let of_owner = |rank: usize| division.parts().iter().filter(move |part| part.owner == rank);
+            let counts: Vec<usize> =
+                (0..size).map(|rank| of_owner(rank).map(|part| part.count).sum()).collect();
+            (division.splitters, counts)
+        });
+        assert!(of_ranks.iter().all(|(splitters, _)| *splitters == of_ranks[0].0), "the same on all ranks");
+        (0..size).map(|owner| of_ranks.iter().map(|(_, counts)| counts[owner]).sum()).collect()
+    }
+
+    #[test]
+    fn keys_are_divided_evenly_however_they_crowd() {
+        let n = 20_000_u64;
+        let spread: Vec<u64> = (0..n).map(|k| k * 7919 % n).collect();
+        // All keys in one cell, and nearly all.
+        let crowded: Vec<u64> = spread.iter().map(|key| 3 << 40 | key).collect();
+        let with_one_far: Vec<u64> = crowded.iter().copied().chain([63 << 40]).collect();
+        let steep: Vec<u64> = spread.iter().map(|key| key.pow(3)).collect();
+        for size in [1, 2, 3, 8, 40] {
+            for (keys, shift) in [(&spread, 9), (&crowded, 40), (&with_one_far, 40), (&steep, 38)] {
+                let mean = keys.len() / size;
+                for count in divided(size, 64, shift, keys) {
+                    assert!(count.abs_diff(mean) * 50 <= mean + 50, "{count} of {mean} on {size}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn few_and_equal_keys_have_owners() {
+        for keys in [&[][..], &[5], &[0, 1, 2], &[7; 30], &[u64::MAX - 1, 0]] {
+            for (cells, shift) in [(1, 63), (2, 63), (8, 61)] {
+                if keys.iter().all(|key| key >> shift < cells as u64) {
+                    assert_eq!(divided(12, cells, shift, keys).iter().sum::<usize>(), keys.len());
+                }
+            }
+        }
+    }
+}

@@ -208,7 +208,7 @@ impl<'c, T: Real, const D: usize> DistributedSearch<'c, T, D> {
         // Wrapping may have brought a coordinate over the limit.
         let elements = set.elements().map_err(|error| name_by_id(error, id_of));
         let elements = agree(self.communicator, elements)?;
-        let groups = Groups::new(&elements, set.view(), &owned.curve, owned.cells.clone());
+        let groups = Groups::new(&elements, set.view(), &owned.ends, owned.curve);
         let chosen = ghosts::choose(self.communicator, &elements, &groups, lattice);
         let chosen = agree(self.communicator, chosen)?;
         Ok(ghosts::exchange(self.communicator, set, chosen, lattice.is_some()))

@@ -51,13 +51,14 @@ impl<'a> Reader<'a> {
         Self { rest: bytes }
     }
 
+    /// The next bytes.
+    pub(crate) fn part(&mut self, bytes: usize) -> Self {
+        Self { rest: self.rest.split_off(..bytes).expect("a message is as long as its contents") }
+    }
+
     fn chunks<const N: usize>(&mut self, count: usize) -> impl ExactSizeIterator<Item = [u8; N]> + 'a {
         let bytes = self.rest.split_off(..count * N).expect("a message is as long as its contents");
         bytes.as_chunks::<N>().0.iter().copied()
-    }
-
-    pub(crate) fn u64(&mut self) -> u64 {
-        self.u64s(1).next().unwrap_or_default()
     }
 
     pub(crate) fn u32s(&mut self, count: usize) -> impl ExactSizeIterator<Item = u32> + 'a {
@@ -86,8 +87,7 @@ impl<'a> Reader<'a> {
         count: usize,
     ) -> impl ExactSizeIterator<Item = [T; D]> + 'a {
         let bytes = self.rest.split_off(..count * D * 8).expect("a message is as long as its contents");
-        let numbers = bytes.as_chunks::<8>().0;
-        (0..count)
-            .map(move |k| std::array::from_fn(|axis| T::nearest(f64::from_le_bytes(numbers[k * D + axis]))))
+        let points = bytes.as_chunks::<8>().0.as_chunks::<D>().0;
+        points.iter().map(|point| point.map(|x| T::nearest(f64::from_le_bytes(x))))
     }
 }

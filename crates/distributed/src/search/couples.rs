@@ -69,7 +69,7 @@ struct Cells {
 }
 
 /// Largest number of cells. Each has a place in memory that is written to, and the processor keeps track of about as many pages.
-const MOST_CELLS: usize = 1 << 11;
+const MOST_CELLS: usize = 1 << 10;
 
 /// Elements whose couples are in one cell, if no rank has more than the others and ids are consecutive.
 const IN_CELL: usize = 1 << 8;
@@ -140,15 +140,15 @@ impl<C: Sortable> Found<C> {
         couples.reserve_exact(bytes / C::BYTES);
 
         let mut runs: Vec<&[u8]> = received.iter().map(|message| &message.bytes[..]).collect();
-        let mut sorter = Sorter { cells, scratch: Vec::new(), counts: Vec::new() };
+        let mut counts = Vec::new();
         for part in division.parts().iter().filter(|part| part.owner == communicator.rank()) {
-            for run in &mut runs {
+            let of_cell = runs.iter_mut().map(|run| {
                 let all = run.chunks_exact(C::BYTES).map(C::read);
-                let before = sorter.scratch.len();
-                sorter.scratch.extend(all.take_while(|couple| cells.cell(couple) == part.cell));
-                *run = &run[(sorter.scratch.len() - before) * C::BYTES..];
-            }
-            sorter.append_to(&mut couples);
+                let count = all.take_while(|couple| cells.cell(couple) == part.cell).count();
+                run.split_off(..count * C::BYTES).unwrap_or_default()
+            });
+            let of_cell: Vec<&[u8]> = of_cell.collect();
+            append_sorted(&of_cell, cells, &mut counts, &mut couples);
         }
         couples
     }
@@ -185,56 +185,49 @@ const MOST_DIGIT_BITS: u32 = 14;
 /// So few couples are sorted by insertion.
 const FEW: usize = 16;
 
-/// Sorts the couples of one cell after the other.
-struct Sorter<C> {
-    cells: Cells,
-    /// The couples of the cell.
-    scratch: Vec<C>,
-    /// Ends of the couples with the same digit.
-    counts: Vec<usize>,
+/// Appends the couples of one cell in their order. They come in several runs. `ends` is memory.
+fn append_sorted<C: Sortable>(runs: &[&[u8]], cells: Cells, ends: &mut Vec<usize>, couples: &mut Vec<C>) {
+    let all = || runs.iter().flat_map(|run| run.chunks_exact(C::BYTES)).map(C::read);
+    let Some(first) = all().next() else { return };
+    let start = couples.len();
+    couples.resize(start + runs.iter().map(|run| run.len()).sum::<usize>() / C::BYTES, first);
+    let sorted = &mut couples[start..];
+    // About as many digits as couples. The first bits of a key in its cell are those of the first element.
+    let bits = sorted.len().ilog2().min(MOST_DIGIT_BITS).min(cells.shift);
+    let digit = |couple: &C| (cells.key(couple) >> (cells.shift - bits)) as usize & ((1 << bits) - 1);
+    ends.clear();
+    ends.resize(1 << bits, 0);
+    all().for_each(|couple| ends[digit(&couple)] += 1);
+    let mut end = 0;
+    for count in &mut *ends {
+        end += std::mem::replace(count, end);
+    }
+    all().for_each(|couple| {
+        let place = &mut ends[digit(&couple)];
+        sorted[*place] = couple;
+        *place += 1;
+    });
+    let mut start = 0;
+    for &end in &*ends {
+        sort_few(&mut sorted[start..end]);
+        start = end;
+    }
 }
 
-impl<C: Sortable> Sorter<C> {
-    /// Appends the couples of the cell in their order, and forgets them.
-    fn append_to(&mut self, couples: &mut Vec<C>) {
-        let Self { cells, scratch, counts } = self;
-        let start = couples.len();
-        couples.extend_from_slice(scratch);
-        let sorted = &mut couples[start..];
-        // About as many digits as couples. The first bits of a key in its cell are those of the first element.
-        let bits = sorted.len().max(1).ilog2().min(MOST_DIGIT_BITS).min(cells.shift);
-        let digit = |couple: &C| (cells.key(couple) >> (cells.shift - bits)) as usize & ((1 << bits) - 1);
-        counts.clear();
-        counts.resize(1 << bits, 0);
-        for couple in &*scratch {
-            counts[digit(couple)] += 1;
+/// Sorts couples, mostly few.
+#[inline]
+fn sort_few<C: Sortable>(couples: &mut [C]) {
+    if couples.len() > FEW {
+        couples.sort_unstable();
+        return;
+    }
+    for next in 1..couples.len() {
+        let couple = couples[next];
+        let mut place = next;
+        while place > 0 && couples[place - 1] > couple {
+            couples[place] = couples[place - 1];
+            place -= 1;
         }
-        let mut end = 0;
-        for count in &mut *counts {
-            end += std::mem::replace(count, end);
-        }
-        for couple in scratch.drain(..) {
-            let place = &mut counts[digit(&couple)];
-            sorted[*place] = couple;
-            *place += 1;
-        }
-        let mut start = 0;
-        for &end in &*counts {
-            let same = &mut sorted[start..end];
-            start = end;
-            if same.len() > FEW {
-                same.sort_unstable();
-                continue;
-            }
-            for next in 1..same.len() {
-                let couple = same[next];
-                let mut place = next;
-                while place > 0 && same[place - 1] > couple {
-                    same[place] = same[place - 1];
-                    place -= 1;
-                }
-                same[place] = couple;
-            }
-        }
+        couples[place] = couple;
     }
 }

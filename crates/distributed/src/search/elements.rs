@@ -1,7 +1,11 @@
 //! Elements of a rank: those that the caller gives, and those that are sent around.
 
+use std::ops::Range;
+
 use fdem_contact::{Elements, Error, PeriodicBox, Real};
 
+use super::owners::Runs;
+use crate::communicator::Message;
 use crate::wire::{Reader, Writer};
 
 /// The elements that a rank gives to a search.
@@ -82,6 +86,18 @@ pub(crate) enum Kind<T> {
     Boxes,
 }
 
+impl<T> Kind<T> {
+    /// Number of bytes of an element in a message.
+    pub(crate) fn bytes<const D: usize>(&self, is_periodic: bool) -> usize {
+        let floats = match self {
+            Self::Equal(_) => D,
+            Self::Spheres => D + 1,
+            Self::Boxes => 2 * D,
+        };
+        4 + 8 * floats + if is_periodic { 4 * D } else { 0 }
+    }
+}
+
 /// Elements that the caller has given, or those of a [`Set`], whose fields these are.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct View<'a, T, const D: usize> {
@@ -93,6 +109,44 @@ pub(crate) struct View<'a, T, const D: usize> {
     pub(crate) far_points: &'a [[T; D]],
     pub(crate) periods: &'a [[i32; D]],
 }
+
+/// Elements of one rank on their way into a [`Set`]: the parts of a message.
+pub(crate) struct Arrived<'a> {
+    is_periodic: bool,
+    ids: Reader<'a>,
+    points: Reader<'a>,
+    radii: Reader<'a>,
+    far_points: Reader<'a>,
+    periods: Reader<'a>,
+}
+
+impl<'a> Arrived<'a> {
+    /// Splits a message with so many elements.
+    pub(crate) fn new<T, const D: usize>(
+        bytes: &'a [u8],
+        count: usize,
+        kind: Kind<T>,
+        is_periodic: bool,
+    ) -> Self {
+        let mut from = Reader::new(bytes);
+        Self {
+            is_periodic,
+            ids: from.part(4 * count),
+            points: from.part(8 * D * count),
+            radii: from.part(if matches!(kind, Kind::Spheres) { 8 * count } else { 0 }),
+            far_points: from.part(if matches!(kind, Kind::Boxes) { 8 * D * count } else { 0 }),
+            periods: from,
+        }
+    }
+
+    /// The end of the message, after all elements have been read.
+    pub(crate) fn rest(self) -> Reader<'a> {
+        self.periods
+    }
+}
+
+/// A set has room for one ghost for so many elements, before memory is moved.
+const GHOST_ROOM: usize = 8;
 
 /// Elements that a rank owns or has been sent. Positions are those inside the periodic box, if there is one.
 ///
@@ -109,6 +163,52 @@ pub(crate) struct Set<T, const D: usize> {
     pub(crate) far_points: Vec<[T; D]>,
     /// Number of periods by which each element was outside of the box.
     pub(crate) periods: Vec<[i32; D]>,
+}
+
+/// Where the elements of each run go: those of other ranks to messages, and those of this rank to a set.
+struct Rooms<'a> {
+    runs: &'a Runs,
+    own: usize,
+    /// Places in the set where this rank's elements start in each of its runs.
+    starts: &'a [usize],
+    /// Messages to all ranks, as far as nothing has been written; empty for this rank.
+    messages: Vec<&'a mut [u8]>,
+}
+
+impl Rooms<'_> {
+    /// Writes the values of all elements, behind what has been written to the messages. `kept` are the values in the set.
+    fn scatter<V: Copy, const B: usize, const N: usize>(
+        &mut self,
+        values: &[V],
+        kept: &mut [V],
+        bytes: impl Fn(V) -> [[u8; B]; N],
+    ) {
+        if values.is_empty() {
+            return;
+        }
+        let Self { runs, own, starts, messages } = self;
+        let mut rooms = Vec::with_capacity(runs.counts.len());
+        for (rank, message) in messages.iter_mut().enumerate() {
+            let counts = runs.counts[runs.of_rank(rank)].iter();
+            rooms.extend(counts.map(|count| message.split_off_mut(..count * B * N).unwrap_or_default()));
+        }
+        let own_runs = runs.of_rank(*own);
+        let (mut rest, mut end) = (kept, 0);
+        let mut kept: Vec<&mut [V]> = Vec::with_capacity(own_runs.len());
+        for (&start, &count) in starts.iter().zip(&runs.counts[own_runs.clone()]) {
+            rest = std::mem::take(&mut rest).split_at_mut(start - end).1;
+            kept.push(rest.split_off_mut(..count).unwrap_or_default());
+            end = start + count;
+        }
+        for (&value, &run) in values.iter().zip(&runs.of) {
+            let run = run as usize;
+            if let Some(room) = rooms[run].split_off_mut(..B * N) {
+                room.copy_from_slice(bytes(value).as_flattened());
+            } else if let Some(place) = kept[run - own_runs.start].split_off_first_mut() {
+                *place = value;
+            }
+        }
+    }
 }
 
 impl<T: Real, const D: usize> View<'_, T, D> {
@@ -132,14 +232,32 @@ impl<T: Real, const D: usize> View<'_, T, D> {
         }
     }
 
-    /// Number of bytes that [`Set::write`] takes for an element.
-    pub(crate) fn bytes(&self) -> usize {
-        let floats = match self.kind {
-            Kind::Equal(_) => D,
-            Kind::Spheres => D + 1,
-            Kind::Boxes => 2 * D,
-        };
-        4 + 8 * floats + if self.periods.is_empty() { 0 } else { 4 * D }
+    /// Puts the elements that rank `own`, this one, keeps into a set, and returns messages with the others, run by run. `starts` are the places in the set where
+    /// they start in each run. [`Arrived`] reads a message.
+    pub(crate) fn scatter(
+        &self,
+        runs: &Runs,
+        own: usize,
+        starts: &[usize],
+        set: &mut Set<T, D>,
+    ) -> Vec<Message> {
+        let ranks = 0..runs.firsts.len() - 1;
+        let of_each = self.kind.bytes::<D>(!self.periods.is_empty());
+        let empty = ranks.map(|rank| {
+            let count: usize = runs.counts[runs.of_rank(rank)].iter().sum();
+            Message { rank, bytes: vec![0; if rank == own { 0 } else { count * of_each }] }
+        });
+        let mut messages: Vec<Message> = empty.collect();
+        let in_messages = messages.iter_mut().map(|message| &mut message.bytes[..]).collect();
+        let mut rooms = Rooms { runs, own, starts, messages: in_messages };
+        let axes = |point: [T; D]| point.map(|x| x.to_f64().to_le_bytes());
+        rooms.scatter(self.ids, &mut set.ids, |id| [id.to_le_bytes()]);
+        rooms.scatter(self.points, &mut set.points, axes);
+        rooms.scatter(self.radii, &mut set.radii, |radius| [radius.to_f64().to_le_bytes()]);
+        rooms.scatter(self.far_points, &mut set.far_points, axes);
+        rooms.scatter(self.periods, &mut set.periods, |periods| periods.map(i32::to_le_bytes));
+        messages.retain(|message| !message.bytes.is_empty());
+        messages
     }
 
     /// Class of similar sizes: the binary exponent of the largest distance at which an element touches another one of its size.
@@ -218,45 +336,43 @@ impl<T: Real, const D: usize> Set<T, D> {
         }
     }
 
-    /// Makes room for so many more elements, and for no more.
-    pub(crate) fn reserve(&mut self, more: usize, is_periodic: bool) {
-        self.ids.reserve_exact(more);
-        self.points.reserve_exact(more);
-        match self.kind {
-            Kind::Equal(_) => {}
-            Kind::Spheres => self.radii.reserve_exact(more),
-            Kind::Boxes => self.far_points.reserve_exact(more),
+    /// A set of so many elements, whose numbers are zeros, with room for some ghosts.
+    pub(crate) fn blank(kind: Kind<T>, tolerance: T, count: usize, is_periodic: bool) -> Self {
+        /// Zeros come from the system without being written.
+        fn zeros<V: Clone>(zero: V, count: usize) -> Vec<V> {
+            let mut values = vec![zero; count + count / GHOST_ROOM];
+            values.truncate(count);
+            values
         }
-        if is_periodic {
-            self.periods.reserve_exact(more);
+        let count_if = |is_there: bool| if is_there { count } else { 0 };
+        Self {
+            kind,
+            tolerance,
+            ids: zeros(0, count),
+            points: zeros([T::ZERO; D], count),
+            radii: zeros(T::ZERO, count_if(matches!(kind, Kind::Spheres))),
+            far_points: zeros([T::ZERO; D], count_if(matches!(kind, Kind::Boxes))),
+            periods: zeros([0; D], count_if(is_periodic)),
         }
     }
 
-    /// Appends the elements of `others` at these places, in this order.
-    pub(crate) fn append_picked(&mut self, others: View<'_, T, D>, places: &[u32]) {
-        fn pick<V: Copy>(values: &mut Vec<V>, others: &[V], places: &[u32]) {
-            if !others.is_empty() {
-                values.extend(places.iter().map(|&place| others[place as usize]));
+    /// Replaces elements by the next ones of a message.
+    pub(crate) fn place(&mut self, places: Range<usize>, from: &mut Arrived<'_>) {
+        fn put<V>(places: Option<&mut [V]>, values: impl Iterator<Item = V>) {
+            places.unwrap_or_default().iter_mut().zip(values).for_each(|(place, value)| *place = value);
+        }
+        let count = places.len();
+        put(self.ids.get_mut(places.clone()), from.ids.u32s(count));
+        put(self.points.get_mut(places.clone()), from.points.points::<T, D>(count));
+        match self.kind {
+            Kind::Equal(_) => {}
+            Kind::Spheres => put(self.radii.get_mut(places.clone()), from.radii.reals::<T>(count)),
+            Kind::Boxes => {
+                put(self.far_points.get_mut(places.clone()), from.far_points.points::<T, D>(count))
             }
         }
-        pick(&mut self.ids, others.ids, places);
-        pick(&mut self.points, others.points, places);
-        pick(&mut self.radii, others.radii, places);
-        pick(&mut self.far_points, others.far_points, places);
-        pick(&mut self.periods, others.periods, places);
-    }
-
-    /// Appends elements of the same kind that another rank has written.
-    pub(crate) fn read(&mut self, count: usize, is_periodic: bool, from: &mut Reader<'_>) {
-        self.ids.extend(from.u32s(count));
-        self.points.extend(from.points::<T, D>(count));
-        match self.kind {
-            Kind::Equal(_) => {}
-            Kind::Spheres => self.radii.extend(from.reals::<T>(count)),
-            Kind::Boxes => self.far_points.extend(from.points::<T, D>(count)),
-        }
-        if is_periodic {
-            self.periods.extend(from.shifts::<D>(count));
+        if from.is_periodic {
+            put(self.periods.get_mut(places), from.periods.shifts::<D>(count));
         }
     }
 

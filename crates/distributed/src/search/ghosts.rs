@@ -6,17 +6,15 @@
 //! A rank tells the others where its elements are: it cuts them, level by level and along the curve, into groups of neighbours, and sends the box around each
 //! group. An element goes to the ranks that have a group of its level or a lower one whose box it overlaps.
 
-use std::ops::Range;
-
 use fdem_contact::{DEFAULT_MAX_IMAGES, Elements, Error, PeriodicBox, Real};
 
-use super::elements::{Kind, Set, View};
+use super::elements::{Arrived, Kind, Set, View};
 use crate::communicator::{Communicator, Message};
-use crate::curve::Coarse;
+use crate::curve::Curve;
 use crate::wire::{Reader, Writer};
 
 /// Number of groups into which a rank cuts its elements; each level adds at most one more.
-const GROUPS: usize = 256;
+pub(crate) const GROUPS: usize = 256;
 
 /// Elements of one rank and of one level that are near each other.
 #[derive(Clone, Copy, Debug)]
@@ -33,8 +31,12 @@ impl<const D: usize> Group<D> {
         Self { level, low: [f64::INFINITY; D], high: [f64::NEG_INFINITY; D] }
     }
 
-    fn is_empty(&self) -> bool {
-        self.low[0] > self.high[0]
+    /// Extends the box to another one.
+    fn include(&mut self, other: &Self) {
+        for axis in 0..D {
+            self.low[axis] = self.low[axis].min(other.low[axis]);
+            self.high[axis] = self.high[axis].max(other.high[axis]);
+        }
     }
 
     /// Extends the box to an element.
@@ -159,39 +161,44 @@ fn overlap<const D: usize>(a: &Group<D>, b: &Group<D>, offset: &[f64; D], gap: f
 const CROWDED: usize = 4;
 
 impl<const D: usize> Groups<D> {
-    /// Cuts elements into groups: level by level, runs of equally many cells along the curve. Crowded groups are cut along the whole curve. `cells` are those that
-    /// the rank owns.
+    /// Cuts elements into groups: level by level, consecutive runs of elements. `ends` are those of the runs. Crowded groups are cut along the curve.
     pub(crate) fn new<T: Real>(
         elements: &Elements<'_, T, D>,
         view: View<'_, T, D>,
-        curve: &Coarse<D>,
-        cells: Range<usize>,
+        ends: &[usize],
+        curve: Curve<D>,
     ) -> Self {
         let n = view.len();
+        let length = n.div_ceil(GROUPS);
         let distinct = if matches!(view.kind, Kind::Equal(_)) { n.min(1) } else { n };
         let mut levels: Vec<u16> = (0..distinct).map(|place| view.level(place)).collect();
         levels.sort_unstable();
         levels.dedup();
-        let runs = GROUPS.min(cells.len()).max(1);
-        let run = |cell: usize| cell.saturating_sub(cells.start) * runs / cells.len().max(1);
-        let runs_of_cells = curve.map(|cell| run(cell).min(runs - 1) as u32);
-        let group = |place: usize| {
-            let run = curve.look_up(&runs_of_cells, view.points[place].map(T::to_f64)) as usize;
-            let level = if levels.len() == 1 { Ok(0) } else { levels.binary_search(&view.level(place)) };
-            level.unwrap_or_default() * runs + run
-        };
-        let empty = |level: &u16| std::iter::repeat_n(Group::empty(*level), runs);
-        let mut boxes: Vec<Group<D>> = levels.iter().flat_map(empty).collect();
-        let mut counts = vec![0; boxes.len()];
+        let mut boxes: Vec<Group<D>> = Vec::new();
+        let mut counts: Vec<usize> = Vec::new();
         let mut of = Vec::with_capacity(n);
-        for place in 0..n {
-            let group = group(place);
-            boxes[group].add(elements, place);
-            counts[group] += 1;
-            of.push(group as u32);
+        // The last group of each level, if it has room.
+        let mut open: Vec<Option<usize>> = vec![None; levels.len()];
+        let mut start = 0;
+        for &end in ends {
+            for group in &mut open {
+                *group = group.filter(|group| counts[*group] < length);
+            }
+            for place in start..end {
+                let level = if levels.len() == 1 { Ok(0) } else { levels.binary_search(&view.level(place)) };
+                let level = level.unwrap_or_default();
+                let group = *open[level].get_or_insert_with(|| {
+                    boxes.push(Group::empty(levels[level]));
+                    counts.push(0);
+                    boxes.len() - 1
+                });
+                boxes[group].add(elements, place);
+                counts[group] += 1;
+                of.push(group as u32);
+            }
+            start = end;
         }
         let mut groups = Self { boxes, of };
-        let length = n.div_ceil(GROUPS);
         if counts.iter().any(|&count| count > CROWDED * length) {
             let key = |place: usize| curve.key(view.points[place].map(T::to_f64));
             groups.cut(elements, |group| counts[group] > CROWDED * length, key, length);
@@ -259,7 +266,7 @@ pub(crate) fn choose<T: Real, const D: usize>(
     lattice: Option<&Lattice<'_, T, D>>,
 ) -> Result<Vec<(usize, Vec<Sent<D>>)>, Error> {
     let mut out = Writer::default();
-    let boxes: Vec<&Group<D>> = groups.boxes.iter().filter(|group| !group.is_empty()).collect();
+    let boxes = &groups.boxes;
     out.u64s(boxes.iter().map(|group| u64::from(group.level)));
     out.reals(boxes.iter().flat_map(|group| group.low));
     out.reals(boxes.iter().flat_map(|group| group.high));
@@ -278,7 +285,7 @@ pub(crate) fn choose<T: Real, const D: usize>(
     };
     let is_near = groups.boxes.iter().map(|group| {
         let mut all = everywhere.iter().enumerate();
-        !group.is_empty() && (lattice.is_some() || all.any(|(rank, theirs)| touches(group, rank, theirs)))
+        lattice.is_some() || all.any(|(rank, theirs)| touches(group, rank, theirs))
     });
     let places = groups.places(&is_near.collect::<Vec<bool>>());
 
@@ -314,10 +321,17 @@ pub(crate) fn choose<T: Real, const D: usize>(
                     Some(lattice) if shift != [0; D] => (lattice.offset(&shift), lattice.rounding(&shift)),
                     _ => ([0.0; D], 0.0),
                 };
+                // The box around all groups that may be touched, which most elements miss.
+                let mut around = Group::empty(group.level);
+                same_shift.iter().for_each(|&(_, other)| around.include(&theirs[other]));
                 for &place in of_group {
                     let mut element = Group::empty(group.level);
                     element.add(elements, place as usize);
-                    if same_shift.iter().any(|&(_, other)| overlap(&element, &theirs[other], &offset, gap)) {
+                    if overlap(&element, &around, &offset, gap)
+                        && same_shift
+                            .iter()
+                            .any(|&(_, other)| overlap(&element, &theirs[other], &offset, gap))
+                    {
                         sent.push((place, shift));
                     }
                 }
@@ -363,7 +377,6 @@ pub(crate) fn exchange<T: Real, const D: usize>(
 ) -> Ghosts<T, D> {
     let messages = chosen.into_iter().map(|(rank, sent)| {
         let mut out = Writer::default();
-        out.u64(sent.len() as u64);
         set.view().write(sent.iter().map(|(place, _)| *place), &mut out);
         if is_periodic {
             out.shifts(sent.iter().map(|(_, shift)| *shift));
@@ -373,16 +386,21 @@ pub(crate) fn exchange<T: Real, const D: usize>(
     let messages = messages.collect();
     let mut ghosts =
         Ghosts { set: Set::new(set.kind, set.tolerance), shifts: Vec::new(), owners: Vec::new() };
-    for message in communicator.exchange(messages) {
-        let mut from = Reader::new(&message.bytes);
-        let count = from.u64() as usize;
-        ghosts.set.read(count, is_periodic, &mut from);
+    // An element and its shift.
+    let of_each = set.kind.bytes::<D>(is_periodic) + if is_periodic { size_of::<[i32; D]>() } else { 0 };
+    let received = communicator.exchange(messages);
+    let count = |message: &Message| message.bytes.len() / of_each;
+    ghosts.set = Set::blank(set.kind, set.tolerance, received.iter().map(count).sum(), is_periodic);
+    for message in &received {
+        let (start, count) = (ghosts.shifts.len(), count(message));
+        let mut from = Arrived::new::<T, D>(&message.bytes, count, set.kind, is_periodic);
+        ghosts.set.place(start..start + count, &mut from);
         if is_periodic {
-            ghosts.shifts.extend(from.shifts::<D>(count));
+            ghosts.shifts.extend(from.rest().shifts::<D>(count));
         } else {
-            ghosts.shifts.resize(ghosts.shifts.len() + count, [0; D]);
+            ghosts.shifts.resize(start + count, [0; D]);
         }
-        ghosts.owners.resize(ghosts.owners.len() + count, message.rank as u32);
+        ghosts.owners.resize(start + count, message.rank as u32);
     }
     ghosts
 }

@@ -4,7 +4,8 @@ use std::ops::Range;
 
 use fdem_contact::Real;
 
-use super::elements::{Kind, Set, View};
+use super::elements::{Arrived, Kind, Set, View};
+use super::ghosts::GROUPS;
 use crate::communicator::{Communicator, Message};
 use crate::curve::{Coarse, Curve};
 use crate::division::Division;
@@ -13,16 +14,74 @@ use crate::wire::{Reader, Writer};
 /// Elements in a cell, on the rank with the most elements, if they are spread evenly and there may be so many cells.
 const IN_CELL: usize = 16;
 
+/// Number of runs of all ranks together, unless each rank has [`GROUPS`]. Each has a place in memory that is written to.
+const RUNS: usize = 1 << 11;
+
 /// Elements of a rank after all have been sent to their owners.
 pub(crate) struct Owned<T, const D: usize> {
-    /// In no order.
+    /// Run by run.
     pub(crate) set: Set<T, D>,
-    /// The curve along which the domain is divided.
-    pub(crate) curve: Coarse<D>,
-    /// The cells along the curve that the rank owns, the first and the last one perhaps in part.
-    pub(crate) cells: Range<usize>,
+    /// The ends of the runs: elements of consecutive cells along the curve, in no order inside the run.
+    pub(crate) ends: Vec<usize>,
+    pub(crate) curve: Curve<D>,
     /// Upper bounds on the magnitude of all coordinates, and on the distance of elements that touch. The same on all ranks.
     pub(crate) limits: [f64; 2],
+}
+
+/// The run of each element that a rank gives.
+pub(crate) struct Runs {
+    pub(crate) of: Vec<u32>,
+    /// Number of this rank's elements in each run.
+    pub(crate) counts: Vec<usize>,
+    /// The first run of each rank, and the number of runs.
+    pub(crate) firsts: Vec<usize>,
+}
+
+/// The elements that one rank sends to another one.
+struct Arriving {
+    /// Number of elements in each run.
+    counts: Vec<usize>,
+    /// Places where they start in each run.
+    starts: Vec<usize>,
+}
+
+impl Runs {
+    /// The runs of a rank.
+    pub(crate) fn of_rank(&self, rank: usize) -> Range<usize> {
+        self.firsts[rank]..self.firsts[rank + 1]
+    }
+
+    /// Tells all ranks how many elements they get. Returns what this rank gets: from itself, then from each other rank that sends any; and the ends of its
+    /// runs. Collective.
+    fn announce(&self, communicator: &dyn Communicator) -> (Vec<Arriving>, Vec<usize>) {
+        let own = communicator.rank();
+        let counts_of = |rank: usize| &self.counts[self.of_rank(rank)];
+        let others = (0..communicator.size())
+            .filter(|&rank| rank != own && counts_of(rank).iter().any(|count| *count > 0));
+        let messages = others.map(|rank| {
+            let mut out = Writer::default();
+            out.u32s(counts_of(rank).iter().map(|count| *count as u32));
+            Message { rank, bytes: out.bytes }
+        });
+        let received = communicator.exchange(messages.collect());
+        let counts = received.iter().map(|message| {
+            let count = message.bytes.len() / 4;
+            Reader::new(&message.bytes).u32s(count).map(|count| count as usize).collect()
+        });
+        let counts = std::iter::once(counts_of(own).to_vec()).chain(counts);
+        let mut arriving: Vec<Arriving> =
+            counts.map(|counts| Arriving { counts, starts: Vec::new() }).collect();
+        let mut end = 0;
+        let ends = (0..counts_of(own).len()).map(|run| {
+            for from in &mut arriving {
+                from.starts.push(end);
+                end += from.counts[run];
+            }
+            end
+        });
+        let ends = ends.collect();
+        (arriving, ends)
+    }
 }
 
 /// Sends elements to their owners. Collective.
@@ -32,50 +91,20 @@ pub(crate) fn distribute<T: Real, const D: usize>(
     is_periodic: bool,
 ) -> Owned<T, D> {
     let (curve, limits) = survey(communicator, &given);
-    let (division, cells) = divide(communicator, &given, &curve);
-
-    // Places by owner, with a counting sort.
-    let mut ends = vec![0; communicator.size() + 1];
-    for part in division.parts() {
-        ends[part.owner + 1] += part.count;
+    let runs = divide(communicator, &given, &curve);
+    let (arriving, ends) = runs.announce(communicator);
+    let mut set = Set::blank(given.kind, given.tolerance, ends.last().copied().unwrap_or(0), is_periodic);
+    let messages = given.scatter(&runs, communicator.rank(), &arriving[0].starts, &mut set);
+    drop(runs);
+    let received = communicator.exchange(messages);
+    for (message, arriving) in received.iter().zip(&arriving[1..]) {
+        let mut from =
+            Arrived::new::<T, D>(&message.bytes, arriving.counts.iter().sum(), given.kind, is_periodic);
+        for (&start, &count) in arriving.starts.iter().zip(&arriving.counts) {
+            set.place(start..start + count, &mut from);
+        }
     }
-    for rank in 0..communicator.size() {
-        ends[rank + 1] += ends[rank];
-    }
-    let starts = ends.clone();
-    let mut places = vec![0_u32; given.len()];
-    for ((place, &cell), point) in (0..).zip(&cells).zip(given.points) {
-        let part = division.part(cell as usize, || curve.key(point.map(T::to_f64)));
-        let end = &mut ends[division.parts()[part].owner];
-        places[*end] = place;
-        *end += 1;
-    }
-    drop(cells);
-    let of_rank = |rank: usize| &places[starts[rank]..starts[rank + 1]];
-
-    let own = communicator.rank();
-    let others = (0..communicator.size()).filter(|&rank| rank != own && !of_rank(rank).is_empty());
-    let messages = others.map(|rank| {
-        let sent = of_rank(rank);
-        let mut out = Writer::default();
-        out.bytes.reserve_exact(8 + sent.len() * given.bytes());
-        out.u64(sent.len() as u64);
-        given.write(sent.iter().copied(), &mut out);
-        Message { rank, bytes: out.bytes }
-    });
-    let received = communicator.exchange(messages.collect());
-    let mut from: Vec<Reader<'_>> = received.iter().map(|message| Reader::new(&message.bytes)).collect();
-    let counts: Vec<usize> = from.iter_mut().map(|from| from.u64() as usize).collect();
-    let mut set = Set::new(given.kind, given.tolerance);
-    set.reserve(of_rank(own).len() + counts.iter().sum::<usize>(), is_periodic);
-    set.append_picked(given, of_rank(own));
-    for (mut from, count) in from.into_iter().zip(counts) {
-        set.read(count, is_periodic, &mut from);
-    }
-    let mut own_parts = division.parts().iter().filter(|part| part.owner == own);
-    let first = own_parts.next().map_or(0, |part| part.cell);
-    let cells = first..own_parts.last().map_or(first, |part| part.cell) + 1;
-    Owned { set, curve, cells, limits }
+    Owned { set, ends, curve: curve.finest(), limits }
 }
 
 /// The curve through the elements of all ranks, and the limits of [`Owned`]. Collective.
@@ -105,21 +134,41 @@ fn survey<T: Real, const D: usize>(
     (curve, [extremes[2 * D], extremes[2 * D + 1]])
 }
 
-/// Divides the elements, and returns the place along the curve of the cell of each. Collective.
+/// Divides the elements among the ranks and into runs. Collective.
 fn divide<T: Real, const D: usize>(
     communicator: &dyn Communicator,
     given: &View<'_, T, D>,
     curve: &Coarse<D>,
-) -> (Division, Vec<u32>) {
+) -> Runs {
     let point = |point: &[T; D]| point.map(T::to_f64);
-    let cells: Vec<u32> = given.points.iter().map(|at| curve.place(point(at))).collect();
+    let mut of: Vec<u32> = given.points.iter().map(|at| curve.place(point(at))).collect();
     let mut counts = vec![0; curve.len()];
-    for &cell in &cells {
+    for &cell in &of {
         counts[cell as usize] += 1;
     }
     let division = Division::new(communicator, &counts, curve.shift(), |is_marked| {
-        let marked = cells.iter().zip(given.points).filter(|(cell, _)| is_marked[**cell as usize]);
+        let marked = of.iter().zip(given.points).filter(|(cell, _)| is_marked[**cell as usize]);
         marked.map(|(_, at)| curve.key(point(at))).collect()
     });
-    (division, cells)
+
+    // Each rank has at most `GROUPS` runs of equally many cells.
+    let mut parts = division.parts();
+    let (mut run_of_part, mut counts, mut firsts) = (Vec::with_capacity(parts.len()), Vec::new(), Vec::new());
+    for rank in 0..communicator.size() {
+        let first = counts.len();
+        firsts.push(first);
+        let count = parts.partition_point(|part| part.owner == rank);
+        let runs = count.min((RUNS / communicator.size()).max(GROUPS));
+        counts.resize(first + runs, 0);
+        for (k, part) in parts.split_off(..count).unwrap_or_default().iter().enumerate() {
+            let run = first + k * runs / count;
+            counts[run] += part.count;
+            run_of_part.push(run as u32);
+        }
+    }
+    firsts.push(counts.len());
+    for (cell, at) in of.iter_mut().zip(given.points) {
+        *cell = run_of_part[division.part(*cell as usize, || curve.key(point(at)))];
+    }
+    Runs { of, counts, firsts }
 }

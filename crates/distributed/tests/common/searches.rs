@@ -187,6 +187,15 @@ fn scenes<const D: usize>(communicator: &dyn Communicator, spread: fn(usize, usi
     let mixed = boxes::<D>(2000, 5, 6.0, 8.0).unwrap();
     check(&Scene { points: mixed.min, sizes: SceneSizes::Far(mixed.max), tolerance: 0.125 });
 
+    // One element is so far away that all others are in one cell of every grid, or in two.
+    let mut far = of_cloud(gas::<D>(3000, 6, 8.0, Sizes::Equal { radius: 0.5 }).unwrap());
+    far.points.push([1e5; D]);
+    let SceneSizes::Radii(radii) = &mut far.sizes else { return };
+    radii.push(0.5);
+    check(&far);
+    far.points[3000] = [1e12; D];
+    check(&far);
+
     // All in one place, two places, and points without size.
     let same = Scene { points: vec![[0.5; D]; 100], sizes: SceneSizes::Equal(0.0), tolerance: 0.0 };
     check(&same);

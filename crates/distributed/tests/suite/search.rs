@@ -24,6 +24,31 @@ fn couples_in_a_periodic_box_are_those_of_one_process() {
     }
 }
 
+/// More ranks than cells with elements; and ids far apart, most of which are consecutive.
+#[test]
+fn many_ranks_and_ids_far_apart() {
+    let n = 3000;
+    let mut random = Random::new(6);
+    let points: Vec<[f64; 3]> = (0..n).map(|_| std::array::from_fn(|_| random.between(0.0, 12.0))).collect();
+    let id = |place: usize| if place == 0 { u32::MAX - 1 } else { place as u32 };
+    let found = |size: usize| {
+        let runs = threads::run(size, |communicator| {
+            let own: Vec<usize> = (0..n).filter(|place| place % size == communicator.rank()).collect();
+            let centres: Vec<[f64; 3]> = own.iter().map(|&place| points[place]).collect();
+            let ids: Vec<u32> = own.iter().map(|&place| id(place)).collect();
+            let spheres = Shapes::Equal { centres: &centres, radius: 0.5 };
+            DistributedSearch::new(communicator).couples(&ids, &spheres, 0.0).unwrap()
+        });
+        let total: usize = runs.iter().map(Vec::len).sum();
+        assert!(runs.iter().all(|run| run.len() * size < 2 * total), "even runs");
+        runs.concat()
+    };
+    let one = found(1);
+    assert!(one.is_sorted() && one.iter().any(|couple| couple.j == u32::MAX - 1));
+    assert_eq!(found(3), one);
+    assert_eq!(found(50), one);
+}
+
 /// Large elements are sent to the ranks of small ones, and not the other way: the ghosts of a packing with one giant are few.
 #[test]
 fn a_giant_does_not_widen_the_halo_of_all() {
