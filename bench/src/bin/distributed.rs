@@ -22,8 +22,12 @@ const ROUNDS: usize = 5;
 /// The variable that tells the ranks how many elements there are.
 const VARIABLE: &str = "FDEM_BENCH_ELEMENTS";
 
+/// The variable that tells the ranks that spheres are sorted along the first axis, if it is set.
+const SORTED: &str = "FDEM_BENCH_SORTED";
+
 /// The times of the fastest round, and what was found.
 struct Times {
+    is_sorted: bool,
     ranks: usize,
     seconds: f64,
     /// Processor time of all ranks together in that round.
@@ -45,8 +49,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         Some(number) => number.parse()?,
         None => ELEMENTS,
     };
-    let times = [1, 2, 8].map(|ranks| start(ranks, elements));
-    let times: Vec<Times> = times.into_iter().collect::<Result<_, _>>()?;
+    let times = [false, true].into_iter().flat_map(|is_sorted| [1, 2, 8].map(|ranks| (ranks, is_sorted)));
+    let times = times.map(|(ranks, is_sorted)| start(ranks, elements, is_sorted));
+    let times: Vec<Times> = times.collect::<Result<_, _>>()?;
     let text = report(elements, &times)?;
     match value("--write") {
         Some(file) => std::fs::write(file, text)?,
@@ -56,27 +61,37 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 /// Starts the ranks, and reads what rank 0 prints.
-fn start(ranks: usize, elements: usize) -> Result<Times, Box<dyn Error>> {
+fn start(ranks: usize, elements: usize, is_sorted: bool) -> Result<Times, Box<dyn Error>> {
     let number = ranks.to_string();
-    let output = Command::new("mpirun")
+    let mut command = Command::new("mpirun");
+    command
         .args(["--oversubscribe", "--allow-run-as-root", "-n", &number])
         .arg(std::env::current_exe()?)
-        .env(VARIABLE, elements.to_string())
-        .output()?;
+        .env(VARIABLE, elements.to_string());
+    if is_sorted {
+        command.env(SORTED, "1");
+    }
+    let output = command.output()?;
     let text = String::from_utf8(output.stdout)?;
     let numbers: Vec<f64> = text.split_whitespace().filter_map(|word| word.parse().ok()).collect();
     let [seconds, processor, couples, ghosts] = numbers[..] else {
         return Err(format!("{ranks} ranks: {}", String::from_utf8_lossy(&output.stderr)).into());
     };
-    Ok(Times { ranks, seconds, processor, couples: couples as i64, ghosts: ghosts as i64 })
+    Ok(Times { is_sorted, ranks, seconds, processor, couples: couples as i64, ghosts: ghosts as i64 })
 }
 
-/// Work of one rank: it has every `size`-th sphere, so that nearly all spheres are sent to another rank.
+/// Work of one rank: it has every `size`-th sphere, so that nearly all spheres are sent to another rank; or consecutive ones of those that are sorted.
 fn rank() -> Result<(), Box<dyn Error>> {
     let world = World::start()?;
     let elements: usize = std::env::var(VARIABLE)?.parse()?;
-    let cloud = gas::<3>(elements, 1, 6.0, Sizes::Equal { radius: 0.5 })?;
-    let own = || (world.rank()..elements).step_by(world.size());
+    let mut cloud = gas::<3>(elements, 1, 6.0, Sizes::Equal { radius: 0.5 })?;
+    let (rank, size) = (world.rank(), world.size());
+    let mut places = (rank, elements, size);
+    if std::env::var(SORTED).is_ok() {
+        cloud.centres.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]));
+        places = (rank * elements / size, (rank + 1) * elements / size, 1);
+    }
+    let own = || (places.0..places.1).step_by(places.2);
     let ids: Vec<u32> = own().map(|place| place as u32).collect();
     let centres: Vec<[f64; 3]> = own().map(|place| cloud.centres[place]).collect();
     drop(cloud);
@@ -116,39 +131,42 @@ fn processor_time() -> f64 {
 
 fn report(elements: usize, times: &[Times]) -> Result<String, std::fmt::Error> {
     let mut text = String::new();
-    let used: Vec<usize> = times.iter().map(|times| times.ranks).collect();
+    let used: Vec<usize> = times.iter().take(3).map(|times| times.ranks).collect();
     let millions = elements as f64 / 1e6;
     writeln!(text, "# Distributed search\n")?;
     writeln!(text, "{}; {}.\n", fdem_bench::machine(&used), library_version())?;
     writeln!(
         text,
-        "{millions} million spheres of equal size at random places, 6 neighbours each; one thread for each rank, all ranks on one machine. At first rank `r` has every sphere whose number \
-         leaves the remainder `r`, so nearly all are sent. At the end the couples are sorted over all ranks. Fastest of {ROUNDS} rounds. One rank is the search of one process, \
-         with its couples sorted.\n\n\
-         The processor time is the sum over all ranks; MPI waits by looking again and again, so the time that ranks wait for each other counts too. With more ranks than cores the ranks take turns: the \
-         last column tells what the division itself costs.\n"
+        "{millions} million spheres of equal size at random places, 6 neighbours each; one thread for each rank, all ranks on one machine. *Dealt out*: at first rank `r` has every sphere \
+         whose number leaves the remainder `r`, so nearly all are sent. *Sorted*: the spheres are numbered along the first axis, and each rank has consecutive ones, as when ranks read parts of a \
+         sorted file. At the end the couples are sorted over all ranks. Fastest of {ROUNDS} rounds. One rank is the search of one process, with its couples sorted.\n\n\
+         The processor time is the sum over all ranks; MPI waits by looking again and again, so the time that ranks wait for each other counts too. With more ranks than cores the ranks take turns: \
+         the column before the ghosts tells what the division itself costs.\n"
     )?;
     writeln!(
         text,
-        "| ranks | s | speed-up | processor time, s | processor time / 1 rank | ghosts / elements | couples |"
+        "| spheres | ranks | s | speed-up | processor time, s | processor time / 1 rank | ghosts / elements | couples |"
     )?;
     writeln!(
         text,
-        "|------:|--:|---------:|------------------:|------------------------:|------------------:|--------:|"
+        "|:--------|------:|--:|---------:|------------------:|------------------------:|------------------:|--------:|"
     )?;
-    let one = &times[0];
-    for times in times {
-        let ghosts = 100.0 * times.ghosts as f64 / elements as f64;
-        writeln!(
-            text,
-            "| {} | {:.2} | {:.2} | {:.2} | {:.2} | {ghosts:.1} % | {} |",
-            times.ranks,
-            times.seconds,
-            one.seconds / times.seconds,
-            times.processor,
-            times.processor / one.processor,
-            times.couples,
-        )?;
+    for of_input in times.chunk_by(|a, b| a.is_sorted == b.is_sorted) {
+        let one = &of_input[0];
+        for times in of_input {
+            let ghosts = 100.0 * times.ghosts as f64 / elements as f64;
+            writeln!(
+                text,
+                "| {} | {} | {:.2} | {:.2} | {:.2} | {:.2} | {ghosts:.1} % | {} |",
+                if times.is_sorted { "sorted" } else { "dealt out" },
+                times.ranks,
+                times.seconds,
+                one.seconds / times.seconds,
+                times.processor,
+                times.processor / one.processor,
+                times.couples,
+            )?;
+        }
     }
     Ok(text)
 }

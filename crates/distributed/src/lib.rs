@@ -22,8 +22,9 @@
 //! A communicator carries bytes, and nothing else of this crate knows MPI. Ranks that are threads have channels, which close when a rank ends, so that nobody waits for it forever.
 //! Under MPI, sparse exchanges count their messages first, and halos are persistent requests.
 //!
-//! A search first sends each element to its owner. The keys of a point along Hilbert's curve are divided so that all ranks get about as many elements; a few sums over all ranks suffice, and no
-//! rank sees the keys of others. Each rank then sends ghosts. The larger of two elements goes to the rank of the smaller one, so that large elements do not attract all small ones; sizes are
+//! A search first sends each element to its owner. Each rank counts its elements by cells of a coarse grid, which are divided along Hilbert's curve so that all ranks get about as many elements; a
+//! few sums over all ranks suffice, and no rank sees the keys of others. A cell is divided by finer keys if a splitter falls into it and the cell is too large for one rank. Elements arrive in runs of
+//! neighbouring cells, which keeps the search in cache. Couples are divided in the same way, by ids. Each rank then sends ghosts. The larger of two elements goes to the rank of the smaller one, so that large elements do not attract all small ones; sizes are
 //! compared by powers of two. Between elements of one power of two, one of the two ranks gets the ghosts. So every couple is found on exactly one rank.
 //!
 //! In a periodic box, wrapped elements have owners, and ghosts are displaced by whole edges. A displaced ghost is widened by more than all rounding, and each couple with it is decided anew by the comparison
@@ -35,7 +36,7 @@
 //! |---|---|
 //! | what ranks can say to each other | `src/communicator.rs`; ranks that are threads: `src/threads.rs`; MPI: `src/mpi.rs` |
 //! | variables by which launchers are recognised | `src/launcher.rs` |
-//! | which rank owns an element | `src/curve.rs`, and `distribute` in `src/search.rs`; the curve itself: `crates/mesh/src/curve.rs` |
+//! | which rank owns an element | `src/search/owners.rs`, `src/division.rs`, `src/curve.rs`; the curve itself: `crates/mesh/src/curve.rs` |
 //! | which rank gets a ghost, groups, images | `src/search/ghosts.rs` |
 //! | which rank keeps a couple | `search` in `src/search.rs` |
 //! | the order of couples over the ranks | `src/search/couples.rs` |

@@ -31,8 +31,9 @@ pub use elements::Shapes;
 ///
 /// # Cost
 /// With `n` elements and `m` couples in all on `p` ranks: time and memory of a search among about `n / p` elements and the ghosts, which are the elements at the
-/// border of a part of the domain. Elements, ghosts and couples are each sent once. All ranks get the boxes around about 256 groups of elements of each rank,
-/// 7 kB in 3D. Large elements are sent to the ranks of the small ones that they may touch, and not the other way.
+/// border of a part of the domain. Elements, ghosts and couples are each sent once, and those that stay on their rank are not sent. Elements and couples are
+/// counted by cells along the curve or by ids; only crowded cells are sorted to be divided. 4 million spheres that start on the wrong ranks take 8 ranks about the
+/// processor time of one process (`bench/DISTRIBUTED.md`). All ranks get the boxes around about 256 groups of elements of each rank, 14 kB in 3D. Large elements are sent to the ranks of the small ones that they may touch, and not the other way.
 ///
 /// # Source
 /// S. Plimpton, "Fast parallel algorithms for short-range molecular dynamics", J. Comput. Phys. 117 (1995), for ghosts of a spatial decomposition; M. Parashar,

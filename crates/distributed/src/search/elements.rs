@@ -125,7 +125,7 @@ impl<'a> Arrived<'a> {
     pub(crate) fn new<T, const D: usize>(
         bytes: &'a [u8],
         count: usize,
-        kind: Kind<T>,
+        kind: &Kind<T>,
         is_periodic: bool,
     ) -> Self {
         let mut from = Reader::new(bytes);
@@ -368,7 +368,7 @@ impl<T: Real, const D: usize> Set<T, D> {
             Kind::Equal(_) => {}
             Kind::Spheres => put(self.radii.get_mut(places.clone()), from.radii.reals::<T>(count)),
             Kind::Boxes => {
-                put(self.far_points.get_mut(places.clone()), from.far_points.points::<T, D>(count))
+                put(self.far_points.get_mut(places.clone()), from.far_points.points::<T, D>(count));
             }
         }
         if from.is_periodic {

@@ -4,7 +4,7 @@
 //! small ones does not attract all of them. Sizes are compared by [levels](Set::level); elements of one level are sent by one of the two ranks.
 //!
 //! A rank tells the others where its elements are: it cuts them, level by level and along the curve, into groups of neighbours, and sends the box around each
-//! group. An element goes to the ranks that have a group of its level or a lower one whose box it overlaps.
+//! group. Elements come in runs along the curve, so groups need no sorting, except where elements crowd. An element goes to the ranks that have a group of its level or a lower one whose box it overlaps.
 
 use fdem_contact::{DEFAULT_MAX_IMAGES, Elements, Error, PeriodicBox, Real};
 
@@ -13,7 +13,7 @@ use crate::communicator::{Communicator, Message};
 use crate::curve::Curve;
 use crate::wire::{Reader, Writer};
 
-/// Number of groups into which a rank cuts its elements; each level adds at most one more.
+/// About the number of groups into which a rank cuts its elements. Each level adds at most one more, and crowded places can double the number.
 pub(crate) const GROUPS: usize = 256;
 
 /// Elements of one rank and of one level that are near each other.
@@ -323,7 +323,9 @@ pub(crate) fn choose<T: Real, const D: usize>(
                 };
                 // The box around all groups that may be touched, which most elements miss.
                 let mut around = Group::empty(group.level);
-                same_shift.iter().for_each(|&(_, other)| around.include(&theirs[other]));
+                for &(_, other) in same_shift {
+                    around.include(&theirs[other]);
+                }
                 for &place in of_group {
                     let mut element = Group::empty(group.level);
                     element.add(elements, place as usize);
@@ -393,7 +395,7 @@ pub(crate) fn exchange<T: Real, const D: usize>(
     ghosts.set = Set::blank(set.kind, set.tolerance, received.iter().map(count).sum(), is_periodic);
     for message in &received {
         let (start, count) = (ghosts.shifts.len(), count(message));
-        let mut from = Arrived::new::<T, D>(&message.bytes, count, set.kind, is_periodic);
+        let mut from = Arrived::new::<T, D>(&message.bytes, count, &set.kind, is_periodic);
         ghosts.set.place(start..start + count, &mut from);
         if is_periodic {
             ghosts.shifts.extend(from.rest().shifts::<D>(count));

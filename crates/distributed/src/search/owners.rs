@@ -99,7 +99,7 @@ pub(crate) fn distribute<T: Real, const D: usize>(
     let received = communicator.exchange(messages);
     for (message, arriving) in received.iter().zip(&arriving[1..]) {
         let mut from =
-            Arrived::new::<T, D>(&message.bytes, arriving.counts.iter().sum(), given.kind, is_periodic);
+            Arrived::new::<T, D>(&message.bytes, arriving.counts.iter().sum(), &given.kind, is_periodic);
         for (&start, &count) in arriving.starts.iter().zip(&arriving.counts) {
             set.place(start..start + count, &mut from);
         }
