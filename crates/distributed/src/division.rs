@@ -128,7 +128,9 @@ mod tests {
         let of_ranks = threads::run(size, |communicator| {
             let own: Vec<u64> = keys.iter().skip(communicator.rank()).step_by(size).copied().collect();
             let mut counts = vec![0; cells];
-            own.iter().for_each(|key| counts[(key >> shift) as usize] += 1);
+            for key in &own {
+                counts[(key >> shift) as usize] += 1;
+            }
             let division = Division::new(communicator, &counts, shift, |is_marked| {
                 own.iter().copied().filter(|key| is_marked[(key >> shift) as usize]).collect()
             });
